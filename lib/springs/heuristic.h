@@ -1,0 +1,20 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "mesh/spring_mesh.h"
+
+namespace tissue {
+
+/// Van Gelder's heuristic, the paper's (7): k_c = E2 sum_e area(T_e) / |c|^2.
+/// modulus_N_m: the two-dimensional Young's modulus E2 [N/m]. Returns theta [N/m] (S).
+Eigen::VectorXd heuristic_stiffness(const SpringMesh& mesh, double modulus_N_m);
+
+/// One stiffness k for every spring, k/2 for diagonals. Returns theta [N/m] (S).
+Eigen::VectorXd uniform_stiffness(const SpringMesh& mesh, double stiffness_N_m);
+
+/// Node masses, the paper's (8), with the quad cells as elements. Returns masses [kg] (N); they sum to
+/// density * thickness * area.
+Eigen::VectorXd node_masses(const SpringMesh& mesh, double density_kg_m3, double thickness_m);
+
+}  // namespace tissue
