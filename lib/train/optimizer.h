@@ -3,6 +3,7 @@
 #include <gsl/gsl_rng.h>
 
 #include <Eigen/Core>
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +16,9 @@ namespace tissue {
 /// Where a stiffness may lie: lo <= theta <= hi, element by element (S) [N/m].
 struct Box {
     Eigen::VectorXd lo, hi;
+
+    /// The nearest point of the box.
+    Eigen::VectorXd project(const Eigen::VectorXd& theta) const { return theta.cwiseMax(lo).cwiseMin(hi); }
 };
 
 /// Stop criteria of Fig. 5. An absent one does not stop anything.
@@ -39,11 +43,11 @@ struct TrainSummary {
     Eigen::VectorXd theta;               ///< (S) [N/m], inside the box
     double loss = 0;                     ///< L(theta) [N]
     int iterations = 0;                  ///< of all restarts together
-    int evaluations = 0;                 ///< of the loss
+    int evaluations = 0;                 ///< of the loss; the learning curve's own are not counted
     int restarts = 0;
     double seconds = 0;
     TrainStatus status = TrainStatus::iterations_done;
-    std::vector<LearningPoint> curve;    ///< at iterations 0, 1, 2, 5, 10, 20, 50, ... and the last; plus 1000, 5000
+    std::vector<LearningPoint> curve;    ///< at iterations 0, 1, 2, 5, 10, 20, 50, ..., 1000, ..., 5000, ... and the last
 };
 
 /// A way to minimise the loss of one spring set over a box. It sees nothing of the loss but its value, except where
@@ -55,11 +59,41 @@ class Optimizer {
 
     /// start: the heuristic's theta (S), inside the box. unit_N_m: E2, in which the paper's gains are measured.
     /// rng: this set's own stream; the result depends on nothing else. Non-convergence is a status.
+    /// Throws MismatchError when sizes disagree, the box is empty, start lies outside it or unit_N_m is not positive.
     virtual TrainSummary minimise(const ForceLoss& loss, const Eigen::VectorXd& start, const Box& box,
                                   double unit_N_m, const StopCriteria& stop, gsl_rng* rng) const = 0;
 };
 
-/// Names: "spsa-2008", "spsa". Throws MismatchError for an unknown one.
+/// The optimisers: "spsa-2008" (the paper's), "spsa" (ours), "exact" (bounded_lsq.h), "nlopt:NAME" (nlopt_optimizer.h).
+/// Throws MismatchError for an unknown name, listing what is allowed.
 std::unique_ptr<Optimizer> make_optimizer(const std::string& name);
+
+/// What `minimise` promises to refuse. Throws MismatchError.
+void check_problem(const ForceLoss& loss, const Eigen::VectorXd& start, const Box& box, double unit_N_m);
+
+/// The stop criteria and the learning curve, the same for every optimiser. Allocates nothing after construction.
+class TrainMonitor {
+   public:
+    TrainMonitor(const StopCriteria& stop, double loss_scale);
+
+    /// True when the learning curve has a point at this iteration.
+    bool wants(int iteration) const { return iteration == next_; }
+    void record(int iteration, double loss);
+
+    /// The criterion that ends the training after this iteration, if one does.
+    std::optional<TrainStatus> stop_after(int iteration, double loss) const;
+
+    double seconds() const;
+
+    /// Writes loss, iterations, seconds, status and curve, whose last point is the result's.
+    void finish(TrainSummary& summary, int iterations, double loss, TrainStatus status);
+
+   private:
+    StopCriteria stop_;
+    double target_;
+    std::chrono::steady_clock::time_point begin_;
+    int next_ = 0;
+    std::vector<LearningPoint> curve_;
+};
 
 }  // namespace tissue

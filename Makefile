@@ -1,0 +1,145 @@
+# tissuectl: describe a tissue, `make all`, and get a spring model learned from finite elements.
+#
+#   mesh -> cases -> springs -> train -> eval -> haptic
+#
+# STUDY=NAME     which fem/studies/NAME.toml (default paper); its results go to results/NAME/
+# RUN='srun -n1' put before every FreeFEM run
+# NO_INSTALL=1   name missing packages instead of installing them
+# SANITIZE=1     build with address and undefined-behaviour sanitizers, in a folder of its own
+
+STUDY ?= paper
+R := results/$(STUDY)
+RUN ?=
+PYTHON ?= /usr/bin/python3
+BUILD := build/$(if $(SANITIZE),sanitize,release)
+TISSUECTL := $(BUILD)/tissuectl
+MAKEFLAGS += --no-builtin-rules --no-print-directory
+# FE and figures run many at a time under -j; a BLAS with threads of its own would only get in the way, and change
+# the last bits of results from run to run
+export OPENBLAS_NUM_THREADS := 1
+export OMP_NUM_THREADS := 1
+.DELETE_ON_ERROR:
+.SUFFIXES:
+.DEFAULT_GOAL := all
+
+# ---- front door
+
+.PHONY: all mesh cases train eval figures test bench deps help clean build
+
+## all: the whole study, from mesh to figures
+all: figures eval
+
+## mesh: gmsh meshes the block (Sec. 2.2)
+mesh: $(R)/mesh.msh
+
+## cases: FreeFEM solves every load path (Sec. 2)
+cases: $(R)/cases.h5
+
+## train: learn a spring set for every load case (Sec. 3)
+train: $(R)/model.h5
+
+## eval: measure learned springs and baselines against FE
+eval: $(R)/eval.json
+
+FIGURES := contours force learning springs errors
+## figures: draw Figs. 2, 3, 4, 6 and the error of every case
+figures: $(FIGURES:%=$(R)/figures/%.png)
+
+## build: the programs alone
+build: $(TISSUECTL)
+
+## deps: name and install missing packages
+deps: build/deps
+
+## help: this text
+help:
+	@sed -n 's/^## //p' $(MAKEFILE_LIST) | awk -F': ' '{ printf "  make %-10s %s\n", $$1, $$2 }'
+	@sed -n 's/^# \([A-Z_]*=.*\)/  \1/p' Makefile
+
+## clean: remove everything that was built and every result, but the committed ones
+clean:
+	rm -rf build $(filter-out results/reference/,$(wildcard results/*/))
+
+build/deps: scripts/install_deps
+	@scripts/install_deps
+	@mkdir -p build && touch $@
+
+# ---- programs
+
+CXX := g++
+PACKAGES := hdf5 gsl fmt nlopt libxxhash
+# gcc 12 sees an overflow in fmt's own inlined parser that is not there
+CXXFLAGS = -std=c++17 -O3 -g1 -pthread -Wall -Wextra -Wpedantic -Wshadow -Werror -Wno-stringop-overflow -MMD -MP \
+  -Ilib -isystem /usr/include/eigen3 $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(PACKAGES))) \
+  $(if $(SANITIZE),-O1 -fsanitize=address$(comma)undefined -fno-sanitize-recover=all)
+LDLIBS = $(shell pkg-config --libs $(PACKAGES)) -pthread
+comma := ,
+
+LIB_SOURCES := $(wildcard lib/*/*.cpp)
+CLI_SOURCES := $(wildcard cli/*.cpp)
+TEST_SOURCES := $(wildcard tests/*.cpp tests/*/*.cpp)
+objects = $(patsubst %.cpp,$(BUILD)/%.o,$(1))
+
+$(BUILD)/%.o: %.cpp | build/deps
+	@mkdir -p $(@D)
+	@echo "c++   $<"
+	@$(CXX) $(CXXFLAGS) -c $< -o $@
+
+$(BUILD)/libtissue.a: $(call objects,$(LIB_SOURCES))
+	@rm -f $@ && ar rcs $@ $^
+
+$(TISSUECTL): $(call objects,$(CLI_SOURCES)) $(BUILD)/libtissue.a
+	@$(CXX) $(CXXFLAGS) $^ $(LDLIBS) -o $@
+
+$(BUILD)/test_tissue: $(call objects,$(TEST_SOURCES)) $(BUILD)/libtissue.a
+	@$(CXX) $(CXXFLAGS) $^ $(LDLIBS) -o $@
+
+-include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) $(CLI_SOURCES) $(TEST_SOURCES)))
+
+# ---- stages: one rule per kind of file
+
+# The plan says which load paths there are and with which arguments; its parts say what each stage depends on, and
+# keep their time stamp while their text stays the same.
+ifneq (,$(filter-out help clean deps build test bench $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
+include $(R)/plan.mk
+endif
+
+$(R)/plan.mk: $(wildcard fem/studies/*.toml) $(TISSUECTL)
+	@$(TISSUECTL) plan --study fem/studies/$(STUDY).toml --out $@
+
+$(R)/plan/%:
+	@$(TISSUECTL) plan --study fem/studies/$(STUDY).toml --out $(R)/plan.mk
+
+$(R)/mesh.msh: fem/block.geo
+	@echo "mesh  $@"
+	@gmsh -v 2 -2 -format msh22 $(MESH_ARGUMENTS) $< -o $@.tmp > $(R)/mesh.log 2>&1 \
+	  || { echo "$@: gmsh failed; see $(R)/mesh.log" >&2; rm -f $@.tmp; exit 1; }
+	@mv $@.tmp $@
+
+$(R)/cases/%.csv: $(R)/mesh.msh $(wildcard fem/*.edp fem/*.idp) scripts/solve_path
+	@$(RUN) scripts/solve_path $(R) $* $(PATH_ARGUMENTS)
+
+$(R)/cases.h5: $(PATHS:%=$(R)/cases/%.csv) $(TISSUECTL)
+	@$(TISSUECTL) collect --study fem/studies/$(STUDY).toml --paths $(R)/cases --out $@
+
+$(R)/model.h5: $(R)/cases.h5 $(TISSUECTL)
+	@$(TISSUECTL) train --study fem/studies/$(STUDY).toml --cases $< --out $@
+
+$(R)/eval.json $(R)/report.md &: $(R)/model.h5 $(R)/cases.h5 $(TISSUECTL)
+	@$(TISSUECTL) eval --study fem/studies/$(STUDY).toml --model $< --cases $(R)/cases.h5 --out $(R)/eval.json \
+	  --report $(R)/report.md
+
+$(R)/figures/%.png: $(R)/cases.h5 $(R)/model.h5 $(R)/eval.json $(wildcard scripts/figures/*.py)
+	@mkdir -p $(@D)
+	@echo "draw  $@"
+	@$(PYTHON) scripts/figures/draw.py $* $(R) $@
+
+# ---- tests and benches
+
+## test: library, FE and pipeline tests; the last line counts them
+test: $(TISSUECTL) $(BUILD)/test_tissue
+	@PYTHON=$(PYTHON) TISSUECTL=$(abspath $(TISSUECTL)) tests/run $(BUILD)/test_tissue
+
+## bench: speed of our own parts, as results/bench.json
+bench: $(R)/cases.h5
+	@echo "no bench yet" && exit 1

@@ -1,0 +1,46 @@
+#include <iostream>
+
+#include "command.h"
+#include "error.h"
+#include "eval/evaluation.h"
+#include "io/atomic_file.h"
+#include "study/study.h"
+
+namespace tissue::cli {
+namespace {
+
+struct Options {
+    std::string study, model, cases, out, report;
+    bool json = false;
+};
+
+void run(const Options& o) {
+    const Study study = read_study(o.study);
+    const TissueModel model = read_model(o.model);
+    if (model.study != study.name)
+        throw MismatchError(o.model + ": was trained for study '" + model.study + "', not '" + study.name + "'");
+    const Evaluation evaluation = evaluate(model, read_cases(o.cases));
+    const std::string json = to_json(evaluation, study.training.seed);
+    if (!o.report.empty()) write_file(o.report, to_markdown(evaluation));
+    write_file(o.out, json);
+    if (o.json) std::cout << json;
+}
+
+}  // namespace
+
+void add_eval(CLI::App& app, const Invocation&) {
+    auto o = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("eval", "Measure a model and its baselines against the FE cases.");
+    command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
+    command->add_option("--model", o->model, "model.h5 of tissuectl train")->required()->type_name("FILE");
+    command->add_option("--cases", o->cases, "cases.h5 of tissuectl collect")->required()->type_name("FILE");
+    command->add_option("--out", o->out, "eval.json to write")->required()->type_name("FILE");
+    command->add_option("--report", o->report, "report.md to write as well")->type_name("FILE");
+    command->add_flag("--json", o->json, "print eval.json too");
+    command->callback([o, command] {
+        echo_options(*command);
+        run(*o);
+    });
+}
+
+}  // namespace tissue::cli

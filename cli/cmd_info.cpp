@@ -1,0 +1,29 @@
+#include <fmt/format.h>
+
+#include <iostream>
+
+#include "command.h"
+#include "io/hdf5_store.h"
+
+namespace tissue::cli {
+namespace {
+
+void run(const std::string& file) {
+    const Hdf5Reader in(file, "");
+    std::cout << fmt::format("{}: {} of study '{}', format {}, tissuectl {}, seed {:.0f}\n  {}\n", file,
+                             in.text_attribute("/", "kind"), in.text_attribute("/", "study"),
+                             in.number_attribute("/", "format_version"), in.text_attribute("/", "version"),
+                             in.number_attribute("/", "seed"), in.text_attribute("/", "command"));
+    for (const std::string& line : in.describe()) std::cout << "  " << line << '\n';
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, const Invocation&) {
+    auto file = std::make_shared<std::string>();
+    CLI::App* command = app.add_subcommand("info", "Say what is in an HDF5 file of this project.");
+    command->add_option("file", *file, "cases.h5 or model.h5")->required()->type_name("FILE");
+    command->callback([file] { run(*file); });
+}
+
+}  // namespace tissue::cli

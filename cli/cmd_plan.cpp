@@ -1,0 +1,37 @@
+#include <filesystem>
+
+#include "command.h"
+#include "error.h"
+#include "io/atomic_file.h"
+#include "study/plan.h"
+
+namespace tissue::cli {
+namespace {
+
+struct Options {
+    std::string study, out;
+};
+
+void run(const Options& o) {
+    const Plan plan = make_plan(read_study(o.study));
+    const std::filesystem::path folder = std::filesystem::path(o.out).parent_path() / "plan";
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) throw FileError(folder.string() + ": cannot make the folder: " + error.message());
+    for (const auto& [name, text] : plan.parts) write_file_if_changed((folder / name).string(), text);
+    write_file(o.out, plan.fragment);  // last: make takes a new fragment as a sign that all parts are there
+}
+
+}  // namespace
+
+void add_plan(CLI::App& app, const Invocation&) {
+    auto o = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("plan", "Write what make needs to know of a study: targets and arguments.");
+    command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
+    command->add_option("--out", o->out, "make fragment; its parts go to plan/ beside it")
+        ->required()
+        ->type_name("FILE");
+    command->callback([o] { run(*o); });
+}
+
+}  // namespace tissue::cli

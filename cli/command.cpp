@@ -1,0 +1,35 @@
+#include "command.h"
+
+#include <fmt/format.h>
+
+#include <iostream>
+
+namespace tissue::cli {
+
+void echo_options(const CLI::App& command) {
+    std::string line = "tissuectl " + command.get_name() + ":";
+    for (const CLI::Option* option : command.get_options()) {
+        const std::string name = option->get_single_name();
+        if (name == "help") continue;
+        const std::string value = option->count() > 0 ? CLI::detail::join(option->results(), ",")
+                                                      : option->get_default_str();
+        if (!value.empty()) line += " " + name + "=" + value;
+    }
+    std::cerr << line << '\n';
+}
+
+std::string HelpTable::make_option(const CLI::Option* option, bool is_positional) const {
+    const std::string initial = option->get_required() ? "required" : option->get_default_str();
+    return fmt::format("  {:<22} {:<12} {:<10} {}\n", option->get_name(is_positional, true),
+                       initial.empty() ? "-" : initial,
+                       option->get_type_name().empty() ? "-" : option->get_type_name(), option->get_description());
+}
+
+std::string HelpTable::make_group(std::string group, bool is_positional,
+                                  std::vector<const CLI::Option*> options) const {
+    std::string out = fmt::format("\n{}:\n  {:<22} {:<12} {:<10} {}\n", group, "option", "default", "unit", "meaning");
+    for (const CLI::Option* option : options) out += make_option(option, is_positional);
+    return out;
+}
+
+}  // namespace tissue::cli

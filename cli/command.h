@@ -1,0 +1,33 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "io/hdf5_store.h"
+
+namespace tissue::cli {
+
+/// What every command shares: the program's own arguments as they were typed, for provenance.
+struct Invocation {
+    std::string command;  ///< absolute paths shortened to their last part
+};
+
+/// Adds one command to the program. Each lives in a file of its own, cmd_NAME.cpp: parse, call lib, write.
+void add_plan(CLI::App& app, const Invocation& invocation);
+void add_collect(CLI::App& app, const Invocation& invocation);
+void add_train(CLI::App& app, const Invocation& invocation);
+void add_eval(CLI::App& app, const Invocation& invocation);
+void add_info(CLI::App& app, const Invocation& invocation);
+
+/// Prints the options in use, given and default, on standard error: "tissuectl train: study=... threads=2".
+void echo_options(const CLI::App& command);
+
+/// Help as a table: option, default, unit, meaning. An option's type name is its unit.
+class HelpTable : public CLI::Formatter {
+   public:
+    std::string make_option(const CLI::Option* option, bool is_positional) const override;
+    std::string make_group(std::string group, bool is_positional,
+                           std::vector<const CLI::Option*> options) const override;
+};
+
+}  // namespace tissue::cli

@@ -1,0 +1,45 @@
+// tissuectl: the batch pipeline's commands. Each is a file cmd_NAME.cpp; this one only chooses.
+//
+// Sample runs:
+//   tissuectl train --study fem/studies/paper.toml --cases results/paper/cases.h5 --out model.h5
+//   tissuectl eval --study fem/studies/paper.toml --model model.h5 --cases results/paper/cases.h5 --out eval.json
+//   tissuectl info model.h5
+// Exit status: 0 done, 1 the work failed, 2 the command line was wrong.
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+
+#include "command.h"
+#include "version.h"
+
+int main(int argc, char** argv) {
+    using namespace tissue::cli;
+    // parallelism is ours, a thread a spring set; a BLAS that threads on its own would also change last bits
+    setenv("OPENBLAS_NUM_THREADS", "1", 0);
+
+    Invocation invocation;
+    for (int i = 0; i < argc; ++i) {
+        const std::string word = argv[i];
+        const bool path = i == 0 || (!word.empty() && word[0] == '/');
+        invocation.command += (i > 0 ? " " : "") + (path ? std::filesystem::path(word).filename().string() : word);
+    }
+
+    CLI::App app("Soft tissue for haptics: spring models learned from finite elements.", "tissuectl");
+    app.formatter(std::make_shared<HelpTable>());
+    app.set_version_flag("--version", std::string("tissuectl ") + tissue::version, "print the version");
+    app.require_subcommand(1);
+    add_plan(app, invocation);
+    add_collect(app, invocation);
+    add_train(app, invocation);
+    add_eval(app, invocation);
+    add_info(app, invocation);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        return app.exit(e) == 0 ? 0 : 2;
+    } catch (const std::exception& e) {
+        std::cerr << "tissuectl: " << e.what() << '\n';
+        return 1;
+    }
+    return 0;
+}

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "io/hdf5_store.h"
+#include "mesh/spring_mesh.h"
+
+namespace tissue {
+
+/// What FE said of one equilibrium along a load path.
+struct PathRecord {
+    double magnitude_m;                ///< how far the contact has been pushed
+    NodeField displacement;            ///< u at the lattice nodes [m] (N x D)
+    NodeField force;                   ///< f at the lattice nodes [N] (N x D): contact, supports, else nothing
+    Eigen::Vector2d contact_force_N;   ///< that the indenter puts on the tissue
+    Eigen::Vector2d support_force_N;
+    double energy_J;
+    double smallest_J;                 ///< smallest det F in the tissue; FE stops before it reaches 0
+    int newton_iterations;             ///< since the record before
+    double newton_residual;            ///< relative, at the last iteration
+};
+
+/// One straight push: FE equilibria from rest to the deepest magnitude.
+struct LoadPath {
+    std::string name;
+    Eigen::Vector2d contact_m;
+    Eigen::Vector2d direction;         ///< unit vector
+    std::vector<PathRecord> records;   ///< ascending magnitude, the first at rest
+};
+
+/// The load paths of a study at its lattice nodes: what cases.h5 holds.
+struct Cases {
+    std::string study;
+    NodeField nodes;                    ///< lattice nodes [m] (N x D)
+    std::vector<double> magnitudes_m;   ///< those that are load cases, ascending
+    std::vector<LoadPath> paths;
+};
+
+/// One state to train on: a path at one of the magnitudes.
+struct LoadCase {
+    std::string name;          ///< "left-10mm"
+    const LoadPath* path;
+    const PathRecord* record;
+};
+
+/// Every path at every magnitude, path by path. Throws MismatchError when a path has no record at a magnitude.
+/// The cases must outlive the result.
+std::vector<LoadCase> load_cases(const Cases& cases);
+
+/// Reads FreeFEM's CSV of one path (results/FORMATS.md) and puts its rows in the order of `nodes`.
+/// Throws FileError with file, line and cause: missing, truncated, a number that is none, a node that is not on the
+/// lattice or stands twice.
+LoadPath read_path_csv(const std::string& file, const NodeField& nodes);
+
+void write_cases(const std::string& file, const Cases& cases, const Provenance& provenance);
+
+/// Throws FileError.
+Cases read_cases(const std::string& file);
+
+}  // namespace tissue

@@ -1,0 +1,44 @@
+#include "eval/closed_loop.h"
+
+#include <cmath>
+#include <limits>
+
+#include "eval/force_error.h"
+#include "springs/heuristic.h"
+
+namespace tissue {
+
+std::optional<double> closed_loop_error(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
+                                        const ContactTruth& truth, std::string& reason) {
+    const std::optional<Equilibrium> state = solve_equilibrium(mesh, law, theta, truth.contact, truth.push_m, reason);
+    if (!state) return std::nullopt;
+    return (state->contact_force - truth.force_N).norm() / truth.force_N.norm();
+}
+
+std::optional<double> best_uniform_stiffness(const SpringMesh& mesh, const SpringLaw& law,
+                                             const std::vector<ContactTruth>& truths, double low_N_m, double high_N_m) {
+    // Every law is linear in theta, so the mesh's equilibrium does not depend on a common factor and its force is
+    // proportional to it: one solve a contact serves every candidate.
+    std::vector<Eigen::VectorXd> unit_forces;
+    std::string reason;
+    const Eigen::VectorXd unit = uniform_stiffness(mesh, 1.0);
+    for (const ContactTruth& truth : truths) {
+        const std::optional<Equilibrium> state = solve_equilibrium(mesh, law, unit, truth.contact, truth.push_m, reason);
+        if (!state) return std::nullopt;
+        unit_forces.push_back(state->contact_force);
+    }
+    double best = low_N_m, best_median = std::numeric_limits<double>::infinity();
+    for (double k = low_N_m; k <= high_N_m; k *= 1.01) {
+        std::vector<double> errors;
+        for (std::size_t i = 0; i < truths.size(); ++i)
+            errors.push_back((k * unit_forces[i] - truths[i].force_N).norm() / truths[i].force_N.norm());
+        const double median = statistics_of(errors).median;
+        if (median < best_median) {
+            best_median = median;
+            best = k;
+        }
+    }
+    return best;
+}
+
+}  // namespace tissue

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "springs/equilibrium.h"
+
+namespace tissue {
+
+/// A contact at which FE knows the force: where, how far pushed, and the force.
+struct ContactTruth {
+    SurfacePoint contact;
+    Eigen::VectorXd push_m;   ///< d (D)
+    Eigen::VectorXd force_N;  ///< r_fe (D)
+};
+
+/// The error a hand feels: the contact held at d, everything else at rest, e = |r_model - r_fe| / |r_fe|.
+/// Nothing, and the reason, when the spring mesh has no equilibrium there.
+std::optional<double> closed_loop_error(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
+                                        const ContactTruth& truth, std::string& reason);
+
+/// The honest baseline: the one stiffness for the whole mesh [N/m] (diagonals half) with the smallest median
+/// closed-loop error over `truths`, found on a logarithmic grid of 1 % steps between low and high [N/m].
+/// Nothing when the mesh has no equilibrium at some contact (its error does not depend on stiffness then).
+std::optional<double> best_uniform_stiffness(const SpringMesh& mesh, const SpringLaw& law,
+                                             const std::vector<ContactTruth>& truths, double low_N_m, double high_N_m);
+
+}  // namespace tissue

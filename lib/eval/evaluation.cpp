@@ -1,0 +1,163 @@
+#include "eval/evaluation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "error.h"
+#include "eval/closed_loop.h"
+#include "springs/heuristic.h"
+
+namespace tissue {
+namespace {
+
+/// A model's theta at a case. Baselines have one for all cases; learned ones a set a case.
+struct Candidate {
+    std::string name;
+    std::vector<Eigen::VectorXd> theta;  ///< one, or one a case
+
+    const Eigen::VectorXd& at(std::size_t c) const { return theta.size() == 1 ? theta[0] : theta[c]; }
+};
+
+std::vector<double> collect(const std::vector<CaseError>& cases, double (*value)(const CaseError&)) {
+    std::vector<double> values;
+    for (const CaseError& c : cases) values.push_back(value(c));
+    return values;
+}
+
+/// The uniform stiffness with the smallest median rel_loss: stands in where no closed loop exists.
+double uniform_by_rel_loss(const TissueModel& model, const SpringLaw& law, const std::vector<LoadCase>& loads,
+                           const std::vector<SurfacePoint>& contacts, double low, double high) {
+    double best = low, best_median = std::numeric_limits<double>::infinity();
+    for (double k = low; k <= high; k *= 1.01) {
+        const Eigen::VectorXd theta = uniform_stiffness(model.mesh, k);
+        std::vector<double> losses;
+        for (std::size_t c = 0; c < loads.size(); ++c)
+            losses.push_back(force_error(model.mesh, law, theta, contacts[c],
+                                         model.node_weight.row(static_cast<Eigen::Index>(c)), *loads[c].path,
+                                         *loads[c].record)
+                                 .rel_loss);
+        const double median = statistics_of(losses).median;
+        if (median < best_median) {
+            best_median = median;
+            best = k;
+        }
+    }
+    return best;
+}
+
+/// Index of the load case of this path whose magnitude is nearest; between two, the smaller.
+std::size_t nearest_case(const std::vector<LoadCase>& loads, const LoadPath& path, double magnitude_m) {
+    std::size_t best = 0;
+    double distance = std::numeric_limits<double>::infinity();
+    for (std::size_t c = 0; c < loads.size(); ++c) {
+        if (loads[c].path != &path) continue;
+        const double d = std::abs(loads[c].record->magnitude_m - magnitude_m);
+        if (d < distance - 1e-12) {
+            distance = d;
+            best = c;
+        }
+    }
+    return best;
+}
+
+}  // namespace
+
+Statistics ModelErrors::rel_loss() const {
+    return statistics_of(collect(cases, [](const CaseError& c) { return c.open_loop.rel_loss; }));
+}
+
+Statistics ModelErrors::resolved_error() const {
+    return statistics_of(collect(cases, [](const CaseError& c) { return c.open_loop.resolved_error; }));
+}
+
+Statistics ModelErrors::closed_loop() const {
+    std::vector<double> values;
+    for (const CaseError& c : cases)
+        if (c.closed_loop) values.push_back(*c.closed_loop);
+    return statistics_of(values);
+}
+
+const ModelErrors& Evaluation::model(const std::string& name) const {
+    const auto it = std::find_if(models.begin(), models.end(), [&](const ModelErrors& m) { return m.name == name; });
+    if (it == models.end()) throw MismatchError("the evaluation has no model '" + name + "'");
+    return *it;
+}
+
+Evaluation evaluate(const TissueModel& model, const Cases& cases) {
+    const std::vector<LoadCase> loads = load_cases(cases);
+    bool same = loads.size() == model.case_names.size() && cases.nodes.rows() == model.mesh.nodes.rows() &&
+                cases.nodes.isApprox(model.mesh.nodes, 1e-9);
+    for (std::size_t c = 0; same && c < loads.size(); ++c) same = loads[c].name == model.case_names[c];
+    if (!same) throw MismatchError("the model was trained on other cases than these");
+
+    const std::unique_ptr<SpringLaw> law = make_spring_law(model.law);
+    std::vector<SurfacePoint> contacts;
+    std::vector<ContactTruth> truths;
+    for (const LoadCase& load : loads) {
+        contacts.push_back(locate_on_surface(model.mesh, load.path->contact_m));
+        truths.push_back({contacts.back(), load.path->direction * load.record->magnitude_m,
+                          load.record->contact_force_N});
+    }
+
+    Evaluation result;
+    result.study = model.study;
+    result.trained = model.trained;
+    std::vector<Candidate> candidates;
+    for (const TrainedSets& trained : model.trained) {
+        std::string name = "learned";
+        if (!candidates.empty()) {
+            name += "_" + trained.optimizer;
+            std::replace(name.begin(), name.end(), '-', '_');
+        }
+        Candidate candidate{name, {}};
+        for (Eigen::Index c = 0; c < trained.theta.rows(); ++c) candidate.theta.emplace_back(trained.theta.row(c));
+        candidates.push_back(std::move(candidate));
+    }
+    const double low = 0.05 * model.modulus_N_m, high = 40 * model.modulus_N_m;
+    const std::optional<double> uniform = best_uniform_stiffness(model.mesh, *law, truths, low, high);
+    result.uniform_N_m = uniform ? *uniform : uniform_by_rel_loss(model, *law, loads, contacts, low, high);
+    result.uniform_chosen_on = uniform ? "closed_loop" : "rel_loss";
+    candidates.push_back({"heuristic_a", {model.heuristic_a}});
+    candidates.push_back({"heuristic_b", {model.heuristic_b}});
+    candidates.push_back({"uniform", {uniform_stiffness(model.mesh, result.uniform_N_m)}});
+
+    for (const LoadCase& load : loads) {
+        result.case_names.push_back(load.name);
+        result.magnitude_m.push_back(load.record->magnitude_m);
+        result.fe_resolved_N.push_back(load.record->contact_force_N.dot(load.path->direction));
+        result.smallest_J.push_back(load.record->smallest_J);
+    }
+    for (const Candidate& candidate : candidates) {
+        ModelErrors errors{candidate.name, {}};
+        for (std::size_t c = 0; c < loads.size(); ++c) {
+            CaseError e;
+            e.open_loop =
+                force_error(model.mesh, *law, candidate.at(c), contacts[c],
+                            model.node_weight.row(static_cast<Eigen::Index>(c)), *loads[c].path, *loads[c].record);
+            e.closed_loop = closed_loop_error(model.mesh, *law, candidate.at(c), truths[c], e.reason);
+            errors.cases.push_back(std::move(e));
+        }
+        result.models.push_back(std::move(errors));
+    }
+    for (const LoadPath& path : cases.paths) {
+        ForceCurve curve;
+        curve.path = path.name;
+        curve.model_force_N.resize(candidates.size());
+        const SurfacePoint contact = locate_on_surface(model.mesh, path.contact_m);
+        for (const PathRecord& record : path.records) {
+            const std::size_t serving = nearest_case(loads, path, record.magnitude_m);
+            curve.magnitude_m.push_back(record.magnitude_m);
+            curve.fe_N.push_back(record.contact_force_N.dot(path.direction));
+            curve.serving_set.push_back(loads[serving].name);
+            for (std::size_t m = 0; m < candidates.size(); ++m)
+                curve.model_force_N[m].push_back(resolved_force(model.mesh, *law, candidates[m].at(serving), contact,
+                                                                path.direction, record.displacement));
+        }
+        result.curves.push_back(std::move(curve));
+    }
+    return result;
+}
+
+}  // namespace tissue

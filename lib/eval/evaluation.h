@@ -1,0 +1,61 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cases/load_path.h"
+#include "eval/force_error.h"
+#include "springs/tissue_model.h"
+
+namespace tissue {
+
+/// How well one stiffness model does at one load case.
+struct CaseError {
+    ForceError open_loop;
+    std::optional<double> closed_loop;  ///< absent when the mesh has no equilibrium there
+    std::string reason;                 ///< why it is absent
+};
+
+/// One column of every table: a way to choose theta, and its errors at the load cases.
+struct ModelErrors {
+    std::string name;  ///< learned, heuristic_a, heuristic_b, uniform, learned_OPTIMIZER
+    std::vector<CaseError> cases;
+
+    Statistics rel_loss() const;
+    Statistics resolved_error() const;
+    Statistics closed_loop() const;  ///< over the cases that have an answer
+};
+
+/// Resolved force against displacement along one load path (Fig. 3).
+struct ForceCurve {
+    std::string path;
+    std::vector<double> magnitude_m, fe_N;
+    std::vector<std::string> serving_set;             ///< of the learned model: the nearest trained magnitude
+    std::vector<std::vector<double>> model_force_N;   ///< one list a model, in the order of Evaluation::models
+};
+
+struct Evaluation {
+    std::string study;
+    std::vector<std::string> case_names;
+    std::vector<double> magnitude_m, fe_resolved_N, smallest_J;  ///< one entry a case
+    std::vector<ModelErrors> models;                             ///< learned first
+    std::vector<ForceCurve> curves;
+    double uniform_N_m;              ///< the uniform model's stiffness
+    std::string uniform_chosen_on;   ///< "closed_loop" or, where the mesh has no closed-loop answer, "rel_loss"
+    std::vector<TrainedSets> trained;
+
+    const ModelErrors& model(const std::string& name) const;
+};
+
+/// Sec. 3 and 5: every trained spring set and every baseline at the load cases they were trained on.
+/// Throws MismatchError when model and cases do not belong together.
+Evaluation evaluate(const TissueModel& model, const Cases& cases);
+
+/// eval.json (results/FORMATS.md).
+std::string to_json(const Evaluation& evaluation, unsigned long seed);
+
+/// report.md: for people, the number that matters first.
+std::string to_markdown(const Evaluation& evaluation);
+
+}  // namespace tissue

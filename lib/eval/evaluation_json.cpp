@@ -1,0 +1,84 @@
+#include <nlohmann/json.hpp>
+
+#include "eval/evaluation.h"
+#include "version.h"
+
+namespace tissue {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_value(const Statistics& s) {
+    if (s.n == 0) return {{"median", nullptr}, {"p95", nullptr}, {"max", nullptr}, {"n", 0}};
+    return {{"median", s.median}, {"p95", s.p95}, {"max", s.max}, {"n", s.n}};
+}
+
+int total(const std::vector<int>& values) {
+    int sum = 0;
+    for (int v : values) sum += v;
+    return sum;
+}
+
+int restarted_sets(const TrainedSets& t) {
+    int count = 0;
+    for (int r : t.restarts) count += r > 0 ? 1 : 0;
+    return count;
+}
+
+Json training(const TrainedSets& t) {
+    Json statuses = Json::object();
+    for (const std::string& s : t.status) statuses[s] = statuses.value(s, 0) + 1;
+    return {{"optimizer", t.optimizer},       {"sets", t.theta.rows()},
+            {"restarts", total(t.restarts)},  {"restarted_sets", restarted_sets(t)},
+            {"iterations", total(t.iterations)}, {"evaluations", total(t.evaluations)},
+            {"status", statuses},             {"seconds", t.seconds}};
+}
+
+}  // namespace
+
+std::string to_json(const Evaluation& evaluation, unsigned long seed) {
+    Json j;
+    j["study"] = evaluation.study;
+    j["version"] = version;
+    j["format_version"] = format_version;
+    j["seed"] = seed;
+    for (const ModelErrors& m : evaluation.models)
+        j["open_loop"][m.name] = {{"rel_loss", to_value(m.rel_loss())},
+                                  {"resolved_force_error", to_value(m.resolved_error())},
+                                  {"n", m.cases.size()}};
+    for (const ModelErrors& m : evaluation.models) {
+        Json& entry = j["closed_loop"]["trained"][m.name] = to_value(m.closed_loop());
+        for (const CaseError& c : m.cases)
+            if (!c.closed_loop) entry["reason"] = c.reason;
+    }
+    j["uniform"] = {{"stiffness_N_m", evaluation.uniform_N_m}, {"chosen_on", evaluation.uniform_chosen_on}};
+    j["training"] = training(evaluation.trained.front());
+    for (std::size_t t = 1; t < evaluation.trained.size(); ++t)
+        j["training_also"].push_back(training(evaluation.trained[t]));
+    for (std::size_t c = 0; c < evaluation.case_names.size(); ++c) {
+        Json row = {{"name", evaluation.case_names[c]},
+                    {"magnitude_m", evaluation.magnitude_m[c]},
+                    {"fe_resolved_force_N", evaluation.fe_resolved_N[c]},
+                    {"fe_smallest_J", evaluation.smallest_J[c]}};
+        for (const ModelErrors& m : evaluation.models) {
+            const CaseError& e = m.cases[c];
+            row["models"][m.name] = {{"rel_loss", e.open_loop.rel_loss},
+                                     {"resolved_force_N", e.open_loop.resolved_force_N},
+                                     {"resolved_force_error", e.open_loop.resolved_error},
+                                     {"closed_loop_error", e.closed_loop ? Json(*e.closed_loop) : Json()}};
+        }
+        j["cases"].push_back(std::move(row));
+    }
+    for (const ForceCurve& curve : evaluation.curves) {
+        Json row = {{"path", curve.path},
+                    {"magnitude_m", curve.magnitude_m},
+                    {"serving_set", curve.serving_set},
+                    {"fe_N", curve.fe_N}};
+        for (std::size_t m = 0; m < evaluation.models.size(); ++m)
+            row["models_N"][evaluation.models[m].name] = curve.model_force_N[m];
+        j["curves"].push_back(std::move(row));
+    }
+    return j.dump(1) + "\n";
+}
+
+}  // namespace tissue

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "cases/load_path.h"
+#include "springs/spring_law.h"
+
+namespace tissue {
+
+/// Median, 95th percentile (linear interpolation), maximum and number of a sample. NaN when it is empty.
+struct Statistics {
+    double median, p95, max;
+    int n;
+};
+Statistics statistics_of(std::vector<double> sample);
+
+/// Open-loop errors of one spring set at one FE state: the paper's own measure.
+struct ForceError {
+    double rel_loss;          ///< L(theta) / sqrt(f_fe' Q f_fe), (9)
+    double resolved_force_N;  ///< force at the loaded node along the push, the paper's Fig. 3
+    double resolved_error;    ///< |model - FE| / |FE| of the resolved force
+};
+
+/// contact: the surface point that was pushed; weight: Q, one entry a node (N).
+ForceError force_error(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
+                       const SurfacePoint& contact, const Eigen::VectorXd& node_weight, const LoadPath& path,
+                       const PathRecord& record);
+
+/// Force of the spring mesh on its contact along the push when every node is where FE has it [N].
+double resolved_force(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
+                      const SurfacePoint& contact, const Eigen::Vector2d& direction, const NodeField& displacement);
+
+}  // namespace tissue

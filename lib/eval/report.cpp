@@ -1,0 +1,103 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "eval/evaluation.h"
+#include "version.h"
+
+namespace tissue {
+namespace {
+
+std::string percent(double value) {
+    return std::isnan(value) ? "none" : fmt::format("{:.1f} %", 100 * value);
+}
+
+std::string summary(const Statistics& s) {
+    return s.n == 0 ? "none" : fmt::format("{} / {} / {}", percent(s.median), percent(s.p95), percent(s.max));
+}
+
+double loss_at(const TrainedSets& t, Eigen::Index set, int iteration) {
+    double loss = std::nan("");
+    for (std::size_t p = 0; p < t.curve_iteration.size() && t.curve_iteration[p] <= iteration; ++p)
+        if (const double there = t.curve_loss_N(set, static_cast<Eigen::Index>(p)); !std::isnan(there)) loss = there;
+    return loss;
+}
+
+/// Median over the sets of the loss at an iteration, relative to the loss at the start.
+double median_progress(const TrainedSets& t, int iteration) {
+    std::vector<double> values;
+    for (Eigen::Index c = 0; c < t.theta.rows(); ++c) values.push_back(loss_at(t, c, iteration) / loss_at(t, c, 0));
+    return statistics_of(values).median;
+}
+
+}  // namespace
+
+std::string to_markdown(const Evaluation& e) {
+    const ModelErrors &learned = e.models.front(), &heuristic = e.model("heuristic_a");
+    const double loss_ratio = heuristic.rel_loss().median / learned.rel_loss().median;
+    const double force_ratio = heuristic.resolved_error().median / learned.resolved_error().median;
+    std::string out = fmt::format(
+        "# Study `{}`\n\n"
+        "**Learned springs leave {} of the FE force unexplained in the median of {} load cases; Van Gelder's heuristic "
+        "leaves {}: {:.1f} times as much.** In the resolved force at the loaded node the medians are {} and {}: "
+        "{:.1f} times.\n\n"
+        "Written by `tissuectl eval` {}.\n\n",
+        e.study, percent(learned.rel_loss().median), learned.rel_loss().n, percent(heuristic.rel_loss().median),
+        loss_ratio, percent(learned.resolved_error().median), percent(heuristic.resolved_error().median), force_ratio,
+        version);
+
+    out +=
+        "## Errors at the trained contacts: median / p95 / max\n\n"
+        "| model | rel_loss (9) | resolved force | closed loop |\n|---|---|---|---|\n";
+    for (const ModelErrors& m : e.models)
+        out += fmt::format("| {} | {} | {} | {} |\n", m.name, summary(m.rel_loss()), summary(m.resolved_error()),
+                           summary(m.closed_loop()));
+    out += fmt::format(
+        "\nn = {}. *rel_loss*: L(theta) over the weighted FE force, every node where FE has it. *Resolved force*: along "
+        "the push, at the loaded node. *Closed loop*: the contact held where it was pushed, everything else at "
+        "equilibrium. uniform is {:.4g} N/m, chosen on {}.\n",
+        e.case_names.size(), e.uniform_N_m, e.uniform_chosen_on == "closed_loop" ? "the closed-loop error" : "rel_loss");
+    for (const ModelErrors& m : e.models)
+        if (m.closed_loop().n == 0) {
+            out += fmt::format("No closed-loop answer: {}.\n", m.cases.front().reason);
+            break;
+        }
+
+    out +=
+        "\n## Training\n\n| optimiser | sets | iterations | restarts (sets that restarted) | median loss over start at "
+        "1,000 | at 5,000 | at the end | seconds |\n|---|---|---|---|---|---|---|---|\n";
+    for (const TrainedSets& t : e.trained) {
+        int iterations = 0, restarts = 0, restarted = 0;
+        for (int i : t.iterations) iterations += i;
+        for (int r : t.restarts) {
+            restarts += r;
+            restarted += r > 0 ? 1 : 0;
+        }
+        out += fmt::format("| {} | {} | {} | {} ({}) | {:.3f} | {:.3f} | {:.3f} | {:.2f} |\n", t.optimizer,
+                           t.theta.rows(), iterations, restarts, restarted, median_progress(t, 1000),
+                           median_progress(t, 5000), median_progress(t, 1 << 30), t.seconds);
+    }
+    out += "\nThe paper restarted three of its eighteen sets.\n";
+
+    out += "\n## Every case\n\n| case | FE force mN |";
+    for (const ModelErrors& m : e.models) out += fmt::format(" {} rel_loss / force mN / closed loop |", m.name);
+    out += "\n|---|---|";
+    for (std::size_t m = 0; m < e.models.size(); ++m) out += "---|";
+    out += "\n";
+    for (std::size_t c = 0; c < e.case_names.size(); ++c) {
+        out += fmt::format("| {} | {:.3f} |", e.case_names[c], 1e3 * e.fe_resolved_N[c]);
+        for (const ModelErrors& m : e.models) {
+            const CaseError& error = m.cases[c];
+            out += fmt::format(" {} / {:.3f} / {} |", percent(error.open_loop.rel_loss),
+                               1e3 * error.open_loop.resolved_force_N,
+                               error.closed_loop ? percent(*error.closed_loop) : "none");
+        }
+        out += "\n";
+    }
+    out += "\n## Figures\n\n";
+    for (const char* figure : {"contours", "force", "learning", "springs", "errors"})
+        out += fmt::format("![{0}](figures/{0}.png)\n\n", figure);
+    return out;
+}
+
+}  // namespace tissue

@@ -1,0 +1,305 @@
+#include "io/hdf5_store.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <hdf5.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <numeric>
+
+#include "error.h"
+#include "io/atomic_file.h"
+#include "version.h"
+
+namespace tissue {
+namespace {
+
+/// An HDF5 handle that closes itself. A negative one is a failed call.
+class Handle {
+   public:
+    Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+    ~Handle() {
+        if (id_ >= 0) close_(id_);
+    }
+    Handle(const Handle&) = delete;
+    Handle& operator=(const Handle&) = delete;
+    operator hid_t() const { return id_; }
+    bool failed() const { return id_ < 0; }
+
+   private:
+    hid_t id_;
+    herr_t (*close_)(hid_t);
+};
+
+/// HDF5 prints a stack of its own on every failed call; our one line says what matters.
+void silence() {
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+std::vector<hsize_t> to_hsize(const std::vector<std::size_t>& shape) {
+    return {shape.begin(), shape.end()};
+}
+
+std::size_t product(const std::vector<std::size_t>& shape) {
+    return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());
+}
+
+hid_t variable_text() {
+    const hid_t type = H5Tcopy(H5T_C_S1);
+    H5Tset_size(type, H5T_VARIABLE);
+    H5Tset_cset(type, H5T_CSET_UTF8);
+    return type;
+}
+
+void write_text_attribute(hid_t object, const std::string& key, const std::string& value,
+                          const std::function<void(const char*)>& fail) {
+    const Handle type(variable_text(), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
+    const Handle attribute(H5Acreate2(object, key.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    const char* text = value.c_str();
+    if (attribute.failed() || H5Awrite(attribute, type, &text) < 0) fail("cannot write an attribute");
+}
+
+void write_dataset(hid_t file, const std::string& name, const std::vector<std::size_t>& shape, hid_t memory_type,
+                   const void* data, const std::string& units, const std::string& description,
+                   const std::function<void(const char*)>& fail) {
+    const std::vector<hsize_t> dimensions = to_hsize(shape);
+    const Handle space(H5Screate_simple(static_cast<int>(dimensions.size()), dimensions.data(), nullptr), H5Sclose);
+    const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+    H5Pset_create_intermediate_group(links, 1);
+    const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_obj_track_times(creation, false);
+    const Handle dataset(H5Dcreate2(file, name.c_str(), memory_type, space, links, creation, H5P_DEFAULT), H5Dclose);
+    if (dataset.failed()) fail("cannot make the dataset");
+    if (product(shape) > 0 && H5Dwrite(dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
+        fail("cannot write the dataset");
+    write_text_attribute(dataset, "units", units, fail);
+    write_text_attribute(dataset, "description", description, fail);
+}
+
+std::vector<std::size_t> shape_of(hid_t dataset) {
+    const Handle space(H5Dget_space(dataset), H5Sclose);
+    std::vector<hsize_t> dimensions(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
+    H5Sget_simple_extent_dims(space, dimensions.data(), nullptr);
+    return {dimensions.begin(), dimensions.end()};
+}
+
+bool read_text(hid_t attribute, std::string& value) {
+    const Handle type(variable_text(), H5Tclose);
+    char* text = nullptr;
+    if (H5Aread(attribute, type, &text) < 0 || !text) return false;
+    value = text;
+    H5free_memory(text);
+    return true;
+}
+
+}  // namespace
+
+// ---- writing
+
+Hdf5Writer::Hdf5Writer(std::string file, const std::string& kind, const Provenance& provenance)
+    : file_(std::move(file)), temporary_(file_ + ".tmp") {
+    silence();
+    const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+    H5Pset_obj_track_times(creation, false);
+    id_ = H5Fcreate(temporary_.c_str(), H5F_ACC_TRUNC, creation, H5P_DEFAULT);
+    if (id_ < 0) throw FileError(file_ + ": cannot write: the folder is missing or may not be written to");
+    attribute("/", "program", "tissuectl");
+    attribute("/", "kind", kind);
+    attribute("/", "format_version", format_version);
+    attribute("/", "version", version);
+    attribute("/", "command", provenance.command);
+    attribute("/", "seed", static_cast<double>(provenance.seed));
+    for (const auto& [input, hash] : provenance.inputs) attribute("/", "input:" + input, hash);
+}
+
+Hdf5Writer::~Hdf5Writer() {
+    if (id_ < 0) return;
+    H5Fclose(id_);
+    ::unlink(temporary_.c_str());
+}
+
+void Hdf5Writer::write(const std::string& name, const Array& array, const std::string& units,
+                       const std::string& description) {
+    write_dataset(id_, name, array.shape, H5T_NATIVE_DOUBLE, array.values.data(), units, description,
+                  [&](const char* why) { throw FileError(fmt::format("{}: {}: {}", file_, name, why)); });
+}
+
+void Hdf5Writer::write(const std::string& name, const Eigen::VectorXd& values, const std::string& units,
+                       const std::string& description) {
+    write(name, Array{{static_cast<std::size_t>(values.size())}, {values.begin(), values.end()}}, units, description);
+}
+
+void Hdf5Writer::write(const std::string& name, const NodeField& values, const std::string& units,
+                       const std::string& description) {
+    write(name,
+          Array{{static_cast<std::size_t>(values.rows()), static_cast<std::size_t>(values.cols())},
+                {values.data(), values.data() + values.size()}},
+          units, description);
+}
+
+void Hdf5Writer::write_integers(const std::string& name, const std::vector<std::size_t>& shape,
+                                const std::vector<int>& values, const std::string& description) {
+    write_dataset(id_, name, shape, H5T_NATIVE_INT, values.data(), "1", description,
+                  [&](const char* why) { throw FileError(fmt::format("{}: {}: {}", file_, name, why)); });
+}
+
+void Hdf5Writer::write_texts(const std::string& name, const std::vector<std::string>& values,
+                             const std::string& description) {
+    const Handle type(variable_text(), H5Tclose);
+    std::vector<const char*> texts;
+    for (const std::string& value : values) texts.push_back(value.c_str());
+    write_dataset(id_, name, {texts.size()}, type, texts.data(), "text", description,
+                  [&](const char* why) { throw FileError(fmt::format("{}: {}: {}", file_, name, why)); });
+}
+
+void Hdf5Writer::attribute(const std::string& object, const std::string& key, const std::string& value) {
+    const Handle place(H5Oopen(id_, object.c_str(), H5P_DEFAULT), H5Oclose);
+    write_text_attribute(place, key, value,
+                         [&](const char* why) { throw FileError(fmt::format("{}: {}: {}", file_, object, why)); });
+}
+
+void Hdf5Writer::attribute(const std::string& object, const std::string& key, double value) {
+    const Handle place(H5Oopen(id_, object.c_str(), H5P_DEFAULT), H5Oclose), space(H5Screate(H5S_SCALAR), H5Sclose);
+    const Handle attribute(H5Acreate2(place, key.c_str(), H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT),
+                           H5Aclose);
+    if (attribute.failed() || H5Awrite(attribute, H5T_NATIVE_DOUBLE, &value) < 0)
+        throw FileError(fmt::format("{}: {}: cannot write an attribute", file_, object));
+}
+
+void Hdf5Writer::commit() {
+    // a full disk shows itself here at the latest, when HDF5 flushes what it held back
+    const bool flushed = H5Fflush(id_, H5F_SCOPE_LOCAL) >= 0;
+    const bool closed = H5Fclose(id_) >= 0;
+    id_ = -1;
+    if (!flushed || !closed) {
+        ::unlink(temporary_.c_str());
+        throw FileError(file_ + ": cannot write: the disk is full or refused the data");
+    }
+    move_into_place(temporary_, file_);
+}
+
+// ---- reading
+
+Hdf5Reader::Hdf5Reader(std::string file, const std::string& kind) : file_(std::move(file)) {
+    silence();
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file_, error)) throw FileError(file_ + ": there is no such file");
+    id_ = H5Fopen(file_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    if (id_ < 0) throw FileError(file_ + ": is not an HDF5 file, or is truncated");
+    try {
+        if (H5Aexists(id_, "program") <= 0 || text_attribute("/", "program") != "tissuectl")
+            refuse("/", "was not written by tissuectl");
+        const double file_version = number_attribute("/", "format_version");
+        if (file_version > format_version)
+            refuse("/", fmt::format("format version {} is later than this program's {}", file_version, format_version));
+        const std::string file_kind = text_attribute("/", "kind");
+        if (!kind.empty() && file_kind != kind)
+            refuse("/", fmt::format("holds '{}', wanted '{}'", file_kind, kind));
+    } catch (...) {
+        H5Fclose(id_);
+        throw;
+    }
+}
+
+Hdf5Reader::~Hdf5Reader() {
+    H5Fclose(id_);
+}
+
+void Hdf5Reader::refuse(const std::string& place, const std::string& why) const {
+    throw FileError(fmt::format("{}: {}: {}", file_, place, why));
+}
+
+Array Hdf5Reader::array(const std::string& name) const {
+    const Handle dataset(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    if (dataset.failed()) refuse(name, "is missing");
+    Array array;
+    array.shape = shape_of(dataset);
+    array.values.resize(product(array.shape));
+    if (!array.values.empty() &&
+        H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, array.values.data()) < 0)
+        refuse(name, "cannot be read as numbers");
+    return array;
+}
+
+Eigen::VectorXd Hdf5Reader::vector(const std::string& name) const {
+    const Array a = array(name);
+    if (a.shape.size() != 1) refuse(name, "must have one dimension");
+    return Eigen::Map<const Eigen::VectorXd>(a.values.data(), static_cast<Eigen::Index>(a.values.size()));
+}
+
+NodeField Hdf5Reader::field(const std::string& name) const {
+    const Array a = array(name);
+    if (a.shape.size() != 2) refuse(name, "must have two dimensions");
+    return Eigen::Map<const NodeField>(a.values.data(), static_cast<Eigen::Index>(a.shape[0]),
+                                       static_cast<Eigen::Index>(a.shape[1]));
+}
+
+std::vector<int> Hdf5Reader::integers(const std::string& name) const {
+    const Array a = array(name);
+    return {a.values.begin(), a.values.end()};
+}
+
+std::vector<std::string> Hdf5Reader::texts(const std::string& name) const {
+    const Handle dataset(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose), type(variable_text(), H5Tclose);
+    if (dataset.failed()) refuse(name, "is missing");
+    std::vector<char*> raw(product(shape_of(dataset)), nullptr);
+    if (!raw.empty() && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, raw.data()) < 0)
+        refuse(name, "cannot be read as texts");
+    std::vector<std::string> texts;
+    for (char* text : raw) {
+        texts.emplace_back(text ? text : "");
+        H5free_memory(text);
+    }
+    return texts;
+}
+
+std::string Hdf5Reader::text_attribute(const std::string& object, const std::string& key) const {
+    const Handle attribute(H5Aopen_by_name(id_, object.c_str(), key.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    std::string value;
+    if (attribute.failed() || !read_text(attribute, value)) refuse(object, "attribute '" + key + "' is missing");
+    return value;
+}
+
+double Hdf5Reader::number_attribute(const std::string& object, const std::string& key) const {
+    const Handle attribute(H5Aopen_by_name(id_, object.c_str(), key.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    double value = 0;
+    if (attribute.failed() || H5Aread(attribute, H5T_NATIVE_DOUBLE, &value) < 0)
+        refuse(object, "attribute '" + key + "' is missing");
+    return value;
+}
+
+std::vector<std::string> Hdf5Reader::children(const std::string& group) const {
+    const Handle place(H5Gopen2(id_, group.c_str(), H5P_DEFAULT), H5Gclose);
+    if (place.failed()) refuse(group, "is missing");
+    std::vector<std::string> names;
+    const auto collect = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
+        static_cast<std::vector<std::string>*>(out)->emplace_back(name);
+        return 0;
+    };
+    H5Literate(place, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &names);
+    return names;
+}
+
+std::vector<std::string> Hdf5Reader::describe() const {
+    std::vector<std::string> lines;
+    const std::function<void(const std::string&)> walk = [&](const std::string& group) {
+        for (const std::string& child : children(group)) {
+            const std::string name = group == "/" ? "/" + child : group + "/" + child;
+            const Handle object(H5Oopen(id_, name.c_str(), H5P_DEFAULT), H5Oclose);
+            if (H5Iget_type(object) == H5I_GROUP) {
+                walk(name);
+            } else {
+                lines.push_back(fmt::format("{:<40} {:<14} {:<6} {}", name,
+                                            fmt::format("{}", fmt::join(shape_of(object), " x ")),
+                                            text_attribute(name, "units"), text_attribute(name, "description")));
+            }
+        }
+    };
+    walk("/");
+    return lines;
+}
+
+}  // namespace tissue

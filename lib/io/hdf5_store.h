@@ -1,0 +1,89 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "mesh/spring_mesh.h"
+
+namespace tissue {
+
+/// Where a file comes from: what every HDF5 file's root says beside its format.
+struct Provenance {
+    std::string command;                        ///< as it was typed, absolute paths shortened to their last part
+    unsigned long seed = 0;
+    std::map<std::string, std::string> inputs;  ///< file name -> file_hash
+};
+
+/// An array with its shape, row-major.
+struct Array {
+    std::vector<std::size_t> shape;
+    std::vector<double> values;
+};
+
+/// Writes one HDF5 file beside its place; it appears there, whole, at commit(). Every dataset says its units and what
+/// it is. Throws FileError for whatever the disk refuses.
+class Hdf5Writer {
+   public:
+    /// kind: what the file is ("cases", "model", ...), which readers check.
+    Hdf5Writer(std::string file, const std::string& kind, const Provenance& provenance);
+    ~Hdf5Writer();
+    Hdf5Writer(const Hdf5Writer&) = delete;
+    Hdf5Writer& operator=(const Hdf5Writer&) = delete;
+
+    /// Groups on the way are made. `units` is "1" for pure numbers.
+    void write(const std::string& name, const Array& array, const std::string& units, const std::string& description);
+    void write(const std::string& name, const Eigen::VectorXd& values, const std::string& units,
+               const std::string& description);
+    void write(const std::string& name, const NodeField& values, const std::string& units,
+               const std::string& description);
+    void write_integers(const std::string& name, const std::vector<std::size_t>& shape, const std::vector<int>& values,
+                        const std::string& description);
+    void write_texts(const std::string& name, const std::vector<std::string>& values, const std::string& description);
+
+    /// Attribute of a group or dataset that exists ("/" is the root).
+    void attribute(const std::string& object, const std::string& key, const std::string& value);
+    void attribute(const std::string& object, const std::string& key, double value);
+
+    void commit();
+
+   private:
+    std::string file_, temporary_;
+    long long id_ = -1;
+};
+
+/// Reads one HDF5 file of this project. Throws FileError that names file, dataset and cause: missing, not HDF5 or
+/// truncated, of another kind or program, of a later format version, of an unexpected shape.
+class Hdf5Reader {
+   public:
+    /// kind: as written; "" takes any (tissuectl info).
+    Hdf5Reader(std::string file, const std::string& kind);
+    ~Hdf5Reader();
+    Hdf5Reader(const Hdf5Reader&) = delete;
+    Hdf5Reader& operator=(const Hdf5Reader&) = delete;
+
+    const std::string& file() const { return file_; }
+
+    Array array(const std::string& name) const;
+    Eigen::VectorXd vector(const std::string& name) const;
+    NodeField field(const std::string& name) const;
+    std::vector<int> integers(const std::string& name) const;
+    std::vector<std::string> texts(const std::string& name) const;
+    std::string text_attribute(const std::string& object, const std::string& key) const;
+    double number_attribute(const std::string& object, const std::string& key) const;
+
+    /// Names of what a group holds, in alphabetical order.
+    std::vector<std::string> children(const std::string& group) const;
+
+    /// Every dataset as "name  shape  units  description", for people.
+    std::vector<std::string> describe() const;
+
+    [[noreturn]] void refuse(const std::string& place, const std::string& why) const;
+
+   private:
+    std::string file_;
+    long long id_ = -1;
+};
+
+}  // namespace tissue

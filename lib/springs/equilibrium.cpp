@@ -1,0 +1,110 @@
+#include "springs/equilibrium.h"
+
+#include <Eigen/Dense>
+#include <Eigen/SparseCholesky>
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace tissue {
+namespace {
+
+/// Numbers the free degrees of freedom; -1 marks those of fixed nodes.
+std::vector<int> free_numbering(const SpringMesh& mesh, int& count) {
+    const int D = mesh.dimension();
+    std::vector<int> number(static_cast<std::size_t>(D * mesh.node_count()), 0);
+    for (int node : mesh.fixed)
+        for (int d = 0; d < D; ++d) number[static_cast<std::size_t>(D * node + d)] = -1;
+    count = 0;
+    for (int& n : number)
+        if (n >= 0) n = count++;
+    return number;
+}
+
+SparseMatrix free_block(const SparseMatrix& K, const std::vector<int>& number, int count) {
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(static_cast<std::size_t>(K.nonZeros()));
+    for (int column = 0; column < K.outerSize(); ++column)
+        for (SparseMatrix::InnerIterator it(K, column); it; ++it) {
+            const int i = number[static_cast<std::size_t>(it.row())], j = number[static_cast<std::size_t>(column)];
+            if (i >= 0 && j >= 0) entries.emplace_back(i, j, it.value());
+        }
+    SparseMatrix block(count, count);
+    block.setFromTriplets(entries.begin(), entries.end());
+    return block;
+}
+
+}  // namespace
+
+std::optional<Equilibrium> solve_equilibrium(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
+                                             const SurfacePoint& contact, const Eigen::VectorXd& push_m,
+                                             std::string& reason) {
+    const int D = mesh.dimension();
+    int free_count = 0;
+    const std::vector<int> number = free_numbering(mesh, free_count);
+
+    // the contact's weights on the free degrees of freedom, one column an axis
+    Eigen::MatrixXd W = Eigen::MatrixXd::Zero(free_count, D);
+    for (int end : {0, 1})
+        for (int d = 0; d < D; ++d) {
+            const int n = number[static_cast<std::size_t>(D * contact.node[end] + d)];
+            if (n >= 0) W(n, d) += contact.weight[end];
+        }
+    if (!(W.colwise().squaredNorm().minCoeff() > 0)) {
+        reason = "the contact lies on the fixed edge";
+        return std::nullopt;
+    }
+
+    Equilibrium state{NodeField::Zero(mesh.node_count(), D), Eigen::VectorXd::Zero(D)};
+    const int steps = law.linear_in_displacement() ? 1 : 10;
+    constexpr int max_newton = 30;
+    constexpr double tolerance = 1e-10;  // largest out-of-balance force over the contact force
+    Eigen::SimplicialLDLT<SparseMatrix> factor;
+    for (int step = 1; step <= steps; ++step) {
+        const Eigen::VectorXd target = push_m * step / steps;
+        bool balanced = false;
+        for (int iteration = 0; iteration < max_newton && !balanced; ++iteration) {
+            const SparseMatrix K = free_block(law.stiffness(mesh, theta, state.displacement), number, free_count);
+            factor.compute(K);
+            const Eigen::VectorXd pivots = factor.vectorD();
+            if (factor.info() != Eigen::Success || !(pivots.minCoeff() > 1e-10 * pivots.maxCoeff())) {
+                reason = "the spring mesh has zero-energy modes or is unstable under its supports";
+                return std::nullopt;
+            }
+            const Eigen::VectorXd internal =
+                law.force_matrix(mesh, state.displacement) * theta;  // what the nodes are held with now
+            Eigen::VectorXd residual(free_count);
+            Eigen::VectorXd held = Eigen::VectorXd::Zero(D);
+            for (std::size_t i = 0; i < number.size(); ++i)
+                if (number[i] >= 0) residual[number[i]] = internal[static_cast<Eigen::Index>(i)];
+            for (int end : {0, 1}) held += contact.weight[end] * state.displacement.row(contact.node[end]).transpose();
+
+            // saddle point by its Schur complement: K du - W r = -residual, W' du = target - held
+            const Eigen::MatrixXd KW = factor.solve(W);
+            const Eigen::VectorXd Kr = factor.solve(residual);
+            state.contact_force = (W.transpose() * KW).ldlt().solve(target - held + W.transpose() * Kr);
+            const Eigen::VectorXd du = KW * state.contact_force - Kr;
+            for (std::size_t i = 0; i < number.size(); ++i)
+                if (number[i] >= 0) state.displacement.data()[i] += du[number[i]];
+            if (law.linear_in_displacement()) {
+                balanced = true;
+            } else {
+                const Eigen::VectorXd now = law.force_matrix(mesh, state.displacement) * theta;
+                double worst = 0;
+                for (std::size_t i = 0; i < number.size(); ++i)
+                    if (number[i] >= 0)
+                        worst = std::max(worst, std::abs(now[static_cast<Eigen::Index>(i)] -
+                                                         W.row(number[i]).dot(state.contact_force)));
+                balanced = worst <= tolerance * state.contact_force.norm();
+                if (!std::isfinite(worst)) break;
+            }
+        }
+        if (!balanced) {
+            reason = fmt::format("Newton found no equilibrium at {:.3g} mm", 1e3 * target.norm());
+            return std::nullopt;
+        }
+    }
+    return state;
+}
+
+}  // namespace tissue

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "io/hdf5_store.h"
+#include "mesh/spring_mesh.h"
+
+namespace tissue {
+
+/// What one optimiser made of every load case: one row of theta a case.
+struct TrainedSets {
+    std::string optimizer;
+    NodeField theta;                       ///< [N/m] (C x S)
+    Eigen::VectorXd loss_N, rel_loss;      ///< L(theta) and over sqrt(f_fe' Q f_fe) (C)
+    std::vector<int> iterations, evaluations, restarts;  ///< (C)
+    std::vector<std::string> status;       ///< (C)
+    std::vector<int> curve_iteration;      ///< of the learning curves (P)
+    NodeField curve_loss_N;                ///< (C x P), NaN after a set has stopped
+    double seconds = 0;                    ///< wall time of all sets together; an attribute, not a dataset
+};
+
+/// Everything the realtime core needs, and everything the evaluation needs beside the cases: what model.h5 holds.
+struct TissueModel {
+    std::string study, law;
+    SpringMesh mesh;
+    double modulus_N_m;                    ///< E2 = E t
+    Eigen::VectorXd node_mass_kg;          ///< (8) (N)
+    Eigen::VectorXd heuristic_a, heuristic_b;  ///< theta of (7) with E2 = E t and (C1 + C2) t [N/m] (S)
+
+    std::vector<std::string> case_names;   ///< (C)
+    NodeField contact_m, direction;        ///< of each case (C x D)
+    Eigen::VectorXd magnitude_m;           ///< (C)
+    NodeField node_weight;                 ///< Q of each case, one entry a node (C x N)
+    std::vector<TrainedSets> trained;      ///< the study's optimiser first
+
+    int case_count() const { return static_cast<int>(case_names.size()); }
+};
+
+void write_model(const std::string& file, const TissueModel& model, const Provenance& provenance);
+
+/// Throws FileError when the file is not a model, or its parts do not fit together.
+TissueModel read_model(const std::string& file);
+
+}  // namespace tissue

@@ -1,0 +1,70 @@
+#include "study/plan.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace tissue {
+namespace {
+
+/// For gmsh, fem/block.geo.
+std::string mesh_arguments(const Study& s) {
+    return fmt::format("-setnumber width {} -setnumber height {} -setnumber cells_x {} -setnumber cells_y {}",
+                       s.geometry.width_m, s.geometry.height_m, s.cells[0] * s.refine, s.cells[1] * s.refine);
+}
+
+/// For FreeFEM, fem/solve_path.edp. Numbers are written so that they read back to the same bits.
+std::string path_arguments(const Study& s, const StudyPath& p) {
+    return fmt::format(
+        "-width {} -height {} -thickness {} -C1 {} -C2 {} -cells_x {} -cells_y {} -contact_x {} -contact_y {} "
+        "-direction_x {} -direction_y {} -depth {} -records {} -tolerance {} -max_newton {}",
+        s.geometry.width_m, s.geometry.height_m, s.geometry.thickness_m, s.material.C1_Pa, s.material.C2_Pa, s.cells[0],
+        s.cells[1], p.contact_m.x(), p.contact_m.y(), p.direction.x(), p.direction.y(), s.loads.depth_m(),
+        s.loads.records(), s.solver.tolerance, s.solver.max_newton);
+}
+
+std::string collect_part(const Study& s) {
+    std::string text = fmt::format("cells {} {}\nsize {} {}\nmagnitudes {}\n", s.cells[0], s.cells[1],
+                                   s.geometry.width_m, s.geometry.height_m, fmt::join(s.loads.magnitudes_m, " "));
+    for (const StudyPath& p : s.loads.paths) text += p.name + "\n";
+    return text;
+}
+
+std::string train_part(const Study& s) {
+    const Study::Training& t = s.training;
+    const auto optional = [](const std::optional<double>& v) { return v ? fmt::format("{}", *v) : std::string("none"); };
+    return fmt::format(
+        "springs {} {}\nmodulus {}\ndensity {}\nthickness {}\noptimizer {} also {}\nseed {}\niterations {}\n"
+        "max_seconds {}\ntarget_rel_loss {}\nbox {} {}\nweight_near {} {}\nweight_far {} {}\n",
+        s.springs.topology, s.springs.law, s.modulus_N_m(), s.material.density_kg_m3, s.geometry.thickness_m,
+        t.optimizer, fmt::join(t.also, " "), t.seed, t.iterations, optional(t.max_seconds), optional(t.target_rel_loss),
+        t.k_min_E2, t.k_max_E2, t.weight_near[0], t.weight_near[1], t.weight_far[0], t.weight_far[1]);
+}
+
+}  // namespace
+
+Plan make_plan(const Study& study) {
+    Plan plan;
+    plan.fragment = fmt::format(
+        "# Written by tissuectl plan from study '{}'; do not edit.\n"
+        "$(R)/mesh.msh: MESH_ARGUMENTS = {}\n"
+        "$(R)/mesh.msh: $(R)/plan/mesh\n"
+        "$(R)/cases.h5: $(R)/plan/collect\n"
+        "$(R)/model.h5: $(R)/plan/train\n"
+        "PATHS :=\n",
+        study.name, mesh_arguments(study));
+    plan.parts["mesh"] = mesh_arguments(study) + "\n";
+    plan.parts["collect"] = collect_part(study);
+    plan.parts["train"] = train_part(study);
+    for (const StudyPath& path : study.loads.paths) {
+        const std::string arguments = path_arguments(study, path);
+        plan.fragment += fmt::format(
+            "\nPATHS += {0}\n"
+            "$(R)/cases/{0}.csv: PATH_ARGUMENTS = {1}\n"
+            "$(R)/cases/{0}.csv: $(R)/plan/path-{0}\n",
+            path.name, arguments);
+        plan.parts["path-" + path.name] = arguments + "\n";
+    }
+    return plan;
+}
+
+}  // namespace tissue

@@ -1,0 +1,178 @@
+#include "study/study.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "error.h"
+#include "springs/spring_law.h"
+#include "study/toml_reader.h"
+
+namespace tissue {
+namespace {
+
+const Range positive{0, std::numeric_limits<double>::infinity(), true};
+const Range not_negative{0};
+
+toml::table parse(const std::string& file) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error)) throw FileError(file + ": there is no such study file");
+    try {
+        return toml::parse_file(file);
+    } catch (const toml::parse_error& e) {
+        throw StudyError(fmt::format("{}:{}: {}", file, e.source().begin.line, e.description()));
+    }
+}
+
+/// The base study's tables with this study's keys put over them; lists are replaced whole.
+void overlay(toml::table& base, const toml::table& changes) {
+    for (const auto& [key, node] : changes) {
+        toml::node* there = base.get(key);
+        if (there && there->is_table() && node.is_table())
+            overlay(*there->as_table(), *node.as_table());
+        else
+            base.insert_or_assign(key, node);
+    }
+}
+
+toml::table parse_with_base(const std::string& file, int depth = 0) {
+    toml::table table = parse(file);
+    const toml::node* based_on = table.get("based_on");
+    if (!based_on) return table;
+    if (!based_on->is_string() || depth > 8)
+        throw StudyError(fmt::format("{}:{}: key 'based_on': must name another study, without a circle", file,
+                                     based_on->source().begin.line));
+    const std::filesystem::path base =
+        std::filesystem::path(file).parent_path() / (based_on->as_string()->get() + ".toml");
+    toml::table merged = parse_with_base(base.string(), depth + 1);
+    table.erase("based_on");
+    overlay(merged, table);
+    return merged;
+}
+
+bool is_multiple(double value, double step) {
+    return std::abs(value / step - std::round(value / step)) < 1e-9 * value / step;
+}
+
+bool is_plain_name(const std::string& name) {
+    return !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == std::string::npos;
+}
+
+Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry) {
+    Study::Loads loads;
+    loads.magnitudes_m = in.numbers("magnitudes_m", positive);
+    loads.record_step_m = in.number("record_step_m", positive);
+    for (std::size_t i = 0; i < loads.magnitudes_m.size(); ++i) {
+        if (i > 0 && !(loads.magnitudes_m[i] > loads.magnitudes_m[i - 1]))
+            in.refuse("magnitudes_m", "must be ascending");
+        if (!is_multiple(loads.magnitudes_m[i], loads.record_step_m))
+            in.refuse("magnitudes_m", "every entry must be a multiple of record_step_m");
+    }
+    std::set<std::string> names;
+    for (TomlReader& path : in.tables("paths")) {
+        StudyPath p;
+        p.name = path.text("name");
+        if (!is_plain_name(p.name)) path.refuse("name", "must be of lower-case letters, digits and '-'");
+        if (!names.insert(p.name).second) path.refuse("name", "'" + p.name + "' stands twice");
+        const std::vector<double> contact = path.numbers("contact_m", 2), push = path.numbers("push", 2);
+        p.contact_m = {contact[0], contact[1]};
+        p.direction = {push[0], push[1]};
+        if (!(p.direction.norm() > 0)) path.refuse("push", "must not be zero");
+        p.direction.normalize();
+        const double x = contact[0], y = contact[1], w = geometry.width_m, h = geometry.height_m;
+        const bool on_side = (x == 0 || x == w) && y > 0 && y <= h, on_top = y == h && x >= 0 && x <= w;
+        if (!on_side && !on_top)
+            path.refuse("contact_m", fmt::format("({}, {}) m is not on the free surface of the {} x {} m block", x, y,
+                                                 w, h));
+        path.refuse_the_rest();
+        loads.paths.push_back(p);
+    }
+    in.refuse_the_rest();
+    return loads;
+}
+
+Study::Training read_training(TomlReader in) {
+    Study::Training t;
+    t.optimizer = in.text("optimizer");
+    t.also = in.texts("also");
+    t.seed = static_cast<unsigned long>(in.integer("seed", 0, std::numeric_limits<int>::max()));
+    t.iterations = static_cast<int>(in.integer("iterations", 1, 100'000'000));
+    t.max_seconds = in.optional_number("max_seconds", positive);
+    t.target_rel_loss = in.optional_number("target_rel_loss", positive);
+    t.k_min_E2 = in.number("k_min_E2", positive);
+    t.k_max_E2 = in.number("k_max_E2", positive);
+    if (!(t.k_min_E2 <= 0.5)) in.refuse("k_min_E2", "must be at most 0.5, or the heuristic starts outside the box");
+    if (!(t.k_max_E2 >= 1)) in.refuse("k_max_E2", "must be at least 1, or the heuristic starts outside the box");
+    const auto weights = [&in](const char* key, double (&out)[2]) {
+        const std::vector<double> range = in.numbers(key, 2, {0, 1});
+        if (range[0] > range[1]) in.refuse(key, "must be [smallest, largest]");
+        std::copy(range.begin(), range.end(), out);
+    };
+    weights("weight_near", t.weight_near);
+    weights("weight_far", t.weight_far);
+    in.refuse_the_rest();
+    return t;
+}
+
+}  // namespace
+
+int Study::Loads::records() const {
+    return static_cast<int>(std::lround(depth_m() / record_step_m));
+}
+
+Study read_study(const std::string& file) {
+    const toml::table table = parse_with_base(file);
+    TomlReader in(table, file, "");
+    Study study;
+    study.file = file;
+    study.name = std::filesystem::path(file).stem().string();
+
+    TomlReader geometry = in.table("geometry");
+    study.geometry = {geometry.number("width_m", positive), geometry.number("height_m", positive),
+                      geometry.number("thickness_m", positive)};
+    geometry.refuse_the_rest();
+
+    TomlReader material = in.table("material");
+    study.material.law = material.choice("law", {"mooney-rivlin"});
+    study.material.C1_Pa = material.number("C1_Pa", not_negative);
+    study.material.C2_Pa = material.number("C2_Pa", not_negative);
+    if (!(study.material.C1_Pa + study.material.C2_Pa > 0)) material.refuse("C1_Pa", "C1_Pa + C2_Pa must be > 0");
+    study.material.density_kg_m3 = material.number("density_kg_m3", positive);
+    study.material.formulation = material.choice("formulation", {"plane-stress"});
+    material.refuse_the_rest();
+
+    TomlReader lattice = in.table("lattice");
+    const std::vector<double> cells = lattice.numbers("cells", 2, {1, 2000});
+    for (int axis : {0, 1}) {
+        study.cells[axis] = static_cast<int>(cells[axis]);
+        if (study.cells[axis] != cells[axis]) lattice.refuse("cells", "must be whole numbers");
+    }
+    lattice.refuse_the_rest();
+
+    TomlReader mesh = in.table("mesh");
+    study.refine = static_cast<int>(mesh.integer("refine", 1, 100));
+    if (study.cells[0] * study.refine % 2 != 0)
+        mesh.refuse("refine", "times lattice.cells[0] must be even, so that the two halves mirror each other");
+    mesh.refuse_the_rest();
+
+    TomlReader indenter = in.table("indenter");
+    study.indenter.kind = indenter.choice("kind", {"point"});
+    indenter.refuse_the_rest();
+
+    TomlReader solver = in.table("solver");
+    study.solver = {solver.number("tolerance", {1e-13, 1e-3}), static_cast<int>(solver.integer("max_newton", 2, 100))};
+    solver.refuse_the_rest();
+
+    study.loads = read_loads(in.table("loads"), study.geometry);
+
+    TomlReader springs = in.table("springs");
+    study.springs = {springs.choice("topology", {"grid4", "grid8"}), springs.choice("law", spring_law_names())};
+    springs.refuse_the_rest();
+
+    study.training = read_training(in.table("training"));
+    in.refuse_the_rest();
+    return study;
+}
+
+}  // namespace tissue

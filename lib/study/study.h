@@ -1,0 +1,78 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tissue {
+
+/// One straight push on one contact, from rest to the deepest magnitude.
+struct StudyPath {
+    std::string name;           ///< file name of its results: lower-case letters, digits, '-'
+    Eigen::Vector2d contact_m;  ///< position on the outline [m]
+    Eigen::Vector2d direction;  ///< unit vector of the push
+};
+
+/// Everything a study file (fem/studies/NAME.toml) says. Every key is listed in results/FORMATS.md.
+struct Study {
+    std::string name;  ///< the file's name without its ending
+    std::string file;
+
+    struct Geometry {
+        double width_m, height_m, thickness_m;
+    } geometry;
+
+    struct Material {
+        std::string law;  ///< mooney-rivlin
+        double C1_Pa, C2_Pa, density_kg_m3;
+        std::string formulation;  ///< plane-stress
+
+        /// Small-strain Young's modulus E = 6 (C1 + C2) [Pa].
+        double youngs_modulus_Pa() const { return 6 * (C1_Pa + C2_Pa); }
+    } material;
+
+    int cells[2];  ///< of the spring lattice, along x and y
+    int refine;    ///< finite elements along a lattice cell's side
+
+    struct Indenter {
+        std::string kind;  ///< point
+    } indenter;
+
+    struct Solver {
+        double tolerance;
+        int max_newton;
+    } solver;
+
+    struct Loads {
+        std::vector<double> magnitudes_m;  ///< ascending; every one a record
+        double record_step_m;
+        std::vector<StudyPath> paths;
+
+        double depth_m() const { return magnitudes_m.back(); }
+        int records() const;  ///< after the one at rest
+    } loads;
+
+    struct Springs {
+        std::string topology, law;
+    } springs;
+
+    struct Training {
+        std::string optimizer;
+        std::vector<std::string> also;  ///< other optimisers, trained and evaluated for comparison
+        unsigned long seed;
+        int iterations;
+        std::optional<double> max_seconds, target_rel_loss;  ///< stop criteria of Fig. 5
+        double k_min_E2, k_max_E2;
+        double weight_near[2], weight_far[2];
+    } training;
+
+    /// E2 = E t [N/m], the two-dimensional Young's modulus of (7).
+    double modulus_N_m() const { return material.youngs_modulus_Pa() * geometry.thickness_m; }
+};
+
+/// Reads a study and what it is based on, and checks every key and value.
+/// Throws StudyError with file, line, key and what is allowed; FileError when a file cannot be read.
+Study read_study(const std::string& file);
+
+}  // namespace tissue

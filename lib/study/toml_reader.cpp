@@ -1,0 +1,129 @@
+#include "study/toml_reader.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "error.h"
+
+namespace tissue {
+namespace {
+
+std::string words(const Range& range) {
+    if (std::isinf(range.low) && std::isinf(range.high)) return "a finite number";
+    if (std::isinf(range.high)) return fmt::format("a number {} {}", range.low_open ? ">" : ">=", range.low);
+    return fmt::format("a number {} {} and <= {}", range.low_open ? ">" : ">=", range.low, range.high);
+}
+
+bool inside(double value, const Range& range) {
+    return std::isfinite(value) && value <= range.high && (range.low_open ? value > range.low : value >= range.low);
+}
+
+}  // namespace
+
+TomlReader::TomlReader(const toml::table& table, std::string file, std::string path)
+    : table_(&table), file_(std::move(file)), path_(std::move(path)) {}
+
+void TomlReader::refuse(const std::string& key, const std::string& why) const {
+    const toml::node* node = table_->get(key);
+    const auto line = node ? node->source().begin.line : table_->source().begin.line;
+    const std::string name = path_.empty() ? key : path_ + "." + key;
+    throw StudyError(fmt::format("{}:{}: key '{}': {}", file_, line, name, why));
+}
+
+const toml::node& TomlReader::require(const std::string& key) {
+    known_.insert(key);
+    const toml::node* node = table_->get(key);
+    if (!node) refuse(key, "is missing");
+    return *node;
+}
+
+TomlReader TomlReader::table(const std::string& key) {
+    const toml::node& node = require(key);
+    if (!node.is_table()) refuse(key, "must be a table");
+    return {*node.as_table(), file_, path_.empty() ? key : path_ + "." + key};
+}
+
+std::vector<TomlReader> TomlReader::tables(const std::string& key) {
+    const toml::node& node = require(key);
+    const toml::array* array = node.as_array();
+    if (!array || array->empty() || !array->is_homogeneous<toml::table>()) refuse(key, "must be a list of tables");
+    std::vector<TomlReader> readers;
+    const std::string prefix = path_.empty() ? key : path_ + "." + key;
+    for (std::size_t i = 0; i < array->size(); ++i)
+        readers.emplace_back(*(*array)[i].as_table(), file_, fmt::format("{}[{}]", prefix, i));
+    return readers;
+}
+
+double TomlReader::number(const std::string& key, Range range) {
+    const std::optional<double> value = require(key).value<double>();
+    if (!value || !inside(*value, range)) refuse(key, "must be " + words(range));
+    return *value;
+}
+
+std::optional<double> TomlReader::optional_number(const std::string& key, Range range) {
+    known_.insert(key);
+    if (!has(key)) return std::nullopt;
+    return number(key, range);
+}
+
+long TomlReader::integer(const std::string& key, long low, long high) {
+    const toml::node& node = require(key);
+    const std::optional<std::int64_t> value = node.is_integer() ? node.value<std::int64_t>() : std::nullopt;
+    if (!value || *value < low || *value > high) refuse(key, fmt::format("must be an integer from {} to {}", low, high));
+    return static_cast<long>(*value);
+}
+
+std::string TomlReader::text(const std::string& key) {
+    const toml::node& node = require(key);
+    if (!node.is_string()) refuse(key, "must be a text");
+    return node.as_string()->get();
+}
+
+std::string TomlReader::choice(const std::string& key, const std::vector<std::string>& allowed) {
+    const std::string value = text(key);
+    if (std::find(allowed.begin(), allowed.end(), value) == allowed.end())
+        refuse(key, fmt::format("'{}' is not allowed; allowed: {}", value, fmt::join(allowed, ", ")));
+    return value;
+}
+
+std::vector<std::string> TomlReader::texts(const std::string& key) {
+    known_.insert(key);
+    std::vector<std::string> values;
+    if (!has(key)) return values;
+    const toml::array* array = table_->get(key)->as_array();
+    if (!array) refuse(key, "must be a list of texts");
+    for (const toml::node& node : *array) {
+        if (!node.is_string()) refuse(key, "must be a list of texts");
+        values.push_back(node.as_string()->get());
+    }
+    return values;
+}
+
+std::vector<double> TomlReader::numbers(const std::string& key, Range range) {
+    const toml::array* array = require(key).as_array();
+    if (!array || array->empty()) refuse(key, "must be a list of numbers");
+    std::vector<double> values;
+    for (const toml::node& node : *array) {
+        const std::optional<double> value = node.value<double>();
+        if (!value || !inside(*value, range)) refuse(key, "every entry must be " + words(range));
+        values.push_back(*value);
+    }
+    return values;
+}
+
+std::vector<double> TomlReader::numbers(const std::string& key, std::size_t count, Range range) {
+    std::vector<double> values = numbers(key, range);
+    if (values.size() != count) refuse(key, fmt::format("must be a list of {} numbers", count));
+    return values;
+}
+
+void TomlReader::refuse_the_rest() const {
+    for (const auto& [key, node] : *table_)
+        if (!known_.count(std::string(key.str())))
+            refuse(std::string(key.str()), fmt::format("is not known; allowed: {}", fmt::join(known_, ", ")));
+}
+
+}  // namespace tissue

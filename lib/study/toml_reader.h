@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <optional>
+#include <set>
+#include <string>
+#include <toml++/toml.h>
+#include <vector>
+
+namespace tissue {
+
+/// Inclusive range of allowed numbers, unless a bound is said to be open.
+struct Range {
+    double low = -std::numeric_limits<double>::infinity();
+    double high = std::numeric_limits<double>::infinity();
+    bool low_open = false;
+};
+
+/// Reads keys of one TOML table, remembers which were asked for, and refuses what is left over. Every refusal is a
+/// StudyError with file, line, key, and what is allowed.
+class TomlReader {
+   public:
+    /// path: how messages name the table ("training"), empty for the root.
+    TomlReader(const toml::table& table, std::string file, std::string path);
+
+    TomlReader table(const std::string& key);
+    std::vector<TomlReader> tables(const std::string& key);
+
+    double number(const std::string& key, Range range = {});
+    std::optional<double> optional_number(const std::string& key, Range range = {});
+    long integer(const std::string& key, long low, long high);
+    std::string text(const std::string& key);
+    std::string choice(const std::string& key, const std::vector<std::string>& allowed);
+    std::vector<std::string> texts(const std::string& key);
+    std::vector<double> numbers(const std::string& key, Range range = {});
+    std::vector<double> numbers(const std::string& key, std::size_t count, Range range = {});
+    bool has(const std::string& key) const { return table_->contains(key); }
+
+    /// Throws for keys that nobody asked for.
+    void refuse_the_rest() const;
+
+    [[noreturn]] void refuse(const std::string& key, const std::string& why) const;
+
+   private:
+    const toml::node& require(const std::string& key);
+
+    const toml::table* table_;
+    std::string file_, path_;
+    std::set<std::string> known_;
+};
+
+}  // namespace tissue

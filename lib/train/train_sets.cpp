@@ -1,0 +1,175 @@
+#include "train/train_sets.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "error.h"
+#include "springs/heuristic.h"
+#include "springs/spring_law.h"
+#include "train/optimizer.h"
+
+namespace tissue {
+namespace {
+
+/// A GSL generator that no other set or purpose shares.
+class Stream {
+   public:
+    Stream(unsigned long seed, const std::string& purpose, const std::string& set)
+        : rng_(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free) {
+        const std::string key = fmt::format("{}/{}/{}", seed, purpose, set);
+        gsl_rng_set(rng_.get(), XXH3_64bits(key.data(), key.size()) & 0xffffffffUL);  // mt19937 takes 32 bits
+    }
+    operator gsl_rng*() const { return rng_.get(); }
+    double uniform(const double (&range)[2]) const { return range[0] + (range[1] - range[0]) * gsl_rng_uniform(*this); }
+
+   private:
+    std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng_;
+};
+
+/// Q of (9): high for the 3 x 3 nodes about the contact, lower elsewhere, both drawn at random (N).
+Eigen::VectorXd draw_node_weights(const Study& study, const SpringMesh& mesh, const LoadCase& load) {
+    const Stream stream(study.training.seed, "weights", load.name);
+    const Eigen::Vector2d reach(1.01 * study.geometry.width_m / study.cells[0],
+                                1.01 * study.geometry.height_m / study.cells[1]);
+    Eigen::VectorXd weight(mesh.node_count());
+    for (int i = 0; i < mesh.node_count(); ++i) {
+        const Eigen::Vector2d away = (mesh.nodes.row(i).transpose() - load.path->contact_m).cwiseAbs();
+        const bool near = away.x() <= reach.x() && away.y() <= reach.y();
+        weight[i] = stream.uniform(near ? study.training.weight_near : study.training.weight_far);
+    }
+    return weight;
+}
+
+/// Runs job(0) ... job(count - 1) on `threads` threads; the first exception comes out here.
+void parallel_for(int count, int threads, const std::function<void(int)>& job) {
+    std::atomic<int> next{0};
+    std::exception_ptr failure;
+    std::mutex guard;
+    const auto work = [&] {
+        for (int i = next++; i < count; i = next++) try {
+                job(i);
+            } catch (...) {
+                const std::lock_guard<std::mutex> lock(guard);
+                if (!failure) failure = std::current_exception();
+                next = count;
+            }
+    };
+    std::vector<std::thread> pool;
+    for (int t = 1; t < std::min(threads, count); ++t) pool.emplace_back(work);
+    work();
+    for (std::thread& thread : pool) thread.join();
+    if (failure) std::rethrow_exception(failure);
+}
+
+TrainedSets gather(const std::string& optimizer, const std::vector<TrainSummary>& sets,
+                   const std::vector<ForceLoss>& losses, double seconds) {
+    const auto C = static_cast<Eigen::Index>(sets.size());
+    TrainedSets t;
+    t.optimizer = optimizer;
+    t.seconds = seconds;
+    t.theta.resize(C, sets[0].theta.size());
+    t.loss_N.resize(C);
+    t.rel_loss.resize(C);
+    std::map<int, Eigen::Index> column;  // sorted union of the sets' iterations
+    for (const TrainSummary& s : sets)
+        for (const LearningPoint& p : s.curve) column[p.iteration] = 0;
+    for (auto& [iteration, index] : column) {
+        index = static_cast<Eigen::Index>(t.curve_iteration.size());
+        t.curve_iteration.push_back(iteration);
+    }
+    t.curve_loss_N = NodeField::Constant(C, static_cast<Eigen::Index>(column.size()), std::nan(""));
+    for (Eigen::Index c = 0; c < C; ++c) {
+        const TrainSummary& s = sets[static_cast<std::size_t>(c)];
+        t.theta.row(c) = s.theta;
+        t.loss_N[c] = s.loss;
+        t.rel_loss[c] = s.loss / losses[static_cast<std::size_t>(c)].scale();
+        t.iterations.push_back(s.iterations);
+        t.evaluations.push_back(s.evaluations);
+        t.restarts.push_back(s.restarts);
+        t.status.push_back(to_string(s.status));
+        for (const LearningPoint& p : s.curve) t.curve_loss_N(c, column[p.iteration]) = p.loss;
+    }
+    return t;
+}
+
+}  // namespace
+
+SpringMesh spring_mesh_of(const Study& study, const NodeField& nodes) {
+    SpringMesh mesh = make_lattice(study.springs.topology, study.cells[0], study.cells[1], study.geometry.width_m,
+                                   study.geometry.height_m);
+    if (nodes.rows() != mesh.nodes.rows() || !nodes.isApprox(mesh.nodes, 1e-9))
+        throw MismatchError(fmt::format("the cases have {} nodes that are not the {} x {} lattice of study '{}'",
+                                        nodes.rows(), study.cells[0] + 1, study.cells[1] + 1, study.name));
+    return mesh;
+}
+
+TissueModel train_sets(const Study& study, const Cases& cases, int threads, const TrainProgress& progress) {
+    const double unit = study.modulus_N_m();
+    TissueModel model;
+    model.study = study.name;
+    model.law = study.springs.law;
+    model.mesh = spring_mesh_of(study, cases.nodes);
+    model.modulus_N_m = unit;
+    model.node_mass_kg = node_masses(model.mesh, study.material.density_kg_m3, study.geometry.thickness_m);
+    model.heuristic_a = heuristic_stiffness(model.mesh, unit);
+    model.heuristic_b = heuristic_stiffness(
+        model.mesh, (study.material.C1_Pa + study.material.C2_Pa) * study.geometry.thickness_m);
+
+    const std::vector<LoadCase> loads = load_cases(cases);
+    const auto C = static_cast<Eigen::Index>(loads.size());
+    const int D = model.mesh.dimension(), S = model.mesh.spring_count();
+    model.contact_m.resize(C, D);
+    model.direction.resize(C, D);
+    model.magnitude_m.resize(C);
+    model.node_weight.resize(C, model.mesh.node_count());
+
+    const std::unique_ptr<SpringLaw> law = make_spring_law(study.springs.law);
+    std::vector<ForceLoss> losses;
+    for (Eigen::Index c = 0; c < C; ++c) {
+        const LoadCase& load = loads[static_cast<std::size_t>(c)];
+        model.case_names.push_back(load.name);
+        model.contact_m.row(c) = load.path->contact_m;
+        model.direction.row(c) = load.path->direction;
+        model.magnitude_m[c] = load.record->magnitude_m;
+        model.node_weight.row(c) = draw_node_weights(study, model.mesh, load);
+        const NodeField weight = model.node_weight.row(c).transpose().replicate(1, D);  // both components alike
+        losses.emplace_back(law->force_matrix(model.mesh, load.record->displacement), as_vector(load.record->force),
+                            as_vector(weight));
+    }
+
+    const Box box{Eigen::VectorXd::Constant(S, study.training.k_min_E2 * unit),
+                  Eigen::VectorXd::Constant(S, study.training.k_max_E2 * unit)};
+    const StopCriteria stop{study.training.iterations, study.training.max_seconds, study.training.target_rel_loss};
+    std::vector<std::string> names = {study.training.optimizer};
+    for (const std::string& other : study.training.also)
+        if (std::find(names.begin(), names.end(), other) == names.end()) names.push_back(other);
+    const int total = static_cast<int>(C) * static_cast<int>(names.size());
+    int done = 0;
+    std::mutex guard;
+    for (const std::string& name : names) {
+        const std::unique_ptr<Optimizer> optimizer = make_optimizer(name);
+        std::vector<TrainSummary> sets(loads.size());
+        const auto start = std::chrono::steady_clock::now();
+        parallel_for(static_cast<int>(C), threads, [&](int c) {
+            const auto i = static_cast<std::size_t>(c);
+            const Stream stream(study.training.seed, name, loads[i].name);
+            sets[i] = optimizer->minimise(losses[i], model.heuristic_a, box, unit, stop, stream);
+            const std::lock_guard<std::mutex> lock(guard);
+            ++done;
+            if (progress) progress(done, total, name + " " + loads[i].name);
+        });
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+        model.trained.push_back(gather(name, sets, losses, seconds.count()));
+    }
+    return model;
+}
+
+}  // namespace tissue

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "cases/load_path.h"
+#include "springs/tissue_model.h"
+#include "study/study.h"
+
+namespace tissue {
+
+/// Called from any thread, one call at a time, whenever a set is done.
+using TrainProgress = std::function<void(int done, int total, const std::string& set)>;
+
+/// Sec. 3: one spring set for every load case of the study, by its optimiser and by those it compares with.
+/// Every set draws its Q and its perturbations from streams of its own, seeded by the study's seed and the set's
+/// name, so the result is the same for any number of threads.
+/// Throws MismatchError when the cases are not on the study's lattice.
+TissueModel train_sets(const Study& study, const Cases& cases, int threads, const TrainProgress& progress = {});
+
+/// The study's spring mesh. Throws MismatchError when `nodes` are not its nodes.
+SpringMesh spring_mesh_of(const Study& study, const NodeField& nodes);
+
+}  // namespace tissue
