@@ -24,7 +24,7 @@ export OMP_NUM_THREADS := 1
 
 # ---- front door
 
-.PHONY: all mesh cases train eval figures test bench deps help clean build
+.PHONY: all mesh cases train eval figures test sanitize bench deps help clean build
 
 ## all: the whole study, from mesh to figures
 all: figures eval
@@ -100,7 +100,7 @@ $(BUILD)/test_tissue: $(call objects,$(TEST_SOURCES)) $(BUILD)/libtissue.a
 
 # The plan says which load paths there are and with which arguments; its parts say what each stage depends on, and
 # keep their time stamp while their text stays the same.
-ifneq (,$(filter-out help clean deps build test bench $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
+ifneq (,$(filter-out help clean deps build test sanitize bench $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
 include $(R)/plan.mk
 endif
 
@@ -139,6 +139,11 @@ $(R)/figures/%.png: $(R)/cases.h5 $(R)/model.h5 $(R)/eval.json $(wildcard script
 ## test: library, FE and pipeline tests; the last line counts them
 test: $(TISSUECTL) $(BUILD)/test_tissue
 	@PYTHON=$(PYTHON) TISSUECTL=$(abspath $(TISSUECTL)) tests/run $(BUILD)/test_tissue
+
+## sanitize: library tests under address and undefined-behaviour sanitizers
+sanitize:
+	@$(MAKE) SANITIZE=1 build/sanitize/test_tissue
+	@build/sanitize/test_tissue
 
 ## bench: speed of our own parts, as results/bench.json
 bench: $(R)/cases.h5

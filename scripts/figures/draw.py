@@ -1,0 +1,31 @@
+"""Draws one figure of a study: draw.py FIGURE RESULTS OUT.png.
+
+FIGURE is a module beside this file (contours, force, learning, springs, errors) with draw(results) -> figure.
+"""
+import importlib
+import os
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import results  # noqa: E402  (after the backend is chosen)
+
+
+def main():
+    if len(sys.argv) != 4:
+        sys.exit("usage: draw.py FIGURE RESULTS OUT.png")
+    name, folder, out = sys.argv[1:]
+    try:
+        data = results.load(folder)
+    except (OSError, KeyError, ValueError) as error:
+        sys.exit(f"draw.py: {folder}: {error}")
+    figure = importlib.import_module(name).draw(data)
+    # no date and no version inside: the same data give the same bytes
+    figure.savefig(out + ".tmp", dpi=110, format="png", metadata={"Software": None})
+    os.replace(out + ".tmp", out)
+
+
+if __name__ == "__main__":
+    main()

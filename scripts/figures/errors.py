@@ -1,0 +1,41 @@
+"""Error of every case: the loss (9), the resolved force, and the closed loop, for learned springs and baselines."""
+import matplotlib.pyplot as plt
+from matplotlib.ticker import FuncFormatter
+
+from results import COLOURS, LABELS, MARKERS
+
+MEASURES = {
+    "rel_loss": "rel_loss (9)",
+    "resolved_force_error": "resolved force at the loaded node",
+    "closed_loop_error": "closed loop: force a hand feels",
+}
+
+
+def draw(results):
+    cases = results.evaluation["cases"]
+    figure, axes = plt.subplots(1, len(MEASURES), figsize=(13, 0.3 * len(cases) + 1.6), sharey=True,
+                                layout="constrained")
+    for axis, (measure, title) in zip(axes, MEASURES.items()):
+        answers = 0
+        for model in cases[0]["models"]:
+            errors = [case["models"][model][measure] for case in cases]
+            rows = [i for i, e in enumerate(errors) if e is not None]
+            answers += len(rows)
+            axis.plot([max(errors[i], 1e-3) for i in rows], rows, MARKERS.get(model, "o"),
+                      color=COLOURS.get(model, "0.4"), markersize=6, alpha=0.85, label=LABELS.get(model, model))
+        if answers == 0:
+            axis.text(0.5, 0.5, "no answer: the mesh has\nzero-energy modes", ha="center", transform=axis.transAxes)
+        else:
+            axis.set_xscale("log")
+            axis.axvline(1, color="0.6", linewidth=0.8)
+            axis.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:g} %"))
+        axis.set_title(title, fontsize=10)
+        axis.grid(axis="both", color="0.9")
+        axis.set_axisbelow(True)
+    axes[0].set_yticks(range(len(cases)), [case["name"].replace("-", " ") for case in cases], fontsize=8)
+    axes[0].invert_yaxis()
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.set_layout_engine("constrained", rect=(0, 0.06, 1, 0.94))  # room for the legend
+    figure.legend(handles, labels, loc="lower center", ncols=len(labels), frameon=False)
+    figure.suptitle("Relative error of force, case by case")
+    return figure

@@ -1,0 +1,39 @@
+"""Fig. 4: learning curves of every spring set, one panel an optimiser."""
+import matplotlib.pyplot as plt
+import numpy as np
+
+from results import COLOURS, LABELS
+
+
+def draw(results):
+    optimizers = list(results.trained)
+    figure, axes = plt.subplots(1, len(optimizers), figsize=(5.2 * len(optimizers), 4), sharey=True, squeeze=False,
+                                layout="constrained")
+    for number, (axis, name) in enumerate(zip(axes.flat, optimizers)):
+        trained = results.trained[name]
+        scale = (trained.loss / trained.rel_loss)[:, None]
+        curves = trained.curve / scale
+        for row in curves:  # sets record at different iterations; between two, a set stands where it stood
+            known = ~np.isnan(row)
+            row[:] = row[known][np.cumsum(known) - 1]
+        key = "learned" if number == 0 else "learned_" + name.replace("-", "_")
+        colour = COLOURS.get(key, "#0072B2")
+        iteration = np.maximum(trained.iteration, 0.7)  # 0 has no place on a logarithmic axis
+        middle = np.median(curves, axis=0)
+        for row in curves:
+            axis.plot(iteration, row, color=colour, alpha=0.3, linewidth=0.9)
+        axis.plot(iteration, middle, color="black", linewidth=2, label="median of the sets")
+        for mark in (1000, 5000):
+            axis.axvline(mark, color="0.6", linewidth=0.8, linestyle=":")
+            if mark <= trained.iteration[-1]:
+                value = np.interp(mark, trained.iteration, middle)
+                axis.annotate(f"{value:.2f} at {mark:,}", (mark, value), textcoords="offset points",
+                              xytext=(8, 60 if mark == 1000 else 40), ha="left", fontsize=8,
+                              arrowprops={"arrowstyle": "-", "color": "0.5", "linewidth": 0.6})
+        axis.set_xscale("log")
+        axis.set_title(f"{LABELS.get(key, name)}: {len(curves)} sets")
+        axis.set_xlabel("iteration")
+        axis.legend(frameon=False)
+    axes[0, 0].set_ylabel("loss (9) over the weighted FE force")
+    axes[0, 0].set_ylim(bottom=0)
+    return figure

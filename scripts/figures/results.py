@@ -1,0 +1,78 @@
+"""A study's results as arrays, for the figures. Reads cases.h5, model.h5 and eval.json; computes nothing."""
+import json
+from pathlib import Path
+from types import SimpleNamespace
+
+import h5py
+import numpy as np
+
+# Okabe and Ito's palette: told apart with every common colour vision
+COLOURS = {
+    "fe": "#000000",
+    "learned": "#0072B2",
+    "learned_spsa_2008": "#56B4E9",
+    "optimum": "#009E73",
+    "heuristic_a": "#D55E00",
+    "heuristic_b": "#E69F00",
+    "uniform": "#CC79A7",
+}
+MARKERS = {"learned": "o", "learned_spsa_2008": "s", "optimum": "*", "heuristic_a": "^", "heuristic_b": "v",
+           "uniform": "D"}
+LABELS = {
+    "fe": "finite elements",
+    "learned": "learned (spsa)",
+    "learned_spsa_2008": "learned (spsa-2008)",
+    "optimum": "certified optimum",
+    "heuristic_a": "heuristic, E2 = E t",
+    "heuristic_b": "heuristic, E2 = (C1 + C2) t",
+    "uniform": "one stiffness",
+}
+
+
+def load(folder):
+    folder = Path(folder)
+    results = SimpleNamespace(evaluation=json.loads((folder / "eval.json").read_text()), paths={}, trained={})
+    with h5py.File(folder / "cases.h5") as f:
+        for name in f["path_names"].asstr():
+            group = f["paths"][name]
+            results.paths[name] = SimpleNamespace(**{key: group[key][()] for key in group})
+    with h5py.File(folder / "model.h5") as f:
+        results.nodes = f["mesh/nodes"][()]
+        results.springs = f["mesh/springs"][()]
+        results.triangles = f["mesh/triangles"][()]
+        results.boundary = f["mesh/boundary"][()]
+        results.modulus = float(f.attrs["modulus_N_m"])
+        results.case_names = list(f["cases/names"].asstr())
+        results.magnitude = f["cases/magnitude"][()]
+        results.contact = f["cases/contact"][()]
+        results.direction = f["cases/direction"][()]
+        for optimizer in f["optimizers"].asstr():
+            group = f["trained"][optimizer]
+            results.trained[optimizer] = SimpleNamespace(
+                theta=group["theta"][()], rel_loss=group["rel_loss"][()], loss=group["loss"][()],
+                iteration=group["curve_iteration"][()], curve=group["curve_loss"][()])
+    return results
+
+
+def title_of_case(results, case):
+    """"left-10mm" as "left, 10 mm"."""
+    return f"{path_of_case(results, case).replace('-', ' ')}, {1e3 * results.magnitude[case]:g} mm"
+
+
+def path_of_case(results, case):
+    return results.case_names[case].rsplit("-", 1)[0]
+
+
+def record_of_case(results, case):
+    """Index of the path's record at the case's magnitude."""
+    path = results.paths[path_of_case(results, case)]
+    return int(np.argmin(np.abs(path.magnitude - results.magnitude[case])))
+
+
+def shown_cases(results):
+    """The two cases of the paper's Fig. 2, or a study's first and last."""
+    wanted = ["left-10mm", "top-right-diagonal-15mm"]
+    names = results.case_names
+    if all(w in names for w in wanted):
+        return [names.index(w) for w in wanted]
+    return [0, len(names) - 1]
