@@ -104,17 +104,19 @@ Evaluation evaluate(const TissueModel& model, const Cases& cases) {
     Evaluation result;
     result.study = model.study;
     result.trained = model.trained;
+    result.optimum = model.optimum;
     std::vector<Candidate> candidates;
+    const auto add_sets = [&](const std::string& name, const NodeField& theta) {
+        candidates.push_back({name, {}});
+        for (Eigen::Index c = 0; c < theta.rows(); ++c) candidates.back().theta.emplace_back(theta.row(c));
+    };
     for (const TrainedSets& trained : model.trained) {
         std::string name = "learned";
-        if (!candidates.empty()) {
-            name += "_" + trained.optimizer;
-            std::replace(name.begin(), name.end(), '-', '_');
-        }
-        Candidate candidate{name, {}};
-        for (Eigen::Index c = 0; c < trained.theta.rows(); ++c) candidate.theta.emplace_back(trained.theta.row(c));
-        candidates.push_back(std::move(candidate));
+        if (!candidates.empty()) name += "_" + trained.optimizer;
+        std::replace_if(name.begin(), name.end(), [](char ch) { return ch == '-' || ch == ':'; }, '_');
+        add_sets(name, trained.theta);
     }
+    add_sets("optimum", model.optimum.theta);
     const double low = 0.05 * model.modulus_N_m, high = 40 * model.modulus_N_m;
     const std::optional<double> uniform = best_uniform_stiffness(model.mesh, *law, truths, low, high);
     result.uniform_N_m = uniform ? *uniform : uniform_by_rel_loss(model, *law, loads, contacts, low, high);

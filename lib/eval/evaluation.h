@@ -19,7 +19,7 @@ struct CaseError {
 
 /// One column of every table: a way to choose theta, and its errors at the load cases.
 struct ModelErrors {
-    std::string name;  ///< learned, heuristic_a, heuristic_b, uniform, learned_OPTIMIZER
+    std::string name;  ///< learned, learned_OPTIMIZER, optimum, heuristic_a, heuristic_b, uniform
     std::vector<CaseError> cases;
 
     Statistics rel_loss() const;
@@ -44,6 +44,7 @@ struct Evaluation {
     double uniform_N_m;              ///< the uniform model's stiffness
     std::string uniform_chosen_on;   ///< "closed_loop" or, where the mesh has no closed-loop answer, "rel_loss"
     std::vector<TrainedSets> trained;
+    CertifiedOptimum optimum;
 
     const ModelErrors& model(const std::string& name) const;
 };

@@ -31,6 +31,7 @@ Json training(const TrainedSets& t) {
     return {{"optimizer", t.optimizer},       {"sets", t.theta.rows()},
             {"restarts", total(t.restarts)},  {"restarted_sets", restarted_sets(t)},
             {"iterations", total(t.iterations)}, {"evaluations", total(t.evaluations)},
+            {"gap", {{"median", statistics_of({t.gap.begin(), t.gap.end()}).median}, {"max", t.gap.maxCoeff()}}},
             {"status", statuses},             {"seconds", t.seconds}};
 }
 
@@ -55,11 +56,18 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
     j["training"] = training(evaluation.trained.front());
     for (std::size_t t = 1; t < evaluation.trained.size(); ++t)
         j["training_also"].push_back(training(evaluation.trained[t]));
+    j["optimum"] = {{"kkt_residual_max", evaluation.optimum.kkt_residual.maxCoeff()},
+                    {"seconds", evaluation.optimum.seconds}};
     for (std::size_t c = 0; c < evaluation.case_names.size(); ++c) {
+        const auto i = static_cast<Eigen::Index>(c);
         Json row = {{"name", evaluation.case_names[c]},
                     {"magnitude_m", evaluation.magnitude_m[c]},
                     {"fe_resolved_force_N", evaluation.fe_resolved_N[c]},
-                    {"fe_smallest_J", evaluation.smallest_J[c]}};
+                    {"fe_smallest_J", evaluation.smallest_J[c]},
+                    {"loss_lower_bound_N", evaluation.optimum.lower_bound_N[i]},
+                    {"kkt_residual", evaluation.optimum.kkt_residual[i]},
+                    {"gap", evaluation.trained.front().gap[i]},
+                    {"status", evaluation.trained.front().status[c]}};
         for (const ModelErrors& m : evaluation.models) {
             const CaseError& e = m.cases[c];
             row["models"][m.name] = {{"rel_loss", e.open_loop.rel_loss},

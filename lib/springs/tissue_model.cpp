@@ -39,6 +39,7 @@ void write_trained(Hdf5Writer& out, const TrainedSets& t) {
     out.write(group + "theta", t.theta, "N/m", "spring sets (C x S)");
     out.write(group + "loss", t.loss_N, "N", "L(theta), (9) (C)");
     out.write(group + "rel_loss", t.rel_loss, "1", "L / sqrt(f_fe' Q f_fe) (C)");
+    out.write(group + "gap", t.gap, "1", "distance from the certified optimum (C)");
     out.write_integers(group + "iterations", {C}, t.iterations, "iterations, all restarts together (C)");
     out.write_integers(group + "evaluations", {C}, t.evaluations, "evaluations of the loss (C)");
     out.write_integers(group + "restarts", {C}, t.restarts, "restarts after a negative spring (C)");
@@ -56,6 +57,7 @@ TrainedSets read_trained(const Hdf5Reader& in, const std::string& optimizer) {
     t.theta = in.field(group + "theta");
     t.loss_N = in.vector(group + "loss");
     t.rel_loss = in.vector(group + "rel_loss");
+    t.gap = in.vector(group + "gap");
     t.iterations = in.integers(group + "iterations");
     t.evaluations = in.integers(group + "evaluations");
     t.restarts = in.integers(group + "restarts");
@@ -90,6 +92,12 @@ void write_model(const std::string& file, const TissueModel& model, const Proven
     out.write("/cases/direction", model.direction, "1", "unit vector of the push (C x D)");
     out.write("/cases/magnitude", model.magnitude_m, "m", "how far the contact is pushed (C)");
     out.write("/cases/node_weight", model.node_weight, "1", "diagonal of Q, one entry a node (C x N)");
+    out.write("/optimum/theta", model.optimum.theta, "N/m", "best spring sets inside the box (C x S)");
+    out.write("/optimum/loss", model.optimum.loss_N, "N", "L of them, (9) (C)");
+    out.write("/optimum/rel_loss", model.optimum.rel_loss, "1", "L / sqrt(f_fe' Q f_fe) (C)");
+    out.write("/optimum/lower_bound", model.optimum.lower_bound_N, "N", "no set in the box has a smaller L (C)");
+    out.write("/optimum/kkt_residual", model.optimum.kkt_residual, "1", "of the optimality conditions (C)");
+    out.attribute("/optimum", "seconds", model.optimum.seconds);
     std::vector<std::string> optimizers;
     for (const TrainedSets& t : model.trained) {
         write_trained(out, t);
@@ -130,10 +138,17 @@ TissueModel read_model(const std::string& file) {
     if (model.contact_m.rows() != C || model.direction.rows() != C || model.magnitude_m.size() != C ||
         model.node_weight.rows() != C)
         in.refuse("/cases", "its datasets do not have the same number of cases");
+    model.optimum = {in.field("/optimum/theta"),         in.vector("/optimum/loss"),
+                     in.vector("/optimum/rel_loss"),     in.vector("/optimum/lower_bound"),
+                     in.vector("/optimum/kkt_residual"), in.number_attribute("/optimum", "seconds")};
+    if (model.optimum.theta.rows() != C || model.optimum.theta.cols() != S || model.optimum.loss_N.size() != C ||
+        model.optimum.rel_loss.size() != C || model.optimum.lower_bound_N.size() != C ||
+        model.optimum.kkt_residual.size() != C)
+        in.refuse("/optimum", "does not have one row a case");
     for (const std::string& optimizer : in.texts("/optimizers")) {
         model.trained.push_back(read_trained(in, optimizer));
         const TrainedSets& t = model.trained.back();
-        if (t.theta.rows() != C || t.theta.cols() != S || t.loss_N.size() != C || t.curve_loss_N.rows() != C)
+        if (t.theta.rows() != C || t.theta.cols() != S || t.loss_N.size() != C || t.rel_loss.size() != C || t.gap.size() != C || t.curve_loss_N.rows() != C)
             in.refuse("/trained/" + optimizer, "does not have one row a case");
     }
     if (model.trained.empty()) in.refuse("/optimizers", "is empty");

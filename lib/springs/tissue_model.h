@@ -13,11 +13,21 @@ struct TrainedSets {
     std::string optimizer;
     NodeField theta;                       ///< [N/m] (C x S)
     Eigen::VectorXd loss_N, rel_loss;      ///< L(theta) and over sqrt(f_fe' Q f_fe) (C)
+    Eigen::VectorXd gap;                   ///< how far from the certified optimum, train/certificate.h (C)
     std::vector<int> iterations, evaluations, restarts;  ///< (C)
     std::vector<std::string> status;       ///< (C)
     std::vector<int> curve_iteration;      ///< of the learning curves (P)
     NodeField curve_loss_N;                ///< (C x P), NaN after a set has stopped
     double seconds = 0;                    ///< wall time of all sets together; an attribute, not a dataset
+};
+
+/// The best spring sets there are inside the box, and the proof: no set has a smaller loss than the lower bound.
+struct CertifiedOptimum {
+    NodeField theta;                        ///< [N/m] (C x S)
+    Eigen::VectorXd loss_N, rel_loss;       ///< (C)
+    Eigen::VectorXd lower_bound_N;          ///< L_lb (C)
+    Eigen::VectorXd kkt_residual;           ///< of the optimality conditions, as a part of the FE force (C)
+    double seconds = 0;                     ///< wall time of all sets together; an attribute, not a dataset
 };
 
 /// Everything the realtime core needs, and everything the evaluation needs beside the cases: what model.h5 holds.
@@ -33,6 +43,7 @@ struct TissueModel {
     Eigen::VectorXd magnitude_m;           ///< (C)
     NodeField node_weight;                 ///< Q of each case, one entry a node (C x N)
     std::vector<TrainedSets> trained;      ///< the study's optimiser first
+    CertifiedOptimum optimum;
 
     int case_count() const { return static_cast<int>(case_names.size()); }
 };

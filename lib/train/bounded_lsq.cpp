@@ -73,7 +73,6 @@ BoundedLsqSummary solve_bounded_lsq(const ForceLoss& loss, const Eigen::VectorXd
         x = (x + trial).cwiseMax(lo).cwiseMin(hi);
         residual = target - B * x;
         g = -(B.transpose() * residual);
-        if(getenv("DBG")) fprintf(stderr,"  it %d free %zu alpha %g gain %g kkt %g\n",summary.iterations,free.size(),alpha,gain,summary.kkt_residual);
     }
 
     summary.theta = start;

@@ -14,6 +14,8 @@
 #include "error.h"
 #include "springs/heuristic.h"
 #include "springs/spring_law.h"
+#include "train/bounded_lsq.h"
+#include "train/certificate.h"
 #include "train/optimizer.h"
 
 namespace tissue {
@@ -69,8 +71,34 @@ void parallel_for(int count, int threads, const std::function<void(int)>& job) {
     if (failure) std::rethrow_exception(failure);
 }
 
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// The exact solution of every set and its certificate.
+CertifiedOptimum certify(const std::vector<ForceLoss>& losses, const Eigen::VectorXd& start, const Box& box,
+                         int threads) {
+    const auto C = static_cast<Eigen::Index>(losses.size());
+    CertifiedOptimum optimum{NodeField(C, start.size()), Eigen::VectorXd(C), Eigen::VectorXd(C), Eigen::VectorXd(C),
+                             Eigen::VectorXd(C)};
+    const Clock::time_point begin = Clock::now();
+    parallel_for(static_cast<int>(C), threads, [&](int c) {
+        const ForceLoss& loss = losses[static_cast<std::size_t>(c)];
+        const BoundedLsqSummary exact = solve_bounded_lsq(loss, start, box);
+        optimum.theta.row(c) = exact.theta;
+        optimum.loss_N[c] = exact.residual_norm;
+        optimum.rel_loss[c] = exact.residual_norm / loss.scale();
+        optimum.lower_bound_N[c] = loss_lower_bound(loss, exact.theta, box);
+        optimum.kkt_residual[c] = exact.kkt_residual;
+    });
+    optimum.seconds = seconds_since(begin);
+    return optimum;
+}
+
 TrainedSets gather(const std::string& optimizer, const std::vector<TrainSummary>& sets,
-                   const std::vector<ForceLoss>& losses, double seconds) {
+                   const std::vector<ForceLoss>& losses, const CertifiedOptimum& optimum, double seconds) {
     const auto C = static_cast<Eigen::Index>(sets.size());
     TrainedSets t;
     t.optimizer = optimizer;
@@ -78,6 +106,7 @@ TrainedSets gather(const std::string& optimizer, const std::vector<TrainSummary>
     t.theta.resize(C, sets[0].theta.size());
     t.loss_N.resize(C);
     t.rel_loss.resize(C);
+    t.gap.resize(C);
     std::map<int, Eigen::Index> column;  // sorted union of the sets' iterations
     for (const TrainSummary& s : sets)
         for (const LearningPoint& p : s.curve) column[p.iteration] = 0;
@@ -91,6 +120,7 @@ TrainedSets gather(const std::string& optimizer, const std::vector<TrainSummary>
         t.theta.row(c) = s.theta;
         t.loss_N[c] = s.loss;
         t.rel_loss[c] = s.loss / losses[static_cast<std::size_t>(c)].scale();
+        t.gap[c] = loss_gap(s.loss, optimum.lower_bound_N[c], losses[static_cast<std::size_t>(c)].scale());
         t.iterations.push_back(s.iterations);
         t.evaluations.push_back(s.evaluations);
         t.restarts.push_back(s.restarts);
@@ -148,6 +178,7 @@ TissueModel train_sets(const Study& study, const Cases& cases, int threads, cons
     const Box box{Eigen::VectorXd::Constant(S, study.training.k_min_E2 * unit),
                   Eigen::VectorXd::Constant(S, study.training.k_max_E2 * unit)};
     const StopCriteria stop{study.training.iterations, study.training.max_seconds, study.training.target_rel_loss};
+    model.optimum = certify(losses, model.heuristic_a, box, threads);
     std::vector<std::string> names = {study.training.optimizer};
     for (const std::string& other : study.training.also)
         if (std::find(names.begin(), names.end(), other) == names.end()) names.push_back(other);
@@ -157,7 +188,7 @@ TissueModel train_sets(const Study& study, const Cases& cases, int threads, cons
     for (const std::string& name : names) {
         const std::unique_ptr<Optimizer> optimizer = make_optimizer(name);
         std::vector<TrainSummary> sets(loads.size());
-        const auto start = std::chrono::steady_clock::now();
+        const Clock::time_point start = Clock::now();
         parallel_for(static_cast<int>(C), threads, [&](int c) {
             const auto i = static_cast<std::size_t>(c);
             const Stream stream(study.training.seed, name, loads[i].name);
@@ -166,8 +197,7 @@ TissueModel train_sets(const Study& study, const Cases& cases, int threads, cons
             ++done;
             if (progress) progress(done, total, name + " " + loads[i].name);
         });
-        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-        model.trained.push_back(gather(name, sets, losses, seconds.count()));
+        model.trained.push_back(gather(name, sets, losses, model.optimum, seconds_since(start)));
     }
     return model;
 }
