@@ -41,7 +41,7 @@ train: $(R)/model.h5
 ## eval: measure learned springs and baselines against FE
 eval: $(R)/eval.json
 
-FIGURES := contours force learning springs errors
+FIGURES := contours force learning springs errors character
 ## figures: draw Figs. 2, 3, 4, 6 and the error of every case
 figures: $(FIGURES:%=$(R)/figures/%.png)
 

@@ -19,7 +19,8 @@ void run(const Options& o) {
     const TissueModel model = read_model(o.model);
     if (model.study != study.name)
         throw MismatchError(o.model + ": was trained for study '" + model.study + "', not '" + study.name + "'");
-    const Evaluation evaluation = evaluate(model, read_cases(o.cases));
+    const Evaluation evaluation = evaluate(model, read_cases(o.cases), study.training.k_min_E2 * study.modulus_N_m(),
+                                           study.training.k_max_E2 * study.modulus_N_m());
     const std::string json = to_json(evaluation, study.training.seed);
     if (!o.report.empty()) write_file(o.report, to_markdown(evaluation));
     write_file(o.out, json);

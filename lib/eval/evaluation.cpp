@@ -85,7 +85,7 @@ const ModelErrors& Evaluation::model(const std::string& name) const {
     return *it;
 }
 
-Evaluation evaluate(const TissueModel& model, const Cases& cases) {
+Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m) {
     const std::vector<LoadCase> loads = load_cases(cases);
     bool same = loads.size() == model.case_names.size() && cases.nodes.rows() == model.mesh.nodes.rows() &&
                 cases.nodes.isApprox(model.mesh.nodes, 1e-9);
@@ -132,7 +132,7 @@ Evaluation evaluate(const TissueModel& model, const Cases& cases) {
         result.smallest_J.push_back(load.record->smallest_J);
     }
     for (const Candidate& candidate : candidates) {
-        ModelErrors errors{candidate.name, {}};
+        ModelErrors errors{candidate.name, {}, {}};
         for (std::size_t c = 0; c < loads.size(); ++c) {
             CaseError e;
             e.open_loop =
@@ -141,8 +141,12 @@ Evaluation evaluate(const TissueModel& model, const Cases& cases) {
             e.closed_loop = closed_loop_error(model.mesh, *law, candidate.at(c), truths[c], e.reason);
             errors.cases.push_back(std::move(e));
         }
+        NodeField theta(static_cast<Eigen::Index>(candidate.theta.size()), model.mesh.spring_count());
+        for (std::size_t c = 0; c < candidate.theta.size(); ++c) theta.row(static_cast<Eigen::Index>(c)) = candidate.theta[c];
+        errors.springs = spring_character(model, cases, theta);
         result.models.push_back(std::move(errors));
     }
+    result.front = ridge_front(model, cases, k_min_N_m, k_max_N_m);
     for (const LoadPath& path : cases.paths) {
         ForceCurve curve;
         curve.path = path.name;

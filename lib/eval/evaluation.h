@@ -6,6 +6,7 @@
 
 #include "cases/load_path.h"
 #include "eval/force_error.h"
+#include "eval/spring_character.h"
 #include "springs/tissue_model.h"
 
 namespace tissue {
@@ -21,6 +22,8 @@ struct CaseError {
 struct ModelErrors {
     std::string name;  ///< learned, learned_OPTIMIZER, optimum, heuristic_a, heuristic_b, uniform
     std::vector<CaseError> cases;
+
+    SpringCharacter springs;
 
     Statistics rel_loss() const;
     Statistics resolved_error() const;
@@ -45,13 +48,15 @@ struct Evaluation {
     std::string uniform_chosen_on;   ///< "closed_loop" or, where the mesh has no closed-loop answer, "rel_loss"
     std::vector<TrainedSets> trained;
     CertifiedOptimum optimum;
+    std::vector<FrontPoint> front;                               ///< loss against distance from the heuristic
 
     const ModelErrors& model(const std::string& name) const;
 };
 
 /// Sec. 3 and 5: every trained spring set and every baseline at the load cases they were trained on.
 /// Throws MismatchError when model and cases do not belong together.
-Evaluation evaluate(const TissueModel& model, const Cases& cases);
+/// k_min, k_max: the box of the training [N/m], for the front.
+Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m);
 
 /// eval.json (results/FORMATS.md).
 std::string to_json(const Evaluation& evaluation, unsigned long seed);

@@ -58,6 +58,23 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
         j["training_also"].push_back(training(evaluation.trained[t]));
     j["optimum"] = {{"kkt_residual_max", evaluation.optimum.kkt_residual.maxCoeff()},
                     {"seconds", evaluation.optimum.seconds}};
+    for (const ModelErrors& m : evaluation.models) {
+        const SpringCharacter& s = m.springs;
+        j["springs"][m.name] = {{"distance_near_E2", to_value(statistics_of(s.near))},
+                                {"distance_far_E2", to_value(statistics_of(s.far))},
+                                {"magnitude_step_E2", to_value(statistics_of(s.magnitude_step))},
+                                {"angle_step_E2", to_value(statistics_of(s.angle_step))},
+                                {"force_steps", s.force_steps},
+                                {"force_falls", s.force_falls},
+                                {"smallest_eigenvalue_E2", s.smallest_eigenvalue},
+                                {"floppy_sets", s.floppy_sets}};
+    }
+    for (const FrontPoint& p : evaluation.front)
+        j["ridge_front"].push_back({{"ridge", p.ridge},
+                                    {"rel_loss", p.rel_loss},
+                                    {"distance_E2", p.distance},
+                                    {"force_falls", p.force_falls},
+                                    {"smallest_eigenvalue_E2", p.smallest_eigenvalue}});
     for (std::size_t c = 0; c < evaluation.case_names.size(); ++c) {
         const auto i = static_cast<Eigen::Index>(c);
         Json row = {{"name", evaluation.case_names[c]},

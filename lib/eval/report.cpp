@@ -101,6 +101,26 @@ std::string to_markdown(const Evaluation& e) {
         out += "\n";
     }
 
+    out +=
+        "\n## The springs themselves\n\nSec. 3 promises springs that differ little from the heuristic near the contact, "
+        "change little between neighbouring sets, and a force that grows with the push.\n\n"
+        "| model | distance from heuristic, near / far | step between magnitudes | step between angles | force falls "
+        "where FE rises | smallest eigenvalue | floppy sets |\n|---|---|---|---|---|---|---|\n";
+    for (const ModelErrors& m : e.models) {
+        const SpringCharacter& s = m.springs;
+        out += fmt::format("| {} | {:.2f} / {:.2f} | {:.2f} | {:.2f} | {} of {} | {:.2g} | {} |\n", m.name,
+                           statistics_of(s.near).median, statistics_of(s.far).median,
+                           statistics_of(s.magnitude_step).median, statistics_of(s.angle_step).median, s.force_falls,
+                           s.force_steps, s.smallest_eigenvalue, s.floppy_sets);
+    }
+    out +=
+        "\nMedians of root mean squares over springs, in units of E2. The eigenvalue is K's under its supports. What it "
+        "costs to stay near the heuristic (exact solutions of L^2 + ridge |theta - theta0|^2):\n\n"
+        "| ridge | rel_loss | distance | force falls | smallest eigenvalue |\n|---|---|---|---|---|\n";
+    for (const FrontPoint& p : e.front)
+        out += fmt::format("| {:g} | {} | {:.2f} | {} | {:.2g} |\n", p.ridge, percent(p.rel_loss), p.distance,
+                           p.force_falls, p.smallest_eigenvalue);
+
     out += "\n## Every case\n\n| case | FE force mN |";
     for (const ModelErrors& m : e.models) out += fmt::format(" {} rel_loss / force mN / closed loop |", m.name);
     out += "\n|---|---|";
@@ -117,7 +137,7 @@ std::string to_markdown(const Evaluation& e) {
         out += "\n";
     }
     out += "\n## Figures\n\n";
-    for (const char* figure : {"contours", "force", "learning", "springs", "errors"})
+    for (const char* figure : {"contours", "force", "learning", "springs", "errors", "character"})
         out += fmt::format("![{0}](figures/{0}.png)\n\n", figure);
     return out;
 }

@@ -6,18 +6,16 @@ from results import COLOURS, LABELS
 
 
 def draw(results):
-    optimizers = list(results.trained)
-    figure, axes = plt.subplots(1, len(optimizers), figsize=(5.2 * len(optimizers), 4), sharey=True, squeeze=False,
+    models = results.trained_by_model
+    figure, axes = plt.subplots(1, len(models), figsize=(5.2 * len(models), 4), sharey=True, squeeze=False,
                                 layout="constrained")
-    for number, (axis, name) in enumerate(zip(axes.flat, optimizers)):
-        trained = results.trained[name]
+    for axis, (model, trained) in zip(axes.flat, models.items()):
         scale = (trained.loss / trained.rel_loss)[:, None]
         curves = trained.curve / scale
         for row in curves:  # sets record at different iterations; between two, a set stands where it stood
             known = ~np.isnan(row)
             row[:] = row[known][np.cumsum(known) - 1]
-        key = "learned" if number == 0 else "learned_" + name.replace("-", "_")
-        colour = COLOURS.get(key, "#0072B2")
+        colour = COLOURS.get(model, "#0072B2")
         iteration = np.maximum(trained.iteration, 0.7)  # 0 has no place on a logarithmic axis
         middle = np.median(curves, axis=0)
         for row in curves:
@@ -31,7 +29,7 @@ def draw(results):
                               xytext=(8, 60 if mark == 1000 else 40), ha="left", fontsize=8,
                               arrowprops={"arrowstyle": "-", "color": "0.5", "linewidth": 0.6})
         axis.set_xscale("log")
-        axis.set_title(f"{LABELS.get(key, name)}: {len(curves)} sets")
+        axis.set_title(f"{LABELS.get(model, model)}: {len(curves)} sets")
         axis.set_xlabel("iteration")
         axis.legend(frameon=False)
     axes[0, 0].set_ylabel("loss (9) over the weighted FE force")

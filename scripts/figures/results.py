@@ -29,6 +29,12 @@ LABELS = {
 }
 
 
+def model_name(results, optimizer):
+    """An optimiser's column in eval.json: the study's own is "learned", the others "learned_NAME"."""
+    own = optimizer == next(iter(results.trained))
+    return "learned" if own else "learned_" + optimizer.replace("-", "_").replace(":", "_")
+
+
 def load(folder):
     folder = Path(folder)
     results = SimpleNamespace(evaluation=json.loads((folder / "eval.json").read_text()), paths={}, trained={})
@@ -46,11 +52,14 @@ def load(folder):
         results.magnitude = f["cases/magnitude"][()]
         results.contact = f["cases/contact"][()]
         results.direction = f["cases/direction"][()]
+        results.heuristic_a = f["heuristic_a"][()]
+        results.trained_by_model = {}
         for optimizer in f["optimizers"].asstr():
             group = f["trained"][optimizer]
             results.trained[optimizer] = SimpleNamespace(
                 theta=group["theta"][()], rel_loss=group["rel_loss"][()], loss=group["loss"][()],
                 iteration=group["curve_iteration"][()], curve=group["curve_loss"][()])
+            results.trained_by_model[model_name(results, optimizer)] = results.trained[optimizer]
     return results
 
 
