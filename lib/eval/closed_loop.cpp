@@ -19,19 +19,21 @@ std::optional<double> best_uniform_stiffness(const SpringMesh& mesh, const Sprin
                                              const std::vector<ContactTruth>& truths, double low_N_m, double high_N_m) {
     // Every law is linear in theta, so the mesh's equilibrium does not depend on a common factor and its force is
     // proportional to it: one solve a contact serves every candidate.
-    std::vector<Eigen::VectorXd> unit_forces;
+    std::vector<Eigen::VectorXd> unit_forces, fe_forces;
     std::string reason;
     const Eigen::VectorXd unit = uniform_stiffness(mesh, 1.0);
     for (const ContactTruth& truth : truths) {
         const std::optional<Equilibrium> state = solve_equilibrium(mesh, law, unit, truth.contact, truth.push_m, reason);
-        if (!state) return std::nullopt;
+        if (!state) continue;
         unit_forces.push_back(state->contact_force);
+        fe_forces.push_back(truth.force_N);
     }
+    if (2 * fe_forces.size() < truths.size() || fe_forces.empty()) return std::nullopt;
     double best = low_N_m, best_median = std::numeric_limits<double>::infinity();
     for (double k = low_N_m; k <= high_N_m; k *= 1.01) {
         std::vector<double> errors;
-        for (std::size_t i = 0; i < truths.size(); ++i)
-            errors.push_back((k * unit_forces[i] - truths[i].force_N).norm() / truths[i].force_N.norm());
+        for (std::size_t i = 0; i < fe_forces.size(); ++i)
+            errors.push_back((k * unit_forces[i] - fe_forces[i]).norm() / fe_forces[i].norm());
         const double median = statistics_of(errors).median;
         if (median < best_median) {
             best_median = median;

@@ -22,7 +22,7 @@ std::optional<double> closed_loop_error(const SpringMesh& mesh, const SpringLaw&
 
 /// The honest baseline: the one stiffness for the whole mesh [N/m] (diagonals half) with the smallest median
 /// closed-loop error over `truths`, found on a logarithmic grid of 1 % steps between low and high [N/m].
-/// Nothing when the mesh has no equilibrium at some contact (its error does not depend on stiffness then).
+/// Contacts without an equilibrium (whatever the stiffness) are left out; nothing when they are more than half.
 std::optional<double> best_uniform_stiffness(const SpringMesh& mesh, const SpringLaw& law,
                                              const std::vector<ContactTruth>& truths, double low_N_m, double high_N_m);
 

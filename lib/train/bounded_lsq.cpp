@@ -1,7 +1,7 @@
 #include "train/bounded_lsq.h"
 
 #include <Eigen/Cholesky>
-#include <cmath>
+#include <algorithm>
 #include <vector>
 
 #include "train/certificate.h"
@@ -58,7 +58,6 @@ BoundedLsqSummary solve_bounded_lsq(const ForceLoss& loss, const Eigen::VectorXd
         block.diagonal().array() += options.shift;
         step.setZero();
         step(free) = -Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>(block).solve(g(free).eval());
-        ++summary.factorisations;
 
         // along the projected path, halving until the loss falls by a part of what the slope promises
         double alpha = 1, gain = 0;
@@ -67,7 +66,7 @@ BoundedLsqSummary solve_bounded_lsq(const ForceLoss& loss, const Eigen::VectorXd
             trial -= x;
             moved = B * trial;
             gain = moved.dot(residual) - moved.squaredNorm() / 2;
-            if (gain >= -1e-4 * g.dot(trial)) break;
+            if (gain > 0 && gain >= -1e-4 * g.dot(trial)) break;
         }
         if (!(gain > 0)) break;  // at rounding
         x = (x + trial).cwiseMax(lo).cwiseMin(hi);

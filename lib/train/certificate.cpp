@@ -1,5 +1,6 @@
 #include "train/certificate.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace tissue {
@@ -26,6 +27,7 @@ double loss_lower_bound(const ForceLoss& loss, const Eigen::VectorXd& theta, con
 }
 
 double loss_gap(double loss, double lower_bound, double scale) {
+    if (!(loss > lower_bound)) return 0;  // also where there is no force at all
     return (loss - lower_bound) / std::max(lower_bound, 0.05 * scale);
 }
 

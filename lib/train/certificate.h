@@ -23,12 +23,14 @@ double certificate_slack(const Eigen::VectorXd& gradient, const Eigen::VectorXd&
 /// L_lb [N]: L >= L_lb everywhere in the box. theta (S) [N/m] is projected into it first.
 double loss_lower_bound(const ForceLoss& loss, const Eigen::VectorXd& theta, const Box& box);
 
-/// gap = (L - L_lb) / max(L_lb, 0.05 sqrt(f_fe' Q f_fe)): zero at the optimum, 0.02 when 2 % may be left to gain. The floor keeps it
-/// meaningful where springs can meet the truth exactly. loss, lower_bound, scale (ForceLoss::scale) [N].
+/// gap = (L - L_lb) / max(L_lb, 0.05 sqrt(f_fe' Q f_fe)), not below zero (rounding): zero at the optimum, 0.02 when 2 %
+/// may be left to gain. The floor keeps it meaningful where springs can meet the truth exactly.
+/// loss, lower_bound, scale (ForceLoss::scale) [N].
 double loss_gap(double loss, double lower_bound, double scale);
 
-/// How far theta (S) is from the conditions of Karush, Kuhn and Tucker: the largest change of weighted force, as a part of the scale,
-/// that moving one spring alone to its own best place inside the box would make; zero at the optimum and only there.
+/// How far theta (S) is from the conditions of Karush, Kuhn and Tucker: the largest change of weighted force, as a part
+/// of the scale, that moving one spring alone to its own best place inside the box would make. Zero at the optimum and
+/// only there.
 double kkt_residual(const ForceLoss& loss, const Eigen::VectorXd& theta, const Box& box);
 
 }  // namespace tissue

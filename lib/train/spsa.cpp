@@ -1,6 +1,8 @@
 #include "train/spsa.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "train/certificate.h"
 

@@ -26,9 +26,9 @@ namespace tissue {
 /// One iteration is two evaluations of the loss, as in the paper; theta moves once in about N/2 of them.
 /// The loss never rises. Perturbed points leave the box by up to c; the result does not.
 struct SpsaOptions {
-    double perturbation = 1;        ///< c in units of E2: the paper's limit; any c is exact, a large one rounds least
-    double silent_curvature = 1e-12;  ///< of the largest: below, rounding of the loss
-    double gap_tolerance = 1e-3;    ///< own certificate at which it has `converged`: a twentieth of the goal of 2 %; the true gap is far below
+    double perturbation = 1;          ///< c in units of E2: the paper's limit; any c is exact, a large one rounds least
+    double silent_curvature = 1e-12;  ///< of the largest: below lies the rounding of the loss
+    double gap_tolerance = 1e-3;      ///< own certificate at which it has `converged`: a twentieth of the goal of 2 %
 };
 
 class Spsa final : public Optimizer {

@@ -1,5 +1,6 @@
 #include "train/spsa_2008.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace tissue {

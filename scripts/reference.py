@@ -1,0 +1,112 @@
+"""Writes what is committed of the studies' results: reference.py STUDY...
+
+results/reference/STUDY.json   the evaluation without its wall times: what a regression compares with
+results/reference/*.png        the figures that README shows
+README.md                      the tables between its markers, from the evaluations
+"""
+import json
+import re
+import shutil
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+REFERENCE = ROOT / "results" / "reference"
+FIGURES = ["contours", "force", "learning", "springs", "errors", "character"]
+LABELS = {
+    "learned": "learned (`spsa`)",
+    "learned_spsa_2008": "learned (`spsa-2008`, the paper's)",
+    "optimum": "certified optimum",
+    "heuristic_a": "heuristic, E2 = E t",
+    "heuristic_b": "heuristic, E2 = (C1 + C2) t",
+    "uniform": "one stiffness",
+}
+STUDIES = {
+    "paper": "4-connected, `isotropic` (`paper`)",
+    "paper-axial": "4-connected, `axial` (`paper-axial`)",
+    "paper-grid8": "8-connected, `axial` (`paper-grid8`)",
+    "paper-grid8-turning": "8-connected, `geometric` (`paper-grid8-turning`)",
+}
+
+
+def percent(value):
+    if value is None:
+        return "none"
+    return "< 0.01 %" if value < 1e-4 else f"{100 * value:.3g} %"
+
+
+def three(statistics):
+    return " / ".join(percent(statistics[key]) for key in ("median", "p95", "max")) if statistics["n"] else "none"
+
+
+def results_table(evaluation):
+    rows = ["| model | rel_loss (9) | resolved force | closed loop |", "|---|---|---|---|"]
+    for model, errors in evaluation["open_loop"].items():
+        rows.append(f"| {LABELS.get(model, model)} | {three(errors['rel_loss'])} | "
+                    f"{three(errors['resolved_force_error'])} | {three(evaluation['closed_loop']['trained'][model])} |")
+    return rows
+
+
+def studies_table(evaluations):
+    rows = ["| spring mesh | heuristic rel_loss | certified optimum | gap of `spsa`, max | gap of `spsa-2008`, median | "
+            "closed loop, learned | closed loop, best baseline |", "|---|---|---|---|---|---|---|"]
+    for study, e in evaluations.items():
+        closed = e["closed_loop"]["trained"]
+        baselines = {m: closed[m]["median"] for m in ("heuristic_a", "heuristic_b", "uniform") if closed[m]["n"]}
+        best = min(baselines, key=baselines.get) if baselines else None
+        rows.append(
+            f"| {STUDIES.get(study, study)} | {percent(e['open_loop']['heuristic_a']['rel_loss']['median'])} | "
+            f"{percent(e['open_loop']['optimum']['rel_loss']['median'])} | {percent(e['training']['gap']['max'])} | "
+            f"{percent(e['training_also'][0]['gap']['median'])} | {percent(closed['learned']['median'])} | "
+            + (f"{percent(baselines[best])} ({LABELS[best]}) |" if best else "none |"))
+    return rows
+
+
+def claim(e):
+    def ratio(model, measure):
+        open_loop = e["open_loop"]
+        return open_loop["heuristic_a"][measure]["median"] / open_loop[model][measure]["median"]
+
+    restarted = e["training_also"][0]["restarted_sets"]
+    sets = e["training"]["sets"]
+    return [f"| reading | L | resolved force |", "|---|---|---|",
+            f"| `spsa-2008`, the paper's optimiser ({restarted} of {sets} sets restarted; the paper: 3 of 18) | "
+            f"{ratio('learned_spsa_2008', 'rel_loss'):.1f} times | "
+            f"{ratio('learned_spsa_2008', 'resolved_force_error'):.1f} times |",
+            f"| `spsa`, ours | {ratio('learned', 'rel_loss'):.1f} times | "
+            f"{ratio('learned', 'resolved_force_error'):.1f} times |",
+            f"| the best there is, certified | {ratio('optimum', 'rel_loss'):.1f} times | "
+            f"{ratio('optimum', 'resolved_force_error'):.1f} times |"]
+
+
+def fill(text, marker, rows):
+    pattern = re.compile(rf"(<!-- begin {marker} -->\n).*?(<!-- end {marker} -->)", re.S)
+    if not pattern.search(text):
+        sys.exit(f"reference.py: README.md: there is no marker '{marker}'")
+    return pattern.sub(lambda m: m.group(1) + "\n".join(rows) + "\n" + m.group(2), text)
+
+
+def without_times(value):
+    if isinstance(value, dict):
+        return {key: without_times(v) for key, v in value.items() if key != "seconds"}
+    return [without_times(v) for v in value] if isinstance(value, list) else value
+
+
+def main():
+    evaluations = {}
+    for study in sys.argv[1:]:
+        evaluations[study] = json.loads((ROOT / "results" / study / "eval.json").read_text())
+        record = without_times(evaluations[study])
+        (REFERENCE / f"{study}.json").write_text(json.dumps(record, indent=1) + "\n")
+    for figure in FIGURES:
+        shutil.copyfile(ROOT / "results" / "paper" / "figures" / f"{figure}.png", REFERENCE / f"{figure}.png")
+    readme = ROOT / "README.md"
+    text = readme.read_text()
+    text = fill(text, "results", results_table(evaluations["paper"]))
+    text = fill(text, "claim", claim(evaluations["paper"]))
+    text = fill(text, "studies", studies_table(evaluations))
+    readme.write_text(text)
+
+
+if __name__ == "__main__":
+    main()
