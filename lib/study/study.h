@@ -24,9 +24,9 @@ struct Study {
     } geometry;
 
     struct Material {
-        std::string law;  ///< mooney-rivlin
+        std::string law;  ///< mooney-rivlin, or neo-Hookean (C2 = 0)
         double C1_Pa, C2_Pa, density_kg_m3;
-        std::string formulation;  ///< plane-stress
+        std::string formulation;  ///< plane-stress or plane-strain
 
         /// Small-strain Young's modulus E = 6 (C1 + C2) [Pa].
         double youngs_modulus_Pa() const { return 6 * (C1_Pa + C2_Pa); }
@@ -36,7 +36,8 @@ struct Study {
     int refine;    ///< finite elements along a lattice cell's side
 
     struct Indenter {
-        std::string kind;  ///< point
+        std::string kind;      ///< point: one FE node; patch: all boundary points within half_width_m move alike
+        double half_width_m;   ///< of a patch, along the boundary; 0 for a point
     } indenter;
 
     struct Solver {
