@@ -110,13 +110,13 @@ $(R)/plan.mk: $(wildcard fem/studies/*.toml) $(TISSUECTL)
 $(R)/plan/%:
 	@$(TISSUECTL) plan --study fem/studies/$(STUDY).toml --out $(R)/plan.mk
 
-$(R)/mesh.msh: fem/block.geo
+$(R)/mesh.msh $(R)/mesh-fine.msh: fem/block.geo
 	@echo "mesh  $@"
-	@gmsh -v 2 -2 -format msh22 $(MESH_ARGUMENTS) $< -o $@.tmp > $(R)/mesh.log 2>&1 \
-	  || { echo "$@: gmsh failed; see $(R)/mesh.log" >&2; rm -f $@.tmp; exit 1; }
+	@gmsh -v 2 -2 -format msh22 $(MESH_ARGUMENTS) $< -o $@.tmp > $@.log 2>&1 \
+	  || { echo "$@: gmsh failed; see $@.log" >&2; rm -f $@.tmp; exit 1; }
 	@mv $@.tmp $@
 
-$(R)/cases/%.csv: $(R)/mesh.msh $(wildcard fem/*.edp fem/*.idp) scripts/solve_path
+$(R)/cases/%.csv: $(wildcard fem/*.edp fem/*.idp) scripts/solve_path
 	@$(RUN) scripts/solve_path $(R) $* $(PATH_ARGUMENTS)
 
 $(R)/cases.h5: $(PATHS:%=$(R)/cases/%.csv) $(TISSUECTL)

@@ -1,4 +1,5 @@
 #include "cases/load_path.h"
+#include "cases/sweep.h"
 #include "command.h"
 #include "io/atomic_file.h"
 #include "study/study.h"
@@ -18,15 +19,25 @@ void run(const Options& o, Provenance provenance) {
     cases.nodes = make_lattice("grid4", study.cells[0], study.cells[1], study.geometry.width_m,
                                study.geometry.height_m)
                       .nodes;
-    for (const StudyPath& p : study.loads.paths) {
-        const std::string file = o.paths + "/" + p.name + ".csv";
+    std::string hashes;
+    for (const PlannedPath& planned : planned_paths(study)) {
+        const std::string file = o.paths + "/" + planned.push.name + ".csv";
         LoadPath path = read_path_csv(file, cases.nodes);
-        path.name = p.name;
-        path.contact_m = p.contact_m;
-        path.direction = p.direction;
+        path.name = planned.push.name;
+        path.contact_m = planned.push.contact_m;
+        path.direction = planned.push.direction;
+        path.role = planned.role;
+        path.depth_m = planned.depth_m;
+        hashes += file_hash(file);
         cases.paths.push_back(std::move(path));
-        provenance.inputs[p.name + ".csv"] = file_hash(file);
+        if (study.loads.sweep && planned.role == "train") {
+            LoadPath image = mirrored(cases.paths.back(), cases.nodes, study.geometry.width_m);
+            const bool itself = (image.contact_m - planned.push.contact_m).norm() < 1e-9 &&
+                                (image.direction - planned.push.direction).norm() < 1e-9;
+            if (!itself) cases.paths.push_back(std::move(image));
+        }
     }
+    provenance.inputs["cases/*.csv"] = text_hash(hashes);
     load_cases(cases);  // refuses a path without a record at a magnitude
     write_cases(o.out, cases, provenance);
 }

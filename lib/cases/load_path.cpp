@@ -48,6 +48,8 @@ class CsvLines {
         return value;
     }
 
+    const std::string& text(std::size_t i) const { return fields_[i]; }
+
     [[noreturn]] void refuse(const std::string& why) const {
         throw FileError(fmt::format("{}:{}: {}", file_, number_, why));
     }
@@ -83,8 +85,9 @@ void read_node(const CsvLines& line, const SpringMesh& mesh, PathRecord& r) {
         line.refuse(e.what());
     }
     if (!std::isnan(r.displacement(node, 0))) line.refuse("the node stands twice in its record");
-    r.displacement.row(node) << line.number(3), line.number(4);
-    r.force.row(node) << line.number(5), line.number(6);
+    // whole rows: Eigen's comma initializer aborts when a refusal leaves it half done
+    r.displacement.row(node) = Eigen::RowVector2d(line.number(3), line.number(4));
+    r.force.row(node) = Eigen::RowVector2d(line.number(5), line.number(6));
 }
 
 }  // namespace
@@ -106,6 +109,7 @@ LoadPath read_path_csv(const std::string& file, const NodeField& nodes) {
         rows = 0;
     };
     while (line.next()) {
+        if (ended) line.refuse("stands after the end row");
         if (line.kind() == "step") {
             close_record();
             path.records.push_back(read_step(line, nodes.rows()));
@@ -120,25 +124,58 @@ LoadPath read_path_csv(const std::string& file, const NodeField& nodes) {
             close_record();
             if (line.number(1) != static_cast<double>(path.records.size())) line.refuse("records are missing");
             ended = true;
+        } else if (line.kind() == "lost") {
+            line.want(3);
+            close_record();
+            if (line.number(1) != static_cast<double>(path.records.size())) line.refuse("records are missing");
+            path.lost = line.text(2);
+            ended = true;
         } else {
-            line.refuse("is neither a step, a node nor an end row");
+            line.refuse("is neither a step, a node, an end nor a lost row");
         }
     }
     if (!ended) line.refuse("the file is truncated: it has no end row");
     return path;
 }
 
+LoadPath mirrored(const LoadPath& path, const NodeField& nodes, double width_m) {
+    SpringMesh lattice;
+    lattice.nodes = nodes;
+    std::vector<int> image;
+    for (Eigen::Index i = 0; i < nodes.rows(); ++i)
+        image.push_back(node_at(lattice, {width_m - nodes(i, 0), nodes(i, 1)}));
+    const auto reflect = [](Eigen::Vector2d v) { return Eigen::Vector2d(-v.x(), v.y()); };
+    LoadPath result = path;
+    result.name += "-mirror";
+    result.contact_m.x() = width_m - path.contact_m.x();
+    result.direction = reflect(path.direction);
+    for (std::size_t r = 0; r < path.records.size(); ++r) {
+        PathRecord& record = result.records[r];
+        record.contact_force_N = reflect(record.contact_force_N);
+        record.support_force_N = reflect(record.support_force_N);
+        for (std::size_t i = 0; i < image.size(); ++i) {
+            const auto from = static_cast<Eigen::Index>(i), to = static_cast<Eigen::Index>(image[i]);
+            record.displacement.row(to) = reflect(path.records[r].displacement.row(from));
+            record.force.row(to) = reflect(path.records[r].force.row(from));
+        }
+    }
+    return result;
+}
+
 std::vector<LoadCase> load_cases(const Cases& cases) {
     std::vector<LoadCase> list;
-    for (const LoadPath& path : cases.paths)
+    for (const LoadPath& path : cases.paths) {
+        if (path.role != "train") continue;
         for (double magnitude : cases.magnitudes_m) {
             const PathRecord* found = nullptr;
             for (const PathRecord& r : path.records)
                 if (std::abs(r.magnitude_m - magnitude) < 1e-9 * magnitude) found = &r;
+            if (!found && !path.lost.empty()) continue;
             if (!found)
                 throw MismatchError(fmt::format("load path '{}' has no record at {} mm", path.name, 1e3 * magnitude));
             list.push_back({fmt::format("{}-{:g}mm", path.name, 1e3 * magnitude), &path, found});
         }
+    }
     return list;
 }
 
@@ -169,6 +206,9 @@ void write_cases(const std::string& file, const Cases& cases, const Provenance& 
             u.values.insert(u.values.end(), r.displacement.data(), r.displacement.data() + r.displacement.size());
             f.values.insert(f.values.end(), r.force.data(), r.force.data() + r.force.size());
         }
+        out.write_texts(group + "role", {path.role, path.lost}, "what the path is for, and why FE lost it, if so");
+        out.write(group + "depth", Eigen::VectorXd(Eigen::VectorXd::Constant(1, path.depth_m)), "m",
+                  "how deep it was to go");
         out.write(group + "contact", Eigen::VectorXd(path.contact_m), "m", "contact at rest (D)");
         out.write(group + "direction", Eigen::VectorXd(path.direction), "1", "unit vector of the push (D)");
         out.write(group + "magnitude", magnitude, "m", "how far the contact is pushed (R)");
@@ -199,17 +239,25 @@ Cases read_cases(const std::string& file) {
         const NodeField contact = in.field(group + "contact_force"), support = in.field(group + "support_force");
         const Array u = in.array(group + "displacement"), f = in.array(group + "force");
         const std::vector<int> newton = in.integers(group + "newton_iterations");
+        const Eigen::VectorXd where = in.vector(group + "contact"), direction = in.vector(group + "direction");
         const auto R = static_cast<std::size_t>(magnitude.size());
         const std::vector<std::size_t> shape = {R, static_cast<std::size_t>(N), static_cast<std::size_t>(D)};
         const auto same_length = [&](auto size) { return static_cast<std::size_t>(size) == R; };
         if (D != 2 || u.shape != shape || f.shape != shape || !same_length(energy.size()) || !same_length(J.size()) ||
             !same_length(residual.size()) || !same_length(newton.size()) || !same_length(contact.rows()) ||
-            !same_length(support.rows()))
+            !same_length(support.rows()) || contact.cols() != D || support.cols() != D || where.size() != D ||
+            direction.size() != D)
             in.refuse(group, "its datasets do not have the same number of records and nodes");
         LoadPath path;
         path.name = name;
-        path.contact_m = in.vector(group + "contact");
-        path.direction = in.vector(group + "direction");
+        const std::vector<std::string> role = in.texts(group + "role");
+        const Eigen::VectorXd depth = in.vector(group + "depth");
+        if (role.size() != 2 || depth.size() != 1) in.refuse(group, "has no role or no depth");
+        path.role = role[0];
+        path.lost = role[1];
+        path.depth_m = depth[0];
+        path.contact_m = where;
+        path.direction = direction;
         for (std::size_t r = 0; r < R; ++r) {
             const auto i = static_cast<Eigen::Index>(r);
             const auto at = [&](const Array& a) {

@@ -26,6 +26,9 @@ struct LoadPath {
     std::string name;
     Eigen::Vector2d contact_m;
     Eigen::Vector2d direction;         ///< unit vector
+    std::string role = "train";        ///< as in PlannedPath (cases/sweep.h)
+    double depth_m = 0;                ///< how deep it was to go
+    std::string lost;                  ///< why FE ended before that depth; empty when it did not
     std::vector<PathRecord> records;   ///< ascending magnitude, the first at rest
 };
 
@@ -44,7 +47,8 @@ struct LoadCase {
     const PathRecord* record;
 };
 
-/// Every path at every magnitude, path by path. Throws MismatchError when a path has no record at a magnitude.
+/// Every training path at every magnitude, path by path; of a path that FE lost, those it reached. Throws
+/// MismatchError when another path has no record at a magnitude.
 /// The cases must outlive the result.
 std::vector<LoadCase> load_cases(const Cases& cases);
 
@@ -52,6 +56,10 @@ std::vector<LoadCase> load_cases(const Cases& cases);
 /// Throws FileError with file, line and cause: missing, truncated, a number that is none, a node that is not on the
 /// lattice or stands twice.
 LoadPath read_path_csv(const std::string& file, const NodeField& nodes);
+
+/// The same push seen in a mirror, x to width - x, on a lattice that mirrors itself. Its name gets "-mirror".
+/// Throws MismatchError when the lattice does not.
+LoadPath mirrored(const LoadPath& path, const NodeField& nodes, double width_m);
 
 void write_cases(const std::string& file, const Cases& cases, const Provenance& provenance);
 

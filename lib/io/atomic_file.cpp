@@ -24,7 +24,11 @@ namespace {
 }  // namespace
 
 void move_into_place(const std::string& temporary, const std::string& file) {
-    if (std::rename(temporary.c_str(), file.c_str()) != 0) fail(file, "write");
+    if (std::rename(temporary.c_str(), file.c_str()) == 0) return;
+    const int error = errno;
+    ::unlink(temporary.c_str());
+    errno = error;
+    fail(file, "write");
 }
 
 void write_file(const std::string& file, const std::string& content) {
@@ -67,7 +71,10 @@ std::string read_file(const std::string& file) {
 }
 
 std::string file_hash(const std::string& file) {
-    const std::string content = read_file(file);
+    return text_hash(read_file(file));
+}
+
+std::string text_hash(const std::string& content) {
     const XXH128_hash_t hash = XXH3_128bits(content.data(), content.size());
     return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
 }

@@ -15,8 +15,11 @@ bool write_file_if_changed(const std::string& file, const std::string& content);
 /// The whole content. Throws FileError when it cannot be read.
 std::string read_file(const std::string& file);
 
-/// Moves a finished temporary over its final name. Throws FileError.
+/// Moves a finished temporary over its final name, or removes it and throws FileError.
 void move_into_place(const std::string& temporary, const std::string& file);
+
+/// Fingerprint of a text, 32 hexadecimal digits (XXH3).
+std::string text_hash(const std::string& content);
 
 /// A file's fingerprint, 32 hexadecimal digits (XXH3). Throws FileError.
 std::string file_hash(const std::string& file);

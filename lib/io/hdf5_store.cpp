@@ -86,6 +86,12 @@ std::vector<std::size_t> shape_of(hid_t dataset) {
     return {dimensions.begin(), dimensions.end()};
 }
 
+/// One value, not many: reading many into one would write past it.
+bool is_single(hid_t attribute) {
+    const Handle space(H5Aget_space(attribute), H5Sclose);
+    return H5Sget_simple_extent_npoints(space) == 1;
+}
+
 bool read_text(hid_t attribute, std::string& value) {
     const Handle type(variable_text(), H5Tclose);
     char* text = nullptr;
@@ -259,14 +265,14 @@ std::vector<std::string> Hdf5Reader::texts(const std::string& name) const {
 std::string Hdf5Reader::text_attribute(const std::string& object, const std::string& key) const {
     const Handle attribute(H5Aopen_by_name(id_, object.c_str(), key.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
     std::string value;
-    if (attribute.failed() || !read_text(attribute, value)) refuse(object, "attribute '" + key + "' is missing");
+    if (attribute.failed() || !is_single(attribute) || !read_text(attribute, value)) refuse(object, "attribute '" + key + "' is missing");
     return value;
 }
 
 double Hdf5Reader::number_attribute(const std::string& object, const std::string& key) const {
     const Handle attribute(H5Aopen_by_name(id_, object.c_str(), key.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
     double value = 0;
-    if (attribute.failed() || H5Aread(attribute, H5T_NATIVE_DOUBLE, &value) < 0)
+    if (attribute.failed() || !is_single(attribute) || H5Aread(attribute, H5T_NATIVE_DOUBLE, &value) < 0)
         refuse(object, "attribute '" + key + "' is missing");
     return value;
 }

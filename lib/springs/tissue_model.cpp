@@ -148,8 +148,13 @@ TissueModel read_model(const std::string& file) {
     for (const std::string& optimizer : in.texts("/optimizers")) {
         model.trained.push_back(read_trained(in, optimizer));
         const TrainedSets& t = model.trained.back();
-        if (t.theta.rows() != C || t.theta.cols() != S || t.loss_N.size() != C || t.rel_loss.size() != C || t.gap.size() != C || t.curve_loss_N.rows() != C)
+        const auto one_a_case = [C](const auto& list) { return list.size() == static_cast<std::size_t>(C); };
+        if (t.theta.rows() != C || t.theta.cols() != S || t.loss_N.size() != C || t.rel_loss.size() != C ||
+            t.gap.size() != C || t.curve_loss_N.rows() != C || !one_a_case(t.iterations) ||
+            !one_a_case(t.evaluations) || !one_a_case(t.restarts) || !one_a_case(t.status))
             in.refuse("/trained/" + optimizer, "does not have one row a case");
+        if (t.curve_loss_N.cols() != static_cast<Eigen::Index>(t.curve_iteration.size()))
+            in.refuse("/trained/" + optimizer, "does not have one column of the learning curves an iteration");
     }
     if (model.trained.empty()) in.refuse("/optimizers", "is empty");
     return model;

@@ -25,14 +25,15 @@ toml::table parse(const std::string& file) {
     }
 }
 
-/// The base study's tables with this study's keys put over them; lists are replaced whole.
-void overlay(toml::table& base, const toml::table& changes) {
-    for (const auto& [key, node] : changes) {
+/// The base study's tables with this study's keys put over them; lists are replaced whole. Nodes are moved, not copied:
+/// a copy forgets its file and line, which messages name.
+void overlay(toml::table& base, toml::table&& changes) {
+    for (auto&& [key, node] : changes) {
         toml::node* there = base.get(key);
         if (there && there->is_table() && node.is_table())
-            overlay(*there->as_table(), *node.as_table());
+            overlay(*there->as_table(), std::move(*node.as_table()));
         else
-            base.insert_or_assign(key, node);
+            node.visit([&, name = std::string(key.str())](auto&& value) { base.insert_or_assign(name, std::move(value)); });
     }
 }
 
@@ -47,7 +48,7 @@ toml::table parse_with_base(const std::string& file, int depth = 0) {
         std::filesystem::path(file).parent_path() / (based_on->as_string()->get() + ".toml");
     toml::table merged = parse_with_base(base.string(), depth + 1);
     table.erase("based_on");
-    overlay(merged, table);
+    overlay(merged, std::move(table));
     return merged;
 }
 
@@ -68,6 +69,21 @@ Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const St
             in.refuse("magnitudes_m", "must be ascending");
         if (!is_multiple(loads.magnitudes_m[i], loads.record_step_m))
             in.refuse("magnitudes_m", "every entry must be a multiple of record_step_m");
+    }
+    if (in.has("sweep")) {
+        if (in.has("paths")) in.refuse("sweep", "stands beside 'paths'; a study has one of the two");
+        TomlReader sweep = in.table("sweep");
+        loads.sweep = Study::Loads::Sweep{sweep.number("spacing_m", positive), sweep.number("clearance_m", {0.015}),
+                                          sweep.numbers("angles_deg", {-75, 75})};
+        for (std::size_t i = 1; i < loads.sweep->angles_deg.size(); ++i)
+            if (!(loads.sweep->angles_deg[i] > loads.sweep->angles_deg[i - 1]))
+                sweep.refuse("angles_deg", "must be ascending");
+        for (std::size_t i = 0, n = loads.sweep->angles_deg.size(); i < n; ++i)
+            if (loads.sweep->angles_deg[i] != -loads.sweep->angles_deg[n - 1 - i])
+                sweep.refuse("angles_deg", "must be symmetric about 0, as the block mirrors itself");
+        sweep.refuse_the_rest();
+        in.refuse_the_rest();
+        return loads;
     }
     std::set<std::string> names;
     for (TomlReader& path : in.tables("paths")) {
@@ -101,6 +117,8 @@ Study::Training read_training(TomlReader in) {
     Study::Training t;
     t.optimizer = in.text("optimizer");
     t.also = in.texts("also");
+    t.objective = in.has("objective") ? in.choice("objective", {"force", "contact"}) : "force";
+    t.ridge = in.optional_number("ridge", not_negative).value_or(0);
     t.seed = static_cast<unsigned long>(in.integer("seed", 0, std::numeric_limits<int>::max()));
     t.iterations = static_cast<int>(in.integer("iterations", 1, 100'000'000));
     t.max_seconds = in.optional_number("max_seconds", positive);
@@ -118,6 +136,30 @@ Study::Training read_training(TomlReader in) {
     weights("weight_far", t.weight_far);
     in.refuse_the_rest();
     return t;
+}
+
+void read_draws(TomlReader in, Study& study) {
+    for (const char* role : {"validation", "held_out", "held_out_full"}) {
+        if (!in.has(role)) continue;
+        TomlReader draw = in.table(role);
+        Study::Draws d;
+        d.role = role;
+        d.seed = static_cast<unsigned long>(draw.integer("seed", 0, std::numeric_limits<int>::max()));
+        d.count = static_cast<int>(draw.integer("count", 1, 100'000));
+        const std::vector<double> depth = draw.numbers("depth_m", 2, positive);
+        d.max_angle_deg = draw.number("max_angle_deg", {0, 75});
+        if (depth[0] > depth[1] || depth[1] > study.loads.depth_m())
+            draw.refuse("depth_m", "must be [smallest, largest], the largest not beyond loads.magnitudes_m");
+        std::copy(depth.begin(), depth.end(), d.depth_m);
+        for (const Study::Draws& other : study.draws)
+            if (other.seed == d.seed) draw.refuse("seed", "is also that of '" + other.role + "': the draws would overlap");
+        draw.refuse_the_rest();
+        study.draws.push_back(d);
+    }
+    study.check_fraction = in.optional_number("check_fraction", {0, 1}).value_or(0);
+    study.check_refine = in.has("check_refine") ? static_cast<int>(in.integer("check_refine", study.refine + 1, 100)) : 0;
+    if (study.check_fraction > 0 && study.check_refine == 0) in.refuse("check_refine", "is missing");
+    in.refuse_the_rest();
 }
 
 }  // namespace
@@ -180,6 +222,10 @@ Study read_study(const std::string& file) {
     springs.refuse_the_rest();
 
     study.training = read_training(in.table("training"));
+    if (in.has("draws")) {
+        if (!study.loads.sweep) in.refuse("draws", "needs a study with loads.sweep");
+        read_draws(in.table("draws"), study);
+    }
     in.refuse_the_rest();
     return study;
 }

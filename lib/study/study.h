@@ -48,7 +48,15 @@ struct Study {
     struct Loads {
         std::vector<double> magnitudes_m;  ///< ascending; every one a record
         double record_step_m;
-        std::vector<StudyPath> paths;
+        std::vector<StudyPath> paths;      ///< listed one by one; empty when swept
+
+        /// Training contacts all along the free surface, in place of a list.
+        struct Sweep {
+            double spacing_m;              ///< between contacts, along the surface
+            double clearance_m;            ///< of the first and the last from the fixed edge
+            std::vector<double> angles_deg;  ///< of the pushes off the inward normal, ascending
+        };
+        std::optional<Sweep> sweep;
 
         double depth_m() const { return magnitudes_m.back(); }
         int records() const;  ///< after the one at rest
@@ -58,9 +66,23 @@ struct Study {
         std::string topology, law;
     } springs;
 
+    /// Contacts drawn by seed before any solve, between the trained ones: to choose with, or to prove with.
+    struct Draws {
+        std::string role;                  ///< validation, held_out or held_out_full
+        unsigned long seed;
+        int count;
+        double depth_m[2];                 ///< range of the push
+        double max_angle_deg;              ///< off the inward normal
+    };
+    std::vector<Draws> draws;
+    double check_fraction = 0;             ///< of held_out contacts solved again on a finer mesh
+    int check_refine = 0;                  ///< that mesh's `refine`
+
     struct Training {
         std::string optimizer;
         std::vector<std::string> also;  ///< other optimisers, trained and evaluated for comparison
+        std::string objective;             ///< force: (9); contact: the force the contact itself carries
+        double ridge;                      ///< towards the one set that serves all cases best; 0: none
         unsigned long seed;
         int iterations;
         std::optional<double> max_seconds, target_rel_loss;  ///< stop criteria of Fig. 5

@@ -28,9 +28,10 @@ TomlReader::TomlReader(const toml::table& table, std::string file, std::string p
 
 void TomlReader::refuse(const std::string& key, const std::string& why) const {
     const toml::node* node = table_->get(key);
-    const auto line = node ? node->source().begin.line : table_->source().begin.line;
+    const toml::source_region& source = node ? node->source() : table_->source();
+    const std::string& file = source.path ? *source.path : file_;  // a base study's keys stand in its own file
     const std::string name = path_.empty() ? key : path_ + "." + key;
-    throw StudyError(fmt::format("{}:{}: key '{}': {}", file_, line, name, why));
+    throw StudyError(fmt::format("{}:{}: key '{}': {}", file, source.begin.line, name, why));
 }
 
 const toml::node& TomlReader::require(const std::string& key) {

@@ -7,6 +7,12 @@
 #include "train/certificate.h"
 
 namespace tissue {
+namespace {
+
+constexpr double armijo = 1e-4;        // the usual part of the slope's promise; Bertsekas 1982 asks for one in (0, 1/2)
+constexpr double largest_shift = 1e9;  // of a unit diagonal: steps below rounding
+
+}  // namespace
 
 BoundedLsqSummary solve_bounded_lsq(const ForceLoss& loss, const Eigen::VectorXd& start, const Box& box,
                                     const BoundedLsqOptions& options) {
@@ -42,34 +48,40 @@ BoundedLsqSummary solve_bounded_lsq(const ForceLoss& loss, const Eigen::VectorXd
     const double scale = b.norm() > 0 ? b.norm() : 1;
 
     BoundedLsqSummary summary;
-    Eigen::VectorXd residual = target - B * x, g = -(B.transpose() * residual), trial(n), step(n), moved(b.size());
-    std::vector<int> free;
+    Eigen::VectorXd residual = target - B * x, g = -(B.transpose() * residual), step(n), change(n), moved(b.size());
+    std::vector<int> loose;
     Eigen::MatrixXd block;
+    double shift = options.first_shift;
     for (;; ++summary.iterations) {
         summary.kkt_residual = n > 0 ? ((x - g).cwiseMax(lo).cwiseMin(hi) - x).cwiseAbs().maxCoeff() / scale : 0;
         summary.converged = summary.kkt_residual <= options.kkt_tolerance;
         if (summary.converged || summary.iterations >= options.max_iterations) break;
 
-        // Newton on the springs that the box does not hold
-        free.clear();
+        // the springs that the box does not hold
+        loose.clear();
         for (int k = 0; k < n; ++k)
-            if (!(x[k] <= lo[k] && g[k] > 0) && !(x[k] >= hi[k] && g[k] < 0)) free.push_back(k);
-        block = H(free, free);
-        block.diagonal().array() += options.shift;
-        step.setZero();
-        step(free) = -Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>(block).solve(g(free).eval());
+            if (!(x[k] <= lo[k] && g[k] > 0) && !(x[k] >= hi[k] && g[k] < 0)) loose.push_back(k);
 
-        // along the projected path, halving until the loss falls by a part of what the slope promises
-        double alpha = 1, gain = 0;
-        for (int halvings = 0; halvings < 60; ++halvings, alpha /= 2) {
-            trial = (x + alpha * step).cwiseMax(lo).cwiseMin(hi);
-            trial -= x;
-            moved = B * trial;
-            gain = moved.dot(residual) - moved.squaredNorm() / 2;
-            if (gain > 0 && gain >= -1e-4 * g.dot(trial)) break;
+        // their Newton step, projected; a shorter one, then a larger shift, until the loss falls by a part of what the
+        // slope promises. Far enough up the shift makes it a short step of projected gradients, which always does.
+        bool lower = false, whole = false;
+        while (!lower && shift < largest_shift) {
+            block = H(loose, loose);
+            block.diagonal().array() += shift;
+            step.setZero();
+            step(loose) = -Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>(block).solve(g(loose).eval());
+            for (double part = 1; !lower && part > 0.01; part /= 2) {
+                change = (x + part * step).cwiseMax(lo).cwiseMin(hi) - x;
+                moved = B * change;
+                const double gain = moved.dot(residual) - moved.squaredNorm() / 2;
+                lower = gain > 0 && gain >= -armijo * g.dot(change);
+                whole = part == 1;
+            }
+            if (!lower) shift *= 10;
         }
-        if (!(gain > 0)) break;  // at rounding
-        x = (x + trial).cwiseMax(lo).cwiseMin(hi);
+        if (!lower) break;  // at rounding
+        if (whole) shift = std::max(shift / 10, options.shift);
+        x = (x + change).cwiseMax(lo).cwiseMin(hi);
         residual = target - B * x;
         g = -(B.transpose() * residual);
     }

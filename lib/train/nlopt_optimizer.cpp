@@ -20,10 +20,16 @@ struct Named {
 // not the global and the random ones (NLopt's generator is not our stream), nor those without bounds, nor LN_COBYLA,
 // whose simplex of 221 points did not come back within minutes
 constexpr Named algorithms[] = {
-    {"LD_LBFGS", nlopt::LD_LBFGS},   {"LD_MMA", nlopt::LD_MMA},       {"LD_CCSAQ", nlopt::LD_CCSAQ},
-    {"LD_SLSQP", nlopt::LD_SLSQP},   {"LD_VAR1", nlopt::LD_VAR1},     {"LD_VAR2", nlopt::LD_VAR2},
-    {"LD_TNEWTON_PRECOND_RESTART", nlopt::LD_TNEWTON_PRECOND_RESTART}, {"LN_BOBYQA", nlopt::LN_BOBYQA},
-    {"LN_SBPLX", nlopt::LN_SBPLX},   {"LN_NELDERMEAD", nlopt::LN_NELDERMEAD},
+    {"LD_LBFGS", nlopt::LD_LBFGS},
+    {"LD_MMA", nlopt::LD_MMA},
+    {"LD_CCSAQ", nlopt::LD_CCSAQ},
+    {"LD_SLSQP", nlopt::LD_SLSQP},
+    {"LD_VAR1", nlopt::LD_VAR1},
+    {"LD_VAR2", nlopt::LD_VAR2},
+    {"LD_TNEWTON_PRECOND_RESTART", nlopt::LD_TNEWTON_PRECOND_RESTART},
+    {"LN_BOBYQA", nlopt::LN_BOBYQA},
+    {"LN_SBPLX", nlopt::LN_SBPLX},
+    {"LN_NELDERMEAD", nlopt::LN_NELDERMEAD},
 };
 
 /// L^2/2 in scaled stiffness x = norm theta, and the best point seen: NLopt returns none when it ends by an exception.
@@ -121,10 +127,17 @@ TrainSummary NloptOptimizer::minimise(const ForceLoss& loss, const Eigen::Vector
         std::vector<double> x = scaled(start);
         double value = 0;
         switch (search.optimize(x, value)) {
-            case nlopt::STOPVAL_REACHED: status = TrainStatus::target_met; break;
-            case nlopt::MAXEVAL_REACHED: status = TrainStatus::iterations_done; break;
-            case nlopt::MAXTIME_REACHED: status = TrainStatus::time_out; break;
-            default: break;
+            case nlopt::STOPVAL_REACHED:
+                status = TrainStatus::target_met;
+                break;
+            case nlopt::MAXEVAL_REACHED:
+                status = TrainStatus::iterations_done;
+                break;
+            case nlopt::MAXTIME_REACHED:
+                status = TrainStatus::time_out;
+                break;
+            default:
+                break;
         }
     } catch (const nlopt::roundoff_limited&) {
     } catch (const std::runtime_error&) {  // "generic failure": LD_LBFGS says so where its line search ends at rounding

@@ -12,11 +12,16 @@ namespace tissue {
 
 const char* to_string(TrainStatus status) {
     switch (status) {
-        case TrainStatus::iterations_done: return "iterations_done";
-        case TrainStatus::time_out: return "time_out";
-        case TrainStatus::target_met: return "target_met";
-        case TrainStatus::converged: return "converged";
-        case TrainStatus::restarts_exhausted: return "restarts_exhausted";
+        case TrainStatus::iterations_done:
+            return "iterations_done";
+        case TrainStatus::time_out:
+            return "time_out";
+        case TrainStatus::target_met:
+            return "target_met";
+        case TrainStatus::converged:
+            return "converged";
+        case TrainStatus::restarts_exhausted:
+            return "restarts_exhausted";
     }
     return "unknown";
 }
@@ -27,8 +32,7 @@ std::unique_ptr<Optimizer> make_optimizer(const std::string& name) {
     if (name == "exact") return std::make_unique<ExactOptimizer>();
     const std::string prefix = "nlopt:";
     if (name.rfind(prefix, 0) == 0) return std::make_unique<NloptOptimizer>(name.substr(prefix.size()));
-    throw MismatchError(
-        fmt::format("optimizer '{}' is not known; allowed: spsa-2008, spsa, exact, nlopt:NAME", name));
+    throw MismatchError(fmt::format("optimizer '{}' is not known; allowed: spsa-2008, spsa, exact, nlopt:NAME", name));
 }
 
 void check_problem(const ForceLoss& loss, const Eigen::VectorXd& start, const Box& box, double unit_N_m) {
@@ -38,8 +42,8 @@ void check_problem(const ForceLoss& loss, const Eigen::VectorXd& start, const Bo
                                         start.size(), box.lo.size(), box.hi.size()));
     for (Eigen::Index s = 0; s < springs; ++s) {
         if (!(box.lo[s] <= box.hi[s]))
-            throw MismatchError(fmt::format("training: the box of spring {} is empty: {} to {} N/m", s, box.lo[s],
-                                            box.hi[s]));
+            throw MismatchError(
+                fmt::format("training: the box of spring {} is empty: {} to {} N/m", s, box.lo[s], box.hi[s]));
         if (!(start[s] >= box.lo[s] && start[s] <= box.hi[s]))
             throw MismatchError(fmt::format("training: spring {} starts at {} N/m, outside its box {} to {} N/m", s,
                                             start[s], box.lo[s], box.hi[s]));

@@ -23,9 +23,9 @@ struct Box {
 
 /// Stop criteria of Fig. 5. An absent one does not stop anything.
 struct StopCriteria {
-    int iterations = 20000;                   ///< of origin: twice the range of the paper's Fig. 4
-    std::optional<double> max_seconds;        ///< computation time [s]; makes the result depend on the machine
-    std::optional<double> target_rel_loss;    ///< magnitude of error, L / sqrt(f_fe' Q f_fe)
+    int iterations = 20000;                 ///< of origin: twice the range of the paper's Fig. 4
+    std::optional<double> max_seconds;      ///< computation time [s]; makes the result depend on the machine
+    std::optional<double> target_rel_loss;  ///< magnitude of error, L / sqrt(f_fe' Q f_fe)
 };
 
 enum class TrainStatus { iterations_done, time_out, target_met, converged, restarts_exhausted };
@@ -40,14 +40,14 @@ struct LearningPoint {
 };
 
 struct TrainSummary {
-    Eigen::VectorXd theta;               ///< (S) [N/m], inside the box
-    double loss = 0;                     ///< L(theta) [N]
-    int iterations = 0;                  ///< of all restarts together
-    int evaluations = 0;                 ///< of the loss; the learning curve's own are not counted
+    Eigen::VectorXd theta;  ///< (S) [N/m], inside the box
+    double loss = 0;        ///< L(theta) [N]
+    int iterations = 0;     ///< of all restarts together
+    int evaluations = 0;    ///< of the loss; the learning curve's own are not counted
     int restarts = 0;
     double seconds = 0;
     TrainStatus status = TrainStatus::iterations_done;
-    std::vector<LearningPoint> curve;    ///< at iterations 0, 1, 2, 5, 10, 20, 50, ..., 1000, ..., 5000, ... and the last
+    std::vector<LearningPoint> curve;  ///< at iterations 0, 1, 2, 5, 10, 20, 50, ... and the last
 };
 
 /// A way to minimise the loss of one spring set over a box. It sees nothing of the loss but its value, except where
@@ -60,8 +60,8 @@ class Optimizer {
     /// start: the heuristic's theta (S), inside the box. unit_N_m: E2, in which the paper's gains are measured.
     /// rng: this set's own stream; the result depends on nothing else. Non-convergence is a status.
     /// Throws MismatchError when sizes disagree, the box is empty, start lies outside it or unit_N_m is not positive.
-    virtual TrainSummary minimise(const ForceLoss& loss, const Eigen::VectorXd& start, const Box& box,
-                                  double unit_N_m, const StopCriteria& stop, gsl_rng* rng) const = 0;
+    virtual TrainSummary minimise(const ForceLoss& loss, const Eigen::VectorXd& start, const Box& box, double unit_N_m,
+                                  const StopCriteria& stop, gsl_rng* rng) const = 0;
 };
 
 /// The optimisers: "spsa-2008" (the paper's), "spsa" (ours), "exact" (bounded_lsq.h), "nlopt:NAME" (nlopt_optimizer.h).

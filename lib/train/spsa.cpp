@@ -34,10 +34,21 @@ class Run {
    public:
     Run(const SpsaOptions& options, const ForceLoss& loss, const Eigen::VectorXd& start, const Box& box, double unit,
         const StopCriteria& stop, gsl_rng* rng)
-        : options_(options), loss_(loss), box_(box), monitor_(stop, loss.scale()), c_(options.perturbation * unit),
-          theta_(start), trial_(start), gradient_(start.size()), curvature_(start.size()), scaled_(start.size()),
-          previous_gradient_(Eigen::VectorXd::Zero(start.size())), step_(Eigen::VectorXd::Zero(start.size())),
-          direction_(start.size()), signs_(start.size()), workspace_(loss.target().size()) {
+        : options_(options),
+          loss_(loss),
+          box_(box),
+          monitor_(stop, loss.scale()),
+          c_(options.perturbation * unit),
+          theta_(start),
+          trial_(start),
+          gradient_(start.size()),
+          curvature_(start.size()),
+          scaled_(start.size()),
+          previous_gradient_(Eigen::VectorXd::Zero(start.size())),
+          step_(Eigen::VectorXd::Zero(start.size())),
+          direction_(start.size()),
+          signs_(start.size()),
+          workspace_(loss.target().size()) {
         Eigen::Index order = 1;
         while (order < start.size()) order *= 2;
         row_.resize(order);
@@ -185,16 +196,16 @@ class Run {
     const ForceLoss& loss_;
     const Box& box_;
     TrainMonitor monitor_;
-    const double c_;                              // perturbation [N/m]
-    double value_ = 0;                            // q at theta
+    const double c_;    // perturbation [N/m]
+    double value_ = 0;  // q at theta
     int evaluations_ = 0;
-    std::optional<TrainStatus> status_;           // set when the training is to end
+    std::optional<TrainStatus> status_;  // set when the training is to end
 
-    Eigen::VectorXd theta_, trial_;               // (S)
-    Eigen::VectorXd gradient_, curvature_;        // of q (S); curvature 0: a spring the data says nothing about
+    Eigen::VectorXd theta_, trial_;         // (S)
+    Eigen::VectorXd gradient_, curvature_;  // of q (S); curvature 0: a spring the data says nothing about
     Eigen::VectorXd scaled_, previous_gradient_, step_, direction_;  // of the conjugate gradients (S)
-    Eigen::VectorXd signs_;                       // random +-1 (S)
-    Eigen::VectorXd row_, slopes_, row_curvature_;  // of a cycle (N)
+    Eigen::VectorXd signs_;                                          // random +-1 (S)
+    Eigen::VectorXd row_, slopes_, row_curvature_;                   // of a cycle (N)
     Eigen::VectorXd workspace_;
 };
 

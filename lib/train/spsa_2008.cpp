@@ -66,8 +66,10 @@ TrainSummary Spsa2008::minimise(const ForceLoss& loss, const Eigen::VectorXd& st
             theta[s] = std::min(theta[s], box.hi[s]);
         }
         if (negative) {
-            if (summary.restarts == options_.max_restarts) status = TrainStatus::restarts_exhausted;
-            else ++summary.restarts, k = 0;
+            if (summary.restarts == options_.max_restarts)
+                status = TrainStatus::restarts_exhausted;
+            else
+                ++summary.restarts, k = 0;
         }
 
         // the loss of the result so far, where it is asked for

@@ -19,18 +19,18 @@ namespace tissue {
 ///
 /// One iteration is two evaluations of the loss; it sees nothing else.
 struct Spsa2008Options {
-    double alpha = 0.602;        ///< Spall 1998, sec. III: the smallest exponents that theory allows do best in practice
-    double gamma = 0.101;        ///< the same
-    double stability = 0.1;      ///< A as a part of the iterations: the same, "10 percent (or less)"
+    double alpha = 0.602;    ///< Spall 1998, sec. III: the smallest exponents that theory allows do best in practice
+    double gamma = 0.101;    ///< the same
+    double stability = 0.1;  ///< A as a part of the iterations: the same, "10 percent (or less)"
     double first_perturbation = 1;         ///< c in units of E2: "limited to 0.75 in the first few iterations"
     double least_perturbation = 1. / 750;  ///< c_min in units of E2: "a lower bound of 0.001" beside 0.75 N/m
-    double max_step = 1;         ///< per spring and iteration, in units of E2: the paper's limit on the change of a spring
+    double max_step = 1;  ///< per spring and iteration, in units of E2: the paper's limit on the change of a spring
     /// gives a: the change of a spring in iteration 0, in units of E2 (Spall 1998's guideline). Tuned once over the 18
     /// cases of `paper` and `paper-axial` between 0.0002 and 0.5: smaller ones leave more loss, larger ones end sets by
     /// restarts (half of them at 0.005, all at 0.01).
     double first_step = 0.003;
-    int gradient_estimates = 10; ///< to find a from first_step: a few, Spall's guideline
-    int max_restarts = 20;       ///< ours, to end; the paper saw restarts in three of eighteen cases
+    int gradient_estimates = 10;  ///< to find a from first_step: a few, Spall's guideline
+    int max_restarts = 20;        ///< ours, to end; the paper saw restarts in three of eighteen cases
 };
 
 class Spsa2008 final : public Optimizer {

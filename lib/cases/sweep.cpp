@@ -1,0 +1,125 @@
+#include "cases/sweep.h"
+
+#include <fmt/format.h>
+#include <gsl/gsl_rng.h>
+
+#include <cmath>
+#include <memory>
+#include <set>
+
+#include "error.h"
+#include "mesh/outline.h"
+
+namespace tissue {
+namespace {
+
+constexpr double degree = 3.14159265358979323846 / 180;
+constexpr double least_arc_m = 0.002, least_angle = 5 * degree;  // what "held out" means, beside the seed
+constexpr double tiny_arc_m = 1e-9, tiny_angle = 1e-9;
+
+struct Contact {
+    double arc, angle;
+};
+
+/// Angles of a training position: at a corner of the outline those of both sides, so that neighbours on either side
+/// find their own pushes there.
+std::vector<double> angles_at(const Outline& outline, double arc, const std::vector<double>& angles_deg) {
+    const double step = 1e-6;  // [m] to either side
+    std::set<long> micro_degrees;
+    for (double side : {-step, step}) {
+        const double turn = outline.angle(arc, outline.inward_normal(arc + side));
+        for (double a : angles_deg) micro_degrees.insert(std::lround((a * degree + turn) / degree * 1e6));
+    }
+    std::vector<double> angles;
+    for (long a : micro_degrees) angles.push_back(static_cast<double>(a) * 1e-6 * degree);
+    return angles;
+}
+
+std::vector<Contact> training_contacts(const Outline& outline, const Study::Loads::Sweep& sweep) {
+    std::vector<Contact> contacts;
+    const int count = static_cast<int>(std::floor((outline.length() - 2 * sweep.clearance_m) / sweep.spacing_m + 1e-9));
+    for (int i = 0; i <= count; ++i) {
+        const double arc = sweep.clearance_m + i * sweep.spacing_m;
+        for (double angle : angles_at(outline, arc, sweep.angles_deg)) contacts.push_back({arc, angle});
+    }
+    return contacts;
+}
+
+/// Whether a contact stands for its mirror image: the first half of the surface, and in the middle pushes to one side.
+bool is_solved(const Outline& outline, const Contact& c) {
+    const double half = outline.length() / 2;
+    return c.arc < half - tiny_arc_m || (c.arc < half + tiny_arc_m && c.angle > -tiny_angle);
+}
+
+PlannedPath plan_push(const Study& study, const Outline& outline, const Contact& c, const std::string& name,
+                      const std::string& role, double depth_m) {
+    PlannedPath path;
+    path.push = {name, outline.position(c.arc), outline.direction(c.arc, c.angle)};
+    path.role = role;
+    path.depth_m = depth_m;
+    path.records = std::max(1, static_cast<int>(std::ceil(depth_m / study.loads.record_step_m - 1e-9)));
+    path.refine = study.refine;
+    return path;
+}
+
+}  // namespace
+
+std::vector<PlannedPath> planned_paths(const Study& study) {
+    std::vector<PlannedPath> paths;
+    if (!study.loads.sweep) {
+        for (const StudyPath& p : study.loads.paths)
+            paths.push_back({p, "train", study.loads.depth_m(), study.loads.records(), study.refine});
+        return paths;
+    }
+
+    const Outline outline(make_lattice("grid4", study.cells[0], study.cells[1], study.geometry.width_m,
+                                       study.geometry.height_m));
+    const std::vector<Contact> trained = training_contacts(outline, *study.loads.sweep);
+    for (const Contact& c : trained)
+        if (is_solved(outline, c))
+            paths.push_back(plan_push(study, outline, c,
+                                      fmt::format("s{:04.0f}-{}{:03.0f}", 1e4 * c.arc, c.angle < -tiny_angle ? "m" : "p",
+                                                  std::abs(c.angle) / degree),
+                                      "train", study.loads.depth_m()));
+
+    std::vector<PlannedPath> checks;
+    for (const Study::Draws& draws : study.draws) {
+        const std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free);
+        gsl_rng_set(rng.get(), draws.seed);
+        const auto uniform = [&rng](double low, double high) { return low + (high - low) * gsl_rng_uniform(rng.get()); };
+        const double clearance = study.loads.sweep->clearance_m;
+        int tries = 0;
+        for (int i = 1; i <= draws.count; ++i) {
+            Contact c{};
+            bool apart = false;
+            while (!apart) {
+                if (++tries > 1000 * draws.count)
+                    throw MismatchError(fmt::format("draws.{}: the training contacts leave no room for contacts 2 mm or "
+                                                    "5 degrees away from all of them", draws.role));
+                c = {uniform(clearance, outline.length() - clearance),
+                     uniform(-draws.max_angle_deg, draws.max_angle_deg) * degree};
+                const Eigen::Vector2d push = outline.direction(c.arc, c.angle);
+                apart = true;
+                for (const Contact& t : trained)
+                    if (std::abs(t.arc - c.arc) < least_arc_m &&
+                        std::abs(outline.angle(t.arc, push) - t.angle) < least_angle)
+                        apart = false;
+            }
+            const double depth = uniform(draws.depth_m[0], draws.depth_m[1]);
+            std::string name = fmt::format("{}-{:04}", draws.role, i);
+            for (char& ch : name)
+                if (ch == '_') ch = '-';
+            paths.push_back(plan_push(study, outline, c, name, draws.role, depth));
+            if (draws.role == "held_out" && gsl_rng_uniform(rng.get()) < study.check_fraction) {
+                checks.push_back(paths.back());
+                checks.back().push.name = fmt::format("check-{:04}", i);
+                checks.back().role = "check";
+                checks.back().refine = study.check_refine;
+            }
+        }
+    }
+    paths.insert(paths.end(), checks.begin(), checks.end());
+    return paths;
+}
+
+}  // namespace tissue

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "study/study.h"
+
+namespace tissue {
+
+/// One FE solve of a study: which push, how deep, and what it is for.
+struct PlannedPath {
+    StudyPath push;
+    std::string role;    ///< train, validation, held_out, held_out_full, check (a held_out contact on the finer mesh)
+    double depth_m;
+    int records;         ///< after the one at rest
+    int refine;          ///< of the mesh it is solved on
+};
+
+/// Every FE solve a study needs, in a fixed order, all drawn before any of them runs. Of training contacts that mirror
+/// each other only one is solved (mirrored() makes the other). Drawn contacts keep 2 mm or 5 degrees from every
+/// training contact. Throws MismatchError when a draw finds no such contact.
+std::vector<PlannedPath> planned_paths(const Study& study);
+
+}  // namespace tissue

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tissue {
+
+/// What a device says in one tick, in its own three axes.
+struct DeviceSample {
+    Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+    bool valid = true;   ///< false: the device reports an error, or has not spoken yet
+    double age_s = 0;    ///< since the device measured it
+};
+
+/// A haptic device of the impedance kind: position in, force out. One file a kind. Set-up may throw, allocate and
+/// print; read() and write() are part of the 1 kHz tick: they do none of that and do not wait.
+class Device {
+   public:
+    virtual ~Device() = default;
+    virtual std::string name() const = 0;
+
+    /// Before the first tick. Throws DeviceError.
+    virtual void start() {}
+
+    /// Position at `time_s`, the tick's place on the schedule, 0 at the first.
+    virtual DeviceSample read(double time_s) noexcept = 0;
+
+    /// The force to put on the hand [N] until the next write.
+    virtual void write(const Eigen::Vector3d& force_N) noexcept = 0;
+
+    /// True when the device has no more to say (a recording's end).
+    virtual bool finished() const noexcept { return false; }
+
+    /// After the last tick, when the force has been set to zero.
+    virtual void stop() noexcept {}
+
+    /// Counts and figures of its own, for the ledger.
+    virtual std::vector<std::pair<std::string, double>> ledger() const { return {}; }
+};
+
+}  // namespace tissue

@@ -1,0 +1,42 @@
+#include "haptic/dynamics_kinds.h"
+
+namespace tissue {
+namespace {
+
+/// (13)-(15) with the missing dt put in:
+///   a_t = M^-1 (f - K u_{t-1} - B v_{t-1}),  v_t = v_{t-1} + dt (a_{t-1} + a_t) / 2,  x_t = x_{t-1} + dt (v_{t-1} + v_t) / 2
+class PaperDynamics final : public Dynamics {
+   public:
+    PaperDynamics(const RealtimeMesh& mesh, const DynamicsOptions& options) : mesh_(mesh), o_(options) {}
+    std::string name() const override { return "paper"; }
+
+    Eigen::Vector2d step(MeshState& s, const ContactLoad& load) noexcept override {
+        const Eigen::Vector2d f =
+            load.given_N + load.coupling_N_m * (load.master_m - load.proxy(mesh_, s.displacement));
+        mesh_.force(s.theta, s.displacement, s.force);
+        for (int end : {0, 1}) s.force.row(load.node[end]) -= load.weight[end] * f.transpose();
+        for (Eigen::Index axis = 0; axis < 2; ++axis)
+            for (Eigen::Index n = 0; n < s.force.rows(); ++n) {
+                const double inverse_mass = mesh_.inverse_mass()[n], v = s.velocity(n, axis);
+                const double a = -inverse_mass * s.force(n, axis) - (inverse_mass > 0 ? o_.damping_1_s * v : 0.0);
+                const double v_new = v + o_.dt_s * (s.acceleration(n, axis) + a) / 2;
+                s.displacement(n, axis) += o_.dt_s * (v + v_new) / 2;
+                s.velocity(n, axis) = v_new;
+                s.acceleration(n, axis) = a;
+            }
+        s.theta_changed = false;
+        return f;
+    }
+
+   private:
+    const RealtimeMesh& mesh_;
+    DynamicsOptions o_;
+};
+
+}  // namespace
+
+std::unique_ptr<Dynamics> make_paper_dynamics(const RealtimeMesh& mesh, const DynamicsOptions& options) {
+    return std::make_unique<PaperDynamics>(mesh, options);
+}
+
+}  // namespace tissue

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "mesh/spring_mesh.h"
+
+namespace tissue {
+
+/// A field with one column an axis (N x 2), so that a loop over nodes reads memory in a row: u, v [m, m/s], f [N].
+using NodeColumns = Eigen::Matrix<double, Eigen::Dynamic, 2>;
+
+/// The spring mesh of Sec. 4 laid out for the tick: constants only, nothing here changes while it runs. The realtime
+/// core is two-dimensional, as Sec. 4 is.
+///
+/// Springs live in slots. Springs that join node i to node i + offset, for one offset, form a band: one run of slots,
+/// one a node, so that force is a few sums over contiguous arrays instead of a walk through pairs of nodes. Slots of a
+/// band that hold no spring have theta = 0. Springs of rare offsets (meshes that are no lattice) are loose: pairs.
+class RealtimeMesh {
+   public:
+    enum class Law { isotropic, axial, geometric };
+
+    struct Band {
+        int first_node, offset, first_slot, count;  ///< slot first_slot + k joins first_node + k and that + offset
+    };
+
+    /// node_mass_kg (N), all positive. law: a name of spring_law_names().
+    /// Throws MismatchError when sizes do not fit or the mesh is not two-dimensional.
+    RealtimeMesh(const SpringMesh& mesh, const std::string& law, const Eigen::VectorXd& node_mass_kg);
+
+    int node_count() const { return static_cast<int>(rest_.rows()); }
+    int slot_count() const { return static_cast<int>(axis_.rows()); }
+    int spring_count() const { return static_cast<int>(slot_of_spring_.size()); }
+    Law law() const { return law_; }
+    bool linear() const { return law_ != Law::geometric; }
+    const NodeColumns& rest() const { return rest_; }                    ///< [m] (N x 2)
+    const Eigen::VectorXd& mass() const { return mass_; }                ///< [kg] (N)
+    const Eigen::VectorXd& inverse_mass() const { return inverse_mass_; }  ///< [1/kg] (N), 0 where a node is fixed
+    bool fixed(int node) const { return inverse_mass_[node] == 0; }
+    const std::vector<int>& outline() const { return outline_; }         ///< boundary nodes, counter-clockwise (M)
+    const std::vector<Band>& bands() const { return bands_; }
+    const std::vector<int>& slot_of_spring() const { return slot_of_spring_; }
+    Eigen::Vector2i nodes_of_slot(int slot) const { return {first_[slot], second_[slot]}; }
+
+    /// theta (S) [N/m] by spring -> by slot (P).
+    Eigen::VectorXd to_slots(const Eigen::Ref<const Eigen::VectorXd>& theta) const;
+
+    /// f = K(theta) u, (10): the external nodal force [N] that holds u. theta by slot. Fixed nodes get theirs too.
+    /// No allocation; cost in proportion to the springs.
+    void force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f) const noexcept;
+
+    /// Energy in the springs [J]. No allocation.
+    double potential_energy(const Eigen::VectorXd& theta, const NodeColumns& u) const noexcept;
+
+    /// The 2 x 2 block k = d f_i / d u_i of one slot per unit theta at u (the block of i, j is -k). `convex` keeps it
+    /// positive semi-definite where a compressed geometric spring would buckle.
+    Eigen::Matrix2d unit_stiffness(int slot, const NodeColumns& u, bool convex) const noexcept;
+
+   private:
+    Law law_;
+    NodeColumns rest_;
+    Eigen::VectorXd mass_, inverse_mass_;
+    std::vector<int> outline_;
+    std::vector<Band> bands_;
+    int loose_slot_ = 0;                ///< slots from here on are loose springs
+    std::vector<int> slot_of_spring_;   ///< (S)
+    std::vector<int> first_, second_;   ///< nodes of each slot (P); equal where there is no spring
+    NodeColumns axis_;                  ///< rest direction of each slot, a unit vector (P x 2)
+    NodeColumns rest_span_;             ///< X_j - X_i of each slot [m] (P x 2)
+    Eigen::VectorXd rest_length_;       ///< [m] (P)
+};
+
+}  // namespace tissue

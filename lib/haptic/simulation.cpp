@@ -1,0 +1,271 @@
+#include "haptic/simulation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "error.h"
+#include "haptic/hot_loop.h"
+#include "haptic/spectrum.h"
+
+namespace tissue {
+namespace kernel {
+
+/// (19) for one spring set: theta = keep theta + share theta_set.
+TISSUE_HOT void scale(int n, double keep, double* __restrict theta) {
+    for (int k = 0; k < n; ++k) theta[k] *= keep;
+}
+TISSUE_HOT void add_share(int n, double share, const double* __restrict set, double* __restrict theta) {
+    for (int k = 0; k < n; ++k) theta[k] += share * set[k];
+}
+
+}  // namespace kernel
+
+namespace {
+
+/// theta (C x S) of the learned mesh by the name of its sets.
+const NodeField& sets_of(const TissueModel& model, const std::string& name) {
+    if (name == "optimum") return model.optimum.theta;
+    std::string known;
+    for (const TrainedSets& t : model.trained) {
+        if (name.empty() || t.optimizer == name) return t.theta;
+        known += t.optimizer + ", ";
+    }
+    throw MismatchError(fmt::format("spring sets '{}' are not in the model; it has {}optimum", name, known));
+}
+
+std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel& model,
+                                      const Eigen::Ref<const NodeField>& theta, const Eigen::Vector2d& place_m) {
+    if (!theta.allFinite() || !(theta.minCoeff() > 0))
+        throw MismatchError(fmt::format("the {} mesh has springs that are not positive", name));
+    auto mesh = std::make_unique<HapticMesh>(
+        HapticMesh{name, RealtimeMesh(model.mesh, model.law, model.node_mass_kg), {}, place_m, "", 0, 0, 0});
+    mesh->theta_of_set.resize(mesh->springs.slot_count(), theta.rows());
+    for (Eigen::Index c = 0; c < theta.rows(); ++c) mesh->theta_of_set.col(c) = mesh->springs.to_slots(theta.row(c).transpose());
+    return mesh;
+}
+
+/// Which step runs, and with how much damping: from the spectrum.
+void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double coupling_N_m) {
+    double bare = 0;
+    for (Eigen::Index c = 0; c < mesh.theta_of_set.cols(); ++c)
+        bare = std::max(bare, largest_eigenvalue(mesh.springs, mesh.theta_of_set.col(c)));
+    double lightest = 0;
+    for (int node : mesh.springs.outline()) lightest = std::max(lightest, mesh.springs.inverse_mass()[node]);
+    mesh.largest_eigenvalue_1_s2 = bare + coupling_N_m * lightest;
+    mesh.dynamics = o.dynamics == "auto" ? stable_dynamics(mesh.largest_eigenvalue_1_s2, o.dt_s) : o.dynamics;
+    const Eigen::VectorXd mean = mesh.theta_of_set.rowwise().mean();
+    const double lowest = std::sqrt(smallest_eigenvalue(mesh.springs, mean));
+    mesh.lowest_frequency_Hz = lowest / (2 * 3.14159265358979323846);
+    // a mesh that can move for nothing has no lowest mode: a hundredth of its highest stands in
+    mesh.damping_1_s = 2 * o.damping_ratio * (lowest > 0 ? lowest : 0.01 * std::sqrt(bare));
+}
+
+}  // namespace
+
+HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
+    : study(model.study), options(given), set_names(model.case_names) {
+    HapticOptions& o = options;
+    if (!(o.dt_s > 0)) throw MismatchError("dt must be positive");
+    if (!(o.innovation > 0 && o.innovation <= 1)) throw MismatchError("the innovation gamma must lie in (0, 1]");
+    if (!(o.coupling_ratio > 0)) throw MismatchError("the coupling ratio must be positive");
+    if (!(o.damping_ratio >= 0)) throw MismatchError("the damping ratio must not be negative");
+    if (!(o.safety.force_max_N > 0) || !(o.safety.slew_N_s > 0) || !(o.safety.speed_max_m_s > 0))
+        throw MismatchError("the limits of force, slew and speed must be positive");
+    if (!(o.map.scale > 0) || !(std::abs(o.map.force_scale) > 0) || !std::isfinite(o.map.force_scale))
+        throw MismatchError("the scales of the device must not be zero");
+    o.safety.dt_s = o.dt_s;
+    low_m = model.mesh.nodes.colwise().minCoeff();
+    high_m = model.mesh.nodes.colwise().maxCoeff();
+    if (o.place_m == 0) o.place_m = 1.5 * (high_m - low_m).x();
+
+    const NodeField& theta = sets_of(model, o.sets);
+    if (o.sets.empty()) o.sets = model.trained.front().optimizer;
+    selector = std::make_unique<Selector>(model, theta, o.selector);
+    meshes.push_back(make_mesh("learned", model, theta, Eigen::Vector2d::Zero()));
+    if (o.heuristic_mesh)
+        meshes.push_back(make_mesh("heuristic", model, model.heuristic_a.transpose(), {o.place_m, 0}));
+    stiffness = std::make_unique<ContactStiffness>(meshes[0]->springs, *selector, meshes[0]->theta_of_set);
+    for (auto& mesh : meshes) choose_dynamics(*mesh, o, o.coupling_ratio * stiffness->largest());
+}
+
+Simulation::Simulation(const HapticModel& model) : model_(model), safety_(model.options.safety) {
+    for (const auto& mesh : model.meshes) {
+        states_.emplace_back(mesh->springs, mesh->theta_of_set.col(0));
+        outlines_.emplace_back(static_cast<int>(mesh->springs.outline().size()));
+        dynamics_.push_back(make_dynamics(mesh->dynamics, mesh->springs, {model.options.dt_s, mesh->damping_1_s}));
+    }
+    sets_.count = 1;
+    sets_.weight[0] = 1;
+    move_outlines();
+}
+
+void Simulation::reset() noexcept {
+    for (MeshState& state : states_) {
+        state.displacement.setZero();
+        state.velocity.setZero();
+        state.acceleration.setZero();
+        state.theta_changed = true;
+    }
+    move_outlines();
+    contact_ = {};
+    touched_ = -1;
+    armed_ = false;
+}
+
+Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) noexcept {
+    const HapticOptions& o = model_.options;
+    ++counters_.ticks;
+    record_.time_s += o.dt_s;
+    record_.fault = false;
+
+    // device position
+    if (!safety_.admit(sample, elapsed_s > 0 ? elapsed_s : o.dt_s)) return stop(true);
+    const Eigen::Vector2d master = o.map.to_plane(sample.position_m);
+    record_.device_m = sample.position_m;
+    record_.master_m = master;
+
+    // 4.2 collision detection
+    if (!move_outlines()) return stop(false);
+    find_contact(master);
+
+    // 4.3 selection of mesh constants, and their moving average (18)-(19)
+    if (contact_.pressing) select_set();
+    average_stiffness();
+
+    // 4.1 deformation, with the coupling force of 4.2 on the segment's end nodes, on every mesh alike (4.4)
+    const Eigen::Vector2d on_tissue = step_meshes(master);
+    record_.coupling_N = -on_tissue;
+
+    // safety, device force
+    if (!contact_.pressing && safety_.force_N().isZero(0)) safety_.forget_credit();
+    record_.device_N = safety_.limit(o.map.force_to_device(-on_tissue));
+    return record_.device_N;
+}
+
+/// Outlines to where the meshes are. False when there is no inside: an outline crosses itself, or is not finite.
+bool Simulation::move_outlines() noexcept {
+    bool sound = true;
+    for (std::size_t m = 0; m < states_.size(); ++m) {
+        const HapticMesh& mesh = *model_.meshes[m];
+        const std::vector<int>& nodes = mesh.springs.outline();
+        for (std::size_t b = 0; b < nodes.size(); ++b)
+            outlines_[m].set(static_cast<int>(b), mesh.place_m + (mesh.springs.rest().row(nodes[b]) +
+                                                                  states_[m].displacement.row(nodes[b])).transpose());
+        outlines_[m].refresh();
+        if (!(std::abs(outlines_[m].checksum()) < 1e6)) {
+            ++counters_.unstable;
+            reset();
+            return false;
+        }
+        if (!outlines_[m].simple()) {
+            ++counters_.folded;
+            sound = false;
+        }
+    }
+    return sound;
+}
+
+/// The proxy of 4.2 against the mesh in contact, or against each while there is none. Before the master has once been
+/// outside there is no contact.
+void Simulation::find_contact(const Eigen::Vector2d& master_m) noexcept {
+    if (!armed_) {
+        contact_ = {};
+        touched_ = -1;
+        contact_.proxy_m = master_m;
+        for (const Outline& outline : outlines_)
+            if (outline.contains(master_m)) {
+                ++counters_.unarmed;
+                contact_.proxy_m = outline.nearest(master_m).position_m;
+                return;
+            }
+        armed_ = true;
+        contact_.has_proxy = true;
+        return;
+    }
+    if (touched_ >= 0) {
+        update_contact(outlines_[static_cast<std::size_t>(touched_)], master_m, contact_);
+    } else {
+        const ContactState before = contact_;
+        for (std::size_t m = 0; m < outlines_.size() && !contact_.contact; ++m) {
+            contact_ = before;
+            update_contact(outlines_[m], master_m, contact_);
+            if (contact_.contact) {
+                touched_ = static_cast<int>(m);
+                coupling_N_m_ = model_.options.coupling_ratio *
+                                model_.stiffness->at(contact_.where.segment, contact_.where.w);
+            }
+        }
+    }
+    if (!contact_.contact) touched_ = -1;
+}
+
+/// 4.3: from where the contact is and how far the learned mesh gave way there (or the force on it).
+void Simulation::select_set() noexcept {
+    const RealtimeMesh& springs = model_.meshes[0]->springs;
+    const auto b = static_cast<std::size_t>(contact_.where.segment);
+    const double w = contact_.where.w;
+    const int i = springs.outline()[b], j = springs.outline()[(b + 1) % springs.outline().size()];
+    const Eigen::Vector2d displacement =
+        (1 - w) * states_[0].displacement.row(i) + w * states_[0].displacement.row(j);
+    const bool by_force = model_.options.selector.by == SelectorOptions::By::force;
+    sets_ = model_.selector->select(contact_.where.segment, w, by_force ? -record_.coupling_N : displacement);
+    record_.contact_displacement_m = displacement;
+}
+
+/// (19): K^t = gamma K_l + (1 - gamma) K^{t-1}, on theta, in which K is linear. The heuristic mesh has one set.
+void Simulation::average_stiffness() noexcept {
+    const double gamma = model_.options.innovation;
+    MeshState& learned = states_[0];
+    const int P = static_cast<int>(learned.theta.size());
+    const Eigen::MatrixXd& sets = model_.meshes[0]->theta_of_set;
+    kernel::scale(P, 1 - gamma, learned.theta.data());
+    for (int k = 0; k < sets_.count; ++k)
+        kernel::add_share(P, gamma * sets_.weight[k], sets.col(sets_.set[k]).data(), learned.theta.data());
+    learned.theta_changed = true;
+}
+
+/// One step of every mesh. The touched one goes first: its coupling gives the force that the others get as well.
+/// Returns the force of the tool on the tissue [N].
+Eigen::Vector2d Simulation::step_meshes(const Eigen::Vector2d& master_m) noexcept {
+    ContactLoad load;
+    const auto touched = static_cast<std::size_t>(std::max(touched_, 0));
+    record_.mesh = contact_.pressing ? touched_ : -1;
+    record_.segment = contact_.pressing ? contact_.where.segment : -1;
+    record_.w = contact_.where.w;
+    record_.proxy_m = contact_.proxy_m;
+    record_.set = sets_.set[std::max_element(sets_.weight, sets_.weight + sets_.count) - sets_.weight];
+    if (contact_.pressing) {
+        const std::vector<int>& outline = model_.meshes[touched]->springs.outline();
+        const auto b = static_cast<std::size_t>(contact_.where.segment);
+        load.node[0] = outline[b];
+        load.node[1] = outline[(b + 1) % outline.size()];
+        load.weight[0] = 1 - contact_.where.w;
+        load.weight[1] = contact_.where.w;
+        load.coupling_N_m = coupling_N_m_;
+        load.master_m = master_m - model_.meshes[touched]->place_m;
+    }
+    const Eigen::Vector2d force = dynamics_[touched]->step(states_[touched], load);
+    load.coupling_N_m = 0;
+    load.given_N = force;
+    for (std::size_t m = 0; m < states_.size(); ++m)
+        if (m != touched) dynamics_[m]->step(states_[m], load);
+    return force;
+}
+
+/// No force in this tick, whatever slew says, and none until the master has been outside. Meshes go on by themselves.
+Eigen::Vector3d Simulation::stop(bool fault) noexcept {
+    record_.fault = fault;
+    contact_ = {};
+    contact_.proxy_m = record_.master_m;
+    touched_ = -1;
+    armed_ = false;
+    average_stiffness();
+    step_meshes(record_.master_m);
+    record_.coupling_N.setZero();
+    record_.device_N = safety_.stop();
+    return record_.device_N;
+}
+
+}  // namespace tissue

@@ -1,0 +1,125 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "haptic/contact.h"
+#include "haptic/contact_stiffness.h"
+#include "haptic/device.h"
+#include "haptic/device_map.h"
+#include "haptic/dynamics.h"
+#include "haptic/safety.h"
+#include "haptic/selector.h"
+#include "springs/tissue_model.h"
+
+namespace tissue {
+
+struct HapticOptions {
+    double dt_s = 1e-3;               ///< 1 kHz, the paper's rate
+    double innovation = 0.05;         ///< gamma of (19): a new set takes over within about 60 ms
+    double damping_ratio = 0.05;      ///< of critical, at the lowest mode: the paper's "very small values"
+    double coupling_ratio = 10;       ///< k_C over the contact's own stiffness: the tool sinks in by a tenth more
+    std::string dynamics = "auto";    ///< or a name of dynamics_names()
+    std::string sets;                 ///< of the learned mesh: an optimiser of the model, `optimum`; "" is its first
+    bool heuristic_mesh = true;       ///< Sec. 4.4: a second mesh, Van Gelder's, beside the learned one
+    double place_m = 0;               ///< where the second mesh stands along x; 0: one and a half widths to the right
+    SelectorOptions selector;
+    SafetyOptions safety;             ///< its dt is taken from here
+    DeviceMap map;
+};
+
+/// One mesh as it runs: what belongs to it and does not change.
+struct HapticMesh {
+    std::string name;                  ///< learned, heuristic
+    RealtimeMesh springs;
+    Eigen::MatrixXd theta_of_set;      ///< by slot, one column a set [N/m] (P x C)
+    Eigen::Vector2d place_m;           ///< of its origin in the plane
+    std::string dynamics;              ///< which step runs
+    double largest_eigenvalue_1_s2;    ///< of M^-1 K over all its sets, the coupling's k_C on its node included
+    double lowest_frequency_Hz;        ///< of the mean set; 0 when the mesh can move for nothing
+    double damping_1_s;                ///< B = damping M
+};
+
+/// Everything that is the same in every tick.
+struct HapticModel {
+    /// Throws MismatchError for options that the model does not know.
+    HapticModel(const TissueModel& model, const HapticOptions& options);
+    HapticModel(const HapticModel&) = delete;
+    HapticModel& operator=(const HapticModel&) = delete;
+
+    std::string study;
+    HapticOptions options;
+    std::vector<std::string> set_names;
+    std::vector<std::unique_ptr<HapticMesh>> meshes;  ///< the learned one first
+    std::unique_ptr<Selector> selector;               ///< of the learned mesh
+    std::unique_ptr<ContactStiffness> stiffness;      ///< of the learned mesh's outline; both meshes use it
+    Eigen::Vector2d low_m, high_m;                    ///< box of the learned mesh at rest
+};
+
+/// What a tick leaves behind, for the recorder, the page and the tests.
+struct TickRecord {
+    double time_s = 0;
+    Eigen::Vector3d device_m = Eigen::Vector3d::Zero(), device_N = Eigen::Vector3d::Zero();
+    Eigen::Vector2d master_m = Eigen::Vector2d::Zero(), proxy_m = Eigen::Vector2d::Zero();
+    Eigen::Vector2d contact_displacement_m = Eigen::Vector2d::Zero();  ///< x_p - X_p of the learned mesh
+    Eigen::Vector2d coupling_N = Eigen::Vector2d::Zero();              ///< f = k_C (x_p - x_m), before safety
+    int mesh = -1;                ///< pressed mesh, -1 none
+    int segment = -1;
+    double w = 0;
+    int set = -1;                 ///< with the largest share
+    bool fault = false;
+};
+
+struct HapticCounters {
+    long long ticks = 0;
+    long long folded = 0;         ///< outline not simple: no inside, no force
+    long long unstable = 0;       ///< mesh positions not finite: mesh put to rest
+    long long unarmed = 0;        ///< inside tissue, but the master has not been outside since the start or a fault
+};
+
+/// The state of one session and its tick. Storage is made in the constructor; tick() allocates nothing, takes no lock,
+/// prints nothing and throws nothing.
+class Simulation {
+   public:
+    explicit Simulation(const HapticModel& model);
+
+    /// One step of Sec. 4: device position in, device force out [N]. elapsed_s: since the last tick; 0 means dt.
+    Eigen::Vector3d tick(const DeviceSample& sample, double elapsed_s = 0) noexcept;
+
+    const TickRecord& record() const { return record_; }
+    const HapticCounters& counters() const { return counters_; }
+    const Safety& safety() const { return safety_; }
+    const HapticModel& model() const { return model_; }
+    const MeshState& state(std::size_t mesh) const { return states_[mesh]; }
+    const Outline& outline(std::size_t mesh) const { return outlines_[mesh]; }
+    const ContactState& contact() const { return contact_; }
+    const SetWeights& sets() const { return sets_; }
+
+    /// Puts every mesh to rest; the master must be outside once before there is force again.
+    void reset() noexcept;
+
+   private:
+    bool move_outlines() noexcept;
+    void find_contact(const Eigen::Vector2d& master_m) noexcept;
+    void select_set() noexcept;
+    void average_stiffness() noexcept;
+    Eigen::Vector2d step_meshes(const Eigen::Vector2d& master_m) noexcept;
+    Eigen::Vector3d stop(bool fault) noexcept;
+
+    const HapticModel& model_;
+    Safety safety_;
+    std::vector<MeshState> states_;
+    std::vector<Outline> outlines_;
+    std::vector<std::unique_ptr<Dynamics>> dynamics_;
+    ContactState contact_;
+    int touched_ = -1;            ///< mesh in contact
+    double coupling_N_m_ = 0;     ///< k_C of this contact
+    bool armed_ = false;          ///< the master has been outside
+    SetWeights sets_;             ///< (19)'s K_l
+    HapticCounters counters_;
+    TickRecord record_;
+};
+
+}  // namespace tissue

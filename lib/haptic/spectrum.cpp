@@ -1,0 +1,105 @@
+#include "haptic/spectrum.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <vector>
+
+namespace tissue {
+namespace {
+
+/// y = M^-1/2 K M^-1/2 x on the free nodes; x vanishes on the others.
+class ScaledStiffness {
+   public:
+    ScaledStiffness(const RealtimeMesh& mesh, const Eigen::VectorXd& theta)
+        : mesh_(mesh), theta_(theta), root_(mesh.inverse_mass().cwiseSqrt()), force_(mesh.node_count(), 2) {}
+
+    NodeColumns operator()(const NodeColumns& x) {
+        NodeColumns y = root_.asDiagonal() * x;
+        if (mesh_.linear()) {
+            mesh_.force(theta_, y, force_);
+        } else {  // the isotropic bound
+            force_.setZero();
+            for (int slot : mesh_.slot_of_spring()) {
+                const Eigen::Vector2i ends = mesh_.nodes_of_slot(slot);
+                const Eigen::RowVector2d pull = theta_[slot] * (y.row(ends[0]) - y.row(ends[1]));
+                force_.row(ends[0]) += pull;
+                force_.row(ends[1]) -= pull;
+            }
+        }
+        return root_.asDiagonal() * force_;
+    }
+
+   private:
+    const RealtimeMesh& mesh_;
+    const Eigen::VectorXd& theta_;
+    Eigen::VectorXd root_;
+    NodeColumns force_;
+};
+
+/// A start without symmetry, the same every time.
+NodeColumns scattered_start(const RealtimeMesh& mesh) {
+    NodeColumns x(mesh.node_count(), 2);
+    for (Eigen::Index i = 0; i < x.size(); ++i) x.data()[i] = std::sin(12.9898 * static_cast<double>(i + 1) + 1.0);
+    for (int node = 0; node < mesh.node_count(); ++node)
+        if (mesh.fixed(node)) x.row(node).setZero();
+    return x;
+}
+
+}  // namespace
+
+double largest_eigenvalue(const RealtimeMesh& mesh, const Eigen::VectorXd& theta) {
+    constexpr int steps = 30;
+    ScaledStiffness apply(mesh, theta);
+    NodeColumns q = scattered_start(mesh), before = NodeColumns::Zero(mesh.node_count(), 2);
+    if (!(q.norm() > 0)) return 0;
+    q /= q.norm();
+    std::vector<double> alpha, beta;
+    for (int step = 0; step < steps; ++step) {
+        NodeColumns w = apply(q);
+        alpha.push_back(w.cwiseProduct(q).sum());
+        w -= alpha.back() * q;
+        if (step > 0) w -= beta.back() * before;
+        beta.push_back(w.norm());
+        if (!(beta.back() > 1e-12 * alpha.front())) break;
+        before = q;
+        q = w / beta.back();
+    }
+    const auto n = static_cast<Eigen::Index>(alpha.size());
+    Eigen::MatrixXd T = Eigen::MatrixXd::Zero(n, n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+        T(i, i) = alpha[static_cast<std::size_t>(i)];
+        if (i + 1 < n) T(i, i + 1) = T(i + 1, i) = beta[static_cast<std::size_t>(i)];
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(T);
+    return solver.eigenvalues()[n - 1] + std::abs(beta.back() * solver.eigenvectors()(n - 1, n - 1));
+}
+
+double smallest_eigenvalue(const RealtimeMesh& mesh, const Eigen::VectorXd& theta) {
+    const FreeNumbering numbering(mesh);
+    if (BandCholesky::bytes(numbering.order, numbering.half_bandwidth) > 1e9) return 0;
+    BandCholesky K(numbering.order, numbering.half_bandwidth);
+    add_stiffness(mesh, numbering, theta, NodeColumns::Zero(mesh.node_count(), 2), 1, false, K);
+    if (numbering.order == 0 || !K.factor()) return 0;
+
+    const int components = numbering.per_node;
+    Eigen::VectorXd mass(numbering.order), x(numbering.order);
+    for (int node = 0; node < mesh.node_count(); ++node) {
+        const int n = numbering.number[static_cast<std::size_t>(node)];
+        for (int c = 0; n >= 0 && c < components; ++c) mass[components * n + c] = mesh.mass()[node];
+    }
+    for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = 1 + 0.5 * std::sin(12.9898 * static_cast<double>(i + 1));
+    double eigenvalue = 0;
+    for (int step = 0; step < 200; ++step) {
+        x /= std::sqrt(x.dot(mass.cwiseProduct(x)));
+        Eigen::VectorXd y = mass.cwiseProduct(x);
+        const Eigen::VectorXd Mx = y;
+        K.solve(y.data());
+        const double now = 1 / y.dot(Mx);  // Rayleigh quotient of the inverse
+        x = y;
+        if (std::abs(now - eigenvalue) < 1e-6 * now) return now;
+        eigenvalue = now;
+    }
+    return eigenvalue;
+}
+
+}  // namespace tissue

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "mesh/spring_mesh.h"
+
+namespace tissue {
+
+/// The free surface of a spring mesh at rest as one line: from where it leaves the fixed edge to where it meets it
+/// again, counter-clockwise, measured by arc length [m]. Two dimensions.
+class Outline {
+   public:
+    /// Throws MismatchError when the fixed nodes do not leave one connected free surface.
+    explicit Outline(const SpringMesh& mesh);
+
+    double length() const { return arc_.back(); }
+
+    /// Point at an arc length, clamped to [0, length].
+    Eigen::Vector2d position(double arc_m) const;
+
+    /// Unit normal into the tissue; at a node where the surface turns, the mean of both sides'.
+    Eigen::Vector2d inward_normal(double arc_m) const;
+
+    /// Push of unit length, `angle` [rad] off the inward normal, counter-clockwise positive.
+    Eigen::Vector2d direction(double arc_m, double angle) const;
+
+    /// Angle [rad] of a push off the inward normal at an arc length, in (-pi, pi].
+    double angle(double arc_m, const Eigen::Vector2d& direction) const;
+
+    /// Arc length of the surface point nearest to a position.
+    double arc_of(const Eigen::Vector2d& position_m) const;
+
+   private:
+    std::size_t segment(double arc_m) const;
+
+    std::vector<Eigen::Vector2d> points_;  ///< the free surface's nodes, in order
+    std::vector<double> arc_;              ///< arc length of each
+};
+
+}  // namespace tissue
