@@ -1,6 +1,7 @@
 #include "cases/load_path.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <charconv>
 #include <cmath>
@@ -48,7 +49,14 @@ class CsvLines {
         return value;
     }
 
-    const std::string& text(std::size_t i) const { return fields_[i]; }
+    void want_at_least(std::size_t count) const {
+        if (fields_.size() < count) refuse("has too few fields");
+    }
+
+    /// A last field that may hold commas of its own.
+    std::string text_from(std::size_t i) const {
+        return fmt::format("{}", fmt::join(fields_.begin() + static_cast<std::ptrdiff_t>(i), fields_.end(), ","));
+    }
 
     [[noreturn]] void refuse(const std::string& why) const {
         throw FileError(fmt::format("{}:{}: {}", file_, number_, why));
@@ -125,10 +133,10 @@ LoadPath read_path_csv(const std::string& file, const NodeField& nodes) {
             if (line.number(1) != static_cast<double>(path.records.size())) line.refuse("records are missing");
             ended = true;
         } else if (line.kind() == "lost") {
-            line.want(3);
+            line.want_at_least(3);
             close_record();
             if (line.number(1) != static_cast<double>(path.records.size())) line.refuse("records are missing");
-            path.lost = line.text(2);
+            path.lost = line.text_from(2);
             ended = true;
         } else {
             line.refuse("is neither a step, a node, an end nor a lost row");

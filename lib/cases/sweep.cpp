@@ -110,7 +110,7 @@ std::vector<PlannedPath> planned_paths(const Study& study) {
             for (char& ch : name)
                 if (ch == '_') ch = '-';
             paths.push_back(plan_push(study, outline, c, name, draws.role, depth));
-            if (draws.role == "held_out" && gsl_rng_uniform(rng.get()) < study.check_fraction) {
+            if (draws.role == "held_out" && i <= std::lround(study.check_fraction * draws.count)) {
                 checks.push_back(paths.back());
                 checks.back().push.name = fmt::format("check-{:04}", i);
                 checks.back().role = "check";

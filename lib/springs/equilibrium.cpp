@@ -34,7 +34,46 @@ SparseMatrix free_block(const SparseMatrix& K, const std::vector<int>& number, i
     return block;
 }
 
+/// The contact's weights on the free degrees of freedom, one column an axis.
+Eigen::MatrixXd contact_weights(const SpringMesh& mesh, const SurfacePoint& contact, const std::vector<int>& number,
+                                int free_count) {
+    const int D = mesh.dimension();
+    Eigen::MatrixXd W = Eigen::MatrixXd::Zero(free_count, D);
+    for (int end : {0, 1})
+        for (int d = 0; d < D; ++d) {
+            const int n = number[static_cast<std::size_t>(D * contact.node[end] + d)];
+            if (n >= 0) W(n, d) += contact.weight[end];
+        }
+    return W;
+}
+
+using Factor = Eigen::SimplicialLDLT<SparseMatrix>;
+
+/// False when K is not safely positive definite: its smallest pivot is lost in rounding, or negative.
+bool factorise(Factor& factor, const SparseMatrix& K) {
+    factor.compute(K);
+    if (factor.info() != Eigen::Success) return false;
+    const Eigen::VectorXd pivots = factor.vectorD();
+    return pivots.minCoeff() > 1e-10 * pivots.maxCoeff();
+}
+
 }  // namespace
+
+std::optional<Eigen::MatrixXd> contact_sensitivity(const SpringMesh& mesh, const SpringLaw& law,
+                                                   const Eigen::VectorXd& theta, const SurfacePoint& contact,
+                                                   const NodeField& u) {
+    int free_count = 0;
+    const std::vector<int> number = free_numbering(mesh, free_count);
+    const Eigen::MatrixXd W = contact_weights(mesh, contact, number, free_count);
+    Factor factor;
+    if (!factorise(factor, free_block(law.stiffness(mesh, theta, u), number, free_count))) return std::nullopt;
+    const Eigen::MatrixXd KW = factor.solve(W);
+    const Eigen::MatrixXd free_part = (W.transpose() * KW).ldlt().solve(KW.transpose());
+    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(mesh.dimension(), u.size());
+    for (std::size_t i = 0; i < number.size(); ++i)
+        if (number[i] >= 0) G.col(static_cast<Eigen::Index>(i)) = free_part.col(number[i]);
+    return G;
+}
 
 std::optional<Equilibrium> solve_equilibrium(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
                                              const SurfacePoint& contact, const Eigen::VectorXd& push_m,
@@ -43,13 +82,7 @@ std::optional<Equilibrium> solve_equilibrium(const SpringMesh& mesh, const Sprin
     int free_count = 0;
     const std::vector<int> number = free_numbering(mesh, free_count);
 
-    // the contact's weights on the free degrees of freedom, one column an axis
-    Eigen::MatrixXd W = Eigen::MatrixXd::Zero(free_count, D);
-    for (int end : {0, 1})
-        for (int d = 0; d < D; ++d) {
-            const int n = number[static_cast<std::size_t>(D * contact.node[end] + d)];
-            if (n >= 0) W(n, d) += contact.weight[end];
-        }
+    const Eigen::MatrixXd W = contact_weights(mesh, contact, number, free_count);
     if (!(W.colwise().squaredNorm().minCoeff() > 0)) {
         reason = "the contact lies on the fixed edge";
         return std::nullopt;
@@ -59,15 +92,13 @@ std::optional<Equilibrium> solve_equilibrium(const SpringMesh& mesh, const Sprin
     const int steps = law.linear_in_displacement() ? 1 : 10;
     constexpr int max_newton = 30;
     constexpr double tolerance = 1e-10;  // largest out-of-balance force over the contact force
-    Eigen::SimplicialLDLT<SparseMatrix> factor;
+    Factor factor;
     for (int step = 1; step <= steps; ++step) {
         const Eigen::VectorXd target = push_m * step / steps;
         bool balanced = false;
         for (int iteration = 0; iteration < max_newton && !balanced; ++iteration) {
             const SparseMatrix K = free_block(law.stiffness(mesh, theta, state.displacement), number, free_count);
-            factor.compute(K);
-            const Eigen::VectorXd pivots = factor.vectorD();
-            if (factor.info() != Eigen::Success || !(pivots.minCoeff() > 1e-10 * pivots.maxCoeff())) {
+            if (!factorise(factor, K)) {
                 reason = "the spring mesh has zero-energy modes or is unstable under its supports";
                 return std::nullopt;
             }

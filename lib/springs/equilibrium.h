@@ -21,4 +21,11 @@ std::optional<Equilibrium> solve_equilibrium(const SpringMesh& mesh, const Sprin
                                              const SurfacePoint& contact, const Eigen::VectorXd& push_m,
                                              std::string& reason);
 
+/// G (D x N*D): a nodal force residual e = A(u) theta - f [N] at a state u that holds the contact where it was pushed
+/// changes the contact's reaction by G e [N]; exactly so for a law that is linear in displacement, to first order
+/// otherwise. Zero for fixed nodes. Nothing when the mesh has zero-energy modes or is unstable there.
+std::optional<Eigen::MatrixXd> contact_sensitivity(const SpringMesh& mesh, const SpringLaw& law,
+                                                   const Eigen::VectorXd& theta, const SurfacePoint& contact,
+                                                   const NodeField& u);
+
 }  // namespace tissue

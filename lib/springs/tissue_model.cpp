@@ -87,6 +87,7 @@ void write_model(const std::string& file, const TissueModel& model, const Proven
     out.write("/node_mass", model.node_mass_kg, "kg", "node masses, (8) (N)");
     out.write("/heuristic_a", model.heuristic_a, "N/m", "theta of (7), E2 = E t (S)");
     out.write("/heuristic_b", model.heuristic_b, "N/m", "theta of (7), E2 = (C1 + C2) t (S)");
+    out.write("/one_set", model.one_set, "N/m", "the single set that serves all cases best (S)");
     out.write_texts("/cases/names", model.case_names, "load cases trained on (C)");
     out.write("/cases/contact", model.contact_m, "m", "contact at rest (C x D)");
     out.write("/cases/direction", model.direction, "1", "unit vector of the push (C x D)");
@@ -125,6 +126,7 @@ TissueModel read_model(const std::string& file) {
     model.node_mass_kg = in.vector("/node_mass");
     model.heuristic_a = in.vector("/heuristic_a");
     model.heuristic_b = in.vector("/heuristic_b");
+    model.one_set = in.vector("/one_set");
     model.case_names = in.texts("/cases/names");
     model.contact_m = in.field("/cases/contact");
     model.direction = in.field("/cases/direction");

@@ -38,6 +38,8 @@ struct TissueModel {
     Eigen::VectorXd node_mass_kg;          ///< (8) (N)
     Eigen::VectorXd heuristic_a, heuristic_b;  ///< theta of (7) with E2 = E t and (C1 + C2) t [N/m] (S)
 
+    Eigen::VectorXd one_set;               ///< the single set that serves all cases best [N/m] (S)
+
     std::vector<std::string> case_names;   ///< (C)
     NodeField contact_m, direction;        ///< of each case (C x D)
     Eigen::VectorXd magnitude_m;           ///< (C)

@@ -71,7 +71,7 @@ Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const St
             in.refuse("magnitudes_m", "every entry must be a multiple of record_step_m");
     }
     if (in.has("sweep")) {
-        if (in.has("paths")) in.refuse("sweep", "stands beside 'paths'; a study has one of the two");
+        in.refuse_unless_empty("paths", "must be empty beside a sweep");
         TomlReader sweep = in.table("sweep");
         loads.sweep = Study::Loads::Sweep{sweep.number("spacing_m", positive), sweep.number("clearance_m", {0.015}),
                                           sweep.numbers("angles_deg", {-75, 75})};

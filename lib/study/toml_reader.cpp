@@ -121,6 +121,11 @@ std::vector<double> TomlReader::numbers(const std::string& key, std::size_t coun
     return values;
 }
 
+void TomlReader::refuse_unless_empty(const std::string& key, const std::string& why) {
+    known_.insert(key);
+    if (has(key) && !(table_->get(key)->is_array() && table_->get(key)->as_array()->empty())) refuse(key, why);
+}
+
 void TomlReader::refuse_the_rest() const {
     for (const auto& [key, node] : *table_)
         if (!known_.count(std::string(key.str())))

@@ -37,6 +37,9 @@ class TomlReader {
     std::vector<double> numbers(const std::string& key, std::size_t count, Range range = {});
     bool has(const std::string& key) const { return table_->contains(key); }
 
+    /// For a list that another key stands in for.
+    void refuse_unless_empty(const std::string& key, const std::string& why);
+
     /// Throws for keys that nobody asked for.
     void refuse_the_rest() const;
 

@@ -12,10 +12,12 @@
 #include <thread>
 
 #include "error.h"
+#include "springs/equilibrium.h"
 #include "springs/heuristic.h"
 #include "springs/spring_law.h"
 #include "train/bounded_lsq.h"
 #include "train/certificate.h"
+#include "train/objective.h"
 #include "train/optimizer.h"
 
 namespace tissue {
@@ -77,9 +79,55 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+/// What the sets of a study are trained on. `base` is (9) or its like, one a case, in which reports speak; `minimised`
+/// may have more rows: a ridge, the reaction.
+struct Objectives {
+    std::vector<ForceLoss> base, minimised;
+    Eigen::VectorXd one_set;       ///< the single set that serves all cases best (S)
+};
+
+/// How much the contact's reaction counts beside the nodes: enough that its error all but vanishes.
+constexpr double reaction_factor = 30;
+
+Objectives make_objectives(const Study& study, const TissueModel& model, const SpringLaw& law,
+                           const std::vector<LoadCase>& loads, const Box& box, int threads) {
+    const bool contact = study.training.objective == "contact";
+    std::vector<Target> targets;
+    std::vector<SurfacePoint> contacts;
+    Objectives o;
+    for (std::size_t c = 0; c < loads.size(); ++c) {
+        const Eigen::VectorXd weight = model.node_weight.row(static_cast<Eigen::Index>(c));
+        contacts.push_back(locate_on_surface(model.mesh, loads[c].path->contact_m));
+        targets.push_back(contact ? contact_target(model.mesh, loads[c], contacts.back(), weight)
+                                  : force_target(loads[c], weight));
+        o.base.push_back(loss_of(model.mesh, law, targets.back()));
+    }
+    o.one_set = solve_bounded_lsq(joint_loss(o.base), model.heuristic_a, box).theta;
+    o.minimised = o.base;
+    parallel_for(static_cast<int>(loads.size()), threads, [&](int c) {
+        const auto i = static_cast<std::size_t>(c);
+        const auto ridged = [&](const ForceLoss& loss) {
+            return study.training.ridge > 0 ? with_ridge(loss, study.training.ridge, o.one_set) : loss;
+        };
+        o.minimised[i] = ridged(o.base[i]);
+        if (!contact) return;
+        // the compliance that turns force residuals into the reaction's error is the set's own: one step towards it
+        Eigen::VectorXd theta = o.one_set;
+        for (int pass = 0; pass < 2; ++pass) {
+            const std::optional<Eigen::MatrixXd> G =
+                contact_sensitivity(model.mesh, law, theta, contacts[i], targets[i].displacement);
+            if (!G) return;
+            const ForceLoss seen = with_reaction(o.base[i], model.mesh, law, targets[i], *G, reaction_factor);
+            o.minimised[i] = ridged(seen);
+            if (pass == 0) theta = solve_bounded_lsq(o.minimised[i], o.one_set, box).theta;
+        }
+    });
+    return o;
+}
+
 /// The exact solution of every set and its certificate.
-CertifiedOptimum certify(const std::vector<ForceLoss>& losses, const Eigen::VectorXd& start, const Box& box,
-                         int threads) {
+CertifiedOptimum certify(const Objectives& objectives, const Eigen::VectorXd& start, const Box& box, int threads) {
+    const std::vector<ForceLoss>& losses = objectives.minimised;
     const auto C = static_cast<Eigen::Index>(losses.size());
     CertifiedOptimum optimum{NodeField(C, start.size()), Eigen::VectorXd(C), Eigen::VectorXd(C), Eigen::VectorXd(C),
                              Eigen::VectorXd(C)};
@@ -89,7 +137,8 @@ CertifiedOptimum certify(const std::vector<ForceLoss>& losses, const Eigen::Vect
         const BoundedLsqSummary exact = solve_bounded_lsq(loss, start, box);
         optimum.theta.row(c) = exact.theta;
         optimum.loss_N[c] = exact.residual_norm;
-        optimum.rel_loss[c] = exact.residual_norm / loss.scale();
+        const ForceLoss& base = objectives.base[static_cast<std::size_t>(c)];
+        optimum.rel_loss[c] = base(exact.theta) / base.scale();
         optimum.lower_bound_N[c] = loss_lower_bound(loss, exact.theta, box);
         optimum.kkt_residual[c] = exact.kkt_residual;
     });
@@ -98,7 +147,7 @@ CertifiedOptimum certify(const std::vector<ForceLoss>& losses, const Eigen::Vect
 }
 
 TrainedSets gather(const std::string& optimizer, const std::vector<TrainSummary>& sets,
-                   const std::vector<ForceLoss>& losses, const CertifiedOptimum& optimum, double seconds) {
+                   const Objectives& objectives, const CertifiedOptimum& optimum, double seconds) {
     const auto C = static_cast<Eigen::Index>(sets.size());
     TrainedSets t;
     t.optimizer = optimizer;
@@ -119,8 +168,9 @@ TrainedSets gather(const std::string& optimizer, const std::vector<TrainSummary>
         const TrainSummary& s = sets[static_cast<std::size_t>(c)];
         t.theta.row(c) = s.theta;
         t.loss_N[c] = s.loss;
-        t.rel_loss[c] = s.loss / losses[static_cast<std::size_t>(c)].scale();
-        t.gap[c] = loss_gap(s.loss, optimum.lower_bound_N[c], losses[static_cast<std::size_t>(c)].scale());
+        const ForceLoss& base = objectives.base[static_cast<std::size_t>(c)];
+        t.rel_loss[c] = base(s.theta) / base.scale();
+        t.gap[c] = loss_gap(s.loss, optimum.lower_bound_N[c], base.scale());
         t.iterations.push_back(s.iterations);
         t.evaluations.push_back(s.evaluations);
         t.restarts.push_back(s.restarts);
@@ -162,7 +212,6 @@ TissueModel train_sets(const Study& study, const Cases& cases, int threads, cons
     model.node_weight.resize(C, model.mesh.node_count());
 
     const std::unique_ptr<SpringLaw> law = make_spring_law(study.springs.law);
-    std::vector<ForceLoss> losses;
     for (Eigen::Index c = 0; c < C; ++c) {
         const LoadCase& load = loads[static_cast<std::size_t>(c)];
         model.case_names.push_back(load.name);
@@ -170,15 +219,15 @@ TissueModel train_sets(const Study& study, const Cases& cases, int threads, cons
         model.direction.row(c) = load.path->direction;
         model.magnitude_m[c] = load.record->magnitude_m;
         model.node_weight.row(c) = draw_node_weights(study, model.mesh, load);
-        const NodeField weight = model.node_weight.row(c).transpose().replicate(1, D);  // both components alike
-        losses.emplace_back(law->force_matrix(model.mesh, load.record->displacement), as_vector(load.record->force),
-                            as_vector(weight));
     }
 
     const Box box{Eigen::VectorXd::Constant(S, study.training.k_min_E2 * unit),
                   Eigen::VectorXd::Constant(S, study.training.k_max_E2 * unit)};
     const StopCriteria stop{study.training.iterations, study.training.max_seconds, study.training.target_rel_loss};
-    model.optimum = certify(losses, model.heuristic_a, box, threads);
+    const Objectives objectives = make_objectives(study, model, *law, loads, box, threads);
+    model.one_set = objectives.one_set;
+    const Eigen::VectorXd& start = study.training.ridge > 0 ? model.one_set : model.heuristic_a;
+    model.optimum = certify(objectives, start, box, threads);
     std::vector<std::string> names = {study.training.optimizer};
     for (const std::string& other : study.training.also)
         if (std::find(names.begin(), names.end(), other) == names.end()) names.push_back(other);
@@ -188,16 +237,16 @@ TissueModel train_sets(const Study& study, const Cases& cases, int threads, cons
     for (const std::string& name : names) {
         const std::unique_ptr<Optimizer> optimizer = make_optimizer(name);
         std::vector<TrainSummary> sets(loads.size());
-        const Clock::time_point start = Clock::now();
+        const Clock::time_point begin = Clock::now();
         parallel_for(static_cast<int>(C), threads, [&](int c) {
             const auto i = static_cast<std::size_t>(c);
             const Stream stream(study.training.seed, name, loads[i].name);
-            sets[i] = optimizer->minimise(losses[i], model.heuristic_a, box, unit, stop, stream);
+            sets[i] = optimizer->minimise(objectives.minimised[i], start, box, unit, stop, stream);
             const std::lock_guard<std::mutex> lock(guard);
             ++done;
             if (progress) progress(done, total, name + " " + loads[i].name);
         });
-        model.trained.push_back(gather(name, sets, losses, model.optimum, seconds_since(start)));
+        model.trained.push_back(gather(name, sets, objectives, model.optimum, seconds_since(begin)));
     }
     return model;
 }

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <netinet/in.h>
+
+#include <cstdint>
+#include <string>
+
+#include "haptic/device.h"
+
+namespace tissue {
+
+/// A device in another process on this machine, over UDP on the loopback address alone. All little-endian:
+///   in,  48 bytes: char magic[4] "TSP1", uint32 sequence, float64 time_s, float64 position_m[3], float64 reserved
+///   out, 48 bytes: char magic[4] "TSF1", uint32 sequence of the newest position used, float64 age_s of it,
+///                  float64 force_N[3], float64 tick
+/// A force goes back in every tick to whoever sent last. Sequence numbers ascend by one from any start; older ones
+/// are `late` and not used, gaps are `lost`, anything else is `foreign`. Client: scripts/remote_device.py.
+struct PositionDatagram {
+    char magic[4];
+    std::uint32_t sequence;
+    double time_s, position_m[3], reserved;
+};
+struct ForceDatagram {
+    char magic[4];
+    std::uint32_t sequence;
+    double age_s, force_N[3], tick;
+};
+static_assert(sizeof(PositionDatagram) == 48 && sizeof(ForceDatagram) == 48, "datagrams have no padding");
+
+class RemoteDevice final : public Device {
+   public:
+    /// port 0: any that is free; port() says which. Throws DeviceError.
+    explicit RemoteDevice(int port);
+    ~RemoteDevice() override;
+    RemoteDevice(const RemoteDevice&) = delete;
+    RemoteDevice& operator=(const RemoteDevice&) = delete;
+
+    std::string name() const override { return "remote"; }
+    DeviceSample read(double time_s) noexcept override;
+    void write(const Eigen::Vector3d& force_N) noexcept override;
+    std::vector<std::pair<std::string, double>> ledger() const override;
+
+    int port() const { return port_; }
+
+   private:
+    int socket_ = -1, port_ = 0;
+    sockaddr_in peer_{};
+    bool has_peer_ = false;
+    std::uint32_t sequence_ = 0;
+    double received_s_ = 0, time_s_ = 0;   ///< schedule time of the newest position, and now
+    Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero();
+    long long received_ = 0, late_ = 0, lost_ = 0, foreign_ = 0, sent_ = 0, waiting_ = 0;
+};
+
+}  // namespace tissue

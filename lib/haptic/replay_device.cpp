@@ -1,0 +1,117 @@
+#include "haptic/replay_device.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "haptic/device_error.h"
+#include "io/hdf5_store.h"
+
+namespace tissue {
+namespace {
+
+std::vector<std::string> split(const std::string& line) {
+    std::vector<std::string> fields;
+    std::stringstream in(line);
+    for (std::string field; std::getline(in, field, ',');) {
+        while (!field.empty() && (field.back() == '\r' || field.back() == ' ')) field.pop_back();
+        while (!field.empty() && field.front() == ' ') field.erase(0, 1);
+        fields.push_back(field);
+    }
+    return fields;
+}
+
+}  // namespace
+
+ReplayDevice::ReplayDevice(const std::string& file) {
+    const bool recording = file.size() > 3 && file.compare(file.size() - 3, 3, ".h5") == 0;
+    recording ? read_recording(file) : read_csv(file);
+    if (time_s_.empty()) throw DeviceError(file + ": holds no trajectory");
+}
+
+void ReplayDevice::read_csv(const std::string& file) {
+    std::ifstream in(file);
+    std::string line;
+    if (!in || !std::getline(in, line)) throw FileError(file + ": cannot be read, or is empty");
+    static const std::vector<std::string> known = {"time_s", "x_m", "y_m", "z_m", "fx_N", "fy_N", "fz_N"};
+    std::vector<int> column(known.size(), -1);
+    const std::vector<std::string> header = split(line);
+    for (std::size_t h = 0; h < header.size(); ++h)
+        for (std::size_t k = 0; k < known.size(); ++k)
+            if (header[h] == known[k]) column[k] = static_cast<int>(h);
+    if (column[0] < 0 || column[1] < 0 || column[2] < 0)
+        throw FileError(file + ": line 1: wanted the columns time_s,x_m,y_m and as you like z_m,fx_N,fy_N,fz_N");
+    const bool reference = column[4] >= 0 && column[5] >= 0;
+    for (int number = 2; std::getline(in, line); ++number) {
+        const std::vector<std::string> fields = split(line);
+        if (fields.empty()) continue;
+        double value[7] = {};
+        for (std::size_t k = 0; k < known.size(); ++k) {
+            if (column[k] < 0) continue;
+            const auto c = static_cast<std::size_t>(column[k]);
+            char* end = nullptr;
+            if (c < fields.size()) value[k] = std::strtod(fields[c].c_str(), &end);
+            if (c >= fields.size() || end == fields[c].c_str() || *end != '\0' || !std::isfinite(value[k]))
+                throw FileError(fmt::format("{}: line {}: no number for {}", file, number, known[k]));
+        }
+        if (!time_s_.empty() && !(value[0] > time_s_.back()))
+            throw FileError(fmt::format("{}: line {}: times must ascend", file, number));
+        time_s_.push_back(value[0]);
+        position_m_.push_back({value[1], value[2], value[3]});
+        if (reference) reference_N_.push_back({value[4], value[5], value[6]});
+    }
+}
+
+void ReplayDevice::read_recording(const std::string& file) {
+    const Hdf5Reader in(file, "recording");
+    const Eigen::VectorXd time = in.vector("/time");
+    const NodeField position = in.field("/device_position"), force = in.field("/device_force");
+    if (position.rows() != time.size() || force.rows() != time.size() || position.cols() != 3 || force.cols() != 3)
+        in.refuse("/device_position", "does not have one row a tick");
+    for (Eigen::Index k = 0; k < time.size(); ++k) {
+        if (k > 0 && !(time[k] > time[k - 1])) in.refuse("/time", "does not ascend");
+        time_s_.push_back(time[k]);
+        position_m_.push_back(position.row(k));
+        reference_N_.push_back(force.row(k));
+    }
+}
+
+DeviceSample ReplayDevice::read(double time_s) noexcept {
+    const double time = time_s_.front() + time_s;
+    constexpr double same_s = 1e-7;  // a tick's time and the row's, by different sums
+    while (next_ < time_s_.size() && time_s_[next_] <= time + same_s) ++next_;
+    DeviceSample sample;
+    sample.position_m = position_m_[next_ - 1];
+    share_ = 0;
+    if (next_ < time_s_.size()) {
+        share_ = (time - time_s_[next_ - 1]) / (time_s_[next_] - time_s_[next_ - 1]);
+        if (share_ * (time_s_[next_] - time_s_[next_ - 1]) < same_s) share_ = 0;
+        sample.position_m += share_ * (position_m_[next_] - position_m_[next_ - 1]);
+    }
+    finished_ = next_ == time_s_.size();
+    return sample;
+}
+
+void ReplayDevice::write(const Eigen::Vector3d& force_N) noexcept {
+    if (reference_N_.empty()) return;
+    Eigen::Vector3d reference = reference_N_[next_ - 1];
+    if (share_ > 0) reference += share_ * (reference_N_[next_] - reference);
+    const double error = (force_N - reference).norm();
+    squared_error_ += error * error;
+    squared_reference_ += reference.squaredNorm();
+    largest_error_ = std::max(largest_error_, error);
+    ++compared_;
+}
+
+std::vector<std::pair<std::string, double>> ReplayDevice::ledger() const {
+    if (compared_ == 0) return {};
+    const auto n = static_cast<double>(compared_);
+    return {{"reference_rms_N", std::sqrt(squared_reference_ / n)},
+            {"reference_error_rms_N", std::sqrt(squared_error_ / n)},
+            {"reference_error_max_N", largest_error_}};
+}
+
+}  // namespace tissue

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "haptic/device.h"
+
+namespace tissue {
+
+/// Plays a recorded trajectory: a CSV with the header time_s,x_m,y_m[,z_m][,fx_N,fy_N[,fz_N]], ascending times, or a
+/// recording of tissue-haptic (.h5). Between rows the hand moves on a straight line. Where the file has forces they
+/// are the reference: the ledger says how far ours are from them.
+class ReplayDevice final : public Device {
+   public:
+    /// Throws FileError with file, line and cause, DeviceError when there is nothing in it.
+    explicit ReplayDevice(const std::string& file);
+
+    std::string name() const override { return "replay"; }
+    DeviceSample read(double time_s) noexcept override;
+    void write(const Eigen::Vector3d& force_N) noexcept override;
+    bool finished() const noexcept override { return finished_; }
+    std::vector<std::pair<std::string, double>> ledger() const override;
+
+    std::size_t size() const { return time_s_.size(); }
+
+   private:
+    void read_csv(const std::string& file);
+    void read_recording(const std::string& file);
+
+    std::vector<double> time_s_;
+    std::vector<Eigen::Vector3d> position_m_, reference_N_;  ///< reference empty when the file has none
+    std::size_t next_ = 1;
+    double share_ = 0;       ///< between next_ - 1 and next_
+    bool finished_ = false;
+    double squared_error_ = 0, squared_reference_ = 0, largest_error_ = 0;
+    long long compared_ = 0;
+};
+
+}  // namespace tissue

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "haptic/device.h"
+#include "haptic/device_map.h"
+
+namespace tissue {
+
+/// Where the hand is at a time, in the plane of the tissue; it goes smoothly from one to the next and stays at the last.
+struct Waypoint {
+    double time_s;
+    Eigen::Vector2d point_m;
+};
+
+/// Names of the motions, in the order in which messages list them.
+///   press  into the middle of the top, and stay
+///   slide  the same, then along the top and back
+///   poke   in and out at places of the free outline drawn by seed
+///   sine   in and out of the middle of the top at 1 Hz
+const std::vector<std::string>& motion_names();
+
+struct MotionOptions {
+    std::string name = "press";
+    double seconds = 10;                 ///< to be filled
+    double depth_m = 0.010;              ///< of the tool below the surface at rest: the paper's smaller magnitude
+    unsigned long seed = 2008;           ///< of poke
+    Eigen::Vector2d low_m{0, 0}, high_m{0.1, 0.1};  ///< box of the tissue at rest
+};
+
+/// A motion that starts outside the tissue. Throws MismatchError for an unknown name, or a depth or time that is not
+/// positive.
+std::vector<Waypoint> make_motion(const MotionOptions& options);
+
+/// A press at one contact: from outside it to the surface, then `push_m` beyond it within `seconds` and on staying there.
+/// inward: unit vector into the tissue. The tool touches `inset_m` inside the surface, so that a push along the
+/// surface does not leave it.
+std::vector<Waypoint> press_motion(const Eigen::Vector2d& contact_m, const Eigen::Vector2d& inward,
+                                   const Eigen::Vector2d& push_m, double seconds, double inset_m);
+
+/// A hand without a body: it follows the waypoints whatever force comes.
+class VirtualDevice final : public Device {
+   public:
+    VirtualDevice(std::vector<Waypoint> motion, const DeviceMap& map);
+
+    std::string name() const override { return "virtual"; }
+    DeviceSample read(double time_s) noexcept override;
+    void write(const Eigen::Vector3d& force_N) noexcept override { force_N_ = force_N; }
+    const Eigen::Vector3d& force_N() const { return force_N_; }
+
+   private:
+    std::vector<Waypoint> motion_;
+    DeviceMap map_;
+    std::size_t next_ = 1;   ///< first waypoint after the time asked last
+    Eigen::Vector3d force_N_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace tissue
