@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "error.h"
+#include "parallel.h"
 #include "eval/closed_loop.h"
 #include "springs/heuristic.h"
 
@@ -85,7 +86,7 @@ const ModelErrors& Evaluation::model(const std::string& name) const {
     return *it;
 }
 
-Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m) {
+Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m, int threads) {
     const std::vector<LoadCase> loads = load_cases(cases);
     bool same = loads.size() == model.case_names.size() && cases.nodes.rows() == model.mesh.nodes.rows() &&
                 cases.nodes.isApprox(model.mesh.nodes, 1e-9);
@@ -101,6 +102,7 @@ Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N
                           load.record->contact_force_N});
     }
 
+    const bool listed = model.case_count() <= listed_cases;
     Evaluation result;
     result.study = model.study;
     result.trained = model.trained;
@@ -121,6 +123,7 @@ Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N
     const std::optional<double> uniform = best_uniform_stiffness(model.mesh, *law, truths, low, high);
     result.uniform_N_m = uniform ? *uniform : uniform_by_rel_loss(model, *law, loads, contacts, low, high);
     result.uniform_chosen_on = uniform ? "closed_loop" : "rel_loss";
+    candidates.push_back({"one_set", {model.one_set}});
     candidates.push_back({"heuristic_a", {model.heuristic_a}});
     candidates.push_back({"heuristic_b", {model.heuristic_b}});
     candidates.push_back({"uniform", {uniform_stiffness(model.mesh, result.uniform_N_m)}});
@@ -133,19 +136,22 @@ Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N
     }
     for (const Candidate& candidate : candidates) {
         ModelErrors errors{candidate.name, {}, {}};
-        for (std::size_t c = 0; c < loads.size(); ++c) {
-            CaseError e;
+        errors.cases.resize(loads.size());
+        parallel_for(static_cast<int>(loads.size()), threads, [&](int i) {
+            const auto c = static_cast<std::size_t>(i);
+            CaseError& e = errors.cases[c];
             e.open_loop =
                 force_error(model.mesh, *law, candidate.at(c), contacts[c],
                             model.node_weight.row(static_cast<Eigen::Index>(c)), *loads[c].path, *loads[c].record);
             e.closed_loop = closed_loop_error(model.mesh, *law, candidate.at(c), truths[c], e.reason);
-            errors.cases.push_back(std::move(e));
-        }
+        });
         NodeField theta(static_cast<Eigen::Index>(candidate.theta.size()), model.mesh.spring_count());
         for (std::size_t c = 0; c < candidate.theta.size(); ++c) theta.row(static_cast<Eigen::Index>(c)) = candidate.theta[c];
-        errors.springs = spring_character(model, cases, theta);
+        if (listed) errors.springs = spring_character(model, cases, theta);
         result.models.push_back(std::move(errors));
     }
+    result.held_out = evaluate_held_out(model, cases, threads);
+    if (!listed) return result;
     result.front = ridge_front(model, cases, k_min_N_m, k_max_N_m);
     for (const LoadPath& path : cases.paths) {
         ForceCurve curve;

@@ -6,6 +6,7 @@
 
 #include "cases/load_path.h"
 #include "eval/force_error.h"
+#include "eval/held_out.h"
 #include "eval/spring_character.h"
 #include "springs/tissue_model.h"
 
@@ -20,7 +21,7 @@ struct CaseError {
 
 /// One column of every table: a way to choose theta, and its errors at the load cases.
 struct ModelErrors {
-    std::string name;  ///< learned, learned_OPTIMIZER, optimum, heuristic_a, heuristic_b, uniform
+    std::string name;  ///< learned, learned_OPTIMIZER, optimum, one_set, heuristic_a, heuristic_b, uniform
     std::vector<CaseError> cases;
 
     SpringCharacter springs;
@@ -48,6 +49,7 @@ struct Evaluation {
     std::string uniform_chosen_on;   ///< "closed_loop" or, where the mesh has no closed-loop answer, "rel_loss"
     std::vector<TrainedSets> trained;
     CertifiedOptimum optimum;
+    HeldOut held_out;                                            ///< empty where the study draws no contacts
     std::vector<FrontPoint> front;                               ///< loss against distance from the heuristic
 
     const ModelErrors& model(const std::string& name) const;
@@ -55,8 +57,10 @@ struct Evaluation {
 
 /// Sec. 3 and 5: every trained spring set and every baseline at the load cases they were trained on.
 /// Throws MismatchError when model and cases do not belong together.
+/// Curves, the front and what the springs are like are left to studies of up to `listed_cases` load cases.
 /// k_min, k_max: the box of the training [N/m], for the front.
-Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m);
+constexpr int listed_cases = 100;
+Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m, int threads);
 
 /// eval.json (results/FORMATS.md).
 std::string to_json(const Evaluation& evaluation, unsigned long seed);

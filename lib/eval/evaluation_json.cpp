@@ -58,6 +58,26 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
         j["training_also"].push_back(training(evaluation.trained[t]));
     j["optimum"] = {{"kkt_residual_max", evaluation.optimum.kkt_residual.maxCoeff()},
                     {"seconds", evaluation.optimum.seconds}};
+    const HeldOut& held_out = evaluation.held_out;
+    for (const DrawnContacts& role : held_out.roles) {
+        Json& entry = j["closed_loop"][role.role];
+        for (std::size_t m = 0; m < held_out.models.size(); ++m) entry[held_out.models[m]] = to_value(role.statistics(m));
+        j["lost"][role.role] = role.lost;
+        for (const DrawnContact& c : role.contacts) {
+            Json row = {{"name", c.name},          {"arc_m", c.arc_m},
+                        {"angle_deg", c.angle_deg}, {"depth_m", c.depth_m},
+                        {"fe_force_N", {c.fe_force_N.x(), c.fe_force_N.y()}}, {"extrapolated", c.extrapolated}};
+            for (std::size_t m = 0; m < held_out.models.size(); ++m)
+                row["error"][held_out.models[m]] = c.error[m] ? Json(*c.error[m]) : Json();
+            j["drawn"][role.role].push_back(std::move(row));
+        }
+    }
+    if (!held_out.empty()) {
+        j["truth_check"] = to_value(held_out.truth.difference);
+        j["truth_check"]["lost"] = held_out.truth.lost;
+    }
+    const bool listed = evaluation.case_names.size() <= listed_cases;
+    if (!listed) return j.dump(1) + "\n";
     for (const ModelErrors& m : evaluation.models) {
         const SpringCharacter& s = m.springs;
         j["springs"][m.name] = {{"distance_near_E2", to_value(statistics_of(s.near))},

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "eval/evaluation.h"
@@ -30,6 +31,38 @@ double median_progress(const TrainedSets& t, int iteration) {
     return statistics_of(values).median;
 }
 
+std::string held_out_markdown(const HeldOut& h) {
+    std::string out;
+    for (const DrawnContacts& role : h.roles) {
+        out += fmt::format("## Contacts of `{}`: closed-loop error\n\n| model | median | p95 | max | n |\n|---|---|---|---|---|\n",
+                           role.role);
+        for (std::size_t m = 0; m < h.models.size(); ++m) {
+            const Statistics s = role.statistics(m);
+            out += fmt::format("| {} | {} | {} | {} | {} |\n", h.models[m], percent(s.median), percent(s.p95),
+                               percent(s.max), s.n);
+        }
+        int extrapolated = 0;
+        for (const DrawnContact& c : role.contacts) extrapolated += c.extrapolated ? 1 : 0;
+        out += fmt::format("\n{} contacts; {} lie outside what the sets were trained on. FE lost {}:\n", role.contacts.size(),
+                           extrapolated, role.lost.size());
+        for (const std::string& lost : role.lost) out += "- " + lost + "\n";
+        std::vector<const DrawnContact*> worst;
+        for (const DrawnContact& c : role.contacts)
+            if (c.error[0]) worst.push_back(&c);
+        std::sort(worst.begin(), worst.end(), [](const auto* a, const auto* b) { return *a->error[0] > *b->error[0]; });
+        out += "\nThe worst ten:\n\n| contact | along the surface mm | angle deg | depth mm | FE force N | error |\n|---|---|---|---|---|---|\n";
+        for (std::size_t i = 0; i < std::min<std::size_t>(10, worst.size()); ++i)
+            out += fmt::format("| {} | {:.1f} | {:.1f} | {:.2f} | {:.3f} | {} |\n", worst[i]->name, 1e3 * worst[i]->arc_m,
+                               worst[i]->angle_deg, 1e3 * worst[i]->depth_m, worst[i]->fe_force_N.norm(),
+                               percent(*worst[i]->error[0]));
+        out += "\n";
+    }
+    if (h.truth.difference.n > 0)
+        out += fmt::format("The truth itself differs from one on the finer mesh by {} (n = {}).\n\n",
+                           summary(h.truth.difference), h.truth.difference.n);
+    return out;
+}
+
 }  // namespace
 
 std::string to_markdown(const Evaluation& e) {
@@ -46,6 +79,7 @@ std::string to_markdown(const Evaluation& e) {
         loss_ratio, percent(learned.resolved_error().median), percent(heuristic.resolved_error().median), force_ratio,
         version);
 
+    out += held_out_markdown(e.held_out);
     out +=
         "## Errors at the trained contacts: median / p95 / max\n\n"
         "| model | rel_loss (9) | resolved force | closed loop |\n|---|---|---|---|\n";
@@ -85,6 +119,8 @@ std::string to_markdown(const Evaluation& e) {
         "for all), whose optimality conditions hold to {:.1e}.\n",
         e.optimum.seconds, e.optimum.kkt_residual.maxCoeff());
 
+    const bool listed = e.case_names.size() <= listed_cases;
+    if (!listed) return out;
     out += "\n| set | L_lb mN | L_lb relative |";
     for (const TrainedSets& t : e.trained) out += fmt::format(" {}: L relative / gap / restarts / status |", t.optimizer);
     out += "\n|---|---|---|";

@@ -3,6 +3,9 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include <chrono>
+#include <thread>
+
 #include "haptic/device_error.h"
 
 namespace tissue {
@@ -166,6 +169,10 @@ void OpenHapticsDevice::write(const Eigen::Vector3d& force_N) noexcept {
 void OpenHapticsDevice::stop() noexcept {
     if (!started_) return;
     started_ = false;
+    // the zero of the last write must reach the motors: two servo periods, or 20 ms when the servo is dead
+    const unsigned long until = servo_ticks_.load() + 2;
+    for (int k = 0; k < 20 && servo_ticks_.load() < until; ++k)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
     library_->stop_scheduler();
     library_->unschedule(library_->callback);
 }

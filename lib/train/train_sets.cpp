@@ -4,14 +4,12 @@
 #include <xxhash.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
-#include <exception>
 #include <map>
 #include <mutex>
-#include <thread>
 
 #include "error.h"
+#include "parallel.h"
 #include "springs/equilibrium.h"
 #include "springs/heuristic.h"
 #include "springs/spring_law.h"
@@ -50,27 +48,6 @@ Eigen::VectorXd draw_node_weights(const Study& study, const SpringMesh& mesh, co
         weight[i] = stream.uniform(near ? study.training.weight_near : study.training.weight_far);
     }
     return weight;
-}
-
-/// Runs job(0) ... job(count - 1) on `threads` threads; the first exception comes out here.
-void parallel_for(int count, int threads, const std::function<void(int)>& job) {
-    std::atomic<int> next{0};
-    std::exception_ptr failure;
-    std::mutex guard;
-    const auto work = [&] {
-        for (int i = next++; i < count; i = next++) try {
-                job(i);
-            } catch (...) {
-                const std::lock_guard<std::mutex> lock(guard);
-                if (!failure) failure = std::current_exception();
-                next = count;
-            }
-    };
-    std::vector<std::thread> pool;
-    for (int t = 1; t < std::min(threads, count); ++t) pool.emplace_back(work);
-    work();
-    for (std::thread& thread : pool) thread.join();
-    if (failure) std::rethrow_exception(failure);
 }
 
 using Clock = std::chrono::steady_clock;

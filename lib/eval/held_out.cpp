@@ -1,0 +1,164 @@
+#include "eval/held_out.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "eval/closed_loop.h"
+#include "parallel.h"
+#include "springs/heuristic.h"
+#include "springs/set_blend.h"
+
+namespace tissue {
+namespace {
+
+constexpr double degree = 3.14159265358979323846 / 180;
+
+/// A mesh and law on which baselines are tried.
+struct Setting {
+    std::string suffix;
+    SpringMesh mesh;
+    std::unique_ptr<SpringLaw> law;
+    double uniform_N_m;
+};
+
+/// A baseline: one theta for the whole surface.
+struct Baseline {
+    std::string name;
+    const Setting* setting;
+    Eigen::VectorXd theta;
+};
+
+ContactTruth truth_of(const SpringMesh& mesh, const LoadPath& path, const PathRecord& record) {
+    return {locate_on_surface(mesh, path.contact_m), path.direction * record.magnitude_m, record.contact_force_N};
+}
+
+/// The mesh of the same lattice in another topology.
+SpringMesh with_topology(const SpringMesh& mesh, const std::string& topology) {
+    const Eigen::Vector2d size = (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).transpose();
+    int cells_x = 0;
+    while (cells_x + 1 < mesh.node_count() && mesh.nodes(cells_x + 1, 1) == mesh.nodes(0, 1)) ++cells_x;
+    return make_lattice(topology, cells_x, mesh.node_count() / (cells_x + 1) - 1, size.x(), size.y());
+}
+
+std::vector<Setting> settings_of(const TissueModel& model, const std::vector<LoadCase>& loads) {
+    std::vector<Setting> settings;
+    const auto add = [&](const std::string& topology, const std::string& law) {
+        const bool own = topology == model.mesh.topology && law == model.law;
+        settings.push_back({own ? "" : "_" + topology + "_" + law, with_topology(model.mesh, topology),
+                            make_spring_law(law), 0});
+        // a stiffness does not need every training contact to be chosen well
+        std::vector<ContactTruth> truths;
+        const std::size_t stride = 1 + loads.size() / 150;
+        for (std::size_t c = 0; c < loads.size(); c += stride)
+            truths.push_back(truth_of(settings.back().mesh, *loads[c].path, *loads[c].record));
+        settings.back().uniform_N_m =
+            best_uniform_stiffness(settings.back().mesh, *settings.back().law, truths, 0.05 * model.modulus_N_m,
+                                   40 * model.modulus_N_m)
+                .value_or(model.modulus_N_m);
+    };
+    add(model.mesh.topology, model.law);
+    for (const auto& [topology, law] : {std::pair("grid4", "isotropic"), {"grid8", "axial"}, {"grid8", "geometric"}})
+        if (topology != model.mesh.topology || law != model.law) add(topology, law);
+    return settings;
+}
+
+/// FE's own training forces, interpolated; below the smallest depth in proportion to depth.
+Eigen::Vector2d table_force(const std::vector<LoadCase>& loads, const SetWeights& weights, double depth_m) {
+    Eigen::Vector2d force = Eigen::Vector2d::Zero();
+    for (int i = 0; i < weights.count; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        const PathRecord& record = *loads[static_cast<std::size_t>(weights.set[k])].record;
+        force += weights.weight[k] * std::min(1.0, depth_m / record.magnitude_m) * record.contact_force_N;
+    }
+    return force;
+}
+
+TruthCheck check_truth(const Cases& cases) {
+    TruthCheck check;
+    std::vector<double> differences;
+    for (const LoadPath& fine : cases.paths) {
+        if (fine.role != "check") continue;
+        const LoadPath* coarse = nullptr;
+        for (const LoadPath& path : cases.paths)
+            if (path.role == "held_out" && path.contact_m == fine.contact_m && path.depth_m == fine.depth_m) coarse = &path;
+        if (!fine.lost.empty()) check.lost.push_back(fine.name + ": " + fine.lost);
+        if (!coarse || !coarse->lost.empty() || !fine.lost.empty()) continue;
+        const Eigen::Vector2d there = fine.records.back().contact_force_N;
+        differences.push_back((coarse->records.back().contact_force_N - there).norm() / there.norm());
+    }
+    check.difference = statistics_of(differences);
+    return check;
+}
+
+}  // namespace
+
+Statistics DrawnContacts::statistics(std::size_t model, bool with_extrapolated) const {
+    std::vector<double> errors;
+    for (const DrawnContact& c : contacts)
+        if (c.error[model] && (with_extrapolated || !c.extrapolated)) errors.push_back(*c.error[model]);
+    return statistics_of(errors);
+}
+
+const DrawnContacts* HeldOut::role(const std::string& name) const {
+    for (const DrawnContacts& r : roles)
+        if (r.role == name) return &r;
+    return nullptr;
+}
+
+HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int threads) {
+    HeldOut result;
+    for (const LoadPath& path : cases.paths)
+        if (path.role != "train" && path.role != "check" && !result.role(path.role))
+            result.roles.push_back({path.role, {}, {}});
+    if (result.empty()) return result;
+
+    const std::vector<LoadCase> loads = load_cases(cases);
+    const SetGrid grid(model);
+    const std::unique_ptr<SpringLaw> law = make_spring_law(model.law);
+    const NodeField& theta = model.trained.front().theta;
+    const std::vector<Setting> settings = settings_of(model, loads);
+    std::vector<Baseline> baselines = {{"one_set", &settings[0], model.one_set}};
+    const double ratio_b = model.heuristic_b.sum() / model.heuristic_a.sum();
+    for (const Setting& s : settings) {
+        baselines.push_back({"heuristic_a" + s.suffix, &s, heuristic_stiffness(s.mesh, model.modulus_N_m)});
+        baselines.push_back({"heuristic_b" + s.suffix, &s, heuristic_stiffness(s.mesh, ratio_b * model.modulus_N_m)});
+        baselines.push_back({"uniform" + s.suffix, &s, uniform_stiffness(s.mesh, s.uniform_N_m)});
+    }
+    result.models = {"learned", "learned_nearest", "force_table"};
+    for (const Baseline& b : baselines) result.models.push_back(b.name);
+
+    for (DrawnContacts& role : result.roles) {
+        std::vector<const LoadPath*> paths;
+        for (const LoadPath& path : cases.paths) {
+            if (path.role != role.role) continue;
+            if (path.lost.empty())
+                paths.push_back(&path);
+            else
+                role.lost.push_back(path.name + ": " + path.lost);
+        }
+        role.contacts.resize(paths.size());
+        parallel_for(static_cast<int>(paths.size()), threads, [&](int p) {
+            const LoadPath& path = *paths[static_cast<std::size_t>(p)];
+            const PathRecord& record = path.records.back();
+            const double arc = grid.outline().arc_of(path.contact_m);
+            const SetWeights blended = grid.blended(arc, path.direction, record.magnitude_m);
+            const ContactTruth truth = truth_of(model.mesh, path, record);
+            DrawnContact& contact = role.contacts[static_cast<std::size_t>(p)];
+            contact = {path.name, arc, grid.outline().angle(arc, path.direction) / degree, record.magnitude_m,
+                       record.contact_force_N, blended.extrapolated, {}};
+            std::string reason;
+            contact.error.push_back(closed_loop_error(model.mesh, *law, blend(theta, blended), truth, reason));
+            contact.error.push_back(closed_loop_error(
+                model.mesh, *law, blend(theta, grid.nearest(arc, path.direction, record.magnitude_m)), truth, reason));
+            contact.error.push_back((table_force(loads, blended, record.magnitude_m) - truth.force_N).norm() /
+                                    truth.force_N.norm());
+            for (const Baseline& b : baselines)
+                contact.error.push_back(closed_loop_error(b.setting->mesh, *b.setting->law, b.theta, truth, reason));
+        });
+    }
+    result.truth = check_truth(cases);
+    return result;
+}
+
+}  // namespace tissue

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cases/load_path.h"
+#include "eval/force_error.h"
+#include "springs/tissue_model.h"
+
+namespace tissue {
+
+/// One drawn contact that no set was trained on, at its own depth.
+struct DrawnContact {
+    std::string name;
+    double arc_m, angle_deg, depth_m;     ///< place along the surface, push off the inward normal, length of the push
+    Eigen::Vector2d fe_force_N;
+    bool extrapolated;                    ///< outside what the sets were trained on
+    std::vector<std::optional<double>> error;  ///< closed-loop error of each model; absent where it has no answer
+};
+
+/// One role of drawn contacts: validation, held_out or held_out_full.
+struct DrawnContacts {
+    std::string role;
+    std::vector<DrawnContact> contacts;
+    std::vector<std::string> lost;        ///< "name: why", contacts at which FE has no answer
+
+    Statistics statistics(std::size_t model, bool with_extrapolated = true) const;
+};
+
+/// The truth's own error: held-out contacts solved again on the finer mesh of the study.
+struct TruthCheck {
+    Statistics difference{};              ///< |r_coarse - r_fine| / |r_fine|
+    std::vector<std::string> lost;
+};
+
+struct HeldOut {
+    std::vector<std::string> models;      ///< learned (blended sets) first
+    std::vector<DrawnContacts> roles;
+    TruthCheck truth;
+
+    bool empty() const { return roles.empty(); }
+    const DrawnContacts* role(const std::string& name) const;
+};
+
+/// Closed-loop errors at every drawn contact of the cases:
+///   learned            the model's sets, blended over position, angle and depth
+///   learned_nearest    the nearest of them
+///   one_set            the single set that serves all training cases best
+///   force_table        no springs: FE's forces interpolated with the same weights, the rival at equal FE cost
+///   heuristic_a, heuristic_b, uniform, on the model's mesh and law, and with a suffix on the others
+HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int threads);
+
+}  // namespace tissue

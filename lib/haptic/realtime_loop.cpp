@@ -1,0 +1,121 @@
+#include "haptic/realtime_loop.h"
+
+#include <fmt/format.h>
+#include <pthread.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <time.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+
+namespace tissue {
+namespace {
+
+constexpr long long second_ns = 1'000'000'000;
+
+long long now_ns(clockid_t clock) noexcept {
+    timespec t;
+    clock_gettime(clock, &t);
+    return t.tv_sec * second_ns + t.tv_nsec;
+}
+
+void sleep_until(long long time_ns) noexcept {
+    const timespec t{time_ns / second_ns, time_ns % second_ns};
+    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr);
+}
+
+/// Asks for a realtime class and locked memory, for the calling thread and as long as this lives.
+class RealtimeThread {
+   public:
+    RealtimeThread(int priority, std::vector<std::string>& notices) {
+        prctl(PR_SET_TIMERSLACK, 1UL);
+        pthread_getschedparam(pthread_self(), &policy_, &before_);
+        sched_param wanted{};
+        wanted.sched_priority = priority;
+        std::string refused;
+        const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
+        scheduled_ = error == 0;
+        if (error != 0) refused = fmt::format("no SCHED_FIFO ({})", std::strerror(error));
+        locked_ = mlockall(MCL_CURRENT) == 0;
+        if (!locked_) refused += fmt::format("{}no locked memory ({})", refused.empty() ? "" : ", ", std::strerror(errno));
+        if (!refused.empty())
+            notices.push_back("this machine does not allow all of realtime: " + refused + "; ticks may come late");
+    }
+    ~RealtimeThread() {
+        if (scheduled_) pthread_setschedparam(pthread_self(), policy_, &before_);
+        if (locked_) munlockall();
+    }
+    RealtimeThread(const RealtimeThread&) = delete;
+    RealtimeThread& operator=(const RealtimeThread&) = delete;
+
+   private:
+    int policy_ = 0;
+    sched_param before_{};
+    bool scheduled_ = false, locked_ = false;
+};
+
+/// Touches the stack that ticks will use, so that its pages are there.
+void touch_stack() noexcept {
+    volatile char page[64 * 1024];
+    for (std::size_t k = 0; k < sizeof page; k += 1024) page[k] = 0;
+}
+
+}  // namespace
+
+LoopReport run_loop(Simulation& simulation, Device& device, const LoopOptions& options) {
+    LoopReport report;
+    device.start();
+    {
+        std::vector<std::string> notices;
+        std::unique_ptr<RealtimeThread> realtime;
+        if (options.realtime) realtime = std::make_unique<RealtimeThread>(options.priority, notices);
+        touch_stack();
+        const double dt_s = simulation.model().options.dt_s;
+        const auto dt_ns = static_cast<long long>(std::llround(dt_s * 1e9));
+        const long long start = now_ns(CLOCK_MONOTONIC) + dt_ns;
+        const long long last_slot =
+            options.seconds > 0 ? static_cast<long long>(std::ceil(options.seconds / dt_s - 1e-6)) : -1;
+        long long before = -1;
+        for (long long slot = 0; last_slot < 0 || slot < last_slot;) {
+            if (options.stop && options.stop->load(std::memory_order_relaxed)) break;
+            const long long due = start + slot * dt_ns;
+            sleep_until(due);
+
+            // the tick
+            const long long began = now_ns(CLOCK_MONOTONIC), cpu_began = now_ns(CLOCK_THREAD_CPUTIME_ID);
+            const DeviceSample sample = device.read(static_cast<double>(slot) * dt_s);
+            const Eigen::Vector3d force = simulation.tick(sample, static_cast<double>(slot - before) * dt_s);
+            device.write(force);
+            const long long ended = now_ns(CLOCK_MONOTONIC);
+
+            // its place in the books
+            const double tick_us = 1e-3 * static_cast<double>(ended - began);
+            const double lateness_us = 1e-3 * static_cast<double>(began - due);
+            ++report.ticks;
+            report.tick_us.add(tick_us);
+            report.lateness_us.add(lateness_us);
+            if (options.recorder) {
+                RecordedTick row{simulation.record(), tick_us, lateness_us};
+                row.tick.time_s = static_cast<double>(slot) * dt_s;
+                options.recorder->push(row);
+            }
+            before = slot++;
+            const long long over = (ended - due) / dt_ns;
+            if (over > 0) {
+                report.misses += over;
+                report.misses_program += std::min(over, (now_ns(CLOCK_THREAD_CPUTIME_ID) - cpu_began) / dt_ns);
+                slot += over;
+            }
+            if (device.finished()) break;
+        }
+        device.write(Eigen::Vector3d::Zero());
+        report.notices = notices;
+    }
+    device.stop();
+    return report;
+}
+
+}  // namespace tissue

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "haptic/device.h"
+#include "haptic/histogram.h"
+#include "haptic/recorder.h"
+#include "haptic/simulation.h"
+
+namespace tissue {
+
+struct LoopOptions {
+    double seconds = 10;                        ///< 0: until the device has finished or `stop` is set
+    const std::atomic<bool>* stop = nullptr;    ///< set from a signal handler or another thread
+    bool realtime = true;                       ///< ask for SCHED_FIFO and locked memory
+    int priority = 80;                          ///< of SCHED_FIFO: above most of the kernel's threads, below its watchdogs
+    Recorder* recorder = nullptr;
+};
+
+struct LoopReport {
+    long long ticks = 0;
+    long long misses = 0;          ///< periods that ended before their tick was done
+    long long misses_program = 0;  ///< those in which the tick itself used a whole period of processor time
+    Histogram tick_us;             ///< device read to device write
+    Histogram lateness_us;         ///< start of a tick after its place on the schedule
+    std::vector<std::string> notices;  ///< what the machine did not allow
+};
+
+/// Ticks at an absolute rate until the time is up: device position in, simulation, device force out. A tick that comes
+/// so late that periods have ended is a miss for each of them; the schedule stays where it was. The force is zero
+/// before this returns, however it ends. Set-up and report are the caller's; nothing is printed here.
+LoopReport run_loop(Simulation& simulation, Device& device, const LoopOptions& options);
+
+}  // namespace tissue

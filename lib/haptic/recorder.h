@@ -1,0 +1,52 @@
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "haptic/simulation.h"
+#include "haptic/spsc_ring.h"
+#include "io/hdf5_store.h"
+
+namespace tissue {
+
+/// What is kept of one tick.
+struct RecordedTick {
+    TickRecord tick;
+    double tick_us = 0, lateness_us = 0;
+};
+
+/// Writes a session to HDF5 (kind `recording`, results/FORMATS.md) from a thread of its own. The tick pushes into a ring
+/// and never waits; what does not fit is dropped and counted.
+class Recorder {
+   public:
+    /// Throws FileError when the file cannot be written. ring: ticks that fit while the disk is slow.
+    Recorder(const std::string& file, const Provenance& provenance, std::size_t ring = 8192);
+    /// Closes without an error message; call close() to hear of one.
+    ~Recorder();
+    Recorder(const Recorder&) = delete;
+    Recorder& operator=(const Recorder&) = delete;
+
+    /// From the tick.
+    void push(const RecordedTick& tick) noexcept {
+        if (!ring_.push(tick)) dropped_.fetch_add(1, std::memory_order_relaxed);
+    }
+    long long dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
+
+    /// After the last tick: the file appears, whole. Attributes go to its root. Throws FileError.
+    void close(const HapticModel& model);
+
+   private:
+    void drain();
+    void run();
+
+    SpscRing<RecordedTick> ring_;
+    std::vector<RecordedTick> kept_;
+    Hdf5Writer out_;
+    std::atomic<long long> dropped_{0};
+    std::atomic<bool> done_{false};
+    std::thread thread_;
+};
+
+}  // namespace tissue

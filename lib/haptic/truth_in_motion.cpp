@@ -1,0 +1,147 @@
+#include "haptic/truth_in_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "haptic/virtual_device.h"
+#include "springs/equilibrium.h"
+
+namespace tissue {
+namespace {
+
+/// Into the tissue at a point of the outline at rest: the mean of the normals of the segments there.
+Eigen::Vector2d inward_normal(const SpringMesh& mesh, const Eigen::Vector2d& contact_m) {
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    for (std::size_t b = 0; b < mesh.boundary.size(); ++b) {
+        const Eigen::Vector2d start = mesh.nodes.row(mesh.boundary[b]);
+        const Eigen::Vector2d along = mesh.nodes.row(mesh.boundary[(b + 1) % mesh.boundary.size()]).transpose() - start;
+        const double w = std::clamp((contact_m - start).dot(along) / along.squaredNorm(), 0.0, 1.0);
+        if ((start + w * along - contact_m).norm() < 1e-9) sum += Eigen::Vector2d(-along.y(), along.x()).normalized();
+    }
+    return sum.normalized();
+}
+
+/// Stiffness in use, by spring.
+Eigen::VectorXd theta_in_use(const RealtimeMesh& mesh, const MeshState& state) {
+    Eigen::VectorXd theta(mesh.spring_count());
+    for (int s = 0; s < mesh.spring_count(); ++s) theta[s] = state.theta[mesh.slot_of_spring()[static_cast<std::size_t>(s)]];
+    return theta;
+}
+
+}  // namespace
+
+PressResult press(const HapticModel& model, const TissueModel& tissue, const PressTruth& truth, double seconds_max) {
+    constexpr double inset_m = 0.0003;    // a push along the surface must stay inside it
+    constexpr double ramp_s = 2, window_s = 0.5, settled = 1e-4;
+    PressResult result;
+    result.name = truth.name;
+    const auto law = make_spring_law(tissue.law);
+    const Eigen::Vector2d inward = inward_normal(tissue.mesh, truth.contact_m);
+    const double dt = model.options.dt_s;
+
+    Simulation simulation(model);
+    const double aim = truth.magnitude_m * (1 + 1 / model.options.coupling_ratio);
+    VirtualDevice hand(press_motion(truth.contact_m, inward, aim * truth.direction, ramp_s, inset_m), model.options.map);
+    Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+    Eigen::Vector2d last = Eigen::Vector2d::Zero();
+    const int window = static_cast<int>(window_s / dt), sample = std::max(1, static_cast<int>(0.01 / dt));
+    for (int k = 0; k * dt < seconds_max && !result.rested; ++k) {
+        DeviceSample at = hand.read(k * dt);
+        at.position_m += model.options.map.to_device(shift + model.options.map.offset_m);
+        simulation.tick(at);
+        const TickRecord& r = simulation.record();
+        // after the ramp the hand creeps until the proxy has come as far as it shall
+        if (k * dt > ramp_s && r.mesh == 0) {
+            const Eigen::Vector2d miss = truth.magnitude_m * truth.direction - r.contact_displacement_m;
+            const double along = std::clamp(miss.dot(truth.direction), -1e-2 * dt, 1e-2 * dt);
+            if (std::abs(along) > 1e-9) shift += 0.02 * along * truth.direction;
+        }
+        if (k % sample == 0) {
+            result.time_s.push_back(k * dt);
+            result.depth_m.push_back(r.mesh == 0 ? r.contact_displacement_m.dot(truth.direction) : 0);
+            result.curve_N.push_back(-r.coupling_N.dot(truth.direction));
+        }
+        if (k % window == window - 1) {
+            result.rested = k * dt > ramp_s + window_s && r.mesh == 0 &&
+                            (r.coupling_N - last).norm() < settled * r.coupling_N.norm();
+            last = r.coupling_N;
+        }
+        result.seconds = (k + 1) * dt;
+    }
+    const TickRecord& r = simulation.record();
+    result.energy_given_J = simulation.safety().counters().energy_given_J;
+    result.displacement_m = r.contact_displacement_m;
+    result.force_N = -r.coupling_N;
+    if (r.set >= 0) result.set = model.set_names[static_cast<std::size_t>(r.set)];
+    if (r.mesh != 0) {
+        result.reason = simulation.counters().unstable > 0 ? "the mesh is unstable in motion" : "the tool lost the contact";
+        return result;
+    }
+
+    const std::vector<int>& outline = tissue.mesh.boundary;
+    const auto b = static_cast<std::size_t>(r.segment);
+    const SurfacePoint point{{outline[b], outline[(b + 1) % outline.size()]}, {1 - r.w, r.w}};
+    const Eigen::VectorXd theta = theta_in_use(model.meshes[0]->springs, simulation.state(0));
+    const auto rest = solve_equilibrium(tissue.mesh, *law, theta, point, result.displacement_m, result.reason);
+    if (!rest) return result;
+    result.static_N = rest->contact_force;
+    result.static_error = (result.force_N - result.static_N).norm() / result.static_N.norm();
+    if (truth.force_N) {
+        result.fe_error = (result.force_N - *truth.force_N).norm() / truth.force_N->norm();
+        std::string ignored;
+        const auto exact = solve_equilibrium(tissue.mesh, *law, theta, locate_on_surface(tissue.mesh, truth.contact_m),
+                                             truth.magnitude_m * truth.direction, ignored);
+        if (exact)
+            result.static_fe_error =
+                (Eigen::Vector2d(exact->contact_force) - *truth.force_N).norm() / truth.force_N->norm();
+    }
+    return result;
+}
+
+SwitchJump switch_jump(const TissueModel& tissue, HapticOptions options, int from, int to, double innovation) {
+    // one set at a time, and no safety in the way: what the springs do by themselves
+    options.innovation = innovation;
+    SwitchJump jump;
+    jump.innovation = innovation;
+    jump.from = tissue.case_names[static_cast<std::size_t>(from)];
+    jump.to = tissue.case_names[static_cast<std::size_t>(to)];
+    const HapticModel model(tissue, options);
+    const HapticMesh& mesh = *model.meshes[0];
+    const Eigen::Vector2d contact = tissue.contact_m.row(from), direction = tissue.direction.row(from);
+    const SurfacePoint point = locate_on_surface(tissue.mesh, contact);
+    MeshState state(mesh.springs, mesh.theta_of_set.col(from));
+    const auto dynamics = make_dynamics(mesh.dynamics, mesh.springs, {options.dt_s, mesh.damping_1_s});
+    ContactLoad load{{point.node[0], point.node[1]}, {point.weight[0], point.weight[1]}, 0, {0, 0}, {0, 0}};
+    const auto segment = static_cast<int>(
+        std::find(tissue.mesh.boundary.begin(), tissue.mesh.boundary.end(), point.node[0]) - tissue.mesh.boundary.begin());
+    load.coupling_N_m = options.coupling_ratio * model.stiffness->at(segment, point.weight[1]);
+    load.master_m = contact + tissue.magnitude_m[from] * direction;
+
+    // to rest with the first set, from its own static answer
+    Eigen::Vector2d force = Eigen::Vector2d::Zero();
+    for (int k = 0; k < static_cast<int>(20 / options.dt_s); ++k) force = dynamics->step(state, load);
+
+    const Eigen::VectorXd target = mesh.theta_of_set.col(to);
+    const double before = mesh.springs.potential_energy(state.theta, state.displacement);
+    jump.energy_bound_J = innovation * std::abs(mesh.springs.potential_energy(target, state.displacement) - before);
+    double last_force = force.dot(direction);
+    jump.time_s.push_back(0);
+    jump.force_N.push_back(last_force);
+    jump.energy_J.push_back(before);
+    for (int k = 1; k <= static_cast<int>(0.5 / options.dt_s); ++k) {
+        const double was = mesh.springs.potential_energy(state.theta, state.displacement);
+        state.theta += innovation * (target - state.theta);
+        state.theta_changed = true;
+        const double now = mesh.springs.potential_energy(state.theta, state.displacement);
+        if (std::abs(now - was) > jump.energy_jump_J) jump.energy_jump_J = std::abs(now - was);
+        force = dynamics->step(state, load);
+        jump.force_jump_N = std::max(jump.force_jump_N, std::abs(force.dot(direction) - last_force));
+        last_force = force.dot(direction);
+        jump.time_s.push_back(k * options.dt_s);
+        jump.force_N.push_back(last_force);
+        jump.energy_J.push_back(mesh.springs.potential_energy(state.theta, state.displacement));
+    }
+    return jump;
+}
+
+}  // namespace tissue
