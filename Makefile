@@ -24,7 +24,7 @@ export OMP_NUM_THREADS := 1
 
 # ---- front door
 
-.PHONY: all mesh cases train eval figures reference test sanitize bench deps help clean build
+.PHONY: all mesh cases train eval figures reference trust test sanitize bench deps help clean build
 
 ## all: the whole study, from mesh to figures
 all: figures eval
@@ -100,7 +100,7 @@ $(BUILD)/test_tissue: $(call objects,$(TEST_SOURCES)) $(BUILD)/libtissue.a
 
 # The plan says which load paths there are and with which arguments; its parts say what each stage depends on, and
 # keep their time stamp while their text stays the same.
-ifneq (,$(filter-out help clean deps build reference test sanitize bench $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
+ifneq (,$(filter-out help clean deps build reference trust test sanitize bench $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
 include $(R)/plan.mk
 endif
 
@@ -139,6 +139,12 @@ REFERENCE_STUDIES := paper paper-axial paper-grid8 paper-grid8-turning
 reference:
 	@for study in $(REFERENCE_STUDIES); do $(MAKE) all STUDY=$$study || exit 1; done
 	@$(PYTHON) scripts/reference.py $(REFERENCE_STUDIES)
+
+## trust: where FE stops being trustworthy, as results/reference/trust.png
+trust: | build/deps
+	@mkdir -p results/trust
+	@FF_LOADPATH="$$(scripts/freefem_plugins)" $(PYTHON) scripts/trust_study.py --out results/trust/trust.csv
+	@$(PYTHON) scripts/figures/trust.py results/trust/trust.csv results/reference/trust.png
 
 # ---- tests and benches
 

@@ -62,6 +62,14 @@ PlannedPath plan_push(const Study& study, const Outline& outline, const Contact&
     return path;
 }
 
+/// The same push on the finer mesh.
+PlannedPath check_of(const Study& study, PlannedPath path, const std::string& name) {
+    path.push.name = name;
+    path.role = "check";
+    path.refine = study.check_refine;
+    return path;
+}
+
 }  // namespace
 
 std::vector<PlannedPath> planned_paths(const Study& study) {
@@ -69,6 +77,9 @@ std::vector<PlannedPath> planned_paths(const Study& study) {
     if (!study.loads.sweep) {
         for (const StudyPath& p : study.loads.paths)
             paths.push_back({p, "train", study.loads.depth_m(), study.loads.records(), study.refine});
+        const std::size_t checked = static_cast<std::size_t>(std::lround(study.check_fraction * static_cast<double>(paths.size())));
+        for (std::size_t i = 0; study.check_refine > 0 && i < checked; ++i)
+            paths.push_back(check_of(study, paths[i], "check-" + paths[i].push.name));
         return paths;
     }
 
@@ -110,12 +121,8 @@ std::vector<PlannedPath> planned_paths(const Study& study) {
             for (char& ch : name)
                 if (ch == '_') ch = '-';
             paths.push_back(plan_push(study, outline, c, name, draws.role, depth));
-            if (draws.role == "held_out" && i <= std::lround(study.check_fraction * draws.count)) {
-                checks.push_back(paths.back());
-                checks.back().push.name = fmt::format("check-{:04}", i);
-                checks.back().role = "check";
-                checks.back().refine = study.check_refine;
-            }
+            if (draws.role == "held_out" && study.check_refine > 0 && i <= std::lround(study.check_fraction * draws.count))
+                checks.push_back(check_of(study, paths.back(), fmt::format("check-{:04}", i)));
         }
     }
     paths.insert(paths.end(), checks.begin(), checks.end());

@@ -150,6 +150,7 @@ Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N
         if (listed) errors.springs = spring_character(model, cases, theta);
         result.models.push_back(std::move(errors));
     }
+    result.truth = check_truth(cases);
     result.held_out = evaluate_held_out(model, cases, threads);
     if (!listed) return result;
     result.front = ridge_front(model, cases, k_min_N_m, k_max_N_m);

@@ -72,9 +72,9 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
             j["drawn"][role.role].push_back(std::move(row));
         }
     }
-    if (!held_out.empty()) {
-        j["truth_check"] = to_value(held_out.truth.difference);
-        j["truth_check"]["lost"] = held_out.truth.lost;
+    if (evaluation.truth.difference.n > 0) {
+        j["truth_check"] = to_value(evaluation.truth.difference);
+        j["truth_check"]["lost"] = evaluation.truth.lost;
     }
     const bool listed = evaluation.case_names.size() <= listed_cases;
     if (!listed) return j.dump(1) + "\n";

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "eval/closed_loop.h"
@@ -74,24 +75,38 @@ Eigen::Vector2d table_force(const std::vector<LoadCase>& loads, const SetWeights
     return force;
 }
 
+bool is_load_case(const Cases& cases, double magnitude_m) {
+    for (double m : cases.magnitudes_m)
+        if (std::abs(m - magnitude_m) < 1e-9 * m) return true;
+    return false;
+}
+
+}  // namespace
+
 TruthCheck check_truth(const Cases& cases) {
     TruthCheck check;
     std::vector<double> differences;
     for (const LoadPath& fine : cases.paths) {
         if (fine.role != "check") continue;
-        const LoadPath* coarse = nullptr;
-        for (const LoadPath& path : cases.paths)
-            if (path.role == "held_out" && path.contact_m == fine.contact_m && path.depth_m == fine.depth_m) coarse = &path;
         if (!fine.lost.empty()) check.lost.push_back(fine.name + ": " + fine.lost);
-        if (!coarse || !coarse->lost.empty() || !fine.lost.empty()) continue;
-        const Eigen::Vector2d there = fine.records.back().contact_force_N;
-        differences.push_back((coarse->records.back().contact_force_N - there).norm() / there.norm());
+        for (const LoadPath& coarse : cases.paths) {
+            if (coarse.role == "check" || coarse.contact_m != fine.contact_m || coarse.direction != fine.direction ||
+                coarse.depth_m != fine.depth_m)
+                continue;
+            for (const PathRecord& record : fine.records) {
+                const bool counts = coarse.role == "train" ? is_load_case(cases, record.magnitude_m)
+                                                           : record.magnitude_m == coarse.depth_m;
+                const auto same = [&](const PathRecord& r) { return r.magnitude_m == record.magnitude_m; };
+                const auto there = std::find_if(coarse.records.begin(), coarse.records.end(), same);
+                if (counts && there != coarse.records.end())
+                    differences.push_back((there->contact_force_N - record.contact_force_N).norm() /
+                                          record.contact_force_N.norm());
+            }
+        }
     }
     check.difference = statistics_of(differences);
     return check;
 }
-
-}  // namespace
 
 Statistics DrawnContacts::statistics(std::size_t model, bool with_extrapolated) const {
     std::vector<double> errors;
@@ -157,7 +172,6 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
                 contact.error.push_back(closed_loop_error(b.setting->mesh, *b.setting->law, b.theta, truth, reason));
         });
     }
-    result.truth = check_truth(cases);
     return result;
 }
 

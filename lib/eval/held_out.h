@@ -28,16 +28,16 @@ struct DrawnContacts {
     Statistics statistics(std::size_t model, bool with_extrapolated = true) const;
 };
 
-/// The truth's own error: held-out contacts solved again on the finer mesh of the study.
+/// The truth's own error: pushes solved again on the finer mesh of the study.
 struct TruthCheck {
-    Statistics difference{};              ///< |r_coarse - r_fine| / |r_fine|
-    std::vector<std::string> lost;
+    Statistics difference{};              ///< |r_coarse - r_fine| / |r_fine| at load cases or drawn contacts
+    std::vector<std::string> lost;        ///< "name: why", pushes that have no answer on the finer mesh at their depth
 };
+TruthCheck check_truth(const Cases& cases);
 
 struct HeldOut {
     std::vector<std::string> models;      ///< learned (blended sets) first
     std::vector<DrawnContacts> roles;
-    TruthCheck truth;
 
     bool empty() const { return roles.empty(); }
     const DrawnContacts* role(const std::string& name) const;

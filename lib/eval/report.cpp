@@ -57,10 +57,17 @@ std::string held_out_markdown(const HeldOut& h) {
                                percent(*worst[i]->error[0]));
         out += "\n";
     }
-    if (h.truth.difference.n > 0)
-        out += fmt::format("The truth itself differs from one on the finer mesh by {} (n = {}).\n\n",
-                           summary(h.truth.difference), h.truth.difference.n);
     return out;
+}
+
+std::string truth_markdown(const TruthCheck& truth) {
+    if (truth.difference.n == 0) return "";
+    std::string out = fmt::format(
+        "## The truth's own error\n\nForces of the finite elements differ from those on the study's finer mesh by {} "
+        "(median / p95 / max, n = {}).", summary(truth.difference), truth.difference.n);
+    if (!truth.lost.empty()) out += " On the finer mesh these pushes end early:\n";
+    for (const std::string& lost : truth.lost) out += "\n- " + lost;
+    return out + "\n\n";
 }
 
 }  // namespace
@@ -79,7 +86,7 @@ std::string to_markdown(const Evaluation& e) {
         loss_ratio, percent(learned.resolved_error().median), percent(heuristic.resolved_error().median), force_ratio,
         version);
 
-    out += held_out_markdown(e.held_out);
+    out += held_out_markdown(e.held_out) + truth_markdown(e.truth);
     out +=
         "## Errors at the trained contacts: median / p95 / max\n\n"
         "| model | rel_loss (9) | resolved force | closed loop |\n|---|---|---|---|\n";

@@ -18,7 +18,7 @@ ContactRow contact_row(bool contact_before, bool master_inside, bool proxy_insid
     return static_cast<ContactRow>((contact_before ? 4 : 0) + (master_inside ? 2 : 0) + (proxy_inside ? 1 : 0));
 }
 
-ContactRow update_contact(const Outline& outline, const Eigen::Vector2d& master_m, ContactState& state) noexcept {
+ContactRow update_contact(const MovingOutline& outline, const Eigen::Vector2d& master_m, ContactState& state) noexcept {
     if (!state.has_proxy) {
         state.proxy_m = master_m;
         state.has_proxy = true;

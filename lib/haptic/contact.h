@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "haptic/outline.h"
+#include "haptic/moving_outline.h"
 
 namespace tissue {
 
@@ -33,6 +33,6 @@ ContactRow contact_row(bool contact_before, bool master_inside, bool proxy_insid
 
 /// Sec. 4.2 for one tick: the outline has moved, the master has moved; where is the proxy? The outline must be simple.
 /// Afterwards the proxy is outside or on the outline, and equals (1 - w) s(0) + w s(1) while in contact.
-ContactRow update_contact(const Outline& outline, const Eigen::Vector2d& master_m, ContactState& state) noexcept;
+ContactRow update_contact(const MovingOutline& outline, const Eigen::Vector2d& master_m, ContactState& state) noexcept;
 
 }  // namespace tissue

@@ -174,7 +174,7 @@ void Simulation::find_contact(const Eigen::Vector2d& master_m) noexcept {
         contact_ = {};
         touched_ = -1;
         contact_.proxy_m = master_m;
-        for (const Outline& outline : outlines_)
+        for (const MovingOutline& outline : outlines_)
             if (outline.contains(master_m)) {
                 ++counters_.unarmed;
                 contact_.proxy_m = outline.nearest(master_m).position_m;
@@ -222,7 +222,8 @@ void Simulation::average_stiffness() noexcept {
     const Eigen::MatrixXd& sets = model_.meshes[0]->theta_of_set;
     kernel::scale(P, 1 - gamma, learned.theta.data());
     for (int k = 0; k < sets_.count; ++k)
-        kernel::add_share(P, gamma * sets_.weight[k], sets.col(sets_.set[k]).data(), learned.theta.data());
+        kernel::add_share(P, gamma * sets_.weight[static_cast<std::size_t>(k)],
+                          sets.col(sets_.set[static_cast<std::size_t>(k)]).data(), learned.theta.data());
     learned.theta_changed = true;
 }
 
@@ -235,7 +236,7 @@ Eigen::Vector2d Simulation::step_meshes(const Eigen::Vector2d& master_m) noexcep
     record_.segment = contact_.pressing ? contact_.where.segment : -1;
     record_.w = contact_.where.w;
     record_.proxy_m = contact_.proxy_m;
-    record_.set = sets_.set[std::max_element(sets_.weight, sets_.weight + sets_.count) - sets_.weight];
+    record_.set = sets_.set[static_cast<std::size_t>(std::max_element(sets_.weight.begin(), sets_.weight.begin() + sets_.count) - sets_.weight.begin())];
     if (contact_.pressing) {
         const std::vector<int>& outline = model_.meshes[touched]->springs.outline();
         const auto b = static_cast<std::size_t>(contact_.where.segment);

@@ -93,7 +93,7 @@ class Simulation {
     const Safety& safety() const { return safety_; }
     const HapticModel& model() const { return model_; }
     const MeshState& state(std::size_t mesh) const { return states_[mesh]; }
-    const Outline& outline(std::size_t mesh) const { return outlines_[mesh]; }
+    const MovingOutline& outline(std::size_t mesh) const { return outlines_[mesh]; }
     const ContactState& contact() const { return contact_; }
     const SetWeights& sets() const { return sets_; }
 
@@ -111,7 +111,7 @@ class Simulation {
     const HapticModel& model_;
     Safety safety_;
     std::vector<MeshState> states_;
-    std::vector<Outline> outlines_;
+    std::vector<MovingOutline> outlines_;
     std::vector<std::unique_ptr<Dynamics>> dynamics_;
     ContactState contact_;
     int touched_ = -1;            ///< mesh in contact

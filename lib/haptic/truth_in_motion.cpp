@@ -33,6 +33,7 @@ Eigen::VectorXd theta_in_use(const RealtimeMesh& mesh, const MeshState& state) {
 PressResult press(const HapticModel& model, const TissueModel& tissue, const PressTruth& truth, double seconds_max) {
     constexpr double inset_m = 0.0003;    // a push along the surface must stay inside it
     constexpr double ramp_s = 2, window_s = 0.5, settled = 1e-4;
+    constexpr double creep_1_s = 0.3;     // slower than the mesh's own decay, or the hand would feed its swinging
     PressResult result;
     result.name = truth.name;
     const auto law = make_spring_law(tissue.law);
@@ -53,8 +54,8 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
         // after the ramp the hand creeps until the proxy has come as far as it shall
         if (k * dt > ramp_s && r.mesh == 0) {
             const Eigen::Vector2d miss = truth.magnitude_m * truth.direction - r.contact_displacement_m;
-            const double along = std::clamp(miss.dot(truth.direction), -1e-2 * dt, 1e-2 * dt);
-            if (std::abs(along) > 1e-9) shift += 0.02 * along * truth.direction;
+            const double along = miss.dot(truth.direction);
+            shift += creep_1_s * dt * along * truth.direction;
         }
         if (k % sample == 0) {
             result.time_s.push_back(k * dt);

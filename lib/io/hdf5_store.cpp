@@ -34,8 +34,10 @@ class Handle {
     herr_t (*close_)(hid_t);
 };
 
-/// HDF5 prints a stack of its own on every failed call; our one line says what matters.
+/// HDF5 prints a stack of its own on every failed call; our one line says what matters. Nor may it tidy up at exit: it
+/// would close again, and crash on, a file that a full disk did not let it close.
 void silence() {
+    H5dont_atexit();
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
@@ -111,7 +113,10 @@ Hdf5Writer::Hdf5Writer(std::string file, const std::string& kind, const Provenan
     const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
     H5Pset_obj_track_times(creation, false);
     id_ = H5Fcreate(temporary_.c_str(), H5F_ACC_TRUNC, creation, H5P_DEFAULT);
-    if (id_ < 0) throw FileError(file_ + ": cannot write: the folder is missing or may not be written to");
+    if (id_ < 0) {
+        ::unlink(temporary_.c_str());  // a full disk leaves it empty
+        throw FileError(file_ + ": cannot write: the folder is missing, full or may not be written to");
+    }
     attribute("/", "program", "tissuectl");
     attribute("/", "kind", kind);
     attribute("/", "format_version", format_version);

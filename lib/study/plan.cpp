@@ -24,7 +24,7 @@ std::string path_arguments(const Study& s, const PlannedPath& path) {
         s.geometry.width_m, s.geometry.height_m, s.geometry.thickness_m, s.material.C1_Pa, s.material.C2_Pa, s.cells[0],
         s.cells[1], p.contact_m.x(), p.contact_m.y(), p.direction.x(), p.direction.y(), path.depth_m,
         path.records, s.solver.tolerance, s.solver.max_newton, s.material.formulation, s.indenter.kind,
-        s.indenter.half_width_m, s.loads.sweep ? 1 : 0);
+        s.indenter.half_width_m, s.loads.sweep || path.role == "check" ? 1 : 0);
 }
 
 std::string collect_part(const Study& s) {

@@ -156,9 +156,6 @@ void read_draws(TomlReader in, Study& study) {
         draw.refuse_the_rest();
         study.draws.push_back(d);
     }
-    study.check_fraction = in.optional_number("check_fraction", {0, 1}).value_or(0);
-    study.check_refine = in.has("check_refine") ? static_cast<int>(in.integer("check_refine", study.refine + 1, 100)) : 0;
-    if (study.check_fraction > 0 && study.check_refine == 0) in.refuse("check_refine", "is missing");
     in.refuse_the_rest();
 }
 
@@ -203,6 +200,12 @@ Study read_study(const std::string& file) {
     study.refine = static_cast<int>(mesh.integer("refine", 1, 100));
     if (study.cells[0] * study.refine % 2 != 0)
         mesh.refuse("refine", "times lattice.cells[0] must be even, so that the two halves mirror each other");
+    study.check_refine = static_cast<int>(mesh.optional_integer("check_refine", 0, 100).value_or(0));
+    study.check_fraction = mesh.optional_number("check_fraction", {0, 1}).value_or(1);
+    if (study.check_refine != 0 && study.check_refine <= study.refine)
+        mesh.refuse("check_refine", "must be 0 or larger than refine");
+    if (study.cells[0] * study.check_refine % 2 != 0)
+        mesh.refuse("check_refine", "times lattice.cells[0] must be even, so that the two halves mirror each other");
     mesh.refuse_the_rest();
 
     TomlReader indenter = in.table("indenter");

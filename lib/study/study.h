@@ -75,8 +75,8 @@ struct Study {
         double max_angle_deg;              ///< off the inward normal
     };
     std::vector<Draws> draws;
-    double check_fraction = 0;             ///< of held_out contacts solved again on a finer mesh
-    int check_refine = 0;                  ///< that mesh's `refine`
+    double check_fraction = 0;             ///< of listed paths, or of held_out contacts, solved again on a finer mesh
+    int check_refine = 0;                  ///< that mesh's `refine`; 0: none
 
     struct Training {
         std::string optimizer;

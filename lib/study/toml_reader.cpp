@@ -77,6 +77,12 @@ long TomlReader::integer(const std::string& key, long low, long high) {
     return static_cast<long>(*value);
 }
 
+std::optional<long> TomlReader::optional_integer(const std::string& key, long low, long high) {
+    known_.insert(key);
+    if (!has(key)) return std::nullopt;
+    return integer(key, low, high);
+}
+
 std::string TomlReader::text(const std::string& key) {
     const toml::node& node = require(key);
     if (!node.is_string()) refuse(key, "must be a text");

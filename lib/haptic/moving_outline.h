@@ -16,9 +16,9 @@ struct OutlinePoint {
 
 /// The closed outline of one mesh, counter-clockwise, as it stands in this tick. Storage is made once; nothing here
 /// allocates or throws. Positions must be finite.
-class Outline {
+class MovingOutline {
    public:
-    explicit Outline(int segments);
+    explicit MovingOutline(int segments);
 
     int segments() const { return count_; }
     /// Position of outline node b; refresh() after the last one.

@@ -1,4 +1,4 @@
-#include "haptic/outline.h"
+#include "haptic/moving_outline.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,11 +45,11 @@ double turn(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vec
 
 }  // namespace
 
-Outline::Outline(int segments)
+MovingOutline::MovingOutline(int segments)
     : count_(segments), x_(static_cast<std::size_t>(segments) + 1, 0.0), y_(x_), low_x_(static_cast<std::size_t>(segments), 0.0),
       high_x_(low_x_), low_y_(low_x_), high_y_(low_x_) {}
 
-void Outline::refresh() noexcept {
+void MovingOutline::refresh() noexcept {
     x_[static_cast<std::size_t>(count_)] = x_[0];
     y_[static_cast<std::size_t>(count_)] = y_[0];
     for (std::size_t b = 0; b < static_cast<std::size_t>(count_); ++b) {
@@ -60,15 +60,15 @@ void Outline::refresh() noexcept {
     }
 }
 
-bool Outline::contains(const Eigen::Vector2d& p) const noexcept {
+bool MovingOutline::contains(const Eigen::Vector2d& p) const noexcept {
     return kernel::odd_crossings(count_, x_.data(), y_.data(), p.x(), p.y()) != 0;
 }
 
-bool Outline::contains_strictly(const Eigen::Vector2d& p, double tolerance_m) const noexcept {
+bool MovingOutline::contains_strictly(const Eigen::Vector2d& p, double tolerance_m) const noexcept {
     return contains(p) && nearest(p).distance_m > tolerance_m;
 }
 
-OutlinePoint Outline::nearest(const Eigen::Vector2d& p) const noexcept {
+OutlinePoint MovingOutline::nearest(const Eigen::Vector2d& p) const noexcept {
     OutlinePoint best;
     double best2 = std::numeric_limits<double>::infinity();
     for (int b = 0; b < count_; ++b) {
@@ -87,7 +87,7 @@ OutlinePoint Outline::nearest(const Eigen::Vector2d& p) const noexcept {
     return best;
 }
 
-std::optional<OutlinePoint> Outline::first_crossing(const Eigen::Vector2d& p, const Eigen::Vector2d& m) const noexcept {
+std::optional<OutlinePoint> MovingOutline::first_crossing(const Eigen::Vector2d& p, const Eigen::Vector2d& m) const noexcept {
     std::optional<OutlinePoint> deepest;
     const Eigen::Vector2d way = m - p;
     const double low_x = std::min(p.x(), m.x()), high_x = std::max(p.x(), m.x());
@@ -107,7 +107,7 @@ std::optional<OutlinePoint> Outline::first_crossing(const Eigen::Vector2d& p, co
     return deepest;
 }
 
-bool Outline::crosses(int a, int b) const noexcept {
+bool MovingOutline::crosses(int a, int b) const noexcept {
     const Eigen::Vector2d a0 = node(a), a1 = node(a + 1), b0 = node(b), b1 = node(b + 1);
     if (b == a + 1 || (a == 0 && b == count_ - 1)) {
         // neighbours share a node; they touch elsewhere only when one folds back on the other
@@ -118,7 +118,7 @@ bool Outline::crosses(int a, int b) const noexcept {
     return ((d0 >= 0 && d1 <= 0) || (d0 <= 0 && d1 >= 0)) && ((d2 >= 0 && d3 <= 0) || (d2 <= 0 && d3 >= 0));
 }
 
-bool Outline::simple() noexcept {
+bool MovingOutline::simple() noexcept {
     double area = 0;
     for (int b = 0; b < count_; ++b) area += cross(node(b) - node(0), node(b + 1) - node(0));
     if (!(area > 0)) return false;  // turned inside out
@@ -140,7 +140,7 @@ bool Outline::simple() noexcept {
     return true;
 }
 
-double Outline::checksum() const noexcept {
+double MovingOutline::checksum() const noexcept {
     double sum = 0;
     for (int b = 0; b < count_; ++b) sum += x_[static_cast<std::size_t>(b)] + y_[static_cast<std::size_t>(b)];
     return sum;

@@ -1,0 +1,72 @@
+"""Where the truth can be trusted: trust.py TRUST.csv OUT.png, from scripts/trust_study.py.
+
+Above: force of a 10 mm patch on the left midpoint against its push, on meshes of different fineness. Below: the push at
+which each mesh arrives at a state that is folded, self-crossing, or has no neighbour.
+"""
+import csv
+import os
+import sys
+from collections import defaultdict
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+
+MESHES = {"5": "#0072B2", "2.5": "#009E73", "1.25": "#E69F00", "0.625": "#D55E00"}
+SHOWN = {-30: ":", 0: "-", 30: "--"}
+
+
+def read(file):
+    paths = defaultdict(list)
+    with open(file, newline="") as f:
+        for row in csv.DictReader(f):
+            key = row["formulation"], float(row["angle_deg"]), f"{float(row['end_size_mm']):g}"
+            paths[key].append((float(row["push_mm"]), float(row["force_x_mN"]), float(row["force_y_mN"]), row["ended"]))
+    return paths
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit("usage: trust.py TRUST.csv OUT.png")
+    paths = read(sys.argv[1])
+    figure, axes = plt.subplots(2, 2, figsize=(11, 8), layout="constrained", sharey="row")
+    for column, formulation in enumerate(["plane-stress", "plane-strain"]):
+        force, reach = axes[0, column], axes[1, column]
+        for mesh, colour in MESHES.items():
+            ends = []
+            for (kind, angle, size), rows in sorted(paths.items()):
+                if kind != formulation or size != mesh:
+                    continue
+                push = np.array([r[0] for r in rows])
+                direction = np.radians(angle)
+                along = [r[1] * np.cos(direction) + r[2] * np.sin(direction) for r in rows]
+                ends.append((angle, push[-1], bool(rows[-1][3])))
+                if angle in SHOWN:
+                    force.plot(push, along, SHOWN[angle], color=colour, linewidth=1.4)
+                    if rows[-1][3]:
+                        force.plot(push[-1], along[-1], "x", color=colour, markersize=7)
+            reach.plot([e[0] for e in ends], [e[1] for e in ends], "-o", color=colour, label=f"{mesh} mm",
+                       markersize=4)
+        reach.axhline(15, color="0.6", linestyle=":", linewidth=1)
+        reach.text(44, 15.2, "deepest push of our studies", ha="right", fontsize=8, color="0.4")
+        force.set_title(formulation.replace("-", " "))
+        force.set_xlabel("push (mm)")
+        reach.set_xlabel("angle off the inward normal (degrees; negative: towards the fixed edge)")
+        reach.set_ylim(0, 21)
+    for angle, style in SHOWN.items():
+        axes[0, 0].plot([], [], style, color="0.3", label=f"{angle:+d} degrees" if angle else "normal")
+    axes[0, 0].plot([], [], "x", color="0.3", label="the path ends")
+    axes[0, 0].legend(frameon=False)
+    axes[0, 0].set_ylabel("force along the push, t = 1 mm (mN)")
+    axes[1, 0].set_ylabel("deepest state reached, to 20 mm (mm)")
+    axes[1, 1].legend(title="elements at the patch ends", frameon=False, loc="lower right")
+    figure.suptitle("Finite elements meshed ever finer agree on the force, but fold ever earlier at the patch's ends")
+    out = sys.argv[2]
+    figure.savefig(out + ".tmp", dpi=110, format="png", metadata={"Software": None})
+    os.replace(out + ".tmp", out)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+"""Where the truth stops being trustworthy: force against depth of one patch push, for several angles and meshes.
+
+A depth and angle are trusted while meshes agree and no state is refused. Writes a CSV, one row per record, with the
+cause in the last row of a path that ended early; prints, per angle, the depth to which the two finest meshes that got
+there agree within 2 % and the depth at which each mesh ended.
+
+Columns: formulation, contact_x_m, contact_y_m, angle_deg (of the push from the inward normal of the left wall, positive
+upwards), end_size_mm (elements at the patch's ends; at the surface twice that), push_mm, force_x_mN, force_y_mN (for a
+thickness of 1 mm), smallest_J, ended (empty, or why the path stopped after this record).
+
+Sample run: python3 scripts/trust_study.py --out trust.csv
+"""
+import argparse
+import csv
+import math
+import os
+import subprocess
+import sys
+import tempfile
+
+FEM = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "fem")
+AGREEMENT = 0.02
+
+
+def path(work, formulation, x, y, angle, end_size, depth, records):
+    """Rows (push_mm, fx_mN, fy_mN, smallest J) and the reason for an early end."""
+    msh = os.path.join(work, "patch.msh")
+    out = os.path.join(work, "path.csv")
+    command = ["gmsh", "-v", "1", "-2", "-format", "msh22", os.path.join(FEM, "block_graded.geo"), "-o", msh]
+    for key, value in {"contact_x": x, "contact_y": y, "patch_half_width": 0.005, "end_size": end_size,
+                       "surface_size": 2 * end_size}.items():
+        command += ["-setnumber", key, str(value)]
+    subprocess.run(command, check=True, capture_output=True)
+    a = math.radians(angle)
+    arguments = {"mesh": msh, "out": out, "width": 0.1, "height": 0.1, "thickness": 0.001, "C1": 263, "C2": 491,
+                 "cells_x": 10, "cells_y": 10, "contact_x": x, "contact_y": y, "direction_x": repr(math.cos(a)),
+                 "direction_y": repr(math.sin(a)), "depth": depth, "records": records, "tolerance": 1e-9,
+                 "max_newton": 12, "formulation": formulation, "indenter": "patch"}
+    command = ["FreeFem++-nw", "-nw", "-v", "0", os.path.join(FEM, "solve_path.edp")]
+    for key, value in arguments.items():
+        command += ["-" + key, str(value)]
+    run = subprocess.run(command, capture_output=True, text=True)
+    rows = []
+    for line in open(out):
+        w = line.split(",")
+        if w[0] == "step":
+            rows.append((1e3 * float(w[2]), 1e3 * float(w[4]), 1e3 * float(w[5]), float(w[8])))
+    reason = "" if run.returncode == 0 else run.stderr.strip().replace("solve_path: ", "")
+    return rows, reason
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", required=True)
+    parser.add_argument("--contact-y-m", type=float, default=0.05, help="on the left wall")
+    parser.add_argument("--angles-deg", type=float, nargs="+", default=[-45, -30, -20, -10, 0, 10, 20, 30, 45])
+    parser.add_argument("--end-sizes-mm", type=float, nargs="+", default=[5, 2.5, 1.25, 0.625])
+    parser.add_argument("--formulations", nargs="+", default=["plane-stress", "plane-strain"])
+    parser.add_argument("--depth-mm", type=float, default=20)
+    parser.add_argument("--records", type=int, default=40)
+    options = parser.parse_args()
+    with open(options.out + ".part", "w", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(["formulation", "contact_x_m", "contact_y_m", "angle_deg", "end_size_mm", "push_mm", "force_x_mN",
+                        "force_y_mN", "smallest_J", "ended"])
+        for formulation in options.formulations:
+            for angle in options.angles_deg:
+                paths, ends = [], []
+                for size in options.end_sizes_mm:
+                    with tempfile.TemporaryDirectory() as work:
+                        rows, reason = path(work, formulation, 0, options.contact_y_m, angle, 1e-3 * size,
+                                            1e-3 * options.depth_mm, options.records)
+                    paths.append(rows)
+                    ends.append((size, rows[-1][0], reason))
+                    for k, row in enumerate(rows):
+                        table.writerow([formulation, 0, options.contact_y_m, angle, size, *(repr(v) for v in row),
+                                        reason if k + 1 == len(rows) else ""])
+                agreed = 0.0
+                for k in range(1, options.records + 1):
+                    there = [p[k] for p in paths if len(p) > k]
+                    if len(there) < 2 or len(paths[-1]) <= k:
+                        break
+                    a, b = there[-2], there[-1]
+                    if math.hypot(a[1] - b[1], a[2] - b[2]) > AGREEMENT * math.hypot(b[1], b[2]):
+                        break
+                    agreed = b[0]
+                print(f"{formulation}, {angle:g} degrees: the two finest meshes agree within {100 * AGREEMENT:g} % to "
+                      f"{agreed:.1f} mm; ended: " + "; ".join(
+                          f"{size:g} mm elements at {end:.1f} mm" + (f" ({why[:60]}...)" if why else " (whole path)")
+                          for size, end, why in ends), flush=True)
+    os.replace(options.out + ".part", options.out)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

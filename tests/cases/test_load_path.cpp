@@ -1,0 +1,241 @@
+#include "cases/load_path.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "error.h"
+#include "example.h"
+#include "refusal.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// The corners of a 1 m square.
+const NodeField& corners() {
+    static const NodeField nodes = (NodeField(4, 2) << 0, 0, 1, 0, 0, 1, 1, 1).finished();
+    return nodes;
+}
+
+/// A path of two records as FreeFEM writes it, its nodes in an order of their own. Line numbers from 1.
+const std::string& csv() {
+    static const std::string text =
+        "tissuectl load path,1\n"                                                      // 1
+        "step,0,0,0,0,0,0,0,1,0,0\n"                                                   // 2
+        "node,1,1,0,0,0,0\nnode,0,0,0,0,0,0\nnode,1,0,0,0,0,0\nnode,0,1,0,0,0,0\n"     // 3-6
+        "step,1,0.01,0.0025,0.5,0.25,-0.5,-0.25,0.90000000000000002,4,3e-11\n"         // 7
+        "node,1,1,0.1,-0.2,0.5,0.25\nnode,0,0,0,0,-0.125,0\n"                          // 8-9
+        "node,1,0,0,0,-0.375,-0.25\nnode,0,1,0.30000000000000004,0,0,0\n"              // 10-11
+        "end,2\n";                                                                     // 12
+    return text;
+}
+
+std::string said(const std::string& text) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("left.csv", text);
+    return refusal<FileError>([&] { read_path_csv(file, corners()); });
+}
+
+Cases written_and_read(const Cases& cases) {
+    const TemporaryFolder folder;
+    write_cases(folder.file("cases.h5"), cases, {"tissuectl test", 0, {}});
+    return read_cases(folder.file("cases.h5"));
+}
+
+Cases example() {
+    const Study study = example_study();
+    return example_cases(study, example_theta(make_lattice("grid8", 4, 4, 0.1, 0.1)));
+}
+
+}  // namespace
+
+TEST_CASE("a path's rows go to their nodes, whatever FreeFEM's order") {
+    const TemporaryFolder folder;
+    const LoadPath path = read_path_csv(folder.file("left.csv", csv()), corners());
+    REQUIRE(path.records.size() == 2);
+    const PathRecord& r = path.records[1];
+    CHECK(r.magnitude_m == 0.01);
+    CHECK(r.energy_J == 0.0025);
+    CHECK(r.contact_force_N == Eigen::Vector2d(0.5, 0.25));
+    CHECK(r.support_force_N == Eigen::Vector2d(-0.5, -0.25));
+    CHECK(r.smallest_J == 0.9);
+    CHECK(r.newton_iterations == 4);
+    CHECK(r.newton_residual == 3e-11);
+    CHECK(r.displacement.row(3) == Eigen::RowVector2d(0.1, -0.2));
+    CHECK(r.displacement(2, 0) == 0.30000000000000004);  // 17 digits read back to the same bits
+    CHECK(r.force.row(1) == Eigen::RowVector2d(-0.375, -0.25));
+    CHECK(path.records[0].displacement.norm() == 0);
+}
+
+TEST_CASE("a number that is none is refused with file, line and field") {
+    for (const char* bad : {"nan", "inf", "-inf", "", "0.1x", " 0.1", "1e999"}) {
+        INFO(bad);
+        CHECK_THAT(said(with(csv(), "node,1,1,0.1,", std::string("node,1,1,") + bad + ",")),
+                   Contains("left.csv:8: field 4") && Contains("not a finite number"));
+    }
+    CHECK_THAT(said(with(csv(), "step,1,0.01,", "step,1,nan,")), Contains("left.csv:7: field 3"));
+}
+
+TEST_CASE("a missing node row is refused at the record's end, the last record's too") {
+    CHECK_THAT(said(with(csv(), "node,1,0,0,0,0,0\n", "")), Contains("left.csv:6") && Contains("3 of 4 nodes"));
+    CHECK_THAT(said(with(csv(), "node,1,0,0,0,-0.375,-0.25\n", "")), Contains("left.csv:11") && Contains("3 of 4"));
+}
+
+TEST_CASE("a node that stands twice, or off the lattice, is refused with its line") {
+    CHECK_THAT(said(with(csv(), "node,0,0,0,0,-0.125,0", "node,1,1,0,0,-0.125,0")),
+               Contains("left.csv:9") && Contains("twice"));
+    CHECK_THAT(said(with(csv(), "node,0,0,0,0,-0.125,0", "node,0.5,0,0,0,-0.125,0")),
+               Contains("left.csv:9") && Contains("no lattice node"));
+}
+
+TEST_CASE("a path cut off anywhere is refused") {
+    for (std::size_t size = 0; size + 1 < csv().size(); ++size) {  // the last line break may be missing
+        INFO(size);
+        CHECK_THAT(said(csv().substr(0, size)), Contains("left.csv:"));
+    }
+    CHECK_THAT(said(csv().substr(0, csv().find("end"))), Contains("truncated"));
+}
+
+TEST_CASE("a record that is missing as a whole is refused") {
+    const std::string text = csv();
+    const std::size_t second = text.find("step,1");
+    CHECK_THAT(said(text.substr(0, second) + "end,2\n"), Contains("records are missing"));
+    CHECK_THAT(said("tissuectl load path,1\nnode,0,0,0,0,0,0\nend,0\n"), Contains("left.csv:2"));
+}
+
+TEST_CASE("magnitudes that do not ascend are refused") {
+    CHECK_THAT(said(with(csv(), "step,1,0.01,", "step,1,0,")), Contains("left.csv:7") && Contains("ascend"));
+    CHECK_THAT(said(with(csv(), "step,1,0.01,", "step,1,-0.01,")), Contains("ascend"));
+}
+
+TEST_CASE("a foreign file, another version and unknown rows are refused") {
+    CHECK_THAT(said("x,y\n1,2\n"), Contains("left.csv:1") && Contains("not a load path"));
+    CHECK_THAT(said(with(csv(), "load path,1", "load path,2")), Contains("left.csv:1") && Contains("version"));
+    CHECK_THAT(said(with(csv(), "node,0,0,0,0,-0.125,0", "edge,0,0,0,0,-0.125,0")), Contains("left.csv:9"));
+    CHECK_THAT(said(with(csv(), "node,0,0,0,0,-0.125,0", "node,0,0,0,0,-0.125")),
+               Contains("left.csv:9") && Contains("6 fields"));
+    CHECK_THAT(said(with(csv(), "4,3e-11", "4")), Contains("left.csv:7") && Contains("10 fields"));
+}
+
+TEST_CASE("rows after the end are refused: the end row counts all records") {
+    CHECK_THAT(said(csv() + "step,2,0.02,0,0,0,0,0,1,0,0\n"), Contains("left.csv:13"));
+    CHECK_THAT(said(csv() + csv()), Contains("left.csv:13"));
+}
+
+TEST_CASE("a path that is not there is refused by name") {
+    const TemporaryFolder folder;
+    CHECK_THAT(refusal<FileError>([&] { read_path_csv(folder.file("none.csv"), corners()); }), Contains("none.csv"));
+}
+
+TEST_CASE("cases come back from HDF5 with the same bits") {
+    const Cases before = example(), after = written_and_read(before);
+    CHECK(after.study == before.study);
+    CHECK(after.nodes == before.nodes);
+    CHECK(after.magnitudes_m == before.magnitudes_m);
+    REQUIRE(after.paths.size() == before.paths.size());
+    for (std::size_t p = 0; p < before.paths.size(); ++p) {
+        CHECK(after.paths[p].name == before.paths[p].name);
+        CHECK(after.paths[p].contact_m == before.paths[p].contact_m);
+        CHECK(after.paths[p].direction == before.paths[p].direction);
+        REQUIRE(after.paths[p].records.size() == before.paths[p].records.size());
+        for (std::size_t r = 0; r < before.paths[p].records.size(); ++r) {
+            const PathRecord &a = after.paths[p].records[r], &b = before.paths[p].records[r];
+            CHECK(a.magnitude_m == b.magnitude_m);
+            CHECK(a.displacement == b.displacement);
+            CHECK(a.force == b.force);
+            CHECK(a.contact_force_N == b.contact_force_N);
+            CHECK(a.support_force_N == b.support_force_N);
+            CHECK(a.energy_J == b.energy_J);
+            CHECK(a.smallest_J == b.smallest_J);
+            CHECK(a.newton_iterations == b.newton_iterations);
+            CHECK(a.newton_residual == b.newton_residual);
+        }
+    }
+}
+
+TEST_CASE("every dataset of cases.h5 has units of the kind it should and a description") {
+    const TemporaryFolder folder;
+    write_cases(folder.file("cases.h5"), example(), {"tissuectl test", 0, {}});
+    const Hdf5Reader in(folder.file("cases.h5"), "cases");
+    CHECK(in.describe().size() == 3 + 2 * in.children("/paths/left").size());
+    for (const auto& [name, units] : std::vector<std::pair<std::string, std::string>>{{"displacement", "m"},
+                                                                                      {"force", "N"},
+                                                                                      {"contact_force", "N"},
+                                                                                      {"support_force", "N"},
+                                                                                      {"energy", "J"},
+                                                                                      {"magnitude", "m"},
+                                                                                      {"contact", "m"},
+                                                                                      {"direction", "1"},
+                                                                                      {"smallest_J", "1"}})
+        CHECK(in.text_attribute("/paths/left/" + name, "units") == units);
+    for (const std::string& name : in.children("/paths/left"))
+        CHECK_FALSE(in.text_attribute("/paths/left/" + name, "description").empty());
+}
+
+TEST_CASE("load cases are every path at every magnitude, path by path") {
+    const Cases cases = example();
+    std::vector<std::string> names;
+    for (const LoadCase& load : load_cases(cases)) {
+        names.push_back(load.name);
+        CHECK(std::abs(load.record->magnitude_m - (load.name.find("-4mm") == std::string::npos ? 0.008 : 0.004)) < 1e-15);
+    }
+    CHECK(names == std::vector<std::string>{"left-4mm", "left-8mm", "corner-4mm", "corner-8mm"});
+}
+
+TEST_CASE("a path without a record at a magnitude is refused by path and magnitude") {
+    Cases cases = example();
+    cases.paths[1].records.pop_back();
+    CHECK_THAT(refusal<MismatchError>([&] { load_cases(cases); }), Contains("corner") && Contains("8 mm"));
+    cases = example();
+    cases.magnitudes_m.push_back(0.0081);
+    CHECK_THROWS_AS(load_cases(cases), MismatchError);
+}
+
+TEST_CASE("cases whose parts do not fit together are refused with file and place") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("cases.h5");
+    // one dataset of the wrong shape at a time, the others as they should be
+    for (const std::string wrong : {"none", "displacement", "contact", "direction", "contact_force", "energy", "magnitude",
+                                    "newton_iterations", "missing"}) {
+        INFO(wrong);
+        {
+            Hdf5Writer out(file, "cases", {"tissuectl test", 0, {}});
+            out.attribute("/", "study", std::string("example"));
+            out.write("/nodes", corners(), "m", "nodes");
+            out.write("/magnitudes", Array{{1}, {0.01}}, "m", "magnitudes");
+            out.write_texts("/path_names", {"left"}, "names");
+            const auto write = [&](const std::string& name, std::vector<std::size_t> shape) {
+                if (name == wrong) shape.back() += 1;
+                std::size_t size = 1;
+                for (std::size_t n : shape) size *= n;
+                out.write("/paths/left/" + name, Array{shape, std::vector<double>(size, 0.5)}, "1", name);
+            };
+            write("contact", {2});
+            write("direction", {2});
+            write("magnitude", {2});
+            write("displacement", {2, 4, 2});
+            write("force", {2, 4, 2});
+            write("contact_force", {2, 2});
+            write("support_force", {2, 2});
+            write("energy", {2});
+            write("smallest_J", {2});
+            write("newton_residual", {2});
+            if (wrong != "missing") write("newton_iterations", {2});
+            out.commit();
+        }
+        if (wrong == "none") CHECK(read_cases(file).paths.size() == 1);
+        else CHECK_THAT(refusal<FileError>([&] { read_cases(file); }), Contains("cases.h5") && Contains("/paths/left"));
+    }
+}
+
+TEST_CASE("a file that is no cases file is refused") {
+    const TemporaryFolder folder;
+    CHECK_THROWS_AS(read_cases(folder.file("none.h5")), FileError);
+    {
+        Hdf5Writer out(folder.file("model.h5"), "model", {"tissuectl test", 0, {}});
+        out.commit();
+    }
+    CHECK_THAT(refusal<FileError>([&] { read_cases(folder.file("model.h5")); }), Contains("'model'"));
+    CHECK_THROWS_AS(write_cases(folder.file("none/cases.h5"), example(), {"tissuectl test", 0, {}}), FileError);
+}

@@ -1,0 +1,159 @@
+#include "eval/evaluation.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "error.h"
+#include "example.h"
+#include "refusal.h"
+#include "springs/heuristic.h"
+#include "tolerances.h"
+#include "train/train_sets.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+struct Example {
+    Study study;
+    Cases cases;
+    TissueModel model;
+};
+
+/// Learned sets are the truth itself, so every error of theirs vanishes.
+const Example& perfect() {
+    static const Example example = [] {
+        const Study study = example_study();
+        const Eigen::VectorXd theta = example_theta(make_lattice("grid8", 4, 4, 0.1, 0.1));
+        const Cases cases = example_cases(study, theta);
+        return Example{study, cases, example_model(study, cases, theta)};
+    }();
+    return example;
+}
+
+Evaluation evaluated(const TissueModel& model, const Cases& cases) {
+    return evaluate(model, cases, 0.05 * model.modulus_N_m, 40 * model.modulus_N_m);
+}
+
+}  // namespace
+
+TEST_CASE("learned springs that are the truth have no error of any kind, the heuristic has one of each") {
+    const Evaluation e = evaluated(perfect().model, perfect().cases);
+    CHECK(e.models.front().name == "learned");
+    const ModelErrors &learned = e.model("learned"), &heuristic = e.model("heuristic_a");
+    CHECK(learned.rel_loss().max <= tolerance::rounding);
+    CHECK(learned.resolved_error().max <= tolerance::solve);
+    CHECK(learned.closed_loop().max <= tolerance::solve);
+    CHECK(learned.rel_loss().n == 4);
+    CHECK(heuristic.rel_loss().median > 0.01);
+    CHECK(heuristic.resolved_error().median > 0.01);
+    CHECK(heuristic.closed_loop().median > 0.01);
+}
+
+TEST_CASE("every table has the learned sets, the other optimiser's, the optimum and all baselines") {
+    const Evaluation e = evaluated(perfect().model, perfect().cases);
+    for (const char* name : {"learned", "learned_spsa_2008", "optimum", "heuristic_a", "heuristic_b", "uniform"}) {
+        CHECK(e.model(name).cases.size() == e.case_names.size());
+    }
+    CHECK_THAT(refusal<MismatchError>([&] { e.model("magic"); }), Contains("magic"));
+}
+
+TEST_CASE("the optimum's loss is nowhere above any other model's") {
+    const Example& x = perfect();
+    const TissueModel trained = train_sets(x.study, x.cases, 1);
+    const Evaluation e = evaluated(trained, x.cases);
+    for (const ModelErrors& m : e.models)
+        for (std::size_t c = 0; c < m.cases.size(); ++c) {
+            if (m.name == "heuristic_b" || m.name == "uniform") continue;  // may lie outside the box
+            CHECK(e.model("optimum").cases[c].open_loop.rel_loss <=
+                  m.cases[c].open_loop.rel_loss + tolerance::newton);
+        }
+}
+
+TEST_CASE("heuristic_a is six times heuristic_b, and so are its forces") {
+    const Evaluation e = evaluated(perfect().model, perfect().cases);
+    for (std::size_t c = 0; c < e.case_names.size(); ++c)
+        CHECK(e.model("heuristic_a").cases[c].open_loop.resolved_force_N ==
+              Approx(6 * e.model("heuristic_b").cases[c].open_loop.resolved_force_N).epsilon(tolerance::solve));
+}
+
+TEST_CASE("a force curve begins at rest, ends at the deepest push, and meets FE where springs are the truth") {
+    const Evaluation e = evaluated(perfect().model, perfect().cases);
+    REQUIRE(e.curves.size() == 2);
+    for (const ForceCurve& curve : e.curves) {
+        CHECK(curve.magnitude_m.front() == 0);
+        CHECK(curve.magnitude_m.back() == Approx(0.008).epsilon(tolerance::rounding));
+        CHECK(curve.fe_N.front() == 0);
+        for (std::size_t r = 0; r < curve.fe_N.size(); ++r)
+            CHECK(curve.model_force_N[0][r] ==
+                  Approx(curve.fe_N[r]).epsilon(tolerance::solve).margin(tolerance::rounding));
+        // 0, 2, 4, 6, 8 mm are served by the nearest set; half-way the smaller magnitude serves
+        const std::string shallow = curve.path + "-4mm", deep = curve.path + "-8mm";
+        CHECK(curve.serving_set == std::vector<std::string>{shallow, shallow, shallow, shallow, deep});
+    }
+}
+
+TEST_CASE("a mesh without closed-loop answers says why, and its uniform stiffness is chosen on rel_loss") {
+    const Example& x = perfect();
+    Study study = x.study;
+    study.springs.topology = "grid4";
+    const TissueModel model = train_sets(study, x.cases, 1);
+    const Evaluation e = evaluated(model, x.cases);
+    CHECK(e.uniform_chosen_on == "rel_loss");
+    CHECK(e.model("learned").closed_loop().n == 0);
+    CHECK_THAT(e.model("learned").cases[0].reason, Contains("zero-energy modes"));
+    const nlohmann::json j = nlohmann::json::parse(to_json(e, 11));
+    const nlohmann::json& entry = j["closed_loop"]["trained"]["learned"];
+    CHECK(entry["median"].is_null());
+    CHECK(entry["n"] == 0);
+    CHECK_THAT(entry["reason"].get<std::string>(), Contains("zero-energy modes"));
+    CHECK(j["cases"][0]["models"]["learned"]["closed_loop_error"].is_null());
+    CHECK_THAT(to_markdown(e), Contains("No closed-loop answer") && Contains("zero-energy modes"));
+}
+
+TEST_CASE("eval.json has what the design promises, and its numbers are the evaluation's") {
+    const Evaluation e = evaluated(perfect().model, perfect().cases);
+    const nlohmann::json j = nlohmann::json::parse(to_json(e, 11));
+    CHECK(j["study"] == "example");
+    CHECK(j["seed"] == 11);
+    CHECK_FALSE(j["version"].get<std::string>().empty());
+    for (const ModelErrors& m : e.models) {
+        CHECK(j["open_loop"][m.name]["rel_loss"]["median"] == m.rel_loss().median);
+        CHECK(j["open_loop"][m.name]["resolved_force_error"]["p95"] == m.resolved_error().p95);
+        CHECK(j["open_loop"][m.name]["n"] == 4);
+        CHECK(j["closed_loop"]["trained"][m.name]["max"] == m.closed_loop().max);
+        CHECK(j["closed_loop"]["trained"][m.name]["n"] == 4);
+    }
+    for (const char* key : {"sets", "restarts", "iterations", "gap", "seconds"}) CHECK(j["training"].contains(key));
+    CHECK(j["training"]["sets"] == 4);
+    CHECK(j["training"]["gap"].contains("median"));
+    CHECK(j["training"]["gap"].contains("max"));
+    REQUIRE(j["cases"].size() == 4);
+    CHECK(j["cases"][0]["name"] == "left-4mm");
+    CHECK(j["cases"][0]["magnitude_m"] == 0.004);
+}
+
+TEST_CASE("the report names the study, every model and every case") {
+    const Evaluation e = evaluated(perfect().model, perfect().cases);
+    const std::string report = to_markdown(e);
+    CHECK_THAT(report, Contains("example"));
+    for (const ModelErrors& m : e.models) CHECK_THAT(report, Contains("| " + m.name + " |"));
+    for (const std::string& name : e.case_names) CHECK_THAT(report, Contains("| " + name + " |"));
+}
+
+TEST_CASE("a model and cases that do not belong together are refused") {
+    const Example& x = perfect();
+    Cases cases = x.cases;
+    std::swap(cases.paths[0], cases.paths[1]);
+    CHECK_THAT(refusal<MismatchError>([&] { evaluated(x.model, cases); }), Contains("other cases"));
+    cases = x.cases;
+    cases.nodes *= 1.01;
+    CHECK_THROWS_AS(evaluated(x.model, cases), MismatchError);
+    cases = x.cases;
+    cases.paths.pop_back();
+    CHECK_THROWS_AS(evaluated(x.model, cases), MismatchError);
+    TissueModel model = x.model;
+    model.law = "rubber";
+    CHECK_THROWS_AS(evaluated(model, x.cases), MismatchError);
+}

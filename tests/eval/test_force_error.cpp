@@ -1,0 +1,92 @@
+#include "eval/force_error.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "example.h"
+#include "springs/heuristic.h"
+#include "tolerances.h"
+
+using namespace tissue;
+
+TEST_CASE("statistics are the quantiles one computes by hand") {
+    const Statistics four = statistics_of({4, 1, 3, 2});
+    CHECK(four.median == Approx(2.5).epsilon(tolerance::rounding));
+    CHECK(four.p95 == Approx(3.85).epsilon(tolerance::rounding));  // 0.95 of the way from 1st to 4th: 3 + 0.85
+    CHECK(four.max == 4);
+    CHECK(four.n == 4);
+    std::vector<double> ramp;
+    for (int i = 100; i >= 0; --i) ramp.push_back(i);
+    CHECK(statistics_of(ramp).median == Approx(50).epsilon(tolerance::rounding));
+    CHECK(statistics_of(ramp).p95 == Approx(95).epsilon(tolerance::rounding));
+    const Statistics one = statistics_of({7});
+    CHECK(one.median == 7);
+    CHECK(one.p95 == 7);
+    CHECK(one.max == 7);
+    CHECK(statistics_of({1, 2}).median == Approx(1.5).epsilon(tolerance::rounding));
+}
+
+TEST_CASE("an empty sample has no median, and says so") {
+    const Statistics none = statistics_of({});
+    CHECK(none.n == 0);
+    CHECK(std::isnan(none.median));
+    CHECK(std::isnan(none.p95));
+    CHECK(std::isnan(none.max));
+}
+
+TEST_CASE("springs that are the truth leave nothing over; no springs at all leave everything") {
+    const Study study = example_study();
+    const SpringMesh mesh = make_lattice("grid8", 4, 4, 0.1, 0.1);
+    const Eigen::VectorXd theta = example_theta(mesh), weight = Eigen::VectorXd::Constant(mesh.node_count(), 0.9);
+    const Cases cases = example_cases(study, theta);
+    const auto law = make_spring_law("axial");
+    for (const LoadCase& load : load_cases(cases)) {
+        const SurfacePoint contact = locate_on_surface(mesh, load.path->contact_m);
+        const ForceError exact = force_error(mesh, *law, theta, contact, weight, *load.path, *load.record);
+        CHECK(exact.rel_loss <= tolerance::rounding);
+        CHECK(exact.resolved_error <= tolerance::solve);
+        CHECK(exact.resolved_force_N ==
+              Approx(load.record->contact_force_N.dot(load.path->direction)).epsilon(tolerance::solve));
+        const ForceError none = force_error(mesh, *law, 0 * theta, contact, weight, *load.path, *load.record);
+        CHECK(none.rel_loss == Approx(1).epsilon(tolerance::rounding));
+        CHECK(none.resolved_force_N == 0);
+        CHECK(none.resolved_error == 1);
+        // three halves of the truth leave half of it
+        const ForceError stiff = force_error(mesh, *law, 1.5 * theta, contact, weight, *load.path, *load.record);
+        CHECK(stiff.rel_loss == Approx(0.5).epsilon(tolerance::solve));
+        CHECK(stiff.resolved_error == Approx(0.5).epsilon(tolerance::solve));
+    }
+}
+
+TEST_CASE("rel_loss does not know the size of Q, and ignores a node of weight zero") {
+    const Study study = example_study();
+    const SpringMesh mesh = make_lattice("grid8", 4, 4, 0.1, 0.1);
+    const Cases cases = example_cases(study, example_theta(mesh));
+    const LoadCase load = load_cases(cases).front();
+    const auto law = make_spring_law("axial");
+    const SurfacePoint contact = locate_on_surface(mesh, load.path->contact_m);
+    const Eigen::VectorXd theta = heuristic_stiffness(mesh, 1.0);
+    Eigen::VectorXd weight = Eigen::VectorXd::Constant(mesh.node_count(), 0.9);
+    const auto loss = [&](const Eigen::VectorXd& Q, const PathRecord& record) {
+        return force_error(mesh, *law, theta, contact, Q, *load.path, record).rel_loss;
+    };
+    CHECK(loss(weight / 3, *load.record) == Approx(loss(weight, *load.record)).epsilon(tolerance::rounding));
+    weight[7] = 0;
+    PathRecord other = *load.record;
+    other.force.row(7) << 3, 4;
+    CHECK(loss(weight, other) == loss(weight, *load.record));
+}
+
+TEST_CASE("the resolved force between two nodes is both ends' together, along the push alone") {
+    const SpringMesh mesh = make_lattice("grid4", 2, 2, 0.1, 0.1);
+    const auto law = make_spring_law("isotropic");
+    NodeField u = NodeField::Zero(mesh.node_count(), 2);
+    const SurfacePoint between = locate_on_surface(mesh, {0.1, 0.06}), on_node = locate_on_surface(mesh, {0.1, 0.05});
+    u.row(node_at(mesh, {0.1, 0.05})) << -0.002, 0.001;
+    u.row(node_at(mesh, {0.1, 0.1})) << -0.002, 0.001;
+    const Eigen::VectorXd theta = Eigen::VectorXd::Constant(mesh.spring_count(), 2.0);
+    // middle node: to the left and down, 2 springs moved by u; top corner: to the left, one spring
+    CHECK(resolved_force(mesh, *law, theta, on_node, {-1, 0}, u) == Approx(2 * 2 * 0.002).epsilon(tolerance::rounding));
+    CHECK(resolved_force(mesh, *law, theta, between, {-1, 0}, u) == Approx(3 * 2 * 0.002).epsilon(tolerance::rounding));
+    CHECK(resolved_force(mesh, *law, theta, between, {0, 1}, u) == Approx(3 * 2 * 0.001).epsilon(tolerance::rounding));
+}

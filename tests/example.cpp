@@ -1,0 +1,150 @@
+#include "example.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "springs/equilibrium.h"
+#include "springs/heuristic.h"
+#include "train/train_sets.h"
+
+namespace tissue {
+
+TemporaryFolder::TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "tissue_test_XXXXXX").string();
+    REQUIRE(mkdtemp(name.data()) != nullptr);
+    path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+}
+
+std::string TemporaryFolder::file(const std::string& name, const std::string& text) const {
+    std::ofstream(file(name), std::ios::binary) << text;
+    return file(name);
+}
+
+std::vector<std::string> TemporaryFolder::names() const {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(path_)) names.push_back(entry.path().filename());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+const std::string& example_study_text() {
+    static const std::string text = R"([geometry]
+width_m = 0.1
+height_m = 0.1
+thickness_m = 0.0003
+
+[material]
+law = "mooney-rivlin"
+C1_Pa = 263.0
+C2_Pa = 491.0
+density_kg_m3 = 1040.0
+formulation = "plane-stress"
+
+[lattice]
+cells = [4, 4]
+
+[mesh]
+refine = 1
+
+[indenter]
+kind = "point"
+
+[solver]
+tolerance = 1e-10
+max_newton = 12
+
+[loads]
+magnitudes_m = [0.004, 0.008]
+record_step_m = 0.002
+paths = [
+  { name = "left", contact_m = [0.0, 0.05], push = [1, 0] },
+  { name = "corner", contact_m = [0.1, 0.1], push = [-3, -1] },
+]
+
+[springs]
+topology = "grid8"
+law = "axial"
+
+[training]
+optimizer = "spsa"
+also = ["spsa-2008"]
+seed = 11
+iterations = 200
+k_min_E2 = 0.05
+k_max_E2 = 40.0
+weight_near = [0.95, 0.99]
+weight_far = [0.80, 0.90]
+)";
+    return text;
+}
+
+std::string with(const std::string& text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    REQUIRE(text.find(from, at + 1) == std::string::npos);
+    return text.substr(0, at) + to + text.substr(at + from.size());
+}
+
+Study example_study(const std::string& text) {
+    const TemporaryFolder folder;
+    return read_study(folder.file("example.toml", text));
+}
+
+Eigen::VectorXd example_theta(const SpringMesh& mesh) {
+    Eigen::VectorXd theta = heuristic_stiffness(mesh, 1.0);
+    for (int s = 0; s < theta.size(); ++s) theta[s] *= 1 + 0.5 * std::sin(1.7 * s);
+    return theta;
+}
+
+Cases example_cases(const Study& study, const Eigen::VectorXd& theta) {
+    const SpringMesh mesh = make_lattice("grid8", study.cells[0], study.cells[1], study.geometry.width_m,
+                                         study.geometry.height_m);
+    const auto law = make_spring_law("axial");
+    Cases cases{study.name, mesh.nodes, study.loads.magnitudes_m, {}};
+    for (const StudyPath& p : study.loads.paths) {
+        LoadPath path{p.name, p.contact_m, p.direction, {}};
+        for (int r = 0; r <= study.loads.records(); ++r) {
+            const double s = r == study.loads.records() ? study.loads.depth_m() : r * study.loads.record_step_m;
+            std::string reason;
+            const auto state = solve_equilibrium(mesh, *law, theta, locate_on_surface(mesh, p.contact_m),
+                                                 p.direction * s, reason);
+            REQUIRE(state);
+            PathRecord record{s,      state->displacement, NodeField::Zero(mesh.node_count(), 2), state->contact_force,
+                              {0, 0}, 0,                   1 - s,                                 r,
+                              1e-12 * r};
+            const Eigen::VectorXd f = law->force_matrix(mesh, record.displacement) * theta;
+            record.force = Eigen::Map<const NodeField>(f.data(), mesh.node_count(), 2);
+            for (int node : mesh.fixed) record.support_force_N += record.force.row(node).transpose();
+            record.energy_J = f.dot(as_vector(record.displacement)) / 2;
+            path.records.push_back(record);
+        }
+        cases.paths.push_back(path);
+    }
+    return cases;
+}
+
+TissueModel example_model(const Study& study, const Cases& cases, const Eigen::VectorXd& theta) {
+    TissueModel model = train_sets(study, cases, 1);
+    for (TrainedSets& t : model.trained) t.theta = theta.transpose().replicate(t.theta.rows(), 1);
+    return model;
+}
+
+NodeField scattered(const SpringMesh& mesh, double size_m) {
+    NodeField u(mesh.node_count(), mesh.dimension());
+    for (Eigen::Index i = 0; i < u.size(); ++i)
+        u.data()[i] = size_m * std::sin(12.9898 * static_cast<double>(i + 1) + 78.233);
+    return u;
+}
+
+}  // namespace tissue

@@ -1,0 +1,260 @@
+#!/usr/bin/env python3
+"""An independent program on the same continuum: patch pushes in plane strain by felupe, against solve_path.edp.
+
+Equations: div P = 0, P = 2 C1 F + 2 C2 (I1 F - F C) + (p + p0) J F^-T in three dimensions with F33 = 1, and J = 1;
+           on the nodes of the mesh file that FreeFEM reads, twice: with FreeFEM's own triangles (P2/P1) and with
+           quadrilaterals (Q2 displacement, Q1 pressure: another discretisation). Assembly, kinematics and linear solver are
+           felupe's; the stress is a formula of tensors in 3-D, where ours is in T and J.
+Boundary:  u = 0 at y = 0; u = d on the boundary nodes within the patch's half-width of the contact.
+
+Prints one line per push, "ok - sentence" or "not ok - sentence: measured vs wanted"; exits 1 if any failed.
+Needs felupe (pip), gmsh and FreeFem++-nw, with FF_LOADPATH set where FreeFEM's preferences do not name its plugins.
+
+Sample run: python3 tests/fem/felupe_patch.py
+            python3 tests/fem/felupe_patch.py --end-size-m 0.0025 --depth-m 0.01 --steps 20
+"""
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+import felupe as fem
+import numpy as np
+from felupe.math import cdya_ik, cdya_il, det, dot, dya, identity, inv, trace, transpose
+
+WIDTH = HEIGHT = 0.1      # [m]
+THICKNESS = 0.001         # [m]
+C1, C2 = 263.0, 491.0     # [Pa]
+HALF_WIDTH = 0.005        # [m]
+FORCE_TOLERANCE = 0.01    # relative, of the contact force
+FEM = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "fem")
+
+# name, contact [m], direction of the push (unit vector); the third lies between nodes of the 1 cm lattice. The elements
+# of other shape answer another discrete problem: their distance from ours is the mesh's error, not a disagreement of
+# programs, and is printed without a verdict.
+PUSHES = [
+    ("left midpoint", (0.0, 0.05), (1.0, 0.0)),
+    ("top midpoint", (0.05, 0.1), (0.0, -1.0)),
+    ("left, between nodes, 10 degrees up from the normal", (0.0, 0.067), (np.cos(np.pi / 18), np.sin(np.pi / 18))),
+]
+
+
+class IncompressibleMooneyRivlin:
+    """Stress and tangent of W(F) + (p + p0) (J - 1) for felupe: F (3, 3, q, c), p (1, q, c)."""
+
+    def __init__(self):
+        self.x = [np.eye(3), np.zeros(1), np.zeros(0)]
+        self.p0 = -2 * (C1 + 2 * C2)  # no stress at rest
+
+    def gradient(self, x):
+        F, p, state = x[0], x[1], x[-1]
+        C = dot(transpose(F), F)
+        J = det(F)
+        P = 2 * C1 * F + 2 * C2 * (trace(C) * F - dot(F, C)) + (p + self.p0) * J * transpose(inv(F))
+        return [P, J - 1 + 0 * p, state]
+
+    def hessian(self, x):
+        F, p = x[0], x[1]
+        one = identity(F)
+        C, b = dot(transpose(F), F), dot(F, transpose(F))
+        J = det(F)
+        iFT = transpose(inv(F))
+        eye4 = cdya_ik(one, one)  # dF/dF
+        d_FF = 2 * C1 * eye4 + 2 * C2 * (
+            trace(C) * eye4 + 2 * dya(F, F)
+            - cdya_ik(one, C) - cdya_ik(b, one) - cdya_il(F, F)
+        ) + (p + self.p0) * J * (dya(iFT, iFT) - cdya_il(iFT, iFT))
+        return [d_FF, J * iFT, None]
+
+
+def read_msh(path):
+    """Nodes (n x 2) and triangles (t x 3) of an MSH 2.2 file."""
+    lines = open(path).read().split("\n")
+    start = lines.index("$Nodes")
+    count = int(lines[start + 1])
+    points = np.array([[float(w) for w in line.split()[1:3]] for line in lines[start + 2:start + 2 + count]])
+    numbers = {int(line.split()[0]): i for i, line in enumerate(lines[start + 2:start + 2 + count])}
+    start = lines.index("$Elements")
+    triangles = []
+    for line in lines[start + 2:start + 2 + int(lines[start + 1])]:
+        w = [int(v) for v in line.split()]
+        if w[1] == 2:
+            triangles.append([numbers[v] for v in w[-3:]])
+    triangles = np.array(triangles)
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    turned = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]
+    triangles[turned] = triangles[turned][:, [0, 2, 1]]
+    return points, triangles
+
+
+def quadratic(points, triangles):
+    """The same mesh with midside nodes: nodes (m x 2), cells (t x 6), corners first, midsides 01, 12, 20."""
+    middles, cells, more = {}, [], list(points)
+    for t in triangles:
+        cell = list(t)
+        for i, j in ((0, 1), (1, 2), (2, 0)):
+            key = (min(t[i], t[j]), max(t[i], t[j]))
+            if key not in middles:
+                middles[key] = len(more)
+                more.append(0.5 * (points[t[i]] + points[t[j]]))
+            cell.append(middles[key])
+        cells.append(cell)
+    return np.array(more), np.array(cells)
+
+
+def outline_position(x):
+    """Place along the outline, anticlockwise from the lower left corner [m]; nan off it."""
+    tol = 1e-8
+    a = np.full(len(x), np.nan)
+    a[np.abs(x[:, 0]) < tol] = (2 * (WIDTH + HEIGHT) - x[:, 1])[np.abs(x[:, 0]) < tol]
+    a[np.abs(x[:, 1] - HEIGHT) < tol] = (2 * WIDTH + HEIGHT - x[:, 0])[np.abs(x[:, 1] - HEIGHT) < tol]
+    a[np.abs(x[:, 0] - WIDTH) < tol] = (WIDTH + x[:, 1])[np.abs(x[:, 0] - WIDTH) < tol]
+    return a
+
+
+class QuadraticTriangle(fem.QuadraticTriangle):
+    """felupe 11.3.0's element has a wrong entry in its gradient (last node: t1 - t2 where t1 - t3 is meant), so that
+    not even a linear field has the right gradient. This one derives the element's own functions."""
+
+    def gradient(self, rs):
+        r, s = rs
+        t = 1 - r - s
+        return np.array([[1 - 4 * t, 1 - 4 * t], [4 * r - 1, 0], [0, 4 * s - 1],
+                         [4 * (t - r), -4 * r], [4 * s, 4 * r], [-4 * s, 4 * (t - s)]])
+
+
+def check_gradient(element, at=(0.2, 0.3), h=1e-6):
+    """An element's gradient is the derivative of its functions: a reference is worth no more than that."""
+    at = np.array(at)
+    difference = np.stack([(element.function(at + h * e) - element.function(at - h * e)) / (2 * h) for e in np.eye(2)], 1)
+    worst = np.abs(difference - element.gradient(at)).max()
+    if worst > 1e-8:
+        raise RuntimeError(f"felupe's {type(element).__name__} has a gradient that is off by {worst:.2g}")
+
+
+def fields_on_triangles(points, triangles):
+    """P2 displacement and P1 pressure; also the P2 nodes (m x 2)."""
+    nodes, cells = quadratic(points, triangles)
+    quadrature, element = fem.TriangleQuadrature(order=5), QuadraticTriangle()
+    check_gradient(element)
+    u = fem.FieldPlaneStrain(fem.Region(fem.Mesh(nodes, cells, "triangle6"), element, quadrature), dim=2)
+    p = fem.Field(fem.RegionTriangle(fem.Mesh(points, triangles, "triangle"), quadrature=quadrature, grad=False), dim=1)
+    return u, p, nodes
+
+
+def fields_on_quads(points, triangles):
+    """Q2 displacement and Q1 pressure on the rectangles whose diagonals cut the triangles: the same nodes, the
+    diagonal's middle being the rectangle's centre."""
+    nodes, cells = quadratic(points, triangles)
+    at = {}
+    for cell in cells:
+        for k, (i, j) in enumerate(((0, 1), (1, 2), (2, 0))):
+            if np.all(np.abs(nodes[cell[i]] - nodes[cell[j]]) > 1e-9):
+                at.setdefault(cell[3 + k], []).append(cell)
+    quads = []
+    for centre, pair in at.items():
+        own = np.unique(np.concatenate(pair))
+        x = nodes[own]
+        low, high = x.min(axis=0), x.max(axis=0)
+        # felupe's order: corners, middles of the sides, centre
+        places = [(-1, -1), (1, -1), (1, 1), (-1, 1), (0, -1), (1, 0), (0, 1), (-1, 0), (0, 0)]
+        quads.append([own[np.argmin(np.abs(x - 0.5 * (low + high) - 0.5 * np.array(q) * (high - low)).sum(axis=1))]
+                      for q in places])
+    quads = np.array(quads)
+    quadrature = fem.GaussLegendre(order=2, dim=2)
+    check_gradient(fem.element.BiQuadraticQuad())
+    u = fem.FieldPlaneStrain(fem.RegionBiQuadraticQuad(fem.Mesh(nodes, quads, "quad9"), quadrature=quadrature), dim=2)
+    p = fem.Field(fem.RegionQuad(fem.Mesh(points, quads[:, :4], "quad"), quadrature=quadrature, grad=False), dim=1)
+    return u, p, nodes
+
+
+def felupe_force(fields, msh, contact, direction, depth, steps):
+    """Contact force [N], (2), at the end of the push."""
+    u, p, nodes = fields(*read_msh(msh))
+    field = fem.FieldContainer([u, p])
+    solid = fem.SolidBody(IncompressibleMooneyRivlin(), field)
+
+    place = outline_position(nodes)
+    middle = outline_position(np.array([contact]))[0]
+    held = np.nan_to_num(np.abs(place - middle), nan=np.inf) <= HALF_WIDTH + 1e-8
+    fixed = np.abs(nodes[:, 1]) < 1e-8
+    for step in range(1, steps + 1):
+        move = depth * step / steps * np.array(direction)
+        bounds = {
+            "fixed": fem.Boundary(u, mask=fixed),
+            "x": fem.Boundary(u, mask=held, skip=(0, 1), value=move[0]),
+            "y": fem.Boundary(u, mask=held, skip=(1, 0), value=move[1]),
+        }
+        dof0, dof1 = fem.dof.partition(field, bounds)
+        dof1 = np.setdiff1d(np.arange(sum(f.values.size for f in field.fields)), dof0)
+        ext0 = fem.dof.apply(field, bounds, dof0)
+        fem.newtonraphson(items=[solid], x0=field, dof0=dof0, dof1=dof1, ext0=ext0, tol=1e-9, maxiter=25, verbose=False)
+    force = solid.assemble.vector(field).toarray()[:nodes.size].reshape(-1, 2)
+    return THICKNESS * force[held].sum(axis=0)
+
+
+def freefem_force(msh, contact, direction, depth, steps, work):
+    """Contact force [N], (2), at the end of the push."""
+    out = os.path.join(work, "path.csv")
+    arguments = {
+        "mesh": msh, "out": out, "width": WIDTH, "height": HEIGHT, "thickness": THICKNESS, "C1": C1, "C2": C2,
+        "cells_x": 10, "cells_y": 10, "contact_x": contact[0], "contact_y": contact[1],
+        "direction_x": repr(float(direction[0])), "direction_y": repr(float(direction[1])), "depth": depth,
+        "records": steps, "tolerance": 1e-10, "max_newton": 12, "formulation": "plane-strain", "indenter": "patch",
+        "patch_half_width": HALF_WIDTH,
+    }
+    command = ["FreeFem++-nw", "-nw", "-v", "0", os.path.join(FEM, "solve_path.edp")]
+    for key, value in arguments.items():
+        command += ["-" + key, str(value)]
+    run = subprocess.run(command, capture_output=True, text=True)
+    if run.returncode != 0:
+        raise RuntimeError(run.stderr.strip() or run.stdout.strip()[-300:])
+    last = [line.split(",") for line in open(out) if line.startswith("step,")][-1]
+    return np.array([float(last[4]), float(last[5])])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--depth-m", type=float, default=0.01)
+    parser.add_argument("--steps", type=int, default=10)
+    parser.add_argument("--end-size-m", type=float, default=0.0025, help="elements at the patch's ends")
+    parser.add_argument("--surface-size-m", type=float, default=0.005, help="elements at the free surface")
+    options = parser.parse_args()
+    failed = 0
+    for name, contact, direction in PUSHES:
+        with tempfile.TemporaryDirectory() as work:
+            msh = os.path.join(work, "patch.msh")
+            command = ["gmsh", "-v", "1", "-2", "-format", "msh22", os.path.join(FEM, "block_graded.geo"), "-o", msh]
+            for key, value in {"contact_x": contact[0], "contact_y": contact[1], "patch_half_width": HALF_WIDTH,
+                               "end_size": options.end_size_m, "surface_size": options.surface_size_m}.items():
+                command += ["-setnumber", key, str(value)]
+            subprocess.run(command, check=True, capture_output=True)
+            try:
+                t0 = time.perf_counter()
+                ours = freefem_force(msh, contact, direction, options.depth_m, options.steps, work)
+                t1 = time.perf_counter()
+                for element, fields in (("Q2/Q1", fields_on_quads), ("P2/P1", fields_on_triangles)):
+                    t2 = time.perf_counter()
+                    theirs = felupe_force(fields, msh, contact, direction, options.depth_m, options.steps)
+                    t3 = time.perf_counter()
+                    difference = np.linalg.norm(ours - theirs) / np.linalg.norm(theirs)
+                    sentence = f"{name}, {1e3 * options.depth_m:g} mm: felupe {element} has the same contact force"
+                    forces = (f"FreeFEM ({1e3 * ours[0]:.4f}, {1e3 * ours[1]:.4f}) mN in {t1 - t0:.2f} s, felupe "
+                              f"({1e3 * theirs[0]:.4f}, {1e3 * theirs[1]:.4f}) mN in {t3 - t2:.2f} s")
+                    if fields is fields_on_quads:
+                        print(f"# {name}: felupe {element} differs by {difference:.1e}: {forces}")
+                    elif difference <= FORCE_TOLERANCE:
+                        print(f"ok - {sentence}, relative difference {difference:.1e}: {forces}")
+                    else:
+                        print(f"not ok - {sentence}: {difference:.1e} vs {FORCE_TOLERANCE}: {forces}")
+                        failed += 1
+            except Exception as error:  # either program may fail on a mesh: say on which push, and go on
+                print(f"not ok - {name}: {error} vs two forces")
+                failed += 1
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

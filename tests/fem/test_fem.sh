@@ -1,0 +1,149 @@
+#!/bin/sh
+# Tests of the FreeFEM truth: one line per check, "ok - sentence" or "not ok - sentence: measured vs wanted".
+# Exits 0 when every check passed. Needs FreeFem++-nw and gmsh; takes under a minute.
+#
+# Sample runs: tests/fem/test_fem.sh
+#              tests/fem/test_fem.sh scripts|orders|mirror|patch|refusals      one group alone
+here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
+fem=$here/../../fem
+only=${1:-all}
+group() { [ "$only" = all ] || [ "$only" = "$1" ]; }
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT INT TERM
+# the packaged preferences name a plugin folder that does not exist
+: "${FF_LOADPATH:=$(dirname "$(dpkg -L libfreefem++ | grep '/gmsh\.so$' | grep -v /mpi/ | head -n 1)")}"
+export FF_LOADPATH OPENBLAS_NUM_THREADS=1
+results=$work/results
+: > "$results"
+
+say() { echo "$1" | tee -a "$results"; }
+# runs a test script; a script that ends without its own verdict is a failed check
+script() {
+  log=$work/log
+  if ! FreeFem++-nw -nw -v 0 "$here/$1" -C1 263 -C2 491 $2 > "$log" 2>&1; then
+    grep -q '^not ok' "$log" || say "not ok - $1 $2 runs: $(grep -v '^ok' "$log" | tail -n 3 | tr '\n' ' ') vs a verdict"
+  fi
+  grep -E '^(not )?ok - ' "$log" | tee -a "$results"
+}
+mesh() { gmsh -v 1 -2 -format msh22 -setnumber cells_x "$1" -setnumber cells_y "$1" "$fem/block.geo" -o "$work/$1.msh" > /dev/null; }
+# solve NAME MESH DEPTH RECORDS X Y DX DY [more]
+solve() {
+  name=$1 cells=$2 depth=$3 records=$4 x=$5 y=$6 dx=$7 dy=$8
+  shift 8
+  FreeFem++-nw -nw -v 0 "$fem/solve_path.edp" -mesh "$work/$cells.msh" -out "$work/$name.csv" -width 0.1 -height 0.1 \
+    -thickness 0.001 -C1 263 -C2 491 -cells_x 10 -cells_y 10 -contact_x "$x" -contact_y "$y" -direction_x "$dx" \
+    -direction_y "$dy" -depth "$depth" -records "$records" -tolerance 1e-11 -max_newton 12 "$@" \
+    > "$work/$name.log" 2> "$work/$name.err"
+}
+mesh 10; mesh 20; mesh 40
+
+# ---- closed forms, derivatives, balance, refusals: the scripts' own checks
+if group scripts; then for f in plane-stress plane-strain; do
+  script homogeneous.edp "-formulation $f -state uniaxial"
+  script homogeneous.edp "-formulation $f -state shear"
+  script tangent.edp "-formulation $f"
+  script law_chain.edp "-formulation $f"
+  script folding.edp "-formulation $f"
+  script balance.edp "-formulation $f -mesh $work/10.msh -contact_x 0.05 -contact_y 0.1 -direction_x 0 -direction_y -1"
+  script balance.edp "-formulation $f -mesh $work/20.msh -contact_x 0 -contact_y 0.0537 -direction_x 0.8 -direction_y -0.6 -indenter patch"
+  script balance.edp "-formulation $f -mesh $work/20.msh -contact_x 0.098 -contact_y 0.1 -direction_x -0.6 -direction_y -0.8 -indenter patch"
+done; fi
+
+# ---- a smooth solution: P2 displacement of order 3 in L2 and 2 in H1, P1 pressure of order 2 in L2
+if group orders; then for f in plane-stress plane-strain; do
+  : > "$work/orders"
+  for cells in 8 16 32; do
+    FreeFem++-nw -nw -v 0 "$here/manufactured.edp" -C1 263 -C2 491 -formulation $f -cells $cells 2>&1 | grep -E '^(errors|not ok)' >> "$work/orders"
+  done
+  awk -v f="$f" '
+    function check(what, a, b, order,   rate) {
+      rate = (b > 0) ? log(a / b) / log(2) : 0
+      if (rate > order - 0.15 && rate < order + 0.4) printf "ok - %s converges with order %d, measured %.2f, %s\n", what, order, rate, f
+      else printf "not ok - %s converges with order %d, %s: %.2f vs %d\n", what, order, f, rate, order
+    }
+    /^errors/ { n++; l2[n] = $3; h1[n] = $4; p[n] = $5 }
+    /^not ok/ { print }
+    END {
+      if (n < 3) print "not ok - manufactured solution solves on three meshes, " f ": " n + 0 " vs 3"
+      else {
+        check("displacement in L2", l2[2], l2[3], 3); check("displacement in H1", h1[2], h1[3], 2)
+        if (f == "plane-strain") check("pressure in L2", p[2], p[3], 2)
+      }
+    }' "$work/orders" | tee -a "$results"
+done; fi
+
+# ---- mirrored cases give mirrored answers
+mirrored() {
+  awk -F, -v what="$3" '
+    function size(a) { return a < 0 ? -a : a }
+    $1 == "step" { r = $2 }
+    FNR == NR && $1 == "node" { key = r "," sprintf("%.6f,%.6f", 0.1 - $2, $3); for (i = 4; i <= 7; ++i) a[key, i] = (i % 2 == 0) ? -$i : $i }
+    FNR != NR && $1 == "node" {
+      key = r "," sprintf("%.6f,%.6f", $2, $3); ++n; if (!((key, 4) in a)) bad = 1e9
+      for (i = 4; i <= 7; ++i) {
+        g = i > 5; e = size($i - a[key, i]); if (e > worst[g]) worst[g] = e; if (size($i) > largest[g]) largest[g] = size($i)
+      }
+    }
+    END {
+      e = (largest[0] > 0 && largest[1] > 0) ? worst[0] / largest[0] + worst[1] / largest[1] + bad : 1e9
+      if (n > 0 && e <= 1e-8) print "ok - " what
+      else print "not ok - " what ": relative difference " e " vs 1e-8"
+    }' "$work/$1.csv" "$work/$2.csv" | tee -a "$results"
+}
+if group mirror; then for f in plane-stress plane-strain; do
+  solve l 10 0.004 8 0 0.05 1 0 -formulation $f;  solve r 10 0.004 8 0.1 0.05 -1 0 -formulation $f
+  mirrored l r "left and right point pushes mirror each other, $f"
+  solve l 10 0.006 6 0 0.1 0.6 -0.8 -formulation $f -indenter patch;  solve r 10 0.006 6 0.1 0.1 -0.6 -0.8 -formulation $f -indenter patch
+  mirrored l r "patches round the two top corners mirror each other, $f"
+  solve l 20 0.006 6 0.037 0.1 0.28 -0.96 -formulation $f -indenter patch;  solve r 20 0.006 6 0.063 0.1 -0.28 -0.96 -formulation $f -indenter patch
+  mirrored l r "patches between nodes of the top mirror each other, $f"
+done; fi
+
+# ---- the patch force settles under refinement
+if group patch; then for f in plane-stress plane-strain; do
+  for where in "0 0.05 1 0" "0.05 0.1 0 -1" "0 0.063 1 0"; do
+    set -- $where
+    for cells in 10 20 40; do solve p$cells $cells 0.005 5 $1 $2 $3 $4 -formulation $f -indenter patch; done
+    awk -F, -v what="patch at ($1, $2), $f" -v dx="$3" -v dy="$4" '
+      $1 == "step" && $2 == 5 { n++; force[n] = 1e3 * ($5 * dx + $6 * dy) }
+      END {
+        a = force[1] - force[2]; b = force[2] - force[3]; if (a < 0) a = -a; if (b < 0) b = -b
+        line = sprintf("%.4f %.4f %.4f mN on 10, 5, 2.5 mm elements", force[1], force[2], force[3])
+        if (n == 3 && b < a) printf "ok - differences shrink under refinement, rate %.2f, %s: %s\n", log(a / b) / log(2), what, line
+        else printf "not ok - differences shrink under refinement, %s: %s vs shrinking\n", what, line
+      }' "$work/p10.csv" "$work/p20.csv" "$work/p40.csv" | tee -a "$results"
+  done
+done; fi
+
+# ---- paths that must be refused: exit 1 (2 for arguments), one line on stderr, no end line
+refused() {  # NAME STATUS WANTED-CODE WORDS SENTENCE
+  lines=$(wc -l < "$work/$1.err")
+  if [ "$2" = "$3" ] && [ "$lines" = 1 ] && grep -q "$4" "$work/$1.err" && ! { [ -f "$work/$1.csv" ] && grep -q '^end' "$work/$1.csv"; }
+  then say "ok - $5"
+  else say "not ok - $5: exit $2, $lines lines, '$(head -c 200 "$work/$1.err")' vs exit $3 and one line with '$4'"; fi
+}
+if group refusals; then
+solve fold 10 0.015 30 0 0.1 0 -1 -formulation plane-strain
+refused fold $? 1 "refused between .* mm of push.*surface passes through itself.*mm" "a self-crossing corner push is refused with its place and load"
+solve near 10 0.005 5 0 0.012 1 0 -indenter patch
+refused near $? 1 "12 mm along the surface from the fixed edge" "a patch nearer than 15 mm to the fixed edge is refused"
+solve inside 10 0.005 5 0.03 0.05 1 0 -indenter patch
+refused inside $? 1 "not on the free surface" "a contact off the surface is refused"
+solve between 10 0.005 5 0 0.053 1 0
+refused between $? 1 "no FE node at the contact" "a point contact between nodes is refused"
+solve word 10 0.005 5 0 0.05 1 0 -formulation plane
+refused word $? 2 "plane-stress or plane-strain" "an unknown formulation is refused"
+head -c 3000 "$work/10.msh" > "$work/broken.msh"
+solve broken broken 0.005 5 0 0.05 1 0
+refused broken $? 1 "cannot read a whole mesh" "a mesh file that breaks off is refused"
+sed 's/^\([0-9]* 1 2\) 1 /\1 9 /' "$work/10.msh" > "$work/unnamed.msh"
+solve unnamed unnamed 0.005 5 0 0.05 1 0
+refused unnamed $? 1 "holds 0 of 21 nodes" "a mesh without the named bottom is refused"
+solve long 10 0.005 5 0 0.05 1 1
+refused long $? 2 "unit vector" "a direction that is no unit vector is refused"
+fi
+
+passed=$(grep -c '^ok' "$results")
+failed=$(grep -c '^not ok' "$results")
+echo "$passed checks passed, $failed failed"
+[ "$failed" = 0 ] && [ "$passed" -gt 0 ]

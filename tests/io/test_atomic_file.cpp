@@ -1,0 +1,88 @@
+#include "io/atomic_file.h"
+
+#include <sys/stat.h>
+
+#include <catch2/catch.hpp>
+
+#include "error.h"
+#include "example.h"
+#include "refusal.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+struct timespec modified(const std::string& file) {
+    struct stat status {};
+    REQUIRE(stat(file.c_str(), &status) == 0);
+    return status.st_mtim;
+}
+
+ino_t inode(const std::string& file) {
+    struct stat status {};
+    REQUIRE(stat(file.c_str(), &status) == 0);
+    return status.st_ino;
+}
+
+}  // namespace
+
+TEST_CASE("what is written reads back, byte for byte, and leaves nothing beside") {
+    const TemporaryFolder folder;
+    const std::string odd("zero \0 and \r\n and \xff", 19), file = folder.file("a");
+    write_file(file, odd);
+    CHECK(read_file(file) == odd);
+    write_file(file, "");
+    CHECK(read_file(file).empty());
+    CHECK(folder.names() == std::vector<std::string>{"a"});
+}
+
+TEST_CASE("a file that already says the same keeps its time stamp, another content is written") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a");
+    CHECK(write_file_if_changed(file, "x"));
+    const auto before = modified(file);
+    const ino_t which = inode(file);
+    CHECK_FALSE(write_file_if_changed(file, "x"));
+    CHECK(modified(file).tv_sec == before.tv_sec);
+    CHECK(modified(file).tv_nsec == before.tv_nsec);
+    CHECK(inode(file) == which);
+    CHECK(write_file_if_changed(file, "y"));
+    CHECK(read_file(file) == "y");
+}
+
+TEST_CASE("a new content comes in a new file: whoever reads the old one reads it to its end") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a", "old");
+    const ino_t which = inode(file);
+    write_file(file, "new");
+    CHECK(inode(file) != which);
+}
+
+TEST_CASE("a file's fingerprint is that of its content") {
+    const TemporaryFolder folder;
+    const std::string a = file_hash(folder.file("a", "tissue"));
+    CHECK(a == file_hash(folder.file("b", "tissue")));
+    CHECK(a != file_hash(folder.file("c", "tissue ")));
+    CHECK(a.size() == 32);
+    CHECK(a.find_first_not_of("0123456789abcdef") == std::string::npos);
+    CHECK(file_hash(folder.file("empty", "")) == "99aa06d3014798d86001c324468d497f");  // XXH3's published value
+}
+
+TEST_CASE("what the disk refuses is refused by name and leaves nothing beside") {
+    const TemporaryFolder folder;
+    CHECK_THAT(refusal<FileError>([&] { write_file(folder.file("none/a"), "x"); }),
+               Contains("none/a") && Contains("No such file"));
+    CHECK_THAT(refusal<FileError>([&] { read_file(folder.file("none")); }), Contains("none") && Contains("No such file"));
+    CHECK_THAT(refusal<FileError>([&] { read_file(folder.file("")); }), Contains("folder"));
+    CHECK_THROWS_AS(file_hash(folder.file("none")), FileError);
+    CHECK_THROWS_AS(move_into_place(folder.file("none"), folder.file("a")), FileError);
+    CHECK(folder.names().empty());
+}
+
+TEST_CASE("a file that cannot take its final name leaves nothing beside") {
+    const TemporaryFolder folder;
+    REQUIRE(mkdir(folder.file("a").c_str(), 0755) == 0);
+    CHECK_THAT(refusal<FileError>([&] { write_file(folder.file("a"), "x"); }), Contains("/a"));
+    CHECK(folder.names() == std::vector<std::string>{"a"});
+}

@@ -1,0 +1,228 @@
+#include "io/hdf5_store.h"
+
+#include <hdf5.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "error.h"
+#include "example.h"
+#include "io/atomic_file.h"
+#include "refusal.h"
+#include "version.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const Provenance provenance{"tissuectl test", 4294967295UL, {{"in.csv", "00ff"}}};
+
+/// Numbers that a careless path through text or float would change.
+const std::vector<double>& odd_numbers() {
+    static const std::vector<double> values = {0.1,
+                                               -0.0,
+                                               5e-324,
+                                               std::numeric_limits<double>::max(),
+                                               1 + std::numeric_limits<double>::epsilon(),
+                                               std::nan(""),
+                                               std::numeric_limits<double>::infinity()};
+    return values;
+}
+
+bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+}
+
+/// A small whole file of this project.
+std::string example_file(const TemporaryFolder& folder, const std::string& kind = "cases") {
+    const std::string file = folder.file("a.h5");
+    Hdf5Writer out(file, kind, provenance);
+    out.write("/group/numbers", Array{{odd_numbers().size()}, odd_numbers()}, "N", "odd numbers");
+    out.write_texts("/group/words", {"left", "", "\xc3\xa4"}, "words");
+    out.write_integers("/group/counts", {2, 2}, {1, -2, 3, 2147483647}, "counts");
+    out.commit();
+    return file;
+}
+
+/// Overwrites a number of the root, as a later program would have written it.
+void set_format_version(const std::string& file, double version_number) {
+    const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), attribute = H5Aopen(id, "format_version", H5P_DEFAULT);
+    REQUIRE(H5Awrite(attribute, H5T_NATIVE_DOUBLE, &version_number) >= 0);
+    H5Aclose(attribute);
+    H5Fclose(id);
+}
+
+}  // namespace
+
+TEST_CASE("arrays come back with the same shape and the same bits") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.h5");
+    const Array cube{{2, 3, 4}, [] {
+                         std::vector<double> v;
+                         for (int i = 0; i < 24; ++i) v.push_back(std::sin(i));
+                         return v;
+                     }()};
+    NodeField field(3, 2);
+    field << 1, 2, 3, 4, 5, 6;
+    const Eigen::VectorXd vector = Eigen::VectorXd::LinSpaced(5, 0.1, 0.7);
+    {
+        Hdf5Writer out(file, "cases", provenance);
+        out.write("/a/b/cube", cube, "m", "a cube");
+        out.write("/odd", Array{{odd_numbers().size()}, odd_numbers()}, "N", "odd numbers");
+        out.write("/field", field, "m", "a field (N x D)");
+        out.write("/vector", vector, "1", "a vector");
+        out.write("/empty", Array{{0}, {}}, "1", "nothing");
+        out.commit();
+    }
+    const Hdf5Reader in(file, "cases");
+    CHECK(in.array("/a/b/cube").shape == cube.shape);
+    CHECK(same_bits(in.array("/a/b/cube").values, cube.values));
+    CHECK(same_bits(in.array("/odd").values, odd_numbers()));
+    CHECK(in.field("/field") == field);
+    CHECK(in.vector("/vector") == vector);
+    CHECK(in.array("/empty").values.empty());
+}
+
+TEST_CASE("integers and texts come back as they were") {
+    const TemporaryFolder folder;
+    const Hdf5Reader in(example_file(folder), "cases");
+    CHECK(in.integers("/group/counts") == std::vector<int>{1, -2, 3, 2147483647});
+    CHECK(in.texts("/group/words") == std::vector<std::string>{"left", "", "\xc3\xa4"});
+    CHECK(in.children("/group") == std::vector<std::string>{"counts", "numbers", "words"});
+}
+
+TEST_CASE("a file says its program, kind, format, version, command, seed and the hashes of its inputs") {
+    const TemporaryFolder folder;
+    const Hdf5Reader in(example_file(folder), "cases");
+    CHECK(in.text_attribute("/", "program") == "tissuectl");
+    CHECK(in.text_attribute("/", "kind") == "cases");
+    CHECK(in.number_attribute("/", "format_version") == format_version);
+    CHECK(in.text_attribute("/", "version") == version);
+    CHECK(in.text_attribute("/", "command") == "tissuectl test");
+    CHECK(in.number_attribute("/", "seed") == 4294967295.0);
+    CHECK(in.text_attribute("/", "input:in.csv") == "00ff");
+}
+
+TEST_CASE("every dataset says its units and what it is") {
+    const TemporaryFolder folder;
+    const Hdf5Reader in(example_file(folder), "");
+    CHECK(in.text_attribute("/group/numbers", "units") == "N");
+    CHECK(in.text_attribute("/group/numbers", "description") == "odd numbers");
+    CHECK(in.text_attribute("/group/counts", "units") == "1");
+    const std::vector<std::string> lines = in.describe();
+    REQUIRE(lines.size() == 3);
+    CHECK_THAT(lines[0], Contains("/group/counts") && Contains("2 x 2") && Contains("counts"));
+}
+
+TEST_CASE("the same contents make the same file, byte for byte") {
+    const TemporaryFolder one, other;
+    CHECK(file_hash(example_file(one)) == file_hash(example_file(other)));
+}
+
+TEST_CASE("a file appears at commit and not before; without one the old file stays and nothing lies beside") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.h5", "earlier results");
+    {
+        Hdf5Writer out(file, "cases", provenance);
+        out.write("/x", Array{{1}, {1}}, "1", "x");
+        CHECK(read_file(file) == "earlier results");
+    }
+    CHECK(read_file(file) == "earlier results");
+    CHECK(folder.names() == std::vector<std::string>{"a.h5"});
+    Hdf5Writer out(file, "cases", provenance);
+    out.commit();
+    CHECK(folder.names() == std::vector<std::string>{"a.h5"});
+    CHECK(Hdf5Reader(file, "cases").file() == file);
+}
+
+TEST_CASE("a file that is missing, empty, foreign or a folder is refused by name") {
+    const TemporaryFolder folder;
+    const auto said = [](const std::string& file) { return refusal<FileError>([&] { Hdf5Reader(file, "cases"); }); };
+    CHECK_THAT(said(folder.file("none.h5")), Contains("none.h5") && Contains("no such file"));
+    CHECK_THAT(said(folder.file("empty.h5", "")), Contains("empty.h5") && Contains("not an HDF5 file"));
+    CHECK_THAT(said(folder.file("text.h5", "not a file of ours\n")), Contains("text.h5") && Contains("not an HDF5 file"));
+    CHECK_THAT(said(folder.file("")), Contains("no such file"));
+
+    const std::string foreign = folder.file("foreign.h5");
+    H5Fclose(H5Fcreate(foreign.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
+    CHECK_THAT(said(foreign), Contains("foreign.h5") && Contains("not written by tissuectl"));
+}
+
+TEST_CASE("a file cut off anywhere is refused as truncated") {
+    const TemporaryFolder folder;
+    const std::string whole = read_file(example_file(folder));
+    for (const double part : {0.01, 0.3, 0.6, 0.9}) {
+        const auto size = static_cast<std::size_t>(part * static_cast<double>(whole.size()));
+        const std::string file = folder.file("cut.h5", whole.substr(0, size));
+        CHECK_THAT(refusal<FileError>([&] { Hdf5Reader(file, "cases"); }), Contains("cut.h5") && Contains("truncated"));
+    }
+    const std::string file = folder.file("cut.h5", whole.substr(0, whole.size() - 1));
+    CHECK_THROWS_AS(Hdf5Reader(file, "cases"), FileError);
+}
+
+TEST_CASE("a file of a later format version, or of another kind, is refused") {
+    const TemporaryFolder folder;
+    const std::string file = example_file(folder);
+    CHECK_THAT(refusal<FileError>([&] { Hdf5Reader(file, "model"); }), Contains("a.h5") && Contains("'cases'") && Contains("'model'"));
+    CHECK_NOTHROW(Hdf5Reader(file, ""));
+    set_format_version(file, format_version + 1);
+    CHECK_THAT(refusal<FileError>([&] { Hdf5Reader(file, "cases"); }), Contains("a.h5") && Contains("later"));
+    CHECK_THROWS_AS(Hdf5Reader(file, ""), FileError);
+}
+
+TEST_CASE("a dataset that is missing, of another shape or of another type is refused with file and dataset") {
+    const TemporaryFolder folder;
+    const Hdf5Reader in(example_file(folder), "cases");
+    const auto said = [](auto&& read) {
+        const std::string text = refusal<FileError>(read);
+        CHECK_THAT(text, Contains("a.h5: /group/"));
+        return text;
+    };
+    CHECK_THAT(said([&] { in.array("/group/none"); }), Contains("missing"));
+    CHECK_THAT(said([&] { in.vector("/group/counts"); }), Contains("one dimension"));
+    CHECK_THAT(said([&] { in.field("/group/numbers"); }), Contains("two dimensions"));
+    CHECK_THAT(said([&] { in.array("/group/words"); }), Contains("numbers"));
+    CHECK_THAT(said([&] { in.texts("/group/numbers"); }), Contains("texts"));
+    said([&] { in.texts("/group/none"); });
+    CHECK_THAT(refusal<FileError>([&] { in.children("/none"); }), Contains("/none"));
+    CHECK_THAT(said([&] { in.text_attribute("/group/words", "none"); }), Contains("none"));
+    CHECK_THROWS_AS(in.number_attribute("/", "none"), FileError);
+    CHECK_THROWS_AS(in.text_attribute("/none", "units"), FileError);
+}
+
+TEST_CASE("an attribute that holds many values where one belongs is refused") {
+    const TemporaryFolder folder;
+    const std::string file = example_file(folder);
+    const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    const hsize_t count = 4096;
+    const hid_t space = H5Screate_simple(1, &count, nullptr);
+    const hid_t attribute = H5Acreate2(id, "many", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT);
+    const std::vector<double> values(count, 1.0);
+    H5Awrite(attribute, H5T_NATIVE_DOUBLE, values.data());
+    H5Aclose(attribute);
+    H5Sclose(space);
+    H5Fclose(id);
+    const Hdf5Reader in(file, "cases");
+    CHECK_THROWS_AS(in.number_attribute("/", "many"), FileError);
+}
+
+TEST_CASE("a folder that is not there is refused when the file is begun") {
+    const TemporaryFolder folder;
+    CHECK_THAT(refusal<FileError>([&] { Hdf5Writer(folder.file("none/a.h5"), "cases", provenance); }),
+               Contains("none/a.h5") && Contains("cannot write"));
+}
+
+TEST_CASE("a dataset or an attribute that cannot be made is refused by name, and the file does not appear") {
+    const TemporaryFolder folder;
+    {
+        Hdf5Writer out(folder.file("a.h5"), "cases", provenance);
+        out.write("/x", Array{{1}, {1}}, "1", "x");
+        CHECK_THAT(refusal<FileError>([&] { out.write("/x", Array{{1}, {1}}, "1", "x"); }), Contains("/x"));
+        CHECK_THROWS_AS(out.attribute("/none", "key", "value"), FileError);
+        CHECK_THROWS_AS(out.attribute("/none", "key", 1.0), FileError);
+    }
+    CHECK(folder.names().empty());
+}

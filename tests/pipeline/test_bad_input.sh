@@ -1,0 +1,121 @@
+#!/bin/sh
+# Bad input gives one clear line that names file, place and cause, a non-zero exit, and leaves earlier results untouched.
+. "$(dirname "$0")/common"
+make_copy
+make_tiny eval -j2
+check "the study is solved to begin with" exited 0
+snapshot "$R" >"$scratch/before"
+untouched() { only_changed "$scratch/before" "$R" ""; }
+study=fem/studies/tiny.toml
+cp "$work/$study" "$scratch/good.toml"
+
+# ---- studies
+refused() { # SENTENCE LINE-PATTERN: of the study as it is now, by the program and by make
+    tissuectl plan --study $study --out results/tiny/plan.mk
+    check "$1: exit 1" exited 1
+    check "$1: one line says so" one_line "$2"
+    make_tiny eval
+    check "$1: make fails too" failed
+    check "$1: earlier results are untouched" untouched
+    cp -p "$scratch/good.toml" "$work/$study"
+}
+sed -i 's/^iterations = 300/&\niteratoins = 3/' "$work/$study"
+refused "an unknown key" "$study:18: key 'training.iteratoins': is not known; allowed: "
+sed -i 's/^iterations = 300/iterations = = 300/' "$work/$study"
+refused "malformed TOML" "$study:17: "
+printf '\n[geometry]\nthickness_m = -1e-4\n' >>"$work/$study"
+refused "a negative thickness" "$study:20: key 'geometry.thickness_m': must be a number > 0"
+edit 'contact_m = \[0.00, 0.05\]' 'contact_m = [0.01, 0.05]'
+refused "a contact off the surface" "$study:10: key 'loads.paths\[0\].contact_m': .*not on the free surface"
+edit 'also = .*' 'also = "spsa-2008"'
+refused "a value of the wrong type" "$study:16: key 'training.also': must be a list of texts"
+edit '^based_on = .*' 'based_on = "tiny"'
+refused "a study based on itself" "key 'based_on': .*without a circle"
+edit '^based_on = .*' 'based_on = "nowhere"'
+refused "a study based on one that is not there" "fem/studies/nowhere.toml"
+printf '\n[indenter]\nkind = "patch"\nhalf_width_m = 0.005\n' >>"$work/$study"
+edit 'contact_m = \[0.00, 0.05\]' 'contact_m = [0.00, 0.01]'
+refused "a patch closer than 15 mm to the fixed edge" "$study:10: key 'loads.paths\[0\].contact_m': .*fixed edge"
+
+run make PYTHON="$PYTHON" STUDY=nowhere eval
+check "a study that is not there: make fails and says which" sh -c '[ "$0" != 0 ] && grep -q fem/studies/nowhere.toml "$1"' \
+    "$status" "$said"
+check "a study that is not there: no results folder appears" absent "$work/results/nowhere"
+
+# ---- a mesh without the named boundary
+make_tiny eval
+snapshot "$R" >"$scratch/before"
+cp -p "$R/mesh.msh" "$scratch/mesh.msh"
+awk '/^\$Elements/ { inside = 1 } inside && $2 == 1 && $4 == 1 { $4 = 7 } { print }' "$scratch/mesh.msh" >"$R/mesh.msh"
+make_tiny results/tiny/cases/left.csv
+check "a mesh without the boundary that is held: the path fails" failed
+check "a mesh without the boundary that is held: one line says so" one_line "load path 'left'.*bottom"
+head -c $(($(wc -c <"$scratch/mesh.msh") / 2)) "$scratch/mesh.msh" >"$R/mesh.msh"
+make_tiny results/tiny/cases/left.csv
+check "a mesh that is cut off: the path fails" failed
+check "a mesh that is cut off: one line names path and log" one_line "load path 'left'.*left.log"
+cp -p "$scratch/mesh.msh" "$R/mesh.msh"
+check "a bad mesh leaves every result but its log untouched" sh -c '[ "$1" = cases/left.log ] || [ "$1" = "cases/left.log mesh.msh" ]' \
+    - "$(changed "$scratch/before" "$R")"
+
+# ---- load paths
+collect() { tissuectl collect --study $study --paths results/tiny/cases --out results/tiny/cases.h5; }
+bad_csv() { # SENTENCE LINE-PATTERN: left.csv as it is now
+    snapshot "$R" >"$scratch/before"
+    collect
+    check "$1: exit 1" exited 1
+    check "$1: one line says where" one_line "$2"
+    check "$1: cases.h5 is untouched" untouched
+    cp -p "$scratch/left.csv" "$R/cases/left.csv"
+}
+cp -p "$R/cases/left.csv" "$scratch/left.csv"
+head -c 4000 "$scratch/left.csv" >"$R/cases/left.csv"
+bad_csv "a load path that is cut off" 'results/tiny/cases/left.csv:[0-9]*: '
+sed '$d' "$scratch/left.csv" >"$R/cases/left.csv"
+bad_csv "a load path without its end row" 'left.csv:[0-9]*: .*truncated'
+sed '40s/[^,]*$/nan/' "$scratch/left.csv" >"$R/cases/left.csv"
+bad_csv "a load path with a NaN" "left.csv:40: field 7 is 'nan'"
+sed '40d' "$scratch/left.csv" >"$R/cases/left.csv"
+bad_csv "a load path with a missing row" 'left.csv:[0-9]*: .*24 of 25 nodes'
+sed '1s/1$/2/' "$scratch/left.csv" >"$R/cases/left.csv"
+bad_csv "a load path of a later version" 'left.csv:1: .*version'
+: >"$R/cases/left.csv"
+bad_csv "an empty load path" 'left.csv:'
+rm "$R/cases/left.csv"
+bad_csv "a missing load path" 'left.csv: cannot read: No such file'
+
+# ---- HDF5
+snapshot "$R" >"$scratch/before"
+bad_h5() { # SENTENCE FILE LINE-PATTERN: given to train as cases, to eval as cases and as model, and to info
+    tissuectl train --study $study --cases "$2" --out results/tiny/model.h5
+    check "$1, trained on: exit 1 and one line" sh -c '[ "$0" = 1 ]' "$status"
+    check "$1, trained on: the line says so" one_line "$3"
+    tissuectl eval --study $study --model results/tiny/model.h5 --cases "$2" --out results/tiny/eval.json
+    check "$1, as cases to evaluate: exit 1" exited 1
+    check "$1, as cases to evaluate: the line says so" one_line "$3"
+    tissuectl eval --study $study --model "$2" --cases results/tiny/cases.h5 --out results/tiny/eval.json
+    check "$1, as a model: exit 1" exited 1
+    check "$1, as a model: one line names the file" one_line "${2##*/}: "
+    check "$1: earlier results are untouched" untouched
+}
+head -c 20000 "$R/cases.h5" >"$work/cut.h5"
+bad_h5 "a truncated HDF5 file" cut.h5 "tissuectl: cut.h5: .*truncated"
+"$PYTHON" -c "import h5py, sys; h5py.File(sys.argv[1], 'w')['x'] = 1" "$work/foreign.h5"
+bad_h5 "a foreign HDF5 file" foreign.h5 "tissuectl: foreign.h5: .*not written by tissuectl"
+cp "$R/cases.h5" "$work/future.h5"
+"$PYTHON" -c "import h5py, sys; h5py.File(sys.argv[1], 'r+').attrs['format_version'] = 99.0" "$work/future.h5"
+bad_h5 "an HDF5 file of a future version" future.h5 "tissuectl: future.h5: .*version 99 is later"
+echo "not HDF5" >"$work/text.h5"
+bad_h5 "a file that is no HDF5" text.h5 "tissuectl: text.h5: is not an HDF5 file"
+for file in cut foreign future text; do
+    tissuectl info $file.h5
+    check "info refuses $file.h5 with exit 1 and one line" exited 1
+done
+tissuectl eval --study $study --model results/tiny/cases.h5 --cases results/tiny/cases.h5 --out results/tiny/eval.json
+check "cases given as a model: one line says which was wanted" one_line "holds 'cases', wanted 'model'"
+tissuectl eval --study fem/studies/paper.toml --model results/tiny/model.h5 --cases results/tiny/cases.h5 --out results/tiny/eval.json
+check "a model of another study: one line names both" one_line "'tiny', not 'paper'"
+tissuectl train --study fem/studies/paper.toml --cases results/tiny/cases.h5 --out results/tiny/model.h5
+check "cases of another lattice: one line names both" one_line "25 nodes .*11 x 11"
+check "mixed-up files leave earlier results untouched" untouched
+finish

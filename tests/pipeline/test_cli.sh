@@ -1,0 +1,114 @@
+#!/bin/sh
+# The command line: help, version, exit status 0 / 1 / 2, and commands that stand alone in another folder.
+. "$(dirname "$0")/common"
+make_copy
+make_tiny cases -j2
+check "the study is solved to begin with" exited 0
+program=$work/build/release/tissuectl
+
+# ---- help and version
+tissuectl --version
+check "--version: exit 0" exited 0
+check "--version says the program and a version" says '^tissuectl [0-9]*\.[0-9]*\.[0-9]*$'
+tissuectl --help
+check "--help: exit 0" exited 0
+for command in plan collect train eval info; do
+    tissuectl --help
+    check "--help names $command" says "^ *$command "
+    tissuectl $command --help
+    check "$command --help: exit 0" exited 0
+    check "$command --help is a table of option, default, unit and meaning" says 'option  *default  *unit  *meaning'
+done
+tissuectl train --help
+check "train --help: threads, a number of threads by default" says '--threads  *[0-9][0-9]*  *threads.*spring sets trained at a time'
+check "train --help: --study is required and a file" says '--study  *required  *FILE  *study file'
+for option in seed optimizer iterations json; do check "train --help has --$option" says "--$option "; done
+
+# ---- exit status 2: the command line was wrong
+usage() { # SENTENCE ARGUMENT...
+    sentence_of_usage=$1
+    shift
+    tissuectl "$@"
+    check "$sentence_of_usage: exit 2" exited 2
+}
+usage "no command"
+usage "an unknown command" fly
+usage "an unknown option" train --speed 3
+usage "a required option missing" train --study fem/studies/tiny.toml
+usage "a number that is none" train --study s --cases c --out m --threads many
+usage "no threads" train --study s --cases c --out m --threads 0
+usage "no iterations" train --study s --cases c --out m --iterations 0
+usage "a word too many" info a.h5 b.h5
+
+# ---- exit status 1: the work failed
+tissuectl info results/tiny/none.h5
+check "a file that is not there: exit 1" exited 1
+check "a file that is not there: one line names it" one_line '^tissuectl: results/tiny/none.h5: there is no such file'
+tissuectl train --study fem/studies/tiny.toml --cases results/tiny/cases.h5 --out nowhere/model.h5 --iterations 1
+check "a folder that is not there: exit 1" exited 1
+check "a folder that is not there: one line names the file" one_line '^tissuectl: nowhere/model.h5: cannot write'
+tissuectl train --study fem/studies/tiny.toml --cases results/tiny/cases.h5 --out "$scratch/m.h5" --optimizer adam
+check "an unknown optimiser: exit 1" exited 1
+check "an unknown optimiser: one line lists the known ones" one_line "'adam' is not known; allowed: .*spsa-2008"
+check "an unknown optimiser leaves no model" absent "$scratch/m.h5" "$scratch/m.h5.tmp"
+
+# ---- alone, from another folder
+mkdir "$scratch/elsewhere"
+cp "$work/fem/studies/tiny.toml" "$work/fem/studies/paper.toml" "$R/cases.h5" "$scratch/elsewhere"
+there() { (cd "$scratch/elsewhere" && "$program" "$@") >"$scratch/out" 2>"$said"; status=$?; }
+there train --study tiny.toml --cases cases.h5 --out model.h5 --threads 3
+check "train stands alone: exit 0" exited 0
+check "train echoes the options in use" says '^tissuectl train: study=tiny.toml cases=cases.h5 out=model.h5 threads=3'
+check "train prints nothing on standard output" test ! -s "$scratch/out"
+there eval --study tiny.toml --model model.h5 --cases cases.h5 --out eval.json --json
+check "eval stands alone: exit 0" exited 0
+check "eval --json prints what it writes" cmp "$scratch/out" "$scratch/elsewhere/eval.json"
+there info model.h5
+check "info stands alone: exit 0" exited 0
+check "info says kind, study, format and seed" grep -q "model.h5: model of study 'tiny', format 1, tissuectl .*, seed 2008" \
+    "$scratch/out"
+check "info lists datasets with shape, unit and meaning" grep -q '/trained/spsa/theta  *4 x 40  *N/m  *spring sets' "$scratch/out"
+
+# ---- options change what they say and nothing else
+model() { # NAME OPTION...
+    name=$1
+    shift
+    there train --study tiny.toml --cases cases.h5 --out "$name.h5" "$@"
+}
+compare() { # EXPRESSION over datasets of a.h5 and b.h5
+    "$PYTHON" -c "
+import h5py, numpy, sys
+a, b = h5py.File(sys.argv[1]), h5py.File(sys.argv[2])
+theta = lambda f: f['trained'][f['optimizers'][0].decode()]['theta'][:]
+sys.exit(0 if $1 else 1)" "$scratch/elsewhere/a.h5" "$scratch/elsewhere/b.h5"
+}
+model a --threads 1
+model b --threads 2
+check "--threads changes no number" compare "theta(a).tobytes() == theta(b).tobytes()"
+model b --seed 7
+check "--seed changes Q and is stored" compare "(a['cases/node_weight'][:] != b['cases/node_weight'][:]).any() and b.attrs['seed'] == 7"
+model b --optimizer spsa-2008
+check "--optimizer takes the study's place" compare "b['optimizers'][0] == b'spsa-2008' and len(b['optimizers']) == 1"
+model b --iterations 5
+check "--iterations takes the study's place" compare "(b['trained/spsa-2008/iterations'][:] == 5).all()"
+model b --json
+check "train --json prints a list with a set's loss and status" "$PYTHON" -c "
+import json, sys
+sets = json.load(open(sys.argv[1]))
+sys.exit(0 if len(sets) == 8 and all({'set', 'loss_N', 'status'} <= s.keys() for s in sets) else str(sets))" "$scratch/out"
+there train --study "$scratch/elsewhere/tiny.toml" --cases "$scratch/elsewhere/cases.h5" --out "$scratch/elsewhere/b.h5"
+check "no absolute path stands in what it writes" sh -c '! grep -q "$1" "$2"' - "$scratch" "$scratch/elsewhere/b.h5"
+check "the model says its command and the hash of its cases" compare \
+    "b.attrs['command'].startswith('tissuectl train --study tiny.toml') and len(b.attrs['input:cases.h5']) == 32"
+there eval --study tiny.toml --model b.h5 --cases cases.h5 --out eval.json
+check "every dataset has units and a description" "$PYTHON" -c "
+import h5py, sys
+missing = []
+for name in sys.argv[1:]:
+    h5py.File(name).visititems(lambda n, o: missing.append(n) if isinstance(o, h5py.Dataset) and not (
+        o.attrs.get('units') and o.attrs.get('description')) else None)
+sys.exit(str(missing) if missing else 0)" "$scratch/elsewhere/cases.h5" "$scratch/elsewhere/b.h5"
+model b --seed 7
+there eval --study tiny.toml --model b.h5 --cases cases.h5 --out eval.json
+check "eval.json says the seed the model was trained with" grep -q '"seed": 7' "$scratch/elsewhere/eval.json"
+finish

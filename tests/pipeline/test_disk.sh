@@ -1,0 +1,79 @@
+#!/bin/sh
+# A read-only results folder and a full disk: one clear line, a non-zero exit, nothing that looks finished.
+. "$(dirname "$0")/common"
+make_copy
+make_tiny figures -j2
+check "the study is solved to begin with" exited 0
+cp -pR "$R" "$scratch/whole"
+
+# STAGE for the program or script that writes FILE
+stage() {
+    case $1 in
+        plan.mk) set -- build/release/tissuectl plan --study fem/studies/tiny.toml --out results/tiny/plan.mk ;;
+        mesh.msh) set -- make PYTHON="$PYTHON" STUDY=tiny results/tiny/mesh.msh ;;
+        cases/left.csv) set -- make PYTHON="$PYTHON" STUDY=tiny -o results/tiny/mesh.msh results/tiny/cases/left.csv ;;
+        cases.h5) set -- build/release/tissuectl collect --study fem/studies/tiny.toml --paths results/tiny/cases \
+            --out results/tiny/cases.h5 ;;
+        model.h5) set -- build/release/tissuectl train --study fem/studies/tiny.toml \
+            --cases results/tiny/cases.h5 --out results/tiny/model.h5 ;;
+        eval.json) set -- build/release/tissuectl eval --study fem/studies/tiny.toml --model results/tiny/model.h5 \
+            --cases results/tiny/cases.h5 --out results/tiny/eval.json --report results/tiny/report.md ;;
+        figures/force.png) set -- "$PYTHON" scripts/figures/draw.py force results/tiny results/tiny/figures/force.png ;;
+    esac
+    run $as_someone "$@"
+}
+failed_well() { [ "$status" = 1 ] || [ "$status" = 2 ] || { echo "exit status $status"; cat "$said"; return 1; }; }
+files="plan.mk mesh.msh cases/left.csv cases.h5 model.h5 eval.json figures/force.png"
+
+# ---- read only: root may write anywhere, so the stages run as nobody then
+as_someone=
+if [ "$(id -u)" = 0 ]; then
+    as_someone="setpriv --reuid=65534 --regid=65534 --clear-groups"
+    chmod 755 "$scratch"
+else
+    find "$R" -type d -exec chmod a-w {} +
+fi
+if $as_someone true 2>/dev/null; then
+    touch "$work/fem/block.geo" "$work/scripts/solve_path"  # mesh and paths are to be made again
+    snapshot "$R" >"$scratch/before"
+    for file in $files; do
+        stage "$file"
+        check "read-only results: making $file fails with 1, or make's 2" failed_well
+        check "read-only results: one line says that $file cannot be written" one_line "$file\|results/tiny"
+    done
+    check "read-only results are untouched" only_changed "$scratch/before" "$R" ""
+else
+    skip "read-only results" "neither root nor able to give rights up"
+fi
+as_someone=
+[ "$(id -u)" = 0 ] || find "$R" -type d -exec chmod u+w {} +
+
+# ---- a full disk: a small file system of its own for the results
+rm -rf "$R"
+mkdir "$R"
+if [ "$(id -u)" = 0 ] && mount -t tmpfs -o size=8m tissue_test "$R" 2>/dev/null; then
+    clean_up() { umount "$R" 2>/dev/null; rm -rf "$scratch"; }
+    for file in $files; do
+        rm -rf "$R"/*
+        cp -pR "$scratch/whole/." "$R"
+        rm -f "$R/$file" "$R/plan/path-top"
+        [ "$file" = eval.json ] && rm -f "$R/report.md"
+        [ "$file" = cases/left.csv ] && rm -f "$R/cases/left.log"
+        cat /dev/zero >"$R/filler" 2>/dev/null  # until nothing is left
+        stage "$file"
+        check "full disk: making $file fails with 1, or make's 2" failed_well
+        check "full disk: one line says that $file cannot be written" one_line "$file\|results/tiny"
+        check "full disk: there is no $file" absent "$R/$file"
+        check "full disk: making $file leaves nothing half-written" no_half_files "$R"
+        rm "$R/filler"
+        if [ "$file" = eval.json ]; then check "full disk: there is no report either" absent "$R/report.md"; fi
+    done
+    rm -rf "$R"/*
+    make_tiny eval -j2
+    check "with room again, make goes on from nothing" exited 0
+    check "with room again, the contents are the same" same_contents "$R" "$scratch/whole"
+    umount "$R"
+else
+    skip "full disk" "mounting a small file system needs root"
+fi
+finish

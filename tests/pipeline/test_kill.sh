@@ -1,0 +1,59 @@
+#!/bin/bash
+# kill -9 of `make all`, the whole process group, at twenty seeded moments: it resumes, redoes no finished load path, and
+# ends with the same contents of every dataset as a run that nobody killed.
+. "$(dirname "$0")/common"
+make_copy
+legs=4 seed=2008
+
+# ---- the run that nobody kills: its contents, and how long it takes
+start=$(date +%s%N)
+make_tiny all -j2
+check "make all succeeds when nobody kills it" exited 0
+whole=$((($(date +%s%N) - start) / 1000000))  # [ms]
+cp -R "$R" "$scratch/undisturbed"
+
+# Five kills a leg, at ascending moments of the work, each drawn from its fifth of the run [ms].
+moments=$(awk -v seed=$seed -v whole=$whole -v legs=$legs -v n=5 'BEGIN {
+    srand(seed)
+    for (leg = 0; leg < legs; ++leg)
+        for (i = 0; i < n; ++i) print leg, i, int(whole * (i + rand()) / n) }')
+
+# Load paths that are newer than the mesh and their arguments: work that must not be done again.
+finished_paths() {
+    for csv in "$R"/cases/*.csv; do
+        name=$(basename "$csv" .csv)
+        [ -e "$csv" ] && [ "$csv" -nt "$R/mesh.msh" ] && [ "$csv" -nt "$R/plan/path-$name" ] && stat -c '%n %i %.Y' "$csv"
+    done
+}
+kept() { # the finished paths of $scratch/finished are the same files still
+    while read -r csv inode time; do
+        [ "$(stat -c '%n %i %.Y' "$csv")" = "$csv $inode $time" ] || { echo "done again: $csv"; return 1; }
+    done <"$scratch/finished"
+}
+
+landed=0 again=0 ran=0
+while read -r leg number moment; do
+    [ "$number" = 0 ] && { rm -rf "$R"; ran=0; }
+    finished_paths >"$scratch/finished"
+    setsid make -C "$work" PYTHON="$PYTHON" STUDY=tiny all -j2 >"$said" 2>&1 </dev/null &
+    group=$!
+    wait_ms=$((moment - ran)) ran=$moment  # the leg has worked `ran` already
+    sleep "$(printf '%d.%03d' $((wait_ms / 1000)) $((wait_ms % 1000)))"
+    kill -9 -- -"$group" 2>/dev/null && landed=$((landed + 1))  # one that comes too late finds no group
+    wait "$group" 2>/dev/null
+    kept >>"$scratch/kept" || again=1
+    if [ "$number" = 4 ]; then
+        finished_paths >"$scratch/finished"
+        make_tiny all -j2
+        name="leg $((leg + 1)) of $legs, killed five times"
+        check "$name: make all resumes to the end" exited 0
+        check "$name: no finished load path was done again at the end" kept
+        check "$name: the same contents of every dataset as without kills" same_contents "$R" "$scratch/undisturbed"
+        check "$name: nothing is left to do" sh -c "cd '$work' && make -q PYTHON='$PYTHON' STUDY=tiny all"
+    fi
+done <<END
+$moments
+END
+check "between two kills no finished load path was done again" test $again = 0
+check "at least sixteen of the twenty kills struck a running make" test $landed -ge 16
+finish

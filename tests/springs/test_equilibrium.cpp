@@ -1,0 +1,234 @@
+#include "springs/equilibrium.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "example.h"
+#include "springs/heuristic.h"
+#include "tolerances.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const Eigen::Vector2d push(0.004, -0.001);
+
+const SpringMesh& block() {
+    static const SpringMesh mesh = make_lattice("grid8", 6, 6, 0.1, 0.1);
+    return mesh;
+}
+
+Equilibrium rest(const std::string& law, const Eigen::Vector2d& contact_m, const Eigen::VectorXd& d = push,
+                 const SpringMesh& mesh = block()) {
+    std::string reason;
+    const auto state =
+        solve_equilibrium(mesh, *make_spring_law(law), example_theta(mesh), locate_on_surface(mesh, contact_m), d, reason);
+    INFO(reason);
+    REQUIRE(state);
+    return *state;
+}
+
+NodeField nodal_force(const std::string& law, const NodeField& u) {
+    const Eigen::VectorXd f = make_spring_law(law)->force_matrix(block(), u) * example_theta(block());
+    return Eigen::Map<const NodeField>(f.data(), u.rows(), 2);
+}
+
+double slack(const std::string& law) {
+    return law == "geometric" ? tolerance::newton : tolerance::solve;
+}
+
+}  // namespace
+
+TEST_CASE("two springs in a row between a wall and a contact share the push as their stiffness says") {
+    // a column of one cell, sides alone loaded: nodes 0, 1 fixed below 2, 3; the contact pulls both up through the top
+    const SpringMesh cell = make_lattice("grid4", 1, 2, 0.1, 0.2);
+    Eigen::VectorXd theta = Eigen::VectorXd::Ones(cell.spring_count());
+    for (int s = 0; s < cell.spring_count(); ++s)
+        if (cell.nodes(cell.springs(s, 0), 0) == cell.nodes(cell.springs(s, 1), 0))
+            theta[s] = cell.nodes(cell.springs(s, 0), 1) == 0 ? 3.0 : 1.0;  // lower springs 3 N/m, upper ones 1 N/m
+    std::string reason;
+    const auto state = solve_equilibrium(cell, *make_spring_law("isotropic"), theta,
+                                         locate_on_surface(cell, {0.05, 0.2}), Eigen::Vector2d(0, 0.004), reason);
+    REQUIRE(state);
+    // two columns in parallel, each 3 and 1 N/m in series: 2 * 0.75 N/m * 4 mm
+    CHECK(state->contact_force.y() == Approx(2 * 0.75 * 0.004).epsilon(tolerance::solve));
+    CHECK(state->displacement(node_at(cell, {0, 0.1}), 1) == Approx(0.001).epsilon(tolerance::solve));
+}
+
+TEST_CASE("the contact goes where it is pushed, and fixed nodes stay") {
+    for (const std::string& law : spring_law_names()) {
+        for (const Eigen::Vector2d& at : {Eigen::Vector2d(0, 0.05), Eigen::Vector2d(0.1, 0.061)}) {
+            const Equilibrium state = rest(law, at);
+            const SurfacePoint p = locate_on_surface(block(), at);
+            const Eigen::RowVector2d moved =
+                p.weight[0] * state.displacement.row(p.node[0]) + p.weight[1] * state.displacement.row(p.node[1]);
+            CHECK((moved.transpose() - push).norm() <= slack(law) * push.norm());
+            for (int node : block().fixed) CHECK(state.displacement.row(node).norm() == 0);
+        }
+    }
+}
+
+TEST_CASE("closed loop: the contact's force is minus the supports', and no other node is held") {
+    for (const std::string& law : spring_law_names()) {
+        INFO(law);
+        const Eigen::Vector2d at(0.1, 0.061);
+        const Equilibrium state = rest(law, at);
+        const NodeField f = nodal_force(law, state.displacement);
+        const SurfacePoint p = locate_on_surface(block(), at);
+        Eigen::RowVector2d support = Eigen::RowVector2d::Zero();
+        double stray = 0;
+        for (int i = 0; i < block().node_count(); ++i) {
+            const bool fixed = std::count(block().fixed.begin(), block().fixed.end(), i) > 0;
+            if (fixed) support += f.row(i);
+            else if (i != p.node[0] && i != p.node[1]) stray = std::max(stray, f.row(i).norm());
+        }
+        CHECK((state.contact_force.transpose() + support).norm() <= slack(law) * support.norm());
+        CHECK(stray <= slack(law) * support.norm());
+    }
+}
+
+TEST_CASE("a contact between nodes is held by both ends, each with its weight of the force") {
+    for (const std::string& law : spring_law_names()) {
+        const Eigen::Vector2d at(0.0, 0.1 * 4.25 / 6);
+        const Equilibrium state = rest(law, at);
+        const NodeField f = nodal_force(law, state.displacement);
+        const SurfacePoint p = locate_on_surface(block(), at);
+        for (int end : {0, 1})
+            CHECK((f.row(p.node[end]).transpose() - p.weight[end] * state.contact_force).norm() <=
+                  slack(law) * state.contact_force.norm());
+        CHECK(std::min(p.weight[0], p.weight[1]) == Approx(0.25).epsilon(tolerance::solve));
+    }
+}
+
+TEST_CASE("linear laws: the push's work is twice the springs' energy, force . push = u'Ku") {
+    for (const char* law : {"isotropic", "axial"}) {
+        const Equilibrium state = rest(law, {0.05, 0.1});
+        const SparseMatrix K = make_spring_law(law)->stiffness(block(), example_theta(block()), state.displacement);
+        const Eigen::VectorXd u = as_vector(state.displacement);
+        CHECK(state.contact_force.dot(push) == Approx(u.dot(K * u)).epsilon(tolerance::solve));
+    }
+}
+
+TEST_CASE("geometric springs: the energy's slope along the push is the contact's force") {
+    const auto energy = [](const NodeField& u) {
+        double sum = 0;
+        const Eigen::VectorXd theta = example_theta(block());
+        for (int s = 0; s < block().spring_count(); ++s) {
+            const int i = block().springs(s, 0), j = block().springs(s, 1);
+            const double length = (block().nodes.row(i) + u.row(i) - block().nodes.row(j) - u.row(j)).norm();
+            sum += theta[s] / 2 * std::pow(length - block().rest_length(s), 2);
+        }
+        return sum;
+    };
+    const Eigen::Vector2d at(0.05, 0.1);
+    const double work = rest("geometric", at).contact_force.dot(push);
+    const auto error = [&](double h) {
+        const double slope = (energy(rest("geometric", at, (1 + h) * push).displacement) -
+                              energy(rest("geometric", at, (1 - h) * push).displacement)) / (2 * h);
+        return std::abs(slope - work) / work;
+    };
+    CHECK(error(0.01) < 1e-4);
+    CHECK(std::log2(error(0.4) / error(0.2)) == Approx(2).margin(4 * tolerance::order));  // coarse: 1e-8 must stay below
+}
+
+TEST_CASE("linear laws: twice the push is twice the force; stiffer springs change the force alone") {
+    const Equilibrium once = rest("axial", {0, 0.05}), twice = rest("axial", {0, 0.05}, 2 * push);
+    CHECK(twice.contact_force.isApprox(2 * once.contact_force, tolerance::solve));
+    CHECK(twice.displacement.isApprox(2 * once.displacement, tolerance::solve));
+    std::string reason;
+    for (const std::string& name : spring_law_names()) {
+        const Eigen::VectorXd theta = 7 * example_theta(block());
+        const auto stiffer = solve_equilibrium(block(), *make_spring_law(name), theta,
+                                               locate_on_surface(block(), {0, 0.05}), push, reason);
+        REQUIRE(stiffer);
+        const Equilibrium soft = rest(name, {0, 0.05});
+        CHECK(stiffer->contact_force.isApprox(7 * soft.contact_force, slack(name)));
+        CHECK(stiffer->displacement.isApprox(soft.displacement, 10 * slack(name)));
+    }
+}
+
+TEST_CASE("uniform scaling: a tissue twice as large, pushed twice as far, is twice as strong") {
+    const SpringMesh large = make_lattice("grid8", 6, 6, 0.2, 0.2);
+    for (const std::string& law : spring_law_names()) {
+        const Equilibrium small = rest(law, {0, 0.05}), big = rest(law, {0, 0.1}, 2 * push, large);
+        CHECK(big.contact_force.isApprox(2 * small.contact_force, slack(law)));
+    }
+}
+
+TEST_CASE("mirrored pushes on a mirror-symmetric mesh are held by mirrored forces") {
+    const Eigen::VectorXd theta = heuristic_stiffness(block(), 1.0);
+    for (const std::string& name : spring_law_names()) {
+        std::string reason;
+        const auto force = [&](double x, double dx) {
+            const auto state = solve_equilibrium(block(), *make_spring_law(name), theta,
+                                                 locate_on_surface(block(), {x, 0.071}), Eigen::Vector2d(dx, -0.002),
+                                                 reason);
+            REQUIRE(state);
+            return state->contact_force;
+        };
+        const Eigen::VectorXd left = force(0, 0.005), right = force(0.1, -0.005);
+        CHECK(left.x() == Approx(-right.x()).epsilon(slack(name)));
+        CHECK(left.y() == Approx(right.y()).epsilon(slack(name)));
+    }
+}
+
+TEST_CASE("geometric springs approach axial ones as the push gets small") {
+    const auto difference = [](double scale) {
+        const Eigen::VectorXd d = scale * push;
+        return (rest("geometric", {0, 0.05}, d).contact_force - rest("axial", {0, 0.05}, d).contact_force).norm() /
+               scale;
+    };
+    // relative difference falls with the first power of the push
+    CHECK(std::log2(difference(0.02) / difference(0.01)) == Approx(1).margin(tolerance::order));
+}
+
+TEST_CASE("a mesh with zero-energy modes has no answer and says why") {
+    const SpringMesh grid4 = make_lattice("grid4", 10, 10, 0.1, 0.1);
+    for (const char* law : {"axial", "geometric"}) {  // every free row slides for nothing
+        std::string reason;
+        CHECK_FALSE(solve_equilibrium(grid4, *make_spring_law(law), heuristic_stiffness(grid4, 1.0),
+                                      locate_on_surface(grid4, {0, 0.05}), push, reason));
+        CHECK_THAT(reason, Contains("zero-energy modes"));
+    }
+    std::string reason;
+    CHECK(solve_equilibrium(grid4, *make_spring_law("isotropic"), heuristic_stiffness(grid4, 1.0),
+                            locate_on_surface(grid4, {0, 0.05}), push, reason));
+}
+
+TEST_CASE("a node that no spring holds, or a negative spring that wins, leaves no answer") {
+    const auto law = make_spring_law("isotropic");
+    const SurfacePoint contact = locate_on_surface(block(), {0, 0.05});
+    std::string reason;
+    Eigen::VectorXd theta = example_theta(block());
+    const int corner = node_at(block(), {0.1, 0.1});
+    for (int s = 0; s < theta.size(); ++s)
+        if (block().springs(s, 0) == corner || block().springs(s, 1) == corner) theta[s] = 0;
+    CHECK_FALSE(solve_equilibrium(block(), *law, theta, contact, push, reason));
+    CHECK_FALSE(reason.empty());
+    reason.clear();
+    theta = -example_theta(block());
+    CHECK_FALSE(solve_equilibrium(block(), *law, theta, contact, push, reason));
+    CHECK_FALSE(reason.empty());
+}
+
+TEST_CASE("a contact on the fixed edge has no answer and says why") {
+    std::string reason;
+    CHECK_FALSE(solve_equilibrium(block(), *make_spring_law("axial"), example_theta(block()),
+                                  locate_on_surface(block(), {0.05, 0}), push, reason));
+    CHECK_THAT(reason, Contains("fixed edge"));
+}
+
+TEST_CASE("geometric springs pushed through themselves have no answer or a balanced one, never a wrong number") {
+    std::string reason;
+    const auto state = solve_equilibrium(block(), *make_spring_law("geometric"), example_theta(block()),
+                                         locate_on_surface(block(), {0, 0.05}), Eigen::Vector2d(0.3, 0), reason);
+    if (state) {
+        const NodeField f = nodal_force("geometric", state->displacement);
+        Eigen::RowVector2d support = Eigen::RowVector2d::Zero();
+        for (int node : block().fixed) support += f.row(node);
+        CHECK((state->contact_force.transpose() + support).norm() <= tolerance::newton * support.norm());
+    } else {
+        CHECK_FALSE(reason.empty());
+    }
+}

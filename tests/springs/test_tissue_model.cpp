@@ -1,0 +1,153 @@
+#include "springs/tissue_model.h"
+
+#include <hdf5.h>
+
+#include <catch2/catch.hpp>
+
+#include "error.h"
+#include "example.h"
+#include "refusal.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const Provenance provenance{"tissuectl test", 11, {}};
+
+const TissueModel& example() {
+    static const TissueModel model = [] {
+        const Study study = example_study();
+        const Eigen::VectorXd theta = example_theta(make_lattice("grid8", 4, 4, 0.1, 0.1));
+        return example_model(study, example_cases(study, theta), theta);
+    }();
+    return model;
+}
+
+/// Takes a dataset out of a file; with values, puts these in its place.
+void replace(const std::string& file, const std::string& dataset, const std::vector<double>& values = {}) {
+    const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    REQUIRE(H5Ldelete(id, dataset.c_str(), H5P_DEFAULT) >= 0);
+    if (!values.empty()) {
+        const hsize_t count = values.size();
+        const hid_t space = H5Screate_simple(1, &count, nullptr);
+        const hid_t made = H5Dcreate2(id, dataset.c_str(), H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+        H5Dwrite(made, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+        H5Dclose(made);
+        H5Sclose(space);
+    }
+    H5Fclose(id);
+}
+
+}  // namespace
+
+TEST_CASE("a model comes back from HDF5 with the same bits") {
+    const TemporaryFolder folder;
+    write_model(folder.file("model.h5"), example(), provenance);
+    const TissueModel &a = example(), b = read_model(folder.file("model.h5"));
+    CHECK(b.study == a.study);
+    CHECK(b.law == a.law);
+    CHECK(b.mesh.topology == a.mesh.topology);
+    CHECK(b.mesh.nodes == a.mesh.nodes);
+    CHECK(b.mesh.springs == a.mesh.springs);
+    CHECK(b.mesh.triangles == a.mesh.triangles);
+    CHECK(b.mesh.boundary == a.mesh.boundary);
+    CHECK(b.mesh.fixed == a.mesh.fixed);
+    CHECK(b.mesh.incident_area == a.mesh.incident_area);
+    CHECK(b.mesh.node_area == a.mesh.node_area);
+    CHECK(b.modulus_N_m == a.modulus_N_m);
+    CHECK(b.node_mass_kg == a.node_mass_kg);
+    CHECK(b.heuristic_a == a.heuristic_a);
+    CHECK(b.heuristic_b == a.heuristic_b);
+    CHECK(b.case_names == a.case_names);
+    CHECK(b.contact_m == a.contact_m);
+    CHECK(b.direction == a.direction);
+    CHECK(b.magnitude_m == a.magnitude_m);
+    CHECK(b.node_weight == a.node_weight);
+    REQUIRE(b.trained.size() == a.trained.size());
+    for (std::size_t t = 0; t < a.trained.size(); ++t) {
+        const TrainedSets &x = a.trained[t], &y = b.trained[t];
+        CHECK(y.optimizer == x.optimizer);
+        CHECK(y.theta == x.theta);
+        CHECK(y.loss_N == x.loss_N);
+        CHECK(y.rel_loss == x.rel_loss);
+        CHECK(y.iterations == x.iterations);
+        CHECK(y.evaluations == x.evaluations);
+        CHECK(y.restarts == x.restarts);
+        CHECK(y.status == x.status);
+        CHECK(y.curve_iteration == x.curve_iteration);
+        CHECK(y.seconds == x.seconds);
+        REQUIRE(y.curve_loss_N.rows() == x.curve_loss_N.rows());
+        REQUIRE(y.curve_loss_N.cols() == x.curve_loss_N.cols());
+        for (Eigen::Index i = 0; i < x.curve_loss_N.size(); ++i) {  // NaN once a set has stopped
+            const double before = x.curve_loss_N.data()[i], after = y.curve_loss_N.data()[i];
+            CHECK(((std::isnan(before) && std::isnan(after)) || before == after));
+        }
+    }
+    CHECK(b.optimum.theta == a.optimum.theta);
+    CHECK(b.optimum.lower_bound_N == a.optimum.lower_bound_N);
+}
+
+TEST_CASE("every dataset of model.h5 says units and description: stiffness in N/m, loss in N, mass in kg") {
+    const TemporaryFolder folder;
+    write_model(folder.file("model.h5"), example(), provenance);
+    const Hdf5Reader in(folder.file("model.h5"), "model");
+    CHECK(in.describe().size() > 20);  // describe refuses a dataset without units or description
+    for (const auto& [name, units] : std::vector<std::pair<std::string, std::string>>{{"/mesh/nodes", "m"},
+                                                                                      {"/node_mass", "kg"},
+                                                                                      {"/heuristic_a", "N/m"},
+                                                                                      {"/trained/spsa/theta", "N/m"},
+                                                                                      {"/trained/spsa/loss", "N"},
+                                                                                      {"/cases/magnitude", "m"},
+                                                                                      {"/cases/node_weight", "1"}}) {
+        CHECK(in.text_attribute(name, "units") == units);
+        CHECK_FALSE(in.text_attribute(name, "description").empty());
+    }
+}
+
+TEST_CASE("a model that lacks a dataset is refused with file and dataset") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("model.h5");
+    for (const std::string name : {"/mesh/springs", "/node_mass", "/heuristic_a", "/cases/names", "/trained/spsa/theta",
+                                   "/optimizers"}) {
+        write_model(file, example(), provenance);
+        replace(file, name);
+        CHECK_THAT(refusal<FileError>([&] { read_model(file); }), Contains("model.h5: " + name) && Contains("missing"));
+    }
+}
+
+TEST_CASE("a model whose parts do not fit together is refused with file and place") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("model.h5");
+    for (const std::string name :
+         {"/mesh/node_area", "/mesh/incident_area", "/node_mass", "/heuristic_a", "/heuristic_b", "/cases/magnitude",
+          "/trained/spsa/loss", "/trained/spsa/rel_loss", "/trained/spsa/iterations", "/trained/spsa/restarts",
+          "/trained/spsa/curve_iteration"}) {
+        INFO(name);
+        write_model(file, example(), provenance);
+        replace(file, name, {1, 2, 3});
+        CHECK_THAT(refusal<FileError>([&] { read_model(file); }), Contains("model.h5: "));
+    }
+}
+
+TEST_CASE("a model that names a node it does not have is refused") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("model.h5");
+    for (const auto& [name, bad] : std::vector<std::pair<std::string, double>>{
+             {"/mesh/boundary", 25.0}, {"/mesh/boundary", -1.0}, {"/mesh/fixed", 1e6}}) {
+        write_model(file, example(), provenance);
+        replace(file, name, {0, 1, bad});
+        CHECK_THAT(refusal<FileError>([&] { read_model(file); }), Contains(name) && Contains("does not exist"));
+    }
+}
+
+TEST_CASE("a model file that is missing, or that holds cases, is refused") {
+    const TemporaryFolder folder;
+    CHECK_THROWS_AS(read_model(folder.file("none.h5")), FileError);
+    {
+        Hdf5Writer out(folder.file("cases.h5"), "cases", provenance);
+        out.commit();
+    }
+    CHECK_THAT(refusal<FileError>([&] { read_model(folder.file("cases.h5")); }), Contains("'cases'"));
+    CHECK_THROWS_AS(write_model(folder.file("none/model.h5"), example(), provenance), FileError);
+}

@@ -1,0 +1,135 @@
+#include "study/plan.h"
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <cstring>
+#include <set>
+#include <sstream>
+
+#include "example.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// Files of the plan whose text differs between the example and the example with one thing changed.
+std::set<std::string> changed(const std::string& from, const std::string& to) {
+    const Plan before = make_plan(example_study()), after = make_plan(example_study(with(example_study_text(), from, to)));
+    std::set<std::string> names;
+    for (const auto& [name, text] : before.parts)
+        if (!after.parts.count(name) || after.parts.at(name) != text) names.insert(name);
+    for (const auto& [name, text] : after.parts)
+        if (!before.parts.count(name)) names.insert(name);
+    return names;
+}
+
+using Names = std::set<std::string>;
+
+/// The words that follow "-NAME" in a part.
+double argument(const std::string& part, const std::string& name) {
+    std::istringstream words(part);
+    for (std::string word; words >> word;)
+        if (word == "-" + name) {
+            words >> word;
+            char* end = nullptr;
+            const double value = std::strtod(word.c_str(), &end);
+            REQUIRE(*end == '\0');
+            return value;
+        }
+    FAIL("no argument -" << name);
+    return 0;
+}
+
+bool same_bits(double a, double b) {
+    return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+}  // namespace
+
+TEST_CASE("the plan has a part for mesh, collect, train and every load path") {
+    const Plan plan = make_plan(example_study());
+    Names names;
+    for (const auto& part : plan.parts) names.insert(part.first);
+    CHECK(names == Names{"collect", "mesh", "path-corner", "path-left", "train"});
+    for (const char* path : {"left", "corner"})
+        CHECK_THAT(plan.fragment, Contains(std::string("PATHS += ") + path + "\n") &&
+                                      Contains(std::string("$(R)/cases/") + path + ".csv: $(R)/plan/path-" + path));
+    for (const char* line : {"$(R)/mesh.msh: $(R)/plan/mesh\n", "$(R)/cases.h5: $(R)/plan/collect\n",
+                             "$(R)/model.h5: $(R)/plan/train\n"})
+        CHECK_THAT(plan.fragment, Contains(line));
+}
+
+TEST_CASE("the same study gives the same plan") {
+    const Plan a = make_plan(example_study()), b = make_plan(example_study());
+    CHECK(a.fragment == b.fragment);
+    CHECK(a.parts == b.parts);
+}
+
+TEST_CASE("editing the training changes plan/train and nothing else") {
+    CHECK(changed("seed = 11", "seed = 12") == Names{"train"});
+    CHECK(changed("iterations = 200", "iterations = 201") == Names{"train"});
+    CHECK(changed("iterations = 200", "iterations = 200\nmax_seconds = 3") == Names{"train"});
+    CHECK(changed("iterations = 200", "iterations = 200\ntarget_rel_loss = 0.1") == Names{"train"});
+    CHECK(changed("optimizer = \"spsa\"", "optimizer = \"spsa-2008\"") == Names{"train"});
+    CHECK(changed("also = [\"spsa-2008\"]", "also = []") == Names{"train"});
+    CHECK(changed("k_min_E2 = 0.05", "k_min_E2 = 0.06") == Names{"train"});
+    CHECK(changed("k_max_E2 = 40.0", "k_max_E2 = 41.0") == Names{"train"});
+    CHECK(changed("weight_near = [0.95, 0.99]", "weight_near = [0.95, 0.98]") == Names{"train"});
+    CHECK(changed("weight_far = [0.80, 0.90]", "weight_far = [0.81, 0.90]") == Names{"train"});
+    CHECK(changed("law = \"axial\"", "law = \"geometric\"") == Names{"train"});
+    CHECK(changed("topology = \"grid8\"", "topology = \"grid4\"") == Names{"train"});
+    CHECK(changed("density_kg_m3 = 1040.0", "density_kg_m3 = 1000.0") == Names{"train"});
+}
+
+TEST_CASE("editing one path's push changes that path and nothing else") {
+    CHECK(changed("push = [1, 0]", "push = [1, 0.5]") == Names{"path-left"});
+    CHECK(changed("contact_m = [0.0, 0.05]", "contact_m = [0.0, 0.075]") == Names{"path-left"});
+    CHECK(changed("push = [1, 0]", "push = [2, 0]").empty());  // a push is a direction
+}
+
+TEST_CASE("a new path, another name, another magnitude change what depends on them") {
+    CHECK(changed("  { name = \"left\"", "  { name = \"top\", contact_m = [0.05, 0.1], push = [0, -1] },\n"
+                                         "  { name = \"left\"") == Names{"collect", "path-top"});
+    CHECK(changed("name = \"left\"", "name = \"west\"") == Names{"collect", "path-left", "path-west"});
+    CHECK(changed("[0.004, 0.008]", "[0.006, 0.008]") == Names{"collect"});  // both are records already
+    CHECK(changed("[0.004, 0.008]", "[0.004, 0.006]") == Names{"collect", "path-corner", "path-left"});
+}
+
+TEST_CASE("editing tissue or solver solves every path again, and meshes only when the mesh differs") {
+    const Names paths = {"path-corner", "path-left"};
+    const auto and_also = [&](Names more) {
+        more.insert(paths.begin(), paths.end());
+        return more;
+    };
+    CHECK(changed("tolerance = 1e-10", "tolerance = 1e-9") == paths);
+    CHECK(changed("max_newton = 12", "max_newton = 13") == paths);
+    CHECK(changed("record_step_m = 0.002", "record_step_m = 0.001") == paths);
+    CHECK(changed("C1_Pa = 263.0", "C1_Pa = 264.0") == and_also({"train"}));
+    CHECK(changed("thickness_m = 0.0003", "thickness_m = 0.0004") == and_also({"train"}));
+    CHECK(changed("refine = 1", "refine = 2") == Names{"mesh"});  // and so every path, which depends on the mesh
+    CHECK(changed("name = \"corner\"", "name =\"corner\"").empty());
+    CHECK(changed("width_m = 0.1", "width_m = 0.1000").empty());  // the same number
+}
+
+TEST_CASE("numbers in FreeFEM's arguments read back to the same bits") {
+    const std::string odd = with(with(example_study_text(), "thickness_m = 0.0003", "thickness_m = 0.00016666666666666667"),
+                                 "C1_Pa = 263.0", "C1_Pa = 263.00000000000006");
+    const Study s = example_study(odd);
+    const Plan plan = make_plan(s);
+    const std::string& part = plan.parts.at("path-corner");
+    CHECK(same_bits(argument(part, "thickness"), s.geometry.thickness_m));
+    CHECK(same_bits(argument(part, "width"), s.geometry.width_m));
+    CHECK(same_bits(argument(part, "height"), s.geometry.height_m));
+    CHECK(same_bits(argument(part, "C1"), s.material.C1_Pa));
+    CHECK(same_bits(argument(part, "C2"), s.material.C2_Pa));
+    CHECK(same_bits(argument(part, "contact_x"), s.loads.paths[1].contact_m.x()));
+    CHECK(same_bits(argument(part, "contact_y"), s.loads.paths[1].contact_m.y()));
+    CHECK(same_bits(argument(part, "direction_x"), s.loads.paths[1].direction.x()));  // -3/sqrt(10)
+    CHECK(same_bits(argument(part, "direction_y"), s.loads.paths[1].direction.y()));
+    CHECK(same_bits(argument(part, "depth"), s.loads.depth_m()));
+    CHECK(same_bits(argument(part, "tolerance"), s.solver.tolerance));
+    CHECK(argument(part, "records") == s.loads.records());
+    CHECK(argument(part, "cells_x") == 4);
+    CHECK_THAT(plan.fragment, Contains(part.substr(0, part.size() - 1)));  // make passes what the part records
+}

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <gsl/gsl_rng.h>
+
+#include <Eigen/Dense>
+#include <memory>
+
+#include "mesh/spring_mesh.h"
+#include "springs/heuristic.h"
+#include "springs/spring_law.h"
+#include "train/optimizer.h"
+
+namespace tissue::test {
+
+struct RngDeleter {
+    void operator()(gsl_rng* rng) const { gsl_rng_free(rng); }
+};
+using Rng = std::unique_ptr<gsl_rng, RngDeleter>;
+
+inline Rng make_rng(unsigned long seed) {
+    Rng rng(gsl_rng_alloc(gsl_rng_mt19937));
+    gsl_rng_set(rng.get(), seed);
+    return rng;
+}
+
+inline Eigen::MatrixXd random_matrix(Eigen::Index rows, Eigen::Index columns, gsl_rng* rng) {
+    Eigen::MatrixXd m(rows, columns);
+    for (double& entry : m.reshaped()) entry = 2 * gsl_rng_uniform(rng) - 1;
+    return m;
+}
+
+/// |b - B theta| as a loss, Q = 1.
+inline ForceLoss plain_loss(const Eigen::MatrixXd& B, const Eigen::VectorXd& b) {
+    return ForceLoss(B.sparseView(), b, Eigen::VectorXd::Ones(b.size()));
+}
+
+inline Box make_box(Eigen::Index springs, double lo, double hi) {
+    return {Eigen::VectorXd::Constant(springs, lo), Eigen::VectorXd::Constant(springs, hi)};
+}
+
+struct Problem {
+    ForceLoss loss;
+    Box box;
+    Eigen::VectorXd start, optimum;
+};
+
+/// A problem whose optimum is known by construction, with full column rank: a third of the springs at lo = 1 pressed
+/// down, a third at hi = 3 pressed up, the rest inside without slope. From the wanted gradient g the residual follows,
+/// r = -B (B'B)^-1 g, and b = B theta + r.
+inline Problem problem_with_active_bounds(Eigen::Index rows, Eigen::Index springs, unsigned long seed) {
+    const Rng rng = make_rng(seed);
+    const Eigen::MatrixXd B = random_matrix(rows, springs, rng.get());
+    Eigen::VectorXd optimum(springs), gradient(springs);
+    for (Eigen::Index s = 0; s < springs; ++s) {
+        optimum[s] = s % 3 == 0 ? 1 : s % 3 == 1 ? 3 : 1.5 + gsl_rng_uniform(rng.get());
+        gradient[s] = (s % 3 == 0 ? 1 : s % 3 == 1 ? -1 : 0) * (0.1 + gsl_rng_uniform(rng.get()));
+    }
+    const Eigen::VectorXd residual = -B * (B.transpose() * B).ldlt().solve(gradient);
+    return {plain_loss(B, B * optimum + residual), make_box(springs, 1, 3), Eigen::VectorXd::Constant(springs, 2),
+            optimum};
+}
+
+/// A lattice, pushed about at random, and the forces of a known spring set on it: zero residual is possible, at
+/// `optimum` (and, where springs outnumber the rows, elsewhere too). start: all springs 1 N/m, box 0.05 to 40.
+inline Problem lattice_problem(const std::string& topology, const std::string& law, int cells, unsigned long seed,
+                               double softest = 0.3) {
+    const Rng rng = make_rng(seed);
+    const SpringMesh mesh = make_lattice(topology, cells, cells, 0.1, 0.1);
+    NodeField u = 0.003 * random_matrix(mesh.node_count(), 2, rng.get());
+    for (int node : mesh.fixed) u.row(node).setZero();
+    const SparseMatrix A = make_spring_law(law)->force_matrix(mesh, u);
+    Eigen::VectorXd truth(mesh.spring_count());
+    for (double& theta : truth) theta = softest + 2 * gsl_rng_uniform(rng.get());
+    return {ForceLoss(A, A * truth, Eigen::VectorXd::Constant(u.size(), 0.9)), make_box(truth.size(), 0.05, 40),
+            Eigen::VectorXd::Ones(truth.size()), truth};
+}
+
+}  // namespace tissue::test

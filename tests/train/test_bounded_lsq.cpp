@@ -1,0 +1,136 @@
+#include <catch2/catch.hpp>
+
+#include "error.h"
+#include "small_problem.h"
+#include "train/bounded_lsq.h"
+#include "train/certificate.h"
+
+using namespace tissue;
+using namespace tissue::test;
+
+namespace {
+
+constexpr double kkt = 1e-12;          // BoundedLsqOptions::kkt_tolerance
+constexpr double near_optimum = 1e-9;  // theta, where B is well conditioned: kkt times its condition
+constexpr double tight_gap = 1e-7;     // what that kkt leaves in the certificate
+
+}  // namespace
+
+TEST_CASE("the exact solver finds a known optimum with springs on both sides of the box") {
+    for (unsigned long seed = 1; seed <= 20; ++seed) {
+        const Problem p = problem_with_active_bounds(60, 45, seed);
+        const BoundedLsqSummary s = solve_bounded_lsq(p.loss, p.start, p.box);
+        CHECK(s.converged);
+        CHECK((s.theta - p.optimum).cwiseAbs().maxCoeff() < near_optimum);
+        CHECK(s.residual_norm == Approx(p.loss(p.optimum)).epsilon(1e-12));
+        CHECK(kkt_residual(p.loss, s.theta, p.box) < 10 * kkt);
+    }
+}
+
+TEST_CASE("in a box that holds nothing the exact solver is least squares") {
+    const Rng rng = make_rng(1);
+    const Eigen::MatrixXd B = random_matrix(30, 20, rng.get());
+    const Eigen::VectorXd b = random_matrix(30, 1, rng.get());
+    const BoundedLsqSummary s = solve_bounded_lsq(plain_loss(B, b), Eigen::VectorXd::Zero(20), make_box(20, -1e6, 1e6));
+    CHECK((s.theta - B.colPivHouseholderQr().solve(b)).norm() < near_optimum);
+    CHECK(s.iterations <= 5);  // Newton steps; what the shift leaves, the next one takes
+}
+
+TEST_CASE("forces that some spring set makes are met exactly") {
+    for (const char* law : {"isotropic", "axial", "geometric"})
+        for (const char* topology : {"grid4", "grid8"}) {
+            const Problem p = lattice_problem(topology, law, 6, 2);
+            const BoundedLsqSummary s = solve_bounded_lsq(p.loss, p.start, p.box);
+            CAPTURE(law, topology);
+            CHECK(s.converged);
+            CHECK(s.residual_norm < 1e-10 * p.loss.scale());
+            CHECK((s.theta - p.box.project(s.theta)).norm() == 0);
+        }
+}
+
+TEST_CASE("springs that the data says nothing about keep their start") {
+    const Rng rng = make_rng(3);
+    Eigen::MatrixXd B = random_matrix(20, 12, rng.get());
+    B.col(4).setZero();
+    B.col(7) *= 1e-16;  // the rounding of a displacement that should be zero
+    const Eigen::VectorXd start = 2 * Eigen::VectorXd::Ones(12) + 0.5 * random_matrix(12, 1, rng.get());
+    const BoundedLsqSummary s =
+        solve_bounded_lsq(plain_loss(B, random_matrix(20, 1, rng.get())), start, make_box(12, 1, 3));
+    CHECK(s.converged);
+    CHECK(s.theta[4] == start[4]);
+    CHECK(s.theta[7] == start[7]);
+
+    const BoundedLsqSummary deaf =
+        solve_bounded_lsq(plain_loss(Eigen::MatrixXd::Zero(20, 12), B.col(0)), start, make_box(12, 1, 3));
+    CHECK(deaf.converged);
+    CHECK(deaf.theta == start);
+    CHECK(deaf.residual_norm == Approx(B.col(0).norm()));
+}
+
+TEST_CASE("without full column rank the loss and the optimality conditions still hold") {
+    // two springs that do the same work, a third that does both of theirs: the loss knows only combinations
+    Problem p = problem_with_active_bounds(40, 15, 4);
+    Eigen::MatrixXd B(40, 17);
+    B.leftCols(15) = Eigen::MatrixXd(p.loss.matrix());
+    B.col(15) = B.col(2);
+    B.col(16) = B.col(2) + B.col(5);
+    const ForceLoss loss = plain_loss(B, p.loss.target() + 2 * B.col(15) + 2 * B.col(16));
+    const Box box = make_box(17, 1, 3);
+    const BoundedLsqSummary s = solve_bounded_lsq(loss, Eigen::VectorXd::Constant(17, 2), box);
+    CHECK(s.converged);
+    CHECK(kkt_residual(loss, s.theta, box) < 10 * kkt);
+    CHECK(s.residual_norm == Approx(p.loss(p.optimum)).epsilon(1e-10));  // the added columns add nothing to reach
+    CHECK(loss_gap(s.residual_norm, loss_lower_bound(loss, s.theta, box), loss.scale()) < tight_gap);
+}
+
+TEST_CASE("more springs than equations, held by the box, still end at a certified optimum") {
+    const Rng rng = make_rng(5);
+    for (int trial = 0; trial < 20; ++trial) {
+        const ForceLoss loss = plain_loss(random_matrix(25, 60, rng.get()), 40 * random_matrix(25, 1, rng.get()));
+        const Box box = make_box(60, 0.05, 3);
+        const BoundedLsqSummary s = solve_bounded_lsq(loss, Eigen::VectorXd::Ones(60), box);
+        CHECK(s.converged);
+        CHECK(loss_gap(s.residual_norm, loss_lower_bound(loss, s.theta, box), loss.scale()) < tight_gap);
+    }
+}
+
+TEST_CASE("columns of very different length do not disturb the exact solver") {
+    Problem p = problem_with_active_bounds(60, 45, 6);
+    Eigen::MatrixXd B = Eigen::MatrixXd(p.loss.matrix());
+    Eigen::VectorXd unit(45);
+    for (Eigen::Index s = 0; s < 45; ++s) unit[s] = std::pow(10, -4 + static_cast<double>(s % 9));
+    B = B * unit.cwiseInverse().asDiagonal();
+    const Box box{p.box.lo.cwiseProduct(unit), p.box.hi.cwiseProduct(unit)};
+    const ForceLoss loss = plain_loss(B, p.loss.target());
+    const BoundedLsqSummary s = solve_bounded_lsq(loss, p.start.cwiseProduct(unit), box);
+    CHECK(s.converged);
+    CHECK((s.theta.cwiseQuotient(unit) - p.optimum).cwiseAbs().maxCoeff() < near_optimum);
+}
+
+TEST_CASE("the exact solver gives the same bits twice, and does not move from an optimum") {
+    const Problem p = problem_with_active_bounds(60, 45, 7);
+    const BoundedLsqSummary first = solve_bounded_lsq(p.loss, p.start, p.box);
+    CHECK(first.theta == solve_bounded_lsq(p.loss, p.start, p.box).theta);
+    const BoundedLsqSummary again = solve_bounded_lsq(p.loss, first.theta, p.box);
+    CHECK(again.iterations == 0);
+    CHECK((again.theta - first.theta).norm() < 1e-14);
+}
+
+TEST_CASE("an exact solve that is cut short says that it has not converged") {
+    const Problem p = problem_with_active_bounds(60, 45, 8);
+    BoundedLsqOptions options;
+    options.max_iterations = 1;
+    const BoundedLsqSummary s = solve_bounded_lsq(p.loss, p.start, p.box, options);
+    CHECK_FALSE(s.converged);
+    CHECK(s.iterations == 1);
+    CHECK(s.kkt_residual > kkt);
+    CHECK(s.residual_norm < p.loss(p.start));
+}
+
+TEST_CASE("the exact solver refuses sizes that disagree, an empty box and a start outside it") {
+    const Problem p = problem_with_active_bounds(12, 6, 9);
+    CHECK_THROWS_AS(solve_bounded_lsq(p.loss, Eigen::VectorXd::Ones(5), p.box), MismatchError);
+    CHECK_THROWS_AS(solve_bounded_lsq(p.loss, p.start, make_box(7, 1, 3)), MismatchError);
+    CHECK_THROWS_AS(solve_bounded_lsq(p.loss, p.start, make_box(6, 3, 1)), MismatchError);
+    CHECK_THROWS_AS(solve_bounded_lsq(p.loss, p.start, make_box(6, 2.5, 3)), MismatchError);
+}

@@ -1,0 +1,104 @@
+#include <catch2/catch.hpp>
+
+#include "small_problem.h"
+#include "train/bounded_lsq.h"
+#include "train/certificate.h"
+#include "train/spsa.h"
+
+using namespace tissue;
+using namespace tissue::test;
+
+namespace {
+
+constexpr double goal = 0.02;        // gap asked of a trained set
+constexpr double seed_noise = 1e-6;  // of theta: the seed changes rounding alone, amplified by the conjugate directions
+
+TrainSummary train(const Problem& p, unsigned long seed = 1, const StopCriteria& stop = {}) {
+    return Spsa().minimise(p.loss, p.start, p.box, 1, stop, make_rng(seed).get());
+}
+
+double gap_of(const Problem& p, double loss) {
+    const Eigen::VectorXd best = solve_bounded_lsq(p.loss, p.start, p.box).theta;
+    return loss_gap(loss, loss_lower_bound(p.loss, best, p.box), p.loss.scale());
+}
+
+}  // namespace
+
+TEST_CASE("spsa reaches a known optimum with springs on both sides of the box, and certifies it itself") {
+    for (unsigned long seed = 1; seed <= 10; ++seed) {
+        const Problem p = problem_with_active_bounds(60, 45, seed);
+        const TrainSummary s = train(p);
+        CHECK(s.status == TrainStatus::converged);
+        CHECK(loss_gap(s.loss, p.loss(p.optimum), p.loss.scale()) < 1e-3);  // SpsaOptions::gap_tolerance
+        CHECK(s.loss == Approx(p.loss(s.theta)).epsilon(1e-9));
+        CHECK((s.theta - p.box.project(s.theta)).norm() == 0);
+    }
+}
+
+TEST_CASE("on lattices of every law spsa comes within 2 % of the optimum") {
+    for (const char* law : {"isotropic", "axial", "geometric"})
+        for (const char* topology : {"grid4", "grid8"})
+            for (const double softest : {0.3, -1.0}) {  // truth inside the box, and a third of it below
+                const Problem p = lattice_problem(topology, law, 6, 2, softest);
+                CAPTURE(law, topology, softest);
+                CHECK(gap_of(p, train(p).loss) < goal);
+            }
+}
+
+TEST_CASE("spsa leaves the sides of the box that it started on") {
+    for (const double side : {1.0, 3.0}) {
+        Problem p = problem_with_active_bounds(60, 45, 2);
+        p.start.setConstant(side);
+        CHECK(loss_gap(train(p).loss, p.loss(p.optimum), p.loss.scale()) < 1e-3);
+    }
+}
+
+TEST_CASE("one spring is at its best place after it was felt once") {
+    const Problem p{plain_loss(Eigen::MatrixXd::Constant(1, 1, 2), Eigen::VectorXd::Constant(1, 4)), make_box(1, 0, 9),
+                    Eigen::VectorXd::Ones(1), Eigen::VectorXd::Constant(1, 2)};
+    const TrainSummary s = train(p);
+    CHECK(s.theta[0] == Approx(2).epsilon(1e-9));
+    CHECK(s.evaluations < 10);
+}
+
+TEST_CASE("springs that the data says nothing about are left where they were by spsa") {
+    Problem p = problem_with_active_bounds(20, 12, 3);
+    Eigen::MatrixXd B = Eigen::MatrixXd(p.loss.matrix());
+    B.col(4).setZero();
+    B.col(7) *= 1e-7;  // its curvature lies at the rounding of the loss
+    p.loss = plain_loss(B, p.loss.target());
+    const TrainSummary s = train(p);
+    CHECK(s.theta[4] == p.start[4]);
+    CHECK(s.theta[7] == p.start[7]);
+    CHECK(gap_of(p, s.loss) < goal);
+}
+
+TEST_CASE("the loss of spsa never rises, and an iteration is two evaluations") {
+    const Problem p = lattice_problem("grid8", "axial", 8, 4, -1.0);
+    const TrainSummary s = train(p);
+    REQUIRE(s.curve.size() > 5);
+    for (std::size_t k = 1; k < s.curve.size(); ++k) CHECK(s.curve[k].loss <= s.curve[k - 1].loss);
+    CHECK(s.iterations == (s.evaluations + 1) / 2);
+    CHECK(s.restarts == 0);
+}
+
+TEST_CASE("spsa with the same seed gives the same bits, with another the same springs") {
+    const Problem p = problem_with_active_bounds(60, 45, 5);
+    const TrainSummary first = train(p, 7), same = train(p, 7), other = train(p, 8);
+    CHECK(first.theta == same.theta);
+    CHECK(first.evaluations == same.evaluations);
+    CHECK((first.theta - other.theta).cwiseAbs().maxCoeff() < seed_noise);
+}
+
+TEST_CASE("spsa stays at an optimum, and at a loss of no force at all ends") {
+    Problem p = problem_with_active_bounds(60, 45, 6);
+    p.start = p.optimum;
+    CHECK(train(p).loss <= p.loss(p.optimum) * (1 + 1e-12));
+
+    p.loss = plain_loss(Eigen::MatrixXd(p.loss.matrix()), Eigen::VectorXd::Zero(60));
+    p.box.lo.setZero();
+    p.start.setZero();
+    const TrainSummary s = train(p);
+    CHECK(s.loss == 0);
+    CHECK(s.theta.norm() == 0);
+}

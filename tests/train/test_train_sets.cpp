@@ -1,0 +1,159 @@
+#include "train/train_sets.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <set>
+
+#include "error.h"
+#include "example.h"
+#include "refusal.h"
+#include "springs/spring_law.h"
+#include "tolerances.h"
+#include "train/force_loss.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+Cases cases_of(const Study& study) {
+    return example_cases(study, example_theta(make_lattice("grid8", 4, 4, 0.1, 0.1)));
+}
+
+}  // namespace
+
+TEST_CASE("the trained sets do not depend on the number of threads") {
+    const Study study = example_study();
+    const Cases cases = cases_of(study);
+    const TissueModel one = train_sets(study, cases, 1), three = train_sets(study, cases, 3);
+    CHECK(one.node_weight == three.node_weight);
+    REQUIRE(one.trained.size() == three.trained.size());
+    for (std::size_t t = 0; t < one.trained.size(); ++t) {
+        CHECK(one.trained[t].theta == three.trained[t].theta);
+        CHECK(one.trained[t].loss_N == three.trained[t].loss_N);
+        CHECK(one.trained[t].iterations == three.trained[t].iterations);
+        CHECK(one.trained[t].restarts == three.trained[t].restarts);
+        CHECK(one.trained[t].status == three.trained[t].status);
+        CHECK(one.trained[t].curve_iteration == three.trained[t].curve_iteration);
+    }
+    CHECK(one.optimum.theta == three.optimum.theta);
+}
+
+TEST_CASE("a set depends on the seed and its own name, not on which sets are trained beside it") {
+    const Study study = example_study();
+    Cases cases = cases_of(study);
+    const TissueModel both = train_sets(study, cases, 2);
+    cases.paths.erase(cases.paths.begin());
+    const TissueModel alone = train_sets(study, cases, 2);
+    CHECK(alone.case_names == std::vector<std::string>{"corner-4mm", "corner-8mm"});
+    CHECK(alone.node_weight == both.node_weight.bottomRows(2));
+    for (std::size_t t = 0; t < both.trained.size(); ++t)
+        CHECK(alone.trained[t].theta == both.trained[t].theta.bottomRows(2));
+}
+
+TEST_CASE("another seed draws another Q and trains other sets") {
+    Study study = example_study();
+    const Cases cases = cases_of(study);
+    const TissueModel first = train_sets(study, cases, 1);
+    study.training.seed += 1;
+    const TissueModel second = train_sets(study, cases, 1);
+    CHECK((first.node_weight - second.node_weight).cwiseAbs().maxCoeff() > 1e-3);
+    CHECK(first.trained.front().theta != second.trained.front().theta);
+}
+
+TEST_CASE("Q is drawn high for the 3 x 3 nodes about the contact and lower for all others") {
+    const Study study = example_study();
+    const TissueModel model = train_sets(study, cases_of(study), 1);
+    std::set<double> drawn;
+    for (Eigen::Index c = 0; c < model.case_count(); ++c) {
+        int near_nodes = 0;
+        for (int i = 0; i < model.mesh.node_count(); ++i) {
+            const double away = (model.mesh.nodes.row(i) - model.contact_m.row(c)).cwiseAbs().maxCoeff();
+            const bool near = away < 1.5 * 0.025;
+            const auto& range = near ? study.training.weight_near : study.training.weight_far;
+            CHECK(model.node_weight(c, i) >= range[0]);
+            CHECK(model.node_weight(c, i) <= range[1]);
+            near_nodes += near ? 1 : 0;
+            drawn.insert(model.node_weight(c, i));
+        }
+        const bool corner = model.case_names[static_cast<std::size_t>(c)].rfind("corner", 0) == 0;
+        CHECK(near_nodes == (corner ? 4 : 6));  // of the 3 x 3, those that are tissue
+    }
+    CHECK(drawn.size() == 4 * 25);  // every node of every case its own
+}
+
+TEST_CASE("every set lies in the box, and its loss is what was recorded and no larger than the heuristic's") {
+    const Study study = example_study();
+    const Cases cases = cases_of(study);
+    const TissueModel model = train_sets(study, cases, 2);
+    const auto law = make_spring_law(model.law);
+    const std::vector<LoadCase> loads = load_cases(cases);
+    for (const TrainedSets& t : model.trained) {
+        CHECK(t.theta.minCoeff() >= study.training.k_min_E2 * model.modulus_N_m * (1 - tolerance::rounding));
+        CHECK(t.theta.maxCoeff() <= study.training.k_max_E2 * model.modulus_N_m * (1 + tolerance::rounding));
+        for (Eigen::Index c = 0; c < t.theta.rows(); ++c) {
+            const LoadCase& load = loads[static_cast<std::size_t>(c)];
+            const NodeField weight = model.node_weight.row(c).transpose().replicate(1, 2);
+            const ForceLoss loss(law->force_matrix(model.mesh, load.record->displacement),
+                                 as_vector(load.record->force), as_vector(weight));
+            CHECK(t.loss_N[c] == Approx(loss(t.theta.row(c).transpose())).epsilon(tolerance::solve));
+            CHECK(t.rel_loss[c] == Approx(t.loss_N[c] / loss.scale()).epsilon(tolerance::rounding));
+            CHECK(t.loss_N[c] <= loss(model.heuristic_a));
+            CHECK(t.curve_loss_N(c, 0) == Approx(loss(model.heuristic_a)).epsilon(tolerance::solve));
+            CHECK(model.optimum.lower_bound_N[c] <= t.loss_N[c] * (1 + tolerance::solve));
+        }
+    }
+}
+
+TEST_CASE("the model carries what the springs stand for: masses, both heuristics, contacts and pushes") {
+    const Study study = example_study();
+    const TissueModel model = train_sets(study, cases_of(study), 1);
+    CHECK(model.modulus_N_m == Approx(6 * (263 + 491) * 0.0003).epsilon(tolerance::rounding));
+    CHECK(model.node_mass_kg.sum() == Approx(1040 * 0.0003 * 0.01).epsilon(tolerance::rounding));
+    CHECK(model.heuristic_a.isApprox(6 * model.heuristic_b, tolerance::rounding));
+    CHECK(model.contact_m.row(3) == Eigen::RowVector2d(0.1, 0.1));
+    CHECK(model.magnitude_m[3] == Approx(0.008).epsilon(tolerance::rounding));
+    CHECK(model.direction.row(0) == Eigen::RowVector2d(1, 0));
+}
+
+TEST_CASE("an optimiser that is named twice trains once, the study's own first") {
+    Study study = example_study();
+    study.training.also = {"spsa-2008", "spsa", "spsa-2008"};
+    const TissueModel model = train_sets(study, cases_of(study), 1);
+    REQUIRE(model.trained.size() == 2);
+    CHECK(model.trained[0].optimizer == "spsa");
+    CHECK(model.trained[1].optimizer == "spsa-2008");
+}
+
+TEST_CASE("progress counts every set once, to the end") {
+    const Study study = example_study();
+    std::vector<int> seen;
+    int last_total = 0;
+    train_sets(study, cases_of(study), 3, [&](int done, int total, const std::string& set) {
+        CHECK_FALSE(set.empty());
+        seen.push_back(done);
+        last_total = total;
+    });
+    REQUIRE(last_total > 0);
+    REQUIRE(static_cast<int>(seen.size()) == last_total);
+    for (std::size_t i = 0; i < seen.size(); ++i) CHECK(seen[i] == static_cast<int>(i) + 1);
+}
+
+TEST_CASE("cases of another lattice are refused with both lattices named") {
+    const Study study = example_study();
+    Cases cases = cases_of(study);
+    cases.nodes *= 1.001;
+    CHECK_THAT(refusal<MismatchError>([&] { train_sets(study, cases, 1); }), Contains("example") && Contains("5 x 5"));
+    const Study coarse = example_study(with(example_study_text(), "cells = [4, 4]", "cells = [2, 2]"));
+    CHECK_THROWS_AS(train_sets(coarse, cases_of(study), 1), MismatchError);
+}
+
+TEST_CASE("an unknown optimiser and a path without a record at a magnitude are refused, from any thread") {
+    Study study = example_study();
+    Cases cases = cases_of(study);
+    study.training.optimizer = "adam";
+    CHECK_THAT(refusal<MismatchError>([&] { train_sets(study, cases, 2); }), Contains("adam") && Contains("spsa-2008"));
+    study = example_study();
+    cases.paths[1].records.pop_back();
+    CHECK_THROWS_AS(train_sets(study, cases, 2), MismatchError);
+}
