@@ -41,9 +41,8 @@ train: $(R)/model.h5
 ## eval: measure learned springs and baselines against FE
 eval: $(R)/eval.json
 
-FIGURES := contours force learning springs errors character
-## figures: draw Figs. 2, 3, 4, 6 and the error of every case
-figures: $(FIGURES:%=$(R)/figures/%.png)
+## figures: draw what the plan says the study shows
+figures:
 
 ## build: the programs alone
 build: $(TISSUECTL)
@@ -103,6 +102,7 @@ $(BUILD)/test_tissue: $(call objects,$(TEST_SOURCES)) $(BUILD)/libtissue.a
 ifneq (,$(filter-out help clean deps build reference trust test sanitize bench $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
 include $(R)/plan.mk
 endif
+figures: $(FIGURES:%=$(R)/figures/%.png)
 
 $(R)/plan.mk: $(wildcard fem/studies/*.toml) $(TISSUECTL)
 	@$(TISSUECTL) plan --study fem/studies/$(STUDY).toml --out $@

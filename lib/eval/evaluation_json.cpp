@@ -72,6 +72,11 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
             j["drawn"][role.role].push_back(std::move(row));
         }
     }
+    for (const DrawnCurve& c : held_out.curves)
+        j["drawn_curves"].push_back({{"name", c.name},
+                                     {"magnitude_m", c.magnitude_m},
+                                     {"fe_N", c.fe_N},
+                                     {"models_N", {{"learned", c.learned_N}, {"uniform", c.uniform_N}}}});
     if (evaluation.truth.difference.n > 0) {
         j["truth_check"] = to_value(evaluation.truth.difference);
         j["truth_check"]["lost"] = evaluation.truth.lost;

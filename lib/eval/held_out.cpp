@@ -75,6 +75,15 @@ Eigen::Vector2d table_force(const std::vector<LoadCase>& loads, const SetWeights
     return force;
 }
 
+/// Contact force along the push; NaN where the mesh has no equilibrium.
+double pushed_force(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta, const LoadPath& path,
+                    double magnitude_m) {
+    std::string reason;
+    const std::optional<Equilibrium> state = solve_equilibrium(
+        mesh, law, theta, locate_on_surface(mesh, path.contact_m), path.direction * magnitude_m, reason);
+    return state ? state->contact_force.dot(path.direction) : std::nan("");
+}
+
 bool is_load_case(const Cases& cases, double magnitude_m) {
     for (double m : cases.magnitudes_m)
         if (std::abs(m - magnitude_m) < 1e-9 * m) return true;
@@ -171,6 +180,24 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
             for (const Baseline& b : baselines)
                 contact.error.push_back(closed_loop_error(b.setting->mesh, *b.setting->law, b.theta, truth, reason));
         });
+    }
+
+    constexpr std::size_t shown = 6;
+    for (const LoadPath& path : cases.paths) {
+        if (path.role != "held_out" || !path.lost.empty() || result.curves.size() == shown) continue;
+        DrawnCurve curve{path.name, {}, {}, {}, {}};
+        const double arc = grid.outline().arc_of(path.contact_m);
+        for (const PathRecord& record : path.records) {
+            const double m = record.magnitude_m;
+            curve.magnitude_m.push_back(m);
+            curve.fe_N.push_back(record.contact_force_N.dot(path.direction));
+            curve.learned_N.push_back(
+                m > 0 ? pushed_force(model.mesh, *law, blend(theta, grid.blended(arc, path.direction, m)), path, m) : 0);
+            curve.uniform_N.push_back(
+                m > 0 ? pushed_force(settings[0].mesh, *law, uniform_stiffness(model.mesh, settings[0].uniform_N_m), path, m)
+                      : 0);
+        }
+        result.curves.push_back(std::move(curve));
     }
     return result;
 }

@@ -35,9 +35,16 @@ struct TruthCheck {
 };
 TruthCheck check_truth(const Cases& cases);
 
+/// Force along the push against its length at one drawn contact: FE, and models in closed loop.
+struct DrawnCurve {
+    std::string name;
+    std::vector<double> magnitude_m, fe_N, learned_N, uniform_N;  ///< NaN where there is no answer
+};
+
 struct HeldOut {
     std::vector<std::string> models;      ///< learned (blended sets) first
     std::vector<DrawnContacts> roles;
+    std::vector<DrawnCurve> curves;       ///< of the first held_out contacts, which were drawn by seed
 
     bool empty() const { return roles.empty(); }
     const DrawnContacts* role(const std::string& name) const;

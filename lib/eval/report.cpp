@@ -70,6 +70,12 @@ std::string truth_markdown(const TruthCheck& truth) {
     return out + "\n\n";
 }
 
+std::string figures_markdown(std::initializer_list<const char*> figures) {
+    std::string out = "\n## Figures\n\n";
+    for (const char* figure : figures) out += fmt::format("![{0}](figures/{0}.png)\n\n", figure);
+    return out;
+}
+
 }  // namespace
 
 std::string to_markdown(const Evaluation& e) {
@@ -127,7 +133,7 @@ std::string to_markdown(const Evaluation& e) {
         e.optimum.seconds, e.optimum.kkt_residual.maxCoeff());
 
     const bool listed = e.case_names.size() <= listed_cases;
-    if (!listed) return out;
+    if (!listed) return out + figures_markdown({"held_out", "held_out_force", "contours", "springs"});
     out += "\n| set | L_lb mN | L_lb relative |";
     for (const TrainedSets& t : e.trained) out += fmt::format(" {}: L relative / gap / restarts / status |", t.optimizer);
     out += "\n|---|---|---|";
@@ -179,10 +185,7 @@ std::string to_markdown(const Evaluation& e) {
         }
         out += "\n";
     }
-    out += "\n## Figures\n\n";
-    for (const char* figure : {"contours", "force", "learning", "springs", "errors", "character"})
-        out += fmt::format("![{0}](figures/{0}.png)\n\n", figure);
-    return out;
+    return out + figures_markdown({"contours", "force", "learning", "springs", "errors", "character"});
 }
 
 }  // namespace tissue

@@ -93,6 +93,7 @@ class Simulation {
     const Safety& safety() const { return safety_; }
     const HapticModel& model() const { return model_; }
     const MeshState& state(std::size_t mesh) const { return states_[mesh]; }
+    MeshState& state(std::size_t mesh) { return states_[mesh]; }  ///< to start from another state, between ticks
     const MovingOutline& outline(std::size_t mesh) const { return outlines_[mesh]; }
     const ContactState& contact() const { return contact_; }
     const SetWeights& sets() const { return sets_; }

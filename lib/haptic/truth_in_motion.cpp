@@ -45,6 +45,7 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
     VirtualDevice hand(press_motion(truth.contact_m, inward, aim * truth.direction, ramp_s, inset_m), model.options.map);
     Eigen::Vector2d shift = Eigen::Vector2d::Zero();
     Eigen::Vector2d last = Eigen::Vector2d::Zero();
+    int still = 0;
     const int window = static_cast<int>(window_s / dt), sample = std::max(1, static_cast<int>(0.01 / dt));
     for (int k = 0; k * dt < seconds_max && !result.rested; ++k) {
         DeviceSample at = hand.read(k * dt);
@@ -63,8 +64,11 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
             result.curve_N.push_back(-r.coupling_N.dot(truth.direction));
         }
         if (k % window == window - 1) {
-            result.rested = k * dt > ramp_s + window_s && r.mesh == 0 &&
-                            (r.coupling_N - last).norm() < settled * r.coupling_N.norm();
+            still = k * dt > ramp_s + window_s && r.mesh == 0 &&
+                            (r.coupling_N - last).norm() < settled * r.coupling_N.norm()
+                        ? still + 1
+                        : 0;
+            result.rested = still == 2;
             last = r.coupling_N;
         }
         result.seconds = (k + 1) * dt;

@@ -20,7 +20,7 @@ struct PressTruth {
 /// The running simulation pressed at one contact until it rests.
 struct PressResult {
     std::string name;
-    bool rested = false;                 ///< the force changed by less than 1e-4 of itself in the last half second
+    bool rested = false;                 ///< the force changed by less than 1e-4 of itself in each of the last two half seconds
     std::string reason;                  ///< why there is no comparison; empty when there is one
     Eigen::Vector2d displacement_m{0, 0};  ///< the proxy reached
     Eigen::Vector2d force_N{0, 0};         ///< of the tool on the tissue

@@ -55,8 +55,11 @@ Plan make_plan(const Study& study) {
         "$(R)/mesh.msh: $(R)/plan/mesh\n"
         "$(R)/cases.h5: $(R)/plan/collect\n"
         "$(R)/model.h5: $(R)/plan/train\n"
-        "PATHS :=\n",
-        study.name, mesh_arguments(study, study.refine));
+        "PATHS :=\n"
+        "FIGURES := {}\n",
+        study.name, mesh_arguments(study, study.refine),
+        study.loads.sweep ? "held_out held_out_force contours springs"
+                          : "contours force learning springs errors character");
     plan.parts["mesh"] = mesh_arguments(study, study.refine) + "\n";
     if (study.check_refine > 0) {
         plan.fragment += fmt::format(

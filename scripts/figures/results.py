@@ -35,9 +35,35 @@ def model_name(results, optimizer):
     return "learned" if own else "learned_" + optimizer.replace("-", "_").replace(":", "_")
 
 
+class Results(SimpleNamespace):
+    def _surface(self):
+        """Nodes of the free surface, from where it leaves the fixed edge, counter-clockwise, and their arc lengths."""
+        loop, fixed = list(self.boundary), set(self.fixed)
+        start = next(i for i in range(len(loop)) if loop[i] in fixed and loop[(i + 1) % len(loop)] not in fixed)
+        nodes = [loop[start]]
+        while len(nodes) == 1 or nodes[-1] not in fixed:
+            nodes.append(loop[(start + len(nodes)) % len(loop)])
+        points = self.nodes[nodes]
+        return points, np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+
+    def point_at(self, arc):
+        points, arcs = self._surface()
+        return np.array([np.interp(arc, arcs, points[:, axis]) for axis in (0, 1)])
+
+    def normal_at(self, arc):
+        along = self.point_at(arc + 1e-6) - self.point_at(arc - 1e-6)
+        return np.array([-along[1], along[0]]) / np.linalg.norm(along)
+
+    def corner_arcs(self):
+        points, arcs = self._surface()
+        step = np.diff(points, axis=0)
+        turn = step[:-1, 0] * step[1:, 1] - step[:-1, 1] * step[1:, 0]
+        return arcs[1:-1][np.abs(turn) > 1e-9]
+
+
 def load(folder):
     folder = Path(folder)
-    results = SimpleNamespace(evaluation=json.loads((folder / "eval.json").read_text()), paths={}, trained={})
+    results = Results(evaluation=json.loads((folder / "eval.json").read_text()), paths={}, trained={})
     with h5py.File(folder / "cases.h5") as f:
         for name in f["path_names"].asstr():
             group = f["paths"][name]
@@ -47,6 +73,7 @@ def load(folder):
         results.springs = f["mesh/springs"][()]
         results.triangles = f["mesh/triangles"][()]
         results.boundary = f["mesh/boundary"][()]
+        results.fixed = f["mesh/fixed"][()]
         results.modulus = float(f.attrs["modulus_N_m"])
         results.case_names = list(f["cases/names"].asstr())
         results.magnitude = f["cases/magnitude"][()]

@@ -1,0 +1,75 @@
+"""Closed-loop error on contacts that no set was trained on: around the outline, how often, and by angle and depth."""
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import LogNorm
+
+from results import COLOURS
+
+ROLES = {"held_out": "core range", "held_out_full": "full range"}
+
+
+def draw(results):
+    evaluation = results.evaluation
+    drawn = {role: [c for c in evaluation["drawn"].get(role, []) if c["error"]["learned"] is not None]
+             for role in ROLES}
+    contacts = [c for role in ROLES for c in drawn[role]]
+    error = np.array([c["error"]["learned"] for c in contacts])
+    figure, axes = plt.subplots(2, 3, figsize=(14, 8.4), layout="constrained",
+                                gridspec_kw={"width_ratios": [1.25, 1, 1]})
+
+    around = axes[0, 0]
+    loop = np.append(results.boundary, results.boundary[0])
+    around.plot(*(results.nodes[loop] * 1e3).T, color="0.5", linewidth=1)
+    points = np.array([results.point_at(c["arc_m"]) for c in contacts]) * 1e3
+    inward = np.array([results.normal_at(c["arc_m"]) for c in contacts])
+    depth = np.array([c["depth_m"] for c in contacts]) * 1e3
+    where = points + inward * depth[:, None]  # as deep inside as the push was long
+    shade = around.scatter(*where.T, c=np.maximum(error, 1e-3), norm=LogNorm(1e-3, 0.3), cmap="viridis", s=16)
+    figure.colorbar(shade, ax=around, label="closed-loop error", format=lambda v, _: f"{100 * v:g} %")
+    around.set_aspect("equal")
+    around.set_title("Where: each dot as deep inside as its push was long", fontsize=10)
+    around.set_xlabel("x (mm)")
+    around.set_ylabel("y (mm)")
+
+    often = axes[1, 0]
+    bins = np.geomspace(1e-4, 2, 45)
+    shown = {"learned": "learned, blended", "force_table": "FE force table", "uniform": "one stiffness",
+             "heuristic_a": "heuristic, E2 = E t"}
+    colours = {"force_table": "#000000", **COLOURS}
+    for model, label in shown.items():
+        values = np.sort([c["error"][model] for c in drawn["held_out"] if c["error"].get(model) is not None])
+        if len(values):
+            often.plot(np.maximum(values, bins[0]), np.linspace(0, 1, len(values)), color=colours[model], label=label)
+    often.set_xscale("log")
+    often.set_xlabel("closed-loop error, core range")
+    often.set_ylabel("part of the contacts below")
+    often.xaxis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
+    often.grid(color="0.9")
+    often.legend(frameon=False, fontsize=8)
+
+    count = axes[0, 1]
+    count.hist([np.maximum([c["error"]["learned"] for c in drawn[role]], bins[0]) for role in ROLES],
+               bins=bins, stacked=True, color=["#0072B2", "#56B4E9"], label=list(ROLES.values()))
+    count.set_xscale("log")
+    count.xaxis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
+    count.set_xlabel("closed-loop error of the learned springs")
+    count.set_ylabel("contacts")
+    count.legend(frameon=False)
+
+    for axis, key, scale, label in ((axes[0, 2], "angle_deg", 1, "angle off the inward normal (degrees)"),
+                                    (axes[1, 1], "depth_m", 1e3, "depth (mm)"),
+                                    (axes[1, 2], "arc_m", 1e3, "place along the surface (mm)")):
+        for role, colour in zip(ROLES, ("#0072B2", "#56B4E9")):
+            axis.plot([c[key] * scale for c in drawn[role]],
+                      [max(c["error"]["learned"], bins[0]) for c in drawn[role]], ".", color=colour, markersize=5,
+                      label=ROLES[role])
+        axis.set_yscale("log")
+        axis.yaxis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
+        axis.set_xlabel(label)
+        axis.set_ylabel("closed-loop error")
+        axis.grid(color="0.9")
+    for corner in results.corner_arcs():
+        axes[1, 2].axvline(corner * 1e3, color="0.6", linestyle=":", linewidth=1)
+    axes[1, 2].legend(frameon=False)
+    figure.suptitle("Contacts no set was trained on: error of the force a hand feels")
+    return figure

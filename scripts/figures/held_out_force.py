@@ -1,0 +1,29 @@
+"""Force against displacement at a seeded handful of held-out contacts: FE, the learned springs blended, one stiffness."""
+import matplotlib.pyplot as plt
+import numpy as np
+
+from results import COLOURS
+
+
+def draw(results):
+    curves = results.evaluation["drawn_curves"]
+    contacts = {c["name"]: c for c in results.evaluation["drawn"]["held_out"]}
+    columns = min(3, len(curves))
+    rows = -(-len(curves) // columns)
+    figure, axes = plt.subplots(rows, columns, figsize=(3.7 * columns, 3 * rows), squeeze=False, layout="constrained")
+    for axis, curve in zip(axes.flat, curves):
+        x = np.array(curve["magnitude_m"]) * 1e3
+        axis.plot(x, curve["fe_N"], color=COLOURS["fe"], linewidth=2.4, label="finite elements")
+        axis.plot(x, curve["models_N"]["learned"], "o--", color=COLOURS["learned"], markersize=4, label="learned, blended")
+        axis.plot(x, curve["models_N"]["uniform"], ":", color=COLOURS["uniform"], linewidth=1.8, label="one stiffness")
+        contact = contacts[curve["name"]]
+        axis.set_title(f"{1e3 * contact['arc_m']:.1f} mm along the surface, {contact['angle_deg']:.0f} degrees", fontsize=9)
+        axis.set_xlim(left=0)
+        axis.set_ylim(bottom=0)
+        axis.set_xlabel("displacement (mm)")
+        axis.set_ylabel("force along the push (N)")
+    for axis in axes.flat[len(curves):]:
+        axis.set_visible(False)
+    axes[0, 0].legend(frameon=False, fontsize=8)
+    figure.suptitle("Held-out contacts, in closed loop")
+    return figure
