@@ -24,7 +24,7 @@ export OMP_NUM_THREADS := 1
 
 # ---- front door
 
-.PHONY: all mesh cases train eval figures reference trust test sanitize bench deps help clean build
+.PHONY: all mesh cases train eval figures reference trust gains test sanitize bench deps help clean build
 
 ## all: the whole study, from mesh to figures
 all: figures eval
@@ -66,7 +66,7 @@ build/deps: scripts/install_deps
 # ---- programs
 
 CXX := g++
-PACKAGES := hdf5 gsl fmt nlopt libxxhash
+PACKAGES := hdf5 gsl fmt nlopt libxxhash lapacke openblas
 # gcc 12 sees an overflow in fmt's own inlined parser that is not there
 CXXFLAGS = -std=c++17 -O3 -g1 -pthread -Wall -Wextra -Wpedantic -Wshadow -Werror -Wno-stringop-overflow -MMD -MP \
   -Ilib -isystem /usr/include/eigen3 $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(PACKAGES))) \
@@ -76,7 +76,8 @@ comma := ,
 
 LIB_SOURCES := $(wildcard lib/*/*.cpp)
 CLI_SOURCES := $(wildcard cli/*.cpp)
-TEST_SOURCES := $(wildcard tests/*.cpp tests/*/*.cpp)
+TEST_SOURCES := $(filter-out tests/bench/%,$(wildcard tests/*.cpp tests/*/*.cpp))
+BENCH_SOURCES := $(wildcard tests/bench/bench_*.cpp)
 objects = $(patsubst %.cpp,$(BUILD)/%.o,$(1))
 
 $(BUILD)/%.o: %.cpp | build/deps
@@ -93,13 +94,16 @@ $(TISSUECTL): $(call objects,$(CLI_SOURCES)) $(BUILD)/libtissue.a
 $(BUILD)/test_tissue: $(call objects,$(TEST_SOURCES)) $(BUILD)/libtissue.a
 	@$(CXX) $(CXXFLAGS) $^ $(LDLIBS) -o $@
 
--include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) $(CLI_SOURCES) $(TEST_SOURCES)))
+$(BUILD)/gains_probe: $(call objects,scripts/gains_probe.cpp) $(BUILD)/libtissue.a
+	@$(CXX) $(CXXFLAGS) $^ $(LDLIBS) -o $@
+
+-include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) $(CLI_SOURCES) $(TEST_SOURCES) scripts/gains_probe.cpp))
 
 # ---- stages: one rule per kind of file
 
 # The plan says which load paths there are and with which arguments; its parts say what each stage depends on, and
 # keep their time stamp while their text stays the same.
-ifneq (,$(filter-out help clean deps build reference trust test sanitize bench $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
+ifneq (,$(filter-out help clean deps build reference trust gains test sanitize bench $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
 include $(R)/plan.mk
 endif
 figures: $(FIGURES:%=$(R)/figures/%.png)
@@ -145,6 +149,11 @@ trust: | build/deps
 	@mkdir -p results/trust
 	@FF_LOADPATH="$$(scripts/freefem_plugins)" $(PYTHON) scripts/trust_study.py --out results/trust/trust.csv
 	@$(PYTHON) scripts/figures/trust.py results/trust/trust.csv results/reference/trust.png
+
+## gains: how gains, iterations and Q follow mesh size and displacement, as results/reference/gains.md
+gains: $(TISSUECTL) $(BUILD)/gains_probe
+	@for nodes in 6 11 21 41; do $(MAKE) cases STUDY=lattice-$$nodes || exit 1; done
+	@$(PYTHON) scripts/gains_study.py $(BUILD)/gains_probe results/reference/gains
 
 # ---- tests and benches
 

@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
     add_collect(app, invocation);
     add_train(app, invocation);
     add_eval(app, invocation);
+    add_ablate(app, invocation);
     add_info(app, invocation);
     try {
         app.parse(argc, argv);

@@ -1,5 +1,6 @@
 #include "example.h"
 
+#include <hdf5.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -113,7 +114,11 @@ Cases example_cases(const Study& study, const Eigen::VectorXd& theta) {
     const auto law = make_spring_law("axial");
     Cases cases{study.name, mesh.nodes, study.loads.magnitudes_m, {}};
     for (const StudyPath& p : study.loads.paths) {
-        LoadPath path{p.name, p.contact_m, p.direction, {}};
+        LoadPath path;
+        path.name = p.name;
+        path.contact_m = p.contact_m;
+        path.direction = p.direction;
+        path.depth_m = study.loads.depth_m();
         for (int r = 0; r <= study.loads.records(); ++r) {
             const double s = r == study.loads.records() ? study.loads.depth_m() : r * study.loads.record_step_m;
             std::string reason;
@@ -138,6 +143,21 @@ TissueModel example_model(const Study& study, const Cases& cases, const Eigen::V
     TissueModel model = train_sets(study, cases, 1);
     for (TrainedSets& t : model.trained) t.theta = theta.transpose().replicate(t.theta.rows(), 1);
     return model;
+}
+
+void replace_dataset(const std::string& file, const std::string& dataset, const std::vector<double>& values) {
+    const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    REQUIRE(H5Ldelete(id, dataset.c_str(), H5P_DEFAULT) >= 0);
+    if (!values.empty()) {
+        const hsize_t count = values.size();
+        const hid_t space = H5Screate_simple(1, &count, nullptr);
+        const hid_t made = H5Dcreate2(id, dataset.c_str(), H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT,
+                                      H5P_DEFAULT);
+        H5Dwrite(made, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+        H5Dclose(made);
+        H5Sclose(space);
+    }
+    H5Fclose(id);
 }
 
 NodeField scattered(const SpringMesh& mesh, double size_m) {

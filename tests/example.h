@@ -44,6 +44,9 @@ Cases example_cases(const Study& study, const Eigen::VectorXd& theta);
 /// A model trained on these cases, whose every trained set has then been replaced by theta.
 TissueModel example_model(const Study& study, const Cases& cases, const Eigen::VectorXd& theta);
 
+/// Takes a dataset out of an HDF5 file; with values, puts these (one dimension) in its place.
+void replace_dataset(const std::string& file, const std::string& dataset, const std::vector<double>& values = {});
+
 /// Displacements [m] (N x D) without structure, the same every time.
 NodeField scattered(const SpringMesh& mesh, double size_m);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gsl/gsl_rng.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <set>
@@ -38,8 +39,14 @@ std::vector<double> angles_at(const Outline& outline, double arc, const std::vec
 std::vector<Contact> training_contacts(const Outline& outline, const Study::Loads::Sweep& sweep) {
     std::vector<Contact> contacts;
     const int count = static_cast<int>(std::floor((outline.length() - 2 * sweep.clearance_m) / sweep.spacing_m + 1e-9));
-    for (int i = 0; i <= count; ++i) {
-        const double arc = sweep.clearance_m + i * sweep.spacing_m;
+    std::vector<double> arcs;
+    for (int i = 0; i <= count; ++i) arcs.push_back(sweep.clearance_m + i * sweep.spacing_m);
+    // corners always: no blend may reach round one
+    for (double corner : outline.corners())
+        if (std::none_of(arcs.begin(), arcs.end(), [&](double a) { return std::abs(a - corner) < tiny_arc_m; }))
+            arcs.push_back(corner);
+    std::sort(arcs.begin(), arcs.end());
+    for (double arc : arcs) {
         for (double angle : angles_at(outline, arc, sweep.angles_deg)) contacts.push_back({arc, angle});
     }
     return contacts;
@@ -127,6 +134,25 @@ std::vector<PlannedPath> planned_paths(const Study& study) {
     }
     paths.insert(paths.end(), checks.begin(), checks.end());
     return paths;
+}
+
+Cases thinned(const Study& study, const Cases& cases, const Study::Variant& variant) {
+    const Outline outline(make_lattice("grid4", study.cells[0], study.cells[1], study.geometry.width_m,
+                                       study.geometry.height_m));
+    const std::vector<Contact> kept =
+        training_contacts(outline, {variant.spacing_m, study.loads.sweep->clearance_m, variant.angles_deg});
+    Cases result;
+    result.study = cases.study;
+    result.nodes = cases.nodes;
+    result.magnitudes_m = variant.magnitudes_m;
+    for (const LoadPath& path : cases.paths) {
+        const double arc = outline.arc_of(path.contact_m), angle = outline.angle(arc, path.direction);
+        const bool keep = path.role != "train" || std::any_of(kept.begin(), kept.end(), [&](const Contact& c) {
+            return std::abs(c.arc - arc) < 1e-7 && std::abs(c.angle - angle) < 1e-6;
+        });
+        if (keep) result.paths.push_back(path);
+    }
+    return result;
 }
 
 }  // namespace tissue

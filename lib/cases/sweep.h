@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "cases/load_path.h"
 #include "study/study.h"
 
 namespace tissue {
@@ -20,5 +21,8 @@ struct PlannedPath {
 /// each other only one is solved (mirrored() makes the other). Drawn contacts keep 2 mm or 5 degrees from every
 /// training contact. Throws MismatchError when a draw finds no such contact.
 std::vector<PlannedPath> planned_paths(const Study& study);
+
+/// The cases with only those training paths and magnitudes that a variant keeps; drawn contacts stay.
+Cases thinned(const Study& study, const Cases& cases, const Study::Variant& variant);
 
 }  // namespace tissue

@@ -42,7 +42,7 @@ SpringMesh with_topology(const SpringMesh& mesh, const std::string& topology) {
     return make_lattice(topology, cells_x, mesh.node_count() / (cells_x + 1) - 1, size.x(), size.y());
 }
 
-std::vector<Setting> settings_of(const TissueModel& model, const std::vector<LoadCase>& loads) {
+std::vector<Setting> settings_of(const TissueModel& model, const std::vector<LoadCase>& loads, bool others) {
     std::vector<Setting> settings;
     const auto add = [&](const std::string& topology, const std::string& law) {
         const bool own = topology == model.mesh.topology && law == model.law;
@@ -59,20 +59,23 @@ std::vector<Setting> settings_of(const TissueModel& model, const std::vector<Loa
                 .value_or(model.modulus_N_m);
     };
     add(model.mesh.topology, model.law);
+    if (!others) return settings;
     for (const auto& [topology, law] : {std::pair("grid4", "isotropic"), {"grid8", "axial"}, {"grid8", "geometric"}})
         if (topology != model.mesh.topology || law != model.law) add(topology, law);
     return settings;
 }
 
-/// FE's own training forces, interpolated; below the smallest depth in proportion to depth.
+/// FE's own training forces, interpolated; below the smallest depth they shrink in proportion to it.
 Eigen::Vector2d table_force(const std::vector<LoadCase>& loads, const SetWeights& weights, double depth_m) {
     Eigen::Vector2d force = Eigen::Vector2d::Zero();
+    double mean_depth_m = 0;  // the contact's own depth, unless that is out of reach
     for (int i = 0; i < weights.count; ++i) {
         const auto k = static_cast<std::size_t>(i);
         const PathRecord& record = *loads[static_cast<std::size_t>(weights.set[k])].record;
-        force += weights.weight[k] * std::min(1.0, depth_m / record.magnitude_m) * record.contact_force_N;
+        force += weights.weight[k] * record.contact_force_N;
+        mean_depth_m += weights.weight[k] * record.magnitude_m;
     }
-    return force;
+    return std::min(1.0, depth_m / mean_depth_m) * force;
 }
 
 /// Contact force along the push; NaN where the mesh has no equilibrium.
@@ -130,7 +133,7 @@ const DrawnContacts* HeldOut::role(const std::string& name) const {
     return nullptr;
 }
 
-HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int threads) {
+HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int threads, bool with_baselines) {
     HeldOut result;
     for (const LoadPath& path : cases.paths)
         if (path.role != "train" && path.role != "check" && !result.role(path.role))
@@ -141,10 +144,11 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
     const SetGrid grid(model);
     const std::unique_ptr<SpringLaw> law = make_spring_law(model.law);
     const NodeField& theta = model.trained.front().theta;
-    const std::vector<Setting> settings = settings_of(model, loads);
+    const std::vector<Setting> settings = settings_of(model, loads, with_baselines);
     std::vector<Baseline> baselines = {{"one_set", &settings[0], model.one_set}};
     const double ratio_b = model.heuristic_b.sum() / model.heuristic_a.sum();
     for (const Setting& s : settings) {
+        if (!with_baselines) break;
         baselines.push_back({"heuristic_a" + s.suffix, &s, heuristic_stiffness(s.mesh, model.modulus_N_m)});
         baselines.push_back({"heuristic_b" + s.suffix, &s, heuristic_stiffness(s.mesh, ratio_b * model.modulus_N_m)});
         baselines.push_back({"uniform" + s.suffix, &s, uniform_stiffness(s.mesh, s.uniform_N_m)});

@@ -56,6 +56,7 @@ struct HeldOut {
 ///   one_set            the single set that serves all training cases best
 ///   force_table        no springs: FE's forces interpolated with the same weights, the rival at equal FE cost
 ///   heuristic_a, heuristic_b, uniform, on the model's mesh and law, and with a suffix on the others
-HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int threads);
+/// with_baselines = false leaves out the last line.
+HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int threads, bool with_baselines = true);
 
 }  // namespace tissue

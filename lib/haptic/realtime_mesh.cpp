@@ -43,6 +43,15 @@ TISSUE_HOT void axial(const Run& r, int n, double* __restrict gx, double* __rest
     }
 }
 
+/// Axial springs of one direction: the axis is not read from memory, which is what large meshes wait for.
+TISSUE_HOT void axial_parallel(const Run& r, int n, double nx, double ny, double* __restrict gx, double* __restrict gy) {
+    for (int k = 0; k < n; ++k) {
+        const double pull = r.theta[k] * (nx * (r.ux_j[k] - r.ux_i[k]) + ny * (r.uy_j[k] - r.uy_i[k]));
+        gx[k] = pull * nx;
+        gy[k] = pull * ny;
+    }
+}
+
 TISSUE_HOT void geometric(const Run& r, int n, double* __restrict gx, double* __restrict gy) {
     for (int k = 0; k < n; ++k) {
         const double x = r.sx[k] + (r.ux_j[k] - r.ux_i[k]), y = r.sy[k] + (r.uy_j[k] - r.uy_i[k]);
@@ -105,7 +114,7 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const
         }
         for (int s : springs)
             slot_of_spring_[static_cast<std::size_t>(s)] = before + mesh.springs.row(s).minCoeff() - low;
-        bands_.push_back({low, offset, before, span});
+        bands_.push_back({low, offset, before, span, false, 0, 0});
         slots += span;
     }
     loose_slot_ = slots;
@@ -123,7 +132,17 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const
         second_[static_cast<std::size_t>(slot)] = j;
         rest_span_.row(slot) = rest_.row(j) - rest_.row(i);
         rest_length_[slot] = rest_span_.row(slot).norm();
+        if (!(rest_length_[slot] > 0))
+            throw MismatchError(fmt::format("spring {} of the mesh has no length", s));
         axis_.row(slot) = rest_span_.row(slot) / rest_length_[slot];
+    }
+    for (Band& band : bands_) {
+        const Eigen::RowVector2d axis = axis_.row(band.first_slot);  // a band starts with a spring
+        band.nx = axis.x();
+        band.ny = axis.y();
+        band.parallel = true;
+        for (int slot = band.first_slot; slot < band.first_slot + band.count; ++slot)
+            band.parallel = band.parallel && (rest_length_[slot] == 0 || (axis_.row(slot) - axis).norm() < 1e-14);
     }
 }
 
@@ -151,7 +170,10 @@ void RealtimeMesh::force(const Eigen::VectorXd& theta, const NodeColumns& u, Nod
                           rest_length_.data() + slot};
             switch (law_) {
                 case Law::isotropic: kernel::isotropic(run, n, gx, gy); break;
-                case Law::axial: kernel::axial(run, n, gx, gy); break;
+                case Law::axial:
+                    if (band.parallel) kernel::axial_parallel(run, n, band.nx, band.ny, gx, gy);
+                    else kernel::axial(run, n, gx, gy);
+                    break;
                 case Law::geometric: kernel::geometric(run, n, gx, gy); break;
             }
             kernel::add_pair(n, gx, fx + i, fx + j);

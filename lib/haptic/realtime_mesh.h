@@ -23,6 +23,8 @@ class RealtimeMesh {
 
     struct Band {
         int first_node, offset, first_slot, count;  ///< slot first_slot + k joins first_node + k and that + offset
+        bool parallel;                              ///< all its springs have one axis, as on a lattice
+        double nx, ny;                              ///< that axis
     };
 
     /// node_mass_kg (N), all positive. law: a name of spring_law_names().

@@ -4,6 +4,12 @@
 #include <cmath>
 
 namespace tissue {
+namespace {
+
+/// Not worth a damping: a press of the weakest tissue here stores ten thousand times as much.
+constexpr double negligible_J = 1e-9;
+
+}  // namespace
 
 bool Safety::admit(const DeviceSample& sample, double elapsed_s) noexcept {
     motion_m_.setZero();
@@ -50,7 +56,7 @@ Eigen::Vector3d Safety::limit(const Eigen::Vector3d& wanted_N) noexcept {
     if (o_.passivity) {
         // observer: what will have been given if the hand goes on as it did; controller: damp just that away
         const double surplus = observed_J_ + force.dot(motion_m_), motion2 = motion_m_.squaredNorm();
-        if (surplus > 0 && motion2 > 1e-18) {
+        if (surplus > negligible_J && motion2 > 1e-18) {
             force -= std::min(surplus / motion2, o_.damping_max_Ns_m / o_.dt_s) * motion_m_;
             ++counters_.damped;
         }

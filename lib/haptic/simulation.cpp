@@ -128,7 +128,7 @@ Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) n
 
     // 4.2 collision detection
     if (!move_outlines()) return stop(false);
-    find_contact(master);
+    if (!find_contact(master)) return stop(false);
 
     // 4.3 selection of mesh constants, and their moving average (18)-(19)
     if (contact_.pressing) select_set();
@@ -168,37 +168,54 @@ bool Simulation::move_outlines() noexcept {
 }
 
 /// The proxy of 4.2 against the mesh in contact, or against each while there is none. Before the master has once been
-/// outside there is no contact.
-void Simulation::find_contact(const Eigen::Vector2d& master_m) noexcept {
+/// outside there is no contact. False when two meshes lie in one place and both hold the proxy.
+bool Simulation::find_contact(const Eigen::Vector2d& master_m) noexcept {
     if (!armed_) {
-        contact_ = {};
-        touched_ = -1;
-        contact_.proxy_m = master_m;
-        for (const MovingOutline& outline : outlines_)
-            if (outline.contains(master_m)) {
-                ++counters_.unarmed;
-                contact_.proxy_m = outline.nearest(master_m).position_m;
-                return;
-            }
-        armed_ = true;
-        contact_.has_proxy = true;
-        return;
-    }
-    if (touched_ >= 0) {
-        update_contact(outlines_[static_cast<std::size_t>(touched_)], master_m, contact_);
+        wait_for_outside(master_m);
+    } else if (touched_ >= 0) {
+        const int left = touched_;
+        ContactState from = contact_;
+        update_contact(outlines_[static_cast<std::size_t>(left)], master_m, contact_);
+        from.contact = false;
+        if (!contact_.contact) look_for_contact(from, left, master_m);
     } else {
-        const ContactState before = contact_;
-        for (std::size_t m = 0; m < outlines_.size() && !contact_.contact; ++m) {
-            contact_ = before;
-            update_contact(outlines_[m], master_m, contact_);
-            if (contact_.contact) {
-                touched_ = static_cast<int>(m);
-                coupling_N_m_ = model_.options.coupling_ratio *
-                                model_.stiffness->at(contact_.where.segment, contact_.where.w);
-            }
-        }
+        const ContactState from = contact_;
+        look_for_contact(from, -1, master_m);
     }
     if (!contact_.contact) touched_ = -1;
+    for (std::size_t m = 0; m < outlines_.size() && (contact_.contact || !armed_); ++m)
+        if (static_cast<int>(m) != touched_ && outlines_[m].contains_strictly(contact_.proxy_m, 1e-9)) {
+            ++counters_.folded;
+            return false;
+        }
+    return true;
+}
+
+/// A free proxy, on its way from where it was to the master, against every mesh but the one it has just left.
+void Simulation::look_for_contact(const ContactState& from, int left, const Eigen::Vector2d& master_m) noexcept {
+    for (std::size_t m = 0; m < outlines_.size(); ++m) {
+        if (static_cast<int>(m) == left) continue;
+        contact_ = from;
+        update_contact(outlines_[m], master_m, contact_);
+        if (!contact_.contact) continue;
+        touched_ = static_cast<int>(m);
+        coupling_N_m_ = model_.options.coupling_ratio * model_.stiffness->at(contact_.where.segment, contact_.where.w);
+        return;
+    }
+}
+
+/// No contact yet: the proxy is the master's, or while that is inside, the nearest place on the surface.
+void Simulation::wait_for_outside(const Eigen::Vector2d& master_m) noexcept {
+    contact_ = {};
+    contact_.proxy_m = master_m;
+    for (const MovingOutline& outline : outlines_)
+        if (outline.contains(master_m)) {
+            ++counters_.unarmed;
+            contact_.proxy_m = outline.nearest(master_m).position_m;
+            return;
+        }
+    armed_ = true;
+    contact_.has_proxy = true;
 }
 
 /// 4.3: from where the contact is and how far the learned mesh gave way there (or the force on it).

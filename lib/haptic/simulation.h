@@ -74,7 +74,7 @@ struct TickRecord {
 
 struct HapticCounters {
     long long ticks = 0;
-    long long folded = 0;         ///< outline not simple: no inside, no force
+    long long folded = 0;         ///< outline not simple, or two meshes over each other: no inside, no force
     long long unstable = 0;       ///< mesh positions not finite: mesh put to rest
     long long unarmed = 0;        ///< inside tissue, but the master has not been outside since the start or a fault
 };
@@ -103,7 +103,9 @@ class Simulation {
 
    private:
     bool move_outlines() noexcept;
-    void find_contact(const Eigen::Vector2d& master_m) noexcept;
+    bool find_contact(const Eigen::Vector2d& master_m) noexcept;
+    void look_for_contact(const ContactState& from, int left, const Eigen::Vector2d& master_m) noexcept;
+    void wait_for_outside(const Eigen::Vector2d& master_m) noexcept;
     void select_set() noexcept;
     void average_stiffness() noexcept;
     Eigen::Vector2d step_meshes(const Eigen::Vector2d& master_m) noexcept;

@@ -42,6 +42,8 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
 
     Simulation simulation(model);
     const double aim = truth.magnitude_m * (1 + 1 / model.options.coupling_ratio);
+    const Eigen::Vector2d target =
+        truth.magnitude_m * truth.direction + inset_m / (1 + 1 / model.options.coupling_ratio) * inward;
     VirtualDevice hand(press_motion(truth.contact_m, inward, aim * truth.direction, ramp_s, inset_m), model.options.map);
     Eigen::Vector2d shift = Eigen::Vector2d::Zero();
     Eigen::Vector2d last = Eigen::Vector2d::Zero();
@@ -54,9 +56,7 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
         const TickRecord& r = simulation.record();
         // after the ramp the hand creeps until the proxy has come as far as it shall
         if (k * dt > ramp_s && r.mesh == 0) {
-            const Eigen::Vector2d miss = truth.magnitude_m * truth.direction - r.contact_displacement_m;
-            const double along = miss.dot(truth.direction);
-            shift += creep_1_s * dt * along * truth.direction;
+            shift += creep_1_s * dt * (target - r.contact_displacement_m);
         }
         if (k % sample == 0) {
             result.time_s.push_back(k * dt);

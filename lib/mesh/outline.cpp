@@ -39,6 +39,16 @@ std::size_t Outline::segment(double arc_m) const {
     return static_cast<std::size_t>(above - arc_.begin()) - 1;
 }
 
+std::vector<double> Outline::corners() const {
+    std::vector<double> arcs;
+    for (std::size_t b = 1; b + 1 < points_.size(); ++b) {
+        const Eigen::Vector2d before = (points_[b] - points_[b - 1]).normalized(),
+                              after = (points_[b + 1] - points_[b]).normalized();
+        if (before.dot(after) < 0.985) arcs.push_back(arc_[b]);
+    }
+    return arcs;
+}
+
 Eigen::Vector2d Outline::position(double arc_m) const {
     const double s = std::clamp(arc_m, 0.0, length());
     const std::size_t b = segment(s);

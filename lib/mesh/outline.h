@@ -16,6 +16,9 @@ class Outline {
 
     double length() const { return arc_.back(); }
 
+    /// Arc lengths at which the surface turns by more than 10 degrees, ascending.
+    std::vector<double> corners() const;
+
     /// Point at an arc length, clamped to [0, length].
     Eigen::Vector2d position(double arc_m) const;
 

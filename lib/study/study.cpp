@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -159,6 +160,29 @@ void read_draws(TomlReader in, Study& study) {
     in.refuse_the_rest();
 }
 
+Study::Variant read_variant(TomlReader in, const Study& study) {
+    const Study::Loads::Sweep& sweep = *study.loads.sweep;
+    Study::Variant v;
+    v.name = in.text("name");
+    v.topology = in.has("topology") ? in.choice("topology", {"grid4", "grid8"}) : study.springs.topology;
+    v.law = in.has("law") ? in.choice("law", spring_law_names()) : study.springs.law;
+    v.objective = in.has("objective") ? in.choice("objective", {"force", "contact"}) : study.training.objective;
+    v.ridge = in.optional_number("ridge", not_negative).value_or(study.training.ridge);
+    v.spacing_m = in.optional_number("spacing_m", {sweep.spacing_m}).value_or(sweep.spacing_m);
+    if (!is_multiple(v.spacing_m, sweep.spacing_m)) in.refuse("spacing_m", "must be a multiple of loads.sweep.spacing_m");
+    const auto some_of = [&in](const char* key, const std::vector<double>& all) {
+        if (!in.has(key)) return all;
+        const std::vector<double> kept = in.numbers(key);
+        for (double k : kept)
+            if (std::find(all.begin(), all.end(), k) == all.end()) in.refuse(key, "every entry must be one of the study's");
+        return kept;
+    };
+    v.angles_deg = some_of("angles_deg", sweep.angles_deg);
+    v.magnitudes_m = some_of("magnitudes_m", study.loads.magnitudes_m);
+    in.refuse_the_rest();
+    return v;
+}
+
 }  // namespace
 
 int Study::Loads::records() const {
@@ -228,6 +252,10 @@ Study read_study(const std::string& file) {
     if (in.has("draws")) {
         if (!study.loads.sweep) in.refuse("draws", "needs a study with loads.sweep");
         read_draws(in.table("draws"), study);
+    }
+    if (in.has("variants")) {
+        if (!study.loads.sweep) in.refuse("variants", "needs a study with loads.sweep");
+        for (const TomlReader& variant : in.tables("variants")) study.variants.push_back(read_variant(variant, study));
     }
     in.refuse_the_rest();
     return study;

@@ -90,6 +90,16 @@ struct Study {
         double weight_near[2], weight_far[2];
     } training;
 
+    /// The study with something else in it, for comparison on the same contacts. Absent keys are the study's.
+    struct Variant {
+        std::string name, topology, law, objective;
+        double ridge;
+        double spacing_m;                  ///< of the training contacts kept
+        std::vector<double> angles_deg;    ///< of the pushes kept
+        std::vector<double> magnitudes_m;  ///< of the load cases kept
+    };
+    std::vector<Variant> variants;
+
     /// E2 = E t [N/m], the two-dimensional Young's modulus of (7).
     double modulus_N_m() const { return material.youngs_modulus_Pa() * geometry.thickness_m; }
 };

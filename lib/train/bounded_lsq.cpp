@@ -1,5 +1,7 @@
 #include "train/bounded_lsq.h"
 
+#include <lapacke.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <vector>
@@ -51,6 +53,7 @@ BoundedLsqSummary solve_bounded_lsq(const ForceLoss& loss, const Eigen::VectorXd
     Eigen::VectorXd residual = target - B * x, g = -(B.transpose() * residual), step(n), change(n), moved(b.size());
     std::vector<int> loose;
     Eigen::MatrixXd block;
+    Eigen::VectorXd newton;
     double shift = options.first_shift;
     for (;; ++summary.iterations) {
         summary.kkt_residual = n > 0 ? ((x - g).cwiseMax(lo).cwiseMin(hi) - x).cwiseAbs().maxCoeff() / scale : 0;
@@ -69,7 +72,15 @@ BoundedLsqSummary solve_bounded_lsq(const ForceLoss& loss, const Eigen::VectorXd
             block = H(loose, loose);
             block.diagonal().array() += shift;
             step.setZero();
-            step(loose) = -Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>(block).solve(g(loose).eval());
+            newton = -g(loose);
+            // LAPACK's Cholesky: several times faster than Eigen's at this size
+            const auto m = static_cast<lapack_int>(loose.size());
+            if (LAPACKE_dposv(LAPACK_COL_MAJOR, 'U', m, 1, block.data(), std::max(m, 1), newton.data(),
+                              std::max(m, 1)) != 0) {
+                shift *= 10;
+                continue;
+            }
+            step(loose) = newton;
             for (double part = 1; !lower && part > 0.01; part /= 2) {
                 change = (x + part * step).cwiseMax(lo).cwiseMin(hi) - x;
                 moved = B * change;

@@ -61,6 +61,8 @@ double seconds_since(Clock::time_point start) {
 struct Objectives {
     std::vector<ForceLoss> base, minimised;
     Eigen::VectorXd one_set;       ///< the single set that serves all cases best (S)
+    BoundedLsqOptions exact;       ///< how the exact solver should go about them
+    std::vector<Eigen::VectorXd> start;  ///< where each set's training begins: inside the box, near the answer if known
 };
 
 /// How much the contact's reaction counts beside the nodes: enough that its error all but vanishes.
@@ -79,39 +81,51 @@ Objectives make_objectives(const Study& study, const TissueModel& model, const S
                                   : force_target(loads[c], weight));
         o.base.push_back(loss_of(model.mesh, law, targets.back()));
     }
-    o.one_set = solve_bounded_lsq(joint_loss(o.base), model.heuristic_a, box).theta;
+    std::vector<ForceLoss> joint = o.base;
+    if (contact)  // the reactions of all contacts, through the heuristic's compliance
+        parallel_for(static_cast<int>(loads.size()), threads, [&](int c) {
+            const auto i = static_cast<std::size_t>(c);
+            const std::optional<Eigen::MatrixXd> G =
+                contact_sensitivity(model.mesh, law, model.heuristic_a, contacts[i], targets[i].displacement);
+            if (G) joint[i] = with_reaction(o.base[i], model.mesh, law, targets[i], *G, reaction_factor);
+        });
+    o.one_set = solve_bounded_lsq(joint_loss(joint), model.heuristic_a, box).theta;
+    // a ridge leaves nothing badly conditioned: Newton's own step at once
+    if (study.training.ridge > 0) o.exact.first_shift = o.exact.shift;
     o.minimised = o.base;
+    o.start.assign(loads.size(), model.heuristic_a);
     parallel_for(static_cast<int>(loads.size()), threads, [&](int c) {
         const auto i = static_cast<std::size_t>(c);
         const auto ridged = [&](const ForceLoss& loss) {
-            return study.training.ridge > 0 ? with_ridge(loss, study.training.ridge, o.one_set) : loss;
+            return study.training.ridge > 0 ? with_ridge(loss, study.training.ridge, model.heuristic_a) : loss;
         };
         o.minimised[i] = ridged(o.base[i]);
         if (!contact) return;
         // the compliance that turns force residuals into the reaction's error is the set's own: one step towards it
-        Eigen::VectorXd theta = o.one_set;
+        BoundedLsqOptions rough = o.exact;
+        rough.kkt_tolerance = 1e-6;
         for (int pass = 0; pass < 2; ++pass) {
             const std::optional<Eigen::MatrixXd> G =
-                contact_sensitivity(model.mesh, law, theta, contacts[i], targets[i].displacement);
+                contact_sensitivity(model.mesh, law, o.start[i], contacts[i], targets[i].displacement);
             if (!G) return;
             const ForceLoss seen = with_reaction(o.base[i], model.mesh, law, targets[i], *G, reaction_factor);
             o.minimised[i] = ridged(seen);
-            if (pass == 0) theta = solve_bounded_lsq(o.minimised[i], o.one_set, box).theta;
+            if (pass == 0) o.start[i] = solve_bounded_lsq(o.minimised[i], o.start[i], box, rough).theta;
         }
     });
     return o;
 }
 
 /// The exact solution of every set and its certificate.
-CertifiedOptimum certify(const Objectives& objectives, const Eigen::VectorXd& start, const Box& box, int threads) {
+CertifiedOptimum certify(const Objectives& objectives, const Box& box, int threads) {
     const std::vector<ForceLoss>& losses = objectives.minimised;
     const auto C = static_cast<Eigen::Index>(losses.size());
-    CertifiedOptimum optimum{NodeField(C, start.size()), Eigen::VectorXd(C), Eigen::VectorXd(C), Eigen::VectorXd(C),
+    CertifiedOptimum optimum{NodeField(C, box.lo.size()), Eigen::VectorXd(C), Eigen::VectorXd(C), Eigen::VectorXd(C),
                              Eigen::VectorXd(C)};
     const Clock::time_point begin = Clock::now();
     parallel_for(static_cast<int>(C), threads, [&](int c) {
         const ForceLoss& loss = losses[static_cast<std::size_t>(c)];
-        const BoundedLsqSummary exact = solve_bounded_lsq(loss, start, box);
+        const BoundedLsqSummary exact = solve_bounded_lsq(loss, objectives.start[static_cast<std::size_t>(c)], box, objectives.exact);
         optimum.theta.row(c) = exact.theta;
         optimum.loss_N[c] = exact.residual_norm;
         const ForceLoss& base = objectives.base[static_cast<std::size_t>(c)];
@@ -203,8 +217,7 @@ TissueModel train_sets(const Study& study, const Cases& cases, int threads, cons
     const StopCriteria stop{study.training.iterations, study.training.max_seconds, study.training.target_rel_loss};
     const Objectives objectives = make_objectives(study, model, *law, loads, box, threads);
     model.one_set = objectives.one_set;
-    const Eigen::VectorXd& start = study.training.ridge > 0 ? model.one_set : model.heuristic_a;
-    model.optimum = certify(objectives, start, box, threads);
+    model.optimum = certify(objectives, box, threads);
     std::vector<std::string> names = {study.training.optimizer};
     for (const std::string& other : study.training.also)
         if (std::find(names.begin(), names.end(), other) == names.end()) names.push_back(other);
@@ -218,7 +231,12 @@ TissueModel train_sets(const Study& study, const Cases& cases, int threads, cons
         parallel_for(static_cast<int>(C), threads, [&](int c) {
             const auto i = static_cast<std::size_t>(c);
             const Stream stream(study.training.seed, name, loads[i].name);
-            sets[i] = optimizer->minimise(objectives.minimised[i], start, box, unit, stop, stream);
+            if (name == "exact") {  // the certificate has solved it already
+                sets[i].theta = model.optimum.theta.row(c);
+                sets[i].loss = model.optimum.loss_N[c];
+                sets[i].status = TrainStatus::converged;
+            } else
+                sets[i] = optimizer->minimise(objectives.minimised[i], objectives.start[i], box, unit, stop, stream);
             const std::lock_guard<std::mutex> lock(guard);
             ++done;
             if (progress) progress(done, total, name + " " + loads[i].name);

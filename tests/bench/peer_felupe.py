@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """felupe on the load paths that solve_path.edp solves, in plane stress: the peer of `make cases` in scripts/bench.py.
 
-Equations: the same discrete problem. On the same MSH file, quadratic triangles, 7 quadrature points, displacement only,
-           F33 = 1/J, P = 2 W_T F + W_J cof F (fem/plane_stress.idp); point indenter; the same records and the same
-           criterion: largest force on a free node over the largest on a held one.
-Method:    felupe's own Newton with a fresh tangent every iteration, its assembly and its default solver. A record is one
-           load step; one that fails is cut in half, as ours is. Start-up is paid once for all paths, and nothing is
-           written to disk but one line, both in felupe's favour.
+Equations: the same discrete problem. The same MSH file, quadratic triangles, 7 quadrature points, displacement only,
+           F33 = 1/J, P = 2 W_T F + W_J cof F (fem/plane_stress.idp), point indenter, the same records and criterion:
+           largest force on a free node over the largest on a held one.
+Method:    felupe's own Newton with a fresh tangent every iteration, its assembly and its default solver. A record is
+           one load step; one that fails is cut in half, as ours is. Start-up is paid once for all paths, and nothing
+           is written to disk but one line, both in felupe's favour.
 
 Prints {"version", "forces": {path: [[s_m, fx_N, fy_N], ...]}} as one line of JSON.
 Sample run: build/venv/bin/python tests/bench/peer_felupe.py --plan results/paper/plan.mk --results results/paper
@@ -18,7 +18,7 @@ import os
 import re
 import sys
 
-for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):  # two processes on two cores: threads would only get in the way
+for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):  # two processes on two cores already
     os.environ.setdefault(name, "1")
 
 import felupe as fem
@@ -136,9 +136,9 @@ def main():
     parser.add_argument("--plan", required=True, help="plan.mk of the study")
     parser.add_argument("--results", required=True, help="what $(R) stands for in it")
     parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--only", help="one path by name")
+    parser.add_argument("--only", help="these paths alone, by name, with commas between")
     options = parser.parse_args()
-    tasks = [t for t in planned(options.plan, options.results) if options.only in (None, t[0])]
+    tasks = [t for t in planned(options.plan, options.results) if not options.only or t[0] in options.only.split(",")]
     with multiprocessing.Pool(options.processes) as pool:
         forces = dict(pool.imap_unordered(solve_path, tasks, chunksize=1))
     print(json.dumps({"version": fem.__version__, "forces": forces}))

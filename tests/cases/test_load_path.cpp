@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "error.h"
-#include "example.h"
-#include "refusal.h"
+#include "../example.h"
+#include "../refusal.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
@@ -119,8 +119,8 @@ TEST_CASE("a foreign file, another version and unknown rows are refused") {
 }
 
 TEST_CASE("rows after the end are refused: the end row counts all records") {
-    CHECK_THAT(said(csv() + "step,2,0.02,0,0,0,0,0,1,0,0\n"), Contains("left.csv:13"));
-    CHECK_THAT(said(csv() + csv()), Contains("left.csv:13"));
+    CHECK_THAT(said(csv() + "step,2,0.02,0,0,0,0,0,1,0,0\n"), Contains("left.csv:13") && Contains("end row"));
+    CHECK_THAT(said(csv() + csv()), Contains("left.csv:13") && Contains("end row"));
 }
 
 TEST_CASE("a path that is not there is refused by name") {
@@ -195,38 +195,61 @@ TEST_CASE("a path without a record at a magnitude is refused by path and magnitu
 TEST_CASE("cases whose parts do not fit together are refused with file and place") {
     const TemporaryFolder folder;
     const std::string file = folder.file("cases.h5");
-    // one dataset of the wrong shape at a time, the others as they should be
-    for (const std::string wrong : {"none", "displacement", "contact", "direction", "contact_force", "energy", "magnitude",
-                                    "newton_iterations", "missing"}) {
-        INFO(wrong);
-        {
-            Hdf5Writer out(file, "cases", {"tissuectl test", 0, {}});
-            out.attribute("/", "study", std::string("example"));
-            out.write("/nodes", corners(), "m", "nodes");
-            out.write("/magnitudes", Array{{1}, {0.01}}, "m", "magnitudes");
-            out.write_texts("/path_names", {"left"}, "names");
-            const auto write = [&](const std::string& name, std::vector<std::size_t> shape) {
-                if (name == wrong) shape.back() += 1;
-                std::size_t size = 1;
-                for (std::size_t n : shape) size *= n;
-                out.write("/paths/left/" + name, Array{shape, std::vector<double>(size, 0.5)}, "1", name);
-            };
-            write("contact", {2});
-            write("direction", {2});
-            write("magnitude", {2});
-            write("displacement", {2, 4, 2});
-            write("force", {2, 4, 2});
-            write("contact_force", {2, 2});
-            write("support_force", {2, 2});
-            write("energy", {2});
-            write("smallest_J", {2});
-            write("newton_residual", {2});
-            if (wrong != "missing") write("newton_iterations", {2});
-            out.commit();
-        }
-        if (wrong == "none") CHECK(read_cases(file).paths.size() == 1);
-        else CHECK_THAT(refusal<FileError>([&] { read_cases(file); }), Contains("cases.h5") && Contains("/paths/left"));
+    for (const std::string name : {"contact", "direction", "magnitude", "displacement", "force", "contact_force",
+                                   "support_force", "energy", "smallest_J", "newton_residual", "newton_iterations"}) {
+        INFO(name);
+        write_cases(file, example(), {"tissuectl test", 0, {}});
+        replace_dataset(file, "/paths/left/" + name, {1, 2, 3});
+        CHECK_THAT(refusal<FileError>([&] { read_cases(file); }), Contains("cases.h5") && Contains("/paths/left"));
+        write_cases(file, example(), {"tissuectl test", 0, {}});
+        replace_dataset(file, "/paths/left/" + name);
+        CHECK_THAT(refusal<FileError>([&] { read_cases(file); }), Contains("/paths/left/" + name) && Contains("missing"));
     }
+}
+
+TEST_CASE("a path that FE lost says why, and keeps what it reached") {
+    const TemporaryFolder folder;
+    const std::string lost = with(csv(), "end,2\n", "lost,2,folded at (1, 0) m, 12 mm\n");
+    const LoadPath path = read_path_csv(folder.file("left.csv", lost), corners());
+    CHECK(path.lost == "folded at (1, 0) m, 12 mm");
+    CHECK(path.records.size() == 2);
+    CHECK_THAT(said(with(lost, "lost,2,", "lost,3,")), Contains("records are missing"));
+    CHECK_THAT(said(with(csv(), "end,2\n", "lost,2\n")), Contains("left.csv:12"));
+}
+
+TEST_CASE("of a lost path the magnitudes it reached are load cases; paths that prove are none") {
+    Cases cases = example();
+    cases.paths[1].records.pop_back();
+    cases.paths[1].lost = "folded";
+    CHECK(load_cases(cases).size() == 3);
+    cases.paths[0].role = "held_out";
+    REQUIRE(load_cases(cases).size() == 1);
+    CHECK(load_cases(cases)[0].name == "corner-4mm");
+    const Cases after = written_and_read(cases);
+    CHECK(after.paths[0].role == "held_out");
+    CHECK(after.paths[1].lost == "folded");
+    CHECK(after.paths[1].depth_m == cases.paths[1].depth_m);
+}
+
+TEST_CASE("a mirrored path pushes the mirrored contact; mirrored twice it is itself") {
+    const Cases cases = example();
+    const LoadPath &path = cases.paths[1], once = mirrored(path, cases.nodes, 0.1);
+    CHECK(once.name == "corner-mirror");
+    CHECK(once.contact_m == Eigen::Vector2d(0, 0.1));
+    CHECK(once.direction == Eigen::Vector2d(-path.direction.x(), path.direction.y()));
+    const SpringMesh mesh = make_lattice("grid8", 4, 4, 0.1, 0.1);
+    const int here = node_at(mesh, {0.1, 0.1}), there = node_at(mesh, {0.0, 0.1});
+    CHECK(once.records[2].displacement(there, 0) == -path.records[2].displacement(here, 0));
+    CHECK(once.records[2].force(there, 1) == path.records[2].force(here, 1));
+    CHECK(once.records[2].contact_force_N.x() == -path.records[2].contact_force_N.x());
+    CHECK(once.records[2].energy_J == path.records[2].energy_J);
+    const LoadPath twice = mirrored(once, cases.nodes, 0.1);
+    for (std::size_t r = 0; r < path.records.size(); ++r) {
+        CHECK(twice.records[r].displacement == path.records[r].displacement);
+        CHECK(twice.records[r].force == path.records[r].force);
+        CHECK(twice.records[r].support_force_N == path.records[r].support_force_N);
+    }
+    CHECK_THROWS_AS(mirrored(path, cases.nodes, 0.11), MismatchError);
 }
 
 TEST_CASE("a file that is no cases file is refused") {

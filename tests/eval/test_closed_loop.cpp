@@ -2,9 +2,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "example.h"
+#include "../example.h"
 #include "springs/heuristic.h"
-#include "tolerances.h"
+#include "../tolerances.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;

@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "error.h"
-#include "example.h"
-#include "refusal.h"
+#include "../example.h"
+#include "../refusal.h"
 #include "springs/heuristic.h"
-#include "tolerances.h"
+#include "../tolerances.h"
 #include "train/train_sets.h"
 
 using namespace tissue;
@@ -33,7 +33,7 @@ const Example& perfect() {
 }
 
 Evaluation evaluated(const TissueModel& model, const Cases& cases) {
-    return evaluate(model, cases, 0.05 * model.modulus_N_m, 40 * model.modulus_N_m);
+    return evaluate(model, cases, 0.05 * model.modulus_N_m, 40 * model.modulus_N_m, 2);
 }
 
 }  // namespace

@@ -3,9 +3,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "example.h"
+#include "../example.h"
 #include "springs/heuristic.h"
-#include "tolerances.h"
+#include "../tolerances.h"
 
 using namespace tissue;
 

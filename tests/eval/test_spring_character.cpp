@@ -3,9 +3,9 @@
 #include <catch2/catch.hpp>
 
 #include "eval/force_error.h"
-#include "example.h"
+#include "../example.h"
 #include "springs/heuristic.h"
-#include "tolerances.h"
+#include "../tolerances.h"
 #include "train/train_sets.h"
 
 using namespace tissue;

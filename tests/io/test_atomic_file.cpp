@@ -5,8 +5,8 @@
 #include <catch2/catch.hpp>
 
 #include "error.h"
-#include "example.h"
-#include "refusal.h"
+#include "../example.h"
+#include "../refusal.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;

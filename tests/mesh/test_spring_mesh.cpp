@@ -3,8 +3,8 @@
 
 #include "error.h"
 #include "mesh/spring_mesh.h"
-#include "refusal.h"
-#include "tolerances.h"
+#include "../refusal.h"
+#include "../tolerances.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;

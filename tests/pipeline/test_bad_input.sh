@@ -20,22 +20,22 @@ refused() { # SENTENCE LINE-PATTERN: of the study as it is now, by the program a
     cp -p "$scratch/good.toml" "$work/$study"
 }
 sed -i 's/^iterations = 300/&\niteratoins = 3/' "$work/$study"
-refused "an unknown key" "$study:18: key 'training.iteratoins': is not known; allowed: "
+refused "an unknown key" "$study:22: key 'training.iteratoins': is not known; allowed: "
 sed -i 's/^iterations = 300/iterations = = 300/' "$work/$study"
-refused "malformed TOML" "$study:17: "
+refused "malformed TOML" "$study:21: "
 printf '\n[geometry]\nthickness_m = -1e-4\n' >>"$work/$study"
-refused "a negative thickness" "$study:20: key 'geometry.thickness_m': must be a number > 0"
+refused "a negative thickness" "$study:24: key 'geometry.thickness_m': must be a number > 0"
 edit 'contact_m = \[0.00, 0.05\]' 'contact_m = [0.01, 0.05]'
-refused "a contact off the surface" "$study:10: key 'loads.paths\[0\].contact_m': .*not on the free surface"
+refused "a contact off the surface" "$study:14: key 'loads.paths\[0\].contact_m': .*not on the free surface"
 edit 'also = .*' 'also = "spsa-2008"'
-refused "a value of the wrong type" "$study:16: key 'training.also': must be a list of texts"
+refused "a value of the wrong type" "$study:20: key 'training.also': must be a list of texts"
 edit '^based_on = .*' 'based_on = "tiny"'
 refused "a study based on itself" "key 'based_on': .*without a circle"
 edit '^based_on = .*' 'based_on = "nowhere"'
 refused "a study based on one that is not there" "fem/studies/nowhere.toml"
 printf '\n[indenter]\nkind = "patch"\nhalf_width_m = 0.005\n' >>"$work/$study"
 edit 'contact_m = \[0.00, 0.05\]' 'contact_m = [0.00, 0.01]'
-refused "a patch closer than 15 mm to the fixed edge" "$study:10: key 'loads.paths\[0\].contact_m': .*fixed edge"
+refused "a patch closer than 15 mm to the fixed edge" "$study:14: key 'loads.paths\[0\].contact_m': .*fixed edge"
 
 run make PYTHON="$PYTHON" STUDY=nowhere eval
 check "a study that is not there: make fails and says which" sh -c '[ "$0" != 0 ] && grep -q fem/studies/nowhere.toml "$1"' \

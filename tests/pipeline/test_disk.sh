@@ -28,45 +28,46 @@ files="plan.mk mesh.msh cases/left.csv cases.h5 model.h5 eval.json figures/force
 # ---- read only: root may write anywhere, so the stages run as nobody then
 as_someone=
 if [ "$(id -u)" = 0 ]; then
+    export HOME=/
     as_someone="setpriv --reuid=65534 --regid=65534 --clear-groups"
     chmod 755 "$scratch"
 else
-    find "$R" -type d -exec chmod a-w {} +
+    chmod -R a-w "$R"
 fi
 if $as_someone true 2>/dev/null; then
     touch "$work/fem/block.geo" "$work/scripts/solve_path"  # mesh and paths are to be made again
     snapshot "$R" >"$scratch/before"
-    for file in $files; do
-        stage "$file"
-        check "read-only results: making $file fails with 1, or make's 2" failed_well
-        check "read-only results: one line says that $file cannot be written" one_line "$file\|results/tiny"
+    for target in $files; do
+        stage "$target"
+        check "read-only results: making $target fails with 1, or make's 2" failed_well
+        check "read-only results: one line says that $target cannot be written" one_line "$target\|results/tiny"
     done
     check "read-only results are untouched" only_changed "$scratch/before" "$R" ""
 else
     skip "read-only results" "neither root nor able to give rights up"
 fi
 as_someone=
-[ "$(id -u)" = 0 ] || find "$R" -type d -exec chmod u+w {} +
+[ "$(id -u)" = 0 ] || chmod -R u+w "$R"
 
 # ---- a full disk: a small file system of its own for the results
 rm -rf "$R"
 mkdir "$R"
 if [ "$(id -u)" = 0 ] && mount -t tmpfs -o size=8m tissue_test "$R" 2>/dev/null; then
     clean_up() { umount "$R" 2>/dev/null; rm -rf "$scratch"; }
-    for file in $files; do
+    for target in $files; do
         rm -rf "$R"/*
         cp -pR "$scratch/whole/." "$R"
-        rm -f "$R/$file" "$R/plan/path-top"
-        [ "$file" = eval.json ] && rm -f "$R/report.md"
-        [ "$file" = cases/left.csv ] && rm -f "$R/cases/left.log"
+        rm -f "$R/$target" "$R/plan/path-top"
+        [ "$target" = eval.json ] && rm -f "$R/report.md"
+        [ "$target" = cases/left.csv ] && rm -f "$R/cases/left.log"
         cat /dev/zero >"$R/filler" 2>/dev/null  # until nothing is left
-        stage "$file"
-        check "full disk: making $file fails with 1, or make's 2" failed_well
-        check "full disk: one line says that $file cannot be written" one_line "$file\|results/tiny"
-        check "full disk: there is no $file" absent "$R/$file"
-        check "full disk: making $file leaves nothing half-written" no_half_files "$R"
+        stage "$target"
+        check "full disk: making $target fails with 1, or make's 2" failed_well
+        check "full disk: one line says that $target cannot be written" one_line "$target\|results/tiny"
+        check "full disk: there is no $target" absent "$R/$target"
+        check "full disk: making $target leaves nothing half-written" no_half_files "$R"
         rm "$R/filler"
-        if [ "$file" = eval.json ]; then check "full disk: there is no report either" absent "$R/report.md"; fi
+        if [ "$target" = eval.json ]; then check "full disk: there is no report either" absent "$R/report.md"; fi
     done
     rm -rf "$R"/*
     make_tiny eval -j2

@@ -1,5 +1,5 @@
 #!/bin/sh
-# FreeFEM missing, crashing, killed or without an answer: one clear line, no load path, earlier results untouched.
+# gmsh or FreeFEM missing, crashing, killed or without an answer: one clear line, no output, earlier results untouched.
 . "$(dirname "$0")/common"
 make_copy
 make_tiny eval -j2
@@ -48,6 +48,18 @@ for folder in $(echo "$real_path" | tr : ' '); do ln -s "$folder"/* "$scratch/bi
 rm -f "$scratch"/bin/FreeFem*
 PATH=$scratch/bin
 fails "FreeFEM missing" "FreeFem++-nw is not installed; run make deps" ""
+
+# gmsh: writes half a mesh before it is killed
+mkdir -p "$scratch/fake_gmsh"
+printf '#!/bin/sh\nwhile [ "$1" != -o ]; do shift; done; echo half >"$2"; kill -KILL $$\n' >"$scratch/fake_gmsh/gmsh"
+chmod +x "$scratch/fake_gmsh/gmsh"
+snapshot "$R" >"$scratch/before"
+PATH=$scratch/fake_gmsh:$real_path
+make_tiny -W fem/block.geo mesh
+check "gmsh killed: make fails" failed
+check "gmsh killed: one line says so" says "^results/tiny/mesh.msh: gmsh failed; see results/tiny/mesh.*log"
+check "gmsh killed: the earlier mesh is untouched" only_changed "$scratch/before" "$R" "mesh.msh.log"
+PATH=$real_path
 
 # no equilibrium that is physical: a push of a metre, right through the tissue
 edit '^magnitudes_m = .*' 'magnitudes_m = [1.0]'

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "tolerances.h"
+#include "../tolerances.h"
 
 using namespace tissue;
 

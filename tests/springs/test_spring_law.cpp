@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "error.h"
-#include "example.h"
-#include "refusal.h"
-#include "tolerances.h"
+#include "../example.h"
+#include "../refusal.h"
+#include "../tolerances.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;

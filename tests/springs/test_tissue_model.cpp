@@ -1,12 +1,10 @@
 #include "springs/tissue_model.h"
 
-#include <hdf5.h>
-
 #include <catch2/catch.hpp>
 
 #include "error.h"
-#include "example.h"
-#include "refusal.h"
+#include "../example.h"
+#include "../refusal.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
@@ -22,21 +20,6 @@ const TissueModel& example() {
         return example_model(study, example_cases(study, theta), theta);
     }();
     return model;
-}
-
-/// Takes a dataset out of a file; with values, puts these in its place.
-void replace(const std::string& file, const std::string& dataset, const std::vector<double>& values = {}) {
-    const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
-    REQUIRE(H5Ldelete(id, dataset.c_str(), H5P_DEFAULT) >= 0);
-    if (!values.empty()) {
-        const hsize_t count = values.size();
-        const hid_t space = H5Screate_simple(1, &count, nullptr);
-        const hid_t made = H5Dcreate2(id, dataset.c_str(), H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-        H5Dwrite(made, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
-        H5Dclose(made);
-        H5Sclose(space);
-    }
-    H5Fclose(id);
 }
 
 }  // namespace
@@ -111,7 +94,7 @@ TEST_CASE("a model that lacks a dataset is refused with file and dataset") {
     for (const std::string name : {"/mesh/springs", "/node_mass", "/heuristic_a", "/cases/names", "/trained/spsa/theta",
                                    "/optimizers"}) {
         write_model(file, example(), provenance);
-        replace(file, name);
+        replace_dataset(file, name);
         CHECK_THAT(refusal<FileError>([&] { read_model(file); }), Contains("model.h5: " + name) && Contains("missing"));
     }
 }
@@ -125,7 +108,7 @@ TEST_CASE("a model whose parts do not fit together is refused with file and plac
           "/trained/spsa/curve_iteration"}) {
         INFO(name);
         write_model(file, example(), provenance);
-        replace(file, name, {1, 2, 3});
+        replace_dataset(file, name, {1, 2, 3});
         CHECK_THAT(refusal<FileError>([&] { read_model(file); }), Contains("model.h5: "));
     }
 }
@@ -136,7 +119,7 @@ TEST_CASE("a model that names a node it does not have is refused") {
     for (const auto& [name, bad] : std::vector<std::pair<std::string, double>>{
              {"/mesh/boundary", 25.0}, {"/mesh/boundary", -1.0}, {"/mesh/fixed", 1e6}}) {
         write_model(file, example(), provenance);
-        replace(file, name, {0, 1, bad});
+        replace_dataset(file, name, {0, 1, bad});
         CHECK_THAT(refusal<FileError>([&] { read_model(file); }), Contains(name) && Contains("does not exist"));
     }
 }

@@ -6,7 +6,7 @@
 #include <set>
 #include <sstream>
 
-#include "example.h"
+#include "../example.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;

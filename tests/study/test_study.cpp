@@ -4,9 +4,9 @@
 #include <filesystem>
 
 #include "error.h"
-#include "example.h"
-#include "refusal.h"
-#include "tolerances.h"
+#include "../example.h"
+#include "../refusal.h"
+#include "../tolerances.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
@@ -216,6 +216,32 @@ TEST_CASE("load paths that cannot be pushed are refused") {
     CHECK_THAT(said("[0.004, 0.008]", "[0.008, 0.004]"), Contains("loads.magnitudes_m") && Contains("ascending"));
     CHECK_THAT(said("[0.004, 0.008]", "[0.004, 0.0085]"), Contains("loads.magnitudes_m") && Contains("record_step_m"));
     CHECK_THAT(said("[0.004, 0.008]", "[-0.004, 0.008]"), Contains("loads.magnitudes_m") && Contains("> 0"));
+}
+
+TEST_CASE("a sweep and its draws are refused where they are impossible") {
+    const std::size_t from = text().find("paths = ["), to = text().find("[springs]");
+    const std::string swept = text().substr(0, from) +
+                              "[loads.sweep]\nspacing_m = 0.025\nclearance_m = 0.02\nangles_deg = [-30, 0, 30]\n\n[draws]\n"
+                              "held_out = { seed = 5, count = 4, depth_m = [0.002, 0.008], max_angle_deg = 30 }\n"
+                              "validation = { seed = 6, count = 4, depth_m = [0.002, 0.008], max_angle_deg = 30 }\n\n" +
+                              text().substr(to);
+    CHECK(example_study(swept).draws.size() == 2);
+    const auto refused = [&](const std::string& what, const std::string& now, const std::string& key) {
+        const TemporaryFolder folder;
+        const std::string file = folder.file("s.toml", with(swept, what, now));
+        INFO(now);
+        CHECK_THAT(refusal<StudyError>([&] { read_study(file); }), Contains("s.toml:") && Contains("key '" + key + "'"));
+    };
+    refused("clearance_m = 0.02", "clearance_m = 0.01", "loads.sweep.clearance_m");
+    refused("spacing_m = 0.025", "spacing_m = 0", "loads.sweep.spacing_m");
+    refused("angles_deg = [-30, 0, 30]", "angles_deg = [-30, 0, 20]", "loads.sweep.angles_deg");
+    refused("angles_deg = [-30, 0, 30]", "angles_deg = [30, 0, -30]", "loads.sweep.angles_deg");
+    refused("angles_deg = [-30, 0, 30]", "angles_deg = [-80, 80]", "loads.sweep.angles_deg");
+    refused("seed = 6", "seed = 5", "draws.held_out.seed");
+    refused("held_out = { seed = 5, count = 4, depth_m = [0.002, 0.008]",
+            "held_out = { seed = 5, count = 4, depth_m = [0.002, 0.009]", "draws.held_out.depth_m");
+    refused("held_out = { seed = 5, count = 4,", "held_out = { seed = 5, count = 0,", "draws.held_out.count");
+    refused("held_out = {", "proof = {", "draws.proof");
 }
 
 TEST_CASE("malformed TOML is refused with file and line, in one line") {

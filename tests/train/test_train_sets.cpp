@@ -5,10 +5,10 @@
 #include <set>
 
 #include "error.h"
-#include "example.h"
-#include "refusal.h"
+#include "../example.h"
+#include "../refusal.h"
 #include "springs/spring_law.h"
-#include "tolerances.h"
+#include "../tolerances.h"
 #include "train/force_loss.h"
 
 using namespace tissue;

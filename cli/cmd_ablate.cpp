@@ -1,0 +1,67 @@
+#include <fmt/format.h>
+
+#include <iostream>
+#include <thread>
+
+#include "command.h"
+#include "eval/ablation.h"
+#include "io/atomic_file.h"
+#include "progress.h"
+
+namespace tissue::cli {
+namespace {
+
+struct Options {
+    std::string study, cases, out, role = "validation";
+    int threads = 0;
+};
+
+void run(const Options& o) {
+    std::vector<VariantResult> results;
+    {
+        Progress progress("ablate");
+        results = ablate(read_study(o.study), read_cases(o.cases), o.threads,
+                         [&](int done, int total, const std::string& name) { progress.step(done, total, name); });
+    }
+    write_file(o.out, to_json(results));
+    std::cout << fmt::format("closed-loop error on '{}', median / p95 / max\n{:<28} {:>8} {:>6} {:>24} {:>24} {:>24}\n",
+                             o.role, "variant", "FE paths", "sets", "blended", "nearest", "one set");
+    for (const VariantResult& r : results) {
+        const DrawnContacts* drawn = r.held_out.role(o.role);
+        if (!drawn) continue;
+        const auto cell = [&](const char* model) {
+            for (std::size_t m = 0; m < r.held_out.models.size(); ++m)
+                if (r.held_out.models[m] == model) {
+                    const Statistics s = drawn->statistics(m);
+                    return fmt::format("{:.2f} / {:.2f} / {:.2f} %", 100 * s.median, 100 * s.p95, 100 * s.max);
+                }
+            return std::string();
+        };
+        std::cout << fmt::format("{:<28} {:>8} {:>6} {:>24} {:>24} {:>24}\n", r.variant.name, r.fe_paths, r.sets,
+                                 cell("learned"), cell("learned_nearest"), cell("one_set"));
+    }
+}
+
+}  // namespace
+
+void add_ablate(CLI::App& app, const Invocation&) {
+    auto o = std::make_shared<Options>();
+    o->threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    CLI::App* command = app.add_subcommand("ablate", "Train and try the study's variants on its drawn contacts.");
+    command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
+    command->add_option("--cases", o->cases, "cases.h5 of tissuectl collect")->required()->type_name("FILE");
+    command->add_option("--out", o->out, "ablation.json to write")->required()->type_name("FILE");
+    command->add_option("--role", o->role, "which drawn contacts the printed table shows")
+        ->type_name("ROLE")
+        ->capture_default_str();
+    command->add_option("--threads", o->threads, "spring sets trained at a time; changes no result")
+        ->type_name("threads")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 4096));
+    command->callback([o, command] {
+        echo_options(*command);
+        run(*o);
+    });
+}
+
+}  // namespace tissue::cli

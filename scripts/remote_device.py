@@ -1,0 +1,36 @@
+#!/usr/bin/env python3
+"""A haptic device over UDP, for `tissue-haptic MODEL --device remote`: presses the top of the block and prints force.
+
+    remote_device.py [port [seconds]]
+
+Datagrams, little-endian, 48 bytes each way:
+    out  "TSP1", uint32 sequence, float64 time_s, float64 position_m[3], float64 reserved
+    in   "TSF1", uint32 sequence of the position used, float64 age_s, float64 force_N[3], float64 tick
+"""
+import math
+import socket
+import struct
+import sys
+import time
+
+port = int(sys.argv[1]) if len(sys.argv) > 1 else 47474
+seconds = float(sys.argv[2]) if len(sys.argv) > 2 else 5.0
+link = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+link.setblocking(False)
+start, answers, force = time.monotonic(), 0, (0.0, 0.0, 0.0)
+sequence = 0
+while (now := time.monotonic() - start) < seconds:
+    sequence += 1
+    y = 0.1 + 0.005 * math.cos(math.pi * now)          # in and out of the middle of the top, 2 s a cycle
+    link.sendto(struct.pack("<4sId3dd", b"TSP1", sequence, now, 0.05, y, 0.0, 0.0), ("127.0.0.1", port))
+    try:
+        while True:
+            magic, used, age_s, fx, fy, fz, tick = struct.unpack("<4sId3dd", link.recv(64))
+            answers, force = answers + 1, (fx, fy, fz)
+    except (BlockingIOError, ConnectionRefusedError):
+        pass
+    if sequence % 500 == 0:
+        print(f"{now:6.2f} s  y {1e3 * y:7.2f} mm  force {1e3 * force[0]:8.4f} {1e3 * force[1]:8.4f} mN")
+    time.sleep(max(0.0, start + sequence * 1e-3 - time.monotonic()))
+print(f"sent {sequence}, answers {answers}")
+sys.exit(0 if answers > 0 else 1)

@@ -1,0 +1,227 @@
+// Speed of training, of the loss and of what builds it, on the load cases of a study. Driven by scripts/bench.py.
+//
+//   bench_train sets STUDY CASES                  all sets of the study: by its optimiser, and exactly
+//   bench_train iterate STUDY CASES OPTIMIZER SET one set, by one optimiser, over and over
+//   bench_train loss STUDY CASES SET              one evaluation of the loss of one set
+//   bench_train lattice                           building lattices and their force matrices
+//   bench_train export STUDY CASES                the losses themselves, for others to minimise
+//
+// What runs on one thread is measured in processor time, so that others on the machine do not count; `sets` is not.
+// Prints a JSON list of {"name", "unit", "samples"}; `export` a list of sets instead: L(theta) = |target - B theta|
+// with B as triplets (row, column, value), and start, lo, hi, unit [N/m]. SET counts from 0.
+//
+// Sample run: build/release/bench/bench_train sets fem/studies/paper.toml results/paper/cases.h5
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "error.h"
+#include "springs/heuristic.h"
+#include "study/study.h"
+#include "train/objective.h"
+#include "train/optimizer.h"
+#include "train/train_sets.h"
+
+namespace {
+
+using namespace tissue;
+using Json = nlohmann::ordered_json;
+
+constexpr int threads = 2;  // the goals speak of two cores
+
+Json entry(const std::string& name, const std::string& unit, const std::vector<double>& samples) {
+    return {{"name", name}, {"unit", unit}, {"samples", samples}};
+}
+
+/// Processor time of this thread [s].
+double processor_seconds() {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/// Seconds that one call takes, `samples` times over, each the mean of so many calls that the clock does not matter.
+template <class Call>
+std::vector<double> time_calls(int samples, const Call& call) {
+    const auto seconds = [&](int calls) {
+        const double begin = processor_seconds();
+        for (int i = 0; i < calls; ++i) call();
+        return (processor_seconds() - begin) / calls;
+    };
+    seconds(1);  // warm up
+    const int calls = std::max(1, static_cast<int>(5e-3 / std::max(seconds(1), 1e-9)));
+    std::vector<double> times;
+    for (int s = 0; s < samples; ++s) times.push_back(seconds(calls));
+    return times;
+}
+
+std::vector<double> scaled(std::vector<double> values, double factor) {
+    for (double& value : values) value *= factor;
+    return values;
+}
+
+/// What a study trains on: its losses as train_sets makes them.
+struct Problem {
+    Study study;
+    Cases cases;
+    std::vector<ForceLoss> losses;
+    Eigen::VectorXd start;
+    Box box;
+
+    Problem(const std::string& study_file, const std::string& cases_file)
+        : study(read_study(study_file)), cases(read_cases(cases_file)) {
+        if (study.training.objective != "force" || study.training.ridge > 0)
+            throw MismatchError("bench_train: study '" + study.name + "' does not train on (9) alone");
+        Study quick = study;  // one iteration: for the weights it draws
+        quick.training.optimizer = "spsa-2008";
+        quick.training.also.clear();
+        quick.training.iterations = 1;
+        const TissueModel model = train_sets(quick, cases, threads);
+        const std::unique_ptr<SpringLaw> law = make_spring_law(study.springs.law);
+        const std::vector<LoadCase> loads = load_cases(cases);
+        for (std::size_t c = 0; c < loads.size(); ++c)
+            losses.push_back(
+                loss_of(model.mesh, *law, force_target(loads[c], model.node_weight.row(static_cast<Eigen::Index>(c)))));
+        start = model.heuristic_a;
+        box.lo = Eigen::VectorXd::Constant(start.size(), study.training.k_min_E2 * study.modulus_N_m());
+        box.hi = Eigen::VectorXd::Constant(start.size(), study.training.k_max_E2 * study.modulus_N_m());
+    }
+
+    const ForceLoss& loss(const std::string& set) const {
+        const std::size_t c = std::stoul(set);
+        if (c >= losses.size()) throw MismatchError("bench_train: there is no set " + set);
+        return losses[c];
+    }
+};
+
+Json bench_sets(const std::string& study_file, const std::string& cases_file) {
+    Study study = read_study(study_file);
+    study.training.also.clear();
+    const Cases cases = read_cases(cases_file);
+    std::vector<double> trained, exact, iterations, gaps;
+    for (int repeat = 0; repeat < 5; ++repeat) {
+        const TissueModel model = train_sets(study, cases, threads);
+        trained.push_back(model.trained[0].seconds);
+        exact.push_back(model.optimum.seconds);
+        if (repeat > 0) continue;
+        iterations.assign(model.trained[0].iterations.begin(), model.trained[0].iterations.end());
+        gaps.assign(model.trained[0].gap.begin(), model.trained[0].gap.end());
+    }
+    const std::string all = "train " + study.name + ", all " + std::to_string(iterations.size()) + " sets, ";
+    const std::string by = study.training.optimizer;
+    return {entry(all + by + ", at most " + std::to_string(study.training.iterations) + " iterations, 2 threads", "s",
+                  trained),
+            entry(all + by + ", iterations until it ends itself", "1", iterations),
+            entry(all + by + ", gap to the certified bound", "1", gaps),
+            entry(all + "exact with certificate, 2 threads", "s", exact)};
+}
+
+/// Time per iteration and loss reached, from `start` to the study's iterations or the optimiser's own end.
+Json bench_iterations(const Problem& problem, const std::string& optimizer, const std::string& set) {
+    const ForceLoss& loss = problem.loss(set);
+    const std::unique_ptr<Optimizer> method = make_optimizer(optimizer);
+    const std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free);
+    const StopCriteria stop{problem.study.training.iterations, {}, {}};
+    std::vector<double> us, rel_loss;
+    for (unsigned long repeat = 0; repeat < 5; ++repeat) {
+        gsl_rng_set(rng.get(), problem.study.training.seed + repeat);
+        const double begin = processor_seconds();
+        const TrainSummary summary =
+            method->minimise(loss, problem.start, problem.box, problem.study.modulus_N_m(), stop, rng.get());
+        us.push_back(1e6 * (processor_seconds() - begin) / summary.iterations);
+        rel_loss.push_back(summary.loss / loss.scale());
+    }
+    return {entry("iteration", "us", us), entry("rel_loss", "1", rel_loss)};
+}
+
+Json bench_loss(const Problem& problem, const std::string& set) {
+    const ForceLoss& loss = problem.loss(set);
+    Eigen::VectorXd workspace(loss.target().size());
+    double sum = 0;  // used, so that nothing is optimised away
+    const std::vector<double> times = time_calls(20, [&] { sum += loss(problem.start, workspace); });
+    if (!std::isfinite(sum)) throw MismatchError("bench_train: the loss is not finite");
+    return {entry("loss", "us", scaled(times, 1e6))};
+}
+
+Json bench_lattices() {
+    Json list = Json::array();
+    for (const std::string topology : {"grid4", "grid8"})
+        for (int nodes : {11, 21, 41}) {
+            const std::string size = std::to_string(nodes) + " x " + std::to_string(nodes) + " nodes";
+            const SpringMesh mesh = make_lattice(topology, nodes - 1, nodes - 1, 0.1, 0.1);
+            const std::string law_name = topology == "grid4" ? "isotropic" : "geometric";
+            const std::unique_ptr<SpringLaw> law = make_spring_law(law_name);
+            const NodeField u = 0.01 * (30 * mesh.nodes.array()).sin().matrix();
+            double sum = 0;
+            const std::vector<double> lattice =
+                time_calls(20, [&] { sum += make_lattice(topology, nodes - 1, nodes - 1, 0.1, 0.1).incident_area[0]; });
+            const std::vector<double> matrix = time_calls(20, [&] { sum += law->force_matrix(mesh, u).coeff(0, 0); });
+            if (!std::isfinite(sum)) throw MismatchError("bench_train: a force matrix is not finite");
+            list.push_back(entry("make_lattice, " + topology + ", " + size, "us", scaled(lattice, 1e6)));
+            list.push_back(
+                entry("force_matrix, " + topology + ", " + law_name + ", " + size, "us", scaled(matrix, 1e6)));
+        }
+    return list;
+}
+
+Json export_losses(const Problem& problem) {
+    const auto list = [](const Eigen::VectorXd& v) { return std::vector<double>(v.begin(), v.end()); };
+    Json sets = Json::array();
+    const std::vector<LoadCase> loads = load_cases(problem.cases);
+    for (std::size_t c = 0; c < loads.size(); ++c) {
+        const ForceLoss& loss = problem.losses[c];
+        std::vector<int> row, column;
+        std::vector<double> value;
+        for (int s = 0; s < loss.matrix().outerSize(); ++s)
+            for (SparseMatrix::InnerIterator it(loss.matrix(), s); it; ++it) {
+                row.push_back(static_cast<int>(it.row()));
+                column.push_back(s);
+                value.push_back(it.value());
+            }
+        sets.push_back({{"name", loads[c].name},
+                        {"row", row},
+                        {"column", column},
+                        {"value", value},
+                        {"target", list(loss.target())},
+                        {"start", list(problem.start)},
+                        {"lo", list(problem.box.lo)},
+                        {"hi", list(problem.box.hi)},
+                        {"unit", problem.study.modulus_N_m()},
+                        {"iterations", problem.study.training.iterations},
+                        {"start_loss", loss(problem.start)}});
+    }
+    return sets;
+}
+
+Json run(const std::vector<std::string>& words) {
+    const std::string command = words.empty() ? "" : words[0];
+    const std::size_t given = words.size() - (words.empty() ? 0 : 1);
+    if (command == "sets" && given == 2) return bench_sets(words[1], words[2]);
+    if (command == "lattice" && given == 0) return bench_lattices();
+    if (command == "export" && given == 2) return export_losses({words[1], words[2]});
+    if (command == "loss" && given == 3) return bench_loss({words[1], words[2]}, words[3]);
+    if (command == "iterate" && given == 4) return bench_iterations({words[1], words[2]}, words[3], words[4]);
+    return nullptr;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        const Json out = run({argv + 1, argv + argc});
+        if (out.is_null()) {
+            std::fputs("usage: bench_train sets|iterate|loss|lattice|export ...; see the head of its source\n", stderr);
+            return 2;
+        }
+        std::puts(out.dump().c_str());
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "%s\n", error.what());
+        return 1;
+    }
+    return 0;
+}

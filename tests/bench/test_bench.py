@@ -1,0 +1,52 @@
+"""results/bench.json has what it promises: test_bench.py [FILE]. Run by `make bench` after it was written; no time is
+judged here. Prints "ok - sentence" or "not ok - sentence: measured vs wanted"; exits 1 if any failed."""
+import json
+import math
+import sys
+from pathlib import Path
+
+KEYS = ["name", "unit", "median", "p95", "n", "peer", "peer_version", "peer_median", "ratio"]
+PEER = ["peer", "peer_version", "peer_median", "ratio"]
+failed = 0
+
+
+def check(sentence, wrong):
+    """wrong: what breaks the sentence, a list of words."""
+    global failed
+    failed += bool(wrong)
+    print(f"ok - {sentence}" if not wrong else f"not ok - {sentence}: {'; '.join(wrong[:5])} vs none")
+
+
+def is_number(x):
+    return isinstance(x, (int, float)) and not isinstance(x, bool) and math.isfinite(x)
+
+
+def main():
+    file = sys.argv[1] if len(sys.argv) > 1 else Path(__file__).resolve().parents[2] / "results" / "bench.json"
+    entries = json.load(open(file))
+    if not isinstance(entries, list) or not all(isinstance(e, dict) for e in entries):
+        check("bench.json is a list of entries", [f"a {type(entries).__name__} or other things in it"])
+        return 1
+    check("bench.json is a list of entries, not empty", [] if entries else ["nothing in it"])
+    odd = [str(e.get("name")) for e in entries if list(e) != KEYS]
+    check("every entry has the promised keys and no other, in order", odd)
+    if odd:
+        return 1
+    names = [e["name"] for e in entries]
+    check("no two entries have the same name", sorted({n for n in names if names.count(n) > 1}))
+    check("names and units are words", [str(e["name"]) for e in entries
+                                        if not all(isinstance(e[k], str) and e[k] for k in ("name", "unit"))])
+    check("median and p95 are numbers, in this order, of n > 0 samples",
+          [e["name"] for e in entries if not (is_number(e["median"]) and is_number(e["p95"])
+                                              and 0 <= e["median"] <= e["p95"]
+                                              and isinstance(e["n"], int) and e["n"] > 0)])
+    mixed = [e["name"] for e in entries if len({e[k] is None for k in PEER}) > 1]
+    check("the peer fields are all there or all null", mixed)
+    check("ratio is our median over the peer's",
+          [e["name"] for e in entries if e["ratio"] is not None and e["name"] not in mixed
+           and not math.isclose(e["ratio"] * e["peer_median"], e["median"], rel_tol=1e-9)])
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,119 @@
+#include "cases/sweep.h"
+
+#include <catch2/catch.hpp>
+#include <set>
+
+#include "error.h"
+#include "../example.h"
+#include "mesh/outline.h"
+#include "../refusal.h"
+#include "../tolerances.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// The example swept over the surface, with contacts drawn to prove with.
+std::string swept_text() {
+    const std::string& text = example_study_text();
+    const std::size_t from = text.find("paths = ["), to = text.find("[springs]");
+    return text.substr(0, from) +
+           "[loads.sweep]\nspacing_m = 0.025\nclearance_m = 0.025\nangles_deg = [-30, 0, 30]\n\n"
+           "[draws]\nheld_out = { seed = 5, count = 40, depth_m = [0.002, 0.008], max_angle_deg = 30 }\n"
+           "validation = { seed = 6, count = 10, depth_m = [0.002, 0.008], max_angle_deg = 30 }\n\n" +
+           text.substr(to);
+}
+
+const Study& swept() {
+    static const Study study = example_study(swept_text());
+    return study;
+}
+
+Outline outline() {
+    return Outline(make_lattice("grid4", 4, 4, 0.1, 0.1));
+}
+
+}  // namespace
+
+TEST_CASE("a listed study solves its list, path by path, to its depth") {
+    const Study study = example_study();
+    const auto paths = planned_paths(study);
+    REQUIRE(paths.size() == 2);
+    CHECK(paths[1].push.name == "corner");
+    CHECK(paths[1].role == "train");
+    CHECK(paths[1].depth_m == 0.008);
+    CHECK(paths[1].records == 4);
+}
+
+TEST_CASE("every path of a sweep has its own name and pushes from the free surface into the tissue") {
+    std::set<std::string> names;
+    for (const PlannedPath& p : planned_paths(swept())) {
+        CHECK(names.insert(p.push.name).second);
+        CHECK(p.push.direction.norm() == Approx(1).epsilon(tolerance::rounding));
+        const double arc = outline().arc_of(p.push.contact_m);
+        CHECK((outline().position(arc) - p.push.contact_m).norm() < tolerance::rounding);
+        CHECK(p.push.direction.dot(outline().inward_normal(arc)) > 0);
+        CHECK(p.push.contact_m.y() >= 0.025 - tolerance::rounding);
+        CHECK(p.depth_m <= 0.008);
+        CHECK(p.records >= 1);
+    }
+}
+
+TEST_CASE("of training contacts that mirror each other one is solved") {
+    for (const PlannedPath& p : planned_paths(swept())) {
+        if (p.role != "train") continue;
+        // counter-clockwise from the bottom right: the first half of the surface is the right one
+        CHECK(p.push.contact_m.x() >= 0.05 - tolerance::rounding);
+        if (p.push.contact_m.x() < 0.05 + tolerance::rounding) {
+            const Eigen::Vector2d middle(0.05, 0.1);
+            CHECK(outline().angle(outline().arc_of(middle), p.push.direction) > -1e-6);
+        }
+    }
+}
+
+TEST_CASE("drawn contacts are at least 2 mm or 5 degrees from every training contact, mirrored ones too") {
+    const auto paths = planned_paths(swept());
+    int drawn = 0;
+    for (const PlannedPath& d : paths) {
+        if (d.role == "train") continue;
+        ++drawn;
+        const double arc = outline().arc_of(d.push.contact_m);
+        for (const PlannedPath& t : paths) {
+            if (t.role != "train") continue;
+            for (double sign : {1.0, -1.0}) {
+                const Eigen::Vector2d contact(sign > 0 ? t.push.contact_m.x() : 0.1 - t.push.contact_m.x(),
+                                              t.push.contact_m.y()),
+                    push(sign * t.push.direction.x(), t.push.direction.y());
+                const double away = std::abs(outline().arc_of(contact) - arc);
+                const double degrees = std::acos(std::min(1.0, push.dot(d.push.direction))) * 180 / 3.14159265358979;
+                CHECK((away >= 0.002 - 1e-9 || degrees >= 5 - 1e-6));
+            }
+        }
+    }
+    CHECK(drawn == 50);
+}
+
+TEST_CASE("the draws are the seed's: the same for the same, others for another") {
+    const auto one = planned_paths(swept()), same = planned_paths(swept());
+    Study other = swept();
+    other.draws[0].seed += 100;
+    const auto moved = planned_paths(other);
+    REQUIRE(one.size() == same.size());
+    REQUIRE(one.size() == moved.size());
+    int different = 0;
+    for (std::size_t i = 0; i < one.size(); ++i) {
+        CHECK(one[i].push.contact_m == same[i].push.contact_m);
+        CHECK(one[i].depth_m == same[i].depth_m);
+        different += one[i].push.contact_m == moved[i].push.contact_m ? 0 : 1;
+    }
+    CHECK(different >= 10);
+}
+
+TEST_CASE("a draw without room between the training contacts is refused by name") {
+    Study crowded = swept();
+    crowded.loads.sweep->spacing_m = 0.001;
+    crowded.loads.sweep->angles_deg = {-6, -3, 0, 3, 6};
+    for (Study::Draws& draws : crowded.draws) draws.max_angle_deg = 5;
+    CHECK_THAT(refusal<MismatchError>([&] { planned_paths(crowded); }), Contains("draws."));
+}

@@ -1,0 +1,62 @@
+#include "haptic_example.h"
+
+#include <cmath>
+#include <cstdlib>
+
+#include "springs/heuristic.h"
+
+namespace tissue {
+
+TissueModel haptic_example(const ExampleModel& e) {
+    TissueModel m;
+    m.study = "example";
+    m.law = e.law;
+    m.mesh = make_lattice(e.topology, e.cells, e.cells, 0.1, 0.1);
+    m.modulus_N_m = 4524 * e.thickness_m;
+    m.node_mass_kg = node_masses(m.mesh, 1040, e.thickness_m);
+    m.heuristic_a = heuristic_stiffness(m.mesh, m.modulus_N_m);
+    m.heuristic_b = m.heuristic_a / 6;
+    m.one_set = m.heuristic_a;
+    struct Push { const char* name; double x, y, px, py; };
+    const Push pushes[] = {{"left", 0, 0.05, 1, 0},        {"top", 0.05, 0.1, 0, -1},        {"right", 0.1, 0.05, -1, 0},
+                           {"tl-across", 0, 0.1, 1, 0},    {"tl-down", 0, 0.1, 0, -1},       {"tl-diagonal", 0, 0.1, 1, -1},
+                           {"tr-across", 0.1, 0.1, -1, 0}, {"tr-down", 0.1, 0.1, 0, -1},     {"tr-diagonal", 0.1, 0.1, -1, -1}};
+    const int C = 18;
+    m.contact_m.resize(C, 2);
+    m.direction.resize(C, 2);
+    m.magnitude_m.resize(C);
+    m.node_weight = NodeField::Constant(C, m.mesh.node_count(), 0.9);
+    TrainedSets t;
+    t.optimizer = "example";
+    t.theta.resize(C, m.mesh.spring_count());
+    for (int c = 0; c < C; ++c) {
+        const Push& p = pushes[c / 2];
+        m.case_names.push_back(std::string(p.name) + (c % 2 ? "-15mm" : "-10mm"));
+        m.contact_m.row(c) << p.x, p.y;
+        m.direction.row(c) = Eigen::RowVector2d(p.px, p.py).normalized();
+        m.magnitude_m[c] = c % 2 ? 0.015 : 0.010;
+        for (int s = 0; s < m.mesh.spring_count(); ++s)
+            t.theta(c, s) = e.stiffer * m.heuristic_a[s] * (1 + (c % 2 ? 0.3 : 0) + e.spread * std::sin(1.7 * s + 2.3 * c));
+    }
+    t.loss_N = t.rel_loss = t.gap = Eigen::VectorXd::Zero(C);
+    t.iterations = t.evaluations = t.restarts = std::vector<int>(static_cast<std::size_t>(C), 1);
+    t.status = std::vector<std::string>(static_cast<std::size_t>(C), "converged");
+    t.curve_iteration = {0, 1};
+    t.curve_loss_N = NodeField::Ones(C, 2);
+    m.trained = {t};
+    m.optimum = {t.theta, t.loss_N, t.loss_N, t.loss_N, t.loss_N, 0};
+    return m;
+}
+
+long long adversarial_ticks(long long usual) {
+    const char* asked = std::getenv("TISSUE_ADVERSARIAL_TICKS");
+    return asked ? std::atoll(asked) : usual;
+}
+
+DeviceSample sample_at(double x_m, double y_m) {
+    DeviceSample sample;
+    sample.position_m << x_m, y_m, 0;
+    return sample;
+}
+
+}  // namespace tissue

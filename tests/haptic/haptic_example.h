@@ -1,0 +1,42 @@
+#pragma once
+
+#include <random>
+#include <string>
+#include <vector>
+
+#include "haptic/simulation.h"
+#include "springs/tissue_model.h"
+
+namespace tissue {
+
+struct ExampleModel {
+    std::string topology = "grid4", law = "isotropic";
+    int cells = 10;
+    double spread = 0.5;         ///< how much the sets differ from the heuristic, and from each other
+    double stiffer = 1;          ///< all sets times this
+    double thickness_m = 1.0 / 6000;
+};
+
+/// A model as the paper's: 10 cm, 9 pushes at 10 and 15 mm, a spring set each, in memory. No FE in it.
+TissueModel haptic_example(const ExampleModel& e = {});
+
+/// Uniform numbers that are the same on every machine.
+class Draw {
+   public:
+    explicit Draw(unsigned long seed) : random_(seed) {}
+    double operator()(double low, double high) {
+        return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1.0p-53;
+    }
+    int below(int n) { return static_cast<int>(random_() % static_cast<unsigned long>(n)); }
+
+   private:
+    std::mt19937_64 random_;
+};
+
+/// How many adversarial ticks a test runs: `usual`, or TISSUE_ADVERSARIAL_TICKS where that is set (10^7 in the issue).
+long long adversarial_ticks(long long usual);
+
+/// Sample at a point of the plane, for the default map.
+DeviceSample sample_at(double x_m, double y_m);
+
+}  // namespace tissue

@@ -1,0 +1,268 @@
+#include <arpa/inet.h>
+#include <dlfcn.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <thread>
+
+#include "../example.h"
+#include "../refusal.h"
+#include "error.h"
+#include "haptic/device_error.h"
+#include "haptic/openhaptics_device.h"
+#include "haptic/realtime_loop.h"
+#include "haptic/remote_device.h"
+#include "haptic/replay_device.h"
+#include "haptic/virtual_device.h"
+#include "haptic_example.h"
+
+using namespace tissue;
+
+namespace {
+
+double ledger(const Device& device, const std::string& name) {
+    for (const auto& [key, value] : device.ledger())
+        if (key == name) return value;
+    FAIL_CHECK("no entry " << name);
+    return 0;
+}
+
+void wait_ms(int ms) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(ms));
+}
+
+/// A client of the remote device, in this process.
+class Client {
+   public:
+    explicit Client(int port) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+        to_.sin_family = AF_INET;
+        to_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        to_.sin_port = htons(static_cast<std::uint16_t>(port));
+        const timeval wait{1, 0};
+        setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof wait);
+    }
+    ~Client() { ::close(socket_); }
+    Client(const Client&) = delete;
+    Client& operator=(const Client&) = delete;
+    void send(std::uint32_t sequence, double x, double y) {
+        const PositionDatagram p{{'T', 'S', 'P', '1'}, sequence, 0, {x, y, 0}, 0};
+        send(&p, sizeof p);
+    }
+    void send(const void* data, std::size_t size) {
+        REQUIRE(::sendto(socket_, data, size, 0, reinterpret_cast<const sockaddr*>(&to_), sizeof to_) == static_cast<ssize_t>(size));
+    }
+    ForceDatagram receive() {
+        ForceDatagram f{};
+        REQUIRE(::recv(socket_, &f, sizeof f, 0) == sizeof f);
+        return f;
+    }
+
+   private:
+    int socket_;
+    sockaddr_in to_{};
+};
+
+}  // namespace
+
+TEST_CASE("the virtual hand starts outside, stays below the speed limit, and does the same each time", "[device]") {
+    for (const std::string& name : motion_names())
+        for (unsigned long seed : {1ul, 2ul}) {
+            MotionOptions o;
+            o.name = name;
+            o.seed = seed;
+            VirtualDevice hand(make_motion(o), {}), again(make_motion(o), {});
+            double fastest = 0, deepest = 0;
+            Eigen::Vector3d before = hand.read(0).position_m;
+            const auto outside = [](const Eigen::Vector3d& p) { return p.x() < 0 || p.x() > 0.1 || p.y() < 0 || p.y() > 0.1; };
+            CHECK(outside(before));
+            CHECK(again.read(0).position_m == before);
+            for (int k = 1; k < 10000; ++k) {
+                const Eigen::Vector3d now = hand.read(k * 1e-3).position_m;
+                REQUIRE(now.allFinite());
+                REQUIRE(now == again.read(k * 1e-3).position_m);
+                fastest = std::max(fastest, (now - before).norm() / 1e-3);
+                if (!outside(now)) deepest = std::max(deepest, std::min({now.x(), 0.1 - now.x(), 0.1 - now.y()}));
+                before = now;
+            }
+            CHECK(fastest < 1);
+            CHECK(deepest > 0.006);
+            CHECK(deepest < 0.0101);
+        }
+    MotionOptions o;
+    o.name = "stab";
+    CHECK(refusal<MismatchError>([&] { make_motion(o); }).find("press, slide, poke, sine") != std::string::npos);
+    o = {};
+    o.depth_m = 0;
+    refusal<MismatchError>([&] { make_motion(o); });
+    refusal<MismatchError>([&] { VirtualDevice({}, {}); });
+}
+
+TEST_CASE("a replayed table moves in straight lines between its rows, ends with them, and judges our force", "[device]") {
+    const TemporaryFolder folder;
+    ReplayDevice replay(folder.file("a.csv", "time_s,x_m,y_m,z_m,fx_N,fy_N\n1,0,0,0,1,0\n1.5,0.1,0,0,3,0\n2,0.1,0.2,-0.4,3,4\n"));
+    CHECK((replay.read(0).position_m - Eigen::Vector3d(0, 0, 0)).norm() < 1e-15);
+    replay.write({1, 0, 0});
+    CHECK((replay.read(0.25).position_m - Eigen::Vector3d(0.05, 0, 0)).norm() < 1e-15);
+    replay.write({2, 2, 0});
+    CHECK_FALSE(replay.finished());
+    CHECK((replay.read(1).position_m - Eigen::Vector3d(0.1, 0.2, -0.4)).norm() < 1e-15);
+    replay.write({3, 4, 0});
+    CHECK(replay.finished());
+    CHECK(ledger(replay, "reference_error_max_N") == Approx(2));
+    CHECK(ledger(replay, "reference_error_rms_N") == Approx(2 / std::sqrt(3)));
+
+    const auto refused = [&](const std::string& text) { return refusal<Error>([&] { ReplayDevice(folder.file("b.csv", text)); }); };
+    CHECK(refused("t,x\n0,1\n").find("time_s,x_m,y_m") != std::string::npos);
+    CHECK(refused("time_s,x_m,y_m\n0,1,2\n0.1,1,nan\n").find("line 3") != std::string::npos);
+    CHECK(refused("time_s,x_m,y_m\n0,1,2\n0,1,2\n").find("ascend") != std::string::npos);
+    CHECK(refused("time_s,x_m,y_m\n0,1\n").find("y_m") != std::string::npos);
+    CHECK(refused("time_s,x_m,y_m\n").find("no trajectory") != std::string::npos);
+    refusal<FileError>([&] { ReplayDevice(folder.file("missing.csv")); });
+}
+
+TEST_CASE("the remote device takes the newest position and counts what is late, lost and foreign", "[device]") {
+    RemoteDevice device(0);
+    CHECK_FALSE(device.read(0).valid);  // nobody has spoken
+    Client client(device.port());
+    client.send(10, 0.1, 0.2);
+    wait_ms(5);
+    DeviceSample s = device.read(0.001);
+    CHECK(s.valid);
+    CHECK(s.position_m == Eigen::Vector3d(0.1, 0.2, 0));
+    CHECK(s.age_s == 0);
+    device.write({1, -2, 3});
+    const ForceDatagram f = client.receive();
+    CHECK(std::memcmp(f.magic, "TSF1", 4) == 0);
+    CHECK(f.sequence == 10);
+    CHECK((f.force_N[0] == 1 && f.force_N[1] == -2 && f.force_N[2] == 3));
+    client.send(13, 0.3, 0);   // 11, 12 lost
+    client.send(12, 0.9, 0.9); // late
+    client.send("hello", 5);
+    const PositionDatagram wrong{{'X', 'S', 'P', '1'}, 14, 0, {0, 0, 0}, 0};
+    client.send(&wrong, sizeof wrong);
+    wait_ms(5);
+    s = device.read(0.002);
+    CHECK(s.position_m.x() == 0.3);
+    CHECK(device.read(0.102).age_s == Approx(0.1));
+    CHECK(ledger(device, "received") == 2);
+    CHECK(ledger(device, "lost") == 2);
+    CHECK(ledger(device, "late") == 1);
+    CHECK(ledger(device, "foreign") == 2);
+    Client second(device.port());  // another client, from another start
+    second.send(1, 0.7, 0);
+    wait_ms(5);
+    CHECK(device.read(0.2).position_m.x() == 0.7);
+    CHECK(refusal<DeviceError>([&] { RemoteDevice taken(device.port()); }).find(std::to_string(device.port())) != std::string::npos);
+}
+
+TEST_CASE("a flood of datagrams does not hold up a tick", "[device]") {
+    RemoteDevice device(0);
+    Client client(device.port());
+    for (std::uint32_t k = 0; k < 500; ++k) client.send(k + 1, 0, 0);
+    wait_ms(20);
+    device.read(0);
+    CHECK(ledger(device, "received") <= 64);
+}
+
+TEST_CASE("openhaptics: without the vendor's library the message says so", "[device]") {
+    const std::string text = refusal<DeviceError>([] { OpenHapticsDevice device("libHD_that_is_not_there.so"); });
+    CHECK(text.find("libHD_that_is_not_there.so is not on this machine") != std::string::npos);
+    CHECK(refusal<DeviceError>([] { OpenHapticsDevice device("libm.so.6"); }).find("hdInitDevice") != std::string::npos);
+}
+
+TEST_CASE("openhaptics: position in millimetres comes in, force goes out, zero when we stop", "[device]") {
+    // a stand-in for the vendor's library, built here
+    const TemporaryFolder folder;
+    const std::string source = (std::filesystem::path(__FILE__).parent_path() / "stand_in" / "libHD.cpp").string();
+    const std::string library = folder.file("libHD.so");
+    REQUIRE(std::system(("c++ -std=c++17 -O1 -shared -fPIC -pthread -o " + library + " " + source).c_str()) == 0);
+    void* handle = dlopen(library.c_str(), RTLD_NOW);
+    REQUIRE(handle);
+    const auto set_position = reinterpret_cast<void (*)(double, double, double)>(dlsym(handle, "stand_in_set_position"));
+    const auto get_force = reinterpret_cast<void (*)(double*)>(dlsym(handle, "stand_in_get_force"));
+    const auto set_error = reinterpret_cast<void (*)(unsigned)>(dlsym(handle, "stand_in_set_error"));
+    REQUIRE((set_position && get_force && set_error));
+    double force[3];
+    {
+        OpenHapticsDevice device(library);
+        CHECK_FALSE(device.read(0).valid);
+        set_position(10, -20, 30);
+        device.start();
+        wait_ms(30);
+        DeviceSample s = device.read(0.03);
+        CHECK(s.valid);
+        CHECK((s.position_m - Eigen::Vector3d(0.01, -0.02, 0.03)).norm() < 1e-15);
+        for (int k = 0; k < 20; ++k) {
+            device.write({0.5, 0.25, -1});
+            wait_ms(1);
+        }
+        get_force(force);
+        CHECK((force[0] == 0.5 && force[1] == 0.25 && force[2] == -1));
+        wait_ms(60);  // the tick has fallen silent: the servo cuts the force by itself
+        get_force(force);
+        CHECK((force[0] == 0 && force[1] == 0 && force[2] == 0));
+        CHECK(ledger(device, "cut_off_ticks") > 0);
+        set_error(0x0301);
+        wait_ms(20);
+        CHECK_FALSE(device.read(0.1).valid);
+        set_error(0);
+
+        // a dead servo is stale input
+        wait_ms(10);
+        device.read(0.2);
+        device.write({1, 0, 0});
+        device.write(Eigen::Vector3d::Zero());
+        device.stop();
+        wait_ms(5);
+        device.read(0.3);
+        CHECK(device.read(0.5).age_s >= 0.19);
+    }
+    get_force(force);
+    CHECK((force[0] == 0 && force[1] == 0 && force[2] == 0));
+    set_error(0x0200);
+    CHECK(refusal<DeviceError>([&] { OpenHapticsDevice device(library); }).find("0x0200") != std::string::npos);
+    dlclose(handle);
+}
+
+TEST_CASE("openhaptics: a whole session presses through the stand-in", "[device]") {
+    const TemporaryFolder folder;
+    const std::string source = (std::filesystem::path(__FILE__).parent_path() / "stand_in" / "libHD.cpp").string();
+    const std::string library = folder.file("libHD.so");
+    REQUIRE(std::system(("c++ -std=c++17 -O1 -shared -fPIC -pthread -o " + library + " " + source).c_str()) == 0);
+    void* handle = dlopen(library.c_str(), RTLD_NOW);
+    REQUIRE(handle);
+    const auto set_position = reinterpret_cast<void (*)(double, double, double)>(dlsym(handle, "stand_in_set_position"));
+    const auto get_force = reinterpret_cast<void (*)(double*)>(dlsym(handle, "stand_in_get_force"));
+    set_position(50, 105, 0);
+    HapticOptions o;
+    o.map.force_scale = 100;
+    const HapticModel model(haptic_example(), o);
+    Simulation simulation(model);
+    OpenHapticsDevice device(library);
+    double force[3], largest = 0;
+    std::thread hand([&] {
+        for (int k = 0; k < 300; ++k) {
+            set_position(50, 105 - 0.05 * k, 0);
+            double now[3];
+            get_force(now);
+            largest = std::max(largest, now[1]);
+            wait_ms(1);
+        }
+    });
+    LoopOptions loop;
+    loop.seconds = 0.4;
+    loop.realtime = false;
+    const LoopReport report = run_loop(simulation, device, loop);
+    hand.join();
+    CHECK(report.ticks > 100);
+    CHECK(largest > 0.05);
+    get_force(force);
+    CHECK(force[1] == 0);
+    dlclose(handle);
+}

@@ -1,0 +1,282 @@
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "../example.h"
+#include "../refusal.h"
+#include "error.h"
+#include "haptic/realtime_loop.h"
+#include "haptic/replay_device.h"
+#include "haptic/virtual_device.h"
+#include "haptic_example.h"
+#include "io/atomic_file.h"
+
+using namespace tissue;
+
+namespace {
+
+/// The program: TISSUE_HAPTIC, or the one that was built beside these tests.
+std::string program() {
+    if (const char* given = std::getenv("TISSUE_HAPTIC")) return given;
+    return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "tissue-haptic").string();
+}
+
+struct Ended {
+    int status;
+    std::string out, err;
+};
+
+/// Runs the program in a shell; "signal TERM 0.5" ends it after half a second.
+Ended run(const TemporaryFolder& folder, const std::string& arguments, const std::string& signal = "", double after_s = 0) {
+    std::string command = program() + " " + arguments + " > " + folder.file("out") + " 2> " + folder.file("err");
+    if (!signal.empty())
+        command += " & child=$!; sleep " + std::to_string(after_s) + "; kill -" + signal + " $child; wait $child";
+    const int status = std::system(("sh -c '" + command + "'").c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(folder.file("out")), read_file(folder.file("err"))};
+}
+
+std::string model_file(const TemporaryFolder& folder) {
+    const std::string file = folder.file("model.h5");
+    write_model(file, haptic_example(), {"test", 1, {}});
+    return file;
+}
+
+}  // namespace
+
+TEST_CASE("a ring keeps order between two threads, and drops only what does not fit", "[recorder]") {
+    SpscRing<int> ring(1000);
+    CHECK(ring.capacity() == 1024);
+    for (int k = 0; k < 1024; ++k) REQUIRE(ring.push(k));
+    CHECK_FALSE(ring.push(0));
+    int item = -1;
+    for (int k = 0; k < 1024; ++k) REQUIRE((ring.pop(item) && item == k));
+    CHECK_FALSE(ring.pop(item));
+
+    long long sum = 0;
+    std::thread reader([&] {
+        int next = 0, got;
+        while (next < 200000)
+            if (ring.pop(got)) {
+                if (got != next) return;
+                sum += got;
+                ++next;
+            }
+    });
+    for (int k = 0; k < 200000;)
+        if (ring.push(k)) ++k;
+    reader.join();
+    CHECK(sum == 200000ll * 199999 / 2);
+}
+
+TEST_CASE("percentiles of durations are within 1 %, the largest exact", "[recorder]") {
+    Histogram h;
+    CHECK(h.percentile(0.5) == 0);
+    for (int k = 1; k <= 10000; ++k) h.add(k);
+    CHECK(h.percentile(0.5) == Approx(5000).epsilon(0.011));
+    CHECK(h.percentile(0.999) == Approx(9990).epsilon(0.011));
+    CHECK(h.percentile(1) == 10000);
+    CHECK(h.max() == 10000);
+}
+
+TEST_CASE("a recorded session replays to the same forces, bit for bit", "[recorder]") {
+    const TemporaryFolder folder;
+    HapticOptions o;
+    o.map.force_scale = 100;
+    const HapticModel model(haptic_example(), o);
+    {
+        // in simulated time: every tick on its place
+        Simulation simulation(model);
+        VirtualDevice hand(make_motion({"poke", 2, 0.01, 4, model.low_m, model.high_m}), o.map);
+        Recorder recorder(folder.file("a.h5"), {"test", 4, {}});
+        for (int k = 0; k < 2000; ++k) {
+            simulation.tick(hand.read(k * 1e-3));
+            RecordedTick row{simulation.record(), 1, 2};
+            row.tick.time_s = k * 1e-3;
+            recorder.push(row);
+        }
+        recorder.close(model);
+        CHECK(recorder.dropped() == 0);
+        CHECK(simulation.safety().counters().force_max_N > 0.05);
+    }
+    const Hdf5Reader in(folder.file("a.h5"), "recording");
+    CHECK(in.number_attribute("/", "force_scale") == 100);
+    CHECK(in.number_attribute("/", "dropped_samples") == 0);
+    const NodeField force = in.field("/device_force");
+    REQUIRE(force.rows() == 2000);
+    Simulation again(model);
+    ReplayDevice replay(folder.file("a.h5"));
+    for (int k = 0; k < 2000; ++k) {
+        const Eigen::Vector3d f = again.tick(replay.read(k * 1e-3));
+        replay.write(f);
+        REQUIRE(f == force.row(k).transpose());
+    }
+    CHECK(replay.finished());
+    for (const auto& [name, value] : replay.ledger())
+        if (name != "reference_rms_N") CHECK(value == 0);
+}
+
+TEST_CASE("a full ring drops samples and counts them, and the recording says so", "[recorder]") {
+    const TemporaryFolder folder;
+    const HapticModel model(haptic_example(), {});
+    Recorder recorder(folder.file("a.h5"), {"test", 1, {}}, 16);
+    for (int k = 0; k < 100000; ++k) {
+        RecordedTick row;
+        row.tick.time_s = k;
+        recorder.push(row);
+    }
+    recorder.close(model);
+    const Hdf5Reader in(folder.file("a.h5"), "recording");
+    CHECK(recorder.dropped() > 0);
+    CHECK(in.number_attribute("/", "dropped_samples") == static_cast<double>(recorder.dropped()));
+    CHECK(in.vector("/time").size() + recorder.dropped() == 100000);
+    refusal<FileError>([&] { Recorder(folder.file("no/such/folder.h5"), {"test", 1, {}}); });
+}
+
+TEST_CASE("the loop keeps its schedule over missed ticks, and the force is zero after it", "[loop]") {
+    /// A hand that holds the loop up for 5 ms in its 50th tick, by sleeping: the machine's doing, not the program's.
+    class Sleepy final : public Device {
+       public:
+        std::string name() const override { return "sleepy"; }
+        DeviceSample read(double time_s) noexcept override {
+            last_s = time_s;
+            if (++reads == 50) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+            return sample_at(0.05, 0.103 - std::min(1e-3 * reads, 0.008));  // presses
+        }
+        void write(const Eigen::Vector3d& f) noexcept override {
+            force = f;
+            before_last = last_written;
+            last_written = f.norm();
+        }
+        int reads = 0;
+        double last_s = 0, last_written = 0, before_last = 0;
+        Eigen::Vector3d force{1, 1, 1};
+    } device;
+    const HapticModel model(haptic_example(), {});
+    Simulation simulation(model);
+    LoopOptions o;
+    o.seconds = 0.3;
+    o.realtime = false;
+    const auto start = std::chrono::steady_clock::now();
+    const LoopReport report = run_loop(simulation, device, o);
+    CHECK(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() >= 0.3);
+    CHECK(report.misses >= 5);
+    CHECK(report.misses_program == 0);
+    CHECK(report.ticks + report.misses >= 300);
+    CHECK(report.ticks == device.reads);
+    CHECK(device.last_s < 0.3);
+    CHECK(device.before_last > 0);  // it pressed until the end
+    CHECK(device.force == Eigen::Vector3d::Zero());
+    CHECK(report.tick_us.max() > 4900);
+}
+
+TEST_CASE("tissue-haptic: a session's ledger is JSON with every key, and its recording holds every tick", "[program]") {
+    const TemporaryFolder folder;
+    const Ended ended = run(folder, model_file(folder) + " --seconds 1 --motion poke --json --force-scale 3 --record " + folder.file("s.h5"));
+    INFO(ended.err);
+    REQUIRE(ended.status == 0);
+    const nlohmann::json j = nlohmann::json::parse(ended.out);
+    for (const char* key : {"model", "device", "ticks", "misses", "misses_program", "tick_us", "lateness_us", "dropped_samples",
+                            "force_max_N", "clamped", "energy_given_J", "bad_input"})
+        CHECK(j.count(key) == 1);
+    for (const char* key : {"p50", "p99", "p999", "max"}) CHECK((j["tick_us"].count(key) == 1 && j["lateness_us"].count(key) == 1));
+    CHECK(j["device"] == "virtual");
+    CHECK(j["ticks"].get<int>() + j["misses"].get<int>() >= 1000);
+    CHECK(j["bad_input"] == 0);
+    CHECK(ended.err.find("force scale 3") != std::string::npos);
+    CHECK(ended.err.find("omega dt") != std::string::npos);
+    const Hdf5Reader in(folder.file("s.h5"), "recording");
+    CHECK(in.vector("/time").size() == j["ticks"].get<int>());
+    CHECK(in.number_attribute("/", "force_scale") == 3);
+    CHECK(in.text_attribute("/", "dynamics_learned") == "symplectic");
+
+    const Ended replayed = run(folder, model_file(folder) + " --device replay --trajectory " + folder.file("s.h5") + " --force-scale 3 --seconds 0 --json");
+    REQUIRE(replayed.status == 0);
+    CHECK(nlohmann::json::parse(replayed.out)["details"]["device"].count("reference_error_rms_N") == 1);
+}
+
+TEST_CASE("tissue-haptic: SIGINT and SIGTERM end it with a ledger and a closed file", "[program]") {
+    for (const char* signal : {"TERM", "INT"}) {
+        const TemporaryFolder folder;
+        const Ended ended = run(folder, model_file(folder) + " --seconds 0 --json --record " + folder.file("s.h5"), signal, 0.6);
+        CHECK(ended.status == 0);
+        const nlohmann::json j = nlohmann::json::parse(ended.out);
+        CHECK(j["ticks"].get<int>() > 50);
+        const Hdf5Reader in(folder.file("s.h5"), "recording");
+        CHECK(in.vector("/time").size() == j["ticks"].get<int>());
+        CHECK_FALSE(std::filesystem::exists(folder.file("s.h5.tmp")));
+    }
+}
+
+TEST_CASE("tissue-haptic: 1 for work that fails, 2 for a wrong command line, each in one line", "[program]") {
+    const TemporaryFolder folder;
+    const std::string model = model_file(folder);
+    const auto ended = [&](const std::string& arguments, int status) {
+        const Ended e = run(folder, arguments);
+        CHECK(e.status == status);
+        return e.err;
+    };
+    CHECK(ended(folder.file("missing.h5"), 1).find("missing.h5") != std::string::npos);
+    CHECK(ended(model + " --device openhaptics --library libHD_none.so", 1).find("is not on this machine") != std::string::npos);
+    CHECK(ended(model + " --sets best", 1).find("example, optimum") != std::string::npos);
+    CHECK(ended(model + " --record " + folder.file("no/s.h5"), 1).find("cannot write") != std::string::npos);
+    CHECK(ended(model + " --device replay --trajectory " + folder.file("none.csv"), 1).find("none.csv") != std::string::npos);
+    ended("", 2);
+    ended(model + " --device mouse", 2);
+    ended(model + " --device replay", 2);
+    ended(model + " --force-max -1", 2);
+    ended(model + " --axes x,x", 2);
+    ended(model + " --check " + model, 2);
+    ended(model + " --swiftly", 2);
+    CHECK(run(folder, "--version").out.find("tissue-haptic ") == 0);
+}
+
+TEST_CASE("tissue-haptic: help is a table of option, default, unit, meaning", "[program]") {
+    const TemporaryFolder folder;
+    const Ended help = run(folder, "--help");
+    CHECK(help.status == 0);
+    CHECK(help.out.find("option                 default      unit       meaning") != std::string::npos);
+    CHECK(help.out.find("--force-max            3.3          N ") != std::string::npos);
+}
+
+TEST_CASE("tissue-haptic: the shipped client drives it over UDP, and gets its forces", "[program]") {
+    const TemporaryFolder folder;
+    const std::string client = (std::filesystem::path(__FILE__).parent_path() / "../../scripts/remote_device.py").string();
+    const char* python = std::getenv("PYTHON");
+    const int port = 40000 + static_cast<int>(::getpid()) % 20000;
+    const std::string arguments = model_file(folder) + " --device remote --port " + std::to_string(port) + " --seconds 2.5 --json";
+    const int status = std::system(("sh -c '" + program() + " " + arguments + " > " + folder.file("out") + " 2> " + folder.file("err") +
+                                    " & child=$!; sleep 0.3; " + (python ? python : "python3") + " " + client + " " +
+                                    std::to_string(port) + " 1.5 > " + folder.file("client") + "; client=$?; wait $child || exit 3; exit $client'").c_str());
+    INFO(read_file(folder.file("err")) << read_file(folder.file("client")));
+    REQUIRE(WEXITSTATUS(status) == 0);
+    const nlohmann::json j = nlohmann::json::parse(read_file(folder.file("out")));
+    CHECK(j["details"]["device"]["received"].get<double>() > 300);
+    CHECK(j["details"]["device"]["sent"].get<double>() > 300);
+    CHECK(j["force_max_N"].get<double>() > 1e-4);
+    CHECK(j["details"]["stale"].get<int>() > 0);  // the client left before we did
+}
+
+TEST_CASE("tissue-haptic: starts at once, links neither Boost nor Python", "[program]") {
+    const TemporaryFolder folder;
+    const std::string model = model_file(folder);
+    double fastest = 1;
+    for (int k = 0; k < 10; ++k) {
+        const auto start = std::chrono::steady_clock::now();
+        REQUIRE(run(folder, model + " --seconds 0.001").status == 0);
+        fastest = std::min(fastest, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    }
+    CHECK(fastest < 0.05);
+    REQUIRE(std::system(("ldd " + program() + " > " + folder.file("libraries")).c_str()) == 0);
+    const std::string libraries = read_file(folder.file("libraries"));
+    CHECK(libraries.find("boost") == std::string::npos);
+    CHECK(libraries.find("python") == std::string::npos);
+}
