@@ -13,6 +13,7 @@ RUN ?=
 PYTHON ?= /usr/bin/python3
 BUILD := build/$(if $(SANITIZE),sanitize,release)
 TISSUECTL := $(BUILD)/tissuectl
+TISSUE_HAPTIC := $(BUILD)/tissue-haptic
 MAKEFLAGS += --no-builtin-rules --no-print-directory
 # FE and figures run many at a time under -j; a BLAS with threads of its own would only get in the way, and change
 # the last bits of results from run to run
@@ -24,7 +25,7 @@ export OMP_NUM_THREADS := 1
 
 # ---- front door
 
-.PHONY: all mesh cases train eval figures reference trust gains test sanitize bench deps help clean build
+.PHONY: ablation all mesh cases train eval figures reference trust gains test sanitize bench deps help clean build
 
 ## all: the whole study, from mesh to figures
 all: figures eval
@@ -45,7 +46,7 @@ eval: $(R)/eval.json
 figures:
 
 ## build: the programs alone
-build: $(TISSUECTL)
+build: $(TISSUECTL) $(TISSUE_HAPTIC)
 
 ## deps: name and install missing packages
 deps: build/deps
@@ -67,15 +68,17 @@ build/deps: scripts/install_deps
 
 CXX := g++
 PACKAGES := hdf5 gsl fmt nlopt libxxhash lapacke openblas
+# tests forbid Eigen to allocate in the tick (EIGEN_RUNTIME_NO_MALLOC);
 # gcc 12 sees an overflow in fmt's own inlined parser that is not there
-CXXFLAGS = -std=c++17 -O3 -g1 -pthread -Wall -Wextra -Wpedantic -Wshadow -Werror -Wno-stringop-overflow -MMD -MP \
+CXXFLAGS = -std=c++17 -O3 -g1 -pthread -Wall -Wextra -Wpedantic -Wshadow -Werror -Wno-stringop-overflow -DEIGEN_RUNTIME_NO_MALLOC -MMD -MP \
   -Ilib -isystem /usr/include/eigen3 $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(PACKAGES))) \
   $(if $(SANITIZE),-O1 -fsanitize=address$(comma)undefined -fno-sanitize-recover=all)
 LDLIBS = $(shell pkg-config --libs $(PACKAGES)) -pthread
 comma := ,
 
 LIB_SOURCES := $(wildcard lib/*/*.cpp)
-CLI_SOURCES := $(wildcard cli/*.cpp)
+HAPTIC_SOURCES := cli/tissue_haptic.cpp cli/haptic_report.cpp
+CLI_SOURCES := $(filter-out $(HAPTIC_SOURCES),$(wildcard cli/*.cpp))
 TEST_SOURCES := $(filter-out tests/bench/%,$(wildcard tests/*.cpp tests/*/*.cpp))
 BENCH_SOURCES := $(wildcard tests/bench/bench_*.cpp)
 objects = $(patsubst %.cpp,$(BUILD)/%.o,$(1))
@@ -91,13 +94,22 @@ $(BUILD)/libtissue.a: $(call objects,$(LIB_SOURCES))
 $(TISSUECTL): $(call objects,$(CLI_SOURCES)) $(BUILD)/libtissue.a
 	@$(CXX) $(CXXFLAGS) $^ $(LDLIBS) -o $@
 
+# symbols stay in the objects; the program that a device waits for is small
+$(TISSUE_HAPTIC): $(call objects,$(HAPTIC_SOURCES) cli/command.cpp) $(BUILD)/libtissue.a
+	@$(CXX) $(CXXFLAGS) -s -Wl,--as-needed $^ $(LDLIBS) -ldl -o $@
+
 $(BUILD)/test_tissue: $(call objects,$(TEST_SOURCES)) $(BUILD)/libtissue.a
 	@$(CXX) $(CXXFLAGS) $^ $(LDLIBS) -o $@
 
 $(BUILD)/gains_probe: $(call objects,scripts/gains_probe.cpp) $(BUILD)/libtissue.a
 	@$(CXX) $(CXXFLAGS) $^ $(LDLIBS) -o $@
 
--include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) $(CLI_SOURCES) $(TEST_SOURCES) scripts/gains_probe.cpp))
+BENCHES := $(BENCH_SOURCES:tests/bench/%.cpp=$(BUILD)/bench/%)
+$(BENCHES): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(BUILD)/libtissue.a
+	@mkdir -p $(@D)
+	@$(CXX) $(CXXFLAGS) $^ $(LDLIBS) -o $@
+
+-include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) $(CLI_SOURCES) $(HAPTIC_SOURCES) $(TEST_SOURCES) $(BENCH_SOURCES) scripts/gains_probe.cpp))
 
 # ---- stages: one rule per kind of file
 
@@ -116,7 +128,10 @@ $(R)/plan/%:
 
 $(R)/mesh.msh $(R)/mesh-fine.msh: fem/block.geo
 	@echo "mesh  $@"
+	@: > $@.log
+	@# gmsh ends with 0 on a full disk: a whole mesh is one that has its last line
 	@gmsh -v 2 -2 -format msh22 $(MESH_ARGUMENTS) $< -o $@.tmp > $@.log 2>&1 \
+	  && tail -n 1 $@.tmp | grep -qx '.EndElements' \
 	  || { echo "$@: gmsh failed; see $@.log" >&2; rm -f $@.tmp; exit 1; }
 	@mv $@.tmp $@
 
@@ -150,6 +165,10 @@ trust: | build/deps
 	@FF_LOADPATH="$$(scripts/freefem_plugins)" $(PYTHON) scripts/trust_study.py --out results/trust/trust.csv
 	@$(PYTHON) scripts/figures/trust.py results/trust/trust.csv results/reference/trust.png
 
+## ablation: train and try the study's variants on its drawn contacts
+ablation: $(R)/cases.h5 $(TISSUECTL)
+	@$(TISSUECTL) ablate --study fem/studies/$(STUDY).toml --cases $< --out $(R)/ablation.json
+
 ## gains: how gains, iterations and Q follow mesh size and displacement, as results/reference/gains.md
 gains: $(TISSUECTL) $(BUILD)/gains_probe
 	@for nodes in 6 11 21 41; do $(MAKE) cases STUDY=lattice-$$nodes || exit 1; done
@@ -158,14 +177,17 @@ gains: $(TISSUECTL) $(BUILD)/gains_probe
 # ---- tests and benches
 
 ## test: library, FE and pipeline tests; the last line counts them
-test: $(TISSUECTL) $(BUILD)/test_tissue
-	@PYTHON=$(PYTHON) TISSUECTL=$(abspath $(TISSUECTL)) tests/run $(BUILD)/test_tissue
+test: $(TISSUECTL) $(TISSUE_HAPTIC) $(BUILD)/test_tissue
+	@TISSUE_HAPTIC=$(abspath $(TISSUE_HAPTIC)) PYTHON=$(PYTHON) TISSUECTL=$(abspath $(TISSUECTL)) tests/run $(BUILD)/test_tissue
 
 ## sanitize: library tests under address and undefined-behaviour sanitizers
 sanitize:
-	@$(MAKE) SANITIZE=1 build/sanitize/test_tissue
-	@build/sanitize/test_tissue
+	@$(MAKE) SANITIZE=1 build/sanitize/tissue-haptic build/sanitize/test_tissue
+	@TISSUE_HAPTIC=$(abspath build/sanitize/tissue-haptic) build/sanitize/test_tissue
 
-## bench: speed of our own parts, as results/bench.json
-bench: $(R)/cases.h5
-	@echo "no bench yet" && exit 1
+## bench: our speed beside that of others, as results/bench.json
+bench: $(TISSUECTL) $(BENCHES)
+	@$(MAKE) train STUDY=paper
+	@PYTHON=$(PYTHON) scripts/venv || echo "bench: goes on without its peers" >&2
+	@$(PYTHON) scripts/bench.py --make $(MAKE) $(BENCHES)
+	@$(PYTHON) tests/bench/test_bench.py

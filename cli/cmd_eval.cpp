@@ -23,7 +23,7 @@ void run(const Options& o) {
         throw MismatchError(o.model + ": was trained for study '" + model.study + "', not '" + study.name + "'");
     const Evaluation evaluation = evaluate(model, read_cases(o.cases), study.training.k_min_E2 * study.modulus_N_m(),
                                            study.training.k_max_E2 * study.modulus_N_m(), o.threads);
-    const std::string json = to_json(evaluation, study.training.seed);
+    const std::string json = to_json(evaluation, model.seed);
     if (!o.report.empty()) write_file(o.report, to_markdown(evaluation));
     write_file(o.out, json);
     if (o.json) std::cout << json;

@@ -155,17 +155,18 @@ Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N
     if (!listed) return result;
     result.front = ridge_front(model, cases, k_min_N_m, k_max_N_m);
     for (const LoadPath& path : cases.paths) {
+        if (path.role != "train") continue;
         ForceCurve curve;
         curve.path = path.name;
         curve.model_force_N.resize(candidates.size());
-        const SurfacePoint contact = locate_on_surface(model.mesh, path.contact_m);
+        const std::vector<int> loaded = loaded_nodes(model.mesh, path.records.back());
         for (const PathRecord& record : path.records) {
             const std::size_t serving = nearest_case(loads, path, record.magnitude_m);
             curve.magnitude_m.push_back(record.magnitude_m);
             curve.fe_N.push_back(record.contact_force_N.dot(path.direction));
             curve.serving_set.push_back(loads[serving].name);
             for (std::size_t m = 0; m < candidates.size(); ++m)
-                curve.model_force_N[m].push_back(resolved_force(model.mesh, *law, candidates[m].at(serving), contact,
+                curve.model_force_N[m].push_back(resolved_force(model.mesh, *law, candidates[m].at(serving), loaded,
                                                                 path.direction, record.displacement));
         }
         result.curves.push_back(std::move(curve));

@@ -17,7 +17,7 @@ Statistics statistics_of(std::vector<double> sample);
 /// Open-loop errors of one spring set at one FE state: the paper's own measure.
 struct ForceError {
     double rel_loss;          ///< L(theta) / sqrt(f_fe' Q f_fe), (9)
-    double resolved_force_N;  ///< force at the loaded node along the push, the paper's Fig. 3
+    double resolved_force_N;  ///< force at the loaded nodes along the push, the paper's Fig. 3
     double resolved_error;    ///< |model - FE| / |FE| of the resolved force
 };
 
@@ -25,6 +25,13 @@ struct ForceError {
 ForceError force_error(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
                        const SurfacePoint& contact, const Eigen::VectorXd& node_weight, const LoadPath& path,
                        const PathRecord& record);
+
+/// Free nodes that carry the indenter in a record: one under a point, several under a patch. Of a record at rest none.
+std::vector<int> loaded_nodes(const SpringMesh& mesh, const PathRecord& record);
+
+/// As below, summed over nodes.
+double resolved_force(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
+                      const std::vector<int>& nodes, const Eigen::Vector2d& direction, const NodeField& displacement);
 
 /// Force of the spring mesh on its contact along the push when every node is where FE has it [N].
 double resolved_force(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,

@@ -113,6 +113,7 @@ TissueModel read_model(const std::string& file) {
     TissueModel model;
     model.study = in.text_attribute("/", "study");
     model.law = in.text_attribute("/", "law");
+    model.seed = static_cast<unsigned long>(in.number_attribute("/", "seed"));
     model.modulus_N_m = in.number_attribute("/", "modulus_N_m");
     model.mesh.topology = in.text_attribute("/", "topology");
     model.mesh.nodes = in.field("/mesh/nodes");

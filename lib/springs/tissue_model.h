@@ -33,6 +33,7 @@ struct CertifiedOptimum {
 /// Everything the realtime core needs, and everything the evaluation needs beside the cases: what model.h5 holds.
 struct TissueModel {
     std::string study, law;
+    unsigned long seed = 0;                ///< that its training drew from
     SpringMesh mesh;
     double modulus_N_m;                    ///< E2 = E t
     Eigen::VectorXd node_mass_kg;          ///< (8) (N)

@@ -118,6 +118,13 @@ Study::Training read_training(TomlReader in) {
     Study::Training t;
     t.optimizer = in.text("optimizer");
     t.also = in.texts("also");
+    const auto is_optimizer = [](const std::string& name) {
+        return name == "spsa" || name == "spsa-2008" || name == "exact" || name.rfind("nlopt:", 0) == 0;
+    };
+    const std::string allowed = "is not an optimiser; allowed: spsa, spsa-2008, exact, nlopt:NAME";
+    if (!is_optimizer(t.optimizer)) in.refuse("optimizer", "'" + t.optimizer + "' " + allowed);
+    for (const std::string& other : t.also)
+        if (!is_optimizer(other)) in.refuse("also", "'" + other + "' " + allowed);
     t.objective = in.has("objective") ? in.choice("objective", {"force", "contact"}) : "force";
     t.ridge = in.optional_number("ridge", not_negative).value_or(0);
     t.seed = static_cast<unsigned long>(in.integer("seed", 0, std::numeric_limits<int>::max()));

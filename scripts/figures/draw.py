@@ -3,10 +3,13 @@
 FIGURE is a module beside this file (contours, force, learning, springs, errors) with draw(results) -> figure.
 """
 import importlib
+import logging
 import os
 import sys
 
-import matplotlib
+# a home that cannot be written to is no news here
+logging.getLogger("matplotlib").setLevel(logging.ERROR)
+import matplotlib  # noqa: E402
 
 matplotlib.use("Agg")
 
@@ -23,8 +26,13 @@ def main():
         sys.exit(f"draw.py: {folder}: {error}")
     figure = importlib.import_module(name).draw(data)
     # no date and no version inside: the same data give the same bytes
-    figure.savefig(out + ".tmp", dpi=110, format="png", metadata={"Software": None})
-    os.replace(out + ".tmp", out)
+    try:
+        figure.savefig(out + ".tmp", dpi=110, format="png", metadata={"Software": None})
+        os.replace(out + ".tmp", out)
+    except OSError as error:
+        if os.path.exists(out + ".tmp"):
+            os.unlink(out + ".tmp")
+        sys.exit(f"draw.py: {out}: {error.strerror}")
 
 
 if __name__ == "__main__":

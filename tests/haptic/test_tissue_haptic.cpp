@@ -149,7 +149,7 @@ TEST_CASE("the loop keeps its schedule over missed ticks, and the force is zero 
         DeviceSample read(double time_s) noexcept override {
             last_s = time_s;
             if (++reads == 50) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-            return sample_at(0.05, 0.103 - std::min(1e-3 * reads, 0.008));  // presses
+            return sample_at(0.05, 0.104 - 5e-5 * reads);  // presses, ever deeper
         }
         void write(const Eigen::Vector3d& f) noexcept override {
             force = f;

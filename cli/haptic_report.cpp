@@ -1,0 +1,169 @@
+#include "haptic_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "version.h"
+
+namespace tissue::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json percentiles(const Histogram& h) {
+    return {{"p50", h.percentile(0.5)}, {"p99", h.percentile(0.99)}, {"p999", h.percentile(0.999)}, {"max", h.max()}};
+}
+
+std::string percentiles_text(const Histogram& h) {
+    return fmt::format("{:.1f} / {:.1f} / {:.1f} / {:.1f} us", h.percentile(0.5), h.percentile(0.99), h.percentile(0.999),
+                       h.max());
+}
+
+long long refused(const SafetyCounters& c) {
+    return c.bad_input + c.jump + c.stale;
+}
+
+Json pair(const Eigen::Vector2d& v) {
+    return Json::array({v.x(), v.y()});
+}
+
+Json statistics(std::vector<double> values) {
+    if (values.empty()) return nullptr;
+    std::sort(values.begin(), values.end());
+    const auto rank = [&](double share) {
+        const double at = share * static_cast<double>(values.size() - 1);
+        const auto low = static_cast<std::size_t>(at);
+        const std::size_t high = std::min(low + 1, values.size() - 1);
+        return values[low] + (at - static_cast<double>(low)) * (values[high] - values[low]);
+    };
+    return {{"median", rank(0.5)}, {"p95", rank(0.95)}, {"max", values.back()}, {"n", values.size()}};
+}
+
+Json optional(const std::optional<double>& value) {
+    return value ? Json(*value) : Json(nullptr);
+}
+
+}  // namespace
+
+std::string describe(const HapticModel& model, const Device& device) {
+    const HapticOptions& o = model.options;
+    std::string text = fmt::format("tissue-haptic: study '{}', sets {} ({}, by {}), device {}\n", model.study, o.sets,
+                                   o.selector.mode == SelectorOptions::Mode::nearest ? "nearest" : "blended",
+                                   o.selector.by == SelectorOptions::By::force ? "force" : "displacement", device.name());
+    for (const auto& mesh : model.meshes)
+        text += fmt::format("  {:<10} {} step: omega dt = {:.3f} (symplectic up to 1.8), lowest mode {:.3g} Hz, damping {:.3g}/s\n",
+                            mesh->name, mesh->dynamics, std::sqrt(mesh->largest_eigenvalue_1_s2) * o.dt_s,
+                            mesh->lowest_frequency_Hz, mesh->damping_1_s);
+    if (model.stiffness->floppy() > 0)
+        text += "  the learned mesh can move for nothing: its shape at rest is not determined\n";
+    text += fmt::format("  coupling up to {:.3g} N/m, force scale {:g}, position scale {:g}, at most {:g} N, {:g} N/s, {:g} m/s\n",
+                        o.coupling_ratio * model.stiffness->largest(), o.map.force_scale, o.map.scale,
+                        o.safety.force_max_N, o.safety.slew_N_s, o.safety.speed_max_m_s);
+    return text;
+}
+
+std::string ledger_text(const std::string& model_file, const Device& device, const Simulation& simulation,
+                        const LoopReport& report, long long dropped_samples) {
+    const SafetyCounters& s = simulation.safety().counters();
+    const HapticCounters& h = simulation.counters();
+    std::string text = fmt::format("{} on {}: {} ticks\n", model_file, device.name(), report.ticks);
+    text += fmt::format("  misses           {} ({} by this program)\n", report.misses, report.misses_program);
+    text += fmt::format("  tick             {} (median / p99 / p99.9 / max)\n", percentiles_text(report.tick_us));
+    text += fmt::format("  lateness         {}\n", percentiles_text(report.lateness_us));
+    text += fmt::format("  dropped samples  {}\n", dropped_samples);
+    text += fmt::format("  largest force    {:.4g} N, clamped {}, slewed {}, damped {}\n", s.force_max_N, s.clamped, s.slewed, s.damped);
+    text += fmt::format("  energy given     {:.4g} J\n", s.energy_given_J);
+    text += fmt::format("  refused input    {} (bad {}, jumps {}, stale {})\n", refused(s), s.bad_input, s.jump, s.stale);
+    text += fmt::format("  no force         outline folded {}, mesh unstable {}, not yet outside {}\n", h.folded, h.unstable, h.unarmed);
+    for (const auto& [name, value] : device.ledger()) text += fmt::format("  device {:<24} {:g}\n", name, value);
+    return text;
+}
+
+std::string ledger_json(const std::string& model_file, const Device& device, const Simulation& simulation,
+                        const LoopReport& report, long long dropped_samples) {
+    const SafetyCounters& s = simulation.safety().counters();
+    const HapticCounters& h = simulation.counters();
+    const HapticModel& model = simulation.model();
+    Json j = {{"model", model_file},
+              {"device", device.name()},
+              {"ticks", report.ticks},
+              {"misses", report.misses},
+              {"misses_program", report.misses_program},
+              {"tick_us", percentiles(report.tick_us)},
+              {"lateness_us", percentiles(report.lateness_us)},
+              {"dropped_samples", dropped_samples},
+              {"force_max_N", s.force_max_N},
+              {"clamped", s.clamped},
+              {"energy_given_J", s.energy_given_J},
+              {"bad_input", refused(s)}};
+    Json& details = j["details"];
+    for (const auto& mesh : model.meshes)
+        details["dynamics"][mesh->name] = {{"step", mesh->dynamics},
+                                           {"omega_dt", std::sqrt(mesh->largest_eigenvalue_1_s2) * model.options.dt_s}};
+    details["force_scale"] = model.options.map.force_scale;
+    details["slewed"] = s.slewed;
+    details["damped"] = s.damped;
+    details["not_finite"] = s.bad_input;
+    details["jumps"] = s.jump;
+    details["stale"] = s.stale;
+    details["folded"] = h.folded;
+    details["unstable"] = h.unstable;
+    details["not_yet_outside"] = h.unarmed;
+    details["notices"] = report.notices;
+    for (const auto& [name, value] : device.ledger()) details["device"][name] = value;
+    return j.dump(1) + "\n";
+}
+
+std::string realtime_json(const HapticModel& model, const std::vector<PressResult>& presses,
+                          const std::vector<SwitchJump>& jumps) {
+    Json j = {{"study", model.study}, {"version", version}, {"sets", model.options.sets}, {"dt_s", model.options.dt_s}};
+    for (const auto& mesh : model.meshes)
+        j["dynamics"][mesh->name] = {{"step", mesh->dynamics},
+                                     {"omega_dt", std::sqrt(mesh->largest_eigenvalue_1_s2) * model.options.dt_s},
+                                     {"lowest_frequency_Hz", mesh->lowest_frequency_Hz},
+                                     {"damping_1_s", mesh->damping_1_s}};
+    std::vector<double> against_static, against_fe, static_against_fe;
+    Json list = Json::array();
+    for (const PressResult& p : presses) {
+        if (p.reason.empty()) {
+            against_static.push_back(p.static_error);
+            if (p.fe_error) against_fe.push_back(*p.fe_error);
+            if (p.static_fe_error) static_against_fe.push_back(*p.static_fe_error);
+        }
+        Json entry = {{"name", p.name}, {"rested", p.rested}, {"seconds", p.seconds}, {"set", p.set}};
+        if (p.reason.empty()) {
+            entry["static_error"] = p.static_error;
+            entry["fe_error"] = optional(p.fe_error);
+            entry["static_fe_error"] = optional(p.static_fe_error);
+        } else {
+            entry["static_error"] = nullptr;
+            entry["reason"] = p.reason;
+        }
+        entry["displacement_m"] = pair(p.displacement_m);
+        entry["force_N"] = pair(p.force_N);
+        entry["static_N"] = pair(p.static_N);
+        entry["energy_given_J"] = p.energy_given_J;
+        entry["curve"] = {{"time_s", p.time_s}, {"depth_m", p.depth_m}, {"force_N", p.curve_N}};
+        list.push_back(entry);
+    }
+    j["static_error"] = statistics(against_static);
+    j["fe_error"] = statistics(against_fe);
+    j["static_fe_error"] = statistics(static_against_fe);
+    j["presses"] = list;
+    Json switches = Json::array();
+    for (const SwitchJump& s : jumps)
+        switches.push_back({{"from", s.from},
+                            {"to", s.to},
+                            {"innovation", s.innovation},
+                            {"energy_jump_J", s.energy_jump_J},
+                            {"energy_bound_J", s.energy_bound_J},
+                            {"force_jump_N", s.force_jump_N},
+                            {"curve", {{"time_s", s.time_s}, {"force_N", s.force_N}, {"energy_J", s.energy_J}}}});
+    j["switches"] = switches;
+    return j.dump(1) + "\n";
+}
+
+}  // namespace tissue::cli

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "haptic/realtime_loop.h"
+#include "haptic/truth_in_motion.h"
+
+namespace tissue::cli {
+
+/// What runs, for people, before the first tick: meshes, steps, limits, scales.
+std::string describe(const HapticModel& model, const Device& device);
+
+/// The ledger of a session, for people.
+std::string ledger_text(const std::string& model_file, const Device& device, const Simulation& simulation,
+                        const LoopReport& report, long long dropped_samples);
+
+/// The ledger as `tissue-haptic --json` prints it (results/FORMATS.md).
+std::string ledger_json(const std::string& model_file, const Device& device, const Simulation& simulation,
+                        const LoopReport& report, long long dropped_samples);
+
+/// realtime.json: the simulation in motion against the static answer and FE, and switches of spring sets.
+std::string realtime_json(const HapticModel& model, const std::vector<PressResult>& presses,
+                          const std::vector<SwitchJump>& jumps);
+
+}  // namespace tissue::cli

@@ -1,0 +1,213 @@
+// tissue-haptic: plays a learned tissue on a haptic device at 1 kHz (Sec. 4).
+//
+// Sample runs:
+//   tissue-haptic results/paper/model.h5 --device virtual --seconds 10
+//   tissue-haptic results/paper/model.h5 --motion poke --seconds 2 --record session.h5 --json
+//   tissue-haptic results/paper/model.h5 --device replay --trajectory session.h5
+//   tissue-haptic results/paper/model.h5 --check results/paper/cases.h5 --out realtime.json
+// Exit status: 0 done (SIGINT and SIGTERM too), 1 the work failed, 2 the command line was wrong.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <atomic>
+#include <csignal>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "cases/load_path.h"
+#include "command.h"
+#include "error.h"
+#include "haptic/openhaptics_device.h"
+#include "haptic/realtime_loop.h"
+#include "haptic/remote_device.h"
+#include "haptic/replay_device.h"
+#include "haptic/truth_in_motion.h"
+#include "haptic/virtual_device.h"
+#include "haptic_report.h"
+#include "io/atomic_file.h"
+#include "version.h"
+
+namespace {
+
+using namespace tissue;
+
+std::atomic<bool> stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler");
+
+void on_signal(int) {
+    stop.store(true, std::memory_order_relaxed);
+}
+
+struct Options {
+    std::string model, device = "virtual", motion = "press", trajectory, library, device_name, record, check, out;
+    std::string select = "nearest", select_by = "displacement", axes = "x,y";
+    std::vector<double> offset_m = {0, 0};
+    double seconds = 10, depth_m = 0.010;
+    unsigned long seed = 2008;
+    int port = 47474;
+    bool json = false, no_heuristic = false, no_passivity = false, no_realtime = false;
+    HapticOptions haptic;
+};
+
+std::unique_ptr<Device> make_device(const Options& o, const HapticModel& model) {
+    if (o.device == "replay") return std::make_unique<ReplayDevice>(o.trajectory);
+    if (o.device == "remote") return std::make_unique<RemoteDevice>(o.port);
+    if (o.device == "openhaptics") return std::make_unique<OpenHapticsDevice>(o.library, o.device_name);
+    const MotionOptions motion{o.motion, o.seconds > 0 ? o.seconds : 3600, o.depth_m, o.seed, model.low_m, model.high_m};
+    return std::make_unique<VirtualDevice>(make_motion(motion), model.options.map);
+}
+
+/// Every load case of the study in motion, and the switches between the magnitudes of every contact.
+void check(const Options& o, const TissueModel& tissue, const HapticModel& model) {
+    const Cases cases = read_cases(o.check);
+    std::vector<PressResult> presses;
+    for (const LoadCase& c : load_cases(cases)) {
+        if (stop.load()) throw tissue::Error("interrupted");
+        presses.push_back(press(model, tissue, {c.name, c.path->contact_m, c.path->direction, c.record->magnitude_m, c.record->contact_force_N}));
+        const PressResult& p = presses.back();
+        std::cerr << (p.reason.empty()
+                          ? fmt::format("  {:<26} {:.1f} s  {:.4g} mN  {:.3f} % off the static answer{}\n", p.name, p.seconds,
+                                        1e3 * p.force_N.norm(), 100 * p.static_error,
+                                        p.fe_error ? fmt::format(", {:.1f} % off FE", 100 * *p.fe_error) : "")
+                          : fmt::format("  {:<26} no answer: {}\n", p.name, p.reason));
+    }
+    std::vector<SwitchJump> jumps;
+    for (int from = 0; from + 1 < tissue.case_count(); ++from) {
+        const bool same_place = (tissue.contact_m.row(from) - tissue.contact_m.row(from + 1)).norm() < 1e-9 &&
+                                (tissue.direction.row(from) - tissue.direction.row(from + 1)).norm() < 1e-9;
+        if (!same_place) continue;
+        for (double innovation : {1.0, o.haptic.innovation})
+            jumps.push_back(switch_jump(tissue, o.haptic, from, from + 1, innovation));
+    }
+    write_file(o.out, cli::realtime_json(model, presses, jumps));
+}
+
+void run(const Options& o, Provenance provenance) {
+    const TissueModel tissue = read_model(o.model);
+    const HapticModel model(tissue, o.haptic);
+    if (!o.check.empty()) return check(o, tissue, model);
+
+    const std::unique_ptr<Device> device = make_device(o, model);
+    std::cerr << cli::describe(model, *device);
+    Simulation simulation(model);
+    std::unique_ptr<Recorder> recorder;
+    if (!o.record.empty()) {
+        provenance.seed = o.seed;
+        provenance.inputs[std::filesystem::path(o.model).filename().string()] = file_hash(o.model);
+        recorder = std::make_unique<Recorder>(o.record, provenance);
+    }
+    LoopOptions loop;
+    loop.seconds = o.seconds;
+    loop.stop = &stop;
+    loop.realtime = !o.no_realtime;
+    loop.recorder = recorder.get();
+    const LoopReport report = run_loop(simulation, *device, loop);
+    for (const std::string& notice : report.notices) std::cerr << "tissue-haptic: " << notice << '\n';
+    if (recorder) recorder->close(model);
+    const std::string model_file = std::filesystem::path(o.model).filename().string();
+    const long long dropped = recorder ? recorder->dropped() : 0;
+    std::cout << (o.json ? cli::ledger_json(model_file, *device, simulation, report, dropped)
+                         : cli::ledger_text(model_file, *device, simulation, report, dropped));
+}
+
+/// A check whose own words stay out of the help's column of units.
+CLI::Validator quiet(CLI::Validator check) {
+    check.description("");
+    return check;
+}
+
+void add_options(CLI::App& app, Options& o) {
+    HapticOptions& h = o.haptic;
+    const auto number = [&app](const char* name, double& value, const char* unit, const char* meaning) {
+        return app.add_option(name, value, meaning)->type_name(unit)->capture_default_str();
+    };
+    app.add_option("model", o.model, "model.h5 of tissuectl train")->required()->type_name("FILE");
+    app.add_option("--device", o.device, "virtual, replay, remote, openhaptics")
+        ->type_name("NAME")->capture_default_str()
+        ->check(quiet(CLI::IsMember({"virtual", "replay", "remote", "openhaptics"})));
+    number("--seconds", o.seconds, "s", "how long; 0: until the device ends or a signal comes")->check(quiet(CLI::NonNegativeNumber));
+    app.add_flag("--json", o.json, "print the ledger as JSON");
+    app.add_option("--record", o.record, "HDF5 file for every tick")->type_name("FILE");
+    app.add_option("--motion", o.motion, "of the virtual device: press, slide, poke, sine")
+        ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember(motion_names())));
+    number("--depth", o.depth_m, "m", "of the virtual device below the surface")->check(quiet(CLI::PositiveNumber));
+    app.add_option("--seed", o.seed, "of poke")->type_name("integer")->capture_default_str();
+    app.add_option("--trajectory", o.trajectory, "of replay: CSV or a recording")->type_name("FILE");
+    app.add_option("--port", o.port, "of remote: UDP, on this machine alone")
+        ->type_name("number")->capture_default_str()->check(quiet(CLI::Range(0, 65535)));
+    app.add_option("--library", o.library, "of openhaptics, when libHD.so is not where it should be")->type_name("FILE");
+    app.add_option("--device-name", o.device_name, "of openhaptics: the vendor's configured name")->type_name("NAME");
+    app.add_option("--sets", h.sets, "an optimiser of the model, or optimum")->type_name("NAME");
+    app.add_option("--select", o.select, "nearest or blended spring sets")
+        ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember({"nearest", "blended"})));
+    app.add_option("--select-by", o.select_by, "displacement of the contact, or force (the paper's)")
+        ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember({"displacement", "force"})));
+    number("--innovation", h.innovation, "1", "gamma of (19): share of the new set a tick")->check(quiet(CLI::Range(1e-9, 1.0)));
+    app.add_option("--dynamics", h.dynamics, "auto, paper, symplectic, implicit")
+        ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember({"auto", "paper", "symplectic", "implicit"})));
+    number("--coupling", h.coupling_ratio, "1", "k_C over the contact's own stiffness")->check(quiet(CLI::PositiveNumber));
+    number("--damping", h.damping_ratio, "1", "of critical, at the lowest mode")->check(quiet(CLI::NonNegativeNumber));
+    app.add_flag("--no-heuristic", o.no_heuristic, "only the learned mesh, not Van Gelder's beside it");
+    number("--force-max", h.safety.force_max_N, "N", "no force above it goes out")->check(quiet(CLI::PositiveNumber));
+    number("--slew", h.safety.slew_N_s, "N/s", "fastest change of force")->check(quiet(CLI::PositiveNumber));
+    number("--speed-max", h.safety.speed_max_m_s, "m/s", "a faster master is a fault")->check(quiet(CLI::PositiveNumber));
+    number("--stale", h.safety.stale_s, "s", "an older position is a fault")->check(quiet(CLI::PositiveNumber));
+    app.add_flag("--no-passivity", o.no_passivity, "without passivity observer and controller");
+    number("--force-scale", h.map.force_scale, "1", "newtons on the hand a newton of tissue")->check(quiet(CLI::PositiveNumber));
+    number("--scale", h.map.scale, "1", "metres of tissue a metre of device")->check(quiet(CLI::PositiveNumber));
+    app.add_option("--axes", o.axes, "device axes of the plane's x and y, as in x,-z")->type_name("A,A")->capture_default_str();
+    app.add_option("--offset", o.offset_m, "of the device's origin in the plane")
+        ->type_name("m m")->expected(2)->default_str("0 0");
+    app.add_flag("--no-realtime", o.no_realtime, "do not ask for SCHED_FIFO and locked memory");
+    CLI::Option* check = app.add_option("--check", o.check, "press every case of this cases.h5, no device, no clock")->type_name("FILE");
+    CLI::Option* out = app.add_option("--out", o.out, "of --check: realtime.json to write")->type_name("FILE");
+    check->needs(out);
+    out->needs(check);
+}
+
+void finish(Options& o) {
+    if (o.device == "replay" && o.trajectory.empty())
+        throw CLI::ValidationError("--device replay", "needs --trajectory FILE");
+    HapticOptions& h = o.haptic;
+    h.selector.mode = o.select == "blended" ? SelectorOptions::Mode::blended : SelectorOptions::Mode::nearest;
+    h.selector.by = o.select_by == "force" ? SelectorOptions::By::force : SelectorOptions::By::displacement;
+    h.heuristic_mesh = !o.no_heuristic;
+    h.safety.passivity = !o.no_passivity;
+    h.map.offset_m = {o.offset_m[0], o.offset_m[1]};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    std::signal(SIGINT, on_signal);
+    std::signal(SIGTERM, on_signal);
+    std::string command;
+    for (int i = 0; i < argc; ++i) {
+        const std::string word = argv[i];
+        const bool path = i == 0 || (!word.empty() && word[0] == '/');
+        command += (i > 0 ? " " : "") + (path ? std::filesystem::path(word).filename().string() : word);
+    }
+    Options o;
+    CLI::App app("Soft tissue that pushes back, on a haptic device at 1 kHz.", "tissue-haptic");
+    app.formatter(std::make_shared<cli::HelpTable>());
+    app.set_version_flag("--version", std::string("tissue-haptic ") + tissue::version, "print the version");
+    add_options(app, o);
+    try {
+        app.parse(argc, argv);
+        finish(o);
+        o.haptic.map.axes = parse_axes(o.axes);
+    } catch (const CLI::ParseError& e) {
+        return app.exit(e) == 0 ? 0 : 2;
+    } catch (const std::exception& e) {
+        std::cerr << "tissue-haptic: " << e.what() << '\n';
+        return 2;
+    }
+    try {
+        run(o, {command, 0, {}});
+    } catch (const std::exception& e) {
+        std::cerr << "tissue-haptic: " << e.what() << '\n';
+        return 1;
+    }
+    return 0;
+}

@@ -1,0 +1,206 @@
+// Speed of the realtime core, as JSON entries of results/bench.json on standard output.
+//
+//   bench_haptic [model.h5]     the model whose full tick is timed; without one, an 11 x 11 lattice with made-up sets
+//
+// The peer is a plain explicit step, a loop over a vector of springs, timed beside ours in the same run: batches of
+// both take turns. CHAI3D's GEL needs about 1.15 us for 220 springs; it is not built here.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "haptic/simulation.h"
+#include "haptic/virtual_device.h"
+#include "springs/heuristic.h"
+
+namespace {
+
+using namespace tissue;
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+double microseconds(Clock::duration d) {
+    return std::chrono::duration<double, std::micro>(d).count();
+}
+
+double rank(std::vector<double> values, double share) {
+    std::sort(values.begin(), values.end());
+    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+Json entry(const std::string& name, const std::string& unit, const std::vector<double>& ours, const std::vector<double>& peer = {}) {
+    Json j = {{"name", name}, {"unit", unit}, {"median", rank(ours, 0.5)}, {"p95", rank(ours, 0.95)}, {"n", ours.size()},
+              {"peer", nullptr}, {"peer_version", nullptr}, {"peer_median", nullptr}, {"ratio", nullptr}};
+    if (!peer.empty()) {
+        j["peer"] = "plain loop over a spring vector";
+        j["peer_version"] = "gcc " + std::to_string(__GNUC__);
+        j["peer_median"] = rank(peer, 0.5);
+        j["ratio"] = rank(ours, 0.5) / rank(peer, 0.5);
+    }
+    return j;
+}
+
+/// The step as one would first write it.
+struct PlainMesh {
+    struct Spring { int i, j; double k, nx, ny; };
+    struct Node { double ux, uy, vx, vy, fx, fy, inverse_mass; };
+    std::vector<Spring> springs;
+    std::vector<Node> nodes;
+
+    PlainMesh(const SpringMesh& mesh, const Eigen::VectorXd& theta, const Eigen::VectorXd& mass) {
+        for (int s = 0; s < mesh.spring_count(); ++s) {
+            const Eigen::RowVector2d n = (mesh.nodes.row(mesh.springs(s, 1)) - mesh.nodes.row(mesh.springs(s, 0))).normalized();
+            springs.push_back({mesh.springs(s, 0), mesh.springs(s, 1), theta[s], n.x(), n.y()});
+        }
+        for (int n = 0; n < mesh.node_count(); ++n) nodes.push_back({0, 0, 0, 0, 0, 0, 1 / mass[n]});
+        for (int n : mesh.fixed) nodes[static_cast<std::size_t>(n)].inverse_mass = 0;
+    }
+
+    void step(double dt, double damping) {
+        for (Node& n : nodes) n.fx = n.fy = 0;
+        for (const Spring& s : springs) {
+            Node &a = nodes[static_cast<std::size_t>(s.i)], &b = nodes[static_cast<std::size_t>(s.j)];
+            const double pull = s.k * (s.nx * (b.ux - a.ux) + s.ny * (b.uy - a.uy));
+            a.fx += pull * s.nx;
+            a.fy += pull * s.ny;
+            b.fx -= pull * s.nx;
+            b.fy -= pull * s.ny;
+        }
+        for (Node& n : nodes) {
+            n.vx += dt * (n.inverse_mass * n.fx - damping * n.vx);
+            n.vy += dt * (n.inverse_mass * n.fy - damping * n.vy);
+            n.ux += dt * n.vx;
+            n.uy += dt * n.vy;
+        }
+    }
+};
+
+/// One lattice of `side` nodes: microseconds a step, ours and the peer's.
+struct StepTimes {
+    std::vector<double> ours, peer;
+    int springs;
+};
+
+StepTimes time_steps(int side, int batches) {
+    const SpringMesh mesh = make_lattice("grid8", side - 1, side - 1, 0.1, 0.1);
+    const Eigen::VectorXd mass = node_masses(mesh, 1040, 1.0 / 6000);
+    const double h = 0.1 / (side - 1), dt = 0.5 * h / 0.01 * 1e-3;  // as stable as 1 ms on 1 cm
+    const Eigen::VectorXd theta = heuristic_stiffness(mesh, 0.754);
+    const RealtimeMesh realtime(mesh, "axial", mass);
+    const auto dynamics = make_dynamics("symplectic", realtime, {dt, 1});
+    MeshState state(realtime, realtime.to_slots(theta));
+    PlainMesh plain(mesh, theta, mass);
+    for (int n = 0; n < mesh.node_count(); ++n) {
+        const double ux = 1e-3 * std::sin(0.3 * n), uy = 1e-3 * std::cos(0.7 * n);
+        if (realtime.fixed(n)) continue;
+        state.displacement.row(n) << ux, uy;
+        plain.nodes[static_cast<std::size_t>(n)].ux = ux;
+        plain.nodes[static_cast<std::size_t>(n)].uy = uy;
+    }
+    const int repeat = std::max(1, 40000 / mesh.spring_count());
+    StepTimes times{{}, {}, mesh.spring_count()};
+    for (int batch = 0; batch < batches + 3; ++batch) {
+        const auto start = Clock::now();
+        for (int k = 0; k < repeat; ++k) dynamics->step(state, {});
+        const auto middle = Clock::now();
+        for (int k = 0; k < repeat; ++k) plain.step(dt, 1);
+        const auto end = Clock::now();
+        if (batch < 3) continue;  // caches and pages
+        times.ours.push_back(microseconds(middle - start) / repeat);
+        times.peer.push_back(microseconds(end - middle) / repeat);
+    }
+    double difference = 0;
+    for (int n = 0; n < mesh.node_count(); ++n)
+        difference = std::max(difference, std::abs(state.displacement(n, 0) - plain.nodes[static_cast<std::size_t>(n)].ux));
+    if (!(difference < 1e-3)) {
+        std::cerr << "bench_haptic: the two steps do not agree\n";
+        std::exit(1);
+    }
+    return times;
+}
+
+/// The paper's cases with sets that differ, when no model is given.
+TissueModel made_up() {
+    TissueModel m;
+    m.study = "bench";
+    m.law = "axial";
+    m.mesh = make_lattice("grid8", 10, 10, 0.1, 0.1);
+    m.modulus_N_m = 0.754;
+    m.node_mass_kg = node_masses(m.mesh, 1040, 1.0 / 6000);
+    m.heuristic_a = heuristic_stiffness(m.mesh, 0.754);
+    TrainedSets t;
+    t.optimizer = "bench";
+    const double place[5][2] = {{0, 0.05}, {0, 0.1}, {0.05, 0.1}, {0.1, 0.1}, {0.1, 0.05}};
+    m.contact_m.resize(20, 2);
+    m.direction.resize(20, 2);
+    m.magnitude_m.resize(20);
+    t.theta.resize(20, m.mesh.spring_count());
+    for (int c = 0; c < 20; ++c) {
+        m.case_names.push_back("case-" + std::to_string(c));
+        m.contact_m.row(c) << place[c / 4][0], place[c / 4][1];
+        const double angle = -1.2 - 0.7 * (c / 2 % 2);
+        m.direction.row(c) << std::cos(angle), std::sin(angle);
+        m.magnitude_m[c] = c % 2 ? 0.015 : 0.010;
+        for (int s = 0; s < m.mesh.spring_count(); ++s) t.theta(c, s) = m.heuristic_a[s] * (1 + 0.3 * std::sin(1.7 * s + 2.3 * c));
+    }
+    m.trained = {t};
+    return m;
+}
+
+/// Every tick of 20 s of poking: two meshes, contact, blended sets, moving average, safety.
+std::vector<double> time_ticks(const TissueModel& tissue, const std::string& dynamics) {
+    HapticOptions o;
+    o.dynamics = dynamics;
+    o.selector.mode = SelectorOptions::Mode::blended;
+    const HapticModel model(tissue, o);
+    Simulation simulation(model);
+    VirtualDevice hand(make_motion({"slide", 20, 0.01, 1, model.low_m, model.high_m}), o.map);
+    std::vector<double> times;
+    for (int k = 0; k < 20000; ++k) {
+        const DeviceSample sample = hand.read(k * 1e-3);
+        const auto start = Clock::now();
+        simulation.tick(sample);
+        const auto end = Clock::now();
+        if (k >= 100) times.push_back(microseconds(end - start));
+    }
+    return times;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        Json list = Json::array();
+        const StepTimes small = time_steps(11, 3000);
+        list.push_back(entry("haptic: mesh step, 11 x 11 grid8 axial, 420 springs", "us", small.ours, small.peer));
+        const TissueModel tissue = argc > 1 ? read_model(argv[1]) : made_up();
+        for (const std::string dynamics : {"symplectic", "implicit"}) {
+            const std::vector<double> ticks = time_ticks(tissue, dynamics);
+            list.push_back(entry("haptic: full tick, two meshes, " + dynamics, "us", ticks));
+            list.push_back(entry("haptic: full tick, two meshes, " + dynamics + ", p99", "us", {rank(ticks, 0.99)}));
+            list.back()["n"] = ticks.size();
+        }
+        for (int side : {11, 21, 41, 81, 161, 301}) {
+            StepTimes t = time_steps(side, side > 100 ? 60 : 300);
+            for (double& us : t.ours) us *= 1e3 / t.springs;
+            for (double& us : t.peer) us *= 1e3 / t.springs;
+            list.push_back(entry("haptic: time per spring, " + std::to_string(side) + " x " + std::to_string(side) + " nodes", "ns", t.ours, t.peer));
+        }
+        // the largest lattice whose median step takes less than a period
+        int fits = 11, too_large = 2001;
+        while (too_large - fits > 10) {
+            const int side = (fits + too_large) / 2;
+            (rank(time_steps(side, 40).ours, 0.5) < 1000 ? fits : too_large) = side;
+        }
+        list.push_back(entry("haptic: largest lattice whose median step fits 1 ms, nodes a side", "nodes", {static_cast<double>(fits)}));
+        std::cout << list.dump(1) << '\n';
+    } catch (const std::exception& e) {
+        std::cerr << "bench_haptic: " << e.what() << '\n';
+        return 1;
+    }
+    return 0;
+}
