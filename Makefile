@@ -153,7 +153,7 @@ $(R)/figures/%.png: $(R)/cases.h5 $(R)/model.h5 $(R)/eval.json $(wildcard script
 	@echo "draw  $@"
 	@$(PYTHON) scripts/figures/draw.py $* $(R) $@
 
-REFERENCE_STUDIES := paper paper-axial paper-grid8 paper-grid8-turning
+REFERENCE_STUDIES := paper paper-axial paper-grid8 paper-grid8-turning surface
 ## reference: run the paper's studies, then write results/reference and README's tables anew
 reference:
 	@for study in $(REFERENCE_STUDIES); do $(MAKE) all STUDY=$$study || exit 1; done

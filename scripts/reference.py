@@ -20,6 +20,7 @@ LABELS = {
     "heuristic_a": "heuristic, E2 = E t",
     "heuristic_b": "heuristic, E2 = (C1 + C2) t",
     "uniform": "one stiffness",
+    "one_set": "one learned set for all cases",
 }
 STUDIES = {
     "paper": "4-connected, `isotropic` (`paper`)",
@@ -62,6 +63,21 @@ def studies_table(evaluations):
     return rows
 
 
+def surface_table(e):
+    names = {"learned": "learned, blended", "learned_nearest": "learned, nearest set", "force_table": "FE force table",
+             "one_set": "one set for all contacts"}
+    rows = ["| model | held_out | held_out_full |", "|---|---|---|"]
+    for model in e["closed_loop"]["held_out"]:
+        label = names.get(model, LABELS.get(model, f"`{model}`"))
+        rows.append(f"| {label} | " + " | ".join(three(e["closed_loop"][role][model]) for role in
+                                                 ("held_out", "held_out_full")) + " |")
+    counts = {role: (e["closed_loop"][role]["learned"]["n"], len(e["lost"][role]))
+              for role in ("held_out", "held_out_full")}
+    rows.append("| contacts (and lost by FE) | " + " | ".join(f"{n} ({lost})" for n, lost in counts.values()) + " |")
+    rows.append("| the truth's own error, finer mesh | " + three(e["truth_check"]) + " | |")
+    return rows
+
+
 def claim(e):
     def ratio(model, measure):
         open_loop = e["open_loop"]
@@ -69,7 +85,7 @@ def claim(e):
 
     restarted = e["training_also"][0]["restarted_sets"]
     sets = e["training"]["sets"]
-    return [f"| reading | L | resolved force |", "|---|---|---|",
+    return ["| reading | L | resolved force |", "|---|---|---|",
             f"| `spsa-2008`, the paper's optimiser ({restarted} of {sets} sets restarted; the paper: 3 of 18) | "
             f"{ratio('learned_spsa_2008', 'rel_loss'):.1f} times | "
             f"{ratio('learned_spsa_2008', 'resolved_force_error'):.1f} times |",
@@ -98,6 +114,12 @@ def main():
         evaluations[study] = json.loads((ROOT / "results" / study / "eval.json").read_text())
         record = without_times(evaluations[study])
         (REFERENCE / f"{study}.json").write_text(json.dumps(record, indent=1) + "\n")
+    surface = evaluations.pop("surface", None)
+    if surface:
+        record = REFERENCE / "surface.json"
+        kept = without_times({key: value for key, value in surface.items() if key != "drawn"})
+        record.write_text(json.dumps(kept, indent=1) + "\n")
+        shutil.copyfile(ROOT / "results" / "surface" / "figures" / "held_out.png", REFERENCE / "held_out.png")
     for figure in FIGURES:
         shutil.copyfile(ROOT / "results" / "paper" / "figures" / f"{figure}.png", REFERENCE / f"{figure}.png")
     readme = ROOT / "README.md"
@@ -105,6 +127,8 @@ def main():
     text = fill(text, "results", results_table(evaluations["paper"]))
     text = fill(text, "claim", claim(evaluations["paper"]))
     text = fill(text, "studies", studies_table(evaluations))
+    if surface:
+        text = fill(text, "surface", surface_table(surface))
     readme.write_text(text)
 
 

@@ -86,6 +86,7 @@ Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const St
         in.refuse_the_rest();
         return loads;
     }
+    if (in.tables("paths").empty()) in.refuse("paths", "must not be empty without a sweep");
     std::set<std::string> names;
     for (TomlReader& path : in.tables("paths")) {
         StudyPath p;

@@ -50,7 +50,7 @@ TomlReader TomlReader::table(const std::string& key) {
 std::vector<TomlReader> TomlReader::tables(const std::string& key) {
     const toml::node& node = require(key);
     const toml::array* array = node.as_array();
-    if (!array || array->empty() || !array->is_homogeneous<toml::table>()) refuse(key, "must be a list of tables");
+    if (!array || (!array->empty() && !array->is_homogeneous<toml::table>())) refuse(key, "must be a list of tables");
     std::vector<TomlReader> readers;
     const std::string prefix = path_.empty() ? key : path_ + "." + key;
     for (std::size_t i = 0; i < array->size(); ++i)
