@@ -82,13 +82,20 @@ std::string to_markdown(const Evaluation& e) {
     const ModelErrors &learned = e.models.front(), &heuristic = e.model("heuristic_a");
     const double loss_ratio = heuristic.rel_loss().median / learned.rel_loss().median;
     const double force_ratio = heuristic.resolved_error().median / learned.resolved_error().median;
-    std::string out = fmt::format(
-        "# Study `{}`\n\n"
+    std::string out = fmt::format("# Study `{}`\n\n", e.study);
+    if (const DrawnContacts* held_out = e.held_out.role("held_out")) {
+        const Statistics s = held_out->statistics(0);
+        out += fmt::format(
+            "**On contacts it never saw, the learned model's force is wrong by {} in the median, {} at the 95th "
+            "percentile and {} at worst (closed loop, {} contacts).**\n\nWritten by `tissuectl eval` {}.\n\n",
+            percent(s.median), percent(s.p95), percent(s.max), s.n, version);
+    } else
+        out += fmt::format(
         "**Learned springs leave {} of the FE force unexplained in the median of {} load cases; Van Gelder's heuristic "
         "leaves {}: {:.1f} times as much.** In the resolved force at the loaded node the medians are {} and {}: "
         "{:.1f} times.\n\n"
         "Written by `tissuectl eval` {}.\n\n",
-        e.study, percent(learned.rel_loss().median), learned.rel_loss().n, percent(heuristic.rel_loss().median),
+        percent(learned.rel_loss().median), learned.rel_loss().n, percent(heuristic.rel_loss().median),
         loss_ratio, percent(learned.resolved_error().median), percent(heuristic.resolved_error().median), force_ratio,
         version);
 

@@ -1,6 +1,6 @@
 // Speed of the realtime core, as JSON entries of results/bench.json on standard output.
 //
-//   bench_haptic [model.h5]     the model whose full tick is timed; without one, an 11 x 11 lattice with made-up sets
+//   bench_haptic [results/STUDY]     full ticks of an 11 x 11 grid8 lattice with made-up sets, and of that study's model
 //
 // The peer is a plain explicit step, a loop over a vector of springs, timed beside ours in the same run: batches of
 // both take turns. CHAI3D's GEL needs about 1.15 us for 220 springs; it is not built here.
@@ -151,7 +151,7 @@ TissueModel made_up() {
     return m;
 }
 
-/// Every tick of 20 s of poking: two meshes, contact, blended sets, moving average, safety.
+/// Every tick of 20 s of pressing, dragging and letting go: two meshes, contact, blended sets, moving average, safety.
 std::vector<double> time_ticks(const TissueModel& tissue, const std::string& dynamics) {
     HapticOptions o;
     o.dynamics = dynamics;
@@ -177,13 +177,19 @@ int main(int argc, char** argv) {
         Json list = Json::array();
         const StepTimes small = time_steps(11, 3000);
         list.push_back(entry("haptic: mesh step, 11 x 11 grid8 axial, 420 springs", "us", small.ours, small.peer));
-        const TissueModel tissue = argc > 1 ? read_model(argv[1]) : made_up();
-        for (const std::string dynamics : {"symplectic", "implicit"}) {
-            const std::vector<double> ticks = time_ticks(tissue, dynamics);
-            list.push_back(entry("haptic: full tick, two meshes, " + dynamics, "us", ticks));
-            list.push_back(entry("haptic: full tick, two meshes, " + dynamics + ", p99", "us", {rank(ticks, 0.99)}));
-            list.back()["n"] = ticks.size();
+        std::vector<std::pair<std::string, TissueModel>> models = {{"grid8 axial", made_up()}};
+        if (argc > 1) {
+            models.emplace_back("", read_model(std::string(argv[1]) + "/model.h5"));
+            models.back().first = "study " + models.back().second.study;
         }
+        for (const auto& [model, tissue] : models)
+            for (const std::string dynamics : {"symplectic", "implicit"}) {
+                const std::vector<double> ticks = time_ticks(tissue, dynamics);
+                const std::string name = "haptic: full tick, two meshes, " + model + ", " + dynamics;
+                list.push_back(entry(name, "us", ticks));
+                list.push_back(entry(name + ", p99", "us", {rank(ticks, 0.99)}));
+                list.back()["n"] = ticks.size();
+            }
         for (int side : {11, 21, 41, 81, 161, 301}) {
             StepTimes t = time_steps(side, side > 100 ? 60 : 300);
             for (double& us : t.ours) us *= 1e3 / t.springs;
