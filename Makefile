@@ -25,7 +25,7 @@ export OMP_NUM_THREADS := 1
 
 # ---- front door
 
-.PHONY: ablation all mesh cases train eval figures reference trust gains test sanitize bench deps help clean build
+.PHONY: realtime ablation all mesh cases train eval figures reference trust gains test sanitize bench deps help clean build
 
 ## all: the whole study, from mesh to figures
 all: figures eval
@@ -164,6 +164,14 @@ trust: | build/deps
 	@mkdir -p results/trust
 	@FF_LOADPATH="$$(scripts/freefem_plugins)" $(PYTHON) scripts/trust_study.py --out results/trust/trust.csv
 	@$(PYTHON) scripts/figures/trust.py results/trust/trust.csv results/reference/trust.png
+
+## realtime: press the 1 kHz simulation at the study's contacts until it rests; drawn as figures/motion.png
+realtime: $(R)/realtime.json
+	@mkdir -p $(R)/figures
+	@$(PYTHON) scripts/figures/motion.py $< $(R)/figures/motion.png
+
+$(R)/realtime.json: $(R)/model.h5 $(R)/cases.h5 $(TISSUE_HAPTIC)
+	@$(TISSUE_HAPTIC) $< --check $(R)/cases.h5 --out $@ $(REALTIME_OPTIONS)
 
 ## ablation: train and try the study's variants on its drawn contacts
 ablation: $(R)/cases.h5 $(TISSUECTL)

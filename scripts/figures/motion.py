@@ -1,0 +1,62 @@
+"""The running simulation pressed until it rests: motion.py REALTIME.json OUT.png, from `make realtime`.
+
+Force against time and against depth, the rest state against the static answer, and what a switch of spring sets does.
+"""
+import json
+import os
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit("usage: motion.py REALTIME.json OUT.png")
+    with open(sys.argv[1]) as f:
+        data = json.load(f)
+    presses = [p for p in data["presses"] if p["static_error"] is not None]
+    figure, axes = plt.subplots(2, 2, figsize=(11, 7.6), layout="constrained")
+    time, depth, rest, switch = axes.flat
+    most = max(np.linalg.norm(p["force_N"]) for p in presses)
+    unit, name = (1e3, "mN") if most < 0.1 else (1, "N")
+    colours = plt.get_cmap("viridis")(np.linspace(0, 0.9, len(presses)))
+    for press, colour in zip(presses, colours):
+        curve = press["curve"]
+        time.plot(curve["time_s"], np.array(curve["force_N"]) * unit, color=colour, linewidth=1)
+        depth.plot(np.array(curve["depth_m"]) * 1e3, np.array(curve["force_N"]) * unit, color=colour, linewidth=1)
+        rest.plot(np.linalg.norm(press["static_N"]) * unit, np.linalg.norm(press["force_N"]) * unit, "o", color=colour)
+    for axis, label in ((time, "time (s)"), (depth, "depth of the contact (mm)")):
+        axis.set_xlabel(label)
+        axis.set_ylabel(f"force along the push ({name})")
+    limit = [0, 1.05 * most * unit]
+    rest.plot(limit, limit, color="0.6", linewidth=0.8, zorder=0)
+    rest.set_xlabel(f"static closed-loop answer ({name})")
+    rest.set_ylabel(f"force at rest ({name})")
+    worst = max(p["static_error"] for p in presses)
+    rest.set_title(f"{len(presses)} presses, at most {100 * worst:.2g} % off the static answer", fontsize=10)
+
+    switches = data["switches"]
+    largest = max((s for s in switches if s["innovation"] == 1), key=lambda s: s["force_jump_N"], default=None)
+    for s in switches:
+        if largest and (s["from"], s["to"]) == (largest["from"], largest["to"]):
+            slow = s["innovation"] < 1
+            switch.plot(np.array(s["curve"]["time_s"]) * 1e3, np.array(s["curve"]["force_N"]) * unit,
+                        color="#0072B2" if slow else "#D55E00", label=f"gamma = {s['innovation']:g}",
+                        linewidth=2 if slow else 1)
+    if largest:
+        switch.set_title(f"set {largest['from']} gives way to {largest['to']}", fontsize=10)
+        switch.legend(frameon=False)
+    switch.set_xlabel("time after the switch (ms)")
+    switch.set_ylabel(f"force along the push ({name})")
+    figure.suptitle(f"Study {data['study']}: the 1 kHz simulation pressed at its contacts until it rests")
+    out = sys.argv[2]
+    figure.savefig(out + ".tmp", dpi=110, format="png", metadata={"Software": None})
+    os.replace(out + ".tmp", out)
+
+
+if __name__ == "__main__":
+    main()
