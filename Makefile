@@ -25,7 +25,7 @@ export OMP_NUM_THREADS := 1
 
 # ---- front door
 
-.PHONY: realtime ablation all mesh cases train eval figures reference trust gains test sanitize bench deps help clean build
+.PHONY: felupe realtime ablation all mesh cases train eval figures reference trust gains test sanitize bench deps help clean build
 
 ## all: the whole study, from mesh to figures
 all: figures eval
@@ -115,7 +115,7 @@ $(BENCHES): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(BUILD)/libtissue.a
 
 # The plan says which load paths there are and with which arguments; its parts say what each stage depends on, and
 # keep their time stamp while their text stays the same.
-ifneq (,$(filter-out help clean deps build reference trust gains test sanitize bench $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
+ifneq (,$(filter-out help clean deps build reference trust felupe gains test sanitize bench $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
 include $(R)/plan.mk
 endif
 figures: $(FIGURES:%=$(R)/figures/%.png)
@@ -176,6 +176,13 @@ $(R)/realtime.json: $(R)/model.h5 $(R)/cases.h5 $(TISSUE_HAPTIC)
 ## ablation: train and try the study's variants on its drawn contacts
 ablation: $(R)/cases.h5 $(TISSUECTL)
 	@$(TISSUECTL) ablate --study fem/studies/$(STUDY).toml --cases $< --out $(R)/ablation.json
+	@mkdir -p $(R)/figures
+	@$(PYTHON) scripts/figures/ablation.py $(R)/ablation.json $(R)/figures/ablation.png
+
+## felupe: contact forces of an independent finite-element program on the same mesh
+felupe: | build/deps
+	@PYTHON=$(PYTHON) scripts/venv
+	@FF_LOADPATH="$$(scripts/freefem_plugins)" build/venv/bin/python tests/fem/felupe_patch.py
 
 ## gains: how gains, iterations and Q follow mesh size and displacement, as results/reference/gains.md
 gains: $(TISSUECTL) $(BUILD)/gains_probe
