@@ -69,10 +69,11 @@ build/deps: scripts/install_deps
 CXX := g++
 PACKAGES := hdf5 gsl fmt nlopt libxxhash lapacke openblas
 # tests forbid Eigen to allocate in the tick (EIGEN_RUNTIME_NO_MALLOC);
-# gcc 12 sees an overflow in fmt's own inlined parser that is not there
+# gcc 12 sees an overflow in fmt's own inlined parser that is not there, and under sanitizers uninitialised members in
+# its own <regex>
 CXXFLAGS = -std=c++17 -O3 -g1 -pthread -Wall -Wextra -Wpedantic -Wshadow -Werror -Wno-stringop-overflow -DEIGEN_RUNTIME_NO_MALLOC -MMD -MP \
   -Ilib -isystem /usr/include/eigen3 $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(PACKAGES))) \
-  $(if $(SANITIZE),-O1 -fsanitize=address$(comma)undefined -fno-sanitize-recover=all)
+  $(if $(SANITIZE),-O1 -Wno-maybe-uninitialized -fsanitize=address$(comma)undefined -fno-sanitize-recover=all)
 LDLIBS = $(shell pkg-config --libs $(PACKAGES)) -pthread
 comma := ,
 

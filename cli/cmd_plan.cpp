@@ -3,7 +3,7 @@
 #include "command.h"
 #include "error.h"
 #include "io/atomic_file.h"
-#include "study/plan.h"
+#include "cases/plan.h"
 
 namespace tissue::cli {
 namespace {

@@ -7,7 +7,6 @@
 #include <filesystem>
 
 #include "error.h"
-#include "springs/spring_law.h"
 #include "study/toml_reader.h"
 
 namespace tissue {
@@ -15,6 +14,7 @@ namespace {
 
 const Range positive{0, std::numeric_limits<double>::infinity(), true};
 const Range not_negative{0};
+const std::vector<std::string> spring_laws = {"isotropic", "axial", "geometric"};  // as springs/spring_law knows them
 
 toml::table parse(const std::string& file) {
     std::error_code error;
@@ -173,7 +173,7 @@ Study::Variant read_variant(TomlReader in, const Study& study) {
     Study::Variant v;
     v.name = in.text("name");
     v.topology = in.has("topology") ? in.choice("topology", {"grid4", "grid8"}) : study.springs.topology;
-    v.law = in.has("law") ? in.choice("law", spring_law_names()) : study.springs.law;
+    v.law = in.has("law") ? in.choice("law", spring_laws) : study.springs.law;
     v.objective = in.has("objective") ? in.choice("objective", {"force", "contact"}) : study.training.objective;
     v.ridge = in.optional_number("ridge", not_negative).value_or(study.training.ridge);
     v.spacing_m = in.optional_number("spacing_m", {sweep.spacing_m}).value_or(sweep.spacing_m);
@@ -253,7 +253,7 @@ Study read_study(const std::string& file) {
     study.loads = read_loads(in.table("loads"), study.geometry, study.indenter);
 
     TomlReader springs = in.table("springs");
-    study.springs = {springs.choice("topology", {"grid4", "grid8"}), springs.choice("law", spring_law_names())};
+    study.springs = {springs.choice("topology", {"grid4", "grid8"}), springs.choice("law", spring_laws)};
     springs.refuse_the_rest();
 
     study.training = read_training(in.table("training"));

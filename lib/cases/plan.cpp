@@ -1,4 +1,4 @@
-#include "study/plan.h"
+#include "cases/plan.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,4 +1,4 @@
-#include "study/plan.h"
+#include "cases/plan.h"
 
 #include <catch2/catch.hpp>
 #include <cstdlib>
