@@ -265,16 +265,8 @@ TEST_CASE("tissue-haptic: the shipped client drives it over UDP, and gets its fo
     CHECK(j["details"]["stale"].get<int>() > 0);  // the client left before we did
 }
 
-TEST_CASE("tissue-haptic: starts at once, links neither Boost nor Python", "[program]") {
+TEST_CASE("tissue-haptic: links neither Boost nor Python", "[program]") {
     const TemporaryFolder folder;
-    const std::string model = model_file(folder);
-    double fastest = 1;
-    for (int k = 0; k < 10; ++k) {
-        const auto start = std::chrono::steady_clock::now();
-        REQUIRE(run(folder, model + " --seconds 0.001").status == 0);
-        fastest = std::min(fastest, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    }
-    CHECK(fastest < 0.05);
     REQUIRE(std::system(("ldd " + program() + " > " + folder.file("libraries")).c_str()) == 0);
     const std::string libraries = read_file(folder.file("libraries"));
     CHECK(libraries.find("boost") == std::string::npos);
