@@ -58,7 +58,7 @@ help:
 
 ## clean: remove everything that was built and every result, but the committed ones
 clean:
-	rm -rf build $(filter-out results/reference/,$(wildcard results/*/))
+	rm -rf build results/bench.json $(filter-out results/reference/,$(wildcard results/*/))
 
 build/deps: scripts/install_deps
 	@scripts/install_deps
