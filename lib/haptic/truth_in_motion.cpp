@@ -4,22 +4,11 @@
 #include <cmath>
 
 #include "haptic/virtual_device.h"
+#include "mesh/outline.h"
 #include "springs/equilibrium.h"
 
 namespace tissue {
 namespace {
-
-/// Into the tissue at a point of the outline at rest: the mean of the normals of the segments there.
-Eigen::Vector2d inward_normal(const SpringMesh& mesh, const Eigen::Vector2d& contact_m) {
-    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    for (std::size_t b = 0; b < mesh.boundary.size(); ++b) {
-        const Eigen::Vector2d start = mesh.nodes.row(mesh.boundary[b]);
-        const Eigen::Vector2d along = mesh.nodes.row(mesh.boundary[(b + 1) % mesh.boundary.size()]).transpose() - start;
-        const double w = std::clamp((contact_m - start).dot(along) / along.squaredNorm(), 0.0, 1.0);
-        if ((start + w * along - contact_m).norm() < 1e-9) sum += Eigen::Vector2d(-along.y(), along.x()).normalized();
-    }
-    return sum.normalized();
-}
 
 /// Stiffness in use, by spring.
 Eigen::VectorXd theta_in_use(const RealtimeMesh& mesh, const MeshState& state) {
@@ -37,7 +26,8 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
     PressResult result;
     result.name = truth.name;
     const auto law = make_spring_law(tissue.law);
-    const Eigen::Vector2d inward = inward_normal(tissue.mesh, truth.contact_m);
+    const Outline outline_at_rest(tissue.mesh);
+    const Eigen::Vector2d inward = outline_at_rest.inward_normal(outline_at_rest.arc_of(truth.contact_m));
     const double dt = model.options.dt_s;
 
     Simulation simulation(model);
