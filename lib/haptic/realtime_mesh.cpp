@@ -9,6 +9,7 @@
 #include "error.h"
 #include "haptic/hot_loop.h"
 #include "springs/spring_law.h"
+#include "springs/stretch.h"
 
 namespace tissue {
 namespace {
@@ -52,14 +53,22 @@ TISSUE_HOT void axial_parallel(const Run& r, int n, double nx, double ny, double
     }
 }
 
-TISSUE_HOT void geometric(const Run& r, int n, double* __restrict gx, double* __restrict gy) {
+template <class Stretch>
+inline void turning(const Run& r, int n, double* __restrict gx, double* __restrict gy) {
     for (int k = 0; k < n; ++k) {
         const double x = r.sx[k] + (r.ux_j[k] - r.ux_i[k]), y = r.sy[k] + (r.uy_j[k] - r.uy_i[k]);
-        const double length = std::sqrt(x * x + y * y);
-        const double pull = r.theta[k] * (1 - r.length[k] / std::max(length, tiny_m));
+        const double pull = r.theta[k] * Stretch::secant(r.length[k], std::max(std::sqrt(x * x + y * y), tiny_m));
         gx[k] = pull * x;
         gy[k] = pull * y;
     }
+}
+
+TISSUE_HOT void geometric(const Run& r, int n, double* __restrict gx, double* __restrict gy) {
+    turning<HookeanStretch>(r, n, gx, gy);
+}
+
+TISSUE_HOT void rubber(const Run& r, int n, double* __restrict gx, double* __restrict gy) {
+    turning<RubberStretch>(r, n, gx, gy);
 }
 
 TISSUE_HOT void add_pair(int n, const double* __restrict g, double* f_i, double* f_j) {
@@ -78,7 +87,8 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const
         throw MismatchError("every node of the spring mesh must have a positive mass");
     law_ = make_spring_law(law)->name() == "isotropic" ? Law::isotropic
            : law == "axial"                            ? Law::axial
-                                                       : Law::geometric;
+           : law == "geometric"                        ? Law::geometric
+                                                       : Law::rubber;
     rest_ = mesh.nodes;
     mass_ = node_mass_kg;
     inverse_mass_ = mass_.cwiseInverse();
@@ -175,6 +185,7 @@ void RealtimeMesh::force(const Eigen::VectorXd& theta, const NodeColumns& u, Nod
                     else kernel::axial(run, n, gx, gy);
                     break;
                 case Law::geometric: kernel::geometric(run, n, gx, gy); break;
+                case Law::rubber: kernel::rubber(run, n, gx, gy); break;
             }
             kernel::add_pair(n, gx, fx + i, fx + j);
             kernel::add_pair(n, gy, fy + i, fy + j);
@@ -184,9 +195,9 @@ void RealtimeMesh::force(const Eigen::VectorXd& theta, const NodeColumns& u, Nod
         const Eigen::Vector2d d(ux[j] - ux[i], uy[j] - uy[i]), n = axis_.row(slot);
         Eigen::Vector2d g = d;
         if (law_ == Law::axial) g = n * n.dot(d);
-        if (law_ == Law::geometric) {
+        if (!linear()) {
             const Eigen::Vector2d now = rest_span_.row(slot).transpose() + d;
-            g = now * (1 - rest_length_[slot] / std::max(now.norm(), tiny_m));
+            g = now * stretched(rest_length_[slot], std::max(now.norm(), tiny_m)).secant;
         }
         g *= theta[slot];
         fx[i] -= g.x();
@@ -196,16 +207,27 @@ void RealtimeMesh::force(const Eigen::VectorXd& theta, const NodeColumns& u, Nod
     }
 }
 
+RealtimeMesh::Stretched RealtimeMesh::stretched(double rest, double length) const noexcept {
+    const auto answer = [&](auto law) -> Stretched {
+        return {law.secant(rest, length), law.tangent(rest, length), law.energy(rest, length)};
+    };
+    return law_ == Law::rubber ? answer(RubberStretch{}) : answer(HookeanStretch{});
+}
+
+double RealtimeMesh::stiffest_stretch() const noexcept {
+    return law_ == Law::rubber ? RubberStretch::stiffest : HookeanStretch::stiffest;
+}
+
 double RealtimeMesh::potential_energy(const Eigen::VectorXd& theta, const NodeColumns& u) const noexcept {
     double energy = 0;
     for (int slot = 0; slot < slot_count(); ++slot) {
         const int i = first_[static_cast<std::size_t>(slot)], j = second_[static_cast<std::size_t>(slot)];
         const Eigen::Vector2d d = u.row(j) - u.row(i);
-        double stretch2 = d.squaredNorm();
-        if (law_ == Law::axial) stretch2 = std::pow(axis_.row(slot).dot(d), 2);
-        if (law_ == Law::geometric)
-            stretch2 = std::pow((rest_span_.row(slot).transpose() + d).norm() - rest_length_[slot], 2);
-        energy += theta[slot] * stretch2 / 2;
+        double unit = d.squaredNorm() / 2;
+        if (law_ == Law::axial) unit = std::pow(axis_.row(slot).dot(d), 2) / 2;
+        if (!linear() && rest_length_[slot] > 0)
+            unit = stretched(rest_length_[slot], (rest_span_.row(slot).transpose() + d).norm()).energy;
+        energy += theta[slot] * unit;
     }
     return energy;
 }
@@ -215,16 +237,18 @@ Eigen::Matrix2d RealtimeMesh::unit_stiffness(int slot, const NodeColumns& u, boo
     switch (law_) {
         case Law::isotropic: return Eigen::Matrix2d::Identity();
         case Law::axial: return n * n.transpose();
-        case Law::geometric: break;
+        case Law::geometric:
+        case Law::rubber: break;
     }
     const int i = first_[static_cast<std::size_t>(slot)], j = second_[static_cast<std::size_t>(slot)];
     const Eigen::Vector2d now = rest_span_.row(slot) + u.row(j) - u.row(i);
     const double length = now.norm();
     if (!(length > tiny_m)) return Eigen::Matrix2d::Identity();
     const Eigen::Vector2d t = now / length;
-    const double across = 1 - rest_length_[slot] / length;
+    const Stretched s = stretched(rest_length_[slot], length);
+    const double across = s.secant;
     const Eigen::Matrix2d along = t * t.transpose();
-    return along + (convex ? std::max(across, 0.0) : across) * (Eigen::Matrix2d::Identity() - along);
+    return s.tangent * along + (convex ? std::max(across, 0.0) : across) * (Eigen::Matrix2d::Identity() - along);
 }
 
 }  // namespace tissue

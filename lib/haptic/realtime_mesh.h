@@ -19,7 +19,7 @@ using NodeColumns = Eigen::Matrix<double, Eigen::Dynamic, 2>;
 /// band that hold no spring have theta = 0. Springs of rare offsets (meshes that are no lattice) are loose: pairs.
 class RealtimeMesh {
    public:
-    enum class Law { isotropic, axial, geometric };
+    enum class Law { isotropic, axial, geometric, rubber };
 
     struct Band {
         int first_node, offset, first_slot, count;  ///< slot first_slot + k joins first_node + k and that + offset
@@ -35,7 +35,7 @@ class RealtimeMesh {
     int slot_count() const { return static_cast<int>(axis_.rows()); }
     int spring_count() const { return static_cast<int>(slot_of_spring_.size()); }
     Law law() const { return law_; }
-    bool linear() const { return law_ != Law::geometric; }
+    bool linear() const { return law_ == Law::isotropic || law_ == Law::axial; }
     const NodeColumns& rest() const { return rest_; }                    ///< [m] (N x 2)
     const Eigen::VectorXd& mass() const { return mass_; }                ///< [kg] (N)
     const Eigen::VectorXd& inverse_mass() const { return inverse_mass_; }  ///< [1/kg] (N), 0 where a node is fixed
@@ -56,10 +56,16 @@ class RealtimeMesh {
     double potential_energy(const Eigen::VectorXd& theta, const NodeColumns& u) const noexcept;
 
     /// The 2 x 2 block k = d f_i / d u_i of one slot per unit theta at u (the block of i, j is -k). `convex` keeps it
-    /// positive semi-definite where a compressed geometric spring would buckle.
+    /// positive semi-definite where a compressed spring that turns would buckle.
     Eigen::Matrix2d unit_stiffness(int slot, const NodeColumns& u, bool convex) const noexcept;
 
+    /// What the stiffest spring of this law adds along itself, over its theta: 1 where it does not stiffen.
+    double stiffest_stretch() const noexcept;
+
    private:
+    struct Stretched { double secant, tangent, energy; };
+    Stretched stretched(double rest, double length) const noexcept;  ///< springs/stretch.h, of a law that turns
+
     Law law_;
     NodeColumns rest_;
     Eigen::VectorXd mass_, inverse_mass_;

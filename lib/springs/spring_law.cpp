@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "error.h"
+#include "springs/stretch.h"
 
 namespace tissue {
 namespace {
@@ -85,9 +86,12 @@ class AxialLaw final : public TwoNodeLaw {
     }
 };
 
-class GeometricLaw final : public TwoNodeLaw {
+/// Springs along the current direction, which turns with the tissue; Stretch says how hard they pull.
+template <class Stretch>
+class TurningLaw final : public TwoNodeLaw {
    public:
-    std::string name() const override { return "geometric"; }
+    explicit TurningLaw(std::string name) : name_(std::move(name)) {}
+    std::string name() const override { return name_; }
     bool linear_in_displacement() const override { return false; }
 
    protected:
@@ -95,7 +99,7 @@ class GeometricLaw final : public TwoNodeLaw {
         const Row current = rest + relative;
         const double length = current.norm();
         // two nodes on one spot have no direction to push in
-        return length > 0 ? Row(current * (1 - rest.norm() / length)) : Row(Row::Zero(rest.size()));
+        return length > 0 ? Row(current * Stretch::secant(rest.norm(), length)) : Row(Row::Zero(rest.size()));
     }
     Block unit_stiffness(const Row& rest, const Row& relative) const override {
         const Row current = rest + relative;
@@ -103,21 +107,25 @@ class GeometricLaw final : public TwoNodeLaw {
         const Block identity = Block::Identity(rest.size(), rest.size());
         if (!(length > 0)) return identity;
         const Block along = current.transpose() * current / (length * length);
-        return along + (1 - rest.norm() / length) * (identity - along);
+        return Stretch::tangent(rest.norm(), length) * along + Stretch::secant(rest.norm(), length) * (identity - along);
     }
+
+   private:
+    std::string name_;
 };
 
 }  // namespace
 
 const std::vector<std::string>& spring_law_names() {
-    static const std::vector<std::string> names = {"isotropic", "axial", "geometric"};
+    static const std::vector<std::string> names = {"isotropic", "axial", "geometric", "rubber"};
     return names;
 }
 
 std::unique_ptr<SpringLaw> make_spring_law(const std::string& name) {
     if (name == "isotropic") return std::make_unique<IsotropicLaw>();
     if (name == "axial") return std::make_unique<AxialLaw>();
-    if (name == "geometric") return std::make_unique<GeometricLaw>();
+    if (name == "geometric") return std::make_unique<TurningLaw<HookeanStretch>>(name);
+    if (name == "rubber") return std::make_unique<TurningLaw<RubberStretch>>(name);
     throw MismatchError(
         fmt::format("spring law '{}' is not known; allowed: {}", name, fmt::join(spring_law_names(), ", ")));
 }

@@ -33,6 +33,7 @@ class SpringLaw {
 ///   isotropic  theta (u_i - u_j): the same in every direction, so no 4-connected row can slide for nothing
 ///   axial      theta times the elongation along the rest direction: the spring of linear elasticity
 ///   geometric  theta (|x_i - x_j| - L0) along the current direction, so it turns with the tissue
+///   rubber     theta L0 (lambda - lambda^-2) / 3 along the current direction: turns, and stiffens when pressed
 const std::vector<std::string>& spring_law_names();
 
 /// Throws MismatchError for an unknown name.

@@ -14,7 +14,7 @@ namespace {
 
 const Range positive{0, std::numeric_limits<double>::infinity(), true};
 const Range not_negative{0};
-const std::vector<std::string> spring_laws = {"isotropic", "axial", "geometric"};  // as springs/spring_law knows them
+const std::vector<std::string> spring_laws = {"isotropic", "axial", "geometric", "rubber"};  // as springs/spring_law knows them
 
 toml::table parse(const std::string& file) {
     std::error_code error;

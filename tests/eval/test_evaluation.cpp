@@ -154,6 +154,6 @@ TEST_CASE("a model and cases that do not belong together are refused") {
     cases.paths.pop_back();
     CHECK_THROWS_AS(evaluated(x.model, cases), MismatchError);
     TissueModel model = x.model;
-    model.law = "rubber";
+    model.law = "elastic";
     CHECK_THROWS_AS(evaluated(model, x.cases), MismatchError);
 }

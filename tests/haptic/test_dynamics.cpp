@@ -291,7 +291,7 @@ TEST_CASE("meshes and steps that cannot be are refused", "[dynamics]") {
     CHECK(refusal<MismatchError>([&] { make_dynamics("leapfrog", s.mesh, {}); }).find("paper, symplectic, implicit") != std::string::npos);
     refusal<MismatchError>([&] { make_dynamics("paper", s.mesh, {0, 0}); });
     refusal<MismatchError>([&] { RealtimeMesh(s.model.mesh, "axial", Eigen::VectorXd::Zero(s.mesh.node_count())); });
-    refusal<MismatchError>([&] { RealtimeMesh(s.model.mesh, "rubber", s.model.node_mass_kg); });
+    refusal<MismatchError>([&] { RealtimeMesh(s.model.mesh, "elastic", s.model.node_mass_kg); });
     refusal<MismatchError>([&] { s.mesh.to_slots(Eigen::VectorXd::Ones(3)); });
     const TissueModel large = haptic_example({"grid8", "axial", 240});
     const RealtimeMesh mesh(large.mesh, "axial", large.node_mass_kg);

@@ -91,6 +91,7 @@ TEST_CASE("adversarial ticks: force finite and within its limit, the proxy outsi
         {"grid4", "isotropic", "auto", SelectorOptions::Mode::blended, 0.9, 300, 10, 100000},
         {"grid8", "axial", "implicit", SelectorOptions::Mode::blended, 0.5, 300, 100, 20000},
         {"grid8", "geometric", "auto", SelectorOptions::Mode::nearest, 0.5, 300, 10, 50000},
+        {"grid8", "rubber", "auto", SelectorOptions::Mode::blended, 0.5, 300, 10, 20000},
         {"grid4", "isotropic", "paper", SelectorOptions::Mode::nearest, 0.5, 300, 10, 30000},  // blows up: must stay harmless
     };
     for (const Kind& kind : kinds) {
@@ -262,6 +263,7 @@ TEST_CASE("a tick allocates nothing", "[simulation]") {
     for (const Kind& kind : {Kind{"grid4", "isotropic", "symplectic", {O::Mode::nearest, O::By::force}},
                              Kind{"grid4", "isotropic", "implicit", {O::Mode::blended, O::By::displacement}},
                              Kind{"grid8", "geometric", "implicit", {O::Mode::nearest, O::By::displacement}},
+                             Kind{"grid8", "rubber", "implicit", {O::Mode::blended, O::By::displacement}},
                              Kind{"grid8", "axial", "symplectic", {O::Mode::blended, O::By::force}},
                              Kind{"grid4", "isotropic", "paper", {O::Mode::nearest, O::By::displacement}}}) {
         HapticOptions o;
@@ -325,7 +327,7 @@ TEST_CASE("options that make no sense are refused", "[simulation]") {
 }
 
 TEST_CASE("in motion the force comes to the static closed-loop answer at every contact", "[truth]") {
-    for (const ExampleModel& e : {ExampleModel{"grid4", "isotropic", 10, 0.2}, ExampleModel{"grid8", "axial", 10, 0.2}, ExampleModel{"grid8", "geometric", 10, 0.2}}) {
+    for (const ExampleModel& e : {ExampleModel{"grid4", "isotropic", 10, 0.2}, ExampleModel{"grid8", "axial", 10, 0.2}, ExampleModel{"grid8", "geometric", 10, 0.2}, ExampleModel{"grid8", "rubber", 10, 0.2}}) {
         const TissueModel tissue = haptic_example(e);
         const HapticModel model(tissue, {});
         int answered = 0, asked = 0;

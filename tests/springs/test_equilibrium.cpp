@@ -35,7 +35,7 @@ NodeField nodal_force(const std::string& law, const NodeField& u) {
 }
 
 double slack(const std::string& law) {
-    return law == "geometric" ? tolerance::newton : tolerance::solve;
+    return !make_spring_law(law)->linear_in_displacement() ? tolerance::newton : tolerance::solve;
 }
 
 }  // namespace
