@@ -119,6 +119,8 @@ class Simulation {
     ContactState contact_;
     int touched_ = -1;            ///< mesh in contact
     double coupling_N_m_ = 0;     ///< k_C of this contact
+    bool new_contact_ = true;     ///< since the last selection
+    Eigen::Vector2d selected_by_ = Eigen::Vector2d::Zero();  ///< average of what chooses the sets [m], or [N] by force
     bool armed_ = false;          ///< the master has been outside
     SetWeights sets_;             ///< (19)'s K_l
     HapticCounters counters_;
