@@ -142,6 +142,7 @@ std::string realtime_json(const HapticModel& model, const std::vector<PressResul
             entry["static_error"] = nullptr;
             entry["reason"] = p.reason;
         }
+        entry["off_contact_m"] = p.off_contact_m;
         entry["displacement_m"] = pair(p.displacement_m);
         entry["force_N"] = pair(p.force_N);
         entry["static_N"] = pair(p.static_N);

@@ -20,7 +20,8 @@ Eigen::VectorXd theta_in_use(const RealtimeMesh& mesh, const MeshState& state) {
 }  // namespace
 
 PressResult press(const HapticModel& model, const TissueModel& tissue, const PressTruth& truth, double seconds_max) {
-    constexpr double inset_m = 0.0003;    // a push along the surface must stay inside it
+    constexpr double inset_m = 0.0003;    // a push along the surface must stay inside it until the hand has corrected
+    constexpr double same_contact_m = 1e-4;
     constexpr double ramp_s = 2, window_s = 0.5, settled = 1e-4;
     constexpr double creep_1_s = 0.3;     // slower than the mesh's own decay, or the hand would feed its swinging
     PressResult result;
@@ -32,8 +33,7 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
 
     Simulation simulation(model);
     const double aim = truth.magnitude_m * (1 + 1 / model.options.coupling_ratio);
-    const Eigen::Vector2d target =
-        truth.magnitude_m * truth.direction + inset_m / (1 + 1 / model.options.coupling_ratio) * inward;
+    const Eigen::Vector2d target = truth.magnitude_m * truth.direction;
     VirtualDevice hand(press_motion(truth.contact_m, inward, aim * truth.direction, ramp_s, inset_m), model.options.map);
     Eigen::Vector2d shift = Eigen::Vector2d::Zero();
     Eigen::Vector2d last = Eigen::Vector2d::Zero();
@@ -81,7 +81,11 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
     if (!rest) return result;
     result.static_N = rest->contact_force;
     result.static_error = (result.force_N - result.static_N).norm() / result.static_N.norm();
-    if (truth.force_N) {
+    // FE's word is about its own contact: a tool that slipped off on the way pressed another
+    const Eigen::Vector2d touched = model.meshes[0]->springs.rest().row(point.node[0]) * point.weight[0] +
+                                    model.meshes[0]->springs.rest().row(point.node[1]) * point.weight[1];
+    result.off_contact_m = (touched - truth.contact_m).norm();
+    if (truth.force_N && result.off_contact_m < same_contact_m) {
         result.fe_error = (result.force_N - *truth.force_N).norm() / truth.force_N->norm();
         std::string ignored;
         const auto exact = solve_equilibrium(tissue.mesh, *law, theta, locate_on_surface(tissue.mesh, truth.contact_m),

@@ -26,7 +26,8 @@ struct PressResult {
     Eigen::Vector2d force_N{0, 0};         ///< of the tool on the tissue
     Eigen::Vector2d static_N{0, 0};        ///< closed-loop answer at that displacement with the stiffness in use
     double static_error = 0;             ///< |force - static| / |static|
-    std::optional<double> fe_error;      ///< |force - FE| / |FE|
+    double off_contact_m = 0;            ///< how far the touched point lies from the contact asked for, at rest
+    std::optional<double> fe_error;      ///< |force - FE| / |FE|; nothing where the tool slipped off to another contact
     std::optional<double> static_fe_error;  ///< of the static answer at the FE displacement: what motion cannot mend
     std::string set;                     ///< that served in the end
     double seconds = 0;                  ///< of simulated time
@@ -35,7 +36,8 @@ struct PressResult {
 };
 
 /// Moves a virtual hand to the contact and on, until the proxy has come `magnitude_m` along the push, and waits.
-/// The hand aims past the contact by what the coupling gives way, corrected once the force is known.
+/// The hand aims past the contact by what the coupling gives way, and a little deeper so that grazing pushes stay
+/// inside; then it creeps until the proxy stands where FE's contact does.
 PressResult press(const HapticModel& model, const TissueModel& tissue, const PressTruth& truth, double seconds_max = 30);
 
 /// Potential energy and force at a switch of spring sets under a held contact: one jump, or a moving average.
