@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
     add_eval(app, invocation);
     add_ablate(app, invocation);
     add_info(app, invocation);
+    add_export(app, invocation);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {

@@ -294,22 +294,45 @@ std::vector<std::string> Hdf5Reader::children(const std::string& group) const {
     return names;
 }
 
-std::vector<std::string> Hdf5Reader::describe() const {
-    std::vector<std::string> lines;
+std::vector<std::string> Hdf5Reader::datasets() const {
+    std::vector<std::string> names;
     const std::function<void(const std::string&)> walk = [&](const std::string& group) {
         for (const std::string& child : children(group)) {
             const std::string name = group == "/" ? "/" + child : group + "/" + child;
             const Handle object(H5Oopen(id_, name.c_str(), H5P_DEFAULT), H5Oclose);
-            if (H5Iget_type(object) == H5I_GROUP) {
+            if (H5Iget_type(object) == H5I_GROUP)
                 walk(name);
-            } else {
-                lines.push_back(fmt::format("{:<40} {:<14} {:<6} {}", name,
-                                            fmt::format("{}", fmt::join(shape_of(object), " x ")),
-                                            text_attribute(name, "units"), text_attribute(name, "description")));
-            }
+            else
+                names.push_back(name);
         }
     };
     walk("/");
+    return names;
+}
+
+std::vector<std::size_t> Hdf5Reader::shape(const std::string& dataset) const {
+    const Handle object(H5Dopen2(id_, dataset.c_str(), H5P_DEFAULT), H5Dclose);
+    if (object.failed()) refuse(dataset, "is missing");
+    return shape_of(object);
+}
+
+DatasetKind Hdf5Reader::kind(const std::string& dataset) const {
+    const Handle object(H5Dopen2(id_, dataset.c_str(), H5P_DEFAULT), H5Dclose);
+    if (object.failed()) refuse(dataset, "is missing");
+    const Handle type(H5Dget_type(object), H5Tclose);
+    switch (H5Tget_class(type)) {
+        case H5T_FLOAT: return DatasetKind::numbers;
+        case H5T_INTEGER: return DatasetKind::integers;
+        case H5T_STRING: return DatasetKind::texts;
+        default: refuse(dataset, "holds neither numbers nor texts");
+    }
+}
+
+std::vector<std::string> Hdf5Reader::describe() const {
+    std::vector<std::string> lines;
+    for (const std::string& name : datasets())
+        lines.push_back(fmt::format("{:<40} {:<14} {:<6} {}", name, fmt::format("{}", fmt::join(shape(name), " x ")),
+                                    text_attribute(name, "units"), text_attribute(name, "description")));
     return lines;
 }
 

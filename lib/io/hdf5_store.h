@@ -22,6 +22,9 @@ struct Array {
     std::vector<double> values;
 };
 
+/// What the values of a dataset are.
+enum class DatasetKind { numbers, integers, texts };
+
 /// Writes one HDF5 file beside its place; it appears there, whole, at commit(). Every dataset says its units and what
 /// it is. Throws FileError for whatever the disk refuses.
 class Hdf5Writer {
@@ -75,6 +78,11 @@ class Hdf5Reader {
 
     /// Names of what a group holds, in alphabetical order.
     std::vector<std::string> children(const std::string& group) const;
+
+    /// Full names of all datasets, in alphabetical order of their groups and theirs.
+    std::vector<std::string> datasets() const;
+    std::vector<std::size_t> shape(const std::string& dataset) const;
+    DatasetKind kind(const std::string& dataset) const;
 
     /// Every dataset as "name  shape  units  description", for people.
     std::vector<std::string> describe() const;

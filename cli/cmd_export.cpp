@@ -1,0 +1,99 @@
+#include <fmt/format.h>
+
+#include <iostream>
+
+#include "cases/load_path.h"
+#include "command.h"
+#include "error.h"
+#include "export/csv.h"
+#include "export/npy.h"
+#include "export/sofa.h"
+#include "export/vtu.h"
+#include "io/atomic_file.h"
+#include "progress.h"
+
+namespace tissue::cli {
+namespace {
+
+struct Options {
+    std::string file, to, out, sets, set, path;
+};
+
+/// The paths asked for: one by its name, or all.
+std::vector<const LoadPath*> chosen_paths(const Cases& cases, const Options& o) {
+    std::vector<const LoadPath*> paths;
+    for (const LoadPath& path : cases.paths)
+        if (o.path.empty() || path.name == o.path) paths.push_back(&path);
+    if (paths.empty()) throw MismatchError(fmt::format("{}: there is no load path '{}' in it", o.file, o.path));
+    return paths;
+}
+
+void export_cases(const Options& o) {
+    if (o.to == "sofa") throw MismatchError(o.file + ": holds load cases; a SOFA scene needs springs: a model.h5");
+    if (!o.sets.empty() || !o.set.empty())
+        throw MismatchError(o.file + ": holds load cases; --sets and --set choose among the springs of a model.h5");
+    const Cases cases = read_cases(o.file);
+    const std::vector<const LoadPath*> paths = chosen_paths(cases, o);
+    if (o.to == "csv") return write_files(o.out, csv_files(cases, paths));
+    Files files;
+    for (const LoadPath* path : paths) files[path->name + ".vtu"] = path_vtu(cases, *path);
+    write_files(o.out, files);
+}
+
+void export_model(const Options& o) {
+    if (!o.path.empty()) throw MismatchError(o.file + ": holds spring sets; --path chooses among the paths of a cases.h5");
+    if (o.to == "sofa" && o.set.empty())
+        throw MismatchError("a SOFA scene has one spring set: name it with --set (a load case of the model, or one_set)");
+    const TissueModel model = read_model(o.file);
+    const std::vector<NamedSet> sets = spring_sets(model, o.sets, o.set);
+    if (o.to == "csv") return write_files(o.out, csv_files(model, sets));
+    if (o.to == "sofa") {
+        write_file(o.out, sofa_scene(model, sets.front()));
+        std::cerr << "tissuectl export: law '" << model.law << "': " << sofa_fidelity(model.law) << '\n';
+        return;
+    }
+    Files files;
+    Progress progress("export");
+    int done = 0;
+    for (const NamedSet& set : sets) {
+        std::string reason;
+        files[set.name + ".vtu"] = set_vtu(model, set, reason);
+        progress.step(++done, static_cast<int>(sets.size()),
+                      set.name + (reason.empty() ? "" : ", drawn at rest: " + reason));
+    }
+    write_files(o.out, files);
+}
+
+void run(const Options& o) {
+    const std::string kind = [&] {
+        const Hdf5Reader in(o.file, "");
+        if (o.to == "numpy") {
+            if (!o.sets.empty() || !o.set.empty() || !o.path.empty())
+                throw MismatchError("--to numpy writes every dataset; it knows no --sets, --set or --path");
+            write_files(o.out, npy_files(in));
+        }
+        return in.text_attribute("/", "kind");
+    }();
+    if (o.to == "numpy") return;
+    if (kind == "cases") return export_cases(o);
+    if (kind == "model") return export_model(o);
+    throw FileError(fmt::format("{}: holds '{}', which --to numpy alone can export", o.file, kind));
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, const Invocation&) {
+    auto o = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("export", "Write a file's tissue in the formats of other programs. SI units throughout.");
+    command->add_option("file", o->file, "cases.h5 or model.h5")->required()->type_name("FILE");
+    CLI::Validator known = CLI::IsMember({"vtu", "sofa", "csv", "numpy"});
+    known.description("");
+    command->add_option("--to", o->to, "vtu (ParaView), sofa (a scene), csv, numpy")->required()->type_name("NAME")->check(known);
+    command->add_option("--out", o->out, "to write: a folder; of sofa a .scn file")->required()->type_name("PATH");
+    command->add_option("--sets", o->sets, "of a model: an optimiser's, or optimum; else the study's own")->type_name("NAME");
+    command->add_option("--set", o->set, "of a model: one load case's, one_set, heuristic_a or heuristic_b; else all")->type_name("NAME");
+    command->add_option("--path", o->path, "of cases: this load path alone")->type_name("NAME");
+    command->callback([o] { run(*o); });
+}
+
+}  // namespace tissue::cli

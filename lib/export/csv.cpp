@@ -1,0 +1,85 @@
+#include "export/csv.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace tissue {
+namespace {
+
+constexpr const char* axis_names = "xyz";
+
+/// "u_x_m,u_y_m" for columns("u_", "_m", 2).
+std::string columns(const std::string& before, const std::string& after, Eigen::Index dimension) {
+    std::string text;
+    for (Eigen::Index d = 0; d < dimension; ++d)
+        text += fmt::format("{}{}{}{}", d > 0 ? "," : "", before, axis_names[d], after);
+    return text;
+}
+
+template <class Row>
+std::string values(const Row& row) {
+    std::string text;
+    for (Eigen::Index d = 0; d < row.size(); ++d) text += fmt::format("{}{}", d > 0 ? "," : "", row[d]);
+    return text;
+}
+
+/// Quoted where a comma or quote stands in it.
+std::string field(const std::string& text) {
+    if (text.find_first_of(",\"\n") == std::string::npos) return text;
+    std::string quoted = "\"";
+    for (char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return quoted + '"';
+}
+
+}  // namespace
+
+Files csv_files(const TissueModel& model, const std::vector<NamedSet>& sets) {
+    const SpringMesh& mesh = model.mesh;
+    const int D = mesh.dimension();
+    std::string nodes = "node," + columns("", "_m", D) + ",mass_kg,fixed\n";
+    for (int i = 0; i < mesh.node_count(); ++i)
+        nodes += fmt::format("{},{},{},{}\n", i, values(mesh.nodes.row(i)), model.node_mass_kg[i],
+                             std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), i) ? 1 : 0);
+    std::string springs = "spring,node_i,node_j,rest_length_m,heuristic_a_N_m,heuristic_b_N_m,one_set_N_m\n";
+    std::string stiffness = "spring";
+    for (const NamedSet& set : sets) stiffness += "," + field(set.name);
+    stiffness += '\n';
+    for (int s = 0; s < mesh.spring_count(); ++s) {
+        springs += fmt::format("{},{},{},{},{},{},{}\n", s, mesh.springs(s, 0), mesh.springs(s, 1), mesh.rest_length(s),
+                               model.heuristic_a[s], model.heuristic_b[s], model.one_set[s]);
+        stiffness += std::to_string(s);
+        for (const NamedSet& set : sets) stiffness += fmt::format(",{}", set.theta[s]);
+        stiffness += '\n';
+    }
+    std::string triangles = "node_i,node_j,node_k\n";
+    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) triangles += values(mesh.triangles.row(t)) + "\n";
+    std::string table = "set," + columns("contact_", "_m", D) + "," + columns("push_", "", D) + ",magnitude_m\n";
+    for (const NamedSet& set : sets)
+        if (const int c = set.load_case; c >= 0)
+            table += fmt::format("{},{},{},{}\n", field(set.name), values(model.contact_m.row(c)),
+                                 values(model.direction.row(c)), model.magnitude_m[c]);
+    return {{"nodes.csv", nodes}, {"springs.csv", springs}, {"triangles.csv", triangles},
+            {"sets.csv", table},  {"stiffness.csv", stiffness}};
+}
+
+Files csv_files(const Cases& cases, const std::vector<const LoadPath*>& paths) {
+    const Eigen::Index D = cases.nodes.cols();
+    std::string nodes = "node," + columns("", "_m", D) + "\n";
+    for (Eigen::Index i = 0; i < cases.nodes.rows(); ++i) nodes += fmt::format("{},{}\n", i, values(cases.nodes.row(i)));
+    std::string records = "path,record,magnitude_m,energy_J," + columns("contact_", "_N", D) + "," +
+                          columns("support_", "_N", D) + ",smallest_J\n";
+    std::string fields = "path,record,node," + columns("u_", "_m", D) + "," + columns("f_", "_N", D) + "\n";
+    for (const LoadPath* path : paths)
+        for (std::size_t k = 0; k < path->records.size(); ++k) {
+            const PathRecord& r = path->records[k];
+            const std::string which = fmt::format("{},{}", field(path->name), k);
+            records += fmt::format("{},{},{},{},{},{}\n", which, r.magnitude_m, r.energy_J, values(r.contact_force_N),
+                                   values(r.support_force_N), r.smallest_J);
+            for (Eigen::Index i = 0; i < r.displacement.rows(); ++i)
+                fields += fmt::format("{},{},{},{}\n", which, i, values(r.displacement.row(i)), values(r.force.row(i)));
+        }
+    return {{"nodes.csv", nodes}, {"records.csv", records}, {"fields.csv", fields}};
+}
+
+}  // namespace tissue

@@ -1,0 +1,76 @@
+#include "export/npy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+
+namespace tissue {
+namespace {
+
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the bytes below are written as they lie in memory");
+
+template <class Value>
+std::string bytes(const std::vector<Value>& values) {
+    std::string out(values.size() * sizeof(Value), '\0');
+    if (!values.empty()) std::memcpy(out.data(), values.data(), out.size());
+    return out;
+}
+
+/// UTF-8 -> code points. Bytes that are no UTF-8 become U+FFFD.
+std::u32string code_points(const std::string& text) {
+    std::u32string out;
+    for (std::size_t i = 0; i < text.size();) {
+        const auto lead = static_cast<unsigned char>(text[i++]);
+        const int more = lead < 0x80 ? 0 : lead >> 5 == 6 ? 1 : lead >> 4 == 14 ? 2 : lead >> 3 == 30 ? 3 : -1;
+        char32_t point = more == 0 ? lead : more > 0 ? lead & (0x3fu >> more) : 0xfffd;
+        for (int k = 0; k < more && i < text.size() && (text[i] & 0xc0) == 0x80; ++k)
+            point = point << 6 | (text[i++] & 0x3f);
+        out.push_back(point);
+    }
+    return out;
+}
+
+/// Magic, version 1.0, length of the header, and the header itself, padded so that the data starts at a multiple of 64.
+std::string header(const std::string& type, const std::vector<std::size_t>& shape) {
+    std::string tuple;
+    for (std::size_t n : shape) tuple += fmt::format("{}, ", n);
+    std::string text = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", type, tuple);
+    text.resize((text.size() + 10 + 1 + 63) / 64 * 64 - 10, ' ');
+    text.back() = '\n';
+    const auto length = static_cast<std::uint16_t>(text.size());
+    return std::string("\x93NUMPY\x01\x00", 8) + static_cast<char>(length & 0xff) + static_cast<char>(length >> 8) + text;
+}
+
+std::string npy_texts(const std::vector<std::string>& texts, const std::vector<std::size_t>& shape) {
+    std::vector<std::u32string> rows;
+    std::size_t longest = 1;
+    for (const std::string& text : texts) {
+        rows.push_back(code_points(text));
+        longest = std::max(longest, rows.back().size());
+    }
+    std::vector<char32_t> points(rows.size() * longest, 0);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        std::copy(rows[i].begin(), rows[i].end(), points.begin() + static_cast<std::ptrdiff_t>(i * longest));
+    return header(fmt::format("<U{}", longest), shape) + bytes(points);
+}
+
+}  // namespace
+
+Files npy_files(const Hdf5Reader& in) {
+    Files files;
+    for (const std::string& name : in.datasets()) {
+        const std::vector<std::size_t> shape = in.shape(name);
+        std::string content;
+        switch (in.kind(name)) {
+            case DatasetKind::numbers: content = header("<f8", shape) + bytes(in.array(name).values); break;
+            case DatasetKind::integers: content = header("<i4", shape) + bytes(in.integers(name)); break;
+            case DatasetKind::texts: content = npy_texts(in.texts(name), shape); break;
+        }
+        files[name.substr(1) + ".npy"] = std::move(content);
+    }
+    return files;
+}
+
+}  // namespace tissue

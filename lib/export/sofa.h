@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "export/spring_sets.h"
+
+namespace tissue {
+
+/// How true SOFA's springs are to a law, in one sentence. A spring of its SpringForceField is theta (|x_i - x_j| - L0)
+/// along the current direction: `geometric` as it is; `isotropic` exactly, as springs of no length whose pull at rest a
+/// constant force takes up; `axial` at rest alone, since SOFA's springs turn with the tissue.
+/// Throws MismatchError for a law that SOFA has no springs for.
+std::string sofa_fidelity(const std::string& law);
+
+/// A SOFA scene (.scn, XML, of releases since 24.06): nodes in the plane z = 0 [m], springs "i j ks kd L0" [N/m, N s/m,
+/// m], fixed nodes, node masses [kg], implicit Euler at 1 kHz without gravity or damping. Throws as sofa_fidelity.
+std::string sofa_scene(const TissueModel& model, const NamedSet& set);
+
+}  // namespace tissue

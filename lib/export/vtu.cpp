@@ -1,0 +1,173 @@
+#include "export/vtu.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "springs/equilibrium.h"
+#include "springs/spring_law.h"
+
+namespace tissue {
+namespace {
+
+/// VTK's numbers of the cells we use.
+enum CellType { vertex = 1, line = 3, quad = 9 };
+
+/// Writes the XML of one grid. Numbers are the shortest text that reads back to the same double.
+class Grid {
+   public:
+    Grid(Eigen::Index points, int steps) : points_(points), steps_(steps) {}
+
+    /// A field (N x D) at one step, filled up with zeros to three components.
+    void at_points(const std::string& name, const NodeField& field, int step = -1) {
+        point_data_ += array(name, "Float64", 3, step, vectors(field));
+    }
+    void at_points(const std::string& name, const Eigen::VectorXd& values) {
+        point_data_ += array(name, "Float64", 1, -1, numbers(values));
+    }
+    void at_points(const std::string& name, const std::vector<int>& values) {
+        point_data_ += array(name, "Int32", 1, -1, numbers(values));
+    }
+    void at_cells(const std::string& name, const Eigen::VectorXd& values) {
+        cell_data_ += array(name, "Float64", 1, -1, numbers(values));
+    }
+    void of_the_whole(const std::string& name, const std::vector<double>& values) {
+        field_data_ += fmt::format("<DataArray type=\"Float64\" Name=\"{}\" NumberOfTuples=\"{}\" format=\"ascii\">{}</DataArray>\n",
+                                   name, values.size(), numbers(values));
+    }
+    void place(const NodeField& positions, int step = -1) {
+        places_ += array("Points", "Float64", 3, step, vectors(positions));
+    }
+    void cell(CellType type, const std::vector<int>& nodes) {
+        connectivity_ += numbers(nodes) + " ";
+        end_ += nodes.size();
+        offsets_ += fmt::format("{} ", end_);
+        types_ += fmt::format("{} ", static_cast<int>(type));
+        ++cells_;
+    }
+
+    std::string xml() const {
+        std::string times;
+        for (int k = 0; k < steps_; ++k) times += fmt::format("{}{}", k > 0 ? " " : "", k);
+        return fmt::format(
+            "<?xml version=\"1.0\"?>\n"
+            "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+            "<UnstructuredGrid{}>\n<FieldData>\n{}</FieldData>\n"
+            "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n"
+            "<PointData Vectors=\"displacement_m\">\n{}</PointData>\n<CellData>\n{}</CellData>\n<Points>\n{}</Points>\n"
+            "<Cells>\n{}{}{}</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n",
+            steps_ > 1 ? " TimeValues=\"" + times + "\"" : "", field_data_, points_, cells_, point_data_, cell_data_,
+            places_, array("connectivity", "Int64", 1, -1, connectivity_), array("offsets", "Int64", 1, -1, offsets_),
+            array("types", "UInt8", 1, -1, types_));
+    }
+
+   private:
+    template <class Values>
+    static std::string numbers(const Values& values) {
+        std::string text;
+        for (const auto value : values) text += fmt::format("{} ", value);
+        return text;
+    }
+    static std::string vectors(const NodeField& field) {
+        std::string text;
+        for (Eigen::Index i = 0; i < field.rows(); ++i) {
+            for (Eigen::Index d = 0; d < 3; ++d)
+                text += fmt::format("{} ", d < field.cols() ? field(i, d) : 0.0);
+            text += '\n';
+        }
+        return text;
+    }
+    std::string array(const std::string& name, const char* type, int components, int step,
+                      const std::string& values) const {
+        const std::string time = step >= 0 && steps_ > 1 ? fmt::format(" TimeStep=\"{}\"", step) : "";
+        return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\"{}>\n{}\n</DataArray>\n",
+                           type, name, components, time, values);
+    }
+
+    Eigen::Index points_;
+    int steps_;
+    std::size_t cells_ = 0, end_ = 0;
+    std::string places_, point_data_, cell_data_, field_data_, connectivity_, offsets_, types_;
+};
+
+/// Nodes of each quad when the nodes are a lattice, row by row from the bottom; else none.
+std::vector<std::vector<int>> lattice_quads(const NodeField& nodes) {
+    const Eigen::Index N = nodes.rows();
+    Eigen::Index across = 1;
+    while (across < N && nodes(across, 1) == nodes(0, 1)) ++across;
+    if (across < 2 || N % across != 0 || N == across) return {};
+    for (Eigen::Index i = 0; i < N; ++i) {
+        const bool in_row = nodes(i, 1) == nodes(i - i % across, 1), in_column = nodes(i, 0) == nodes(i % across, 0);
+        if (!in_row || !in_column) return {};
+    }
+    std::vector<std::vector<int>> quads;
+    const int width = static_cast<int>(across);
+    for (int i = 0; i + width < N; ++i)
+        if (i % width + 1 < width) quads.push_back({i, i + 1, i + 1 + width, i + width});
+    return quads;
+}
+
+}  // namespace
+
+std::string path_vtu(const Cases& cases, const LoadPath& path) {
+    const Eigen::Index N = cases.nodes.rows();
+    Grid grid(N, static_cast<int>(path.records.size()));
+    std::vector<double> magnitude, energy, smallest_J;
+    grid.at_points("rest_m", cases.nodes);
+    for (std::size_t k = 0; k < path.records.size(); ++k) {
+        const PathRecord& record = path.records[k];
+        grid.place(cases.nodes + record.displacement, static_cast<int>(k));
+        grid.at_points("displacement_m", record.displacement, static_cast<int>(k));
+        grid.at_points("force_N", record.force, static_cast<int>(k));
+        magnitude.push_back(record.magnitude_m);
+        energy.push_back(record.energy_J);
+        smallest_J.push_back(record.smallest_J);
+    }
+    grid.of_the_whole("magnitude_m", magnitude);
+    grid.of_the_whole("energy_J", energy);
+    grid.of_the_whole("smallest_J", smallest_J);
+    const std::vector<std::vector<int>> quads = lattice_quads(cases.nodes);
+    for (const std::vector<int>& nodes : quads) grid.cell(quad, nodes);
+    if (quads.empty())
+        for (int i = 0; i < N; ++i) grid.cell(vertex, {i});
+    return grid.xml();
+}
+
+std::string set_vtu(const TissueModel& model, const NamedSet& set, std::string& reason) {
+    const SpringMesh& mesh = model.mesh;
+    const std::unique_ptr<SpringLaw> law = make_spring_law(model.law);
+    NodeField displacement = NodeField::Zero(mesh.node_count(), mesh.dimension());
+    if (set.load_case >= 0) {
+        const int c = set.load_case;
+        const SurfacePoint contact = locate_on_surface(mesh, model.contact_m.row(c).transpose());
+        const Eigen::VectorXd push = model.magnitude_m[c] * model.direction.row(c).transpose();
+        if (const auto state = solve_equilibrium(mesh, *law, set.theta, contact, push, reason))
+            displacement = state->displacement;
+    } else {
+        reason = "no load case belongs to it";
+    }
+    NodeField force(mesh.node_count(), mesh.dimension());
+    Eigen::Map<Eigen::VectorXd>(force.data(), force.size()) = law->force_matrix(mesh, displacement) * set.theta;
+    std::vector<int> fixed(static_cast<std::size_t>(mesh.node_count()), 0);
+    for (int node : mesh.fixed) fixed[static_cast<std::size_t>(node)] = 1;
+    Eigen::VectorXd rest_length(mesh.spring_count());
+
+    Grid grid(mesh.node_count(), 1);
+    for (int s = 0; s < mesh.spring_count(); ++s) {
+        grid.cell(line, {mesh.springs(s, 0), mesh.springs(s, 1)});
+        rest_length[s] = mesh.rest_length(s);
+    }
+    grid.place(mesh.nodes + displacement);
+    grid.at_points("rest_m", mesh.nodes);
+    grid.at_points("displacement_m", displacement);
+    grid.at_points("force_N", force);
+    grid.at_points("mass_kg", model.node_mass_kg);
+    grid.at_points("fixed", fixed);
+    grid.at_cells("stiffness_N_m", set.theta);
+    grid.at_cells("rest_length_m", rest_length);
+    return grid.xml();
+}
+
+}  // namespace tissue

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "cases/load_path.h"
+#include "export/spring_sets.h"
+
+namespace tissue {
+
+/// One load path as a VTK unstructured grid (.vtu, XML, double precision) that ParaView opens as it is: a time step a
+/// record. Points are where the tissue is then, in metres, z = 0; cells are the lattice's quads, or the nodes alone
+/// where they are no lattice.
+///   points  rest_m, displacement_m, force_N (N x 3)    field  magnitude_m, energy_J, smallest_J (R)
+std::string path_vtu(const Cases& cases, const LoadPath& path);
+
+/// One spring set as a VTK unstructured grid: the spring mesh with the set's contact pushed and everything else in
+/// equilibrium; at rest for a set without a load case, or when there is no equilibrium, and then `reason` says why.
+///   points  rest_m, displacement_m, force_N (N x 3), mass_kg, fixed    springs  stiffness_N_m, rest_length_m (S)
+std::string set_vtu(const TissueModel& model, const NamedSet& set, std::string& reason);
+
+}  // namespace tissue
