@@ -1,0 +1,39 @@
+#include "export/files.h"
+
+#include <catch2/catch.hpp>
+
+#include "error.h"
+#include "io/atomic_file.h"
+#include "../example.h"
+#include "../refusal.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+TEST_CASE("an export replaces its own files and leaves others in the folder", "[export]") {
+    const TemporaryFolder folder;
+    write_files(folder.file("out"), {{"a.csv", "1"}, {"sub/b.csv", "2"}});
+    write_file(folder.file("out/notes.txt"), "mine");
+    write_files(folder.file("out/"), {{"a.csv", "3"}});
+    CHECK(read_file(folder.file("out/a.csv")) == "3");
+    CHECK(read_file(folder.file("out/sub/b.csv")) == "2");
+    CHECK(read_file(folder.file("out/notes.txt")) == "mine");
+    CHECK(folder.names() == std::vector<std::string>{"out"});
+}
+
+TEST_CASE("a name that leads out of the folder writes nothing at all", "[export]") {
+    const TemporaryFolder folder;
+    write_files(folder.file("out"), {{"a.csv", "1"}});
+    for (const std::string name : {"../escaped.csv", "/tmp/escaped.csv", "b/../../escaped.csv"})
+        CHECK_THAT(refusal<FileError>([&] { write_files(folder.file("out"), {{"a.csv", "2"}, {name, "2"}}); }),
+                   Contains("leads out of it"));
+    CHECK(read_file(folder.file("out/a.csv")) == "1");
+    CHECK(folder.names() == std::vector<std::string>{"out"});
+}
+
+TEST_CASE("an export does not take a file's place", "[export]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("out", "mine");
+    CHECK_THAT(refusal<FileError>([&] { write_files(file, {{"a.csv", "1"}}); }), Contains("is a file, wanted a folder"));
+    CHECK(read_file(file) == "mine");
+}

@@ -1,0 +1,63 @@
+#!/bin/sh
+# tissuectl export: what VTK, an XML parser, csv and NumPy read back is what the HDF5 files hold; refusals harm nothing.
+. "$(dirname "$0")/common"
+make_copy
+make_tiny results/tiny/model.h5 -j2
+check "the study is trained to begin with" exited 0
+out=$scratch/out
+mkdir "$out"
+exported() { "$PYTHON" "$root/tests/pipeline/exported.py" "$@"; }
+convert() { tissuectl export "$@"; }
+
+convert results/tiny/cases.h5 --to vtu --out "$out/cases"
+check "load paths go to ParaView: exit 0" exited 0
+check "VTK reads every record's displacement, force and place as cases.h5 has them" \
+    exported cases-vtu "$out/cases" "$R/cases.h5"
+convert results/tiny/model.h5 --to vtu --out "$out/model"
+check "spring sets go to ParaView: exit 0" exited 0
+check "VTK reads the deformed spring mesh: stiffness as in model.h5, contact where it was pushed, in equilibrium" \
+    exported model-vtu "$out/model" "$R/model.h5"
+convert results/tiny/model.h5 --to sofa --set top-8mm --out "$out/top.scn"
+check "a spring set goes to SOFA: exit 0" exited 0
+check "it says what SOFA makes of the law" says "law 'isotropic': springs of no length and a constant force"
+check "the scene is well-formed XML with the model's nodes, springs, stiffness, fixed nodes and masses" \
+    exported sofa "$out/top.scn" "$R/model.h5" top-8mm
+convert results/tiny/cases.h5 --to csv --out "$out/cases-csv"
+check "load paths as CSV read back to the last bit" exported cases-csv "$out/cases-csv" "$R/cases.h5"
+convert results/tiny/model.h5 --to csv --out "$out/model-csv"
+check "spring sets as CSV read back to the last bit" exported model-csv "$out/model-csv" "$R/model.h5"
+for file in cases model; do
+    convert "results/tiny/$file.h5" --to numpy --out "$out/$file-npy"
+    check "$file.h5 as NumPy: every dataset, type, shape and value" exported numpy "$out/$file-npy" "$R/$file.h5"
+done
+
+convert results/tiny/cases.h5 --to vtu --path top --out "$out/one"
+check "--path takes one load path" test "$(ls "$out/one")" = top.vtu
+convert results/tiny/model.h5 --to csv --sets optimum --set left-4mm --out "$out/optimum"
+check "--sets and --set take one set" grep -qx 'spring,left-4mm' "$out/optimum/stiffness.csv"
+check "--sets changes the numbers" sh -c '! [ "$(cut -d, -f2 "$1")" = "$(cut -d, -f2 "$2")" ]' - \
+    "$out/optimum/stiffness.csv" "$out/model-csv/stiffness.csv"
+check "the help says unit and default of every option" sh -c '"$1" export --help | grep -q "^  --to  *required  *NAME"' - "$TISSUECTL"
+
+# ---- refusals: one line, and what was there before stays
+snapshot "$out" >"$scratch/before"
+head -c 3000 "$R/model.h5" >"$work/cut.h5"
+refused() { # SENTENCE STATUS WORDS OPTION...
+    sentence=$1 wanted=$2 words=$3
+    shift 3
+    convert "$@"
+    check "$sentence: exit $wanted" exited "$wanted"
+    check "$sentence: one line says so" one_line "$words"
+}
+refused "a set that is not there" 1 "^tissuectl: spring set 'top-9mm' is not in the model" results/tiny/model.h5 --to sofa --set top-9mm --out "$out/top.scn"
+refused "sets of nobody" 1 "^tissuectl: spring sets 'adam' are not in the model" results/tiny/model.h5 --to csv --sets adam --out "$out/model-csv"
+refused "a scene of all sets at once" 1 'name it with --set' results/tiny/model.h5 --to sofa --out "$out/top.scn"
+refused "a scene of load cases" 1 'cases.h5: holds load cases; a SOFA scene needs springs' results/tiny/cases.h5 --to sofa --set top-8mm --out "$out/top.scn"
+refused "a path that is not there" 1 "there is no load path 'up'" results/tiny/cases.h5 --to vtu --path up --out "$out/cases"
+refused "a truncated file" 1 '^tissuectl: cut.h5: is not an HDF5 file, or is truncated' cut.h5 --to vtu --out "$out/model"
+refused "a folder where a file is wanted" 1 'top.scn: is a file, wanted a folder' results/tiny/model.h5 --to vtu --out "$out/top.scn"
+convert results/tiny/model.h5 --to obj --out "$out/model"
+check "an unknown format: exit 2" exited 2
+check "none of them changed what was there" only_changed "$scratch/before" "$out" ""
+check "none of them left a half" no_half_files "$out"
+finish
