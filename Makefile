@@ -25,7 +25,7 @@ export OMP_NUM_THREADS := 1
 
 # ---- front door
 
-.PHONY: felupe realtime ablation all mesh cases train eval figures reference trust gains test sanitize bench deps help clean build
+.PHONY: felupe realtime ablation all mesh cases train eval figures reference regress regress-proof trust gains test sanitize bench deps help clean build
 
 ## all: the whole study, from mesh to figures
 all: figures eval
@@ -116,7 +116,7 @@ $(BENCHES): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(BUILD)/libtissue.a
 
 # The plan says which load paths there are and with which arguments; its parts say what each stage depends on, and
 # keep their time stamp while their text stays the same.
-ifneq (,$(filter-out help clean deps build reference trust felupe gains test sanitize bench $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
+ifneq (,$(filter-out help clean deps build reference regress regress-proof trust felupe gains test sanitize bench $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
 include $(R)/plan.mk
 endif
 figures: $(FIGURES:%=$(R)/figures/%.png)
@@ -160,6 +160,10 @@ reference:
 	@for study in $(REFERENCE_STUDIES); do $(MAKE) all STUDY=$$study || exit 1; done
 	@$(PYTHON) scripts/reference.py $(REFERENCE_STUDIES)
 
+## regress: run the study anew, elsewhere; silent when it says the same as results/reference/STUDY.json
+regress: | build/deps
+	@scripts/regress --study $(STUDY) $(REGRESS_OPTIONS)
+
 ## trust: where FE stops being trustworthy, as results/reference/trust.png
 trust: | build/deps
 	@mkdir -p results/trust
@@ -200,6 +204,10 @@ test: $(TISSUECTL) $(TISSUE_HAPTIC) $(BUILD)/test_tissue
 sanitize:
 	@$(MAKE) SANITIZE=1 build/sanitize/tissue-haptic build/sanitize/test_tissue
 	@TISSUE_HAPTIC=$(abspath build/sanitize/tissue-haptic) build/sanitize/test_tissue
+
+## regress-proof: five defects put into a copy of the project; each must turn the paper study's regression red
+regress-proof: $(TISSUECTL)
+	@PROOF=paper PYTHON=$(PYTHON) TISSUECTL=$(abspath $(TISSUECTL)) tests/pipeline/test_regress.sh
 
 ## bench: our speed beside that of others, as results/bench.json
 bench: $(TISSUECTL) $(BENCHES)

@@ -1,6 +1,6 @@
 """Writes what is committed of the studies' results: reference.py STUDY...
 
-results/reference/STUDY.json   the evaluation without its wall times: what a regression compares with
+results/reference/STUDY.json   what a regression compares with (reference_record.py)
 results/reference/*.png        the figures that README shows
 README.md                      the tables between its markers, from the evaluations
 """
@@ -10,8 +10,10 @@ import shutil
 import sys
 from pathlib import Path
 
+import reference_record
+
 ROOT = Path(__file__).resolve().parent.parent
-REFERENCE = ROOT / "results" / "reference"
+REFERENCE = reference_record.FOLDER
 FIGURES = ["contours", "force", "learning", "springs", "errors", "character"]
 LABELS = {
     "learned": "learned (`spsa`)",
@@ -102,23 +104,14 @@ def fill(text, marker, rows):
     return pattern.sub(lambda m: m.group(1) + "\n".join(rows) + "\n" + m.group(2), text)
 
 
-def without_times(value):
-    if isinstance(value, dict):
-        return {key: without_times(v) for key, v in value.items() if key != "seconds"}
-    return [without_times(v) for v in value] if isinstance(value, list) else value
-
-
 def main():
     evaluations = {}
     for study in sys.argv[1:]:
-        evaluations[study] = json.loads((ROOT / "results" / study / "eval.json").read_text())
-        record = without_times(evaluations[study])
-        (REFERENCE / f"{study}.json").write_text(json.dumps(record, indent=1) + "\n")
+        results = ROOT / "results" / study
+        evaluations[study] = json.loads((results / "eval.json").read_text())
+        reference_record.write(REFERENCE / f"{study}.json", reference_record.of(results, "make reference"))
     surface = evaluations.pop("surface", None)
     if surface:
-        record = REFERENCE / "surface.json"
-        kept = without_times({key: value for key, value in surface.items() if key != "drawn"})
-        record.write_text(json.dumps(kept, indent=1) + "\n")
         shutil.copyfile(ROOT / "results" / "surface" / "figures" / "held_out.png", REFERENCE / "held_out.png")
     for figure in FIGURES:
         shutil.copyfile(ROOT / "results" / "paper" / "figures" / f"{figure}.png", REFERENCE / f"{figure}.png")

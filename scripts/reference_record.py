@@ -1,0 +1,256 @@
+"""A study's reference record, results/reference/STUDY.json: what is in one, and when two of them say the same.
+
+reference.py and regress write and compare records through this file and nothing else. SI units; a name says which
+(_N, _m, _E2); errors and losses are relative. Stage by stage: `paths` (FE), `trained` (spring sets), `evaluation`.
+
+Rounding differs between types of machine and versions of compiler and libraries, so a record says under which it was
+made. Under the same ones, counts and hashes must be equal. Under others hashes are not compared, and the tolerances
+are some hundred times what moved when the paper study was run with OpenBLAS's kernels for three other processors
+(OPENBLAS_CORETYPE = Nehalem, Sandybridge, SkylakeX; in brackets below).
+"""
+import datetime
+import hashlib
+import json
+import os
+import platform
+import re
+import subprocess
+from pathlib import Path
+from typing import NamedTuple
+
+import h5py
+import numpy as np
+
+SCHEMA = 2
+FOLDER = Path(__file__).resolve().parent.parent / "results" / "reference"
+NOT_COMPARED = {"schema", "made", "machine"}
+NOT_KEPT = {"study", "version", "format_version", "seed", "seconds", "curves", "drawn", "drawn_curves", "kkt_residual",
+            "kkt_residual_max"}  # said elsewhere, wall times, bulk, and residuals that are rounding alone
+PACKAGES = ["gmsh", "freefem++", "libfreefem++", "libc6", "libeigen3-dev", "libgsl27", "libhdf5-103-1", "libnlopt0",
+            "libopenblas0-pthread", "libstdc++6", "libumfpack5"]
+
+
+class RecordError(Exception):
+    """A record is missing, or cannot be compared with."""
+
+
+class Rule(NamedTuple):
+    pattern: str       # of the key
+    relative: float    # a number may move by relative * |reference| + absolute
+    absolute: float
+    kind: str          # "number", "count" (equal on the same machine), "hash" (of the same machine only)
+
+
+# The first that matches. [largest change seen on other kernels]
+RULES = [
+    Rule(r"theta_hash$", 0, 0, "hash"),
+    Rule(r"^paths/.*/newton$", 0.05, 3, "count"),                        # [none]
+    Rule(r"/(iterations|evaluations|restarts|restarted_sets)(/|$)", 0.1, 2, "count"),  # [3 %: when SPSA calls it done]
+    Rule(r"/(contact_force_N|smallest_J|energy_J)(/|$)", 1e-7, 1e-10, "number"),  # [3e-15]; Newton stops at 1e-10
+    Rule(r"/gap(/|$)", 1e-5, 1e-4, "number"),                            # [1e-9]; 1e-4 of L_lb, or of 5 % of the force
+    Rule(r"/(sets|n|floppy_sets|force_steps|force_falls)$", 0, 0, "number"),
+    Rule(r"/springs/learned", 0.02, 1e-6, "number"),                     # [6e-4]; flat directions of the loss
+    Rule(r"/learned[^/]*/(rel_loss)(/|$)", 1e-6, 1e-7, "number"),        # [6e-10]
+    Rule(r"/learned", 1e-3, 1e-4, "number"),                             # [1.3e-6]; force errors of sets that iterate
+    Rule(r"", 1e-6, 1e-7, "number"),                                     # [4e-11]; exact solutions and heuristics
+]
+
+
+class Moved(NamedTuple):
+    key: str
+    was: object
+    now: object
+    tolerance: str
+
+    def __str__(self):
+        return f"{self.key}: {text(self.was)} -> {text(self.now)} ({self.tolerance})"
+
+
+def text(value):
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
+
+
+# ---- what is in a record
+
+def of(results, command):
+    """The record of a results folder: reads cases.h5, model.h5 and eval.json."""
+    results = Path(results)
+    evaluation = json.loads((results / "eval.json").read_text())
+    with h5py.File(results / "cases.h5") as cases, h5py.File(results / "model.h5") as model:
+        return rounded({
+            "schema": SCHEMA,
+            "made": {"command": command, "date": datetime.date.today().isoformat(), "version": evaluation["version"]},
+            "machine": machine(),
+            "study": evaluation["study"],
+            "seed": evaluation["seed"],
+            "paths": {name: load_path(cases["paths"][name]) for name in cases["path_names"].asstr()},
+            "path_order": digest("\n".join(cases["path_names"].asstr()).encode()),
+            "set_order": digest("\n".join(model["cases/names"].asstr()).encode()),
+            "trained": {**{name: spring_sets(model["trained"][name]) for name in model["optimizers"].asstr()},
+                        "optimum": {"theta_hash": theta_hash(model["optimum/theta"])},
+                        "one_set": {"theta_hash": theta_hash(model["one_set"])}},
+            "evaluation": kept(evaluation),
+        })
+
+
+def load_path(path):
+    """One load path in short: its end, where everything that went before has left its mark."""
+    short = {"records": len(path["magnitude"]), "lost": int(path["role"].asstr()[1] != ""),
+             "newton": int(path["newton_iterations"][()].sum())}
+    if short["records"]:
+        short["contact_force_N"] = path["contact_force"][-1].tolist()
+        short["smallest_J"] = float(path["smallest_J"][-1])
+    return short
+
+
+def spring_sets(group):
+    return {"theta_hash": theta_hash(group["theta"]), "status": once(list(group["status"].asstr())),
+            "iterations": once(group["iterations"][()].tolist()), "restarts": once(group["restarts"][()].tolist())}
+
+
+def once(values):
+    """A value that all sets share is written once."""
+    return values[0] if len(set(values)) == 1 else values
+
+
+def theta_hash(theta):
+    return digest(np.ascontiguousarray(theta[()], dtype="<f8").tobytes())
+
+
+def digest(data):
+    return hashlib.blake2b(data, digest_size=8).hexdigest()
+
+
+def kept(value):
+    """The evaluation without what is NOT_KEPT; lists of cases as tables by name; of lost contacts the names alone."""
+    if isinstance(value, dict):
+        return {key: kept(v) for key, v in value.items() if key not in NOT_KEPT}
+    if isinstance(value, list) and value and isinstance(value[0], dict) and "name" in value[0]:
+        return {row["name"]: kept({key: v for key, v in row.items() if key != "name"}) for row in value}
+    if isinstance(value, list):
+        return [kept(v) for v in value]
+    return value.split(":")[0] if isinstance(value, str) and ": " in value else value
+
+
+def rounded(value):
+    """Ten digits: more than any tolerance asks for."""
+    if isinstance(value, dict):
+        return {key: rounded(v) for key, v in value.items()}
+    if isinstance(value, list):
+        return [rounded(v) for v in value]
+    return float(f"{value:.10g}") if isinstance(value, float) else value
+
+
+def machine():
+    """Processor, compiler and library versions: results are bit for bit the same where these are."""
+    cpu = {}
+    try:
+        for line in Path("/proc/cpuinfo").read_text().split("\n\n")[0].splitlines():
+            name, _, value = line.partition(":")
+            cpu[name.strip()] = value.strip()
+    except OSError:
+        pass
+    names = [platform.machine()] + [cpu.get(k, "") for k in ("vendor_id", "cpu family", "model", "stepping")]
+    return {"cpu": " ".join(names), "compiler": first_line(["g++", "--version"]),
+            "packages": " ".join(first_line(["dpkg-query", "-W", "-f", "${Package} ${Version}; "] + PACKAGES).split())}
+
+
+def first_line(command):
+    try:
+        return (subprocess.run(command, capture_output=True, text=True).stdout.splitlines() or [""])[0]
+    except OSError:
+        return ""
+
+
+# ---- files
+
+def read(path):
+    path = Path(path)
+    try:
+        record = json.loads(path.read_text())
+    except FileNotFoundError:
+        raise RecordError(f"{path}: there is no such reference; --accept writes one") from None
+    except (OSError, ValueError) as error:
+        raise RecordError(f"{path}: cannot read: {error}") from None
+    schema = record.get("schema", 1) if isinstance(record, dict) else None
+    if schema != SCHEMA:
+        raise RecordError(f"{path}: is of schema {schema}, wanted {SCHEMA}; --accept writes a new one")
+    return record
+
+
+def write(path, record):
+    """Beside, then renamed. A record that says the same under the same machine stays as it is, date and all."""
+    path = Path(path)
+    try:
+        old = read(path)
+        if {**old, "made": None} == {**record, "made": None}:
+            return
+    except RecordError:
+        pass
+    beside = path.with_name(path.name + ".tmp")
+    beside.write_text(dump(record) + "\n")
+    os.replace(beside, path)
+
+
+def dump(value, indent=0):
+    """JSON with one line for what has no further structure inside, so that a diff shows what moved and no more."""
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else []
+    if not any(isinstance(v, dict) or isinstance(v, list) and len(v) > 2 for v in inner):
+        return json.dumps(value)
+    pad = " " * (indent + 1)
+    rows = [json.dumps(key) + ": " + dump(v, indent + 1) for key, v in value.items()] if isinstance(value, dict) \
+        else [dump(v, indent + 1) for v in value]
+    opening, closing = "{}" if isinstance(value, dict) else "[]"
+    return opening + "\n" + ",\n".join(pad + row for row in rows) + "\n" + " " * indent + closing
+
+
+# ---- when two say the same
+
+def same_machine(reference, now):
+    return reference["machine"] == now["machine"]
+
+
+def differences(reference, now):
+    """What moved further than it may, as a list of Moved in the order of the stages."""
+    same = same_machine(reference, now)
+    moved = []
+    for key in [k for k in reference if k not in NOT_COMPARED] + [k for k in now if k not in reference]:
+        compare(key, reference.get(key), now.get(key), same, moved)
+    return moved
+
+
+def compare(key, was, now, same, moved):
+    if isinstance(was, dict) and isinstance(now, dict):
+        for name in list(was) + [k for k in now if k not in was]:
+            if name not in now:
+                moved.append(Moved(f"{key}/{name}", "there", "gone", "exact"))
+            elif name not in was:
+                moved.append(Moved(f"{key}/{name}", "not there", "new", "exact"))
+            else:
+                compare(f"{key}/{name}", was[name], now[name], same, moved)
+        return
+    rule = next(r for r in RULES if re.search(r.pattern, key))
+    if rule.kind == "count" and not same and isinstance(was, list) != isinstance(now, list):
+        was, now = (v if isinstance(v, list) else [v] * len(now if isinstance(now, list) else was) for v in (was, now))
+    if isinstance(was, list) and isinstance(now, list):
+        if len(was) != len(now):
+            moved.append(Moved(key, f"{len(was)} values", f"{len(now)} values", "exact"))
+        else:
+            for i, (a, b) in enumerate(zip(was, now)):
+                compare(f"{key}/{i}", a, b, same, moved)
+        return
+    if was == now or rule.kind == "hash" and not same:
+        return
+    if not all(isinstance(v, (int, float)) for v in (was, now)) or rule.kind == "hash":
+        moved.append(Moved(key, was, now, "exact"))
+        return
+    allowed = 0 if same and rule.kind == "count" else rule.relative * abs(was) + rule.absolute
+    if not abs(now - was) <= allowed:  # a NaN has moved
+        moved.append(Moved(key, was, now, f"allowed {allowed:.2g}" if allowed else "exact"))
+
+
+def counted(value):
+    """How many values a record compares."""
+    if isinstance(value, dict):
+        return sum(counted(v) for k, v in value.items() if k not in NOT_COMPARED)
+    return sum(map(counted, value)) if isinstance(value, list) else 1

@@ -1,0 +1,180 @@
+#!/bin/sh
+# The regression from cron: silent when nothing moved, a report and exit 1 when something did, and proof that it bites:
+# five defects, each put into the copy by itself. PROOF=paper does the proof alone, on the paper study against the
+# committed reference (`make regress-proof`).
+. "$(dirname "$0")/common"
+make_copy
+# one defect needs a compiler: sources and objects with their times, so that only what is touched is compiled
+cp -pR "$root/lib" "$root/cli" "$work"
+cp -pR "$(dirname "$TISSUECTL")/lib" "$(dirname "$TISSUECTL")/cli" "$(dirname "$TISSUECTL")/libtissue.a" "$work/build/release"
+mkdir -p "$work/results"
+[ "$PYTHON" = /usr/bin/python3 ] || sed -i "1s|.*|#!$PYTHON|" "$work/scripts/regress"
+study=${PROOF:-tiny}
+reference=$work/results/reference/$study.json history=$work/results/regress.tsv
+mkdir -p "$work/results/reference"
+
+# as cron does: from elsewhere, next to no environment
+regress() {
+    (cd / && exec env -i PATH=/usr/bin:/bin HOME="$HOME" "$work/scripts/regress" --study "$study" "$@") \
+        >"$said" 2>&1 </dev/null
+    status=$?
+}
+last_outcome() { tail -n 1 "$history" | cut -f 4; }
+outcome_is() { [ "$(last_outcome)" = "$1" ] || { tail -n 2 "$history"; return 1; }; }
+runs() { echo $(($(wc -l <"$history") - 1)); }
+few_lines() { [ "$(wc -l <"$said")" -le 22 ] || { cat "$said"; return 1; }; }
+
+# defect SENTENCE PATTERN FILE SED...: the run must turn red and name a value that matches
+defect() {
+    what=$1 pattern=$2 file=$work/$3
+    shift 3
+    cp -p "$file" "$scratch/whole"
+    sed -i "$@" "$file"
+    check "$what: it is in the copy" sh -c '! cmp -s "$0" "$1"' "$file" "$scratch/whole"
+    regress
+    check "$what: exit 1" exited 1
+    check "$what: the report says what moved, from what to what" says "$pattern"
+    check "$what: the report is short" few_lines
+    cp "$scratch/whole" "$file"
+}
+proof() {
+    defect "C1 off by 1 %" '^    paths/left/contact_force_N/0: [-0-9.e]* -> [-0-9.e]* (allowed ' fem/studies/paper.toml \
+        's/^C1_Pa = 263.0/C1_Pa = 265.63/'
+    # Newton either needs other counts or does not get there: its residuals are then in the report
+    defect "a tangent term's sign flipped" \
+        "^    paths/left/newton: [0-9]* -> [0-9]* (exact)\|load path '.*': no equilibrium found .* relative residuals" \
+        fem/plane_stress.idp 's/+ (d1112 \* dx(w1) + d1212/+ (-d1112 * dx(w1) + d1212/'
+    defect "a seed shifted" '^    trained/spsa/theta_hash: ' "fem/studies/$study.toml" 's/^seed = 2008/seed = 2009/'
+    defect "two cases swapped" '^    paths/left/' "fem/studies/$study.toml" \
+        -e 's/name = "left",/name = "@",/' -e "s/name = \"$mirror\",/name = \"left\",/" -e "s/name = \"@\",/name = \"$mirror\",/"
+    defect "one spring dropped" '^    trained/spsa/theta_hash: ' lib/mesh/spring_mesh.cpp \
+        's/^    mesh.springs.resize(/    springs.pop_back();\n&/'
+    regress
+    check "without them it is silent again" silent
+    check "without them it ends with 0" exited 0
+}
+if [ -n "${PROOF:-}" ]; then
+    mirror=right
+    cp -p "$root/results/reference/$study.json" "$reference"
+    proof
+    finish
+fi
+mirror=top
+
+# ---- the user's results are not its business
+mkdir -p "$R"
+echo "mine" >"$R/eval.json"
+snapshot "$R" >"$scratch/before"
+
+# ---- references
+regress
+check "a missing reference: exit 1" exited 1
+check "a missing reference: one line names it" one_line "^regress: study tiny: .*results/reference/tiny.json: there is no such reference"
+check "a missing reference: the history says failed" outcome_is failed
+regress --accept
+check "--accept without a reference writes one" exited 0
+check "--accept without a reference says that there was none" says 'nothing to compare with'
+regress
+check "nothing moved: exit 0" exited 0
+check "nothing moved: silent" silent
+check "nothing moved: the history says same" outcome_is same
+check "one line of history a run, under a heading" test "$(runs)" = 3
+check "each line has as many fields as the heading" sh -c '[ "$(awk -F "\t" "{ print NF }" "$0" | sort -u)" = 8 ]' "$history"
+
+sed 's/"schema": 2/"schema": 1/' "$reference" >"$scratch/older"
+regress --reference "$scratch/older"
+check "a reference of an older schema: exit 1" exited 1
+check "a reference of an older schema: one line says so" one_line 'schema 1, wanted 2'
+echo "{" >"$scratch/cut"
+regress --reference "$scratch/cut"
+check "a reference that is cut off: exit 1 and one line" one_line 'cannot read'
+
+# ---- tolerances: change SED of the reference, then compare the same results with it
+against() { # SED...
+    sed "$@" "$reference" >"$scratch/changed"
+    cmp -s "$reference" "$scratch/changed" && echo "not ok - the test changes nothing: $*" && failures=$((failures + 1))
+    regress --reference "$scratch/changed" --history "$scratch/other.tsv"
+}
+force='s/\("left": .*"contact_force_N": \[0.[0-9]*\)'
+against "$force/\1000001/"
+check "a force off in its eleventh digit has not moved" exited 0
+against -e 's/\("left": .*"contact_force_N": \[0.00[0-9][0-9]\)[0-9]/\1x/' -e 's/\([0-9]\)x\([0-8]\)/\15\2/'
+check "a force off in its third digit has moved" exited 1
+other='s/"cpu": "[^"]*"/"cpu": "another"/'
+hash='s/"theta_hash": "[0-9a-f]*"/"theta_hash": "0000000000000000"/'
+against -e "$hash"
+check "another hash of theta on the same machine type: exit 1" exited 1
+check "another hash of theta: both are shown" says 'trained/spsa/theta_hash: 0000000000000000 -> [0-9a-f]* (exact)'
+against -e "$hash" -e "$other"
+check "on another machine type hashes are not compared: exit 0" exited 0
+check "on another machine type it is silent all the same" silent
+sed -e "$hash" -e "$other" "$reference" >"$scratch/changed"
+regress --reference "$scratch/changed" --verbose --history "$scratch/other.tsv"
+check "--verbose says that hashes were not compared, and why" says '^  cpu: another -> '
+newton='s/\("left": .*"newton": [0-9]*\)/\1/'
+against 's/\("left": .*"newton": \)[0-9]*/\11/'
+check "another count of Newton iterations on the same machine type: exit 1" says 'paths/left/newton: 1 -> [0-9]* (exact)'
+
+# ---- killed, and two at a time
+before=$(runs)
+setsid "$work/scripts/regress" --study tiny >"$said" 2>&1 </dev/null &
+killed=$!
+sleep 0.7
+kill -9 $killed  # alone: what it started works on, and keeps the lock
+wait $killed 2>/dev/null
+regress
+check "after kill -9 the next run waits for what is left, and ends with 0" exited 0
+check "after kill -9 it is silent" silent
+check "a killed run leaves no line, the next leaves one" test "$(runs)" = $((before + 1))
+setsid "$work/scripts/regress" --study tiny >"$said" 2>&1 </dev/null &
+killed=$!
+sleep 0.7
+kill -TERM $killed
+wait $killed
+check "SIGTERM ends it with 1" test $? = 1
+check "SIGTERM: the history says interrupted" outcome_is interrupted
+"$work/scripts/regress" --study tiny >"$scratch/first" 2>&1 </dev/null &
+first=$!
+regress
+check "two at a time: the one ends with 0" exited 0
+wait $first
+check "two at a time: so does the other" test $? = 0
+check "two at a time: both are silent" sh -c '[ ! -s "$0" ] && [ ! -s "$1" ]' "$said" "$scratch/first"
+check "two at a time: two lines of history, no more" test "$(runs)" = $((before + 4))
+flock "$work/build/regress.lock" sleep 60 &
+holder=$!
+sleep 0.2
+regress --wait 0
+check "--wait 0 beside another run: exit 1 and one line" one_line 'another run is at work'
+kill $holder
+wait $holder 2>/dev/null
+
+# ---- what cannot be run
+cp -p "$work/fem/newton.idp" "$scratch/newton.idp"
+echo "no such statement" >>"$work/fem/newton.idp"
+regress
+check "FE that fails: exit 1" exited 1
+check "FE that fails: the end of make's words" says "load path '.*FreeFEM failed"
+check "FE that fails: the history says failed" outcome_is failed
+cp -p "$scratch/newton.idp" "$work/fem/newton.idp"
+study=nowhere regress
+check "a study that is not there: exit 2" exited 2
+regress --jobs none
+check "a bad number: exit 2" exited 2
+regress --help
+check "--help: exit 0, and units" says '--wait MINUTES .*\|\[min\]'
+
+# ---- it bites
+proof
+
+# ---- a change that is meant
+sed -i 's/^iterations = 300/iterations = 310/' "$work/fem/studies/tiny.toml"
+regress --accept
+check "--accept shows the difference" says '^    trained/spsa/theta_hash: '
+check "--accept ends with 0" exited 0
+check "--accept: the history says accepted" outcome_is accepted
+regress
+check "after --accept it is silent" silent
+check "the user's results were not touched" only_changed "$scratch/before" "$R" ""
+check "nothing half-written is left" no_half_files "$work/results"
+finish
