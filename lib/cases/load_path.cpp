@@ -1,75 +1,45 @@
 #include "cases/load_path.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include <charconv>
+#include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "error.h"
-#include "io/atomic_file.h"
+#include "io/csv_lines.h"
 
 namespace tissue {
 namespace {
 
 constexpr int csv_version = 1;
 
-/// The comma-separated fields of one CSV, line by line, with refusals that name the place.
-class CsvLines {
+/// FreeFEM's rows: the first field is the kind of row.
+class PathLines : public CsvLines {
    public:
-    explicit CsvLines(const std::string& file) : file_(file), in_(read_file(file)) {}
-
-    bool next() {
-        std::string line;
-        if (!std::getline(in_, line)) return false;
-        ++number_;
-        fields_.clear();
-        std::istringstream split(line);
-        for (std::string field; std::getline(split, field, ',');) fields_.push_back(field);
-        return true;
-    }
+    using CsvLines::CsvLines;
 
     const std::string& kind() const {
         static const std::string none;
-        return fields_.empty() ? none : fields_[0];
+        return size() == 0 ? none : field(0);
     }
 
     void want(std::size_t count) const {
-        if (fields_.size() != count)
-            refuse(fmt::format("has {} fields, a '{}' row has {}", fields_.size(), kind(), count));
-    }
-
-    double number(std::size_t i) const {
-        const std::string& field = fields_[i];
-        double value = 0;
-        const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-        if (error != std::errc() || end != field.data() + field.size() || !std::isfinite(value))
-            refuse(fmt::format("field {} is '{}', not a finite number", i + 1, field));
-        return value;
+        if (size() != count) refuse(fmt::format("has {} fields, a '{}' row has {}", size(), kind(), count));
     }
 
     void want_at_least(std::size_t count) const {
-        if (fields_.size() < count) refuse("has too few fields");
+        if (size() < count) refuse("has too few fields");
     }
 
     /// A last field that may hold commas of its own.
     std::string text_from(std::size_t i) const {
-        return fmt::format("{}", fmt::join(fields_.begin() + static_cast<std::ptrdiff_t>(i), fields_.end(), ","));
+        std::size_t start = 0;
+        for (; i > 0; --i) start = text().find(',', start) + 1;
+        return text().substr(start);
     }
-
-    [[noreturn]] void refuse(const std::string& why) const {
-        throw FileError(fmt::format("{}:{}: {}", file_, number_, why));
-    }
-
-   private:
-    std::string file_;
-    std::istringstream in_;
-    std::vector<std::string> fields_;
-    int number_ = 0;
 };
 
-PathRecord read_step(const CsvLines& line, Eigen::Index node_count) {
+PathRecord read_step(const PathLines& line, Eigen::Index node_count) {
     line.want(11);
     PathRecord r;
     r.magnitude_m = line.number(2);
@@ -84,7 +54,7 @@ PathRecord read_step(const CsvLines& line, Eigen::Index node_count) {
     return r;
 }
 
-void read_node(const CsvLines& line, const SpringMesh& mesh, PathRecord& r) {
+void read_node(const PathLines& line, const SpringMesh& mesh, PathRecord& r) {
     line.want(7);
     int node = 0;
     try {
@@ -101,7 +71,7 @@ void read_node(const CsvLines& line, const SpringMesh& mesh, PathRecord& r) {
 }  // namespace
 
 LoadPath read_path_csv(const std::string& file, const NodeField& nodes) {
-    CsvLines line(file);
+    PathLines line(file);
     if (!line.next() || line.kind() != "tissuectl load path") line.refuse("is not a load path of this project");
     line.want(2);
     if (line.number(1) != csv_version) line.refuse("is of another format version; this program reads 1");
@@ -170,10 +140,73 @@ LoadPath mirrored(const LoadPath& path, const NodeField& nodes, double width_m) 
     return result;
 }
 
+namespace {
+
+void write_measurement(Hdf5Writer& out, const Measurement& m) {
+    out.write_texts("/measurement/origin", {m.origin}, "comments at the head of the measured data");
+    out.write_texts("/measurement/outliers", m.outliers, "rows far from their repeats; they are kept");
+    out.write("/measurement/force_noise", Eigen::VectorXd(Eigen::VectorXd::Constant(1, m.force_noise)), "1",
+              "standard deviation of a component of the force, relative to the force");
+    out.write("/measurement/displacement_noise", Eigen::VectorXd(Eigen::VectorXd::Constant(1, m.displacement_noise_m)),
+              "m", "standard deviation of a component of the displacement");
+    out.write_integers("/measurement/counts", {3}, {m.rows, m.contacts, m.repeats},
+                       "rows, contacts, degrees of freedom of the noise");
+    out.attribute("/measurement", "noise_source", m.noise_source);
+}
+
+Measurement read_measurement(const Hdf5Reader& in) {
+    const std::vector<std::string> origin = in.texts("/measurement/origin");
+    const Eigen::VectorXd force = in.vector("/measurement/force_noise"),
+                          displacement = in.vector("/measurement/displacement_noise");
+    const std::vector<int> counts = in.integers("/measurement/counts");
+    if (origin.size() != 1 || force.size() != 1 || displacement.size() != 1 || counts.size() != 3)
+        in.refuse("/measurement", "its datasets do not have the expected sizes");
+    return {origin[0], counts[0], counts[1], counts[2], force[0], displacement[0],
+            in.text_attribute("/measurement", "noise_source"), in.texts("/measurement/outliers")};
+}
+
+/// Paths of measured data: contact, direction and role are read already.
+void write_measured_path(Hdf5Writer& out, const std::string& group, const LoadPath& path) {
+    const auto R = static_cast<Eigen::Index>(path.records.size());
+    Eigen::VectorXd magnitude(R);
+    NodeField force(R, 2), aside(R, 2), again(path.again_N ? 1 : 0, 2);
+    for (Eigen::Index r = 0; r < R; ++r) {
+        const PathRecord& record = path.records[static_cast<std::size_t>(r)];
+        magnitude[r] = record.magnitude_m;
+        force.row(r) = record.contact_force_N;
+        aside.row(r) = record.aside_m;
+    }
+    if (path.again_N) again.row(0) = *path.again_N;
+    out.write(group + "magnitude", magnitude, "m", "how far the contact is pushed (R)");
+    out.write(group + "aside", aside, "m", "what the push strayed from the direction (R x D)");
+    out.write(group + "contact_force", force, "N", "force of the indenter on the tissue (R x D)");
+    out.write(group + "again", again, "N", "contact force on average when the push was measured again (0 or 1 x D)");
+}
+
+void read_measured_path(const Hdf5Reader& in, const std::string& group, LoadPath& path) {
+    const Eigen::VectorXd magnitude = in.vector(group + "magnitude");
+    const NodeField force = in.field(group + "contact_force"), aside = in.field(group + "aside"),
+                    again = in.field(group + "again");
+    if (force.rows() != magnitude.size() || aside.rows() != magnitude.size() || force.cols() != 2 || aside.cols() != 2)
+        in.refuse(group, "its datasets do not have the same number of records");
+    for (Eigen::Index r = 0; r < magnitude.size(); ++r)
+        path.records.push_back(measured_record(magnitude[r], force.row(r), aside.row(r)));
+    if (again.rows() == 1) path.again_N = again.row(0);
+}
+
+}  // namespace
+
+PathRecord measured_record(double magnitude_m, const Eigen::Vector2d& force_N, const Eigen::Vector2d& aside_m) {
+    return {magnitude_m, {}, {}, force_N, Eigen::Vector2d::Zero(), 0, 0, 0, 0, aside_m};
+}
+
 std::vector<LoadCase> load_cases(const Cases& cases) {
     std::vector<LoadCase> list;
     for (const LoadPath& path : cases.paths) {
         if (path.role != "train") continue;
+        if (cases.measurement)
+            for (const PathRecord& r : path.records)
+                list.push_back({fmt::format("{}-{:.5g}mm", path.name, 1e3 * r.magnitude_m), &path, &r});
         for (double magnitude : cases.magnitudes_m) {
             const PathRecord* found = nullptr;
             for (const PathRecord& r : path.records)
@@ -196,8 +229,18 @@ void write_cases(const std::string& file, const Cases& cases, const Provenance& 
     std::vector<std::string> names;
     for (const LoadPath& path : cases.paths) names.push_back(path.name);
     out.write_texts("/path_names", names, "load paths in the study's order");
+    if (cases.measurement) write_measurement(out, *cases.measurement);
     for (const LoadPath& path : cases.paths) {
         const std::string group = "/paths/" + path.name + "/";
+        out.write_texts(group + "role", {path.role, path.lost}, "what the path is for, and why FE lost it, if so");
+        out.write(group + "depth", Eigen::VectorXd(Eigen::VectorXd::Constant(1, path.depth_m)), "m",
+                  "how deep it was to go");
+        out.write(group + "contact", Eigen::VectorXd(path.contact_m), "m", "contact at rest (D)");
+        out.write(group + "direction", Eigen::VectorXd(path.direction), "1", "unit vector of the push (D)");
+        if (cases.measurement) {
+            write_measured_path(out, group, path);
+            continue;
+        }
         const std::size_t R = path.records.size(), N = static_cast<std::size_t>(cases.nodes.rows()),
                           D = static_cast<std::size_t>(cases.nodes.cols());
         Array magnitude{{R}, {}}, energy{{R}, {}}, J{{R}, {}}, residual{{R}, {}}, contact{{R, D}, {}},
@@ -214,11 +257,6 @@ void write_cases(const std::string& file, const Cases& cases, const Provenance& 
             u.values.insert(u.values.end(), r.displacement.data(), r.displacement.data() + r.displacement.size());
             f.values.insert(f.values.end(), r.force.data(), r.force.data() + r.force.size());
         }
-        out.write_texts(group + "role", {path.role, path.lost}, "what the path is for, and why FE lost it, if so");
-        out.write(group + "depth", Eigen::VectorXd(Eigen::VectorXd::Constant(1, path.depth_m)), "m",
-                  "how deep it was to go");
-        out.write(group + "contact", Eigen::VectorXd(path.contact_m), "m", "contact at rest (D)");
-        out.write(group + "direction", Eigen::VectorXd(path.direction), "1", "unit vector of the push (D)");
         out.write(group + "magnitude", magnitude, "m", "how far the contact is pushed (R)");
         out.write(group + "displacement", u, "m", "u at the lattice nodes (R x N x D)");
         out.write(group + "force", f, "N", "external nodal force that holds u, lumped to the lattice (R x N x D)");
@@ -240,32 +278,39 @@ Cases read_cases(const std::string& file) {
     const Eigen::VectorXd magnitudes = in.vector("/magnitudes");
     cases.magnitudes_m.assign(magnitudes.begin(), magnitudes.end());
     const Eigen::Index N = cases.nodes.rows(), D = cases.nodes.cols();
+    const std::vector<std::string> parts = in.children("/");
+    if (std::find(parts.begin(), parts.end(), "measurement") != parts.end()) cases.measurement = read_measurement(in);
     for (const std::string& name : in.texts("/path_names")) {
         const std::string group = "/paths/" + name + "/";
-        const Eigen::VectorXd magnitude = in.vector(group + "magnitude"), energy = in.vector(group + "energy"),
-                              J = in.vector(group + "smallest_J"), residual = in.vector(group + "newton_residual");
-        const NodeField contact = in.field(group + "contact_force"), support = in.field(group + "support_force");
-        const Array u = in.array(group + "displacement"), f = in.array(group + "force");
-        const std::vector<int> newton = in.integers(group + "newton_iterations");
-        const Eigen::VectorXd where = in.vector(group + "contact"), direction = in.vector(group + "direction");
-        const auto R = static_cast<std::size_t>(magnitude.size());
-        const std::vector<std::size_t> shape = {R, static_cast<std::size_t>(N), static_cast<std::size_t>(D)};
-        const auto same_length = [&](auto size) { return static_cast<std::size_t>(size) == R; };
-        if (D != 2 || u.shape != shape || f.shape != shape || !same_length(energy.size()) || !same_length(J.size()) ||
-            !same_length(residual.size()) || !same_length(newton.size()) || !same_length(contact.rows()) ||
-            !same_length(support.rows()) || contact.cols() != D || support.cols() != D || where.size() != D ||
-            direction.size() != D)
-            in.refuse(group, "its datasets do not have the same number of records and nodes");
+        const std::vector<std::string> role = in.texts(group + "role");
+        const Eigen::VectorXd depth = in.vector(group + "depth"), where = in.vector(group + "contact"),
+                              direction = in.vector(group + "direction");
+        if (role.size() != 2 || depth.size() != 1) in.refuse(group, "has no role or no depth");
+        if (D != 2 || where.size() != D || direction.size() != D) in.refuse(group, "is not of two dimensions");
         LoadPath path;
         path.name = name;
-        const std::vector<std::string> role = in.texts(group + "role");
-        const Eigen::VectorXd depth = in.vector(group + "depth");
-        if (role.size() != 2 || depth.size() != 1) in.refuse(group, "has no role or no depth");
         path.role = role[0];
         path.lost = role[1];
         path.depth_m = depth[0];
         path.contact_m = where;
         path.direction = direction;
+        if (cases.measurement) {
+            read_measured_path(in, group, path);
+            cases.paths.push_back(std::move(path));
+            continue;
+        }
+        const Eigen::VectorXd magnitude = in.vector(group + "magnitude"), energy = in.vector(group + "energy"),
+                              J = in.vector(group + "smallest_J"), residual = in.vector(group + "newton_residual");
+        const NodeField contact = in.field(group + "contact_force"), support = in.field(group + "support_force");
+        const Array u = in.array(group + "displacement"), f = in.array(group + "force");
+        const std::vector<int> newton = in.integers(group + "newton_iterations");
+        const auto R = static_cast<std::size_t>(magnitude.size());
+        const std::vector<std::size_t> shape = {R, static_cast<std::size_t>(N), static_cast<std::size_t>(D)};
+        const auto same_length = [&](auto size) { return static_cast<std::size_t>(size) == R; };
+        if (u.shape != shape || f.shape != shape || !same_length(energy.size()) || !same_length(J.size()) ||
+            !same_length(residual.size()) || !same_length(newton.size()) || !same_length(contact.rows()) ||
+            !same_length(support.rows()) || contact.cols() != D || support.cols() != D)
+            in.refuse(group, "its datasets do not have the same number of records and nodes");
         for (std::size_t r = 0; r < R; ++r) {
             const auto i = static_cast<Eigen::Index>(r);
             const auto at = [&](const Array& a) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,7 +9,8 @@
 
 namespace tissue {
 
-/// What FE said of one equilibrium along a load path.
+/// What FE said of one equilibrium along a load path. Of a measured one, only magnitude, contact force and aside are
+/// known: u and f are empty, the rest is 0.
 struct PathRecord {
     double magnitude_m;                ///< how far the contact has been pushed
     NodeField displacement;            ///< u at the lattice nodes [m] (N x D)
@@ -19,6 +21,7 @@ struct PathRecord {
     double smallest_J;                 ///< smallest det F in the tissue; FE stops before it reaches 0
     int newton_iterations;             ///< since the record before
     double newton_residual;            ///< relative, at the last iteration
+    Eigen::Vector2d aside_m = Eigen::Vector2d::Zero();  ///< what a measured push strayed from its path's direction
 };
 
 /// One straight push: FE equilibria from rest to the deepest magnitude.
@@ -30,14 +33,30 @@ struct LoadPath {
     double depth_m = 0;                ///< how deep it was to go
     std::string lost;                  ///< why FE ended before that depth; empty when it did not
     std::vector<PathRecord> records;   ///< ascending magnitude, the first at rest
+    std::optional<Eigen::Vector2d> again_N;  ///< contact force on average when the same push was measured again
+
+    /// Where the contact stands at a record, from where it was at rest [m].
+    Eigen::Vector2d push_m(const PathRecord& record) const { return direction * record.magnitude_m + record.aside_m; }
+};
+
+/// What is known of measured data beside its load paths.
+struct Measurement {
+    std::string origin;                ///< the comments at the head of its file
+    int rows = 0, contacts = 0;
+    int repeats = 0;                   ///< degrees of freedom of the noise estimates; 0: nothing was measured twice
+    double force_noise = 0;            ///< standard deviation of a component, relative to the force
+    double displacement_noise_m = 0;   ///< standard deviation of a component
+    std::string noise_source;          ///< "repeats", "stated" or "unknown"
+    std::vector<std::string> outliers; ///< rows far from their repeats, by line; they are kept
 };
 
 /// The load paths of a study at its lattice nodes: what cases.h5 holds.
 struct Cases {
     std::string study;
     NodeField nodes;                    ///< lattice nodes [m] (N x D)
-    std::vector<double> magnitudes_m;   ///< those that are load cases, ascending
+    std::vector<double> magnitudes_m;   ///< those that are load cases, ascending; measured: none, every record is one
     std::vector<LoadPath> paths;
+    std::optional<Measurement> measurement = {};  ///< absent when FE said it
 };
 
 /// One state to train on: a path at one of the magnitudes.
@@ -60,6 +79,9 @@ LoadPath read_path_csv(const std::string& file, const NodeField& nodes);
 /// The same push seen in a mirror, x to width - x, on a lattice that mirrors itself. Its name gets "-mirror".
 /// Throws MismatchError when the lattice does not.
 LoadPath mirrored(const LoadPath& path, const NodeField& nodes, double width_m);
+
+/// A record that was measured (PathRecord).
+PathRecord measured_record(double magnitude_m, const Eigen::Vector2d& force_N, const Eigen::Vector2d& aside_m);
 
 void write_cases(const std::string& file, const Cases& cases, const Provenance& provenance);
 

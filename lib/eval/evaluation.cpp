@@ -98,12 +98,13 @@ Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N
     std::vector<ContactTruth> truths;
     for (const LoadCase& load : loads) {
         contacts.push_back(locate_on_surface(model.mesh, load.path->contact_m));
-        truths.push_back({contacts.back(), load.path->direction * load.record->magnitude_m,
-                          load.record->contact_force_N});
+        truths.push_back({contacts.back(), load.path->push_m(*load.record), load.record->contact_force_N});
     }
 
-    const bool listed = model.case_count() <= listed_cases;
     Evaluation result;
+    result.measurement = cases.measurement;
+    result.listed = model.case_count() <= listed_cases && !cases.measurement;
+    const bool listed = result.listed;
     result.study = model.study;
     result.trained = model.trained;
     result.optimum = model.optimum;
@@ -140,8 +141,8 @@ Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N
         parallel_for(static_cast<int>(loads.size()), threads, [&](int i) {
             const auto c = static_cast<std::size_t>(i);
             CaseError& e = errors.cases[c];
-            e.open_loop =
-                force_error(model.mesh, *law, candidate.at(c), contacts[c],
+            if (!cases.measurement)
+                e.open_loop = force_error(model.mesh, *law, candidate.at(c), contacts[c],
                             model.node_weight.row(static_cast<Eigen::Index>(c)), *loads[c].path, *loads[c].record);
             e.closed_loop = closed_loop_error(model.mesh, *law, candidate.at(c), truths[c], e.reason);
         });

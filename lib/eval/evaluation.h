@@ -14,7 +14,7 @@ namespace tissue {
 
 /// How well one stiffness model does at one load case.
 struct CaseError {
-    ForceError open_loop;
+    ForceError open_loop{};             ///< not of measured cases: nobody knows u inside
     std::optional<double> closed_loop;  ///< absent when the mesh has no equilibrium there
     std::string reason;                 ///< why it is absent
 };
@@ -51,6 +51,8 @@ struct Evaluation {
     CertifiedOptimum optimum;
     TruthCheck truth;                                            ///< of FE itself, on the finer mesh
     HeldOut held_out;                                            ///< empty where the study draws no contacts
+    std::optional<Measurement> measurement;                      ///< of measured cases
+    bool listed = true;                                          ///< with curves, front and the springs' character
     std::vector<FrontPoint> front;                               ///< loss against distance from the heuristic
 
     const ModelErrors& model(const std::string& name) const;
@@ -58,7 +60,7 @@ struct Evaluation {
 
 /// Sec. 3 and 5: every trained spring set and every baseline at the load cases they were trained on.
 /// Throws MismatchError when model and cases do not belong together.
-/// Curves, the front and what the springs are like are left to studies of up to `listed_cases` load cases.
+/// Curves, the front and what the springs are like are left to FE studies of up to `listed_cases` load cases.
 /// k_min, k_max: the box of the training [N/m], for the front.
 constexpr int listed_cases = 100;
 Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m, int threads);

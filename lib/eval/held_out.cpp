@@ -31,7 +31,7 @@ struct Baseline {
 };
 
 ContactTruth truth_of(const SpringMesh& mesh, const LoadPath& path, const PathRecord& record) {
-    return {locate_on_surface(mesh, path.contact_m), path.direction * record.magnitude_m, record.contact_force_N};
+    return {locate_on_surface(mesh, path.contact_m), path.push_m(record), record.contact_force_N};
 }
 
 /// The mesh of the same lattice in another topology.
@@ -155,6 +155,7 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
     }
     result.models = {"learned", "learned_nearest", "force_table"};
     for (const Baseline& b : baselines) result.models.push_back(b.name);
+    if (cases.measurement) result.models.push_back("repeat");
 
     for (DrawnContacts& role : result.roles) {
         std::vector<const LoadPath*> paths;
@@ -183,11 +184,16 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
                                     truth.force_N.norm());
             for (const Baseline& b : baselines)
                 contact.error.push_back(closed_loop_error(b.setting->mesh, *b.setting->law, b.theta, truth, reason));
+            if (cases.measurement)
+                contact.error.push_back(path.again_N ? std::optional<double>((*path.again_N - truth.force_N).norm() /
+                                                                            truth.force_N.norm())
+                                                     : std::nullopt);
         });
     }
 
     constexpr std::size_t shown = 6;
     for (const LoadPath& path : cases.paths) {
+        if (cases.measurement) break;  // single presses have no curve
         if (path.role != "held_out" || !path.lost.empty() || result.curves.size() == shown) continue;
         DrawnCurve curve{path.name, {}, {}, {}, {}};
         const double arc = grid.outline().arc_of(path.contact_m);

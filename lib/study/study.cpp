@@ -15,6 +15,7 @@ namespace {
 const Range positive{0, std::numeric_limits<double>::infinity(), true};
 const Range not_negative{0};
 const std::vector<std::string> spring_laws = {"isotropic", "axial", "geometric", "rubber"};  // as springs/spring_law knows them
+const std::vector<std::string> objectives = {"force", "contact", "reaction"};
 
 toml::table parse(const std::string& file) {
     std::error_code error;
@@ -126,7 +127,7 @@ Study::Training read_training(TomlReader in) {
     if (!is_optimizer(t.optimizer)) in.refuse("optimizer", "'" + t.optimizer + "' " + allowed);
     for (const std::string& other : t.also)
         if (!is_optimizer(other)) in.refuse("also", "'" + other + "' " + allowed);
-    t.objective = in.has("objective") ? in.choice("objective", {"force", "contact"}) : "force";
+    t.objective = in.has("objective") ? in.choice("objective", objectives) : "force";
     t.ridge = in.optional_number("ridge", not_negative).value_or(0);
     t.seed = static_cast<unsigned long>(in.integer("seed", 0, std::numeric_limits<int>::max()));
     t.iterations = static_cast<int>(in.integer("iterations", 1, 100'000'000));
@@ -136,7 +137,9 @@ Study::Training read_training(TomlReader in) {
     t.k_max_E2 = in.number("k_max_E2", positive);
     if (!(t.k_min_E2 <= 0.5)) in.refuse("k_min_E2", "must be at most 0.5, or the heuristic starts outside the box");
     if (!(t.k_max_E2 >= 1)) in.refuse("k_max_E2", "must be at least 1, or the heuristic starts outside the box");
-    const auto weights = [&in](const char* key, double (&out)[2]) {
+    const auto weights = [&](const char* key, double (&out)[2]) {
+        std::fill(out, out + 2, 1);
+        if (t.objective == "reaction" && !in.has(key)) return;  // it has no nodes to weigh
         const std::vector<double> range = in.numbers(key, 2, {0, 1});
         if (range[0] > range[1]) in.refuse(key, "must be [smallest, largest]");
         std::copy(range.begin(), range.end(), out);
@@ -168,13 +171,56 @@ void read_draws(TomlReader in, Study& study) {
     in.refuse_the_rest();
 }
 
+/// What finite elements need.
+void read_fe(TomlReader& in, Study& study) {
+    TomlReader mesh = in.table("mesh");
+    study.refine = static_cast<int>(mesh.integer("refine", 1, 100));
+    if (study.cells[0] * study.refine % 2 != 0)
+        mesh.refuse("refine", "times lattice.cells[0] must be even, so that the two halves mirror each other");
+    study.check_refine = static_cast<int>(mesh.optional_integer("check_refine", 0, 100).value_or(0));
+    study.check_fraction = mesh.optional_number("check_fraction", {0, 1}).value_or(1);
+    if (study.check_refine != 0 && study.check_refine <= study.refine)
+        mesh.refuse("check_refine", "must be 0 or larger than refine");
+    if (study.cells[0] * study.check_refine % 2 != 0)
+        mesh.refuse("check_refine", "times lattice.cells[0] must be even, so that the two halves mirror each other");
+    mesh.refuse_the_rest();
+
+    TomlReader indenter = in.table("indenter");
+    study.indenter.kind = indenter.choice("kind", {"point", "patch"});
+    const bool patch = study.indenter.kind == "patch";
+    study.indenter.half_width_m = patch ? indenter.number("half_width_m", positive) : 0;
+    indenter.refuse_the_rest();
+
+    TomlReader solver = in.table("solver");
+    study.solver = {solver.number("tolerance", {1e-13, 1e-3}), static_cast<int>(solver.integer("max_newton", 2, 100))};
+    solver.refuse_the_rest();
+
+    study.loads = read_loads(in.table("loads"), study.geometry, study.indenter);
+}
+
+/// Measured contacts, in place of all that.
+void read_data(TomlReader& in, Study& study) {
+    for (const char* key : {"mesh", "indenter", "solver", "loads", "draws", "variants"})
+        if (in.has(key)) in.refuse(key, "belongs to finite elements; a study with [data] has none");
+    TomlReader data = in.table("data");
+    Study::Data d;
+    d.file = (std::filesystem::path(study.file).parent_path() / data.text("file")).lexically_normal().string();
+    d.seed = static_cast<unsigned long>(data.integer("seed", 0, std::numeric_limits<int>::max()));
+    d.validation_part = data.number("validation_part", {0, 0.5});
+    d.held_out_part = data.number("held_out_part", {0, 0.5, true});
+    d.surface_tolerance_m = data.optional_number("surface_tolerance_m", not_negative).value_or(0.0005);
+    d.stated_force_noise = data.optional_number("stated_force_noise", not_negative);
+    data.refuse_the_rest();
+    study.data = d;
+}
+
 Study::Variant read_variant(TomlReader in, const Study& study) {
     const Study::Loads::Sweep& sweep = *study.loads.sweep;
     Study::Variant v;
     v.name = in.text("name");
     v.topology = in.has("topology") ? in.choice("topology", {"grid4", "grid8"}) : study.springs.topology;
     v.law = in.has("law") ? in.choice("law", spring_laws) : study.springs.law;
-    v.objective = in.has("objective") ? in.choice("objective", {"force", "contact"}) : study.training.objective;
+    v.objective = in.has("objective") ? in.choice("objective", objectives) : study.training.objective;
     v.ridge = in.optional_number("ridge", not_negative).value_or(study.training.ridge);
     v.spacing_m = in.optional_number("spacing_m", {sweep.spacing_m}).value_or(sweep.spacing_m);
     if (!is_multiple(v.spacing_m, sweep.spacing_m)) in.refuse("spacing_m", "must be a multiple of loads.sweep.spacing_m");
@@ -228,35 +274,18 @@ Study read_study(const std::string& file) {
     }
     lattice.refuse_the_rest();
 
-    TomlReader mesh = in.table("mesh");
-    study.refine = static_cast<int>(mesh.integer("refine", 1, 100));
-    if (study.cells[0] * study.refine % 2 != 0)
-        mesh.refuse("refine", "times lattice.cells[0] must be even, so that the two halves mirror each other");
-    study.check_refine = static_cast<int>(mesh.optional_integer("check_refine", 0, 100).value_or(0));
-    study.check_fraction = mesh.optional_number("check_fraction", {0, 1}).value_or(1);
-    if (study.check_refine != 0 && study.check_refine <= study.refine)
-        mesh.refuse("check_refine", "must be 0 or larger than refine");
-    if (study.cells[0] * study.check_refine % 2 != 0)
-        mesh.refuse("check_refine", "times lattice.cells[0] must be even, so that the two halves mirror each other");
-    mesh.refuse_the_rest();
-
-    TomlReader indenter = in.table("indenter");
-    study.indenter.kind = indenter.choice("kind", {"point", "patch"});
-    const bool patch = study.indenter.kind == "patch";
-    study.indenter.half_width_m = patch ? indenter.number("half_width_m", positive) : 0;
-    indenter.refuse_the_rest();
-
-    TomlReader solver = in.table("solver");
-    study.solver = {solver.number("tolerance", {1e-13, 1e-3}), static_cast<int>(solver.integer("max_newton", 2, 100))};
-    solver.refuse_the_rest();
-
-    study.loads = read_loads(in.table("loads"), study.geometry, study.indenter);
+    if (in.has("data"))
+        read_data(in, study);
+    else
+        read_fe(in, study);
 
     TomlReader springs = in.table("springs");
     study.springs = {springs.choice("topology", {"grid4", "grid8"}), springs.choice("law", spring_laws)};
     springs.refuse_the_rest();
 
     study.training = read_training(in.table("training"));
+    if (study.data && study.training.objective != "reaction")
+        in.table("training").refuse("objective", "must be 'reaction' beside [data]: nothing inside was measured");
     if (in.has("draws")) {
         if (!study.loads.sweep) in.refuse("draws", "needs a study with loads.sweep");
         read_draws(in.table("draws"), study);

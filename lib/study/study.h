@@ -33,21 +33,32 @@ struct Study {
     } material;
 
     int cells[2];  ///< of the spring lattice, along x and y
-    int refine;    ///< finite elements along a lattice cell's side
+
+    /// Measured contact forces in place of finite elements.
+    struct Data {
+        std::string file;             ///< CSV (results/FORMATS.md), found from the study's folder
+        unsigned long seed;           ///< of the split, where the CSV makes none itself
+        double validation_part, held_out_part;  ///< of the contacts
+        double surface_tolerance_m;   ///< how far a contact may lie off the outline
+        std::optional<double> stated_force_noise;  ///< relative, of a component; serves where nothing is repeated
+    };
+    std::optional<Data> data;         ///< absent: the cases are FE's; what follows, down to `springs`, says how
+
+    int refine = 0;  ///< finite elements along a lattice cell's side
 
     struct Indenter {
         std::string kind;      ///< point: one FE node; patch: all boundary points within half_width_m move alike
-        double half_width_m;   ///< of a patch, along the boundary; 0 for a point
+        double half_width_m = 0;  ///< of a patch, along the boundary; 0 for a point
     } indenter;
 
     struct Solver {
-        double tolerance;
-        int max_newton;
+        double tolerance = 0;
+        int max_newton = 0;
     } solver;
 
     struct Loads {
         std::vector<double> magnitudes_m;  ///< ascending; every one a record
-        double record_step_m;
+        double record_step_m = 0;
         std::vector<StudyPath> paths;      ///< listed one by one; empty when swept
 
         /// Training contacts all along the free surface, in place of a list.
@@ -81,7 +92,8 @@ struct Study {
     struct Training {
         std::string optimizer;
         std::vector<std::string> also;  ///< other optimisers, trained and evaluated for comparison
-        std::string objective;             ///< force: (9); contact: the force the contact itself carries
+        std::string objective;             ///< force: (9); contact: the force the contact itself carries; reaction:
+                                           ///< that alone, with no word on the nodes inside
         double ridge;                      ///< towards the one set that serves all cases best; 0: none
         unsigned long seed;
         int iterations;

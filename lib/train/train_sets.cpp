@@ -17,6 +17,7 @@
 #include "train/certificate.h"
 #include "train/objective.h"
 #include "train/optimizer.h"
+#include "train/reaction.h"
 
 namespace tissue {
 namespace {
@@ -113,6 +114,34 @@ Objectives make_objectives(const Study& study, const TissueModel& model, const S
             if (pass == 0) o.start[i] = solve_bounded_lsq(o.minimised[i], o.start[i], box, rough).theta;
         }
     });
+    return o;
+}
+
+/// Contact forces alone: the closed loop's own answer (reaction.h). The heuristic, scaled to the readings, is the prior of
+/// the single set that serves all, and that one the prior of every other.
+Objectives reaction_objectives(const Study& study, const TissueModel& model, const SpringLaw& law,
+                               const std::vector<LoadCase>& loads, const Box& box, int threads) {
+    std::vector<Reading> readings;
+    for (const LoadCase& load : loads)
+        readings.push_back({locate_on_surface(model.mesh, load.path->contact_m), load.path->push_m(*load.record),
+                            load.record->contact_force_N});
+    const double ridge = study.training.ridge;
+    const Eigen::VectorXd prior =
+        box.project(best_factor(model.mesh, law, readings, model.heuristic_a) * model.heuristic_a);
+    Objectives o;
+    o.one_set = fit_reactions(model.mesh, law, readings, prior, prior, ridge, box).theta;
+    if (ridge > 0) o.exact.first_shift = o.exact.shift;
+    o.start.resize(loads.size());
+    std::vector<std::optional<ReactionFit>> fits(loads.size());
+    parallel_for(static_cast<int>(loads.size()), threads, [&](int c) {
+        const auto i = static_cast<std::size_t>(c);
+        fits[i] = fit_reactions(model.mesh, law, {readings[i]}, o.one_set, o.one_set, ridge, box);
+    });
+    for (std::size_t i = 0; i < loads.size(); ++i) {
+        o.start[i] = fits[i]->theta;
+        o.base.push_back(fits[i]->losses.front());
+        o.minimised.push_back(fits[i]->inner);
+    }
     return o;
 }
 
@@ -216,10 +245,12 @@ TissueModel train_sets(const Study& study, const Cases& cases, int threads, cons
                   Eigen::VectorXd::Constant(S, study.training.k_max_E2 * unit)};
     const StopCriteria stop{study.training.iterations, study.training.max_seconds, study.training.target_rel_loss};
     const Clock::time_point beginning = Clock::now();
-    const Objectives objectives = make_objectives(study, model, *law, loads, box, threads);
+    const Objectives objectives = study.training.objective == "reaction"
+                                      ? reaction_objectives(study, model, *law, loads, box, threads)
+                                      : make_objectives(study, model, *law, loads, box, threads);
     model.one_set = objectives.one_set;
     model.optimum = certify(objectives, box, threads);
-    if (study.training.objective == "contact") model.optimum.seconds = seconds_since(beginning);  // solves most of it
+    if (study.training.objective != "force") model.optimum.seconds = seconds_since(beginning);  // solves most of it
     std::vector<std::string> names = {study.training.optimizer};
     for (const std::string& other : study.training.also)
         if (std::find(names.begin(), names.end(), other) == names.end()) names.push_back(other);

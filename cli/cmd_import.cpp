@@ -1,0 +1,53 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <iostream>
+
+#include "cases/measured_cases.h"
+#include "command.h"
+#include "error.h"
+#include "io/atomic_file.h"
+#include "study/study.h"
+
+namespace tissue::cli {
+namespace {
+
+struct Options {
+    std::string data, study, out;
+};
+
+void run(const Options& o, Provenance provenance) {
+    const Study study = read_study(o.study);
+    if (!study.data) throw StudyError(o.study + ": has no [data]; measured contacts have no place in it");
+    const Cases cases = measured_cases(study, read_measured_csv(o.data));
+    provenance.seed = study.data->seed;
+    provenance.inputs[std::filesystem::path(o.data).filename().string()] = file_hash(o.data);
+    write_cases(o.out, cases, provenance);
+
+    const Measurement& m = *cases.measurement;
+    int sets = 0, validation = 0, held_out = 0;
+    for (const LoadPath& path : cases.paths) {
+        sets += path.role == "train" ? static_cast<int>(path.records.size()) : 0;
+        validation += path.role == "validation" ? 1 : 0;
+        held_out += path.role == "held_out" ? 1 : 0;
+    }
+    std::cerr << fmt::format("import {}: {} rows at {} contacts: {} pushes to train on, {} rows to choose with, {} held "
+                             "out\nimport {}: noise ({}): {:.2g} % of the force, {:.2g} mm, a component\n",
+                             o.data, m.rows, m.contacts, sets, validation, held_out, o.data, m.noise_source,
+                             100 * m.force_noise, 1e3 * m.displacement_noise_m);
+    for (const std::string& line : m.outliers) std::cerr << fmt::format("import {}: outlier, kept: {}\n", o.data, line);
+}
+
+}  // namespace
+
+void add_import(CLI::App& app, const Invocation& invocation) {
+    auto o = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("import", "Take measured contact forces in place of finite elements.");
+    command->add_option("data", o->data, "CSV: contact, displacement and force, units in its header")
+        ->required()->type_name("FILE");
+    command->add_option("--study", o->study, "study file, with [data]")->required()->type_name("FILE");
+    command->add_option("--out", o->out, "cases.h5 to write")->required()->type_name("FILE");
+    command->callback([o, &invocation] { run(*o, {invocation.command, 0, {}}); });
+}
+
+}  // namespace tissue::cli

@@ -1,0 +1,257 @@
+#include "cases/measured_cases.h"
+
+#include <fmt/format.h>
+#include <gsl/gsl_randist.h>
+#include <gsl/gsl_rng.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+
+#include "error.h"
+#include "mesh/outline.h"
+
+namespace tissue {
+namespace {
+
+constexpr double degree = 3.14159265358979323846 / 180;
+constexpr double apart_m = 0.002;                            // of what is held out from what is trained on
+constexpr double same_contact_m = 0.0002;                    // along the surface: one place to train at
+constexpr double same_angle = 3 * degree;                    // one direction to train in
+constexpr double repeat_m = 0.0005, repeat_part = 0.2;       // how far repeats of one push may lie apart
+constexpr double outlier = 5;                                // standard deviations
+constexpr int least_contacts = 4;
+
+/// One push and its rows, whose means it carries.
+struct Push {
+    std::vector<const MeasuredRow*> rows;
+    double arc = 0;
+    Eigen::Vector2d displacement_m = Eigen::Vector2d::Zero(), force_N = Eigen::Vector2d::Zero();
+};
+
+[[noreturn]] void refuse(const MeasuredTable& table, const MeasuredRow& row, const std::string& why) {
+    throw FileError(fmt::format("{}:{}: {}", table.file, row.line, why));
+}
+
+/// Place of a row along the free surface, refused when it has none.
+double arc_of(const MeasuredTable& table, const MeasuredRow& row, const Outline& outline, double tolerance_m) {
+    const double arc = outline.arc_of(row.contact_m), off = (outline.position(arc) - row.contact_m).norm();
+    if (!(off <= tolerance_m))
+        refuse(table, row, fmt::format("columns 'contact_x', 'contact_y': ({:g}, {:g}) mm is {:.3g} mm off the free "
+                                       "surface; allowed: {:g} mm", 1e3 * row.contact_m.x(), 1e3 * row.contact_m.y(),
+                                       1e3 * off, 1e3 * tolerance_m));
+    if (arc < apart_m || arc > outline.length() - apart_m)
+        refuse(table, row, "columns 'contact_x', 'contact_y': the contact is within 2 mm of the fixed edge");
+    if (std::abs(outline.angle(arc, row.displacement_m)) >= 90 * degree)
+        refuse(table, row, "columns 'displacement_x', 'displacement_y': point out of the tissue");
+    if (!(row.force_N.dot(row.displacement_m) > 0))
+        refuse(table, row, "columns 'force_x', 'force_y': the force is against the push; wanted is the indenter's force "
+                           "on the tissue");
+    return arc;
+}
+
+std::vector<Push> pushes_of(const MeasuredTable& table, const Outline& outline, double tolerance_m) {
+    std::vector<Push> pushes;
+    std::map<std::string, std::size_t> by_name;
+    for (const MeasuredRow& row : table.rows) {
+        const double arc = arc_of(table, row, outline, tolerance_m);
+        const auto [place, fresh] = by_name.emplace(row.push.empty() ? fmt::format("line {}", row.line) : row.push, pushes.size());
+        if (fresh) pushes.emplace_back();
+        Push& push = pushes[place->second];
+        if (!fresh) {
+            const MeasuredRow& first = *push.rows.front();
+            const double reach = std::max(repeat_m, repeat_part * first.displacement_m.norm());
+            if ((row.contact_m - first.contact_m).norm() > repeat_m ||
+                (row.displacement_m - first.displacement_m).norm() > reach || row.role != first.role)
+                refuse(table, row, fmt::format("column 'push': '{}' began on line {} at another contact, displacement or "
+                                               "role", row.push, first.line));
+        }
+        push.rows.push_back(&row);
+        push.arc += arc;
+        push.displacement_m += row.displacement_m;
+        push.force_N += row.force_N;
+    }
+    for (Push& push : pushes) {
+        const auto n = static_cast<double>(push.rows.size());
+        push.arc /= n;
+        push.displacement_m /= n;
+        push.force_N /= n;
+    }
+    return pushes;
+}
+
+/// Force of the same push when measured again: the mean of a row's repeats.
+Eigen::Vector2d again(const Push& push, const MeasuredRow& row) {
+    const auto n = static_cast<double>(push.rows.size());
+    return (n * push.force_N - row.force_N) / (n - 1);
+}
+
+void estimate_noise(const std::vector<Push>& pushes, const Study::Data& data, Measurement& m) {
+    double force = 0, displacement = 0;
+    for (const Push& push : pushes) {
+        m.repeats += static_cast<int>(push.rows.size()) - 1;
+        for (const MeasuredRow* row : push.rows) {
+            force += (row->force_N - push.force_N).squaredNorm() / push.force_N.squaredNorm();
+            displacement += (row->displacement_m - push.displacement_m).squaredNorm();
+        }
+    }
+    if (m.repeats > 0) {  // two components a row
+        m.force_noise = std::sqrt(force / (2.0 * m.repeats));
+        m.displacement_noise_m = std::sqrt(displacement / (2.0 * m.repeats));
+        m.noise_source = "repeats";
+    } else {
+        m.force_noise = data.stated_force_noise.value_or(0);
+        m.noise_source = data.stated_force_noise ? "stated" : "unknown";
+    }
+    for (const Push& push : pushes)
+        for (const MeasuredRow* row : push.rows) {
+            if (push.rows.size() < 2 || m.force_noise == 0) continue;
+            const auto n = static_cast<double>(push.rows.size());
+            const double away = (row->force_N - again(push, *row)).norm() / push.force_N.norm();
+            const double expected = m.force_noise * std::sqrt(1 + 1 / (n - 1));
+            if (away > outlier * expected)
+                m.outliers.push_back(fmt::format("line {}: {:.1f} % from its repeats, {:.1f} standard deviations", row->line,
+                                                 100 * away, away / expected));
+        }
+}
+
+/// Sorted by place, and cut where neighbours keep `apart_m`.
+std::vector<std::vector<Push*>> contacts_of(std::vector<Push>& pushes, double gap_m) {
+    std::vector<Push*> sorted;
+    for (Push& p : pushes) sorted.push_back(&p);
+    std::stable_sort(sorted.begin(), sorted.end(), [](const Push* a, const Push* b) { return a->arc < b->arc; });
+    std::vector<std::vector<Push*>> groups;
+    for (Push* p : sorted) {
+        if (groups.empty() || p->arc - groups.back().back()->arc >= gap_m) groups.emplace_back();
+        groups.back().push_back(p);
+    }
+    return groups;
+}
+
+/// What each contact is for, by the study's seed.
+std::vector<std::string> draw_roles(const std::vector<std::vector<Push*>>& contacts, const Outline& outline,
+                                    const Study::Data& data) {
+    std::vector<std::size_t> free;
+    for (std::size_t i = 1; i + 1 < contacts.size(); ++i) {
+        bool corner = false;
+        for (double c : outline.corners())
+            corner |= contacts[i].front()->arc < c + apart_m && contacts[i].back()->arc > c - apart_m;
+        if (!corner) free.push_back(i);
+    }
+    const std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free);
+    gsl_rng_set(rng.get(), data.seed);
+    gsl_ran_shuffle(rng.get(), free.data(), free.size(), sizeof free[0]);
+    const auto part = [&](double p) {
+        return p > 0 ? std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(p * static_cast<double>(contacts.size())))) : 0;
+    };
+    std::vector<std::string> roles(contacts.size(), "train");
+    const std::size_t proof = part(data.held_out_part), choice = part(data.validation_part);
+    for (std::size_t k = 0; k < free.size() && k < proof + choice; ++k) roles[free[k]] = k < proof ? "held_out" : "validation";
+    return roles;
+}
+
+/// The training pushes at one place, a path a direction.
+void add_training(Cases& cases, const Outline& outline, const std::vector<Push*>& pushes) {
+    double arc = 0;
+    for (const Push* p : pushes) arc += p->arc / static_cast<double>(pushes.size());
+    std::vector<std::pair<double, const Push*>> by_angle;
+    for (const Push* p : pushes) by_angle.emplace_back(outline.angle(arc, p->displacement_m), p);
+    std::stable_sort(by_angle.begin(), by_angle.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (std::size_t first = 0, last = 0; first < by_angle.size(); first = last) {
+        double angle = 0;
+        while (last < by_angle.size() && (last == first || by_angle[last].first - by_angle[last - 1].first < same_angle))
+            angle += by_angle[last++].first;
+        angle /= static_cast<double>(last - first);
+        LoadPath path;
+        path.name = fmt::format("s{:06.0f}-{}{:05.0f}", 1e6 * arc, angle < 0 ? "m" : "p", 1e2 * std::abs(angle) / degree);
+        path.contact_m = outline.position(arc);
+        path.direction = outline.direction(arc, angle);
+        std::map<long, std::vector<const Push*>> by_depth;  // to 0.1 um, since a path's records ascend
+        for (std::size_t i = first; i < last; ++i)
+            by_depth[std::lround(1e7 * by_angle[i].second->displacement_m.dot(path.direction))].push_back(by_angle[i].second);
+        for (const auto& entry : by_depth) {
+            Eigen::Vector2d displacement = Eigen::Vector2d::Zero(), force = displacement;
+            for (const Push* p : entry.second) {
+                displacement += p->displacement_m / static_cast<double>(entry.second.size());
+                force += p->force_N / static_cast<double>(entry.second.size());
+            }
+            const double magnitude = displacement.dot(path.direction);
+            path.records.push_back(measured_record(magnitude, force, displacement - magnitude * path.direction));
+        }
+        path.depth_m = path.records.back().magnitude_m;
+        cases.paths.push_back(std::move(path));
+    }
+}
+
+void add_held_out(Cases& cases, const Outline& outline, const Push& push, const std::string& role) {
+    for (const MeasuredRow* row : push.rows) {
+        LoadPath path;
+        path.name = fmt::format("{}-line-{}", role, row->line);
+        std::replace(path.name.begin(), path.name.end(), '_', '-');
+        path.contact_m = outline.position(outline.arc_of(row->contact_m));
+        path.direction = row->displacement_m.normalized();
+        path.role = role;
+        path.depth_m = row->displacement_m.norm();
+        path.records = {measured_record(path.depth_m, row->force_N, Eigen::Vector2d::Zero())};
+        if (push.rows.size() > 1) path.again_N = again(push, *row);
+        cases.paths.push_back(std::move(path));
+    }
+}
+
+}  // namespace
+
+Cases measured_cases(const Study& study, const MeasuredTable& table) {
+    const SpringMesh lattice =
+        make_lattice("grid4", study.cells[0], study.cells[1], study.geometry.width_m, study.geometry.height_m);
+    const Outline outline(lattice);
+    std::vector<Push> pushes = pushes_of(table, outline, study.data->surface_tolerance_m);
+    const std::vector<std::vector<Push*>> contacts = contacts_of(pushes, apart_m);
+
+    Cases cases;
+    cases.study = study.name;
+    cases.nodes = lattice.nodes;
+    cases.measurement.emplace();
+    cases.measurement->origin = table.origin;
+    cases.measurement->rows = static_cast<int>(table.rows.size());
+    cases.measurement->contacts = static_cast<int>(contacts.size());
+    estimate_noise(pushes, *study.data, *cases.measurement);
+
+    std::vector<std::string> roles;
+    if (table.rows.front().role.empty()) {
+        roles = draw_roles(contacts, outline, *study.data);
+    } else
+        for (const std::vector<Push*>& contact : contacts) {
+            for (std::size_t i = 1; i < contact.size(); ++i) {
+                const MeasuredRow &row = *contact[i]->rows.front(), &before = *contact[i - 1]->rows.front();
+                if ((row.role == "train") != (before.role == "train"))
+                    refuse(table, row, fmt::format("column 'role': '{}', less than 2 mm along the surface from the '{}' of "
+                                                   "line {}; what is held out would have been trained on", row.role,
+                                                   before.role, before.line));
+            }
+            roles.push_back(contact.front()->rows.front()->role == "train" ? "train" : "");  // of its own rows
+        }
+
+    std::vector<Push> trained;
+    for (std::size_t i = 0; i < contacts.size(); ++i)
+        for (Push* p : contacts[i]) {
+            if (roles[i] == "train") trained.push_back(*p);
+        }
+    const std::vector<std::vector<Push*>> places = contacts_of(trained, same_contact_m);
+    for (const std::vector<Push*>& place : places) add_training(cases, outline, place);
+    bool proved = false;
+    for (std::size_t i = 0; i < contacts.size(); ++i)
+        for (const Push* p : contacts[i]) {
+            if (roles[i] == "train") continue;
+            const std::string role = roles[i].empty() ? p->rows.front()->role : roles[i];
+            add_held_out(cases, outline, *p, role);
+            proved |= role == "held_out";
+        }
+    if (places.size() < least_contacts || !proved)
+        throw FileError(fmt::format("{}: has {} rows at {} contacts, of which {} are to train on and {} held out; at least "
+                                    "{} and 1 are needed", table.file, table.rows.size(), contacts.size(), places.size(),
+                                    proved ? "some" : "none", least_contacts));
+    return cases;
+}
+
+}  // namespace tissue
