@@ -64,6 +64,10 @@ build/deps: scripts/install_deps
 	@scripts/install_deps
 	@mkdir -p build && touch $@
 
+build/deps-test: scripts/install_deps
+	@scripts/install_deps test
+	@mkdir -p build && touch $@
+
 # ---- programs
 
 CXX := g++
@@ -197,7 +201,7 @@ gains: $(TISSUECTL) $(BUILD)/gains_probe
 # ---- tests and benches
 
 ## test: library, FE and pipeline tests; the last line counts them
-test: $(TISSUECTL) $(TISSUE_HAPTIC) $(BUILD)/test_tissue
+test: $(TISSUECTL) $(TISSUE_HAPTIC) $(BUILD)/test_tissue | build/deps-test
 	@TISSUE_HAPTIC=$(abspath $(TISSUE_HAPTIC)) PYTHON=$(PYTHON) TISSUECTL=$(abspath $(TISSUECTL)) tests/run $(BUILD)/test_tissue
 
 ## sanitize: library tests under address and undefined-behaviour sanitizers

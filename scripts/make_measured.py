@@ -13,6 +13,7 @@ import numpy as np
 
 SEED, REPEATS, FORCE_NOISE, DISPLACEMENT_NOISE_M = 20260815, 3, 0.02, 0.05e-3
 SPACING_M, APART_M, ANGLES_DEG, DEPTHS_M, DEEPEST_M = 5e-3, 2e-3, (-40, 0, 40), (2.5e-3, 5e-3, 10e-3), 10e-3
+ROLES = {"train": "train", "validation": "validation", "held_out_full": "validation", "held_out": "held_out"}
 WIDTH_M = HEIGHT_M = 0.1
 
 
@@ -50,12 +51,12 @@ def presses(cases):
             depths = DEPTHS_M if off_grid < 1e-6 and wanted else ()
         else:
             deepest = path["depth"][0]
-            depths = (deepest,) if role in ("validation", "held_out") and not lost and off_grid >= APART_M \
+            depths = (deepest,) if role in ROLES and not lost and off_grid >= APART_M \
                 and deepest <= DEEPEST_M and min(map(abs, off_normal)) <= max(ANGLES_DEG) else ()
         for depth in depths:
             record = np.flatnonzero(np.abs(path["magnitude"][:] - depth) < 1e-9)
             if len(record):  # FE may have lost the path before
-                yield role, contact, direction * depth, path["contact_force"][record[0]]
+                yield ROLES[role], contact, direction * depth, path["contact_force"][record[0]]
 
 
 def main():

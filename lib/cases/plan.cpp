@@ -38,9 +38,9 @@ std::string train_part(const Study& s) {
     const Study::Training& t = s.training;
     const auto optional = [](const std::optional<double>& v) { return v ? fmt::format("{}", *v) : std::string("none"); };
     return fmt::format(
-        "springs {} {}\nobjective {} ridge {}\nmodulus {}\ndensity {}\nthickness {}\noptimizer {} also {}\nseed {}\niterations {}\n"
+        "springs {} {}\nobjective {} ridge {} reach {}\nmodulus {}\ndensity {}\nthickness {}\noptimizer {} also {}\nseed {}\niterations {}\n"
         "max_seconds {}\ntarget_rel_loss {}\nbox {} {}\nweight_near {} {}\nweight_far {} {}\n",
-        s.springs.topology, s.springs.law, t.objective, t.ridge, s.modulus_N_m(), s.material.density_kg_m3, s.geometry.thickness_m,
+        s.springs.topology, s.springs.law, t.objective, t.ridge, t.reach_m, s.modulus_N_m(), s.material.density_kg_m3, s.geometry.thickness_m,
         t.optimizer, fmt::join(t.also, " "), t.seed, t.iterations, optional(t.max_seconds), optional(t.target_rel_loss),
         t.k_min_E2, t.k_max_E2, t.weight_near[0], t.weight_near[1], t.weight_far[0], t.weight_far[1]);
 }

@@ -25,7 +25,7 @@ double misfit(const SpringMesh& mesh, const SpringLaw& law, const std::vector<Re
     for (const Reading& r : readings) {
         const std::optional<Equilibrium> state = answer(mesh, law, r, theta, reason);
         if (!state) return std::numeric_limits<double>::infinity();
-        sum += (state->contact_force - r.force_N).squaredNorm() / r.force_N.squaredNorm();
+        sum += r.weight * (state->contact_force - r.force_N).squaredNorm() / r.force_N.squaredNorm();
     }
     return sum;
 }
@@ -46,11 +46,17 @@ std::vector<ForceLoss> linearised(const SpringMesh& mesh, const SpringLaw& law, 
     return losses;
 }
 
-/// The linearised readings as one loss of relative errors.
-ForceLoss together(const std::vector<ForceLoss>& losses) {
-    if (losses.size() > 1) return joint_loss(losses);
-    const ForceLoss& only = losses.front();
-    return {only.matrix() / only.scale(), only.target() / only.scale(), Eigen::VectorXd::Ones(only.target().size())};
+/// The linearised readings as one loss of weighted relative errors.
+ForceLoss together(const std::vector<Reading>& readings, const std::vector<ForceLoss>& losses) {
+    const Eigen::Index D = losses.front().target().size(), S = losses.front().matrix().cols();
+    Eigen::MatrixXd rows(D * static_cast<Eigen::Index>(losses.size()), S);
+    Eigen::VectorXd wanted(rows.rows());
+    for (std::size_t i = 0; i < losses.size(); ++i) {
+        const double unit = std::sqrt(readings[i].weight) / losses[i].scale();
+        rows.middleRows(D * static_cast<Eigen::Index>(i), D) = unit * Eigen::MatrixXd(losses[i].matrix());
+        wanted.segment(D * static_cast<Eigen::Index>(i), D) = unit * losses[i].target();
+    }
+    return {rows.sparseView(), wanted, Eigen::VectorXd::Ones(wanted.size())};
 }
 
 }  // namespace
@@ -65,7 +71,7 @@ ReactionFit fit_reactions(const SpringMesh& mesh, const SpringLaw& law, const st
     if (ridge > 0) exact.first_shift = exact.shift;  // nothing is badly conditioned: Newton's own step at once
 
     std::vector<ForceLoss> losses = linearised(mesh, law, readings, start);
-    ForceLoss joint = together(losses);
+    ForceLoss joint = together(readings, losses);
     const double weight = ridge * joint.matrix().squaredNorm() / static_cast<double>(S), root = std::sqrt(weight);
     const auto with_pull = [&](const ForceLoss& loss) { return with_rows(loss, root * identity, root * theta0); };
     const auto objective = [&](const Eigen::VectorXd& theta) {
@@ -89,7 +95,7 @@ ReactionFit fit_reactions(const SpringMesh& mesh, const SpringLaw& law, const st
         fit.theta += part * step;
         value = next;
         fit.losses = linearised(mesh, law, readings, fit.theta);
-        fit.inner = with_pull(together(fit.losses));
+        fit.inner = with_pull(together(readings, fit.losses));
     }
     return fit;
 }

@@ -9,6 +9,7 @@ namespace tissue {
 struct Reading {
     SurfacePoint contact;
     Eigen::VectorXd push_m, force_N;  ///< (D)
+    double weight = 1;
 };
 
 /// What a fit to readings ended with.
@@ -25,7 +26,7 @@ struct ReactionOptions {
     double tolerance = 1e-6;
 };
 
-/// min sum_i (|r_i(theta) - r_i| / |r_i|)^2 + ridge c |theta - theta0|^2 over the box, where r_i(theta) is the closed loop's
+/// min sum_i weight_i (|r_i(theta) - r_i| / |r_i|)^2 + ridge c |theta - theta0|^2 over the box, where r_i(theta) is the closed loop's
 /// own answer: the contact held at push_i, every other node at its own equilibrium u(theta). c is the mean squared column
 /// of the first linearisation, so that ridge is a pure number.
 ///

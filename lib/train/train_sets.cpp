@@ -9,6 +9,7 @@
 #include <mutex>
 
 #include "error.h"
+#include "mesh/outline.h"
 #include "parallel.h"
 #include "springs/equilibrium.h"
 #include "springs/heuristic.h"
@@ -117,11 +118,28 @@ Objectives make_objectives(const Study& study, const TissueModel& model, const S
     return o;
 }
 
+/// A reading and those near it, itself first: a Gaussian of how far apart contacts and pushes are, cut where it is small.
+std::vector<Reading> neighbours(const std::vector<Reading>& readings, const std::vector<double>& arcs, std::size_t of,
+                                double reach_m) {
+    std::vector<Reading> near = {readings[of]};
+    for (std::size_t i = 0; i < readings.size() && reach_m > 0; ++i) {
+        const double squared = (arcs[i] - arcs[of]) * (arcs[i] - arcs[of]) +
+                               (readings[i].push_m - readings[of].push_m).squaredNorm();
+        Reading other = readings[i];
+        other.weight = std::exp(-squared / (2 * reach_m * reach_m));
+        if (i != of && other.weight > 0.05) near.push_back(other);
+    }
+    return near;
+}
+
 /// Contact forces alone: the closed loop's own answer (reaction.h). The heuristic, scaled to the readings, is the prior of
 /// the single set that serves all, and that one the prior of every other.
 Objectives reaction_objectives(const Study& study, const TissueModel& model, const SpringLaw& law,
                                const std::vector<LoadCase>& loads, const Box& box, int threads) {
     std::vector<Reading> readings;
+    std::vector<double> places;
+    const Outline outline(model.mesh);
+    for (const LoadCase& load : loads) places.push_back(outline.arc_of(load.path->contact_m));
     for (const LoadCase& load : loads)
         readings.push_back({locate_on_surface(model.mesh, load.path->contact_m), load.path->push_m(*load.record),
                             load.record->contact_force_N});
@@ -135,7 +153,8 @@ Objectives reaction_objectives(const Study& study, const TissueModel& model, con
     std::vector<std::optional<ReactionFit>> fits(loads.size());
     parallel_for(static_cast<int>(loads.size()), threads, [&](int c) {
         const auto i = static_cast<std::size_t>(c);
-        fits[i] = fit_reactions(model.mesh, law, {readings[i]}, o.one_set, o.one_set, ridge, box);
+        fits[i] = fit_reactions(model.mesh, law, neighbours(readings, places, i, study.training.reach_m), o.one_set,
+                                o.one_set, ridge, box);
     });
     for (std::size_t i = 0; i < loads.size(); ++i) {
         o.start[i] = fits[i]->theta;

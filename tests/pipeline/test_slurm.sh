@@ -1,0 +1,144 @@
+#!/bin/bash
+# A study on a cluster: Debian's own Slurm and munge, started here with two nodes on this machine, on ports of their own.
+# Every load path is a step; a step that is killed and a job that is put back into the queue lose nothing; the results
+# have the contents of a run without Slurm.
+. "$(dirname "$0")/common"
+for program in munged slurmctld slurmd sbatch srun scancel scontrol squeue; do
+    PATH=$PATH:/usr/sbin command -v $program >/dev/null || {
+        skip "a study is solved through Slurm" "$program is not installed (scripts/install_deps test)"
+        finish
+    }
+done
+PATH=$PATH:/usr/sbin
+cluster=$scratch/cluster
+host=$(hostname -s)
+export SLURM_CONF=$cluster/slurm.conf
+
+# ---- the cluster
+daemons=
+tear_down() {
+    scancel --user="$(id -un)" --full 2>/dev/null
+    # shellcheck disable=SC2086  # process ids are words of their own
+    [ -z "$daemons" ] || { kill $daemons; sleep 0.5; kill -9 $daemons; wait $daemons; } 2>/dev/null
+    clean_up
+}
+trap tear_down EXIT
+
+daemon() { # NAME COMMAND...: in the foreground of a child of ours, so that its process id is known
+    name=$1
+    shift
+    "$@" >"$cluster/$name.out" 2>&1 </dev/null &
+    daemons="$! $daemons"
+}
+
+start_cluster() {
+    mkdir -p "$cluster/munge" "$cluster/state" || return 1
+    chmod 755 "$scratch" "$cluster"
+    head -c 128 /dev/urandom >"$cluster/munge/key" && chmod 400 "$cluster/munge/key"
+    as_munge=
+    if [ "$(id -u)" = 0 ]; then
+        chown -R munge: "$cluster/munge"
+        as_munge="setpriv --reuid=munge --regid=munge --clear-groups"
+    fi
+    # shellcheck disable=SC2086
+    daemon munged $as_munge munged --foreground --key-file="$cluster/munge/key" --socket="$cluster/munge/socket" \
+        --pid-file="$cluster/munge/pid" --seed-file="$cluster/munge/seed" --log-file="$cluster/munge/log"
+    read -r port1 port2 port3 <<<"$("$PYTHON" -c 'import socket
+sockets = [socket.socket() for _ in range(3)]
+for s in sockets: s.bind(("127.0.0.1", 0))
+print(*(s.getsockname()[1] for s in sockets))')"
+    cat >"$SLURM_CONF" <<CONF
+ClusterName=scratch
+SlurmctldHost=$host(127.0.0.1)
+SlurmctldPort=$port1
+SlurmUser=$(id -un)
+SlurmdUser=$(id -un)
+AuthType=auth/munge
+AuthInfo=socket=$cluster/munge/socket
+CredType=cred/munge
+StateSaveLocation=$cluster/state
+SlurmdSpoolDir=$cluster/spool-%n
+SlurmctldPidFile=$cluster/slurmctld.pid
+SlurmdPidFile=$cluster/%n.pid
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+MpiDefault=none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core
+SchedulerParameters=batch_sched_delay=0,sched_min_interval=0,requeue_delay=0
+KillWait=2
+NodeName=one NodeHostname=$host NodeAddr=127.0.0.1 Port=$port2 CPUs=1 RealMemory=2000
+NodeName=two NodeHostname=$host NodeAddr=127.0.0.1 Port=$port3 CPUs=1 RealMemory=2000
+PartitionName=all Nodes=ALL Default=YES State=UP
+CONF
+    for _ in $(seq 20); do [ -S "$cluster/munge/socket" ] && break; sleep 0.1; done
+    daemon slurmctld slurmctld -D
+    daemon one slurmd -D -N one
+    daemon two slurmd -D -N two
+    for _ in $(seq 100); do
+        [ "$(sinfo -h -t idle -o %D 2>/dev/null)" = 2 ] && return 0
+        sleep 0.2
+    done
+    return 1
+}
+if ! start_cluster; then
+    skip "a study is solved through Slurm" "Slurm did not start: $(tail -qn 1 "$cluster"/*.out | tr '\n' ' ')"
+    finish
+fi
+
+# ---- a study of four load paths, and a FreeFEM that says on which step it ran and takes its time
+make_copy
+edit '^  { name = "top".*' '&\n  { name = "right", contact_m = [0.10, 0.05], push = [-1, -0.5] },\n  { name = "corner", contact_m = [0.10, 0.10], push = [-1, -1] },'
+make_tiny eval -j2
+check "the study is solved without Slurm to begin with" exited 0
+cp -R "$R" "$scratch/local"
+
+mkdir "$scratch/slow"
+cat >"$scratch/slow/FreeFem++-nw" <<SH
+#!/bin/sh
+for word; do case \$word in */cases/*.csv.tmp) path=\${word##*/} ;; esac; done
+echo "\$SLURM_JOB_ID.\$SLURM_STEP_ID \$SLURMD_NODENAME \${path%.csv.tmp}" >>"$scratch/steps"
+sleep 2
+exec $(command -v FreeFem++-nw) "\$@"
+SH
+chmod +x "$scratch/slow/FreeFem++-nw"
+
+submit() { # starts the study from nothing; its job id in $job
+    rm -rf "$R"
+    : >"$scratch/steps"
+    job=$(cd "$work" && PATH=$scratch/slow:$PATH sbatch --parsable --nodes=2 --output="$scratch/said" \
+        scripts/slurm/study.sbatch tiny eval)
+}
+state() { scontrol show job "$job" | sed -n 's/.*JobState=\([A-Z]*\).*/\1/p'; }
+wait_for() { for _ in $(seq 600); do "$@" && return 0; sleep 0.1; done; return 1; }
+ended() { case $(state) in PENDING | RUNNING | COMPLETING | REQUEUED) return 1 ;; esac; }
+waits() { [ "$(state)" = PENDING ]; }
+completed() { [ "$(state)" = COMPLETED ] || { state; cat "$said"; return 1; }; }
+solved() { [ -s "$R/cases/$1.csv" ]; }
+times() { grep -c " $1\$" "$scratch/steps"; }  # a path was begun
+
+# ---- undisturbed but for one step, which is killed while it runs
+submit
+wait_for grep -q ' left$' "$scratch/steps"
+scancel "$(sed -n 's/ .* left$//p' "$scratch/steps")"
+wait_for ended
+check "a job completes though one of its steps was killed" completed
+check "the killed load path was tried again" test "$(times left)" = 2
+check "no other was" test "$(times top) $(times right) $(times corner)" = "1 1 1"
+check "it says which path was lost, and that it tries again" sh -c "grep -q 'cases/left.csv' '$said' && grep -q 'try 2' '$said'"
+check "every load path was a step of its own" test "$(cut -d' ' -f1 "$scratch/steps" | sort -u | grep -c "^$job\.[0-9]")" = 5
+check "both nodes worked" test "$(cut -d' ' -f2 "$scratch/steps" | sort -u | tr '\n' ' ')" = "one two "
+check "the results have the contents of the run without Slurm" same_contents "$R" "$scratch/local"
+check "no half-written file is left" no_half_files "$R"
+
+# ---- killed as a whole half-way, and put back into the queue
+submit
+wait_for solved left
+scontrol requeue "$job"
+wait_for waits
+scontrol update JobId="$job" StartTime=now  # a requeued job may start after two minutes; we have not got them
+wait_for ended
+check "a job killed half-way runs again and completes" completed
+check "what was solved before was not solved again" test "$(times left)" = 1
+check "its results have the contents of the run without Slurm" same_contents "$R" "$scratch/local"
+finish
