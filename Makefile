@@ -5,12 +5,15 @@
 # STUDY=NAME     which fem/studies/NAME.toml (default paper); its results go to results/NAME/
 # RUN='srun -n1' put before every FreeFEM run
 # NO_INSTALL=1   name missing packages instead of installing them
+# PREFIX=PATH    where install puts programs, library, headers, man pages and completions (default /usr/local)
+# DESTDIR=PATH   put before PREFIX, for packagers
 # SANITIZE=1     build with address and undefined-behaviour sanitizers, in a folder of its own
 
 STUDY ?= paper
 R := results/$(STUDY)
 RUN ?=
 PYTHON ?= /usr/bin/python3
+PREFIX ?= /usr/local
 BUILD := build/$(if $(SANITIZE),sanitize,release)
 TISSUECTL := $(BUILD)/tissuectl
 TISSUE_HAPTIC := $(BUILD)/tissue-haptic
@@ -25,7 +28,7 @@ export OMP_NUM_THREADS := 1
 
 # ---- front door
 
-.PHONY: felupe realtime ablation all mesh cases train eval figures reference regress regress-proof trust gains test sanitize bench deps help clean build
+.PHONY: felupe realtime ablation all mesh cases train eval figures reference regress regress-proof trust gains test sanitize bench deps help clean build install uninstall doctor
 
 ## all: the whole study, from mesh to figures
 all: figures eval
@@ -50,6 +53,18 @@ build: $(TISSUECTL) $(TISSUE_HAPTIC)
 
 ## deps: name and install missing packages
 deps: build/deps
+
+## install: programs, library, headers, pkg-config file, man pages and completions, under PREFIX
+install: build $(BUILD)/libtissue.a
+	@PREFIX='$(PREFIX)' DESTDIR='$(DESTDIR)' PACKAGES='$(PACKAGES)' CXX='$(CXX)' CXXFLAGS='$(filter -m%,$(CXXFLAGS))' scripts/install $(BUILD)
+
+## uninstall: take away what install put under PREFIX
+uninstall:
+	@PREFIX='$(PREFIX)' DESTDIR='$(DESTDIR)' scripts/install --remove
+
+## doctor: versions of every tool, what is missing and how to get it
+doctor: $(TISSUECTL)
+	@$(TISSUECTL) doctor
 
 ## help: this text
 help:
@@ -100,7 +115,7 @@ $(TISSUECTL): $(call objects,$(CLI_SOURCES)) $(BUILD)/libtissue.a
 	@$(CXX) $(CXXFLAGS) $^ $(LDLIBS) -o $@
 
 # symbols stay in the objects; the program that a device waits for is small
-$(TISSUE_HAPTIC): $(call objects,$(HAPTIC_SOURCES) cli/command.cpp) $(BUILD)/libtissue.a
+$(TISSUE_HAPTIC): $(call objects,$(HAPTIC_SOURCES) cli/command.cpp cli/generate.cpp) $(BUILD)/libtissue.a
 	@$(CXX) $(CXXFLAGS) -s -Wl,--as-needed $^ $(LDLIBS) -ldl -o $@
 
 $(BUILD)/test_tissue: $(call objects,$(TEST_SOURCES)) $(BUILD)/libtissue.a
@@ -120,7 +135,7 @@ $(BENCHES): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(BUILD)/libtissue.a
 
 # The plan says which load paths there are and with which arguments; its parts say what each stage depends on, and
 # keep their time stamp while their text stays the same.
-ifneq (,$(filter-out help clean deps build reference regress regress-proof trust felupe gains test sanitize bench $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
+ifneq (,$(filter-out help clean deps build install uninstall doctor reference regress regress-proof trust felupe gains test sanitize bench $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
 include $(R)/plan.mk
 endif
 figures: $(FIGURES:%=$(R)/figures/%.png)

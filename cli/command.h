@@ -21,6 +21,7 @@ void add_eval(CLI::App& app, const Invocation& invocation);
 void add_ablate(CLI::App& app, const Invocation& invocation);
 void add_info(CLI::App& app, const Invocation& invocation);
 void add_export(CLI::App& app, const Invocation& invocation);
+void add_doctor(CLI::App& app, const Invocation& invocation);
 
 /// Prints the options in use, given and default, on standard error: "tissuectl train: study=... threads=2".
 void echo_options(const CLI::App& command);

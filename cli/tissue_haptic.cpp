@@ -18,6 +18,7 @@
 #include "cases/load_path.h"
 #include "command.h"
 #include "error.h"
+#include "generate.h"
 #include "haptic/openhaptics_device.h"
 #include "haptic/realtime_loop.h"
 #include "haptic/remote_device.h"
@@ -209,6 +210,7 @@ int main(int argc, char** argv) {
     app.set_version_flag("--version", std::string("tissue-haptic ") + tissue::version, "print the version");
     add_options(app, o);
     try {
+        if (cli::generated(app, argc, argv)) return 0;
         app.parse(argc, argv);
         finish(o);
         o.haptic.map.axes = parse_axes(o.axes);

@@ -10,6 +10,7 @@
 #include <iostream>
 
 #include "command.h"
+#include "generate.h"
 #include "version.h"
 
 int main(int argc, char** argv) {
@@ -36,7 +37,9 @@ int main(int argc, char** argv) {
     add_ablate(app, invocation);
     add_info(app, invocation);
     add_export(app, invocation);
+    add_doctor(app, invocation);
     try {
+        if (generated(app, argc, argv)) return 0;
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? 0 : 2;

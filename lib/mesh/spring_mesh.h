@@ -4,6 +4,12 @@
 #include <string>
 #include <vector>
 
+// Says the pkg-config file of an installed library. Eigen's arrays cross its border: both sides must allocate alike.
+#ifdef TISSUE_EIGEN_ALIGNMENT
+static_assert(EIGEN_DEFAULT_ALIGN_BYTES == TISSUE_EIGEN_ALIGNMENT,
+              "libtissue was built for other vector instructions: compile both with the same -m flags");
+#endif
+
 namespace tissue {
 
 /// One row a node, one column a space dimension (N x D): positions, displacements [m] or forces [N]. Row-major, so

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace tissue::cli {
+
+/// What `make install` asks a program for with `--generate WHAT`, made from its own table of options: "man" (a page of
+/// section 1), or the completion for "bash", "zsh" or "fish". Throws MismatchError for anything else.
+std::string generate(const CLI::App& app, const std::string& what);
+
+/// True, and printed, when the command line is `--generate WHAT` and nothing else.
+bool generated(const CLI::App& app, int argc, char** argv);
+
+}  // namespace tissue::cli

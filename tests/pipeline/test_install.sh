@@ -1,0 +1,92 @@
+#!/bin/sh
+# make install, uninstall: what a user of the library and of the programs finds there, and that nothing stays behind.
+. "$(dirname "$0")/common"
+prefix=$scratch/prefix
+build=$(dirname "$TISSUECTL")
+place() { # WHAT VARIABLE=VALUE...: as make does, without building anything
+    what=$1
+    shift
+    run env "$@" PACKAGES="$(sed -n 's/^PACKAGES := //p' "$root/Makefile")" "$root/scripts/install" "$what"
+}
+work=$scratch
+place "$build" PREFIX="$prefix"
+check "install: exit 0" exited 0
+check "install says nothing" silent
+check "programs, library, headers, pkg-config file, pages and completions are there" exist "$prefix/bin/tissuectl" \
+    "$prefix/bin/tissue-haptic" "$prefix/lib/libtissue.a" "$prefix/include/tissue/haptic/device.h" \
+    "$prefix/lib/pkgconfig/tissue.pc" "$prefix/share/man/man1/tissuectl.1" "$prefix/share/man/man1/tissue-haptic.1" \
+    "$prefix/share/bash-completion/completions/tissuectl" "$prefix/share/zsh/site-functions/_tissuectl" \
+    "$prefix/share/fish/vendor_completions.d/tissue-haptic.fish"
+check "an installed program runs" "$prefix/bin/tissuectl" --version
+
+# ---- ten lines against the library, as a user builds them: no macro of ours, warnings are errors
+cat >"$scratch/user.cpp" <<'CPP'
+#include <iostream>
+#include "haptic/device.h"
+#include "haptic/simulation.h"
+#include "springs/heuristic.h"
+#include "springs/spring_law.h"
+int main() {
+    const tissue::SpringMesh mesh = tissue::make_lattice("grid8", 2, 2, 0.1, 0.1);
+    const Eigen::VectorXd theta = tissue::heuristic_stiffness(mesh, 0.75);
+    const tissue::NodeField push = tissue::NodeField::Constant(mesh.node_count(), 2, 0.01);
+    const auto K = tissue::make_spring_law("axial")->stiffness(mesh, theta, push);
+    std::cout << mesh.spring_count() << ' ' << (K * tissue::as_vector(push)).norm() << '\n';
+}
+CPP
+export PKG_CONFIG_PATH="$prefix/lib/pkgconfig"
+built() { # OPTION...
+    # shellcheck disable=SC2046  # flags are words of their own
+    run g++ -std=c++17 -Wall -Wextra -Werror "$@" user.cpp $(pkg-config --cflags --libs tissue) -o user
+}
+for options in "-O0" "-O2 -DNDEBUG"; do
+    # shellcheck disable=SC2086
+    built $options
+    check "a program builds against it by pkg-config, $options" exited 0
+    run ./user
+    check "it runs, and a rigid push costs no force, $options" says '^20 [0-9.e-]*-1[0-9]$\|^20 0$'
+done
+built -O0 -mavx
+check "vector instructions that do not fit the library's are refused" says 'libtissue was built for other vector instructions'
+check "pkg-config says the version" test "$(pkg-config --modversion tissue)" = "$("$TISSUECTL" --version | cut -d' ' -f2)"
+
+# ---- pages and completion know every option that --help knows
+options_of() { "$TISSUECTL" "$1" --help | sed -n 's/^  \(-h,\)*\(--[a-z-]*\) .*/\2/p' | sort; }
+for command in train eval export; do
+    options_of "$command" >"$scratch/wanted"
+    check "the page has every option of $command" sh -c '
+        sed -n "/^\.SS $1\$/,/^\.S[SH] /p" "$2" | sed "s/\\\\-/-/g" | sed -n "s/^.fB\(-h,\)*\(--[a-z-]*\).*/\2/p" | sort | diff - "$3"' - \
+        "$command" "$prefix/share/man/man1/tissuectl.1" "$scratch/wanted"
+    check "bash completes every option of $command" bash -c '
+        . "$1"; COMP_WORDS=(tissuectl "$2" --); COMP_CWORD=2; _tissuectl; printf "%s\n" "${COMPREPLY[@]}" | sort | diff - "$3"' - \
+        "$prefix/share/bash-completion/completions/tissuectl" "$command" "$scratch/wanted"
+done
+check "bash completes commands" bash -c '
+    . "$1"; COMP_WORDS=(tissuectl ex); COMP_CWORD=1; _tissuectl; [ "${COMPREPLY[*]}" = export ]' - \
+    "$prefix/share/bash-completion/completions/tissuectl"
+check "bash completes files after an option that takes one" bash -c '
+    cd "$2"; . "$1"; COMP_WORDS=(tissuectl train --study us); COMP_CWORD=3; _tissuectl; case " ${COMPREPLY[*]} " in *" user.cpp "*) ;; *) exit 1 ;; esac' - \
+    "$prefix/share/bash-completion/completions/tissuectl" "$scratch"
+
+# ---- again, staged, and away
+echo mine >"$prefix/share/doc/mine"
+echo "include/tissue/gone.h" >>"$prefix/share/doc/tissuectl/manifest"
+: >"$prefix/include/tissue/gone.h"
+place "$build" PREFIX="$prefix"
+check "installing again takes away what is no longer part of it" absent "$prefix/include/tissue/gone.h"
+place "$build" PREFIX=/opt/tissue DESTDIR="$scratch/stage"
+check "DESTDIR stands before PREFIX" exist "$scratch/stage/opt/tissue/bin/tissuectl"
+check "and in no file" sh -c '! grep -rIl "$1" "$1"' - "$scratch/stage"
+check "the same files either way" sh -c '(cd "$1" && find . -type f ! -name mine | sort) >"$3"; (cd "$2" && find . -type f | sort) | diff "$3" -' - \
+    "$prefix" "$scratch/stage/opt/tissue" "$scratch/list"
+place --remove PREFIX=/opt/tissue DESTDIR="$scratch/stage"
+check "uninstall: exit 0" exited 0
+check "uninstall leaves no file behind, nor a folder of ours" test -z "$(find "$scratch/stage" ! -type d -o -name '*tissue' ! -path '*/opt/tissue')"
+place --remove PREFIX="$prefix"
+check "uninstall leaves what others put there" test "$(find "$prefix" -type f)" = "$prefix/share/doc/mine"
+place --remove PREFIX="$prefix"
+check "uninstalling what is not there: exit 1" exited 1
+check "uninstalling what is not there: one line" one_line '^install: .*nothing is installed there'
+place "$build" PREFIX=here
+check "a PREFIX that is not absolute is refused" one_line "PREFIX must be an absolute path, not 'here'"
+finish
