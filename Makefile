@@ -28,10 +28,10 @@ export OMP_NUM_THREADS := 1
 
 # ---- front door
 
-.PHONY: felupe realtime ablation all mesh cases train eval figures reference regress regress-proof trust gains test sanitize bench deps help clean build install uninstall doctor
+.PHONY: felupe realtime ablation all mesh cases train eval figures report reference regress regress-proof trust gains test sanitize bench deps help clean build install uninstall doctor
 
-## all: the whole study, from mesh to figures
-all: figures eval
+## all: the whole study, from mesh to report
+all: figures eval report
 
 ## mesh: gmsh meshes the block (Sec. 2.2)
 mesh: $(R)/mesh.msh
@@ -47,6 +47,9 @@ eval: $(R)/eval.json
 
 ## figures: draw what the plan says the study shows
 figures:
+
+## report: one file to mail, figures inside: results/NAME/report.html
+report: $(R)/report.html
 
 ## build: the programs alone
 build: $(TISSUECTL) $(TISSUE_HAPTIC)
@@ -172,6 +175,11 @@ $(R)/figures/%.png: $(R)/cases.h5 $(R)/model.h5 $(R)/eval.json $(wildcard script
 	@mkdir -p $(@D)
 	@echo "draw  $@"
 	@$(PYTHON) scripts/figures/draw.py $* $(R) $@
+
+$(R)/report.html: $(R)/report.md $(R)/eval.json $(R)/cases.h5 $(R)/model.h5 $(FIGURES:%=$(R)/figures/%.png) \
+  scripts/figures/results.py $(wildcard scripts/report/*)
+	@echo "draw  $@"
+	@$(PYTHON) scripts/report/page.py $(R) $@
 
 REFERENCE_STUDIES := paper paper-axial paper-grid8 paper-grid8-turning surface
 ## reference: run the paper's studies, then write results/reference and README's tables anew

@@ -1,0 +1,256 @@
+"""One file to mail of a study: page.py RESULTS OUT.html
+
+Reads report.md, eval.json, the figures that report.md shows, and the provenance in model.h5 and cases.h5. The words and
+tables are report.md's; what is added is the number to lead with, key figures, captions, and tables that sort. Nothing
+outside the file is needed to look at it. The same results give the same bytes.
+"""
+import base64
+import json
+import os
+import re
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "figures"))
+import h5py  # noqa: E402
+import jinja2  # noqa: E402
+from markdown_it import MarkdownIt  # noqa: E402
+from markupsafe import Markup, escape  # noqa: E402
+
+from results import LABELS  # noqa: E402  (the figures' own names of the models)
+
+LONG_LIST = 5  # items; longer ones are folded
+CAPTIONS = {
+    "contours": "Finite elements: two of the load cases",
+    "force": "Resolved force along every load path (Fig. 3 of the paper)",
+    "learning": "Learning curves (Fig. 4 of the paper)",
+    "springs": "Learned springs (Fig. 6 of the paper)",
+    "errors": "Errors of every model at the trained contacts",
+    "character": "What the springs are like, and what staying near the heuristic costs",
+    "held_out": "Closed-loop error at contacts the sets were not trained on",
+    "held_out_force": "Force against push at such contacts",
+}
+
+
+class ReportError(Exception):
+    """A file is missing, or report.md is not as tissuectl writes it."""
+
+
+def percent(value):
+    return "none" if value is None else f"{100 * value:.1f} %"
+
+
+# ---- what it leads with
+
+def lead(e):
+    """The number that matters, and the key figures beside it: [(value, what it is)]."""
+    held_out = e["closed_loop"].get("held_out")
+    figures = []
+    if held_out:
+        number = held_out["learned"]["median"]
+        figures.append((percent(held_out["learned"]["p95"]), "95th percentile of the same"))
+        figures.append((percent(held_out["learned"]["max"]), f"worst of {held_out['learned']['n']} contacts"))
+        figures.append(best_baseline(held_out))
+        if "held_out_full" in e["closed_loop"]:
+            full = e["closed_loop"]["held_out_full"]["learned"]
+            figures.append((percent(full["median"]), f"median over the full range of depth and angle, {full['n']} contacts"))
+    else:
+        number = e["open_loop"]["learned"]["rel_loss"]["median"]
+        figures.append((percent(e["open_loop"]["optimum"]["rel_loss"]["median"]), "the best this mesh can do, certified"))
+        figures.append((percent(e["open_loop"]["heuristic_a"]["rel_loss"]["median"]), "left by Van Gelder's heuristic"))
+        trained = e["closed_loop"]["trained"]
+        figures.append((percent(trained["learned"]["median"]), "closed-loop error, what a hand feels"))
+        if trained["learned"]["n"]:
+            figures.append(best_baseline(trained))
+    if "truth_check" in e:
+        figures.append((percent(e["truth_check"]["median"]), "the finite elements' own error, on a finer mesh"))
+    return percent(number), [f for f in figures if f]
+
+
+def best_baseline(errors):
+    """Median closed-loop error of the best untrained springs."""
+    medians = {m: v["median"] for m, v in errors.items()
+               if v["n"] and m.startswith(("heuristic", "uniform"))}
+    if not medians:
+        return None
+    best = min(medians, key=medians.get)
+    return percent(medians[best]), f"best untrained springs ({LABELS.get(best, best)}), closed loop"
+
+
+# ---- Markdown to HTML
+
+def picture(folder, source):
+    """A PNG as a data URI."""
+    file = folder / source
+    if file.suffix != ".png" or not file.is_file():
+        raise ReportError(f"{file}: is not a figure that can be put inline")
+    return "data:image/png;base64," + base64.b64encode(file.read_bytes()).decode()
+
+
+def label(model, e):
+    """A model's name in words; "" where it has none."""
+    words = {**LABELS, "one_set": "one learned set for all cases", "learned_nearest": "learned, nearest set",
+             "force_table": "finite elements' own forces, interpolated"}
+    for training in [e["training"]] + e.get("training_also", []):
+        own = training["optimizer"]
+        words["learned" if training is e["training"] else "learned_" + re.sub("[-:]", "_", own)] = f"trained by {own}"
+    if model in words:
+        return words[model]
+    base, _, mesh = model.partition("_grid")
+    return f"{words[base]}, grid{mesh.replace('_', ' ')}" if mesh and base in words else ""
+
+
+def named(text, e):
+    """A cell's HTML: `heuristic_a` gets the words for it beneath."""
+    words = label(text, e)
+    return Markup(f"{escape(text)}<small>{escape(words)}</small>") if words else escape(text)
+
+
+class Column(NamedTuple):
+    group: str    # heading over several columns, or ""
+    name: str
+    cells: list
+
+
+def columns(head, body, heading):
+    """Columns of a table. "a / b / c" in every cell of one becomes three, if they can be named: by the column's own
+    heading ("gap median / max") or by the section's ("...: median / p95 / max")."""
+    found = []
+    for i, title in enumerate(head):
+        cells = [row[i] for row in body]
+        parts = [cell.split(" / ") for cell in cells]
+        count = max((len(p) for p in parts), default=1)
+        group, names = title, heading.rpartition(": ")[2].split(" / ")
+        own = title.split(" / ")
+        if len(own) > 1:
+            group, first = next(own[0].rsplit(mark, 1) for mark in (": ", ", ", " ") if mark in own[0])
+            names = [first] + own[1:]
+        parts = [p * count if p == ["none"] else p for p in parts]
+        if count > 1 and len(names) == count and all(len(p) == count for p in parts):
+            found += [Column(group, name, [p[k] for p in parts]) for k, name in enumerate(names)]
+        else:
+            found.append(Column("", title, cells))
+    return found
+
+
+def table(tokens, heading, e):
+    """A table's HTML, from its tokens."""
+    rows = []
+    for token in tokens:
+        if token.type == "tr_open":
+            rows.append([])
+        elif token.type == "inline":
+            rows[-1].append(token.content)
+    found = columns(rows[0], rows[1:], heading)
+    grouped = any(c.group for c in found)
+    marks = []  # classes: the row's name, and where a line parts groups
+    for i, c in enumerate(found):
+        parted = i > 0 and c.group != found[i - 1].group
+        marks.append(Markup(' class="row"') if i == 0 else Markup(' class="first"') if parted else "")
+    top, below = [], []
+    for i, c in enumerate(found):
+        cell = Markup('<th scope="col" data-column="{}"{}{}>{}</th>')
+        if not c.group:
+            top.append(cell.format(i, Markup(' rowspan="2"') if grouped else "", marks[i], c.name))
+            continue
+        if i == 0 or found[i - 1].group != c.group:
+            width = sum(1 for other in found if other.group == c.group)
+            top.append(Markup('<th scope="colgroup" colspan="{}">{}</th>').format(width, named(c.group, e)))
+        below.append(cell.format(i, "", marks[i], c.name))
+    lines = [Markup("<tr>{}</tr>").format(Markup("").join(cells)) for cells in (top, below) if cells]
+    body = [Markup("<tr>{}</tr>").format(Markup("").join(
+        Markup("<td{}>{}</td>").format(marks[i], named(c.cells[r], e) if i == 0 else c.cells[r])
+        for i, c in enumerate(found))) for r in range(len(rows) - 1)]
+    line = Markup("\n")
+    return Markup('<div class="table" tabindex="0" role="region" aria-label="{}"><table>\n<thead>\n{}\n</thead>\n'
+                  '<tbody>\n{}\n</tbody>\n</table></div>\n').format(heading.replace("`", ""), line.join(lines), line.join(body))
+
+
+def to_html(markdown, text, heading, e):
+    """A section's HTML: tables by table(), long lists folded, the rest as Markdown says. No unit stands alone."""
+    tokens = markdown.parse(text.replace(" %", "\u00a0%"))
+    out, at = [], 0
+    while at < len(tokens):
+        kind, level = tokens[at].type, tokens[at].level
+        end = at + 1
+        if tokens[at].nesting == 1:
+            closing = kind.replace("_open", "_close")
+            end = next(i for i in range(at, len(tokens)) if tokens[i].type == closing and tokens[i].level == level) + 1
+        block = tokens[at:end]
+        items = sum(1 for t in block if t.type == "list_item_open")
+        if kind == "table_open":
+            out.append(table(block, heading, e))
+        else:
+            html = markdown.renderer.render(block, markdown.options, {})
+            out.append(f"<details><summary>Show all {items}</summary>\n{html}</details>\n" if items > LONG_LIST else html)
+        at = end
+    return Markup("".join(out))
+
+
+def sections(text):
+    """report.md as (first part without its title, [(heading, Markdown)])."""
+    parts = re.split(r"^## +(.+)$", text, flags=re.M)
+    return re.sub(r"^# .*$", "", parts[0], count=1, flags=re.M), list(zip(parts[1::2], parts[2::2]))
+
+
+def anchor(heading):
+    return re.sub(r"[^a-z0-9]+", "-", heading.lower()).strip("-")
+
+
+# ---- provenance
+
+def provenance(folder, e):
+    """[(word, value)]: how to make this again, and from what."""
+    rows = [("Made by", f"make all STUDY={e['study']}"), ("Version", f"tissuectl {e['version']}"), ("Seed", e["seed"])]
+    for name, word in (("cases.h5", "Cases"), ("model.h5", "Training")):
+        with h5py.File(folder / name) as file:
+            rows.append((word, file.attrs["command"]))
+            rows += [(f"Input of {word.lower()}", f"{key[6:]} (XXH3 {value})") for key, value in file.attrs.items()
+                     if key.startswith("input:") and not key.endswith(".csv")]
+    return rows
+
+
+def page(folder):
+    e = json.loads((folder / "eval.json").read_text())
+    first, found = sections((folder / "report.md").read_text())
+    markdown = MarkdownIt("commonmark", {"html": False}).enable("table")
+    figures = []
+    body = []
+    for heading, text in found:
+        if heading == "Figures":
+            for name, source in re.findall(r"!\[(\w+)\]\(([^)]+)\)", text):
+                figures.append({"name": name, "caption": CAPTIONS.get(name, name), "data": picture(folder, source)})
+        else:
+            body.append({"id": anchor(heading), "heading": Markup(markdown.renderInline(heading)),
+                         "html": to_html(markdown, text, heading, e)})
+    first = re.sub(r"^Written by .*$", "", first, flags=re.M)  # the foot says more
+    number, key_figures = lead(e)
+    environment = jinja2.Environment(loader=jinja2.FileSystemLoader(HERE), autoescape=True, trim_blocks=True,
+                                     lstrip_blocks=True, undefined=jinja2.StrictUndefined)
+    return environment.get_template("page.html").render(
+        study=e["study"], number=number, key_figures=key_figures, lead=to_html(markdown, first, "", e),
+        figures=figures, sections=body, provenance=provenance(folder, e),
+        style=Markup((HERE / "page.css").read_text()), script=Markup((HERE / "page.js").read_text()))
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit("usage: page.py RESULTS OUT.html")
+    folder, out = Path(sys.argv[1]), Path(sys.argv[2])
+    try:
+        text = page(folder)
+        beside = out.with_name(out.name + ".tmp")
+        try:
+            beside.write_text(text)
+            os.replace(beside, out)
+        except OSError:
+            beside.unlink(missing_ok=True)
+            raise
+    except (ReportError, OSError, KeyError, ValueError) as error:
+        sys.exit(f"page.py: {folder}: {error}")
+
+
+if __name__ == "__main__":
+    main()

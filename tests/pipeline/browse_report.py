@@ -1,0 +1,88 @@
+"""browse_report.py PAGE.html PROFILE: opens a report in headless Chromium and uses it; "ok - sentence" a check.
+
+PROFILE is a folder that does not exist yet. No network: the page's own security policy forbids it, and Chromium would
+complain in its console.
+"""
+import sys
+
+from selenium import webdriver
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+
+FLAGS = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-background-networking",
+         "--disable-component-update", "--disable-sync", "--no-first-run", "--window-size=1280,1000"]
+failed = 0
+
+
+def check(sentence, seen, wanted=True):
+    global failed
+    failed += seen != wanted
+    print(f"ok - {sentence}" if seen == wanted else f"not ok - {sentence}\n#   seen {seen!r}, wanted {wanted!r}")
+
+
+def first_number(text):
+    return float(text.replace("\u00a0", " ").split()[0])
+
+
+options = webdriver.ChromeOptions()
+for flag in FLAGS + [f"--user-data-dir={sys.argv[2]}"]:
+    options.add_argument(flag)
+options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+browser = webdriver.Chrome(service=webdriver.chrome.service.Service("/usr/bin/chromedriver"), options=options)
+try:
+    browser.get("file://" + sys.argv[1])
+    check("in a browser: every figure is drawn", browser.execute_script(
+        "return [...document.images].length >= 5 && [...document.images].every(i => i.complete && i.naturalWidth > 100)"))
+    check("in a browser: the number stands above the fold", browser.execute_script(
+        "const b = document.querySelector('.number').getBoundingClientRect(); return b.top >= 0 && b.bottom < innerHeight"))
+
+    table = browser.find_element(By.CSS_SELECTOR, "table:has(th[scope=colgroup])")
+    heading = table.find_elements(By.CSS_SELECTOR, "th[data-column]")[1]
+    column = int(heading.get_attribute("data-column"))
+    button = heading.find_element(By.TAG_NAME, "button")
+
+    def shown(at=column):
+        return [row.find_elements(By.TAG_NAME, "td")[at].text for row in table.find_elements(By.CSS_SELECTOR, "tbody tr")]
+
+    def numbers():
+        return [first_number(text) for text in shown()]
+
+    before = numbers()
+    names = dict(zip(shown(0), shown()))
+    check("in a browser: the column is not sorted to begin with", before != sorted(before) != before[::-1])
+    browser.execute_script("arguments[0].scrollIntoView({block: 'center', behavior: 'instant'})", button)
+    button.click()
+    check("in a browser: a click on a heading sorts the column upwards", numbers(), sorted(before))
+    check("in a browser: rows stay whole", dict(zip(shown(0), shown())), names)
+    check("in a browser: aria-sort says ascending", heading.get_attribute("aria-sort"), "ascending")
+    button.click()
+    check("in a browser: once more, downwards", numbers(), sorted(before, reverse=True))
+    check("in a browser: aria-sort says descending", heading.get_attribute("aria-sort"), "descending")
+    name = table.find_element(By.CSS_SELECTOR, "th.row")
+    name.find_element(By.TAG_NAME, "button").send_keys(Keys.ENTER)
+    check("in a browser: Enter on a heading sorts too, names as names", shown(0), sorted(names))
+    check("in a browser: one column of a table is sorted at a time", heading.get_attribute("aria-sort"), None)
+    button.send_keys(Keys.SPACE)
+    check("in a browser: so does Space", numbers(), sorted(before))
+
+    figure = browser.find_elements(By.CSS_SELECTOR, "figure button")[0]
+    browser.execute_script("arguments[0].scrollIntoView({block: 'center', behavior: 'instant'})", figure)
+    width = figure.size["width"]
+    figure.click()
+    check("in a browser: a press on a figure makes it larger", figure.size["width"] > 1.5 * width)
+
+    light = browser.execute_script("return getComputedStyle(document.body).backgroundColor")
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia",
+                            {"features": [{"name": "prefers-color-scheme", "value": "dark"}]})
+    dark = browser.execute_script("return getComputedStyle(document.body).backgroundColor")
+    check("in a browser: it is dark where the reader's system is", (light, dark), ("rgb(255, 255, 255)", "rgb(20, 23, 27)"))
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                            {"width": 360, "height": 700, "deviceScaleFactor": 1, "mobile": True})
+    check("in a browser: a phone's width needs no scrolling sideways",
+          browser.execute_script("return document.documentElement.scrollWidth"), 360)
+    check("in a browser: nothing was asked of any network", browser.execute_script(
+        "return performance.getEntriesByType('resource').filter(e => !e.name.startsWith('data:')).map(e => e.name)"), [])
+    check("in a browser: the console has no complaint", [entry["message"] for entry in browser.get_log("browser")], [])
+finally:
+    browser.quit()
+sys.exit(failed > 0)
