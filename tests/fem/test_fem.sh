@@ -20,7 +20,7 @@ say() { echo "$1" | tee -a "$results"; }
 # runs a test script; a script that ends without its own verdict is a failed check
 script() {
   log=$work/log
-  if ! FreeFem++-nw -nw -v 0 "$here/$1" -C1 263 -C2 491 $2 > "$log" 2>&1; then
+  if ! FreeFem++-nw -nw -v 0 "$here/$1" $2 -C1 263 -C2 491 > "$log" 2>&1; then
     grep -q '^not ok' "$log" || say "not ok - $1 $2 runs: $(grep -v '^ok' "$log" | tail -n 3 | tr '\n' ' ') vs a verdict"
   fi
   grep -E '^(not )?ok - ' "$log" | tee -a "$results"
