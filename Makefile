@@ -10,6 +10,7 @@
 # SANITIZE=1     build with address and undefined-behaviour sanitizers, in a folder of its own
 
 STUDY ?= paper
+STUDIES := $(wildcard fem/studies/*.toml fem/materials/*.toml)
 R := results/$(STUDY)
 RUN ?=
 PYTHON ?= /usr/bin/python3
@@ -33,7 +34,7 @@ export OMP_NUM_THREADS := 1
 ## all: the whole study, from mesh to report
 all: figures eval report
 
-## mesh: gmsh meshes the block (Sec. 2.2)
+## mesh: gmsh meshes the block (Sec. 2.2), or your shape
 mesh: $(R)/mesh.msh
 
 ## cases: FreeFEM solves every load path (Sec. 2)
@@ -139,16 +140,39 @@ $(BENCHES): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(BUILD)/libtissue.a
 # The plan says which load paths there are and with which arguments; its parts say what each stage depends on, and
 # keep their time stamp while their text stays the same.
 ifneq (,$(filter-out help clean deps build install uninstall doctor reference regress regress-proof trust felupe gains test sanitize bench $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
+# shape.mk says where the tissue's outline comes from. Until that is known there is no mesh, and until there is one a
+# shape has no surface to plan contacts on.
+include $(R)/shape.mk
+ifeq (,$(shell [ -e $(R)/shape.mk ] || echo absent; find $(STUDIES) -newer $(R)/shape.mk 2>/dev/null))
 include $(R)/plan.mk
 endif
+endif
+MESH_OPTION = $(if $(SHAPE),--mesh $(R)/mesh.msh)
 figures: $(FIGURES:%=$(R)/figures/%.png)
 
-$(R)/plan.mk: $(wildcard fem/studies/*.toml) $(TISSUECTL)
-	@$(TISSUECTL) plan --study fem/studies/$(STUDY).toml --out $@
+$(R)/shape.mk: $(STUDIES) $(TISSUECTL)
+	@$(TISSUECTL) plan --shape --study fem/studies/$(STUDY).toml --out $@
+
+$(R)/plan.mk: $(STUDIES) $(TISSUECTL) $(if $(SHAPE),$(R)/mesh.msh)
+	@$(TISSUECTL) plan --study fem/studies/$(STUDY).toml $(MESH_OPTION) --out $@
+
+$(R)/plan/shape:
+	@$(TISSUECTL) plan --shape --study fem/studies/$(STUDY).toml --out $(R)/shape.mk
 
 $(R)/plan/%:
-	@$(TISSUECTL) plan --study fem/studies/$(STUDY).toml --out $(R)/plan.mk
+	@$(TISSUECTL) plan --study fem/studies/$(STUDY).toml $(MESH_OPTION) --out $(R)/plan.mk
 
+# any shape: gmsh fills an outline with triangles, or takes the format of a mesh to 2.2; then it is checked
+ifneq (,$(SHAPE))
+$(R)/mesh.msh: $(SHAPE) $(R)/plan/shape | $(TISSUECTL)
+	@echo "mesh  $@"
+	@mkdir -p $(@D)
+	@: > $@.log
+	@gmsh -v 2 $(SHAPE_ARGUMENTS) -format msh22 $< -o $@.raw > $@.log 2>&1 \
+	  && tail -n 1 $@.raw | grep -qx '.EndElements' \
+	  || { echo "$<: gmsh cannot read or mesh it: $$(sed -n 's/^Error *: *//p' $@.log | head -n 1); see $@.log" >&2; rm -f $@.raw; exit 1; }
+	@$(TISSUECTL) shape --study fem/studies/$(STUDY).toml --mesh $@.raw --out $@; status=$$?; rm -f $@.raw; exit $$status
+else
 $(R)/mesh.msh $(R)/mesh-fine.msh: fem/block.geo
 	@echo "mesh  $@"
 	@: > $@.log
@@ -157,12 +181,13 @@ $(R)/mesh.msh $(R)/mesh-fine.msh: fem/block.geo
 	  && tail -n 1 $@.tmp | grep -qx '.EndElements' \
 	  || { echo "$@: gmsh failed; see $@.log" >&2; rm -f $@.tmp; exit 1; }
 	@mv $@.tmp $@
+endif
 
 $(R)/cases/%.csv: $(wildcard fem/*.edp fem/*.idp) scripts/solve_path
 	@$(RUN) scripts/solve_path $(R) $* $(PATH_ARGUMENTS)
 
 $(R)/cases.h5: $(PATHS:%=$(R)/cases/%.csv) $(TISSUECTL)
-	@$(TISSUECTL) collect --study fem/studies/$(STUDY).toml --paths $(R)/cases --out $@
+	@$(TISSUECTL) collect --study fem/studies/$(STUDY).toml --paths $(R)/cases $(MESH_OPTION) --out $@
 
 $(R)/model.h5: $(R)/cases.h5 $(TISSUECTL)
 	@$(TISSUECTL) train --study fem/studies/$(STUDY).toml --cases $< --out $@

@@ -1,4 +1,5 @@
 #include "cases/load_path.h"
+#include "cases/study_mesh.h"
 #include "cases/sweep.h"
 #include "command.h"
 #include "io/atomic_file.h"
@@ -8,7 +9,7 @@ namespace tissue::cli {
 namespace {
 
 struct Options {
-    std::string study, paths, out;
+    std::string study, paths, mesh, out;
 };
 
 void run(const Options& o, Provenance provenance) {
@@ -16,11 +17,10 @@ void run(const Options& o, Provenance provenance) {
     Cases cases;
     cases.study = study.name;
     cases.magnitudes_m = study.loads.magnitudes_m;
-    cases.nodes = make_lattice("grid4", study.cells[0], study.cells[1], study.geometry.width_m,
-                               study.geometry.height_m)
-                      .nodes;
+    cases.shape = study_shape(study, o.mesh);
+    cases.nodes = study_mesh(study, cases.shape, "edges").nodes;
     std::string hashes;
-    for (const PlannedPath& planned : planned_paths(study)) {
+    for (const PlannedPath& planned : planned_paths(study, cases.shape)) {
         const std::string file = o.paths + "/" + planned.push.name + ".csv";
         LoadPath path = read_path_csv(file, cases.nodes);
         path.name = planned.push.name;
@@ -30,7 +30,7 @@ void run(const Options& o, Provenance provenance) {
         path.depth_m = planned.depth_m;
         hashes += file_hash(file);
         cases.paths.push_back(std::move(path));
-        if (study.loads.sweep && planned.role == "train") {
+        if (study.geometry.is_block() && study.loads.sweep && planned.role == "train") {
             LoadPath image = mirrored(cases.paths.back(), cases.nodes, study.geometry.width_m);
             const bool itself = (image.contact_m - planned.push.contact_m).norm() < 1e-9 &&
                                 (image.direction - planned.push.direction).norm() < 1e-9;
@@ -49,6 +49,7 @@ void add_collect(CLI::App& app, const Invocation& invocation) {
     CLI::App* command = app.add_subcommand("collect", "Gather FreeFEM's load paths into one file of cases.");
     command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
     command->add_option("--paths", o->paths, "folder of NAME.csv, one a load path")->required()->type_name("FOLDER");
+    command->add_option("--mesh", o->mesh, "mesh.msh of tissuectl shape, for a study that has a shape")->type_name("FILE");
     command->add_option("--out", o->out, "cases.h5 to write")->required()->type_name("FILE");
     command->callback([o, &invocation] { run(*o, {invocation.command, 0, {}}); });
 }

@@ -4,16 +4,19 @@
 #include "error.h"
 #include "io/atomic_file.h"
 #include "cases/plan.h"
+#include "cases/study_mesh.h"
 
 namespace tissue::cli {
 namespace {
 
 struct Options {
-    std::string study, out;
+    std::string study, mesh, out;
+    bool shape = false;
 };
 
 void run(const Options& o) {
-    const Plan plan = make_plan(read_study(o.study));
+    const Study study = read_study(o.study);
+    const Plan plan = o.shape ? make_shape_plan(study) : make_plan(study, study_shape(study, o.mesh));
     const std::filesystem::path folder = std::filesystem::path(o.out).parent_path() / "plan";
     std::error_code error;
     std::filesystem::create_directories(folder, error);
@@ -31,6 +34,8 @@ void add_plan(CLI::App& app, const Invocation&) {
     command->add_option("--out", o->out, "make fragment; its parts go to plan/ beside it")
         ->required()
         ->type_name("FILE");
+    command->add_option("--mesh", o->mesh, "mesh.msh of tissuectl shape, for a study that has a shape")->type_name("FILE");
+    command->add_flag("--shape", o->shape, "only where the shape comes from: all that is known without a mesh");
     command->callback([o] { run(*o); });
 }
 

@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
     app.set_version_flag("--version", std::string("tissuectl ") + tissue::version, "print the version");
     app.require_subcommand(1);
     add_plan(app, invocation);
+    add_shape(app, invocation);
     add_collect(app, invocation);
     add_import(app, invocation);
     add_train(app, invocation);

@@ -220,10 +220,42 @@ std::vector<LoadCase> load_cases(const Cases& cases) {
     return list;
 }
 
+namespace {
+
+void write_shape(Hdf5Writer& out, const Shape& shape) {
+    std::vector<int> corners, edges;
+    for (Eigen::Index t = 0; t < shape.triangles.rows(); ++t)
+        for (int i = 0; i < 3; ++i) corners.push_back(shape.triangles(t, i));
+    for (const auto& edge : shape.fixed_edges) edges.insert(edges.end(), edge.begin(), edge.end());
+    out.write_integers("/shape/triangles", {shape.region.size(), 3}, corners, "triangles between the nodes (T x 3)");
+    out.write_integers("/shape/region", {shape.region.size()}, shape.region, "0: base material, else 1 + named region (T)");
+    out.write_integers("/shape/fixed_edges", {shape.fixed_edges.size(), 2}, edges, "held edges of the outline (B x 2)");
+}
+
+Shape read_shape_of(const Hdf5Reader& in, const NodeField& nodes) {
+    Shape shape;
+    shape.nodes = nodes;
+    const NodeField triangles = in.field("/shape/triangles"), edges = in.field("/shape/fixed_edges");
+    shape.region = in.integers("/shape/region");
+    const auto are_nodes = [&](const NodeField& m, Eigen::Index columns) {
+        return m.rows() > 0 && m.cols() == columns && m.minCoeff() >= 0 && m.maxCoeff() < static_cast<double>(nodes.rows());
+    };
+    if (!are_nodes(triangles, 3) || !are_nodes(edges, 2) ||
+        shape.region.size() != static_cast<std::size_t>(triangles.rows()))
+        in.refuse("/shape", "its datasets do not fit the nodes and each other");
+    shape.triangles = triangles.cast<int>();
+    for (Eigen::Index e = 0; e < edges.rows(); ++e)
+        shape.fixed_edges.push_back({static_cast<int>(edges(e, 0)), static_cast<int>(edges(e, 1))});
+    return shape;
+}
+
+}  // namespace
+
 void write_cases(const std::string& file, const Cases& cases, const Provenance& provenance) {
     Hdf5Writer out(file, "cases", provenance);
     out.attribute("/", "study", cases.study);
     out.write("/nodes", cases.nodes, "m", "lattice nodes at rest (N x D)");
+    if (cases.shape) write_shape(out, *cases.shape);
     out.write("/magnitudes", Array{{cases.magnitudes_m.size()}, cases.magnitudes_m}, "m",
               "push lengths that are load cases");
     std::vector<std::string> names;
@@ -275,6 +307,8 @@ Cases read_cases(const std::string& file) {
     Cases cases;
     cases.study = in.text_attribute("/", "study");
     cases.nodes = in.field("/nodes");
+    const std::vector<std::string> groups = in.children("/");
+    if (std::find(groups.begin(), groups.end(), "shape") != groups.end()) cases.shape = read_shape_of(in, cases.nodes);
     const Eigen::VectorXd magnitudes = in.vector("/magnitudes");
     cases.magnitudes_m.assign(magnitudes.begin(), magnitudes.end());
     const Eigen::Index N = cases.nodes.rows(), D = cases.nodes.cols();

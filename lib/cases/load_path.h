@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "io/hdf5_store.h"
+#include "mesh/shape.h"
 #include "mesh/spring_mesh.h"
 
 namespace tissue {
@@ -54,6 +55,7 @@ struct Measurement {
 struct Cases {
     std::string study;
     NodeField nodes;                    ///< lattice nodes [m] (N x D)
+    std::optional<Shape> shape;         ///< the triangles between them, where the tissue is not the block
     std::vector<double> magnitudes_m;   ///< those that are load cases, ascending; measured: none, every record is one
     std::vector<LoadPath> paths;
     std::optional<Measurement> measurement = {};  ///< absent when FE said it

@@ -14,30 +14,54 @@ std::string mesh_arguments(const Study& s, int refine) {
                        s.geometry.width_m, s.geometry.height_m, s.cells[0] * refine, s.cells[1] * refine);
 }
 
+/// The law and its parameters for FreeFEM; those of the named regions after the base material's.
+std::string law_arguments(const Study::Material& m) {
+    const bool ogden = m.law == "ogden";
+    const auto parameters = [ogden](const Study::LawParameters& p, const std::string& ending) {
+        if (!ogden) return fmt::format("-C1{2} {0} -C2{2} {1}", p.C1_Pa, p.C2_Pa, ending);
+        std::string text;
+        for (std::size_t k = 0; k < p.alpha.size(); ++k)
+            text += fmt::format("{4}-mu{0}{3} {1} -alpha{0}{3} {2}", k + 1, p.mu_Pa[k], p.alpha[k], ending, k ? " " : "");
+        return text;
+    };
+    std::string text = parameters(m, "");
+    if (ogden) text = fmt::format("-law ogden -terms {} ", m.alpha.size()) + text;
+    int label = 10;
+    for (const Study::Region& r : m.regions) text += " " + parameters(r, fmt::format("_{}", ++label));
+    return text;
+}
+
 /// For FreeFEM, fem/solve_path.edp. Numbers are written so that they read back to the same bits.
 std::string path_arguments(const Study& s, const PlannedPath& path) {
     const StudyPath& p = path.push;
+    const Study::Geometry& g = s.geometry;
+    const std::string size = g.is_block() ? fmt::format("-width {} -height {} ", g.width_m, g.height_m) : "",
+                      lattice = g.is_block() ? fmt::format("-cells_x {} -cells_y {}", s.cells[0], s.cells[1])
+                                             : fmt::format("-refine {}", path.refine);
     return fmt::format(
-        "-width {} -height {} -thickness {} -C1 {} -C2 {} -cells_x {} -cells_y {} -contact_x {} -contact_y {} "
+        "{}-thickness {} {} {} -contact_x {} -contact_y {} "
         "-direction_x {} -direction_y {} -depth {} -records {} -tolerance {} -max_newton {} -formulation {} "
         "-indenter {} -patch_half_width {} -allow_lost {}",
-        s.geometry.width_m, s.geometry.height_m, s.geometry.thickness_m, s.material.C1_Pa, s.material.C2_Pa, s.cells[0],
-        s.cells[1], p.contact_m.x(), p.contact_m.y(), p.direction.x(), p.direction.y(), path.depth_m,
-        path.records, s.solver.tolerance, s.solver.max_newton, s.material.formulation, s.indenter.kind,
-        s.indenter.half_width_m, s.loads.sweep || path.role == "check" ? 1 : 0);
+        size, g.thickness_m, law_arguments(s.material), lattice, p.contact_m.x(), p.contact_m.y(), p.direction.x(),
+        p.direction.y(), path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton, s.material.formulation,
+        s.indenter.kind, s.indenter.half_width_m, s.loads.sweep || path.role == "check" ? 1 : 0);
 }
 
-std::string collect_part(const Study& s) {
-    std::string text = fmt::format("cells {} {}\nsize {} {}\nmagnitudes {}\n", s.cells[0], s.cells[1],
-                                   s.geometry.width_m, s.geometry.height_m, fmt::join(s.loads.magnitudes_m, " "));
-    for (const PlannedPath& p : planned_paths(s)) text += p.role + " " + p.push.name + "\n";
+std::string collect_part(const Study& s, const std::vector<PlannedPath>& paths) {
+    std::string text = s.geometry.is_block()
+                           ? fmt::format("cells {} {}\nsize {} {}\nmagnitudes {}\n", s.cells[0], s.cells[1],
+                                         s.geometry.width_m, s.geometry.height_m, fmt::join(s.loads.magnitudes_m, " "))
+                           : fmt::format("shape {}\nmagnitudes {}\n", s.geometry.shape, fmt::join(s.loads.magnitudes_m, " "));
+    for (const PlannedPath& p : paths) text += p.role + " " + p.push.name + "\n";
     return text;
 }
 
 std::string train_part(const Study& s) {
     const Study::Training& t = s.training;
     const auto optional = [](const std::optional<double>& v) { return v ? fmt::format("{}", *v) : std::string("none"); };
-    return fmt::format(
+    std::string regions;
+    for (const Study::Region& r : s.material.regions) regions += fmt::format("region {} {}\n", r.name, r.youngs_modulus_Pa());
+    return regions + fmt::format(
         "springs {} {}\nobjective {} ridge {} reach {}\nmodulus {}\ndensity {}\nthickness {}\noptimizer {} also {}\nseed {}\niterations {}\n"
         "max_seconds {}\ntarget_rel_loss {}\nbox {} {}\nweight_near {} {}\nweight_far {} {}\n",
         s.springs.topology, s.springs.law, t.objective, t.ridge, t.reach_m, s.modulus_N_m(), s.material.density_kg_m3, s.geometry.thickness_m,
@@ -47,32 +71,34 @@ std::string train_part(const Study& s) {
 
 }  // namespace
 
-Plan make_plan(const Study& study) {
+Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
+    const bool block = study.geometry.is_block();
+    const std::vector<PlannedPath> paths = planned_paths(study, shape);
     Plan plan;
-    plan.fragment = fmt::format(
-        "# Written by tissuectl plan from study '{}'; do not edit.\n"
-        "$(R)/mesh.msh: MESH_ARGUMENTS = {}\n"
-        "$(R)/mesh.msh: $(R)/plan/mesh\n"
+    plan.fragment = fmt::format("# Written by tissuectl plan from study '{}'; do not edit.\n", study.name);
+    if (block)
+        plan.fragment += fmt::format("$(R)/mesh.msh: MESH_ARGUMENTS = {}\n$(R)/mesh.msh: $(R)/plan/mesh\n",
+                                     mesh_arguments(study, study.refine));
+    plan.fragment += fmt::format(
         "$(R)/cases.h5: $(R)/plan/collect\n"
         "$(R)/model.h5: $(R)/plan/train\n"
         "PATHS :=\n"
         "FIGURES := {}\n",
-        study.name, mesh_arguments(study, study.refine),
         study.loads.sweep ? "held_out held_out_force contours springs"
                           : "contours force learning springs errors character");
-    plan.parts["mesh"] = mesh_arguments(study, study.refine) + "\n";
-    if (study.check_refine > 0) {
+    if (block) plan.parts["mesh"] = mesh_arguments(study, study.refine) + "\n";
+    if (block && study.check_refine > 0) {
         plan.fragment += fmt::format(
             "$(R)/mesh-fine.msh: MESH_ARGUMENTS = {}\n"
             "$(R)/mesh-fine.msh: $(R)/plan/mesh-fine\n",
             mesh_arguments(study, study.check_refine));
         plan.parts["mesh-fine"] = mesh_arguments(study, study.check_refine) + "\n";
     }
-    plan.parts["collect"] = collect_part(study);
+    plan.parts["collect"] = collect_part(study, paths);
     plan.parts["train"] = train_part(study);
-    for (const PlannedPath& path : planned_paths(study)) {
+    for (const PlannedPath& path : paths) {
         const std::string arguments = path_arguments(study, path),
-                          mesh = path.refine == study.refine ? "mesh.msh" : "mesh-fine.msh";
+                          mesh = !block || path.refine == study.refine ? "mesh.msh" : "mesh-fine.msh";
         plan.fragment += fmt::format(
             "\nPATHS += {0}\n"
             "$(R)/cases/{0}.csv: PATH_ARGUMENTS = -mesh $(R)/{2} {1}\n"
@@ -80,6 +106,19 @@ Plan make_plan(const Study& study) {
             path.push.name, arguments, mesh);
         plan.parts["path-" + path.push.name] = mesh + " " + arguments + "\n";
     }
+    return plan;
+}
+
+Plan make_shape_plan(const Study& study) {
+    Plan plan;
+    const Study::Geometry& g = study.geometry;
+    std::string arguments = "-save";  // a mesh is converted, an outline is filled
+    if (study.spring_size_m > 0) arguments = fmt::format("-2 -clmin {0} -clmax {0}", study.spring_size_m / g.unit_m);
+    plan.fragment = fmt::format(
+        "# Written by tissuectl plan from study '{}'; do not edit.\nSHAPE := {}\nSHAPE_ARGUMENTS := {}\n", study.name, g.shape,
+        arguments);
+    plan.parts["shape"] = fmt::format("{}\n{}\nunit {}\nfixed {}\nregions {}\n", g.shape, arguments, g.unit_m,
+                                      fmt::join(g.fixed, ","), fmt::join(study.material.region_names(), ","));
     return plan;
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 
+#include "mesh/shape.h"
 #include "study/study.h"
 
 namespace tissue {
@@ -14,6 +16,11 @@ struct Plan {
     std::map<std::string, std::string> parts;  ///< file name under $(R)/plan/ -> text
 };
 
-Plan make_plan(const Study& study);
+/// shape: of a study that has one. Throws MismatchError when it is missing.
+Plan make_plan(const Study& study, const std::optional<Shape>& shape = {});
+
+/// What make needs to know before there is a mesh, and so before there is a plan: where the shape comes from.
+/// Defines SHAPE (empty for the block) and SHAPE_ARGUMENTS for gmsh; the mesh depends on the file plan/shape.
+Plan make_shape_plan(const Study& study);
 
 }  // namespace tissue

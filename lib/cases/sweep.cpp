@@ -8,6 +8,7 @@
 #include <memory>
 #include <set>
 
+#include "cases/study_mesh.h"
 #include "error.h"
 #include "mesh/outline.h"
 
@@ -25,10 +26,12 @@ struct Contact {
 /// Angles of a training position: at a corner of the outline those of both sides, so that neighbours on either side
 /// find their own pushes there.
 std::vector<double> angles_at(const Outline& outline, double arc, const std::vector<double>& angles_deg) {
+    const std::vector<double> corners = outline.corners();
+    const bool corner = std::any_of(corners.begin(), corners.end(), [&](double c) { return std::abs(c - arc) < tiny_arc_m; });
     const double step = 1e-6;  // [m] to either side
     std::set<long> micro_degrees;
     for (double side : {-step, step}) {
-        const double turn = outline.angle(arc, outline.inward_normal(arc + side));
+        const double turn = corner ? outline.angle(arc, outline.inward_normal(arc + side)) : 0;
         for (double a : angles_deg) micro_degrees.insert(std::lround((a * degree + turn) / degree * 1e6));
     }
     std::vector<double> angles;
@@ -79,7 +82,7 @@ PlannedPath check_of(const Study& study, PlannedPath path, const std::string& na
 
 }  // namespace
 
-std::vector<PlannedPath> planned_paths(const Study& study) {
+std::vector<PlannedPath> planned_paths(const Study& study, const std::optional<Shape>& shape) {
     std::vector<PlannedPath> paths;
     if (!study.loads.sweep) {
         for (const StudyPath& p : study.loads.paths)
@@ -90,11 +93,10 @@ std::vector<PlannedPath> planned_paths(const Study& study) {
         return paths;
     }
 
-    const Outline outline(make_lattice("grid4", study.cells[0], study.cells[1], study.geometry.width_m,
-                                       study.geometry.height_m));
+    const Outline outline(study_mesh(study, shape, "edges"));
     const std::vector<Contact> trained = training_contacts(outline, *study.loads.sweep);
     for (const Contact& c : trained)
-        if (is_solved(outline, c))
+        if (!study.geometry.is_block() || is_solved(outline, c))
             paths.push_back(plan_push(study, outline, c,
                                       fmt::format("s{:04.0f}-{}{:03.0f}", 1e4 * c.arc, c.angle < -tiny_angle ? "m" : "p",
                                                   std::abs(c.angle) / degree),
@@ -137,13 +139,13 @@ std::vector<PlannedPath> planned_paths(const Study& study) {
 }
 
 Cases thinned(const Study& study, const Cases& cases, const Study::Variant& variant) {
-    const Outline outline(make_lattice("grid4", study.cells[0], study.cells[1], study.geometry.width_m,
-                                       study.geometry.height_m));
+    const Outline outline(study_mesh(study, cases.shape, "edges"));
     const std::vector<Contact> kept =
         training_contacts(outline, {variant.spacing_m, study.loads.sweep->clearance_m, variant.angles_deg});
     Cases result;
     result.study = cases.study;
     result.nodes = cases.nodes;
+    result.shape = cases.shape;
     result.magnitudes_m = variant.magnitudes_m;
     for (const LoadPath& path : cases.paths) {
         const double arc = outline.arc_of(path.contact_m), angle = outline.angle(arc, path.direction);

@@ -8,6 +8,8 @@
 namespace tissue {
 namespace {
 
+constexpr double corner_cosine = 0.7071067811865476;  // of 45 degrees
+
 Eigen::Vector2d left_of(const Eigen::Vector2d& along) {
     return Eigen::Vector2d(-along.y(), along.x()).normalized();
 }
@@ -41,12 +43,19 @@ std::size_t Outline::segment(double arc_m) const {
 
 std::vector<double> Outline::corners() const {
     std::vector<double> arcs;
-    for (std::size_t b = 1; b + 1 < points_.size(); ++b) {
-        const Eigen::Vector2d before = (points_[b] - points_[b - 1]).normalized(),
-                              after = (points_[b + 1] - points_[b]).normalized();
-        if (before.dot(after) < 0.985) arcs.push_back(arc_[b]);
-    }
+    for (std::size_t b = 1; b + 1 < points_.size(); ++b)
+        if (is_corner(b)) arcs.push_back(arc_[b]);
     return arcs;
+}
+
+bool Outline::is_corner(std::size_t b) const {
+    const Eigen::Vector2d before = (points_[b] - points_[b - 1]).normalized(),
+                          after = (points_[b + 1] - points_[b]).normalized();
+    return before.dot(after) < corner_cosine;
+}
+
+Eigen::Vector2d Outline::segment_normal(std::size_t b) const {
+    return left_of(points_[b + 1] - points_[b]);  // counter-clockwise: the tissue lies to the left
 }
 
 Eigen::Vector2d Outline::position(double arc_m) const {
@@ -59,10 +68,19 @@ Eigen::Vector2d Outline::position(double arc_m) const {
 Eigen::Vector2d Outline::inward_normal(double arc_m) const {
     const double s = std::clamp(arc_m, 0.0, length()), tolerance = 1e-9 * length();
     const std::size_t b = segment(s);
-    // counter-clockwise: the tissue lies to the left
-    Eigen::Vector2d normal = left_of(points_[b + 1] - points_[b]);
-    if (s - arc_[b] < tolerance && b > 0) normal += left_of(points_[b] - points_[b - 1]);
-    if (arc_[b + 1] - s < tolerance && b + 2 < points_.size()) normal += left_of(points_[b + 2] - points_[b + 1]);
+    const bool follows = b > 0, goes_on = b + 2 < points_.size();
+    Eigen::Vector2d normal = segment_normal(b);
+    // a curved surface: from the one node's normal, the mean of both sides', to the other's
+    const double w = (s - arc_[b]) / (arc_[b + 1] - arc_[b]);
+    const bool curved_before = follows && !is_corner(b), curved_after = goes_on && !is_corner(b + 1);
+    if (curved_before || curved_after) {
+        Eigen::Vector2d first = normal, last = normal;
+        if (curved_before) first = (normal + segment_normal(b - 1)).normalized();
+        if (curved_after) last = (normal + segment_normal(b + 1)).normalized();
+        normal = ((1 - w) * first + w * last).normalized();
+    }
+    if (s - arc_[b] < tolerance && follows && is_corner(b)) normal += segment_normal(b - 1);
+    if (arc_[b + 1] - s < tolerance && goes_on && is_corner(b + 1)) normal += segment_normal(b + 1);
     return normal.normalized();
 }
 

@@ -16,13 +16,15 @@ class Outline {
 
     double length() const { return arc_.back(); }
 
-    /// Arc lengths at which the surface turns by more than 10 degrees, ascending.
+    /// Arc lengths of the nodes at which the surface turns by more than 45 degrees, ascending. Where it turns by less it
+    /// is taken as curved.
     std::vector<double> corners() const;
 
     /// Point at an arc length, clamped to [0, length].
     Eigen::Vector2d position(double arc_m) const;
 
-    /// Unit normal into the tissue; at a node where the surface turns, the mean of both sides'.
+    /// Unit normal into the tissue: turning evenly from node to node of a curved surface, at a node the mean of both
+    /// sides'; up to a corner that of the segment, at the corner the mean.
     Eigen::Vector2d inward_normal(double arc_m) const;
 
     /// Push of unit length, `angle` [rad] off the inward normal, counter-clockwise positive.
@@ -36,6 +38,8 @@ class Outline {
 
    private:
     std::size_t segment(double arc_m) const;
+    bool is_corner(std::size_t b) const;
+    Eigen::Vector2d segment_normal(std::size_t b) const;
 
     std::vector<Eigen::Vector2d> points_;  ///< the free surface's nodes, in order
     std::vector<double> arc_;              ///< arc length of each

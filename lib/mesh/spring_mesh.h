@@ -23,10 +23,10 @@ inline Eigen::Map<const Eigen::VectorXd> as_vector(const NodeField& field) {
 
 /// The nodes and springs of Sec. 4, without stiffness: geometry alone.
 struct SpringMesh {
-    std::string topology;                      ///< grid4 or grid8
+    std::string topology;                      ///< grid4, grid8 or edges
     NodeField nodes;                           ///< rest positions [m] (N x D)
     Eigen::Matrix<int, Eigen::Dynamic, 2> springs;    ///< node pair of each spring (S x 2)
-    Eigen::Matrix<int, Eigen::Dynamic, 3> triangles;  ///< one triangulation of the tissue, for drawing (T x 3)
+    Eigen::Matrix<int, Eigen::Dynamic, 3> triangles;  ///< one triangulation of the tissue (T x 3)
     std::vector<int> boundary;                 ///< node loop, counter-clockwise; segment b joins b and b + 1
     std::vector<int> fixed;                    ///< nodes held at rest, ascending
     Eigen::VectorXd incident_area;             ///< sum of area(T_e) in (7) for each spring [m^2] (S)

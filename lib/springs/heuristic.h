@@ -10,10 +10,14 @@ namespace tissue {
 /// modulus_N_m: the two-dimensional Young's modulus E2 [N/m]. Returns theta [N/m] (S).
 Eigen::VectorXd heuristic_stiffness(const SpringMesh& mesh, double modulus_N_m);
 
-/// One stiffness k for every spring, k/2 for diagonals. Returns theta [N/m] (S).
+/// The same where E2 differs from triangle to triangle (T) [N/m], for springs on the triangles' edges.
+/// Throws MismatchError for other springs.
+Eigen::VectorXd heuristic_stiffness(const SpringMesh& mesh, const Eigen::VectorXd& triangle_modulus_N_m);
+
+/// One stiffness k for every spring, k/2 for the diagonals of a lattice. Returns theta [N/m] (S).
 Eigen::VectorXd uniform_stiffness(const SpringMesh& mesh, double stiffness_N_m);
 
-/// Node masses, the paper's (8), with the quad cells as elements. Returns masses [kg] (N); they sum to
+/// Node masses, the paper's (8), with the quad cells as elements, or the triangles of topology "edges". Returns masses [kg] (N); they sum to
 /// density * thickness * area.
 Eigen::VectorXd node_masses(const SpringMesh& mesh, double density_kg_m3, double thickness_m);
 

@@ -1,6 +1,7 @@
 #include "study/study.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -27,6 +28,27 @@ toml::table parse(const std::string& file) {
     }
 }
 
+void erase_from(toml::table& base, const char* section, std::initializer_list<const char*> keys) {
+    toml::node* there = base.get(section);
+    if (there && there->is_table())
+        for (const char* key : keys) there->as_table()->erase(key);
+}
+
+/// Keys of the base that a choice of this study makes meaningless: the block's, where a shape is given; another law's.
+void erase_replaced(toml::table& base, const toml::table& changes) {
+    if (const auto shape = changes["geometry"]["shape"].value<std::string>(); shape && *shape != "block") {
+        erase_from(base, "geometry", {"width_m", "height_m"});
+        base.erase("lattice");
+    }
+    if (changes["material"]["preset"])
+        erase_from(base, "material", {"law", "C1_Pa", "C2_Pa", "mu_Pa", "alpha", "density_kg_m3", "regions"});
+    if (const auto law = changes["material"]["law"].value<std::string>()) {
+        erase_from(base, "material", {"preset", "regions"});
+        if (*law == "ogden") erase_from(base, "material", {"C1_Pa", "C2_Pa"});
+        else erase_from(base, "material", {"mu_Pa", "alpha"});
+    }
+}
+
 /// The base study's tables with this study's keys put over them; lists are replaced whole. Nodes are moved, not copied:
 /// a copy forgets its file and line, which messages name.
 void overlay(toml::table& base, toml::table&& changes) {
@@ -50,6 +72,7 @@ toml::table parse_with_base(const std::string& file, int depth = 0) {
         std::filesystem::path(file).parent_path() / (based_on->as_string()->get() + ".toml");
     toml::table merged = parse_with_base(base.string(), depth + 1);
     table.erase("based_on");
+    erase_replaced(merged, table);
     overlay(merged, std::move(table));
     return merged;
 }
@@ -60,6 +83,104 @@ bool is_multiple(double value, double step) {
 
 bool is_plain_name(const std::string& name) {
     return !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == std::string::npos;
+}
+
+std::vector<std::string> topologies_of(const Study::Geometry& geometry) {
+    return geometry.is_block() ? std::vector<std::string>{"grid4", "grid8", "edges"} : std::vector<std::string>{"edges"};
+}
+
+bool ends_with(const std::string& text, const std::string& end) {
+    return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+/// A file that a key names, beside the file in which the key stands.
+std::string beside(const toml::node& node, const std::string& study_file, const std::string& name) {
+    const std::string& file = node.source().path ? *node.source().path : study_file;
+    return (std::filesystem::path(file).parent_path() / name).lexically_normal().string();
+}
+
+Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std::string& file) {
+    Study::Geometry g{};
+    g.unit_m = 1;
+    g.thickness_m = in.number("thickness_m", positive);
+    const std::string shape = in.has("shape") ? in.text("shape") : "block";
+    if (shape == "block") {
+        g.width_m = in.number("width_m", positive);
+        g.height_m = in.number("height_m", positive);
+    } else {
+        if (!ends_with(shape, ".geo") && !ends_with(shape, ".msh"))
+            in.refuse("shape", "'" + shape + "' must be block, or a file that ends in .geo or .msh");
+        g.shape = beside(*table["geometry"]["shape"].node(), file, shape);
+        std::error_code error;
+        if (!std::filesystem::is_regular_file(g.shape, error)) in.refuse("shape", "there is no file " + g.shape);
+        g.unit_m = in.optional_number("unit_m", positive).value_or(1);
+        g.fixed = in.texts("fixed");
+        if (g.fixed.empty()) in.refuse("fixed", "must name at least one physical curve of the shape");
+    }
+    in.refuse_the_rest();
+    return g;
+}
+
+Study::LawParameters read_law_parameters(TomlReader& in, const std::string& law, std::size_t terms = 0) {
+    Study::LawParameters p;
+    if (law == "ogden") {
+        p.mu_Pa = in.numbers("mu_Pa");
+        p.alpha = in.numbers("alpha", {-50, 50});
+        if (p.mu_Pa.size() != p.alpha.size()) in.refuse("alpha", "must have as many entries as mu_Pa");
+        if (terms != 0 && p.alpha.size() != terms) in.refuse("alpha", "must have as many entries as the base material's");
+        for (double a : p.alpha)
+            if (!(std::abs(a) >= 1e-3)) in.refuse("alpha", "no entry may be 0");
+        if (!(p.youngs_modulus_Pa() > 0)) in.refuse("mu_Pa", "the sum of mu_Pa times alpha must be > 0");
+        return p;
+    }
+    p.C1_Pa = in.number("C1_Pa", not_negative);
+    p.C2_Pa = law == "neo-Hookean" ? in.optional_number("C2_Pa", not_negative).value_or(0) : in.number("C2_Pa", not_negative);
+    if (law == "neo-Hookean" && p.C2_Pa != 0) in.refuse("C2_Pa", "must be 0 for the neo-Hookean law");
+    if (!(p.C1_Pa + p.C2_Pa > 0)) in.refuse("C1_Pa", "C1_Pa + C2_Pa must be > 0");
+    return p;
+}
+
+/// Puts what fem/materials/NAME.toml says under the study's own keys.
+void apply_preset(toml::table& table, const std::string& file) {
+    toml::table* material = table["material"].as_table();
+    if (!material || !material->get("preset")) return;
+    TomlReader in(*material, file, "material");
+    const std::string name = in.text("preset");
+    if (!is_plain_name(name)) in.refuse("preset", "must be the name of a file in materials/, without its ending");
+    for (const char* key : {"law", "C1_Pa", "C2_Pa", "mu_Pa", "alpha"})
+        if (in.has(key)) in.refuse(key, "cannot stand beside material.preset, which says it");
+    const std::string preset_file = beside(*material->get("preset"), file, "../materials/" + name + ".toml");
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(preset_file, error)) {
+        std::vector<std::string> known;
+        for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(preset_file).parent_path(), error))
+            known.push_back(entry.path().stem().string());
+        std::sort(known.begin(), known.end());
+        in.refuse("preset", fmt::format("'{}' is not a material; there are: {}", name, fmt::join(known, ", ")));
+    }
+    toml::table preset = parse(preset_file);
+    material->erase("preset");
+    overlay(preset, std::move(*material));
+    table.insert_or_assign("material", std::move(preset));
+}
+
+Study::Material read_material(TomlReader in, const Study::Geometry& geometry) {
+    Study::Material m;
+    m.law = in.choice("law", {"mooney-rivlin", "neo-Hookean", "ogden"});
+    static_cast<Study::LawParameters&>(m) = read_law_parameters(in, m.law);
+    m.density_kg_m3 = in.number("density_kg_m3", positive);
+    m.formulation = in.choice("formulation", {"plane-stress", "plane-strain"});
+    if (in.has("regions")) {
+        if (geometry.is_block()) in.refuse("regions", "needs a geometry.shape whose file names them");
+        TomlReader regions = in.table("regions");
+        for (const std::string& name : regions.keys()) {
+            TomlReader region = regions.table(name);
+            m.regions.push_back({read_law_parameters(region, m.law, m.alpha.size()), name});
+            region.refuse_the_rest();
+        }
+    }
+    in.refuse_the_rest();
+    return m;
 }
 
 Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const Study::Indenter& indenter) {
@@ -80,7 +201,7 @@ Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const St
         for (std::size_t i = 1; i < loads.sweep->angles_deg.size(); ++i)
             if (!(loads.sweep->angles_deg[i] > loads.sweep->angles_deg[i - 1]))
                 sweep.refuse("angles_deg", "must be ascending");
-        for (std::size_t i = 0, n = loads.sweep->angles_deg.size(); i < n; ++i)
+        for (std::size_t i = 0, n = loads.sweep->angles_deg.size(); geometry.is_block() && i < n; ++i)
             if (loads.sweep->angles_deg[i] != -loads.sweep->angles_deg[n - 1 - i])
                 sweep.refuse("angles_deg", "must be symmetric about 0, as the block mirrors itself");
         sweep.refuse_the_rest();
@@ -101,12 +222,12 @@ Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const St
         p.direction.normalize();
         const double x = contact[0], y = contact[1], w = geometry.width_m, h = geometry.height_m;
         const bool on_side = (x == 0 || x == w) && y > 0 && y <= h, on_top = y == h && x >= 0 && x <= w;
-        if (!on_side && !on_top)
+        if (geometry.is_block() && !on_side && !on_top)
             path.refuse("contact_m", fmt::format("({}, {}) m is not on the free surface of the {} x {} m block", x, y,
                                                  w, h));
         // next to the held edge a patch tears rather than dents; FE there is of no use to train on
         constexpr double clearance_m = 0.015;
-        if (indenter.kind == "patch" && on_side && !on_top && y < clearance_m)
+        if (geometry.is_block() && indenter.kind == "patch" && on_side && !on_top && y < clearance_m)
             path.refuse("contact_m", fmt::format("is {:g} mm from the fixed edge; a patch needs {:g} mm", 1e3 * y,
                                                  1e3 * clearance_m));
         path.refuse_the_rest();
@@ -177,13 +298,14 @@ void read_draws(TomlReader in, Study& study) {
 void read_fe(TomlReader& in, Study& study) {
     TomlReader mesh = in.table("mesh");
     study.refine = static_cast<int>(mesh.integer("refine", 1, 100));
-    if (study.cells[0] * study.refine % 2 != 0)
+    const bool block = study.geometry.is_block();
+    if (block && study.cells[0] * study.refine % 2 != 0)
         mesh.refuse("refine", "times lattice.cells[0] must be even, so that the two halves mirror each other");
     study.check_refine = static_cast<int>(mesh.optional_integer("check_refine", 0, 100).value_or(0));
     study.check_fraction = mesh.optional_number("check_fraction", {0, 1}).value_or(1);
     if (study.check_refine != 0 && study.check_refine <= study.refine)
         mesh.refuse("check_refine", "must be 0 or larger than refine");
-    if (study.cells[0] * study.check_refine % 2 != 0)
+    if (block && study.cells[0] * study.check_refine % 2 != 0)
         mesh.refuse("check_refine", "times lattice.cells[0] must be even, so that the two halves mirror each other");
     mesh.refuse_the_rest();
 
@@ -220,7 +342,7 @@ Study::Variant read_variant(TomlReader in, const Study& study) {
     const Study::Loads::Sweep& sweep = *study.loads.sweep;
     Study::Variant v;
     v.name = in.text("name");
-    v.topology = in.has("topology") ? in.choice("topology", {"grid4", "grid8"}) : study.springs.topology;
+    v.topology = in.has("topology") ? in.choice("topology", topologies_of(study.geometry)) : study.springs.topology;
     v.law = in.has("law") ? in.choice("law", spring_laws) : study.springs.law;
     v.objective = in.has("objective") ? in.choice("objective", objectives) : study.training.objective;
     v.ridge = in.optional_number("ridge", not_negative).value_or(study.training.ridge);
@@ -241,48 +363,58 @@ Study::Variant read_variant(TomlReader in, const Study& study) {
 
 }  // namespace
 
+double Study::LawParameters::youngs_modulus_Pa() const {
+    if (alpha.empty()) return 6 * (C1_Pa + C2_Pa);
+    double twice_mu = 0;
+    for (std::size_t k = 0; k < alpha.size(); ++k) twice_mu += mu_Pa[k] * alpha[k];
+    return 3 * twice_mu / 2;
+}
+
+std::vector<std::string> Study::Material::region_names() const {
+    std::vector<std::string> names;
+    for (const Region& r : regions) names.push_back(r.name);
+    return names;
+}
+
 int Study::Loads::records() const {
     return static_cast<int>(std::lround(depth_m() / record_step_m));
 }
 
 Study read_study(const std::string& file) {
-    const toml::table table = parse_with_base(file);
+    toml::table table = parse_with_base(file);
+    apply_preset(table, file);
     TomlReader in(table, file, "");
-    Study study;
+    Study study{};
     study.file = file;
     study.name = std::filesystem::path(file).stem().string();
 
-    TomlReader geometry = in.table("geometry");
-    study.geometry = {geometry.number("width_m", positive), geometry.number("height_m", positive),
-                      geometry.number("thickness_m", positive)};
-    geometry.refuse_the_rest();
-
-    TomlReader material = in.table("material");
-    study.material.law = material.choice("law", {"mooney-rivlin", "neo-Hookean"});
-    study.material.C1_Pa = material.number("C1_Pa", not_negative);
-    study.material.C2_Pa = material.number("C2_Pa", not_negative);
-    if (study.material.law == "neo-Hookean" && study.material.C2_Pa != 0)
-        material.refuse("C2_Pa", "must be 0 for the neo-Hookean law");
-    if (!(study.material.C1_Pa + study.material.C2_Pa > 0)) material.refuse("C1_Pa", "C1_Pa + C2_Pa must be > 0");
-    study.material.density_kg_m3 = material.number("density_kg_m3", positive);
-    study.material.formulation = material.choice("formulation", {"plane-stress", "plane-strain"});
-    material.refuse_the_rest();
-
-    TomlReader lattice = in.table("lattice");
-    const std::vector<double> cells = lattice.numbers("cells", 2, {1, 2000});
-    for (int axis : {0, 1}) {
-        study.cells[axis] = static_cast<int>(cells[axis]);
-        if (study.cells[axis] != cells[axis]) lattice.refuse("cells", "must be whole numbers");
+    study.geometry = read_geometry(in.table("geometry"), table, file);
+    study.material = read_material(in.table("material"), study.geometry);
+    const bool block = study.geometry.is_block();
+    if (block) {
+        TomlReader lattice = in.table("lattice");
+        const std::vector<double> cells = lattice.numbers("cells", 2, {1, 2000});
+        for (int axis : {0, 1}) {
+            study.cells[axis] = static_cast<int>(cells[axis]);
+            if (study.cells[axis] != cells[axis]) lattice.refuse("cells", "must be whole numbers");
+        }
+        lattice.refuse_the_rest();
+    } else if (ends_with(study.geometry.shape, ".geo")) {
+        TomlReader lattice = in.table("lattice");
+        study.spring_size_m = lattice.number("size_m", positive);
+        lattice.refuse_the_rest();
+    } else if (in.has("lattice")) {
+        in.refuse("lattice", "is for the block, or a shape that is a .geo; a .msh has its triangles already");
     }
-    lattice.refuse_the_rest();
 
+    if (in.has("data") && !block) in.refuse("data", "is measured on the block; a shape has finite elements");
     if (in.has("data"))
         read_data(in, study);
     else
         read_fe(in, study);
 
     TomlReader springs = in.table("springs");
-    study.springs = {springs.choice("topology", {"grid4", "grid8"}), springs.choice("law", spring_laws)};
+    study.springs = {springs.choice("topology", topologies_of(study.geometry)), springs.choice("law", spring_laws)};
     springs.refuse_the_rest();
 
     study.training = read_training(in.table("training"));

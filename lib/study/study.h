@@ -20,19 +20,35 @@ struct Study {
     std::string file;
 
     struct Geometry {
-        double width_m, height_m, thickness_m;
+        double width_m, height_m, thickness_m;  ///< width and height are the block's
+        std::string shape;                ///< mesh or outline file of any other tissue; empty for the block
+        double unit_m = 1;                ///< that file's unit of length
+        std::vector<std::string> fixed;   ///< names of its physical curves that are held
+        bool is_block() const { return shape.empty(); }
     } geometry;
 
-    struct Material {
-        std::string law;  ///< mooney-rivlin, or neo-Hookean (C2 = 0)
-        double C1_Pa, C2_Pa, density_kg_m3;
-        std::string formulation;  ///< plane-stress or plane-strain
+    /// What a law needs to know, of the base material or of a region.
+    struct LawParameters {
+        double C1_Pa = 0, C2_Pa = 0;       ///< Mooney-Rivlin
+        std::vector<double> mu_Pa, alpha;  ///< Ogden, one entry a term
 
-        /// Small-strain Young's modulus E = 6 (C1 + C2) [Pa].
-        double youngs_modulus_Pa() const { return 6 * (C1_Pa + C2_Pa); }
+        /// Small-strain Young's modulus [Pa]: E = 6 (C1 + C2), or E = 3 mu with 2 mu = sum mu_k alpha_k.
+        double youngs_modulus_Pa() const;
+    };
+    struct Region : LawParameters {
+        std::string name;  ///< physical surface of the shape's file
+    };
+    struct Material : LawParameters {
+        std::string law;  ///< mooney-rivlin, neo-Hookean (C2 = 0) or ogden
+        double density_kg_m3;
+        std::string formulation;  ///< plane-stress or plane-strain
+        std::vector<Region> regions;  ///< of the same law, in alphabetical order
+
+        std::vector<std::string> region_names() const;
     } material;
 
-    int cells[2];  ///< of the spring lattice, along x and y
+    int cells[2];            ///< of the block's spring lattice, along x and y
+    double spring_size_m = 0;  ///< length of the springs that gmsh fills an outline with; 0 for a shape that is a mesh
 
     /// Measured contact forces in place of finite elements.
     struct Data {
@@ -44,7 +60,7 @@ struct Study {
     };
     std::optional<Data> data;         ///< absent: the cases are FE's; what follows, down to `springs`, says how
 
-    int refine = 0;  ///< finite elements along a lattice cell's side
+    int refine = 0;          ///< finite elements along a lattice cell's, or a spring's, side
 
     struct Indenter {
         std::string kind;      ///< point: one FE node; patch: all boundary points within half_width_m move alike
@@ -115,6 +131,12 @@ struct Study {
 
     /// E2 = E t [N/m], the two-dimensional Young's modulus of (7).
     double modulus_N_m() const { return material.youngs_modulus_Pa() * geometry.thickness_m; }
+
+    /// The other reading of (7)'s E2, (C1 + C2) t; E t / 6 for a law that has no C1 and C2.
+    double second_modulus_N_m() const {
+        const double sum = material.alpha.empty() ? material.C1_Pa + material.C2_Pa : material.youngs_modulus_Pa() / 6;
+        return sum * geometry.thickness_m;
+    }
 };
 
 /// Reads a study and what it is based on, and checks every key and value.

@@ -127,6 +127,12 @@ std::vector<double> TomlReader::numbers(const std::string& key, std::size_t coun
     return values;
 }
 
+std::vector<std::string> TomlReader::keys() const {
+    std::vector<std::string> names;
+    for (const auto& [key, node] : *table_) names.emplace_back(key.str());
+    return names;
+}
+
 void TomlReader::refuse_unless_empty(const std::string& key, const std::string& why) {
     known_.insert(key);
     if (has(key) && !(table_->get(key)->is_array() && table_->get(key)->as_array()->empty())) refuse(key, why);

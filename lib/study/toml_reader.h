@@ -36,6 +36,7 @@ class TomlReader {
     std::vector<std::string> texts(const std::string& key);
     std::vector<double> numbers(const std::string& key, Range range = {});
     std::vector<double> numbers(const std::string& key, std::size_t count, Range range = {});
+    std::vector<std::string> keys() const;  ///< in alphabetical order
     bool has(const std::string& key) const { return table_->contains(key); }
 
     /// For a list that another key stands in for.

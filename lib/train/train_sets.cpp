@@ -8,6 +8,7 @@
 #include <map>
 #include <mutex>
 
+#include "cases/study_mesh.h"
 #include "error.h"
 #include "mesh/outline.h"
 #include "parallel.h"
@@ -41,8 +42,13 @@ class Stream {
 /// Q of (9): high for the 3 x 3 nodes about the contact, lower elsewhere, both drawn at random (N).
 Eigen::VectorXd draw_node_weights(const Study& study, const SpringMesh& mesh, const LoadCase& load) {
     const Stream stream(study.training.seed, "weights", load.name);
-    const Eigen::Vector2d reach(1.01 * study.geometry.width_m / study.cells[0],
-                                1.01 * study.geometry.height_m / study.cells[1]);
+    // on a shape: as far as the next nodes are, on average and round its corners
+    double spring_m = 0;
+    for (int s = 0; s < mesh.spring_count(); ++s) spring_m += mesh.rest_length(s) / mesh.spring_count();
+    const Eigen::Vector2d reach = study.geometry.is_block()
+                                      ? Eigen::Vector2d(1.01 * study.geometry.width_m / study.cells[0],
+                                                        1.01 * study.geometry.height_m / study.cells[1])
+                                      : Eigen::Vector2d::Constant(1.2 * spring_m);
     Eigen::VectorXd weight(mesh.node_count());
     for (int i = 0; i < mesh.node_count(); ++i) {
         const Eigen::Vector2d away = (mesh.nodes.row(i).transpose() - load.path->contact_m).cwiseAbs();
@@ -221,13 +227,26 @@ TrainedSets gather(const std::string& optimizer, const std::vector<TrainSummary>
 
 }  // namespace
 
-SpringMesh spring_mesh_of(const Study& study, const NodeField& nodes) {
-    SpringMesh mesh = make_lattice(study.springs.topology, study.cells[0], study.cells[1], study.geometry.width_m,
-                                   study.geometry.height_m);
-    if (nodes.rows() != mesh.nodes.rows() || !nodes.isApprox(mesh.nodes, 1e-9))
+SpringMesh spring_mesh_of(const Study& study, const Cases& cases) {
+    SpringMesh mesh = study_mesh(study, cases.shape, study.springs.topology);
+    if (cases.nodes.rows() != mesh.nodes.rows() || !cases.nodes.isApprox(mesh.nodes, 1e-9))
         throw MismatchError(fmt::format("the cases have {} nodes that are not the {} x {} lattice of study '{}'",
-                                        nodes.rows(), study.cells[0] + 1, study.cells[1] + 1, study.name));
+                                        cases.nodes.rows(), study.cells[0] + 1, study.cells[1] + 1, study.name));
     return mesh;
+}
+
+/// (7) with E2 = E t times a factor; with named regions, E of the triangles' own.
+Eigen::VectorXd study_heuristic(const Study& study, const Cases& cases, const SpringMesh& mesh, double modulus_N_m) {
+    if (study.material.regions.empty()) return heuristic_stiffness(mesh, modulus_N_m);
+    Eigen::VectorXd modulus(mesh.triangles.rows());
+    for (Eigen::Index t = 0; t < modulus.size(); ++t) {
+        const int region = cases.shape->region[static_cast<std::size_t>(t)];
+        const Study::LawParameters& own =
+            region == 0 ? study.material
+                        : static_cast<const Study::LawParameters&>(study.material.regions.at(static_cast<std::size_t>(region - 1)));
+        modulus[t] = modulus_N_m * own.youngs_modulus_Pa() / study.material.youngs_modulus_Pa();
+    }
+    return heuristic_stiffness(mesh, modulus);
 }
 
 TissueModel train_sets(const Study& study, const Cases& cases, int threads, const TrainProgress& progress) {
@@ -235,12 +254,11 @@ TissueModel train_sets(const Study& study, const Cases& cases, int threads, cons
     TissueModel model;
     model.study = study.name;
     model.law = study.springs.law;
-    model.mesh = spring_mesh_of(study, cases.nodes);
+    model.mesh = spring_mesh_of(study, cases);
     model.modulus_N_m = unit;
     model.node_mass_kg = node_masses(model.mesh, study.material.density_kg_m3, study.geometry.thickness_m);
-    model.heuristic_a = heuristic_stiffness(model.mesh, unit);
-    model.heuristic_b = heuristic_stiffness(
-        model.mesh, (study.material.C1_Pa + study.material.C2_Pa) * study.geometry.thickness_m);
+    model.heuristic_a = study_heuristic(study, cases, model.mesh, unit);
+    model.heuristic_b = study_heuristic(study, cases, model.mesh, study.second_modulus_N_m());
 
     const std::vector<LoadCase> loads = load_cases(cases);
     const auto C = static_cast<Eigen::Index>(loads.size());

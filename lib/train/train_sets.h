@@ -18,7 +18,7 @@ using TrainProgress = std::function<void(int done, int total, const std::string&
 /// Throws MismatchError when the cases are not on the study's lattice.
 TissueModel train_sets(const Study& study, const Cases& cases, int threads, const TrainProgress& progress = {});
 
-/// The study's spring mesh. Throws MismatchError when `nodes` are not its nodes.
-SpringMesh spring_mesh_of(const Study& study, const NodeField& nodes);
+/// The study's spring mesh. Throws MismatchError when the cases are not on its nodes.
+SpringMesh spring_mesh_of(const Study& study, const Cases& cases);
 
 }  // namespace tissue

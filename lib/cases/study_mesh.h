@@ -1,0 +1,19 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "mesh/shape.h"
+#include "study/study.h"
+
+namespace tissue {
+
+/// The study's nodes with the springs of a topology on them: the block's lattice, or the edges of a shape's triangles.
+/// Throws MismatchError when the study has a shape and none is given, or the topology is not the shape's.
+SpringMesh study_mesh(const Study& study, const std::optional<Shape>& shape, const std::string& topology);
+
+/// The shape of a study that has one, from the mesh file that tissuectl shape wrote; nothing for the block.
+/// Throws MismatchError when the file is needed and its name is empty; FileError.
+std::optional<Shape> study_shape(const Study& study, const std::string& mesh_file);
+
+}  // namespace tissue

@@ -1,0 +1,145 @@
+#include "mesh/msh_file.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <sstream>
+#include <unordered_map>
+
+#include "error.h"
+#include "io/atomic_file.h"
+
+namespace tissue {
+namespace {
+
+/// gmsh's numbers of kinds of elements that are not lines or straight triangles.
+const std::map<int, std::string> other_kinds = {
+    {3, "a quadrilateral"},    {4, "a tetrahedron"},          {5, "a hexahedron"},           {6, "a prism"},
+    {7, "a pyramid"},          {8, "a second-order line"},    {9, "a second-order triangle"}, {10, "a quadrilateral"},
+    {11, "a tetrahedron"},     {12, "a hexahedron"},          {13, "a prism"},               {14, "a pyramid"},
+    {16, "a quadrilateral"},   {17, "a hexahedron"},          {18, "a prism"},               {19, "a pyramid"}};
+
+class Lines {
+   public:
+    explicit Lines(const std::string& file) : file_(file), in_(read_file(file)) {}
+
+    std::string next(const char* wanted) {
+        std::string line;
+        if (!std::getline(in_, line)) throw FileError(fmt::format("{}: breaks off where {} should stand", file_, wanted));
+        ++number_;
+        while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
+        return line;
+    }
+
+    bool more() { return in_.peek() != std::istringstream::traits_type::eof(); }
+
+    long count(const char* wanted) {
+        std::istringstream words(next(wanted));
+        long n = 0;
+        if (!(words >> n) || n < 0) refuse(fmt::format("is not {}", wanted));
+        return n;
+    }
+
+    void want(const std::string& line) {
+        if (next(line.c_str()) != line) refuse("is not " + line);
+    }
+
+    [[noreturn]] void refuse(const std::string& why) const {
+        throw FileError(fmt::format("{}:{}: {}", file_, number_, why));
+    }
+
+   private:
+    std::string file_;
+    std::istringstream in_;
+    long number_ = 0;
+};
+
+}  // namespace
+
+MshFile read_msh(const std::string& file) {
+    Lines in(file);
+    MshFile mesh;
+    mesh.file = file;
+    std::unordered_map<long, int> place;  // the file's node number -> place in points
+    bool elements = false;
+    if (in.next("$MeshFormat") != "$MeshFormat") in.refuse("is not a gmsh mesh: it does not begin with $MeshFormat");
+    const std::string format = in.next("the format");
+    if (format.rfind("2.", 0) != 0) in.refuse("is MSH '" + format + "', not 2.2; gmsh -save -format msh22 converts it");
+    if (format.size() < 5 || format.substr(3, 2) == " 1" || format.find(" 0 ") == std::string::npos)
+        in.refuse("is a binary mesh; gmsh -save -format msh22 makes it text");
+    in.want("$EndMeshFormat");
+    while (in.more()) {
+        const std::string section = in.next("a section");
+        if (section.empty()) continue;
+        if (section == "$PhysicalNames") {
+            for (long n = in.count("the number of names"); n > 0; --n) {
+                std::istringstream words(in.next("a physical name"));
+                int dimension = 0, tag = 0;
+                std::string name;
+                if (!(words >> dimension >> tag) || !std::getline(words >> std::ws, name) || name.size() < 2)
+                    in.refuse("is not a physical name");
+                name = name.substr(1, name.size() - 2);
+                if (dimension == 1) mesh.line_names[tag] = name;
+                if (dimension == 2) mesh.triangle_names[tag] = name;
+            }
+            in.want("$EndPhysicalNames");
+        } else if (section == "$Nodes") {
+            for (long n = in.count("the number of nodes"); n > 0; --n) {
+                std::istringstream words(in.next("a node"));
+                long number = 0;
+                std::string x, y, z;
+                if (!(words >> number >> x >> y >> z)) in.refuse("is not a node");
+                MshFile::Point p{};
+                try {
+                    p = {std::stod(x), std::stod(y), std::stod(z)};
+                } catch (const std::exception&) {
+                    p.x = std::nan("");
+                }
+                if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+                    in.refuse(fmt::format("node {} has a coordinate that is no finite number", number));
+                if (!place.emplace(number, static_cast<int>(mesh.points.size())).second)
+                    in.refuse(fmt::format("node {} stands twice", number));
+                mesh.points.push_back(p);
+            }
+            in.want("$EndNodes");
+        } else if (section == "$Elements") {
+            for (long n = in.count("the number of elements"); n > 0; --n) {
+                std::istringstream words(in.next("an element"));
+                long number = 0;
+                int kind = 0, tags = 0;
+                if (!(words >> number >> kind >> tags)) in.refuse("is not an element");
+                if (kind == 15) continue;  // a point
+                if (kind != 1 && kind != 2) {
+                    const auto known = other_kinds.find(kind);
+                    in.refuse(fmt::format("element {} is {}; a tissue is of straight triangles, in the plane", number,
+                                          known == other_kinds.end() ? fmt::format("of gmsh's kind {}", kind)
+                                                                     : known->second));
+                }
+                MshFile::Element e{number, {0, 0, 0}, 0};
+                for (int t = 0; t < tags; ++t) {
+                    long tag = 0;
+                    if (!(words >> tag)) in.refuse("is not an element");
+                    if (t == 0) e.physical = static_cast<int>(tag);
+                }
+                for (int i = 0; i <= kind; ++i) {
+                    long node = 0;
+                    if (!(words >> node)) in.refuse("is not an element");
+                    const auto there = place.find(node);
+                    if (there == place.end()) in.refuse(fmt::format("element {} names node {}, which does not exist", number, node));
+                    e.node[i] = there->second;
+                }
+                (kind == 1 ? mesh.lines : mesh.triangles).push_back(e);
+            }
+            in.want("$EndElements");
+            elements = true;
+        } else {  // anything else gmsh may add
+            if (section.front() != '$') in.refuse("is not the beginning of a section");
+            const std::string end = "$End" + section.substr(1);
+            while (in.next(end.c_str()) != end) {}
+        }
+    }
+    if (!elements) throw FileError(file + ": breaks off: it has no $Elements");
+    return mesh;
+}
+
+}  // namespace tissue
