@@ -53,7 +53,11 @@ function connect() {
   const ws = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/ws`);
   ws.binaryType = "arraybuffer";
   socket.at = ws;
-  ws.onopen = () => { socket.reason = ""; };
+  let opened = false;
+  ws.onopen = () => {
+    opened = true;
+    socket.reason = "";
+  };
   ws.onmessage = ({ data }) => typeof data === "string" ? heard(JSON.parse(data)) : seen(data);
   ws.onclose = ({ reason }) => {
     if (socket.at !== ws) return;
@@ -62,8 +66,20 @@ function connect() {
     const wait = Math.min(0.5 * 2 ** socket.tries++, 8);   // s
     socket.again = setTimeout(connect, 1e3 * wait);
     socket.at = null;
+    if (!opened) ask_why();
     show_controls();
   };
+}
+
+/** A WebSocket that is not let in learns no reason; a plain request does. */
+async function ask_why() {
+  try {
+    const answer = await fetch("healthz");
+    socket.reason = answer.ok ? "no more pages may connect at the moment" : (await answer.text()).trim();
+  } catch {
+    socket.reason = "";
+  }
+  show_controls();
 }
 const is_open = () => socket.at !== null && socket.at.readyState === WebSocket.OPEN && model !== null;
 function tell(message) {
@@ -242,18 +258,18 @@ function judge() {
   else if (c.why) say_words(c.why);
   else {
     const of = mesh => Number.isFinite(c.errors[mesh])
-      ? [["learned", "heuristic"][mesh], percent(Math.abs(c.errors[mesh]))] : null;
+      ? [["learned", "heuristic"][mesh], `${percent(Math.abs(c.errors[mesh]))} too ${c.errors[mesh] > 0 ? "stiff" : "soft"}`] : null;
     const [l, h] = [of(LEARNED), of(HEURISTIC)];
-    if (l && h) words.push("At this force the learned mesh is ", l, " off finite elements, the heuristic mesh ", h, ".");
-    else if (l) words.push("The learned mesh is ", l, " off finite elements; the heuristic mesh is deeper than they went.");
-    else if (h) words.push("The heuristic mesh is ", h, " off finite elements; the learned mesh is deeper than they went.");
+    if (l && h) words.push("Against finite elements the learned mesh is ", l, ", the heuristic mesh ", h, ".");
+    else if (l) words.push("Against finite elements the learned mesh is ", l, "; the heuristic mesh is deeper than they went.");
+    else if (h) words.push("Against finite elements the heuristic mesh is ", h, "; the learned mesh is deeper than they went.");
     else words.push("Both meshes are deeper than finite elements went.");
     say_words(...words);
   }
   if (c.place === undefined) say("basis", "");
   else {
     const push = Number.isFinite(c.askew) ? `, ${Math.round(c.askew)}° from its direction` : "";
-    say("basis", `Nearest known contact: ${title(c.place)}; ${millimetres(c.distance)} away${push}. Off: force over FE force at each mesh's own depth, less one.`);
+    say("basis", `Nearest known contact: ${title(c.place)}; ${millimetres(c.distance)} away${push}. Per cent: force over FE force at each mesh's own depth, less one.`);
   }
   return c;
 }
@@ -282,10 +298,12 @@ function speak(c) {
   if (!state) return;
   const depth = mesh => millimetres(dot(pair(IN.moved + 2 * mesh), along(state.v[IN.place])));
   const text = state.v[IN.pressed] < 0 ? "Nothing touches the tissue."
-    : `Force ${newtons(norm(pair(IN.force)))}. Learned mesh ${depth(LEARNED)} deep, heuristic mesh ${depth(HEURISTIC)}.` +
+    : `Force ${newtons(norm(pair(IN.force)))}: learned mesh ${depth(LEARNED)} deep, heuristic mesh ${depth(HEURISTIC)}.` +
       (c.errors && c.errors.every(Number.isFinite)
         ? ` Off finite elements: ${percent(Math.abs(c.errors[0]))} and ${percent(Math.abs(c.errors[1]))}.` : "");
-  if (text !== spoken) say("spoken", spoken = text);
+  if (text === spoken) return;
+  say("spoken", spoken = text);
+  $("depth_plot").setAttribute("aria-label", `Force against depth of both meshes and of finite elements. ${text}`);
 }
 
 // ---- controls
@@ -432,11 +450,12 @@ function ready_hand() {   // where the keyboard begins: before the contact of th
   const place = model.places[Math.max(0, model.demo)];
   hand.at = place ? add(place.contact_m, place.direction, -0.008) : add(model.low_m, [-0.01, -0.01]);
 }
-stage.addEventListener("focus", ready_hand);
-stage.addEventListener("blur", () => { if (hand.by === "keys") let_go(); });
+stage.addEventListener("focus", () => { ready_hand(); dirty = true; });
+stage.addEventListener("blur", () => { if (hand.by === "keys") let_go(); dirty = true; });
 stage.addEventListener("keydown", event => {
   if (!model || event.ctrlKey || event.altKey || event.metaKey) return;
   ready_hand();
+  dirty = true;
   const arrow = ARROWS[event.key];
   if (arrow) {
     const to = add(hand.at, arrow, event.shiftKey ? LEAP : STEP);
@@ -876,7 +895,7 @@ function frame(now) {
   requestAnimationFrame(frame);
   move_hand(now);
   const fresh = states !== drawn && (!calm() || now - calmly > 1000);
-  if (!fresh && !dirty && document.activeElement !== stage) return;
+  if (!fresh && !dirty) return;
   [dirty, drawn, calmly] = [false, states, fresh ? now : calmly];
   draw_stage();
   const c = now - words > 200 ? judge() : null;   // five times a second: numbers that can be read
