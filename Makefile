@@ -101,8 +101,12 @@ LDLIBS = $(shell pkg-config --libs $(PACKAGES)) -pthread
 comma := ,
 
 LIB_SOURCES := $(wildcard lib/*/*.cpp)
-HAPTIC_SOURCES := cli/tissue_haptic.cpp cli/haptic_report.cpp
-CLI_SOURCES := $(filter-out $(HAPTIC_SOURCES),$(wildcard cli/*.cpp))
+# what both programs use: arguments, help, options of the realtime core, its ledger
+SHARED_SOURCES := cli/command.cpp cli/generate.cpp cli/haptic_options.cpp cli/haptic_report.cpp
+HAPTIC_SOURCES := cli/tissue_haptic.cpp $(SHARED_SOURCES)
+# the page's server: what knows Boost is one file, so that tests can do without it
+SERVE_SOURCES := $(filter-out cli/serve/server.cpp,$(wildcard cli/serve/*.cpp))
+CLI_SOURCES := $(filter-out cli/tissue_haptic.cpp,$(wildcard cli/*.cpp)) $(wildcard cli/serve/*.cpp)
 TEST_SOURCES := $(filter-out tests/bench/%,$(wildcard tests/*.cpp tests/*/*.cpp))
 BENCH_SOURCES := $(wildcard tests/bench/bench_*.cpp)
 objects = $(patsubst %.cpp,$(BUILD)/%.o,$(1))
@@ -119,10 +123,10 @@ $(TISSUECTL): $(call objects,$(CLI_SOURCES)) $(BUILD)/libtissue.a
 	@$(CXX) $(CXXFLAGS) $^ $(LDLIBS) -o $@
 
 # symbols stay in the objects; the program that a device waits for is small
-$(TISSUE_HAPTIC): $(call objects,$(HAPTIC_SOURCES) cli/command.cpp cli/generate.cpp) $(BUILD)/libtissue.a
+$(TISSUE_HAPTIC): $(call objects,$(HAPTIC_SOURCES)) $(BUILD)/libtissue.a
 	@$(CXX) $(CXXFLAGS) -s -Wl,--as-needed $^ $(LDLIBS) -ldl -o $@
 
-$(BUILD)/test_tissue: $(call objects,$(TEST_SOURCES)) $(BUILD)/libtissue.a
+$(BUILD)/test_tissue: $(call objects,$(TEST_SOURCES) $(SERVE_SOURCES)) $(BUILD)/libtissue.a
 	@$(CXX) $(CXXFLAGS) $^ $(LDLIBS) -o $@
 
 $(BUILD)/gains_probe: $(call objects,scripts/gains_probe.cpp) $(BUILD)/libtissue.a
@@ -132,6 +136,9 @@ BENCHES := $(BENCH_SOURCES:tests/bench/%.cpp=$(BUILD)/bench/%)
 $(BENCHES): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(BUILD)/libtissue.a
 	@mkdir -p $(@D)
 	@$(CXX) $(CXXFLAGS) $^ $(LDLIBS) -o $@
+
+# the page is part of the program
+$(BUILD)/cli/serve/page.o: $(wildcard cli/view/*.html cli/view/*.css cli/view/*.js)
 
 -include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) $(CLI_SOURCES) $(HAPTIC_SOURCES) $(TEST_SOURCES) $(BENCH_SOURCES) scripts/gains_probe.cpp))
 

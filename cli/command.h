@@ -20,6 +20,7 @@ void add_import(CLI::App& app, const Invocation& invocation);
 void add_train(CLI::App& app, const Invocation& invocation);
 void add_eval(CLI::App& app, const Invocation& invocation);
 void add_ablate(CLI::App& app, const Invocation& invocation);
+void add_serve(CLI::App& app, const Invocation& invocation);
 void add_info(CLI::App& app, const Invocation& invocation);
 void add_export(CLI::App& app, const Invocation& invocation);
 void add_doctor(CLI::App& app, const Invocation& invocation);

@@ -48,9 +48,9 @@ Json optional(const std::optional<double>& value) {
 
 }  // namespace
 
-std::string describe(const HapticModel& model, const Device& device) {
+std::string describe(const std::string& program, const HapticModel& model, const Device& device) {
     const HapticOptions& o = model.options;
-    std::string text = fmt::format("tissue-haptic: study '{}', sets {} ({}, by {}), device {}\n", model.study, o.sets,
+    std::string text = fmt::format("{}: study '{}', sets {} ({}, by {}), device {}\n", program, model.study, o.sets,
                                    o.selector.mode == SelectorOptions::Mode::nearest ? "nearest" : "blended",
                                    o.selector.by == SelectorOptions::By::force ? "force" : "displacement", device.name());
     for (const auto& mesh : model.meshes)

@@ -9,7 +9,7 @@
 namespace tissue::cli {
 
 /// What runs, for people, before the first tick: meshes, steps, limits, scales.
-std::string describe(const HapticModel& model, const Device& device);
+std::string describe(const std::string& program, const HapticModel& model, const Device& device);
 
 /// The ledger of a session, for people.
 std::string ledger_text(const std::string& model_file, const Device& device, const Simulation& simulation,

@@ -21,10 +21,12 @@
 #include "generate.h"
 #include "haptic/openhaptics_device.h"
 #include "haptic/realtime_loop.h"
+#include "haptic/recorder.h"
 #include "haptic/remote_device.h"
 #include "haptic/replay_device.h"
 #include "haptic/truth_in_motion.h"
 #include "haptic/virtual_device.h"
+#include "haptic_options.h"
 #include "haptic_report.h"
 #include "io/atomic_file.h"
 #include "version.h"
@@ -42,13 +44,13 @@ void on_signal(int) {
 
 struct Options {
     std::string model, device = "virtual", motion = "press", trajectory, library, device_name, record, check, out;
-    std::string select = "nearest", select_by = "displacement", axes = "x,y";
+    std::string axes = "x,y";
     std::vector<double> offset_m = {0, 0};
     double seconds = 10, depth_m = 0.010;
     unsigned long seed = 2008;
     int port = 47474;
-    bool json = false, no_heuristic = false, no_passivity = false, no_realtime = false;
-    HapticOptions haptic;
+    bool json = false;
+    cli::HapticChoices choices;
 };
 
 std::unique_ptr<Device> make_device(const Options& o, const HapticModel& model) {
@@ -93,19 +95,19 @@ void check(const Options& o, const TissueModel& tissue, const HapticModel& model
         const bool same_place = (tissue.contact_m.row(from) - tissue.contact_m.row(from + 1)).norm() < 1e-9 &&
                                 (tissue.direction.row(from) - tissue.direction.row(from + 1)).norm() < 1e-9;
         if (!same_place) continue;
-        for (double innovation : {1.0, o.haptic.innovation})
-            jumps.push_back(switch_jump(tissue, o.haptic, from, from + 1, innovation));
+        for (double innovation : {1.0, model.options.innovation})
+            jumps.push_back(switch_jump(tissue, model.options, from, from + 1, innovation));
     }
     write_file(o.out, cli::realtime_json(model, presses, jumps));
 }
 
 void run(const Options& o, Provenance provenance) {
     const TissueModel tissue = read_model(o.model);
-    const HapticModel model(tissue, o.haptic);
+    const HapticModel model(tissue, o.choices.haptic);
     if (!o.check.empty()) return check(o, tissue, model);
 
     const std::unique_ptr<Device> device = make_device(o, model);
-    std::cerr << cli::describe(model, *device);
+    std::cerr << cli::describe("tissue-haptic", model, *device);
     Simulation simulation(model);
     std::unique_ptr<Recorder> recorder;
     if (!o.record.empty()) {
@@ -116,8 +118,8 @@ void run(const Options& o, Provenance provenance) {
     LoopOptions loop;
     loop.seconds = o.seconds;
     loop.stop = &stop;
-    loop.realtime = !o.no_realtime;
-    loop.recorder = recorder.get();
+    loop.realtime = !o.choices.no_realtime;
+    if (recorder) loop.hooks.push_back(recorder.get());
     const LoopReport report = run_loop(simulation, *device, loop);
     for (const std::string& notice : report.notices) std::cerr << "tissue-haptic: " << notice << '\n';
     if (recorder) recorder->close(model);
@@ -127,55 +129,29 @@ void run(const Options& o, Provenance provenance) {
                          : cli::ledger_text(model_file, *device, simulation, report, dropped));
 }
 
-/// A check whose own words stay out of the help's column of units.
-CLI::Validator quiet(CLI::Validator check) {
-    check.description("");
-    return check;
-}
-
 void add_options(CLI::App& app, Options& o) {
-    HapticOptions& h = o.haptic;
-    const auto number = [&app](const char* name, double& value, const char* unit, const char* meaning) {
-        return app.add_option(name, value, meaning)->type_name(unit)->capture_default_str();
-    };
+    using cli::add_number, cli::quiet;
     app.add_option("model", o.model, "model.h5 of tissuectl train")->required()->type_name("FILE");
     app.add_option("--device", o.device, "virtual, replay, remote, openhaptics")
         ->type_name("NAME")->capture_default_str()
         ->check(quiet(CLI::IsMember({"virtual", "replay", "remote", "openhaptics"})));
-    number("--seconds", o.seconds, "s", "how long; 0: until the device ends or a signal comes")->check(quiet(CLI::NonNegativeNumber));
+    add_number(app, "--seconds", o.seconds, "s", "how long; 0: until the device ends or a signal comes")->check(quiet(CLI::NonNegativeNumber));
     app.add_flag("--json", o.json, "print the ledger as JSON");
     app.add_option("--record", o.record, "HDF5 file for every tick")->type_name("FILE");
     app.add_option("--motion", o.motion, "of the virtual device: press, slide, poke, sine")
         ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember(motion_names())));
-    number("--depth", o.depth_m, "m", "of the virtual device below the surface")->check(quiet(CLI::PositiveNumber));
+    add_number(app, "--depth", o.depth_m, "m", "of the virtual device below the surface")->check(quiet(CLI::PositiveNumber));
     app.add_option("--seed", o.seed, "of poke")->type_name("integer")->capture_default_str();
     app.add_option("--trajectory", o.trajectory, "of replay: CSV or a recording")->type_name("FILE");
     app.add_option("--port", o.port, "of remote: UDP, on this machine alone")
         ->type_name("number")->capture_default_str()->check(quiet(CLI::Range(0, 65535)));
     app.add_option("--library", o.library, "of openhaptics, when libHD.so is not where it should be")->type_name("FILE");
     app.add_option("--device-name", o.device_name, "of openhaptics: the vendor's configured name")->type_name("NAME");
-    app.add_option("--sets", h.sets, "an optimiser of the model, or optimum")->type_name("NAME");
-    app.add_option("--select", o.select, "nearest or blended spring sets")
-        ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember({"nearest", "blended"})));
-    app.add_option("--select-by", o.select_by, "displacement of the contact, or force (the paper's)")
-        ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember({"displacement", "force"})));
-    number("--innovation", h.innovation, "1", "gamma of (19): share of the new set a tick")->check(quiet(CLI::Range(1e-9, 1.0)));
-    app.add_option("--dynamics", h.dynamics, "auto, paper, symplectic, implicit")
-        ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember({"auto", "paper", "symplectic", "implicit"})));
-    number("--coupling", h.coupling_ratio, "1", "k_C over the contact's own stiffness")->check(quiet(CLI::PositiveNumber));
-    number("--damping", h.damping_ratio, "1", "of critical, at the lowest mode")->check(quiet(CLI::NonNegativeNumber));
-    app.add_flag("--no-heuristic", o.no_heuristic, "only the learned mesh, not Van Gelder's beside it");
-    number("--force-max", h.safety.force_max_N, "N", "no force above it goes out")->check(quiet(CLI::PositiveNumber));
-    number("--slew", h.safety.slew_N_s, "N/s", "fastest change of force")->check(quiet(CLI::PositiveNumber));
-    number("--speed-max", h.safety.speed_max_m_s, "m/s", "a faster master is a fault")->check(quiet(CLI::PositiveNumber));
-    number("--stale", h.safety.stale_s, "s", "an older position is a fault")->check(quiet(CLI::PositiveNumber));
-    app.add_flag("--no-passivity", o.no_passivity, "without passivity observer and controller");
-    number("--force-scale", h.map.force_scale, "1", "newtons on the hand a newton of tissue")->check(quiet(CLI::PositiveNumber));
-    number("--scale", h.map.scale, "1", "metres of tissue a metre of device")->check(quiet(CLI::PositiveNumber));
+    cli::add_haptic_options(app, o.choices);
+    add_number(app, "--scale", o.choices.haptic.map.scale, "1", "metres of tissue a metre of device")->check(quiet(CLI::PositiveNumber));
     app.add_option("--axes", o.axes, "device axes of the plane's x and y, as in x,-z")->type_name("A,A")->capture_default_str();
     app.add_option("--offset", o.offset_m, "of the device's origin in the plane")
         ->type_name("m m")->expected(2)->default_str("0 0");
-    app.add_flag("--no-realtime", o.no_realtime, "do not ask for SCHED_FIFO and locked memory");
     CLI::Option* check = app.add_option("--check", o.check, "press the held-out contacts, or else the cases, of this file; no device, no clock")->type_name("FILE");
     CLI::Option* out = app.add_option("--out", o.out, "of --check: realtime.json to write")->type_name("FILE");
     check->needs(out);
@@ -185,12 +161,8 @@ void add_options(CLI::App& app, Options& o) {
 void finish(Options& o) {
     if (o.device == "replay" && o.trajectory.empty())
         throw CLI::ValidationError("--device replay", "needs --trajectory FILE");
-    HapticOptions& h = o.haptic;
-    h.selector.mode = o.select == "blended" ? SelectorOptions::Mode::blended : SelectorOptions::Mode::nearest;
-    h.selector.by = o.select_by == "force" ? SelectorOptions::By::force : SelectorOptions::By::displacement;
-    h.heuristic_mesh = !o.no_heuristic;
-    h.safety.passivity = !o.no_passivity;
-    h.map.offset_m = {o.offset_m[0], o.offset_m[1]};
+    cli::settle(o.choices);
+    o.choices.haptic.map.offset_m = {o.offset_m[0], o.offset_m[1]};
 }
 
 }  // namespace
@@ -213,7 +185,7 @@ int main(int argc, char** argv) {
         if (cli::generated(app, argc, argv)) return 0;
         app.parse(argc, argv);
         finish(o);
-        o.haptic.map.axes = parse_axes(o.axes);
+        o.choices.haptic.map.axes = parse_axes(o.axes);
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? 0 : 2;
     } catch (const std::exception& e) {

@@ -3,6 +3,7 @@
 // Sample runs:
 //   tissuectl train --study fem/studies/paper.toml --cases results/paper/cases.h5 --out model.h5
 //   tissuectl eval --study fem/studies/paper.toml --model model.h5 --cases results/paper/cases.h5 --out eval.json
+//   tissuectl serve results/paper/model.h5
 //   tissuectl info model.h5
 // Exit status: 0 done, 1 the work failed, 2 the command line was wrong.
 #include <cstdlib>
@@ -36,6 +37,7 @@ int main(int argc, char** argv) {
     add_train(app, invocation);
     add_eval(app, invocation);
     add_ablate(app, invocation);
+    add_serve(app, invocation);
     add_info(app, invocation);
     add_export(app, invocation);
     add_doctor(app, invocation);

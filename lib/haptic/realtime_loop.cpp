@@ -84,31 +84,42 @@ LoopReport run_loop(Simulation& simulation, Device& device, const LoopOptions& o
             const long long due = start + slot * dt_ns;
             sleep_until(due);
 
+            bool wanted = true;
+            for (TickHook* hook : options.hooks) wanted = hook->before(simulation) && wanted;
+
             // the tick
             const long long began = now_ns(CLOCK_MONOTONIC), cpu_began = now_ns(CLOCK_THREAD_CPUTIME_ID);
-            const DeviceSample sample = device.read(static_cast<double>(slot) * dt_s);
-            const Eigen::Vector3d force = simulation.tick(sample, static_cast<double>(slot - before) * dt_s);
-            device.write(force);
+            TickBooks books;
+            books.time_s = static_cast<double>(slot) * dt_s;
+            books.left_out = !wanted;
+            if (wanted) {
+                const DeviceSample sample = device.read(books.time_s);
+                const Eigen::Vector3d force = simulation.tick(sample, static_cast<double>(slot - before) * dt_s);
+                device.write(force);
+            } else
+                device.write(simulation.stand_still());
             const long long ended = now_ns(CLOCK_MONOTONIC);
 
             // its place in the books
-            const double tick_us = 1e-3 * static_cast<double>(ended - began);
-            const double lateness_us = 1e-3 * static_cast<double>(began - due);
-            ++report.ticks;
-            report.tick_us.add(tick_us);
-            report.lateness_us.add(lateness_us);
-            if (options.recorder) {
-                RecordedTick row{simulation.record(), tick_us, lateness_us};
-                row.tick.time_s = static_cast<double>(slot) * dt_s;
-                options.recorder->push(row);
+            books.tick_us = 1e-3 * static_cast<double>(ended - began);
+            books.lateness_us = 1e-3 * static_cast<double>(began - due);
+            if (wanted) {
+                ++report.ticks;
+                report.tick_us.add(books.tick_us);
+                report.lateness_us.add(books.lateness_us);
+                before = slot;
             }
-            before = slot++;
+            ++slot;
             const long long over = (ended - due) / dt_ns;
             if (over > 0) {
                 report.misses += over;
                 report.misses_program += std::min(over, (now_ns(CLOCK_THREAD_CPUTIME_ID) - cpu_began) / dt_ns);
                 slot += over;
             }
+            books.ticks = report.ticks;
+            books.misses = report.misses;
+            books.misses_program = report.misses_program;
+            for (TickHook* hook : options.hooks) hook->after(simulation, books);
             if (device.finished()) break;
         }
         device.write(Eigen::Vector3d::Zero());

@@ -6,8 +6,8 @@
 
 #include "haptic/device.h"
 #include "haptic/histogram.h"
-#include "haptic/recorder.h"
 #include "haptic/simulation.h"
+#include "haptic/tick_hook.h"
 
 namespace tissue {
 
@@ -16,7 +16,7 @@ struct LoopOptions {
     const std::atomic<bool>* stop = nullptr;    ///< set from a signal handler or another thread
     bool realtime = true;                       ///< ask for SCHED_FIFO and locked memory
     int priority = 80;                          ///< of SCHED_FIFO: above most of the kernel's threads, below its watchdogs
-    Recorder* recorder = nullptr;
+    std::vector<TickHook*> hooks;               ///< in this order; they outlive the loop
 };
 
 struct LoopReport {

@@ -13,6 +13,13 @@ Recorder::~Recorder() {
     if (thread_.joinable()) thread_.join();
 }
 
+void Recorder::after(const Simulation& simulation, const TickBooks& books) noexcept {
+    if (books.left_out) return;
+    RecordedTick row{simulation.record(), books.tick_us, books.lateness_us};
+    row.tick.time_s = books.time_s;
+    push(row);
+}
+
 void Recorder::drain() {
     RecordedTick tick;
     while (ring_.pop(tick)) kept_.push_back(tick);

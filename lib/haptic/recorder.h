@@ -5,8 +5,8 @@
 #include <thread>
 #include <vector>
 
-#include "haptic/simulation.h"
 #include "haptic/spsc_ring.h"
+#include "haptic/tick_hook.h"
 #include "io/hdf5_store.h"
 
 namespace tissue {
@@ -19,14 +19,16 @@ struct RecordedTick {
 
 /// Writes a session to HDF5 (kind `recording`, results/FORMATS.md) from a thread of its own. The tick pushes into a ring
 /// and never waits; what does not fit is dropped and counted.
-class Recorder {
+class Recorder final : public TickHook {
    public:
     /// Throws FileError when the file cannot be written. ring: ticks that fit while the disk is slow.
     Recorder(const std::string& file, const Provenance& provenance, std::size_t ring = 8192);
     /// Closes without an error message; call close() to hear of one.
-    ~Recorder();
+    ~Recorder() override;
     Recorder(const Recorder&) = delete;
     Recorder& operator=(const Recorder&) = delete;
+
+    void after(const Simulation& simulation, const TickBooks& books) noexcept override;
 
     /// From the tick.
     void push(const RecordedTick& tick) noexcept {

@@ -144,6 +144,10 @@ Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) n
     return record_.device_N;
 }
 
+Eigen::Vector3d Simulation::stand_still() noexcept {
+    return record_.device_N = safety_.stop();
+}
+
 /// Outlines to where the meshes are. False when there is no inside: an outline crosses itself, or is not finite.
 bool Simulation::move_outlines() noexcept {
     bool sound = true;

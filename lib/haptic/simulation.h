@@ -88,6 +88,9 @@ class Simulation {
     /// One step of Sec. 4: device position in, device force out [N]. elapsed_s: since the last tick; 0 means dt.
     Eigen::Vector3d tick(const DeviceSample& sample, double elapsed_s = 0) noexcept;
 
+    /// In place of a tick: everything stays as it is, and no force goes out [N].
+    Eigen::Vector3d stand_still() noexcept;
+
     const TickRecord& record() const { return record_; }
     const HapticCounters& counters() const { return counters_; }
     const Safety& safety() const { return safety_; }

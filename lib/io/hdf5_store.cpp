@@ -223,6 +223,10 @@ void Hdf5Reader::refuse(const std::string& place, const std::string& why) const 
     throw FileError(fmt::format("{}: {}: {}", file_, place, why));
 }
 
+bool Hdf5Reader::has(const std::string& name) const {
+    return H5Oexists_by_name(id_, name.c_str(), H5P_DEFAULT) > 0;
+}
+
 Array Hdf5Reader::array(const std::string& name) const {
     const Handle dataset(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
     if (dataset.failed()) refuse(name, "is missing");

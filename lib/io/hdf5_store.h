@@ -68,6 +68,9 @@ class Hdf5Reader {
 
     const std::string& file() const { return file_; }
 
+    /// Whether there is such a dataset or group: for what files of earlier programs do not have.
+    bool has(const std::string& name) const;
+
     Array array(const std::string& name) const;
     Eigen::VectorXd vector(const std::string& name) const;
     NodeField field(const std::string& name) const;

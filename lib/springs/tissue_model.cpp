@@ -92,6 +92,8 @@ void write_model(const std::string& file, const TissueModel& model, const Proven
     out.write("/cases/contact", model.contact_m, "m", "contact at rest (C x D)");
     out.write("/cases/direction", model.direction, "1", "unit vector of the push (C x D)");
     out.write("/cases/magnitude", model.magnitude_m, "m", "how far the contact is pushed (C)");
+    if (model.contact_force_N.rows() > 0)
+        out.write("/cases/contact_force", model.contact_force_N, "N", "FE force of the indenter on the tissue (C x D)");
     out.write("/cases/node_weight", model.node_weight, "1", "diagonal of Q, one entry a node (C x N)");
     out.write("/optimum/theta", model.optimum.theta, "N/m", "best spring sets inside the box (C x S)");
     out.write("/optimum/loss", model.optimum.loss_N, "N", "L of them, (9) (C)");
@@ -132,6 +134,7 @@ TissueModel read_model(const std::string& file) {
     model.contact_m = in.field("/cases/contact");
     model.direction = in.field("/cases/direction");
     model.magnitude_m = in.vector("/cases/magnitude");
+    if (in.has("/cases/contact_force")) model.contact_force_N = in.field("/cases/contact_force");
     model.node_weight = in.field("/cases/node_weight");
     const int C = model.case_count(), S = model.mesh.spring_count();
     if (model.mesh.node_area.size() != N || model.node_mass_kg.size() != N || model.node_weight.cols() != N)
@@ -141,6 +144,9 @@ TissueModel read_model(const std::string& file) {
     if (model.contact_m.rows() != C || model.direction.rows() != C || model.magnitude_m.size() != C ||
         model.node_weight.rows() != C)
         in.refuse("/cases", "its datasets do not have the same number of cases");
+    if (model.contact_force_N.rows() > 0 &&
+        (model.contact_force_N.rows() != C || model.contact_force_N.cols() != model.mesh.dimension()))
+        in.refuse("/cases/contact_force", "does not have one force a case");
     model.optimum = {in.field("/optimum/theta"),         in.vector("/optimum/loss"),
                      in.vector("/optimum/rel_loss"),     in.vector("/optimum/lower_bound"),
                      in.vector("/optimum/kkt_residual"), in.number_attribute("/optimum", "seconds")};

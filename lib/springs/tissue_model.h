@@ -44,6 +44,7 @@ struct TissueModel {
     std::vector<std::string> case_names;   ///< (C)
     NodeField contact_m, direction;        ///< of each case (C x D)
     Eigen::VectorXd magnitude_m;           ///< (C)
+    NodeField contact_force_N;             ///< FE's, of the indenter on the tissue (C x D); 0 rows when the file has none
     NodeField node_weight;                 ///< Q of each case, one entry a node (C x N)
     std::vector<TrainedSets> trained;      ///< the study's optimiser first
     CertifiedOptimum optimum;

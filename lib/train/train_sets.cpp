@@ -266,6 +266,7 @@ TissueModel train_sets(const Study& study, const Cases& cases, int threads, cons
     model.contact_m.resize(C, D);
     model.direction.resize(C, D);
     model.magnitude_m.resize(C);
+    model.contact_force_N.resize(C, D);
     model.node_weight.resize(C, model.mesh.node_count());
 
     const std::unique_ptr<SpringLaw> law = make_spring_law(study.springs.law);
@@ -275,6 +276,7 @@ TissueModel train_sets(const Study& study, const Cases& cases, int threads, cons
         model.contact_m.row(c) = load.path->contact_m;
         model.direction.row(c) = load.path->direction;
         model.magnitude_m[c] = load.record->magnitude_m;
+        model.contact_force_N.row(c) = load.record->contact_force_N;
         model.node_weight.row(c) = draw_node_weights(study, model.mesh, load);
     }
 

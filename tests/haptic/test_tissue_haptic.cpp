@@ -15,6 +15,7 @@
 #include "../refusal.h"
 #include "error.h"
 #include "haptic/realtime_loop.h"
+#include "haptic/recorder.h"
 #include "haptic/replay_device.h"
 #include "haptic/virtual_device.h"
 #include "haptic_example.h"

@@ -1,0 +1,88 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <iostream>
+
+#include "command.h"
+#include "error.h"
+#include "haptic_options.h"
+#include "haptic_report.h"
+#include "io/atomic_file.h"
+#include "serve/access.h"
+#include "serve/server.h"
+
+namespace tissue::cli {
+namespace {
+
+struct Options {
+    std::vector<std::string> models;
+    std::string record;
+    bool json = false;
+    HapticChoices choices;
+    serve::ServerOptions server;
+};
+
+void run(const Options& o, Provenance provenance) {
+    serve::Stage stage(o.models, {o.choices.haptic, !o.choices.no_realtime});
+    serve::Server server(stage, o.server);
+    std::unique_ptr<Recorder> recorder;
+    if (!o.record.empty()) {
+        const std::string& file = o.models.front();
+        provenance.inputs[std::filesystem::path(file).filename().string()] = file_hash(file);
+        recorder = std::make_unique<Recorder>(o.record, provenance);
+    }
+    std::cerr << describe("tissuectl serve", stage.model(), stage.pointer());
+    std::cerr << "tissuectl serve: " << server.url() << std::endl;
+    stage.start(recorder.get());
+    server.run();
+    stage.stop();
+    for (const std::string& notice : stage.report().notices) std::cerr << "tissuectl serve: " << notice << '\n';
+    if (recorder) recorder->close(stage.model());
+    const std::string file = std::filesystem::path(o.models[static_cast<std::size_t>(stage.index())]).filename().string();
+    const long long dropped = recorder ? recorder->dropped() : 0;
+    std::cout << (o.json ? ledger_json(file, stage.pointer(), stage.simulation(), stage.report(), dropped)
+                         : ledger_text(file, stage.pointer(), stage.simulation(), stage.report(), dropped));
+    if (stage.failed()) throw Error("the simulation has failed");
+}
+
+/// What the options must not be together.
+void check(const Options& o) {
+    if (!o.record.empty() && o.models.size() > 1)
+        throw CLI::ValidationError("--record", "a recording is of one model");
+    if (!o.server.token.empty() && !serve::is_token(o.server.token))
+        throw CLI::ValidationError("--token", "wanted 16 to 128 letters, digits, - and _");
+    bool loopback = true;
+    try {
+        loopback = serve::is_loopback(o.server.bind);
+    } catch (const Error& e) {
+        throw CLI::ValidationError("--bind", e.what());
+    }
+    if (!loopback && o.server.token.empty())
+        throw CLI::ValidationError("--bind " + o.server.bind, "others can reach this address, so it needs --token");
+}
+
+}  // namespace
+
+void add_serve(CLI::App& app, const Invocation& invocation) {
+    auto o = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("serve", "Press learned tissue from a page in the browser.");
+    command->add_option("model", o->models, "model.h5 of tissuectl train; several to choose from")->required()->type_name("FILE");
+    command->add_option("--port", o->server.port, "TCP; 0: any that is free")
+        ->type_name("number")->capture_default_str()->check(quiet(CLI::Range(0, 65535)));
+    command->add_option("--bind", o->server.bind, "address to listen on; all but this machine's own need --token")
+        ->type_name("address")->capture_default_str();
+    command->add_option("--token", o->server.token, "wanted from every request, as ?token= or a cookie")->type_name("text");
+    command->add_option("--clients", o->server.clients, "pages at a time")
+        ->type_name("count")->capture_default_str()->check(quiet(CLI::Range(1, 32)));
+    add_number(*command, "--seconds", o->server.seconds, "s", "how long; 0: until a signal comes")->check(quiet(CLI::NonNegativeNumber));
+    command->add_flag("--json", o->json, "print the ledger as JSON");
+    command->add_option("--record", o->record, "HDF5 file for every tick, of one model")->type_name("FILE");
+    add_haptic_options(*command, o->choices);
+    command->callback([o, &invocation] {
+        check(*o);
+        settle(o->choices);
+        run(*o, {invocation.command, 0, {}});
+    });
+}
+
+}  // namespace tissue::cli

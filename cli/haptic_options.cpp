@@ -1,0 +1,47 @@
+#include "haptic_options.h"
+
+namespace tissue::cli {
+
+CLI::Validator quiet(CLI::Validator check) {
+    check.description("");
+    return check;
+}
+
+CLI::Option* add_number(CLI::App& app, const char* name, double& value, const char* unit, const char* meaning) {
+    return app.add_option(name, value, meaning)->type_name(unit)->capture_default_str();
+}
+
+void add_haptic_options(CLI::App& app, HapticChoices& c) {
+    HapticOptions& h = c.haptic;
+    const auto number = [&app](const char* name, double& value, const char* unit, const char* meaning) {
+        return add_number(app, name, value, unit, meaning);
+    };
+    app.add_option("--sets", h.sets, "an optimiser of the model, or optimum")->type_name("NAME");
+    app.add_option("--select", c.select, "nearest or blended spring sets")
+        ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember({"nearest", "blended"})));
+    app.add_option("--select-by", c.select_by, "displacement of the contact, or force (the paper's)")
+        ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember({"displacement", "force"})));
+    number("--innovation", h.innovation, "1", "gamma of (19): share of the new set a tick")->check(quiet(CLI::Range(1e-9, 1.0)));
+    app.add_option("--dynamics", h.dynamics, "auto, paper, symplectic, implicit")
+        ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember({"auto", "paper", "symplectic", "implicit"})));
+    number("--coupling", h.coupling_ratio, "1", "k_C over the contact's own stiffness")->check(quiet(CLI::PositiveNumber));
+    number("--damping", h.damping_ratio, "1", "of critical, at the lowest mode")->check(quiet(CLI::NonNegativeNumber));
+    app.add_flag("--no-heuristic", c.no_heuristic, "only the learned mesh, not Van Gelder's beside it");
+    number("--force-max", h.safety.force_max_N, "N", "no force above it goes out")->check(quiet(CLI::PositiveNumber));
+    number("--slew", h.safety.slew_N_s, "N/s", "fastest change of force")->check(quiet(CLI::PositiveNumber));
+    number("--speed-max", h.safety.speed_max_m_s, "m/s", "a faster master is a fault")->check(quiet(CLI::PositiveNumber));
+    number("--stale", h.safety.stale_s, "s", "an older position is a fault")->check(quiet(CLI::PositiveNumber));
+    app.add_flag("--no-passivity", c.no_passivity, "without passivity observer and controller");
+    number("--force-scale", h.map.force_scale, "1", "newtons on the hand a newton of tissue")->check(quiet(CLI::PositiveNumber));
+    app.add_flag("--no-realtime", c.no_realtime, "do not ask for SCHED_FIFO and locked memory");
+}
+
+void settle(HapticChoices& c) {
+    HapticOptions& h = c.haptic;
+    h.selector.mode = c.select == "blended" ? SelectorOptions::Mode::blended : SelectorOptions::Mode::nearest;
+    h.selector.by = c.select_by == "force" ? SelectorOptions::By::force : SelectorOptions::By::displacement;
+    h.heuristic_mesh = !c.no_heuristic;
+    h.safety.passivity = !c.no_passivity;
+}
+
+}  // namespace tissue::cli

@@ -1,0 +1,102 @@
+#include "messages.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace tissue::serve {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Thrown inside this file alone.
+struct Wrong {
+    std::string reason;
+};
+
+/// The keys of one message, each of which must be asked for.
+class Keys {
+   public:
+    explicit Keys(const Json& j) : j_(j) {}
+    double number(const char* key) {
+        const Json& value = at(key);
+        const double x = value.is_number() ? value.get<double>() : std::nan("");
+        if (!std::isfinite(x)) throw Wrong{fmt::format("'{}' must be a finite number", key)};
+        return x;
+    }
+    int integer(const char* key, int low) {
+        const Json& value = at(key);
+        if (!value.is_number_integer() || value.get<double>() < low || value.get<double>() > 1e6)
+            throw Wrong{fmt::format("'{}' must be an integer from {}", key, low)};
+        return value.get<int>();
+    }
+    bool flag(const char* key) {
+        const Json& value = at(key);
+        if (!value.is_boolean()) throw Wrong{fmt::format("'{}' must be true or false", key)};
+        return value.get<bool>();
+    }
+    void no_more() const {
+        if (j_.size() != asked_) throw Wrong{"a key that this message does not have"};
+    }
+
+   private:
+    const Json& at(const char* key) {
+        const auto found = j_.find(key);
+        if (found == j_.end()) throw Wrong{fmt::format("'{}' is missing", key)};
+        ++asked_;
+        return *found;
+    }
+    const Json& j_;
+    std::size_t asked_ = 1;  // type
+};
+
+Message read(const Json& j) {
+    if (!j.is_object()) throw Wrong{"a message is a JSON object"};
+    const auto type = j.find("type");
+    if (type == j.end() || !type->is_string()) throw Wrong{"a message has a 'type'"};
+    Keys keys(j);
+    Message message;
+    if (*type == "pointer") {
+        const double x = keys.number("x"), y = keys.number("y");
+        message = PointerMessage{x, y, keys.flag("down")};
+    } else if (*type == "pause") {
+        message = PauseMessage{keys.flag("on")};
+    } else if (*type == "reset") {
+        message = ResetMessage{};
+    } else if (*type == "demo") {
+        message = DemoMessage{keys.integer("place", -1)};
+    } else if (*type == "model") {
+        message = ModelMessage{keys.integer("model", 0)};
+    } else
+        throw Wrong{"a type that is none of pointer, pause, reset, demo, model"};
+    keys.no_more();
+    return message;
+}
+
+}  // namespace
+
+std::variant<Message, Refusal> parse_message(std::string_view text) {
+    if (text.size() > longest_message) return Refusal{"too_long", fmt::format("a message of more than {} bytes", longest_message)};
+    const Json j = Json::parse(text, nullptr, false);
+    if (j.is_discarded()) return Refusal{"message", "not JSON"};
+    try {
+        return read(j);
+    } catch (const Wrong& wrong) {
+        return Refusal{"message", wrong.reason};
+    }
+}
+
+std::string bye_message(const std::string& reason) {
+    return Json{{"type", "bye"}, {"reason", reason}}.dump();
+}
+
+std::string near_message(int place, double distance_m) {
+    return Json{{"type", "near"}, {"place", place}, {"distance_m", distance_m}}.dump();
+}
+
+std::string control_message(const char* holder, bool paused, int place) {
+    return Json{{"type", "control"}, {"holder", holder}, {"paused", paused}, {"place", place}}.dump();
+}
+
+}  // namespace tissue::serve

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <variant>
+
+namespace tissue::serve {
+
+/// What a page can say (cli/view/PROTOCOL.md).
+struct PointerMessage { double x_m, y_m; bool down; };
+struct PauseMessage { bool on; };
+struct ResetMessage {};
+struct DemoMessage { int place; };
+struct ModelMessage { int model; };
+using Message = std::variant<PointerMessage, PauseMessage, ResetMessage, DemoMessage, ModelMessage>;
+
+inline constexpr std::size_t longest_message = 1024;  ///< bytes
+
+/// Why something was not let in: a word to count it by, and a sentence for whoever sent it.
+struct Refusal {
+    const char* kind;
+    std::string reason;
+};
+
+/// Reads one message of a page. Whatever comes in, it is a Message or a Refusal of kind `message`.
+std::variant<Message, Refusal> parse_message(std::string_view text);
+
+/// {"type": "bye", "reason": ...}
+std::string bye_message(const std::string& reason);
+
+/// {"type": "near", ...}
+std::string near_message(int place, double distance_m);
+
+/// {"type": "control", ...}
+std::string control_message(const char* holder, bool paused, int place);
+
+}  // namespace tissue::serve

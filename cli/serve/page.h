@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string_view>
+
+namespace tissue::serve {
+
+/// A file of the page (cli/view), as it was when the program was built.
+struct PageFile {
+    std::string_view path, type, text;
+};
+
+/// By the path of a request; nullptr when there is none.
+const PageFile* page_file(std::string_view path);
+
+}  // namespace tissue::serve

@@ -1,0 +1,148 @@
+#include "show.h"
+
+#include <algorithm>
+
+namespace tissue::serve {
+namespace {
+
+constexpr double silent_s = 2;      ///< a holder who says nothing for this long has let go
+constexpr double idle_s = 3;        ///< without a holder until the demo begins by itself
+
+}  // namespace
+
+Show::Show(Stage& stage, Tell tell) : stage_(stage), tell_(std::move(tell)), hand_(stage.scene()) {
+    near_.force_N = 0;
+    hand_.demonstrate(-1);
+}
+
+void Show::join(Client client) {
+    clients_[client] = "";
+    tell_model(client);
+    tell_control();
+    tell_(client, near_message(near_.place, near_.distance_m));
+}
+
+void Show::leave(Client client) {
+    clients_.erase(client);
+    if (holder_ == client) release(before_s_);
+    if (clients_.empty()) stage_.channel().pause(false);  // nobody is left who could end it
+    tell_control();
+}
+
+std::optional<Refusal> Show::hear(Client client, std::string_view text, double now_s) {
+    const std::variant<Message, Refusal> parsed = parse_message(text);
+    if (const Refusal* refusal = std::get_if<Refusal>(&parsed)) return *refusal;
+    const Message& message = std::get<Message>(parsed);
+    if (const ModelMessage* m = std::get_if<ModelMessage>(&message); m && m->model >= static_cast<int>(stage_.names().size()))
+        return Refusal{"message", "no such model"};
+    if (held_by_other(client)) return {};
+    std::visit([&](const auto& m) { act(client, m, now_s); }, message);
+    tell_control();
+    return {};
+}
+
+void Show::act(Client client, const PointerMessage& m, double now_s) {
+    if (m.down) {
+        holder_ = client;
+        heard_s_ = now_s;
+        hand_.follow({m.x_m, m.y_m});
+    } else if (holder_ == client)
+        release(now_s);
+}
+
+void Show::act(Client, const PauseMessage& m, double) {
+    stage_.channel().pause(m.on);
+}
+
+void Show::act(Client, const ResetMessage&, double) {
+    stage_.channel().reset();
+}
+
+void Show::act(Client, const DemoMessage& m, double) {
+    holder_ = nobody;
+    hand_.demonstrate(m.place);
+}
+
+void Show::act(Client, const ModelMessage& m, double now_s) {
+    if (m.model == stage_.index()) return;
+    const bool paused = stage_.channel().paused();
+    holder_ = nobody;
+    stage_.turn_to(m.model);
+    stage_.channel().pause(paused);
+    hand_.show(stage_.scene());
+    idle_since_s_ = now_s;
+    near_ = {-1, 0, 0};
+    for (const auto& [other, heard] : clients_) {
+        tell_model(other);
+        tell_(other, near_message(-1, 0));
+    }
+}
+
+/// The one who leads the hand has let go.
+void Show::release(double now_s) {
+    holder_ = nobody;
+    idle_since_s_ = now_s;
+    hand_.let_go();
+}
+
+bool Show::step(double now_s) {
+    const double elapsed = before_s_ < 0 ? 0 : std::min(now_s - before_s_, 0.1);
+    before_s_ = now_s;
+    StateChannel& channel = stage_.channel();
+    if (holder_ != nobody && now_s - heard_s_ > silent_s) release(now_s);
+    if (channel.paused()) idle_since_s_ = now_s;
+    if (holder_ == nobody && hand_.place() < 0 && now_s - idle_since_s_ > idle_s) hand_.demonstrate(-1);
+    if (!channel.paused()) stage_.pointer().aim(hand_.step(elapsed));
+    tell_control();
+
+    for (double us = 0; channel.pop_time(us);) {
+        tick_us_.add(us);
+        second_us_.add(us);
+        tick_us_sum_ += us;
+    }
+    if (second_s_ < 0 || now_s - second_s_ >= 1) {
+        const long long ticks = tick_us_.count();
+        summary_.ticks_a_second = second_s_ < 0 ? 0 : static_cast<double>(ticks - ticks_then_) / (now_s - second_s_);
+        summary_.p50_us = second_us_.percentile(0.5);
+        summary_.p99_us = second_us_.percentile(0.99);
+        second_us_ = {};
+        ticks_then_ = ticks;
+        second_s_ = now_s;
+    }
+    if (!channel.fetch()) return false;
+    const TickState& state = channel.state();
+    const Near near = stage_.scene().near(state);
+    if (near.place != near_.place)
+        for (const auto& [client, heard] : clients_) tell_(client, near_message(near.place, near.distance_m));
+    near_ = near;
+    const StageCounts counts = stage_.counts();
+    summary_.ticks = counts.ticks;
+    summary_.misses = counts.misses;
+    summary_.misses_program = counts.misses_program;
+    summary_.clamped = counts.clamped;
+    summary_.faults = counts.faults();
+    summary_.clients = static_cast<long long>(clients_.size());
+    frame_ = encode_state(state, stage_.model(), near_, summary_);
+    return true;
+}
+
+void Show::tell_model(Client client) {
+    tell_(client, stage_.scene().message(stage_.names(), stage_.index()));
+}
+
+std::string Show::control_for(Client client) const {
+    const char* holder = holder_ == client ? "you" : holder_ != nobody ? "other" : hand_.place() >= 0 ? "demo" : "nobody";
+    return control_message(holder, paused(), hand_.place());
+}
+
+/// To everyone for whom it has changed.
+void Show::tell_control() {
+    for (auto& [client, heard] : clients_) {
+        std::string now = control_for(client);
+        if (now == heard) continue;
+        tell_(client, now);
+        heard = std::move(now);
+    }
+}
+
+}  // namespace tissue::serve

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "hand.h"
+#include "haptic/histogram.h"
+#include "messages.h"
+#include "stage.h"
+
+namespace tissue::serve {
+
+/// What happens on the stage: who of the clients leads the hand, what the demo does, and what everyone is told. Knows no
+/// network; one thread's. Times are seconds of any clock that only grows.
+class Show {
+   public:
+    using Client = int;
+    using Tell = std::function<void(Client, const std::string&)>;
+
+    /// tell: sends a text to a client. It may not call back.
+    Show(Stage& stage, Tell tell);
+
+    void join(Client client);
+    void leave(Client client);
+
+    /// Does what a client says; the reason when it may not be said.
+    std::optional<Refusal> hear(Client client, std::string_view text, double now_s);
+
+    /// 60 times a second: moves the hand, looks at the newest state. True when frame() is a new one.
+    bool step(double now_s);
+    const std::string& frame() const { return frame_; }
+
+    const Stage& stage() const { return stage_; }
+    const Histogram& tick_us() const { return tick_us_; }
+    double tick_us_sum() const { return tick_us_sum_; }
+    bool paused() const { return stage_.channel().paused(); }
+
+   private:
+    void act(Client client, const PointerMessage& m, double now_s);
+    void act(Client client, const PauseMessage& m, double now_s);
+    void act(Client client, const ResetMessage& m, double now_s);
+    void act(Client client, const DemoMessage& m, double now_s);
+    void act(Client client, const ModelMessage& m, double now_s);
+    bool held_by_other(Client client) const { return holder_ != nobody && holder_ != client; }
+    void release(double now_s);
+    void tell_model(Client client);
+    void tell_control();
+    std::string control_for(Client client) const;
+
+    static constexpr Client nobody = -1;
+    Stage& stage_;
+    Tell tell_;
+    Hand hand_;
+    std::map<Client, std::string> clients_;   ///< and the control message each has heard last
+    Client holder_ = nobody;
+    double heard_s_ = 0, idle_since_s_ = 0, before_s_ = -1;
+    Near near_;
+    std::string frame_;
+    Histogram tick_us_;                       ///< since the start
+    double tick_us_sum_ = 0;
+    double second_s_ = -1;                    ///< when the figures over the last second were made
+    long long ticks_then_ = 0;
+    Histogram second_us_;
+    TickSummary summary_;
+};
+
+}  // namespace tissue::serve

@@ -1,0 +1,110 @@
+#include "stage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+
+#include "error.h"
+
+namespace tissue::serve {
+namespace {
+
+void add(StageCounts& sum, const TickBooks& books, const SafetyCounters& s, const HapticCounters& h) {
+    sum.ticks += books.ticks;
+    sum.misses += books.misses;
+    sum.misses_program += books.misses_program;
+    sum.clamped += s.clamped;
+    sum.slewed += s.slewed;
+    sum.damped += s.damped;
+    sum.not_finite += s.bad_input;
+    sum.jumps += s.jump;
+    sum.stale += s.stale;
+    sum.folded += h.folded;
+    sum.unstable += h.unstable;
+}
+
+/// "results/paper/model.h5" -> paper; two alike get a number.
+std::string name_for(const std::string& study, const std::vector<std::string>& taken) {
+    std::string name = study;
+    for (int k = 2; std::find(taken.begin(), taken.end(), name) != taken.end(); ++k) name = fmt::format("{} ({})", study, k);
+    return name;
+}
+
+}  // namespace
+
+Stage::Stage(const std::vector<std::string>& files, const StageOptions& options) : options_(options) {
+    for (const std::string& file : files) {
+        const TissueModel tissue = read_model(file);
+        Served served;
+        try {
+            served.model = std::make_unique<HapticModel>(tissue, options_.haptic);
+            served.scene = std::make_unique<Scene>(tissue, *served.model);
+        } catch (const MismatchError& e) {
+            throw MismatchError(file + ": " + e.what());
+        }
+        names_.push_back(name_for(tissue.study, names_));
+        served_.push_back(std::move(served));
+    }
+    const auto& [low, high] = scene().boxes().front();
+    pointer_ = std::make_unique<PointerDevice>(Eigen::Vector2d(0.5 * (low.x() + high.x()), high.y() + 0.03),
+                                               options_.haptic.map, options_.haptic.safety.speed_max_m_s);
+    simulation_ = std::make_unique<Simulation>(model());
+    channel_ = std::make_unique<StateChannel>(model());
+}
+
+Stage::~Stage() {
+    stop();
+}
+
+void Stage::start(Recorder* recorder) {
+    recorder_ = recorder;
+    stop_.store(false);
+    thread_ = std::thread([this] { run(); });
+}
+
+void Stage::run() {
+    try {
+        LoopOptions loop;
+        loop.seconds = 0;
+        loop.stop = &stop_;
+        loop.realtime = options_.realtime;
+        loop.hooks.push_back(channel_.get());
+        if (recorder_) loop.hooks.push_back(recorder_);
+        report_ = run_loop(*simulation_, *pointer_, loop);
+    } catch (const std::exception& e) {
+        std::cerr << "tissuectl serve: the tick has ended: " << e.what() << '\n';
+        failed_.store(true);
+    }
+}
+
+void Stage::stop() {
+    if (!thread_.joinable()) return;
+    stop_.store(true);
+    thread_.join();
+    TickBooks books;
+    books.ticks = report_.ticks;
+    books.misses = report_.misses;
+    books.misses_program = report_.misses_program;
+    add(before_, books, simulation_->safety().counters(), simulation_->counters());
+}
+
+void Stage::turn_to(int model_index) {
+    stop();
+    index_ = model_index;
+    simulation_ = std::make_unique<Simulation>(model());
+    channel_ = std::make_unique<StateChannel>(model());
+    start(recorder_);
+}
+
+StageCounts Stage::counts() const {
+    StageCounts sum = before_;
+    if (thread_.joinable()) {
+        const TickState& s = channel_->state();
+        add(sum, s.books, s.safety, s.counters);
+    }
+    return sum;
+}
+
+}  // namespace tissue::serve

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "haptic/pointer_device.h"
+#include "haptic/realtime_loop.h"
+#include "haptic/recorder.h"
+#include "haptic/state_channel.h"
+#include "scene.h"
+
+namespace tissue::serve {
+
+struct StageOptions {
+    HapticOptions haptic;
+    bool realtime = true;
+};
+
+/// The counts of a session over all its models, as they only grow.
+struct StageCounts {
+    long long ticks = 0, misses = 0, misses_program = 0, clamped = 0, slewed = 0, damped = 0;
+    long long not_finite = 0, jumps = 0, stale = 0, folded = 0, unstable = 0;
+    long long faults() const { return not_finite + jumps + stale; }
+};
+
+/// Several models, one of which ticks in a thread of its own, pressed by one pointer. Every function is the server's
+/// thread's; none but start(), turn_to() and stop() waits for the tick.
+class Stage {
+   public:
+    /// Throws FileError, MismatchError.
+    Stage(const std::vector<std::string>& files, const StageOptions& options);
+    ~Stage();
+    Stage(const Stage&) = delete;
+    Stage& operator=(const Stage&) = delete;
+
+    void start(Recorder* recorder);
+    void turn_to(int model);            ///< another model, from rest
+    void stop();                        ///< no force any more when this returns
+    bool failed() const { return failed_.load(); }
+
+    int index() const { return index_; }
+    const std::vector<std::string>& names() const { return names_; }
+    const Scene& scene() const { return *served_[static_cast<std::size_t>(index_)].scene; }
+    const HapticModel& model() const { return *served_[static_cast<std::size_t>(index_)].model; }
+    StateChannel& channel() { return *channel_; }
+    const StateChannel& channel() const { return *channel_; }
+    PointerDevice& pointer() { return *pointer_; }
+    const PointerDevice& pointer() const { return *pointer_; }
+
+    /// What the running model and those before it have counted, up to the last state that was fetched.
+    StageCounts counts() const;
+
+    // after stop()
+    const Simulation& simulation() const { return *simulation_; }
+    const LoopReport& report() const { return report_; }
+
+   private:
+    struct Served {
+        std::unique_ptr<HapticModel> model;
+        std::unique_ptr<Scene> scene;
+    };
+    void run();
+
+    StageOptions options_;
+    std::vector<std::string> names_;
+    std::vector<Served> served_;
+    int index_ = 0;
+    Recorder* recorder_ = nullptr;
+    std::unique_ptr<PointerDevice> pointer_;
+    std::unique_ptr<StateChannel> channel_;
+    std::unique_ptr<Simulation> simulation_;
+    std::thread thread_;
+    std::atomic<bool> stop_{false}, failed_{false};
+    LoopReport report_;                 ///< of the last loop that has ended
+    StageCounts before_;                ///< of loops that have ended
+};
+
+}  // namespace tissue::serve

@@ -1,0 +1,50 @@
+#include "haptic/pointer_device.h"
+
+#include <algorithm>
+
+#include "error.h"
+
+namespace tissue {
+namespace {
+
+constexpr double longest_s = 0.01;   ///< that one step covers: after a pause the point goes on, it does not leap
+
+}  // namespace
+
+PointerDevice::PointerDevice(const Eigen::Vector2d& start_m, const DeviceMap& map, double safe_speed_m_s,
+                             const PointerOptions& options)
+    : map_(map), speed_m_s_(std::min(options.speed_m_s, 0.9 * safe_speed_m_s * map.scale)), settle_s_(options.settle_s),
+      target_(start_m), point_m_(start_m) {
+    if (!(speed_m_s_ > 0) || !(settle_s_ > 0) || !start_m.allFinite())
+        throw MismatchError("a pointer needs a place to start, a speed and a settling time that are positive");
+}
+
+void PointerDevice::aim(const Eigen::Vector2d& target_m) noexcept {
+    if (!target_m.allFinite()) {
+        refused_.fetch_add(1, std::memory_order_relaxed);
+        return;
+    }
+    target_.back() = target_m;
+    target_.publish();
+    aimed_.fetch_add(1, std::memory_order_relaxed);
+}
+
+DeviceSample PointerDevice::read(double time_s) noexcept {
+    target_.fetch();
+    const double h = std::clamp(time_s - time_s_, 0.0, longest_s), w = 1 / settle_s_;
+    time_s_ = time_s;
+    // backward Euler of x'' = w^2 (target - x) - 2 w x': stable and without overshoot for any step
+    velocity_m_s_ = (velocity_m_s_ + h * w * w * (target_.front() - point_m_)) / ((1 + h * w) * (1 + h * w));
+    const double speed = velocity_m_s_.norm();
+    if (speed > speed_m_s_) velocity_m_s_ *= speed_m_s_ / speed;
+    point_m_ += h * velocity_m_s_;
+    DeviceSample sample;
+    sample.position_m = map_.to_device(point_m_);
+    return sample;
+}
+
+std::vector<std::pair<std::string, double>> PointerDevice::ledger() const {
+    return {{"targets", static_cast<double>(aimed_.load())}, {"refused_targets", static_cast<double>(refused_.load())}};
+}
+
+}  // namespace tissue

@@ -1,0 +1,56 @@
+#include "haptic/state_channel.h"
+
+namespace tissue {
+namespace {
+
+/// A state with all the storage it needs.
+TickState empty_state(const HapticModel& model) {
+    TickState state;
+    std::size_t nodes = 0;
+    for (const auto& mesh : model.meshes) nodes += static_cast<std::size_t>(mesh->springs.node_count());
+    state.contact_displacement_m.assign(model.meshes.size(), Eigen::Vector2d::Zero());
+    state.nodes_m.assign(2 * nodes, 0);
+    return state;
+}
+
+void copy(const Simulation& simulation, const TickBooks& books, TickState& state) noexcept {
+    const TickRecord& record = simulation.record();
+    state.record = record;
+    state.books = books;
+    state.safety = simulation.safety().counters();
+    state.counters = simulation.counters();
+    float* out = state.nodes_m.data();
+    for (std::size_t m = 0; m < state.contact_displacement_m.size(); ++m) {
+        const HapticMesh& mesh = *simulation.model().meshes[m];
+        const NodeColumns &rest = mesh.springs.rest(), &u = simulation.state(m).displacement;
+        for (int n = 0; n < mesh.springs.node_count(); ++n)
+            for (int axis : {0, 1}) *out++ = static_cast<float>(mesh.place_m[axis] + rest(n, axis) + u(n, axis));
+        Eigen::Vector2d& at_contact = state.contact_displacement_m[m];
+        at_contact.setZero();
+        if (record.mesh < 0) continue;
+        const std::vector<int>& outline = mesh.springs.outline();
+        const auto b = static_cast<std::size_t>(record.segment);
+        const int i = outline[b], j = outline[(b + 1) % outline.size()];
+        at_contact = (1 - record.w) * u.row(i) + record.w * u.row(j);
+    }
+}
+
+}  // namespace
+
+StateChannel::StateChannel(const HapticModel& model, int every, std::size_t times)
+    : every_(every), latest_(empty_state(model)), times_(times) {}
+
+bool StateChannel::before(Simulation& simulation) noexcept {
+    if (reset_.exchange(false, std::memory_order_relaxed)) simulation.reset();
+    return !paused_.load(std::memory_order_relaxed);
+}
+
+void StateChannel::after(const Simulation& simulation, const TickBooks& books) noexcept {
+    if (!books.left_out) times_.push(books.tick_us);
+    if (++since_ < every_) return;
+    since_ = 0;
+    copy(simulation, books, latest_.back());
+    latest_.publish();
+}
+
+}  // namespace tissue

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "haptic/simulation.h"
+
+namespace tissue {
+
+/// What the loop knows of one tick, beside what the simulation says of it.
+struct TickBooks {
+    double time_s = 0;                 ///< on the schedule
+    double tick_us = 0, lateness_us = 0;
+    bool left_out = false;             ///< a hook has asked for that
+    long long ticks = 0, misses = 0, misses_program = 0;  ///< of the loop so far
+};
+
+/// Someone who comes along with every tick, in its thread: a recorder, a page. Neither function allocates, locks,
+/// prints, throws or waits.
+class TickHook {
+   public:
+    virtual ~TickHook() = default;
+
+    /// Before the device is read. False: this tick is left out; meshes and hand stay where they are, without force.
+    virtual bool before(Simulation&) noexcept { return true; }
+
+    /// After the force has gone out.
+    virtual void after(const Simulation& simulation, const TickBooks& books) noexcept = 0;
+};
+
+}  // namespace tissue
