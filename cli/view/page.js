@@ -36,7 +36,8 @@ const node = (mesh, i) => [state.nodes[mesh][2 * i], state.nodes[mesh][2 * i + 1
 
 const millimetres = (m, digits = 1) => Number.isFinite(m) ? `${(1e3 * m).toFixed(digits)} mm` : "–";
 const unit_of = force => Math.abs(force) < 0.1 ? { name: "mN", scale: 1e3 } : { name: "N", scale: 1 };
-function newtons(force, like = force) {
+/** In the unit that suits the model: one that does not change from reading to reading. */
+function newtons(force, like = model.strongest_N || force) {
   if (!Number.isFinite(force)) return "–";
   const unit = unit_of(like), x = unit.scale * force;
   return `${x.toFixed(Math.abs(x) >= 100 ? 0 : Math.abs(x) >= 10 ? 1 : 2)} ${unit.name}`;
@@ -189,11 +190,11 @@ function faces(mesh) {
 
 // ---- what the visitor is told
 
-/** FE force at a depth [N], by lines between what was solved; NaN beyond. */
+/** FE force at a depth [N], by lines between what was solved, and a twentieth beyond the deepest; else NaN. */
 function on_curve(curve, depth) {
   for (let k = 1; k < curve.length; k++) {
-    const [d0, f0] = curve[k - 1], [d1, f1] = curve[k];
-    if (depth <= d1 && depth >= d0) return f0 + (f1 - f0) * (depth - d0) / (d1 - d0);
+    const [d0, f0] = curve[k - 1], [d1, f1] = curve[k], reach = k + 1 === curve.length ? 1.05 * d1 : d1;
+    if (depth <= reach && depth >= d0) return f0 + (f1 - f0) * (depth - d0) / (d1 - d0);
   }
   return NaN;
 }
@@ -282,7 +283,7 @@ function show_numbers(known) {
   say("device_force", newtons(norm(pair(IN.device))));
   say("learned_depth", depth(LEARNED));
   say("heuristic_depth", depth(HEURISTIC));
-  say("fe_force", known ? newtons(v[IN.fe]) : "–");
+  say("fe_force", known ? newtons(on_curve(model.places[v[IN.place]].curve, dot(pair(IN.moved), way))) : "–");
   say("spring_set", pressed && v[IN.set] >= 0 ? `${v[IN.set] + 1}` : "–");
   say("tick_rate", `${Math.round(v[IN.rate])} Hz`);
   say("tick_time", `${v[IN.p50].toFixed(1)} / ${v[IN.p99].toFixed(1)} µs`);
@@ -348,6 +349,8 @@ function list_places() {
     contacts.get(key).places.push(k);
   });
   model.contacts = [...contacts.values()].sort((a, b) => a.order - b.order);
+  const at = model.contacts.map(contact => model.places[contact.places[0]].contact_m);
+  model.apart_m = Math.min(...at.flatMap((p, i) => at.slice(i + 1).map(q => norm(add(p, q, -1)))));   // Infinity for one
   const groups = ["left side", "top", "right side", "elsewhere"].map(side => {
     const group = document.createElement("optgroup");
     group.label = side;
@@ -629,17 +632,15 @@ function draw_mesh(c, mesh, m, narrow) {
   c.fillText(mesh.name, middle, 17);
 }
 
-/** Contacts that FE have solved: a mark on the learned mesh's outline at rest, and on the other's. */
+/** Contacts that FE have solved, as dots on both outlines at rest; the closer they lie, the smaller. */
 function draw_marks(c) {
-  const done = new Set();
-  for (const place of model.places)
+  const gap = model.apart_m * view.scale, radius = clamp(gap / 7, 0.6, 2);
+  c.fillStyle = gap < 14 ? colours.soft : colours.ink;
+  for (const contact of model.contacts)
     for (const m of [LEARNED, HEURISTIC]) {
-      const p = to_screen(add(place.contact_m, apart(m))), key = `${Math.round(p[0])},${Math.round(p[1])}`;
-      if (done.has(key)) continue;
-      done.add(key);
-      c.fillStyle = colours.ink;
+      const p = to_screen(add(model.places[contact.places[0]].contact_m, apart(m)));
       c.beginPath();
-      c.arc(p[0], p[1], 1.8, 0, 2 * Math.PI);
+      c.arc(p[0], p[1], radius, 0, 2 * Math.PI);
       c.fill();
     }
 }
@@ -889,18 +890,15 @@ function draw_time_plot() {
 
 // ---- once a frame
 
-let dirty = true, drawn = -1, words = 0, talk = 0, calmly = 0;
+let dirty = true, drawn = -1, drawings = 0, words = 0, talk = 0, calmly = 0;
 
 function frame(now) {
   requestAnimationFrame(frame);
   move_hand(now);
-  const fresh = states !== drawn && (!calm() || now - calmly > 1000);
-  if (!fresh && !dirty) return;
-  [dirty, drawn, calmly] = [false, states, fresh ? now : calmly];
-  draw_stage();
-  const c = now - words > 200 ? judge() : null;   // five times a second: numbers that can be read
-  if (c) {
+  if (now - words > 200) {   // five times a second: numbers that can be read
     words = now;
+    const c = judge();
+    if (comparable !== Boolean(c.errors) && !calm()) dirty = true;
     comparable = Boolean(c.errors);
     show_numbers(comparable);
     if (now - talk > 4000) {
@@ -908,6 +906,11 @@ function frame(now) {
       speak(c);
     }
   }
+  const fresh = states !== drawn && (!calm() || now - calmly > 1000);
+  if (!fresh && !dirty) return;
+  [dirty, drawn, calmly] = [false, states, fresh ? now : calmly];
+  draw_stage();
+  drawings++;
   draw_depth_plot(comparable);
   draw_time_plot();
 }
@@ -935,6 +938,14 @@ Object.defineProperty(window, "tissue", { value: Object.freeze({
   get largest_displacement_m() {                              // of any node, a mesh
     return state ? model.meshes.map((mesh, m) => Math.max(...mesh.nodes_m.map((p, i) => norm(add(node(m, i), p, -1))))) : null;
   },
+  get tick_rate_Hz() { return state ? state.v[IN.rate] : NaN; },
+  get nearest() { return state ? state.v[IN.place] : -1; },   // known contact, index of places
+  get distance_m() { return state && state.v[IN.place] >= 0 ? comparison().distance : NaN; },   // to it
+  get fe_N() { return state ? state.v[IN.fe] : NaN; },        // FE force at the learned mesh's depth, the server's
+  get springs() { return model ? model.meshes[LEARNED].springs.length : 0; },
+  get hand_m() { return hand.at && [...hand.at]; },
+  get drawn() { return drawings; },                           // times the stage was drawn
+  get colours() { return { ...colours }; },
   get off_FE() { return comparison().errors || null; },       // learned, heuristic; relative
   on_screen(p) {                                              // of a point of the plane: CSS pixels in the window
     const box = stage.getBoundingClientRect(), q = to_screen(p);

@@ -1,0 +1,11 @@
+#!/bin/sh
+# The page of `tissuectl serve`, driven in headless Chromium: tests/serve/test_page.py says what is looked at.
+. "$(dirname "$0")/common"
+make_copy
+make_tiny train -j2
+check "a model is trained to begin with" exited 0
+printf '\n[springs]\ntopology = "grid8"\nlaw = "axial"\n' >>"$work/fem/studies/tiny.toml"
+tissuectl train --study fem/studies/tiny.toml --cases results/tiny/cases.h5 --out results/tiny/grid8.h5
+check "and another one, of other springs" exited 0
+"$PYTHON" "$root/tests/serve/test_page.py" "$TISSUECTL" "$R/model.h5" "$R/grid8.h5" || failures=$((failures + 1))
+finish

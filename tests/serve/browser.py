@@ -1,0 +1,162 @@
+"""A headless Chromium and a `tissuectl serve` to look at, for test_page.py and screenshot.py."""
+import re
+import shutil
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+FLAGS = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-background-networking",
+         "--disable-component-update", "--disable-sync", "--no-first-run", "--hide-scrollbars"]
+
+
+class Missing(Exception):
+    """A package that is not installed."""
+
+
+class Server:
+    """`tissuectl serve` on a port of its own (0: any that is free); what it says goes to a file in `folder`."""
+
+    def __init__(self, program, models, folder, port=0):
+        self.log = Path(folder) / "serve.log"
+        with open(self.log, "w") as log:
+            self.process = subprocess.Popen([program, "serve", "--port", str(port), *map(str, models)],
+                                            stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+        self.url = None
+        for _ in range(200):
+            found = re.search(r"http://\S+", self.log.read_text())
+            if found:
+                self.url = found[0]
+                self.port = int(re.search(r":(\d+)", self.url)[1])
+                return
+            if self.process.poll() is not None:
+                break
+            time.sleep(0.1)
+        self.end()
+        raise RuntimeError(f"tissuectl serve did not start: {self.log.read_text()}")
+
+    def end(self):
+        if self.process.poll() is None:
+            self.process.terminate()
+        try:
+            self.process.wait(10)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+
+
+class Browser:
+    """One Chromium with a profile of its own. Lengths in CSS pixels, times in seconds."""
+
+    def __init__(self, width=1360, height=900, scale=1, mobile=False, **media):
+        try:
+            from selenium import webdriver
+            from selenium.webdriver.chrome.service import Service
+        except ImportError:
+            raise Missing("python3-selenium") from None
+        programs = [shutil.which("chromium"), shutil.which("chromedriver")]
+        for found, package in zip(programs, ("chromium", "chromium-driver")):
+            if not found:
+                raise Missing(package)
+        self.profile = tempfile.mkdtemp()
+        options = webdriver.ChromeOptions()
+        options.binary_location = programs[0]
+        for flag in [*FLAGS, f"--user-data-dir={self.profile}", f"--window-size={width},{height}"]:
+            options.add_argument(flag)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        self.driver = webdriver.Chrome(options=options, service=Service(programs[1]))
+        self.resize(width, height, scale, mobile)
+        self.media(**media)
+
+    def end(self):
+        self.driver.quit()
+        shutil.rmtree(self.profile, ignore_errors=True)
+
+    def cdp(self, command, **arguments):
+        return self.driver.execute_cdp_cmd(command, arguments)
+
+    def resize(self, width, height, scale=1, mobile=False):
+        self.cdp("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=scale, mobile=mobile)
+
+    def media(self, **features):
+        """prefers_color_scheme="dark" and the like."""
+        self.cdp("Emulation.setEmulatedMedia",
+                 features=[{"name": name.replace("_", "-"), "value": value} for name, value in features.items()])
+
+    def open(self, url):
+        self.driver.get(url)
+
+    def js(self, expression, *arguments):
+        return self.driver.execute_script(f"return ({expression})", *arguments)
+
+    def until(self, expression, seconds=8):
+        """Waits until an expression is true; False when it never was."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            if self.js(expression):
+                return True
+            time.sleep(0.05)
+        return False
+
+    def watch(self, expression, seconds):
+        """Its values, one for every state that the page gets meanwhile."""
+        return self.driver.execute_async_script(f"""
+            const [seconds, done] = arguments, values = [], end = performance.now() + 1e3 * seconds;
+            let seen = tissue.states;
+            const look = () => {{
+                if (tissue.states !== seen) values.push({expression});
+                seen = tissue.states;
+                if (performance.now() < end) setTimeout(look, 4); else done(values);
+            }};
+            look();""", seconds)
+
+    def text(self, name):
+        return self.js("document.getElementById(arguments[0]).textContent", name)
+
+    def click(self, name):
+        self.driver.find_element("id", name).click()
+
+    def choose(self, name, value):
+        """An option of a <select>, by its value."""
+        self.driver.find_element("css selector", f"#{name} option[value='{value}']").click()
+
+    def on_screen(self, x_m, y_m):
+        """A point of the plane, scrolled into view."""
+        point = "tissue.on_screen([arguments[0], arguments[1]])"
+        x, y = self.js(point, x_m, y_m)
+        if not self.js("arguments[0] > 0 && arguments[0] < innerWidth && arguments[1] > 0 && arguments[1] < innerHeight", x, y):
+            self.js("document.getElementById('stage').scrollIntoView({block: 'center'})")
+            x, y = self.js(point, x_m, y_m)
+        return x, y
+
+    def mouse(self, kind, x_m, y_m):
+        """kind: Pressed, Moved, Released, at a point of the plane."""
+        x, y = self.on_screen(x_m, y_m)
+        down = kind != "Released"
+        self.cdp("Input.dispatchMouseEvent", type=f"mouse{kind}", x=x, y=y, button="left", buttons=int(down), clickCount=1)
+
+    def drag(self, *way, steps=6):
+        """Puts the mouse button down at the first point [m] of the way and leads it along; it stays down."""
+        self.mouse("Pressed", *way[0])
+        for a, b in zip(way, way[1:]):
+            for k in range(1, steps + 1):
+                self.mouse("Moved", *(p + (q - p) * k / steps for p, q in zip(a, b)))
+
+    def touch(self, kind, *point_m):
+        """kind: Start, Move, End."""
+        points = [dict(zip("xy", self.on_screen(*point_m)))] if point_m else []
+        self.cdp("Input.dispatchTouchEvent", type=f"touch{kind}", touchPoints=points)
+
+    def key(self, name, times=1, shift=False):
+        code = {"Space": " "}.get(name, name)
+        text = {"text": " "} if name == "Space" else {"text": "\r"} if name == "Enter" else {}
+        number = {"Tab": 9, "Enter": 13, "Escape": 27, "Space": 32, "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39,
+                  "ArrowDown": 40}[name]
+        for _ in range(times):
+            for kind in ("keyDown", "keyUp"):
+                self.cdp("Input.dispatchKeyEvent", type=kind, key=code, code=name, modifiers=8 if shift else 0,
+                         windowsVirtualKeyCode=number, **(text if kind == "keyDown" else {}))
+
+    def complaints(self):
+        """What the console has seen of warnings and errors since the last time."""
+        return [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] in ("WARNING", "SEVERE")]
