@@ -66,7 +66,7 @@ def drawing(page):
     page.mouse("Moved", 0.008, 0.05)
     page.until(f"{force} > 0 && Math.min(...{moved}) > 2e-3")
     after = [page.js(colour, p) for p in spots]
-    check("both meshes lie there in the colour of no displacement", all(abs(a - b) < 6 for c in before for a, b in zip(c, [68, 1, 84])), before)
+    check("both meshes lie there in the colour of no displacement", all(abs(a - b) < 10 for c in before for a, b in zip(c, [68, 1, 84])), before)
     check("both change colour where they are pressed",
           all(sum(abs(a - b) for a, b in zip(*pair)) > 25 for pair in zip(before, after)), [before, after])
 
@@ -139,7 +139,7 @@ def comparing(page):
                 return f0 + (f1 - f0) * (depth - d0) / (d1 - d0)
         return float("nan")
 
-    check("the known contact is the pressed one", last["distance"] < 1e-4, last)
+    check("the known contact is the pressed one", last["distance"] < 5e-4, last)
     check("page and server read the same FE curve", all(abs(s["fe"] - fe(s["moved"][0][0])) < 1e-3 * s["fe"] for s in seen), seen[-1])
     off = [sum(s["force"][0] / fe(s["moved"][mesh][0]) - 1 for s in seen) / len(seen) for mesh in (0, 1)]
     check("learned and heuristic: force over FE force, each at its own depth, over half a second",
