@@ -71,7 +71,8 @@ void add_serve(CLI::App& app, const Invocation& invocation) {
         ->type_name("number")->capture_default_str()->check(quiet(CLI::Range(0, 65535)));
     command->add_option("--bind", o->server.bind, "address to listen on; all but this machine's own need --token")
         ->type_name("address")->capture_default_str();
-    command->add_option("--token", o->server.token, "wanted from every request, as ?token= or a cookie")->type_name("text");
+    command->add_option("--token", o->server.token, "wanted from every request, as ?token= or a cookie")
+        ->type_name("text")->envname("TISSUECTL_TOKEN");
     command->add_option("--clients", o->server.clients, "pages at a time")
         ->type_name("count")->capture_default_str()->check(quiet(CLI::Range(1, 32)));
     add_number(*command, "--seconds", o->server.seconds, "s", "how long; 0: until a signal comes")->check(quiet(CLI::NonNegativeNumber));
@@ -81,7 +82,11 @@ void add_serve(CLI::App& app, const Invocation& invocation) {
     command->callback([o, &invocation] {
         check(*o);
         settle(o->choices);
-        run(*o, {invocation.command, 0, {}});
+        // a recording is handed round, the token is not
+        std::string said = invocation.command;
+        for (std::size_t at; !o->server.token.empty() && (at = said.find(o->server.token)) != std::string::npos;)
+            said.replace(at, o->server.token.size(), "...");
+        run(*o, {said, 0, {}});
     });
 }
 

@@ -78,7 +78,7 @@ class Page;
 
 struct Server::Impl {
     Impl(Stage& s, const ServerOptions& o)
-        : options(o), stage(s), acceptor(context), signals(context, SIGINT, SIGTERM), tick(context), end(context),
+        : options(o), stage(s), acceptor(context), signals(context, SIGINT, SIGTERM), tick(context), end(context), again(context),
           show(s, [this](Show::Client client, const std::string& text) { tell(client, text); }) {}
 
     void listen();
@@ -90,14 +90,14 @@ struct Server::Impl {
 
     ServerOptions options;
     Stage& stage;
+    int connections = 0, next_client = 0, port = 0;
+    bool ending = false;
     asio::io_context context{1};
     Tcp::acceptor acceptor;
     asio::signal_set signals;
-    asio::steady_timer tick, end;
+    asio::steady_timer tick, end, again;
     Traffic traffic;
     std::map<Show::Client, std::shared_ptr<Page>> pages;
-    int connections = 0, next_client = 0, port = 0;
-    bool ending = false;
     Show show;
 };
 
@@ -136,8 +136,11 @@ class Page : public std::enable_shared_from_this<Page> {
             answer.set(http::field::server, std::string("tissuectl/") + version);
         }));
         socket_.read_message_max(0);  // the limit is ours, so that it comes with a reason
+        socket_.auto_fragment(false);
         socket_.control_callback([this](websocket::frame_type kind, beast::string_view) {
-            if (kind != websocket::frame_type::close && !allowance_.take()) flooded_ = true;
+            if (kind == websocket::frame_type::close || flooded_ || allowance_.take()) return;
+            flooded_ = true;
+            asio::post(socket_.get_executor(), [self = shared_from_this()] { self->refuse_flood(); });
         });
         socket_.async_accept(request, [self = shared_from_this()](Code error) {
             if (error) return self->gone();
@@ -149,7 +152,10 @@ class Page : public std::enable_shared_from_this<Page> {
 
     void tell(const std::string& text) {
         if (closing_) return;
-        if (texts_.size() >= longest_queue) return drop("slow");
+        if (texts_.size() >= longest_queue) {  // not now: the show is talking to everyone
+            too_slow_ = true;
+            return;
+        }
         texts_.push_back(std::make_shared<std::string>(text));
         write();
     }
@@ -165,7 +171,7 @@ class Page : public std::enable_shared_from_this<Page> {
     void forget_state() { state_.reset(); }
 
     void check_speed() {
-        if (writing_ && Clock::now() - writing_since_ > slow_time) drop("slow");
+        if (too_slow_ || (writing_ && Clock::now() - writing_since_ > slow_time)) drop("slow");
     }
 
     /// Says why, closes, and waits for the other side only as long as the timeouts allow.
@@ -196,12 +202,11 @@ class Page : public std::enable_shared_from_this<Page> {
     void have_read(Code error) {
         if (error) return gone();
         if (closing_) return;
-        if (flooded_) return refuse(websocket::close_code::policy_error, {"rate", "too many messages a second"});
+        if (!allowance_.take()) return refuse_flood();  // a piece of a message costs as much as a whole one
         if (buffer_.size() > longest_message)
             return refuse(websocket::close_code::too_big, {"too_long", fmt::format("a message of more than {} bytes", longest_message)});
         if (!socket_.is_message_done()) return read();
         ++server_.traffic.messages;
-        if (!allowance_.take()) return refuse(websocket::close_code::policy_error, {"rate", "too many messages a second"});
         if (!socket_.got_text()) return refuse(websocket::close_code::policy_error, {"message", "a message is text"});
         const std::string text = beast::buffers_to_string(buffer_.data());
         buffer_.consume(buffer_.size());
@@ -210,7 +215,10 @@ class Page : public std::enable_shared_from_this<Page> {
         if (!closing_) read();
     }
 
+    void refuse_flood() { refuse(websocket::close_code::policy_error, {"rate", "too many messages a second"}); }
+
     void refuse(websocket::close_code code, const Refusal& refusal) {
+        if (closing_) return;
         server_.refuse(refusal.kind);
         close({code, refusal.reason});
     }
@@ -247,9 +255,7 @@ class Page : public std::enable_shared_from_this<Page> {
 
     /// Without a word: it would not be read.
     void drop(const char* kind) {
-        server_.refuse(kind);
-        closing_ = true;
-        leave();
+        if (!closing_) server_.refuse(kind);
         gone();
     }
 
@@ -276,7 +282,8 @@ class Page : public std::enable_shared_from_this<Page> {
     std::optional<websocket::close_reason> farewell_;
     Allowance allowance_;
     Clock::time_point writing_since_;
-    bool open_ = false, writing_ = false, closing_ = false, left_ = false, bye_ = false, flooded_ = false;
+    bool open_ = false, writing_ = false, closing_ = false, left_ = false, bye_ = false,
+         flooded_ = false, too_slow_ = false;
 };
 
 // ---- one connection that speaks HTTP
@@ -426,19 +433,21 @@ void Server::Impl::listen() {
 }
 
 void Server::Impl::accept() {
+    if (ending) return;
     acceptor.async_accept([this](Code error, Tcp::socket socket) {
         if (ending || error == asio::error::operation_aborted) return;
-        if (error) {  // out of file descriptors: not all at once
-            tick.expires_after(step_time);
-        } else {
-            ++traffic.connections;
-            Code ignored;
-            socket.set_option(Tcp::no_delay(true), ignored);
-            if (connections >= connections_max)
-                refuse("connections");
-            else
-                std::make_shared<Visitor>(*this, std::move(socket))->read();
+        if (error) {  // out of file descriptors: later again
+            again.expires_after(std::chrono::milliseconds(100));
+            again.async_wait([this](Code) { accept(); });
+            return;
         }
+        ++traffic.connections;
+        Code ignored;
+        socket.set_option(Tcp::no_delay(true), ignored);
+        if (connections >= connections_max)
+            refuse("connections");
+        else
+            std::make_shared<Visitor>(*this, std::move(socket))->read();
         accept();
     });
 }
@@ -453,8 +462,8 @@ void Server::Impl::step() {
     for (const auto& page : all) page->check_speed();
     if (stage.failed()) return finish("the simulation has failed");
     tick.expires_after(step_time);
-    tick.async_wait([this](Code error) {
-        if (!error || !ending) step();
+    tick.async_wait([this](Code) {
+        if (!ending) step();
     });
 }
 
@@ -475,6 +484,7 @@ void Server::Impl::finish(const std::string& reason) {
     signals.cancel(ignored);
     tick.cancel();
     end.cancel();
+    again.cancel();
     std::vector<std::shared_ptr<Page>> all;
     for (const auto& [client, page] : pages) all.push_back(page);
     for (const auto& page : all) page->say_bye(reason);

@@ -6,6 +6,7 @@ namespace tissue::serve {
 namespace {
 
 constexpr double silent_s = 2;      ///< a holder who says nothing for this long has let go
+constexpr double turn_s = 0.5;      ///< between two changes of model: each stops the ticks for a moment
 constexpr double idle_s = 3;        ///< without a holder until the demo begins by itself
 
 }  // namespace
@@ -64,7 +65,8 @@ void Show::act(Client, const DemoMessage& m, double) {
 }
 
 void Show::act(Client, const ModelMessage& m, double now_s) {
-    if (m.model == stage_.index()) return;
+    if (m.model == stage_.index() || now_s - turned_s_ < turn_s) return;
+    turned_s_ = now_s;
     const bool paused = stage_.channel().paused();
     holder_ = nobody;
     stage_.turn_to(m.model);

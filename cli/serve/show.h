@@ -55,7 +55,7 @@ class Show {
     Hand hand_;
     std::map<Client, std::string> clients_;   ///< and the control message each has heard last
     Client holder_ = nobody;
-    double heard_s_ = 0, idle_since_s_ = 0, before_s_ = -1;
+    double heard_s_ = 0, idle_since_s_ = 0, turned_s_ = -1e9, before_s_ = -1;
     Near near_;
     std::string frame_;
     Histogram tick_us_;                       ///< since the start

@@ -3,9 +3,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <thread>
 
 #include "../refusal.h"
 #include "error.h"
+#include "haptic/pointer_device.h"
+#include "haptic/state_channel.h"
 #include "haptic/truth_in_motion.h"
 #include "haptic_example.h"
 #include "springs/equilibrium.h"
@@ -294,6 +297,52 @@ TEST_CASE("a tick allocates nothing", "[simulation]") {
     count_allocations = false;
     CHECK(allocations == 1);  // the hook sees what there is to see
 #endif
+}
+
+TEST_CASE("a tick led by a pointer and watched from another thread allocates nothing", "[simulation]") {
+    const HapticModel model(haptic_example(), {});
+    Simulation s(model);
+    PointerDevice pointer({0.05, 0.13}, model.options.map, model.options.safety.speed_max_m_s);
+    StateChannel channel(model, 3, 64);
+    std::atomic<bool> done{false};
+    long fetched = 0;
+    std::thread other([&] {  // a page that does everything it can, as fast as it can
+        Draw draw(8);
+        double us;
+        while (!done.load()) {
+            pointer.aim({draw(-0.03, 0.29), draw(0.02, 0.13)});
+            if (draw.below(50) == 0) channel.pause(draw.below(4) == 0);
+            if (draw.below(500) == 0) channel.reset();
+            fetched += channel.fetch();
+            while (channel.pop_time(us)) {}
+        }
+        channel.pause(false);
+    });
+    allocations = 0;
+    long left_out = 0;
+    for (int k = 0; k < 20000; ++k) {
+        TickBooks books;
+        books.ticks = k;
+        count_allocations = true;
+#ifdef EIGEN_RUNTIME_NO_MALLOC
+        Eigen::internal::set_is_malloc_allowed(false);
+#endif
+        books.left_out = !channel.before(s);
+        if (books.left_out) s.stand_still();
+        else s.tick(pointer.read(k * 1e-3));
+        channel.after(s, books);
+#ifdef EIGEN_RUNTIME_NO_MALLOC
+        Eigen::internal::set_is_malloc_allowed(true);
+#endif
+        count_allocations = false;
+        left_out += books.left_out;
+    }
+    done.store(true);
+    other.join();
+    CHECK(allocations == 0);
+    CHECK(fetched > 0);
+    CHECK(left_out > 0);
+    CHECK(s.safety().counters().jump == 0);
 }
 
 TEST_CASE("device space maps to the plane by scale, axes and offset, and power is conserved", "[simulation]") {

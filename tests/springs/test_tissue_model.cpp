@@ -13,12 +13,18 @@ namespace {
 
 const Provenance provenance{"tissuectl test", 11, {}};
 
+const Eigen::VectorXd& theta() {
+    static const Eigen::VectorXd theta = example_theta(make_lattice("grid8", 4, 4, 0.1, 0.1));
+    return theta;
+}
+
+const Cases& example_cases_once() {
+    static const Cases cases = example_cases(example_study(), theta());
+    return cases;
+}
+
 const TissueModel& example() {
-    static const TissueModel model = [] {
-        const Study study = example_study();
-        const Eigen::VectorXd theta = example_theta(make_lattice("grid8", 4, 4, 0.1, 0.1));
-        return example_model(study, example_cases(study, theta), theta);
-    }();
+    static const TissueModel model = example_model(example_study(), example_cases_once(), theta());
     return model;
 }
 
@@ -46,6 +52,7 @@ TEST_CASE("a model comes back from HDF5 with the same bits") {
     CHECK(b.contact_m == a.contact_m);
     CHECK(b.direction == a.direction);
     CHECK(b.magnitude_m == a.magnitude_m);
+    CHECK(b.contact_force_N == a.contact_force_N);
     CHECK(b.node_weight == a.node_weight);
     REQUIRE(b.trained.size() == a.trained.size());
     for (std::size_t t = 0; t < a.trained.size(); ++t) {
@@ -82,10 +89,31 @@ TEST_CASE("every dataset of model.h5 says units and description: stiffness in N/
                                                                                       {"/trained/spsa/theta", "N/m"},
                                                                                       {"/trained/spsa/loss", "N"},
                                                                                       {"/cases/magnitude", "m"},
+                                                                                      {"/cases/contact_force", "N"},
                                                                                       {"/cases/node_weight", "1"}}) {
         CHECK(in.text_attribute(name, "units") == units);
         CHECK_FALSE(in.text_attribute(name, "description").empty());
     }
+}
+
+TEST_CASE("a model carries the force of its cases; one of an earlier program that does not is read all the same") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("model.h5");
+    write_model(file, example(), provenance);
+    const std::vector<LoadCase> loads = load_cases(example_cases_once());
+    const TissueModel model = read_model(file);
+    REQUIRE(model.contact_force_N.rows() == model.case_count());
+    for (Eigen::Index c = 0; c < model.case_count(); ++c)
+        CHECK(model.contact_force_N.row(c).transpose() == loads[static_cast<std::size_t>(c)].record->contact_force_N);
+    CHECK(model.contact_force_N.norm() > 0);
+
+    replace_dataset(file, "/cases/contact_force");
+    CHECK(read_model(file).contact_force_N.rows() == 0);
+    write_model(file, read_model(file), provenance);
+    CHECK(read_model(file).contact_force_N.rows() == 0);
+    write_model(file, example(), provenance);
+    replace_dataset(file, "/cases/contact_force", {1, 2, 3});
+    CHECK_THAT(refusal<FileError>([&] { read_model(file); }), Contains("/cases/contact_force"));
 }
 
 TEST_CASE("a model that lacks a dataset is refused with file and dataset") {
