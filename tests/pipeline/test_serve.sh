@@ -1,0 +1,9 @@
+#!/bin/sh
+# tissuectl serve from outside: what it serves, to whom, what it refuses, and how it ends.
+. "$(dirname "$0")/common"
+make_copy
+make_tiny train -j2
+check "the study is trained to begin with" exited 0
+PYTHONDONTWRITEBYTECODE=1 "$PYTHON" "$root/tests/serve/check_server.py" "$work/build/release/tissuectl" "$R/model.h5" "$scratch" \
+    || failures=$((failures + 1))
+finish

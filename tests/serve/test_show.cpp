@@ -1,0 +1,300 @@
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "../../cli/serve/metrics.h"
+#include "../../cli/serve/page.h"
+#include "../../cli/serve/show.h"
+#include "../example.h"
+#include "../haptic/haptic_example.h"
+#include "../refusal.h"
+#include "error.h"
+
+using namespace tissue;
+using namespace tissue::serve;
+using Json = nlohmann::json;
+
+namespace {
+
+/// The example with FE forces: 2 N/m along the push.
+TissueModel with_forces() {
+    TissueModel tissue = haptic_example();
+    tissue.contact_force_N = 2 * tissue.magnitude_m.asDiagonal() * tissue.direction;
+    return tissue;
+}
+
+struct Shown {
+    TissueModel tissue = with_forces();
+    HapticModel model{tissue, {}};
+    Scene scene{tissue, model};
+};
+
+bool in_tissue(const Scene& scene, const Eigen::Vector2d& p, double margin = 0) {
+    for (const auto& [low, high] : scene.boxes())
+        if ((p.array() > low.array() - margin).all() && (p.array() < high.array() + margin).all()) return true;
+    return false;
+}
+
+/// A show of two models whose clients write down what they hear.
+struct Stand {
+    TemporaryFolder folder;
+    std::unique_ptr<Stage> stage;
+    std::map<int, std::vector<Json>> heard;
+    std::unique_ptr<Show> show;
+    double now_s = 100;
+    Stand() {
+        write_model(folder.file("a.h5"), with_forces(), {"test", 1, {}});
+        write_model(folder.file("b.h5"), haptic_example({"grid8", "axial"}), {"test", 1, {}});
+        stage = std::make_unique<Stage>(std::vector<std::string>{folder.file("a.h5"), folder.file("b.h5")}, StageOptions{{}, false});
+        show = std::make_unique<Show>(*stage, [this](int client, const std::string& text) { heard[client].push_back(Json::parse(text)); });
+    }
+    std::string last_holder(int client) const {
+        for (auto k = heard.at(client).rbegin(); k != heard.at(client).rend(); ++k)
+            if ((*k)["type"] == "control") return (*k)["holder"];
+        return "";
+    }
+    bool point(int client, double x, double y, bool down) {
+        return !show->hear(client, Json{{"type", "pointer"}, {"x", x}, {"y", y}, {"down", down}}.dump(), now_s);
+    }
+    /// Time goes on, as fast as it can; the tick's own is not waited for.
+    void pass(double seconds) {
+        for (const double end = now_s + seconds; now_s < end; now_s += 0.016) show->step(now_s);
+    }
+};
+
+}  // namespace
+
+TEST_CASE("cases of one contact and direction are one place, with its curve from rest", "[serve]") {
+    const Shown s;
+    REQUIRE(s.scene.places().size() == 9);
+    const Place& top = s.scene.places()[1];
+    CHECK(top.name == "top");
+    CHECK(top.depth_m == 0.015);
+    REQUIRE(top.curve.size() == 3);
+    CHECK(top.curve[0] == std::pair(0.0, 0.0));
+    CHECK(top.curve[2].second == Approx(0.03));
+    CHECK((top.inward - Eigen::Vector2d(0, -1)).norm() < 1e-12);
+    CHECK(s.scene.first_place() == 1);
+
+    const Json j = Json::parse(s.scene.message({"a", "b"}, 1));
+    for (const char* key : {"type", "study", "models", "model", "dt_s", "force_max_N", "force_scale", "dynamics", "low_m", "high_m", "meshes", "places", "demo"})
+        CHECK(j.count(key) == 1);
+    CHECK(j["meshes"].size() == 2);
+    CHECK(j["meshes"][1]["nodes_m"][0][0].get<double>() == Approx(0.15));
+    CHECK(j["meshes"][0]["springs"].size() == 220);
+    CHECK(j["meshes"][0]["stiffness_N_m"][5].get<double>() == Approx(s.tissue.trained[0].theta.col(5).mean()));
+    CHECK(j["high_m"][0].get<double>() == Approx(0.25));
+    CHECK(j["places"][1]["curve"].size() == 3);
+
+    const TissueModel without = haptic_example();   // of an earlier program
+    const HapticModel model(without, {});
+    CHECK(Json::parse(Scene(without, model).message({"a"}, 0))["places"][0]["curve"].empty());
+}
+
+TEST_CASE("the nearest place is the one at the contact whose push is most like ours, with FE's force at its depth", "[serve]") {
+    const Shown s;
+    Simulation simulation(s.model);
+    StateChannel channel(s.model, 1);
+    channel.after(simulation, {});
+    REQUIRE(channel.fetch());
+    TickState state = channel.state();
+    CHECK(s.scene.near(state).place == -1);
+    const std::vector<int>& outline = s.model.meshes[0]->springs.outline();
+    const auto at = [&](double x, double y, const Eigen::Vector2d& push) {
+        state.record.mesh = 0;
+        for (std::size_t b = 0; b < outline.size(); ++b)
+            if ((s.model.meshes[0]->springs.rest().row(outline[b]) - Eigen::RowVector2d(x, y)).norm() < 1e-9) state.record.segment = static_cast<int>(b);
+        state.record.w = 0;
+        state.contact_displacement_m[0] = push;
+        return s.scene.near(state);
+    };
+    const Near corner = at(0, 0.1, {0.004, -0.005});
+    CHECK(s.scene.places()[static_cast<std::size_t>(corner.place)].name == "tl-diagonal");
+    CHECK(corner.distance_m < 1e-12);
+    CHECK(corner.force_N == Approx(2 * 0.009 / std::sqrt(2)));
+    CHECK(s.scene.places()[static_cast<std::size_t>(at(0, 0.1, {0.001, -0.009}).place)].name == "tl-down");
+    const Near top = at(0.06, 0.1, {0, -0.012});
+    CHECK(s.scene.places()[static_cast<std::size_t>(top.place)].name == "top");
+    CHECK(top.distance_m == Approx(0.01));
+    CHECK(top.force_N == Approx(0.024));
+    CHECK(std::isnan(at(0.06, 0.1, {0, -0.02}).force_N));   // deeper than FE was asked
+    CHECK(std::isnan(at(0.06, 0.1, {0, 0.001}).force_N));   // pulled
+
+    TickSummary summary;
+    summary.ticks = 42;
+    summary.clients = 3;
+    const std::string bytes = encode_state(state, s.model, top, summary);
+    REQUIRE(bytes.size() == 256 + 2 * 2 * 121 * 4);
+    double head[32];
+    std::memcpy(head, bytes.data(), sizeof head);
+    CHECK((head[1] == 42 && head[13] == 0 && head[22] == 1 && head[26] == 3));
+    CHECK(head[23] == top.force_N);
+    float node[2];
+    std::memcpy(node, bytes.data() + 256 + 4 * 2 * 120, sizeof node);
+    CHECK((node[0] == Approx(0.1) && node[1] == Approx(0.1)));
+}
+
+TEST_CASE("on its way the hand goes round the tissue; to a point inside it comes from the nearest side", "[serve]") {
+    const Shown s;
+    Draw draw(4);
+    for (int k = 0; k < 300; ++k) {
+        const auto& boxes = s.scene.boxes();
+        const Eigen::Vector2d from = outside(boxes, {draw(-0.05, 0.3), draw(-0.05, 0.15)}, 0.01),
+                              to = outside(boxes, {draw(-0.05, 0.3), draw(-0.05, 0.15)}, 0.01);
+        CHECK_FALSE(in_tissue(s.scene, from, 0.0099));
+        Eigen::Vector2d at = from;
+        double length = 0;
+        for (const Eigen::Vector2d& p : way_round(boxes, from, to, 0.01)) {
+            for (int i = 0; i <= 50; ++i) REQUIRE_FALSE(in_tissue(s.scene, at + (p - at) * i / 50, 0.0088));
+            length += (p - at).norm();
+            at = p;
+        }
+        CHECK(at == to);
+        CHECK(length < (to - from).norm() + 0.6);
+    }
+    Hand hand(s.scene);
+    hand.follow({0.09, 0.05});   // inside, near the right side; the hand is above the middle
+    Eigen::Vector2d entered = hand.at();
+    for (int k = 0; k < 200; ++k) {
+        const Eigen::Vector2d before = hand.at(), now = hand.step(0.016);
+        if (!in_tissue(s.scene, before) && in_tissue(s.scene, now)) entered = before;
+    }
+    CHECK((hand.at() - Eigen::Vector2d(0.09, 0.05)).norm() < 1e-12);
+    CHECK((entered - Eigen::Vector2d(0.11, 0.05)).norm() < 1e-9);
+    hand.follow({0.07, 0.03});   // now it is led
+    CHECK((hand.step(0.016) - Eigen::Vector2d(0.07, 0.03)).norm() < 1e-12);
+    hand.let_go();
+    for (int k = 0; k < 100; ++k) hand.step(0.016);
+    CHECK((hand.at() - Eigen::Vector2d(0.11, 0.05)).norm() < 1e-9);   // out where it came in
+    hand.follow({1e300, -1e300});
+    for (int k = 0; k < 1000; ++k) hand.step(0.016);
+    CHECK(hand.at().norm() < 2);
+}
+
+TEST_CASE("the demo presses every place of a tour as deep as its cases, and only there", "[serve]") {
+    const Shown s;
+    Hand hand(s.scene);
+    hand.demonstrate(-1);
+    std::vector<double> deepest(9, 0);
+    std::vector<int> order;
+    for (int k = 0; k < 60 * 60; ++k) {
+        hand.step(1.0 / 60);
+        const int place = hand.place();
+        REQUIRE(place >= 0);
+        if (order.empty() || order.back() != place) order.push_back(place);
+        const Place& p = s.scene.places()[static_cast<std::size_t>(place)];
+        const Eigen::Vector2d in = hand.at() - p.contact_m;
+        if (in_tissue(s.scene, hand.at())) {
+            deepest[static_cast<std::size_t>(place)] = std::max(deepest[static_cast<std::size_t>(place)], in.dot(p.direction));
+            CHECK(in.norm() < 0.017);
+        }
+    }
+    CHECK(order.front() == s.scene.first_place());
+    for (double depth : deepest) CHECK(depth == Approx(0.015 * 1.1).margin(0.0004));
+    hand.demonstrate(4);
+    for (int k = 0; k < 600; ++k) {
+        hand.step(1.0 / 60);
+        CHECK(hand.place() == 4);
+    }
+    hand.let_go();
+    CHECK(hand.place() == -1);
+}
+
+TEST_CASE("the first to put the pointer down holds the tissue until it lets go, leaves or falls silent", "[serve]") {
+    Stand s;
+    s.show->join(1);
+    s.show->join(2);
+    CHECK(s.heard[1][0]["type"] == "model");
+    CHECK(s.last_holder(1) == "demo");
+    CHECK(s.point(1, 0.05, 0.09, true));
+    CHECK((s.last_holder(1) == "you" && s.last_holder(2) == "other"));
+    CHECK(s.point(2, 0.05, 0.09, true));                          // in vain, but no offence
+    CHECK_FALSE(s.show->hear(2, R"({"type":"pause","on":true})", s.now_s));
+    CHECK_FALSE(s.show->hear(2, R"({"type":"demo","place":0})", s.now_s));
+    CHECK_FALSE(s.show->hear(2, R"({"type":"model","model":1})", s.now_s));
+    CHECK((s.last_holder(1) == "you" && !s.show->paused() && s.stage->index() == 0));
+    CHECK(s.point(2, 0, 0, false));
+    CHECK(s.last_holder(1) == "you");
+    CHECK(s.point(1, 0, 0, false));
+    CHECK(s.last_holder(2) == "nobody");
+    CHECK(s.point(2, 0.05, 0.09, true));
+    CHECK((s.last_holder(1) == "other" && s.last_holder(2) == "you"));
+    s.pass(1.5);
+    CHECK(s.last_holder(2) == "you");
+    s.pass(1);                                                    // silent for two seconds
+    CHECK(s.last_holder(2) == "nobody");
+    s.pass(4);
+    CHECK(s.last_holder(2) == "demo");                            // it begins by itself
+    CHECK(s.point(1, 0.05, 0.09, true));
+    s.show->leave(1);
+    CHECK(s.last_holder(2) == "nobody");
+    CHECK_FALSE(s.show->hear(2, R"({"type":"demo","place":3})", s.now_s));
+    CHECK(s.heard[2].back() == Json({{"type", "control"}, {"holder", "demo"}, {"paused", false}, {"place", 3}}));
+    CHECK_FALSE(s.show->hear(2, R"({"type":"demo","place":99})", s.now_s));   // of another model: the first place
+    CHECK(s.heard[2].back()["place"] == 1);
+    CHECK(s.show->hear(2, R"({"type":"model","model":2})", s.now_s)->kind == std::string("message"));
+    CHECK(s.show->hear(2, "x", s.now_s)->reason == "not JSON");
+}
+
+TEST_CASE("models change on the running stage, counts go on, and a pause lasts", "[serve]") {
+    Stand s;
+    CHECK(s.stage->names() == std::vector<std::string>{"example", "example (2)"});
+    s.stage->start(nullptr);
+    s.show->join(1);
+    const auto wait = [&](const auto& wanted) {
+        for (int k = 0; k < 300 && !wanted(); ++k) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+            s.now_s += 0.01;
+            s.show->step(s.now_s);
+        }
+        return wanted();
+    };
+    CHECK(wait([&] { return s.stage->counts().ticks > 200; }));
+    CHECK_FALSE(s.show->frame().empty());
+    CHECK_FALSE(s.show->hear(1, R"({"type":"pause","on":true})", s.now_s));
+    CHECK(s.heard[1].back()["paused"] == true);
+    CHECK_FALSE(s.show->hear(1, R"({"type":"model","model":1})", s.now_s));
+    CHECK(s.stage->index() == 1);
+    CHECK(s.stage->model().meshes[0]->springs.spring_count() == 420);
+    CHECK(s.show->paused());
+    CHECK_FALSE(s.show->hear(1, R"({"type":"model","model":0})", s.now_s));   // too soon after the last change
+    CHECK(s.stage->index() == 1);
+    const long long then = s.stage->counts().ticks;
+    CHECK(then > 200);
+    CHECK_FALSE(s.show->hear(1, R"({"type":"pause","on":false})", s.now_s));
+    CHECK(wait([&] { return s.stage->counts().ticks > then + 100; }));
+    CHECK_FALSE(s.show->hear(1, R"({"type":"reset"})", s.now_s));
+    s.show->leave(1);
+    int models = 0;
+    for (const Json& j : s.heard[1]) models += j["type"] == "model";
+    CHECK(models == 2);
+
+    Traffic traffic;
+    traffic.refused["origin"] = 2;
+    const std::string metrics = metrics_text(*s.show, traffic);
+    CHECK(metrics.find("\ntissue_refused_total{reason=\"origin\"} 2\n") != std::string::npos);
+    CHECK(metrics.find("\ntissue_model_info{name=\"example (2)\"} 1\n") != std::string::npos);
+    s.stage->stop();
+    CHECK(s.stage->simulation().record().device_N.allFinite());
+    CHECK(s.stage->counts().faults() == 0);
+    CHECK(refusal<FileError>([&] { Stage({s.folder.file("none.h5")}, {}); }).find("none.h5") != std::string::npos);
+    StageOptions wrong;
+    wrong.haptic.sets = "best";
+    CHECK(refusal<MismatchError>([&] { Stage({s.folder.file("a.h5")}, wrong); }).find("a.h5: spring sets 'best'") != std::string::npos);
+}
+
+TEST_CASE("the page is in the program, whole, and asks for nothing from elsewhere", "[serve]") {
+    for (const char* path : {"/", "/page.css", "/page.js"}) {
+        const PageFile* file = page_file(path);
+        REQUIRE(file);
+        CHECK(file->text.size() > 200);
+        CHECK(file->text.find("https://") == std::string_view::npos);
+    }
+    CHECK(page_file("/")->text.find("</html>") != std::string_view::npos);
+    CHECK(page_file("/")->text.find("<script>") == std::string_view::npos);   // the policy allows files alone
+    CHECK_FALSE(page_file("/index.html/.."));
+    CHECK_FALSE(page_file(""));
+}

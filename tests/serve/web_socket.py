@@ -1,0 +1,214 @@
+"""A WebSocket client that can also misbehave, from Python's own library alone: what tests and bench of `tissuectl serve` use."""
+import base64
+import json
+import os
+import random
+import socket
+import struct
+import subprocess
+import time
+
+TEXT, BINARY, CLOSE, PING, PONG = 1, 2, 8, 9, 10
+
+
+class Server:
+    """A running `tissuectl serve`, on a port of its own choice."""
+
+    def __init__(self, program, *arguments, **environment):
+        self.process = subprocess.Popen([program, "serve", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                        text=True, env={**os.environ, **environment})
+        self.said, self.url = "", None
+        while self.url is None:
+            line = self.process.stderr.readline()
+            if not line:
+                raise RuntimeError(f"it did not start: {self.said}")
+            self.said += line
+            if line.startswith("tissuectl serve: http://"):
+                self.url = line.split()[-1]
+        self.host = self.url.split("/")[2]
+        self.port = int(self.host.rsplit(":", 1)[1])
+
+    def end(self, signal=15):
+        """Exit status, standard output, all of standard error."""
+        self.process.send_signal(signal)
+        return self.wait()
+
+    def wait(self):
+        out, err = self.process.communicate(timeout=20)
+        return self.process.returncode, out, self.said + err
+
+
+def request(port, text, timeout=8):
+    """Everything that comes back for these bytes until the other side closes."""
+    with socket.create_connection(("127.0.0.1", port), timeout=timeout) as s:
+        s.sendall(text if isinstance(text, bytes) else text.encode())
+        answer = b""
+        try:
+            while part := s.recv(65536):
+                answer += part
+        except ConnectionResetError:
+            pass
+        return answer
+
+
+def get(port, path="/", method="GET", host=None, headers=""):
+    """(status, headers as text, body) of one request."""
+    host = f"127.0.0.1:{port}" if host is None else host
+    answer = request(port, f"{method} {path} HTTP/1.1\r\nHost: {host}\r\n{headers}Connection: close\r\n\r\n")
+    head, _, body = answer.partition(b"\r\n\r\n")
+    return int(head.split()[1]) if head else 0, head.decode(), body
+
+
+class Refused(Exception):
+    def __init__(self, status, body):
+        super().__init__(status, body)
+        self.status, self.body = status, body
+
+
+def numbers(payload):
+    """The 32 numbers at the head of a state."""
+    return struct.unpack("<32d", payload[:256])
+
+
+class Client:
+    """One WebSocket. Raises Refused when the handshake is."""
+
+    def __init__(self, port, path="/ws", headers="", host=None, receive_buffer=None):
+        self.socket = socket.socket()
+        if receive_buffer:
+            self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
+        self.socket.settimeout(8)
+        self.socket.connect(("127.0.0.1", port))
+        self.buffer = b""
+        key = base64.b64encode(os.urandom(16)).decode()
+        host = f"127.0.0.1:{port}" if host is None else host
+        self.socket.sendall(f"GET {path} HTTP/1.1\r\nHost: {host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                            f"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {key}\r\n{headers}\r\n".encode())
+        while b"\r\n\r\n" not in self.buffer:
+            part = self.socket.recv(65536)
+            if not part:
+                raise Refused(0, b"closed")
+            self.buffer += part
+        head, _, self.buffer = self.buffer.partition(b"\r\n\r\n")
+        status = int(head.split()[1])
+        if status != 101:
+            raise Refused(status, self.buffer)
+
+    def take(self, count):
+        while len(self.buffer) < count:
+            part = self.socket.recv(65536)
+            if not part:
+                raise EOFError
+            self.buffer += part
+        taken, self.buffer = self.buffer[:count], self.buffer[count:]
+        return taken
+
+    def receive(self):
+        """(kind, payload) of the next frame; the server's are whole messages."""
+        first, second = self.take(2)
+        size = second & 127
+        if size > 125:
+            size = int.from_bytes(self.take(2 if size == 126 else 8), "big")
+        return first & 15, self.take(size)
+
+    def send(self, data, kind=TEXT, final=True, mask=True, size=None):
+        data = data.encode() if isinstance(data, str) else data
+        size = len(data) if size is None else size
+        header = bytes([(0x80 if final else 0) | kind])
+        flag = 0x80 if mask else 0
+        header += (bytes([flag | size]) if size < 126 else bytes([flag | 126]) + struct.pack(">H", size) if size < 65536
+                   else bytes([flag | 127]) + struct.pack(">Q", size))
+        if mask:
+            key = os.urandom(4)
+            header += key
+            data = bytes(b ^ key[k % 4] for k, b in enumerate(data))
+        self.socket.sendall(header + data)
+
+    def say(self, **message):
+        self.send(json.dumps(message))
+
+    def until(self, wanted, seconds=5):
+        """The first message for which wanted(kind, payload) holds; None when none comes in time."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            kind, payload = self.receive()
+            if wanted(kind, payload):
+                return kind, payload
+        return None
+
+    def hear(self, type, seconds=5, **keys):
+        """The next JSON message of a type with these keys."""
+        found = self.until(lambda kind, p: kind == TEXT and (m := json.loads(p))["type"] == type
+                           and all(m[k] == v for k, v in keys.items()), seconds)
+        return found and json.loads(found[1])
+
+    def state(self):
+        """The next state's 32 numbers."""
+        return numbers(self.until(lambda kind, _: kind == BINARY)[1])
+
+    def ended(self, seconds=6):
+        """(code, reason) of the server's close; (None, "") when it just hangs up, None when it does neither."""
+        try:
+            found = self.until(lambda kind, _: kind == CLOSE, seconds)
+        except (EOFError, ConnectionError):
+            return None, ""
+        except TimeoutError:
+            return None
+        return found and (int.from_bytes(found[1][:2], "big"), found[1][2:].decode())
+
+    def close(self):
+        self.socket.close()
+
+
+# ---- misbehaviour
+
+def hostile_frames(port, count, seed=1):
+    """Sends so many frames that no page would, on as many connections as it takes; returns how many it sent."""
+    draw = random.Random(seed)
+    sent = 0
+    while sent < count:
+        try:
+            client = Client(port)
+        except (Refused, OSError):
+            time.sleep(0.02)
+            continue
+        try:
+            for _ in range(draw.randrange(1, 60)):
+                sent += 1
+                kind = draw.randrange(8)
+                if kind < 3:   # well-formed, but what no hand does
+                    client.say(type="pointer", x=draw.uniform(-1e6, 1e6), y=draw.choice([1e300, -1e300, draw.uniform(0, .1)]), down=True)
+                elif kind == 3:
+                    client.send(os.urandom(draw.randrange(200)), kind=draw.choice([TEXT, BINARY, PING, PONG]))
+                elif kind == 4:
+                    client.send(b"{" * draw.randrange(2000))
+                elif kind == 5:
+                    client.send(os.urandom(50), kind=draw.choice([0, 3, 7, 11, 15]))
+                elif kind == 6:
+                    client.send(b"x", size=draw.choice([2000, 65535, 2 ** 31, 2 ** 63 - 1]))
+                else:
+                    client.send(b'{"type":"reset"}', final=draw.random() < .5, mask=draw.random() < .5)
+        except OSError:
+            pass
+        client.close()
+    return sent
+
+
+def connects(port, count, seed=2):
+    """Connects and goes away again, at every stage of a conversation."""
+    draw = random.Random(seed)
+    for _ in range(count):
+        kind = draw.randrange(4)
+        try:
+            if kind == 0:
+                socket.create_connection(("127.0.0.1", port)).close()
+            elif kind == 1:
+                with socket.create_connection(("127.0.0.1", port)) as s:
+                    s.sendall(os.urandom(draw.randrange(1, 3000)))
+            elif kind == 2:
+                with socket.create_connection(("127.0.0.1", port)) as s:
+                    s.sendall(b"GET /ws HTTP/1.1\r\nHost: 127.0.0.1\r\n")
+            else:
+                Client(port).close()
+        except (Refused, OSError):
+            pass
