@@ -17,7 +17,7 @@ const IN = { time: 0, ticks: 1, misses: 2, misses_program: 3, clamped: 4, faults
              proxy: 11, pressed: 13, moved: 14, force: 18, device: 20, place: 22, fe: 23, set: 24, fault: 25, clients: 26 };
 const LEARNED = 0, HEURISTIC = 1;
 const WINDOW = 10;                // s, of the plot over time
-const NEAR = 0.002, ASKEW = 10;   // m and degrees: from here on a contact is another one, and FE's curve not its own
+const NEAR = 0.002, ASKEW = 5;    // m and degrees: from here on a contact is another one, in the evaluation too
 const SHALLOW = 0.001;            // m: less depth makes a percentage of next to nothing
 
 const $ = id => document.getElementById(id);
@@ -34,15 +34,15 @@ const node = (mesh, i) => [state.nodes[mesh][2 * i], state.nodes[mesh][2 * i + 1
 
 // ---- words
 
-const millimetres = (m, digits = 1) => Number.isFinite(m) ? `${(1e3 * m).toFixed(digits)} mm` : "–";
+const millimetres = m => Number.isFinite(m) ? `${(1e3 * m).toFixed(1)}\u00a0mm` : "–";
 const unit_of = force => Math.abs(force) < 0.1 ? { name: "mN", scale: 1e3 } : { name: "N", scale: 1 };
 /** In the unit that suits the model: one that does not change from reading to reading. */
 function newtons(force, like = model.strongest_N || force) {
   if (!Number.isFinite(force)) return "–";
   const unit = unit_of(like), x = unit.scale * force;
-  return `${x.toFixed(Math.abs(x) >= 100 ? 0 : Math.abs(x) >= 10 ? 1 : 2)} ${unit.name}`;
+  return `${x.toFixed(Math.abs(x) >= 100 ? 0 : Math.abs(x) >= 10 ? 1 : 2)}\u00a0${unit.name}`;
 }
-const percent = x => `${100 * x < 9.95 ? (100 * x).toFixed(1) : Math.round(100 * x)} %`;
+const percent = x => `${100 * x < 9.95 ? (100 * x).toFixed(1) : Math.round(100 * x)}\u00a0%`;
 const say = (id, text) => { if ($(id).textContent !== text) $(id).textContent = text; };
 
 // ---- connection
@@ -259,7 +259,7 @@ function judge() {
   else if (c.why) say_words(c.why);
   else {
     const of = mesh => Number.isFinite(c.errors[mesh])
-      ? [["learned", "heuristic"][mesh], `${percent(Math.abs(c.errors[mesh]))} too ${c.errors[mesh] > 0 ? "stiff" : "soft"}`] : null;
+      ? [["learned", "heuristic"][mesh], `${percent(Math.abs(c.errors[mesh]))} too\u00a0${c.errors[mesh] > 0 ? "stiff" : "soft"}`] : null;
     const [l, h] = [of(LEARNED), of(HEURISTIC)];
     if (l && h) words.push("Against finite elements the learned mesh is ", l, ", the heuristic mesh ", h, ".");
     else if (l) words.push("Against finite elements the learned mesh is ", l, "; the heuristic mesh is deeper than they went.");
@@ -385,8 +385,8 @@ function show_controls() {
   else if (control.paused) text = "Paused: time stands still.";
   else if (other) [kind, text] = ["held", "Another visitor holds the tissue. You are watching; it is yours as soon as they let go."];
   else if (control.holder === "demo")
-    text = `The demo presses${model.places[control.place] ? ` at ${title(control.place)}` : ""}. Take over whenever you like: drag into a mesh.` +
-      (calm() ? " It is drawn once a second, because your system asks for little motion; Play demo shows all of it." : "");
+    text = `Demo${model.places[control.place] ? `: ${title(control.place)}` : ""}. Drag into a mesh to take over.` +
+      (calm() ? " Your system asks for little motion, so it is drawn once a second; Play demo shows all of it." : "");
   else if (control.holder === "you") text = "You hold the tissue.";
   $("notice").dataset.kind = kind;
   say("notice", text);
@@ -729,7 +729,7 @@ function draw_legend(c, width, height, narrow) {
     c.fillText(`${+mm.toFixed(1)}${mm + step > deepest + 1e-9 ? " mm" : ""}`, at, y + 27);
   }
   c.textAlign = "right";
-  c.fillText(narrow ? "moved" : "displacement", x - 8, y + 10);
+  c.fillText(narrow ? "displaced" : "displacement", x - 8, y + 10);
 
   // a force of round size as an arrow
   const per_m = arrow_scale(), round = nice(per_m * 0.02, 1), length = round.top / per_m * view.scale;
@@ -814,7 +814,7 @@ function draw_depth_plot(comparable) {
   const deepest = Math.max(model.deepest_m, ...meshes.flat().map(p => p[0]));
   const most = Math.max(...curve.map(p => p[1]), ...meshes[0].map(p => p[1]), curve.length ? 0 : model.strongest_N, 1e-4);
   const mm = nice(1e3 * deepest, 5);
-  const { X, Y, box } = axes(c, width, height, { low: 0, high: mm.top * 1e-3, step: mm.step * 1e-3, scale: 1e3, label: "depth (mm)" },
+  const { X, Y, box } = axes(c, width, height, { low: 0, high: mm.top * 1e-3, step: mm.step * 1e-3, scale: 1e3, label: "depth along the push (mm)" },
                              force_axis(most * 1.04));
   c.save();
   c.beginPath();
@@ -831,13 +831,20 @@ function draw_depth_plot(comparable) {
     c.fill();
   }
   c.globalAlpha = 1;
+  const mark = (m, x, y, size) => {
+    c.fillStyle = m === LEARNED ? colours.learned : colours.heuristic;
+    c.beginPath();
+    if (m === LEARNED) c.arc(x, y, size, 0, 2 * Math.PI);
+    else c.rect(x - 0.86 * size, y - 0.86 * size, 1.72 * size, 1.72 * size);
+    c.fill();
+  };
+  c.globalAlpha = 0.7;   // the way here, with the tissue's ripples
   meshes.forEach((points, m) => {
     c.strokeStyle = m === LEARNED ? colours.learned : colours.heuristic;
-    c.lineWidth = 1.8;
-    c.setLineDash(m === LEARNED ? [] : [5, 3]);
+    c.lineWidth = 1.4;
     line(c, points.map(([d, f]) => [X(d), Y(f)]));
   });
-  c.setLineDash([]);
+  c.globalAlpha = 1;
   if (now && press.length) {
     const ends = meshes.map(points => points[points.length - 1]);
     c.strokeStyle = colours.soft;   // one force, two depths
@@ -847,34 +854,30 @@ function draw_depth_plot(comparable) {
     c.stroke();
     c.setLineDash([]);
     ends.forEach(([d, f], m) => {
-      c.fillStyle = m === LEARNED ? colours.learned : colours.heuristic;
       c.strokeStyle = colours.paper;
-      c.lineWidth = 2;
-      c.beginPath();
-      if (m === LEARNED) c.arc(X(d), Y(f), 6, 0, 2 * Math.PI);
-      else c.rect(X(d) - 5, Y(f) - 5, 10, 10);
-      c.fill();
+      c.lineWidth = 3;
+      mark(m, X(d), Y(f), 6);
       c.stroke();
+      c.fill();
     });
   }
   c.restore();
   // key
-  const entries = [["finite elements", colours.fe, [], 3], ["learned", colours.learned, [], 1.8], ["heuristic", colours.heuristic, [5, 3], 1.8]];
+  const names = ["learned", "heuristic", "finite elements"];
   c.font = font(12);
   c.textAlign = "left";
   c.textBaseline = "middle";
-  let x = box.right - entries.reduce((sum, e) => sum + 34 + c.measureText(e[0]).width, -10);
-  for (const [name, colour, dash, thick] of entries) {
-    c.strokeStyle = colour;
-    c.lineWidth = thick;
-    c.setLineDash(dash);
+  let x = box.right - names.reduce((sum, name) => sum + 36 + c.measureText(name).width, -14);
+  names.forEach((name, m) => {
+    c.strokeStyle = m === LEARNED ? colours.learned : m === HEURISTIC ? colours.heuristic : colours.fe;
+    c.lineWidth = m > HEURISTIC ? 3 : 1.4;
     trace(c, [[x, 8], [x + 17, 8]], false);
     c.stroke();
-    c.setLineDash([]);
+    if (m <= HEURISTIC) mark(m, x + 8.5, 8, 4);
     c.fillStyle = colours.ink;
     c.fillText(name, x + 22, 8.5);
-    x += 34 + c.measureText(name).width;
-  }
+    x += 36 + c.measureText(name).width;
+  });
 }
 
 function draw_time_plot() {
