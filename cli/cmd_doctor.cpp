@@ -44,7 +44,7 @@ const std::vector<Tool>& tools() {
         {"pkg-config", "pkg-config", "pkg-config --version", true, "finds the libraries"},
         {"gmsh", "gmsh", "gmsh --version", true, "meshes the tissue"},
         {"FreeFem++", "freefem++",
-         "script=$(mktemp --suffix=.edp) && trap 'rm -f \"$script\"' EXIT && said=$(FreeFem++-nw -nw -v 1 \"$script\") && echo \"$said\" | head -n 1",
+         "script=$(mktemp --suffix=.edp) && trap 'rm -f \"$script\"' EXIT && echo \";\" >\"$script\" && said=$(FreeFem++-nw -nw -v 1 \"$script\") && echo \"$said\" | head -n 1",
          true, "solves the load cases"},
         {"FreeFem++ plugins", "libfreefem++", ask_plugins, true, "gmsh, Element_P1dc1, Element_QF, MUMPS_seq"},
         {"Eigen", "libeigen3-dev", "pkg-config --modversion eigen3", true, "matrices"},
