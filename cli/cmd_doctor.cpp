@@ -20,12 +20,12 @@
 namespace tissue::cli {
 namespace {
 
-/// A program or library, how to ask it for its version, and the Debian package it comes in. tests/pipeline/test_doctor.sh
-/// holds this table against scripts/install_deps.
+/// A program or library, how to ask it for its version, and the Debian package it comes in.
+/// tests/pipeline/test_doctor.sh holds this table against scripts/install_deps.
 struct Tool {
     const char* name;
     const char* package;
-    const char* ask;      ///< shell; its output holds the version; a status other than 0: it is not there
+    const char* ask;  ///< shell; its output holds the version; a status other than 0: it is not there
     bool needed;
     const char* purpose;
 };
@@ -34,7 +34,8 @@ struct Tool {
 constexpr const char* ask_plugins =
     "folder=${FF_LOADPATH:-$(dirname \"$(dpkg -L libfreefem++ | grep '/gmsh\\.so$' | grep -v /mpi/ | head -n 1)\")}; "
     "script=$(mktemp --suffix=.edp) && trap 'rm -f \"$script\"' EXIT && "
-    "echo 'load \"gmsh\" load \"Element_P1dc1\" load \"Element_QF\" load \"MUMPS_seq\" cout << \"plugins\" << endl;' >\"$script\" && "
+    "echo 'load \"gmsh\" load \"Element_P1dc1\" load \"Element_QF\" load \"MUMPS_seq\" cout << \"plugins\" << endl;' "
+    ">\"$script\" && "
     "FF_LOADPATH=$folder FreeFem++-nw -nw -v 0 \"$script\" >/dev/null && echo \"in $folder\"";
 
 const std::vector<Tool>& tools() {
@@ -44,7 +45,8 @@ const std::vector<Tool>& tools() {
         {"pkg-config", "pkg-config", "pkg-config --version", true, "finds the libraries"},
         {"gmsh", "gmsh", "gmsh --version", true, "meshes the tissue"},
         {"FreeFem++", "freefem++",
-         "script=$(mktemp --suffix=.edp) && trap 'rm -f \"$script\"' EXIT && echo \";\" >\"$script\" && said=$(FreeFem++-nw -nw -v 1 \"$script\") && echo \"$said\" | head -n 1",
+         "script=$(mktemp --suffix=.edp) && trap 'rm -f \"$script\"' EXIT && echo \";\" >\"$script\" && "
+         "said=$(FreeFem++-nw -nw -v 1 \"$script\") && echo \"$said\" | head -n 1",
          true, "solves the load cases"},
         {"FreeFem++ plugins", "libfreefem++", ask_plugins, true, "gmsh, Element_P1dc1, Element_QF, MUMPS_seq"},
         {"Eigen", "libeigen3-dev", "pkg-config --modversion eigen3", true, "matrices"},
@@ -60,19 +62,23 @@ const std::vector<Tool>& tools() {
         {"fmt", "libfmt-dev", "pkg-config --modversion fmt", true, "text"},
         {"Catch2", "catch2", "pkg-config --modversion catch2", true, "tests"},
         {"python3", "python3", "$PYTHON --version", true, "figures"},
-        {"python3 venv", "python3-venv", "$PYTHON -c 'import venv, ensurepip; print(ensurepip.version())'", true, "peers of make bench"},
+        {"python3 venv", "python3-venv", "$PYTHON -c 'import venv, ensurepip; print(ensurepip.version())'", true,
+         "peers of make bench"},
         {"numpy", "python3-numpy", "$PYTHON -c 'import numpy; print(numpy.__version__)'", true, "figures"},
         {"h5py", "python3-h5py", "$PYTHON -c 'import h5py; print(h5py.__version__)'", true, "figures"},
-        {"matplotlib", "python3-matplotlib", "$PYTHON -c 'import matplotlib; print(matplotlib.__version__)'", true, "figures"},
+        {"matplotlib", "python3-matplotlib", "$PYTHON -c 'import matplotlib; print(matplotlib.__version__)'", true,
+         "figures"},
         {"VTK", "python3-vtk9",
          "$PYTHON -c 'from vtkmodules.vtkCommonCore import vtkVersion; print(vtkVersion.GetVTKVersion())'", true,
          "tests read exports back"},
         {"ccache", "ccache", "ccache --version", false, "compiles again faster"},
-        {"Boost", "libboost1.81-dev", "echo '#include <boost/version.hpp>\nBOOST_LIB_VERSION' | g++ -E -P -x c++ - | tail -n 1 | tr _ .",
-         false, "pages over the network"},
+        {"Boost", "libboost1.81-dev",
+         "echo '#include <boost/version.hpp>\nBOOST_LIB_VERSION' | g++ -E -P -x c++ - | tail -n 1 | tr _ .", false,
+         "pages over the network"},
         {"Chromium", "chromium", "chromium --version", false, "tests of pages"},
         {"chromedriver", "chromium-driver", "chromedriver --version", false, "tests of pages"},
-        {"selenium", "python3-selenium", "$PYTHON -c 'import selenium; print(selenium.__version__)'", false, "tests of pages"},
+        {"selenium", "python3-selenium", "$PYTHON -c 'import selenium; print(selenium.__version__)'", false,
+         "tests of pages"},
         {"Slurm", "slurm-wlm", "slurmd -V", false, "RUN='srun -n1'"},
         {"munge", "munge", "munged --version", false, "Slurm's keys"},
         {"cyclictest", "rt-tests", "cyclictest --help", false, "how late this machine wakes"},
@@ -122,43 +128,56 @@ std::vector<Allowance> allowances() {
     if (locked) munlockall();
     return {{"SCHED_FIFO", scheduled, "root, or 'rtprio 95' for this user in /etc/security/limits.conf"},
             {"locked memory", locked, "root, or 'memlock unlimited' for this user in /etc/security/limits.conf"},
-            {"realtime kernel", std::filesystem::exists("/sys/kernel/realtime"), "linux-image-rt-amd64; without it ticks may come milliseconds late"}};
+            {"realtime kernel", std::filesystem::exists("/sys/kernel/realtime"),
+             "linux-image-rt-amd64; without it ticks may come milliseconds late"}};
 }
 
 void run(bool json) {
     setenv("PYTHON", "/usr/bin/python3", 0);
-    nlohmann::ordered_json out = {{"version", version}, {"tools", nlohmann::json::array()}, {"machine", nlohmann::json::array()}};
+    nlohmann::ordered_json out = {
+        {"version", version}, {"tools", nlohmann::json::array()}, {"machine", nlohmann::json::array()}};
     std::vector<std::string> missing, packages;
     std::string text;
     for (const Tool& tool : tools()) {
         const Answer answer = ask(tool.ask);
-        out["tools"].push_back({{"name", tool.name}, {"package", tool.package}, {"needed", tool.needed}, {"found", answer.there},
-                                {"version", answer.there ? nlohmann::json(answer.version) : nlohmann::json()}, {"purpose", tool.purpose}});
+        out["tools"].push_back({{"name", tool.name},
+                                {"package", tool.package},
+                                {"needed", tool.needed},
+                                {"found", answer.there},
+                                {"version", answer.there ? nlohmann::json(answer.version) : nlohmann::json()},
+                                {"purpose", tool.purpose}});
         text += fmt::format("{:<18} {:<24} {:<20} {}\n", tool.name,
-                            answer.there ? answer.version : tool.needed ? "MISSING" : "not there (optional)", tool.package, tool.purpose);
+                            answer.there  ? answer.version
+                            : tool.needed ? "MISSING"
+                                          : "not there (optional)",
+                            tool.package, tool.purpose);
         if (answer.there || !tool.needed) continue;
         missing.push_back(tool.name);
         packages.push_back(tool.package);
     }
     utsname system{};
     uname(&system);
-    text += fmt::format("\n{:<18} {} {}, {} cores\n", "machine", system.sysname, system.release, std::thread::hardware_concurrency());
+    text += fmt::format("\n{:<18} {} {}, {} cores\n", "machine", system.sysname, system.release,
+                        std::thread::hardware_concurrency());
     for (const Allowance& a : allowances()) {
         out["machine"].push_back({{"name", a.name}, {"allowed", a.allowed}, {"remedy", a.remedy}});
         text += fmt::format("{:<18} {}\n", a.name, a.allowed ? "yes" : std::string("no; get it by ") + a.remedy);
     }
     out["missing"] = packages;
-    std::cout << (json ? out.dump(2) + "\n" : fmt::format("{:<18} {:<24} {:<20} {}\n", "tool", "version", "Debian package", "for") + text)
+    std::cout << (json ? out.dump(2) + "\n"
+                       : fmt::format("{:<18} {:<24} {:<20} {}\n", "tool", "version", "Debian package", "for") + text)
               << std::flush;
     if (!missing.empty())
-        throw Error(fmt::format("missing: {}; run make deps, or as root: apt-get install {}", fmt::join(missing, ", "), fmt::join(packages, " ")));
+        throw Error(fmt::format("missing: {}; run make deps, or as root: apt-get install {}", fmt::join(missing, ", "),
+                                fmt::join(packages, " ")));
 }
 
 }  // namespace
 
 void add_doctor(CLI::App& app, const Invocation&) {
     auto json = std::make_shared<bool>(false);
-    CLI::App* command = app.add_subcommand("doctor", "Versions of every tool found, what is missing and how to get it; exit 1 when one is needed.");
+    CLI::App* command = app.add_subcommand(
+        "doctor", "Versions of every tool found, what is missing and how to get it; exit 1 when one is needed.");
     command->add_flag("--json", *json, "print it as JSON");
     command->callback([json] { run(*json); });
 }

@@ -41,9 +41,11 @@ void export_cases(const Options& o) {
 }
 
 void export_model(const Options& o) {
-    if (!o.path.empty()) throw MismatchError(o.file + ": holds spring sets; --path chooses among the paths of a cases.h5");
+    if (!o.path.empty())
+        throw MismatchError(o.file + ": holds spring sets; --path chooses among the paths of a cases.h5");
     if (o.to == "sofa" && o.set.empty())
-        throw MismatchError("a SOFA scene has one spring set: name it with --set (a load case of the model, or one_set)");
+        throw MismatchError(
+            "a SOFA scene has one spring set: name it with --set (a load case of the model, or one_set)");
     const TissueModel model = read_model(o.file);
     const std::vector<NamedSet> sets = spring_sets(model, o.sets, o.set);
     if (o.to == "csv") return write_files(o.out, csv_files(model, sets));
@@ -84,14 +86,22 @@ void run(const Options& o) {
 
 void add_export(CLI::App& app, const Invocation&) {
     auto o = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("export", "Write a file's tissue in the formats of other programs. SI units throughout.");
-    command->add_option("file", o->file, "cases.h5 or model.h5")->required()->type_name("FILE");
+    CLI::App* command =
+        app.add_subcommand("export", "Write a file's tissue in the formats of other programs. SI units throughout.");
+    command->add_option("file", o->file, "cases.h5, model.h5, or for numpy a recording too")
+        ->required()
+        ->type_name("FILE");
     CLI::Validator known = CLI::IsMember({"vtu", "sofa", "csv", "numpy"});
     known.description("");
-    command->add_option("--to", o->to, "vtu (ParaView), sofa (a scene), csv, numpy")->required()->type_name("NAME")->check(known);
+    command->add_option("--to", o->to, "vtu (ParaView), sofa (a scene), csv, numpy")
+        ->required()
+        ->type_name("NAME")
+        ->check(known);
     command->add_option("--out", o->out, "to write: a folder; of sofa a .scn file")->required()->type_name("PATH");
-    command->add_option("--sets", o->sets, "of a model: an optimiser's, or optimum; else the study's own")->type_name("NAME");
-    command->add_option("--set", o->set, "of a model: one load case's, one_set, heuristic_a or heuristic_b; else all")->type_name("NAME");
+    command->add_option("--sets", o->sets, "of a model: an optimiser's, or optimum; else the study's own")
+        ->type_name("NAME");
+    command->add_option("--set", o->set, "of a model: one load case's, one_set, heuristic_a or heuristic_b; else all")
+        ->type_name("NAME");
     command->add_option("--path", o->path, "of cases: this load path alone")->type_name("NAME");
     command->callback([o] { run(*o); });
 }

@@ -62,10 +62,11 @@ std::string man_options(const CLI::App& app) {
     for (const CLI::Option* option : app.get_options()) {
         const std::string name = option->get_name(long_name(*option).empty(), true);
         const std::string initial = option->get_required() ? "required" : option->get_default_str();
-        text += fmt::format(".TP\n\\fB{}\\fR{}\n{}{}\n", roff(name),
-                            takes_value(*option) ? " \\fI" + roff(unit(*option)) + "\\fR" : "",
-                            roff(option->get_description()),
-                            initial.empty() ? "" : roff(initial == "required" ? " (required)" : fmt::format(" (default: {})", initial)));
+        text += fmt::format(
+            ".TP\n\\fB{}\\fR{}\n{}{}\n", roff(name), takes_value(*option) ? " \\fI" + roff(unit(*option)) + "\\fR" : "",
+            roff(option->get_description()),
+            initial.empty() ? ""
+                            : roff(initial == "required" ? " (required)" : fmt::format(" (default: {})", initial)));
     }
     return text;
 }
@@ -74,14 +75,16 @@ std::string man(const CLI::App& app) {
     std::string upper = app.get_name();
     for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
     const std::vector<const CLI::App*> commands = commands_of(app);
-    std::string text = fmt::format(".TH {} 1 \"\" \"tissuectl {}\" \"User commands\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n",
-                                   roff(upper), version, roff(app.get_name()), roff(app.get_description()));
+    std::string text =
+        fmt::format(".TH {} 1 \"\" \"tissuectl {}\" \"User commands\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n",
+                    roff(upper), version, roff(app.get_name()), roff(app.get_description()));
     text += fmt::format("\\fB{}\\fR {}[\\fIOPTIONS\\fR]\n", roff(app.get_name()),
                         commands.empty() ? "\\fIFILE\\fR " : "\\fICOMMAND\\fR ");
     text += ".SH OPTIONS\n" + man_options(app);
     if (!commands.empty()) text += ".SH COMMANDS\n";
     for (const CLI::App* command : commands)
-        text += fmt::format(".SS {}\n{}\n{}", roff(command->get_name()), roff(command->get_description()), man_options(*command));
+        text += fmt::format(".SS {}\n{}\n{}", roff(command->get_name()), roff(command->get_description()),
+                            man_options(*command));
     text += ".SH EXIT STATUS\n0 done, 1 the work failed, 2 the command line was wrong.\n";
     return text;
 }
@@ -101,26 +104,34 @@ std::string bash(const CLI::App& app) {
     const std::string function = "_" + replaced(app.get_name(), "-", "_");
     std::string files, values, words;
     for (const auto& [name, part] : parts_of(app)) {
-        for (const std::string& option : long_names(*part, names_a_file)) files += fmt::format("{}{},{}", files.empty() ? "" : "|", name, option);
-        for (const std::string& option : long_names(*part, [](const CLI::Option& o) { return takes_value(o) && !names_a_file(o); }))
+        for (const std::string& option : long_names(*part, names_a_file))
+            files += fmt::format("{}{},{}", files.empty() ? "" : "|", name, option);
+        for (const std::string& option :
+             long_names(*part, [](const CLI::Option& o) { return takes_value(o) && !names_a_file(o); }))
             values += fmt::format("{}{},{}", values.empty() ? "" : "|", name, option);
-        words += fmt::format("        '{}') words='{}{}' ;;\n", name, fmt::join(long_names(*part, [](const CLI::Option&) { return true; }), " "),
+        words += fmt::format("        '{}') words='{}{}' ;;\n", name,
+                             fmt::join(long_names(*part, [](const CLI::Option&) { return true; }), " "),
                              name.empty() && !names.empty() ? fmt::format(" {}", fmt::join(names, " ")) : "");
     }
-    std::string text = fmt::format("# bash completion of {}\n{}() {{\n"
-                                   "    local cur=${{COMP_WORDS[COMP_CWORD]}} prev=${{COMP_WORDS[COMP_CWORD-1]}} command= words= word\n"
-                                   "    COMPREPLY=()\n", app.get_name(), function);
+    std::string text = fmt::format(
+        "# bash completion of {}\n{}() {{\n"
+        "    local cur=${{COMP_WORDS[COMP_CWORD]}} prev=${{COMP_WORDS[COMP_CWORD-1]}} command= words= word\n"
+        "    COMPREPLY=()\n",
+        app.get_name(), function);
     if (!names.empty())
-        text += fmt::format("    for word in \"${{COMP_WORDS[@]:1:COMP_CWORD-1}}\"; do\n"
-                            "        case $word in {}) command=$word; break ;; esac\n    done\n", fmt::join(names, "|"));
+        text += fmt::format(
+            "    for word in \"${{COMP_WORDS[@]:1:COMP_CWORD-1}}\"; do\n"
+            "        case $word in {}) command=$word; break ;; esac\n    done\n",
+            fmt::join(names, "|"));
     text += "    case $command,$prev in\n";
     if (!files.empty()) text += fmt::format("        {}) COMPREPLY=($(compgen -f -- \"$cur\")); return ;;\n", files);
     if (!values.empty()) text += fmt::format("        {}) return ;;\n", values);
-    text += fmt::format("    esac\n    case $command in\n{}    esac\n"
-                        "    if [[ $cur == -* {}]]; then COMPREPLY=($(compgen -W \"$words\" -- \"$cur\"))\n"
-                        "    else COMPREPLY=($(compgen -f -- \"$cur\")); fi\n}}\n"
-                        "complete -o filenames -F {} {}\n",
-                        words, names.empty() ? "" : "|| -z $command ", function, app.get_name());
+    text += fmt::format(
+        "    esac\n    case $command in\n{}    esac\n"
+        "    if [[ $cur == -* {}]]; then COMPREPLY=($(compgen -W \"$words\" -- \"$cur\"))\n"
+        "    else COMPREPLY=($(compgen -f -- \"$cur\")); fi\n}}\n"
+        "complete -o filenames -F {} {}\n",
+        words, names.empty() ? "" : "|| -z $command ", function, app.get_name());
     return text;
 }
 
@@ -128,14 +139,23 @@ std::string fish(const CLI::App& app) {
     std::string text = fmt::format("# fish completion of {}\n", app.get_name());
     for (const auto& [name, part] : parts_of(app)) {
         const bool alone = commands_of(app).empty();
-        const std::string when = alone ? "" : name.empty() ? " -n __fish_use_subcommand" : fmt::format(" -n '__fish_seen_subcommand_from {}'", name);
-        const auto quoted = [](const std::string& words) { return "'" + replaced(replaced(words, "\\", "\\\\"), "'", "\\'") + "'"; };
+        const std::string when = alone          ? ""
+                                 : name.empty() ? " -n __fish_use_subcommand"
+                                                : fmt::format(" -n '__fish_seen_subcommand_from {}'", name);
+        const auto quoted = [](const std::string& words) {
+            return "'" + replaced(replaced(words, "\\", "\\\\"), "'", "\\'") + "'";
+        };
         if (!name.empty())
-            text += fmt::format("complete -c {} -n __fish_use_subcommand -f -a {} -d {}\n", app.get_name(), name, quoted(part->get_description()));
+            text += fmt::format("complete -c {} -n __fish_use_subcommand -f -a {} -d {}\n", app.get_name(), name,
+                                quoted(part->get_description()));
         for (const CLI::Option* option : part->get_options())
             if (!long_name(*option).empty())
-                text += fmt::format("complete -c {}{} -l {}{} -d {}\n", app.get_name(), when, option->get_lnames().front(),
-                                    !takes_value(*option) ? "" : names_a_file(*option) ? " -r -F" : " -x", quoted(option->get_description()));
+                text +=
+                    fmt::format("complete -c {}{} -l {}{} -d {}\n", app.get_name(), when, option->get_lnames().front(),
+                                !takes_value(*option)   ? ""
+                                : names_a_file(*option) ? " -r -F"
+                                                        : " -x",
+                                quoted(option->get_description()));
     }
     return text;
 }
@@ -149,19 +169,26 @@ std::string zsh(const CLI::App& app) {
         std::string text;
         for (const CLI::Option* option : part.get_options())
             if (!long_name(*option).empty())
-                text += fmt::format(" \\\n            '{}[{}]{}'", long_name(*option), quoted(option->get_description()),
-                                    !takes_value(*option) ? "" : fmt::format(":{}:{}", quoted(unit(*option)), names_a_file(*option) ? "_files" : " "));
+                text += fmt::format(
+                    " \\\n            '{}[{}]{}'", long_name(*option), quoted(option->get_description()),
+                    !takes_value(*option)
+                        ? ""
+                        : fmt::format(":{}:{}", quoted(unit(*option)), names_a_file(*option) ? "_files" : " "));
         return text;
     };
     std::string text = fmt::format("#compdef {}\n# zsh completion of {}\n", app.get_name(), app.get_name());
     if (commands_of(app).empty()) return text + "_arguments" + arguments(app) + " \\\n            '*:FILE:_files'\n";
     std::string described, cases;
     for (const CLI::App* command : commands_of(app)) {
-        described += fmt::format(" {}\\:\"{}\"", command->get_name(), quoted(replaced(command->get_description(), "\"", "")));
-        cases += fmt::format("        {}) _arguments{} \\\n            '*:FILE:_files' ;;\n", command->get_name(), arguments(*command));
+        described +=
+            fmt::format(" {}\\:\"{}\"", command->get_name(), quoted(replaced(command->get_description(), "\"", "")));
+        cases += fmt::format("        {}) _arguments{} \\\n            '*:FILE:_files' ;;\n", command->get_name(),
+                             arguments(*command));
     }
-    return text + fmt::format("local line state\n_arguments -C{} \\\n            '1:command:(({}))' '*::argument:->argument'\n"
-                              "if [[ $state == argument ]]; then\n    case $line[1] in\n{}    esac\nfi\n", arguments(app), described, cases);
+    return text + fmt::format(
+                      "local line state\n_arguments -C{} \\\n            '1:command:(({}))' '*::argument:->argument'\n"
+                      "if [[ $state == argument ]]; then\n    case $line[1] in\n{}    esac\nfi\n",
+                      arguments(app), described, cases);
 }
 
 }  // namespace

@@ -59,14 +59,18 @@ Files csv_files(const TissueModel& model, const std::vector<NamedSet>& sets) {
         if (const int c = set.load_case; c >= 0)
             table += fmt::format("{},{},{},{}\n", field(set.name), values(model.contact_m.row(c)),
                                  values(model.direction.row(c)), model.magnitude_m[c]);
-    return {{"nodes.csv", nodes}, {"springs.csv", springs}, {"triangles.csv", triangles},
-            {"sets.csv", table},  {"stiffness.csv", stiffness}};
+    return {{"nodes.csv", nodes},
+            {"springs.csv", springs},
+            {"triangles.csv", triangles},
+            {"sets.csv", table},
+            {"stiffness.csv", stiffness}};
 }
 
 Files csv_files(const Cases& cases, const std::vector<const LoadPath*>& paths) {
     const Eigen::Index D = cases.nodes.cols();
     std::string nodes = "node," + columns("", "_m", D) + "\n";
-    for (Eigen::Index i = 0; i < cases.nodes.rows(); ++i) nodes += fmt::format("{},{}\n", i, values(cases.nodes.row(i)));
+    for (Eigen::Index i = 0; i < cases.nodes.rows(); ++i)
+        nodes += fmt::format("{},{}\n", i, values(cases.nodes.row(i)));
     std::string records = "path,record,magnitude_m,energy_J," + columns("contact_", "_N", D) + "," +
                           columns("support_", "_N", D) + ",smallest_J\n";
     std::string fields = "path,record,node," + columns("u_", "_m", D) + "," + columns("f_", "_N", D) + "\n";

@@ -40,7 +40,8 @@ std::string header(const std::string& type, const std::vector<std::size_t>& shap
     text.resize((text.size() + 10 + 1 + 63) / 64 * 64 - 10, ' ');
     text.back() = '\n';
     const auto length = static_cast<std::uint16_t>(text.size());
-    return std::string("\x93NUMPY\x01\x00", 8) + static_cast<char>(length & 0xff) + static_cast<char>(length >> 8) + text;
+    return std::string("\x93NUMPY\x01\x00", 8) + static_cast<char>(length & 0xff) + static_cast<char>(length >> 8) +
+           text;
 }
 
 std::string npy_texts(const std::vector<std::string>& texts, const std::vector<std::size_t>& shape) {
@@ -64,9 +65,15 @@ Files npy_files(const Hdf5Reader& in) {
         const std::vector<std::size_t> shape = in.shape(name);
         std::string content;
         switch (in.kind(name)) {
-            case DatasetKind::numbers: content = header("<f8", shape) + bytes(in.array(name).values); break;
-            case DatasetKind::integers: content = header("<i4", shape) + bytes(in.integers(name)); break;
-            case DatasetKind::texts: content = npy_texts(in.texts(name), shape); break;
+            case DatasetKind::numbers:
+                content = header("<f8", shape) + bytes(in.array(name).values);
+                break;
+            case DatasetKind::integers:
+                content = header("<i4", shape) + bytes(in.integers(name));
+                break;
+            case DatasetKind::texts:
+                content = npy_texts(in.texts(name), shape);
+                break;
         }
         files[name.substr(1) + ".npy"] = std::move(content);
     }

@@ -31,8 +31,10 @@ std::string in_comment(std::string text) {
 std::string sofa_fidelity(const std::string& law) {
     if (law == "geometric") return "SOFA's springs are this law";
     if (law == "isotropic") return "springs of no length and a constant force are this law in SOFA";
-    if (law == "axial") return "SOFA's springs turn with the tissue: the same stiffness at rest, other forces the more it turns";
-    throw MismatchError(fmt::format("SOFA has no springs of the law '{}'; it has isotropic, axial (at rest), geometric", law));
+    if (law == "axial")
+        return "SOFA's springs turn with the tissue: the same stiffness at rest, other forces the more it turns";
+    throw MismatchError(
+        fmt::format("SOFA has no springs of the law '{}'; it has isotropic, axial (at rest), geometric", law));
 }
 
 std::string sofa_scene(const TissueModel& model, const NamedSet& set) {

@@ -30,9 +30,10 @@ std::vector<NamedSet> spring_sets(const TissueModel& model, const std::string& o
         if (set.empty() || name == set) sets.push_back({name, c, theta.row(c).transpose()});
     }
     if (sets.empty())
-        throw MismatchError(fmt::format("spring set '{}' is not in the model; it has one_set, heuristic_a, heuristic_b "
-                                        "and one a load case, as {}",
-                                        set, model.case_count() > 0 ? model.case_names.front() : "none"));
+        throw MismatchError(
+            fmt::format("spring set '{}' is not in the model; it has one_set, heuristic_a, heuristic_b "
+                        "and one a load case, as {}",
+                        set, model.case_count() > 0 ? model.case_names.front() : "none"));
     return sets;
 }
 

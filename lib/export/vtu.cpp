@@ -34,8 +34,9 @@ class Grid {
         cell_data_ += array(name, "Float64", 1, -1, numbers(values));
     }
     void of_the_whole(const std::string& name, const std::vector<double>& values) {
-        field_data_ += fmt::format("<DataArray type=\"Float64\" Name=\"{}\" NumberOfTuples=\"{}\" format=\"ascii\">{}</DataArray>\n",
-                                   name, values.size(), numbers(values));
+        field_data_ += fmt::format(
+            "<DataArray type=\"Float64\" Name=\"{}\" NumberOfTuples=\"{}\" format=\"ascii\">{}</DataArray>\n", name,
+            values.size(), numbers(values));
     }
     void place(const NodeField& positions, int step = -1) {
         places_ += array("Points", "Float64", 3, step, vectors(positions));
@@ -73,8 +74,7 @@ class Grid {
     static std::string vectors(const NodeField& field) {
         std::string text;
         for (Eigen::Index i = 0; i < field.rows(); ++i) {
-            for (Eigen::Index d = 0; d < 3; ++d)
-                text += fmt::format("{} ", d < field.cols() ? field(i, d) : 0.0);
+            for (Eigen::Index d = 0; d < 3; ++d) text += fmt::format("{} ", d < field.cols() ? field(i, d) : 0.0);
             text += '\n';
         }
         return text;
@@ -82,8 +82,9 @@ class Grid {
     std::string array(const std::string& name, const char* type, int components, int step,
                       const std::string& values) const {
         const std::string time = step >= 0 && steps_ > 1 ? fmt::format(" TimeStep=\"{}\"", step) : "";
-        return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\"{}>\n{}\n</DataArray>\n",
-                           type, name, components, time, values);
+        return fmt::format(
+            "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\"{}>\n{}\n</DataArray>\n",
+            type, name, components, time, values);
     }
 
     Eigen::Index points_;

@@ -34,6 +34,7 @@ TEST_CASE("a name that leads out of the folder writes nothing at all", "[export]
 TEST_CASE("an export does not take a file's place", "[export]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("out", "mine");
-    CHECK_THAT(refusal<FileError>([&] { write_files(file, {{"a.csv", "1"}}); }), Contains("is a file, wanted a folder"));
+    CHECK_THAT(refusal<FileError>([&] { write_files(file, {{"a.csv", "1"}}); }),
+               Contains("is a file, wanted a folder"));
     CHECK(read_file(file) == "mine");
 }

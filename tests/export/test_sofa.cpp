@@ -134,7 +134,8 @@ TEST_CASE("a SOFA scene holds masses and supports, and keeps nodes in their plan
     const std::vector<double> fixed = scene.numbers("FixedProjectiveConstraint", "indices");
     CHECK(fixed == std::vector<double>(model.mesh.fixed.begin(), model.mesh.fixed.end()));
     CHECK(scene.numbers("PartialFixedProjectiveConstraint", "fixedDirections") == std::vector<double>{0, 0, 1});
-    CHECK(scene.numbers("PartialFixedProjectiveConstraint", "indices").size() == static_cast<std::size_t>(model.mesh.node_count()));
+    CHECK(scene.numbers("PartialFixedProjectiveConstraint", "indices").size() ==
+          static_cast<std::size_t>(model.mesh.node_count()));
 }
 
 TEST_CASE("a law SOFA has no springs for is refused", "[export]") {
