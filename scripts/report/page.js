@@ -1,6 +1,6 @@
 "use strict";
-// Tables sort by a column: press its heading, or Enter or Space on it; once more turns the order round. A cell counts by
-// its first number, or as text; "none" stays last. Figures grow across the page. Folded lists open for the printer.
+// Tables sort by a column: press its heading, or Enter or Space on it; once more turns the order round. A cell counts
+// by its first number, or as text; "none" stays last. Figures grow across the page. Folded lists open for the printer.
 
 const cellKey = (row, column) => {
   const words = (row.cells[column].firstChild?.textContent ?? "").trim();  // a model's name without the words for it
@@ -10,7 +10,9 @@ const cellKey = (row, column) => {
 };
 
 const compare = (a, b) =>
-  a.number !== null && b.number !== null ? a.number - b.number : a.words.localeCompare(b.words, "en", { numeric: true });
+  a.number !== null && b.number !== null
+    ? a.number - b.number
+    : a.words.localeCompare(b.words, "en", { numeric: true });
 
 const sortBy = (heading) => {
   const table = heading.closest("table");

@@ -21,7 +21,8 @@ from markupsafe import Markup, escape  # noqa: E402
 
 from results import LABELS  # noqa: E402  (the figures' own names of the models)
 
-LONG_LIST = 5  # items; longer ones are folded
+LONG_LIST = 5          # items; longer ones are folded
+PORTRAIT_COLUMNS = 14  # tables with more are printed across
 CAPTIONS = {
     "contours": "Finite elements: two of the load cases",
     "force": "Resolved force along every load path (Fig. 3 of the paper)",
@@ -46,37 +47,33 @@ def percent(value):
 
 def lead(e):
     """The number that matters, and the key figures beside it: [(value, what it is)]."""
-    held_out = e["closed_loop"].get("held_out")
-    figures = []
-    if held_out:
-        number = held_out["learned"]["median"]
-        figures.append((percent(held_out["learned"]["p95"]), "95th percentile of the same"))
-        figures.append((percent(held_out["learned"]["max"]), f"worst of {held_out['learned']['n']} contacts"))
-        figures.append(best_baseline(held_out))
-        if "held_out_full" in e["closed_loop"]:
-            full = e["closed_loop"]["held_out_full"]["learned"]
-            figures.append((percent(full["median"]), f"median over the full range of depth and angle, {full['n']} contacts"))
+    closed, figures = e["closed_loop"], []
+    if "held_out" in closed:
+        learned = closed["held_out"]["learned"]
+        number = learned["median"]
+        figures += [(learned["p95"], "95th percentile of the same"),
+                    (learned["max"], f"worst of {learned['n']} contacts")]
+        figures += best_baseline(closed["held_out"])
+        if "held_out_full" in closed:
+            full = closed["held_out_full"]["learned"]
+            figures.append((full["median"], f"median over the full range of depth and angle, {full['n']} contacts"))
     else:
-        number = e["open_loop"]["learned"]["rel_loss"]["median"]
-        figures.append((percent(e["open_loop"]["optimum"]["rel_loss"]["median"]), "the best this mesh can do, certified"))
-        figures.append((percent(e["open_loop"]["heuristic_a"]["rel_loss"]["median"]), "left by Van Gelder's heuristic"))
-        trained = e["closed_loop"]["trained"]
-        figures.append((percent(trained["learned"]["median"]), "closed-loop error, what a hand feels"))
-        if trained["learned"]["n"]:
-            figures.append(best_baseline(trained))
+        loss = {model: errors["rel_loss"]["median"] for model, errors in e["open_loop"].items()}
+        number = loss["learned"]
+        figures += [(loss["optimum"], "the best this mesh can do, certified"),
+                    (loss["heuristic_a"], "left by Van Gelder's heuristic"),
+                    (closed["trained"]["learned"]["median"], "closed-loop error, what a hand feels")]
+        figures += best_baseline(closed["trained"])
     if "truth_check" in e:
-        figures.append((percent(e["truth_check"]["median"]), "the finite elements' own error, on a finer mesh"))
-    return percent(number), [f for f in figures if f]
+        figures.append((e["truth_check"]["median"], "the finite elements' own error, on a finer mesh"))
+    return percent(number), [(percent(value), what) for value, what in figures]
 
 
 def best_baseline(errors):
-    """Median closed-loop error of the best untrained springs."""
-    medians = {m: v["median"] for m, v in errors.items()
-               if v["n"] and m.startswith(("heuristic", "uniform"))}
-    if not medians:
-        return None
-    best = min(medians, key=medians.get)
-    return percent(medians[best]), f"best untrained springs ({LABELS.get(best, best)}), closed loop"
+    """Median closed-loop error of the best untrained springs, if any has one."""
+    medians = {m: v["median"] for m, v in errors.items() if v["n"] and m.startswith(("heuristic", "uniform"))}
+    best = min(medians, key=medians.get, default=None)
+    return [(medians[best], f"best untrained springs ({LABELS.get(best, best)}), closed loop")] if best else []
 
 
 # ---- Markdown to HTML
@@ -164,8 +161,10 @@ def table(tokens, heading, e):
         Markup("<td{}>{}</td>").format(marks[i], named(c.cells[r], e) if i == 0 else c.cells[r])
         for i, c in enumerate(found))) for r in range(len(rows) - 1)]
     line = Markup("\n")
-    return Markup('<div class="table" tabindex="0" role="region" aria-label="{}"><table>\n<thead>\n{}\n</thead>\n'
-                  '<tbody>\n{}\n</tbody>\n</table></div>\n').format(heading.replace("`", ""), line.join(lines), line.join(body))
+    kind = "table wide" if len(found) > PORTRAIT_COLUMNS else "table"
+    return Markup('<div class="{}" tabindex="0" role="region" aria-label="{}"><table>\n<thead>\n{}\n</thead>\n'
+                  '<tbody>\n{}\n</tbody>\n</table></div>\n').format(
+                      kind, heading.replace("`", ""), line.join(lines), line.join(body))
 
 
 def to_html(markdown, text, heading, e):
@@ -184,7 +183,9 @@ def to_html(markdown, text, heading, e):
             out.append(table(block, heading, e))
         else:
             html = markdown.renderer.render(block, markdown.options, {})
-            out.append(f"<details><summary>Show all {items}</summary>\n{html}</details>\n" if items > LONG_LIST else html)
+            if items > LONG_LIST:
+                html = f"<details><summary>Show all {items}</summary>\n{html}</details>\n"
+            out.append(html)
         at = end
     return Markup("".join(out))
 
