@@ -117,23 +117,33 @@ against 's/\("left": .*"newton": \)[0-9]*/\11/'
 check "another count of Newton iterations on the same machine type: exit 1" says 'paths/left/newton: 1 -> [0-9]* (exact)'
 
 # ---- killed, and two at a time
+# every FE run takes two seconds more, so that a kill finds one at work
+printf '#!/bin/sh\nsleep 2\nexec "$@"\n' >"$scratch/slowly"
+chmod +x "$scratch/slowly"
+begin() { # sets $killed when FE is at work
+    rm -rf "$work/build/regress/tiny"
+    RUN=$scratch/slowly setsid "$work/scripts/regress" --study tiny >"$said" 2>&1 </dev/null &
+    killed=$!
+    for _ in $(seq 300); do
+        [ -e "$work/build/regress/tiny/mesh.msh" ] && return
+        sleep 0.1
+    done
+}
 before=$(runs)
-setsid "$work/scripts/regress" --study tiny >"$said" 2>&1 </dev/null &
-killed=$!
-sleep 0.7
+begin
 kill -9 $killed  # alone: what it started works on, and keeps the lock
 wait $killed 2>/dev/null
+check "after kill -9 what is left keeps the lock" sh -c '! flock -n "$0" true' "$work/build/regress.lock"
 regress
 check "after kill -9 the next run waits for what is left, and ends with 0" exited 0
 check "after kill -9 it is silent" silent
 check "a killed run leaves no line, the next leaves one" test "$(runs)" = $((before + 1))
-setsid "$work/scripts/regress" --study tiny >"$said" 2>&1 </dev/null &
-killed=$!
-sleep 0.7
+begin
 kill -TERM $killed
 wait $killed
 check "SIGTERM ends it with 1" test $? = 1
 check "SIGTERM: the history says interrupted" outcome_is interrupted
+check "SIGTERM: nothing it started works on" flock -w 1 "$work/build/regress.lock" true
 "$work/scripts/regress" --study tiny >"$scratch/first" 2>&1 </dev/null &
 first=$!
 regress
