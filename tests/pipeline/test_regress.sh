@@ -144,6 +144,11 @@ wait $killed
 check "SIGTERM ends it with 1" test $? = 1
 check "SIGTERM: the history says interrupted" outcome_is interrupted
 check "SIGTERM: nothing it started works on" flock -w 1 "$work/build/regress.lock" true
+head -c 100000 "$TISSUECTL" >"$scratch/cut_program"
+touch -d '1 second ago' "$work/build/regress.unfinished"
+cp "$scratch/cut_program" "$work/build/release/tissuectl"
+regress
+check "a program that a killed run left half linked is linked anew" exited 0
 "$work/scripts/regress" --study tiny >"$scratch/first" 2>&1 </dev/null &
 first=$!
 regress
@@ -151,7 +156,7 @@ check "two at a time: the one ends with 0" exited 0
 wait $first
 check "two at a time: so does the other" test $? = 0
 check "two at a time: both are silent" sh -c '[ ! -s "$0" ] && [ ! -s "$1" ]' "$said" "$scratch/first"
-check "two at a time: two lines of history, no more" test "$(runs)" = $((before + 4))
+check "two at a time: two lines of history, no more" test "$(runs)" = $((before + 5))
 flock "$work/build/regress.lock" sleep 60 &
 holder=$!
 sleep 0.2
