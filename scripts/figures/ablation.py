@@ -3,13 +3,14 @@
 Left: error on held-out contacts against FE solves, as training contacts get closer. Right: every variant.
 """
 import json
-import os
 import sys
 
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+
+from save import save  # noqa: E402
 
 
 def main():
@@ -61,9 +62,7 @@ def main():
     ideas.grid(color="0.9")
     ideas.legend(frameon=False, fontsize=8)
     figure.suptitle("What accuracy costs, and what each idea buys")
-    out = sys.argv[2]
-    figure.savefig(out + ".tmp", dpi=110, format="png", metadata={"Software": None})
-    os.replace(out + ".tmp", out)
+    save(figure, sys.argv[2])
 
 
 if __name__ == "__main__":

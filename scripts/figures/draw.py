@@ -4,7 +4,6 @@ FIGURE is a module beside this file (contours, force, learning, springs, errors)
 """
 import importlib
 import logging
-import os
 import sys
 
 # a home that cannot be written to is no news here
@@ -14,6 +13,7 @@ import matplotlib  # noqa: E402
 matplotlib.use("Agg")
 
 import results  # noqa: E402  (after the backend is chosen)
+from save import save  # noqa: E402
 
 
 def main():
@@ -25,14 +25,7 @@ def main():
     except (OSError, KeyError, ValueError) as error:
         sys.exit(f"draw.py: {folder}: {error}")
     figure = importlib.import_module(name).draw(data)
-    # no date and no version inside: the same data give the same bytes
-    try:
-        figure.savefig(out + ".tmp", dpi=110, format="png", metadata={"Software": None})
-        os.replace(out + ".tmp", out)
-    except OSError as error:
-        if os.path.exists(out + ".tmp"):
-            os.unlink(out + ".tmp")
-        sys.exit(f"draw.py: {out}: {error.strerror}")
+    save(figure, out)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,6 @@
 Force against time and against depth, the rest state against the static answer, and what a switch of spring sets does.
 """
 import json
-import os
 import sys
 
 import matplotlib
@@ -11,6 +10,8 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
+
+from save import save  # noqa: E402
 
 
 def main():
@@ -53,9 +54,7 @@ def main():
     switch.set_xlabel("time after the switch (ms)")
     switch.set_ylabel(f"force along the push ({name})")
     figure.suptitle(f"Study {data['study']}: the 1 kHz simulation pressed at its contacts until it rests")
-    out = sys.argv[2]
-    figure.savefig(out + ".tmp", dpi=110, format="png", metadata={"Software": None})
-    os.replace(out + ".tmp", out)
+    save(figure, sys.argv[2])
 
 
 if __name__ == "__main__":

@@ -4,7 +4,6 @@ Above: force of a 10 mm patch on the left midpoint against its push, on meshes o
 which each mesh arrives at a state that is folded, self-crossing, or has no neighbour.
 """
 import csv
-import os
 import sys
 from collections import defaultdict
 
@@ -13,6 +12,8 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
+
+from save import save  # noqa: E402
 
 MESHES = {"5": "#0072B2", "2.5": "#009E73", "1.25": "#E69F00", "0.625": "#D55E00"}
 SHOWN = {-30: ":", 0: "-", 30: "--"}
@@ -63,9 +64,7 @@ def main():
     axes[1, 0].set_ylabel("deepest state reached, to 20 mm (mm)")
     axes[1, 1].legend(title="elements at the patch ends", frameon=False, loc="lower right")
     figure.suptitle("Finite elements meshed ever finer agree on the force, but fold ever earlier at the patch's ends")
-    out = sys.argv[2]
-    figure.savefig(out + ".tmp", dpi=110, format="png", metadata={"Software": None})
-    os.replace(out + ".tmp", out)
+    save(figure, sys.argv[2])
 
 
 if __name__ == "__main__":
