@@ -2,7 +2,8 @@
 
 results/reference/STUDY.json   what a regression compares with (reference_record.py)
 results/reference/*.png        the figures that README shows
-README.md                      the tables between its markers, from the evaluations
+README.md                      the tables between its markers, from the evaluations; what it says of plane stress, when
+                               results/surface-stress is there
 """
 import json
 import re
@@ -80,6 +81,12 @@ def surface_table(e):
     return rows
 
 
+def stress_words(e):
+    learned = {role: e["closed_loop"][role]["learned"] for role in ("held_out", "held_out_full")}
+    return ["In plane stress (`make all STUDY=surface-stress`) the learned springs reach",
+            f"{three(learned['held_out'])} on `held_out` and", f"{three(learned['held_out_full'])} on `held_out_full`."]
+
+
 def claim(e):
     def ratio(model, measure):
         open_loop = e["open_loop"]
@@ -122,6 +129,9 @@ def main():
     text = fill(text, "studies", studies_table(evaluations))
     if surface:
         text = fill(text, "surface", surface_table(surface))
+    stress = ROOT / "results" / "surface-stress" / "eval.json"
+    if stress.exists():
+        text = fill(text, "stress", stress_words(json.loads(stress.read_text())))
     readme.write_text(text)
 
 
