@@ -7,6 +7,7 @@
 # NO_INSTALL=1   name missing packages instead of installing them
 # PREFIX=PATH    where install puts programs, library, headers, man pages and completions (default /usr/local)
 # DESTDIR=PATH   put before PREFIX, for packagers
+# BENCH_OPTIONS=--quick  `make bench` without the whole study from clean, its longest part
 # SANITIZE=1     build with address and undefined-behaviour sanitizers, in a folder of its own
 
 STUDY ?= paper
@@ -269,8 +270,8 @@ regress-proof: $(TISSUECTL)
 	@PROOF=paper PYTHON=$(PYTHON) TISSUECTL=$(abspath $(TISSUECTL)) tests/pipeline/test_regress.sh
 
 ## bench: our speed beside that of others, as results/bench.json
-bench: $(TISSUECTL) $(BENCHES)
+bench: $(TISSUECTL) $(TISSUE_HAPTIC) $(BENCHES) | build/deps-test
 	@$(MAKE) train STUDY=paper
 	@PYTHON=$(PYTHON) scripts/venv || echo "bench: goes on without its peers" >&2
-	@$(PYTHON) scripts/bench.py --make $(MAKE) $(BENCHES)
+	@$(PYTHON) scripts/bench.py --make $(MAKE) $(BENCH_OPTIONS) $(TISSUE_HAPTIC) $(BENCHES)
 	@$(PYTHON) tests/bench/test_bench.py

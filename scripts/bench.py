@@ -1,12 +1,14 @@
-"""Speed of our parts beside that of others: bench.py [--make MAKE] PROGRAM...      (run by `make bench`)
+"""Speed of our parts beside that of others: bench.py [--make MAKE] [--quick] PROGRAM...      (run by `make bench`)
 
 Writes results/bench.json, a list of {"name", "unit", "median", "p95", "n", "peer", "peer_version", "peer_median",
 "ratio"}: ratio = ours / peer's, both from this run and taken in turns; peer fields are null where there is no peer, or
 where it is not installed (scripts/venv). Prints the same as a table. A slow machine is no failure.
 
-PROGRAM     build/.../bench_NAME, made from tests/bench/bench_NAME.cpp. bench_train is driven by this script. Any other
-            is run once as `bench_NAME results/paper`, and prints a JSON list of {"name", "unit", "samples"}, or of
-            finished entries.
+PROGRAM     build/.../bench_NAME, made from tests/bench/bench_NAME.cpp. bench_train is driven by this script, and so is
+            tissue-haptic, a minute of it beside cyclictest. Any other is run once as `bench_NAME results/paper`, and
+            prints a JSON list of {"name", "unit", "samples"}, or of finished entries.
+--quick     leaves out the last part: the whole study `surface` from clean, which takes longer than all the rest, its
+            training alone, and how its cost grows
 """
 import argparse
 import json
@@ -14,6 +16,7 @@ import math
 import os
 import re
 import resource
+import shutil
 import subprocess
 import sys
 import time
@@ -29,6 +32,8 @@ KEYS = ["name", "unit", "median", "p95", "n", "peer", "peer_version", "peer_medi
 
 FE_ROUNDS = 3
 SETS = [0, 3, 6, 9, 12, 15]             # of the 18: every path kind, both magnitudes
+SESSION_S = 20                          # thrice, and cyclictest as long in between
+PRIORITY = 80                           # tissue-haptic's own
 SAME_FORCE = 1e-6                       # relative; programs that answer otherwise do not solve the same problem
 
 
@@ -227,31 +232,121 @@ def bench_training(program, noisyopt, qiskit):
             for peer in (noisyopt, qiskit):
                 sentence = f"train paper, {len(SETS)} sets, {optimizer}, {name}, beside {peer.name}"
                 entries.append(entry(sentence, unit, samples[what], peer.name, peer.version, theirs[peer.name][what]))
-    return entries + [entry(**e) for e in json.loads(run([program, "lattice"]))]
+    return entries + printed_entries([program, "lattice"])
+
+
+def train_alone(tissuectl, study, cases, out):
+    """Wall seconds and peak memory [MB] of one process."""
+    begin = time.perf_counter()
+    with open(os.devnull, "wb") as nowhere:
+        child = subprocess.Popen([tissuectl, "train", "--study", study, "--cases", cases, "--out", out], cwd=ROOT,
+                                 env=environment(), stdout=nowhere, stderr=nowhere)
+        _, status, used = os.wait4(child.pid, 0)
+    child.returncode = os.waitstatus_to_exitcode(status)
+    if child.returncode:
+        raise RuntimeError(f"tissuectl train exits with {child.returncode}")
+    return time.perf_counter() - begin, used.ru_maxrss / 1024
+
+
+def bench_whole_study(make, tissuectl, train_program, study):
+    """From an empty folder to figures and report; then its training by itself, and what that costs as it grows."""
+    folder, file = f"{WORK}/{study}", f"fem/studies/{study}.toml"
+    shutil.rmtree(ROOT / folder, ignore_errors=True)
+    wall = timed([make, "--no-print-directory", "-j2", "all", f"STUDY={study}", f"R={folder}"])[1]
+    entries = [entry(f"{study}: the whole study from clean, FE included, make -j2, wall", "s", [wall])]
+    cases = f"{folder}/cases.h5"
+    seconds, megabytes = train_alone(tissuectl, file, cases, f"{folder}/again.h5")
+    entries += [entry(f"{study}: its training, one process, wall", "s", [seconds]),
+                entry(f"{study}: its training, one process, peak memory", "MB", [megabytes])]
+    return entries + printed_entries([train_program, "scaling", file, cases])
+
+
+# ---- the 1 kHz loop on this machine
+
+def cyclictest(seconds):
+    """Largest lateness [us] of a thread that does nothing else, or None and a word why not."""
+    command = ["cyclictest", "-q", "-m", "-p", str(PRIORITY), "-i", "1000", "-t", "1", "-D", str(seconds),
+               "--laptop"]             # and leaves the processor's sleep states alone, as we do
+    try:
+        out = run(command)
+        return float(re.search(r"Max:\s*(\d+)", out).group(1))
+    except (OSError, RuntimeError, AttributeError) as error:
+        note(f"no cyclictest: {str(error).strip() or 'it said nothing that we know'}")
+        return None
+
+
+def cyclictest_version():
+    try:
+        words = subprocess.run(["cyclictest", "--help"], text=True, capture_output=True)
+        return re.search(r"V (\S+)", words.stdout + words.stderr).group(1)
+    except (OSError, AttributeError):
+        return None
+
+
+def bench_sessions(program, seconds):
+    """Three sessions, taking turns with cyclictest: same priority, same interval, as long."""
+    study = "surface" if (ROOT / "results/surface/model.h5").exists() else "paper"
+    command = [program, f"results/{study}/model.h5", "--device", "virtual", "--motion", "poke", "--select", "blended",
+               "--json", "--seconds", seconds]
+    ours, machine = [], []
+    for _ in range(3):
+        ours.append(json.loads(run(command)))
+        if len(machine) == len(ours) - 1:
+            machine += [late for late in [cyclictest(seconds)] if late is not None]
+    if len(machine) < len(ours):
+        machine = []
+    version = cyclictest_version()
+    for session in ours:
+        for notice in session["details"]["notices"]:
+            note(notice)
+    what = f"haptic: {3 * seconds} s of study {study} at 1 kHz, blended, poke"
+
+    def count(key):
+        return sum(session[key] for session in ours)
+
+    return [entry(f"{what}, missed ticks", "ticks", [count("misses")]),
+            entry(f"{what}, missed ticks that the program caused", "ticks", [count("misses_program")]),
+            entry(f"{what}, tick p99", "us", [s["tick_us"]["p99"] for s in ours]),
+            entry(f"{what}, longest tick", "us", [max(s["tick_us"]["max"] for s in ours)]),
+            entry(f"{what}, lateness p50", "us", [s["lateness_us"]["p50"] for s in ours]),
+            entry(f"{what}, largest lateness of {seconds} s", "us", [s["lateness_us"]["max"] for s in ours],
+                  "cyclictest", version, machine),
+            entry(f"{what}, largest lateness", "us", [max(s["lateness_us"]["max"] for s in ours)],
+                  "cyclictest", version, [max(machine)] if machine else [])]
 
 
 # ---- whatever else there is
 
-def bench_program(program):
-    entries = []
-    for e in json.loads(run([program, RESULTS])):
-        entries.append(entry(**e) if "samples" in e else {**dict.fromkeys(KEYS), **e})
-    return entries
+def printed_entries(command):
+    """Entries that a program prints: finished ones, or with their samples."""
+    return [entry(**e) if "samples" in e else {**dict.fromkeys(KEYS), **e} for e in json.loads(run(command))]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--make", default="make", help="the make to time FE with")
+    parser.add_argument("--quick", action="store_true", help="without the whole study from clean")
+    parser.add_argument("--study", default="surface", help="which study that is")
+    parser.add_argument("--session", type=int, default=SESSION_S, metavar="s",
+                        help="length of each of the three sessions of tissue-haptic")
     parser.add_argument("programs", nargs="*", metavar="PROGRAM")
     options = parser.parse_args()
     begin = time.perf_counter()
 
     parts = [("finite elements", lambda: bench_finite_elements(options.make, Peer("felupe")))]
+    train_program = None
     for program in options.programs:
-        if Path(program).name == "bench_train":
+        if Path(program).name == "tissue-haptic":
+            parts.append(("sessions of tissue-haptic", lambda p=program: bench_sessions(p, options.session)))
+        elif Path(program).name == "bench_train":
+            train_program = program
             parts.append(("training", lambda p=program: bench_training(p, Peer("noisyopt"), Peer("qiskit-algorithms"))))
         else:
-            parts.append((Path(program).name, lambda p=program: bench_program(p)))
+            parts.append((Path(program).name, lambda p=program: printed_entries([p, RESULTS])))
+    if train_program and not options.quick:
+        tissuectl = Path(train_program).parents[1] / "tissuectl"
+        parts.append((f"the whole study {options.study}",
+                      lambda: bench_whole_study(options.make, tissuectl, train_program, options.study)))
     entries, failed = [], 0
     for name, part in parts:
         print(f"bench {name}", file=sys.stderr, flush=True)

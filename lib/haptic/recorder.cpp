@@ -1,12 +1,56 @@
 #include "haptic/recorder.h"
 
+#include <algorithm>
 #include <chrono>
-#include <functional>
 
 namespace tissue {
+namespace {
+
+constexpr std::size_t block_ticks = 1024;
+
+/// A dataset of real numbers: one row a tick, `axes` columns (0: none, a plain list).
+struct Numbers {
+    const char* name;
+    int axes;
+    const char *units, *description;
+    double (*value)(const RecordedTick&, int axis);
+};
+
+/// A dataset of whole numbers: one a tick.
+struct Integers {
+    const char *name, *description;
+    int (*value)(const RecordedTick&);
+};
+
+const Numbers numbers[] = {
+    {"/time", 0, "s", "of each tick on the schedule", [](const RecordedTick& k, int) { return k.tick.time_s; }},
+    {"/device_position", 3, "m", "as the device gave it", [](const RecordedTick& k, int a) { return k.tick.device_m[a]; }},
+    {"/device_force", 3, "N", "as the device got it", [](const RecordedTick& k, int a) { return k.tick.device_N[a]; }},
+    {"/master", 2, "m", "device position in the plane of the tissue", [](const RecordedTick& k, int a) { return k.tick.master_m[a]; }},
+    {"/proxy", 2, "m", "on the outline while in contact", [](const RecordedTick& k, int a) { return k.tick.proxy_m[a]; }},
+    {"/contact_displacement", 2, "m", "x_p - X_p of the learned mesh", [](const RecordedTick& k, int a) { return k.tick.contact_displacement_m[a]; }},
+    {"/coupling_force", 2, "N", "k_C (x_p - x_m), before safety and force scale", [](const RecordedTick& k, int a) { return k.tick.coupling_N[a]; }},
+    {"/weight", 0, "1", "w(1) of the contact on its segment", [](const RecordedTick& k, int) { return k.tick.w; }},
+    {"/tick_us", 0, "us", "work of the tick", [](const RecordedTick& k, int) { return k.tick_us; }},
+    {"/lateness_us", 0, "us", "start of the tick after its place on the schedule", [](const RecordedTick& k, int) { return k.lateness_us; }},
+};
+
+const Integers integers[] = {
+    {"/mesh", "pressed mesh, -1 none", [](const RecordedTick& k) { return k.tick.mesh; }},
+    {"/segment", "of the outline, -1 none", [](const RecordedTick& k) { return k.tick.segment; }},
+    {"/set", "spring set with the largest share", [](const RecordedTick& k) { return k.tick.set; }},
+    {"/fault", "1 where the input was refused", [](const RecordedTick& k) { return k.tick.fault ? 1 : 0; }},
+};
+
+}  // namespace
 
 Recorder::Recorder(const std::string& file, const Provenance& provenance, std::size_t ring)
-    : ring_(ring), out_(file, "recording", provenance), thread_([this] { run(); }) {}
+    : ring_(ring), out_(file, "recording", provenance) {
+    block_.reserve(block_ticks);
+    for (const Numbers& n : numbers) out_.begin_rows(n.name, n.axes, n.units, n.description);
+    for (const Integers& n : integers) out_.begin_rows(n.name, 0, "", n.description);
+    thread_ = std::thread([this] { run(); });
+}
 
 Recorder::~Recorder() {
     done_.store(true);
@@ -22,7 +66,32 @@ void Recorder::after(const Simulation& simulation, const TickBooks& books) noexc
 
 void Recorder::drain() {
     RecordedTick tick;
-    while (ring_.pop(tick)) kept_.push_back(tick);
+    while (ring_.pop(tick)) {
+        if (error_) continue;
+        block_.push_back(tick);
+        if (block_.size() == block_ticks) write_block();
+    }
+}
+
+void Recorder::write_block() {
+    try {
+        std::vector<double> values;
+        for (const Numbers& n : numbers) {
+            values.clear();
+            for (const RecordedTick& tick : block_)
+                for (int a = 0; a < std::max(n.axes, 1); ++a) values.push_back(n.value(tick, a));
+            out_.append_rows(n.name, values);
+        }
+        std::vector<int> whole;
+        for (const Integers& n : integers) {
+            whole.clear();
+            for (const RecordedTick& tick : block_) whole.push_back(n.value(tick));
+            out_.append_rows(n.name, whole);
+        }
+    } catch (...) {
+        error_ = std::current_exception();
+    }
+    block_.clear();
 }
 
 void Recorder::run() {
@@ -31,47 +100,13 @@ void Recorder::run() {
         std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
     drain();
+    if (!error_) write_block();
 }
 
 void Recorder::close(const HapticModel& model) {
     done_.store(true);
     if (thread_.joinable()) thread_.join();
-
-    const auto n = static_cast<Eigen::Index>(kept_.size());
-    const auto row = [&](Eigen::Index k) -> const RecordedTick& { return kept_[static_cast<std::size_t>(k)]; };
-    const auto numbers = [&](const std::string& name, const std::string& units, const std::string& description,
-                             const std::function<double(const RecordedTick&)>& value) {
-        Eigen::VectorXd values(n);
-        for (Eigen::Index k = 0; k < n; ++k) values[k] = value(row(k));
-        out_.write(name, values, units, description);
-    };
-    const auto vectors = [&](const std::string& name, int axes, const std::string& units, const std::string& description,
-                             const std::function<double(const RecordedTick&, int)>& value) {
-        NodeField values(n, axes);
-        for (Eigen::Index k = 0; k < n; ++k)
-            for (int a = 0; a < axes; ++a) values(k, a) = value(row(k), a);
-        out_.write(name, values, units, description);
-    };
-    const auto integers = [&](const std::string& name, const std::string& description,
-                              const std::function<int(const RecordedTick&)>& value) {
-        std::vector<int> values;
-        for (const RecordedTick& k : kept_) values.push_back(value(k));
-        out_.write_integers(name, {kept_.size()}, values, description);
-    };
-    numbers("/time", "s", "of each tick on the schedule", [](const RecordedTick& k) { return k.tick.time_s; });
-    vectors("/device_position", 3, "m", "as the device gave it", [](const RecordedTick& k, int a) { return k.tick.device_m[a]; });
-    vectors("/device_force", 3, "N", "as the device got it", [](const RecordedTick& k, int a) { return k.tick.device_N[a]; });
-    vectors("/master", 2, "m", "device position in the plane of the tissue", [](const RecordedTick& k, int a) { return k.tick.master_m[a]; });
-    vectors("/proxy", 2, "m", "on the outline while in contact", [](const RecordedTick& k, int a) { return k.tick.proxy_m[a]; });
-    vectors("/contact_displacement", 2, "m", "x_p - X_p of the learned mesh", [](const RecordedTick& k, int a) { return k.tick.contact_displacement_m[a]; });
-    vectors("/coupling_force", 2, "N", "k_C (x_p - x_m), before safety and force scale", [](const RecordedTick& k, int a) { return k.tick.coupling_N[a]; });
-    integers("/mesh", "pressed mesh, -1 none", [](const RecordedTick& k) { return k.tick.mesh; });
-    integers("/segment", "of the outline, -1 none", [](const RecordedTick& k) { return k.tick.segment; });
-    numbers("/weight", "1", "w(1) of the contact on its segment", [](const RecordedTick& k) { return k.tick.w; });
-    integers("/set", "spring set with the largest share", [](const RecordedTick& k) { return k.tick.set; });
-    integers("/fault", "1 where the input was refused", [](const RecordedTick& k) { return k.tick.fault ? 1 : 0; });
-    numbers("/tick_us", "us", "work of the tick", [](const RecordedTick& k) { return k.tick_us; });
-    numbers("/lateness_us", "us", "start of the tick after its place on the schedule", [](const RecordedTick& k) { return k.lateness_us; });
+    if (error_) std::rethrow_exception(error_);
     out_.write_texts("/set_names", model.set_names, "of the learned mesh");
     out_.attribute("/", "study", model.study);
     out_.attribute("/", "dropped_samples", static_cast<double>(dropped()));

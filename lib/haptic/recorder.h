@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <exception>
 #include <string>
 #include <thread>
 #include <vector>
@@ -17,8 +18,9 @@ struct RecordedTick {
     double tick_us = 0, lateness_us = 0;
 };
 
-/// Writes a session to HDF5 (kind `recording`, results/FORMATS.md) from a thread of its own. The tick pushes into a ring
-/// and never waits; what does not fit is dropped and counted.
+/// Writes a session to HDF5 (kind `recording`, results/FORMATS.md) from a thread of its own, as it goes: memory holds the
+/// ring and one block of ticks, however long the session. The tick pushes into the ring and never waits; what does not
+/// fit is dropped and counted. HDF5 belongs to that thread until close().
 class Recorder final : public TickHook {
    public:
     /// Throws FileError when the file cannot be written. ring: ticks that fit while the disk is slow.
@@ -36,16 +38,19 @@ class Recorder final : public TickHook {
     }
     long long dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
 
-    /// After the last tick: the file appears, whole. Attributes go to its root. Throws FileError.
+    /// After the last tick: the file appears, whole. Attributes go to its root. Throws FileError, also for what the disk
+    /// refused on the way.
     void close(const HapticModel& model);
 
    private:
     void drain();
+    void write_block();
     void run();
 
     SpscRing<RecordedTick> ring_;
-    std::vector<RecordedTick> kept_;
+    std::vector<RecordedTick> block_;     ///< not yet written
     Hdf5Writer out_;
+    std::exception_ptr error_;            ///< of the thread; from then on ticks are let go
     std::atomic<long long> dropped_{0};
     std::atomic<bool> done_{false};
     std::thread thread_;

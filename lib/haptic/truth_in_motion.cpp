@@ -21,7 +21,7 @@ Eigen::VectorXd theta_in_use(const RealtimeMesh& mesh, const MeshState& state) {
 
 PressResult press(const HapticModel& model, const TissueModel& tissue, const PressTruth& truth, double seconds_max) {
     constexpr double inset_m = 0.0003;    // a push along the surface must stay inside it until the hand has corrected
-    constexpr double same_contact_m = 1e-4;
+    constexpr double same_contact_m = 5e-4;  // a tenth of the half width of the patch that FE pushes with
     constexpr double ramp_s = 2, window_s = 0.5, settled = 1e-4;
     constexpr double creep_1_s = 0.3;     // slower than the mesh's own decay, or the hand would feed its swinging
     PressResult result;

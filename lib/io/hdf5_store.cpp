@@ -166,6 +166,49 @@ void Hdf5Writer::write_texts(const std::string& name, const std::vector<std::str
                   [&](const char* why) { throw FileError(fmt::format("{}: {}: {}", file_, name, why)); });
 }
 
+void Hdf5Writer::begin_rows(const std::string& name, int columns, const std::string& units,
+                            const std::string& description) {
+    constexpr hsize_t chunk_rows = 1024;
+    const int rank = columns > 0 ? 2 : 1;
+    const hsize_t width = static_cast<hsize_t>(std::max(columns, 1));
+    const hsize_t none[2] = {0, width}, endless[2] = {H5S_UNLIMITED, width}, chunk[2] = {chunk_rows, width};
+    const Handle space(H5Screate_simple(rank, none, endless), H5Sclose);
+    const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_obj_track_times(creation, false);
+    H5Pset_chunk(creation, rank, chunk);
+    const Handle dataset(H5Dcreate2(id_, name.c_str(), units.empty() ? H5T_NATIVE_INT : H5T_NATIVE_DOUBLE, space,
+                                    H5P_DEFAULT, creation, H5P_DEFAULT),
+                         H5Dclose);
+    const auto fail = [&](const char* why) { throw FileError(fmt::format("{}: {}: {}", file_, name, why)); };
+    if (dataset.failed()) fail("cannot make the dataset");
+    write_text_attribute(dataset, "units", units.empty() ? "1" : units, fail);
+    write_text_attribute(dataset, "description", description, fail);
+}
+
+void Hdf5Writer::append(const std::string& name, long long type, const void* values, std::size_t count) {
+    if (count == 0) return;
+    const auto fail = [&](const char* why) { throw FileError(fmt::format("{}: {}: {}", file_, name, why)); };
+    const Handle dataset(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    if (dataset.failed()) fail("cannot find the dataset to append to");
+    std::vector<hsize_t> shape = to_hsize(shape_of(dataset)), start(shape.size(), 0), rows = shape;
+    rows[0] = count / (shape.size() > 1 ? shape[1] : 1);
+    start[0] = shape[0];
+    shape[0] += rows[0];
+    if (H5Dset_extent(dataset, shape.data()) < 0) fail("cannot append to the dataset");
+    const Handle all(H5Dget_space(dataset), H5Sclose);
+    const Handle memory(H5Screate_simple(static_cast<int>(rows.size()), rows.data(), nullptr), H5Sclose);
+    H5Sselect_hyperslab(all, H5S_SELECT_SET, start.data(), nullptr, rows.data(), nullptr);
+    if (H5Dwrite(dataset, type, memory, all, H5P_DEFAULT, values) < 0) fail("cannot append to the dataset");
+}
+
+void Hdf5Writer::append_rows(const std::string& name, const std::vector<double>& values) {
+    append(name, H5T_NATIVE_DOUBLE, values.data(), values.size());
+}
+
+void Hdf5Writer::append_rows(const std::string& name, const std::vector<int>& values) {
+    append(name, H5T_NATIVE_INT, values.data(), values.size());
+}
+
 void Hdf5Writer::attribute(const std::string& object, const std::string& key, const std::string& value) {
     const Handle place(H5Oopen(id_, object.c_str(), H5P_DEFAULT), H5Oclose);
     write_text_attribute(place, key, value,

@@ -45,6 +45,12 @@ class Hdf5Writer {
                         const std::string& description);
     void write_texts(const std::string& name, const std::vector<std::string>& values, const std::string& description);
 
+    /// Begins a dataset that grows by rows as they come: R, or R x columns where columns > 0. Integers when `units` is "".
+    void begin_rows(const std::string& name, int columns, const std::string& units, const std::string& description);
+    /// Whole rows, row-major, to the end of such a dataset. Nothing is held back here but what HDF5 buffers.
+    void append_rows(const std::string& name, const std::vector<double>& values);
+    void append_rows(const std::string& name, const std::vector<int>& values);
+
     /// Attribute of a group or dataset that exists ("/" is the root).
     void attribute(const std::string& object, const std::string& key, const std::string& value);
     void attribute(const std::string& object, const std::string& key, double value);
@@ -52,6 +58,8 @@ class Hdf5Writer {
     void commit();
 
    private:
+    void append(const std::string& name, long long type, const void* values, std::size_t count);
+
     std::string file_, temporary_;
     long long id_ = -1;
 };

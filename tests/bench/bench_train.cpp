@@ -4,10 +4,11 @@
 //   bench_train iterate STUDY CASES OPTIMIZER SET one set, by one optimiser, over and over
 //   bench_train loss STUDY CASES SET              one evaluation of the loss of one set
 //   bench_train lattice                           building lattices and their force matrices
+//   bench_train scaling STUDY CASES               cost against sets, springs and cases in one set, with exponents
 //   bench_train export STUDY CASES                the losses themselves, for others to minimise
 //
-// What runs on one thread is measured in processor time, so that others on the machine do not count; `sets` is not.
-// Prints a JSON list of {"name", "unit", "samples"}; `export` a list of sets instead: L(theta) = |target - B theta|
+// What runs on one thread, and `scaling`, is measured in processor time, so that others on the machine do not count;
+// `sets` is not. Prints a JSON list of {"name", "unit", "samples"}, or of finished entries; `export` a list of sets instead: L(theta) = |target - B theta|
 // with B as triplets (row, column, value), and start, lo, hi, unit [N/m]. SET counts from 0.
 //
 // Sample run: build/release/bench/bench_train sets fem/studies/paper.toml results/paper/cases.h5
@@ -21,8 +22,10 @@
 #include <vector>
 
 #include "error.h"
+#include "springs/equilibrium.h"
 #include "springs/heuristic.h"
 #include "study/study.h"
+#include "train/bounded_lsq.h"
 #include "train/objective.h"
 #include "train/optimizer.h"
 #include "train/train_sets.h"
@@ -169,6 +172,131 @@ Json bench_lattices() {
     return list;
 }
 
+/// Processor time of all threads [s].
+double all_processor_seconds() {
+    timespec t{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+template <class Call>
+double processor_seconds_of(const Call& call) {
+    const double begin = all_processor_seconds();
+    call();
+    return all_processor_seconds() - begin;
+}
+
+/// Slope of log y against log x, least squares.
+double exponent(const std::vector<double>& x, const std::vector<double>& y) {
+    const auto n = static_cast<double>(x.size());
+    double sx = 0, sy = 0, sxx = 0, sxy = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const double a = std::log(x[i]), b = std::log(y[i]);
+        sx += a, sy += b, sxx += a * a, sxy += a * b;
+    }
+    return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+}
+
+/// One entry a size, and the exponent over them; its n is the number of sizes.
+void add_costs(Json& list, const std::string& what, const std::string& of, const std::vector<double>& size,
+               const std::vector<double>& seconds) {
+    for (std::size_t i = 0; i < size.size(); ++i)
+        list.push_back(entry(what + ", " + std::to_string(static_cast<int>(size[i])) + " " + of + ", processor", "s", {seconds[i]}));
+    const double p = exponent(size, seconds);
+    list.push_back({{"name", what + ", exponent in " + of}, {"unit", "1"}, {"median", p}, {"p95", p}, {"n", size.size()}});
+}
+
+/// Every `step`-th training path.
+Cases thinned(const Cases& cases, int step) {
+    Cases few{cases.study, cases.nodes, cases.magnitudes_m, {}};
+    int k = 0;
+    for (const LoadPath& path : cases.paths)
+        if (path.role == "train" && k++ % step == 0) few.paths.push_back(path);
+    return few;
+}
+
+/// Pushes into the top of a lattice whose springs are not the heuristic's: what training would get from FE, without it.
+Cases made_up(const Study& study, int paths) {
+    const SpringMesh mesh = make_lattice(study.springs.topology, study.cells[0], study.cells[1], study.geometry.width_m,
+                                         study.geometry.height_m);
+    const std::unique_ptr<SpringLaw> law = make_spring_law(study.springs.law);
+    Eigen::VectorXd theta = heuristic_stiffness(mesh, study.modulus_N_m());
+    for (Eigen::Index s = 0; s < theta.size(); ++s) theta[s] *= 1 + 0.5 * std::sin(1.7 * static_cast<double>(s));
+    Cases cases{study.name, mesh.nodes, {0.005}, {}};
+    for (int k = 0; k < paths; ++k) {
+        LoadPath path;
+        path.name = "push-" + std::to_string(k);
+        path.contact_m = {study.geometry.width_m * (0.2 + 0.6 * k / paths), study.geometry.height_m};
+        path.direction = Eigen::Vector2d(0.3, -1).normalized();
+        std::string reason;
+        const auto rest = solve_equilibrium(mesh, *law, theta, locate_on_surface(mesh, path.contact_m),
+                                            0.005 * path.direction, reason);
+        if (!rest) throw MismatchError("bench_train: no equilibrium: " + reason);
+        const Eigen::VectorXd f = law->force_matrix(mesh, rest->displacement) * theta;
+        PathRecord record{};
+        record.displacement = record.force = NodeField::Zero(mesh.node_count(), 2);
+        path.records.push_back(record);
+        record.magnitude_m = 0.005;
+        record.displacement = rest->displacement;
+        record.force = Eigen::Map<const NodeField>(f.data(), mesh.node_count(), 2);
+        record.contact_force_N = rest->contact_force;
+        path.records.push_back(record);
+        cases.paths.push_back(path);
+    }
+    return cases;
+}
+
+Json bench_scaling(const std::string& study_file, const std::string& cases_file) {
+    Json list = Json::array();
+    Study study = read_study(study_file);
+    study.training.also.clear();
+    const Cases cases = read_cases(cases_file);
+    const std::string name = "train " + study.name;
+    {
+        std::vector<double> sets, seconds;
+        for (int step : {32, 16, 8, 4}) {
+            const Cases few = thinned(cases, step);
+            sets.push_back(static_cast<double>(load_cases(few).size()));
+            seconds.push_back(processor_seconds_of([&] { train_sets(study, few, threads); }));
+        }
+        add_costs(list, name + ", every set", "sets", sets, seconds);
+    }
+    {
+        std::vector<double> springs, seconds;
+        for (int nodes : {6, 11, 16, 21}) {
+            Study other = study;
+            other.cells[0] = other.cells[1] = nodes - 1;
+            const Cases pushes = made_up(other, 8);
+            springs.push_back(make_lattice(other.springs.topology, nodes - 1, nodes - 1, 0.1, 0.1).spring_count());
+            seconds.push_back(processor_seconds_of([&] { train_sets(other, pushes, threads); }));
+        }
+        add_costs(list, name + ", 8 made-up sets", "springs", springs, seconds);
+    }
+    {
+        // one set that serves many cases: their losses built, summed, and solved exactly
+        const SpringMesh mesh = spring_mesh_of(study, cases.nodes);
+        const std::unique_ptr<SpringLaw> law = make_spring_law(study.springs.law);
+        const Eigen::VectorXd start = heuristic_stiffness(mesh, study.modulus_N_m());
+        const Box box{Eigen::VectorXd::Constant(start.size(), study.training.k_min_E2 * study.modulus_N_m()),
+                      Eigen::VectorXd::Constant(start.size(), study.training.k_max_E2 * study.modulus_N_m())};
+        const Eigen::VectorXd weight = Eigen::VectorXd::Ones(mesh.node_count());
+        std::vector<double> count, seconds;
+        for (int step : {64, 16, 4, 1}) {
+            const Cases few = thinned(cases, step);
+            const std::vector<LoadCase> loads = load_cases(few);
+            count.push_back(static_cast<double>(loads.size()));
+            seconds.push_back(processor_seconds_of([&] {
+                std::vector<ForceLoss> losses;
+                for (const LoadCase& load : loads)
+                    losses.push_back(loss_of(mesh, *law, contact_target(mesh, load, locate_on_surface(mesh, load.path->contact_m), weight)));
+                solve_bounded_lsq(joint_loss(losses), start, box);
+            }));
+        }
+        add_costs(list, name + ", one set for many cases", "cases", count, seconds);
+    }
+    return list;
+}
+
 Json export_losses(const Problem& problem) {
     const auto list = [](const Eigen::VectorXd& v) { return std::vector<double>(v.begin(), v.end()); };
     Json sets = Json::array();
@@ -203,6 +331,7 @@ Json run(const std::vector<std::string>& words) {
     const std::size_t given = words.size() - (words.empty() ? 0 : 1);
     if (command == "sets" && given == 2) return bench_sets(words[1], words[2]);
     if (command == "lattice" && given == 0) return bench_lattices();
+    if (command == "scaling" && given == 2) return bench_scaling(words[1], words[2]);
     if (command == "export" && given == 2) return export_losses({words[1], words[2]});
     if (command == "loss" && given == 3) return bench_loss({words[1], words[2]}, words[3]);
     if (command == "iterate" && given == 4) return bench_iterations({words[1], words[2]}, words[3], words[4]);
@@ -215,7 +344,7 @@ int main(int argc, char** argv) {
     try {
         const Json out = run({argv + 1, argv + argc});
         if (out.is_null()) {
-            std::fputs("usage: bench_train sets|iterate|loss|lattice|export ...; see the head of its source\n", stderr);
+            std::fputs("usage: bench_train sets|iterate|loss|lattice|scaling|export ...; see the head of its source\n", stderr);
             return 2;
         }
         std::puts(out.dump().c_str());

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -142,6 +143,50 @@ TEST_CASE("a full ring drops samples and counts them, and the recording says so"
     refusal<FileError>([&] { Recorder(folder.file("no/such/folder.h5"), {"test", 1, {}}); });
 }
 
+TEST_CASE("a recording is written as it goes: memory does not grow with the session, and the file appears at its end", "[recorder]") {
+    const TemporaryFolder folder;
+    const HapticModel model(haptic_example(), {});
+    const auto resident = [] {
+        long total = 0, pages = 0;
+        std::ifstream("/proc/self/statm") >> total >> pages;
+        return static_cast<double>(pages) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+    };
+    constexpr int batches = 40, batch = 4000;
+    Recorder recorder(folder.file("a.h5"), {"test", 1, {}});
+    double begin = 0;
+    for (int k = 0; k < batches * batch; ++k) {
+        RecordedTick row;
+        row.tick.time_s = k;
+        recorder.push(row);
+        if (k % batch == batch - 1) std::this_thread::sleep_for(std::chrono::milliseconds(25));
+        if (k == 5 * batch) begin = resident();  // ring, block and HDF5's own buffers are there
+    }
+    const double grown = resident() - begin, taken = static_cast<double>((batches - 5) * batch) * sizeof(RecordedTick);
+    const auto beside = static_cast<double>(std::filesystem::file_size(folder.file("a.h5.tmp")));
+    CHECK_FALSE(std::filesystem::exists(folder.file("a.h5")));
+    recorder.close(model);
+    const Eigen::VectorXd time = Hdf5Reader(folder.file("a.h5"), "recording").vector("/time");
+    CHECK(time.size() + recorder.dropped() == batches * batch);
+    CHECK((time.tail(time.size() - 1) - time.head(time.size() - 1)).minCoeff() > 0);
+    CHECK(beside > 0.5 * static_cast<double>(std::filesystem::file_size(folder.file("a.h5"))));
+    CHECK(folder.names() == std::vector<std::string>{"a.h5"});
+    INFO(grown << " bytes more for " << taken << " bytes of ticks");
+#if !defined(__SANITIZE_ADDRESS__)
+    CHECK(grown < 0.2 * taken);
+#endif
+}
+
+TEST_CASE("a recording given up leaves nothing, and keeps the one before it", "[recorder]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.h5", "an earlier session");
+    {
+        Recorder recorder(file, {"test", 1, {}});
+        for (int k = 0; k < 3000; ++k) recorder.push({});
+    }
+    CHECK(read_file(file) == "an earlier session");
+    CHECK(folder.names() == std::vector<std::string>{"a.h5"});
+}
+
 TEST_CASE("the loop keeps its schedule over missed ticks, and the force is zero after it", "[loop]") {
     /// A hand that holds the loop up for 5 ms in its 50th tick, by sleeping: the machine's doing, not the program's.
     class Sleepy final : public Device {
@@ -166,9 +211,7 @@ TEST_CASE("the loop keeps its schedule over missed ticks, and the force is zero 
     LoopOptions o;
     o.seconds = 0.3;
     o.realtime = false;
-    const auto start = std::chrono::steady_clock::now();
     const LoopReport report = run_loop(simulation, device, o);
-    CHECK(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() >= 0.3);
     CHECK(report.misses >= 5);
     CHECK(report.misses_program == 0);
     CHECK(report.ticks + report.misses >= 300);
@@ -210,7 +253,7 @@ TEST_CASE("tissue-haptic: SIGINT and SIGTERM end it with a ledger and a closed f
         const Ended ended = run(folder, model_file(folder) + " --seconds 0 --json --record " + folder.file("s.h5"), signal, 0.6);
         CHECK(ended.status == 0);
         const nlohmann::json j = nlohmann::json::parse(ended.out);
-        CHECK(j["ticks"].get<int>() > 50);
+        CHECK(j["ticks"].get<int>() > 0);
         const Hdf5Reader in(folder.file("s.h5"), "recording");
         CHECK(in.vector("/time").size() == j["ticks"].get<int>());
         CHECK_FALSE(std::filesystem::exists(folder.file("s.h5.tmp")));
@@ -253,15 +296,26 @@ TEST_CASE("tissue-haptic: the shipped client drives it over UDP, and gets its fo
     const std::string client = (std::filesystem::path(__FILE__).parent_path() / "../../scripts/remote_device.py").string();
     const char* python = std::getenv("PYTHON");
     const int port = 40000 + static_cast<int>(::getpid()) % 20000;
-    const std::string arguments = model_file(folder) + " --device remote --port " + std::to_string(port) + " --seconds 2.5 --json";
+    const std::string arguments = model_file(folder) + " --device remote --port " + std::to_string(port) + " --seconds 0 --json";
+    // it listens once it has said what runs; it ends after the client has
     const int status = std::system(("sh -c '" + program() + " " + arguments + " > " + folder.file("out") + " 2> " + folder.file("err") +
-                                    " & child=$!; sleep 0.3; " + (python ? python : "python3") + " " + client + " " +
-                                    std::to_string(port) + " 1.5 > " + folder.file("client") + "; client=$?; wait $child || exit 3; exit $client'").c_str());
+                                    " & child=$!; until grep -q coupling " + folder.file("err") + " || ! kill -0 $child; do sleep 0.05; done; " +
+                                    (python ? python : "python3") + " " + client + " " + std::to_string(port) + " 1.5 > " + folder.file("client") +
+                                    "; client=$?; sleep 0.3; kill -TERM $child; wait $child || exit 3; exit $client'").c_str());
     INFO(read_file(folder.file("err")) << read_file(folder.file("client")));
     REQUIRE(WEXITSTATUS(status) == 0);
     const nlohmann::json j = nlohmann::json::parse(read_file(folder.file("out")));
-    CHECK(j["details"]["device"]["received"].get<double>() > 300);
-    CHECK(j["details"]["device"]["sent"].get<double>() > 300);
+    // no tick answers before the first position, nor twice, but for the last word; nothing came that was not sent
+    const std::string told = read_file(folder.file("client"));
+    double client_sent = 0, answers = 0;
+    REQUIRE(std::sscanf(told.substr(told.rfind("sent ")).c_str(), "sent %lf, answers %lf", &client_sent, &answers) == 2);
+    const nlohmann::json device = j["details"]["device"];
+    CHECK(device["sent"].get<double>() <= j["ticks"].get<double>() - device["ticks_before_first"].get<double>() + 1);
+    CHECK(device["received"].get<double>() > 1);
+    CHECK(device["received"].get<double>() + device["lost"].get<double>() <= client_sent);
+    CHECK(answers > 0);
+    CHECK(answers <= device["sent"].get<double>());
+    CHECK(device["foreign"] == 0);
     CHECK(j["force_max_N"].get<double>() > 1e-4);
     CHECK(j["details"]["stale"].get<int>() > 0);  // the client left before we did
 }

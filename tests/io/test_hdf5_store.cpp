@@ -86,6 +86,42 @@ TEST_CASE("arrays come back with the same shape and the same bits") {
     CHECK(in.array("/empty").values.empty());
 }
 
+TEST_CASE("a dataset grown by rows, in pieces of any size, is the dataset written at once") {
+    const TemporaryFolder folder;
+    NodeField field(5000, 3);
+    std::vector<int> counts;
+    for (int i = 0; i < 5000; ++i) {
+        for (int a = 0; a < 3; ++a) field(i, a) = std::sin(3 * i + a);
+        counts.push_back(i - 7);
+    }
+    {
+        Hdf5Writer out(folder.file("a.h5"), "recording", provenance);
+        out.begin_rows("/field", 3, "m", "a field (R x 3)");
+        out.begin_rows("/time", 0, "s", "a list");
+        out.begin_rows("/counts", 0, "", "whole numbers");
+        out.begin_rows("/none", 2, "N", "nothing came");
+        int row = 0;
+        for (int piece : {1, 1023, 1024, 0, 2000, 952}) {
+            out.append_rows("/field", std::vector<double>(field.data() + 3 * row, field.data() + 3 * (row + piece)));
+            out.append_rows("/time", std::vector<double>(static_cast<std::size_t>(piece), 0.5 * row));
+            out.append_rows("/counts", std::vector<int>(counts.begin() + row, counts.begin() + row + piece));
+            row += piece;
+        }
+        REQUIRE(row == 5000);
+        CHECK_THAT(refusal<FileError>([&] { out.append_rows("/other", std::vector<int>{1}); }), Contains("/other"));
+        CHECK_THAT(refusal<FileError>([&] { out.begin_rows("/field", 3, "m", "again"); }), Contains("/field"));
+        out.commit();
+    }
+    const Hdf5Reader in(folder.file("a.h5"), "recording");
+    CHECK(in.field("/field") == field);
+    CHECK(in.integers("/counts") == counts);
+    CHECK(in.vector("/time").size() == 5000);
+    CHECK(in.vector("/time")[4999] == 0.5 * 4048);
+    CHECK(in.array("/none").shape == std::vector<std::size_t>{0, 2});
+    CHECK(in.text_attribute("/field", "units") == "m");
+    CHECK(in.text_attribute("/counts", "units") == "1");
+}
+
 TEST_CASE("integers and texts come back as they were") {
     const TemporaryFolder folder;
     const Hdf5Reader in(example_file(folder), "cases");
