@@ -195,7 +195,7 @@ $(R)/cases/%.csv: $(wildcard fem/*.edp fem/*.idp) scripts/solve_path
 	@$(RUN) scripts/solve_path $(R) $* $(PATH_ARGUMENTS)
 
 $(R)/cases.h5: $(PATHS:%=$(R)/cases/%.csv) $(TISSUECTL)
-	@$(TISSUECTL) collect --study fem/studies/$(STUDY).toml --paths $(R)/cases $(MESH_OPTION) --out $@
+	@$(TISSUECTL) $(CASES_COMMAND) --study fem/studies/$(STUDY).toml $(MESH_OPTION) --out $@
 
 $(R)/model.h5: $(R)/cases.h5 $(TISSUECTL)
 	@$(TISSUECTL) train --study fem/studies/$(STUDY).toml --cases $< --out $@

@@ -48,6 +48,11 @@ std::string path_arguments(const Study& s, const PlannedPath& path) {
 }
 
 std::string collect_part(const Study& s, const std::vector<PlannedPath>& paths) {
+    if (s.data)
+        return fmt::format("cells {} {}\nsize {} {}\nfile {}\nseed {}\nparts {} {}\ntolerance {}\nnoise {}\n", s.cells[0],
+                           s.cells[1], s.geometry.width_m, s.geometry.height_m, s.data->file, s.data->seed,
+                           s.data->validation_part, s.data->held_out_part, s.data->surface_tolerance_m,
+                           s.data->stated_force_noise.value_or(0));
     std::string text = s.geometry.is_block()
                            ? fmt::format("cells {} {}\nsize {} {}\nmagnitudes {}\n", s.cells[0], s.cells[1],
                                          s.geometry.width_m, s.geometry.height_m, fmt::join(s.loads.magnitudes_m, " "))
@@ -62,9 +67,9 @@ std::string train_part(const Study& s) {
     std::string regions;
     for (const Study::Region& r : s.material.regions) regions += fmt::format("region {} {}\n", r.name, r.youngs_modulus_Pa());
     return regions + fmt::format(
-        "springs {} {}\nobjective {} ridge {} reach {}\nmodulus {}\ndensity {}\nthickness {}\noptimizer {} also {}\nseed {}\niterations {}\n"
+        "springs {} {}\nobjective {} ridge {} {} reach {}\nmodulus {}\ndensity {}\nthickness {}\noptimizer {} also {}\nseed {}\niterations {}\n"
         "max_seconds {}\ntarget_rel_loss {}\nbox {} {}\nweight_near {} {}\nweight_far {} {}\n",
-        s.springs.topology, s.springs.law, t.objective, t.ridge, t.reach_m, s.modulus_N_m(), s.material.density_kg_m3, s.geometry.thickness_m,
+        s.springs.topology, s.springs.law, t.objective, t.ridge, t.one_set_ridge, t.reach_m, s.modulus_N_m(), s.material.density_kg_m3, s.geometry.thickness_m,
         t.optimizer, fmt::join(t.also, " "), t.seed, t.iterations, optional(t.max_seconds), optional(t.target_rel_loss),
         t.k_min_E2, t.k_max_E2, t.weight_near[0], t.weight_near[1], t.weight_far[0], t.weight_far[1]);
 }
@@ -73,20 +78,30 @@ std::string train_part(const Study& s) {
 
 Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
     const bool block = study.geometry.is_block();
-    const std::vector<PlannedPath> paths = planned_paths(study, shape);
+    const std::vector<PlannedPath> paths = study.data ? std::vector<PlannedPath>() : planned_paths(study, shape);
     Plan plan;
-    plan.fragment = fmt::format("# Written by tissuectl plan from study '{}'; do not edit.\n", study.name);
-    if (block)
-        plan.fragment += fmt::format("$(R)/mesh.msh: MESH_ARGUMENTS = {}\n$(R)/mesh.msh: $(R)/plan/mesh\n",
-                                     mesh_arguments(study, study.refine));
-    plan.fragment += fmt::format(
+    plan.fragment = fmt::format(
+        "# Written by tissuectl plan from study '{}'; do not edit.\n"
+        "$(R)/cases.h5: CASES_COMMAND = {}\n"
         "$(R)/cases.h5: $(R)/plan/collect\n"
         "$(R)/model.h5: $(R)/plan/train\n"
         "PATHS :=\n"
         "FIGURES := {}\n",
-        study.loads.sweep ? "held_out held_out_force contours springs"
-                          : "contours force learning springs errors character");
-    if (block) plan.parts["mesh"] = mesh_arguments(study, study.refine) + "\n";
+        study.name, study.data ? "import " + study.data->file : "collect --paths $(R)/cases",
+        study.data          ? "held_out springs"
+        : study.loads.sweep ? "held_out held_out_force contours springs"
+                            : "contours force learning springs errors character");
+    plan.parts["collect"] = collect_part(study, paths);
+    plan.parts["train"] = train_part(study);
+    if (study.data) {
+        plan.fragment += fmt::format("$(R)/cases.h5: $(wildcard {})\n", study.data->file);
+        return plan;
+    }
+    if (block) {
+        plan.fragment += fmt::format("$(R)/mesh.msh: MESH_ARGUMENTS = {}\n$(R)/mesh.msh: $(R)/plan/mesh\n",
+                                     mesh_arguments(study, study.refine));
+        plan.parts["mesh"] = mesh_arguments(study, study.refine) + "\n";
+    }
     if (block && study.check_refine > 0) {
         plan.fragment += fmt::format(
             "$(R)/mesh-fine.msh: MESH_ARGUMENTS = {}\n"
@@ -94,8 +109,6 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
             mesh_arguments(study, study.check_refine));
         plan.parts["mesh-fine"] = mesh_arguments(study, study.check_refine) + "\n";
     }
-    plan.parts["collect"] = collect_part(study, paths);
-    plan.parts["train"] = train_part(study);
     for (const PlannedPath& path : paths) {
         const std::string arguments = path_arguments(study, path),
                           mesh = !block || path.refine == study.refine ? "mesh.msh" : "mesh-fine.msh";

@@ -43,8 +43,17 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
     j["version"] = version;
     j["format_version"] = format_version;
     j["seed"] = seed;
+    if (const auto& m = evaluation.measurement)
+        j["measurement"] = {{"origin", m->origin},
+                            {"rows", m->rows},
+                            {"contacts", m->contacts},
+                            {"noise_source", m->noise_source},
+                            {"force_noise", m->force_noise},
+                            {"displacement_noise_m", m->displacement_noise_m},
+                            {"repeats", m->repeats},
+                            {"outliers", m->outliers}};
     for (const ModelErrors& m : evaluation.models)
-        j["open_loop"][m.name] = {{"rel_loss", to_value(m.rel_loss())},
+        if (!evaluation.measurement) j["open_loop"][m.name] = {{"rel_loss", to_value(m.rel_loss())},
                                   {"resolved_force_error", to_value(m.resolved_error())},
                                   {"n", m.cases.size()}};
     for (const ModelErrors& m : evaluation.models) {
@@ -81,8 +90,7 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
         j["truth_check"] = to_value(evaluation.truth.difference);
         j["truth_check"]["lost"] = evaluation.truth.lost;
     }
-    const bool listed = evaluation.case_names.size() <= listed_cases;
-    if (!listed) return j.dump(1) + "\n";
+    if (!evaluation.listed) return j.dump(1) + "\n";
     for (const ModelErrors& m : evaluation.models) {
         const SpringCharacter& s = m.springs;
         j["springs"][m.name] = {{"distance_near_E2", to_value(statistics_of(s.near))},

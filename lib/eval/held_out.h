@@ -55,7 +55,7 @@ struct HeldOut {
 ///   learned_nearest    the nearest of them
 ///   one_set            the single set that serves all training cases best
 ///   force_table        no springs: FE's forces interpolated with the same weights, the rival at equal FE cost
-///   repeat             measured cases: what the same push's other repeats say, the noise that no model can undercut
+///   repeat             measured cases: what the same push's other repeats say: about what a perfect model would leave
 ///   heuristic_a, heuristic_b, uniform, on the model's mesh and law, and with a suffix on the others
 /// with_baselines = false leaves out the last line.
 HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int threads, bool with_baselines = true);

@@ -31,7 +31,22 @@ double median_progress(const TrainedSets& t, int iteration) {
     return statistics_of(values).median;
 }
 
-std::string held_out_markdown(const HeldOut& h) {
+std::string measurement_markdown(const Evaluation& e) {
+    if (!e.measurement) return "";
+    const Measurement& m = *e.measurement;
+    std::string out = fmt::format("## The data\n\n> {}\n\n{} rows at {} contacts. Noise of one component ({}): {} of the force",
+                                  m.origin.empty() ? "The file says nothing of its origin." : m.origin, m.rows, m.contacts,
+                                  m.noise_source == "repeats" ? fmt::format("from repeats, {} degrees of freedom", m.repeats)
+                                                              : m.noise_source,
+                                  m.noise_source == "unknown" ? "none known" : percent(m.force_noise));
+    if (m.noise_source == "repeats") out += fmt::format(", {:.3f} mm", 1e3 * m.displacement_noise_m);
+    out += ". `repeat` is what the other repeats of the same push say of a row: about what a perfect model would leave. ";
+    out += m.outliers.empty() ? "No row is an outlier.\n\n" : "Outliers, all kept:\n\n";
+    for (const std::string& line : m.outliers) out += "- " + line + "\n";
+    return out + (m.outliers.empty() ? "" : "\n");
+}
+
+std::string held_out_markdown(const HeldOut& h, bool measured) {
     std::string out;
     for (const DrawnContacts& role : h.roles) {
         out += fmt::format("## Contacts of `{}`: closed-loop error\n\n| model | median | p95 | max | n |\n|---|---|---|---|---|\n",
@@ -43,14 +58,15 @@ std::string held_out_markdown(const HeldOut& h) {
         }
         int extrapolated = 0;
         for (const DrawnContact& c : role.contacts) extrapolated += c.extrapolated ? 1 : 0;
-        out += fmt::format("\n{} contacts; {} lie outside what the sets were trained on. FE lost {}:\n", role.contacts.size(),
-                           extrapolated, role.lost.size());
+        out += fmt::format("\n{} {}; {} lie outside what the sets were trained on.", role.contacts.size(),
+                           measured ? "rows" : "contacts", extrapolated);
+        out += measured ? "\n" : fmt::format(" FE lost {}:\n", role.lost.size());
         for (const std::string& lost : role.lost) out += "- " + lost + "\n";
         std::vector<const DrawnContact*> worst;
         for (const DrawnContact& c : role.contacts)
             if (c.error[0]) worst.push_back(&c);
         std::sort(worst.begin(), worst.end(), [](const auto* a, const auto* b) { return *a->error[0] > *b->error[0]; });
-        out += "\nThe worst ten:\n\n| contact | along the surface mm | angle deg | depth mm | FE force N | error |\n|---|---|---|---|---|---|\n";
+        out += "\nThe worst ten:\n\n| contact | along the surface mm | angle deg | depth mm | force N | error |\n|---|---|---|---|---|---|\n";
         for (std::size_t i = 0; i < std::min<std::size_t>(10, worst.size()); ++i)
             out += fmt::format("| {} | {:.1f} | {:.1f} | {:.2f} | {:.3f} | {} |\n", worst[i]->name, 1e3 * worst[i]->arc_m,
                                worst[i]->angle_deg, 1e3 * worst[i]->depth_m, worst[i]->fe_force_N.norm(),
@@ -87,8 +103,8 @@ std::string to_markdown(const Evaluation& e) {
         const Statistics s = held_out->statistics(0);
         out += fmt::format(
             "**On contacts it never saw, the learned model's force is wrong by {} in the median, {} at the 95th "
-            "percentile and {} at worst (closed loop, {} contacts).**\n\nWritten by `tissuectl eval` {}.\n\n",
-            percent(s.median), percent(s.p95), percent(s.max), s.n, version);
+            "percentile and {} at worst (closed loop, {} {}).**\n\nWritten by `tissuectl eval` {}.\n\n",
+            percent(s.median), percent(s.p95), percent(s.max), s.n, e.measurement ? "rows" : "contacts", version);
     } else
         out += fmt::format(
         "**Learned springs leave {} of the FE force unexplained in the median of {} load cases; Van Gelder's heuristic "
@@ -99,18 +115,25 @@ std::string to_markdown(const Evaluation& e) {
         loss_ratio, percent(learned.resolved_error().median), percent(heuristic.resolved_error().median), force_ratio,
         version);
 
-    out += held_out_markdown(e.held_out) + truth_markdown(e.truth);
-    out +=
-        "## Errors at the trained contacts: median / p95 / max\n\n"
-        "| model | rel_loss (9) | resolved force | closed loop |\n|---|---|---|---|\n";
-    for (const ModelErrors& m : e.models)
-        out += fmt::format("| {} | {} | {} | {} |\n", m.name, summary(m.rel_loss()), summary(m.resolved_error()),
-                           summary(m.closed_loop()));
+    out += measurement_markdown(e) + held_out_markdown(e.held_out, e.measurement.has_value()) + truth_markdown(e.truth);
+    out += "## Errors at the trained contacts: median / p95 / max\n\n";
+    if (e.measurement) {
+        out += "| model | closed loop |\n|---|---|\n";
+        for (const ModelErrors& m : e.models) out += fmt::format("| {} | {} |\n", m.name, summary(m.closed_loop()));
+    } else {
+        out += "| model | rel_loss (9) | resolved force | closed loop |\n|---|---|---|---|\n";
+        for (const ModelErrors& m : e.models)
+            out += fmt::format("| {} | {} | {} | {} |\n", m.name, summary(m.rel_loss()), summary(m.resolved_error()),
+                               summary(m.closed_loop()));
+    }
+    out += fmt::format("\nn = {}. ", e.case_names.size());
+    if (!e.measurement)
+        out += "*rel_loss*: L(theta) over the weighted FE force, every node where FE has it. *Resolved force*: along "
+               "the push, at the loaded node. ";
     out += fmt::format(
-        "\nn = {}. *rel_loss*: L(theta) over the weighted FE force, every node where FE has it. *Resolved force*: along "
-        "the push, at the loaded node. *Closed loop*: the contact held where it was pushed, everything else at "
+        "*Closed loop*: the contact held where it was pushed, everything else at "
         "equilibrium. uniform is {:.4g} N/m, chosen on {}.\n",
-        e.case_names.size(), e.uniform_N_m, e.uniform_chosen_on == "closed_loop" ? "the closed-loop error" : "rel_loss");
+        e.uniform_N_m, e.uniform_chosen_on == "closed_loop" ? "the closed-loop error" : "rel_loss");
     for (const ModelErrors& m : e.models)
         if (m.closed_loop().n == 0) {
             out += fmt::format("No closed-loop answer: {}.\n", m.cases.front().reason);
@@ -139,8 +162,12 @@ std::string to_markdown(const Evaluation& e) {
         "for all), whose optimality conditions hold to {:.1e}.\n",
         e.optimum.seconds, e.optimum.kkt_residual.maxCoeff());
 
-    const bool listed = e.case_names.size() <= listed_cases;
-    if (!listed) return out + figures_markdown({"held_out", "held_out_force", "contours", "springs"});
+    if (e.measurement)
+        return out +
+               "Contact forces alone make the whole problem one that is not convex, and no certificate covers it: loss, gap "
+               "and proof are those of each set's last linearised step.\n" +
+               figures_markdown({"held_out", "springs"});
+    if (!e.listed) return out + figures_markdown({"held_out", "held_out_force", "contours", "springs"});
     out += "\n| set | L_lb mN | L_lb relative |";
     for (const TrainedSets& t : e.trained) out += fmt::format(" {}: L relative / gap / restarts / status |", t.optimizer);
     out += "\n|---|---|---|";

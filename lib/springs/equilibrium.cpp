@@ -138,4 +138,54 @@ std::optional<Equilibrium> solve_equilibrium(const SpringMesh& mesh, const Sprin
     return state;
 }
 
+std::optional<std::vector<ContactResponse>> contact_responses(const SpringMesh& mesh, const SpringLaw& law,
+                                                              const Eigen::VectorXd& theta,
+                                                              const std::vector<SurfacePoint>& contacts,
+                                                              const std::vector<Eigen::VectorXd>& pushes_m,
+                                                              std::string& reason) {
+    std::vector<ContactResponse> responses;
+    if (!law.linear_in_displacement()) {
+        for (std::size_t c = 0; c < contacts.size(); ++c) {
+            const std::optional<Equilibrium> state = solve_equilibrium(mesh, law, theta, contacts[c], pushes_m[c], reason);
+            if (!state) return std::nullopt;
+            const std::optional<Eigen::MatrixXd> G = contact_sensitivity(mesh, law, theta, contacts[c], state->displacement);
+            if (!G) {
+                reason = "the spring mesh is unstable where it was pushed";
+                return std::nullopt;
+            }
+            responses.push_back({*state, *G});
+        }
+        return responses;
+    }
+
+    const int D = mesh.dimension();
+    int free_count = 0;
+    const std::vector<int> number = free_numbering(mesh, free_count);
+    const NodeField rest = NodeField::Zero(mesh.node_count(), D);
+    Factor factor;
+    if (!factorise(factor, free_block(law.stiffness(mesh, theta, rest), number, free_count))) {
+        reason = "the spring mesh has zero-energy modes or is unstable under its supports";
+        return std::nullopt;
+    }
+    for (std::size_t c = 0; c < contacts.size(); ++c) {
+        const Eigen::MatrixXd W = contact_weights(mesh, contacts[c], number, free_count);
+        if (!(W.colwise().squaredNorm().minCoeff() > 0)) {
+            reason = "the contact lies on the fixed edge";
+            return std::nullopt;
+        }
+        const Eigen::MatrixXd KW = factor.solve(W);
+        const auto compliance = (W.transpose() * KW).ldlt();
+        const Eigen::MatrixXd G = compliance.solve(KW.transpose());
+        ContactResponse r{{rest, compliance.solve(pushes_m[c])}, Eigen::MatrixXd::Zero(D, rest.size())};
+        const Eigen::VectorXd u = KW * r.state.contact_force;
+        for (std::size_t i = 0; i < number.size(); ++i) {
+            if (number[i] < 0) continue;
+            r.state.displacement.data()[i] = u[number[i]];
+            r.sensitivity.col(static_cast<Eigen::Index>(i)) = G.col(number[i]);
+        }
+        responses.push_back(std::move(r));
+    }
+    return responses;
+}
+
 }  // namespace tissue

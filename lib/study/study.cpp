@@ -250,8 +250,10 @@ Study::Training read_training(TomlReader in) {
         if (!is_optimizer(other)) in.refuse("also", "'" + other + "' " + allowed);
     t.objective = in.has("objective") ? in.choice("objective", objectives) : "force";
     t.ridge = in.optional_number("ridge", not_negative).value_or(0);
+    t.one_set_ridge = in.optional_number("one_set_ridge", not_negative).value_or(t.ridge);
     t.reach_m = in.optional_number("reach_m", not_negative).value_or(0);
-    if (t.reach_m > 0 && t.objective != "reaction") in.refuse("reach_m", "belongs to objective 'reaction'");
+    for (const char* key : {"one_set_ridge", "reach_m"})
+        if (in.has(key) && t.objective != "reaction") in.refuse(key, "belongs to objective 'reaction'");
     t.seed = static_cast<unsigned long>(in.integer("seed", 0, std::numeric_limits<int>::max()));
     t.iterations = static_cast<int>(in.integer("iterations", 1, 100'000'000));
     t.max_seconds = in.optional_number("max_seconds", positive);

@@ -111,6 +111,7 @@ struct Study {
         std::string objective;             ///< force: (9); contact: the force the contact itself carries; reaction:
                                            ///< that alone, with no word on the nodes inside
         double ridge;                      ///< towards the one set that serves all cases best; 0: none
+        double one_set_ridge;              ///< of objective reaction: of that one set towards the scaled heuristic
         double reach_m;                    ///< of objective reaction: how near other contacts and pushes count too
         unsigned long seed;
         int iterations;

@@ -1,5 +1,8 @@
 #include "train/reaction.h"
 
+#include <Eigen/Cholesky>
+#include <cmath>
+
 #include "error.h"
 #include "springs/equilibrium.h"
 #include "train/bounded_lsq.h"
@@ -8,55 +11,95 @@
 namespace tissue {
 namespace {
 
-std::optional<Equilibrium> answer(const SpringMesh& mesh, const SpringLaw& law, const Reading& reading,
-                                  const Eigen::VectorXd& theta, std::string& reason) {
-    return solve_equilibrium(mesh, law, theta, reading.contact, reading.push_m, reason);
-}
-
 [[noreturn]] void refuse(const std::string& reason) {
     throw MismatchError("contact forces alone cannot train this spring mesh: " + reason);
 }
 
-/// Sum of squared relative errors; infinite without an equilibrium.
-double misfit(const SpringMesh& mesh, const SpringLaw& law, const std::vector<Reading>& readings,
-              const Eigen::VectorXd& theta) {
-    double sum = 0;
-    std::string reason;
+/// The closed loop's answers at theta, and G A there: what a change of theta makes of them, to first order.
+struct Answers {
+    double misfit = std::numeric_limits<double>::infinity();  ///< weighted sum of squared relative errors
+    std::vector<Eigen::VectorXd> force_N;
+    std::vector<Eigen::MatrixXd> GA;                          ///< of each reading (D x S)
+    std::string reason;                                       ///< why there are none
+};
+
+Answers answers(const SpringMesh& mesh, const SpringLaw& law, const std::vector<Reading>& readings,
+                const Eigen::VectorXd& theta) {
+    std::vector<SurfacePoint> contacts;
+    std::vector<Eigen::VectorXd> pushes;
     for (const Reading& r : readings) {
-        const std::optional<Equilibrium> state = answer(mesh, law, r, theta, reason);
-        if (!state) return std::numeric_limits<double>::infinity();
-        sum += r.weight * (state->contact_force - r.force_N).squaredNorm() / r.force_N.squaredNorm();
+        contacts.push_back(r.contact);
+        pushes.push_back(r.push_m);
     }
-    return sum;
+    Answers a;
+    const auto responses = contact_responses(mesh, law, theta, contacts, pushes, a.reason);
+    if (!responses) return a;
+    a.misfit = 0;
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+        const ContactResponse& response = (*responses)[i];
+        const Eigen::VectorXd& wanted = readings[i].force_N;
+        a.force_N.push_back(response.state.contact_force);
+        a.misfit += readings[i].weight * (a.force_N.back() - wanted).squaredNorm() / wanted.squaredNorm();
+        a.GA.push_back(response.sensitivity * law.force_matrix(mesh, response.state.displacement));
+    }
+    return a;
 }
 
-/// |r - G A theta'| of every reading, linearised at theta.
-std::vector<ForceLoss> linearised(const SpringMesh& mesh, const SpringLaw& law, const std::vector<Reading>& readings,
-                                  const Eigen::VectorXd& theta) {
-    std::vector<ForceLoss> losses;
-    std::string reason;
-    for (const Reading& r : readings) {
-        const std::optional<Equilibrium> state = answer(mesh, law, r, theta, reason);
-        if (!state) refuse(reason);
-        const std::optional<Eigen::MatrixXd> G = contact_sensitivity(mesh, law, theta, r.contact, state->displacement);
-        if (!G) refuse("it has zero-energy modes");
-        const Eigen::MatrixXd GA = *G * law.force_matrix(mesh, state->displacement);
-        losses.emplace_back(GA.sparseView(), r.force_N, Eigen::VectorXd::Ones(r.force_N.size()));
-    }
-    return losses;
-}
+/// min |b - M theta|^2 + weight |theta - theta0|^2 over the box: M has few rows, one a component of a reading.
+struct Step {
+    Eigen::MatrixXd M;
+    Eigen::VectorXd b;
+    double weight;
 
-/// The linearised readings as one loss of weighted relative errors.
-ForceLoss together(const std::vector<Reading>& readings, const std::vector<ForceLoss>& losses) {
-    const Eigen::Index D = losses.front().target().size(), S = losses.front().matrix().cols();
-    Eigen::MatrixXd rows(D * static_cast<Eigen::Index>(losses.size()), S);
-    Eigen::VectorXd wanted(rows.rows());
-    for (std::size_t i = 0; i < losses.size(); ++i) {
-        const double unit = std::sqrt(readings[i].weight) / losses[i].scale();
-        rows.middleRows(D * static_cast<Eigen::Index>(i), D) = unit * Eigen::MatrixXd(losses[i].matrix());
-        wanted.segment(D * static_cast<Eigen::Index>(i), D) = unit * losses[i].target();
+    Step(const std::vector<Reading>& readings, const Answers& a) : weight(0) {
+        const Eigen::Index D = readings.front().force_N.size();
+        M.resize(D * static_cast<Eigen::Index>(readings.size()), a.GA.front().cols());
+        b.resize(M.rows());
+        for (std::size_t i = 0; i < readings.size(); ++i) {
+            const double unit = std::sqrt(readings[i].weight) / readings[i].force_N.norm();
+            M.middleRows(D * static_cast<Eigen::Index>(i), D) = unit * a.GA[i];
+            b.segment(D * static_cast<Eigen::Index>(i), D) = unit * readings[i].force_N;
+        }
     }
-    return {rows.sparseView(), wanted, Eigen::VectorXd::Ones(wanted.size())};
+
+    ForceLoss loss(const Eigen::VectorXd& theta0) const {
+        SparseMatrix identity(theta0.size(), theta0.size());
+        identity.setIdentity();
+        return with_rows({M.sparseView(), b, Eigen::VectorXd::Ones(b.size())}, std::sqrt(weight) * identity,
+                         std::sqrt(weight) * theta0);
+    }
+};
+
+/// The step's solution. With a ridge the springs that the box does not hold follow from a system as small as M has rows;
+/// which those are is found by trying: too far ones are held, held ones that are drawn inside let go. Few tries settle
+/// it; where they do not, and without a ridge, bounded_lsq does.
+Eigen::VectorXd solve(const Step& s, const Eigen::VectorXd& start, const Eigen::VectorXd& theta0, const Box& box) {
+    constexpr int tries = 30;
+    std::vector<int> held(static_cast<std::size_t>(start.size()), 0);  // -1 at lo, 1 at hi
+    for (int t = 0; s.weight > 0 && t < tries; ++t) {
+        Eigen::MatrixXd loose = s.M;
+        Eigen::VectorXd theta = theta0;
+        for (Eigen::Index k = 0; k < theta.size(); ++k)
+            if (const int side = held[static_cast<std::size_t>(k)]) {
+                theta[k] = side < 0 ? box.lo[k] : box.hi[k];
+                loose.col(k).setZero();
+            }
+        Eigen::MatrixXd system = loose * loose.transpose();
+        system.diagonal().array() += s.weight;
+        theta += loose.transpose() * system.ldlt().solve(s.b - s.M * theta);
+        const Eigen::VectorXd slope = s.weight * (theta - theta0) - s.M.transpose() * (s.b - s.M * theta);
+        bool settled = true;
+        for (Eigen::Index k = 0; k < theta.size(); ++k) {
+            int& side = held[static_cast<std::size_t>(k)];
+            const int now = side == 0   ? (theta[k] < box.lo[k] ? -1 : theta[k] > box.hi[k] ? 1 : 0)
+                            : side < 0 ? (slope[k] >= 0 ? -1 : 0)
+                                       : (slope[k] <= 0 ? 1 : 0);
+            settled &= now == side;
+            side = now;
+        }
+        if (settled) return theta;
+    }
+    return solve_bounded_lsq(s.loss(theta0), start, box).theta;
 }
 
 }  // namespace
@@ -64,51 +107,49 @@ ForceLoss together(const std::vector<Reading>& readings, const std::vector<Force
 ReactionFit fit_reactions(const SpringMesh& mesh, const SpringLaw& law, const std::vector<Reading>& readings,
                           const Eigen::VectorXd& start, const Eigen::VectorXd& theta0, double ridge, const Box& box,
                           const ReactionOptions& options) {
-    const Eigen::Index S = start.size();
-    SparseMatrix identity(S, S);
-    identity.setIdentity();
-    BoundedLsqOptions exact;
-    if (ridge > 0) exact.first_shift = exact.shift;  // nothing is badly conditioned: Newton's own step at once
-
-    std::vector<ForceLoss> losses = linearised(mesh, law, readings, start);
-    ForceLoss joint = together(readings, losses);
-    const double weight = ridge * joint.matrix().squaredNorm() / static_cast<double>(S), root = std::sqrt(weight);
-    const auto with_pull = [&](const ForceLoss& loss) { return with_rows(loss, root * identity, root * theta0); };
-    const auto objective = [&](const Eigen::VectorXd& theta) {
-        return misfit(mesh, law, readings, theta) + weight * (theta - theta0).squaredNorm();
-    };
-    ReactionFit fit{start, losses, with_pull(joint), 0, false};
-    double value = objective(fit.theta);
-    while (!fit.converged && fit.iterations < options.max_iterations) {
-        ++fit.iterations;
-        const Eigen::VectorXd step = solve_bounded_lsq(fit.inner, fit.theta, box, exact).theta - fit.theta;
-        double part = 1, next = objective(fit.theta + step);
-        while (!(next < value) && part > 1e-3) {
+    Answers now = answers(mesh, law, readings, start);
+    if (!now.reason.empty()) refuse(now.reason);
+    Step step(readings, now);
+    const double weight = ridge * step.M.squaredNorm() / static_cast<double>(start.size());
+    const auto pull = [&](const Eigen::VectorXd& theta) { return weight * (theta - theta0).squaredNorm(); };
+    Eigen::VectorXd theta = start;
+    double value = now.misfit + pull(theta);
+    int iterations = 0;
+    bool converged = false;
+    while (!converged && iterations < options.max_iterations) {
+        ++iterations;
+        step.weight = weight;
+        const Eigen::VectorXd change = solve(step, theta, theta0, box) - theta;
+        double part = 1;
+        Answers next = answers(mesh, law, readings, theta + change);
+        while (!(next.misfit + pull(theta + part * change) < value) && part > 1e-3) {
             part /= 2;
-            next = objective(fit.theta + part * step);
+            next = answers(mesh, law, readings, theta + part * change);
         }
-        if (!(next < value)) {  // at rounding
-            fit.converged = true;
-            break;
-        }
-        fit.converged = value - next <= options.tolerance * value;
-        fit.theta += part * step;
-        value = next;
-        fit.losses = linearised(mesh, law, readings, fit.theta);
-        fit.inner = with_pull(together(readings, fit.losses));
+        const double fell = value - next.misfit - pull(theta + part * change);
+        converged = !(fell > options.tolerance * value);
+        if (!(fell > 0)) break;  // at rounding
+        theta += part * change;
+        value -= fell;
+        now = std::move(next);
+        step = Step(readings, now);
     }
-    return fit;
+    step.weight = weight;
+    std::vector<ForceLoss> losses;
+    for (std::size_t i = 0; i < readings.size(); ++i)
+        losses.emplace_back(now.GA[i].sparseView(), readings[i].force_N, Eigen::VectorXd::Ones(readings[i].force_N.size()));
+    return {theta, losses, step.loss(theta0), iterations, converged};
 }
 
 double best_factor(const SpringMesh& mesh, const SpringLaw& law, const std::vector<Reading>& readings,
                    const Eigen::VectorXd& theta) {
+    const Answers a = answers(mesh, law, readings, theta);
+    if (!a.reason.empty()) refuse(a.reason);
     double both = 0, own = 0;
-    std::string reason;
-    for (const Reading& r : readings) {
-        const std::optional<Equilibrium> state = answer(mesh, law, r, theta, reason);
-        if (!state) refuse(reason);
-        both += state->contact_force.dot(r.force_N) / r.force_N.squaredNorm();
-        own += state->contact_force.squaredNorm() / r.force_N.squaredNorm();
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+        const double unit = readings[i].force_N.squaredNorm();
+        both += a.force_N[i].dot(readings[i].force_N) / unit;
+        own += a.force_N[i].squaredNorm() / unit;
     }
     return both / own;
 }

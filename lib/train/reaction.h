@@ -23,7 +23,7 @@ struct ReactionFit {
 
 struct ReactionOptions {
     int max_iterations = 30;          ///< measured: 3-8 are taken
-    double tolerance = 1e-6;
+    double tolerance = 1e-4;          ///< far below what noise leaves of the objective
 };
 
 /// min sum_i weight_i (|r_i(theta) - r_i| / |r_i|)^2 + ridge c |theta - theta0|^2 over the box, where r_i(theta) is the closed loop's

@@ -153,7 +153,7 @@ Objectives reaction_objectives(const Study& study, const TissueModel& model, con
     const Eigen::VectorXd prior =
         box.project(best_factor(model.mesh, law, readings, model.heuristic_a) * model.heuristic_a);
     Objectives o;
-    o.one_set = fit_reactions(model.mesh, law, readings, prior, prior, ridge, box).theta;
+    o.one_set = fit_reactions(model.mesh, law, readings, prior, prior, study.training.one_set_ridge, box).theta;
     if (ridge > 0) o.exact.first_shift = o.exact.shift;
     o.start.resize(loads.size());
     std::vector<std::optional<ReactionFit>> fits(loads.size());

@@ -1,0 +1,73 @@
+#!/bin/sh
+# Measured contact forces through make: data -> cases -> springs -> train -> eval, what an edit runs again, and refusals.
+. "$(dirname "$0")/common"
+make_copy
+data=$work/fem/data/tiny.csv
+
+# A tissue that pushes back with 50 N/m along the normal and 30 N/m across it, all round, with 1 % of noise.
+"$PYTHON" >"$data" <<'PY'
+import random
+random.seed(8)
+print("# NOT A MEASUREMENT: made up by tests/pipeline/test_import.sh")
+print("contact_x [mm],contact_y [m],displacement_x [mm],displacement_y [mm],force_x [mN],force_y [N],push")
+push = 0
+for i in range(24):
+    x, y, n = [(100, 20 + 10 * i, (-1, 0)), (100 - 10 * (i - 8), 100, (0, -1)), (0, 100 - 10 * (i - 16), (1, 0))][i // 8]
+    for across in (-3, 3):
+        push += 1
+        for _ in range(2):
+            u = [5 * n[0] - across * n[1], 5 * n[1] + across * n[0]]
+            f = [50 * 5 * n[0] - 30 * across * n[1], 50 * 5 * n[1] + 30 * across * n[0]]
+            f = [v + 2.5 * random.gauss(0, 1) for v in f]
+            print(f"{x},{y / 1e3},{u[0]},{u[1]},{f[0]:.3f},{f[1] / 1e3:.6f},{push}")
+PY
+sed -e 's/^cells = .*/cells = [4, 4]/' -e 's/block_measured/tiny/' -e 's/^thickness_m = .*/thickness_m = 0.005/' \
+    "$root/fem/studies/measured.toml" >"$work/fem/studies/tiny.toml"
+
+# ---- from the CSV to the report
+make_tiny all -j2
+check "make all succeeds from a CSV" exited 0
+check "it leaves cases, model, evaluation, report and figures" exist "$R/cases.h5" "$R/model.h5" "$R/eval.json" \
+    "$R/report.md" "$R/figures/held_out.png" "$R/figures/springs.png"
+check "no mesh is made and no load path solved" absent "$R/mesh.msh" "$R/cases"
+check "import says rows, contacts, split and noise" says 'import .*tiny.csv: 96 rows at 24 contacts: .* held out'
+check "the noise of the repeats is what was put on, near 1 %" "$PYTHON" -c 'import json, sys
+m = json.load(open(sys.argv[1]))["measurement"]
+assert m["noise_source"] == "repeats" and 0.006 < m["force_noise"] < 0.012, m' "$R/eval.json"
+check "the report says where the data come from" grep -q 'NOT A MEASUREMENT: made up by' "$R/report.md"
+check "the report says that no certificate covers the whole" grep -q 'no certificate covers it' "$R/report.md"
+check "every rival stands beside the learned sets on held-out rows" "$PYTHON" -c 'import json, sys
+held_out = json.load(open(sys.argv[1]))["closed_loop"]["held_out"]
+for model in ("learned", "one_set", "force_table", "heuristic_a", "heuristic_b", "uniform", "repeat"):
+    assert held_out[model]["n"] == 20, (model, held_out[model])
+assert held_out["learned"]["median"] < held_out["uniform"]["median"], held_out' "$R/eval.json"
+
+# ---- once more, and after an edit
+snapshot "$R" >"$scratch/before"
+make_tiny all
+check "a second make all writes nothing" only_changed "$scratch/before" "$R" ""
+edit '^ridge = .*' 'ridge = 0.5'
+make_tiny eval
+check "editing the training does not import again" only_changed "$scratch/before" "$R" \
+    "eval.json model.h5 plan.mk plan/train report.md"
+cp -R "$R" "$scratch/one"
+echo "# one comment more" >>"$data"
+make_tiny eval
+check "another CSV is imported, trained and evaluated" sh -c "[ '$R/cases.h5' -nt '$data' ] && [ '$R/eval.json' -nt '$R/cases.h5' ]"
+check "a comment changes no dataset" same_contents "$R" "$scratch/one"
+
+# ---- refusals
+snapshot "$R" >"$scratch/before"
+sed -i '$s/^/#/; 4s/,5,/,nan,/; 4s/-5/nan/' "$data"
+make_tiny eval
+check "a field that is no number: make fails" failed
+check "one line names file, line and column" one_line "tissuectl: fem/data/tiny.csv:4: column 'displacement_[xy]' is 'nan'"
+check "earlier results are untouched" only_changed "$scratch/before" "$R" ""
+rm "$data"
+tissuectl import fem/data/tiny.csv --study fem/studies/tiny.toml --out results/tiny/cases.h5
+check "a CSV that is not there: exit 1" exited 1
+check "one line names it" one_line '^tissuectl: fem/data/tiny.csv: '
+tissuectl import fem/data/block_measured.csv --study fem/studies/paper.toml --out results/tiny/cases.h5
+check "a study without [data]: one line says so" one_line '^tissuectl: fem/studies/paper.toml: has no \[data\]'
+check "and results are untouched still" only_changed "$scratch/before" "$R" ""
+finish
