@@ -422,6 +422,7 @@ function let_go(tells = true) {
   if (!hand.down) return;
   hand.down = false;
   if (tells) tell({ type: "pointer", x: hand.at[0], y: hand.at[1], down: false });
+  if (hand.by !== "keys") hand.at = null;
 }
 
 function move_hand(now) {

@@ -15,12 +15,12 @@ class Missing(Exception):
 
 
 class Server:
-    """`tissuectl serve` on a port of its own (0: any that is free); what it says goes to a file in `folder`."""
+    """`tissuectl serve` with these options; port 0: any that is free. What it says goes to a file in `folder`."""
 
-    def __init__(self, program, models, folder, port=0):
+    def __init__(self, program, models, folder, *options, port=0):
         self.log = Path(folder) / "serve.log"
         with open(self.log, "w") as log:
-            self.process = subprocess.Popen([program, "serve", "--port", str(port), *map(str, models)],
+            self.process = subprocess.Popen([program, "serve", *options, "--port", str(port), *models],
                                             stdin=subprocess.DEVNULL, stdout=log, stderr=log)
         self.url = None
         for _ in range(200):
