@@ -260,10 +260,11 @@ gains: $(TISSUECTL) $(BUILD)/gains_probe
 test: $(TISSUECTL) $(TISSUE_HAPTIC) $(BUILD)/test_tissue | build/deps-test
 	@TISSUE_HAPTIC=$(abspath $(TISSUE_HAPTIC)) PYTHON=$(PYTHON) TISSUECTL=$(abspath $(TISSUECTL)) tests/run $(BUILD)/test_tissue
 
-## sanitize: library tests under address and undefined-behaviour sanitizers
+## sanitize: library tests and the server under address and undefined-behaviour sanitizers
 sanitize:
-	@$(MAKE) SANITIZE=1 build/sanitize/tissue-haptic build/sanitize/test_tissue
+	@$(MAKE) SANITIZE=1 build/sanitize/tissue-haptic build/sanitize/tissuectl build/sanitize/test_tissue
 	@TISSUE_HAPTIC=$(abspath build/sanitize/tissue-haptic) build/sanitize/test_tissue
+	@TISSUECTL=$(abspath build/sanitize/tissuectl) PYTHON=$(PYTHON) tests/pipeline/test_serve.sh
 
 ## regress-proof: five defects put into a copy of the project; each must turn the paper study's regression red
 regress-proof: $(TISSUECTL)
@@ -273,5 +274,6 @@ regress-proof: $(TISSUECTL)
 bench: $(TISSUECTL) $(TISSUE_HAPTIC) $(BENCHES) | build/deps-test
 	@$(MAKE) train STUDY=paper
 	@PYTHON=$(PYTHON) scripts/venv || echo "bench: goes on without its peers" >&2
-	@$(PYTHON) scripts/bench.py --make $(MAKE) $(BENCH_OPTIONS) $(TISSUE_HAPTIC) $(BENCHES)
+	@TISSUECTL=$(abspath $(TISSUECTL)) $(PYTHON) scripts/bench.py --make $(MAKE) $(BENCH_OPTIONS) $(TISSUE_HAPTIC) \
+	  $(BENCHES) tests/bench/bench_serve.py
 	@$(PYTHON) tests/bench/test_bench.py

@@ -4,9 +4,10 @@ Writes results/bench.json, a list of {"name", "unit", "median", "p95", "n", "pee
 "ratio"}: ratio = ours / peer's, both from this run and taken in turns; peer fields are null where there is no peer, or
 where it is not installed (scripts/venv). Prints the same as a table. A slow machine is no failure.
 
-PROGRAM     build/.../bench_NAME, made from tests/bench/bench_NAME.cpp. bench_train is driven by this script, and so is
-            tissue-haptic, a minute of it beside cyclictest. Any other is run once as `bench_NAME results/paper`, and
-            prints a JSON list of {"name", "unit", "samples"}, or of finished entries.
+PROGRAM     build/.../bench_NAME, made from tests/bench/bench_NAME.cpp, or a script tests/bench/bench_NAME.py.
+            bench_train is driven by this script, and so is tissue-haptic, a minute of it beside cyclictest. Any other
+            is run once as `bench_NAME results/paper`, and prints a JSON list of {"name", "unit", "samples"}, or of
+            finished entries.
 --quick     leaves out the last part: the whole study `surface` from clean, which takes longer than all the rest, its
             training alone, and how its cost grows
 """

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace tissue::serve {
 namespace {
@@ -11,6 +12,14 @@ constexpr double clearance_m = 0.01;    ///< kept from the tissue at rest while 
 constexpr double travel_m_s = 0.5, approach_m_s = 0.08, press_m_s = 0.02, leave_m_s = 0.15;
 constexpr double rest_s = 0.8, pause_s = 0.4;
 constexpr double inset_m = 0.0003;      ///< a push along the surface must stay inside it
+
+/// From one place of a tour to the next: all are visited, and of many, neighbours not one after the other.
+int stride(int count) {
+    if (count <= 20) return 1;
+    int step = static_cast<int>(0.382 * count);
+    while (std::gcd(step, count) != 1) ++step;
+    return step;
+}
 
 bool within(const Hand::Box& box, const Eigen::Vector2d& p, double margin) {
     return (p.array() > box.first.array() - margin).all() && (p.array() < box.second.array() + margin).all();
@@ -172,6 +181,7 @@ Eigen::Vector2d Hand::step(double elapsed_s) {
         }
         left -= needed;
         at_ = leg.to_m;
+        remember_way_out();
         if (leg.wait_s > left) {
             leg.wait_s -= left;
             break;
@@ -184,12 +194,17 @@ Eigen::Vector2d Hand::step(double elapsed_s) {
         at_ = wanted_;
     }
     if (mode_ == Mode::demo && way_.empty()) {
-        if (tour_) place_ = (place_ + 1) % static_cast<int>(scene_->places().size());
+        const int count = static_cast<int>(scene_->places().size());
+        if (tour_) place_ = (place_ + stride(count)) % count;
         press();
     }
+    remember_way_out();
+    return at_;
+}
+
+void Hand::remember_way_out() {
     const auto& boxes = scene_->boxes();
     if (std::none_of(boxes.begin(), boxes.end(), [&](const Box& b) { return within(b, at_, 0); })) entry_ = at_;
-    return at_;
 }
 
 }  // namespace tissue::serve

@@ -45,11 +45,13 @@ class Hand {
 
     void go_round(const Eigen::Vector2d& to_m);
     void press();
+    void remember_way_out();
 
     const Scene* scene_;
     Mode mode_ = Mode::parked;
     std::deque<Leg> way_;
-    Eigen::Vector2d at_, entry_, wanted_;
+    Eigen::Vector2d at_, wanted_;
+    Eigen::Vector2d entry_;  ///< where it was last outside
     bool inside_ = false;    ///< led straight, whatever is in between: it has arrived where the person is
     bool tour_ = true;
     int place_ = 0;
