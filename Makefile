@@ -148,24 +148,15 @@ $(BUILD)/cli/serve/page.o: $(wildcard cli/view/*.html cli/view/*.css cli/view/*.
 # The plan says which load paths there are and with which arguments; its parts say what each stage depends on, and
 # keep their time stamp while their text stays the same.
 ifneq (,$(filter-out help clean deps build install uninstall doctor reference regress regress-proof trust felupe gains test sanitize bench $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
-# shape.mk says where the tissue's outline comes from. Until that is known there is no mesh, and until there is one a
-# shape has no surface to plan contacts on.
-include $(R)/shape.mk
-ifeq (,$(shell [ -e $(R)/shape.mk ] || echo absent; find $(STUDIES) -newer $(R)/shape.mk 2>/dev/null))
 include $(R)/plan.mk
 endif
-endif
+# A shape has no surface to plan contacts on until it is meshed: its first plan says where it comes from, SHAPE and
+# SHAPE_ARGUMENTS, and that the plan depends on the mesh.
 MESH_OPTION = $(if $(SHAPE),--mesh $(R)/mesh.msh)
 figures: $(FIGURES:%=$(R)/figures/%.png)
 
-$(R)/shape.mk: $(STUDIES) $(TISSUECTL)
-	@$(TISSUECTL) plan --shape --study fem/studies/$(STUDY).toml --out $@
-
-$(R)/plan.mk: $(STUDIES) $(TISSUECTL) $(if $(SHAPE),$(R)/mesh.msh)
+$(R)/plan.mk: $(STUDIES) $(TISSUECTL)
 	@$(TISSUECTL) plan --study fem/studies/$(STUDY).toml $(MESH_OPTION) --out $@
-
-$(R)/plan/shape:
-	@$(TISSUECTL) plan --shape --study fem/studies/$(STUDY).toml --out $(R)/shape.mk
 
 $(R)/plan/%:
 	@$(TISSUECTL) plan --study fem/studies/$(STUDY).toml $(MESH_OPTION) --out $(R)/plan.mk

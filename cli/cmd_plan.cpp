@@ -4,23 +4,26 @@
 #include "error.h"
 #include "io/atomic_file.h"
 #include "cases/plan.h"
-#include "cases/study_mesh.h"
 
 namespace tissue::cli {
 namespace {
 
 struct Options {
     std::string study, mesh, out;
-    bool shape = false;
 };
 
 void run(const Options& o) {
     const Study study = read_study(o.study);
-    const Plan plan = o.shape ? make_shape_plan(study) : make_plan(study, study_shape(study, o.mesh));
     const std::filesystem::path folder = std::filesystem::path(o.out).parent_path() / "plan";
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (error) throw FileError(folder.string() + ": cannot make the folder: " + error.message());
+    // a mesh made from something else than the study's shape as it is now is none
+    Plan plan = make_plan(study);
+    bool stale = o.mesh.empty() || !std::filesystem::exists(o.mesh, error);
+    const auto shape = plan.parts.find("shape");
+    if (shape != plan.parts.end() && write_file_if_changed((folder / "shape").string(), shape->second)) stale = true;
+    if (shape != plan.parts.end() && !stale) plan = make_plan(study, read_shape(o.mesh));
     for (const auto& [name, text] : plan.parts) write_file_if_changed((folder / name).string(), text);
     write_file(o.out, plan.fragment);  // last: make takes a new fragment as a sign that all parts are there
 }
@@ -34,8 +37,8 @@ void add_plan(CLI::App& app, const Invocation&) {
     command->add_option("--out", o->out, "make fragment; its parts go to plan/ beside it")
         ->required()
         ->type_name("FILE");
-    command->add_option("--mesh", o->mesh, "mesh.msh of tissuectl shape, for a study that has a shape")->type_name("FILE");
-    command->add_flag("--shape", o->shape, "only where the shape comes from: all that is known without a mesh");
+    command->add_option("--mesh", o->mesh, "mesh.msh of tissuectl shape, for a study that has a shape; plans only that without")
+        ->type_name("FILE");
     command->callback([o] { run(*o); });
 }
 

@@ -112,7 +112,7 @@ Cases example_cases(const Study& study, const Eigen::VectorXd& theta) {
     const SpringMesh mesh = make_lattice("grid8", study.cells[0], study.cells[1], study.geometry.width_m,
                                          study.geometry.height_m);
     const auto law = make_spring_law("axial");
-    Cases cases{study.name, mesh.nodes, study.loads.magnitudes_m, {}};
+    Cases cases{study.name, mesh.nodes, {}, study.loads.magnitudes_m, {}};
     for (const StudyPath& p : study.loads.paths) {
         LoadPath path;
         path.name = p.name;

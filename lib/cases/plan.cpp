@@ -74,20 +74,37 @@ std::string train_part(const Study& s) {
         t.k_min_E2, t.k_max_E2, t.weight_near[0], t.weight_near[1], t.weight_far[0], t.weight_far[1]);
 }
 
+/// How gmsh makes the shape's triangles: an outline is filled, a mesh is converted.
+std::string shape_arguments(const Study& s) {
+    if (s.spring_size_m > 0) return fmt::format("-2 -clmin {0} -clmax {0}", s.spring_size_m / s.geometry.unit_m);
+    return "-save";
+}
+
+std::string shape_part(const Study& s) {
+    return fmt::format("{}\n{}\nunit {}\nfixed {}\nregions {}\n", s.geometry.shape, shape_arguments(s), s.geometry.unit_m,
+                       fmt::join(s.geometry.fixed, ","), fmt::join(s.material.region_names(), ","));
+}
+
 }  // namespace
 
 Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
     const bool block = study.geometry.is_block();
-    const std::vector<PlannedPath> paths = study.data ? std::vector<PlannedPath>() : planned_paths(study, shape);
     Plan plan;
-    plan.fragment = fmt::format(
-        "# Written by tissuectl plan from study '{}'; do not edit.\n"
+    plan.fragment = fmt::format("# Written by tissuectl plan from study '{}'; do not edit.\n", study.name);
+    if (!block) {
+        plan.fragment += fmt::format("SHAPE := {}\nSHAPE_ARGUMENTS := {}\n$(R)/plan.mk: $(R)/mesh.msh\n",
+                                     study.geometry.shape, shape_arguments(study));
+        plan.parts["shape"] = shape_part(study);
+        if (!shape) return plan;
+    }
+    const std::vector<PlannedPath> paths = study.data ? std::vector<PlannedPath>() : planned_paths(study, shape);
+    plan.fragment += fmt::format(
         "$(R)/cases.h5: CASES_COMMAND = {}\n"
         "$(R)/cases.h5: $(R)/plan/collect\n"
         "$(R)/model.h5: $(R)/plan/train\n"
         "PATHS :=\n"
         "FIGURES := {}\n",
-        study.name, study.data ? "import " + study.data->file : "collect --paths $(R)/cases",
+        study.data ? "import " + study.data->file : std::string("collect --paths $(R)/cases"),
         study.data          ? "held_out springs"
         : study.loads.sweep ? "held_out held_out_force contours springs"
                             : "contours force learning springs errors character");
@@ -119,19 +136,6 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
             path.push.name, arguments, mesh);
         plan.parts["path-" + path.push.name] = mesh + " " + arguments + "\n";
     }
-    return plan;
-}
-
-Plan make_shape_plan(const Study& study) {
-    Plan plan;
-    const Study::Geometry& g = study.geometry;
-    std::string arguments = "-save";  // a mesh is converted, an outline is filled
-    if (study.spring_size_m > 0) arguments = fmt::format("-2 -clmin {0} -clmax {0}", study.spring_size_m / g.unit_m);
-    plan.fragment = fmt::format(
-        "# Written by tissuectl plan from study '{}'; do not edit.\nSHAPE := {}\nSHAPE_ARGUMENTS := {}\n", study.name, g.shape,
-        arguments);
-    plan.parts["shape"] = fmt::format("{}\n{}\nunit {}\nfixed {}\nregions {}\n", g.shape, arguments, g.unit_m,
-                                      fmt::join(g.fixed, ","), fmt::join(study.material.region_names(), ","));
     return plan;
 }
 

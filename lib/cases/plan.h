@@ -16,11 +16,8 @@ struct Plan {
     std::map<std::string, std::string> parts;  ///< file name under $(R)/plan/ -> text
 };
 
-/// shape: of a study that has one. Throws MismatchError when it is missing.
+/// shape: of a study that has one; without it the plan says only where the shape comes from (SHAPE, SHAPE_ARGUMENTS
+/// for gmsh) and that there is more to plan once it is meshed.
 Plan make_plan(const Study& study, const std::optional<Shape>& shape = {});
-
-/// What make needs to know before there is a mesh, and so before there is a plan: where the shape comes from.
-/// Defines SHAPE (empty for the block) and SHAPE_ARGUMENTS for gmsh; the mesh depends on the file plan/shape.
-Plan make_shape_plan(const Study& study);
 
 }  // namespace tissue

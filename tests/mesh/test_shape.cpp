@@ -1,0 +1,181 @@
+#include "mesh/shape.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <set>
+
+#include "../example.h"
+#include "../refusal.h"
+#include "../tolerances.h"
+#include "error.h"
+#include "mesh/outline.h"
+#include "springs/heuristic.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// A unit square about a middle node, in four triangles, the last of them clockwise; the lower side is "base", the right
+/// triangle "hard"; node 9 belongs to nothing. `names`, `nodes` and `elements` may be put in the place of its own.
+const std::string names = "1 1 \"base\"\n1 2 \"rest\"\n2 3 \"soft\"\n2 4 \"hard\"\n";
+const std::string nodes = "1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0.5 0.5 0\n9 7 7 0\n";
+const std::string elements =
+    "1 1 2 1 1 1 2\n2 1 2 2 2 2 3\n3 1 2 2 2 3 4\n4 1 2 2 2 4 1\n"
+    "5 2 2 3 1 1 2 5\n6 2 2 4 2 2 3 5\n7 2 2 3 1 3 4 5\n8 2 2 3 1 1 4 5\n";
+
+std::string counted(const std::string& section, const std::string& lines) {
+    return "$" + section + "\n" + std::to_string(std::count(lines.begin(), lines.end(), '\n')) + "\n" + lines + "$End" +
+           section + "\n";
+}
+
+std::string square_text(const std::string& some_nodes = nodes, const std::string& some_elements = elements) {
+    return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" + counted("PhysicalNames", names) + counted("Nodes", some_nodes) +
+           counted("Elements", some_elements);
+}
+
+MshFile read(const std::string& text) {
+    TemporaryFolder folder;
+    MshFile mesh = read_msh(folder.file("some.msh", text));
+    mesh.file = "some.msh";
+    return mesh;
+}
+
+Shape square(const std::string& text = square_text(), ShapeNotes* notes = nullptr) {
+    return make_shape(read(text), {"base"}, {"hard"}, 0.1, notes);
+}
+
+/// A disc of 24 sides and radius 0.05 m about its centre; a quarter of it is held.
+Shape disc() {
+    Shape shape;
+    const int n = 24;
+    shape.nodes.resize(n + 1, 2);
+    shape.triangles.resize(n, 3);
+    shape.nodes.row(n) << 0, 0;
+    for (int i = 0; i < n; ++i) {
+        const double angle = 2 * std::acos(-1.0) * i / n;
+        shape.nodes.row(i) << 0.05 * std::cos(angle), 0.05 * std::sin(angle);
+        shape.triangles.row(i) << i, (i + 1) % n, n;
+        shape.region.push_back(0);
+        if (i < n / 4) shape.fixed_edges.push_back({i, (i + 1) % n});
+    }
+    return shape;
+}
+
+}  // namespace
+
+TEST_CASE("a mesh becomes a shape: clockwise triangles turned, idle points dropped, units, held edges and regions kept") {
+    ShapeNotes notes;
+    const Shape shape = square(square_text(), &notes);
+    CHECK(notes.turned == 1);
+    CHECK(notes.dropped == 1);
+    CHECK(shape.nodes.rows() == 5);
+    CHECK(shape.triangles.rows() == 4);
+    CHECK(shape.nodes.maxCoeff() == Approx(0.1));
+    CHECK(shape.region == std::vector<int>{0, 1, 0, 0});
+    REQUIRE(shape.fixed_edges.size() == 1);
+    for (int node : shape.fixed_edges[0]) CHECK(shape.nodes(node, 1) == 0);
+    for (Eigen::Index t = 0; t < 4; ++t) {
+        const Eigen::RowVector2d a = shape.nodes.row(shape.triangles(t, 0)), b = shape.nodes.row(shape.triangles(t, 1)) - a,
+                                 c = shape.nodes.row(shape.triangles(t, 2)) - a;
+        CHECK(b.x() * c.y() - b.y() * c.x() == Approx(0.005));
+    }
+}
+
+TEST_CASE("springs on the edges of triangles: as many as Euler says, with the areas of (7) and (8)") {
+    for (const Shape& shape : {square(), disc(), shape_of(make_lattice("grid4", 6, 4, 0.1, 0.1))}) {
+        const SpringMesh mesh = edge_mesh(shape);
+        const auto T = static_cast<int>(mesh.triangles.rows());
+        CHECK(mesh.topology == "edges");
+        CHECK(mesh.spring_count() == mesh.node_count() + T - 1);
+        double area = 0;
+        for (std::size_t b = 0; b < mesh.boundary.size(); ++b) {
+            const Eigen::RowVector2d p = mesh.nodes.row(mesh.boundary[b]),
+                                     q = mesh.nodes.row(mesh.boundary[(b + 1) % mesh.boundary.size()]);
+            area += (p.x() * q.y() - p.y() * q.x()) / 2;
+        }
+        CHECK(area > 0);
+        CHECK(mesh.node_area.sum() == Approx(area).epsilon(tolerance::rounding));
+        CHECK(mesh.incident_area.sum() == Approx(3 * area).epsilon(tolerance::rounding));
+        std::set<std::pair<int, int>> pairs;
+        for (int s = 0; s < mesh.spring_count(); ++s) CHECK(pairs.insert({mesh.springs(s, 0), mesh.springs(s, 1)}).second);
+    }
+}
+
+TEST_CASE("a shape written and read again is the same to the last bit") {
+    TemporaryFolder folder;
+    for (const Shape& shape : {square(), disc()}) {
+        const Shape back = read_shape(folder.file("mesh.msh", to_msh(shape, {"hard"})));
+        CHECK(back.nodes == shape.nodes);
+        CHECK(back.triangles == shape.triangles);
+        CHECK(back.region == shape.region);
+        CHECK(edge_mesh(back).boundary == edge_mesh(shape).boundary);
+        CHECK(edge_mesh(back).fixed == edge_mesh(shape).fixed);
+    }
+}
+
+TEST_CASE("nodes are numbered along the longest axis, however the shape lies") {
+    MshFile mesh = read(square_text());
+    for (MshFile::Point& p : mesh.points) p = {p.x, 9 * p.y, 0};
+    const Shape tall = make_shape(mesh, {"base"}, {}, 1);
+    for (Eigen::Index i = 1; i < tall.nodes.rows(); ++i) CHECK(tall.nodes(i, 1) >= tall.nodes(i - 1, 1));
+}
+
+TEST_CASE("a modulus by triangle: (7) where all are alike, and a stiffer region stiffens its own edges alone") {
+    const Shape shape = square();
+    const SpringMesh mesh = edge_mesh(shape);
+    Eigen::VectorXd modulus = Eigen::VectorXd::Constant(4, 3.0);
+    const Eigen::VectorXd even = heuristic_stiffness(mesh, 3.0);
+    CHECK(heuristic_stiffness(mesh, modulus).isApprox(even, tolerance::rounding));
+    for (Eigen::Index t = 0; t < 4; ++t)
+        if (shape.region[static_cast<std::size_t>(t)] == 1) modulus[t] = 30;
+    const Eigen::VectorXd uneven = heuristic_stiffness(mesh, modulus);
+    std::multiset<int> ratios;
+    for (int s = 0; s < mesh.spring_count(); ++s) ratios.insert(static_cast<int>(std::lround(10 * uneven[s] / even[s])));
+    CHECK(ratios == std::multiset<int>{10, 10, 10, 10, 10, 55, 55, 100});  // its outer edge, its two inner ones
+    CHECK_THROWS_AS(heuristic_stiffness(make_lattice("grid8", 1, 1, 1, 1), Eigen::VectorXd::Ones(2)), MismatchError);
+}
+
+TEST_CASE("the normal of a curved surface turns evenly: a disc's points at its centre") {
+    const Outline outline(edge_mesh(disc()));
+    CHECK(outline.corners().empty());
+    for (double arc = 0.015; arc < outline.length() - 0.015; arc += 0.0017) {
+        const Eigen::Vector2d p = outline.position(arc);
+        CHECK((outline.inward_normal(arc) + p.normalized()).norm() < 2e-3);  // of a polygon's own 0.13 at a node
+    }
+}
+
+TEST_CASE("a mesh that is no tissue is refused with file, place and cause") {
+    const auto said = [](const std::string& text) { return refusal<FileError>([&] { square(text); }); };
+    const auto with_element = [](const std::string& line) { return square_text(nodes, elements + line + "\n"); };
+    CHECK_THAT(said("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n"), Contains(":2: ") && Contains("msh22"));
+    CHECK_THAT(said("$MeshFormat\n2.2 1 8\n"), Contains(":2: ") && Contains("binary"));
+    CHECK_THAT(said("solid\n"), Contains(":1: ") && Contains("not a gmsh mesh"));
+    CHECK_THAT(said(square_text().substr(0, 300)), Contains("breaks off") || Contains("is not"));
+    CHECK_THAT(said(with_element("9 3 2 3 1 1 2 3 4")), Contains("element 9 is a quadrilateral"));
+    CHECK_THAT(said(with_element("9 4 2 3 1 1 2 3 5")), Contains("element 9 is a tetrahedron"));
+    CHECK_THAT(said(with_element("9 9 2 3 1 1 2 3 4 5 9")), Contains("second-order"));
+    CHECK_THAT(said(with_element("9 2 2 3 1 1 2 6")), Contains("names node 6, which does not exist"));
+    CHECK_THAT(said(with_element("9 2 2 3 1 1 3 5")), Contains("element 9") && Contains("no area"));
+    CHECK_THAT(said(with_element("9 2 2 3 1 1 2 3")), Contains("lie over each other"));
+    CHECK_THAT(said(square_text(with(nodes, "5 0.5 0.5 0", "5 0.5 0.5 0.2"))), Contains("not in the plane") && Contains("z = 0.02"));
+    CHECK_THAT(said(square_text(with(nodes, "5 0.5 0.5 0", "5 0.5 nan 0"))), Contains("node 5") && Contains("finite"));
+    CHECK_THAT(said(square_text(with(nodes, "5 0.5 0.5 0", "5 1.5 0.5 0"))), Contains("over each other") || Contains("tangled"));
+    CHECK_THAT(said(square_text(nodes, elements.substr(0, elements.find("5 2")))), Contains("some.msh: has no triangles"));
+    const std::string apart = nodes + "10 5 0 0\n11 6 0 0\n12 5 1 0\n";
+    CHECK_THAT(said(square_text(apart, elements + "9 2 2 3 1 10 11 12\n")), Contains("one closed loop") && Contains("piece"));
+    CHECK_THAT(said(square_text(apart, elements + "9 2 2 3 1 3 11 12\n")), Contains("touches itself at (0.1, 0.1) m"));
+    const MshFile mesh = read(square_text());
+    CHECK_THAT(refusal<FileError>([&] { make_shape(mesh, {"bottom"}, {}, 1); }),
+               Contains("no physical curve 'bottom'; it has: base, rest"));
+    CHECK_THAT(refusal<FileError>([&] { make_shape(mesh, {"base"}, {"tumour"}, 1); }),
+               Contains("no physical surface 'tumour'; it has: soft, hard"));
+    CHECK_THAT(refusal<FileError>([&] { make_shape(mesh, {"base", "rest"}, {}, 1); }), Contains("free surface"));
+    CHECK_THAT(said(with_element("9 1 2 1 1 1 5")), Contains("fixed curve at") && Contains("not on the outline"));
+}
+
+TEST_CASE("triangles that fold over each other without sharing an edge are tangled") {
+    // a fan round node 5 that goes round twice would do; here the middle node has left the square
+    const std::string outside = with(nodes, "5 0.5 0.5 0", "5 0.5 -0.5 0");
+    CHECK_THROWS_AS(square(square_text(outside)), FileError);
+}
