@@ -156,7 +156,7 @@ Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N
     if (!listed) return result;
     result.front = ridge_front(model, cases, k_min_N_m, k_max_N_m);
     for (const LoadPath& path : cases.paths) {
-        if (path.role != "train") continue;
+        if (path.role != "train" || path.records.empty()) continue;  // FE may have lost it before it began
         ForceCurve curve;
         curve.path = path.name;
         curve.model_force_N.resize(candidates.size());

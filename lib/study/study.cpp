@@ -316,6 +316,9 @@ void read_fe(TomlReader& in, Study& study) {
     const bool patch = study.indenter.kind == "patch";
     study.indenter.half_width_m = patch ? indenter.number("half_width_m", positive) : 0;
     indenter.refuse_the_rest();
+    // the ends of a patch become FE nodes by sliding those there are; longer elements have none to slide
+    if (patch && study.spring_size_m / study.refine > 1.001 * study.indenter.half_width_m)
+        mesh.refuse("refine", "must make finite elements, lattice.size_m / refine, no longer than indenter.half_width_m");
 
     TomlReader solver = in.table("solver");
     study.solver = {solver.number("tolerance", {1e-13, 1e-3}), static_cast<int>(solver.integer("max_newton", 2, 100))};

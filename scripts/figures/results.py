@@ -57,8 +57,8 @@ class Results(SimpleNamespace):
     def corner_arcs(self):
         points, arcs = self._surface()
         step = np.diff(points, axis=0)
-        turn = step[:-1, 0] * step[1:, 1] - step[:-1, 1] * step[1:, 0]
-        return arcs[1:-1][np.abs(turn) > 1e-9]
+        step /= np.linalg.norm(step, axis=1)[:, None]
+        return arcs[1:-1][(step[:-1] * step[1:]).sum(axis=1) < np.sqrt(0.5)]  # as mesh/outline: less is a curve
 
 
 def load(folder):

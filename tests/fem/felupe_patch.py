@@ -2,6 +2,8 @@
 """An independent program on the same continuum: patch pushes in plane strain by felupe, against solve_path.edp.
 
 Equations: div P = 0, P = 2 C1 F + 2 C2 (I1 F - F C) + (p + p0) J F^-T in three dimensions with F33 = 1, and J = 1;
+           for the first push also Ogden's P = F sum_i l_i^-2 sum_k mu_k l_i^alpha_k N_i (x) N_i + (p + p0) J F^-T, by the
+           eigenvectors N_i of C in 3-D, where ours is a Chebyshev function of T and J;
            on the nodes of the mesh file that FreeFEM reads, twice: with FreeFEM's own triangles (P2/P1) and with
            quadrilaterals (Q2 displacement, Q1 pressure: another discretisation). Assembly, kinematics and linear solver are
            felupe's; the stress is a formula of tensors in 3-D, where ours is in T and J.
@@ -27,6 +29,7 @@ from felupe.math import cdya_ik, cdya_il, det, dot, dya, identity, inv, trace, t
 WIDTH = HEIGHT = 0.1      # [m]
 THICKNESS = 0.001         # [m]
 C1, C2 = 263.0, 491.0     # [Pa]
+MU, ALPHA = [600.0, 20.0], [2.5, 9.0]  # [Pa], 1: Ogden
 HALF_WIDTH = 0.005        # [m]
 FORCE_TOLERANCE = 0.01    # relative, of the contact force
 FEM = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "fem")
@@ -67,6 +70,45 @@ class IncompressibleMooneyRivlin:
             - cdya_ik(one, C) - cdya_ik(b, one) - cdya_il(F, F)
         ) + (p + self.p0) * J * (dya(iFT, iFT) - cdya_il(iFT, iFT))
         return [d_FF, J * iFT, None]
+
+
+class IncompressibleOgden:
+    """The same for Ogden's solid; its tangent by central differences of its stress."""
+
+    def __init__(self):
+        self.x = [np.eye(3), np.zeros(1), np.zeros(0)]
+        self.p0 = -sum(MU)
+
+    def stress(self, F):
+        rows = np.moveaxis(dot(transpose(F), F), (0, 1), (-2, -1))
+        square, N = np.linalg.eigh(rows)
+        factor = sum(mu * square ** (alpha / 2 - 1) for mu, alpha in zip(MU, ALPHA))
+        S = np.moveaxis(np.einsum("...ij,...j,...kj->...ik", N, factor, N), (-2, -1), (0, 1))
+        return dot(F, S)
+
+    def gradient(self, x):
+        F, p, state = x[0], x[1], x[-1]
+        J = det(F)
+        return [self.stress(F) + (p + self.p0) * J * transpose(inv(F)), J - 1 + 0 * p, state]
+
+    def hessian(self, x):
+        F, p = x[0], x[1]
+        J, iFT, h = det(F), transpose(inv(F)), 1e-6
+        d_FF = np.zeros((3, 3) + F.shape)
+        for k in range(3):
+            for l in range(3):
+                step = np.zeros((3, 3, 1, 1))
+                step[k, l] = h
+                d_FF[:, :, k, l] = (self.stress(F + step) - self.stress(F - step)) / (2 * h)
+        d_FF += (p + self.p0) * J * (dya(iFT, iFT) - cdya_il(iFT, iFT))
+        return [d_FF, J * iFT, None]
+
+
+LAWS = {  # what FreeFEM is told of each
+    "Mooney-Rivlin": (IncompressibleMooneyRivlin, {"C1": C1, "C2": C2}),
+    "Ogden": (IncompressibleOgden, {"law": "ogden", "terms": len(MU), **{f"mu{k + 1}": m for k, m in enumerate(MU)},
+                                    **{f"alpha{k + 1}": a for k, a in enumerate(ALPHA)}}),
+}
 
 
 def read_msh(path):
@@ -170,11 +212,11 @@ def fields_on_quads(points, triangles):
     return u, p, nodes
 
 
-def felupe_force(fields, msh, contact, direction, depth, steps):
+def felupe_force(law, fields, msh, contact, direction, depth, steps):
     """Contact force [N], (2), at the end of the push."""
     u, p, nodes = fields(*read_msh(msh))
     field = fem.FieldContainer([u, p])
-    solid = fem.SolidBody(IncompressibleMooneyRivlin(), field)
+    solid = fem.SolidBody(LAWS[law][0](), field)
 
     place = outline_position(nodes)
     middle = outline_position(np.array([contact]))[0]
@@ -195,11 +237,11 @@ def felupe_force(fields, msh, contact, direction, depth, steps):
     return THICKNESS * force[held].sum(axis=0)
 
 
-def freefem_force(msh, contact, direction, depth, steps, work):
+def freefem_force(law, msh, contact, direction, depth, steps, work):
     """Contact force [N], (2), at the end of the push."""
     out = os.path.join(work, "path.csv")
     arguments = {
-        "mesh": msh, "out": out, "width": WIDTH, "height": HEIGHT, "thickness": THICKNESS, "C1": C1, "C2": C2,
+        "mesh": msh, "out": out, "width": WIDTH, "height": HEIGHT, "thickness": THICKNESS, **LAWS[law][1],
         "cells_x": 10, "cells_y": 10, "contact_x": contact[0], "contact_y": contact[1],
         "direction_x": repr(float(direction[0])), "direction_y": repr(float(direction[1])), "depth": depth,
         "records": steps, "tolerance": 1e-10, "max_newton": 12, "formulation": "plane-strain", "indenter": "patch",
@@ -223,7 +265,8 @@ def main():
     parser.add_argument("--surface-size-m", type=float, default=0.005, help="elements at the free surface")
     options = parser.parse_args()
     failed = 0
-    for name, contact, direction in PUSHES:
+    for law, (name, contact, direction) in [("Mooney-Rivlin", push) for push in PUSHES] + [("Ogden", PUSHES[0])]:
+        name = f"{law}, {name}"
         with tempfile.TemporaryDirectory() as work:
             msh = os.path.join(work, "patch.msh")
             command = ["gmsh", "-v", "1", "-2", "-format", "msh22", os.path.join(FEM, "block_graded.geo"), "-o", msh]
@@ -233,11 +276,11 @@ def main():
             subprocess.run(command, check=True, capture_output=True)
             try:
                 t0 = time.perf_counter()
-                ours = freefem_force(msh, contact, direction, options.depth_m, options.steps, work)
+                ours = freefem_force(law, msh, contact, direction, options.depth_m, options.steps, work)
                 t1 = time.perf_counter()
                 for element, fields in (("Q2/Q1", fields_on_quads), ("P2/P1", fields_on_triangles)):
                     t2 = time.perf_counter()
-                    theirs = felupe_force(fields, msh, contact, direction, options.depth_m, options.steps)
+                    theirs = felupe_force(law, fields, msh, contact, direction, options.depth_m, options.steps)
                     t3 = time.perf_counter()
                     difference = np.linalg.norm(ours - theirs) / np.linalg.norm(theirs)
                     sentence = f"{name}, {1e3 * options.depth_m:g} mm: felupe {element} has the same contact force"
