@@ -50,7 +50,7 @@ eval: $(R)/eval.json
 ## figures: draw what the plan says the study shows
 figures:
 
-## report: one file to mail, figures inside: results/NAME/report.html
+## report: one file to mail with the figures inside, results/NAME/report.html
 report: $(R)/report.html
 
 ## build: the programs alone
@@ -73,7 +73,7 @@ doctor: $(TISSUECTL)
 
 ## help: this text
 help:
-	@sed -n 's/^## //p' $(MAKEFILE_LIST) | awk -F': ' '{ printf "  make %-10s %s\n", $$1, $$2 }'
+	@sed -n 's/^## //p' $(MAKEFILE_LIST) | awk -F': ' '{ printf "  make %-13s %s\n", $$1, $$2 }'
 	@sed -n 's/^# \([A-Z_]*=.*\)/  \1/p' Makefile
 
 ## clean: remove everything that was built and every result, but the committed ones
@@ -211,7 +211,7 @@ reference:
 	@for study in $(REFERENCE_STUDIES); do $(MAKE) all STUDY=$$study || exit 1; done
 	@$(PYTHON) scripts/reference.py $(REFERENCE_STUDIES)
 
-## regress: run the study anew, elsewhere; silent when it says the same as results/reference/STUDY.json
+## regress: run the study anew and elsewhere; silent when it says what results/reference/STUDY.json says
 regress: | build/deps
 	@scripts/regress --study $(STUDY) $(REGRESS_OPTIONS)
 
@@ -257,7 +257,7 @@ sanitize:
 	@TISSUE_HAPTIC=$(abspath build/sanitize/tissue-haptic) build/sanitize/test_tissue
 	@TISSUECTL=$(abspath build/sanitize/tissuectl) PYTHON=$(PYTHON) tests/pipeline/test_serve.sh
 
-## regress-proof: five defects put into a copy of the project; each must turn the paper study's regression red
+## regress-proof: put five defects into a copy, one at a time; each must turn the regression of paper red
 regress-proof: $(TISSUECTL)
 	@PROOF=paper PYTHON=$(PYTHON) TISSUECTL=$(abspath $(TISSUECTL)) tests/pipeline/test_regress.sh
 
