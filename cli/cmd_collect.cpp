@@ -2,6 +2,7 @@
 #include "cases/study_mesh.h"
 #include "cases/sweep.h"
 #include "command.h"
+#include "error.h"
 #include "io/atomic_file.h"
 #include "study/study.h"
 
@@ -14,6 +15,7 @@ struct Options {
 
 void run(const Options& o, Provenance provenance) {
     const Study study = read_study(o.study);
+    if (study.data) throw StudyError(o.study + ": has [data], not load paths; tissuectl import takes it");
     Cases cases;
     cases.study = study.name;
     cases.magnitudes_m = study.loads.magnitudes_m;

@@ -46,8 +46,8 @@ double arc_of(const MeasuredTable& table, const MeasuredRow& row, const Outline&
     if (std::abs(outline.angle(arc, row.displacement_m)) >= 90 * degree)
         refuse(table, row, "columns 'displacement_x', 'displacement_y': point out of the tissue");
     if (!(row.force_N.dot(row.displacement_m) > 0))
-        refuse(table, row, "columns 'force_x', 'force_y': the force is against the push; wanted is the indenter's force "
-                           "on the tissue");
+        refuse(table, row, "columns 'force_x', 'force_y': the force is against the push; wanted is the indenter's "
+                           "force on the tissue");
     return arc;
 }
 
@@ -56,7 +56,8 @@ std::vector<Push> pushes_of(const MeasuredTable& table, const Outline& outline, 
     std::map<std::string, std::size_t> by_name;
     for (const MeasuredRow& row : table.rows) {
         const double arc = arc_of(table, row, outline, tolerance_m);
-        const auto [place, fresh] = by_name.emplace(row.push.empty() ? fmt::format("line {}", row.line) : row.push, pushes.size());
+        const std::string name = row.push.empty() ? fmt::format("line {}", row.line) : row.push;
+        const auto [place, fresh] = by_name.emplace(name, pushes.size());
         if (fresh) pushes.emplace_back();
         Push& push = pushes[place->second];
         if (!fresh) {
@@ -64,8 +65,8 @@ std::vector<Push> pushes_of(const MeasuredTable& table, const Outline& outline, 
             const double reach = std::max(repeat_m, repeat_part * first.displacement_m.norm());
             if ((row.contact_m - first.contact_m).norm() > repeat_m ||
                 (row.displacement_m - first.displacement_m).norm() > reach || row.role != first.role)
-                refuse(table, row, fmt::format("column 'push': '{}' began on line {} at another contact, displacement or "
-                                               "role", row.push, first.line));
+                refuse(table, row, fmt::format("column 'push': '{}' began on line {} at another contact, displacement "
+                                               "or role", row.push, first.line));
         }
         push.rows.push_back(&row);
         push.arc += arc;
@@ -111,8 +112,8 @@ void estimate_noise(const std::vector<Push>& pushes, const Study::Data& data, Me
             const double away = (row->force_N - again(push, *row)).norm() / push.force_N.norm();
             const double expected = m.force_noise * std::sqrt(1 + 1 / (n - 1));
             if (away > outlier * expected)
-                m.outliers.push_back(fmt::format("line {}: {:.1f} % from its repeats, {:.1f} standard deviations", row->line,
-                                                 100 * away, away / expected));
+                m.outliers.push_back(fmt::format("line {}: {:.1f} % from its repeats, {:.1f} standard deviations",
+                                                 row->line, 100 * away, away / expected));
         }
 }
 
@@ -142,12 +143,13 @@ std::vector<std::string> draw_roles(const std::vector<std::vector<Push*>>& conta
     const std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free);
     gsl_rng_set(rng.get(), data.seed);
     gsl_ran_shuffle(rng.get(), free.data(), free.size(), sizeof free[0]);
-    const auto part = [&](double p) {
-        return p > 0 ? std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(p * static_cast<double>(contacts.size())))) : 0;
+    const auto part = [&](double p) -> std::size_t {
+        return p > 0 ? static_cast<std::size_t>(std::max(1L, std::lround(p * static_cast<double>(contacts.size())))) : 0;
     };
     std::vector<std::string> roles(contacts.size(), "train");
     const std::size_t proof = part(data.held_out_part), choice = part(data.validation_part);
-    for (std::size_t k = 0; k < free.size() && k < proof + choice; ++k) roles[free[k]] = k < proof ? "held_out" : "validation";
+    for (std::size_t k = 0; k < free.size() && k < proof + choice; ++k)
+        roles[free[k]] = k < proof ? "held_out" : "validation";
     return roles;
 }
 
@@ -160,7 +162,8 @@ void add_training(Cases& cases, const Outline& outline, const std::vector<Push*>
     std::stable_sort(by_angle.begin(), by_angle.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     for (std::size_t first = 0, last = 0; first < by_angle.size(); first = last) {
         double angle = 0;
-        while (last < by_angle.size() && (last == first || by_angle[last].first - by_angle[last - 1].first < same_angle))
+        while (last < by_angle.size() &&
+               (last == first || by_angle[last].first - by_angle[last - 1].first < same_angle))
             angle += by_angle[last++].first;
         angle /= static_cast<double>(last - first);
         LoadPath path;
@@ -168,8 +171,10 @@ void add_training(Cases& cases, const Outline& outline, const std::vector<Push*>
         path.contact_m = outline.position(arc);
         path.direction = outline.direction(arc, angle);
         std::map<long, std::vector<const Push*>> by_depth;  // to 0.1 um, since a path's records ascend
-        for (std::size_t i = first; i < last; ++i)
-            by_depth[std::lround(1e7 * by_angle[i].second->displacement_m.dot(path.direction))].push_back(by_angle[i].second);
+        for (std::size_t i = first; i < last; ++i) {
+            const Push* p = by_angle[i].second;
+            by_depth[std::lround(1e7 * p->displacement_m.dot(path.direction))].push_back(p);
+        }
         for (const auto& entry : by_depth) {
             Eigen::Vector2d displacement = Eigen::Vector2d::Zero(), force = displacement;
             for (const Push* p : entry.second) {

@@ -33,7 +33,8 @@ def draw(results):
 
     often = axes[1, 0]
     bins = np.geomspace(1e-4, 2, 45)
-    shown = {"learned": "learned, blended", "force_table": "FE force table", "uniform": "one stiffness",
+    table = "force table" if "measurement" in evaluation else "FE force table"
+    shown = {"learned": "learned, blended", "force_table": table, "uniform": "one stiffness",
              "heuristic_a": "heuristic, E2 = E t"}
     colours = {"force_table": "#000000", **COLOURS}
     for model, label in shown.items():

@@ -69,5 +69,7 @@ check "a CSV that is not there: exit 1" exited 1
 check "one line names it" one_line '^tissuectl: fem/data/tiny.csv: '
 tissuectl import fem/data/block_measured.csv --study fem/studies/paper.toml --out results/tiny/cases.h5
 check "a study without [data]: one line says so" one_line '^tissuectl: fem/studies/paper.toml: has no \[data\]'
+tissuectl collect --study fem/studies/tiny.toml --paths results/tiny/cases --out results/tiny/cases.h5
+check "load paths for a study of measured data: one line says so" one_line '^tissuectl: fem/studies/tiny.toml: has \[data\]'
 check "and results are untouched still" only_changed "$scratch/before" "$R" ""
 finish
