@@ -37,6 +37,14 @@ TEST_CASE("the newest value passes between two threads whole and in order", "[po
     CHECK(latest.front().a == 7);
     CHECK_FALSE(latest.fetch());
     CHECK(latest.front().a == 7);
+    for (int k = 0; k < 5; ++k) {   // what the reader has is the reader's
+        CHECK(&latest.back() != &latest.front());
+        latest.back().a = 8 + k;
+        latest.publish();
+        CHECK(latest.front().a == 7);
+    }
+    CHECK(latest.fetch());
+    CHECK(latest.front().a == 12);
 
     constexpr long long last = 300000;
     std::atomic<bool> torn{false}, backwards{false};

@@ -305,7 +305,7 @@ TEST_CASE("a tick led by a pointer and watched from another thread allocates not
     PointerDevice pointer({0.05, 0.13}, model.options.map, model.options.safety.speed_max_m_s);
     StateChannel channel(model, 3, 64);
     std::atomic<bool> done{false};
-    long fetched = 0;
+    std::atomic<long> fetched{0};
     std::thread other([&] {  // a page that does everything it can, as fast as it can
         Draw draw(8);
         double us;
@@ -320,7 +320,9 @@ TEST_CASE("a tick led by a pointer and watched from another thread allocates not
     });
     allocations = 0;
     long left_out = 0;
-    for (int k = 0; k < 20000; ++k) {
+    int before = -1;
+    // until the other thread has had its turn, however busy the machine
+    for (int k = 0; k < 20000 || (k < 5000000 && (left_out == 0 || fetched.load() == 0)); ++k) {
         TickBooks books;
         books.ticks = k;
         count_allocations = true;
@@ -329,7 +331,7 @@ TEST_CASE("a tick led by a pointer and watched from another thread allocates not
 #endif
         books.left_out = !channel.before(s);
         if (books.left_out) s.stand_still();
-        else s.tick(pointer.read(k * 1e-3));
+        else s.tick(pointer.read(k * 1e-3), 1e-3 * static_cast<double>(k - before)), before = k;
         channel.after(s, books);
 #ifdef EIGEN_RUNTIME_NO_MALLOC
         Eigen::internal::set_is_malloc_allowed(true);
