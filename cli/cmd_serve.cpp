@@ -23,9 +23,9 @@ struct Options {
 };
 
 void run(const Options& o, Provenance provenance) {
+    std::unique_ptr<Recorder> recorder;  // outlives the tick that pushes into it
     serve::Stage stage(o.models, {o.choices.haptic, !o.choices.no_realtime});
     serve::Server server(stage, o.server);
-    std::unique_ptr<Recorder> recorder;
     if (!o.record.empty()) {
         const std::string& file = o.models.front();
         provenance.inputs[std::filesystem::path(file).filename().string()] = file_hash(file);

@@ -1,7 +1,6 @@
 #include "server.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <boost/asio.hpp>
 #include <boost/beast/core.hpp>
@@ -508,7 +507,6 @@ std::string Server::url() const {
 
 void Server::run() {
     Impl& s = *impl_;
-    setpriority(PRIO_PROCESS, 0, 5);  // this thread's: the tick goes first
     s.signals.async_wait([&s](Code error, int) {
         if (!error) s.finish("the program ends");
     });
