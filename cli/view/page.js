@@ -15,7 +15,7 @@ const hand = { at: null, down: false, by: null };   // the visitor's, in the pla
 
 const IN = { time: 0, ticks: 1, misses: 2, misses_program: 3, clamped: 4, faults: 5, rate: 6, p50: 7, p99: 8, master: 9,
              proxy: 11, pressed: 13, moved: 14, force: 18, device: 20, place: 22, fe: 23, set: 24, fault: 25, clients: 26 };
-const LEARNED = 0, HEURISTIC = 1;
+const LEARNED = 0, HEURISTIC = 1;   // meshes; the second may be missing (--no-heuristic)
 const WINDOW = 10;                // s, of the plot over time
 const NEAR = 0.002, ASKEW = 5;    // m and degrees: from here on a contact is another one, in the evaluation too
 const SHALLOW = 0.001;            // m: less depth makes a percentage of next to nothing
@@ -229,13 +229,13 @@ function comparison() {
   if (!(distance <= NEAR)) return { ...basis, why: `The nearest known contact is ${millimetres(distance)} away: too far to compare with.` };
   if (askew > ASKEW) return { ...basis, why: `This push is ${Math.round(askew)}° off the nearest known one: too far to compare with.` };
   // over the last half second, so that a ripple is not read as an error
-  const now = state.v[IN.time], errors = [0, 0];
+  const now = state.v[IN.time], errors = model.meshes.map(() => 0);
   let n = 0;
   for (let s = samples.length - 1; s >= 0 && samples[s].pressed && samples[s].time > now - 0.5; s--, n++)
-    for (const mesh of [LEARNED, HEURISTIC]) {
+    errors.forEach((_, mesh) => {
       const fe = on_curve(place.curve, dot(samples[s].moved[mesh], place.direction));
       errors[mesh] += dot(samples[s].force, place.direction) / fe - 1;
-    }
+    });
   return { ...basis, errors: errors.map(e => e / n) };
 }
 
@@ -261,10 +261,11 @@ function judge() {
     const of = mesh => Number.isFinite(c.errors[mesh])
       ? [["learned", "heuristic"][mesh], `${percent(Math.abs(c.errors[mesh]))} too\u00a0${c.errors[mesh] > 0 ? "stiff" : "soft"}`] : null;
     const [l, h] = [of(LEARNED), of(HEURISTIC)];
-    if (l && h) words.push("Against finite elements the learned mesh is ", l, ", the heuristic mesh ", h, ".");
+    if (l && model.meshes.length === 1) words.push("Against finite elements the learned mesh is ", l, ".");
+    else if (l && h) words.push("Against finite elements the learned mesh is ", l, ", the heuristic one ", h, ".");
     else if (l) words.push("Against finite elements the learned mesh is ", l, "; the heuristic mesh is deeper than they went.");
     else if (h) words.push("Against finite elements the heuristic mesh is ", h, "; the learned mesh is deeper than they went.");
-    else words.push("Both meshes are deeper than finite elements went.");
+    else words.push("This is deeper than finite elements went.");
     say_words(...words);
   }
   if (c.place === undefined) say("basis", "");
@@ -282,7 +283,7 @@ function show_numbers(known) {
   say("force", newtons(force));
   say("device_force", newtons(norm(pair(IN.device))));
   say("learned_depth", depth(LEARNED));
-  say("heuristic_depth", depth(HEURISTIC));
+  say("heuristic_depth", model.meshes[HEURISTIC] ? depth(HEURISTIC) : "–");
   say("fe_force", known ? newtons(on_curve(model.places[v[IN.place]].curve, dot(pair(IN.moved), way))) : "–");
   say("spring_set", pressed && v[IN.set] >= 0 ? `${v[IN.set] + 1}` : "–");
   say("tick_rate", `${Math.round(v[IN.rate])} Hz`);
@@ -299,9 +300,8 @@ function speak(c) {
   if (!state) return;
   const depth = mesh => millimetres(dot(pair(IN.moved + 2 * mesh), along(state.v[IN.place])));
   const text = state.v[IN.pressed] < 0 ? "Nothing touches the tissue."
-    : `Force ${newtons(norm(pair(IN.force)))}: learned mesh ${depth(LEARNED)} deep, heuristic mesh ${depth(HEURISTIC)}.` +
-      (c.errors && c.errors.every(Number.isFinite)
-        ? ` Off finite elements: ${percent(Math.abs(c.errors[0]))} and ${percent(Math.abs(c.errors[1]))}.` : "");
+    : `Force ${newtons(norm(pair(IN.force)))}: ${model.meshes.map((mesh, m) => `${mesh.name} mesh ${depth(m)} deep` +
+      (c.errors && Number.isFinite(c.errors[m]) ? `, ${percent(Math.abs(c.errors[m]))} off finite elements` : "")).join("; ")}.`;
   if (text === spoken) return;
   say("spoken", spoken = text);
   $("depth_plot").setAttribute("aria-label", `Force against depth of both meshes and of finite elements. ${text}`);
@@ -530,8 +530,8 @@ function fit() {
   view.low = [model.low_m[0] - margin, model.low_m[1] - foot];
   view.high = [model.high_m[0] + margin, model.high_m[1] + margin * 0.7];
   const width = stage.clientWidth, size = add(view.high, view.low, -1);
-  view.scale = width / size[0];
-  view.left = 0;
+  view.scale = Math.min(width / size[0], Math.max(240, 0.6 * innerHeight) / size[1]);
+  view.left = (width - view.scale * size[0]) / 2;
   view.top = view.head;
   stage.style.height = `${Math.round(view.head + view.scale * size[1] + view.legend)}px`;
   dirty = true;
@@ -638,7 +638,7 @@ function draw_marks(c) {
   const gap = model.apart_m * view.scale, radius = clamp(gap / 7, 0.6, 2);
   c.fillStyle = gap < 14 ? colours.soft : colours.ink;
   for (const contact of model.contacts)
-    for (const m of [LEARNED, HEURISTIC]) {
+    for (const m of model.meshes.keys()) {
       const p = to_screen(add(model.places[contact.places[0]].contact_m, apart(m)));
       c.beginPath();
       c.arc(p[0], p[1], radius, 0, 2 * Math.PI);
@@ -811,7 +811,7 @@ function draw_depth_plot(comparable) {
   const k = press.length ? press[press.length - 1].place : -1, place = model.places[k];
   const way = place ? place.direction : press.length ? along(-1) : [1, 0];
   const curve = place ? place.curve : [];
-  const meshes = [LEARNED, HEURISTIC].map(m => press.map(s => [dot(s.moved[m], way), dot(s.force, way)]));
+  const meshes = model.meshes.map((_, m) => press.map(s => [dot(s.moved[m], way), dot(s.force, way)]));
   const deepest = Math.max(model.deepest_m, ...meshes.flat().map(p => p[0]));
   const most = Math.max(...curve.map(p => p[1]), ...meshes[0].map(p => p[1]), curve.length ? 0 : model.strongest_N, 1e-4);
   const mm = nice(1e3 * deepest, 5);
@@ -851,7 +851,7 @@ function draw_depth_plot(comparable) {
     c.strokeStyle = colours.soft;   // one force, two depths
     c.lineWidth = 1;
     c.setLineDash([2, 3]);
-    trace(c, [[box.left, Y(ends[0][1])], [X(Math.max(ends[0][0], ends[1][0])), Y(ends[0][1])]], false);
+    trace(c, [[box.left, Y(ends[0][1])], [X(Math.max(...ends.map(end => end[0]))), Y(ends[0][1])]], false);
     c.stroke();
     c.setLineDash([]);
     ends.forEach(([d, f], m) => {
@@ -864,17 +864,18 @@ function draw_depth_plot(comparable) {
   }
   c.restore();
   // key
-  const names = ["learned", "heuristic", "finite elements"];
+  const names = [...model.meshes.map(mesh => mesh.name), "finite elements"];
   c.font = font(12);
   c.textAlign = "left";
   c.textBaseline = "middle";
   let x = box.right - names.reduce((sum, name) => sum + 36 + c.measureText(name).width, -14);
   names.forEach((name, m) => {
-    c.strokeStyle = m === LEARNED ? colours.learned : m === HEURISTIC ? colours.heuristic : colours.fe;
-    c.lineWidth = m > HEURISTIC ? 3 : 1.4;
+    const is_mesh = m < model.meshes.length;
+    c.strokeStyle = is_mesh ? colours[name] : colours.fe;
+    c.lineWidth = is_mesh ? 1.4 : 3;
     trace(c, [[x, 8], [x + 17, 8]], false);
     c.stroke();
-    if (m <= HEURISTIC) mark(m, x + 8.5, 8, 4);
+    if (is_mesh) mark(m, x + 8.5, 8, 4);
     c.fillStyle = colours.ink;
     c.fillText(name, x + 22, 8.5);
     x += 36 + c.measureText(name).width;
@@ -923,7 +924,7 @@ let comparable = false;
 const restyle = () => { read_colours(); fit(); dirty = true; };
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", restyle);
 still.addEventListener("change", show_controls);
-new ResizeObserver(restyle).observe(document.body);
+addEventListener("resize", restyle);
 restyle();
 connect();
 requestAnimationFrame(frame);

@@ -1,0 +1,38 @@
+"""Takes results/reference/serve.png: screenshot.py TISSUECTL MODEL OUT.png [dark], MODEL that of the study `surface`.
+Presses the learned mesh with the mouse, straight in at its left side and between two nodes, holds until the tissue
+rests, and takes the page as it stands."""
+import sys
+import tempfile
+
+from browser import Browser, Server
+
+Y = 0.0625       # m above the fixed edge
+DEPTH = 0.0115   # m, of the hand
+
+
+def main():
+    program, model, out, *night = sys.argv[1:]
+    page = Browser(1280, 740, 1, prefers_color_scheme="dark" if night else "light")
+    with tempfile.TemporaryDirectory() as folder:
+        server = Server(program, [model], folder, "--select", "blended")
+        try:
+            page.open(server.url)
+            page.until("tissue.connected && tissue.states > 0")
+            page.drag([-0.02, Y], [-0.015, Y])
+            page.until("tissue.control.holder === 'you' && Math.max(...tissue.largest_displacement_m) < 1e-5", 20)
+            page.drag([-0.015, Y], [DEPTH, Y], steps=120)
+            page.until("tissue.pressed === 0")
+            for _ in range(30):
+                moved = [seen[1][0] for seen in page.watch("tissue.contact_moved_m", 0.5)]
+                if max(moved) - min(moved) < 0.002 * max(moved):
+                    break
+            page.driver.save_screenshot(out)
+            print(page.text("verdict"), page.text("basis"), sep="\n")
+            page.mouse("Released", DEPTH, Y)
+        finally:
+            page.end()
+            server.end()
+
+
+if __name__ == "__main__":
+    main()
