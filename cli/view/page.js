@@ -18,6 +18,7 @@ const IN = { time: 0, ticks: 1, misses: 2, misses_program: 3, clamped: 4, faults
 const LEARNED = 0, HEURISTIC = 1;   // meshes; the second may be missing (--no-heuristic)
 const WINDOW = 10;                // s, of the plot over time
 const NEAR = 0.002, ASKEW = 5;    // m and degrees: from here on a contact is another one, in the evaluation too
+const BETWEEN = 30;               // degrees: known pushes this close to each other say what is between them
 const SHALLOW = 0.001;            // m: less depth makes a percentage of next to nothing
 
 const $ = id => document.getElementById(id);
@@ -208,12 +209,28 @@ function contact_at_rest() {
   return add(add(pair(IN.proxy), pair(IN.moved + 2 * pressed), -1), apart(pressed), -1);
 }
 
-/** The direction along which force and depth are counted: that of the nearest known contact, else the push itself. */
-function along(place) {
-  if (place >= 0 && model.places[place]) return model.places[place].direction;
-  const moved = pair(IN.moved), length = norm(moved);
-  return length > 1e-6 ? [moved[0] / length, moved[1] / length] : [1, 0];
+/** FE's curve [[depth, force], both along the push] for a push u at the contact of place k: by lines over the angle between
+ *  two known pushes, else that of a push at most ASKEW off; null when there is neither. Force along the push turns with
+ *  the push: 5 degrees are 3 per cent, which is more than a good mesh is wrong. */
+function fe_curve(k, u) {
+  const fan = model.fans.get(k), angle = turn(fan.from, u);
+  const at = fan.pushes.findIndex(push => push.angle >= angle), [a, b] = [fan.pushes[at - 1], fan.pushes[at]];
+  if (a && b && b.angle - a.angle <= BETWEEN) {
+    const w = (angle - a.angle) / (b.angle - a.angle), [ca, cb] = [a, b].map(push => model.places[push.place].curve);
+    return (ca.length < cb.length ? ca : cb).map(([depth]) => [depth, (1 - w) * on_curve(ca, depth) + w * on_curve(cb, depth)]);
+  }
+  const close = fan.pushes.find(push => Math.abs(push.angle - angle) <= ASKEW);
+  return close ? model.places[close.place].curve : null;
 }
+
+/** From direction a to direction b, degrees, counter-clockwise. */
+const turn = (a, b) => 180 / Math.PI * Math.atan2(a[0] * b[1] - a[1] * b[0], dot(a, b));
+
+/** Depth and force along the push of one mesh, in a sample. */
+const pushed = (sample, mesh) => {
+  const u = sample.moved[mesh], depth = norm(u);
+  return [depth, depth > 0 ? dot(sample.force, u) / depth : 0];
+};
 
 /** How each mesh compares with FE now: {why} when it cannot be said, else {errors: [learned, heuristic], place, ...}. */
 function comparison() {
@@ -221,20 +238,19 @@ function comparison() {
   const k = state.v[IN.place], place = model.places[k];
   if (!place) return { why: "No known contact is near, so there is nothing to compare with." };
   const distance = norm(add(place.contact_m, contact_at_rest(), -1)), moved = pair(IN.moved);
-  const askew = 180 / Math.PI * Math.acos(clamp(dot(moved, place.direction) / (norm(moved) || 1), -1, 1));
-  const deep = norm(moved) >= SHALLOW;
+  const deep = norm(moved) >= SHALLOW, askew = Math.abs(turn(place.direction, moved));
   const basis = { place: k, distance, askew: deep ? askew : NaN };
   if (!place.curve.length) return { ...basis, why: "This model carries no finite-element curves to compare with." };
   if (!deep) return { ...basis, why: "Press a little deeper: below 1 mm there is nothing to compare." };
   if (!(distance <= NEAR)) return { ...basis, why: `The nearest known contact is ${millimetres(distance)} away: too far to compare with.` };
-  if (askew > ASKEW) return { ...basis, why: `This push is ${Math.round(askew)}° off the nearest known one: too far to compare with.` };
+  if (!fe_curve(k, moved)) return { ...basis, why: `This push is ${Math.round(askew)}° off the nearest known one: too far to compare with.` };
   // over the last half second, so that a ripple is not read as an error
   const now = state.v[IN.time], errors = model.meshes.map(() => 0);
   let n = 0;
   for (let s = samples.length - 1; s >= 0 && samples[s].pressed && samples[s].time > now - 0.5; s--, n++)
     errors.forEach((_, mesh) => {
-      const fe = on_curve(place.curve, dot(samples[s].moved[mesh], place.direction));
-      errors[mesh] += dot(samples[s].force, place.direction) / fe - 1;
+      const [depth, force] = pushed(samples[s], mesh), curve = fe_curve(k, samples[s].moved[mesh]);
+      errors[mesh] += curve ? force / on_curve(curve, depth) - 1 : NaN;
     });
   return { ...basis, errors: errors.map(e => e / n) };
 }
@@ -263,28 +279,29 @@ function judge() {
     const [l, h] = [of(LEARNED), of(HEURISTIC)];
     if (l && model.meshes.length === 1) words.push("Against finite elements the learned mesh is ", l, ".");
     else if (l && h) words.push("Against finite elements the learned mesh is ", l, ", the heuristic one ", h, ".");
-    else if (l) words.push("Against finite elements the learned mesh is ", l, "; the heuristic mesh is deeper than they went.");
-    else if (h) words.push("Against finite elements the heuristic mesh is ", h, "; the learned mesh is deeper than they went.");
+    else if (l) words.push("Against finite elements the learned mesh is ", l, "; the heuristic mesh is beyond what they know.");
+    else if (h) words.push("Against finite elements the heuristic mesh is ", h, "; the learned mesh is beyond what they know.");
     else words.push("This is deeper than finite elements went.");
     say_words(...words);
   }
   if (c.place === undefined) say("basis", "");
   else {
     const push = Number.isFinite(c.askew) ? `, ${Math.round(c.askew)}° from its direction` : "";
-    say("basis", `Nearest known contact: ${title(c.place)}; ${millimetres(c.distance)} away${push}. Per cent: force over FE force at each mesh's own depth, less one.`);
+    say("basis", `Nearest known contact: ${title(c.place)}; ${millimetres(c.distance)} away${push}. Per cent: force along the push over FE's at the same depth, less one.`);
   }
   return c;
 }
 
 function show_numbers(known) {
   if (!state) return;
-  const v = state.v, force = norm(pair(IN.force)), pressed = v[IN.pressed] >= 0, way = along(v[IN.place]);
-  const depth = mesh => pressed ? millimetres(dot(pair(IN.moved + 2 * mesh), way)) : "–";
+  const v = state.v, force = norm(pair(IN.force)), pressed = v[IN.pressed] >= 0, moved = pair(IN.moved);
+  const depth = mesh => pressed ? millimetres(norm(pair(IN.moved + 2 * mesh))) : "–";
+  const curve = known && pressed && v[IN.place] >= 0 ? fe_curve(v[IN.place], moved) : null;
   say("force", newtons(force));
   say("device_force", newtons(norm(pair(IN.device))));
   say("learned_depth", depth(LEARNED));
   say("heuristic_depth", model.meshes[HEURISTIC] ? depth(HEURISTIC) : "–");
-  say("fe_force", known ? newtons(on_curve(model.places[v[IN.place]].curve, dot(pair(IN.moved), way))) : "–");
+  say("fe_force", curve ? newtons(on_curve(curve, norm(moved))) : "–");
   say("spring_set", pressed && v[IN.set] >= 0 ? `${v[IN.set] + 1}` : "–");
   say("tick_rate", `${Math.round(v[IN.rate])} Hz`);
   say("tick_time", `${v[IN.p50].toFixed(1)} / ${v[IN.p99].toFixed(1)} µs`);
@@ -298,7 +315,7 @@ function show_numbers(known) {
 let spoken = "";
 function speak(c) {
   if (!state) return;
-  const depth = mesh => millimetres(dot(pair(IN.moved + 2 * mesh), along(state.v[IN.place])));
+  const depth = mesh => millimetres(norm(pair(IN.moved + 2 * mesh)));
   const text = state.v[IN.pressed] < 0 ? "Nothing touches the tissue."
     : `Force ${newtons(norm(pair(IN.force)))}: ${model.meshes.map((mesh, m) => `${mesh.name} mesh ${depth(m)} deep` +
       (c.errors && Number.isFinite(c.errors[m]) ? `, ${percent(Math.abs(c.errors[m]))} off finite elements` : "")).join("; ")}.`;
@@ -350,6 +367,13 @@ function list_places() {
   });
   model.contacts = [...contacts.values()].sort((a, b) => a.order - b.order);
   const at = model.contacts.map(contact => model.places[contact.places[0]].contact_m);
+  model.fans = new Map();   // by place: the pushes at its contact, by angle
+  for (const { places } of model.contacts) {
+    const sum = places.reduce((all, k) => add(all, model.places[k].direction), [0, 0]);
+    const from = norm(sum) > 1e-3 ? sum : model.places[places[0]].direction;
+    const pushes = places.map(place => ({ place, angle: turn(from, model.places[place].direction) })).sort((a, b) => a.angle - b.angle);
+    for (const k of places) model.fans.set(k, { from, pushes });
+  }
   model.apart_m = Math.min(...at.flatMap((p, i) => at.slice(i + 1).map(q => norm(add(p, q, -1)))));   // Infinity for one
   const groups = ["left side", "top", "right side", "elsewhere"].map(side => {
     const group = document.createElement("optgroup");
@@ -809,9 +833,8 @@ function draw_depth_plot(comparable) {
   if (!model) return;
   const press = last_press(), now = state && state.v[IN.pressed] >= 0;
   const k = press.length ? press[press.length - 1].place : -1, place = model.places[k];
-  const way = place ? place.direction : press.length ? along(-1) : [1, 0];
-  const curve = place ? place.curve : [];
-  const meshes = model.meshes.map((_, m) => press.map(s => [dot(s.moved[m], way), dot(s.force, way)]));
+  const curve = place ? place.curve.length && fe_curve(k, press[press.length - 1].moved[LEARNED]) || place.curve : [];
+  const meshes = model.meshes.map((_, m) => press.map(s => pushed(s, m)));
   const deepest = Math.max(model.deepest_m, ...meshes.flat().map(p => p[0]));
   const most = Math.max(...curve.map(p => p[1]), ...meshes[0].map(p => p[1]), curve.length ? 0 : model.strongest_N, 1e-4);
   const mm = nice(1e3 * deepest, 5);

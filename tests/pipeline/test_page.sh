@@ -2,6 +2,9 @@
 # The page of `tissuectl serve`, driven in headless Chromium: tests/serve/test_page.py says what is looked at.
 . "$(dirname "$0")/common"
 make_copy
+sed -i '/name = "left"/a\
+  { name = "left-20-down", contact_m = [0.00, 0.05], push = [0.9397, -0.3420] },\
+  { name = "left-20-up", contact_m = [0.00, 0.05], push = [0.9397, 0.3420] },' "$work/fem/studies/tiny.toml"
 make_tiny train -j2
 check "a model is trained to begin with" exited 0
 printf '\n[springs]\ntopology = "grid8"\nlaw = "axial"\n' >>"$work/fem/studies/tiny.toml"
