@@ -25,6 +25,7 @@ LABELS = {
     "uniform": "one stiffness",
     "one_set": "one learned set for all cases",
 }
+SWEPT = {"surface": ("held_out", "held_out"), "organ": ("contours", "organ")}  # the figure README shows, and its name there
 STUDIES = {
     "paper": "4-connected, `isotropic` (`paper`)",
     "paper-axial": "4-connected, `axial` (`paper-axial`)",
@@ -117,9 +118,10 @@ def main():
         results = ROOT / "results" / study
         evaluations[study] = json.loads((results / "eval.json").read_text())
         reference_record.write(REFERENCE / f"{study}.json", reference_record.of(results, "make reference"))
-    surface = evaluations.pop("surface", None)
-    if surface:
-        shutil.copyfile(ROOT / "results" / "surface" / "figures" / "held_out.png", REFERENCE / "held_out.png")
+    swept = {study: evaluations.pop(study) for study in SWEPT if study in evaluations}
+    for study in swept:
+        figure, name = SWEPT[study]
+        shutil.copyfile(ROOT / "results" / study / "figures" / f"{figure}.png", REFERENCE / f"{name}.png")
     for figure in FIGURES:
         shutil.copyfile(ROOT / "results" / "paper" / "figures" / f"{figure}.png", REFERENCE / f"{figure}.png")
     readme = ROOT / "README.md"
@@ -127,8 +129,8 @@ def main():
     text = fill(text, "results", results_table(evaluations["paper"]))
     text = fill(text, "claim", claim(evaluations["paper"]))
     text = fill(text, "studies", studies_table(evaluations))
-    if surface:
-        text = fill(text, "surface", surface_table(surface))
+    for study, evaluation in swept.items():
+        text = fill(text, study, surface_table(evaluation))
     stress = ROOT / "results" / "surface-stress" / "eval.json"
     if stress.exists():
         text = fill(text, "stress", stress_words(json.loads(stress.read_text())))

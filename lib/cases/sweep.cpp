@@ -35,7 +35,10 @@ std::vector<double> angles_at(const Outline& outline, double arc, const std::vec
         for (double a : angles_deg) micro_degrees.insert(std::lround((a * degree + turn) / degree * 1e6));
     }
     std::vector<double> angles;
-    for (long a : micro_degrees) angles.push_back(static_cast<double>(a) * 1e-6 * degree);
+    for (long a : micro_degrees) {  // two sides' pushes within a degree of each other are one
+        const double angle = static_cast<double>(a) * 1e-6 * degree;
+        if (angles.empty() || angle - angles.back() > degree) angles.push_back(angle);
+    }
     return angles;
 }
 
