@@ -2,7 +2,7 @@
 
 #include "cases/load_path.h"
 #include "export/files.h"
-#include "export/spring_sets.h"
+#include "springs/spring_sets.h"
 
 namespace tissue {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "export/spring_sets.h"
+#include "springs/spring_sets.h"
 
 namespace tissue {
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "cases/load_path.h"
-#include "export/spring_sets.h"
+#include "springs/spring_sets.h"
 
 namespace tissue {
 

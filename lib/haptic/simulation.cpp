@@ -8,6 +8,7 @@
 #include "error.h"
 #include "haptic/hot_loop.h"
 #include "haptic/spectrum.h"
+#include "springs/spring_sets.h"
 
 namespace tissue {
 namespace kernel {
@@ -23,17 +24,6 @@ TISSUE_HOT void add_share(int n, double share, const double* __restrict set, dou
 }  // namespace kernel
 
 namespace {
-
-/// theta (C x S) of the learned mesh by the name of its sets.
-const NodeField& sets_of(const TissueModel& model, const std::string& name) {
-    if (name == "optimum") return model.optimum.theta;
-    std::string known;
-    for (const TrainedSets& t : model.trained) {
-        if (name.empty() || t.optimizer == name) return t.theta;
-        known += t.optimizer + ", ";
-    }
-    throw MismatchError(fmt::format("spring sets '{}' are not in the model; it has {}optimum", name, known));
-}
 
 std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel& model,
                                       const Eigen::Ref<const NodeField>& theta, const Eigen::Vector2d& place_m) {

@@ -1,13 +1,12 @@
-#include "export/spring_sets.h"
+#include "springs/spring_sets.h"
 
 #include <fmt/format.h>
 
 #include "error.h"
 
 namespace tissue {
-namespace {
 
-const NodeField& theta_of(const TissueModel& model, const std::string& optimizer) {
+const NodeField& sets_of(const TissueModel& model, const std::string& optimizer) {
     if (optimizer == "optimum") return model.optimum.theta;
     std::string known;
     for (const TrainedSets& t : model.trained) {
@@ -17,10 +16,8 @@ const NodeField& theta_of(const TissueModel& model, const std::string& optimizer
     throw MismatchError(fmt::format("spring sets '{}' are not in the model; it has {}optimum", optimizer, known));
 }
 
-}  // namespace
-
 std::vector<NamedSet> spring_sets(const TissueModel& model, const std::string& optimizer, const std::string& set) {
-    const NodeField& theta = theta_of(model, optimizer);
+    const NodeField& theta = sets_of(model, optimizer);
     if (set == "one_set") return {{set, -1, model.one_set}};
     if (set == "heuristic_a") return {{set, -1, model.heuristic_a}};
     if (set == "heuristic_b") return {{set, -1, model.heuristic_b}};
