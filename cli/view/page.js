@@ -79,7 +79,7 @@ async function ask_why() {
     const answer = await fetch("healthz");
     socket.reason = answer.ok ? "no more pages may connect at the moment" : (await answer.text()).trim();
   } catch {
-    socket.reason = "";
+    // nobody there: what was said last still holds
   }
   show_controls();
 }
@@ -397,14 +397,14 @@ function show_controls() {
   const open = is_open(), other = control.holder === "other";
   const line = $("connection");
   line.dataset.state = open ? "open" : socket.at ? "waiting" : "lost";
-  say("connection", open ? "connected" : socket.at ? "connecting" : "no connection, trying again");
+  say("connection", open ? "connected" : socket.at ? "connecting" : "no connection");
   for (const id of ["model", "contact", "way", "demo", "pause", "reset"]) $(id).disabled = !open || other;
   $("pause").setAttribute("aria-pressed", String(control.paused));
   say("pause", control.paused ? "Continue" : "Pause");
   $("demo").setAttribute("aria-pressed", String(control.holder === "demo"));
   let kind = "", text = "";
-  if (!open && socket.reason) [kind, text] = ["bad", `The server said: ${socket.reason}.`];
-  else if (!open && socket.tries > 0) [kind, text] = ["bad", "The server does not answer."];
+  if (!open && socket.reason) [kind, text] = ["bad", `The server said: ${socket.reason}. Trying again.`];
+  else if (!open && socket.tries > 0) [kind, text] = ["bad", "The server does not answer. Trying again."];
   else if (!open) text = "";
   else if (control.paused) text = "Paused: time stands still.";
   else if (other) [kind, text] = ["held", "Another visitor holds the tissue. You are watching; it is yours as soon as they let go."];
@@ -874,7 +874,7 @@ function draw_depth_plot(comparable) {
     c.strokeStyle = colours.soft;   // one force, two depths
     c.lineWidth = 1;
     c.setLineDash([2, 3]);
-    trace(c, [[box.left, Y(ends[0][1])], [X(Math.max(...ends.map(end => end[0]))), Y(ends[0][1])]], false);
+    trace(c, ends.map(([d, f]) => [X(d), Y(f)]), false);
     c.stroke();
     c.setLineDash([]);
     ends.forEach(([d, f], m) => {

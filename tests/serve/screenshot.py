@@ -12,7 +12,7 @@ DEPTH = 0.0115   # m, of the hand
 
 def main():
     program, model, out, *night = sys.argv[1:]
-    page = Browser(1280, 740, 1, prefers_color_scheme="dark" if night else "light")
+    page = Browser(1280, 700, 1, prefers_color_scheme="dark" if night else "light")
     with tempfile.TemporaryDirectory() as folder:
         server = Server(program, [model], folder, "--select", "blended")
         try:

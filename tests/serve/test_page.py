@@ -61,7 +61,9 @@ def drawing(page):
     })(...tissue.on_screen(arguments[0]))"""
     spots = [[0.012, 0.0555], [APART + 0.012, 0.0555]]     # between springs
     page.drag([-0.02, 0.05], [-0.015, 0.05])    # beside the tissue; the demo is over
-    page.until(f"tissue.control.holder === 'you' && {at_rest}")
+    page.until("tissue.control.holder === 'you' && tissue.pressed === -1")
+    page.js("document.getElementById('reset').click()")
+    page.until(at_rest)
     time.sleep(0.1)
     before = [page.js(colour, p) for p in spots]
     page.mouse("Moved", 0.008, 0.05)
@@ -312,7 +314,7 @@ def two_visitors(page, server):
         page.js("new Promise(done => (window.seat = new WebSocket(`ws://${location.host}/ws`)).onmessage = done)")
         other.open(server.url)
         check("who is not let in learns why", other.until(
-            "document.getElementById('notice').textContent === 'The server said: no more pages may connect at the moment.'"),
+            "document.getElementById('notice').textContent === 'The server said: no more pages may connect at the moment. Trying again.'"),
             other.text("notice"))
         other.complaints()
         page.js("window.seat.close()")
@@ -344,7 +346,7 @@ def ending(page, program, models, folder, server):
     page.drag([-0.015, 0.05], [0.006, 0.05])
     server.end()
     check("when the server ends, the page says so", page.until("document.getElementById('connection').dataset.state !== 'open'") and
-          page.until("document.getElementById('notice').textContent.startsWith('The server said')"),
+          page.until("document.getElementById('notice').textContent === 'The server said: the program ends. Trying again.'"),
           [page.text("connection"), page.text("notice")])
     check("and its controls rest", page.js("['model', 'demo', 'pause', 'reset'].every(id => document.getElementById(id).disabled)"))
     page.mouse("Released", 0.006, 0.05)
