@@ -1,6 +1,7 @@
 // A study of one's own shape and material: what is read, what is planned, where contacts lie.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <filesystem>
 
 #include "../example.h"
 #include "../refusal.h"
