@@ -17,7 +17,7 @@ export SLURM_CONF=$cluster/slurm.conf
 # ---- the cluster
 daemons=
 tear_down() {
-    scancel --user="$(id -un)" --full 2>/dev/null
+    [ -z "${job-}" ] || timeout 10 scancel --full "$job" 2>/dev/null
     # shellcheck disable=SC2086  # process ids are words of their own
     [ -z "$daemons" ] || { kill $daemons; sleep 0.5; kill -9 $daemons; wait $daemons; } 2>/dev/null
     clean_up
@@ -71,12 +71,14 @@ NodeName=one NodeHostname=$host NodeAddr=127.0.0.1 Port=$port2 CPUs=1 RealMemory
 NodeName=two NodeHostname=$host NodeAddr=127.0.0.1 Port=$port3 CPUs=1 RealMemory=2000
 PartitionName=all Nodes=ALL Default=YES State=UP
 CONF
-    for _ in $(seq 20); do [ -S "$cluster/munge/socket" ] && break; sleep 0.1; done
+    for _ in $(seq 50); do [ -S "$cluster/munge/socket" ] && break; sleep 0.1; done
+    [ -S "$cluster/munge/socket" ] || return 1
     daemon slurmctld slurmctld -D
     daemon one slurmd -D -N one
     daemon two slurmd -D -N two
-    for _ in $(seq 100); do
-        [ "$(sinfo -h -t idle -o %D 2>/dev/null)" = 2 ] && return 0
+    SECONDS=0
+    while [ $SECONDS -lt 30 ]; do
+        [ "$(timeout 5 sinfo -h -t idle -o %D 2>/dev/null)" = 2 ] && return 0
         sleep 0.2
     done
     return 1
