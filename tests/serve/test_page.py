@@ -137,8 +137,13 @@ def off_curves(seen, *places):
 
 
 def take_over(page):
-    """Pushes 10 degrees down, between two known pushes."""
-    page.drag([-0.015, 0.0527], [0.0, 0.05], [0.005, 0.0491])
+    """Comes in straight at the contact, where the tool sticks, and then pushes 10 degrees down: between two known pushes."""
+    page.drag([-0.015, 0.05], [-0.001, 0.05])
+    page.until("tissue.control.holder === 'you'")
+    time.sleep(0.5)     # the hand has come round the tissue
+    page.mouse("Moved", 0.0005, 0.05)
+    page.until("tissue.pressed === 0")
+    page.mouse("Moved", 0.005, 0.0491)
     return page.until("tissue.control.holder === 'you' && tissue.control.place === -1 && tissue.pressed === 0")
 
 
@@ -166,6 +171,8 @@ def comparing(page):
     last = page.js("({off: tissue.off_FE, distance: tissue.distance_m, time: tissue.time_s, verdict: document.getElementById('verdict').textContent})")
 
     check("the known contact is the pressed one", last["distance"] < 1e-3, last)
+    angle = math.degrees(math.atan2(*reversed(seen[-1]["moved"][0])))
+    check("the push is none of the known ones", -15 < angle < -5, angle)
     check("page and server read the same FE curve",
           all(abs(s["fe"] - on_curve(place, s["moved"][0][0])) < 1e-3 * s["fe"] for s in seen), seen[-1])
     off = off_curves(seen, *(page.js("tissue.place(tissue.places.indexOf(arguments[0]))", name) for name in ("left-20-down", "left", "left-20-up")))
