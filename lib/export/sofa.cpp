@@ -33,8 +33,10 @@ std::string sofa_fidelity(const std::string& law) {
     if (law == "isotropic") return "springs of no length and a constant force are this law in SOFA";
     if (law == "axial")
         return "SOFA's springs turn with the tissue: the same stiffness at rest, other forces the more it turns";
+    if (law == "rubber")
+        return "SOFA's springs do not stiffen: the same stiffness at rest, other forces the more they are stretched";
     throw MismatchError(
-        fmt::format("SOFA has no springs of the law '{}'; it has isotropic, axial (at rest), geometric", law));
+        fmt::format("SOFA has no springs of the law '{}'; it has isotropic, geometric, and at rest axial, rubber", law));
 }
 
 std::string sofa_scene(const TissueModel& model, const NamedSet& set) {

@@ -8,7 +8,8 @@ namespace tissue {
 
 /// How true SOFA's springs are to a law, in one sentence. A spring of its SpringForceField is theta (|x_i - x_j| - L0)
 /// along the current direction: `geometric` as it is; `isotropic` exactly, as springs of no length whose pull at rest a
-/// constant force takes up; `axial` at rest alone, since SOFA's springs turn with the tissue.
+/// constant force takes up; `axial` and `rubber` at rest alone: SOFA's springs turn with the tissue
+/// and do not stiffen.
 /// Throws MismatchError for a law that SOFA has no springs for.
 std::string sofa_fidelity(const std::string& law);
 
