@@ -19,6 +19,7 @@ const LEARNED = 0, HEURISTIC = 1;   // meshes; the second may be missing (--no-h
 const WINDOW = 10;                // s, of the plot over time
 const NEAR = 0.002, ASKEW = 5;    // m and degrees: from here on a contact is another one, in the evaluation too
 const BETWEEN = 30;               // degrees: known pushes this close to each other say what is between them
+const MOTION = 0.1;               // change of depth within half a second: FE are of tissue at rest
 const SHALLOW = 0.001;            // m: less depth makes a percentage of next to nothing
 
 const $ = id => document.getElementById(id);
@@ -246,13 +247,14 @@ function comparison() {
   if (!fe_curve(k, moved)) return { ...basis, why: `This push is ${Math.round(askew)}° off the nearest known one: too far to compare with.` };
   // over the last half second, so that a ripple is not read as an error
   const now = state.v[IN.time], errors = model.meshes.map(() => 0);
-  let n = 0;
+  let n = 0, least = Infinity, most = 0;
   for (let s = samples.length - 1; s >= 0 && samples[s].pressed && samples[s].time > now - 0.5; s--, n++)
     errors.forEach((_, mesh) => {
       const [depth, force] = pushed(samples[s], mesh), curve = fe_curve(k, samples[s].moved[mesh]);
       errors[mesh] += curve ? force / on_curve(curve, depth) - 1 : NaN;
+      if (mesh === LEARNED) [least, most] = [Math.min(least, depth), Math.max(most, depth)];
     });
-  return { ...basis, errors: errors.map(e => e / n) };
+  return { ...basis, errors: errors.map(e => e / n), moves: most - least > MOTION * most };
 }
 
 function judge() {
@@ -269,7 +271,7 @@ function judge() {
       return b;
     }));
   };
-  verdict.classList.toggle("idle", !c.errors);
+  verdict.classList.toggle("idle", !c.errors || c.moves);
   if (!state) say_words(is_open() ? "Waiting for the tissue." : "No tissue yet.");
   else if (c.why === "idle") say_words("Nothing touches the tissue. Drag into a mesh, or let the demo press.");
   else if (c.why) say_words(c.why);
@@ -277,7 +279,9 @@ function judge() {
     const of = mesh => Number.isFinite(c.errors[mesh])
       ? [["learned", "heuristic"][mesh], `${percent(Math.abs(c.errors[mesh]))} too\u00a0${c.errors[mesh] > 0 ? "stiff" : "soft"}`] : null;
     const [l, h] = [of(LEARNED), of(HEURISTIC)];
-    if (l && model.meshes.length === 1) words.push("Against finite elements the learned mesh is ", l, ".");
+    if (c.moves && (l || h)) words.push("In motion: ", ...l ? ["learned ", l] : [], l && h ? ", " : "", ...h ? ["heuristic ", h] : [],
+                                        "; finite elements are of tissue at rest.");
+    else if (l && model.meshes.length === 1) words.push("Against finite elements the learned mesh is ", l, ".");
     else if (l && h) words.push("Against finite elements the learned mesh is ", l, ", the heuristic one ", h, ".");
     else if (l) words.push("Against finite elements the learned mesh is ", l, "; the heuristic mesh is beyond what they know.");
     else if (h) words.push("Against finite elements the heuristic mesh is ", h, "; the learned mesh is beyond what they know.");

@@ -159,6 +159,8 @@ def comparing(page):
     check("choosing a contact starts the demo there", page.until(f"tissue.control.holder === 'demo' && tissue.control.place === {left}"),
           page.js("tissue.control"))
     place = page.js("tissue.place(arguments[0])", left)
+    check("while the tissue moves the page says so", page.until("document.getElementById('verdict').textContent.startsWith('In motion: ')"),
+          page.text("verdict"))
     check("it presses to the depth that is known",
           page.until(f"tissue.pressed === 0 && tissue.nearest === {left} && tissue.contact_moved_m[0][0] > 0.95 * {place['depth_m']}", 10),
           page.js("tissue.contact_moved_m"))
