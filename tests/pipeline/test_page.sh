@@ -10,5 +10,5 @@ check "a model is trained to begin with" exited 0
 printf '\n[springs]\ntopology = "grid8"\nlaw = "axial"\n' >>"$work/fem/studies/tiny.toml"
 tissuectl train --study fem/studies/tiny.toml --cases results/tiny/cases.h5 --out results/tiny/grid8.h5
 check "and another one, of other springs" exited 0
-"$PYTHON" "$root/tests/serve/test_page.py" "$TISSUECTL" "$R/model.h5" "$R/grid8.h5" || failures=$((failures + 1))
+"$PYTHON" -B "$root/tests/serve/test_page.py" "$TISSUECTL" "$R/model.h5" "$R/grid8.h5" || failures=$((failures + 1))
 finish
