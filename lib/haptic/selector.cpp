@@ -39,6 +39,8 @@ TissueModel labelled(const TissueModel& model, const Eigen::Ref<const NodeField>
 
 Selector::Selector(const TissueModel& model, const Eigen::Ref<const NodeField>& theta, const SelectorOptions& options)
     : options_(options), grid_(labelled(model, theta, options)) {
+    using Mode = SelectorOptions::Mode;
+    if (options_.mode == Mode::automatic) options_.mode = grid_.dense() ? Mode::blended : Mode::nearest;
     const SpringMesh& mesh = model.mesh;
     const std::size_t M = mesh.boundary.size();
     for (std::size_t b = 0; b < M; ++b) {

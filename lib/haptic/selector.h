@@ -9,7 +9,8 @@
 namespace tissue {
 
 struct SelectorOptions {
-    enum class Mode { nearest, blended } mode = Mode::nearest;       ///< nearest: Sec. 4.3
+    /// nearest: Sec. 4.3. automatic: blended where the sets lie densely enough (SetGrid::dense), else nearest.
+    enum class Mode { nearest, blended, automatic } mode = Mode::nearest;
     enum class By { displacement, force } by = By::displacement;     ///< force: Sec. 4.3 as printed
 };
 
@@ -26,6 +27,7 @@ class Selector {
     /// of the smallest trained one has no direction worth the name: it is filled up to that along the inward normal.
     SetWeights select(int segment, double w, const Eigen::Vector2d& push) const noexcept;
 
+    /// As they came, `automatic` settled.
     const SelectorOptions& options() const { return options_; }
 
    private:

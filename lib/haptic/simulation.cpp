@@ -73,6 +73,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     const NodeField& theta = sets_of(model, o.sets);
     if (o.sets.empty()) o.sets = model.trained.front().optimizer;
     selector = std::make_unique<Selector>(model, theta, o.selector);
+    o.selector = selector->options();
     meshes.push_back(make_mesh("learned", model, theta, Eigen::Vector2d::Zero()));
     if (o.heuristic_mesh)
         meshes.push_back(make_mesh("heuristic", model, model.heuristic_a.transpose(), {o.place_m, 0}));

@@ -48,6 +48,11 @@ SetGrid::SetGrid(const TissueModel& model) : outline_(model.mesh) {
         std::sort(p.pushes.begin(), p.pushes.end(), [](const auto& a, const auto& b) { return a.angle < b.angle; });
 }
 
+bool SetGrid::dense() const {
+    return positions_.size() > 1 &&
+           std::all_of(positions_.begin(), positions_.end(), [](const Position& p) { return p.pushes.size() > 1; });
+}
+
 SetWeights SetGrid::blended(double arc_m, const Eigen::Vector2d& direction, double depth_m) const {
     SetWeights result;
     const Bracket p = bracket(positions_, arc_m, same_place, [](const Position& q) { return q.arc; });

@@ -29,6 +29,10 @@ class SetGrid {
     /// The one set that is nearest in position, then in angle, then in depth: the paper's choice.
     SetWeights nearest(double arc_m, const Eigen::Vector2d& direction, double depth_m) const;
 
+    /// True when every trained position knows several pushes: there is something to blend between everywhere. The paper
+    /// has one push at its midpoints.
+    bool dense() const;
+
     const Outline& outline() const { return outline_; }
 
    private:

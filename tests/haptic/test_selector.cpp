@@ -39,6 +39,25 @@ TEST_CASE("every load case is served by its own set, nearest or blended", "[sele
     }
 }
 
+TEST_CASE("automatic blends where every place knows several pushes, and else takes the nearest set", "[selector]") {
+    using Mode = SelectorOptions::Mode;
+    TissueModel model = haptic_example();  // one push at each midpoint, as the paper has it
+    CHECK(make(model, Mode::automatic).options().mode == Mode::nearest);
+    std::vector<int> corners;
+    for (int c = 0; c < model.case_count(); ++c)
+        if (model.case_names[static_cast<std::size_t>(c)].rfind("t", 0) == 0 && model.contact_m(c, 0) != 0.05) corners.push_back(c);
+    REQUIRE(corners.size() == 12);
+    TissueModel dense = model;
+    dense.case_names.clear();
+    for (int c : corners) dense.case_names.push_back(model.case_names[static_cast<std::size_t>(c)]);
+    dense.contact_m = model.contact_m(corners, Eigen::all).eval();
+    dense.direction = model.direction(corners, Eigen::all).eval();
+    dense.magnitude_m = model.magnitude_m(corners).eval();
+    dense.trained[0].theta = model.trained[0].theta(corners, Eigen::all).eval();
+    CHECK(make(dense, Mode::automatic).options().mode == Mode::blended);
+    CHECK(make(dense, Mode::nearest).options().mode == Mode::nearest);
+}
+
 TEST_CASE("nearest: position before angle before magnitude", "[selector]") {
     const TissueModel model = haptic_example();
     const Selector selector = make(model, SelectorOptions::Mode::nearest);
