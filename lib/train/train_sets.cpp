@@ -235,7 +235,9 @@ SpringMesh spring_mesh_of(const Study& study, const Cases& cases) {
     return mesh;
 }
 
-/// (7) with E2 = E t times a factor; with named regions, E of the triangles' own.
+namespace {
+
+/// (7) with this E2 for the base material; where regions have a material of their own, in proportion to their E.
 Eigen::VectorXd study_heuristic(const Study& study, const Cases& cases, const SpringMesh& mesh, double modulus_N_m) {
     if (study.material.regions.empty()) return heuristic_stiffness(mesh, modulus_N_m);
     Eigen::VectorXd modulus(mesh.triangles.rows());
@@ -248,6 +250,8 @@ Eigen::VectorXd study_heuristic(const Study& study, const Cases& cases, const Sp
     }
     return heuristic_stiffness(mesh, modulus);
 }
+
+}  // namespace
 
 TissueModel train_sets(const Study& study, const Cases& cases, int threads, const TrainProgress& progress) {
     const double unit = study.modulus_N_m();
