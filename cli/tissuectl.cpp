@@ -6,7 +6,8 @@
 //   tissuectl serve results/paper/model.h5
 //   tissuectl info model.h5
 // Exit status: 0 done, 1 the work failed, 2 the command line was wrong.
-#include <cstdlib>
+#include <cblas.h>
+
 #include <filesystem>
 #include <iostream>
 
@@ -17,7 +18,7 @@
 int main(int argc, char** argv) {
     using namespace tissue::cli;
     // parallelism is ours, a thread a spring set; a BLAS that threads on its own would also change last bits
-    setenv("OPENBLAS_NUM_THREADS", "1", 0);
+    openblas_set_num_threads(1);
 
     Invocation invocation;
     for (int i = 0; i < argc; ++i) {

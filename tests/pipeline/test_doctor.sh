@@ -13,10 +13,13 @@ check "every tool that is needed is here: exit 0" exited 0
 cp "$out" "$scratch/all.json"
 check "doctor and install_deps name the same packages" "$PYTHON" -c "
 import json, re, sys
-listed = set(re.search(r'^packages=\"(.*?)\"', open(sys.argv[2]).read(), re.S | re.M).group(1).split())
+text = open(sys.argv[2]).read()
+base = set(re.search(r'^packages=\"(.*?)\"', text, re.S | re.M).group(1).split())
+tests = set(re.search(r'packages=\"\\\$packages\n(.*?)\"', text, re.S).group(1).split())
 tools = json.load(open(sys.argv[1]))['tools']
-known, needed = {t['package'] for t in tools}, {t['package'] for t in tools if t['needed']}
-sys.exit(f'install_deps alone: {listed - known}; doctor alone: {needed - listed}' if listed - known or needed - listed else 0)" \
+needed, other = {t['package'] for t in tools if t['needed']}, {t['package'] for t in tools if not t['needed']}
+wrong = (base ^ needed) | (tests ^ (other - {'ccache'}))
+sys.exit(f'not where the other has them: {wrong}' if wrong else 0)" \
     "$scratch/all.json" "$root/scripts/install_deps"
 check "versions are those the tools say themselves" "$PYTHON" -c "
 import h5py, json, numpy, subprocess, sys
