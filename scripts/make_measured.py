@@ -1,6 +1,6 @@
 """Writes a CSV of contact forces as an instrument might have measured them, out of FE results, with seeded noise.
 
-    scripts/make_measured.py results/surface/cases.h5 fem/data/block_measured.csv
+    scripts/make_measured.py results/surface-measured/cases.h5 fem/data/block_measured.csv
 
 Trained on: presses every 5 mm along the surface, 40 degrees to either side of the normal and along it, 2.5, 5 and 10 mm
 deep. To choose and to prove with: the study's drawn contacts (any place, angle and depth) that keep 2 mm from those.
@@ -11,7 +11,7 @@ import sys
 import h5py
 import numpy as np
 
-SEED, REPEATS, FORCE_NOISE, DISPLACEMENT_NOISE_M = 20260815, 3, 0.02, 0.05e-3
+SEED, REPEATS, FORCE_NOISE, DISPLACEMENT_NOISE_M = 20261121, 3, 0.02, 0.05e-3
 SPACING_M, APART_M, ANGLES_DEG, DEPTHS_M, DEEPEST_M = 5e-3, 2e-3, (-40, 0, 40), (2.5e-3, 5e-3, 10e-3), 10e-3
 ROLES = {"train": "train", "validation": "validation", "held_out_full": "validation", "held_out": "held_out"}
 WIDTH_M = HEIGHT_M = 0.1
@@ -63,7 +63,7 @@ def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
     rng = np.random.default_rng(SEED)
-    lines = ["# NOT A MEASUREMENT: finite elements of study `surface` (plane strain, a block of 0.1 m x 0.1 m x 0.1 m,",
+    lines = ["# NOT A MEASUREMENT: finite elements of study `surface-measured` (plane strain, a block of 0.1 m a side,",
              "# a patch 10 mm wide), with Gaussian noise of 2 % of the force on each component of force and 0.05 mm on",
              f"# each of displacement, seed {SEED}. Written by scripts/make_measured.py.",
              "contact_x [mm],contact_y [mm],displacement_x [mm],displacement_y [mm],force_x [mN],force_y [mN],push,repeat,"
