@@ -41,8 +41,8 @@ def main():
     cost.set_xlabel("FE load paths to train on (contacts this far apart)")
     cost.set_ylabel("closed-loop error, held out, core range")
     cost.grid(color="0.9")
-    cost.set_ylim(0.9, 90)  # room for the legend
-    cost.legend(frameon=False, fontsize=8, ncols=3, loc="upper center")
+    cost.set_ylim(0.9, 120)  # room for the legend
+    cost.legend(frameon=False, fontsize=8, ncols=2, loc="upper center")
 
     for row, v in enumerate(variants):
         for model, colour, marker in (("one_set", "#CC79A7", "D"), ("learned_nearest", "#E69F00", "s"),
