@@ -60,7 +60,7 @@ std::string held_out_markdown(const HeldOut& h, bool measured) {
         for (const DrawnContact& c : role.contacts) extrapolated += c.extrapolated ? 1 : 0;
         out += fmt::format("\n{} {}; {} lie outside what the sets were trained on.", role.contacts.size(),
                            measured ? "rows" : "contacts", extrapolated);
-        out += measured ? "\n" : fmt::format(" FE lost {}:\n", role.lost.size());
+        out += measured ? "\n" : fmt::format(" FE lost {}{}\n", role.lost.size(), role.lost.empty() ? "." : ":");
         for (const std::string& lost : role.lost) out += "- " + lost + "\n";
         std::vector<const DrawnContact*> worst;
         for (const DrawnContact& c : role.contacts)
@@ -150,9 +150,12 @@ std::string to_markdown(const Evaluation& e) {
             restarts += r;
             restarted += r > 0 ? 1 : 0;
         }
-        out += fmt::format("| {} | {} | {} | {} ({}) | {:.3f} | {:.3f} | {:.3f} | {} / {} | {:.2f} |\n", t.optimizer,
-                           t.theta.rows(), iterations, restarts, restarted, median_progress(t, 1000),
-                           median_progress(t, 5000), median_progress(t, 1 << 30),
+        const auto progress = [&t](int at) {  // an optimiser without a learning curve has none
+            const double part = median_progress(t, at);
+            return std::isnan(part) ? std::string() : fmt::format("{:.3f}", part);
+        };
+        out += fmt::format("| {} | {} | {} | {} ({}) | {} | {} | {} | {} / {} | {:.2f} |\n", t.optimizer,
+                           t.theta.rows(), iterations, restarts, restarted, progress(1000), progress(5000), progress(1 << 30),
                            percent(statistics_of({t.gap.begin(), t.gap.end()}).median), percent(t.gap.maxCoeff()),
                            t.seconds);
     }
