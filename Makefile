@@ -30,7 +30,7 @@ export OMP_NUM_THREADS := 1
 
 # ---- front door
 
-.PHONY: felupe realtime ablation all mesh cases train eval figures report reference regress regress-proof trust gains test sanitize bench deps help clean build install uninstall doctor
+.PHONY: felupe realtime ablation all mesh cases train eval figures report reference regress regress-proof trust gains test sanitize bench benches deps help clean build install uninstall doctor
 
 ## all: the whole study, from mesh to report
 all: figures eval report
@@ -55,6 +55,9 @@ report: $(R)/report.html
 
 ## build: the programs alone
 build: $(TISSUECTL) $(TISSUE_HAPTIC)
+
+## benches: the programs of bench and gains, without running them
+benches: $(BENCHES) $(BUILD)/gains_probe
 
 ## deps: name and install missing packages
 deps: build/deps
@@ -147,7 +150,7 @@ $(BUILD)/cli/serve/page.o: $(wildcard cli/view/*.html cli/view/*.css cli/view/*.
 
 # The plan says which load paths there are and with which arguments; its parts say what each stage depends on, and
 # keep their time stamp while their text stays the same.
-ifneq (,$(filter-out help clean deps build install uninstall doctor reference regress regress-proof trust felupe gains test sanitize bench $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
+ifneq (,$(filter-out help clean deps build install uninstall doctor reference regress regress-proof trust felupe gains test sanitize bench benches $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
 include $(R)/plan.mk
 endif
 # A shape has no surface to plan contacts on until it is meshed: its first plan says where it comes from, SHAPE and

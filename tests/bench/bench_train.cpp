@@ -208,7 +208,7 @@ void add_costs(Json& list, const std::string& what, const std::string& of, const
 
 /// Every `step`-th training path.
 Cases thinned(const Cases& cases, int step) {
-    Cases few{cases.study, cases.nodes, cases.magnitudes_m, {}};
+    Cases few{cases.study, cases.nodes, cases.shape, cases.magnitudes_m, {}};
     int k = 0;
     for (const LoadPath& path : cases.paths)
         if (path.role == "train" && k++ % step == 0) few.paths.push_back(path);
@@ -222,7 +222,7 @@ Cases made_up(const Study& study, int paths) {
     const std::unique_ptr<SpringLaw> law = make_spring_law(study.springs.law);
     Eigen::VectorXd theta = heuristic_stiffness(mesh, study.modulus_N_m());
     for (Eigen::Index s = 0; s < theta.size(); ++s) theta[s] *= 1 + 0.5 * std::sin(1.7 * static_cast<double>(s));
-    Cases cases{study.name, mesh.nodes, {0.005}, {}};
+    Cases cases{study.name, mesh.nodes, {}, {0.005}, {}};
     for (int k = 0; k < paths; ++k) {
         LoadPath path;
         path.name = "push-" + std::to_string(k);
@@ -275,7 +275,7 @@ Json bench_scaling(const std::string& study_file, const std::string& cases_file)
     }
     {
         // one set that serves many cases: their losses built, summed, and solved exactly
-        const SpringMesh mesh = spring_mesh_of(study, cases.nodes);
+        const SpringMesh mesh = spring_mesh_of(study, cases);
         const std::unique_ptr<SpringLaw> law = make_spring_law(study.springs.law);
         const Eigen::VectorXd start = heuristic_stiffness(mesh, study.modulus_N_m());
         const Box box{Eigen::VectorXd::Constant(start.size(), study.training.k_min_E2 * study.modulus_N_m()),
