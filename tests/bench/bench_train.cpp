@@ -234,6 +234,7 @@ Cases made_up(const Study& study, int paths) {
         if (!rest) throw MismatchError("bench_train: no equilibrium: " + reason);
         const Eigen::VectorXd f = law->force_matrix(mesh, rest->displacement) * theta;
         PathRecord record{};
+        record.contact_force_N = record.support_force_N = Eigen::Vector2d::Zero();
         record.displacement = record.force = NodeField::Zero(mesh.node_count(), 2);
         path.records.push_back(record);
         record.magnitude_m = 0.005;
