@@ -56,9 +56,6 @@ report: $(R)/report.html
 ## build: the programs alone
 build: $(TISSUECTL) $(TISSUE_HAPTIC)
 
-## benches: the programs of bench and gains, without running them
-benches: $(BENCHES) $(BUILD)/gains_probe
-
 ## deps: name and install missing packages
 deps: build/deps
 
@@ -263,6 +260,9 @@ sanitize:
 ## regress-proof: put five defects into a copy, one at a time; each must turn the regression of paper red
 regress-proof: $(TISSUECTL)
 	@PROOF=paper PYTHON=$(PYTHON) TISSUECTL=$(abspath $(TISSUECTL)) tests/pipeline/test_regress.sh
+
+## benches: the programs of bench and gains, without running them
+benches: $(BENCHES) $(BUILD)/gains_probe
 
 ## bench: our speed beside that of others, as results/bench.json
 bench: $(TISSUECTL) $(TISSUE_HAPTIC) $(BENCHES) | build/deps-test
