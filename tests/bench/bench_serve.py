@@ -76,7 +76,7 @@ def main():
         return 1
     what = f"under {sent[0]} hostile frames and {sent[1]} connects"
     print(f"bench_serve: {what}", file=sys.stderr)
-    print(json.dumps([entry(f"serve: tick under attack, {share} of a second", [s[k] for s in attacked], peer, [s[k] for s in theirs])
+    print(json.dumps([entry(f"serve: tick under attack, {share} of a second, beside {peer}", [s[k] for s in attacked], peer, [s[k] for s in theirs])
                       for k, share in ((0, "median"), (1, "p99"))
                       for peer, theirs in (("another server attacked", elsewhere), ("left alone", quiet))], indent=1))
     return 0

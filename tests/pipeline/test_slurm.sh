@@ -113,9 +113,10 @@ submit() { # starts the study from nothing; its job id in $job
 }
 state() { scontrol show job "$job" | sed -n 's/.*JobState=\([A-Z]*\).*/\1/p'; }
 wait_for() { for _ in $(seq 600); do "$@" && return 0; sleep 0.1; done; return 1; }
-ended() { case $(state) in PENDING | RUNNING | COMPLETING | REQUEUED) return 1 ;; esac; }
+ended() { case $(state) in COMPLETED | FAILED | CANCELLED | TIMEOUT | NODE_FAIL) ;; *) return 1 ;; esac; }  # no word is no end
 waits() { [ "$(state)" = PENDING ]; }
-completed() { [ "$(state)" = COMPLETED ] || { state; cat "$said"; return 1; }; }
+done_well() { [ "$(state)" = COMPLETED ]; }
+completed() { done_well || { state; cat "$said"; return 1; }; }
 solved() { [ -s "$R/cases/$1.csv" ]; }
 times() { grep -c " $1\$" "$scratch/steps"; }  # a path was begun
 
@@ -139,7 +140,7 @@ wait_for solved left
 scontrol requeue "$job"
 wait_for waits
 scontrol update JobId="$job" StartTime=now  # a requeued job may start after two minutes; we have not got them
-wait_for ended
+wait_for done_well  # on its way back into the queue it may look ended
 check "a job killed half-way runs again and completes" completed
 check "what was solved before was not solved again" test "$(times left)" = 1
 check "its results have the contents of the run without Slurm" same_contents "$R" "$scratch/local"
