@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "../example.h"
+#include "../mesh/disc.h"
 #include "../refusal.h"
 #include "../tolerances.h"
 #include "cases/plan.h"
@@ -43,23 +44,6 @@ Study read(const std::string& text) {
     for (const char* file : {"\"bean.geo\"", "\"bean.msh\""})
         if (const std::size_t at = moved.find(file); at != std::string::npos) moved.insert(at + 1, "../");
     return read_study(folder.file("studies/own.toml", moved));
-}
-
-/// A disc of 0.1 m across, eleven or twelve springs to a quarter; a quarter is held.
-Shape disc() {
-    Shape shape;
-    const int n = 44;
-    shape.nodes.resize(n + 1, 2);
-    shape.triangles.resize(n, 3);
-    shape.nodes.row(n) << 0, 0;
-    for (int i = 0; i < n; ++i) {
-        const double angle = 2 * std::acos(-1.0) * i / n;
-        shape.nodes.row(i) << 0.05 * std::cos(angle), 0.05 * std::sin(angle);
-        shape.triangles.row(i) << i, (i + 1) % n, n;
-        shape.region.push_back(0);
-        if (i < n / 4) shape.fixed_edges.push_back({i, (i + 1) % n});
-    }
-    return shape;
 }
 
 std::string said(const std::string& from, const std::string& to) {
@@ -115,7 +99,7 @@ TEST_CASE("regions have parameters of their own, which FE gets under their label
                               "[material.regions]\nstone = { C1_Pa = 5000, C2_Pa = 1 }\nfat = { C1_Pa = 20, C2_Pa = 0 }\n\n[mesh]"));
     REQUIRE(s.material.region_names() == std::vector<std::string>{"fat", "stone"});
     CHECK(s.material.regions[1].youngs_modulus_Pa() == 6 * 5001);
-    const Plan plan = make_plan(s, disc());
+    const Plan plan = make_plan(s, disc(44));
     bool seen = false;
     for (const auto& [name, text] : plan.parts)
         if (name.rfind("path-", 0) == 0) {
@@ -124,12 +108,12 @@ TEST_CASE("regions have parameters of their own, which FE gets under their label
         }
     CHECK(seen);
     CHECK_THAT(plan.parts.at("shape"), Contains("regions fat,stone"));
-    CHECK(plan.parts.at("train") != make_plan(read(shape_text()), disc()).parts.at("train"));
+    CHECK(plan.parts.at("train") != make_plan(read(shape_text()), disc(44)).parts.at("train"));
 }
 
 TEST_CASE("without its mesh a shape's plan is where the shape comes from, and nothing to solve") {
     const Study s = read(shape_text());
-    const Plan first = make_plan(s), whole = make_plan(s, disc());
+    const Plan first = make_plan(s), whole = make_plan(s, disc(44));
     CHECK(first.parts.size() == 1);
     CHECK_THAT(first.fragment, Contains("SHAPE := ") && Contains("SHAPE_ARGUMENTS := -2 -clmin 10 -clmax 10") &&
                                    Contains("$(R)/plan.mk: $(R)/mesh.msh") && !Contains("PATHS"));
@@ -141,7 +125,7 @@ TEST_CASE("without its mesh a shape's plan is where the shape comes from, and no
 
 TEST_CASE("every contact of a shape is solved: all round the free surface, off its curved normal") {
     const Study s = read(shape_text());
-    const Shape shape = disc();
+    const Shape shape = disc(44);
     const Outline outline(edge_mesh(shape));
     int trained = 0;
     for (const PlannedPath& p : planned_paths(s, shape)) {
@@ -165,7 +149,7 @@ TEST_CASE("springs on the edges of the block's own lattice") {
     CHECK(mesh.spring_count() == 25 + 32 - 1);
     CHECK(mesh.fixed == study_mesh(s, {}, "grid4").fixed);
     CHECK_THROWS_AS(study_mesh(read(shape_text()), {}, "edges"), MismatchError);
-    CHECK_THROWS_AS(study_mesh(read(shape_text()), disc(), "grid8"), MismatchError);
+    CHECK_THROWS_AS(study_mesh(read(shape_text()), disc(44), "grid8"), MismatchError);
 }
 
 TEST_CASE("what a study of one's own may not say") {

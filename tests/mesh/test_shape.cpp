@@ -6,6 +6,7 @@
 
 #include "../example.h"
 #include "../refusal.h"
+#include "disc.h"
 #include "../tolerances.h"
 #include "error.h"
 #include "mesh/outline.h"
@@ -45,23 +46,6 @@ Shape square(const std::string& text = square_text(), ShapeNotes* notes = nullpt
     return make_shape(read(text), {"base"}, {"hard"}, 0.1, notes);
 }
 
-/// A disc of 24 sides and radius 0.05 m about its centre; a quarter of it is held.
-Shape disc() {
-    Shape shape;
-    const int n = 24;
-    shape.nodes.resize(n + 1, 2);
-    shape.triangles.resize(n, 3);
-    shape.nodes.row(n) << 0, 0;
-    for (int i = 0; i < n; ++i) {
-        const double angle = 2 * std::acos(-1.0) * i / n;
-        shape.nodes.row(i) << 0.05 * std::cos(angle), 0.05 * std::sin(angle);
-        shape.triangles.row(i) << i, (i + 1) % n, n;
-        shape.region.push_back(0);
-        if (i < n / 4) shape.fixed_edges.push_back({i, (i + 1) % n});
-    }
-    return shape;
-}
-
 }  // namespace
 
 TEST_CASE("a mesh becomes a shape: clockwise triangles turned, idle points dropped, units, held edges and regions kept") {
@@ -83,7 +67,7 @@ TEST_CASE("a mesh becomes a shape: clockwise triangles turned, idle points dropp
 }
 
 TEST_CASE("springs on the edges of triangles: as many as Euler says, with the areas of (7) and (8)") {
-    for (const Shape& shape : {square(), disc(), shape_of(make_lattice("grid4", 6, 4, 0.1, 0.1))}) {
+    for (const Shape& shape : {square(), disc(24), shape_of(make_lattice("grid4", 6, 4, 0.1, 0.1))}) {
         const SpringMesh mesh = edge_mesh(shape);
         const auto T = static_cast<int>(mesh.triangles.rows());
         CHECK(mesh.topology == "edges");
@@ -104,7 +88,7 @@ TEST_CASE("springs on the edges of triangles: as many as Euler says, with the ar
 
 TEST_CASE("a shape written and read again is the same to the last bit") {
     TemporaryFolder folder;
-    for (const Shape& shape : {square(), disc()}) {
+    for (const Shape& shape : {square(), disc(24)}) {
         const Shape back = read_shape(folder.file("mesh.msh", to_msh(shape, {"hard"})));
         CHECK(back.nodes == shape.nodes);
         CHECK(back.triangles == shape.triangles);
@@ -137,7 +121,7 @@ TEST_CASE("a modulus by triangle: (7) where all are alike, and a stiffer region 
 }
 
 TEST_CASE("the normal of a curved surface turns evenly: a disc's points at its centre") {
-    const Outline outline(edge_mesh(disc()));
+    const Outline outline(edge_mesh(disc(24)));
     CHECK(outline.corners().empty());
     for (double arc = 0.015; arc < outline.length() - 0.015; arc += 0.0017) {
         const Eigen::Vector2d p = outline.position(arc);

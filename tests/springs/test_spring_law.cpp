@@ -23,6 +23,16 @@ Eigen::VectorXd force(const std::string& law, const NodeField& u) {
     return make_spring_law(law)->force_matrix(block(), u) * example_theta(block());
 }
 
+/// From the origin to a point [m].
+SpringMesh one_spring(double x, double y) {
+    SpringMesh one;
+    one.nodes.resize(2, 2);
+    one.nodes << 0, 0, x, y;
+    one.springs.resize(1, 2);
+    one.springs << 0, 1;
+    return one;
+}
+
 /// u = H x, the same gradient everywhere.
 NodeField affine(const Eigen::Matrix2d& H) {
     return block().nodes * H.transpose();
@@ -35,11 +45,7 @@ Eigen::Matrix2d rotation(double angle) {
 }  // namespace
 
 TEST_CASE("one spring pulled along its axis by 1 mm at 2 N/m holds 2 mN in every law that is Hooke's") {
-    SpringMesh one;
-    one.nodes.resize(2, 2);
-    one.nodes << 0, 0, 0.03, 0.04;
-    one.springs.resize(1, 2);
-    one.springs << 0, 1;
+    const SpringMesh one = one_spring(0.03, 0.04);
     NodeField u = NodeField::Zero(2, 2);
     u.row(1) << 0.0006, 0.0008;
     for (const char* name : {"isotropic", "axial", "geometric"}) {
@@ -52,11 +58,7 @@ TEST_CASE("one spring pulled along its axis by 1 mm at 2 N/m holds 2 mN in every
 }
 
 TEST_CASE("a push across a spring: isotropic resists it fully, axial not at all, geometric to second order") {
-    SpringMesh one;
-    one.nodes.resize(2, 2);
-    one.nodes << 0, 0, 0.05, 0;
-    one.springs.resize(1, 2);
-    one.springs << 0, 1;
+    const SpringMesh one = one_spring(0.05, 0);
     NodeField u = NodeField::Zero(2, 2);
     u(1, 1) = 0.001;
     const Eigen::VectorXd k = Eigen::VectorXd::Constant(1, 2.0);
@@ -108,11 +110,7 @@ TEST_CASE("springs that turn, turn their force with the tissue") {
 }
 
 TEST_CASE("a rubber spring follows the uniaxial stress of a neo-Hookean rod, and goes on straight below half its length") {
-    SpringMesh one;
-    one.nodes.resize(2, 2);
-    one.nodes << 0, 0, 0.05, 0;
-    one.springs.resize(1, 2);
-    one.springs << 0, 1;
+    const SpringMesh one = one_spring(0.05, 0);
     const auto pull = [&](double stretch) {
         NodeField u = NodeField::Zero(2, 2);
         u(1, 0) = 0.05 * (stretch - 1);
@@ -211,11 +209,7 @@ TEST_CASE("a law's name makes that law, and an unknown one is refused with the k
 }
 
 TEST_CASE("two nodes of a spring that turns on one spot give finite force and stiffness") {
-    SpringMesh one;
-    one.nodes.resize(2, 2);
-    one.nodes << 0, 0, 0.05, 0;
-    one.springs.resize(1, 2);
-    one.springs << 0, 1;
+    const SpringMesh one = one_spring(0.05, 0);
     NodeField u = NodeField::Zero(2, 2);
     u(1, 0) = -0.05;
     for (const char* name : {"geometric", "rubber"}) {
