@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "eval/closed_loop.h"
+#include "mesh/topology.h"
 #include "parallel.h"
 #include "springs/heuristic.h"
 #include "springs/set_blend.h"
@@ -36,7 +37,7 @@ ContactTruth truth_of(const SpringMesh& mesh, const LoadPath& path, const PathRe
 
 /// The mesh of the same lattice in another topology.
 SpringMesh with_topology(const SpringMesh& mesh, const std::string& topology) {
-    if (topology == "edges") return mesh;
+    if (!topologies().at(topology).needs_lattice()) return mesh;
     const Eigen::Vector2d size = (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).transpose();
     int cells_x = 0;
     while (cells_x + 1 < mesh.node_count() && mesh.nodes(cells_x + 1, 1) == mesh.nodes(0, 1)) ++cells_x;
@@ -62,9 +63,9 @@ std::vector<Setting> settings_of(const TissueModel& model, const std::vector<Loa
     add(model.mesh.topology, model.law);
     if (!others) return settings;
     using Kinds = std::vector<std::pair<std::string, std::string>>;
-    const Kinds kinds = model.mesh.topology == "edges"
-                            ? Kinds{{"edges", "isotropic"}, {"edges", "axial"}, {"edges", "geometric"}}
-                            : Kinds{{"grid4", "isotropic"}, {"grid8", "axial"}, {"grid8", "geometric"}};
+    const bool on_lattice = topologies().at(model.mesh.topology).needs_lattice();
+    const Kinds kinds = !on_lattice ? Kinds{{"edges", "isotropic"}, {"edges", "axial"}, {"edges", "geometric"}}
+                                    : Kinds{{"grid4", "isotropic"}, {"grid8", "axial"}, {"grid8", "geometric"}};
     for (const auto& [topology, law] : kinds)
         if (topology != model.mesh.topology || law != model.law) add(topology, law);
     return settings;
@@ -154,7 +155,8 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
     const double ratio_b = model.heuristic_b.sum() / model.heuristic_a.sum();
     for (const Setting& s : settings) {
         if (!with_baselines) break;
-        const bool edges = s.mesh.topology == "edges";  // the same springs in every law, and regions have moduli of their own
+        // any shape: the same springs in every law, and regions have moduli of their own
+        const bool edges = !topologies().at(s.mesh.topology).needs_lattice();
         baselines.push_back({"heuristic_a" + s.suffix, &s, edges ? model.heuristic_a : heuristic_stiffness(s.mesh, model.modulus_N_m)});
         baselines.push_back({"heuristic_b" + s.suffix, &s, edges ? model.heuristic_b : heuristic_stiffness(s.mesh, ratio_b * model.modulus_N_m)});
         baselines.push_back({"uniform" + s.suffix, &s, uniform_stiffness(s.mesh, s.uniform_N_m)});

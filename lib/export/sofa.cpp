@@ -28,21 +28,20 @@ std::string in_comment(std::string text) {
 
 }  // namespace
 
-std::string sofa_fidelity(const std::string& law) {
-    if (law == "geometric") return "SOFA's springs are this law";
-    if (law == "isotropic") return "springs of no length and a constant force are this law in SOFA";
-    if (law == "axial")
+std::string sofa_fidelity(const std::string& law_name) {
+    const std::unique_ptr<SpringLaw> law = make_spring_law(law_name);
+    if (law->axes_apart()) return "springs of no length and a constant force are this law in SOFA";
+    if (law->linear_in_displacement())
         return "SOFA's springs turn with the tissue: the same stiffness at rest, other forces the more it turns";
-    if (law == "rubber")
+    if (law->stiffest() > 1)
         return "SOFA's springs do not stiffen: the same stiffness at rest, other forces the more they are stretched";
-    throw MismatchError(
-        fmt::format("SOFA has no springs of the law '{}'; it has isotropic, geometric, and at rest axial, rubber", law));
+    return "SOFA's springs are this law";
 }
 
 std::string sofa_scene(const TissueModel& model, const NamedSet& set) {
     const SpringMesh& mesh = model.mesh;
     const std::string fidelity = sofa_fidelity(model.law);
-    const bool no_length = model.law == "isotropic";
+    const bool no_length = make_spring_law(model.law)->axes_apart();
     std::string springs;
     for (int s = 0; s < mesh.spring_count(); ++s)
         springs += fmt::format("{} {} {} 0 {}\n", mesh.springs(s, 0), mesh.springs(s, 1), set.theta[s],

@@ -8,9 +8,8 @@ namespace tissue {
 
 /// How true SOFA's springs are to a law, in one sentence. A spring of its SpringForceField is theta (|x_i - x_j| - L0)
 /// along the current direction: `geometric` as it is; `isotropic` exactly, as springs of no length whose pull at rest a
-/// constant force takes up; `axial` and `rubber` at rest alone: SOFA's springs turn with the tissue
-/// and do not stiffen.
-/// Throws MismatchError for a law that SOFA has no springs for.
+/// constant force takes up; laws that do not turn, or that stiffen, at rest alone.
+/// Throws MismatchError for an unknown law.
 std::string sofa_fidelity(const std::string& law);
 
 /// A SOFA scene (.scn, XML, of releases since 24.06): nodes in the plane z = 0 [m], springs "i j ks kd L0" [N/m, N s/m,

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptic/hot_loop.h"
+#include "hot_loop.h"
 
 namespace tissue {
 namespace kernel {
@@ -75,7 +75,7 @@ void BandCholesky::solve(double* x) const noexcept {
 }
 
 FreeNumbering::FreeNumbering(const RealtimeMesh& mesh) {
-    per_node = mesh.law() == RealtimeMesh::Law::isotropic ? 1 : 2;
+    per_node = mesh.law().axes_apart() ? 1 : 2;
     const int N = mesh.node_count();
     std::vector<std::vector<int>> neighbours(static_cast<std::size_t>(N));
     for (int slot : mesh.slot_of_spring()) {

@@ -26,7 +26,7 @@ class ImplicitDynamics final : public Dynamics {
         const int D = numbering_.per_node;
 
         // A, when K is not what it was
-        if (s.theta_changed || !mesh_.linear() || !factored_) {
+        if (s.theta_changed || !mesh_.law().linear_in_displacement() || !factored_) {
             A_.set_zero();
             for (int node = 0; node < mesh_.node_count(); ++node)
                 for (int d = 0; d < D; ++d)

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "haptic/hot_loop.h"
+#include "hot_loop.h"
 
 namespace tissue {
 namespace kernel {

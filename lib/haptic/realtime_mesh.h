@@ -1,10 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "mesh/spring_mesh.h"
+#include "springs/spring_law.h"
 
 namespace tissue {
 
@@ -19,23 +20,20 @@ using NodeColumns = Eigen::Matrix<double, Eigen::Dynamic, 2>;
 /// band that hold no spring have theta = 0. Springs of rare offsets (meshes that are no lattice) are loose: pairs.
 class RealtimeMesh {
    public:
-    enum class Law { isotropic, axial, geometric, rubber };
-
     struct Band {
         int first_node, offset, first_slot, count;  ///< slot first_slot + k joins first_node + k and that + offset
         bool parallel;                              ///< all its springs have one axis, as on a lattice
         double nx, ny;                              ///< that axis
     };
 
-    /// node_mass_kg (N), all positive. law: a name of spring_law_names().
+    /// node_mass_kg (N), all positive. law: a name of spring_laws().
     /// Throws MismatchError when sizes do not fit or the mesh is not two-dimensional.
     RealtimeMesh(const SpringMesh& mesh, const std::string& law, const Eigen::VectorXd& node_mass_kg);
 
     int node_count() const { return static_cast<int>(rest_.rows()); }
     int slot_count() const { return static_cast<int>(axis_.rows()); }
     int spring_count() const { return static_cast<int>(slot_of_spring_.size()); }
-    Law law() const { return law_; }
-    bool linear() const { return law_ == Law::isotropic || law_ == Law::axial; }
+    const SpringLaw& law() const { return *law_; }
     const NodeColumns& rest() const { return rest_; }                    ///< [m] (N x 2)
     const Eigen::VectorXd& mass() const { return mass_; }                ///< [kg] (N)
     const Eigen::VectorXd& inverse_mass() const { return inverse_mass_; }  ///< [1/kg] (N), 0 where a node is fixed
@@ -59,14 +57,12 @@ class RealtimeMesh {
     /// positive semi-definite where a compressed spring that turns would buckle.
     Eigen::Matrix2d unit_stiffness(int slot, const NodeColumns& u, bool convex) const noexcept;
 
-    /// What the stiffest spring of this law adds along itself, over its theta: 1 where it does not stiffen.
-    double stiffest_stretch() const noexcept;
-
    private:
-    struct Stretched { double secant, tangent, energy; };
-    Stretched stretched(double rest, double length) const noexcept;  ///< springs/stretch.h, of a law that turns
+    void band_force(const Band& band, const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f) const noexcept;
+    void loose_force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f) const noexcept;
+    SpringRun run_at(int slot, const Eigen::VectorXd& theta) const noexcept;
 
-    Law law_;
+    std::shared_ptr<const SpringLaw> law_;
     NodeColumns rest_;
     Eigen::VectorXd mass_, inverse_mass_;
     std::vector<int> outline_;

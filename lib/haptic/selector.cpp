@@ -10,17 +10,11 @@
 namespace tissue {
 namespace {
 
-/// The model with its cases' magnitudes as the grid shall compare them: by force, those of the force that each set
-/// itself gives at its load case [N].
-TissueModel labelled(const TissueModel& model, const Eigen::Ref<const NodeField>& theta, const SelectorOptions& options) {
+/// How far each load case pushes [m]; by force: with what force its own set answers there [N] (C).
+Eigen::VectorXd push_sizes(const TissueModel& model, const Eigen::Ref<const NodeField>& theta, SelectorOptions::By by) {
     if (model.case_count() == 0) throw MismatchError("the model has no spring sets");
-    TissueModel result;
-    result.mesh = model.mesh;
-    result.case_names = model.case_names;
-    result.contact_m = model.contact_m;
-    result.direction = model.direction;
-    result.magnitude_m = model.magnitude_m;
-    if (options.by == SelectorOptions::By::displacement) return result;
+    Eigen::VectorXd sizes = model.magnitude_m;
+    if (by == SelectorOptions::By::displacement) return sizes;
     const auto law = make_spring_law(model.law);
     for (int c = 0; c < model.case_count(); ++c) {
         std::string reason;
@@ -30,15 +24,18 @@ TissueModel labelled(const TissueModel& model, const Eigen::Ref<const NodeField>
         if (!rest)
             throw MismatchError(fmt::format("set '{}' cannot be selected by force: {}",
                                             model.case_names[static_cast<std::size_t>(c)], reason));
-        result.magnitude_m[c] = rest->contact_force.norm();
+        sizes[c] = rest->contact_force.norm();
     }
-    return result;
+    return sizes;
 }
 
 }  // namespace
 
 Selector::Selector(const TissueModel& model, const Eigen::Ref<const NodeField>& theta, const SelectorOptions& options)
-    : options_(options), grid_(labelled(model, theta, options)) {
+    : Selector(model, options, push_sizes(model, theta, options.by)) {}
+
+Selector::Selector(const TissueModel& model, const SelectorOptions& options, const Eigen::VectorXd& sizes)
+    : options_(options), grid_(model.mesh, model.contact_m, model.direction, sizes), small_(0.01 * sizes.minCoeff()) {
     using Mode = SelectorOptions::Mode;
     if (options_.mode == Mode::automatic) options_.mode = grid_.dense() ? Mode::blended : Mode::nearest;
     const SpringMesh& mesh = model.mesh;
@@ -48,7 +45,6 @@ Selector::Selector(const TissueModel& model, const Eigen::Ref<const NodeField>& 
         outline_m_.push_back(start);
         normal_.push_back(Eigen::Vector2d(-(end - start).y(), (end - start).x()).normalized());
     }
-    small_ = 0.01 * labelled(model, theta, options).magnitude_m.minCoeff();
 }
 
 SetWeights Selector::select(int segment, double w, const Eigen::Vector2d& push) const noexcept {

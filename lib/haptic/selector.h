@@ -31,10 +31,12 @@ class Selector {
     const SelectorOptions& options() const { return options_; }
 
    private:
+    Selector(const TissueModel& model, const SelectorOptions& options, const Eigen::VectorXd& sizes);
+
     SelectorOptions options_;
     SetGrid grid_;
     std::vector<Eigen::Vector2d> outline_m_, normal_;  ///< rest positions of outline nodes; inward normals of segments (M)
-    double small_;
+    double small_;  ///< a hundredth of the smallest trained push
 };
 
 }  // namespace tissue

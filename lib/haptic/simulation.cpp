@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "error.h"
-#include "haptic/hot_loop.h"
+#include "hot_loop.h"
 #include "haptic/spectrum.h"
 #include "springs/spring_sets.h"
 

@@ -15,13 +15,13 @@ class ScaledStiffness {
 
     NodeColumns operator()(const NodeColumns& x) {
         NodeColumns y = root_.asDiagonal() * x;
-        if (mesh_.linear()) {
+        if (mesh_.law().linear_in_displacement()) {
             mesh_.force(theta_, y, force_);
         } else {  // the isotropic bound
             force_.setZero();
             for (int slot : mesh_.slot_of_spring()) {
                 const Eigen::Vector2i ends = mesh_.nodes_of_slot(slot);
-                const Eigen::RowVector2d pull = mesh_.stiffest_stretch() * theta_[slot] * (y.row(ends[0]) - y.row(ends[1]));
+                const Eigen::RowVector2d pull = mesh_.law().stiffest() * theta_[slot] * (y.row(ends[0]) - y.row(ends[1]));
                 force_.row(ends[0]) += pull;
                 force_.row(ends[1]) -= pull;
             }

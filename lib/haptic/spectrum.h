@@ -11,7 +11,7 @@ namespace tissue {
 /// residual, so that it is never too small. theta by slot. It is convex in theta, so the largest of several spring
 /// sets bounds every blend of them and every moving average.
 /// A spring that turns, stretches or shortens to half its length is never stiffer than an isotropic one of its law's
-/// stiffest_stretch(): that bound is taken for it.
+/// SpringLaw::stiffest(): that bound is taken for it.
 double largest_eigenvalue(const RealtimeMesh& mesh, const Eigen::VectorXd& theta);
 
 /// The smallest eigenvalue of M^-1 K(theta) at rest [1/s^2] by inverse iteration, 0 when K is not positive definite:

@@ -1,5 +1,5 @@
 #include "haptic/dynamics_kinds.h"
-#include "haptic/hot_loop.h"
+#include "hot_loop.h"
 
 namespace tissue {
 namespace kernel {

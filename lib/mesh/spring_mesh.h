@@ -23,7 +23,7 @@ inline Eigen::Map<const Eigen::VectorXd> as_vector(const NodeField& field) {
 
 /// The nodes and springs of Sec. 4, without stiffness: geometry alone.
 struct SpringMesh {
-    std::string topology;                      ///< grid4, grid8 or edges
+    std::string topology;                      ///< a name of topologies(), mesh/topology.h
     NodeField nodes;                           ///< rest positions [m] (N x D)
     Eigen::Matrix<int, Eigen::Dynamic, 2> springs;    ///< node pair of each spring (S x 2)
     Eigen::Matrix<int, Eigen::Dynamic, 3> triangles;  ///< one triangulation of the tissue (T x 3)
@@ -48,8 +48,8 @@ struct SurfacePoint {
 };
 
 /// The block's lattice: (cells_x + 1) x (cells_y + 1) nodes, row by row from the bottom, bottom row fixed.
-/// topology: "grid4" (the paper: axis springs) or "grid8" (both diagonals of every cell as well).
-/// The triangles of (7) are half cells: an axis spring borders one a side, a diagonal two.
+/// topology: a name of topologies() (mesh/topology.h). The triangles of (7) are half cells: an axis spring borders one a side, a
+/// diagonal two.
 /// Throws MismatchError for an unknown topology or a size that is not positive.
 SpringMesh make_lattice(const std::string& topology, int cells_x, int cells_y, double width_m, double height_m);
 

@@ -28,10 +28,12 @@ constexpr double same_angle = 1e-6;  // [rad]
 
 }  // namespace
 
-SetGrid::SetGrid(const TissueModel& model) : outline_(model.mesh) {
-    for (int c = 0; c < model.case_count(); ++c) {
-        const double arc = outline_.arc_of(model.contact_m.row(c));
-        const double angle = outline_.angle(arc, model.direction.row(c).transpose());
+SetGrid::SetGrid(const SpringMesh& mesh, const NodeField& contact_m, const NodeField& direction,
+                 const Eigen::VectorXd& depth_m)
+    : outline_(mesh) {
+    for (int c = 0; c < static_cast<int>(depth_m.size()); ++c) {
+        const double arc = outline_.arc_of(contact_m.row(c));
+        const double angle = outline_.angle(arc, direction.row(c).transpose());
         auto position = std::find_if(positions_.begin(), positions_.end(),
                                      [&](const Position& p) { return std::abs(p.arc - arc) < same_place; });
         if (position == positions_.end()) position = positions_.insert(positions_.end(), {arc, {}});
@@ -39,9 +41,9 @@ SetGrid::SetGrid(const TissueModel& model) : outline_(model.mesh) {
         auto push = std::find_if(pushes.begin(), pushes.end(),
                                  [&](const Push& p) { return std::abs(p.angle - angle) < same_angle; });
         if (push == pushes.end()) push = pushes.insert(pushes.end(), {angle, {}, {}});
-        const auto place = std::upper_bound(push->depth.begin(), push->depth.end(), model.magnitude_m[c]);
+        const auto place = std::upper_bound(push->depth.begin(), push->depth.end(), depth_m[c]);
         push->set.insert(push->set.begin() + (place - push->depth.begin()), c);
-        push->depth.insert(place, model.magnitude_m[c]);
+        push->depth.insert(place, depth_m[c]);
     }
     std::sort(positions_.begin(), positions_.end(), [](const auto& a, const auto& b) { return a.arc < b.arc; });
     for (Position& p : positions_)

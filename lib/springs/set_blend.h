@@ -20,7 +20,13 @@ struct SetWeights {
 /// depth. The paper's Sec. 4.3 by contact position, angle and displacement. Look-ups allocate nothing and never throw.
 class SetGrid {
    public:
-    explicit SetGrid(const TissueModel& model);
+    /// contact_m, direction (C x D), depth_m (C): where each set was trained, along which push, how deep. Depths may be
+    /// of any other measure that look-ups are made by (Sec. 4.3: the force [N]).
+    SetGrid(const SpringMesh& mesh, const NodeField& contact_m, const NodeField& direction, const Eigen::VectorXd& depth_m);
+
+    /// The model's load cases, by depth.
+    explicit SetGrid(const TissueModel& model)
+        : SetGrid(model.mesh, model.contact_m, model.direction, model.magnitude_m) {}
 
     /// Linear in arc length between trained positions, in angle between the pushes trained at each, in depth between
     /// those trained along each; below the smallest depth the smallest serves.

@@ -6,13 +6,26 @@
 #include <vector>
 
 #include "mesh/spring_mesh.h"
+#include "registry.h"
 
 namespace tissue {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
+/// Springs that lie behind one another in memory, in the plane, as the tick wants them: element k of each array is of
+/// spring k. An element without a spring has theta = 0.
+struct SpringRun {
+    const double* theta;                       ///< [N/m]
+    const double *ux_i, *uy_i, *ux_j, *uy_j;   ///< displacement of both ends [m]
+    const double *nx, *ny;                     ///< rest direction, a unit vector
+    const double *sx, *sy, *length;            ///< rest span X_j - X_i and its length [m]
+    bool parallel = false;                     ///< all springs have one rest direction:
+    double axis_x = 0, axis_y = 0;             ///< this one
+};
+
 /// How a spring turns displacement into force, the paper's (10): f = A(u) theta, always linear in the stiffness
 /// theta (S) [N/m]. f (N x D) [N] is the external nodal force that holds the displacement u (N x D) [m].
+/// Per spring, `rest` is X_i - X_j and `relative` u_i - u_j [m].
 class SpringLaw {
    public:
     virtual ~SpringLaw() = default;
@@ -22,19 +35,37 @@ class SpringLaw {
     /// True when A is linear in u, so that f = K(theta) u with a constant K.
     virtual bool linear_in_displacement() const = 0;
 
+    /// True when K never mixes the axes and is the same along each: one number a pair of nodes.
+    virtual bool axes_apart() const = 0;
+
+    /// The largest derivative of force by elongation there is, over theta: 1 where a spring does not stiffen.
+    virtual double stiffest() const = 0;
+
     /// A(u) [m] (N*D x S): column s is the force of spring s per unit stiffness.
     virtual SparseMatrix force_matrix(const SpringMesh& mesh, const NodeField& u) const = 0;
 
     /// K = df/du at u [N/m] (N*D x N*D), symmetric.
     virtual SparseMatrix stiffness(const SpringMesh& mesh, const Eigen::VectorXd& theta, const NodeField& u) const = 0;
+
+    // The tick's own, in the plane; none allocates.
+
+    /// g_k = theta_k times the pull of spring k on its first end [N], for k = 0 .. n-1: the external force that holds
+    /// the first end is -g, the second's is g.
+    virtual void pull(const SpringRun& run, int n, double* gx, double* gy) const noexcept = 0;
+
+    /// d f_i / d u_i of one spring per unit theta (the block of i, j is its opposite). `convex` keeps it positive
+    /// semi-definite where a compressed spring that turns would buckle.
+    virtual Eigen::Matrix2d unit_stiffness(const Eigen::Vector2d& rest, const Eigen::Vector2d& relative,
+                                           bool convex) const noexcept = 0;
+
+    /// Energy of one spring per unit theta [m^2], 0 at rest.
+    virtual double unit_energy(const Eigen::Vector2d& rest, const Eigen::Vector2d& relative) const noexcept = 0;
 };
 
-/// Names of the laws, in the order in which messages list them.
-///   isotropic  theta (u_i - u_j): the same in every direction, so no 4-connected row can slide for nothing
-///   axial      theta times the elongation along the rest direction: the spring of linear elasticity
-///   geometric  theta (|x_i - x_j| - L0) along the current direction, so it turns with the tissue
-///   rubber     theta L0 (lambda - lambda^-2) / 3 along the current direction: turns, and stiffens when pressed
-const std::vector<std::string>& spring_law_names();
+using MakeSpringLaw = std::unique_ptr<SpringLaw> (*)();
+
+/// Every law there is. Each has a file of its own, and a line here.
+const Registry<MakeSpringLaw>& spring_laws();
 
 /// Throws MismatchError for an unknown name.
 std::unique_ptr<SpringLaw> make_spring_law(const std::string& name);

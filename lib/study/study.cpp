@@ -8,6 +8,8 @@
 #include <filesystem>
 
 #include "error.h"
+#include "mesh/topology.h"
+#include "springs/spring_law.h"
 #include "study/toml_reader.h"
 
 namespace tissue {
@@ -15,7 +17,6 @@ namespace {
 
 const Range positive{0, std::numeric_limits<double>::infinity(), true};
 const Range not_negative{0};
-const std::vector<std::string> spring_laws = {"isotropic", "axial", "geometric", "rubber"};  // as springs/spring_law knows them
 const std::vector<std::string> objectives = {"force", "contact", "reaction"};
 
 toml::table parse(const std::string& file) {
@@ -86,7 +87,10 @@ bool is_plain_name(const std::string& name) {
 }
 
 std::vector<std::string> topologies_of(const Study::Geometry& geometry) {
-    return geometry.is_block() ? std::vector<std::string>{"grid4", "grid8", "edges"} : std::vector<std::string>{"edges"};
+    std::vector<std::string> names;
+    for (const auto& [name, kind] : topologies().kinds())
+        if (geometry.is_block() || !kind.needs_lattice()) names.push_back(name);
+    return names;
 }
 
 bool ends_with(const std::string& text, const std::string& end) {
@@ -348,7 +352,7 @@ Study::Variant read_variant(TomlReader in, const Study& study) {
     Study::Variant v;
     v.name = in.text("name");
     v.topology = in.has("topology") ? in.choice("topology", topologies_of(study.geometry)) : study.springs.topology;
-    v.law = in.has("law") ? in.choice("law", spring_laws) : study.springs.law;
+    v.law = in.has("law") ? in.choice("law", spring_laws().names()) : study.springs.law;
     v.objective = in.has("objective") ? in.choice("objective", objectives) : study.training.objective;
     v.ridge = in.optional_number("ridge", not_negative).value_or(study.training.ridge);
     v.spacing_m = in.optional_number("spacing_m", {sweep.spacing_m}).value_or(sweep.spacing_m);
@@ -419,7 +423,7 @@ Study read_study(const std::string& file) {
         read_fe(in, study);
 
     TomlReader springs = in.table("springs");
-    study.springs = {springs.choice("topology", topologies_of(study.geometry)), springs.choice("law", spring_laws)};
+    study.springs = {springs.choice("topology", topologies_of(study.geometry)), springs.choice("law", spring_laws().names())};
     springs.refuse_the_rest();
 
     study.training = read_training(in.table("training"));

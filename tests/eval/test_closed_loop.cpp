@@ -35,7 +35,7 @@ std::vector<ContactTruth> truths(const SpringLaw& law, const Eigen::VectorXd& th
 
 TEST_CASE("springs that are the truth have no closed-loop error; half as stiff ones one half") {
     std::string reason;
-    for (const std::string& name : spring_law_names()) {
+    for (const std::string& name : spring_laws().names()) {
         const auto law = make_spring_law(name);
         const Eigen::VectorXd theta = example_theta(block());
         for (const ContactTruth& truth : truths(*law, theta)) {
@@ -58,7 +58,7 @@ TEST_CASE("the closed-loop error counts the force across the push as well") {
 }
 
 TEST_CASE("the best uniform stiffness of a uniform tissue is its own") {
-    for (const std::string& name : spring_law_names()) {
+    for (const std::string& name : spring_laws().names()) {
         const auto law = make_spring_law(name);
         const double k = 0.8;
         const auto found = best_uniform_stiffness(block(), *law, truths(*law, uniform_stiffness(block(), k)), 0.05, 40);

@@ -57,7 +57,7 @@ NodeColumns run(const std::string& kind, const Small& s, double dt, double secon
 }  // namespace
 
 TEST_CASE("the realtime force is the spring law's, for every law and for meshes that are no lattice", "[dynamics]") {
-    for (const std::string& law : spring_law_names())
+    for (const std::string& law : spring_laws().names())
         for (int shuffled : {0, 1}) {
             TissueModel model = haptic_example({"grid8", law, 6});
             if (shuffled) {  // node numbers without order: every spring is loose
@@ -85,7 +85,7 @@ TEST_CASE("the realtime force is the spring law's, for every law and for meshes 
 }
 
 TEST_CASE("spring force is the derivative of spring energy, and stiffness that of force", "[dynamics]") {
-    for (const std::string& law : spring_law_names()) {
+    for (const std::string& law : spring_laws().names()) {
         const Small s(law);
         const NodeColumns u = scattered_columns(s.mesh, 5e-3), du = scattered_columns(s.mesh, 1.0).reverse();
         NodeColumns f(u), plus(u), minus(u);
@@ -153,7 +153,7 @@ TEST_CASE("both ends of the spectrum are a dense eigenvalue solver's", "[dynamic
 }
 
 TEST_CASE("halving dt halves the error of both steps that ship", "[dynamics]") {
-    for (const std::string& law : spring_law_names())
+    for (const std::string& law : spring_laws().names())
         for (const std::string kind : {"symplectic", "implicit"}) {
             const Small s(law);
             const double seconds = 0.016;
@@ -200,7 +200,7 @@ TEST_CASE("which step runs follows from the spectrum", "[dynamics]") {
 }
 
 TEST_CASE("the implicit step is stable at 1 ms for springs a thousand times too stiff, and comes to rest", "[dynamics]") {
-    for (const std::string& law : spring_law_names()) {
+    for (const std::string& law : spring_laws().names()) {
         Small s(law, "grid8", 10);
         s.slots *= 1000;
         const auto dynamics = make_dynamics("implicit", s.mesh, {1e-3, 1});

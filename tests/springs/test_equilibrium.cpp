@@ -57,7 +57,7 @@ TEST_CASE("two springs in a row between a wall and a contact share the push as t
 }
 
 TEST_CASE("the contact goes where it is pushed, and fixed nodes stay") {
-    for (const std::string& law : spring_law_names()) {
+    for (const std::string& law : spring_laws().names()) {
         for (const Eigen::Vector2d& at : {Eigen::Vector2d(0, 0.05), Eigen::Vector2d(0.1, 0.061)}) {
             const Equilibrium state = rest(law, at);
             const SurfacePoint p = locate_on_surface(block(), at);
@@ -70,7 +70,7 @@ TEST_CASE("the contact goes where it is pushed, and fixed nodes stay") {
 }
 
 TEST_CASE("closed loop: the contact's force is minus the supports', and no other node is held") {
-    for (const std::string& law : spring_law_names()) {
+    for (const std::string& law : spring_laws().names()) {
         INFO(law);
         const Eigen::Vector2d at(0.1, 0.061);
         const Equilibrium state = rest(law, at);
@@ -89,7 +89,7 @@ TEST_CASE("closed loop: the contact's force is minus the supports', and no other
 }
 
 TEST_CASE("a contact between nodes is held by both ends, each with its weight of the force") {
-    for (const std::string& law : spring_law_names()) {
+    for (const std::string& law : spring_laws().names()) {
         const Eigen::Vector2d at(0.0, 0.1 * 4.25 / 6);
         const Equilibrium state = rest(law, at);
         const NodeField f = nodal_force(law, state.displacement);
@@ -137,7 +137,7 @@ TEST_CASE("linear laws: twice the push is twice the force; stiffer springs chang
     CHECK(twice.contact_force.isApprox(2 * once.contact_force, tolerance::solve));
     CHECK(twice.displacement.isApprox(2 * once.displacement, tolerance::solve));
     std::string reason;
-    for (const std::string& name : spring_law_names()) {
+    for (const std::string& name : spring_laws().names()) {
         const Eigen::VectorXd theta = 7 * example_theta(block());
         const auto stiffer = solve_equilibrium(block(), *make_spring_law(name), theta,
                                                locate_on_surface(block(), {0, 0.05}), push, reason);
@@ -150,7 +150,7 @@ TEST_CASE("linear laws: twice the push is twice the force; stiffer springs chang
 
 TEST_CASE("uniform scaling: a tissue twice as large, pushed twice as far, is twice as strong") {
     const SpringMesh large = make_lattice("grid8", 6, 6, 0.2, 0.2);
-    for (const std::string& law : spring_law_names()) {
+    for (const std::string& law : spring_laws().names()) {
         const Equilibrium small = rest(law, {0, 0.05}), big = rest(law, {0, 0.1}, 2 * push, large);
         CHECK(big.contact_force.isApprox(2 * small.contact_force, slack(law)));
     }
@@ -158,7 +158,7 @@ TEST_CASE("uniform scaling: a tissue twice as large, pushed twice as far, is twi
 
 TEST_CASE("mirrored pushes on a mirror-symmetric mesh are held by mirrored forces") {
     const Eigen::VectorXd theta = heuristic_stiffness(block(), 1.0);
-    for (const std::string& name : spring_law_names()) {
+    for (const std::string& name : spring_laws().names()) {
         std::string reason;
         const auto force = [&](double x, double dx) {
             const auto state = solve_equilibrium(block(), *make_spring_law(name), theta,

@@ -77,7 +77,7 @@ TEST_CASE("spring forces vanish under rigid translation") {
     NodeField u(block().node_count(), 2);
     u.rowwise() = Eigen::RowVector2d(0.013, -0.007);
     const double size = force("isotropic", scattered(block(), 0.01)).norm();
-    for (const std::string& name : spring_law_names()) CHECK(force(name, u).norm() <= tolerance::rounding * size);
+    for (const std::string& name : spring_laws().names()) CHECK(force(name, u).norm() <= tolerance::rounding * size);
 }
 
 TEST_CASE("springs that turn feel no rotation, however large; the linear laws do") {
@@ -125,7 +125,7 @@ TEST_CASE("a rubber spring follows the uniaxial stress of a neo-Hookean rod, and
 
 TEST_CASE("spring forces sum to zero, and their moment about the current nodes of turning springs too") {
     const NodeField u = scattered(block(), 0.003);
-    for (const std::string& name : spring_law_names()) {
+    for (const std::string& name : spring_laws().names()) {
         INFO(name);
         const Eigen::VectorXd flat = force(name, u);
         const NodeField f = Eigen::Map<const NodeField>(flat.data(), u.rows(), 2);
@@ -179,7 +179,7 @@ TEST_CASE("force matrix times theta equals stiffness times u for the linear laws
 
 TEST_CASE("stiffness is symmetric, and at rest not negative along any displacement") {
     const Eigen::VectorXd theta = example_theta(block());
-    for (const std::string& name : spring_law_names()) {
+    for (const std::string& name : spring_laws().names()) {
         const auto law = make_spring_law(name);
         const Eigen::MatrixXd K = law->stiffness(block(), theta, scattered(block(), 0.002));
         CHECK((K - K.transpose()).norm() <= tolerance::rounding * K.norm());
@@ -203,7 +203,7 @@ TEST_CASE("uniform compression of a lattice loads its springs by the strain they
 }
 
 TEST_CASE("a law's name makes that law, and an unknown one is refused with the known ones") {
-    for (const std::string& name : spring_law_names()) CHECK(make_spring_law(name)->name() == name);
+    for (const std::string& name : spring_laws().names()) CHECK(make_spring_law(name)->name() == name);
     CHECK_THAT(refusal<MismatchError>([] { make_spring_law("elastic"); }),
                Contains("elastic") && Contains("isotropic, axial, geometric, rubber"));
 }

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+
+#include "mesh/shape.h"
+#include "registry.h"
+
+namespace tissue {
+
+/// Which nodes springs join. Entry of topologies(); each maker's result bears its name.
+struct Topology {
+    /// The springs of a block's lattice: make_lattice.
+    SpringMesh (*on_lattice)(int cells_x, int cells_y, double width_m, double height_m);
+
+    /// Those of any shape's triangles; null where springs follow the cells of a lattice.
+    SpringMesh (*on_shape)(const Shape& shape);
+
+    bool needs_lattice() const { return on_shape == nullptr; }
+};
+
+/// Every topology there is, in one line each:
+///   grid4  the axis springs of a lattice: the paper's
+///   grid8  both diagonals of every cell as well
+///   edges  the edges of any mesh of triangles
+const Registry<Topology>& topologies();
+
+}  // namespace tissue

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "springs/spring_law.h"
+
+namespace tissue {
+
+/// Every law of a two-node spring, from what one spring does. Kind has, all static:
+///   name, linear, axes_apart, stiffest   what SpringLaw says of them
+///   force(rest, relative)                on the first end per unit stiffness; the second gets the opposite
+///   stiffness(rest, relative, convex)    d force / d relative
+///   energy(rest, relative)
+///   pull(run, n, gx, gy)                 the same force for many springs at once
+/// Vectors have two or three entries; none of these allocates.
+template <class Kind>
+class TwoNodeLaw final : public SpringLaw {
+   public:
+    std::string name() const override { return Kind::name; }
+    bool linear_in_displacement() const override { return Kind::linear; }
+    bool axes_apart() const override { return Kind::axes_apart; }
+    double stiffest() const override { return Kind::stiffest; }
+
+    SparseMatrix force_matrix(const SpringMesh& mesh, const NodeField& u) const override {
+        const int dimension = mesh.dimension();
+        std::vector<Eigen::Triplet<double>> entries;
+        entries.reserve(static_cast<std::size_t>(2 * dimension * mesh.spring_count()));
+        for (int s = 0; s < mesh.spring_count(); ++s) {
+            const int i = mesh.springs(s, 0), j = mesh.springs(s, 1);
+            const Vector force = Kind::force(between(mesh.nodes, i, j), between(u, i, j));
+            for (int d = 0; d < dimension; ++d) {
+                entries.emplace_back(dimension * i + d, s, force[d]);
+                entries.emplace_back(dimension * j + d, s, -force[d]);
+            }
+        }
+        SparseMatrix A(u.size(), mesh.spring_count());
+        A.setFromTriplets(entries.begin(), entries.end());
+        return A;
+    }
+
+    SparseMatrix stiffness(const SpringMesh& mesh, const Eigen::VectorXd& theta, const NodeField& u) const override {
+        const int dimension = mesh.dimension();
+        std::vector<Eigen::Triplet<double>> entries;
+        entries.reserve(static_cast<std::size_t>(4 * dimension * dimension * mesh.spring_count()));
+        for (int s = 0; s < mesh.spring_count(); ++s) {
+            const int i = mesh.springs(s, 0), j = mesh.springs(s, 1);
+            const auto k = (theta[s] * Kind::stiffness(between(mesh.nodes, i, j), between(u, i, j), false)).eval();
+            for (int a = 0; a < dimension; ++a)
+                for (int b = 0; b < dimension; ++b) {
+                    entries.emplace_back(dimension * i + a, dimension * i + b, k(a, b));
+                    entries.emplace_back(dimension * j + a, dimension * j + b, k(a, b));
+                    entries.emplace_back(dimension * i + a, dimension * j + b, -k(a, b));
+                    entries.emplace_back(dimension * j + a, dimension * i + b, -k(a, b));
+                }
+        }
+        SparseMatrix K(u.size(), u.size());
+        K.setFromTriplets(entries.begin(), entries.end());
+        return K;
+    }
+
+    void pull(const SpringRun& run, int n, double* gx, double* gy) const noexcept override { Kind::pull(run, n, gx, gy); }
+
+    Eigen::Matrix2d unit_stiffness(const Eigen::Vector2d& rest, const Eigen::Vector2d& relative,
+                                   bool convex) const noexcept override {
+        return Kind::stiffness(rest, relative, convex);
+    }
+
+    double unit_energy(const Eigen::Vector2d& rest, const Eigen::Vector2d& relative) const noexcept override {
+        return Kind::energy(rest, relative);
+    }
+
+   private:
+    using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 3, 1>;
+
+    static Vector between(const NodeField& field, int i, int j) { return (field.row(i) - field.row(j)).transpose(); }
+};
+
+/// The square matrix that goes with a vector of two or three entries.
+template <class Vector>
+using SquareOf = Eigen::Matrix<double, Vector::RowsAtCompileTime, Vector::RowsAtCompileTime, Eigen::ColMajor,
+                               Vector::MaxRowsAtCompileTime, Vector::MaxRowsAtCompileTime>;
+
+}  // namespace tissue

@@ -1,0 +1,27 @@
+#include "registry.h"
+
+#include <catch2/catch.hpp>
+
+#include "mesh/topology.h"
+#include "refusal.h"
+#include "springs/spring_law.h"
+
+using namespace tissue;
+using Catch::Matchers::Equals;
+
+TEST_CASE("a registry finds what it has by name, in its order, and lists it where a name is unknown") {
+    const Registry<int> colours("colour", {{"red", 1}, {"blue", 2}});
+    CHECK(colours.at("blue") == 2);
+    CHECK(colours.names() == std::vector<std::string>{"red", "blue"});
+    CHECK_THAT(refusal<MismatchError>([&] { colours.at("green"); }),
+               Equals("colour 'green' is not known; allowed: red, blue"));
+}
+
+TEST_CASE("every spring law and topology bears the name it is found by") {
+    for (const std::string& name : spring_laws().names()) CHECK(make_spring_law(name)->name() == name);
+    for (const std::string& name : topologies().names()) {
+        CHECK(make_lattice(name, 3, 2, 0.3, 0.2).topology == name);
+        const Topology& kind = topologies().at(name);
+        if (!kind.needs_lattice()) CHECK(kind.on_shape(shape_of(make_lattice("grid4", 3, 2, 0.3, 0.2))).topology == name);
+    }
+}
