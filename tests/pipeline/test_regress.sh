@@ -7,7 +7,7 @@ make_copy
 # one defect needs a compiler: sources and objects with their times, so that only what is touched is compiled
 cp -pR "$root/lib" "$root/cli" "$work"
 build=$(dirname "$TISSUECTL")
-cp -pR "$build/lib" "$build/cli" "$build/libtissue.a" "$work/build/release"
+cp -pR "$build/lib" "$build/cli" "$build/libtissue.a" "$build/flags" "$build"/*.list "$work/build/release"
 mkdir -p "$work/results"
 [ "$PYTHON" = /usr/bin/python3 ] || sed -i "1s|.*|#!$PYTHON|" "$work/scripts/regress"
 study=${PROOF:-tiny}
