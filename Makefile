@@ -165,14 +165,15 @@ $(BUILD)/%.o: %.cpp $(BUILD)/flags | build/deps
 $(BUILD)/libtissue.a: $(call objects,$(LIB_SOURCES)) $(BUILD)/libtissue.list
 	@$(call alone,$@.lock) && rm -f $@.tmp && ar rcs $@.tmp $(filter %.o,$^) && mv $@.tmp $@
 
+STAGES := collect import train eval
 link = $(call alone,$@.lock) && $(CXX) $(CXXFLAGS) $(1) $(filter %.o %.a,$^) $(LDLIBS) -ldl -o $@.tmp
 $(TISSUECTL): $(call objects,$(CLI_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/tissuectl.list
-	@$(call link) && scripts/stage_code $(BUILD) && mv $@.tmp $@
+	@$(call link) && scripts/stage_code $(BUILD) $(STAGES) && mv $@.tmp $@
 
-# What a stage is made of: a time stamp that is newer only when code that this stage can reach is another. Written with
+# What a stage is made of, as stage/COMMAND: a time stamp that is newer only when code that this stage can reach is another. Written with
 # the program.
 $(BUILD)/stage/%: | $(TISSUECTL)
-	@scripts/stage_code $(BUILD)
+	@scripts/stage_code $(BUILD) $(STAGES)
 
 # symbols stay in the objects; the program that a device waits for is small
 $(TISSUE_HAPTIC): $(call objects,$(HAPTIC_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/tissue-haptic.list

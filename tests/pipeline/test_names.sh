@@ -25,7 +25,7 @@ refused "STUDY from the environment" '^Makefile:[0-9]*: \*\*\* STUDY='
 run make STUDY=tiny R='results/a b;touch pwned' eval
 refused "a results folder with a blank" '^Makefile:[0-9]*: \*\*\* R='
 run make STUDY=nowhere eval
-refused "a study that is not there" 'fem/studies/nowhere.toml'
+refused "a study that is not there" '^tissuectl: fem/studies/nowhere.toml: there is no such study'
 
 # ---- files that make looks for by a pattern
 for name in 'fem/studies/Copy of tiny.toml' 'fem/studies/a;touch pwned .toml' 'fem/studies/$(shell touch pwned).toml' \
@@ -48,7 +48,7 @@ hostile() { # SENTENCE LINE-PATTERN: the study as it is now
 # shape FILE: the study as one of an outline, in a file of this name
 shape() {
     cp "$root/fem/organ.geo" "$work/fem/$1"
-    awk -v line="shape = $(echo "$2" | sed 's/\\/&&/g')" '/^shape = / { $0 = line } { print }' "$root/fem/studies/organ.toml" >"$work/$study"
+    awk -v line="shape = $(printf '%s' "$2" | sed 's/\\/&&/g')" '/^shape = / { $0 = line } { print }' "$root/fem/studies/organ.toml" >"$work/$study"
 }
 for name in 'a b' '$(shell touch pwned)' 'x;touch pwned ' "x'y" 'x"y' 'x`touch pwned`' 'x&touch pwned' 'x:y' 'x%'; do
     shape "$name.geo" "'''../$name.geo'''"
@@ -65,7 +65,7 @@ for name in 'x;touch pwned' '$(shell touch pwned)' "x'y" 'a b'; do
     rm "$work/fem/data/$name.csv"
 done
 for name in '$(shell touch pwned)' '`touch pwned`' 'x;touch pwned' 'a b' "x'y" '../x' 'x\\ny' 'x\\n$(shell touch pwned)'; do
-    edit 'name = "left"' "name = \"$name\""
+    sed -i "s|name = \"left\"|name = \"$name\"|" "$work/$study"
     hostile "a load path '$name'" "$study:14: key 'loads.paths\[0\].name': must be of lower-case letters, digits and '-'"
 done
 hostile_key() { # SENTENCE LINE-PATTERN TOML
