@@ -10,9 +10,36 @@
 # BENCH_OPTIONS=--quick  `make bench` without the whole study from clean, its longest part
 # SANITIZE=1     build with address and undefined-behaviour sanitizers, in a folder of its own
 
+# ---- names: make and the shell take others apart, or run them
+
+# strange TEXT: what is left of it without letters, digits and . _ - + /
+strange = $(eval left := $$(1))$(strip $(foreach c,$(PLAIN),$(eval left := $$(subst $c,,$$(left)))))$(left)
+PLAIN := a b c d e f g h i j k l m n o p q r s t u v w x y z A B C D E F G H I J K L M N O P Q R S T U V W X Y Z \
+  0 1 2 3 4 5 6 7 8 9 . _ - + /
+define newline
+
+
+endef
+quoted = '$(subst $(newline), ,$(1))'
+# files PATTERN...: those there are. One that make cannot carry is an error; a blank in a name shows as a word that
+# matches no pattern.
+files = $(foreach f,$(wildcard $(1)),$(call carried,$f,$(1))$f)
+carried = $(if $(call strange,$(1))$(filter-out $(foreach p,$(2),$(call ends,$(subst *, ,$p))),$(1)),$(error \
+  $(call quoted,$(1)), a file's name or part of it in $(sort $(dir $(2))): make cannot carry it; use letters, digits and . _ - + alone))
+ends = $(firstword $(1))%$(lastword $(1))
+
 STUDY ?= paper
-STUDIES := $(wildcard fem/studies/*.toml fem/materials/*.toml)
+ifneq (xy,x$(call strange,$(value STUDY))$(findstring /,$(value STUDY))$(filter -% .%,$(value STUDY))y)
+$(error STUDY=$(call quoted,$(value STUDY)): a study's name is of letters, digits and . _ - + and begins with none of . -)
+endif
+ifeq (xy,x$(value STUDY)y)
+$(error STUDY= is empty: name one of fem/studies, without its ending)
+endif
+STUDIES := $(call files,fem/studies/*.toml fem/materials/*.toml)
 R := results/$(STUDY)
+ifneq (xy,x$(call strange,$(value R))y)
+$(error R=$(call quoted,$(value R)): a folder's name here is of letters, digits and . _ - + / alone)
+endif
 RUN ?=
 PYTHON ?= /usr/bin/python3
 PREFIX ?= /usr/local
@@ -27,6 +54,18 @@ export OMP_NUM_THREADS := 1
 .DELETE_ON_ERROR:
 .SUFFIXES:
 .DEFAULT_GOAL := all
+# Two makes in one clone: whoever writes a temporary file, beside the file that it is to become, holds a lock on it
+# meanwhile, and what it starts holds it too; the other waits.
+alone = exec 9>>$(1) && flock 9
+# says FILE,VARIABLE: a rule for a file that holds the variable's value, written anew when that is another
+define says
+ifneq ($$(strip $$(file <$(1))),$$(strip $$($(2))))
+$(1): FORCE
+endif
+$(1): | build/deps
+	@mkdir -p $$(@D) && printf '%s\n' '$$(subst ','\'',$$(strip $$($(2))))' >$$@
+endef
+FORCE:
 
 # ---- front door
 
@@ -80,13 +119,9 @@ help:
 clean:
 	rm -rf build results/bench.json $(filter-out results/reference/,$(wildcard results/*/))
 
-build/deps: scripts/install_deps
-	@scripts/install_deps
-	@mkdir -p build && touch $@
-
-build/deps-test: scripts/install_deps
-	@scripts/install_deps test
-	@mkdir -p build && touch $@
+build/deps-test: ALSO = test
+build/deps build/deps-test: scripts/install_deps
+	@mkdir -p build && $(call alone,build/deps.lock) && scripts/install_deps $(ALSO) && touch $@
 
 # ---- programs
 
@@ -101,45 +136,63 @@ CXXFLAGS = -std=c++17 -O3 -g1 -pthread -Wall -Wextra -Wpedantic -Wshadow -Werror
 LDLIBS = $(shell pkg-config --libs $(PACKAGES)) -pthread
 comma := ,
 
-LIB_SOURCES := $(wildcard lib/*/*.cpp)
+LIB_SOURCES := $(call files,lib/*/*.cpp)
 # what both programs use: arguments, help, options of the realtime core, its ledger
 SHARED_SOURCES := cli/command.cpp cli/generate.cpp cli/haptic_options.cpp cli/haptic_report.cpp
 HAPTIC_SOURCES := cli/tissue_haptic.cpp $(SHARED_SOURCES)
 # the page's server: what knows Boost is one file, so that tests can do without it
-SERVE_SOURCES := $(filter-out cli/serve/server.cpp,$(wildcard cli/serve/*.cpp))
-CLI_SOURCES := $(filter-out cli/tissue_haptic.cpp,$(wildcard cli/*.cpp)) $(wildcard cli/serve/*.cpp)
-TEST_SOURCES := $(filter-out tests/bench/%,$(wildcard tests/*.cpp tests/*/*.cpp))
-BENCH_SOURCES := $(wildcard tests/bench/bench_*.cpp)
+SERVE_SOURCES := $(filter-out cli/serve/server.cpp,$(call files,cli/serve/*.cpp))
+CLI_SOURCES := $(filter-out cli/tissue_haptic.cpp,$(call files,cli/*.cpp)) $(call files,cli/serve/*.cpp)
+TEST_SOURCES := $(filter-out tests/bench/%,$(call files,tests/*.cpp tests/*/*.cpp))
+BENCH_SOURCES := $(call files,tests/bench/bench_*.cpp)
 objects = $(patsubst %.cpp,$(BUILD)/%.o,$(1))
 
-$(BUILD)/%.o: %.cpp | build/deps
+# A folder with programs but no sources, as tests have it, has nothing to build.
+ifneq (,$(strip $(LIB_SOURCES)))
+# what everything was compiled with (through ccache or not), and what each was put together from
+FLAGS = $(filter-out ccache,$(CXX)) $(CXXFLAGS) $(LDLIBS)
+$(eval $(call says,$(BUILD)/flags,FLAGS))
+$(eval $(call says,$(BUILD)/libtissue.list,LIB_SOURCES))
+$(eval $(call says,$(BUILD)/tissuectl.list,CLI_SOURCES))
+$(eval $(call says,$(BUILD)/tissue-haptic.list,HAPTIC_SOURCES))
+$(eval $(call says,$(BUILD)/test_tissue.list,TEST_SOURCES))
+
+$(BUILD)/%.o: %.cpp $(BUILD)/flags | build/deps
 	@mkdir -p $(@D)
 	@echo "c++   $<"
-	@$(CXX) $(CXXFLAGS) -c $< -o $@
+	@exec 9<$< && flock 9 && $(CXX) $(CXXFLAGS) -MF $(@:.o=.d) -MT $@ -c $< -o $@.tmp && mv $@.tmp $@
 
-$(BUILD)/libtissue.a: $(call objects,$(LIB_SOURCES))
-	@rm -f $@ && ar rcs $@ $^
+$(BUILD)/libtissue.a: $(call objects,$(LIB_SOURCES)) $(BUILD)/libtissue.list
+	@$(call alone,$@.lock) && rm -f $@.tmp && ar rcs $@.tmp $(filter %.o,$^) && mv $@.tmp $@
 
-$(TISSUECTL): $(call objects,$(CLI_SOURCES)) $(BUILD)/libtissue.a
-	@$(CXX) $(CXXFLAGS) $^ $(LDLIBS) -o $@
+STAGES := collect import train eval
+link = $(call alone,$@.lock) && $(CXX) $(CXXFLAGS) $(1) $(filter %.o %.a,$^) $(LDLIBS) -ldl -o $@.tmp
+$(TISSUECTL): $(call objects,$(CLI_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/tissuectl.list
+	@$(call link) && scripts/stage_code $(BUILD) $(STAGES) && mv $@.tmp $@
+
+# What a stage is made of, as stage/COMMAND: a time stamp that is newer only when code that this stage can reach is another. Written with
+# the program.
+$(BUILD)/stage/%: | $(TISSUECTL)
+	@scripts/stage_code $(BUILD) $(STAGES)
 
 # symbols stay in the objects; the program that a device waits for is small
-$(TISSUE_HAPTIC): $(call objects,$(HAPTIC_SOURCES)) $(BUILD)/libtissue.a
-	@$(CXX) $(CXXFLAGS) -s -Wl,--as-needed $^ $(LDLIBS) -ldl -o $@
+$(TISSUE_HAPTIC): $(call objects,$(HAPTIC_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/tissue-haptic.list
+	@$(call link,-s -Wl$(comma)--as-needed) && mv $@.tmp $@
 
-$(BUILD)/test_tissue: $(call objects,$(TEST_SOURCES) $(SERVE_SOURCES)) $(BUILD)/libtissue.a
-	@$(CXX) $(CXXFLAGS) $^ $(LDLIBS) -o $@
+$(BUILD)/test_tissue: $(call objects,$(TEST_SOURCES) $(SERVE_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/test_tissue.list
+	@$(call link) && mv $@.tmp $@
 
 $(BUILD)/gains_probe: $(call objects,scripts/gains_probe.cpp) $(BUILD)/libtissue.a
-	@$(CXX) $(CXXFLAGS) $^ $(LDLIBS) -o $@
+	@$(call link) && mv $@.tmp $@
 
 BENCHES := $(BENCH_SOURCES:tests/bench/%.cpp=$(BUILD)/bench/%)
 $(BENCHES): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(BUILD)/libtissue.a
 	@mkdir -p $(@D)
-	@$(CXX) $(CXXFLAGS) $^ $(LDLIBS) -o $@
+	@$(call link) && mv $@.tmp $@
+endif
 
 # the page is part of the program
-$(BUILD)/cli/serve/page.o: $(wildcard cli/view/*.html cli/view/*.css cli/view/*.js)
+$(BUILD)/cli/serve/page.o: $(call files,cli/view/*.html cli/view/*.css cli/view/*.js)
 
 -include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) $(CLI_SOURCES) $(HAPTIC_SOURCES) $(TEST_SOURCES) $(BENCH_SOURCES) scripts/gains_probe.cpp))
 
@@ -165,43 +218,34 @@ $(R)/plan/%:
 ifneq (,$(SHAPE))
 $(R)/mesh.msh: $(SHAPE) $(R)/plan/shape | $(TISSUECTL)
 	@echo "mesh  $@"
-	@mkdir -p $(@D)
-	@: > $@.log
-	@gmsh -v 2 $(SHAPE_ARGUMENTS) -format msh22 $< -o $@.raw > $@.log 2>&1 \
-	  && tail -n 1 $@.raw | grep -qx '.EndElements' \
-	  || { echo "$<: gmsh cannot read or mesh it: $$(sed -n 's/^Error *: *//p' $@.log | head -n 1); see $@.log" >&2; rm -f $@.raw; exit 1; }
-	@$(TISSUECTL) shape --study fem/studies/$(STUDY).toml --mesh $@.raw --out $@; status=$$?; rm -f $@.raw; exit $$status
+	@scripts/mesh $@ $< $(SHAPE_ARGUMENTS) -- $(TISSUECTL) shape --study fem/studies/$(STUDY).toml
 else
 $(R)/mesh.msh $(R)/mesh-fine.msh: fem/block.geo
 	@echo "mesh  $@"
-	@: > $@.log
-	@# gmsh ends with 0 on a full disk: a whole mesh is one that has its last line
-	@gmsh -v 2 -2 -format msh22 $(MESH_ARGUMENTS) $< -o $@.tmp > $@.log 2>&1 \
-	  && tail -n 1 $@.tmp | grep -qx '.EndElements' \
-	  || { echo "$@: gmsh failed; see $@.log" >&2; rm -f $@.tmp; exit 1; }
-	@mv $@.tmp $@
+	@scripts/mesh $@ $< -2 $(MESH_ARGUMENTS)
 endif
 
-$(R)/cases/%.csv: $(wildcard fem/*.edp fem/*.idp) scripts/solve_path
+$(R)/cases/%.csv: $(call files,fem/*.edp fem/*.idp) scripts/solve_path
 	@$(RUN) scripts/solve_path $(R) $* $(PATH_ARGUMENTS)
 
-$(R)/cases.h5: $(PATHS:%=$(R)/cases/%.csv) $(TISSUECTL)
+# the plan adds the stage, collect or import
+$(R)/cases.h5: $(PATHS:%=$(R)/cases/%.csv) | $(TISSUECTL)
 	@$(TISSUECTL) $(CASES_COMMAND) --study fem/studies/$(STUDY).toml $(MESH_OPTION) --out $@
 
-$(R)/model.h5: $(R)/cases.h5 $(TISSUECTL)
+$(R)/model.h5: $(R)/cases.h5 $(BUILD)/stage/train | $(TISSUECTL)
 	@$(TISSUECTL) train --study fem/studies/$(STUDY).toml --cases $< --out $@
 
-$(R)/eval.json $(R)/report.md &: $(R)/model.h5 $(R)/cases.h5 $(TISSUECTL)
+$(R)/eval.json $(R)/report.md &: $(R)/model.h5 $(R)/cases.h5 $(BUILD)/stage/eval | $(TISSUECTL)
 	@$(TISSUECTL) eval --study fem/studies/$(STUDY).toml --model $< --cases $(R)/cases.h5 --out $(R)/eval.json \
 	  --report $(R)/report.md
 
-$(R)/figures/%.png: $(R)/cases.h5 $(R)/model.h5 $(R)/eval.json $(wildcard scripts/figures/*.py)
+$(R)/figures/%.png: $(R)/cases.h5 $(R)/model.h5 $(R)/eval.json $(call files,scripts/figures/*.py)
 	@mkdir -p $(@D)
 	@echo "draw  $@"
 	@$(PYTHON) scripts/figures/draw.py $* $(R) $@
 
 $(R)/report.html: $(R)/report.md $(R)/eval.json $(R)/cases.h5 $(R)/model.h5 $(FIGURES:%=$(R)/figures/%.png) \
-  scripts/figures/results.py $(wildcard scripts/report/*)
+  scripts/figures/results.py scripts/figures/save.py $(call files,scripts/report/*.py scripts/report/*.html scripts/report/*.css scripts/report/*.js)
 	@echo "draw  $@"
 	@$(PYTHON) scripts/report/page.py $(R) $@
 
@@ -249,17 +293,17 @@ gains: $(TISSUECTL) $(BUILD)/gains_probe
 
 ## test: library, FE and pipeline tests; the last line counts them
 test: $(TISSUECTL) $(TISSUE_HAPTIC) $(BUILD)/test_tissue | build/deps-test
-	@TISSUE_HAPTIC=$(abspath $(TISSUE_HAPTIC)) PYTHON=$(PYTHON) TISSUECTL=$(abspath $(TISSUECTL)) tests/run $(BUILD)/test_tissue
+	@TISSUE_HAPTIC=$(TISSUE_HAPTIC) PYTHON=$(PYTHON) TISSUECTL=$(TISSUECTL) tests/run $(BUILD)/test_tissue
 
 ## sanitize: library tests and the server under address and undefined-behaviour sanitizers
 sanitize:
 	@$(MAKE) SANITIZE=1 build/sanitize/tissue-haptic build/sanitize/tissuectl build/sanitize/test_tissue
-	@TISSUE_HAPTIC=$(abspath build/sanitize/tissue-haptic) build/sanitize/test_tissue
-	@TISSUECTL=$(abspath build/sanitize/tissuectl) PYTHON=$(PYTHON) tests/pipeline/test_serve.sh
+	@TISSUE_HAPTIC=build/sanitize/tissue-haptic build/sanitize/test_tissue
+	@TISSUECTL=build/sanitize/tissuectl PYTHON=$(PYTHON) tests/pipeline/test_serve.sh
 
 ## regress-proof: put five defects into a copy, one at a time; each must turn the regression of paper red
 regress-proof: $(TISSUECTL)
-	@PROOF=paper PYTHON=$(PYTHON) TISSUECTL=$(abspath $(TISSUECTL)) tests/pipeline/test_regress.sh
+	@PROOF=paper PYTHON=$(PYTHON) TISSUECTL=$(TISSUECTL) tests/pipeline/test_regress.sh
 
 ## benches: the programs of bench and gains, without running them
 benches: $(BENCHES) $(BUILD)/gains_probe
@@ -268,6 +312,6 @@ benches: $(BENCHES) $(BUILD)/gains_probe
 bench: $(TISSUECTL) $(TISSUE_HAPTIC) $(BENCHES) | build/deps-test
 	@$(MAKE) train STUDY=paper
 	@PYTHON=$(PYTHON) scripts/venv || echo "bench: goes on without its peers" >&2
-	@TISSUECTL=$(abspath $(TISSUECTL)) $(PYTHON) scripts/bench.py --make $(MAKE) $(BENCH_OPTIONS) $(TISSUE_HAPTIC) \
+	@TISSUECTL=$(TISSUECTL) $(PYTHON) scripts/bench.py --make $(MAKE) $(BENCH_OPTIONS) $(TISSUE_HAPTIC) \
 	  $(BENCHES) tests/bench/bench_serve.py
 	@$(PYTHON) tests/bench/test_bench.py

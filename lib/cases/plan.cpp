@@ -3,10 +3,25 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+
 #include "cases/sweep.h"
+#include "error.h"
+#include "study/one_line.h"
 
 namespace tissue {
 namespace {
+
+/// Words that a person wrote, as they stand in the fragment. make and the shell would take others apart, or run them.
+/// key: where they stand in the study; "" is the name of its file.
+const std::string& for_make(const Study& s, const std::string& key, const std::string& words) {
+    const auto plain = [](unsigned char c) { return c < 128 && (std::isalnum(c) || std::strchr("._-+/", c)); };
+    if (!words.empty() && words[0] != '-' && std::all_of(words.begin(), words.end(), plain)) return words;
+    throw StudyError(one_line(fmt::format("{}: {}: '{}': make cannot carry this name; use letters, digits and . _ - + / alone",
+                                          s.file, key.empty() ? "its name" : "key '" + key + "'", words)));
+}
 
 /// For gmsh, fem/block.geo.
 std::string mesh_arguments(const Study& s, int refine) {
@@ -90,10 +105,11 @@ std::string shape_part(const Study& s) {
 Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
     const bool block = study.geometry.is_block();
     Plan plan;
-    plan.fragment = fmt::format("# Written by tissuectl plan from study '{}'; do not edit.\n", study.name);
+    plan.fragment = fmt::format("# Written by tissuectl plan from study '{}'; do not edit.\n",
+                                for_make(study, "", study.name));
     if (!block) {
         plan.fragment += fmt::format("SHAPE := {}\nSHAPE_ARGUMENTS := {}\n$(R)/plan.mk: $(R)/mesh.msh\n",
-                                     study.geometry.shape, shape_arguments(study));
+                                     for_make(study, "geometry.shape", study.geometry.shape), shape_arguments(study));
         plan.parts["shape"] = shape_part(study);
         if (!shape) return plan;
     }
@@ -101,10 +117,12 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
     plan.fragment += fmt::format(
         "$(R)/cases.h5: CASES_COMMAND = {}\n"
         "$(R)/cases.h5: $(R)/plan/collect\n"
+        "$(R)/cases.h5: $(BUILD)/stage/{}\n"
         "$(R)/model.h5: $(R)/plan/train\n"
         "PATHS :=\n"
         "FIGURES := {}\n",
-        study.data ? "import " + study.data->file : std::string("collect --paths $(R)/cases"),
+        study.data ? "import " + for_make(study, "data.file", study.data->file) : "collect --paths $(R)/cases",
+        study.data ? "import" : "collect",
         study.data          ? "held_out springs"
         : study.loads.sweep ? "held_out held_out_force contours springs"
                             : "contours force learning springs errors character");

@@ -2,15 +2,19 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <xxhash.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include "error.h"
 
@@ -21,35 +25,59 @@ namespace {
     throw FileError(fmt::format("{}: cannot {}: {}", file, doing, std::strerror(errno)));
 }
 
+/// Whether `name` is still the file that is open.
+bool is_open_as(int descriptor, const std::string& name) {
+    struct stat ours {}, there {};
+    return ::fstat(descriptor, &ours) == 0 && ::stat(name.c_str(), &there) == 0 && ours.st_ino == there.st_ino &&
+           ours.st_dev == there.st_dev;
+}
+
 }  // namespace
 
-void move_into_place(const std::string& temporary, const std::string& file) {
-    if (std::rename(temporary.c_str(), file.c_str()) == 0) return;
+NewFile::NewFile(std::string file) : file_(std::move(file)), temporary_(file_ + ".tmp") {
+    using std::chrono::steady_clock;
+    const auto give_up = steady_clock::now() + std::chrono::seconds(60);  // a file is written in less than one
+    for (;;) {
+        descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+        if (descriptor_ < 0) fail(file_, "write");
+        const bool taken = ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+        if (!taken && is_open_as(descriptor_, temporary_)) break;  // else the other one has moved it into place
+        ::close(descriptor_);
+        if (steady_clock::now() > give_up) throw FileError(file_ + ": cannot write: another program is writing it");
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    if (::ftruncate(descriptor_, 0) == 0) return;
     const int error = errno;
-    ::unlink(temporary.c_str());
+    ::unlink(temporary_.c_str());
+    ::close(descriptor_);
     errno = error;
-    fail(file, "write");
+    fail(file_, "write");
+}
+
+NewFile::~NewFile() {
+    if (descriptor_ < 0) return;
+    ::unlink(temporary_.c_str());
+    ::close(descriptor_);
+}
+
+void NewFile::move_into_place() {
+    // a network's disk refuses data when a descriptor is closed; the last one goes with the lock
+    if (const int copy = ::dup(descriptor_); copy < 0 || ::close(copy) != 0) fail(file_, "write");
+    if (std::rename(temporary_.c_str(), file_.c_str()) != 0) fail(file_, "write");
+    ::close(descriptor_);
+    descriptor_ = -1;
 }
 
 void write_file(const std::string& file, const std::string& content) {
-    const std::string temporary = file + ".tmp";
-    const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-    if (fd < 0) fail(file, "write");
+    NewFile beside(file);
     std::size_t done = 0;
     while (done < content.size()) {
-        const ssize_t n = ::write(fd, content.data() + done, content.size() - done);
+        const ssize_t n = ::write(beside.descriptor(), content.data() + done, content.size() - done);
         if (n < 0 && errno == EINTR) continue;
-        if (n < 0) break;
+        if (n < 0) fail(file, "write");
         done += static_cast<std::size_t>(n);
     }
-    int error = done < content.size() ? errno : 0;
-    if (::close(fd) != 0 && error == 0) error = errno;
-    if (error != 0) {
-        ::unlink(temporary.c_str());
-        errno = error;
-        fail(file, "write");
-    }
-    move_into_place(temporary, file);
+    beside.move_into_place();
 }
 
 bool write_file_if_changed(const std::string& file, const std::string& content) {

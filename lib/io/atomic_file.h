@@ -4,6 +4,27 @@
 
 namespace tissue {
 
+/// A file in the making: a temporary one beside it that is this program's alone until it is moved into place. A second
+/// program that makes the same file waits; what a killed one left is taken over. Throws FileError when it cannot be
+/// written, or when the other one does not come to an end.
+class NewFile {
+   public:
+    explicit NewFile(std::string file);
+    ~NewFile();  ///< removes the temporary one, unless it was moved
+    NewFile(const NewFile&) = delete;
+    NewFile& operator=(const NewFile&) = delete;
+
+    const std::string& temporary() const { return temporary_; }
+    int descriptor() const { return descriptor_; }  ///< of the temporary file, which is empty at first
+
+    /// The file appears, whole. Throws FileError, and leaves nothing beside.
+    void move_into_place();
+
+   private:
+    std::string file_, temporary_;
+    int descriptor_ = -1;
+};
+
 /// Writes beside and renames: `file` appears whole or not at all, and keeps its old content on failure.
 /// Throws FileError when it cannot be written.
 void write_file(const std::string& file, const std::string& content);
@@ -14,9 +35,6 @@ bool write_file_if_changed(const std::string& file, const std::string& content);
 
 /// The whole content. Throws FileError when it cannot be read.
 std::string read_file(const std::string& file);
-
-/// Moves a finished temporary over its final name, or removes it and throws FileError.
-void move_into_place(const std::string& temporary, const std::string& file);
 
 /// Fingerprint of a text, 32 hexadecimal digits (XXH3).
 std::string text_hash(const std::string& content);

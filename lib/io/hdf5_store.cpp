@@ -108,15 +108,14 @@ bool read_text(hid_t attribute, std::string& value) {
 // ---- writing
 
 Hdf5Writer::Hdf5Writer(std::string file, const std::string& kind, const Provenance& provenance)
-    : file_(std::move(file)), temporary_(file_ + ".tmp") {
+    : file_(std::move(file)), beside_(file_) {
     silence();
     const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
     H5Pset_obj_track_times(creation, false);
-    id_ = H5Fcreate(temporary_.c_str(), H5F_ACC_TRUNC, creation, H5P_DEFAULT);
-    if (id_ < 0) {
-        ::unlink(temporary_.c_str());  // a full disk leaves it empty
-        throw FileError(file_ + ": cannot write: the folder is missing, full or may not be written to");
-    }
+    const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    H5Pset_file_locking(access, false, true);  // beside_ has the lock
+    id_ = H5Fcreate(beside_.temporary().c_str(), H5F_ACC_TRUNC, creation, access);
+    if (id_ < 0) throw FileError(file_ + ": cannot write: the folder is missing, full or may not be written to");
     attribute("/", "program", "tissuectl");
     attribute("/", "kind", kind);
     attribute("/", "format_version", format_version);
@@ -129,7 +128,6 @@ Hdf5Writer::Hdf5Writer(std::string file, const std::string& kind, const Provenan
 Hdf5Writer::~Hdf5Writer() {
     if (id_ < 0) return;
     H5Fclose(id_);
-    ::unlink(temporary_.c_str());
 }
 
 void Hdf5Writer::write(const std::string& name, const Array& array, const std::string& units,
@@ -228,11 +226,8 @@ void Hdf5Writer::commit() {
     const bool flushed = H5Fflush(id_, H5F_SCOPE_LOCAL) >= 0;
     const bool closed = H5Fclose(id_) >= 0;
     id_ = -1;
-    if (!flushed || !closed) {
-        ::unlink(temporary_.c_str());
-        throw FileError(file_ + ": cannot write: the disk is full or refused the data");
-    }
-    move_into_place(temporary_, file_);
+    if (!flushed || !closed) throw FileError(file_ + ": cannot write: the disk is full or refused the data");
+    beside_.move_into_place();
 }
 
 // ---- reading

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "io/atomic_file.h"
 #include "mesh/spring_mesh.h"
 
 namespace tissue {
@@ -60,7 +61,8 @@ class Hdf5Writer {
    private:
     void append(const std::string& name, long long type, const void* values, std::size_t count);
 
-    std::string file_, temporary_;
+    std::string file_;
+    NewFile beside_;
     long long id_ = -1;
 };
 

@@ -10,6 +10,7 @@
 #include "error.h"
 #include "mesh/topology.h"
 #include "springs/spring_law.h"
+#include "study/one_line.h"
 #include "study/toml_reader.h"
 
 namespace tissue {
@@ -21,11 +22,11 @@ const std::vector<std::string> objectives = {"force", "contact", "reaction"};
 
 toml::table parse(const std::string& file) {
     std::error_code error;
-    if (!std::filesystem::is_regular_file(file, error)) throw FileError(file + ": there is no such study file");
+    if (!std::filesystem::is_regular_file(file, error)) throw FileError(one_line(file) + ": there is no such study file");
     try {
         return toml::parse_file(file);
     } catch (const toml::parse_error& e) {
-        throw StudyError(fmt::format("{}:{}: {}", file, e.source().begin.line, e.description()));
+        throw StudyError(one_line(fmt::format("{}:{}: {}", file, e.source().begin.line, e.description())));
     }
 }
 
@@ -67,8 +68,8 @@ toml::table parse_with_base(const std::string& file, int depth = 0) {
     const toml::node* based_on = table.get("based_on");
     if (!based_on) return table;
     if (!based_on->is_string() || depth > 8)
-        throw StudyError(fmt::format("{}:{}: key 'based_on': must name another study, without a circle", file,
-                                     based_on->source().begin.line));
+        throw StudyError(one_line(fmt::format("{}:{}: key 'based_on': must name another study, without a circle", file,
+                                              based_on->source().begin.line)));
     const std::filesystem::path base =
         std::filesystem::path(file).parent_path() / (based_on->as_string()->get() + ".toml");
     toml::table merged = parse_with_base(base.string(), depth + 1);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "error.h"
+#include "study/one_line.h"
 
 namespace tissue {
 namespace {
@@ -31,7 +32,7 @@ void TomlReader::refuse(const std::string& key, const std::string& why) const {
     const toml::source_region& source = node ? node->source() : table_->source();
     const std::string& file = source.path ? *source.path : file_;  // a base study's keys stand in its own file
     const std::string name = path_.empty() ? key : path_ + "." + key;
-    throw StudyError(fmt::format("{}:{}: key '{}': {}", file, source.begin.line, name, why));
+    throw StudyError(one_line(fmt::format("{}:{}: key '{}': {}", file, source.begin.line, name, why)));
 }
 
 const toml::node& TomlReader::require(const std::string& key) {

@@ -6,7 +6,6 @@ outside the file is needed to look at it. The same results give the same bytes.
 """
 import base64
 import json
-import os
 import re
 import sys
 from pathlib import Path
@@ -20,6 +19,7 @@ from markdown_it import MarkdownIt  # noqa: E402
 from markupsafe import Markup, escape  # noqa: E402
 
 from results import LABELS  # noqa: E402  (the figures' own names of the models)
+from save import written  # noqa: E402
 
 LONG_LIST = 5          # items; longer ones are folded
 PORTRAIT_COLUMNS = 14  # tables with more are printed across
@@ -242,13 +242,8 @@ def main():
     folder, out = Path(sys.argv[1]), Path(sys.argv[2])
     try:
         text = page(folder)
-        beside = out.with_name(out.name + ".tmp")
-        try:
-            beside.write_text(text)
-            os.replace(beside, out)
-        except OSError:
-            beside.unlink(missing_ok=True)
-            raise
+        with written(out) as beside:
+            Path(beside).write_text(text)
     except (ReportError, OSError, KeyError, ValueError) as error:
         sys.exit(f"page.py: {folder}: {error}")
 

@@ -7,6 +7,8 @@
 #include <sstream>
 
 #include "../example.h"
+#include "../refusal.h"
+#include "error.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
@@ -58,6 +60,19 @@ TEST_CASE("the plan has a part for mesh, collect, train and every load path") {
     for (const char* line : {"$(R)/mesh.msh: $(R)/plan/mesh\n", "$(R)/cases.h5: $(R)/plan/collect\n",
                              "$(R)/model.h5: $(R)/plan/train\n"})
         CHECK_THAT(plan.fragment, Contains(line));
+}
+
+TEST_CASE("names that make would take apart, or run, are refused by file and key") {
+    Study s = example_study();
+    for (const char* name : {"a b", "$(shell touch pwned)", "a;b", "a'b", "a\"b", "a`b`", "a#b", "a:b", "a%b", "a\nb", "-n", ""}) {
+        CAPTURE(name);
+        Study named = s;
+        named.name = name;
+        CHECK_THAT(refusal<StudyError>([&] { make_plan(named); }), Contains("make cannot carry"));
+        Study shaped = s;
+        shaped.geometry.shape = std::string("fem/") + (*name ? name : " ") + ".geo";
+        if (*name != '-') CHECK_THAT(refusal<StudyError>([&] { make_plan(shaped); }), Contains("key 'geometry.shape'"));
+    }
 }
 
 TEST_CASE("the same study gives the same plan") {

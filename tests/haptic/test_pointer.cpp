@@ -7,6 +7,7 @@
 
 #include "../example.h"
 #include "../refusal.h"
+#include "../wait_for.h"
 #include "error.h"
 #include "haptic/latest.h"
 #include "haptic/pointer_device.h"
@@ -189,9 +190,7 @@ TEST_CASE("paused, nothing moves and no force goes out; afterwards the same cont
     LoopReport report;
     std::thread ticks([&] { report = run_loop(s, pointer, loop); });
     const auto next = [&](const auto& wanted) {
-        for (int k = 0; k < 3000; ++k, std::this_thread::sleep_for(std::chrono::milliseconds(1)))
-            if (channel.fetch() && wanted(channel.state())) return true;
-        return false;
+        return wait_for([&] { return channel.fetch() && wanted(channel.state()); });
     };
     CHECK(next([](const TickState& t) { return t.record.mesh == 0 && t.record.device_N.norm() > 1e-4 && t.books.ticks > 300; }));
     channel.pause(true);
@@ -199,11 +198,9 @@ TEST_CASE("paused, nothing moves and no force goes out; afterwards the same cont
     const TickState held = channel.state();
     CHECK(held.record.device_N.norm() == 0);
     pointer.aim({0.05, 0.2});
-    std::this_thread::sleep_for(std::chrono::milliseconds(60));
-    CHECK(next([](const TickState& t) { return t.books.left_out; }));
+    CHECK(next([&](const TickState& t) { return t.books.left_out && t.books.time_s > held.books.time_s + 0.05; }));
     CHECK(channel.state().nodes_m == held.nodes_m);
     CHECK(channel.state().books.ticks == held.books.ticks);
-    CHECK(channel.state().books.time_s > held.books.time_s);
     pointer.aim({0.05, 0.092});
     channel.pause(false);
     CHECK(next([&](const TickState& t) { return !t.books.left_out && t.record.mesh == 0 && t.books.ticks > held.books.ticks + 100; }));

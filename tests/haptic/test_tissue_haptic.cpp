@@ -26,10 +26,20 @@ using namespace tissue;
 
 namespace {
 
+/// A word of a shell's command, within '...'.
+std::string quoted(const std::string& word) {
+    return '"' + word + '"';
+}
+
 /// The program: TISSUE_HAPTIC, or the one that was built beside these tests.
 std::string program() {
-    if (const char* given = std::getenv("TISSUE_HAPTIC")) return given;
-    return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "tissue-haptic").string();
+    const char* given = std::getenv("TISSUE_HAPTIC");
+    return quoted(given ? given : (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "tissue-haptic").string());
+}
+
+/// For a shell: waits until the program, process $child, has said what runs, or has ended.
+std::string until_it_runs(const TemporaryFolder& folder) {
+    return "until grep -q coupling " + folder.file("err") + " || ! kill -0 $child; do sleep 0.05; done; ";
 }
 
 struct Ended {
@@ -37,11 +47,11 @@ struct Ended {
     std::string out, err;
 };
 
-/// Runs the program in a shell; "signal TERM 0.5" ends it after half a second.
-Ended run(const TemporaryFolder& folder, const std::string& arguments, const std::string& signal = "", double after_s = 0) {
+/// Runs the program in a shell; a signal, "TERM", ends it half a second after it has said what runs.
+Ended run(const TemporaryFolder& folder, const std::string& arguments, const std::string& signal = "") {
     std::string command = program() + " " + arguments + " > " + folder.file("out") + " 2> " + folder.file("err");
     if (!signal.empty())
-        command += " & child=$!; sleep " + std::to_string(after_s) + "; kill -" + signal + " $child; wait $child";
+        command += " & child=$!; " + until_it_runs(folder) + "sleep 0.5; kill -" + signal + " $child; wait $child";
     const int status = std::system(("sh -c '" + command + "'").c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(folder.file("out")), read_file(folder.file("err"))};
 }
@@ -250,7 +260,7 @@ TEST_CASE("tissue-haptic: a session's ledger is JSON with every key, and its rec
 TEST_CASE("tissue-haptic: SIGINT and SIGTERM end it with a ledger and a closed file", "[program]") {
     for (const char* signal : {"TERM", "INT"}) {
         const TemporaryFolder folder;
-        const Ended ended = run(folder, model_file(folder) + " --seconds 0 --json --record " + folder.file("s.h5"), signal, 0.6);
+        const Ended ended = run(folder, model_file(folder) + " --seconds 0 --json --record " + folder.file("s.h5"), signal);
         CHECK(ended.status == 0);
         const nlohmann::json j = nlohmann::json::parse(ended.out);
         CHECK(j["ticks"].get<int>() > 0);
@@ -299,9 +309,9 @@ TEST_CASE("tissue-haptic: the shipped client drives it over UDP, and gets its fo
     const std::string arguments = model_file(folder) + " --device remote --port " + std::to_string(port) + " --seconds 0 --json";
     // it listens once it has said what runs; it ends after the client has
     const int status = std::system(("sh -c '" + program() + " " + arguments + " > " + folder.file("out") + " 2> " + folder.file("err") +
-                                    " & child=$!; until grep -q coupling " + folder.file("err") + " || ! kill -0 $child; do sleep 0.05; done; " +
+                                    " & child=$!; " + until_it_runs(folder) +
                                     (python ? python : "python3") + " " + client + " " + std::to_string(port) + " 1.5 > " + folder.file("client") +
-                                    "; client=$?; sleep 0.3; kill -TERM $child; wait $child || exit 3; exit $client'").c_str());
+                                    "; client=$?; sleep 1; kill -TERM $child; wait $child || exit 3; exit $client'").c_str());
     INFO(read_file(folder.file("err")) << read_file(folder.file("client")));
     REQUIRE(WEXITSTATUS(status) == 0);
     const nlohmann::json j = nlohmann::json::parse(read_file(folder.file("out")));

@@ -2,7 +2,10 @@
 
 #include <sys/stat.h>
 
+#include <atomic>
 #include <catch2/catch.hpp>
+#include <thread>
+#include <vector>
 
 #include "error.h"
 #include "../example.h"
@@ -76,7 +79,6 @@ TEST_CASE("what the disk refuses is refused by name and leaves nothing beside") 
     CHECK_THAT(refusal<FileError>([&] { read_file(folder.file("none")); }), Contains("none") && Contains("No such file"));
     CHECK_THAT(refusal<FileError>([&] { read_file(folder.file("")); }), Contains("folder"));
     CHECK_THROWS_AS(file_hash(folder.file("none")), FileError);
-    CHECK_THROWS_AS(move_into_place(folder.file("none"), folder.file("a")), FileError);
     CHECK(folder.names().empty());
 }
 
@@ -84,5 +86,37 @@ TEST_CASE("a file that cannot take its final name leaves nothing beside") {
     const TemporaryFolder folder;
     REQUIRE(mkdir(folder.file("a").c_str(), 0755) == 0);
     CHECK_THAT(refusal<FileError>([&] { write_file(folder.file("a"), "x"); }), Contains("/a"));
+    CHECK(folder.names() == std::vector<std::string>{"a"});
+}
+
+TEST_CASE("writers of one file at once: each content is whole, and nothing is left beside") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a", std::string(100000, '0'));
+    std::atomic<int> refused{0};
+    std::vector<std::thread> writers;
+    for (const char letter : {'1', '2', '3', '4'})
+        writers.emplace_back([&, letter] {
+            for (int k = 0; k < 50; ++k) try {
+                    write_file(file, std::string(100000 + static_cast<std::size_t>(letter), letter));
+                } catch (const FileError&) {
+                    ++refused;
+                }
+        });
+    int mixed = 0;
+    for (int k = 0; k < 200; ++k) {
+        const std::string seen = read_file(file);
+        mixed += seen.size() < 100000 || seen.find_first_not_of(seen[0]) != std::string::npos;
+    }
+    for (std::thread& writer : writers) writer.join();
+    CHECK(mixed == 0);
+    CHECK(refused == 0);
+    CHECK(folder.names() == std::vector<std::string>{"a"});
+}
+
+TEST_CASE("what a killed writer left beside is taken over, and nothing of it stays") {
+    const TemporaryFolder folder;
+    folder.file("a.tmp", "a longer text than the next");
+    write_file(folder.file("a"), "short");
+    CHECK(read_file(folder.file("a")) == "short");
     CHECK(folder.names() == std::vector<std::string>{"a"});
 }

@@ -57,7 +57,7 @@ snapshot "$R" >"$scratch/before"
 PATH=$scratch/fake_gmsh:$real_path
 make_tiny -W fem/block.geo mesh
 check "gmsh killed: make fails" failed
-check "gmsh killed: one line says so" says "^results/tiny/mesh.msh: gmsh failed; see results/tiny/mesh.*log"
+check "gmsh killed: one line says so" says "^fem/block.geo: gmsh cannot read or mesh it; see results/tiny/mesh.*log"
 check "gmsh killed: the earlier mesh is untouched" only_changed "$scratch/before" "$R" "mesh.msh.log"
 PATH=$real_path
 

@@ -42,12 +42,17 @@ kept() { # the finished paths of $scratch/finished are the same files still
 landed=0 again=0 ran=0
 while read -r leg number moment; do
     [ "$number" = 0 ] && { rm -rf "$R"; ran=0; }
-    finished_paths >"$scratch/finished"
-    setsid make -C "$work" PYTHON="$PYTHON" STUDY=tiny all -j2 >"$said" 2>&1 </dev/null &
-    group=$!
     wait_ms=$((moment - ran)) ran=$moment  # the leg has worked `ran` already
-    sleep "$(printf '%d.%03d' $((wait_ms / 1000)) $((wait_ms % 1000)))"
-    kill -9 -- -"$group" 2>/dev/null && landed=$((landed + 1))  # one that comes too late finds no group
+    for _ in 1 2 3 4 5; do  # one that comes too late finds no group: the machine has become faster meanwhile
+        finished_paths >"$scratch/finished"
+        setsid make -C "$work" PYTHON="$PYTHON" STUDY=tiny all -j2 >"$said" 2>&1 </dev/null &
+        group=$!
+        sleep "$(printf '%d.%03d' $((wait_ms / 1000)) $((wait_ms % 1000)))"
+        kill -9 -- -"$group" 2>/dev/null && landed=$((landed + 1)) && break
+        wait "$group" 2>/dev/null
+        wait_ms=$((wait_ms / 2))
+        rm -rf "$R"
+    done
     wait "$group" 2>/dev/null
     kept >>"$scratch/kept" || again=1
     if [ "$number" = 4 ]; then
@@ -63,5 +68,5 @@ done <<END
 $moments
 END
 check "between two kills no finished load path was done again" test $again = 0
-check "at least sixteen of the twenty kills struck a running make" test $landed -ge 16
+check "every one of the twenty kills struck a running make" test $landed = 20
 finish

@@ -7,7 +7,7 @@ make_copy
 # one defect needs a compiler: sources and objects with their times, so that only what is touched is compiled
 cp -pR "$root/lib" "$root/cli" "$work"
 build=$(dirname "$TISSUECTL")
-cp -pR "$build/lib" "$build/cli" "$build/libtissue.a" "$work/build/release"
+cp -pR "$build/lib" "$build/cli" "$build/libtissue.a" "$build/flags" "$build"/*.list "$work/build/release"
 mkdir -p "$work/results"
 [ "$PYTHON" = /usr/bin/python3 ] || sed -i "1s|.*|#!$PYTHON|" "$work/scripts/regress"
 study=${PROOF:-tiny}
@@ -124,10 +124,7 @@ begin() { # sets $killed when FE is at work
     rm -rf "$work/build/regress/tiny"
     RUN=$scratch/slowly setsid "$work/scripts/regress" --study tiny >"$said" 2>&1 </dev/null &
     killed=$!
-    for _ in $(seq 300); do
-        [ -e "$work/build/regress/tiny/mesh.msh" ] && return
-        sleep 0.1
-    done
+    wait_for test -e "$work/build/regress/tiny/mesh.msh"
 }
 before=$(runs)
 begin
@@ -143,7 +140,7 @@ kill -TERM $killed
 wait $killed
 check "SIGTERM ends it with 1" test $? = 1
 check "SIGTERM: the history says interrupted" outcome_is interrupted
-check "SIGTERM: nothing it started works on" flock -w 1 "$work/build/regress.lock" true
+check "SIGTERM: nothing it started works on" flock -w 600 "$work/build/regress.lock" true
 head -c 100000 "$TISSUECTL" >"$scratch/cut_program"
 touch -d '1 second ago' "$work/build/regress.unfinished"
 cp "$scratch/cut_program" "$work/build/release/tissuectl"
@@ -157,13 +154,11 @@ wait $first
 check "two at a time: so does the other" test $? = 0
 check "two at a time: both are silent" sh -c '[ ! -s "$0" ] && [ ! -s "$1" ]' "$said" "$scratch/first"
 check "two at a time: two lines of history, no more" test "$(runs)" = $((before + 5))
-flock "$work/build/regress.lock" sleep 60 &
-holder=$!
-sleep 0.2
+exec 8>>"$work/build/regress.lock"
+flock 8
 regress --wait 0
 check "--wait 0 beside another run: exit 1 and one line" one_line 'another run is at work'
-kill $holder
-wait $holder 2>/dev/null
+exec 8>&-
 
 # ---- what cannot be run
 cp -p "$work/fem/newton.idp" "$scratch/newton.idp"

@@ -71,36 +71,33 @@ NodeName=one NodeHostname=$host NodeAddr=127.0.0.1 Port=$port2 CPUs=1 RealMemory
 NodeName=two NodeHostname=$host NodeAddr=127.0.0.1 Port=$port3 CPUs=1 RealMemory=2000
 PartitionName=all Nodes=ALL Default=YES State=UP
 CONF
-    for _ in $(seq 50); do [ -S "$cluster/munge/socket" ] && break; sleep 0.1; done
-    [ -S "$cluster/munge/socket" ] || return 1
+    wait_for test -S "$cluster/munge/socket" || return 1
     daemon slurmctld slurmctld -D
     daemon one slurmd -D -N one
     daemon two slurmd -D -N two
-    SECONDS=0
-    while [ $SECONDS -lt 30 ]; do
-        [ "$(timeout 5 sinfo -h -t idle -o %D 2>/dev/null)" = 2 ] && return 0
-        sleep 0.2
-    done
-    return 1
+    wait_for two_idle
 }
+two_idle() { [ "$(timeout 60 sinfo -h -t idle -o %D 2>/dev/null)" = 2 ]; }
 if ! start_cluster; then
     skip "a study is solved through Slurm" "Slurm did not start: $(tail -qn 1 "$cluster"/*.out | tr '\n' ' ')"
     finish
 fi
 
-# ---- a study of four load paths, and a FreeFEM that says on which step it ran and takes its time
+# ---- a study of four load paths, and a FreeFEM that says on which step it ran, and does not go on with a path while there
+# is a file of its name in hold/: so that what is to be killed is at work, however busy the machine
 make_copy
 edit '^  { name = "top".*' '&\n  { name = "right", contact_m = [0.10, 0.05], push = [-1, -0.5] },\n  { name = "corner", contact_m = [0.10, 0.10], push = [-1, -1] },'
 make_tiny eval -j2
 check "the study is solved without Slurm to begin with" exited 0
 cp -R "$R" "$scratch/local"
 
-mkdir "$scratch/slow"
+mkdir "$scratch/slow" "$scratch/hold"
 cat >"$scratch/slow/FreeFem++-nw" <<SH
 #!/bin/sh
 for word; do case \$word in */cases/*.csv.tmp) path=\${word##*/} ;; esac; done
-echo "\$SLURM_JOB_ID.\$SLURM_STEP_ID \$SLURMD_NODENAME \${path%.csv.tmp}" >>"$scratch/steps"
-sleep 2
+path=\${path%.csv.tmp}
+echo "\$SLURM_JOB_ID.\$SLURM_STEP_ID \$SLURMD_NODENAME \$path" >>"$scratch/steps"
+while [ -e "$scratch/hold/\$path" ]; do sleep 0.1; done
 exec $(command -v FreeFem++-nw) "\$@"
 SH
 chmod +x "$scratch/slow/FreeFem++-nw"
@@ -112,18 +109,26 @@ submit() { # starts the study from nothing; its job id in $job
         scripts/slurm/study.sbatch tiny eval)
 }
 state() { scontrol show job "$job" | sed -n 's/.*JobState=\([A-Z]*\).*/\1/p'; }
-wait_for() { for _ in $(seq 600); do "$@" && return 0; sleep 0.1; done; return 1; }
 ended() { case $(state) in COMPLETED | FAILED | CANCELLED | TIMEOUT | NODE_FAIL) ;; *) return 1 ;; esac; }  # no word is no end
-waits() { [ "$(state)" = PENDING ]; }
+# a requeued job may start after two minutes only, and looks ended on its way back into the queue
+started_again() {
+    [ "$(state)" != PENDING ] || scontrol update JobId="$job" StartTime=now
+    begun 4
+}
 done_well() { [ "$(state)" = COMPLETED ]; }
 completed() { done_well || { state; cat "$said"; return 1; }; }
 solved() { [ -s "$R/cases/$1.csv" ]; }
 times() { grep -c " $1\$" "$scratch/steps"; }  # a path was begun
 
 # ---- undisturbed but for one step, which is killed while it runs
+touch "$scratch/hold/left"
 submit
 wait_for grep -q ' left$' "$scratch/steps"
-scancel "$(sed -n 's/ .* left$//p' "$scratch/steps")"
+step=$(sed -n 's/ .* left$//p' "$scratch/steps")
+scancel "$step"
+gone() { ! squeue --steps --noheader --format=%i | grep -qx "$step"; }
+wait_for gone
+rm "$scratch/hold/left"
 wait_for ended
 check "a job completes though one of its steps was killed" completed
 check "the killed load path was tried again" test "$(times left)" = 2
@@ -135,12 +140,15 @@ check "the results have the contents of the run without Slurm" same_contents "$R
 check "no half-written file is left" no_half_files "$R"
 
 # ---- killed as a whole half-way, and put back into the queue
+touch "$scratch/hold/top" "$scratch/hold/right" "$scratch/hold/corner"
 submit
+begun() { [ "$(wc -l <"$scratch/steps")" -ge "$1" ]; }
 wait_for solved left
+wait_for begun 3  # the two that a job of two tasks began with, and the one after left
 scontrol requeue "$job"
-wait_for waits
-scontrol update JobId="$job" StartTime=now  # a requeued job may start after two minutes; we have not got them
-wait_for done_well  # on its way back into the queue it may look ended
+wait_for started_again
+rm "$scratch/hold"/*
+wait_for done_well
 check "a job killed half-way runs again and completes" completed
 check "what was solved before was not solved again" test "$(times left)" = 1
 check "its results have the contents of the run without Slurm" same_contents "$R" "$scratch/local"

@@ -10,6 +10,9 @@ FLAGS = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-backgroun
          "--disable-component-update", "--disable-sync", "--no-first-run", "--hide-scrollbars"]
 
 
+PATIENCE_S = 120  # what is waited for comes in less than a few; only a test that fails, or a busy machine, waits longer
+
+
 class Missing(Exception):
     """A package that is not installed."""
 
@@ -23,7 +26,8 @@ class Server:
             self.process = subprocess.Popen([program, "serve", *options, "--port", str(port), *models],
                                             stdin=subprocess.DEVNULL, stdout=log, stderr=log)
         self.url = None
-        for _ in range(200):
+        end = time.monotonic() + PATIENCE_S
+        while time.monotonic() < end:
             found = re.search(r"http://\S+", self.log.read_text())
             if found:
                 self.url = found[0]
@@ -39,7 +43,7 @@ class Server:
         if self.process.poll() is None:
             self.process.terminate()
         try:
-            self.process.wait(10)
+            self.process.wait(PATIENCE_S)
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.wait()
@@ -89,7 +93,7 @@ class Browser:
     def js(self, expression, *arguments):
         return self.driver.execute_script(f"return ({expression})", *arguments)
 
-    def until(self, expression, seconds=8):
+    def until(self, expression, seconds=PATIENCE_S):
         """Waits until an expression is true; False when it never was."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
@@ -97,6 +101,20 @@ class Browser:
                 return True
             time.sleep(0.05)
         return False
+
+    def after(self, states):
+        """Waits until the page has got so many states more."""
+        return self.until(f"tissue.states >= {self.js('tissue.states') + states}")
+
+    def rests(self, expression):
+        """Its value, once it changes by less than one per cent over thirty states."""
+        end = time.monotonic() + PATIENCE_S
+        before = self.js(expression)
+        while self.after(30):
+            value = self.js(expression)
+            if abs(value - before) <= 0.01 * abs(value) or time.monotonic() > end:
+                return value
+            before = value
 
     def watch(self, expression, seconds):
         """Its values, one for every state that the page gets meanwhile."""

@@ -11,6 +11,7 @@
 #include "../example.h"
 #include "../haptic/haptic_example.h"
 #include "../refusal.h"
+#include "../wait_for.h"
 #include "error.h"
 
 using namespace tissue;
@@ -240,12 +241,11 @@ TEST_CASE("models change on the running stage, counts go on, and a pause lasts",
     s.stage->start(nullptr);
     s.show->join(1);
     const auto wait = [&](const auto& wanted) {
-        for (int k = 0; k < 300 && !wanted(); ++k) {
-            std::this_thread::sleep_for(std::chrono::milliseconds(10));
-            s.now_s += 0.01;
+        return wait_for([&] {
+            s.now_s += 0.001;
             s.show->step(s.now_s);
-        }
-        return wanted();
+            return wanted();
+        });
     };
     CHECK(wait([&] { return s.stage->counts().ticks > 200; }));
     CHECK_FALSE(s.show->frame().empty());

@@ -9,6 +9,15 @@ import subprocess
 import time
 
 TEXT, BINARY, CLOSE, PING, PONG = 1, 2, 8, 9, 10
+PATIENCE_S = 120  # what is waited for comes in less than one; only a test that fails, or a machine that is busy, waits longer
+
+
+def wait_for(wanted, seconds=PATIENCE_S):
+    """The first true answer of wanted(), asked again and again; its last one when none came in time."""
+    end = time.monotonic() + seconds
+    while not (answer := wanted()) and time.monotonic() < end:
+        time.sleep(0.02)
+    return answer
 
 
 class Server:
@@ -34,11 +43,11 @@ class Server:
         return self.wait()
 
     def wait(self):
-        out, err = self.process.communicate(timeout=20)
+        out, err = self.process.communicate(timeout=PATIENCE_S)
         return self.process.returncode, out, self.said + err
 
 
-def request(port, text, timeout=8):
+def request(port, text, timeout=PATIENCE_S):
     """Everything that comes back for these bytes until the other side closes."""
     with socket.create_connection(("127.0.0.1", port), timeout=timeout) as s:
         s.sendall(text if isinstance(text, bytes) else text.encode())
@@ -77,7 +86,7 @@ class Client:
         self.socket = socket.socket()
         if receive_buffer:
             self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
-        self.socket.settimeout(8)
+        self.socket.settimeout(PATIENCE_S)
         self.socket.connect(("127.0.0.1", port))
         self.buffer = b""
         key = base64.b64encode(os.urandom(16)).decode()
@@ -127,7 +136,7 @@ class Client:
     def say(self, **message):
         self.send(json.dumps(message))
 
-    def until(self, wanted, seconds=5):
+    def until(self, wanted, seconds=PATIENCE_S):
         """The first message for which wanted(kind, payload) holds; None when none comes in time."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
@@ -136,7 +145,7 @@ class Client:
                 return kind, payload
         return None
 
-    def hear(self, type, seconds=5, **keys):
+    def hear(self, type, seconds=PATIENCE_S, **keys):
         """The next JSON message of a type with these keys."""
         found = self.until(lambda kind, p: kind == TEXT and (m := json.loads(p))["type"] == type
                            and all(m[k] == v for k, v in keys.items()), seconds)
@@ -146,7 +155,7 @@ class Client:
         """The next state's 32 numbers."""
         return numbers(self.until(lambda kind, _: kind == BINARY)[1])
 
-    def ended(self, seconds=6):
+    def ended(self, seconds=PATIENCE_S):
         """(code, reason) of the server's close; (None, "") when it just hangs up, None when it does neither."""
         try:
             found = self.until(lambda kind, _: kind == CLOSE, seconds)
