@@ -198,28 +198,6 @@ TEST_CASE("ticks that come early do not add up to a faster change of force", "[s
     }
 }
 
-namespace {
-
-/// When the next tick comes [s]: on time, late, early, in bursts, and so late that the device has let go.
-class Pace {
-   public:
-    explicit Pace(unsigned long seed) : draw_(seed) {}
-    double next(double dt_s) {
-        if (--left_ <= 0) mode_ = draw_.below(5), left_ = 1 + draw_.below(300);
-        if (mode_ == 1) return draw_.below(20) ? dt_s : dt_s * draw_(1, 5);              // a late one now and then
-        if (mode_ == 2) return dt_s * draw_(0.3, 1.7);                                   // early and late
-        if (mode_ == 3) return draw_.below(8) ? dt_s * draw_(0, 0.05) : dt_s * draw_(3, 5);  // none for long, then a burst
-        if (mode_ == 4) return draw_.below(30) ? dt_s * draw_(1, 5) : dt_s * draw_(5, 2000); // always late, or gone
-        return dt_s;
-    }
-
-   private:
-    Draw draw_;
-    int mode_ = 0, left_ = 0;
-};
-
-}  // namespace
-
 TEST_CASE("energy, size and change of force keep their bounds, whatever is wanted, however the hand moves and whenever the tick comes", "[safety][adversarial]") {
     for (double damping : {0.0, 3.0, 50.0})
         for (bool on_time : {true, false}) {
