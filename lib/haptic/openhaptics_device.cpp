@@ -30,6 +30,14 @@ long long now_ns() noexcept {
 
 }  // namespace
 
+const DeviceKind OpenHapticsDevice::kind = {
+    "openhaptics",
+    {{"library", "FILE", "", "of openhaptics, when libHD.so is not where it should be"},
+     {"device-name", "NAME", "", "of openhaptics: the vendor's configured name"}},
+    [](const DeviceValues& v, const DeviceContext&) -> std::unique_ptr<Device> {
+        return std::make_unique<OpenHapticsDevice>(v.at("library"), v.at("device-name"));
+    }};
+
 struct OpenHapticsDevice::Library {
     void* file = nullptr;
     HandleHD (*init_device)(const char*) = nullptr;

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <string>
 
-#include "haptic/device.h"
+#include "haptic/device_kinds.h"
 
 namespace tissue {
 
@@ -14,6 +14,8 @@ namespace tissue {
 /// The vendor works in millimetres; its x goes right, y up, z to the user.
 class OpenHapticsDevice final : public Device {
    public:
+    static const DeviceKind kind;
+
     /// library: "" looks for libHD.so where the system looks. device: the vendor's configured name, "" its default.
     /// Throws DeviceError that says what is missing.
     explicit OpenHapticsDevice(const std::string& library = "", const std::string& device = "");
@@ -21,7 +23,7 @@ class OpenHapticsDevice final : public Device {
     OpenHapticsDevice(const OpenHapticsDevice&) = delete;
     OpenHapticsDevice& operator=(const OpenHapticsDevice&) = delete;
 
-    std::string name() const override { return "openhaptics"; }
+    std::string name() const override { return kind.name; }
     void start() override;
     DeviceSample read(double time_s) noexcept override;
     void write(const Eigen::Vector3d& force_N) noexcept override;

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "haptic/device.h"
+#include "haptic/device_kinds.h"
 
 namespace tissue {
 
@@ -30,13 +30,15 @@ static_assert(sizeof(PositionDatagram) == 48 && sizeof(ForceDatagram) == 48, "da
 
 class RemoteDevice final : public Device {
    public:
+    static const DeviceKind kind;
+
     /// port 0: any that is free; port() says which. Throws DeviceError.
     explicit RemoteDevice(int port);
     ~RemoteDevice() override;
     RemoteDevice(const RemoteDevice&) = delete;
     RemoteDevice& operator=(const RemoteDevice&) = delete;
 
-    std::string name() const override { return "remote"; }
+    std::string name() const override { return kind.name; }
     DeviceSample read(double time_s) noexcept override;
     void write(const Eigen::Vector3d& force_N) noexcept override;
     std::vector<std::pair<std::string, double>> ledger() const override;
