@@ -96,9 +96,6 @@ void run(const Options& o, Provenance provenance) {
     const HapticModel model(tissue, o.choices.haptic);
     if (!o.check.empty()) return check(o, tissue, model);
 
-    const std::unique_ptr<Device> device =
-        make_device(o.device, o.device_values, {o.seconds, o.seed, model.low_m, model.high_m, model.options.map});
-    std::cerr << cli::describe("tissue-haptic", model, *device);
     Simulation simulation(model);
     std::unique_ptr<Recorder> recorder;
     if (!o.record.empty()) {
@@ -106,6 +103,10 @@ void run(const Options& o, Provenance provenance) {
         provenance.inputs[std::filesystem::path(o.model).filename().string()] = file_hash(o.model);
         recorder = std::make_unique<Recorder>(o.record, provenance);
     }
+    // the device last: nothing is open while anything else can fail
+    const std::unique_ptr<Device> device =
+        make_device(o.device, o.device_values, {o.seconds, o.seed, model.low_m, model.high_m, model.options.map});
+    std::cerr << cli::describe("tissue-haptic", model, *device);
     LoopOptions loop;
     loop.seconds = o.seconds;
     loop.stop = &stop;

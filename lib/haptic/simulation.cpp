@@ -67,7 +67,8 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
         throw MismatchError("the scales of the device must not be zero");
     if (!(o.safety.stale_s > 0) || !(o.safety.damping_max_Ns_m >= 0))
         throw MismatchError("the oldest position must be older than now, and the damping not negative");
-    if (!(o.dt_s <= force_held_s / 2)) throw MismatchError(fmt::format("a device holds a force for {:g} s: dt must be at most {:g} s", force_held_s, force_held_s / 2));
+    if (!(o.dt_s <= force_held_s / 2))
+        throw MismatchError(fmt::format("dt must be at most {:g} s: a device may let go of an older force", force_held_s / 2));
     if (!std::isfinite(o.place_m) || !o.map.offset_m.allFinite() || !model.mesh.nodes.allFinite())
         throw MismatchError("positions of nodes, of the second mesh and of the device must be finite");
     o.safety.dt_s = o.dt_s;

@@ -440,6 +440,9 @@ TEST_CASE("options that make no sense are refused", "[simulation]") {
         return refusal<MismatchError>([&] { HapticModel(tissue, o); });
     };
     refused([](HapticOptions& o) { o.dt_s = 0; });
+    refused([](HapticOptions& o) { o.dt_s = 0.6 * force_held_s; });  // the device would let go of every force
+    refused([](HapticOptions& o) { o.place_m = std::numeric_limits<double>::quiet_NaN(); });
+    refused([](HapticOptions& o) { o.safety.damping_max_Ns_m = -1; });
     refused([](HapticOptions& o) { o.innovation = 1.5; });
     refused([](HapticOptions& o) { o.coupling_ratio = 0; });
     refused([](HapticOptions& o) { o.damping_ratio = -1; });
