@@ -100,7 +100,7 @@ deps: build/deps
 
 ## install: programs, library, headers, pkg-config file, man pages and completions, under PREFIX
 install: build $(BUILD)/libtissue.a
-	@PREFIX='$(PREFIX)' DESTDIR='$(DESTDIR)' PACKAGES='$(PACKAGES)' CXX='$(CXX)' CXXFLAGS='$(filter -m%,$(CXXFLAGS))' scripts/install $(BUILD)
+	@PREFIX='$(PREFIX)' DESTDIR='$(DESTDIR)' PACKAGES='$(PACKAGES)' CXX='$(CXX)' CXXFLAGS='$(filter -m% -DEIGEN_%,$(CXXFLAGS))' scripts/install $(BUILD)
 
 ## uninstall: take away what install put under PREFIX
 uninstall:
@@ -127,10 +127,13 @@ build/deps build/deps-test: scripts/install_deps
 
 CXX := g++
 PACKAGES := hdf5 gsl fmt nlopt libxxhash lapacke openblas
-# tests forbid Eigen to allocate in the tick (EIGEN_RUNTIME_NO_MALLOC);
+# no assertion ends a program that has a device open: what must hold is checked before the tick, by exceptions. Eigen's
+# macro is also for who compiles against the library (scripts/install): functions of its headers are built in both, and
+# the linker takes either. Under sanitizers assertions live, and Eigen's forbid it to allocate in the tick.
+ASSERTIONS = $(if $(SANITIZE),-DEIGEN_RUNTIME_NO_MALLOC -D_GLIBCXX_ASSERTIONS,-DNDEBUG -DEIGEN_NO_DEBUG)
 # gcc 12 sees an overflow in fmt's own inlined parser that is not there, and under sanitizers uninitialised members in
 # its own <regex>
-CXXFLAGS = -std=c++17 -O3 -g1 -pthread -Wall -Wextra -Wpedantic -Wshadow -Werror -Wno-stringop-overflow -DEIGEN_RUNTIME_NO_MALLOC -MMD -MP \
+CXXFLAGS = -std=c++17 -O3 -g1 -pthread -Wall -Wextra -Wpedantic -Wshadow -Werror -Wno-stringop-overflow $(ASSERTIONS) -MMD -MP \
   -Ilib -isystem /usr/include/eigen3 $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(PACKAGES))) \
   $(if $(SANITIZE),-O1 -Wno-maybe-uninitialized -fsanitize=address$(comma)undefined -fno-sanitize-recover=all)
 LDLIBS = $(shell pkg-config --libs $(PACKAGES)) -pthread

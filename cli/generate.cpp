@@ -191,14 +191,21 @@ std::string zsh(const CLI::App& app) {
                       arguments(app), described, cases);
 }
 
+struct Product {
+    const char* name;
+    std::string (*make)(const CLI::App&);
+};
+constexpr Product products[] = {{"man", man}, {"bash", bash}, {"zsh", zsh}, {"fish", fish}};
+
 }  // namespace
 
 std::string generate(const CLI::App& app, const std::string& what) {
-    if (what == "man") return man(app);
-    if (what == "bash") return bash(app);
-    if (what == "zsh") return zsh(app);
-    if (what == "fish") return fish(app);
-    throw MismatchError("--generate '" + what + "' is not known; allowed: man, bash, zsh, fish");
+    std::vector<std::string> names;
+    for (const Product& product : products) {
+        if (what == product.name) return product.make(app);
+        names.push_back(product.name);
+    }
+    throw MismatchError(fmt::format("--generate '{}' is not known; allowed: {}", what, fmt::join(names, ", ")));
 }
 
 bool generated(const CLI::App& app, int argc, char** argv) {

@@ -1,5 +1,8 @@
 #include "haptic_options.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 namespace tissue::cli {
 
 CLI::Validator quiet(CLI::Validator check) {
@@ -22,8 +25,10 @@ void add_haptic_options(CLI::App& app, HapticChoices& c) {
     app.add_option("--select-by", c.select_by, "displacement of the contact, or force (the paper's)")
         ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember({"displacement", "force"})));
     number("--innovation", h.innovation, "1", "gamma of (19): share of the new set a tick")->check(quiet(CLI::Range(1e-9, 1.0)));
-    app.add_option("--dynamics", h.dynamics, "auto, paper, symplectic, implicit")
-        ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember({"auto", "paper", "symplectic", "implicit"})));
+    std::vector<std::string> steps = {"auto"};
+    steps.insert(steps.end(), dynamics_names().begin(), dynamics_names().end());
+    app.add_option("--dynamics", h.dynamics, fmt::format("{}", fmt::join(steps, ", ")))
+        ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember(steps)));
     number("--coupling", h.coupling_ratio, "1", "k_C over the contact's own stiffness")->check(quiet(CLI::PositiveNumber));
     number("--damping", h.damping_ratio, "1", "of critical, at the lowest mode")->check(quiet(CLI::NonNegativeNumber));
     app.add_flag("--no-heuristic", c.no_heuristic, "only the learned mesh, not Van Gelder's beside it");

@@ -77,7 +77,7 @@ std::string ledger_text(const std::string& model_file, const Device& device, con
     text += fmt::format("  largest force    {:.4g} N, clamped {}, slewed {}, damped {}\n", s.force_max_N, s.clamped, s.slewed, s.damped);
     text += fmt::format("  energy given     {:.4g} J\n", s.energy_given_J);
     text += fmt::format("  refused input    {} (bad {}, jumps {}, stale {})\n", refused(s), s.bad_input, s.jump, s.stale);
-    text += fmt::format("  no force         outline folded {}, mesh unstable {}, not yet outside {}\n", h.folded, h.unstable, h.unarmed);
+    text += fmt::format("  no force         outline folded {}, mesh unstable {}, not yet outside {}, ticks too late {}\n", h.folded, h.unstable, h.unarmed, s.late);
     for (const auto& [name, value] : device.ledger()) text += fmt::format("  device {:<24} {:g}\n", name, value);
     return text;
 }
@@ -109,6 +109,7 @@ std::string ledger_json(const std::string& model_file, const Device& device, con
     details["not_finite"] = s.bad_input;
     details["jumps"] = s.jump;
     details["stale"] = s.stale;
+    details["late"] = s.late;
     details["folded"] = h.folded;
     details["unstable"] = h.unstable;
     details["not_yet_outside"] = h.unarmed;

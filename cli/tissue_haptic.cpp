@@ -5,9 +5,10 @@
 //   tissue-haptic results/paper/model.h5 --motion poke --seconds 2 --record session.h5 --json
 //   tissue-haptic results/paper/model.h5 --device replay --trajectory session.h5
 //   tissue-haptic results/paper/model.h5 --check results/paper/cases.h5 --out realtime.json
-// Exit status: 0 done (SIGINT and SIGTERM too), 1 the work failed, 2 the command line was wrong.
+// Exit status: 0 done (SIGINT, SIGTERM and SIGHUP too), 1 the work failed, 2 the command line was wrong.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <atomic>
 #include <csignal>
@@ -19,13 +20,10 @@
 #include "command.h"
 #include "error.h"
 #include "generate.h"
-#include "haptic/openhaptics_device.h"
+#include "haptic/device_kinds.h"
 #include "haptic/realtime_loop.h"
 #include "haptic/recorder.h"
-#include "haptic/remote_device.h"
-#include "haptic/replay_device.h"
 #include "haptic/truth_in_motion.h"
-#include "haptic/virtual_device.h"
 #include "haptic_options.h"
 #include "haptic_report.h"
 #include "io/atomic_file.h"
@@ -43,23 +41,15 @@ void on_signal(int) {
 }
 
 struct Options {
-    std::string model, device = "virtual", motion = "press", trajectory, library, device_name, record, check, out;
+    std::string model, device = device_names().front(), record, check, out;
+    DeviceValues device_values;
     std::string axes = "x,y";
     std::vector<double> offset_m = {0, 0};
-    double seconds = 10, depth_m = 0.010;
+    double seconds = 10;
     unsigned long seed = 2008;
-    int port = 47474;
     bool json = false;
     cli::HapticChoices choices;
 };
-
-std::unique_ptr<Device> make_device(const Options& o, const HapticModel& model) {
-    if (o.device == "replay") return std::make_unique<ReplayDevice>(o.trajectory);
-    if (o.device == "remote") return std::make_unique<RemoteDevice>(o.port);
-    if (o.device == "openhaptics") return std::make_unique<OpenHapticsDevice>(o.library, o.device_name);
-    const MotionOptions motion{o.motion, o.seconds > 0 ? o.seconds : 3600, o.depth_m, o.seed, model.low_m, model.high_m};
-    return std::make_unique<VirtualDevice>(make_motion(motion), model.options.map);
-}
 
 /// What to press: the first 50 held-out contacts where the study draws them, else every load case.
 std::vector<PressTruth> press_truths(const Cases& cases) {
@@ -106,8 +96,6 @@ void run(const Options& o, Provenance provenance) {
     const HapticModel model(tissue, o.choices.haptic);
     if (!o.check.empty()) return check(o, tissue, model);
 
-    const std::unique_ptr<Device> device = make_device(o, model);
-    std::cerr << cli::describe("tissue-haptic", model, *device);
     Simulation simulation(model);
     std::unique_ptr<Recorder> recorder;
     if (!o.record.empty()) {
@@ -115,6 +103,10 @@ void run(const Options& o, Provenance provenance) {
         provenance.inputs[std::filesystem::path(o.model).filename().string()] = file_hash(o.model);
         recorder = std::make_unique<Recorder>(o.record, provenance);
     }
+    // the device last: nothing is open while anything else can fail
+    const std::unique_ptr<Device> device =
+        make_device(o.device, o.device_values, {o.seconds, o.seed, model.low_m, model.high_m, model.options.map});
+    std::cerr << cli::describe("tissue-haptic", model, *device);
     LoopOptions loop;
     loop.seconds = o.seconds;
     loop.stop = &stop;
@@ -132,21 +124,19 @@ void run(const Options& o, Provenance provenance) {
 void add_options(CLI::App& app, Options& o) {
     using cli::add_number, cli::quiet;
     app.add_option("model", o.model, "model.h5 of tissuectl train")->required()->type_name("FILE");
-    app.add_option("--device", o.device, "virtual, replay, remote, openhaptics")
-        ->type_name("NAME")->capture_default_str()
-        ->check(quiet(CLI::IsMember({"virtual", "replay", "remote", "openhaptics"})));
+    app.add_option("--device", o.device, fmt::format("{}", fmt::join(device_names(), ", ")))
+        ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember(device_names())));
     add_number(app, "--seconds", o.seconds, "s", "how long; 0: until the device ends or a signal comes")->check(quiet(CLI::NonNegativeNumber));
     app.add_flag("--json", o.json, "print the ledger as JSON");
     app.add_option("--record", o.record, "HDF5 file for every tick")->type_name("FILE");
-    app.add_option("--motion", o.motion, "of the virtual device: press, slide, poke, sine")
-        ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember(motion_names())));
-    add_number(app, "--depth", o.depth_m, "m", "of the virtual device below the surface")->check(quiet(CLI::PositiveNumber));
     app.add_option("--seed", o.seed, "of poke")->type_name("integer")->capture_default_str();
-    app.add_option("--trajectory", o.trajectory, "of replay: CSV or a recording")->type_name("FILE");
-    app.add_option("--port", o.port, "of remote: UDP, on this machine alone")
-        ->type_name("number")->capture_default_str()->check(quiet(CLI::Range(0, 65535)));
-    app.add_option("--library", o.library, "of openhaptics, when libHD.so is not where it should be")->type_name("FILE");
-    app.add_option("--device-name", o.device_name, "of openhaptics: the vendor's configured name")->type_name("NAME");
+    for (const DeviceKind* kind : device_kinds())
+        for (const DeviceOption& option : kind->options) {
+            std::string& value = o.device_values[option.name] = option.initial;
+            CLI::Option* added = app.add_option("--" + option.name, value, option.meaning)->type_name(option.unit);
+            if (!option.initial.empty()) added->capture_default_str();
+            if (option.wrong) added->check(CLI::Validator([wrong = option.wrong](std::string& text) { return wrong(text); }, ""));
+        }
     cli::add_haptic_options(app, o.choices);
     add_number(app, "--scale", o.choices.haptic.map.scale, "1", "metres of tissue a metre of device")->check(quiet(CLI::PositiveNumber));
     app.add_option("--axes", o.axes, "device axes of the plane's x and y, as in x,-z")->type_name("A,A")->capture_default_str();
@@ -159,8 +149,9 @@ void add_options(CLI::App& app, Options& o) {
 }
 
 void finish(Options& o) {
-    if (o.device == "replay" && o.trajectory.empty())
-        throw CLI::ValidationError("--device replay", "needs --trajectory FILE");
+    for (const DeviceOption& option : device_kind(o.device).options)
+        if (option.needed && o.device_values.at(option.name).empty())
+            throw CLI::ValidationError("--device " + o.device, fmt::format("needs --{} {}", option.name, option.unit));
     cli::settle(o.choices);
     o.choices.haptic.map.offset_m = {o.offset_m[0], o.offset_m[1]};
 }
@@ -170,6 +161,7 @@ void finish(Options& o) {
 int main(int argc, char** argv) {
     std::signal(SIGINT, on_signal);
     std::signal(SIGTERM, on_signal);
+    if (std::signal(SIGHUP, on_signal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // under nohup it goes on
     std::string command;
     for (int i = 0; i < argc; ++i) {
         const std::string word = argv[i];

@@ -6,6 +6,7 @@
 Datagrams, little-endian, 48 bytes each way:
     out  "TSP1", uint32 sequence, float64 time_s, float64 position_m[3], float64 reserved
     in   "TSF1", uint32 sequence of the position used, float64 age_s, float64 force_N[3], float64 tick
+A force counts until the next, and for 7.5 ms at most: then whoever has motors lets go.
 """
 import math
 import socket
@@ -17,7 +18,8 @@ port = int(sys.argv[1]) if len(sys.argv) > 1 else 47474
 seconds = float(sys.argv[2]) if len(sys.argv) > 2 else 5.0
 link = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 link.setblocking(False)
-start, answers, force = time.monotonic(), 0, (0.0, 0.0, 0.0)
+none = (0.0, 0.0, 0.0)
+start, answers, force, came = time.monotonic(), 0, none, 0.0
 sequence = 0
 while (now := time.monotonic() - start) < seconds:
     sequence += 1
@@ -26,9 +28,11 @@ while (now := time.monotonic() - start) < seconds:
     try:
         while True:
             magic, used, age_s, fx, fy, fz, tick = struct.unpack("<4sId3dd", link.recv(64))
-            answers, force = answers + 1, (fx, fy, fz)
+            answers, force, came = answers + 1, (fx, fy, fz), now
     except (BlockingIOError, ConnectionRefusedError):
         pass
+    if now - came > 0.0075:
+        force = none
     if sequence % 500 == 0:
         print(f"{now:6.2f} s  y {1e3 * y:7.2f} mm  force {1e3 * force[0]:8.4f} {1e3 * force[1]:8.4f} mN")
     time.sleep(max(0.0, start + sequence * 1e-3 - time.monotonic()))

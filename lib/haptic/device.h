@@ -14,26 +14,32 @@ struct DeviceSample {
     double age_s = 0;    ///< since the device measured it
 };
 
+/// The longest that a force stays on the hand without a new write(). A device with motors makes them zero by itself,
+/// not before half of this is over and before all of it is: a program that hangs or dies lets go.
+constexpr double force_held_s = 0.010;
+
 /// A haptic device of the impedance kind: position in, force out. One file a kind. Set-up may throw, allocate and
-/// print; read() and write() are part of the 1 kHz tick: they do none of that and do not wait.
+/// print; read() and write() are part of the 1 kHz tick: they do none of that and do not wait. Whoever starts one does
+/// so through RunningDevice.
 class Device {
    public:
     virtual ~Device() = default;
     virtual std::string name() const = 0;
 
-    /// Before the first tick. Throws DeviceError.
+    /// Before the first tick. Throws DeviceError; what it had begun by then is stop()'s to end.
     virtual void start() {}
 
     /// Position at `time_s`, the tick's place on the schedule, 0 at the first.
     virtual DeviceSample read(double time_s) noexcept = 0;
 
-    /// The force to put on the hand [N] until the next write.
+    /// The force to put on the hand [N] until the next write, or for force_held_s. Before start() and after stop()
+    /// there is none, whatever is written.
     virtual void write(const Eigen::Vector3d& force_N) noexcept = 0;
 
     /// True when the device has no more to say (a recording's end).
     virtual bool finished() const noexcept { return false; }
 
-    /// After the last tick, when the force has been set to zero.
+    /// After the last tick, when the force has been set to zero; also after a start() that threw. Any number of times.
     virtual void stop() noexcept {}
 
     /// Counts and figures of its own, for the ledger.

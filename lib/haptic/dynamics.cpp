@@ -16,8 +16,18 @@ Eigen::Vector2d ContactLoad::proxy(const RealtimeMesh& mesh, const NodeColumns& 
     return x;
 }
 
+namespace {
+
+const DynamicsKind* const kinds[] = {&paper_dynamics, &symplectic_dynamics, &implicit_dynamics};
+
+}  // namespace
+
 const std::vector<std::string>& dynamics_names() {
-    static const std::vector<std::string> names = {"paper", "symplectic", "implicit"};
+    static const std::vector<std::string> names = [] {
+        std::vector<std::string> list;
+        for (const DynamicsKind* kind : kinds) list.push_back(kind->name);
+        return list;
+    }();
     return names;
 }
 
@@ -26,15 +36,16 @@ std::unique_ptr<Dynamics> make_dynamics(const std::string& name, const RealtimeM
     if (!(options.dt_s > 0) || !(options.damping_1_s >= 0))
         throw MismatchError(fmt::format("a step of {} s with damping {} 1/s is not possible", options.dt_s,
                                         options.damping_1_s));
-    if (name == "paper") return make_paper_dynamics(mesh, options);
-    if (name == "symplectic") return make_symplectic_dynamics(mesh, options);
-    if (name == "implicit") return make_implicit_dynamics(mesh, options);
+    for (const DynamicsKind* kind : kinds)
+        if (name == kind->name) return kind->make(mesh, options);
     throw MismatchError(fmt::format("dynamics '{}' is not known; allowed: {}", name, fmt::join(dynamics_names(), ", ")));
 }
 
 std::string stable_dynamics(double largest_eigenvalue_1_s2, double dt_s) {
-    constexpr double limit = 1.8;
-    return std::sqrt(largest_eigenvalue_1_s2) * dt_s <= limit ? "symplectic" : "implicit";
+    const double omega_dt = std::sqrt(largest_eigenvalue_1_s2) * dt_s;
+    for (const DynamicsKind* kind : kinds)
+        if (omega_dt <= kind->stable_omega_dt) return kind->name;
+    throw MismatchError(fmt::format("no step is stable at omega dt = {}", omega_dt));
 }
 
 }  // namespace tissue

@@ -48,13 +48,7 @@ class Dynamics {
     virtual Eigen::Vector2d step(MeshState& state, const ContactLoad& load) noexcept = 0;
 };
 
-/// Names, in the order in which messages list them.
-///   paper       (13)-(15) as printed, read with the acceleration at the positions of the step before: grows without
-///               bound at any useful dt; kept to show that
-///   symplectic  velocity from the force at the old positions, positions from the new velocity; stable while
-///               omega dt < 2, error proportional to dt, energy stays within a band
-///   implicit    backward Euler, the coupling included: stable at any stiffness; error proportional to dt, energy
-///               only falls. One banded Cholesky a step in which theta changed, in storage made before
+/// Names of the kinds in dynamics_kinds.h, in the order in which messages list them: paper, symplectic, implicit.
 const std::vector<std::string>& dynamics_names();
 
 struct DynamicsOptions {
@@ -67,8 +61,8 @@ struct DynamicsOptions {
 std::unique_ptr<Dynamics> make_dynamics(const std::string& name, const RealtimeMesh& mesh,
                                         const DynamicsOptions& options);
 
-/// Which step a mesh needs: `symplectic` while sqrt(largest eigenvalue) dt is at most 1.8 (its limit is 2; the rest is
-/// margin), else `implicit`. largest_eigenvalue_1_s2: with the coupling's stiffness on it.
+/// Which step a mesh needs: the first that is stable at omega dt = sqrt(largest eigenvalue) dt. That is `symplectic` up
+/// to 1.8 (its limit is 2; the rest is margin), else `implicit`. largest_eigenvalue_1_s2: with the coupling's stiffness on it.
 std::string stable_dynamics(double largest_eigenvalue_1_s2, double dt_s);
 
 }  // namespace tissue

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <limits>
 
 #include "error.h"
 #include "haptic/band_cholesky.h"
@@ -19,7 +20,7 @@ class ImplicitDynamics final : public Dynamics {
     ImplicitDynamics(const RealtimeMesh& mesh, const DynamicsOptions& options)
         : mesh_(mesh), o_(options), numbering_(mesh), A_(order(numbering_), numbering_.half_bandwidth),
           x_(Eigen::VectorXd::Zero(2 * mesh.node_count())), z_(Eigen::MatrixXd::Zero(2 * mesh.node_count(), 2)) {}
-    std::string name() const override { return "implicit"; }
+    std::string name() const override { return implicit_dynamics.name; }
 
     Eigen::Vector2d step(MeshState& s, const ContactLoad& load) noexcept override {
         const double dt = o_.dt_s;
@@ -116,8 +117,10 @@ class ImplicitDynamics final : public Dynamics {
 
 }  // namespace
 
-std::unique_ptr<Dynamics> make_implicit_dynamics(const RealtimeMesh& mesh, const DynamicsOptions& options) {
-    return std::make_unique<ImplicitDynamics>(mesh, options);
-}
+const DynamicsKind implicit_dynamics = {
+    "implicit", std::numeric_limits<double>::infinity(),
+    [](const RealtimeMesh& mesh, const DynamicsOptions& options) -> std::unique_ptr<Dynamics> {
+        return std::make_unique<ImplicitDynamics>(mesh, options);
+    }};
 
 }  // namespace tissue

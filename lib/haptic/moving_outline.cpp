@@ -140,10 +140,4 @@ bool MovingOutline::simple() noexcept {
     return true;
 }
 
-double MovingOutline::checksum() const noexcept {
-    double sum = 0;
-    for (int b = 0; b < count_; ++b) sum += x_[static_cast<std::size_t>(b)] + y_[static_cast<std::size_t>(b)];
-    return sum;
-}
-
 }  // namespace tissue

@@ -46,8 +46,6 @@ class MovingOutline {
     /// Whether no two segments cross or touch but neighbours at their common node: only then is there an inside.
     bool simple() noexcept;
 
-    /// Sum of all coordinates: not finite when one of them is not.
-    double checksum() const noexcept;
 
    private:
     bool crosses(int a, int b) const noexcept;

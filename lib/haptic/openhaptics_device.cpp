@@ -22,9 +22,21 @@ constexpr HandleHD no_handle = 0xFFFFFFFF;
 constexpr unsigned current_position = 0x2050, current_force = 0x2700, force_output = 0x4000;
 constexpr unsigned go_on = 1;
 constexpr unsigned short highest_priority = 0xFFFF;
-constexpr unsigned long silence_limit = 10;
+constexpr auto let_go_ns = static_cast<long long>(0.75e9 * force_held_s);
+
+long long now_ns() noexcept {
+    return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
+}
 
 }  // namespace
+
+const DeviceKind OpenHapticsDevice::kind = {
+    "openhaptics",
+    {{"library", "FILE", "", "of openhaptics, when libHD.so is not where it should be"},
+     {"device-name", "NAME", "", "of openhaptics: the vendor's configured name"}},
+    [](const DeviceValues& v, const DeviceContext&) -> std::unique_ptr<Device> {
+        return std::make_unique<OpenHapticsDevice>(v.at("library"), v.at("device-name"));
+    }};
 
 struct OpenHapticsDevice::Library {
     void* file = nullptr;
@@ -96,6 +108,7 @@ OpenHapticsDevice::OpenHapticsDevice(const std::string& library, const std::stri
             throw DeviceError(fmt::format("openhaptics: the device '{}' does not open: vendor error 0x{:04x}",
                                           device.empty() ? "default" : device, error.code));
     } catch (...) {
+        if (library_->device != no_handle) library_->disable_device(library_->device);
         if (library_->file) dlclose(library_->file);
         delete library_;
         delete position_;
@@ -114,27 +127,23 @@ OpenHapticsDevice::~OpenHapticsDevice() {
 }
 
 void OpenHapticsDevice::start() {
+    started_ = true;  // whatever throws from here on, stop() ends
     library_->enable(force_output);
     library_->callback = library_->schedule_asynchronous(&OpenHapticsDevice::servo, this, highest_priority);
     library_->start_scheduler();
     const ErrorHD error = library_->get_error();
     if (error.code != 0) throw DeviceError(fmt::format("openhaptics: the servo does not start: vendor error 0x{:04x}", error.code));
-    started_ = true;
 }
 
 /// In the vendor's thread, once a servo period.
 unsigned OpenHapticsDevice::servo(void* self) noexcept {
     OpenHapticsDevice& d = *static_cast<OpenHapticsDevice*>(self);
     Library& hd = *d.library_;
-    const unsigned long ours = d.our_ticks_.load(std::memory_order_acquire);
-    d.silent_servo_ticks_ = ours == d.seen_by_servo_ ? d.silent_servo_ticks_ + 1 : 0;
-    d.seen_by_servo_ = ours;
-
     hd.begin_frame(hd.device);
     double position_mm[3] = {};
     hd.get_doubles(current_position, position_mm);
     const double nothing[3] = {};
-    const bool silent = d.silent_servo_ticks_ > silence_limit;
+    const bool silent = now_ns() - d.written_ns_.load(std::memory_order_acquire) > let_go_ns;
     if (silent) d.cut_off_.fetch_add(1, std::memory_order_relaxed);
     hd.set_doubles(current_force, silent ? nothing : d.force_->get());
     hd.end_frame(hd.device);
@@ -163,13 +172,14 @@ DeviceSample OpenHapticsDevice::read(double time_s) noexcept {
 
 void OpenHapticsDevice::write(const Eigen::Vector3d& force_N) noexcept {
     force_->put(force_N.data());
-    our_ticks_.fetch_add(1, std::memory_order_release);
+    written_ns_.store(now_ns(), std::memory_order_release);
 }
 
 void OpenHapticsDevice::stop() noexcept {
     if (!started_) return;
     started_ = false;
-    // the zero of the last write must reach the motors: two servo periods, or 20 ms when the servo is dead
+    write(Eigen::Vector3d::Zero());
+    // the zero must reach the motors: two servo periods, or 20 ms when the servo is dead
     const unsigned long until = servo_ticks_.load() + 2;
     for (int k = 0; k < 20 && servo_ticks_.load() < until; ++k)
         std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -8,7 +8,7 @@ namespace {
 class PaperDynamics final : public Dynamics {
    public:
     PaperDynamics(const RealtimeMesh& mesh, const DynamicsOptions& options) : mesh_(mesh), o_(options) {}
-    std::string name() const override { return "paper"; }
+    std::string name() const override { return paper_dynamics.name; }
 
     Eigen::Vector2d step(MeshState& s, const ContactLoad& load) noexcept override {
         const Eigen::Vector2d f =
@@ -35,8 +35,10 @@ class PaperDynamics final : public Dynamics {
 
 }  // namespace
 
-std::unique_ptr<Dynamics> make_paper_dynamics(const RealtimeMesh& mesh, const DynamicsOptions& options) {
-    return std::make_unique<PaperDynamics>(mesh, options);
-}
+const DynamicsKind paper_dynamics = {
+    "paper", -1,
+    [](const RealtimeMesh& mesh, const DynamicsOptions& options) -> std::unique_ptr<Dynamics> {
+        return std::make_unique<PaperDynamics>(mesh, options);
+    }};
 
 }  // namespace tissue

@@ -9,6 +9,9 @@ namespace {
 
 constexpr double longest_s = 0.01;   ///< that one step covers: after a pause the point goes on, it does not leap
 
+/// Farther than this a target is only a direction: its distance, times what the filter does to it, must stay a number.
+constexpr double far_m = 1e3;
+
 }  // namespace
 
 PointerDevice::PointerDevice(const Eigen::Vector2d& start_m, const DeviceMap& map, double safe_speed_m_s,
@@ -33,8 +36,11 @@ DeviceSample PointerDevice::read(double time_s) noexcept {
     target_.fetch();
     const double h = std::clamp(time_s - time_s_, 0.0, longest_s), w = 1 / settle_s_;
     time_s_ = time_s;
+    Eigen::Vector2d way = target_.front() - point_m_;
+    const double farthest = way.cwiseAbs().maxCoeff();
+    if (farthest > far_m) way *= far_m / farthest;
     // backward Euler of x'' = w^2 (target - x) - 2 w x': stable and without overshoot for any step
-    velocity_m_s_ = (velocity_m_s_ + h * w * w * (target_.front() - point_m_)) / ((1 + h * w) * (1 + h * w));
+    velocity_m_s_ = (velocity_m_s_ + h * w * w * way) / ((1 + h * w) * (1 + h * w));
     const double speed = velocity_m_s_.norm();
     if (speed > speed_m_s_) velocity_m_s_ *= speed_m_s_ / speed;
     point_m_ += h * velocity_m_s_;

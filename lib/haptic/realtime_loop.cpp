@@ -7,9 +7,13 @@
 #include <sys/resource.h>
 #include <time.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <memory>
+
+#include "haptic/running_device.h"
 
 namespace tissue {
 namespace {
@@ -65,67 +69,78 @@ void touch_stack() noexcept {
 
 }  // namespace
 
+namespace {
+
+void run(Simulation& simulation, Device& given, const LoopOptions& options, LoopReport& report) {
+    const RunningDevice device(given);
+    std::unique_ptr<RealtimeThread> realtime;
+    if (options.realtime) realtime = std::make_unique<RealtimeThread>(options.priority, report.notices);
+    touch_stack();
+    const double dt_s = simulation.model().options.dt_s;
+    const auto dt_ns = static_cast<long long>(std::llround(dt_s * 1e9));
+    const long long start = now_ns(CLOCK_MONOTONIC) + dt_ns;
+    const long long last_slot =
+        options.seconds > 0 ? static_cast<long long>(std::ceil(options.seconds / dt_s - 1e-6)) : -1;
+    long long before = -1;
+    for (long long slot = 0; last_slot < 0 || slot < last_slot; ++slot) {
+        if (options.stop && options.stop->load(std::memory_order_relaxed)) break;
+        const long long due = start + slot * dt_ns;
+        sleep_until(due);
+
+        bool wanted = true;
+        for (TickHook* hook : options.hooks) wanted = hook->before(simulation) && wanted;
+
+        // woken late: this is the tick of the period that is now, and says how long ago the last one was
+        const long long began = now_ns(CLOCK_MONOTONIC), cpu_began = now_ns(CLOCK_THREAD_CPUTIME_ID);
+        const long long late = (began - due) / dt_ns;
+        slot += late;
+        report.misses += late;
+        if (last_slot >= 0 && slot >= last_slot) break;
+
+        // the tick
+        TickBooks books;
+        books.time_s = static_cast<double>(slot) * dt_s;
+        books.left_out = !wanted;
+        if (wanted) {
+            const DeviceSample sample = device->read(books.time_s);
+            const Eigen::Vector3d force = simulation.tick(sample, static_cast<double>(slot - before) * dt_s);
+            device->write(force);
+        } else
+            device->write(simulation.stand_still());
+        const long long ended = now_ns(CLOCK_MONOTONIC);
+
+        // its place in the books
+        books.tick_us = 1e-3 * static_cast<double>(ended - began);
+        books.lateness_us = 1e-3 * static_cast<double>(began - due);
+        if (wanted) {
+            ++report.ticks;
+            report.tick_us.add(books.tick_us);
+            report.lateness_us.add(books.lateness_us);
+            before = slot;
+        }
+        const long long over = (ended - due) / dt_ns - late;
+        if (over > 0) {
+            report.misses += over;
+            report.misses_program += std::min(over, (now_ns(CLOCK_THREAD_CPUTIME_ID) - cpu_began) / dt_ns);
+            slot += over;
+        }
+        books.ticks = report.ticks;
+        books.misses = report.misses;
+        books.misses_program = report.misses_program;
+        for (TickHook* hook : options.hooks) hook->after(simulation, books);
+        if (device->finished()) break;
+    }
+}
+
+}  // namespace
+
 LoopReport run_loop(Simulation& simulation, Device& device, const LoopOptions& options) {
     LoopReport report;
-    device.start();
-    {
-        std::vector<std::string> notices;
-        std::unique_ptr<RealtimeThread> realtime;
-        if (options.realtime) realtime = std::make_unique<RealtimeThread>(options.priority, notices);
-        touch_stack();
-        const double dt_s = simulation.model().options.dt_s;
-        const auto dt_ns = static_cast<long long>(std::llround(dt_s * 1e9));
-        const long long start = now_ns(CLOCK_MONOTONIC) + dt_ns;
-        const long long last_slot =
-            options.seconds > 0 ? static_cast<long long>(std::ceil(options.seconds / dt_s - 1e-6)) : -1;
-        long long before = -1;
-        for (long long slot = 0; last_slot < 0 || slot < last_slot;) {
-            if (options.stop && options.stop->load(std::memory_order_relaxed)) break;
-            const long long due = start + slot * dt_ns;
-            sleep_until(due);
-
-            bool wanted = true;
-            for (TickHook* hook : options.hooks) wanted = hook->before(simulation) && wanted;
-
-            // the tick
-            const long long began = now_ns(CLOCK_MONOTONIC), cpu_began = now_ns(CLOCK_THREAD_CPUTIME_ID);
-            TickBooks books;
-            books.time_s = static_cast<double>(slot) * dt_s;
-            books.left_out = !wanted;
-            if (wanted) {
-                const DeviceSample sample = device.read(books.time_s);
-                const Eigen::Vector3d force = simulation.tick(sample, static_cast<double>(slot - before) * dt_s);
-                device.write(force);
-            } else
-                device.write(simulation.stand_still());
-            const long long ended = now_ns(CLOCK_MONOTONIC);
-
-            // its place in the books
-            books.tick_us = 1e-3 * static_cast<double>(ended - began);
-            books.lateness_us = 1e-3 * static_cast<double>(began - due);
-            if (wanted) {
-                ++report.ticks;
-                report.tick_us.add(books.tick_us);
-                report.lateness_us.add(books.lateness_us);
-                before = slot;
-            }
-            ++slot;
-            const long long over = (ended - due) / dt_ns;
-            if (over > 0) {
-                report.misses += over;
-                report.misses_program += std::min(over, (now_ns(CLOCK_THREAD_CPUTIME_ID) - cpu_began) / dt_ns);
-                slot += over;
-            }
-            books.ticks = report.ticks;
-            books.misses = report.misses;
-            books.misses_program = report.misses_program;
-            for (TickHook* hook : options.hooks) hook->after(simulation, books);
-            if (device.finished()) break;
-        }
-        device.write(Eigen::Vector3d::Zero());
-        report.notices = notices;
+    try {
+        run(simulation, device, options, report);
+    } catch (...) {
+        throw;  // where nobody above catches, the stack would not be unwound, nor the device stopped
     }
-    device.stop();
     return report;
 }
 

@@ -29,8 +29,9 @@ struct LoopReport {
 };
 
 /// Ticks at an absolute rate until the time is up: device position in, simulation, device force out. A tick that comes
-/// so late that periods have ended is a miss for each of them; the schedule stays where it was. The force is zero
-/// before this returns, however it ends. Set-up and report are the caller's; nothing is printed here.
+/// so late that periods have ended is a miss for each of them, and takes the place of the period that it begins in; the
+/// schedule stays where it was. The force is zero and the device stopped before this returns or throws what the device's
+/// start(), set-up or a hook threw. Set-up and report are the caller's; nothing is printed here.
 LoopReport run_loop(Simulation& simulation, Device& device, const LoopOptions& options);
 
 }  // namespace tissue

@@ -6,11 +6,24 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 
 #include "haptic/device_error.h"
 
 namespace tissue {
+
+const DeviceKind RemoteDevice::kind = {
+    "remote",
+    {{"port", "number", "47474", "of remote: UDP, on this machine alone", false,
+      [](const std::string& text) -> std::string {
+          char* end = nullptr;
+          const long port = std::strtol(text.c_str(), &end, 10);
+          return !text.empty() && *end == '\0' && port >= 0 && port <= 65535 ? "" : "wanted a number from 0 to 65535, not " + text;
+      }}},
+    [](const DeviceValues& v, const DeviceContext&) -> std::unique_ptr<Device> {
+        return std::make_unique<RemoteDevice>(std::stoi(v.at("port")));
+    }};
 
 RemoteDevice::RemoteDevice(int port) {
     socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "haptic/device.h"
+#include "haptic/device_kinds.h"
 
 namespace tissue {
 
@@ -14,7 +14,8 @@ namespace tissue {
 ///   out, 48 bytes: char magic[4] "TSF1", uint32 sequence of the newest position used, float64 age_s of it,
 ///                  float64 force_N[3], float64 tick
 /// A force goes back in every tick to whoever sent last. Sequence numbers ascend by one from any start; older ones
-/// are `late` and not used, gaps are `lost`, anything else is `foreign`. Client: scripts/remote_device.py.
+/// are `late` and not used, gaps are `lost`, anything else is `foreign`. Its motors are the client's: it lets go of a
+/// force when none has come for three quarters of force_held_s, as scripts/remote_device.py does.
 struct PositionDatagram {
     char magic[4];
     std::uint32_t sequence;
@@ -29,13 +30,15 @@ static_assert(sizeof(PositionDatagram) == 48 && sizeof(ForceDatagram) == 48, "da
 
 class RemoteDevice final : public Device {
    public:
+    static const DeviceKind kind;
+
     /// port 0: any that is free; port() says which. Throws DeviceError.
     explicit RemoteDevice(int port);
     ~RemoteDevice() override;
     RemoteDevice(const RemoteDevice&) = delete;
     RemoteDevice& operator=(const RemoteDevice&) = delete;
 
-    std::string name() const override { return "remote"; }
+    std::string name() const override { return kind.name; }
     DeviceSample read(double time_s) noexcept override;
     void write(const Eigen::Vector3d& force_N) noexcept override;
     std::vector<std::pair<std::string, double>> ledger() const override;

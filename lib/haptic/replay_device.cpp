@@ -26,6 +26,13 @@ std::vector<std::string> split(const std::string& line) {
 
 }  // namespace
 
+const DeviceKind ReplayDevice::kind = {
+    "replay",
+    {{"trajectory", "FILE", "", "of replay: CSV or a recording", true}},
+    [](const DeviceValues& v, const DeviceContext&) -> std::unique_ptr<Device> {
+        return std::make_unique<ReplayDevice>(v.at("trajectory"));
+    }};
+
 ReplayDevice::ReplayDevice(const std::string& file) {
     const bool recording = file.size() > 3 && file.compare(file.size() - 3, 3, ".h5") == 0;
     recording ? read_recording(file) : read_csv(file);

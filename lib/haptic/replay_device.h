@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "haptic/device.h"
+#include "haptic/device_kinds.h"
 
 namespace tissue {
 
@@ -12,10 +12,12 @@ namespace tissue {
 /// are the reference: the ledger says how far ours are from them.
 class ReplayDevice final : public Device {
    public:
+    static const DeviceKind kind;
+
     /// Throws FileError with file, line and cause, DeviceError when there is nothing in it.
     explicit ReplayDevice(const std::string& file);
 
-    std::string name() const override { return "replay"; }
+    std::string name() const override { return kind.name; }
     DeviceSample read(double time_s) noexcept override;
     void write(const Eigen::Vector3d& force_N) noexcept override;
     bool finished() const noexcept override { return finished_; }

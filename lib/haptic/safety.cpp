@@ -9,11 +9,42 @@ namespace {
 /// Not worth a damping: a press of the weakest tissue here stores ten thousand times as much.
 constexpr double negligible_J = 1e-9;
 
+constexpr double rounding = 1 + 1e-9;
+
+/// The same direction, no longer than `most`.
+Eigen::Vector3d within(const Eigen::Vector3d& v, double most) noexcept {
+    const double length = v.stableNorm();
+    return length > most ? Eigen::Vector3d(v * (most / length)) : v;
+}
+
 }  // namespace
 
+double Safety::worst_release_J(double force_N) const noexcept {
+    return o_.speed_max_m_s * force_N * (force_N / (2 * o_.slew_N_s) + o_.dt_s);
+}
+
+double Safety::releasable_N(double energy_J) const noexcept {
+    const double left = std::max(0.0, energy_J) / (o_.speed_max_m_s * o_.slew_N_s);
+    return 2 * left * o_.slew_N_s / (o_.dt_s + std::sqrt(o_.dt_s * o_.dt_s + 2 * left));
+}
+
+/// The device has let go, nobody knows when nor where the hand was then.
+void Safety::let_go(double elapsed_s) noexcept {
+    const double worst = force_N_.norm() * o_.speed_max_m_s * std::min(elapsed_s, force_held_s);
+    ++counters_.late;
+    counters_.energy_given_J += worst;
+    observed_J_ += worst;
+    force_N_.setZero();
+}
+
 bool Safety::admit(const DeviceSample& sample, double elapsed_s) noexcept {
+    elapsed_s_ = std::max(0.0, elapsed_s);
     motion_m_.setZero();
-    since_good_s_ += elapsed_s;
+    since_good_s_ += elapsed_s_;
+    if (!force_N_.isZero(0)) {
+        lateness_ = std::max(lateness_, std::min(elapsed_s_, force_held_s) / o_.dt_s);
+        if (elapsed_s_ > force_held_s / 2 * rounding) let_go(elapsed_s_);
+    }
     if (!sample.valid || !sample.position_m.allFinite()) {
         ++counters_.bad_input;
         return false;
@@ -23,51 +54,55 @@ bool Safety::admit(const DeviceSample& sample, double elapsed_s) noexcept {
         return false;
     }
     const Eigen::Vector3d motion = sample.position_m - position_m_;
-    const double farthest = o_.speed_max_m_s * std::max(since_good_s_, o_.dt_s) * (1 + 1e-9);
-    const bool jump = has_position_ && !(motion.norm() <= farthest);
+    const double time = std::max(since_good_s_, o_.dt_s);
+    const bool jump = has_position_ && !(motion.norm() <= o_.speed_max_m_s * time * rounding);
     position_m_ = sample.position_m;
     since_good_s_ = 0;
     if (jump) {
         ++counters_.jump;
         return false;
     }
-    if (has_position_) motion_m_ = motion;
+    if (has_position_) {
+        motion_m_ = motion * (o_.dt_s / time);
+        const double given = force_N_.dot(motion);
+        counters_.energy_given_J += given;
+        observed_J_ += given;
+    }
     has_position_ = true;
-    const double given = force_N_.dot(motion_m_);
-    counters_.energy_given_J += given;
-    observed_J_ += given;
     return true;
 }
 
 Eigen::Vector3d Safety::limit(const Eigen::Vector3d& wanted_N) noexcept {
-    Eigen::Vector3d force = wanted_N;
-    if (!force.allFinite()) force.setZero();
-
-    const Eigen::Vector3d change = force - force_N_;
-    const double step = o_.slew_N_s * o_.dt_s;
-    if (change.norm() > step) {
-        force = force_N_ + change * (step / change.norm());
-        ++counters_.slewed;
-    }
-    if (force.norm() > o_.force_max_N) {
-        force *= o_.force_max_N / force.norm();
+    Eigen::Vector3d wanted = wanted_N;
+    if (!wanted.allFinite()) wanted.setZero();
+    if (wanted.stableNorm() > o_.force_max_N) {
+        wanted = within(wanted, o_.force_max_N);
         ++counters_.clamped;
     }
+    double most = o_.force_max_N;
     if (o_.passivity) {
         // observer: what will have been given if the hand goes on as it did; controller: damp just that away
-        const double surplus = observed_J_ + force.dot(motion_m_), motion2 = motion_m_.squaredNorm();
+        const double surplus = observed_J_ + wanted.dot(motion_m_), motion2 = motion_m_.squaredNorm();
         if (surplus > negligible_J && motion2 > 1e-18) {
-            force -= std::min(surplus / motion2, o_.damping_max_Ns_m / o_.dt_s) * motion_m_;
+            wanted -= std::min(surplus / motion2, o_.damping_max_Ns_m / o_.dt_s) * motion_m_;
             ++counters_.damped;
         }
-        const double cap = o_.force_max_N - std::max(0.0, observed_J_) / (o_.speed_max_m_s * o_.dt_s);
-        if (force.norm() > cap) force *= std::max(0.0, cap) / force.norm();
-    } else if (force.norm() > o_.force_max_N) {
-        force *= o_.force_max_N / force.norm();
+        if (observed_J_ > 0) most = std::min(most, releasable_N(bound_J() - observed_J_ / lateness_));
     }
-    if (!force.allFinite()) force.setZero();
-    counters_.force_max_N = std::max(counters_.force_max_N, force.norm());
-    return force_N_ = force;
+    wanted = within(wanted, most);
+
+    // first as short as it must be, as far as slew lets it; then with what is left of slew toward what is wanted. Both
+    // lie in one ball, so the way between them does
+    const double before = force_N_.norm(), step = o_.slew_N_s * o_.dt_s;
+    const double kept = std::min(before, std::max(most, before - step));
+    const double left = std::max(0.0, o_.slew_N_s * std::min(elapsed_s_, o_.dt_s) - (before - kept));
+    const Eigen::Vector3d from = within(force_N_, kept), change = wanted - from;
+    if (change.norm() > left) ++counters_.slewed;
+    force_N_ = from + within(change, left);
+
+    if (observed_J_ + worst_release_J(force_N_.norm()) <= bound_J()) lateness_ = 1;
+    counters_.force_max_N = std::max(counters_.force_max_N, force_N_.norm());
+    return force_N_;
 }
 
 Eigen::Vector3d Safety::stop() noexcept {

@@ -20,6 +20,7 @@ struct SafetyCounters {
     long long bad_input = 0;   ///< not finite, or the device reported an error
     long long jump = 0;        ///< master moved by more than speed_max in one tick
     long long stale = 0;       ///< position too old
+    long long late = 0;        ///< ticks so late that the device had let go of the force: it begins again at zero
     long long clamped = 0;     ///< wanted force above force_max
     long long slewed = 0;      ///< change of force cut to slew
     long long damped = 0;      ///< passivity controller at work
@@ -27,18 +28,37 @@ struct SafetyCounters {
     double energy_given_J = 0; ///< to the hand since the start, over all measured motion; negative: the hand gave
 };
 
-/// The last stage of a tick, at the device's port. A force goes out only finite and within force_max, changes by at
-/// most slew a tick, and keeps the port passive: a time-domain passivity observer and controller after Hannaford and
-/// Ryu (IEEE Trans. Robotics and Automation 18(1), 2002). A force F is held for one tick while the hand moves by
-/// dx, so the port gives exactly F dx.
+/// The last stage of a tick, at the device's port. With F_n the force that goes out in tick n and dt the period:
 ///
-/// Energy given is at most energy taken plus force_max * speed_max * dt at every tick, by construction: the
-/// controller damps as soon as the observer E shows a surplus, and the force is also capped at
-/// force_max - E / (speed_max dt), so that the worst motion of the next tick cannot pass the bound. The motion of a
-/// fault, which nobody measured, is not counted. Credit is forgotten when contact ends, debt is not.
+///   1. A fault makes the force zero at once, and so does whoever stops it. A tick that comes later than half of
+///      force_held_s finds that the device has let go: F_{n-1} counts as zero from there on.
+///   2. |F_n - F_{n-1}| <= slew dt.
+///   3. |F_n| <= force_max.
+///   4. E_n <= r_n B where `passivity` is on; see below.
+///   5. |F_n - F_{n-1}| <= slew times the time since tick n - 1 where that is less than dt.
+///   6. Where the observer E_n shows a surplus, the force is damped to take it back: the time-domain passivity observer
+///      and controller of Hannaford and Ryu (IEEE Trans. Robotics and Automation 18(1), 2002).
+///   7. The wanted force.
+///
+/// This is their order: where two disagree, the one that stands higher is kept. The first four never disagree, but that
+/// a fault breaks the second.
+///
+/// Energy. A force is held for one tick while the hand moves by dx, so the port gives exactly F dx. E_n is the sum of
+/// that, credit of ended contacts left out. A tick that finds its force let go books the worst instead. The motion of a
+/// fault, which nobody measured, is not counted. With
+///     W(F) = speed_max F (F / (2 slew) + dt),     B = W(force_max)
+/// where W is at least what the fastest hand gets out of a force that comes down by slew dt a tick, ticks on time,
+///     E_n + r_n W(|F_n|) <= r_n B     at every tick, so E_n <= r_n B.
+/// r_n >= 1 is the longest time between two ticks, in periods, since E + W was last within B: 1 while ticks are on time
+/// (a tick that comes early counts as a whole one), and never more than force_held_s / dt. By default B = 0.028 J and
+/// r B <= 0.28 J, forever: later ticks do not add up.
+/// Construction: when tick n + 1 comes after r dt at most, the hand has moved by speed_max r dt at most, or it is a
+/// fault: E grows by |F_n| speed_max r dt at most. Then |F_{n+1}| is at most the C with r W(C) = r B - E_{n+1}, which is
+/// the inequality; or, where |F_n| is more than slew dt above C, it is |F_n| - slew dt or zero, and r W has fallen by at
+/// least |F_n| speed_max r dt.
 class Safety {
    public:
-    explicit Safety(const SafetyOptions& options) : o_(options) {}
+    explicit Safety(const SafetyOptions& options) : o_(options), elapsed_s_(options.dt_s) {}
 
     /// Looks at a new sample before anything uses it, and books the energy of the tick behind. False: a fault, counted
     /// once by its kind; stop() must follow. elapsed_s: since the last call (ticks that were missed make it longer).
@@ -57,18 +77,25 @@ class Safety {
 
     const SafetyCounters& counters() const { return counters_; }
     const Eigen::Vector3d& force_N() const { return force_N_; }
-    double observed_J() const { return observed_J_; }
-    double bound_J() const { return o_.force_max_N * o_.speed_max_m_s * o_.dt_s; }
+    double observed_J() const { return observed_J_; }                       ///< E
+    double bound_J() const { return worst_release_J(o_.force_max_N); }      ///< B, ticks on time
+    double lateness() const { return lateness_; }                           ///< r
 
    private:
+    double worst_release_J(double force_N) const noexcept;   ///< W
+    double releasable_N(double energy_J) const noexcept;     ///< its inverse
+    void let_go(double elapsed_s) noexcept;
+
     SafetyOptions o_;
     SafetyCounters counters_;
-    Eigen::Vector3d force_N_ = Eigen::Vector3d::Zero();     ///< that went out last
+    Eigen::Vector3d force_N_ = Eigen::Vector3d::Zero();     ///< that went out last, and is still there
     Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero();  ///< last good one
-    Eigen::Vector3d motion_m_ = Eigen::Vector3d::Zero();    ///< of the tick behind
+    Eigen::Vector3d motion_m_ = Eigen::Vector3d::Zero();    ///< in one period, as the hand moved in the tick behind
     bool has_position_ = false;
+    double elapsed_s_;                                      ///< of the tick behind
     double since_good_s_ = 0;
-    double observed_J_ = 0;                                 ///< E: energy given, credit of ended contacts left out
+    double observed_J_ = 0;
+    double lateness_ = 1;
 };
 
 }  // namespace tissue

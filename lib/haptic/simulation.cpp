@@ -65,6 +65,12 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
         throw MismatchError("the limits of force, slew and speed must be positive");
     if (!(o.map.scale > 0) || !(std::abs(o.map.force_scale) > 0) || !std::isfinite(o.map.force_scale))
         throw MismatchError("the scales of the device must not be zero");
+    if (!(o.safety.stale_s > 0) || !(o.safety.damping_max_Ns_m >= 0))
+        throw MismatchError("the oldest position must be older than now, and the damping not negative");
+    if (!(o.dt_s <= force_held_s / 2))
+        throw MismatchError(fmt::format("dt must be at most {:g} s: a device may let go of an older force", force_held_s / 2));
+    if (!std::isfinite(o.place_m) || !o.map.offset_m.allFinite() || !model.mesh.nodes.allFinite())
+        throw MismatchError("positions of nodes, of the second mesh and of the device must be finite");
     o.safety.dt_s = o.dt_s;
     low_m = model.mesh.nodes.colwise().minCoeff();
     high_m = model.mesh.nodes.colwise().maxCoeff();
@@ -89,7 +95,7 @@ Simulation::Simulation(const HapticModel& model) : model_(model), safety_(model.
     }
     sets_.count = 1;
     sets_.weight[0] = 1;
-    move_outlines();
+    place_outlines();
 }
 
 void Simulation::reset() noexcept {
@@ -99,7 +105,7 @@ void Simulation::reset() noexcept {
         state.acceleration.setZero();
         state.theta_changed = true;
     }
-    move_outlines();
+    place_outlines();
     contact_ = {};
     touched_ = -1;
     armed_ = false;
@@ -107,14 +113,16 @@ void Simulation::reset() noexcept {
 
 Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) noexcept {
     const HapticOptions& o = model_.options;
+    const TickRecord last = record_;
     ++counters_.ticks;
-    record_.time_s += o.dt_s;
-    record_.fault = false;
+    record_ = {};
+    record_.time_s = last.time_s + o.dt_s;
+    record_.device_m = sample.position_m.allFinite() ? sample.position_m : last.device_m;
+    record_.master_m = last.master_m;
 
     // device position
     if (!safety_.admit(sample, elapsed_s > 0 ? elapsed_s : o.dt_s)) return stop(true);
     const Eigen::Vector2d master = o.map.to_plane(sample.position_m);
-    record_.device_m = sample.position_m;
     record_.master_m = master;
 
     // 4.2 collision detection
@@ -122,7 +130,7 @@ Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) n
     if (!find_contact(master)) return stop(false);
 
     // 4.3 selection of mesh constants, and their moving average (18)-(19)
-    if (contact_.pressing) select_set();
+    if (contact_.pressing) select_set(-last.coupling_N);
     average_stiffness();
 
     // 4.1 deformation, with the coupling force of 4.2 on the segment's end nodes, on every mesh alike (4.4)
@@ -139,9 +147,8 @@ Eigen::Vector3d Simulation::stand_still() noexcept {
     return record_.device_N = safety_.stop();
 }
 
-/// Outlines to where the meshes are. False when there is no inside: an outline crosses itself, or is not finite.
-bool Simulation::move_outlines() noexcept {
-    bool sound = true;
+/// Outlines to where the meshes are.
+void Simulation::place_outlines() noexcept {
     for (std::size_t m = 0; m < states_.size(); ++m) {
         const HapticMesh& mesh = *model_.meshes[m];
         const std::vector<int>& nodes = mesh.springs.outline();
@@ -149,16 +156,27 @@ bool Simulation::move_outlines() noexcept {
             outlines_[m].set(static_cast<int>(b), mesh.place_m + (mesh.springs.rest().row(nodes[b]) +
                                                                   states_[m].displacement.row(nodes[b])).transpose());
         outlines_[m].refresh();
-        if (!(std::abs(outlines_[m].checksum()) < 1e6)) {
-            ++counters_.unstable;
-            reset();
-            return false;
-        }
-        if (!outlines_[m].simple()) {
+    }
+}
+
+/// The same, and false when there is no inside: a mesh has flown apart, or an outline crosses itself.
+bool Simulation::move_outlines() noexcept {
+    constexpr double apart_m = 1e6;
+    for (std::size_t m = 0; m < states_.size(); ++m) {
+        double moved = 0;
+        for (int node : model_.meshes[m]->springs.outline()) moved += states_[m].displacement.row(node).cwiseAbs().sum();
+        if (moved < apart_m) continue;
+        ++counters_.unstable;
+        reset();
+        return false;
+    }
+    place_outlines();
+    bool sound = true;
+    for (MovingOutline& outline : outlines_)
+        if (!outline.simple()) {
             ++counters_.folded;
             sound = false;
         }
-    }
     return sound;
 }
 
@@ -170,7 +188,8 @@ bool Simulation::find_contact(const Eigen::Vector2d& master_m) noexcept {
     } else if (touched_ >= 0) {
         const int left = touched_;
         ContactState from = contact_;
-        update_contact(outlines_[static_cast<std::size_t>(left)], master_m, contact_);
+        const ContactRow row = update_contact(outlines_[static_cast<std::size_t>(left)], master_m, contact_);
+        if (row == ContactRow::swallowed_release) begin_contact(left);  // at another place of the same outline
         from.contact = false;
         if (!contact_.contact) look_for_contact(from, left, master_m);
     } else {
@@ -186,6 +205,13 @@ bool Simulation::find_contact(const Eigen::Vector2d& master_m) noexcept {
     return true;
 }
 
+/// A contact at a new place: it has its own stiffness, and selects its sets by itself.
+void Simulation::begin_contact(int mesh) noexcept {
+    touched_ = mesh;
+    new_contact_ = true;
+    coupling_N_m_ = model_.options.coupling_ratio * model_.stiffness->at(contact_.where.segment, contact_.where.w);
+}
+
 /// A free proxy, on its way from where it was to the master, against every mesh but the one it has just left.
 void Simulation::look_for_contact(const ContactState& from, int left, const Eigen::Vector2d& master_m) noexcept {
     for (std::size_t m = 0; m < outlines_.size(); ++m) {
@@ -193,10 +219,7 @@ void Simulation::look_for_contact(const ContactState& from, int left, const Eige
         contact_ = from;
         update_contact(outlines_[m], master_m, contact_);
         if (!contact_.contact) continue;
-        touched_ = static_cast<int>(m);
-        new_contact_ = true;
-        coupling_N_m_ = model_.options.coupling_ratio * model_.stiffness->at(contact_.where.segment, contact_.where.w);
-        return;
+        return begin_contact(static_cast<int>(m));
     }
 }
 
@@ -214,11 +237,11 @@ void Simulation::wait_for_outside(const Eigen::Vector2d& master_m) noexcept {
     contact_.has_proxy = true;
 }
 
-/// 4.3: from where the contact is and how far the learned mesh gave way there (or the force on it), averaged with (19)'s
+/// 4.3: from where the contact is and how far the learned mesh gave way there (or the force on it a tick ago), averaged with (19)'s
 /// own gamma. Stiffness that follows a swinging contact late feeds its swing: (19) alone is a quarter of a period late
 /// above a few hertz, where that feeds most, and outdoes the damping at about 100 Hz. Two averages in a row are half a
 /// period late, where it feeds nothing.
-void Simulation::select_set() noexcept {
+void Simulation::select_set(const Eigen::Vector2d& on_tissue_N) noexcept {
     const RealtimeMesh& springs = model_.meshes[0]->springs;
     const auto b = static_cast<std::size_t>(contact_.where.segment);
     const double w = contact_.where.w;
@@ -226,7 +249,7 @@ void Simulation::select_set() noexcept {
     const Eigen::Vector2d displacement =
         (1 - w) * states_[0].displacement.row(i) + w * states_[0].displacement.row(j);
     const bool by_force = model_.options.selector.by == SelectorOptions::By::force;
-    const Eigen::Vector2d push = by_force ? Eigen::Vector2d(-record_.coupling_N) : displacement;
+    const Eigen::Vector2d push = by_force ? on_tissue_N : displacement;
     selected_by_ += (new_contact_ ? 1 : model_.options.innovation) * (push - selected_by_);
     new_contact_ = false;
     sets_ = model_.selector->select(contact_.where.segment, w, selected_by_);
@@ -251,12 +274,12 @@ void Simulation::average_stiffness() noexcept {
 Eigen::Vector2d Simulation::step_meshes(const Eigen::Vector2d& master_m) noexcept {
     ContactLoad load;
     const auto touched = static_cast<std::size_t>(std::max(touched_, 0));
-    record_.mesh = contact_.pressing ? touched_ : -1;
-    record_.segment = contact_.pressing ? contact_.where.segment : -1;
-    record_.w = contact_.where.w;
     record_.proxy_m = contact_.proxy_m;
     record_.set = sets_.set[static_cast<std::size_t>(std::max_element(sets_.weight.begin(), sets_.weight.begin() + sets_.count) - sets_.weight.begin())];
     if (contact_.pressing) {
+        record_.mesh = touched_;
+        record_.segment = contact_.where.segment;
+        record_.w = contact_.where.w;
         const std::vector<int>& outline = model_.meshes[touched]->springs.outline();
         const auto b = static_cast<std::size_t>(contact_.where.segment);
         load.node[0] = outline[b];
@@ -283,7 +306,6 @@ Eigen::Vector3d Simulation::stop(bool fault) noexcept {
     armed_ = false;
     average_stiffness();
     step_meshes(record_.master_m);
-    record_.coupling_N.setZero();
     record_.device_N = safety_.stop();
     return record_.device_N;
 }

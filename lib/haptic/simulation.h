@@ -58,11 +58,14 @@ struct HapticModel {
     Eigen::Vector2d low_m, high_m;                    ///< box of the learned mesh at rest
 };
 
-/// What a tick leaves behind, for the recorder, the page and the tests.
+/// What a tick leaves behind, for the recorder, the page and the tests. Nothing in it is older than the tick, but where
+/// it says so; what belongs to a contact is as it is here while nothing is pressed.
 struct TickRecord {
     double time_s = 0;
-    Eigen::Vector3d device_m = Eigen::Vector3d::Zero(), device_N = Eigen::Vector3d::Zero();
-    Eigen::Vector2d master_m = Eigen::Vector2d::Zero(), proxy_m = Eigen::Vector2d::Zero();
+    Eigen::Vector3d device_m = Eigen::Vector3d::Zero();  ///< as the device gave it; where not finite, the last that was
+    Eigen::Vector3d device_N = Eigen::Vector3d::Zero();
+    Eigen::Vector2d master_m = Eigen::Vector2d::Zero();  ///< of the last position that was not refused
+    Eigen::Vector2d proxy_m = Eigen::Vector2d::Zero();   ///< the master where there is no contact
     Eigen::Vector2d contact_displacement_m = Eigen::Vector2d::Zero();  ///< x_p - X_p of the learned mesh
     Eigen::Vector2d coupling_N = Eigen::Vector2d::Zero();              ///< f = k_C (x_p - x_m), before safety
     int mesh = -1;                ///< pressed mesh, -1 none
@@ -75,7 +78,7 @@ struct TickRecord {
 struct HapticCounters {
     long long ticks = 0;
     long long folded = 0;         ///< outline not simple, or two meshes over each other: no inside, no force
-    long long unstable = 0;       ///< mesh positions not finite: mesh put to rest
+    long long unstable = 0;       ///< displacement of an outline not finite, or over 1000 km: meshes put to rest
     long long unarmed = 0;        ///< inside tissue, but the master has not been outside since the start or a fault
 };
 
@@ -105,11 +108,13 @@ class Simulation {
     void reset() noexcept;
 
    private:
+    void place_outlines() noexcept;
     bool move_outlines() noexcept;
     bool find_contact(const Eigen::Vector2d& master_m) noexcept;
+    void begin_contact(int mesh) noexcept;
     void look_for_contact(const ContactState& from, int left, const Eigen::Vector2d& master_m) noexcept;
     void wait_for_outside(const Eigen::Vector2d& master_m) noexcept;
-    void select_set() noexcept;
+    void select_set(const Eigen::Vector2d& on_tissue_N) noexcept;
     void average_stiffness() noexcept;
     Eigen::Vector2d step_meshes(const Eigen::Vector2d& master_m) noexcept;
     Eigen::Vector3d stop(bool fault) noexcept;

@@ -23,7 +23,7 @@ class SymplecticDynamics final : public Dynamics {
     SymplecticDynamics(const RealtimeMesh& mesh, const DynamicsOptions& options)
         : mesh_(mesh), o_(options), keep_(1 / (1 + options.dt_s * options.damping_1_s)),
           gain_(options.dt_s * keep_ * mesh.inverse_mass()) {}
-    std::string name() const override { return "symplectic"; }
+    std::string name() const override { return symplectic_dynamics.name; }
 
     Eigen::Vector2d step(MeshState& s, const ContactLoad& load) noexcept override {
         const Eigen::Vector2d f =
@@ -47,8 +47,10 @@ class SymplecticDynamics final : public Dynamics {
 
 }  // namespace
 
-std::unique_ptr<Dynamics> make_symplectic_dynamics(const RealtimeMesh& mesh, const DynamicsOptions& options) {
-    return std::make_unique<SymplecticDynamics>(mesh, options);
-}
+const DynamicsKind symplectic_dynamics = {
+    "symplectic", 1.8,
+    [](const RealtimeMesh& mesh, const DynamicsOptions& options) -> std::unique_ptr<Dynamics> {
+        return std::make_unique<SymplecticDynamics>(mesh, options);
+    }};
 
 }  // namespace tissue

@@ -13,16 +13,16 @@ struct TickBooks {
 };
 
 /// Someone who comes along with every tick, in its thread: a recorder, a page. Neither function allocates, locks,
-/// prints, throws or waits.
+/// prints or waits. One that throws ends the session, and the force with it.
 class TickHook {
    public:
     virtual ~TickHook() = default;
 
     /// Before the device is read. False: this tick is left out; meshes and hand stay where they are, without force.
-    virtual bool before(Simulation&) noexcept { return true; }
+    virtual bool before(Simulation&) { return true; }
 
     /// After the force has gone out.
-    virtual void after(const Simulation& simulation, const TickBooks& books) noexcept = 0;
+    virtual void after(const Simulation& simulation, const TickBooks& books) = 0;
 };
 
 }  // namespace tissue

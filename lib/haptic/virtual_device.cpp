@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <random>
 
 #include "error.h"
@@ -38,6 +39,7 @@ struct Ring {
     }
 };
 
+/// In and out at places of the free outline drawn by seed.
 std::vector<Waypoint> poke(const MotionOptions& o) {
     std::mt19937_64 random(o.seed);
     const Eigen::Vector2d margin = Eigen::Vector2d::Constant(ring_m);
@@ -85,46 +87,89 @@ std::vector<Waypoint> poke(const MotionOptions& o) {
 
 }  // namespace
 
-const std::vector<std::string>& motion_names() {
-    static const std::vector<std::string> names = {"press", "slide", "poke", "sine"};
-    return names;
-}
-
 std::vector<Waypoint> press_motion(const Eigen::Vector2d& contact_m, const Eigen::Vector2d& inward,
                                    const Eigen::Vector2d& push_m, double seconds, double inset_m) {
     const Eigen::Vector2d touch = contact_m + inset_m * inward;
     return {{0, contact_m - clearance_m * inward}, {0.25 * seconds, touch}, {seconds, touch + push_m}};
 }
 
+namespace {
+
+Eigen::Vector2d middle_of_top(const MotionOptions& o) {
+    return {0.5 * (o.low_m.x() + o.high_m.x()), o.high_m.y()};
+}
+
+/// Into the middle of the top, and stay.
+std::vector<Waypoint> press(const MotionOptions& o) {
+    const Eigen::Vector2d down(0, -1);
+    return press_motion(middle_of_top(o), down, o.depth_m * down, 1, 0);
+}
+
+/// From above the middle of the top through the stops, each a time and a place from there, over and over.
+std::vector<Waypoint> round(const MotionOptions& o, const std::vector<Waypoint>& stops) {
+    const Eigen::Vector2d top = middle_of_top(o);
+    std::vector<Waypoint> motion = {{0, top + Eigen::Vector2d(0, clearance_m)}};
+    while (motion.back().time_s < o.seconds)
+        for (const Waypoint& stop : stops) motion.push_back({motion.back().time_s + stop.time_s, top + stop.point_m});
+    return motion;
+}
+
+/// Into the middle of the top, then along it and back.
+std::vector<Waypoint> slide(const MotionOptions& o) {
+    const double side = 0.2 * (o.high_m - o.low_m).x();
+    return round(o, {{0.5, {0, -o.depth_m}}, {1.0, {side, -o.depth_m}}, {1.0, {-side, -o.depth_m}}, {0.5, {0, clearance_m}}});
+}
+
+/// In and out of the middle of the top at 1 Hz.
+std::vector<Waypoint> sine(const MotionOptions& o) {
+    return round(o, {{0.5, {0, -o.depth_m}}, {0.5, {0, clearance_m}}});
+}
+
+struct Motion {
+    const char* name;
+    std::vector<Waypoint> (*make)(const MotionOptions&);
+};
+constexpr Motion motions[] = {{"press", press}, {"slide", slide}, {"poke", poke}, {"sine", sine}};
+
+std::string not_a_motion(const std::string& name) {
+    for (const Motion& motion : motions)
+        if (name == motion.name) return "";
+    return fmt::format("motion '{}' is not known; allowed: {}", name, fmt::join(motion_names(), ", "));
+}
+
+std::string not_a_depth(const std::string& text) {
+    char* end = nullptr;
+    const double depth = std::strtod(text.c_str(), &end);
+    return !text.empty() && *end == '\0' && depth > 0 && std::isfinite(depth) ? "" : "wanted a positive number, not " + text;
+}
+
+}  // namespace
+
+const std::vector<std::string>& motion_names() {
+    static const std::vector<std::string> names = [] {
+        std::vector<std::string> list;
+        for (const Motion& motion : motions) list.push_back(motion.name);
+        return list;
+    }();
+    return names;
+}
+
 std::vector<Waypoint> make_motion(const MotionOptions& o) {
     if (!(o.depth_m > 0) || !(o.seconds > 0)) throw MismatchError("a motion needs a positive depth and time");
-    const Eigen::Vector2d top(0.5 * (o.low_m.x() + o.high_m.x()), o.high_m.y()), down(0, -1);
-    const double side = 0.2 * (o.high_m - o.low_m).x();
-    if (o.name == "press") return press_motion(top, down, o.depth_m * down, 1, 0);
-    if (o.name == "poke") return poke(o);
-    std::vector<Waypoint> motion = {{0, top - clearance_m * down}};
-    const auto go = [&](double seconds, const Eigen::Vector2d& p) {
-        motion.push_back({motion.back().time_s + seconds, p});
-    };
-    if (o.name == "slide") {
-        const Eigen::Vector2d across(side, 0);
-        while (motion.back().time_s < o.seconds) {
-            go(0.5, top + o.depth_m * down);
-            go(1.0, top + o.depth_m * down + across);
-            go(1.0, top + o.depth_m * down - across);
-            go(0.5, top - clearance_m * down);
-        }
-        return motion;
-    }
-    if (o.name == "sine") {
-        while (motion.back().time_s < o.seconds) {
-            go(0.5, top + o.depth_m * down);
-            go(0.5, top - clearance_m * down);
-        }
-        return motion;
-    }
-    throw MismatchError(fmt::format("motion '{}' is not known; allowed: {}", o.name, fmt::join(motion_names(), ", ")));
+    for (const Motion& motion : motions)
+        if (o.name == motion.name) return motion.make(o);
+    throw MismatchError(not_a_motion(o.name));
 }
+
+const DeviceKind VirtualDevice::kind = {
+    "virtual",
+    {{"motion", "NAME", motions[0].name, fmt::format("of the virtual device: {}", fmt::join(motion_names(), ", ")), false, not_a_motion},
+     {"depth", "m", "0.01", "of the virtual device below the surface", false, not_a_depth}},
+    [](const DeviceValues& v, const DeviceContext& c) -> std::unique_ptr<Device> {
+        constexpr double endless_s = 3600;
+        const MotionOptions motion{v.at("motion"), c.seconds > 0 ? c.seconds : endless_s, std::stod(v.at("depth")), c.seed, c.low_m, c.high_m};
+        return std::make_unique<VirtualDevice>(make_motion(motion), c.map);
+    }};
 
 VirtualDevice::VirtualDevice(std::vector<Waypoint> motion, const DeviceMap& map) : motion_(std::move(motion)), map_(map) {
     if (motion_.empty()) throw MismatchError("a motion without waypoints");

@@ -3,8 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "haptic/device.h"
-#include "haptic/device_map.h"
+#include "haptic/device_kinds.h"
 
 namespace tissue {
 
@@ -14,11 +13,7 @@ struct Waypoint {
     Eigen::Vector2d point_m;
 };
 
-/// Names of the motions, in the order in which messages list them.
-///   press  into the middle of the top, and stay
-///   slide  the same, then along the top and back
-///   poke   in and out at places of the free outline drawn by seed
-///   sine   in and out of the middle of the top at 1 Hz
+/// Names of the motions, in the order in which messages list them; what each does stands beside it in the .cpp.
 const std::vector<std::string>& motion_names();
 
 struct MotionOptions {
@@ -42,9 +37,10 @@ std::vector<Waypoint> press_motion(const Eigen::Vector2d& contact_m, const Eigen
 /// A hand without a body: it follows the waypoints whatever force comes.
 class VirtualDevice final : public Device {
    public:
+    static const DeviceKind kind;
     VirtualDevice(std::vector<Waypoint> motion, const DeviceMap& map);
 
-    std::string name() const override { return "virtual"; }
+    std::string name() const override { return kind.name; }
     DeviceSample read(double time_s) noexcept override;
     void write(const Eigen::Vector3d& force_N) noexcept override { force_N_ = force_N; }
     const Eigen::Vector3d& force_N() const { return force_N_; }

@@ -33,6 +33,24 @@ class Draw {
     std::mt19937_64 random_;
 };
 
+/// When the next tick comes [s]: on time, late, early, in bursts, and so late that the device has let go of the force.
+class Pace {
+   public:
+    explicit Pace(unsigned long seed) : draw_(seed) {}
+    double next(double dt_s) {
+        if (--left_ <= 0) mode_ = draw_.below(5), left_ = 1 + draw_.below(300);
+        if (mode_ == 1) return draw_.below(20) ? dt_s : dt_s * draw_(1, 5);                  // a late one now and then
+        if (mode_ == 2) return dt_s * draw_(0.3, 1.7);                                       // early and late
+        if (mode_ == 3) return draw_.below(8) ? dt_s * draw_(0, 0.05) : dt_s * draw_(3, 5);  // none, then a burst
+        if (mode_ == 4) return draw_.below(30) ? dt_s * draw_(1, 5) : dt_s * draw_(5, 2000); // always late, or gone
+        return dt_s;
+    }
+
+   private:
+    Draw draw_;
+    int mode_ = 0, left_ = 0;
+};
+
 /// How many adversarial ticks a test runs: `usual`, or TISSUE_ADVERSARIAL_TICKS where that is set (10^7 in the issue).
 long long adversarial_ticks(long long usual);
 

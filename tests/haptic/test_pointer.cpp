@@ -136,6 +136,25 @@ TEST_CASE("targets that are not finite are left out and counted; limits that are
     refusal<MismatchError>([&] { PointerDevice({nan, 0}, {}, safe); });
 }
 
+TEST_CASE("a target however far off is a direction, and the pointer comes back from it", "[pointer]") {
+    for (double far : {1e9, 1e300, 1.7e308}) {
+        PointerDevice pointer({0.01, 0.02}, {}, safe);
+        pointer.aim({far, -far});
+        Eigen::Vector3d before = pointer.read(0).position_m;
+        for (int k = 1; k < 300; ++k) {
+            const Eigen::Vector3d now = pointer.read(k * 1e-3).position_m;
+            REQUIRE(now.allFinite());
+            REQUIRE((now - before).norm() <= 0.9 * safe * 1e-3 * (1 + 1e-9));
+            before = now;
+        }
+        CHECK(before.x() - 0.01 == Approx(0.02 - before.y()));
+        CHECK(before.x() > 0.1);
+        pointer.aim({0.01, 0.02});
+        for (int k = 300; k < 1500; ++k) before = pointer.read(k * 1e-3).position_m;
+        CHECK((before - Eigen::Vector3d(0.01, 0.02, 0)).norm() < 1e-6);
+    }
+}
+
 TEST_CASE("the channel passes states at its rate, and what they hold is what the simulation holds", "[pointer]") {
     HapticOptions o;
     o.place_m = 0.2;

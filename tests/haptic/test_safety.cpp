@@ -20,6 +20,11 @@ SafetyOptions wide() {
     return o;
 }
 
+/// What the fastest hand gets out of full force that comes down at slew, ticks on time [J].
+double energy_bound(const SafetyOptions& o) {
+    return o.force_max_N * o.speed_max_m_s * (o.force_max_N / (2 * o.slew_N_s) + o.dt_s);
+}
+
 }  // namespace
 
 TEST_CASE("no force above the limit goes out, and its direction stays", "[safety]") {
@@ -108,34 +113,137 @@ TEST_CASE("a spring that hardens on the way out gives back no more than it took"
     }
 }
 
-TEST_CASE("energy out is at most energy in plus one tick's worst, whatever is wanted and however the hand moves", "[safety][adversarial]") {
-    for (double damping : {0.0, 3.0, 50.0}) {
-        SafetyOptions o;
-        o.damping_max_Ns_m = damping;
-        Safety safety(o);
-        Draw draw(7);
-        Eigen::Vector3d x(0, 0, 0), force(0, 0, 0), wanted(0, 0, 0);
-        double given = 0, worst = 0;
-        const long long ticks = adversarial_ticks(300000);
-        for (long long k = 0; k < ticks; ++k) {
-            // the worst hand there is goes with the force as fast as it may; others wander
-            Eigen::Vector3d step(draw(-1, 1), draw(-1, 1), draw(-1, 1));
-            if (draw.below(3) > 0 && force.norm() > 0) step = force;
-            const Eigen::Vector3d before = x;
-            x += step.normalized() * (draw.below(2) ? 2e-3 : draw(0, 2e-3)) * (1 - 1e-12);
-            if (k > 0) given += force.dot(x - before);
-            worst = std::max(worst, given);
-            DeviceSample sample;
-            sample.position_m = x;
-            REQUIRE(safety.admit(sample, 1e-3));
-            if (draw.below(50) == 0) wanted = 20 * Eigen::Vector3d(draw(-1, 1), draw(-1, 1), draw(-1, 1));
-            force = safety.limit(wanted);
-            REQUIRE(force.allFinite());
-            REQUIRE(force.norm() <= o.force_max_N * (1 + 1e-12));
-            if (draw.below(1000) == 0) safety.forget_credit();
+TEST_CASE("with its own defaults the force never changes by more than slew a tick, however the hand runs", "[safety]") {
+    for (double speed : {1.0, 2.0}) {
+        Safety safety{SafetyOptions{}};
+        double x = 0, most = 0, largest = 0;
+        Eigen::Vector3d before = Eigen::Vector3d::Zero();
+        for (int k = 0; k < 100; ++k) {
+            if (k >= 20) x += speed * 1e-3;  // the hand stands until there is full force, then runs with it
+            REQUIRE(safety.admit(sample_at(x, 0), 1e-3));
+            const Eigen::Vector3d now = safety.limit({3, 0, 0});
+            most = std::max(most, (now - before).norm());
+            largest = std::max(largest, now.norm());
+            before = now;
         }
-        CHECK(worst <= safety.bound_J() * (1 + 1e-9));
-        CHECK(worst > 0);
-        CHECK(safety.counters().energy_given_J == Approx(given).margin(1e-9));
+        CHECK(largest == Approx(3));
+        CHECK(most <= 0.5 * (1 + 1e-12));
+        CHECK(safety.counters().damped > 0);
     }
+}
+
+TEST_CASE("force comes down to nothing within the bound of energy, at slew, before the fastest hand", "[safety]") {
+    SafetyOptions o;
+    o.damping_max_Ns_m = 0;  // the cap alone
+    Safety safety(o);
+    double x = 0, given = 0;
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 2000; ++k) {
+        if (k >= 20) x += 2e-3 * (1 - 1e-12);
+        REQUIRE(safety.admit(sample_at(x, 0), 1e-3));
+        if (k >= 20) given += force.x() * 2e-3;
+        force = safety.limit({20, 0, 0});
+        REQUIRE(force.x() >= 0);
+        if (k == 19) REQUIRE(force.x() == Approx(3.3));
+    }
+    CHECK(given <= energy_bound(o) * (1 + 1e-9));
+    CHECK(given > 0.8 * energy_bound(o));  // the bound is near
+    CHECK(force.norm() < 1e-3);
+}
+
+TEST_CASE("a tick five periods late gives five periods' energy at most, and the hand takes that back", "[safety]") {
+    SafetyOptions o;
+    Safety safety(o);
+    double x = 0;
+    for (int k = 0; k < 20; ++k) {
+        REQUIRE(safety.admit(sample_at(x, 0), 1e-3));
+        safety.limit({3.3, 0, 0});
+    }
+    REQUIRE(safety.force_N().x() == Approx(3.3));
+    x += 1.9 * 5e-3;  // as late as a force may be held
+    REQUIRE(safety.admit(sample_at(x, 0), 5e-3));
+    CHECK(safety.counters().energy_given_J == Approx(3.3 * 1.9 * 5e-3));
+    CHECK(safety.counters().energy_given_J <= safety.lateness() * safety.bound_J());
+    CHECK(safety.lateness() == Approx(5));
+    for (int k = 0; k < 100; ++k) {  // out it goes on, damped; then in against the force
+        x += k < 50 ? 0.2e-3 : -0.5e-3;
+        safety.limit({3.3, 0, 0});
+        REQUIRE(safety.admit(sample_at(x, 0), 1e-3));
+        REQUIRE(safety.observed_J() <= safety.lateness() * safety.bound_J());
+    }
+    CHECK(safety.observed_J() < 0);
+    CHECK(safety.lateness() == 1);
+}
+
+TEST_CASE("after a tick so late that the device has let go, force begins at zero and the worst is booked", "[safety]") {
+    SafetyOptions o;
+    Safety safety(o);
+    for (int k = 0; k < 20; ++k) {
+        REQUIRE(safety.admit(sample_at(0, 0), 1e-3));
+        safety.limit({3.3, 0, 0});
+    }
+    REQUIRE(safety.admit(sample_at(0, 0), 1));  // a second, in which the hand was who knows where
+    CHECK(safety.counters().late == 1);
+    CHECK(safety.counters().energy_given_J == Approx(3.3 * o.speed_max_m_s * force_held_s));
+    CHECK(safety.limit({3.3, 0, 0}).x() <= 0.5 * (1 + 1e-12));
+}
+
+TEST_CASE("ticks that come early do not add up to a faster change of force", "[safety]") {
+    SafetyOptions o;
+    Safety safety(o);
+    safety.admit(sample_at(0, 0), 1e-3);
+    for (int k = 1; k <= 20; ++k) {  // twenty ticks in one period
+        safety.admit(sample_at(0, 0), 5e-5);
+        CHECK(safety.limit({3, 0, 0}).x() <= 500 * 5e-5 * k * (1 + 1e-9));
+    }
+}
+
+TEST_CASE("energy, size and change of force keep their bounds, whatever is wanted, however the hand moves and whenever the tick comes", "[safety][adversarial]") {
+    for (double damping : {0.0, 3.0, 50.0})
+        for (bool on_time : {true, false}) {
+            SafetyOptions o;
+            o.damping_max_Ns_m = damping;
+            Safety safety(o);
+            Draw draw(7);
+            Pace pace(8);
+            Eigen::Vector3d x(0, 0, 0), force(0, 0, 0), wanted(0, 0, 0);
+            double given = 0, worst = 0, longest = o.dt_s;
+            const long long ticks = adversarial_ticks(300000) / 2;
+            for (long long k = 0; k < ticks; ++k) {
+                const double elapsed = on_time ? o.dt_s : pace.next(o.dt_s), reach = o.speed_max_m_s * std::max(elapsed, o.dt_s);
+                // the worst hand there is goes with the force as fast as it may; others wander
+                Eigen::Vector3d step(draw(-1, 1), draw(-1, 1), draw(-1, 1));
+                if (draw.below(3) > 0 && force.norm() > 0) step = force;
+                const Eigen::Vector3d before = x;
+                x += step.normalized() * (draw.below(2) ? reach : draw(0, reach)) * (1 - 1e-9);
+                bool let_go = false;
+                if (elapsed > force_held_s / 2) {
+                    // the device lets go at some time from half of force_held_s on; the hand ran until then, and came back
+                    let_go = true;
+                    given += force.norm() * o.speed_max_m_s * std::min(elapsed, draw(0.5, 1) * force_held_s);
+                    longest = std::max(longest, std::min(elapsed, force_held_s));
+                } else {
+                    if (k > 0) given += force.dot(x - before);
+                    longest = std::max(longest, elapsed);
+                }
+                worst = std::max(worst, given);
+                DeviceSample sample;
+                sample.position_m = x;
+                REQUIRE(safety.admit(sample, elapsed));
+                // the inequality of the header, with the energy that truly went
+                REQUIRE(given <= safety.observed_J() + 1e-9);
+                REQUIRE(safety.observed_J() <= safety.lateness() * energy_bound(o) * (1 + 1e-9));
+                REQUIRE(safety.lateness() <= longest / o.dt_s * (1 + 1e-12));
+                if (draw.below(50) == 0) wanted = 20 * Eigen::Vector3d(draw(-1, 1), draw(-1, 1), draw(-1, 1));
+                const Eigen::Vector3d held = let_go ? Eigen::Vector3d::Zero().eval() : force;
+                force = safety.limit(wanted);
+                REQUIRE(force.allFinite());
+                REQUIRE(force.norm() <= o.force_max_N * (1 + 1e-12));
+                REQUIRE((force - held).norm() <= o.slew_N_s * o.dt_s * (1 + 1e-9));
+                if (draw.below(1000) == 0) safety.forget_credit();
+            }
+            CHECK(worst <= longest / o.dt_s * energy_bound(o) * (1 + 1e-9));
+            CHECK(worst > 0);
+            if (on_time) CHECK(safety.counters().energy_given_J == Approx(given).margin(1e-9));
+        }
 }

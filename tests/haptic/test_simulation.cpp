@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "../refusal.h"
+#include "allocations.h"
 #include "error.h"
 #include "haptic/pointer_device.h"
 #include "haptic/state_channel.h"
@@ -14,32 +15,6 @@
 #include "springs/equilibrium.h"
 
 using namespace tissue;
-
-// ---- a hook under every allocation of this program; counts where a test has asked for it
-namespace {
-thread_local bool count_allocations = false;
-thread_local long allocations = 0;
-}  // namespace
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define TISSUE_COUNTS_ALLOCATIONS 1
-extern "C" {
-void* __libc_malloc(std::size_t);
-void* __libc_calloc(std::size_t, std::size_t);
-void* __libc_realloc(void*, std::size_t);
-void* malloc(std::size_t size) {
-    allocations += count_allocations;
-    return __libc_malloc(size);
-}
-void* calloc(std::size_t count, std::size_t size) {
-    allocations += count_allocations;
-    return __libc_calloc(count, size);
-}
-void* realloc(void* memory, std::size_t size) {
-    allocations += count_allocations;
-    return __libc_realloc(memory, size);
-}
-}
-#endif
 
 namespace {
 
@@ -53,7 +28,8 @@ DeviceSample pressing(long k, double depth = 0.008, double x = 0.047) {
 class WildHand {
    public:
     explicit WildHand(unsigned long seed) : draw_(seed) {}
-    DeviceSample next(const Simulation& s) {
+    /// elapsed_s: since the last one. Late, it comes that much farther; early, as far as in a whole period.
+    DeviceSample next(const Simulation& s, double elapsed_s = 1e-3) {
         DeviceSample sample;
         if (--left_ <= 0) {
             mode_ = draw_.below(9);
@@ -69,7 +45,7 @@ class WildHand {
         if (mode_ == 3) to = s.outline(0).node(draw_.below(s.outline(0).segments()));
         if (mode_ == 4) to = x_ + 0.01 * Eigen::Vector2d(draw_(-1, 1), draw_(-1, 1));
         const Eigen::Vector2d step = to - x_;
-        x_ += step * std::min(1.0, step.norm() > 0 ? speed_ / step.norm() : 0.0);
+        x_ += step * std::min(1.0, step.norm() > 0 ? speed_ * std::max(1.0, 1e3 * elapsed_s) / step.norm() : 0.0);
         if (draw_.below(3000) == 0) x_ = {draw_(-0.05, 0.3), draw_(-0.05, 0.15)};  // jumps
         sample.position_m << x_, draw_(-1e-5, 1e-5);
         if (draw_.below(2000) == 0) sample.position_m[draw_.below(3)] = std::numeric_limits<double>::quiet_NaN();
@@ -88,15 +64,17 @@ class WildHand {
 
 }  // namespace
 
-TEST_CASE("adversarial ticks: force finite and within its limit, the proxy outside, shares whole, the port passive", "[simulation][adversarial]") {
-    struct Kind { const char *topology, *law, *dynamics; SelectorOptions::Mode mode; double spread, force_scale, coupling; long long usual; };
+TEST_CASE("adversarial ticks, late, early and in bursts: force finite and within its limits, the proxy outside, shares whole, the port passive", "[simulation][adversarial]") {
+    struct Kind { const char *topology, *law, *dynamics; SelectorOptions::Mode mode; double spread, force_scale, coupling; long long usual; bool on_time; };
     const Kind kinds[] = {
-        {"grid4", "isotropic", "auto", SelectorOptions::Mode::nearest, 0.5, 1, 10, 100000},
-        {"grid4", "isotropic", "auto", SelectorOptions::Mode::blended, 0.9, 300, 10, 100000},
-        {"grid8", "axial", "implicit", SelectorOptions::Mode::blended, 0.5, 300, 100, 20000},
-        {"grid8", "geometric", "auto", SelectorOptions::Mode::nearest, 0.5, 300, 10, 50000},
-        {"grid8", "rubber", "auto", SelectorOptions::Mode::blended, 0.5, 300, 10, 20000},
-        {"grid4", "isotropic", "paper", SelectorOptions::Mode::nearest, 0.5, 300, 10, 30000},  // blows up: must stay harmless
+        {"grid4", "isotropic", "auto", SelectorOptions::Mode::nearest, 0.5, 1, 10, 50000, true},
+        {"grid4", "isotropic", "auto", SelectorOptions::Mode::nearest, 0.5, 1, 10, 50000, false},
+        {"grid4", "isotropic", "auto", SelectorOptions::Mode::blended, 0.9, 300, 10, 50000, true},
+        {"grid4", "isotropic", "auto", SelectorOptions::Mode::blended, 0.9, 300, 10, 50000, false},
+        {"grid8", "axial", "implicit", SelectorOptions::Mode::blended, 0.5, 300, 100, 20000, false},
+        {"grid8", "geometric", "auto", SelectorOptions::Mode::nearest, 0.5, 300, 10, 50000, false},
+        {"grid8", "rubber", "auto", SelectorOptions::Mode::blended, 0.5, 300, 10, 20000, false},
+        {"grid4", "isotropic", "paper", SelectorOptions::Mode::nearest, 0.5, 300, 10, 30000, false},  // blows up: must stay harmless
     };
     for (const Kind& kind : kinds) {
         const TissueModel tissue = haptic_example({kind.topology, kind.law, 10, kind.spread});
@@ -109,8 +87,9 @@ TEST_CASE("adversarial ticks: force finite and within its limit, the proxy outsi
         Simulation s(model);
         WildHand hand(42);
         Draw kick(43);
+        Pace pace(44);
         Eigen::Vector3d force = Eigen::Vector3d::Zero(), last = Eigen::Vector3d::Zero();
-        double given = 0, worst = 0;
+        double given = 0, worst = 0, longest = o.dt_s;
         long long inside = 0, pressed = 0, faults = 0;
         bool known = false;
         const long long ticks = adversarial_ticks(kind.usual);
@@ -120,24 +99,32 @@ TEST_CASE("adversarial ticks: force finite and within its limit, the proxy outsi
                 const int node = model.meshes[0]->springs.outline()[static_cast<std::size_t>(kick.below(40))];
                 if (!model.meshes[0]->springs.fixed(node)) v.row(node) += Eigen::RowVector2d(kick(-3, 3), kick(-3, 3));
             }
-            const DeviceSample sample = hand.next(s);
+            const double elapsed = kind.on_time ? o.dt_s : pace.next(o.dt_s);
+            const DeviceSample sample = hand.next(s, elapsed);
             const SafetyCounters before = s.safety().counters();
             const long long no_inside = s.counters().folded + s.counters().unstable;
             const Eigen::Vector3d x = sample.position_m;
-            const Eigen::Vector3d now = s.tick(sample);
+            const Eigen::Vector3d now = s.tick(sample, elapsed);
             const SafetyCounters& after = s.safety().counters();
             const bool fault = after.bad_input + after.jump + after.stale > before.bad_input + before.jump + before.stale;
-            // the port, with the force that was held while the hand came here
+            // the port, with the force that was held while the hand came here, or until the device let go of it
+            if (elapsed > force_held_s / 2) {
+                given += force.norm() * o.safety.speed_max_m_s * std::min(elapsed, force_held_s);
+                force.setZero();
+            }
+            longest = std::max(longest, std::min(elapsed, force_held_s));
             if (!fault && known) given += force.dot(x - last);
             worst = std::max(worst, given);
             known = true;
             if (after.jump > before.jump || !fault) last = x;
+            const double change = (now - force).norm();
             force = now;
 
             REQUIRE(now.allFinite());
             REQUIRE(now.norm() <= o.safety.force_max_N * (1 + 1e-12));
             const bool lost = s.counters().folded + s.counters().unstable > no_inside;
             if (fault || lost) REQUIRE(now == Eigen::Vector3d::Zero());
+            else REQUIRE(change <= o.safety.slew_N_s * o.dt_s * (1 + 1e-9));
             faults += fault;
             REQUIRE(s.state(0).displacement.allFinite());
             double shares = 0;
@@ -156,7 +143,7 @@ TEST_CASE("adversarial ticks: force finite and within its limit, the proxy outsi
         INFO(kind.law << " " << kind.dynamics << ": folded " << s.counters().folded << ", unstable " << s.counters().unstable
                       << ", damped " << s.safety().counters().damped << ", worst energy " << worst << " J");
         CHECK(inside == 0);
-        CHECK(worst <= s.safety().bound_J() * (1 + 1e-9));
+        CHECK(worst <= longest / o.dt_s * s.safety().bound_J() * (1 + 1e-9));
         CHECK(pressed > 0);
         CHECK(faults > 0);
         CHECK((kind.dynamics == std::string("paper")) == (s.counters().unstable > 0));
@@ -207,6 +194,88 @@ TEST_CASE("an outline that crosses itself has no inside: zero force, and a count
     s.state(0).displacement.row(node) << 0, -0.15;  // through the bottom
     CHECK(s.tick(pressing(1000)) == Eigen::Vector3d::Zero());
     CHECK(s.counters().folded == 1);
+}
+
+TEST_CASE("a mesh may lie anywhere; what flies apart is put to rest once", "[simulation]") {
+    for (double far : {0.0, 3e6}) {
+        TissueModel tissue = haptic_example();
+        tissue.mesh.nodes.array() += far;
+        tissue.contact_m.array() += far;
+        HapticOptions o;
+        o.map.offset_m = {far, far};
+        o.place_m = 0.15;
+        const HapticModel model(tissue, o);
+        Simulation s(model);
+        for (long k = 0; k < 1000; ++k) s.tick(pressing(k));
+        CHECK(s.counters().unstable == 0);
+        CHECK(s.record().mesh == 0);
+        CHECK(s.safety().force_N().norm() > 0);
+        for (double away : {2e6, std::numeric_limits<double>::quiet_NaN()}) {
+            const long long before = s.counters().unstable;
+            s.state(0).displacement(model.meshes[0]->springs.outline()[25], 1) = away;
+            CHECK(s.tick(pressing(1000)) == Eigen::Vector3d::Zero());
+            CHECK(s.counters().unstable == before + 1);
+            CHECK(s.state(0).displacement.norm() == 0);
+            CHECK(s.tick(pressing(1000)) == Eigen::Vector3d::Zero());
+            CHECK(s.counters().unstable == before + 1);
+        }
+    }
+    TissueModel tissue = haptic_example();
+    tissue.mesh.nodes(0, 0) = std::numeric_limits<double>::infinity();
+    refusal<MismatchError>([&] { HapticModel(tissue, {}); });
+}
+
+TEST_CASE("after a release, a fault and a fold the record holds nothing of the contact before", "[simulation]") {
+    const HapticModel model(haptic_example(), {});
+    for (int kind = 0; kind < 3; ++kind) {
+        Simulation s(model);
+        for (long k = 0; k < 1000; ++k) s.tick(pressing(k));
+        REQUIRE(s.record().mesh == 0);
+        REQUIRE(s.record().contact_displacement_m.norm() > 1e-3);
+        REQUIRE(s.record().w > 0);
+        DeviceSample next = sample_at(0.047, 0.0925);
+        if (kind == 0)
+            for (int k = 0; k < 100; ++k) s.tick(next = sample_at(0.047, 0.092 + 2e-4 * k));
+        if (kind == 1) next = sample_at(0.06, 0.05);   // a jump
+        if (kind == 2) s.state(0).displacement.row(model.meshes[0]->springs.outline()[25]) << 0, -0.15;
+        s.tick(next);
+        const TickRecord& r = s.record();
+        INFO("kind " << kind);
+        CHECK(r.fault == (kind == 1));
+        CHECK(r.mesh == -1);
+        CHECK(r.segment == -1);
+        CHECK(r.w == 0);
+        CHECK(r.contact_displacement_m == Eigen::Vector2d::Zero());
+        CHECK(r.coupling_N == Eigen::Vector2d::Zero());
+        CHECK(r.device_m == next.position_m);
+        CHECK(r.master_m.y() == Approx(kind == 1 ? 0.092 : next.position_m.y()));  // a refused one is not the master's
+    }
+}
+
+TEST_CASE("a contact that the mesh carries to another segment has that segment's stiffness", "[simulation]") {
+    TissueModel tissue = haptic_example({"grid4", "isotropic", 10, 0.9});
+    HapticOptions o;
+    o.dynamics = "symplectic";
+    const HapticModel model(tissue, o);
+    for (int shift : {-2, -1, 1, 2}) {
+        Simulation s(model);
+        for (long k = 0; k < 1000; ++k) s.tick(pressing(k, 0.001));
+        REQUIRE(s.contact().pressing);
+        const int before = s.contact().where.segment;
+        // the mesh slides along by some segments and back up over the proxy, while the master leaves
+        for (int n = 0; n < model.meshes[0]->springs.node_count(); ++n)
+            if (!model.meshes[0]->springs.fixed(n)) s.state(0).displacement.row(n) << 0.01 * shift, 0;
+        s.state(0).velocity.setZero();
+        s.tick(sample_at(0.047, 0.1008));
+        REQUIRE((s.contact().contact && !s.contact().pressing));
+        REQUIRE(s.contact().where.segment != before);
+        s.tick(sample_at(0.047, 0.0989));
+        REQUIRE(s.contact().pressing);
+        // a symplectic step takes the force at its old positions, which are the record's
+        const double distance = (s.record().proxy_m - s.record().master_m).norm();
+        const double stiffness = model.stiffness->at(s.contact().where.segment, s.contact().where.w);
+        CHECK(s.record().coupling_N.norm() == Approx(o.coupling_ratio * stiffness * distance).epsilon(1e-6));
+    }
 }
 
 TEST_CASE("pushing either mesh puts the same force on the other", "[simulation]") {
@@ -276,27 +345,33 @@ TEST_CASE("a tick allocates nothing", "[simulation]") {
         const HapticModel model(haptic_example({kind.topology, kind.law}), o);
         Simulation s(model);
         WildHand hand(6);
-        allocations = 0;
+        long allocations = 0;
         for (int k = 0; k < 3000; ++k) {
             const DeviceSample sample = hand.next(s);
-            count_allocations = true;
-#ifdef EIGEN_RUNTIME_NO_MALLOC
-            Eigen::internal::set_is_malloc_allowed(false);
-#endif
-            s.tick(sample);
-#ifdef EIGEN_RUNTIME_NO_MALLOC
-            Eigen::internal::set_is_malloc_allowed(true);
-#endif
-            count_allocations = false;
+            {
+                const Allocations none;
+                s.tick(sample);
+            }
+            allocations += Allocations::count();
         }
         CHECK(allocations == 0);
     }
-#ifdef TISSUE_COUNTS_ALLOCATIONS
-    count_allocations = true;
-    const std::vector<double> something(100);
-    count_allocations = false;
-    CHECK(allocations == 1);  // the hook sees what there is to see
-#endif
+}
+
+TEST_CASE("the hook under allocations sees those of vectors, of Eigen's arrays and of the library", "[simulation]") {
+    if (!Allocations::seen()) return;
+    const auto seen = [](const auto& work) {
+        const Allocations counted;
+        work();
+        return Allocations::count();
+    };
+    CHECK(seen([] {}) == 0);
+    CHECK(seen([] { const std::vector<double> something(100); }) == 1);
+    CHECK(seen([] { const Eigen::VectorXd something(100); }) == 1);
+    CHECK(seen([] { const auto something = std::make_unique<DeviceSample>(); }) == 1);
+    const TissueModel tissue = haptic_example();
+    const HapticModel model(tissue, {});
+    CHECK(seen([&] { const Simulation s(model); }) > 10);
 }
 
 TEST_CASE("a tick led by a pointer and watched from another thread allocates nothing", "[simulation]") {
@@ -318,25 +393,20 @@ TEST_CASE("a tick led by a pointer and watched from another thread allocates not
         }
         channel.pause(false);
     });
-    allocations = 0;
-    long left_out = 0;
+    long allocations = 0, left_out = 0;
     int before = -1;
     // until the other thread has had its turn, however busy the machine
     for (int k = 0; k < 20000 || (k < 5000000 && (left_out == 0 || fetched.load() == 0)); ++k) {
         TickBooks books;
         books.ticks = k;
-        count_allocations = true;
-#ifdef EIGEN_RUNTIME_NO_MALLOC
-        Eigen::internal::set_is_malloc_allowed(false);
-#endif
-        books.left_out = !channel.before(s);
-        if (books.left_out) s.stand_still();
-        else s.tick(pointer.read(k * 1e-3), 1e-3 * static_cast<double>(k - before)), before = k;
-        channel.after(s, books);
-#ifdef EIGEN_RUNTIME_NO_MALLOC
-        Eigen::internal::set_is_malloc_allowed(true);
-#endif
-        count_allocations = false;
+        {
+            const Allocations none;
+            books.left_out = !channel.before(s);
+            if (books.left_out) s.stand_still();
+            else s.tick(pointer.read(k * 1e-3), 1e-3 * static_cast<double>(k - before)), before = k;
+            channel.after(s, books);
+        }
+        allocations += Allocations::count();
         left_out += books.left_out;
     }
     done.store(true);
@@ -370,6 +440,9 @@ TEST_CASE("options that make no sense are refused", "[simulation]") {
         return refusal<MismatchError>([&] { HapticModel(tissue, o); });
     };
     refused([](HapticOptions& o) { o.dt_s = 0; });
+    refused([](HapticOptions& o) { o.dt_s = 0.6 * force_held_s; });  // the device would let go of every force
+    refused([](HapticOptions& o) { o.place_m = std::numeric_limits<double>::quiet_NaN(); });
+    refused([](HapticOptions& o) { o.safety.damping_max_Ns_m = -1; });
     refused([](HapticOptions& o) { o.innovation = 1.5; });
     refused([](HapticOptions& o) { o.coupling_ratio = 0; });
     refused([](HapticOptions& o) { o.damping_ratio = -1; });

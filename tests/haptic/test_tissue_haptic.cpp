@@ -257,8 +257,8 @@ TEST_CASE("tissue-haptic: a session's ledger is JSON with every key, and its rec
     CHECK(nlohmann::json::parse(replayed.out)["details"]["device"].count("reference_error_rms_N") == 1);
 }
 
-TEST_CASE("tissue-haptic: SIGINT and SIGTERM end it with a ledger and a closed file", "[program]") {
-    for (const char* signal : {"TERM", "INT"}) {
+TEST_CASE("tissue-haptic: SIGINT, SIGTERM and SIGHUP end it with a ledger and a closed file", "[program]") {
+    for (const char* signal : {"TERM", "INT", "HUP"}) {
         const TemporaryFolder folder;
         const Ended ended = run(folder, model_file(folder) + " --seconds 0 --json --record " + folder.file("s.h5"), signal);
         CHECK(ended.status == 0);
@@ -285,7 +285,10 @@ TEST_CASE("tissue-haptic: 1 for work that fails, 2 for a wrong command line, eac
     CHECK(ended(model + " --device replay --trajectory " + folder.file("none.csv"), 1).find("none.csv") != std::string::npos);
     ended("", 2);
     ended(model + " --device mouse", 2);
-    ended(model + " --device replay", 2);
+    CHECK(ended(model + " --device replay", 2).find("needs --trajectory FILE") != std::string::npos);
+    CHECK(ended(model + " --motion stab", 2).find("press, slide, poke, sine") != std::string::npos);
+    ended(model + " --depth 0", 2);
+    ended(model + " --device remote --port 70000", 2);
     ended(model + " --force-max -1", 2);
     ended(model + " --axes x,x", 2);
     ended(model + " --check " + model, 2);
@@ -329,6 +332,16 @@ TEST_CASE("tissue-haptic: the shipped client drives it over UDP, and gets its fo
     CHECK(j["force_max_N"].get<double>() > 1e-4);
     CHECK(j["details"]["stale"].get<int>() > 0);  // the client left before we did
 }
+
+#if !defined(__SANITIZE_ADDRESS__)
+TEST_CASE("no assertion can end a program while it has a device open: there is none in it", "[program]") {
+    const TemporaryFolder folder;
+    REQUIRE(std::system(("nm -D --undefined-only " + program() + " > " + folder.file("symbols")).c_str()) == 0);
+    const std::string symbols = read_file(folder.file("symbols"));
+    CHECK(symbols.find(" malloc") != std::string::npos);  // it is a list of what the program calls
+    CHECK(symbols.find("assert_fail") == std::string::npos);
+}
+#endif
 
 TEST_CASE("tissue-haptic: links neither Boost nor Python", "[program]") {
     const TemporaryFolder folder;

@@ -3,10 +3,12 @@
 . "$(dirname "$0")/common"
 prefix=$scratch/prefix
 build=$(dirname "$TISSUECTL")
+# the flags that make passes on
+flags=$(make -n -C "$root" install 2>/dev/null | sed -n "s/.* CXXFLAGS='\([^']*\)' scripts.install.*/\1/p")
 place() { # WHAT VARIABLE=VALUE...: as make does, without building anything
     what=$1
     shift
-    run env "$@" PACKAGES="$(sed -n 's/^PACKAGES := //p' "$root/Makefile")" "$root/scripts/install" "$what"
+    run env "$@" PACKAGES="$(sed -n 's/^PACKAGES := //p' "$root/Makefile")" CXXFLAGS="$flags" "$root/scripts/install" "$what"
 }
 work=$scratch
 place "$build" PREFIX="$prefix"
@@ -44,6 +46,7 @@ for options in "-O0" "-O2 -DNDEBUG"; do
     built $options
     check "a program builds against it by pkg-config, $options" exited 0
     run ./user
+    check "it has no assertion of Eigen's, nor has the library, $options" sh -c '! nm -C "$1" | grep -q assert_fail' - "$work/user"
     check "it runs, and a rigid push costs no force, $options" says '^20 [0-9.e-]*-1[0-9]$\|^20 0$'
 done
 built -O0 -mavx

@@ -1,5 +1,5 @@
 // A stand-in for the vendor's libHD.so, written from its manual's function names: one device, a servo thread at about
-// 1 kHz, and three functions of its own by which a test plays the hand.
+// 1 kHz, and functions of its own by which a test plays the hand.
 #include <atomic>
 #include <chrono>
 #include <mutex>
@@ -68,5 +68,6 @@ void stand_in_get_force(double* values) {
     const std::lock_guard<std::mutex> lock(guard);
     for (int k = 0; k < 3; ++k) values[k] = force_N[k];
 }
+int stand_in_running() { return running; }
 void stand_in_set_error(unsigned code) { error = code; }
 }

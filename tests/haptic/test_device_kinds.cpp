@@ -1,0 +1,38 @@
+#include <catch2/catch.hpp>
+#include <set>
+
+#include "../refusal.h"
+#include "error.h"
+#include "haptic/device_kinds.h"
+#include "haptic/virtual_device.h"
+
+using namespace tissue;
+
+TEST_CASE("every kind of device has a name and options of its own, and its initial values are right", "[device]") {
+    std::set<std::string> names, options;
+    for (const DeviceKind* kind : device_kinds()) {
+        CHECK(names.insert(kind->name).second);
+        CHECK(&device_kind(kind->name) == kind);
+        for (const DeviceOption& option : kind->options) {
+            INFO(kind->name << " --" << option.name);
+            CHECK(options.insert(option.name).second);
+            CHECK_FALSE(option.meaning.empty());
+            if (option.wrong) CHECK(option.wrong(option.initial).empty());
+            if (option.wrong) CHECK_FALSE(option.wrong("nonsense").empty());
+        }
+    }
+    CHECK(device_names() == std::vector<std::string>{"virtual", "replay", "remote", "openhaptics"});
+}
+
+TEST_CASE("a device is made by its name, from its initial values where none are given", "[device]") {
+    DeviceContext context;
+    const auto device = make_device("virtual", {}, context), again = make_device("virtual", {{"motion", "press"}, {"depth", "0.01"}}, context);
+    CHECK(device->name() == "virtual");
+    for (double t : {0.0, 0.3, 0.9, 2.0}) CHECK(device->read(t).position_m == again->read(t).position_m);
+    CHECK(make_device("remote", {{"port", "0"}}, context)->name() == "remote");
+    CHECK(refusal<MismatchError>([&] { make_device("mouse", {}, context); }).find("virtual, replay, remote, openhaptics") != std::string::npos);
+    CHECK(refusal<MismatchError>([&] { make_device("replay", {}, context); }).find("--trajectory FILE") != std::string::npos);
+    CHECK(refusal<MismatchError>([&] { make_device("virtual", {{"motion", "stab"}}, context); }).find("press, slide, poke, sine") != std::string::npos);
+    for (const char* depth : {"", "0", "-1", "nan", "inf", "1 mm"}) refusal<MismatchError>([&] { make_device("virtual", {{"depth", depth}}, context); });
+    for (const char* port : {"", "-1", "65536", "http"}) refusal<MismatchError>([&] { make_device("remote", {{"port", port}}, context); });
+}

@@ -1,0 +1,184 @@
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+
+#include "allocations.h"
+#include "haptic/device_error.h"
+#include "haptic/realtime_loop.h"
+#include "haptic/running_device.h"
+#include "haptic_example.h"
+
+using namespace tissue;
+
+namespace {
+
+enum class Fails { never, before_it_takes, after_it_took };
+
+/// Motors that are on from somewhere in start() until stop(), and hold what was written last.
+class Motors final : public Device {
+   public:
+    explicit Motors(Fails fails = Fails::never) : fails_(fails) {}
+    std::string name() const override { return "motors"; }
+    void start() override {
+        if (fails_ == Fails::before_it_takes) throw DeviceError("no device");
+        on = true;
+        force_N = {1, 0, 0};  // what was on them
+        if (fails_ == Fails::after_it_took) throw DeviceError("no servo");
+    }
+    DeviceSample read(double) noexcept override {
+        return sample_at(0.05, 0.104 - 5e-5 * ++reads);  // presses, ever deeper
+    }
+    void write(const Eigen::Vector3d& f) noexcept override {
+        force_N = f;
+        largest_N = std::max(largest_N, f.norm());
+    }
+    void stop() noexcept override {
+        stopped_at_N = force_N.norm();
+        on = false;
+        ++stops;
+    }
+    bool at_rest() const { return !on && force_N.isZero(0) && stops == 1 && stopped_at_N == 0; }
+
+    bool on = false;
+    int reads = 0, stops = 0;
+    double largest_N = 0, stopped_at_N = -1;
+    Eigen::Vector3d force_N{0, 0, 0};
+
+   private:
+    Fails fails_;
+};
+
+/// A hook that throws at a tick, before it or after it; what it throws need not be an exception of the library.
+class Bomb final : public TickHook {
+   public:
+    Bomb(int at, bool early, bool foreign = false) : at_(at), early_(early), foreign_(foreign) {}
+    bool before(Simulation&) override {
+        if (early_ && ++ticks_ == at_) go_off();
+        return true;
+    }
+    void after(const Simulation&, const TickBooks&) override {
+        if (!early_ && ++ticks_ == at_) go_off();
+    }
+
+   private:
+    void go_off() const {
+        if (foreign_) throw 42;
+        throw std::runtime_error("a hook has failed");
+    }
+    int at_, ticks_ = 0;
+    bool early_, foreign_;
+};
+
+LoopOptions short_loop() {
+    LoopOptions o;
+    o.seconds = 0.3;
+    o.realtime = false;
+    return o;
+}
+
+}  // namespace
+
+TEST_CASE("a device that fails in start() has no force on it and is stopped, wherever it failed", "[device]") {
+    for (Fails fails : {Fails::before_it_takes, Fails::after_it_took}) {
+        Motors device(fails);
+        CHECK_THROWS_AS(RunningDevice(device), DeviceError);
+        CHECK(device.at_rest());
+    }
+    Motors device;
+    {
+        const RunningDevice running(device);
+        CHECK(device.on);
+        running->write({2, 0, 0});
+    }
+    CHECK(device.at_rest());
+}
+
+TEST_CASE("whatever is thrown in a session, the force is zero and the device stopped when it comes out", "[device][loop]") {
+    const HapticModel model(haptic_example(), {});
+    for (Fails fails : {Fails::before_it_takes, Fails::after_it_took}) {
+        Simulation simulation(model);
+        Motors device(fails);
+        CHECK_THROWS_AS(run_loop(simulation, device, short_loop()), DeviceError);
+        CHECK(device.at_rest());
+        CHECK(device.reads == 0);
+    }
+    for (bool early : {true, false})
+        for (bool foreign : {true, false})
+            for (int at : {1, 200}) {
+                Simulation simulation(model);
+                Motors device;
+                Bomb bomb(at, early, foreign);
+                LoopOptions o = short_loop();
+                o.hooks = {&bomb};
+                if (foreign) CHECK_THROWS_AS(run_loop(simulation, device, o), int);
+                else CHECK_THROWS_WITH(run_loop(simulation, device, o), "a hook has failed");
+                CHECK(device.at_rest());
+                if (at == 200) CHECK(device.largest_N > 0);
+            }
+}
+
+TEST_CASE("memory that runs out at any point of the loop's set-up leaves no force behind", "[device][loop]") {
+    if (!Allocations::seen()) return;
+    const HapticModel model(haptic_example(), {});
+    Simulation simulation(model);
+    LoopOptions o = short_loop();
+    o.seconds = 0.003;
+    o.realtime = true;  // what allocates
+    int failed = 0;
+    for (int nth = 0; nth < 100; ++nth) {
+        Motors device;
+        bool threw = false;
+        {
+            const Allocations hook(nth);
+            try {
+                run_loop(simulation, device, o);
+            } catch (const std::bad_alloc&) {
+                threw = true;
+            }
+        }
+        REQUIRE(device.at_rest());
+        if (!threw) break;
+        ++failed;
+    }
+    CHECK(failed > 0);
+}
+
+TEST_CASE("a tick that is woken late knows how late: a hand at half a metre a second is no fault", "[loop]") {
+    /// Where a hand is by the clock on the wall.
+    class Hand final : public Device {
+       public:
+        std::string name() const override { return "hand"; }
+        DeviceSample read(double) noexcept override {
+            const double t = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+            return sample_at(-0.1 - 0.5 * t, 0.05);
+        }
+        void write(const Eigen::Vector3d&) noexcept override {}
+
+       private:
+        std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+    } hand;
+    /// Holds the loop up for 20 ms before the 50th tick.
+    class Sleeper final : public TickHook {
+       public:
+        bool before(Simulation&) override {
+            if (++ticks_ == 50) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+            return true;
+        }
+        void after(const Simulation&, const TickBooks& books) override { last = books; }
+        TickBooks last;
+
+       private:
+        int ticks_ = 0;
+    } sleeper;
+    const HapticModel model(haptic_example(), {});
+    Simulation simulation(model);
+    LoopOptions o = short_loop();
+    o.hooks = {&sleeper};
+    const LoopReport report = run_loop(simulation, hand, o);
+    CHECK(report.misses >= 19);
+    CHECK(report.misses_program == 0);
+    CHECK(report.ticks + report.misses >= 300);
+    CHECK(sleeper.last.time_s < 0.3);
+    CHECK(simulation.safety().counters().jump == 0);
+}
