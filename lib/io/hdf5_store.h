@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mesh/spring_mesh.h"
+#include "field.h"
 
 namespace tissue {
 
