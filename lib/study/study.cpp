@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "error.h"
+#include "io/atomic_file.h"
 #include "study/toml_reader.h"
 
 namespace tissue {
@@ -21,11 +22,7 @@ const std::vector<std::string> objectives = {"force", "contact", "reaction"};
 toml::table parse(const std::string& file) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error)) throw FileError(file + ": there is no such study file");
-    try {
-        return toml::parse_file(file);
-    } catch (const toml::parse_error& e) {
-        throw StudyError(fmt::format("{}:{}: {}", file, e.source().begin.line, e.description()));
-    }
+    return parse_toml(read_file(file), file);
 }
 
 void erase_from(toml::table& base, const char* section, std::initializer_list<const char*> keys) {
