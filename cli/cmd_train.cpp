@@ -29,17 +29,17 @@ void run(const Options& o, Provenance provenance) {
     provenance.seed = study.training.seed;
     provenance.inputs[std::filesystem::path(o.cases).filename().string()] = file_hash(o.cases);
 
-    TissueModel model;
+    TrainedModel model;
     {
         Progress progress("train");
         model = train_sets(study, read_cases(o.cases), o.threads,
                            [&](int done, int total, const std::string& set) { progress.step(done, total, set); });
     }
-    write_model(o.out, model, provenance);
+    write_trained_model(o.out, model, provenance);
     if (!o.json) return;
     nlohmann::ordered_json j;
-    for (const TrainedSets& t : model.trained)
-        for (Eigen::Index c = 0; c < t.theta.rows(); ++c) {
+    for (const TrainingBook& t : model.books.trained)
+        for (Eigen::Index c = 0; c < t.loss_N.size(); ++c) {
             const auto i = static_cast<std::size_t>(c);
             j.push_back({{"optimizer", t.optimizer},
                          {"set", model.case_names[i]},

@@ -13,6 +13,7 @@
 
 #include "command.h"
 #include "generate.h"
+#include "parallel.h"
 #include "version.h"
 
 int main(int argc, char** argv) {
@@ -51,5 +52,8 @@ int main(int argc, char** argv) {
         std::cerr << "tissuectl: " << e.what() << '\n';
         return 1;
     }
+    if (const int refused = tissue::refused_threads())
+        std::cerr << "tissuectl: the system refused " << refused << " of the threads asked for (a limit on processes or "
+                  << "memory); the work was done with fewer, and results are the same\n";
     return 0;
 }

@@ -5,14 +5,23 @@
 #include <exception>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace tissue {
 
-/// Runs job(0) ... job(count - 1) on up to `threads` threads, the caller's among them. The first exception comes out
-/// here, after the running jobs have ended. Jobs must not depend on each other's order.
-template <class Job>
-void parallel_for(int count, int threads, const Job& job) {
+/// Threads that the system has refused to this program so far: for one line at its end.
+inline std::atomic<int>& refused_threads() {
+    static std::atomic<int> count{0};
+    return count;
+}
+
+/// Runs job(0) ... job(count - 1) on up to `threads` threads, the caller's among them, and returns how many there were:
+/// fewer than asked for where the system made no more (a limit on processes or memory), which refused_threads() counts;
+/// the others do their share. The first exception comes out here, after the running jobs have ended. Jobs must not
+/// depend on each other's order. make_thread: starts a thread, or throws; tests have their own.
+template <class Job, class MakeThread>
+int parallel_for(int count, int threads, const Job& job, const MakeThread& make_thread) {
     std::atomic<int> next{0};
     std::exception_ptr failure;
     std::mutex guard;
@@ -25,11 +34,24 @@ void parallel_for(int count, int threads, const Job& job) {
                 next = count;
             }
     };
+    const int wanted = std::max(1, std::min(threads, count));
     std::vector<std::thread> pool;
-    for (int t = 1; t < std::min(threads, count); ++t) pool.emplace_back(work);
+    pool.reserve(static_cast<std::size_t>(wanted));  // nothing may throw between a thread and its join
+    while (static_cast<int>(pool.size()) + 1 < wanted) try {
+            pool.push_back(make_thread(work));
+        } catch (const std::exception&) {  // std::system_error, std::bad_alloc: those that were made are enough
+            refused_threads() += wanted - 1 - static_cast<int>(pool.size());
+            break;
+        }
     work();
     for (std::thread& thread : pool) thread.join();
     if (failure) std::rethrow_exception(failure);
+    return static_cast<int>(pool.size()) + 1;
+}
+
+template <class Job>
+int parallel_for(int count, int threads, const Job& job) {
+    return parallel_for(count, threads, job, [](const auto& work) { return std::thread(work); });
 }
 
 }  // namespace tissue

@@ -139,9 +139,9 @@ Cases example_cases(const Study& study, const Eigen::VectorXd& theta) {
     return cases;
 }
 
-TissueModel example_model(const Study& study, const Cases& cases, const Eigen::VectorXd& theta) {
-    TissueModel model = train_sets(study, cases, 1);
-    for (TrainedSets& t : model.trained) t.theta = theta.transpose().replicate(t.theta.rows(), 1);
+TrainedModel example_model(const Study& study, const Cases& cases, const Eigen::VectorXd& theta) {
+    TrainedModel model = train_sets(study, cases, 1);
+    for (SpringSets& t : model.trained) t.theta = theta.transpose().replicate(t.theta.rows(), 1);
     return model;
 }
 

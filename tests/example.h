@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "cases/load_path.h"
-#include "springs/tissue_model.h"
 #include "study/study.h"
+#include "train/training_books.h"
 
 namespace tissue {
 
@@ -42,7 +42,7 @@ Eigen::VectorXd example_theta(const SpringMesh& mesh);
 Cases example_cases(const Study& study, const Eigen::VectorXd& theta);
 
 /// A model trained on these cases, whose every trained set has then been replaced by theta.
-TissueModel example_model(const Study& study, const Cases& cases, const Eigen::VectorXd& theta);
+TrainedModel example_model(const Study& study, const Cases& cases, const Eigen::VectorXd& theta);
 
 /// Takes a dataset out of an HDF5 file; with values, puts these (one dimension) in its place.
 void replace_dataset(const std::string& file, const std::string& dataset, const std::vector<double>& values = {});

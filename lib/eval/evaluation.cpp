@@ -28,7 +28,7 @@ std::vector<double> collect(const std::vector<CaseError>& cases, double (*value)
 }
 
 /// The uniform stiffness with the smallest median rel_loss: stands in where no closed loop exists.
-double uniform_by_rel_loss(const TissueModel& model, const SpringLaw& law, const std::vector<LoadCase>& loads,
+double uniform_by_rel_loss(const TrainedModel& model, const SpringLaw& law, const std::vector<LoadCase>& loads,
                            const std::vector<SurfacePoint>& contacts, double low, double high) {
     double best = low, best_median = std::numeric_limits<double>::infinity();
     for (double k = low; k <= high; k *= 1.01) {
@@ -36,7 +36,7 @@ double uniform_by_rel_loss(const TissueModel& model, const SpringLaw& law, const
         std::vector<double> losses;
         for (std::size_t c = 0; c < loads.size(); ++c)
             losses.push_back(force_error(model.mesh, law, theta, contacts[c],
-                                         model.node_weight.row(static_cast<Eigen::Index>(c)), *loads[c].path,
+                                         model.books.node_weight.row(static_cast<Eigen::Index>(c)), *loads[c].path,
                                          *loads[c].record)
                                  .rel_loss);
         const double median = statistics_of(losses).median;
@@ -86,7 +86,7 @@ const ModelErrors& Evaluation::model(const std::string& name) const {
     return *it;
 }
 
-Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m, int threads) {
+Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m, int threads) {
     const std::vector<LoadCase> loads = load_cases(cases);
     bool same = loads.size() == model.case_names.size() && cases.nodes.rows() == model.mesh.nodes.rows() &&
                 cases.nodes.isApprox(model.mesh.nodes, 1e-9);
@@ -106,20 +106,20 @@ Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N
     result.listed = model.case_count() <= listed_cases && !cases.measurement;
     const bool listed = result.listed;
     result.study = model.study;
-    result.trained = model.trained;
-    result.optimum = model.optimum;
+    result.trained = model.books.trained;
+    result.optimum = model.books.optimum;
     std::vector<Candidate> candidates;
     const auto add_sets = [&](const std::string& name, const NodeField& theta) {
         candidates.push_back({name, {}});
         for (Eigen::Index c = 0; c < theta.rows(); ++c) candidates.back().theta.emplace_back(theta.row(c));
     };
-    for (const TrainedSets& trained : model.trained) {
+    for (const SpringSets& trained : model.trained) {
         std::string name = "learned";
         if (!candidates.empty()) name += "_" + trained.optimizer;
         std::replace_if(name.begin(), name.end(), [](char ch) { return ch == '-' || ch == ':'; }, '_');
         add_sets(name, trained.theta);
     }
-    add_sets("optimum", model.optimum.theta);
+    add_sets("optimum", model.optimum);
     const double low = 0.05 * model.modulus_N_m, high = 40 * model.modulus_N_m;
     const std::optional<double> uniform = best_uniform_stiffness(model.mesh, *law, truths, low, high);
     result.uniform_N_m = uniform ? *uniform : uniform_by_rel_loss(model, *law, loads, contacts, low, high);
@@ -143,7 +143,7 @@ Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N
             CaseError& e = errors.cases[c];
             if (!cases.measurement)
                 e.open_loop = force_error(model.mesh, *law, candidate.at(c), contacts[c],
-                            model.node_weight.row(static_cast<Eigen::Index>(c)), *loads[c].path, *loads[c].record);
+                            model.books.node_weight.row(static_cast<Eigen::Index>(c)), *loads[c].path, *loads[c].record);
             e.closed_loop = closed_loop_error(model.mesh, *law, candidate.at(c), truths[c], e.reason);
         });
         NodeField theta(static_cast<Eigen::Index>(candidate.theta.size()), model.mesh.spring_count());

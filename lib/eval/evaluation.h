@@ -8,7 +8,7 @@
 #include "eval/force_error.h"
 #include "eval/held_out.h"
 #include "eval/spring_character.h"
-#include "springs/tissue_model.h"
+#include "train/training_books.h"
 
 namespace tissue {
 
@@ -47,8 +47,8 @@ struct Evaluation {
     std::vector<ForceCurve> curves;
     double uniform_N_m;              ///< the uniform model's stiffness
     std::string uniform_chosen_on;   ///< "closed_loop" or, where the mesh has no closed-loop answer, "rel_loss"
-    std::vector<TrainedSets> trained;
-    CertifiedOptimum optimum;
+    std::vector<TrainingBook> trained;
+    OptimumProof optimum;
     TruthCheck truth;                                            ///< of FE itself, on the finer mesh
     HeldOut held_out;                                            ///< empty where the study draws no contacts
     std::optional<Measurement> measurement;                      ///< of measured cases
@@ -63,7 +63,7 @@ struct Evaluation {
 /// Curves, the front and what the springs are like are left to FE studies of up to `listed_cases` load cases.
 /// k_min, k_max: the box of the training [N/m], for the front.
 constexpr int listed_cases = 100;
-Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m, int threads);
+Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m, int threads);
 
 /// eval.json (results/FORMATS.md).
 std::string to_json(const Evaluation& evaluation, unsigned long seed);

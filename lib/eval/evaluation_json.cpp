@@ -19,16 +19,16 @@ int total(const std::vector<int>& values) {
     return sum;
 }
 
-int restarted_sets(const TrainedSets& t) {
+int restarted_sets(const TrainingBook& t) {
     int count = 0;
     for (int r : t.restarts) count += r > 0 ? 1 : 0;
     return count;
 }
 
-Json training(const TrainedSets& t) {
+Json training(const TrainingBook& t) {
     Json statuses = Json::object();
     for (const std::string& s : t.status) statuses[s] = statuses.value(s, 0) + 1;
-    return {{"optimizer", t.optimizer},       {"sets", t.theta.rows()},
+    return {{"optimizer", t.optimizer},       {"sets", t.status.size()},
             {"restarts", total(t.restarts)},  {"restarted_sets", restarted_sets(t)},
             {"iterations", total(t.iterations)}, {"evaluations", total(t.evaluations)},
             {"gap", {{"median", statistics_of({t.gap.begin(), t.gap.end()}).median}, {"max", t.gap.maxCoeff()}}},

@@ -17,7 +17,7 @@ std::string summary(const Statistics& s) {
     return s.n == 0 ? "none" : fmt::format("{} / {} / {}", percent(s.median), percent(s.p95), percent(s.max));
 }
 
-double loss_at(const TrainedSets& t, Eigen::Index set, int iteration) {
+double loss_at(const TrainingBook& t, Eigen::Index set, int iteration) {
     double loss = std::nan("");
     for (std::size_t p = 0; p < t.curve_iteration.size() && t.curve_iteration[p] <= iteration; ++p)
         if (const double there = t.curve_loss_N(set, static_cast<Eigen::Index>(p)); !std::isnan(there)) loss = there;
@@ -25,9 +25,9 @@ double loss_at(const TrainedSets& t, Eigen::Index set, int iteration) {
 }
 
 /// Median over the sets of the loss at an iteration, relative to the loss at the start.
-double median_progress(const TrainedSets& t, int iteration) {
+double median_progress(const TrainingBook& t, int iteration) {
     std::vector<double> values;
-    for (Eigen::Index c = 0; c < t.theta.rows(); ++c) values.push_back(loss_at(t, c, iteration) / loss_at(t, c, 0));
+    for (Eigen::Index c = 0; c < t.loss_N.size(); ++c) values.push_back(loss_at(t, c, iteration) / loss_at(t, c, 0));
     return statistics_of(values).median;
 }
 
@@ -143,7 +143,7 @@ std::string to_markdown(const Evaluation& e) {
     out +=
         "\n## Training\n\n| optimiser | sets | iterations | restarts (sets that restarted) | median loss over start at "
         "1,000 | at 5,000 | at the end | gap median / max | seconds |\n|---|---|---|---|---|---|---|---|---|\n";
-    for (const TrainedSets& t : e.trained) {
+    for (const TrainingBook& t : e.trained) {
         int iterations = 0, restarts = 0, restarted = 0;
         for (int i : t.iterations) iterations += i;
         for (int r : t.restarts) {
@@ -155,7 +155,7 @@ std::string to_markdown(const Evaluation& e) {
             return std::isnan(part) ? std::string() : fmt::format("{:.3f}", part);
         };
         out += fmt::format("| {} | {} | {} | {} ({}) | {} | {} | {} | {} / {} | {:.2f} |\n", t.optimizer,
-                           t.theta.rows(), iterations, restarts, restarted, progress(1000), progress(5000), progress(1 << 30),
+                           t.status.size(), iterations, restarts, restarted, progress(1000), progress(5000), progress(1 << 30),
                            percent(statistics_of({t.gap.begin(), t.gap.end()}).median), percent(t.gap.maxCoeff()),
                            t.seconds);
     }
@@ -172,7 +172,7 @@ std::string to_markdown(const Evaluation& e) {
                figures_markdown({"held_out", "springs"});
     if (!e.listed) return out + figures_markdown({"held_out", "held_out_force", "contours", "springs"});
     out += "\n| set | L_lb mN | L_lb relative |";
-    for (const TrainedSets& t : e.trained) out += fmt::format(" {}: L relative / gap / restarts / status |", t.optimizer);
+    for (const TrainingBook& t : e.trained) out += fmt::format(" {}: L relative / gap / restarts / status |", t.optimizer);
     out += "\n|---|---|---|";
     for (std::size_t t = 0; t < e.trained.size(); ++t) out += "---|";
     out += "\n";
@@ -181,7 +181,7 @@ std::string to_markdown(const Evaluation& e) {
         const double scale = e.optimum.loss_N[i] / e.optimum.rel_loss[i];
         out += fmt::format("| {} | {:.4f} | {} |", e.case_names[c], 1e3 * e.optimum.lower_bound_N[i],
                            percent(e.optimum.lower_bound_N[i] / scale));
-        for (const TrainedSets& t : e.trained)
+        for (const TrainingBook& t : e.trained)
             out += fmt::format(" {} / {} / {} / {} |", percent(t.rel_loss[i]), percent(t.gap[i]), t.restarts[c],
                                t.status[c]);
         out += "\n";

@@ -113,7 +113,7 @@ SpringCharacter spring_character(const TissueModel& model, const Cases& cases, c
     return character;
 }
 
-std::vector<FrontPoint> ridge_front(const TissueModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m) {
+std::vector<FrontPoint> ridge_front(const TrainedModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m) {
     const std::unique_ptr<SpringLaw> law = make_spring_law(model.law);
     const std::vector<LoadCase> loads = load_cases(cases);
     const int S = model.mesh.spring_count(), D = model.mesh.dimension();
@@ -125,7 +125,7 @@ std::vector<FrontPoint> ridge_front(const TissueModel& model, const Cases& cases
         for (Eigen::Index c = 0; c < model.case_count(); ++c) {
             const PathRecord& record = *loads[static_cast<std::size_t>(c)].record;
             const SparseMatrix A = law->force_matrix(model.mesh, record.displacement);
-            const NodeField node_weight = model.node_weight.row(c).transpose().replicate(1, D);
+            const NodeField node_weight = model.books.node_weight.row(c).transpose().replicate(1, D);
             const Eigen::VectorXd weight = as_vector(node_weight), force = as_vector(record.force);
             const ForceLoss loss(A, force, weight);
             const double mean_column = loss.matrix().squaredNorm() / S;

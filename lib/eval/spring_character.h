@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "cases/load_path.h"
-#include "springs/tissue_model.h"
+#include "train/training_books.h"
 
 namespace tissue {
 
@@ -33,6 +33,6 @@ struct FrontPoint {
 };
 
 /// The exact solutions of L^2 + ridge |theta - theta0|^2 inside the box, from no ridge to one that holds the heuristic.
-std::vector<FrontPoint> ridge_front(const TissueModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m);
+std::vector<FrontPoint> ridge_front(const TrainedModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m);
 
 }  // namespace tissue

@@ -6,9 +6,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <functional>
-#include <numeric>
 
 #include "error.h"
 #include "io/atomic_file.h"
@@ -45,8 +45,15 @@ std::vector<hsize_t> to_hsize(const std::vector<std::size_t>& shape) {
     return {shape.begin(), shape.end()};
 }
 
+/// Of one dataset. A file may claim any size, but no file of ours comes near.
+constexpr std::size_t most_values = std::size_t{1} << 32;
+
+/// At most most_values + 1, however long the sides are.
 std::size_t product(const std::vector<std::size_t>& shape) {
-    return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());
+    std::size_t values = 1;
+    if (std::find(shape.begin(), shape.end(), std::size_t{0}) != shape.end()) return 0;
+    for (const std::size_t side : shape) values = side > most_values / values ? most_values + 1 : values * side;
+    return values;
 }
 
 hid_t variable_text() {
@@ -83,6 +90,7 @@ void write_dataset(hid_t file, const std::string& name, const std::vector<std::s
 
 std::vector<std::size_t> shape_of(hid_t dataset) {
     const Handle space(H5Dget_space(dataset), H5Sclose);
+    if (H5Sget_simple_extent_type(space) == H5S_NULL) return {0};
     std::vector<hsize_t> dimensions(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
     H5Sget_simple_extent_dims(space, dimensions.data(), nullptr);
     return {dimensions.begin(), dimensions.end()};
@@ -270,6 +278,7 @@ Array Hdf5Reader::array(const std::string& name) const {
     if (dataset.failed()) refuse(name, "is missing");
     Array array;
     array.shape = shape_of(dataset);
+    if (product(array.shape) > most_values) refuse(name, "claims more values than memory could hold");
     array.values.resize(product(array.shape));
     if (!array.values.empty() &&
         H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, array.values.data()) < 0)
@@ -292,13 +301,18 @@ NodeField Hdf5Reader::field(const std::string& name) const {
 
 std::vector<int> Hdf5Reader::integers(const std::string& name) const {
     const Array a = array(name);
+    for (const double value : a.values)
+        if (!(std::abs(value) <= 2147483647.0) || value != std::floor(value))
+            refuse(name, fmt::format("holds {}, which is not a whole number", value));
     return {a.values.begin(), a.values.end()};
 }
 
 std::vector<std::string> Hdf5Reader::texts(const std::string& name) const {
     const Handle dataset(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose), type(variable_text(), H5Tclose);
     if (dataset.failed()) refuse(name, "is missing");
-    std::vector<char*> raw(product(shape_of(dataset)), nullptr);
+    const std::size_t count = product(shape_of(dataset));
+    if (count > most_values) refuse(name, "claims more values than memory could hold");
+    std::vector<char*> raw(count, nullptr);
     if (!raw.empty() && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, raw.data()) < 0)
         refuse(name, "cannot be read as texts");
     std::vector<std::string> texts;

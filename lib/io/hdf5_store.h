@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "field.h"
 #include "io/atomic_file.h"
-#include "mesh/spring_mesh.h"
 
 namespace tissue {
 

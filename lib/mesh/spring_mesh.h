@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "field.h"
+
 // Says the pkg-config file of an installed library. Eigen's arrays cross its border: both sides must allocate alike.
 #ifdef TISSUE_EIGEN_ALIGNMENT
 static_assert(EIGEN_DEFAULT_ALIGN_BYTES == TISSUE_EIGEN_ALIGNMENT,
@@ -11,15 +13,6 @@ static_assert(EIGEN_DEFAULT_ALIGN_BYTES == TISSUE_EIGEN_ALIGNMENT,
 #endif
 
 namespace tissue {
-
-/// One row a node, one column a space dimension (N x D): positions, displacements [m] or forces [N]. Row-major, so
-/// that its storage is the vector of degrees of freedom, D * node + axis.
-using NodeField = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-/// A field as its vector of degrees of freedom (N*D).
-inline Eigen::Map<const Eigen::VectorXd> as_vector(const NodeField& field) {
-    return {field.data(), field.size()};
-}
 
 /// The nodes and springs of Sec. 4, without stiffness: geometry alone.
 struct SpringMesh {

@@ -7,9 +7,9 @@
 namespace tissue {
 
 const NodeField& sets_of(const TissueModel& model, const std::string& optimizer) {
-    if (optimizer == "optimum") return model.optimum.theta;
+    if (optimizer == "optimum") return model.optimum;
     std::string known;
-    for (const TrainedSets& t : model.trained) {
+    for (const SpringSets& t : model.trained) {
         if (optimizer.empty() || t.optimizer == optimizer) return t.theta;
         known += t.optimizer + ", ";
     }

@@ -9,31 +9,15 @@
 namespace tissue {
 
 /// What one optimiser made of every load case: one row of theta a case.
-struct TrainedSets {
+struct SpringSets {
     std::string optimizer;
     NodeField theta;                       ///< [N/m] (C x S)
-    Eigen::VectorXd loss_N, rel_loss;      ///< L(theta) and over sqrt(f_fe' Q f_fe) (C)
-    Eigen::VectorXd gap;                   ///< how far from the certified optimum, train/certificate.h (C)
-    std::vector<int> iterations, evaluations, restarts;  ///< (C)
-    std::vector<std::string> status;       ///< (C)
-    std::vector<int> curve_iteration;      ///< of the learning curves (P)
-    NodeField curve_loss_N;                ///< (C x P), NaN after a set has stopped
-    double seconds = 0;                    ///< wall time of all sets together; an attribute, not a dataset
 };
 
-/// The best spring sets there are inside the box, and the proof: no set has a smaller loss than the lower bound.
-struct CertifiedOptimum {
-    NodeField theta;                        ///< [N/m] (C x S)
-    Eigen::VectorXd loss_N, rel_loss;       ///< (C)
-    Eigen::VectorXd lower_bound_N;          ///< L_lb (C)
-    Eigen::VectorXd kkt_residual;           ///< of the optimality conditions, as a part of the FE force (C)
-    double seconds = 0;                     ///< wall time of all sets together; an attribute, not a dataset
-};
-
-/// Everything the realtime core needs, and everything the evaluation needs beside the cases: what model.h5 holds.
+/// What plays: everything that the realtime core, the exports and the page need. What training wrote down beside it is
+/// in train/training_books.h; model.h5 holds both.
 struct TissueModel {
     std::string study, law;
-    unsigned long seed = 0;                ///< that its training drew from
     SpringMesh mesh;
     double modulus_N_m;                    ///< E2 = E t
     Eigen::VectorXd node_mass_kg;          ///< (8) (N)
@@ -45,16 +29,20 @@ struct TissueModel {
     NodeField contact_m, direction;        ///< of each case (C x D)
     Eigen::VectorXd magnitude_m;           ///< (C)
     NodeField contact_force_N;             ///< FE's, of the indenter on the tissue (C x D); 0 rows when the file has none
-    NodeField node_weight;                 ///< Q of each case, one entry a node (C x N)
-    std::vector<TrainedSets> trained;      ///< the study's optimiser first
-    CertifiedOptimum optimum;
+    std::vector<SpringSets> trained;       ///< the study's optimiser first
+    NodeField optimum;                     ///< the best spring sets there are inside the box [N/m] (C x S)
 
     int case_count() const { return static_cast<int>(case_names.size()); }
 };
 
+/// Its datasets, into a model.h5 that is being written.
+void write_tissue(Hdf5Writer& out, const TissueModel& model);
+
+/// A model.h5 that plays and holds nothing else: whole ones are write_trained_model's.
 void write_model(const std::string& file, const TissueModel& model, const Provenance& provenance);
 
 /// Throws FileError when the file is not a model, or its parts do not fit together.
 TissueModel read_model(const std::string& file);
+TissueModel read_model(const Hdf5Reader& in);
 
 }  // namespace tissue

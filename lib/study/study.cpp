@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "error.h"
+#include "io/atomic_file.h"
 #include "mesh/topology.h"
 #include "springs/spring_law.h"
 #include "study/one_line.h"
@@ -23,11 +24,7 @@ const std::vector<std::string> objectives = {"force", "contact", "reaction"};
 toml::table parse(const std::string& file) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error)) throw FileError(one_line(file) + ": there is no such study file");
-    try {
-        return toml::parse_file(file);
-    } catch (const toml::parse_error& e) {
-        throw StudyError(one_line(fmt::format("{}:{}: {}", file, e.source().begin.line, e.description())));
-    }
+    return parse_toml(read_file(file), file);
 }
 
 void erase_from(toml::table& base, const char* section, std::initializer_list<const char*> keys) {

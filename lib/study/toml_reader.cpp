@@ -22,7 +22,41 @@ bool inside(double value, const Range& range) {
     return std::isfinite(value) && value <= range.high && (range.low_open ? value > range.low : value >= range.low);
 }
 
+/// toml++ nests a table a dot, and its own destructors follow by recursion: a key without end would exhaust the stack.
+constexpr std::size_t longest_line = 10000;
+
+/// The line at which parsing the text fails an assertion: the first that does it with nothing behind it.
+int failing_line(const std::string& text, const std::string& file) {
+    int line = 1;
+    for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', end + 1), ++line) try {
+            (void)toml::parse(text.substr(0, end + 1), file);
+        } catch (const toml::parse_error&) {
+        } catch (const TomlAssertion&) {
+            return line;
+        }
+    return line;
+}
+
 }  // namespace
+
+toml::table parse_toml(const std::string& text, const std::string& file) {
+    int line = 1;
+    for (std::size_t start = 0; start < text.size(); ++line) {
+        const std::size_t end = std::min(text.find('\n', start), text.size());
+        if (end - start > longest_line)
+            throw StudyError(fmt::format("{}:{}: the line has {} characters, at most {} are allowed", file, line, end - start,
+                                         longest_line));
+        start = end + 1;
+    }
+    try {
+        return toml::parse(text, file);
+    } catch (const toml::parse_error& e) {
+        throw StudyError(one_line(fmt::format("{}:{}: {}", file, e.source().begin.line, e.description())));
+    } catch (const TomlAssertion&) {
+        throw StudyError(fmt::format("{}:{}: is not TOML: a key or a value is missing or malformed", file,
+                                     failing_line(text, file)));
+    }
+}
 
 TomlReader::TomlReader(const toml::table& table, std::string file, std::string path)
     : table_(&table), file_(std::move(file)), path_(std::move(path)) {}

@@ -5,10 +5,14 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <toml++/toml.h>
 #include <vector>
 
+#include "study/toml.h"
+
 namespace tissue {
+
+/// The text of a TOML file. Throws StudyError with file, line and cause for whatever is not TOML.
+toml::table parse_toml(const std::string& text, const std::string& file);
 
 /// Inclusive range of allowed numbers, unless a bound is said to be open.
 struct Range {

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <map>
 #include <mutex>
+#include <tuple>
 
 #include "cases/study_mesh.h"
 #include "error.h"
@@ -76,14 +77,14 @@ struct Objectives {
 /// How much the contact's reaction counts beside the nodes: enough that its error all but vanishes.
 constexpr double reaction_factor = 30;
 
-Objectives make_objectives(const Study& study, const TissueModel& model, const SpringLaw& law,
+Objectives make_objectives(const Study& study, const TrainedModel& model, const SpringLaw& law,
                            const std::vector<LoadCase>& loads, const Box& box, int threads) {
     const bool contact = study.training.objective == "contact";
     std::vector<Target> targets;
     std::vector<SurfacePoint> contacts;
     Objectives o;
     for (std::size_t c = 0; c < loads.size(); ++c) {
-        const Eigen::VectorXd weight = model.node_weight.row(static_cast<Eigen::Index>(c));
+        const Eigen::VectorXd weight = model.books.node_weight.row(static_cast<Eigen::Index>(c));
         contacts.push_back(locate_on_surface(model.mesh, loads[c].path->contact_m));
         targets.push_back(contact ? contact_target(model.mesh, loads[c], contacts.back(), weight)
                                   : force_target(loads[c], weight));
@@ -170,17 +171,17 @@ Objectives reaction_objectives(const Study& study, const TissueModel& model, con
     return o;
 }
 
-/// The exact solution of every set and its certificate.
-CertifiedOptimum certify(const Objectives& objectives, const Box& box, int threads) {
+/// The exact solution of every set (C x S) and its certificate.
+std::pair<NodeField, OptimumProof> certify(const Objectives& objectives, const Box& box, int threads) {
     const std::vector<ForceLoss>& losses = objectives.minimised;
     const auto C = static_cast<Eigen::Index>(losses.size());
-    CertifiedOptimum optimum{NodeField(C, box.lo.size()), Eigen::VectorXd(C), Eigen::VectorXd(C), Eigen::VectorXd(C),
-                             Eigen::VectorXd(C)};
+    NodeField theta(C, box.lo.size());
+    OptimumProof optimum{Eigen::VectorXd(C), Eigen::VectorXd(C), Eigen::VectorXd(C), Eigen::VectorXd(C)};
     const Clock::time_point begin = Clock::now();
     parallel_for(static_cast<int>(C), threads, [&](int c) {
         const ForceLoss& loss = losses[static_cast<std::size_t>(c)];
         const BoundedLsqSummary exact = solve_bounded_lsq(loss, objectives.start[static_cast<std::size_t>(c)], box, objectives.exact);
-        optimum.theta.row(c) = exact.theta;
+        theta.row(c) = exact.theta;
         optimum.loss_N[c] = exact.residual_norm;
         const ForceLoss& base = objectives.base[static_cast<std::size_t>(c)];
         optimum.rel_loss[c] = base(exact.theta) / base.scale();
@@ -188,16 +189,21 @@ CertifiedOptimum certify(const Objectives& objectives, const Box& box, int threa
         optimum.kkt_residual[c] = exact.kkt_residual;
     });
     optimum.seconds = seconds_since(begin);
-    return optimum;
+    return {std::move(theta), std::move(optimum)};
 }
 
-TrainedSets gather(const std::string& optimizer, const std::vector<TrainSummary>& sets,
-                   const Objectives& objectives, const CertifiedOptimum& optimum, double seconds) {
+NodeField theta_of(const std::vector<TrainSummary>& sets) {
+    NodeField theta(static_cast<Eigen::Index>(sets.size()), sets[0].theta.size());
+    for (std::size_t c = 0; c < sets.size(); ++c) theta.row(static_cast<Eigen::Index>(c)) = sets[c].theta;
+    return theta;
+}
+
+TrainingBook gather(const std::string& optimizer, const std::vector<TrainSummary>& sets,
+                    const Objectives& objectives, const OptimumProof& optimum, double seconds) {
     const auto C = static_cast<Eigen::Index>(sets.size());
-    TrainedSets t;
+    TrainingBook t;
     t.optimizer = optimizer;
     t.seconds = seconds;
-    t.theta.resize(C, sets[0].theta.size());
     t.loss_N.resize(C);
     t.rel_loss.resize(C);
     t.gap.resize(C);
@@ -211,7 +217,6 @@ TrainedSets gather(const std::string& optimizer, const std::vector<TrainSummary>
     t.curve_loss_N = NodeField::Constant(C, static_cast<Eigen::Index>(column.size()), std::nan(""));
     for (Eigen::Index c = 0; c < C; ++c) {
         const TrainSummary& s = sets[static_cast<std::size_t>(c)];
-        t.theta.row(c) = s.theta;
         t.loss_N[c] = s.loss;
         const ForceLoss& base = objectives.base[static_cast<std::size_t>(c)];
         t.rel_loss[c] = base(s.theta) / base.scale();
@@ -253,9 +258,10 @@ Eigen::VectorXd study_heuristic(const Study& study, const Cases& cases, const Sp
 
 }  // namespace
 
-TissueModel train_sets(const Study& study, const Cases& cases, int threads, const TrainProgress& progress) {
+TrainedModel train_sets(const Study& study, const Cases& cases, int threads, const TrainProgress& progress) {
     const double unit = study.modulus_N_m();
-    TissueModel model;
+    TrainedModel model;
+    model.books.seed = study.training.seed;
     model.study = study.name;
     model.law = study.springs.law;
     model.mesh = spring_mesh_of(study, cases);
@@ -271,7 +277,7 @@ TissueModel train_sets(const Study& study, const Cases& cases, int threads, cons
     model.direction.resize(C, D);
     model.magnitude_m.resize(C);
     model.contact_force_N.resize(C, D);
-    model.node_weight.resize(C, model.mesh.node_count());
+    model.books.node_weight.resize(C, model.mesh.node_count());
 
     const std::unique_ptr<SpringLaw> law = make_spring_law(study.springs.law);
     for (Eigen::Index c = 0; c < C; ++c) {
@@ -281,7 +287,7 @@ TissueModel train_sets(const Study& study, const Cases& cases, int threads, cons
         model.direction.row(c) = load.path->direction;
         model.magnitude_m[c] = load.record->magnitude_m;
         model.contact_force_N.row(c) = load.record->contact_force_N;
-        model.node_weight.row(c) = draw_node_weights(study, model.mesh, load);
+        model.books.node_weight.row(c) = draw_node_weights(study, model.mesh, load);
     }
 
     const Box box{Eigen::VectorXd::Constant(S, study.training.k_min_E2 * unit),
@@ -292,8 +298,9 @@ TissueModel train_sets(const Study& study, const Cases& cases, int threads, cons
                                       ? reaction_objectives(study, model, *law, loads, box, threads)
                                       : make_objectives(study, model, *law, loads, box, threads);
     model.one_set = objectives.one_set;
-    model.optimum = certify(objectives, box, threads);
-    if (study.training.objective != "force") model.optimum.seconds = seconds_since(beginning);  // solves most of it
+    OptimumProof& proof = model.books.optimum;
+    std::tie(model.optimum, proof) = certify(objectives, box, threads);
+    if (study.training.objective != "force") proof.seconds = seconds_since(beginning);  // solves most of it
     std::vector<std::string> names = {study.training.optimizer};
     for (const std::string& other : study.training.also)
         if (std::find(names.begin(), names.end(), other) == names.end()) names.push_back(other);
@@ -308,8 +315,8 @@ TissueModel train_sets(const Study& study, const Cases& cases, int threads, cons
             const auto i = static_cast<std::size_t>(c);
             const Stream stream(study.training.seed, name, loads[i].name);
             if (name == "exact") {  // the certificate has solved it already
-                sets[i].theta = model.optimum.theta.row(c);
-                sets[i].loss = model.optimum.loss_N[c];
+                sets[i].theta = model.optimum.row(c);
+                sets[i].loss = proof.loss_N[c];
                 sets[i].status = TrainStatus::converged;
             } else
                 sets[i] = optimizer->minimise(objectives.minimised[i], objectives.start[i], box, unit, stop, stream);
@@ -317,8 +324,9 @@ TissueModel train_sets(const Study& study, const Cases& cases, int threads, cons
             ++done;
             if (progress) progress(done, total, name + " " + loads[i].name);
         });
-        const double seconds = name == "exact" ? model.optimum.seconds : seconds_since(begin);
-        model.trained.push_back(gather(name, sets, objectives, model.optimum, seconds));
+        const double seconds = name == "exact" ? proof.seconds : seconds_since(begin);
+        model.trained.push_back({name, theta_of(sets)});
+        model.books.trained.push_back(gather(name, sets, objectives, proof, seconds));
     }
     return model;
 }

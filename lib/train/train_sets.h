@@ -4,8 +4,8 @@
 #include <string>
 
 #include "cases/load_path.h"
-#include "springs/tissue_model.h"
 #include "study/study.h"
+#include "train/training_books.h"
 
 namespace tissue {
 
@@ -16,7 +16,7 @@ using TrainProgress = std::function<void(int done, int total, const std::string&
 /// Every set draws its Q and its perturbations from streams of its own, seeded by the study's seed and the set's
 /// name, so the result is the same for any number of threads.
 /// Throws MismatchError when the cases are not on the study's lattice.
-TissueModel train_sets(const Study& study, const Cases& cases, int threads, const TrainProgress& progress = {});
+TrainedModel train_sets(const Study& study, const Cases& cases, int threads, const TrainProgress& progress = {});
 
 /// The study's spring mesh. Throws MismatchError when the cases are not on its nodes.
 SpringMesh spring_mesh_of(const Study& study, const Cases& cases);

@@ -132,7 +132,7 @@ TissueModel made_up() {
     m.modulus_N_m = 0.754;
     m.node_mass_kg = node_masses(m.mesh, 1040, 1.0 / 6000);
     m.heuristic_a = heuristic_stiffness(m.mesh, 0.754);
-    TrainedSets t;
+    SpringSets t;
     t.optimizer = "bench";
     const double place[5][2] = {{0, 0.05}, {0, 0.1}, {0.05, 0.1}, {0.1, 0.1}, {0.1, 0.05}};
     m.contact_m.resize(20, 2);

@@ -84,12 +84,12 @@ struct Problem {
         quick.training.optimizer = "spsa-2008";
         quick.training.also.clear();
         quick.training.iterations = 1;
-        const TissueModel model = train_sets(quick, cases, threads);
+        const TrainedModel model = train_sets(quick, cases, threads);
         const std::unique_ptr<SpringLaw> law = make_spring_law(study.springs.law);
         const std::vector<LoadCase> loads = load_cases(cases);
         for (std::size_t c = 0; c < loads.size(); ++c)
             losses.push_back(
-                loss_of(model.mesh, *law, force_target(loads[c], model.node_weight.row(static_cast<Eigen::Index>(c)))));
+                loss_of(model.mesh, *law, force_target(loads[c], model.books.node_weight.row(static_cast<Eigen::Index>(c)))));
         start = model.heuristic_a;
         box.lo = Eigen::VectorXd::Constant(start.size(), study.training.k_min_E2 * study.modulus_N_m());
         box.hi = Eigen::VectorXd::Constant(start.size(), study.training.k_max_E2 * study.modulus_N_m());
@@ -108,12 +108,12 @@ Json bench_sets(const std::string& study_file, const std::string& cases_file) {
     const Cases cases = read_cases(cases_file);
     std::vector<double> trained, exact, iterations, gaps;
     for (int repeat = 0; repeat < 5; ++repeat) {
-        const TissueModel model = train_sets(study, cases, threads);
-        trained.push_back(model.trained[0].seconds);
-        exact.push_back(model.optimum.seconds);
+        const TrainedModel model = train_sets(study, cases, threads);
+        trained.push_back(model.books.trained[0].seconds);
+        exact.push_back(model.books.optimum.seconds);
         if (repeat > 0) continue;
-        iterations.assign(model.trained[0].iterations.begin(), model.trained[0].iterations.end());
-        gaps.assign(model.trained[0].gap.begin(), model.trained[0].gap.end());
+        iterations.assign(model.books.trained[0].iterations.begin(), model.books.trained[0].iterations.end());
+        gaps.assign(model.books.trained[0].gap.begin(), model.books.trained[0].gap.end());
     }
     const std::string all = "train " + study.name + ", all " + std::to_string(iterations.size()) + " sets, ";
     const std::string by = study.training.optimizer;

@@ -18,7 +18,7 @@ namespace {
 struct Example {
     Study study;
     Cases cases;
-    TissueModel model;
+    TrainedModel model;
 };
 
 /// Learned sets are the truth itself, so every error of theirs vanishes.
@@ -32,7 +32,7 @@ const Example& perfect() {
     return example;
 }
 
-Evaluation evaluated(const TissueModel& model, const Cases& cases) {
+Evaluation evaluated(const TrainedModel& model, const Cases& cases) {
     return evaluate(model, cases, 0.05 * model.modulus_N_m, 40 * model.modulus_N_m, 2);
 }
 
@@ -61,7 +61,7 @@ TEST_CASE("every table has the learned sets, the other optimiser's, the optimum 
 
 TEST_CASE("the optimum's loss is nowhere above any other model's") {
     const Example& x = perfect();
-    const TissueModel trained = train_sets(x.study, x.cases, 1);
+    const TrainedModel trained = train_sets(x.study, x.cases, 1);
     const Evaluation e = evaluated(trained, x.cases);
     for (const ModelErrors& m : e.models)
         for (std::size_t c = 0; c < m.cases.size(); ++c) {
@@ -98,7 +98,7 @@ TEST_CASE("a mesh without closed-loop answers says why, and its uniform stiffnes
     const Example& x = perfect();
     Study study = x.study;
     study.springs.topology = "grid4";
-    const TissueModel model = train_sets(study, x.cases, 1);
+    const TrainedModel model = train_sets(study, x.cases, 1);
     const Evaluation e = evaluated(model, x.cases);
     CHECK(e.uniform_chosen_on == "rel_loss");
     CHECK(e.model("learned").closed_loop().n == 0);
@@ -153,7 +153,7 @@ TEST_CASE("a model and cases that do not belong together are refused") {
     cases = x.cases;
     cases.paths.pop_back();
     CHECK_THROWS_AS(evaluated(x.model, cases), MismatchError);
-    TissueModel model = x.model;
+    TrainedModel model = x.model;
     model.law = "elastic";
     CHECK_THROWS_AS(evaluated(model, x.cases), MismatchError);
 }

@@ -14,7 +14,7 @@ namespace {
 
 struct Example {
     Cases cases;
-    TissueModel model;
+    TrainedModel model;
 };
 
 Example example(const std::string& topology) {

@@ -25,8 +25,7 @@ TissueModel haptic_example(const ExampleModel& e) {
     m.contact_m.resize(C, 2);
     m.direction.resize(C, 2);
     m.magnitude_m.resize(C);
-    m.node_weight = NodeField::Constant(C, m.mesh.node_count(), 0.9);
-    TrainedSets t;
+    SpringSets t;
     t.optimizer = "example";
     t.theta.resize(C, m.mesh.spring_count());
     for (int c = 0; c < C; ++c) {
@@ -38,13 +37,8 @@ TissueModel haptic_example(const ExampleModel& e) {
         for (int s = 0; s < m.mesh.spring_count(); ++s)
             t.theta(c, s) = e.stiffer * m.heuristic_a[s] * (1 + (c % 2 ? 0.3 : 0) + e.spread * std::sin(1.7 * s + 2.3 * c));
     }
-    t.loss_N = t.rel_loss = t.gap = Eigen::VectorXd::Zero(C);
-    t.iterations = t.evaluations = t.restarts = std::vector<int>(static_cast<std::size_t>(C), 1);
-    t.status = std::vector<std::string>(static_cast<std::size_t>(C), "converged");
-    t.curve_iteration = {0, 1};
-    t.curve_loss_N = NodeField::Ones(C, 2);
     m.trained = {t};
-    m.optimum = {t.theta, t.loss_N, t.loss_N, t.loss_N, t.loss_N, 0};
+    m.optimum = t.theta;
     return m;
 }
 

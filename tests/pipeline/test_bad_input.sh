@@ -25,6 +25,8 @@ sed -i 's/^iterations = 300/iterations = = 300/' "$work/$study"
 refused "malformed TOML" "$study:21: "
 printf '\n[geometry]\nthickness_m = -1e-4\n' >>"$work/$study"
 refused "a negative thickness" "$study:24: key 'geometry.thickness_m': must be a number > 0"
+sed -i '3s/.*/[,lattice]/' "$work/$study"
+refused "a header that toml++ asserts cannot be" "$study:3: is not TOML"
 edit 'contact_m = \[0.00, 0.05\]' 'contact_m = [0.01, 0.05]'
 refused "a contact off the surface" "$study:14: key 'loads.paths\[0\].contact_m': .*not on the free surface"
 edit 'also = .*' 'also = "spsa-2008"'
@@ -107,6 +109,37 @@ cp "$R/cases.h5" "$work/future.h5"
 bad_h5 "an HDF5 file of a future version" future.h5 "tissuectl: future.h5: .*version 99 is later"
 echo "not HDF5" >"$work/text.h5"
 bad_h5 "a file that is no HDF5" text.h5 "tissuectl: text.h5: is not an HDF5 file"
+# ---- a dataset that no model has, through everything that reads models
+TISSUE_HAPTIC=${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}
+bad_model() { # SENTENCE LINE-PATTERN PYTHON: what it does to the model h
+    cp "$R/model.h5" "$work/bad.h5"
+    "$PYTHON" -c "import h5py, sys
+def put(name, value):
+    words = dict(h[name].attrs)
+    del h[name]
+    h[name] = value
+    h[name].attrs.update(words)
+h = h5py.File(sys.argv[1], 'r+'); $3" "$work/bad.h5"
+    run "$TISSUE_HAPTIC" bad.h5 --seconds 0.1 --no-realtime
+    check "$1, played: exit 1" exited 1
+    check "$1, played: one line says so" one_line "tissue-haptic: bad.h5: $2"
+    for reader in "eval --study $study --model bad.h5 --cases results/tiny/cases.h5 --out results/tiny/eval.json" \
+        "serve bad.h5 --port 0" "export bad.h5 --to vtu --out bad" "export bad.h5 --to csv --out bad"; do
+        run timeout 60 build/release/tissuectl $reader
+        check "$1, ${reader%% *}: exit 1" exited 1
+        check "$1, ${reader%% *}: one line says so" one_line "tissuectl: bad.h5: $2"
+    done
+    tissuectl info bad.h5
+    check "$1: info still tells what is in the file" exited 0
+}
+bad_model "one_set of a wrong size" "/one_set: is 3, wanted S = " "put('one_set', [1., 2., 3.])"
+bad_model "contacts of one column" "/cases/contact: is 4 x 1, wanted C = 4 x D = 2" "put('cases/contact', h['cases/contact'][:, :1])"
+bad_model "a spring to nowhere" "/mesh/springs: value 0 is nan" "put('mesh/springs', h['mesh/springs'][:] * 1.); h['mesh/springs'][0, 0] = float('nan')"
+bad_model "a spring from a node to itself" "/mesh/springs: row 5 names " "h['mesh/springs'][5] = [h['mesh/springs'][5, 0]] * 2"
+bad_model "a stiffness that is no number" "/trained/spsa/theta: value 1 is nan" "h['trained/spsa/theta'][0, 1] = float('nan')"
+bad_model "a clockwise boundary" "/mesh/boundary: runs clockwise" "put('mesh/boundary', h['mesh/boundary'][::-1])"
+check "bad models leave earlier results untouched" untouched
+
 for file in cut foreign future text; do
     tissuectl info $file.h5
     check "info refuses $file.h5 with exit 1 and one line" exited 1

@@ -148,7 +148,7 @@ TEST_CASE("noise-free data of a known spring model come back: trained contacts a
     for (Eigen::Index s = 0; s < theta.size(); ++s) theta[s] *= 1 + 0.3 * std::sin(3.0 * static_cast<double>(s));
     study.training.ridge = study.training.one_set_ridge = 1e-7;
     const Cases cases = measured_cases(study, table_of(study, theta));
-    const TissueModel model = train_sets(study, cases, 2);
+    const TrainedModel model = train_sets(study, cases, 2);
     const Evaluation e = evaluate(model, cases, 0, 1, 2);
     CHECK(e.model("learned").closed_loop().max < 1e-3);
     const DrawnContacts* held_out = e.held_out.role("held_out");

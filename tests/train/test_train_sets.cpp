@@ -25,28 +25,28 @@ Cases cases_of(const Study& study) {
 TEST_CASE("the trained sets do not depend on the number of threads") {
     const Study study = example_study();
     const Cases cases = cases_of(study);
-    const TissueModel one = train_sets(study, cases, 1), three = train_sets(study, cases, 3);
-    CHECK(one.node_weight == three.node_weight);
+    const TrainedModel one = train_sets(study, cases, 1), three = train_sets(study, cases, 3);
+    CHECK(one.books.node_weight == three.books.node_weight);
     REQUIRE(one.trained.size() == three.trained.size());
     for (std::size_t t = 0; t < one.trained.size(); ++t) {
         CHECK(one.trained[t].theta == three.trained[t].theta);
-        CHECK(one.trained[t].loss_N == three.trained[t].loss_N);
-        CHECK(one.trained[t].iterations == three.trained[t].iterations);
-        CHECK(one.trained[t].restarts == three.trained[t].restarts);
-        CHECK(one.trained[t].status == three.trained[t].status);
-        CHECK(one.trained[t].curve_iteration == three.trained[t].curve_iteration);
+        CHECK(one.books.trained[t].loss_N == three.books.trained[t].loss_N);
+        CHECK(one.books.trained[t].iterations == three.books.trained[t].iterations);
+        CHECK(one.books.trained[t].restarts == three.books.trained[t].restarts);
+        CHECK(one.books.trained[t].status == three.books.trained[t].status);
+        CHECK(one.books.trained[t].curve_iteration == three.books.trained[t].curve_iteration);
     }
-    CHECK(one.optimum.theta == three.optimum.theta);
+    CHECK(one.optimum == three.optimum);
 }
 
 TEST_CASE("a set depends on the seed and its own name, not on which sets are trained beside it") {
     const Study study = example_study();
     Cases cases = cases_of(study);
-    const TissueModel both = train_sets(study, cases, 2);
+    const TrainedModel both = train_sets(study, cases, 2);
     cases.paths.erase(cases.paths.begin());
-    const TissueModel alone = train_sets(study, cases, 2);
+    const TrainedModel alone = train_sets(study, cases, 2);
     CHECK(alone.case_names == std::vector<std::string>{"corner-4mm", "corner-8mm"});
-    CHECK(alone.node_weight == both.node_weight.bottomRows(2));
+    CHECK(alone.books.node_weight == both.books.node_weight.bottomRows(2));
     for (std::size_t t = 0; t < both.trained.size(); ++t)
         CHECK(alone.trained[t].theta == both.trained[t].theta.bottomRows(2));
 }
@@ -54,16 +54,16 @@ TEST_CASE("a set depends on the seed and its own name, not on which sets are tra
 TEST_CASE("another seed draws another Q and trains other sets") {
     Study study = example_study();
     const Cases cases = cases_of(study);
-    const TissueModel first = train_sets(study, cases, 1);
+    const TrainedModel first = train_sets(study, cases, 1);
     study.training.seed += 1;
-    const TissueModel second = train_sets(study, cases, 1);
-    CHECK((first.node_weight - second.node_weight).cwiseAbs().maxCoeff() > 1e-3);
+    const TrainedModel second = train_sets(study, cases, 1);
+    CHECK((first.books.node_weight - second.books.node_weight).cwiseAbs().maxCoeff() > 1e-3);
     CHECK(first.trained.front().theta != second.trained.front().theta);
 }
 
 TEST_CASE("Q is drawn high for the 3 x 3 nodes about the contact and lower for all others") {
     const Study study = example_study();
-    const TissueModel model = train_sets(study, cases_of(study), 1);
+    const TrainedModel model = train_sets(study, cases_of(study), 1);
     std::set<double> drawn;
     for (Eigen::Index c = 0; c < model.case_count(); ++c) {
         int near_nodes = 0;
@@ -71,10 +71,10 @@ TEST_CASE("Q is drawn high for the 3 x 3 nodes about the contact and lower for a
             const double away = (model.mesh.nodes.row(i) - model.contact_m.row(c)).cwiseAbs().maxCoeff();
             const bool near = away < 1.5 * 0.025;
             const auto& range = near ? study.training.weight_near : study.training.weight_far;
-            CHECK(model.node_weight(c, i) >= range[0]);
-            CHECK(model.node_weight(c, i) <= range[1]);
+            CHECK(model.books.node_weight(c, i) >= range[0]);
+            CHECK(model.books.node_weight(c, i) <= range[1]);
             near_nodes += near ? 1 : 0;
-            drawn.insert(model.node_weight(c, i));
+            drawn.insert(model.books.node_weight(c, i));
         }
         const bool corner = model.case_names[static_cast<std::size_t>(c)].rfind("corner", 0) == 0;
         CHECK(near_nodes == (corner ? 4 : 6));  // of the 3 x 3, those that are tissue
@@ -85,29 +85,32 @@ TEST_CASE("Q is drawn high for the 3 x 3 nodes about the contact and lower for a
 TEST_CASE("every set lies in the box, and its loss is what was recorded and no larger than the heuristic's") {
     const Study study = example_study();
     const Cases cases = cases_of(study);
-    const TissueModel model = train_sets(study, cases, 2);
+    const TrainedModel model = train_sets(study, cases, 2);
     const auto law = make_spring_law(model.law);
     const std::vector<LoadCase> loads = load_cases(cases);
-    for (const TrainedSets& t : model.trained) {
-        CHECK(t.theta.minCoeff() >= study.training.k_min_E2 * model.modulus_N_m * (1 - tolerance::rounding));
-        CHECK(t.theta.maxCoeff() <= study.training.k_max_E2 * model.modulus_N_m * (1 + tolerance::rounding));
-        for (Eigen::Index c = 0; c < t.theta.rows(); ++c) {
+    for (std::size_t o = 0; o < model.trained.size(); ++o) {
+        const TrainingBook& t = model.books.trained[o];
+        const NodeField& theta = model.trained[o].theta;
+        CHECK(t.optimizer == model.trained[o].optimizer);
+        CHECK(theta.minCoeff() >= study.training.k_min_E2 * model.modulus_N_m * (1 - tolerance::rounding));
+        CHECK(theta.maxCoeff() <= study.training.k_max_E2 * model.modulus_N_m * (1 + tolerance::rounding));
+        for (Eigen::Index c = 0; c < theta.rows(); ++c) {
             const LoadCase& load = loads[static_cast<std::size_t>(c)];
-            const NodeField weight = model.node_weight.row(c).transpose().replicate(1, 2);
+            const NodeField weight = model.books.node_weight.row(c).transpose().replicate(1, 2);
             const ForceLoss loss(law->force_matrix(model.mesh, load.record->displacement),
                                  as_vector(load.record->force), as_vector(weight));
-            CHECK(t.loss_N[c] == Approx(loss(t.theta.row(c).transpose())).epsilon(tolerance::solve));
+            CHECK(t.loss_N[c] == Approx(loss(theta.row(c).transpose())).epsilon(tolerance::solve));
             CHECK(t.rel_loss[c] == Approx(t.loss_N[c] / loss.scale()).epsilon(tolerance::rounding));
             CHECK(t.loss_N[c] <= loss(model.heuristic_a));
             CHECK(t.curve_loss_N(c, 0) == Approx(loss(model.heuristic_a)).epsilon(tolerance::solve));
-            CHECK(model.optimum.lower_bound_N[c] <= t.loss_N[c] * (1 + tolerance::solve));
+            CHECK(model.books.optimum.lower_bound_N[c] <= t.loss_N[c] * (1 + tolerance::solve));
         }
     }
 }
 
 TEST_CASE("the model carries what the springs stand for: masses, both heuristics, contacts and pushes") {
     const Study study = example_study();
-    const TissueModel model = train_sets(study, cases_of(study), 1);
+    const TrainedModel model = train_sets(study, cases_of(study), 1);
     CHECK(model.modulus_N_m == Approx(6 * (263 + 491) * 0.0003).epsilon(tolerance::rounding));
     CHECK(model.node_mass_kg.sum() == Approx(1040 * 0.0003 * 0.01).epsilon(tolerance::rounding));
     CHECK(model.heuristic_a.isApprox(6 * model.heuristic_b, tolerance::rounding));
@@ -119,7 +122,7 @@ TEST_CASE("the model carries what the springs stand for: masses, both heuristics
 TEST_CASE("an optimiser that is named twice trains once, the study's own first") {
     Study study = example_study();
     study.training.also = {"spsa-2008", "spsa", "spsa-2008"};
-    const TissueModel model = train_sets(study, cases_of(study), 1);
+    const TrainedModel model = train_sets(study, cases_of(study), 1);
     REQUIRE(model.trained.size() == 2);
     CHECK(model.trained[0].optimizer == "spsa");
     CHECK(model.trained[1].optimizer == "spsa-2008");

@@ -1,0 +1,226 @@
+#include "cases/cases_table.h"
+#include "cases/load_path.h"
+#include "error.h"
+#include "mesh/mesh_fault.h"
+
+namespace tissue {
+namespace {
+
+DatasetTable joined(DatasetTable table, const DatasetTable& more) {
+    table.insert(table.end(), more.begin(), more.end());
+    return table;
+}
+
+Eigen::VectorXd single(double value) {
+    return Eigen::VectorXd::Constant(1, value);
+}
+
+void write_shape(TableWriter& out, const Shape& shape) {
+    std::vector<int> edges;
+    for (const auto& edge : shape.fixed_edges) edges.insert(edges.end(), edge.begin(), edge.end());
+    out.write_table("/shape/triangles", shape.triangles);
+    out.write_integers("/shape/region", {shape.region.size()}, shape.region);
+    out.write_integers("/shape/fixed_edges", {shape.fixed_edges.size(), 2}, edges);
+}
+
+Shape read_shape(TableReader& in, const NodeField& nodes) {
+    Shape shape;
+    shape.nodes = nodes;
+    shape.triangles = in.table_of<3>("/shape/triangles");
+    shape.region = in.integers("/shape/region");
+    const auto edges = in.table_of<2>("/shape/fixed_edges");
+    for (Eigen::Index e = 0; e < edges.rows(); ++e) shape.fixed_edges.push_back({edges(e, 0), edges(e, 1)});
+    if (const auto fault = triangle_fault(nodes, shape.triangles)) in.refuse("/shape/" + fault->part, fault->why);
+    std::string why;
+    try {
+        if (const auto fault = mesh_fault(edge_mesh(shape))) why = fault->part + " " + fault->why;
+    } catch (const FileError& e) {  // the outline is not one closed loop
+        why = e.what();
+    }
+    if (!why.empty()) in.refuse("/shape", why);
+    return shape;
+}
+
+void write_measurement(TableWriter& out, const Measurement& m) {
+    out.write_texts("/measurement/origin", {m.origin});
+    out.write_texts("/measurement/outliers", m.outliers);
+    out.write("/measurement/force_noise", single(m.force_noise));
+    out.write("/measurement/displacement_noise", single(m.displacement_noise_m));
+    out.write_integers("/measurement/counts", {3}, {m.rows, m.contacts, m.repeats});
+}
+
+Measurement read_measurement(const Hdf5Reader& file, TableReader& in) {
+    const std::vector<int> counts = in.integers("/measurement/counts");
+    return {in.texts("/measurement/origin")[0], counts[0], counts[1], counts[2], in.vector("/measurement/force_noise")[0],
+            in.vector("/measurement/displacement_noise")[0], file.text_attribute("/measurement", "noise_source"),
+            in.texts("/measurement/outliers")};
+}
+
+/// One row a record.
+template <class Value>
+NodeField rows_of(const std::vector<PathRecord>& records, const Value& value) {
+    NodeField rows(static_cast<Eigen::Index>(records.size()), 2);
+    for (std::size_t r = 0; r < records.size(); ++r) rows.row(static_cast<Eigen::Index>(r)) = value(records[r]).transpose();
+    return rows;
+}
+
+/// One number a record.
+template <class Value>
+Eigen::VectorXd numbers_of(const std::vector<PathRecord>& records, const Value& value) {
+    Eigen::VectorXd numbers(static_cast<Eigen::Index>(records.size()));
+    for (std::size_t r = 0; r < records.size(); ++r) numbers[static_cast<Eigen::Index>(r)] = value(records[r]);
+    return numbers;
+}
+
+/// One field a record (R x N x D).
+template <class Value>
+Array fields_of(const std::vector<PathRecord>& records, const NodeField& nodes, const Value& value) {
+    Array all{{records.size(), static_cast<std::size_t>(nodes.rows()), static_cast<std::size_t>(nodes.cols())}, {}};
+    for (const PathRecord& r : records) {
+        const NodeField& field = value(r);
+        all.values.insert(all.values.end(), field.data(), field.data() + field.size());
+    }
+    return all;
+}
+
+void write_path(TableWriter& out, const LoadPath& path, const NodeField& nodes, bool measured) {
+    const std::string group = "/paths/" + path.name + "/";
+    const std::vector<PathRecord>& records = path.records;
+    out.write_texts(group + "role", {path.role, path.lost});
+    out.write(group + "depth", single(path.depth_m));
+    out.write(group + "contact", Eigen::VectorXd(path.contact_m));
+    out.write(group + "direction", Eigen::VectorXd(path.direction));
+    out.write(group + "magnitude", numbers_of(records, [](const PathRecord& r) { return r.magnitude_m; }));
+    out.write(group + "contact_force", rows_of(records, [](const PathRecord& r) { return r.contact_force_N; }));
+    if (measured) {
+        out.write(group + "aside", rows_of(records, [](const PathRecord& r) { return r.aside_m; }));
+        NodeField again(path.again_N ? 1 : 0, 2);
+        if (path.again_N) again.row(0) = path.again_N->transpose();
+        out.write(group + "again", again);
+        return;
+    }
+    const auto u = [](const PathRecord& r) -> const NodeField& { return r.displacement; };
+    const auto f = [](const PathRecord& r) -> const NodeField& { return r.force; };
+    out.write(group + "displacement", fields_of(records, nodes, u));
+    out.write(group + "force", fields_of(records, nodes, f));
+    out.write(group + "support_force", rows_of(records, [](const PathRecord& r) { return r.support_force_N; }));
+    out.write(group + "energy", numbers_of(records, [](const PathRecord& r) { return r.energy_J; }));
+    out.write(group + "smallest_J", numbers_of(records, [](const PathRecord& r) { return r.smallest_J; }));
+    out.write(group + "newton_residual", numbers_of(records, [](const PathRecord& r) { return r.newton_residual; }));
+    std::vector<int> newton;
+    for (const PathRecord& r : records) newton.push_back(r.newton_iterations);
+    out.write_integers(group + "newton_iterations", {records.size()}, newton);
+}
+
+/// in: of this path alone, since R is its own.
+LoadPath read_path(TableReader in, const std::string& name, const NodeField& nodes, bool measured) {
+    const std::string group = "/paths/" + name + "/";
+    LoadPath path;
+    path.name = name;
+    const std::vector<std::string> role = in.texts(group + "role");
+    path.role = role[0];
+    path.lost = role[1];
+    path.depth_m = in.vector(group + "depth")[0];
+    path.contact_m = in.vector(group + "contact");
+    path.direction = in.vector(group + "direction");
+    const Eigen::VectorXd magnitude = in.vector(group + "magnitude");
+    const NodeField contact = in.field(group + "contact_force");
+    if (measured) {
+        const NodeField aside = in.field(group + "aside"), again = in.field(group + "again");
+        for (Eigen::Index r = 0; r < magnitude.size(); ++r)
+            path.records.push_back(measured_record(magnitude[r], contact.row(r), aside.row(r)));
+        if (again.rows() > 1) in.refuse(group + "again", "has more than one row");
+        if (again.rows() == 1) path.again_N = again.row(0);
+        return path;
+    }
+    const Eigen::VectorXd energy = in.vector(group + "energy"), J = in.vector(group + "smallest_J"),
+                          residual = in.vector(group + "newton_residual");
+    const NodeField support = in.field(group + "support_force");
+    const Array u = in.array(group + "displacement"), f = in.array(group + "force");
+    const std::vector<int> newton = in.integers(group + "newton_iterations");
+    for (Eigen::Index r = 0; r < magnitude.size(); ++r) {
+        const auto at = [&](const Array& a) {
+            return Eigen::Map<const NodeField>(a.values.data() + r * nodes.size(), nodes.rows(), nodes.cols());
+        };
+        path.records.push_back({magnitude[r], at(u), at(f), contact.row(r), support.row(r), energy[r], J[r],
+                                newton[static_cast<std::size_t>(r)], residual[r]});
+    }
+    return path;
+}
+
+}  // namespace
+
+const DatasetTable& cases_table(bool measured) {
+    static const DatasetTable all = {
+        {"/nodes", "N x D", Values::place(), "m", "lattice nodes at rest", Rows::distinct},
+        {"/shape/triangles", "T x 3", Values::index("N"), "1", "triangles between the nodes", Rows::distinct},
+        {"/shape/region", "T", Values::count(), "1", "0: base material, else 1 + named region"},
+        {"/shape/fixed_edges", "B x 2", Values::index("N"), "1", "held edges of the outline", Rows::distinct},
+        {"/magnitudes", "M*", Values::positive(), "m", "push lengths that are load cases", Rows::ascending},
+        {"/path_names", "P", Values::names(), "text", "load paths in the study's order"},
+        {"/paths/NAME/role", "2", Values::text(), "text", "what the path is for, and why FE lost it, if so"},
+        {"/paths/NAME/depth", "1", Values::positive(), "m", "how deep it was to go"},
+        {"/paths/NAME/contact", "D", Values::place(), "m", "contact at rest"},
+        {"/paths/NAME/direction", "D", Values::finite(), "1", "unit vector of the push", Rows::unit},
+        {"/paths/NAME/magnitude", "R*", Values::not_negative(), "m", "how far the contact is pushed", Rows::ascending},
+        {"/paths/NAME/contact_force", "R* x D", Values::finite(), "N", "force of the indenter on the tissue"},
+    };
+    static const DatasetTable fe = joined(all, {
+        {"/paths/NAME/displacement", "R* x N x D", Values::finite(), "m", "u at the lattice nodes"},
+        {"/paths/NAME/force", "R* x N x D", Values::finite(), "N", "external nodal force that holds u, lumped to the lattice"},
+        {"/paths/NAME/support_force", "R* x D", Values::finite(), "N", "force of the supports on the tissue"},
+        {"/paths/NAME/energy", "R*", Values::finite(), "J", "elastic energy"},
+        {"/paths/NAME/smallest_J", "R*", Values::positive(), "1", "smallest det F in the tissue"},
+        {"/paths/NAME/newton_residual", "R*", Values::not_negative(), "1", "largest free force over largest reaction"},
+        {"/paths/NAME/newton_iterations", "R*", Values::count(), "1", "Newton iterations since the record before"},
+    });
+    static const DatasetTable hand = joined(all, {
+        {"/measurement/origin", "1", Values::text(), "text", "comments at the head of the measured data"},
+        {"/measurement/outliers", "O*", Values::text(), "text", "rows far from their repeats; they are kept"},
+        {"/measurement/force_noise", "1", Values::not_negative(), "1",
+         "standard deviation of a component of the force, relative to the force"},
+        {"/measurement/displacement_noise", "1", Values::not_negative(), "m", "standard deviation of a component of the displacement"},
+        {"/measurement/counts", "3", Values::count(), "1", "rows, contacts, degrees of freedom of the noise"},
+        {"/paths/NAME/aside", "R* x D", Values::finite(), "m", "what the push strayed from the direction"},
+        {"/paths/NAME/again", "A* x D", Values::finite(), "N",
+         "contact force on average when the push was measured again, A = 0 or 1"},
+    });
+    return measured ? hand : fe;
+}
+
+void write_cases(const std::string& file, const Cases& cases, const Provenance& provenance) {
+    const bool measured = cases.measurement.has_value();
+    Hdf5Writer hdf5(file, "cases", provenance);
+    hdf5.attribute("/", "study", cases.study);
+    TableWriter out(hdf5, cases_table(measured));
+    out.write("/nodes", cases.nodes);
+    if (cases.shape) write_shape(out, *cases.shape);
+    out.write("/magnitudes", Array{{cases.magnitudes_m.size()}, cases.magnitudes_m});
+    std::vector<std::string> names;
+    for (const LoadPath& path : cases.paths) names.push_back(path.name);
+    out.write_texts("/path_names", names);
+    if (measured) {
+        write_measurement(out, *cases.measurement);
+        hdf5.attribute("/measurement", "noise_source", cases.measurement->noise_source);
+    }
+    for (const LoadPath& path : cases.paths) write_path(out, path, cases.nodes, measured);
+    hdf5.commit();
+}
+
+Cases read_cases(const std::string& name) {
+    const Hdf5Reader file(name, "cases");
+    Cases cases;
+    cases.study = file.text_attribute("/", "study");
+    const bool measured = file.has("/measurement");
+    TableReader in(file, cases_table(measured), {{"D", 2}});
+    cases.nodes = in.field("/nodes");
+    if (file.has("/shape")) cases.shape = read_shape(in, cases.nodes);
+    const Eigen::VectorXd magnitudes = in.vector("/magnitudes");
+    cases.magnitudes_m.assign(magnitudes.begin(), magnitudes.end());
+    if (measured) cases.measurement = read_measurement(file, in);
+    for (const std::string& path : in.texts("/path_names"))
+        cases.paths.push_back(read_path(in, path, cases.nodes, measured));
+    return cases;
+}
+
+}  // namespace tissue

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace tissue {
+
+/// One row a node, one column a space dimension (N x D): positions, displacements [m] or forces [N]. Row-major, so
+/// that its storage is the vector of degrees of freedom, D * node + axis.
+using NodeField = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// A field as its vector of degrees of freedom (N*D).
+inline Eigen::Map<const Eigen::VectorXd> as_vector(const NodeField& field) {
+    return {field.data(), field.size()};
+}
+
+}  // namespace tissue

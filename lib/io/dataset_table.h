@@ -1,0 +1,142 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "io/hdf5_store.h"
+
+namespace tissue {
+
+/// What every value of a dataset must be. Finite, unless NaN is said to be one, and so small that squares and sums of it
+/// stay finite: no tissue has 1e12 of anything in SI units.
+struct Values {
+    DatasetKind kind = DatasetKind::numbers;
+    double low = -1e12, high = 1e12;
+    bool low_open = false;
+    bool nan = false;           ///< NaN stands for nothing there
+    std::string index_of = {};  ///< of integers: from 0 to one less than this length
+    bool name = false;          ///< of texts: not empty, of one line, without "/", none twice
+
+    static Values finite() { return {}; }
+    /// A place or a push [m]: the tick takes what runs farther for a fault.
+    static Values place() {
+        Values v;
+        v.low = -1e3;
+        v.high = 1e3;
+        return v;
+    }
+    static Values positive() { return Values{}.above(0, true); }
+    static Values not_negative() { return Values{}.above(0, false); }
+    static Values count() { return Values{DatasetKind::integers}.above(0, false); }
+    static Values index(const std::string& length) {
+        Values v = count();
+        v.index_of = length;
+        return v;
+    }
+    static Values text() { return {DatasetKind::texts}; }
+    static Values names() {
+        Values v = text();
+        v.name = true;
+        return v;
+    }
+    Values or_nan() const {
+        Values v = *this;
+        v.nan = true;
+        return v;
+    }
+
+   private:
+    Values above(double bound, bool open) const {
+        Values v = *this;
+        v.low = bound;
+        v.low_open = open;
+        return v;
+    }
+};
+
+/// What must hold between a dataset's rows.
+enum class Rows {
+    any,
+    distinct,   ///< no two alike, in whatever order a row's entries stand; of integers nor two alike entries in a row
+    ascending,  ///< each value larger than the one before
+    unit        ///< vectors of length 1
+};
+
+/// One dataset of a kind of file: what it is and must be. "NAME" in its name stands for any one group.
+/// Shape is as in results/FORMATS.md, "S x 2": a letter is a length, the same in every dataset of the file (of the group,
+/// where the name has a NAME); "C*" may be 0, every other may not.
+struct DatasetRule {
+    std::string name, shape;
+    Values values;
+    std::string units, description;
+    Rows rows = Rows::any;
+    bool optional = false;  ///< files of earlier programs do not have it
+};
+
+using DatasetTable = std::vector<DatasetRule>;
+
+/// The rule of a dataset. Throws std::logic_error when the table has none: the program's own mistake.
+const DatasetRule& rule_of(const DatasetTable& table, const std::string& name);
+
+/// Writes datasets with the units and the description of their rules.
+class TableWriter {
+   public:
+    TableWriter(Hdf5Writer& out, const DatasetTable& table) : out_(out), table_(table) {}
+
+    /// Array, vector or field.
+    template <class Numbers>
+    void write(const std::string& name, const Numbers& values) {
+        const DatasetRule& rule = rule_of(table_, name);
+        out_.write(name, values, rule.units, rule.description + shape_words(rule));
+    }
+    void write_integers(const std::string& name, const std::vector<std::size_t>& shape, const std::vector<int>& values);
+    /// Any matrix of integers, row by row.
+    template <class Matrix>
+    void write_table(const std::string& name, const Matrix& m) {
+        std::vector<int> values;
+        for (Eigen::Index i = 0; i < m.rows(); ++i)
+            for (Eigen::Index j = 0; j < m.cols(); ++j) values.push_back(m(i, j));
+        write_integers(name, {static_cast<std::size_t>(m.rows()), static_cast<std::size_t>(m.cols())}, values);
+    }
+    void write_texts(const std::string& name, const std::vector<std::string>& values);
+
+   private:
+    static std::string shape_words(const DatasetRule& rule);
+
+    Hdf5Writer& out_;
+    const DatasetTable& table_;
+};
+
+/// Reads datasets and holds each against its rule. Throws FileError, "FILE: DATASET: WHY", for a dataset that is missing,
+/// of another type or shape, or with a value or rows that its rule does not allow.
+/// A copy knows the lengths met so far and goes its own way: one a group.
+class TableReader {
+   public:
+    TableReader(const Hdf5Reader& in, const DatasetTable& table, std::map<std::string, std::size_t> lengths = {})
+        : in_(&in), table_(&table), length_(std::move(lengths)) {}
+
+    bool has(const std::string& name) const { return in_->has(name); }
+    Array array(const std::string& name);
+    Eigen::VectorXd vector(const std::string& name);
+    NodeField field(const std::string& name);
+    std::vector<int> integers(const std::string& name);
+    /// R x Columns.
+    template <int Columns>
+    Eigen::Matrix<int, Eigen::Dynamic, Columns> table_of(const std::string& name) {
+        return field(name).template cast<int>();
+    }
+    std::vector<std::string> texts(const std::string& name);
+    int length(const std::string& letter) const { return static_cast<int>(length_.at(letter)); }
+
+    [[noreturn]] void refuse(const std::string& place, const std::string& why) const { in_->refuse(place, why); }
+
+   private:
+    const DatasetRule& check_shape(const std::string& name);
+
+    const Hdf5Reader* in_;
+    const DatasetTable* table_;
+    std::map<std::string, std::size_t> length_;
+};
+
+}  // namespace tissue

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "mesh/spring_mesh.h"
+
+namespace tissue {
+
+/// Why a mesh is none that a study makes.
+struct MeshFault {
+    std::string part;  ///< "triangles", "boundary" or "fixed"
+    std::string why;
+};
+
+/// Orientation and connection of a mesh whose indices are nodes already; nothing when all is well. Two dimensions.
+/// Triangles run counter-clockwise and have area; their outer edges are the boundary's segments, each once and
+/// counter-clockwise; the fixed nodes leave one connected free surface.
+std::optional<MeshFault> mesh_fault(const SpringMesh& mesh);
+
+/// The same of triangles alone.
+std::optional<MeshFault> triangle_fault(const NodeField& nodes, const Eigen::Matrix<int, Eigen::Dynamic, 3>& triangles);
+
+}  // namespace tissue

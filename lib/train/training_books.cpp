@@ -1,0 +1,99 @@
+#include "train/training_books.h"
+
+#include <fmt/format.h>
+
+#include "train/books_table.h"
+
+namespace tissue {
+namespace {
+
+void write_book(TableWriter& out, const TrainingBook& book) {
+    const std::string group = "/trained/" + book.optimizer + "/";
+    const std::size_t C = book.status.size();
+    out.write(group + "loss", book.loss_N);
+    out.write(group + "rel_loss", book.rel_loss);
+    out.write(group + "gap", book.gap);
+    out.write_integers(group + "iterations", {C}, book.iterations);
+    out.write_integers(group + "evaluations", {C}, book.evaluations);
+    out.write_integers(group + "restarts", {C}, book.restarts);
+    out.write_texts(group + "status", book.status);
+    out.write_integers(group + "curve_iteration", {book.curve_iteration.size()}, book.curve_iteration);
+    out.write(group + "curve_loss", book.curve_loss_N);
+}
+
+/// in: of this optimiser alone, since P is its own.
+TrainingBook read_book(const Hdf5Reader& file, TableReader in, const std::string& optimizer) {
+    const std::string group = "/trained/" + optimizer + "/";
+    TrainingBook book;
+    book.optimizer = optimizer;
+    book.loss_N = in.vector(group + "loss");
+    book.rel_loss = in.vector(group + "rel_loss");
+    book.gap = in.vector(group + "gap");
+    book.iterations = in.integers(group + "iterations");
+    book.evaluations = in.integers(group + "evaluations");
+    book.restarts = in.integers(group + "restarts");
+    book.status = in.texts(group + "status");
+    book.curve_iteration = in.integers(group + "curve_iteration");
+    book.curve_loss_N = in.field(group + "curve_loss");
+    book.seconds = file.number_attribute("/trained/" + optimizer, "seconds");
+    return book;
+}
+
+}  // namespace
+
+const DatasetTable& books_table() {
+    static const DatasetTable table = {
+        {"/cases/node_weight", "C x N", Values::not_negative(), "1", "diagonal of Q, one entry a node"},
+        {"/optimum/loss", "C", Values::not_negative(), "N", "L of them, (9)"},
+        {"/optimum/rel_loss", "C", Values::not_negative().or_nan(), "1", "L / sqrt(f_fe' Q f_fe)"},
+        {"/optimum/lower_bound", "C", Values::not_negative(), "N", "no set in the box has a smaller L"},
+        {"/optimum/kkt_residual", "C", Values::not_negative().or_nan(), "1", "of the optimality conditions"},
+        {"/trained/NAME/loss", "C", Values::not_negative(), "N", "L(theta), (9)"},
+        {"/trained/NAME/rel_loss", "C", Values::not_negative().or_nan(), "1", "L / sqrt(f_fe' Q f_fe)"},
+        {"/trained/NAME/gap", "C", Values::finite().or_nan(), "1", "distance from the certified optimum"},
+        {"/trained/NAME/iterations", "C", Values::count(), "1", "iterations, all restarts together"},
+        {"/trained/NAME/evaluations", "C", Values::count(), "1", "evaluations of the loss"},
+        {"/trained/NAME/restarts", "C", Values::count(), "1", "restarts after a negative spring"},
+        {"/trained/NAME/status", "C", Values::text(), "text", "why the optimiser stopped"},
+        {"/trained/NAME/curve_iteration", "P*", Values::count(), "1", "iterations of the learning curves", Rows::ascending},
+        {"/trained/NAME/curve_loss", "C x P*", Values::not_negative().or_nan(), "N",
+         "learning curves, NaN once a set has stopped"},
+    };
+    return table;
+}
+
+void write_trained_model(const std::string& file, const TrainedModel& model, const Provenance& provenance) {
+    const TrainingBooks& books = model.books;
+    Hdf5Writer hdf5(file, "model", provenance);
+    write_tissue(hdf5, model);
+    TableWriter out(hdf5, books_table());
+    out.write("/cases/node_weight", books.node_weight);
+    out.write("/optimum/loss", books.optimum.loss_N);
+    out.write("/optimum/rel_loss", books.optimum.rel_loss);
+    out.write("/optimum/lower_bound", books.optimum.lower_bound_N);
+    out.write("/optimum/kkt_residual", books.optimum.kkt_residual);
+    hdf5.attribute("/optimum", "seconds", books.optimum.seconds);
+    for (const TrainingBook& book : books.trained) {
+        write_book(out, book);
+        hdf5.attribute("/trained/" + book.optimizer, "seconds", book.seconds);
+    }
+    hdf5.commit();
+}
+
+TrainedModel read_trained_model(const std::string& name) {
+    const Hdf5Reader file(name, "model");
+    TrainedModel model{read_model(file), {}};
+    TrainingBooks& books = model.books;
+    const double seed = file.number_attribute("/", "seed");
+    if (!(seed >= 0 && seed <= 9007199254740992.0))
+        file.refuse("/", fmt::format("attribute 'seed' is {}, must be a whole number >= 0", seed));
+    books.seed = static_cast<unsigned long>(seed);
+    TableReader in(file, books_table(), {{"C", model.case_names.size()}, {"N", static_cast<std::size_t>(model.mesh.node_count())}});
+    books.node_weight = in.field("/cases/node_weight");
+    books.optimum = {in.vector("/optimum/loss"), in.vector("/optimum/rel_loss"), in.vector("/optimum/lower_bound"),
+                     in.vector("/optimum/kkt_residual"), file.number_attribute("/optimum", "seconds")};
+    for (const SpringSets& sets : model.trained) books.trained.push_back(read_book(file, in, sets.optimizer));
+    return model;
+}
+
+}  // namespace tissue

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "springs/tissue_model.h"
+
+namespace tissue {
+
+/// What training wrote down of one optimiser's sets.
+struct TrainingBook {
+    std::string optimizer;
+    Eigen::VectorXd loss_N, rel_loss;      ///< L(theta) and over sqrt(f_fe' Q f_fe) (C)
+    Eigen::VectorXd gap;                   ///< how far from the certified optimum, train/certificate.h (C)
+    std::vector<int> iterations, evaluations, restarts;  ///< (C)
+    std::vector<std::string> status;       ///< (C)
+    std::vector<int> curve_iteration;      ///< of the learning curves (P)
+    NodeField curve_loss_N;                ///< (C x P), NaN after a set has stopped
+    double seconds = 0;                    ///< wall time of all sets together; an attribute, not a dataset
+};
+
+/// The proof that goes with the best spring sets: no set inside the box has a smaller loss than the lower bound.
+struct OptimumProof {
+    Eigen::VectorXd loss_N, rel_loss;       ///< (C)
+    Eigen::VectorXd lower_bound_N;          ///< L_lb (C)
+    Eigen::VectorXd kkt_residual;           ///< of the optimality conditions, as a part of the FE force (C)
+    double seconds = 0;                     ///< wall time of all sets together; an attribute, not a dataset
+};
+
+/// Training's own books: what the evaluation needs beside the cases, and no hand that touches the tissue.
+struct TrainingBooks {
+    unsigned long seed = 0;                ///< that training drew from; as read, the writer's Provenance says it
+    NodeField node_weight;                 ///< Q of each case, one entry a node (C x N)
+    std::vector<TrainingBook> trained;     ///< in the order of TissueModel::trained
+    OptimumProof optimum;                  ///< of TissueModel::optimum
+};
+
+/// All that model.h5 holds.
+struct TrainedModel : TissueModel {
+    TrainingBooks books;
+};
+
+void write_trained_model(const std::string& file, const TrainedModel& model, const Provenance& provenance);
+
+/// Throws FileError when the file is not a model, its parts do not fit together, or it has no books.
+TrainedModel read_trained_model(const std::string& file);
+
+}  // namespace tissue

@@ -1,0 +1,97 @@
+#include "cases/cases_table.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+
+#include "cases/load_path.h"
+#include "error.h"
+#include "../example.h"
+#include "../mutations.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
+
+namespace {
+
+Cases fe_cases() {
+    return example_cases(example_study(), example_theta(make_lattice("grid8", 4, 4, 0.1, 0.1)));
+}
+
+Cases shape_cases() {
+    Cases cases = fe_cases();
+    cases.shape = shape_of(make_lattice("grid4", 4, 4, 0.1, 0.1));
+    return cases;
+}
+
+Cases hand_cases() {
+    Cases cases = fe_cases();
+    cases.measurement.emplace();
+    cases.measurement->origin = "a hand";
+    cases.measurement->outliers = {"line 3"};
+    cases.measurement->noise_source = "repeats";
+    cases.magnitudes_m.clear();
+    for (LoadPath& path : cases.paths) {
+        path.records = {measured_record(0.004, {1, 2}, {0, 1e-4}), measured_record(0.008, {2, 3}, {0, 2e-4})};
+        path.again_N = Eigen::Vector2d(2, 3);
+    }
+    return cases;
+}
+
+}  // namespace
+
+TEST_CASE("load cases, changed in any one dataset in any way, are refused in one line or load as others that are well") {
+    const TemporaryFolder folder;
+    const std::string whole = folder.file("whole.h5"), file = folder.file("cases.h5");
+    for (const Cases& cases : {fe_cases(), shape_cases(), hand_cases()}) {
+        write_cases(whole, cases, {"tissuectl test", 0, {}});
+        const DatasetTable& table = cases_table(cases.measurement.has_value());
+        const auto found = datasets_of(whole, table);
+        REQUIRE(found.size() == Hdf5Reader(whole, "cases").datasets().size());
+        int refused = 0;
+        for (const auto& [dataset, rule] : found)
+            for (const Mutation& mutation : mutations(whole, dataset, table)) {
+                INFO(dataset << ": " << mutation.name);
+                std::filesystem::copy_file(whole, file, std::filesystem::copy_options::overwrite_existing);
+                mutation.apply(file);
+                try {
+                    load_cases(read_cases(file));
+                    CHECK_FALSE(mutation.must_be_refused);
+                } catch (const FileError& e) {
+                    ++refused;
+                    CHECK_THAT(e.what(), StartsWith(file + ": /"));
+                    CHECK(std::string(e.what()).find('\n') == std::string::npos);
+                } catch (const MismatchError& e) {  // a magnitude that no record has
+                    CHECK_FALSE(mutation.must_be_refused);
+                }
+            }
+        CHECK(refused > 100);
+    }
+}
+
+TEST_CASE("a shape in cases whose triangles run clockwise, or are two pieces, is refused by name") {
+    const TemporaryFolder folder;
+    const auto said = [&](const Cases& cases) {
+        write_cases(folder.file("cases.h5"), cases, {"tissuectl test", 0, {}});
+        try {
+            read_cases(folder.file("cases.h5"));
+        } catch (const FileError& e) {
+            return std::string(e.what());
+        }
+        return std::string("read");
+    };
+    CHECK(said(shape_cases()) == "read");
+    Cases turned = shape_cases();
+    turned.shape->triangles.col(0).swap(turned.shape->triangles.col(1));
+    CHECK_THAT(said(turned), Contains("cases.h5: /shape/triangles: triangle 0 runs clockwise"));
+    Cases holed = shape_cases();
+    for (Eigen::Index t = 0; t < holed.shape->triangles.rows(); ++t)
+        if ((holed.shape->triangles.row(t).array() == 12).any()) {  // the middle node's
+            holed.shape->triangles.row(t) = holed.shape->triangles.row(holed.shape->triangles.rows() - 1).eval();
+            holed.shape->triangles.conservativeResize(holed.shape->triangles.rows() - 1, 3);
+            holed.shape->region.pop_back();
+            break;
+        }
+    CHECK_THAT(said(holed), Contains("cases.h5: /shape: ") && Contains("one closed loop"));
+}

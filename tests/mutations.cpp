@@ -1,0 +1,173 @@
+#include "mutations.h"
+
+#include <hdf5.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cctype>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+namespace tissue {
+namespace {
+
+void put(const std::string& file, const std::string& dataset, const Array* array) {
+    const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    REQUIRE(H5Ldelete(id, dataset.c_str(), H5P_DEFAULT) >= 0);
+    if (array) {
+        const std::vector<hsize_t> shape(array->shape.begin(), array->shape.end());
+        const hid_t space = H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr);
+        const hid_t made = H5Dcreate2(id, dataset.c_str(), H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+        if (!array->values.empty()) H5Dwrite(made, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, array->values.data());
+        H5Dclose(made);
+        H5Sclose(space);
+    }
+    H5Fclose(id);
+}
+
+void put_texts(const std::string& file, const std::string& dataset, const std::vector<std::string>& texts) {
+    const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    REQUIRE(H5Ldelete(id, dataset.c_str(), H5P_DEFAULT) >= 0);
+    const hid_t type = H5Tcopy(H5T_C_S1);
+    H5Tset_size(type, H5T_VARIABLE);
+    H5Tset_cset(type, H5T_CSET_UTF8);
+    const hsize_t count = texts.size();
+    const hid_t space = H5Screate_simple(1, &count, nullptr);
+    const hid_t made = H5Dcreate2(id, dataset.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    std::vector<const char*> raw;
+    for (const std::string& text : texts) raw.push_back(text.c_str());
+    if (count > 0) H5Dwrite(made, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, raw.data());
+    H5Dclose(made);
+    H5Sclose(space);
+    H5Tclose(type);
+    H5Fclose(id);
+}
+
+/// A row more, as the last one, or one less; of a dataset without rows, one of zeros.
+Array with_rows(Array a, int change) {
+    const std::size_t rows = a.shape[0];
+    std::size_t columns = 1;
+    for (std::size_t d = 1; d < a.shape.size(); ++d) columns *= a.shape[d];
+    a.shape[0] = static_cast<std::size_t>(static_cast<int>(rows) + change);
+    const std::vector<double> last(a.values.end() - static_cast<std::ptrdiff_t>(rows > 0 ? columns : 0), a.values.end());
+    a.values.insert(a.values.end(), last.begin(), last.end());
+    a.values.resize(a.shape[0] * columns);
+    return a;
+}
+
+/// The last dimension one longer (with zeros) or shorter.
+Array with_columns(const Array& a, int change) {
+    const std::size_t columns = a.shape.back(), rows = a.values.size() / columns,
+                      changed = static_cast<std::size_t>(static_cast<int>(columns) + change);
+    Array b{a.shape, {}};
+    b.shape.back() = changed;
+    for (std::size_t r = 0; r < rows; ++r)
+        for (std::size_t c = 0; c < changed; ++c) b.values.push_back(c < columns ? a.values[r * columns + c] : 0);
+    return b;
+}
+
+
+}  // namespace
+
+std::vector<std::pair<std::string, const DatasetRule*>> datasets_of(const std::string& file, const DatasetTable& table) {
+    std::vector<std::pair<std::string, const DatasetRule*>> found;
+    for (const std::string& name : Hdf5Reader(file, "").datasets()) try {
+            found.emplace_back(name, &rule_of(table, name));
+        } catch (const std::logic_error&) {  // of another table
+        }
+    return found;
+}
+
+std::vector<Mutation> mutations(const std::string& file, const std::string& dataset, const DatasetTable& table) {
+    const Hdf5Reader in(file, "");
+    const DatasetRule& rule = rule_of(table, dataset);
+    std::vector<Mutation> all;
+    const auto add = [&](const std::string& name, const Array& a, bool must_be_refused = true) {
+        all.push_back({name, [=](const std::string& f) { put(f, dataset, &a); }, must_be_refused});
+    };
+    all.push_back({"missing", [=](const std::string& f) { put(f, dataset, nullptr); }, !rule.optional});
+    // a length that no other dataset has makes another file, not a wrong one
+    const std::string first = rule.shape.substr(0, rule.shape.find(' '));
+    std::set<const DatasetRule*> sharing;
+    for (const auto& [name, other] : datasets_of(file, table))
+        if ((" " + other->shape + " ").find(" " + first + " ") != std::string::npos) sharing.insert(other);
+    const bool shared = sharing.size() > 1 || std::isdigit(static_cast<unsigned char>(first[0]));
+    if (rule.values.kind == DatasetKind::texts) {
+        const std::vector<std::string> texts = in.texts(dataset);
+        const auto add_texts = [&](const std::string& name, const std::vector<std::string>& changed, bool must_be_refused) {
+            all.push_back({name, [=](const std::string& f) { put_texts(f, dataset, changed); }, must_be_refused});
+        };
+        std::vector<std::string> more = texts, fewer = texts, twice = texts, nameless = texts, outside = texts;
+        more.push_back("one more");
+        if (!texts.empty()) {
+            fewer.pop_back();
+            twice.back() = twice.front();
+            nameless.back() = "";
+            outside.back() = "../x";
+            add_texts("one less", fewer, shared);
+            add_texts("one twice", twice, rule.values.name && texts.size() > 1);
+            add_texts("an empty one", nameless, rule.values.name);
+            add_texts("a path", outside, rule.values.name);
+        }
+        add_texts("one more", more, shared || rule.values.name);  // a group that is not there
+        add_texts("empty", {}, first.back() != '*');
+        add("numbers", {{texts.size() + 1}, std::vector<double>(texts.size() + 1, 1.0)});
+        return all;
+    }
+    const Array a = in.array(dataset);
+    const bool rows = !a.values.empty();
+    all.push_back({"texts", [=](const std::string& f) { put_texts(f, dataset, {"a", "b", "c"}); }, true});
+    add("a row more", with_rows(a, 1), shared || (rows && rule.rows != Rows::any));
+    if (rows) add("a row less", with_rows(a, -1), shared);
+    if (rows && a.shape.size() > 1) {
+        add("a column more", with_columns(a, 1));
+        add("a column less", with_columns(a, -1));
+        Array turned = a;
+        std::reverse(turned.shape.begin(), turned.shape.end());
+        if (turned.shape != a.shape) add("transposed", turned);
+    }
+    Array deeper = a;
+    deeper.shape.push_back(1);
+    add("a dimension more", deeper);
+    Array empty = a;
+    empty.shape[0] = 0;
+    empty.values.clear();
+    if (rows) add("empty", empty, first.back() != '*' || first == "R*");
+    if (!rows) return all;
+    for (const std::size_t at : {std::size_t{0}, a.values.size() / 2, a.values.size() - 1}) {
+        const auto value = [&](const std::string& name, double v, bool must_be_refused) {
+            Array changed = a;
+            changed.values[at] = v;
+            add(name + " at " + std::to_string(at), changed, must_be_refused);
+        };
+        const Values& v = rule.values;
+        value("NaN", std::nan(""), !v.nan);
+        value("inf", std::numeric_limits<double>::infinity(), true);
+        value("-inf", -std::numeric_limits<double>::infinity(), true);
+        value("negative", -1, v.low >= 0);
+        value("zero", 0, v.low_open);
+        value("huge", 1e300, true);
+        if (v.kind == DatasetKind::integers) value("a half", 0.5, true);
+        if (!v.index_of.empty()) value("no index", 4096, true);
+    }
+    if (a.shape[0] > 1 && rule.rows != Rows::any) {
+        const std::size_t columns = a.values.size() / a.shape[0];
+        Array twice = a;
+        std::copy(a.values.begin(), a.values.begin() + static_cast<std::ptrdiff_t>(columns), twice.values.end() - static_cast<std::ptrdiff_t>(columns));
+        add("the first row again", twice, rule.rows == Rows::distinct || rule.rows == Rows::ascending);
+        Array backwards = a;
+        for (std::size_t r = 0; r < a.shape[0]; ++r)
+            std::copy(a.values.begin() + static_cast<std::ptrdiff_t>(r * columns), a.values.begin() + static_cast<std::ptrdiff_t>((r + 1) * columns),
+                      backwards.values.begin() + static_cast<std::ptrdiff_t>((a.shape[0] - 1 - r) * columns));
+        add("backwards", backwards, rule.rows == Rows::ascending);
+        if (columns > 1 && rule.values.kind == DatasetKind::integers) {
+            Array same = a;
+            same.values[1] = same.values[0];
+            add("a row that names one twice", same);
+        }
+    }
+    return all;
+}
+
+}  // namespace tissue

@@ -1,0 +1,132 @@
+#include "springs/tissue_table.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+
+#include "error.h"
+#include "../example.h"
+#include "../mutations.h"
+#include "haptic/simulation.h"
+#include "train/books_table.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
+
+namespace {
+
+/// A whole model.h5, once.
+const std::string& example_model_file() {
+    static const TemporaryFolder folder;
+    static const std::string file = [] {
+        const Study study = example_study();
+        const Eigen::VectorXd theta = example_theta(make_lattice("grid8", 4, 4, 0.1, 0.1));
+        write_trained_model(folder.file("model.h5"), example_model(study, example_cases(study, theta), theta),
+                            {"tissuectl test", 11, {}});
+        return folder.file("model.h5");
+    }();
+    return file;
+}
+
+/// What comes of playing it: an answer or a refusal, and no force that is not finite.
+void play(const TissueModel& tissue) {
+    try {
+        const HapticModel model(tissue, {});
+        Simulation simulation(model);
+        for (int k = 0; k < 50; ++k) {
+            DeviceSample sample;
+            sample.position_m << 0.05, 0.102 - 1e-4 * k, 0;
+            CHECK(simulation.tick(sample).allFinite());
+        }
+    } catch (const Error& e) {
+        CHECK(std::string(e.what()).find('\n') == std::string::npos);
+    }
+}
+
+void walk(const DatasetTable& table, bool books) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("model.h5"), &whole = example_model_file();
+    int refused = 0;
+    for (const auto& [dataset, rule] : datasets_of(whole, table))
+        for (const Mutation& mutation : mutations(whole, dataset, table)) {
+            INFO(dataset << ": " << mutation.name);
+            std::filesystem::copy_file(whole, file, std::filesystem::copy_options::overwrite_existing);
+            mutation.apply(file);
+            try {
+                if (books)
+                    read_trained_model(file);
+                else
+                    play(read_model(file));
+                CHECK_FALSE(mutation.must_be_refused);
+            } catch (const FileError& e) {
+                ++refused;
+                CHECK_THAT(e.what(), StartsWith(file + ": /"));
+                CHECK(std::string(e.what()).find('\n') == std::string::npos);
+            }
+        }
+    CHECK(refused > 100);
+}
+
+}  // namespace
+
+TEST_CASE("every dataset of a model.h5 has its rule, and every rule its dataset") {
+    const auto tissue = datasets_of(example_model_file(), tissue_table()), books = datasets_of(example_model_file(), books_table());
+    CHECK(tissue.size() + books.size() == Hdf5Reader(example_model_file(), "model").datasets().size());
+    for (const auto& [table, found] : {std::pair(&tissue_table(), &tissue), std::pair(&books_table(), &books)})
+        for (const DatasetRule& rule : *table)
+            CHECK(std::any_of(found->begin(), found->end(), [&](const auto& f) { return f.second == &rule; }));
+}
+
+TEST_CASE("what plays, changed in any one dataset in any way, is refused in one line or plays finite forces") {
+    walk(tissue_table(), false);
+}
+
+TEST_CASE("training's books, changed in any one dataset in any way, are refused in one line") {
+    walk(books_table(), true);
+}
+
+TEST_CASE("a boundary that runs clockwise, or leaves the outline, is refused by name") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("model.h5"), &whole = example_model_file();
+    const auto said = [&](const std::string& dataset, const std::vector<double>& values) {
+        std::filesystem::copy_file(whole, file, std::filesystem::copy_options::overwrite_existing);
+        replace_dataset(file, dataset, values);
+        try {
+            read_model(file);
+        } catch (const FileError& e) {
+            return std::string(e.what());
+        }
+        return std::string("read");
+    };
+    const Eigen::VectorXd boundary = Hdf5Reader(whole, "model").vector("/mesh/boundary"), back = boundary.reverse();
+    CHECK(said("/mesh/boundary", {boundary.begin(), boundary.end()}) == "read");
+    CHECK_THAT(said("/mesh/boundary", {back.begin(), back.end()}), Contains("/mesh/boundary: runs clockwise"));
+    std::vector<double> cut(boundary.begin(), boundary.end());
+    cut.erase(cut.begin() + 3);
+    CHECK_THAT(said("/mesh/boundary", cut), Contains("/mesh/boundary: is not the outline"));
+    CHECK_THAT(said("/mesh/fixed", {0, 4}), Contains("/mesh/fixed: "));
+    CHECK_THAT(said("/one_set", {1, 2, 3}), Contains("/one_set: is 3, wanted S = 72"));
+}
+
+TEST_CASE("attributes that no model has are refused: an unknown law, a modulus that is not positive") {
+    const TemporaryFolder folder;
+    TissueModel model = read_model(example_model_file());
+    const auto said = [&] {
+        write_model(folder.file("model.h5"), model, {"tissuectl test", 11, {}});
+        try {
+            read_model(folder.file("model.h5"));
+        } catch (const FileError& e) {
+            return std::string(e.what());
+        }
+        return std::string("read");
+    };
+    model.law = "elastic";
+    CHECK_THAT(said(), Contains("model.h5: /: attribute 'law'"));
+    model.law = "axial";
+    CHECK(said() == "read");
+    for (const double modulus : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
+        model.modulus_N_m = modulus;
+        CHECK_THAT(said(), Contains("modulus_N_m"));
+    }
+}

@@ -1,0 +1,53 @@
+#include "parallel.h"
+
+#include <catch2/catch.hpp>
+#include <cerrno>
+#include <functional>
+#include <stdexcept>
+#include <system_error>
+
+using namespace tissue;
+
+namespace {
+
+/// Makes this many threads and no more, as a limit on processes does.
+struct Limited {
+    int left;
+    std::thread operator()(const std::function<void()>& work) {
+        if (left-- <= 0) throw std::system_error(EAGAIN, std::generic_category());
+        return std::thread(work);
+    }
+};
+
+}  // namespace
+
+TEST_CASE("every job runs once, whatever the number of threads that the system makes") {
+    for (const int made : {0, 1, 3, 100}) {
+        const int before = refused_threads();
+        std::vector<std::atomic<int>> runs(1000);
+        Limited maker{made};
+        const int used = parallel_for(1000, 8, [&](int i) { ++runs[static_cast<std::size_t>(i)]; },
+                                      [&](const auto& work) { return maker(work); });
+        for (const std::atomic<int>& r : runs) CHECK(r == 1);
+        CHECK(used == std::min(8, made + 1));
+        CHECK(refused_threads() - before == 8 - used);  // the caller's own is one of the eight
+    }
+}
+
+TEST_CASE("what a job throws comes out, though the system made fewer threads than asked for") {
+    for (const int made : {0, 2}) {
+        Limited maker{made};
+        CHECK_THROWS_AS(parallel_for(100, 8, [](int i) { if (i == 40) throw std::out_of_range("forty"); },
+                                     [&](const auto& work) { return maker(work); }),
+                        std::out_of_range);
+    }
+    CHECK_THROWS_AS(parallel_for(100, 4, [](int i) { if (i == 40) throw std::out_of_range("forty"); }), std::out_of_range);
+}
+
+TEST_CASE("nothing to do runs nothing, and no thread or fewer is one") {
+    int runs = 0;
+    CHECK(parallel_for(0, 8, [&](int) { ++runs; }) == 1);
+    CHECK(runs == 0);
+    for (const int threads : {-3, 0, 1}) CHECK(parallel_for(5, threads, [&](int) { ++runs; }) == 1);
+    CHECK(runs == 15);
+}
