@@ -108,6 +108,7 @@ Evaluation evaluate(const TissueModel& model, const Cases& cases, double k_min_N
     result.study = model.study;
     result.trained = model.trained;
     result.optimum = model.optimum;
+    result.problems = model.problems;
     std::vector<Candidate> candidates;
     const auto add_sets = [&](const std::string& name, const NodeField& theta) {
         candidates.push_back({name, {}});

@@ -100,7 +100,14 @@ void write_model(const std::string& file, const TissueModel& model, const Proven
     out.write("/optimum/rel_loss", model.optimum.rel_loss, "1", "L / sqrt(f_fe' Q f_fe) (C)");
     out.write("/optimum/lower_bound", model.optimum.lower_bound_N, "N", "no set in the box has a smaller L (C)");
     out.write("/optimum/kkt_residual", model.optimum.kkt_residual, "1", "of the optimality conditions (C)");
+    if (!model.optimum.status.empty())
+        out.write_texts("/optimum/status", model.optimum.status, "why the exact solver stopped (C)");
     out.attribute("/optimum", "seconds", model.optimum.seconds);
+    if (!model.problems.status.empty()) {
+        out.write_texts("/problems/status", model.problems.status, "how each case's problem came about (C)");
+        out.attribute("/problems", "objective", model.problems.objective);
+        out.attribute("/problems", "one_set_status", model.problems.one_set_status);
+    }
     std::vector<std::string> optimizers;
     for (const TrainedSets& t : model.trained) {
         write_trained(out, t);
@@ -149,7 +156,16 @@ TissueModel read_model(const std::string& file) {
         in.refuse("/cases/contact_force", "does not have one force a case");
     model.optimum = {in.field("/optimum/theta"),         in.vector("/optimum/loss"),
                      in.vector("/optimum/rel_loss"),     in.vector("/optimum/lower_bound"),
-                     in.vector("/optimum/kkt_residual"), in.number_attribute("/optimum", "seconds")};
+                     in.vector("/optimum/kkt_residual"), {}, in.number_attribute("/optimum", "seconds")};
+    if (in.has("/optimum/status")) {
+        model.optimum.status = in.texts("/optimum/status");
+        if (model.optimum.status.size() != static_cast<std::size_t>(C)) in.refuse("/optimum/status", "does not have one row a case");
+    }
+    if (in.has("/problems/status")) {
+        model.problems = {in.text_attribute("/problems", "objective"), in.texts("/problems/status"),
+                          in.text_attribute("/problems", "one_set_status")};
+        if (model.problems.status.size() != static_cast<std::size_t>(C)) in.refuse("/problems/status", "does not have one row a case");
+    }
     if (model.optimum.theta.rows() != C || model.optimum.theta.cols() != S || model.optimum.loss_N.size() != C ||
         model.optimum.rel_loss.size() != C || model.optimum.lower_bound_N.size() != C ||
         model.optimum.kkt_residual.size() != C)

@@ -157,3 +157,25 @@ TEST_CASE("an unknown optimiser and a path without a record at a magnitude are r
     cases.paths[1].records.pop_back();
     CHECK_THROWS_AS(train_sets(study, cases, 2), MismatchError);
 }
+
+TEST_CASE("how the training ended comes back out of model.h5; a file of an earlier program says nothing of it") {
+    const Study study = example_study();
+    const TissueModel model = train_sets(study, cases_of(study), 1);
+    CHECK(model.optimum.status == std::vector<std::string>(4, "converged"));
+    CHECK(model.problems.objective == "force");
+    CHECK(model.problems.status == std::vector<std::string>(4, "posed"));
+    const TemporaryFolder folder;
+    const std::string file = folder.file("model.h5");
+    write_model(file, model, {});
+    TissueModel back = read_model(file);
+    CHECK(back.optimum.status == model.optimum.status);
+    CHECK(back.problems.objective == "force");
+    CHECK(back.problems.status == model.problems.status);
+    CHECK(back.problems.one_set_status == "posed");
+    CHECK(back.trained[1].status == model.trained[1].status);
+    replace_dataset(file, "/optimum/status");
+    replace_dataset(file, "/problems/status");
+    back = read_model(file);
+    CHECK(back.optimum.status.empty());
+    CHECK(back.problems.status.empty());
+}
