@@ -236,7 +236,8 @@ $(R)/cases.h5: $(PATHS:%=$(R)/cases/%.csv) | $(TISSUECTL)
 	@$(TISSUECTL) $(CASES_COMMAND) --study fem/studies/$(STUDY).toml $(MESH_OPTION) --out $@
 
 $(R)/model.h5: $(R)/cases.h5 $(BUILD)/stage/train | $(TISSUECTL)
-	@$(TISSUECTL) train --study fem/studies/$(STUDY).toml --cases $< --out $@
+	@# 3: something in it did not reach the convergence it promises; its line says what, and so does the report's head
+	@$(TISSUECTL) train --study fem/studies/$(STUDY).toml --cases $< --out $@ || [ $$? = 3 ]
 
 $(R)/eval.json $(R)/report.md &: $(R)/model.h5 $(R)/cases.h5 $(BUILD)/stage/eval | $(TISSUECTL)
 	@$(TISSUECTL) eval --study fem/studies/$(STUDY).toml --model $< --cases $(R)/cases.h5 --out $(R)/eval.json \

@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <iostream>
@@ -7,6 +10,7 @@
 #include "command.h"
 #include "io/atomic_file.h"
 #include "progress.h"
+#include "train/endings.h"
 #include "train/train_sets.h"
 
 namespace tissue::cli {
@@ -20,6 +24,23 @@ struct Options {
     std::optional<int> iterations;
     bool json = false;
 };
+
+/// A line of figures a set, as JSON.
+void print(const TrainedModel& model) {
+    nlohmann::ordered_json j;
+    for (const TrainingBook& t : model.books.trained)
+        for (Eigen::Index c = 0; c < t.loss_N.size(); ++c) {
+            const auto i = static_cast<std::size_t>(c);
+            j.push_back({{"optimizer", t.optimizer},
+                         {"set", model.case_names[i]},
+                         {"loss_N", t.loss_N[c]},
+                         {"rel_loss", t.rel_loss[c]},
+                         {"iterations", t.iterations[i]},
+                         {"restarts", t.restarts[i]},
+                         {"status", t.status[i]}});
+        }
+    std::cout << j.dump(1) << '\n';
+}
 
 void run(const Options& o, Provenance provenance) {
     Study study = read_study(o.study);
@@ -36,20 +57,13 @@ void run(const Options& o, Provenance provenance) {
                            [&](int done, int total, const std::string& set) { progress.step(done, total, set); });
     }
     write_trained_model(o.out, model, provenance);
-    if (!o.json) return;
-    nlohmann::ordered_json j;
-    for (const TrainingBook& t : model.books.trained)
-        for (Eigen::Index c = 0; c < t.loss_N.size(); ++c) {
-            const auto i = static_cast<std::size_t>(c);
-            j.push_back({{"optimizer", t.optimizer},
-                         {"set", model.case_names[i]},
-                         {"loss_N", t.loss_N[c]},
-                         {"rel_loss", t.rel_loss[c]},
-                         {"iterations", t.iterations[i]},
-                         {"restarts", t.restarts[i]},
-                         {"status", t.status[i]}});
-        }
-    std::cout << j.dump(1) << '\n';
+    if (o.json) print(model);
+
+    const Endings endings = endings_of(model.books.problems, model.books.trained, model.books.optimum);
+    for (const std::string& line : endings.other) std::cerr << "tissuectl train: " << line << '\n';
+    if (!endings.broken.empty())
+        throw NotAsPromised(fmt::format("{} is written, but not all in it ended as it promises: {}", o.out,
+                                        fmt::join(endings.broken, "; ")));
 }
 
 }  // namespace
@@ -57,7 +71,8 @@ void run(const Options& o, Provenance provenance) {
 void add_train(CLI::App& app, const Invocation& invocation) {
     auto o = std::make_shared<Options>();
     o->threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    CLI::App* command = app.add_subcommand("train", "Learn a spring set for every load case.");
+    CLI::App* command = app.add_subcommand(
+        "train", "Learn a spring set for every load case. Exit 3: written, but what promises convergence did not reach it.");
     command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
     command->add_option("--cases", o->cases, "cases.h5 of tissuectl collect")->required()->type_name("FILE");
     command->add_option("--out", o->out, "model.h5 to write")->required()->type_name("FILE");
@@ -66,7 +81,7 @@ void add_train(CLI::App& app, const Invocation& invocation) {
         ->capture_default_str()
         ->check(CLI::Range(1, 4096));
     command->add_option("--seed", o->seed, "in place of the study's training.seed")->type_name("integer");
-    command->add_option("--optimizer", o->optimizer, "in place of the study's: spsa, spsa-2008")->type_name("NAME");
+    command->add_option("--optimizer", o->optimizer, "in place of the study's training.optimizer")->type_name("NAME");
     command->add_option("--iterations", o->iterations, "in place of the study's training.iterations")
         ->type_name("count")
         ->check(CLI::Range(1, 100000000));

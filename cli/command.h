@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
+#include "error.h"
 #include "io/hdf5_store.h"
 
 namespace tissue::cli {
@@ -10,6 +11,11 @@ namespace tissue::cli {
 /// What every command shares: the program's own arguments as they were typed, for provenance.
 struct Invocation {
     std::string command;  ///< absolute paths shortened to their last part
+};
+
+/// The work is done and written, but did not end as it promises; what() is the line that says so. Exit status 3.
+struct NotAsPromised : Error {
+    using Error::Error;
 };
 
 /// Adds one command to the program. Each lives in a file of its own, cmd_NAME.cpp: parse, call lib, write.

@@ -85,7 +85,10 @@ std::string man(const CLI::App& app) {
     for (const CLI::App* command : commands)
         text += fmt::format(".SS {}\n{}\n{}", roff(command->get_name()), roff(command->get_description()),
                             man_options(*command));
-    text += ".SH EXIT STATUS\n0 done, 1 the work failed, 2 the command line was wrong.\n";
+    text += ".SH EXIT STATUS\n0 done, 1 the work failed, 2 the command line was wrong";
+    if (!commands.empty())
+        text += ", 3 \\fBtrain\\fR has written the model, but something in it that promises convergence did not reach it";
+    text += ".\n";
     return text;
 }
 

@@ -5,7 +5,8 @@
 //   tissuectl eval --study fem/studies/paper.toml --model model.h5 --cases results/paper/cases.h5 --out eval.json
 //   tissuectl serve results/paper/model.h5
 //   tissuectl info model.h5
-// Exit status: 0 done, 1 the work failed, 2 the command line was wrong.
+// Exit status: 0 done, 1 the work failed, 2 the command line was wrong, 3 (train) the model is written, but something in
+// it that promises convergence did not reach it.
 #include <cblas.h>
 
 #include <filesystem>
@@ -48,6 +49,9 @@ int main(int argc, char** argv) {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? 0 : 2;
+    } catch (const NotAsPromised& e) {
+        std::cerr << "tissuectl: " << e.what() << '\n';
+        return 3;
     } catch (const std::exception& e) {
         std::cerr << "tissuectl: " << e.what() << '\n';
         return 1;

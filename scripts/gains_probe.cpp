@@ -20,7 +20,7 @@
 #include "springs/heuristic.h"
 #include "train/bounded_lsq.h"
 #include "train/certificate.h"
-#include "train/objective.h"
+#include "train/loss_terms.h"
 #include "train/spsa.h"
 #include "train/spsa_2008.h"
 #include "train/train_sets.h"

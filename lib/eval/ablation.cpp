@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cases/sweep.h"
+#include "train/endings.h"
 #include "train/train_sets.h"
 #include "version.h"
 
@@ -24,13 +25,14 @@ std::vector<VariantResult> ablate(const Study& study, const Cases& cases, int th
         changed.training.ridge = v.ridge;
         changed.loads.magnitudes_m = v.magnitudes_m;
         const Cases kept = thinned(study, cases, v);
-        VariantResult result{v, 0, 0, 0, {}};
+        VariantResult result{v, 0, 0, 0, {}, {}};
         for (const LoadPath& path : kept.paths)
             if (path.role == "train" && path.name.find("-mirror") == std::string::npos) ++result.fe_paths;
         const auto start = std::chrono::steady_clock::now();
         const TissueModel model = train_sets(changed, kept, threads);
         result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         result.sets = model.case_count();
+        result.broken = endings_of(model.books.problems, model.books.trained, model.books.optimum).broken;
         result.held_out = evaluate_held_out(model, kept, threads, false);
         results.push_back(std::move(result));
         if (progress) progress(static_cast<int>(results.size()), static_cast<int>(variants.size()), v.name);
@@ -49,6 +51,7 @@ std::string to_json(const std::vector<VariantResult>& results) {
                                       {"angles_deg", r.variant.angles_deg}, {"magnitudes_m", r.variant.magnitudes_m},
                                       {"fe_paths", r.fe_paths},           {"sets", r.sets},
                                       {"seconds", r.seconds}};
+        if (!r.broken.empty()) row["broken"] = r.broken;
         for (const DrawnContacts& role : r.held_out.roles)
             for (std::size_t m = 0; m < r.held_out.models.size(); ++m) {
                 const Statistics s = role.statistics(m);

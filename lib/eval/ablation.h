@@ -15,6 +15,7 @@ struct VariantResult {
     int fe_paths;      ///< FE solves its training contacts need; mirrored ones count once
     int sets;
     double seconds;    ///< wall time of its training
+    std::vector<std::string> broken;  ///< what of it did not end as it promises, train/endings.h
     HeldOut held_out;
 };
 

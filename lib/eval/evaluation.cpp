@@ -108,6 +108,7 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
     result.study = model.study;
     result.trained = model.books.trained;
     result.optimum = model.books.optimum;
+    result.problems = model.books.problems;
     std::vector<Candidate> candidates;
     const auto add_sets = [&](const std::string& name, const NodeField& theta) {
         candidates.push_back({name, {}});

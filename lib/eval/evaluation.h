@@ -49,6 +49,7 @@ struct Evaluation {
     std::string uniform_chosen_on;   ///< "closed_loop" or, where the mesh has no closed-loop answer, "rel_loss"
     std::vector<TrainingBook> trained;
     OptimumProof optimum;
+    ProblemRecord problems;
     TruthCheck truth;                                            ///< of FE itself, on the finer mesh
     HeldOut held_out;                                            ///< empty where the study draws no contacts
     std::optional<Measurement> measurement;                      ///< of measured cases

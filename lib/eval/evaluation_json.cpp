@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "eval/evaluation.h"
@@ -25,14 +26,23 @@ int restarted_sets(const TrainingBook& t) {
     return count;
 }
 
+/// How often each status stands there.
+Json counts(const std::vector<std::string>& status) {
+    Json found = Json::object();
+    for (const std::string& s : status) found[s] = found.value(s, 0) + 1;
+    return found;
+}
+
+bool all_are(const std::string& word, const std::vector<std::string>& status) {
+    return std::all_of(status.begin(), status.end(), [&](const std::string& s) { return s == word; });
+}
+
 Json training(const TrainingBook& t) {
-    Json statuses = Json::object();
-    for (const std::string& s : t.status) statuses[s] = statuses.value(s, 0) + 1;
     return {{"optimizer", t.optimizer},       {"sets", t.status.size()},
             {"restarts", total(t.restarts)},  {"restarted_sets", restarted_sets(t)},
             {"iterations", total(t.iterations)}, {"evaluations", total(t.evaluations)},
             {"gap", {{"median", statistics_of({t.gap.begin(), t.gap.end()}).median}, {"max", t.gap.maxCoeff()}}},
-            {"status", statuses},             {"seconds", t.seconds}};
+            {"status", counts(t.status)},             {"seconds", t.seconds}};
 }
 
 }  // namespace
@@ -67,6 +77,10 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
         j["training_also"].push_back(training(evaluation.trained[t]));
     j["optimum"] = {{"kkt_residual_max", evaluation.optimum.kkt_residual.maxCoeff()},
                     {"seconds", evaluation.optimum.seconds}};
+    if (!all_are("converged", evaluation.optimum.status)) j["optimum"]["status"] = counts(evaluation.optimum.status);
+    if (const ProblemRecord& p = evaluation.problems; !all_are("posed", p.status) || p.one_set_status != "posed")
+        if (!p.status.empty())
+            j["problems"] = {{"objective", p.objective}, {"status", counts(p.status)}, {"one_set_status", p.one_set_status}};
     const HeldOut& held_out = evaluation.held_out;
     for (const DrawnContacts& role : held_out.roles) {
         Json& entry = j["closed_loop"][role.role];

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "eval/evaluation.h"
+#include "train/endings.h"
 #include "version.h"
 
 namespace tissue {
@@ -29,6 +31,24 @@ double median_progress(const TrainingBook& t, int iteration) {
     std::vector<double> values;
     for (Eigen::Index c = 0; c < t.loss_N.size(); ++c) values.push_back(loss_at(t, c, iteration) / loss_at(t, c, 0));
     return statistics_of(values).median;
+}
+
+/// "18 converged", "13 iterations_done, 5 restarts_exhausted".
+std::string counted(const std::vector<std::string>& status) {
+    std::map<std::string, int> counts;
+    for (const std::string& s : status) ++counts[s];
+    std::string text;
+    for (const auto& [word, count] : counts) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, word);
+    return text;
+}
+
+/// At the head, where something that promises convergence did not reach it.
+std::string broken_markdown(const Evaluation& e) {
+    const Endings endings = endings_of(e.problems, e.trained, e.optimum);
+    if (endings.broken.empty()) return "";
+    std::string out = "**Not all of the training ended as it promises** (what each word means: results/FORMATS.md):\n\n";
+    for (const std::string& line : endings.broken) out += "- " + line + "\n";
+    return out + "\n";
 }
 
 std::string measurement_markdown(const Evaluation& e) {
@@ -115,7 +135,7 @@ std::string to_markdown(const Evaluation& e) {
         loss_ratio, percent(learned.resolved_error().median), percent(heuristic.resolved_error().median), force_ratio,
         version);
 
-    out += measurement_markdown(e) + held_out_markdown(e.held_out, e.measurement.has_value()) + truth_markdown(e.truth);
+    out += broken_markdown(e) + measurement_markdown(e) + held_out_markdown(e.held_out, e.measurement.has_value()) + truth_markdown(e.truth);
     out += "## Errors at the trained contacts: median / p95 / max\n\n";
     if (e.measurement) {
         out += "| model | closed loop |\n|---|---|\n";
@@ -141,8 +161,8 @@ std::string to_markdown(const Evaluation& e) {
         }
 
     out +=
-        "\n## Training\n\n| optimiser | sets | iterations | restarts (sets that restarted) | median loss over start at "
-        "1,000 | at 5,000 | at the end | gap median / max | seconds |\n|---|---|---|---|---|---|---|---|---|\n";
+        "\n## Training\n\n| optimiser | sets | iterations | restarts (sets that restarted) | ended | median loss over start at "
+        "1,000 | at 5,000 | at the end | gap median / max | seconds |\n|---|---|---|---|---|---|---|---|---|---|\n";
     for (const TrainingBook& t : e.trained) {
         int iterations = 0, restarts = 0, restarted = 0;
         for (int i : t.iterations) iterations += i;
@@ -154,16 +174,17 @@ std::string to_markdown(const Evaluation& e) {
             const double part = median_progress(t, at);
             return std::isnan(part) ? std::string() : fmt::format("{:.3f}", part);
         };
-        out += fmt::format("| {} | {} | {} | {} ({}) | {} | {} | {} | {} / {} | {:.2f} |\n", t.optimizer,
-                           t.status.size(), iterations, restarts, restarted, progress(1000), progress(5000), progress(1 << 30),
+        out += fmt::format("| {} | {} | {} | {} ({}) | {} | {} | {} | {} | {} / {} | {:.2f} |\n", t.optimizer,
+                           t.status.size(), iterations, restarts, restarted, counted(t.status), progress(1000), progress(5000), progress(1 << 30),
                            percent(statistics_of({t.gap.begin(), t.gap.end()}).median), percent(t.gap.maxCoeff()),
                            t.seconds);
     }
     out += fmt::format(
         "\nThe paper restarted three of its eighteen sets. *Gap*: how far a set's loss is above what is proved to be the "
         "best in the box, max(L_lb, 5 % of the FE force) as unit. The proof is the exact solution of every set ({:.3f} s "
-        "for all), whose optimality conditions hold to {:.1e}.\n",
-        e.optimum.seconds, e.optimum.kkt_residual.maxCoeff());
+        "for all), whose optimality conditions hold to {:.1e}{}.\n",
+        e.optimum.seconds, e.optimum.kkt_residual.maxCoeff(),
+        e.optimum.status.empty() ? "" : " (" + counted(e.optimum.status) + ")");
 
     if (e.measurement)
         return out +
@@ -206,6 +227,9 @@ std::string to_markdown(const Evaluation& e) {
     for (const FrontPoint& p : e.front)
         out += fmt::format("| {:g} | {} | {:.2f} | {} | {:.2g} |\n", p.ridge, percent(p.rel_loss), p.distance,
                            p.force_falls, p.smallest_eigenvalue);
+    int not_converged = 0;
+    for (const FrontPoint& p : e.front) not_converged += p.not_converged;
+    if (not_converged > 0) out += fmt::format("\nOf these exact solutions {} did not converge.\n", not_converged);
 
     out += "\n## Every case\n\n| case | FE force mN |";
     for (const ModelErrors& m : e.models) out += fmt::format(" {} rel_loss / force mN / closed loop |", m.name);

@@ -122,6 +122,7 @@ std::vector<FrontPoint> ridge_front(const TrainedModel& model, const Cases& case
     for (double ridge : {0.0, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0, 10.0}) {
         NodeField theta(model.case_count(), S);
         std::vector<double> losses, distances;
+        int not_converged = 0;
         for (Eigen::Index c = 0; c < model.case_count(); ++c) {
             const PathRecord& record = *loads[static_cast<std::size_t>(c)].record;
             const SparseMatrix A = law->force_matrix(model.mesh, record.displacement);
@@ -132,12 +133,13 @@ std::vector<FrontPoint> ridge_front(const TrainedModel& model, const Cases& case
             const BoundedLsqSummary fit = solve_bounded_lsq(
                 with_ridge(A, force, weight, ridge * mean_column, model.heuristic_a), model.heuristic_a, box);
             theta.row(c) = fit.theta;
+            not_converged += fit.status == LsqStatus::converged ? 0 : 1;
             losses.push_back(loss(fit.theta) / loss.scale());
             distances.push_back(rms(fit.theta - model.heuristic_a) / model.modulus_N_m);
         }
         const SpringCharacter character = spring_character(model, cases, theta);
         front.push_back({ridge, statistics_of(losses).median, statistics_of(distances).median, character.force_falls,
-                         character.smallest_eigenvalue});
+                         character.smallest_eigenvalue, not_converged});
     }
     return front;
 }

@@ -30,6 +30,7 @@ struct FrontPoint {
     double distance;   ///< median over the cases of the root mean square of theta - theta0, in units of E2
     int force_falls;   ///< as in SpringCharacter
     double smallest_eigenvalue;
+    int not_converged; ///< of its exact solutions, those whose LsqStatus is not `converged`
 };
 
 /// The exact solutions of L^2 + ridge |theta - theta0|^2 inside the box, from no ridge to one that holds the heuristic.

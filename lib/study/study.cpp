@@ -11,6 +11,7 @@
 #include "io/atomic_file.h"
 #include "mesh/topology.h"
 #include "springs/spring_law.h"
+#include "study/kinds.h"
 #include "study/one_line.h"
 #include "study/toml_reader.h"
 
@@ -19,7 +20,19 @@ namespace {
 
 const Range positive{0, std::numeric_limits<double>::infinity(), true};
 const Range not_negative{0};
-const std::vector<std::string> objectives = {"force", "contact", "reaction"};
+
+/// Names of the objectives; with `nodes` false, of those alone that ask for nothing inside.
+std::vector<std::string> objective_names(bool nodes = true) {
+    std::vector<std::string> names;
+    for (const ObjectiveKind& kind : objective_kinds())
+        if (nodes || !kind.nodes) names.push_back(kind.name);
+    return names;
+}
+
+bool needs_nodes(const std::string& objective) {
+    const std::vector<std::string> without = objective_names(false);
+    return std::find(without.begin(), without.end(), objective) == without.end();
+}
 
 toml::table parse(const std::string& file) {
     std::error_code error;
@@ -243,19 +256,21 @@ Study::Training read_training(TomlReader in) {
     Study::Training t;
     t.optimizer = in.text("optimizer");
     t.also = in.texts("also");
-    const auto is_optimizer = [](const std::string& name) {
-        return name == "spsa" || name == "spsa-2008" || name == "exact" || name.rfind("nlopt:", 0) == 0;
+    const std::vector<std::string> optimizers = optimizer_names();
+    const auto is_optimizer = [&](const std::string& name) {
+        return std::find(optimizers.begin(), optimizers.end(), name) != optimizers.end();
     };
-    const std::string allowed = "is not an optimiser; allowed: spsa, spsa-2008, exact, nlopt:NAME";
+    const std::string allowed = fmt::format("is not an optimiser; allowed: {}", fmt::join(optimizers, ", "));
     if (!is_optimizer(t.optimizer)) in.refuse("optimizer", "'" + t.optimizer + "' " + allowed);
     for (const std::string& other : t.also)
         if (!is_optimizer(other)) in.refuse("also", "'" + other + "' " + allowed);
-    t.objective = in.has("objective") ? in.choice("objective", objectives) : "force";
+    t.objective = in.has("objective") ? in.choice("objective", objective_names()) : objective_names().front();
     t.ridge = in.optional_number("ridge", not_negative).value_or(0);
     t.one_set_ridge = in.optional_number("one_set_ridge", not_negative).value_or(t.ridge);
     t.reach_m = in.optional_number("reach_m", not_negative).value_or(0);
     for (const char* key : {"one_set_ridge", "reach_m"})
-        if (in.has(key) && t.objective != "reaction") in.refuse(key, "belongs to objective 'reaction'");
+        if (in.has(key) && needs_nodes(t.objective))
+            in.refuse(key, fmt::format("belongs to objective '{}'", fmt::join(objective_names(false), "' or '")));
     t.seed = static_cast<unsigned long>(in.integer("seed", 0, std::numeric_limits<int>::max()));
     t.iterations = static_cast<int>(in.integer("iterations", 1, 100'000'000));
     t.max_seconds = in.optional_number("max_seconds", positive);
@@ -266,7 +281,7 @@ Study::Training read_training(TomlReader in) {
     if (!(t.k_max_E2 >= 1)) in.refuse("k_max_E2", "must be at least 1, or the heuristic starts outside the box");
     const auto weights = [&](const char* key, double (&out)[2]) {
         std::fill(out, out + 2, 1);
-        if (t.objective == "reaction" && !in.has(key)) return;  // it has no nodes to weigh
+        if (!needs_nodes(t.objective) && !in.has(key)) return;  // it has no nodes to weigh
         const std::vector<double> range = in.numbers(key, 2, {0, 1});
         if (range[0] > range[1]) in.refuse(key, "must be [smallest, largest]");
         std::copy(range.begin(), range.end(), out);
@@ -351,7 +366,7 @@ Study::Variant read_variant(TomlReader in, const Study& study) {
     v.name = in.text("name");
     v.topology = in.has("topology") ? in.choice("topology", topologies_of(study.geometry)) : study.springs.topology;
     v.law = in.has("law") ? in.choice("law", spring_laws().names()) : study.springs.law;
-    v.objective = in.has("objective") ? in.choice("objective", objectives) : study.training.objective;
+    v.objective = in.has("objective") ? in.choice("objective", objective_names()) : study.training.objective;
     v.ridge = in.optional_number("ridge", not_negative).value_or(study.training.ridge);
     v.spacing_m = in.optional_number("spacing_m", {sweep.spacing_m}).value_or(sweep.spacing_m);
     if (!is_multiple(v.spacing_m, sweep.spacing_m)) in.refuse("spacing_m", "must be a multiple of loads.sweep.spacing_m");
@@ -425,8 +440,9 @@ Study read_study(const std::string& file) {
     springs.refuse_the_rest();
 
     study.training = read_training(in.table("training"));
-    if (study.data && study.training.objective != "reaction")
-        in.table("training").refuse("objective", "must be 'reaction' beside [data]: nothing inside was measured");
+    if (study.data && needs_nodes(study.training.objective))
+        in.table("training").refuse("objective", fmt::format("must be '{}' beside [data]: nothing inside was measured",
+                                                             fmt::join(objective_names(false), "' or '")));
     if (in.has("draws")) {
         if (!study.loads.sweep) in.refuse("draws", "needs a study with loads.sweep");
         read_draws(in.table("draws"), study);

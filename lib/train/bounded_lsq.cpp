@@ -22,65 +22,70 @@ BoundedLsqSummary solve_bounded_lsq(const ForceLoss& loss, const Eigen::VectorXd
     const Eigen::VectorXd& b = loss.target();
     const Eigen::Index springs = start.size();
 
-    // unit columns: x = norm theta; a silent one is taken out of the problem
+    // unit columns: x = norm theta; zero columns are taken out of the problem
     Eigen::VectorXd norm(springs);
     for (Eigen::Index s = 0; s < springs; ++s) norm[s] = loss.matrix().col(s).norm();
-    const double silent = options.silent_column * (springs > 0 ? norm.maxCoeff() : 0);
-    std::vector<Eigen::Index> heard;
+    const double zero = options.zero_column * (springs > 0 ? norm.maxCoeff() : 0);
+    std::vector<Eigen::Index> kept;
     for (Eigen::Index s = 0; s < springs; ++s)
-        if (norm[s] > silent) heard.push_back(s);
-    const int n = static_cast<int>(heard.size());
+        if (norm[s] > zero) kept.push_back(s);
+    const int n = static_cast<int>(kept.size());
 
-    Eigen::VectorXd quiet = start;  // what the silent springs add to the force
-    Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(loss.matrix().rows(), n);
+    Eigen::VectorXd left_out = start;  // what the zero columns add to the force
     SparseMatrix B(loss.matrix().rows(), n);
     Eigen::VectorXd x(n), lo(n), hi(n);
     B.reserve(loss.matrix().nonZeros());
     for (int k = 0; k < n; ++k) {
-        const Eigen::Index s = heard[k];
-        quiet[s] = 0;
+        const Eigen::Index s = kept[k];
+        left_out[s] = 0;
         x[k] = start[s] * norm[s], lo[k] = box.lo[s] * norm[s], hi[k] = box.hi[s] * norm[s];
         B.startVec(k);
         for (SparseMatrix::InnerIterator entry(loss.matrix(), s); entry; ++entry)
             B.insertBack(entry.row(), k) = entry.value() / norm[s];
     }
     B.finalize();
-    const Eigen::VectorXd target = b - loss.matrix() * quiet;
+    const Eigen::VectorXd target = b - loss.matrix() * left_out;
     const Eigen::MatrixXd H = SparseMatrix(B.transpose() * B);
     const double scale = b.norm() > 0 ? b.norm() : 1;
 
     BoundedLsqSummary summary;
     Eigen::VectorXd residual = target - B * x, g = -(B.transpose() * residual), step(n), change(n), moved(b.size());
-    std::vector<int> loose;
+    std::vector<int> inactive;
     Eigen::MatrixXd block;
     Eigen::VectorXd newton;
     double shift = options.first_shift;
     for (;; ++summary.iterations) {
         summary.kkt_residual = n > 0 ? ((x - g).cwiseMax(lo).cwiseMin(hi) - x).cwiseAbs().maxCoeff() / scale : 0;
-        summary.converged = summary.kkt_residual <= options.kkt_tolerance;
-        if (summary.converged || summary.iterations >= options.max_iterations) break;
+        if (summary.kkt_residual <= options.kkt_tolerance) {
+            summary.status = LsqStatus::converged;
+            break;
+        }
+        if (summary.iterations >= options.max_iterations) {
+            summary.status = LsqStatus::iterations_done;
+            break;
+        }
 
-        // the springs that the box does not hold
-        loose.clear();
+        // the springs whose bounds are inactive
+        inactive.clear();
         for (int k = 0; k < n; ++k)
-            if (!(x[k] <= lo[k] && g[k] > 0) && !(x[k] >= hi[k] && g[k] < 0)) loose.push_back(k);
+            if (!(x[k] <= lo[k] && g[k] > 0) && !(x[k] >= hi[k] && g[k] < 0)) inactive.push_back(k);
 
         // their Newton step, projected; a shorter one, then a larger shift, until the loss falls by a part of what the
         // slope promises. Far enough up the shift makes it a short step of projected gradients, which always does.
         bool lower = false, whole = false;
         while (!lower && shift < largest_shift) {
-            block = H(loose, loose);
+            block = H(inactive, inactive);
             block.diagonal().array() += shift;
             step.setZero();
-            newton = -g(loose);
+            newton = -g(inactive);
             // LAPACK's Cholesky: several times faster than Eigen's at this size
-            const auto m = static_cast<lapack_int>(loose.size());
+            const auto m = static_cast<lapack_int>(inactive.size());
             if (LAPACKE_dposv(LAPACK_COL_MAJOR, 'U', m, 1, block.data(), std::max(m, 1), newton.data(),
                               std::max(m, 1)) != 0) {
                 shift *= 10;
                 continue;
             }
-            step(loose) = newton;
+            step(inactive) = newton;
             for (double part = 1; !lower && part > 0.01; part /= 2) {
                 change = (x + part * step).cwiseMax(lo).cwiseMin(hi) - x;
                 moved = B * change;
@@ -90,7 +95,10 @@ BoundedLsqSummary solve_bounded_lsq(const ForceLoss& loss, const Eigen::VectorXd
             }
             if (!lower) shift *= 10;
         }
-        if (!lower) break;  // at rounding
+        if (!lower) {
+            summary.status = LsqStatus::stalled;
+            break;
+        }
         if (whole) shift = std::max(shift / 10, options.shift);
         x = (x + change).cwiseMax(lo).cwiseMin(hi);
         residual = target - B * x;
@@ -99,9 +107,21 @@ BoundedLsqSummary solve_bounded_lsq(const ForceLoss& loss, const Eigen::VectorXd
 
     summary.theta = start;
     for (int k = 0; k < n; ++k)
-        summary.theta[heard[k]] = std::clamp(x[k] / norm[heard[k]], box.lo[heard[k]], box.hi[heard[k]]);
+        summary.theta[kept[k]] = std::clamp(x[k] / norm[kept[k]], box.lo[kept[k]], box.hi[kept[k]]);
     summary.residual_norm = loss(summary.theta);
     return summary;
+}
+
+TrainStatus train_status(LsqStatus status) {
+    switch (status) {
+        case LsqStatus::converged:
+            return TrainStatus::converged;
+        case LsqStatus::stalled:
+            return TrainStatus::stalled;
+        case LsqStatus::iterations_done:
+            break;
+    }
+    return TrainStatus::iterations_done;
 }
 
 TrainSummary ExactOptimizer::minimise(const ForceLoss& loss, const Eigen::VectorXd& start, const Box& box,
@@ -113,8 +133,7 @@ TrainSummary ExactOptimizer::minimise(const ForceLoss& loss, const Eigen::Vector
     TrainSummary summary;
     summary.theta = exact.theta;
     summary.evaluations = exact.iterations;
-    monitor.finish(summary, exact.iterations, exact.residual_norm,
-                   exact.converged ? TrainStatus::converged : TrainStatus::iterations_done);
+    monitor.finish(summary, exact.iterations, exact.residual_norm, train_status(exact.status));
     return summary;
 }
 

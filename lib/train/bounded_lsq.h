@@ -19,15 +19,22 @@ struct BoundedLsqOptions {
     double kkt_tolerance = 1e-12;  ///< of kkt_residual: makes the bound sharp to 1e-10 where springs fit to 0.1 %
     double first_shift = 1e-3;     ///< of a unit diagonal; measured: fewer factorisations than 1e-11 or 1e-2
     double shift = 1e-11;          ///< the least: above rounding of the factor
-    double silent_column = 1e-10;  ///< of the longest column: a shorter one is rounding of FE's u, it says nothing
+    double zero_column = 1e-10;    ///< of the longest column: a shorter one is rounding of FE's u, and counts as zero
+};
+
+/// Why it stopped.
+enum class LsqStatus {
+    converged,       ///< kkt_residual <= kkt_tolerance
+    stalled,         ///< kkt_residual > kkt_tolerance, and no step with a shift below 1e9 lowers the loss: at rounding
+    iterations_done  ///< kkt_residual > kkt_tolerance, iterations >= max_iterations
 };
 
 struct BoundedLsqSummary {
-    Eigen::VectorXd theta;     ///< (S), inside the box; where the data says nothing about a spring: its start
+    Eigen::VectorXd theta;     ///< (S), inside the box; a spring whose column is zero keeps its start
     double residual_norm = 0;  ///< |b - B theta|
     double kkt_residual = 0;   ///< see certificate.h; as a part of |b|
     int iterations = 0;
-    bool converged = false;  ///< kkt_residual <= kkt_tolerance
+    LsqStatus status = LsqStatus::iterations_done;
 };
 
 /// loss gives B (rows x S, matrix()) and b (target()); start (S) inside the box.
@@ -35,11 +42,15 @@ struct BoundedLsqSummary {
 BoundedLsqSummary solve_bounded_lsq(const ForceLoss& loss, const Eigen::VectorXd& start, const Box& box,
                                     const BoundedLsqOptions& options = {});
 
+/// The status of the same name.
+TrainStatus train_status(LsqStatus status);
+
 /// The same behind the optimisers' interface, as "exact". It knows A, not only the loss, and takes the few iterations
 /// it takes: rng and the stop criteria are not used.
 class ExactOptimizer final : public Optimizer {
    public:
     std::string name() const override { return "exact"; }
+    bool is_exact() const override { return true; }
     TrainSummary minimise(const ForceLoss& loss, const Eigen::VectorXd& start, const Box& box, double unit_N_m,
                           const StopCriteria& stop, gsl_rng* rng) const override;
 };

@@ -25,7 +25,7 @@ double loss_lower_bound(const ForceLoss& loss, const Eigen::VectorXd& theta, con
 
 /// gap = (L - L_lb) / max(L_lb, 0.05 sqrt(f_fe' Q f_fe)), not below zero (rounding): zero at the optimum, 0.02 when 2 %
 /// may be left to gain. The floor keeps it meaningful where springs can meet the truth exactly.
-/// loss, lower_bound, scale (ForceLoss::scale) [N].
+/// loss, lower_bound, scale (ForceLoss::scale): all in one unit, newtons in every study.
 double loss_gap(double loss, double lower_bound, double scale);
 
 /// How far theta (S) is from the conditions of Karush, Kuhn and Tucker: the largest change of weighted force, as a part

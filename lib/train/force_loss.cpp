@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "error.h"
 
 namespace tissue {
@@ -25,6 +27,10 @@ double ForceLoss::operator()(const Eigen::VectorXd& theta, Eigen::VectorXd& work
 double ForceLoss::operator()(const Eigen::VectorXd& theta) const {
     Eigen::VectorXd workspace;
     return (*this)(theta, workspace);
+}
+
+double ForceLoss::relative(const Eigen::VectorXd& theta) const {
+    return scale_ > 0 ? (*this)(theta) / scale_ : std::nan("");
 }
 
 }  // namespace tissue

@@ -21,6 +21,9 @@ class ForceLoss {
     /// sqrt(f_fe' Q f_fe) [N]: the loss of no springs at all, and the unit of rel_loss.
     double scale() const { return scale_; }
 
+    /// L(theta) / scale; NaN where the case has no force, to which nothing is relative.
+    double relative(const Eigen::VectorXd& theta) const;
+
     /// Q^(1/2) A (N*D x S) and Q^(1/2) f_fe (N*D), so that L(theta) = |target - matrix theta|.
     const SparseMatrix& matrix() const { return matrix_; }
     const Eigen::VectorXd& target() const { return target_; }

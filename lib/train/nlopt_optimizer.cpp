@@ -86,7 +86,7 @@ TrainSummary NloptOptimizer::minimise(const ForceLoss& loss, const Eigen::Vector
     TrainMonitor monitor(stop, loss.scale());
     const Eigen::Index springs = start.size();
 
-    // a silent column has no length to scale with, and its bounds are closed: it stays
+    // a zero column has no length to scale with, and its bounds are closed: it stays
     Eigen::VectorXd norm(springs), lo = box.lo, hi = box.hi;
     for (Eigen::Index s = 0; s < springs; ++s) norm[s] = loss.matrix().col(s).norm();
     const double longest = springs > 0 ? norm.maxCoeff() : 0;
@@ -140,7 +140,9 @@ TrainSummary NloptOptimizer::minimise(const ForceLoss& loss, const Eigen::Vector
                 break;
         }
     } catch (const nlopt::roundoff_limited&) {
+        status = TrainStatus::stalled;
     } catch (const std::runtime_error&) {  // "generic failure": LD_LBFGS says so where its line search ends at rounding
+        status = TrainStatus::stalled;
     }
     summary.theta = box.project(objective.best_theta);
     summary.evaluations = objective.evaluations;

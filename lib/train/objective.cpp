@@ -1,88 +1,84 @@
 #include "train/objective.h"
 
-#include <Eigen/Cholesky>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "error.h"
+#include "study/kinds.h"
+#include "train/objectives.h"
 
 namespace tissue {
-namespace {
 
-void append(std::vector<Eigen::Triplet<double>>& entries, const SparseMatrix& block, Eigen::Index first_row) {
-    for (int c = 0; c < block.outerSize(); ++c)
-        for (SparseMatrix::InnerIterator it(block, c); it; ++it)
-            entries.emplace_back(static_cast<int>(first_row + it.row()), c, it.value());
-}
-
-}  // namespace
-
-Target force_target(const LoadCase& load, const Eigen::VectorXd& node_weight) {
-    const NodeField& u = load.record->displacement;
-    return {u, load.record->force, node_weight.replicate(1, u.cols())};
-}
-
-Target contact_target(const SpringMesh& mesh, const LoadCase& load, const SurfacePoint& contact,
-                      const Eigen::VectorXd& node_weight) {
-    Target target = force_target(load, node_weight);
-    const Eigen::RowVectorXd push = (load.path->direction * load.record->magnitude_m).transpose();
-    Eigen::RowVectorXd there = Eigen::RowVectorXd::Zero(push.size());
-    double squares = 0;
-    for (int end : {0, 1}) {
-        there += contact.weight[end] * target.displacement.row(contact.node[end]);
-        squares += contact.weight[end] * contact.weight[end];
+const char* to_string(ProblemStatus status) {
+    switch (status) {
+        case ProblemStatus::posed:
+            return "posed";
+        case ProblemStatus::floppy:
+            return "floppy";
+        case ProblemStatus::no_force:
+            return "no_force";
+        case ProblemStatus::singular:
+            return "singular";
+        case ProblemStatus::stalled:
+            return "stalled";
+        case ProblemStatus::iterations_done:
+            return "iterations_done";
     }
-    target.force.setZero();
-    for (int end : {0, 1}) {
-        // the smallest change of both ends that puts the contact where it was pushed
-        target.displacement.row(contact.node[end]) += contact.weight[end] / squares * (push - there);
-        target.force.row(contact.node[end]) += contact.weight[end] * load.record->contact_force_N.transpose();
+    return "unknown";
+}
+
+const std::vector<std::unique_ptr<const Objective>>& objectives() {
+    static const std::vector<std::unique_ptr<const Objective>> all = [] {
+        std::vector<std::unique_ptr<const Objective>> list;
+        list.push_back(std::make_unique<ForceObjective>());
+        list.push_back(std::make_unique<ContactObjective>());
+        list.push_back(std::make_unique<ReactionObjective>());
+        return list;
+    }();
+    return all;
+}
+
+std::vector<ObjectiveKind> objective_kinds() {
+    std::vector<ObjectiveKind> kinds;
+    for (const auto& objective : objectives()) kinds.push_back({objective->name(), objective->needs_nodes()});
+    return kinds;
+}
+
+const Objective& objective_named(const std::string& name) {
+    std::vector<std::string> names;
+    for (const auto& objective : objectives()) {
+        if (objective->name() == name) return *objective;
+        names.push_back(objective->name());
     }
-    for (int node : mesh.fixed) target.weight.row(node).setZero();
-    return target;
+    throw MismatchError(fmt::format("objective '{}' is not known; allowed: {}", name, fmt::join(names, ", ")));
 }
 
-ForceLoss loss_of(const SpringMesh& mesh, const SpringLaw& law, const Target& target) {
-    return {law.force_matrix(mesh, target.displacement), as_vector(target.force), as_vector(target.weight)};
-}
-
-ForceLoss with_rows(const ForceLoss& loss, const SparseMatrix& extra, const Eigen::VectorXd& wanted) {
-    const Eigen::Index rows = loss.matrix().rows();
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(static_cast<std::size_t>(loss.matrix().nonZeros() + extra.nonZeros()));
-    append(entries, loss.matrix(), 0);
-    append(entries, extra, rows);
-    SparseMatrix matrix(rows + extra.rows(), loss.matrix().cols());
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    Eigen::VectorXd target(matrix.rows());
-    target << loss.target(), wanted;
-    return {matrix, target, Eigen::VectorXd::Ones(matrix.rows())};
-}
-
-ForceLoss with_ridge(const ForceLoss& loss, double ridge, const Eigen::VectorXd& theta0) {
-    const Eigen::Index S = theta0.size();
-    const double root = std::sqrt(ridge * loss.matrix().squaredNorm() / static_cast<double>(S));
-    SparseMatrix identity(S, S);
-    identity.setIdentity();
-    return with_rows(loss, root * identity, root * theta0);
-}
-
-ForceLoss with_reaction(const ForceLoss& loss, const SpringMesh& mesh, const SpringLaw& law, const Target& target,
-                        const Eigen::MatrixXd& sensitivity, double factor) {
-    const Eigen::MatrixXd GA = factor * sensitivity * law.force_matrix(mesh, target.displacement);
-    return with_rows(loss, GA.sparseView(), factor * sensitivity * as_vector(target.force));
-}
-
-ForceLoss joint_loss(const std::vector<ForceLoss>& losses) {
-    const Eigen::Index S = losses.front().matrix().cols();
-    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(S, S);
-    Eigen::VectorXd rhs = Eigen::VectorXd::Zero(S);
-    for (const ForceLoss& loss : losses) {
-        const double weight = 1 / (loss.scale() * loss.scale());
-        normal += weight * Eigen::MatrixXd(SparseMatrix(loss.matrix().transpose() * loss.matrix()));
-        rhs += weight * (loss.matrix().transpose() * loss.target());
+TrainingProblems node_problems(const TrainingData& data, const std::vector<Target>& targets) {
+    TrainingProblems p;
+    for (const Target& target : targets) {
+        p.base.push_back(loss_of(data.mesh, data.law, target));
+        p.status.push_back(p.base.back().scale() > 0 ? ProblemStatus::posed : ProblemStatus::no_force);
     }
-    // a breath of ridge keeps springs the data says nothing about from dividing by zero
-    normal.diagonal().array() += 1e-12 * normal.trace() / static_cast<double>(S);
-    const Eigen::LLT<Eigen::MatrixXd> factor(normal);
-    const Eigen::MatrixXd upper = factor.matrixU();
-    return {upper.sparseView(), factor.matrixL().solve(rhs), Eigen::VectorXd::Ones(S)};
+    p.start.assign(targets.size(), data.heuristic);
+    // a ridge leaves nothing badly conditioned: Newton's own step at once
+    if (data.settings.ridge > 0) p.exact.first_shift = p.exact.shift;
+    return p;
+}
+
+void solve_one_set(TrainingProblems& problems, const std::vector<ForceLoss>& losses, const TrainingData& data) {
+    problems.one_set = data.heuristic;
+    const std::optional<ForceLoss> joint = joint_loss(losses);
+    if (!joint) {
+        problems.one_set_status = ProblemStatus::no_force;
+        for (const ForceLoss& loss : losses)
+            if (loss.scale() > 0) problems.one_set_status = ProblemStatus::singular;
+        return;
+    }
+    const BoundedLsqSummary exact = solve_bounded_lsq(*joint, data.heuristic, data.box);
+    problems.one_set = exact.theta;
+    problems.one_set_status = exact.status == LsqStatus::converged ? ProblemStatus::posed
+                              : exact.status == LsqStatus::stalled ? ProblemStatus::stalled
+                                                                   : ProblemStatus::iterations_done;
 }
 
 }  // namespace tissue

@@ -1,41 +1,80 @@
 #pragma once
 
+#include <memory>
+#include <string>
+#include <vector>
+
 #include "cases/load_path.h"
 #include "springs/spring_law.h"
-#include "train/force_loss.h"
+#include "study/study.h"
+#include "train/bounded_lsq.h"
+#include "train/loss_terms.h"
+#include "train/optimizer.h"
 
 namespace tissue {
 
-/// What the springs are asked to hold at one load case, and how much each node counts.
-struct Target {
-    NodeField displacement;       ///< u [m] (N x D)
-    NodeField force;              ///< f [N] (N x D)
-    NodeField weight;             ///< diagonal of Q (N x D)
+/// What an objective makes its problems of.
+struct TrainingData {
+    const Study::Training& settings;
+    const SpringMesh& mesh;
+    const SpringLaw& law;
+    const std::vector<LoadCase>& loads;  ///< (C)
+    const NodeField& node_weight;        ///< diagonal of Q, one entry a node (C x N)
+    const Eigen::VectorXd& heuristic;    ///< (7) with E2 = E t [N/m] (S), inside the box
+    const Box& box;
+    int threads;                         ///< change no result
 };
 
-/// The paper's: u and f where FE has them, every node counts by its weight (N), supports too.
-Target force_target(const LoadCase& load, const Eigen::VectorXd& node_weight);
+/// How a problem came about: that of one load case, or that of the one set which serves all of them. f is the force the
+/// springs are to hold, K the stiffness of the free nodes.
+enum class ProblemStatus {
+    posed,            ///< as the objective says it; what had to be solved for it converged (FitStatus, LsqStatus)
+    floppy,           ///< "contact": a pivot of K <= 1e-10 of the largest, at the heuristic or one step from it, so the contact
+                      ///< has no compliance of the set's own: the nodes count alone, or with the heuristic's compliance
+    no_force,         ///< |f| = 0, of every case where it is the one set's: nothing is relative to it; of the one set: the heuristic
+    singular,         ///< of the one set: no ridge up to 1e-6 gives the sum of normal matrices a factor; it is the heuristic
+    stalled,          ///< of the fit or the exact solver: FitStatus::stalled, LsqStatus::stalled
+    iterations_done   ///< of the fit or the exact solver: FitStatus::iterations_done, LsqStatus::iterations_done
+};
 
-/// The force a hand feels: the whole force of the indenter acts at the contact, on the ends of its boundary segment by
-/// their weights, because that is how the spring mesh will be held; those ends are moved so that the contact stands
-/// exactly where it was pushed. Supports carry what they must and do not count.
-Target contact_target(const SpringMesh& mesh, const LoadCase& load, const SurfacePoint& contact,
-                      const Eigen::VectorXd& node_weight);
+/// The status in the words of reports: "posed", ...
+const char* to_string(ProblemStatus status);
 
-ForceLoss loss_of(const SpringMesh& mesh, const SpringLaw& law, const Target& target);
+/// What the sets of a study are trained on: one convex problem a case, and a set that serves all.
+struct TrainingProblems {
+    std::vector<ForceLoss> base;           ///< (9) or its like, in which reports speak [N] (C)
+    std::vector<ForceLoss> minimised;      ///< that with more rows, a ridge or the reaction, in the unit of base [N] (C)
+    std::vector<Eigen::VectorXd> start;    ///< where each set's training begins: inside the box, near the answer if known
+    std::vector<ProblemStatus> status;     ///< (C)
+    Eigen::VectorXd one_set;               ///< the single set that serves all cases best [N/m] (S)
+    ProblemStatus one_set_status = ProblemStatus::posed;
+    BoundedLsqOptions exact;               ///< how the exact solver should go about them
+    bool nearly_solved = false;            ///< posing them was most of solving them: its time counts as the solver's
+};
 
-/// The loss with more rows: L^2 + |extra theta - wanted|^2. extra (M x S), wanted (M).
-ForceLoss with_rows(const ForceLoss& loss, const SparseMatrix& extra, const Eigen::VectorXd& wanted);
+/// A way to say which springs are good.
+class Objective {
+   public:
+    virtual ~Objective() = default;
+    virtual std::string name() const = 0;
 
-/// L^2 + ridge c |theta - theta0|^2, c the mean squared column of the loss's matrix, so that ridge is a pure number.
-ForceLoss with_ridge(const ForceLoss& loss, double ridge, const Eigen::VectorXd& theta0);
+    /// False when the contact's force is all it needs: measured contacts will do, and there are no nodes for Q to weigh.
+    virtual bool needs_nodes() const { return true; }
 
-/// L^2 + factor^2 |G (A theta - f)|^2: the error of the contact's reaction itself, seen through a fixed compliance G
-/// (contact_sensitivity of some spring set). Still linear in theta, so certificates hold for it.
-ForceLoss with_reaction(const ForceLoss& loss, const SpringMesh& mesh, const SpringLaw& law, const Target& target,
-                        const Eigen::MatrixXd& sensitivity, double factor);
+    /// Non-convergence is a status of its problem. Throws MismatchError for data that it cannot work with at all.
+    virtual TrainingProblems pose(const TrainingData& data) const = 0;
+};
 
-/// Several losses as one: sum of (L_i / scale_i)^2, as the triangular system with the same minimum.
-ForceLoss joint_loss(const std::vector<ForceLoss>& losses);
+/// Every objective there is; each in a file of its own. The paper's comes first, which a study has that names none.
+const std::vector<std::unique_ptr<const Objective>>& objectives();
+
+/// The one of that name. Throws MismatchError for an unknown name, listing what is allowed.
+const Objective& objective_named(const std::string& name);
+
+/// One problem a case out of its target and nothing else, every start the heuristic: what objectives on nodes begin with.
+TrainingProblems node_problems(const TrainingData& data, const std::vector<Target>& targets);
+
+/// The set that serves all the losses best: their joint problem, solved exactly.
+void solve_one_set(TrainingProblems& problems, const std::vector<ForceLoss>& losses, const TrainingData& data);
 
 }  // namespace tissue

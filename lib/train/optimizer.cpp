@@ -1,8 +1,10 @@
 #include "train/optimizer.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "error.h"
+#include "study/kinds.h"
 #include "train/bounded_lsq.h"
 #include "train/nlopt_optimizer.h"
 #include "train/spsa.h"
@@ -12,27 +14,46 @@ namespace tissue {
 
 const char* to_string(TrainStatus status) {
     switch (status) {
+        case TrainStatus::converged:
+            return "converged";
+        case TrainStatus::stalled:
+            return "stalled";
+        case TrainStatus::target_met:
+            return "target_met";
         case TrainStatus::iterations_done:
             return "iterations_done";
         case TrainStatus::time_out:
             return "time_out";
-        case TrainStatus::target_met:
-            return "target_met";
-        case TrainStatus::converged:
-            return "converged";
         case TrainStatus::restarts_exhausted:
             return "restarts_exhausted";
     }
     return "unknown";
 }
 
-std::unique_ptr<Optimizer> make_optimizer(const std::string& name) {
-    if (name == "spsa-2008") return std::make_unique<Spsa2008>();
-    if (name == "spsa") return std::make_unique<Spsa>();
-    if (name == "exact") return std::make_unique<ExactOptimizer>();
-    const std::string prefix = "nlopt:";
-    if (name.rfind(prefix, 0) == 0) return std::make_unique<NloptOptimizer>(name.substr(prefix.size()));
-    throw MismatchError(fmt::format("optimizer '{}' is not known; allowed: spsa-2008, spsa, exact, nlopt:NAME", name));
+const std::vector<std::unique_ptr<const Optimizer>>& optimizers() {
+    static const std::vector<std::unique_ptr<const Optimizer>> all = [] {
+        std::vector<std::unique_ptr<const Optimizer>> list;
+        list.push_back(std::make_unique<Spsa2008>());
+        list.push_back(std::make_unique<Spsa>());
+        list.push_back(std::make_unique<ExactOptimizer>());
+        for (const std::string& algorithm : nlopt_algorithm_names())
+            list.push_back(std::make_unique<NloptOptimizer>(algorithm));
+        return list;
+    }();
+    return all;
+}
+
+const Optimizer& optimizer_named(const std::string& name) {
+    for (const auto& optimizer : optimizers())
+        if (optimizer->name() == name) return *optimizer;
+    throw MismatchError(
+        fmt::format("optimizer '{}' is not known; allowed: {}", name, fmt::join(optimizer_names(), ", ")));
+}
+
+std::vector<std::string> optimizer_names() {
+    std::vector<std::string> names;
+    for (const auto& optimizer : optimizers()) names.push_back(optimizer->name());
+    return names;
 }
 
 void check_problem(const ForceLoss& loss, const Eigen::VectorXd& start, const Box& box, double unit_N_m) {

@@ -28,7 +28,16 @@ struct StopCriteria {
     std::optional<double> target_rel_loss;  ///< magnitude of error, L / sqrt(f_fe' Q f_fe)
 };
 
-enum class TrainStatus { iterations_done, time_out, target_met, converged, restarts_exhausted };
+/// Why a training ended: what holds at its result.
+enum class TrainStatus {
+    converged,          ///< the optimiser's own criterion: of spsa, own gap <= gap_tolerance; of exact, kkt_residual <=
+                        ///< kkt_tolerance; of nlopt, the last change of L^2/2 <= 1e-10 of it
+    stalled,            ///< that does not hold, and no step the optimiser tries lowers L: at rounding, or against it
+    target_met,         ///< L <= target_rel_loss sqrt(f_fe' Q f_fe)
+    iterations_done,    ///< iterations >= StopCriteria::iterations (of exact: its own max_iterations)
+    time_out,           ///< seconds >= max_seconds
+    restarts_exhausted  ///< of spsa-2008: a spring < 0 after max_restarts restarts
+};
 
 /// The status in the words of reports: "iterations_done", ...
 const char* to_string(TrainStatus status);
@@ -57,6 +66,9 @@ class Optimizer {
     virtual ~Optimizer() = default;
     virtual std::string name() const = 0;
 
+    /// True when what it returns is the certified optimum, which need not be solved for again.
+    virtual bool is_exact() const { return false; }
+
     /// start: the heuristic's theta (S), inside the box. unit_N_m: E2, in which the paper's gains are measured.
     /// rng: this set's own stream; the result depends on nothing else. Non-convergence is a status.
     /// Throws MismatchError when sizes disagree, the box is empty, start lies outside it or unit_N_m is not positive.
@@ -64,9 +76,12 @@ class Optimizer {
                                   const StopCriteria& stop, gsl_rng* rng) const = 0;
 };
 
-/// The optimisers: "spsa-2008" (the paper's), "spsa" (ours), "exact" (bounded_lsq.h), "nlopt:NAME" (nlopt_optimizer.h).
-/// Throws MismatchError for an unknown name, listing what is allowed.
-std::unique_ptr<Optimizer> make_optimizer(const std::string& name);
+/// Every optimiser there is: "spsa-2008" (the paper's), "spsa" (ours), "exact" (bounded_lsq.h), "nlopt:NAME"
+/// (nlopt_optimizer.h). They have no state.
+const std::vector<std::unique_ptr<const Optimizer>>& optimizers();
+
+/// The one of that name. Throws MismatchError for an unknown name, listing what is allowed.
+const Optimizer& optimizer_named(const std::string& name);
 
 /// What `minimise` promises to refuse. Throws MismatchError.
 void check_problem(const ForceLoss& loss, const Eigen::VectorXd& start, const Box& box, double unit_N_m);

@@ -12,13 +12,21 @@ struct Reading {
     double weight = 1;
 };
 
+/// Why a fit ended. F is the objective, p the fall of F that the last step's linear problem promised, f its fall.
+enum class FitStatus {
+    converged,       ///< 0 < f <= tolerance F, or p <= tolerance F: nothing worth a step is left
+    stalled,         ///< p > tolerance F, but neither the step nor a half of it, nor a half of that ... lowers F
+    iterations_done  ///< f > tolerance F at max_iterations
+};
+
 /// What a fit to readings ended with.
 struct ReactionFit {
     Eigen::VectorXd theta;            ///< (S), inside the box
     std::vector<ForceLoss> losses;    ///< of each reading at `theta`: |r - (G A) theta'|, r(theta') to first order [N]
-    ForceLoss inner;                  ///< the last linearised problem, with its ridge: convex, so certificates hold for it
+    ForceLoss inner;                  ///< the last linearised problem, with its ridge, times the first reading: convex, so
+                                      ///< certificates hold for it, and in the unit of losses.front() [N]
     int iterations = 0;
-    bool converged = false;           ///< the objective fell by less than options.tolerance of itself
+    FitStatus status = FitStatus::iterations_done;
 };
 
 struct ReactionOptions {
@@ -35,13 +43,14 @@ struct ReactionOptions {
 /// (bounded_lsq.h), shortened until the objective itself falls. The whole is not convex: no certificate covers it, only
 /// its last step's.
 ///
+/// A reading without a force has no relative error and does not count.
 /// start, theta0 (S) inside the box. Throws MismatchError when the mesh has no equilibrium at `start`.
 ReactionFit fit_reactions(const SpringMesh& mesh, const SpringLaw& law, const std::vector<Reading>& readings,
                           const Eigen::VectorXd& start, const Eigen::VectorXd& theta0, double ridge, const Box& box,
                           const ReactionOptions& options = {});
 
 /// The factor of `theta` with the smallest sum of squared relative errors over the readings: r(theta) is proportional to
-/// theta. Throws MismatchError when the mesh has no equilibrium.
+/// theta. Throws MismatchError when the mesh has no equilibrium, or no reading a force.
 double best_factor(const SpringMesh& mesh, const SpringLaw& law, const std::vector<Reading>& readings,
                    const Eigen::VectorXd& theta);
 

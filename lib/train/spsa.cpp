@@ -66,7 +66,10 @@ class Run {
 
         bool measured = !status_ && measure_each_spring();
         while (measured && !status_) {
-            if (certified_gap() <= options_.gap_tolerance || !move()) status_ = TrainStatus::converged;
+            if (certified_gap() <= options_.gap_tolerance)
+                status_ = TrainStatus::converged;
+            else if (!move() && !status_)  // a move that is cut short has not failed
+                status_ = TrainStatus::stalled;
             measured = !status_ && measure_gradient();
         }
 
@@ -102,9 +105,9 @@ class Run {
             gradient_[s] = (plus - minus) / (2 * c_);
             curvature_[s] = (plus - 2 * value_ + minus) / (c_ * c_);
         }
-        const double silent = options_.silent_curvature * curvature_.maxCoeff();
+        const double zero = options_.zero_curvature * curvature_.maxCoeff();
         for (double& curvature : curvature_)
-            if (!(curvature > silent)) curvature = 0;
+            if (!(curvature > zero)) curvature = 0;
         return !status_;
     }
 
@@ -134,13 +137,13 @@ class Run {
         return loss_gap(std::sqrt(2 * value_), bound > 0 ? std::sqrt(2 * bound) : 0, loss_.scale());
     }
 
-    /// True for a spring that may move: heard, and not pressed against a side of the box.
+    /// True for a spring that may move: the loss depends on it, and its bounds are inactive.
     bool is_free(Eigen::Index s) const {
         return curvature_[s] > 0 && !(theta_[s] <= box_.lo[s] && gradient_[s] > 0) &&
                !(theta_[s] >= box_.hi[s] && gradient_[s] < 0);
     }
 
-    /// One step of projected conjugate gradients. False when nothing descends any more.
+    /// One step of projected conjugate gradients. False when nothing descends any more, or when stopped before the end.
     bool move() {
         for (Eigen::Index s = 0; s < theta_.size(); ++s) {
             scaled_[s] = is_free(s) ? gradient_[s] / curvature_[s] : 0;
@@ -157,17 +160,23 @@ class Run {
         return descend();
     }
 
-    /// Goes along direction_, projected; leaves the step taken in step_. False when the loss does not fall.
+    /// Goes along direction_, projected; leaves the step taken in step_. False when the loss does not fall, or when
+    /// stopped before it did.
     bool descend() {
         const double slope = gradient_.dot(direction_);
-        if (!(slope < 0)) return false;
+        if (status_ || !(slope < 0)) return false;
         trial_ = theta_ + direction_;
         const double curvature = 2 * (evaluate(trial_) - value_ - slope);
         double alpha = curvature > 0 ? -slope / curvature : 1;
-        for (int tries = 0; tries < 20; ++tries, alpha /= 3) {
+        for (int tries = 0; tries < 20 && !status_; ++tries, alpha /= 3) {
             trial_ = (theta_ + alpha * direction_).cwiseMax(box_.lo).cwiseMin(box_.hi);
             const double value = evaluate(trial_);
             if (!(value < value_)) continue;
+            if (status_) {  // no evaluation is left to better it with
+                theta_ = trial_;
+                value_ = value;
+                return true;
+            }
             // the loss along the chord is known from its slope and its end: go to its minimum, inside the box
             step_ = trial_ - theta_;
             const double chord_slope = gradient_.dot(step_), chord_curvature = 2 * (value - value_ - chord_slope);

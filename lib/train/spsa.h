@@ -28,7 +28,7 @@ namespace tissue {
 /// noise whose square is quadratic; spsa_2008.h asks for neither.
 struct SpsaOptions {
     double perturbation = 1;          ///< c in units of E2: the paper's limit; any c is exact, a large one rounds least
-    double silent_curvature = 1e-12;  ///< of the largest: below lies the rounding of the loss
+    double zero_curvature = 1e-12;    ///< of the largest: below lies the rounding of the loss
     double gap_tolerance = 1e-3;      ///< own certificate at which it has `converged`: a twentieth of the goal of 2 %
 };
 
@@ -37,8 +37,8 @@ class Spsa final : public Optimizer {
     explicit Spsa(const SpsaOptions& options = {}) : options_(options) {}
     std::string name() const override { return "spsa"; }
 
-    /// rng chooses the signs, so its seed changes nothing but rounding. Status `converged`: by its own certificate, or
-    /// because nothing descends any more.
+    /// rng chooses the signs, so its seed changes nothing but rounding. Status `converged`: its own certificate says gap
+    /// <= gap_tolerance; `stalled`: it does not, and neither the conjugate direction nor the gradient descends any more.
     TrainSummary minimise(const ForceLoss& loss, const Eigen::VectorXd& start, const Box& box, double unit_N_m,
                           const StopCriteria& stop, gsl_rng* rng) const override;
 

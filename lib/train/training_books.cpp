@@ -48,6 +48,8 @@ const DatasetTable& books_table() {
         {"/optimum/rel_loss", "C", Values::not_negative().or_nan(), "1", "L / sqrt(f_fe' Q f_fe)"},
         {"/optimum/lower_bound", "C", Values::not_negative(), "N", "no set in the box has a smaller L"},
         {"/optimum/kkt_residual", "C", Values::not_negative().or_nan(), "1", "of the optimality conditions"},
+        {"/optimum/status", "C", Values::text(), "text", "why the exact solver stopped", Rows::any, true},
+        {"/problems/status", "C", Values::text(), "text", "how each case's problem came about", Rows::any, true},
         {"/trained/NAME/loss", "C", Values::not_negative(), "N", "L(theta), (9)"},
         {"/trained/NAME/rel_loss", "C", Values::not_negative().or_nan(), "1", "L / sqrt(f_fe' Q f_fe)"},
         {"/trained/NAME/gap", "C", Values::finite().or_nan(), "1", "distance from the certified optimum"},
@@ -72,7 +74,13 @@ void write_trained_model(const std::string& file, const TrainedModel& model, con
     out.write("/optimum/rel_loss", books.optimum.rel_loss);
     out.write("/optimum/lower_bound", books.optimum.lower_bound_N);
     out.write("/optimum/kkt_residual", books.optimum.kkt_residual);
+    if (!books.optimum.status.empty()) out.write_texts("/optimum/status", books.optimum.status);
     hdf5.attribute("/optimum", "seconds", books.optimum.seconds);
+    if (!books.problems.status.empty()) {
+        out.write_texts("/problems/status", books.problems.status);
+        hdf5.attribute("/problems", "objective", books.problems.objective);
+        hdf5.attribute("/problems", "one_set_status", books.problems.one_set_status);
+    }
     for (const TrainingBook& book : books.trained) {
         write_book(out, book);
         hdf5.attribute("/trained/" + book.optimizer, "seconds", book.seconds);
@@ -91,7 +99,11 @@ TrainedModel read_trained_model(const std::string& name) {
     TableReader in(file, books_table(), {{"C", model.case_names.size()}, {"N", static_cast<std::size_t>(model.mesh.node_count())}});
     books.node_weight = in.field("/cases/node_weight");
     books.optimum = {in.vector("/optimum/loss"), in.vector("/optimum/rel_loss"), in.vector("/optimum/lower_bound"),
-                     in.vector("/optimum/kkt_residual"), file.number_attribute("/optimum", "seconds")};
+                     in.vector("/optimum/kkt_residual"), {}, file.number_attribute("/optimum", "seconds")};
+    if (file.has("/optimum/status")) books.optimum.status = in.texts("/optimum/status");
+    if (file.has("/problems/status"))
+        books.problems = {file.text_attribute("/problems", "objective"), in.texts("/problems/status"),
+                          file.text_attribute("/problems", "one_set_status")};
     for (const SpringSets& sets : model.trained) books.trained.push_back(read_book(file, in, sets.optimizer));
     return model;
 }

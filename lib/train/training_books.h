@@ -13,7 +13,7 @@ struct TrainingBook {
     Eigen::VectorXd loss_N, rel_loss;      ///< L(theta) and over sqrt(f_fe' Q f_fe) (C)
     Eigen::VectorXd gap;                   ///< how far from the certified optimum, train/certificate.h (C)
     std::vector<int> iterations, evaluations, restarts;  ///< (C)
-    std::vector<std::string> status;       ///< (C)
+    std::vector<std::string> status;       ///< TrainStatus of each, train/optimizer.h (C)
     std::vector<int> curve_iteration;      ///< of the learning curves (P)
     NodeField curve_loss_N;                ///< (C x P), NaN after a set has stopped
     double seconds = 0;                    ///< wall time of all sets together; an attribute, not a dataset
@@ -24,7 +24,15 @@ struct OptimumProof {
     Eigen::VectorXd loss_N, rel_loss;       ///< (C)
     Eigen::VectorXd lower_bound_N;          ///< L_lb (C)
     Eigen::VectorXd kkt_residual;           ///< of the optimality conditions, as a part of the FE force (C)
+    std::vector<std::string> status;        ///< LsqStatus of each, train/bounded_lsq.h (C); empty: of an earlier program
     double seconds = 0;                     ///< wall time of all sets together; an attribute, not a dataset
+};
+
+/// How the problems that the sets solve came about (train/objective.h). Empty of a model of an earlier program.
+struct ProblemRecord {
+    std::string objective;                  ///< the objective's name
+    std::vector<std::string> status;        ///< ProblemStatus of each case (C)
+    std::string one_set_status;             ///< and of the single set that serves all
 };
 
 /// Training's own books: what the evaluation needs beside the cases, and no hand that touches the tissue.
@@ -33,6 +41,7 @@ struct TrainingBooks {
     NodeField node_weight;                 ///< Q of each case, one entry a node (C x N)
     std::vector<TrainingBook> trained;     ///< in the order of TissueModel::trained
     OptimumProof optimum;                  ///< of TissueModel::optimum
+    ProblemRecord problems;
 };
 
 /// All that model.h5 holds.

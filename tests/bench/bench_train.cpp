@@ -26,7 +26,7 @@
 #include "springs/heuristic.h"
 #include "study/study.h"
 #include "train/bounded_lsq.h"
-#include "train/objective.h"
+#include "train/loss_terms.h"
 #include "train/optimizer.h"
 #include "train/train_sets.h"
 
@@ -127,7 +127,7 @@ Json bench_sets(const std::string& study_file, const std::string& cases_file) {
 /// Time per iteration and loss reached, from `start` to the study's iterations or the optimiser's own end.
 Json bench_iterations(const Problem& problem, const std::string& optimizer, const std::string& set) {
     const ForceLoss& loss = problem.loss(set);
-    const std::unique_ptr<Optimizer> method = make_optimizer(optimizer);
+    const Optimizer& method = optimizer_named(optimizer);
     const std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free);
     const StopCriteria stop{problem.study.training.iterations, {}, {}};
     std::vector<double> us, rel_loss;
@@ -135,7 +135,7 @@ Json bench_iterations(const Problem& problem, const std::string& optimizer, cons
         gsl_rng_set(rng.get(), problem.study.training.seed + repeat);
         const double begin = processor_seconds();
         const TrainSummary summary =
-            method->minimise(loss, problem.start, problem.box, problem.study.modulus_N_m(), stop, rng.get());
+            method.minimise(loss, problem.start, problem.box, problem.study.modulus_N_m(), stop, rng.get());
         us.push_back(1e6 * (processor_seconds() - begin) / summary.iterations);
         rel_loss.push_back(summary.loss / loss.scale());
     }

@@ -20,7 +20,7 @@ TEST_CASE("the exact solver finds a known optimum with springs on both sides of 
     for (unsigned long seed = 1; seed <= 20; ++seed) {
         const Problem p = problem_with_active_bounds(60, 45, seed);
         const BoundedLsqSummary s = solve_bounded_lsq(p.loss, p.start, p.box);
-        CHECK(s.converged);
+        CHECK(s.status == LsqStatus::converged);
         CHECK((s.theta - p.optimum).cwiseAbs().maxCoeff() < near_optimum);
         CHECK(s.residual_norm == Approx(p.loss(p.optimum)).epsilon(1e-12));
         CHECK(kkt_residual(p.loss, s.theta, p.box) < 10 * kkt);
@@ -42,7 +42,7 @@ TEST_CASE("forces that some spring set makes are met exactly") {
             const Problem p = lattice_problem(topology, law, 6, 2);
             const BoundedLsqSummary s = solve_bounded_lsq(p.loss, p.start, p.box);
             CAPTURE(law, topology);
-            CHECK(s.converged);
+            CHECK(s.status == LsqStatus::converged);
             CHECK(s.residual_norm < 1e-10 * p.loss.scale());
             CHECK((s.theta - p.box.project(s.theta)).norm() == 0);
         }
@@ -56,15 +56,15 @@ TEST_CASE("springs that the data says nothing about keep their start") {
     const Eigen::VectorXd start = 2 * Eigen::VectorXd::Ones(12) + 0.5 * random_matrix(12, 1, rng.get());
     const BoundedLsqSummary s =
         solve_bounded_lsq(plain_loss(B, random_matrix(20, 1, rng.get())), start, make_box(12, 1, 3));
-    CHECK(s.converged);
+    CHECK(s.status == LsqStatus::converged);
     CHECK(s.theta[4] == start[4]);
     CHECK(s.theta[7] == start[7]);
 
-    const BoundedLsqSummary deaf =
+    const BoundedLsqSummary none =
         solve_bounded_lsq(plain_loss(Eigen::MatrixXd::Zero(20, 12), B.col(0)), start, make_box(12, 1, 3));
-    CHECK(deaf.converged);
-    CHECK(deaf.theta == start);
-    CHECK(deaf.residual_norm == Approx(B.col(0).norm()));
+    CHECK(none.status == LsqStatus::converged);
+    CHECK(none.theta == start);
+    CHECK(none.residual_norm == Approx(B.col(0).norm()));
 }
 
 TEST_CASE("without full column rank the loss and the optimality conditions still hold") {
@@ -77,7 +77,7 @@ TEST_CASE("without full column rank the loss and the optimality conditions still
     const ForceLoss loss = plain_loss(B, p.loss.target() + 2 * B.col(15) + 2 * B.col(16));
     const Box box = make_box(17, 1, 3);
     const BoundedLsqSummary s = solve_bounded_lsq(loss, Eigen::VectorXd::Constant(17, 2), box);
-    CHECK(s.converged);
+    CHECK(s.status == LsqStatus::converged);
     CHECK(kkt_residual(loss, s.theta, box) < 10 * kkt);
     CHECK(s.residual_norm == Approx(p.loss(p.optimum)).epsilon(1e-10));  // the added columns add nothing to reach
     CHECK(loss_gap(s.residual_norm, loss_lower_bound(loss, s.theta, box), loss.scale()) < tight_gap);
@@ -89,7 +89,7 @@ TEST_CASE("more springs than equations, held by the box, still end at a certifie
         const ForceLoss loss = plain_loss(random_matrix(25, 60, rng.get()), 40 * random_matrix(25, 1, rng.get()));
         const Box box = make_box(60, 0.05, 3);
         const BoundedLsqSummary s = solve_bounded_lsq(loss, Eigen::VectorXd::Ones(60), box);
-        CHECK(s.converged);
+        CHECK(s.status == LsqStatus::converged);
         CHECK(loss_gap(s.residual_norm, loss_lower_bound(loss, s.theta, box), loss.scale()) < tight_gap);
     }
 }
@@ -103,7 +103,7 @@ TEST_CASE("columns of very different length do not disturb the exact solver") {
     const Box box{p.box.lo.cwiseProduct(unit), p.box.hi.cwiseProduct(unit)};
     const ForceLoss loss = plain_loss(B, p.loss.target());
     const BoundedLsqSummary s = solve_bounded_lsq(loss, p.start.cwiseProduct(unit), box);
-    CHECK(s.converged);
+    CHECK(s.status == LsqStatus::converged);
     CHECK((s.theta.cwiseQuotient(unit) - p.optimum).cwiseAbs().maxCoeff() < near_optimum);
 }
 
@@ -121,10 +121,22 @@ TEST_CASE("an exact solve that is cut short says that it has not converged") {
     BoundedLsqOptions options;
     options.max_iterations = 1;
     const BoundedLsqSummary s = solve_bounded_lsq(p.loss, p.start, p.box, options);
-    CHECK_FALSE(s.converged);
+    CHECK(s.status == LsqStatus::iterations_done);
     CHECK(s.iterations == 1);
     CHECK(s.kkt_residual > kkt);
     CHECK(s.residual_norm < p.loss(p.start));
+}
+
+TEST_CASE("an exact solve that finds no lower loss before its tolerance is met says that it stalled") {
+    const ForceLoss loss = plain_loss(Eigen::MatrixXd::Ones(1, 1), Eigen::VectorXd::Constant(1, 2));
+    BoundedLsqOptions options;
+    options.kkt_tolerance = -1;
+    const BoundedLsqSummary s = solve_bounded_lsq(loss, Eigen::VectorXd::Ones(1), make_box(1, 0, 9), options);
+    CHECK(s.status == LsqStatus::stalled);
+    CHECK(s.theta[0] == Approx(2).epsilon(1e-15));
+    CHECK(train_status(s.status) == TrainStatus::stalled);
+    CHECK(train_status(LsqStatus::converged) == TrainStatus::converged);
+    CHECK(train_status(LsqStatus::iterations_done) == TrainStatus::iterations_done);
 }
 
 TEST_CASE("the exact solver refuses sizes that disagree, an empty box and a start outside it") {

@@ -14,33 +14,33 @@ namespace {
 const char* const iterative[] = {"spsa-2008", "spsa", "nlopt:LD_LBFGS", "nlopt:LN_BOBYQA"};
 
 TrainSummary train(const std::string& name, const Problem& p, const StopCriteria& stop = {}) {
-    return make_optimizer(name)->minimise(p.loss, p.start, p.box, 1, stop, make_rng(1).get());
+    return optimizer_named(name).minimise(p.loss, p.start, p.box, 1, stop, make_rng(1).get());
 }
 
 }  // namespace
 
 TEST_CASE("every optimiser is found under its own name") {
     for (const char* name : {"spsa-2008", "spsa", "exact", "nlopt:LD_LBFGS", "nlopt:LN_BOBYQA"})
-        CHECK(make_optimizer(name)->name() == name);
+        CHECK(optimizer_named(name).name() == name);
     for (const std::string& algorithm : nlopt_algorithm_names())
-        CHECK(make_optimizer("nlopt:" + algorithm)->name() == "nlopt:" + algorithm);
+        CHECK(optimizer_named("nlopt:" + algorithm).name() == "nlopt:" + algorithm);
 }
 
 TEST_CASE("an unknown optimiser is refused with what is allowed") {
-    CHECK_THROWS_AS(make_optimizer("spsa-1998"), MismatchError);
-    CHECK_THROWS_WITH(make_optimizer("sgd"), Catch::Contains("'sgd'") && Catch::Contains("spsa-2008, spsa, exact"));
-    CHECK_THROWS_AS(make_optimizer("nlopt:LD_NEWTON"), MismatchError);
-    CHECK_THROWS_WITH(make_optimizer("nlopt:"), Catch::Contains("LD_LBFGS") && Catch::Contains("LN_BOBYQA"));
+    CHECK_THROWS_AS(optimizer_named("spsa-1998"), MismatchError);
+    CHECK_THROWS_WITH(optimizer_named("sgd"), Catch::Contains("'sgd'") && Catch::Contains("spsa-2008, spsa, exact"));
+    CHECK_THROWS_AS(optimizer_named("nlopt:LD_NEWTON"), MismatchError);
+    CHECK_THROWS_WITH(optimizer_named("nlopt:"), Catch::Contains("LD_LBFGS") && Catch::Contains("LN_BOBYQA"));
 }
 
 TEST_CASE("every optimiser refuses sizes that disagree, an empty box, a start outside it and a modulus of zero") {
     const Problem p = problem_with_active_bounds(12, 6, 1);
     for (const char* name : {"spsa-2008", "spsa", "exact", "nlopt:LD_LBFGS"}) {
         CAPTURE(name);
-        const auto optimizer = make_optimizer(name);
+        const Optimizer& optimizer = optimizer_named(name);
         const Rng rng = make_rng(1);
         const auto attempt = [&](const Eigen::VectorXd& start, const Box& box, double unit) {
-            optimizer->minimise(p.loss, start, box, unit, {}, rng.get());
+            optimizer.minimise(p.loss, start, box, unit, {}, rng.get());
         };
         CHECK_THROWS_AS(attempt(Eigen::VectorXd::Ones(5), p.box, 1), MismatchError);
         CHECK_THROWS_AS(attempt(p.start, make_box(7, 1, 3), 1), MismatchError);
@@ -131,6 +131,7 @@ TEST_CASE("the exact solver behind the interface says converged and returns the 
 }
 
 TEST_CASE("every status has a word of its own") {
+    CHECK(std::string(to_string(TrainStatus::stalled)) == "stalled");
     CHECK(std::string(to_string(TrainStatus::iterations_done)) == "iterations_done");
     CHECK(std::string(to_string(TrainStatus::time_out)) == "time_out");
     CHECK(std::string(to_string(TrainStatus::target_met)) == "target_met");

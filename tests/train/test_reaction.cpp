@@ -106,7 +106,7 @@ TEST_CASE("readings of a known spring set are met, inside the box", "[reaction]"
     for (const char* name : {"axial", "geometric"}) {
         const Pressed p(name);
         const ReactionFit fit = fit_reactions(p.mesh, *p.law, p.readings, p.start, p.start, 1e-4, p.box);
-        CHECK(fit.converged);
+        CHECK(fit.status == FitStatus::converged);
         CHECK(fit.theta == p.box.project(fit.theta));
         for (const Reading& r : p.readings)
             CHECK((closed_loop(p.mesh, *p.law, fit.theta, r.contact, r.push_m) - r.force_N).norm() <= 1e-3 * r.force_N.norm());
@@ -157,4 +157,70 @@ TEST_CASE("noise-free data of a known spring model come back: trained contacts a
     CHECK(held_out->statistics(0).n == 3 * 11);
     CHECK(held_out->statistics(0).max < 1e-3);
     CHECK(e.model("heuristic_a").closed_loop().median > 0.01);  // it was not there to begin with
+}
+
+TEST_CASE("without a ridge a fit stays inside its box to the last bit, step after step", "[reaction]") {
+    int at_floor = 0;
+    for (const char* name : {"axial", "geometric"})
+        for (double floor : {0.03, 0.1, 0.2, 0.45}) {
+            Pressed p(name);
+            p.start = 1.1 * p.truth.reverse();  // far from its box: a difference added again misses by a rounding
+            p.box = {floor * p.start, 9 * p.start};
+            CAPTURE(name, floor);
+            const ReactionFit fit = fit_reactions(p.mesh, *p.law, p.readings, p.start, p.start, 0, p.box);
+            CHECK(fit.iterations > 1);
+            CHECK(fit.theta == p.box.project(fit.theta));
+            at_floor += static_cast<int>((fit.theta.array() == p.box.lo.array()).count());
+        }
+    CHECK(at_floor > 0);
+}
+
+TEST_CASE("the gap of a set trained on readings does not know their unit", "[reaction]") {
+    Study study = measured_study();
+    study.training.optimizer = "spsa-2008";
+    study.training.iterations = 50;
+    study.training.ridge = study.training.one_set_ridge = 1e-5;
+    const MeasuredTable table = table_of(study, example_theta(measured_mesh()));
+    const auto trained = [&](double factor) {
+        Study s = study;
+        s.material.C1_Pa *= factor, s.material.C2_Pa *= factor;
+        MeasuredTable t = table;
+        for (MeasuredRow& row : t.rows) row.force_N *= factor;
+        return train_sets(s, measured_cases(s, t), 2);
+    };
+    constexpr double factor = 1024;  // a power of two: not even a rounding may tell
+    const TrainedModel one = trained(1), other = trained(factor);
+    const TrainingBook &a = one.books.trained.front(), &b = other.books.trained.front();
+    CHECK(a.gap.minCoeff() > 1e-4);  // fifty iterations of a random walk have left something to gain
+    for (Eigen::Index c = 0; c < a.gap.size(); ++c) {
+        CHECK(b.gap[c] == Approx(a.gap[c]).epsilon(tolerance::rounding));
+        CHECK(b.loss_N[c] == Approx(factor * a.loss_N[c]).epsilon(tolerance::rounding));  // newtons, as it says
+        CHECK(other.books.optimum.lower_bound_N[c] == Approx(factor * one.books.optimum.lower_bound_N[c]).epsilon(tolerance::rounding));
+    }
+}
+
+TEST_CASE("a fit says how it ended: at its tolerance, out of steps, or with no step that lowers the objective", "[reaction]") {
+    const Pressed p("axial");
+    const auto fit = [&](int max_iterations, double tolerance) {
+        return fit_reactions(p.mesh, *p.law, p.readings, p.start, p.start, 0.1, p.box, {max_iterations, tolerance});
+    };
+    CHECK(fit(30, 1e-4).status == FitStatus::converged);
+    CHECK(fit(1, 1e-4).status == FitStatus::iterations_done);
+    CHECK(fit(1, 1e-4).iterations == 1);
+    const ReactionFit end = fit(1000, -1);  // more than rounding gives: it stops where no step lowers the objective
+    CHECK(end.status == FitStatus::stalled);
+    CHECK(end.iterations < 1000);
+}
+
+TEST_CASE("a reading without a force does not count in a fit", "[reaction]") {
+    const Pressed p("axial");
+    std::vector<Reading> more = p.readings;
+    more.push_back(p.readings[2]);
+    more.back().force_N.setZero();
+    const ReactionFit a = fit_reactions(p.mesh, *p.law, p.readings, p.start, p.start, 1e-3, p.box),
+                      b = fit_reactions(p.mesh, *p.law, more, p.start, p.start, 1e-3, p.box);
+    CHECK(b.theta.isApprox(a.theta, tolerance::solve));
+    CHECK(best_factor(p.mesh, *p.law, more, p.start) == Approx(best_factor(p.mesh, *p.law, p.readings, p.start)));
+    const std::vector<Reading> none = {more.back()};
+    CHECK_THAT(refusal<MismatchError>([&] { best_factor(p.mesh, *p.law, none, p.start); }), Catch::Contains("no reading has a force"));
 }

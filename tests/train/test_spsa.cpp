@@ -102,3 +102,25 @@ TEST_CASE("spsa stays at an optimum, and at a loss of no force at all ends") {
     CHECK(s.loss == 0);
     CHECK(s.theta.norm() == 0);
 }
+
+TEST_CASE("spsa that runs out of iterations inside a move that fails says so, and takes none beyond them") {
+    const Problem p = problem_with_active_bounds(60, 45, 3);
+    SpsaOptions options;
+    options.gap_tolerance = -1;  // its certificate never ends it: the last move is one that fails
+    const auto trained = [&](int iterations) {
+        StopCriteria stop;
+        stop.iterations = iterations;
+        return Spsa(options).minimise(p.loss, p.start, p.box, 1, stop, make_rng(1).get());
+    };
+    const TrainSummary end = trained(100000);
+    const int all = end.iterations;
+    REQUIRE(all > 100);
+    CHECK(end.status == TrainStatus::stalled);
+    CHECK(loss_gap(end.loss, p.loss(p.optimum), p.loss.scale()) < 1e-3);
+    for (int iterations = all - 30; iterations < all; ++iterations) {
+        const TrainSummary s = trained(iterations);
+        CAPTURE(all, iterations);
+        CHECK(s.status == TrainStatus::iterations_done);
+        CHECK(s.iterations == iterations);
+    }
+}

@@ -160,3 +160,25 @@ TEST_CASE("an unknown optimiser and a path without a record at a magnitude are r
     cases.paths[1].records.pop_back();
     CHECK_THROWS_AS(train_sets(study, cases, 2), MismatchError);
 }
+
+TEST_CASE("how the training ended comes back out of model.h5; a file of an earlier program says nothing of it") {
+    const Study study = example_study();
+    const TrainedModel model = train_sets(study, cases_of(study), 1);
+    CHECK(model.books.optimum.status == std::vector<std::string>(4, "converged"));
+    CHECK(model.books.problems.objective == "force");
+    CHECK(model.books.problems.status == std::vector<std::string>(4, "posed"));
+    const TemporaryFolder folder;
+    const std::string file = folder.file("model.h5");
+    write_trained_model(file, model, {});
+    TrainedModel back = read_trained_model(file);
+    CHECK(back.books.optimum.status == model.books.optimum.status);
+    CHECK(back.books.problems.objective == "force");
+    CHECK(back.books.problems.status == model.books.problems.status);
+    CHECK(back.books.problems.one_set_status == "posed");
+    CHECK(back.books.trained[1].status == model.books.trained[1].status);
+    replace_dataset(file, "/optimum/status");
+    replace_dataset(file, "/problems/status");
+    back = read_trained_model(file);
+    CHECK(back.books.optimum.status.empty());
+    CHECK(back.books.problems.status.empty());
+}

@@ -1,0 +1,47 @@
+#include "train/endings.h"
+
+#include <fmt/format.h>
+
+#include <map>
+
+namespace tissue {
+namespace {
+
+constexpr double near_enough = 1e-3;  // SpsaOptions::gap_tolerance, at which spsa itself has converged
+
+/// "3 stalled, 2 iterations_done"; empty when every status is `kept` or passes `fine`.
+template <class Fine>
+std::string counted(const std::vector<std::string>& status, const Fine& fine) {
+    std::map<std::string, int> counts;
+    for (std::size_t c = 0; c < status.size(); ++c)
+        if (!fine(c)) ++counts[status[c]];
+    std::string text;
+    for (const auto& [word, count] : counts) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, word);
+    return text;
+}
+
+}  // namespace
+
+Endings endings_of(const ProblemRecord& problems, const std::vector<TrainingBook>& trained, const OptimumProof& optimum) {
+    Endings e;
+    const auto say = [](std::vector<std::string>& lines, const std::string& what, const std::string& text, std::size_t of) {
+        if (!text.empty()) lines.push_back(fmt::format("{}: of {} sets {}", what, of, text));
+    };
+    say(e.broken, "objective " + problems.objective,
+        counted(problems.status, [&](std::size_t c) { return problems.status[c] == "posed"; }), problems.status.size());
+    if (!problems.one_set_status.empty() && problems.one_set_status != "posed")
+        e.broken.push_back("objective " + problems.objective + ": the one set for all cases " + problems.one_set_status);
+    say(e.broken, "certified optimum",
+        counted(optimum.status, [&](std::size_t c) { return optimum.status[c] == "converged"; }), optimum.status.size());
+    for (const TrainingBook& t : trained) {
+        const auto stalled = [&](std::size_t c) {
+            return t.status[c] == "stalled" && !(t.gap[static_cast<Eigen::Index>(c)] <= near_enough);
+        };
+        say(e.broken, t.optimizer, counted(t.status, [&](std::size_t c) { return !stalled(c); }), t.status.size());
+        say(e.other, t.optimizer,
+            counted(t.status, [&](std::size_t c) { return stalled(c) || t.status[c] == "converged"; }), t.status.size());
+    }
+    return e;
+}
+
+}  // namespace tissue

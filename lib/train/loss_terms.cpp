@@ -1,0 +1,96 @@
+#include "train/loss_terms.h"
+
+#include <Eigen/Cholesky>
+
+namespace tissue {
+namespace {
+
+void append(std::vector<Eigen::Triplet<double>>& entries, const SparseMatrix& block, Eigen::Index first_row) {
+    for (int c = 0; c < block.outerSize(); ++c)
+        for (SparseMatrix::InnerIterator it(block, c); it; ++it)
+            entries.emplace_back(static_cast<int>(first_row + it.row()), c, it.value());
+}
+
+}  // namespace
+
+Target force_target(const LoadCase& load, const Eigen::VectorXd& node_weight) {
+    const NodeField& u = load.record->displacement;
+    return {u, load.record->force, node_weight.replicate(1, u.cols())};
+}
+
+Target contact_target(const SpringMesh& mesh, const LoadCase& load, const SurfacePoint& contact,
+                      const Eigen::VectorXd& node_weight) {
+    Target target = force_target(load, node_weight);
+    const Eigen::RowVectorXd push = (load.path->direction * load.record->magnitude_m).transpose();
+    Eigen::RowVectorXd there = Eigen::RowVectorXd::Zero(push.size());
+    double squares = 0;
+    for (int end : {0, 1}) {
+        there += contact.weight[end] * target.displacement.row(contact.node[end]);
+        squares += contact.weight[end] * contact.weight[end];
+    }
+    target.force.setZero();
+    for (int end : {0, 1}) {
+        // the smallest change of both ends that puts the contact where it was pushed
+        target.displacement.row(contact.node[end]) += contact.weight[end] / squares * (push - there);
+        target.force.row(contact.node[end]) += contact.weight[end] * load.record->contact_force_N.transpose();
+    }
+    for (int node : mesh.fixed) target.weight.row(node).setZero();
+    return target;
+}
+
+ForceLoss loss_of(const SpringMesh& mesh, const SpringLaw& law, const Target& target) {
+    return {law.force_matrix(mesh, target.displacement), as_vector(target.force), as_vector(target.weight)};
+}
+
+ForceLoss with_rows(const ForceLoss& loss, const SparseMatrix& extra, const Eigen::VectorXd& wanted) {
+    const Eigen::Index rows = loss.matrix().rows();
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(static_cast<std::size_t>(loss.matrix().nonZeros() + extra.nonZeros()));
+    append(entries, loss.matrix(), 0);
+    append(entries, extra, rows);
+    SparseMatrix matrix(rows + extra.rows(), loss.matrix().cols());
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    Eigen::VectorXd target(matrix.rows());
+    target << loss.target(), wanted;
+    return {matrix, target, Eigen::VectorXd::Ones(matrix.rows())};
+}
+
+ForceLoss with_ridge(const ForceLoss& loss, double ridge, const Eigen::VectorXd& theta0) {
+    const Eigen::Index S = theta0.size();
+    const double root = std::sqrt(ridge * loss.matrix().squaredNorm() / static_cast<double>(S));
+    SparseMatrix identity(S, S);
+    identity.setIdentity();
+    return with_rows(loss, root * identity, root * theta0);
+}
+
+ForceLoss with_reaction(const ForceLoss& loss, const SpringMesh& mesh, const SpringLaw& law, const Target& target,
+                        const Eigen::MatrixXd& sensitivity, double factor) {
+    const Eigen::MatrixXd GA = factor * sensitivity * law.force_matrix(mesh, target.displacement);
+    return with_rows(loss, GA.sparseView(), factor * sensitivity * as_vector(target.force));
+}
+
+std::optional<ForceLoss> joint_loss(const std::vector<ForceLoss>& losses) {
+    if (losses.empty()) return std::nullopt;
+    const Eigen::Index S = losses.front().matrix().cols();
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(S, S);
+    Eigen::VectorXd rhs = Eigen::VectorXd::Zero(S);
+    for (const ForceLoss& loss : losses) {
+        if (!(loss.scale() > 0)) continue;
+        const double weight = 1 / (loss.scale() * loss.scale());
+        normal += weight * Eigen::MatrixXd(SparseMatrix(loss.matrix().transpose() * loss.matrix()));
+        rhs += weight * (loss.matrix().transpose() * loss.target());
+    }
+    const double mean = normal.trace() / static_cast<double>(S);
+    if (!(mean > 0)) return std::nullopt;
+    for (double ridge = 1e-12; ridge < 2e-6; ridge *= 10) {
+        Eigen::MatrixXd ridged = normal;
+        ridged.diagonal().array() += ridge * mean;  // zero columns have a pivot too
+        const Eigen::LLT<Eigen::MatrixXd> factor(ridged);
+        if (factor.info() != Eigen::Success) continue;
+        const Eigen::MatrixXd upper = factor.matrixU();
+        return ForceLoss(upper.sparseView(), factor.matrixL().solve(rhs), Eigen::VectorXd::Ones(S));
+    }
+    return std::nullopt;
+}
+
+}  // namespace tissue
