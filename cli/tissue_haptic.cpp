@@ -24,7 +24,7 @@
 #include "haptic/recorder.h"
 #include "haptic/remote_device.h"
 #include "haptic/replay_device.h"
-#include "haptic/truth_in_motion.h"
+#include "eval/truth_in_motion.h"
 #include "haptic/virtual_device.h"
 #include "haptic_options.h"
 #include "haptic_report.h"
