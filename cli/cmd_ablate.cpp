@@ -24,7 +24,7 @@ void run(const Options& o) {
                          [&](int done, int total, const std::string& name) { progress.step(done, total, name); });
     }
     write_file(o.out, to_json(results));
-    std::cout << fmt::format("closed-loop error on '{}', median / p95 / max\n{:<42} {:>8} {:>6} {:>24} {:>24} {:>24}\n",
+    std::cout << fmt::format("closed-loop error on '{}', median / p95 / max (n)\n{:<42} {:>8} {:>6} {:>30} {:>30} {:>30}\n",
                              o.role, "variant", "FE paths", "sets", "blended", "nearest", "one set");
     for (const VariantResult& r : results) {
         const DrawnContacts* drawn = r.held_out.role(o.role);
@@ -33,11 +33,11 @@ void run(const Options& o) {
             for (std::size_t m = 0; m < r.held_out.models.size(); ++m)
                 if (r.held_out.models[m] == model) {
                     const Statistics s = drawn->statistics(m);
-                    return fmt::format("{:.2f} / {:.2f} / {:.2f} %", 100 * s.median, 100 * s.p95, 100 * s.max);
+                    return fmt::format("{:.2f} / {:.2f} / {:.2f} % ({})", 100 * s.median, 100 * s.p95, 100 * s.max, s.n);
                 }
             return std::string();
         };
-        std::cout << fmt::format("{:<42} {:>8} {:>6} {:>24} {:>24} {:>24}\n", r.variant.name, r.fe_paths, r.sets,
+        std::cout << fmt::format("{:<42} {:>8} {:>6} {:>30} {:>30} {:>30}\n", r.variant.name, r.fe_paths, r.sets,
                                  cell("learned"), cell("learned_nearest"), cell("one_set"));
     }
 }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "haptic/realtime_loop.h"
-#include "haptic/truth_in_motion.h"
+#include "eval/truth_in_motion.h"
 
 namespace tissue::cli {
 

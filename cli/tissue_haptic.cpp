@@ -23,7 +23,7 @@
 #include "haptic/device_kinds.h"
 #include "haptic/realtime_loop.h"
 #include "haptic/recorder.h"
-#include "haptic/truth_in_motion.h"
+#include "eval/truth_in_motion.h"
 #include "haptic_options.h"
 #include "haptic_report.h"
 #include "io/atomic_file.h"

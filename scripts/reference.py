@@ -40,8 +40,12 @@ def percent(value):
     return "< 0.01 %" if value < 1e-4 else f"{100 * value:.3g} %"
 
 
+def counted(text, statistics):
+    return f"{text} ({statistics['n']})" if statistics["n"] else "none"
+
+
 def three(statistics):
-    return " / ".join(percent(statistics[key]) for key in ("median", "p95", "max")) if statistics["n"] else "none"
+    return counted(" / ".join(percent(statistics[key]) for key in ("median", "p95", "max")), statistics)
 
 
 def results_table(evaluation):
@@ -58,12 +62,13 @@ def studies_table(evaluations):
     for study, e in evaluations.items():
         closed = e["closed_loop"]["trained"]
         baselines = {m: closed[m]["median"] for m in ("heuristic_a", "heuristic_b", "uniform") if closed[m]["n"]}
-        best = min(baselines, key=baselines.get) if baselines else None
+        best = min(baselines, key=baselines.get, default=None)
+        learned = closed["learned"]
         rows.append(
             f"| {STUDIES.get(study, study)} | {percent(e['open_loop']['heuristic_a']['rel_loss']['median'])} | "
             f"{percent(e['open_loop']['optimum']['rel_loss']['median'])} | {percent(e['training']['gap']['max'])} | "
-            f"{percent(e['training_also'][0]['gap']['median'])} | {percent(closed['learned']['median'])} | "
-            + (f"{percent(baselines[best])} ({LABELS[best]}) |" if best else "none |"))
+            f"{percent(e['training_also'][0]['gap']['median'])} | {counted(percent(learned['median']), learned)} | "
+            + (f"{LABELS[best]}: {counted(percent(baselines[best]), closed[best])} |" if best else "none |"))
     return rows
 
 

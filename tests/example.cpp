@@ -121,11 +121,10 @@ Cases example_cases(const Study& study, const Eigen::VectorXd& theta) {
         path.depth_m = study.loads.depth_m();
         for (int r = 0; r <= study.loads.records(); ++r) {
             const double s = r == study.loads.records() ? study.loads.depth_m() : r * study.loads.record_step_m;
-            std::string reason;
             const auto state = solve_equilibrium(mesh, *law, theta, locate_on_surface(mesh, p.contact_m),
-                                                 p.direction * s, reason);
+                                                 p.direction * s);
             REQUIRE(state);
-            PathRecord record{s,      state->displacement, NodeField::Zero(mesh.node_count(), 2), state->contact_force,
+            PathRecord record{s,      state.displacement, NodeField::Zero(mesh.node_count(), 2), state.contact_force,
                               {0, 0}, 0,                   1 - s,                                 r,
                               1e-12 * r};
             const Eigen::VectorXd f = law->force_matrix(mesh, record.displacement) * theta;

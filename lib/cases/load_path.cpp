@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "error.h"
 #include "io/csv_lines.h"
@@ -140,25 +141,48 @@ LoadPath mirrored(const LoadPath& path, const NodeField& nodes, double width_m) 
     return result;
 }
 
+const PathRecord* LoadPath::record_at(double magnitude_m) const {
+    for (const PathRecord& r : records)
+        if (std::abs(r.magnitude_m - magnitude_m) <= 1e-9 * magnitude_m) return &r;
+    return nullptr;
+}
+
 PathRecord measured_record(double magnitude_m, const Eigen::Vector2d& force_N, const Eigen::Vector2d& aside_m) {
     return {magnitude_m, {}, {}, force_N, Eigen::Vector2d::Zero(), 0, 0, 0, 0, aside_m};
 }
 
+namespace {
+
+/// "10mm" a magnitude: as many digits as tell all of them apart, at least so many.
+std::vector<std::string> labels_of(const std::vector<double>& magnitudes_m, int least_digits) {
+    for (int digits = least_digits; digits <= 17; ++digits) {
+        std::vector<std::string> labels;
+        for (double m : magnitudes_m) labels.push_back(fmt::format("{:.{}g}mm", 1e3 * m, digits));
+        if (std::set<std::string>(labels.begin(), labels.end()).size() == labels.size()) return labels;
+    }
+    throw MismatchError("two load cases of one path have the same magnitude");
+}
+
+}  // namespace
+
 std::vector<LoadCase> load_cases(const Cases& cases) {
     std::vector<LoadCase> list;
+    const std::vector<std::string> labels = labels_of(cases.magnitudes_m, 6);
     for (const LoadPath& path : cases.paths) {
         if (path.role != "train") continue;
-        if (cases.measurement)
-            for (const PathRecord& r : path.records)
-                list.push_back({fmt::format("{}-{:.5g}mm", path.name, 1e3 * r.magnitude_m), &path, &r});
-        for (double magnitude : cases.magnitudes_m) {
-            const PathRecord* found = nullptr;
-            for (const PathRecord& r : path.records)
-                if (std::abs(r.magnitude_m - magnitude) < 1e-9 * magnitude) found = &r;
+        if (cases.measurement) {
+            std::vector<double> measured_m;
+            for (const PathRecord& r : path.records) measured_m.push_back(r.magnitude_m);
+            const std::vector<std::string> own = labels_of(measured_m, 5);
+            for (std::size_t r = 0; r < own.size(); ++r) list.push_back({path.name + "-" + own[r], &path, &path.records[r]});
+        }
+        for (std::size_t m = 0; m < labels.size(); ++m) {
+            const double magnitude = cases.magnitudes_m[m];
+            const PathRecord* found = path.record_at(magnitude);
             if (!found && !path.lost.empty()) continue;
             if (!found)
                 throw MismatchError(fmt::format("load path '{}' has no record at {} mm", path.name, 1e3 * magnitude));
-            list.push_back({fmt::format("{}-{:g}mm", path.name, 1e3 * magnitude), &path, found});
+            list.push_back({path.name + "-" + labels[m], &path, found});
         }
     }
     return list;

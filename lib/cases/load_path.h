@@ -38,6 +38,9 @@ struct LoadPath {
 
     /// Where the contact stands at a record, from where it was at rest [m].
     Eigen::Vector2d push_m(const PathRecord& record) const { return direction * record.magnitude_m + record.aside_m; }
+
+    /// The record at a magnitude [m], to a part in 10^9, since FE counts its way there in steps; nullptr without one.
+    const PathRecord* record_at(double magnitude_m) const;
 };
 
 /// What is known of measured data beside its load paths.
@@ -68,8 +71,9 @@ struct LoadCase {
     const PathRecord* record;
 };
 
-/// Every training path at every magnitude, path by path; of a path that FE lost, those it reached. Throws
-/// MismatchError when another path has no record at a magnitude.
+/// Every training path at every magnitude, path by path; of a path that FE lost, those it reached. Names have as many
+/// digits of the magnitude as tell them apart. Throws MismatchError when another path has no record at a magnitude, or
+/// two at one.
 /// The cases must outlive the result.
 std::vector<LoadCase> load_cases(const Cases& cases);
 

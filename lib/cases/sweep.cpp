@@ -37,7 +37,7 @@ std::vector<double> angles_at(const Outline& outline, double arc, const std::vec
     std::vector<double> angles;
     for (long a : micro_degrees) {  // two sides' pushes within a degree of each other are one
         const double angle = static_cast<double>(a) * 1e-6 * degree;
-        if (angles.empty() || angle - angles.back() > degree) angles.push_back(angle);
+        if (!corner || angles.empty() || angle - angles.back() > degree) angles.push_back(angle);
     }
     return angles;
 }
@@ -64,6 +64,20 @@ bool is_solved(const Outline& outline, const Contact& c) {
     return c.arc < half - tiny_arc_m || (c.arc < half + tiny_arc_m && c.angle > -tiny_angle);
 }
 
+/// A name a contact: place in 0.1 mm and angle in degrees, both with as many more decimals as tell all of them apart.
+std::vector<std::string> names_of(const std::vector<Contact>& contacts) {
+    constexpr int most_decimals = 6;  // arcs lie 1e-9 m apart, angles 1e-6 degrees
+    for (int decimals = 0; decimals <= most_decimals; ++decimals) {
+        const double scale = std::pow(10, decimals);
+        std::vector<std::string> names;
+        for (const Contact& c : contacts)
+            names.push_back(fmt::format("s{:0{}.0f}-{}{:0{}.0f}", 1e4 * scale * c.arc, 4 + decimals,
+                                        c.angle < -tiny_angle ? "m" : "p", std::abs(c.angle) / degree * scale, 3 + decimals));
+        if (std::set<std::string>(names.begin(), names.end()).size() == names.size()) return names;
+    }
+    throw MismatchError("loads.sweep: two training contacts are at one place and push in one direction");
+}
+
 PlannedPath plan_push(const Study& study, const Outline& outline, const Contact& c, const std::string& name,
                       const std::string& role, double depth_m) {
     PlannedPath path;
@@ -83,27 +97,26 @@ PlannedPath check_of(const Study& study, PlannedPath path, const std::string& na
     return path;
 }
 
-}  // namespace
-
-std::vector<PlannedPath> planned_paths(const Study& study, const std::optional<Shape>& shape) {
+std::vector<PlannedPath> listed_paths(const Study& study) {
     std::vector<PlannedPath> paths;
-    if (!study.loads.sweep) {
-        for (const StudyPath& p : study.loads.paths)
-            paths.push_back({p, "train", study.loads.depth_m(), study.loads.records(), study.refine});
-        const std::size_t checked = static_cast<std::size_t>(std::lround(study.check_fraction * static_cast<double>(paths.size())));
-        for (std::size_t i = 0; study.check_refine > 0 && i < checked; ++i)
-            paths.push_back(check_of(study, paths[i], "check-" + paths[i].push.name));
-        return paths;
-    }
+    for (const StudyPath& p : study.loads.paths)
+        paths.push_back({p, "train", study.loads.depth_m(), study.loads.records(), study.refine});
+    const std::size_t checked = static_cast<std::size_t>(std::lround(study.check_fraction * static_cast<double>(paths.size())));
+    for (std::size_t i = 0; study.check_refine > 0 && i < checked; ++i)
+        paths.push_back(check_of(study, paths[i], "check-" + paths[i].push.name));
+    return paths;
+}
 
+std::vector<PlannedPath> swept_paths(const Study& study, const std::optional<Shape>& shape) {
+    std::vector<PlannedPath> paths;
     const Outline outline(study_mesh(study, shape, "edges"));
     const std::vector<Contact> trained = training_contacts(outline, *study.loads.sweep);
+    std::vector<Contact> solved;
     for (const Contact& c : trained)
-        if (!study.geometry.is_block() || is_solved(outline, c))
-            paths.push_back(plan_push(study, outline, c,
-                                      fmt::format("s{:04.0f}-{}{:03.0f}", 1e4 * c.arc, c.angle < -tiny_angle ? "m" : "p",
-                                                  std::abs(c.angle) / degree),
-                                      "train", study.loads.depth_m()));
+        if (!study.geometry.is_block() || is_solved(outline, c)) solved.push_back(c);
+    const std::vector<std::string> names = names_of(solved);
+    for (std::size_t i = 0; i < solved.size(); ++i)
+        paths.push_back(plan_push(study, outline, solved[i], names[i], "train", study.loads.depth_m()));
 
     std::vector<PlannedPath> checks;
     for (const Study::Draws& draws : study.draws) {
@@ -138,6 +151,17 @@ std::vector<PlannedPath> planned_paths(const Study& study, const std::optional<S
         }
     }
     paths.insert(paths.end(), checks.begin(), checks.end());
+    return paths;
+}
+
+}  // namespace
+
+std::vector<PlannedPath> planned_paths(const Study& study, const std::optional<Shape>& shape) {
+    std::vector<PlannedPath> paths = study.loads.sweep ? swept_paths(study, shape) : listed_paths(study);
+    std::set<std::string> names;
+    for (const PlannedPath& p : paths)
+        if (!names.insert(p.push.name).second)
+            throw MismatchError(fmt::format("{}: two load paths would be named '{}', and share one file", study.file, p.push.name));
     return paths;
 }
 

@@ -21,7 +21,8 @@ struct PlannedPath {
 /// Every FE solve a study needs, in a fixed order, all drawn before any of them runs. Of training contacts that mirror
 /// each other only one is solved (mirrored() makes the other). Drawn contacts keep 2 mm or 5 degrees from every
 /// training contact. A shape, for a study that has one, need not mirror itself: all its contacts are solved.
-/// Throws MismatchError when a draw finds no such contact.
+/// Every name stands once. Throws MismatchError when a draw finds no such contact, and when a listed path is named as
+/// another's check.
 std::vector<PlannedPath> planned_paths(const Study& study, const std::optional<Shape>& shape = {});
 
 /// The cases with only those training paths and magnitudes that a variant keeps; drawn contacts stay.

@@ -1,7 +1,10 @@
 #include "eval/closed_loop.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "eval/force_error.h"
 #include "springs/heuristic.h"
@@ -9,10 +12,20 @@
 namespace tissue {
 
 std::optional<double> closed_loop_error(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
-                                        const ContactTruth& truth, std::string& reason) {
-    const std::optional<Equilibrium> state = solve_equilibrium(mesh, law, theta, truth.contact, truth.push_m, reason);
+                                        const ContactTruth& truth, EquilibriumStatus& status) {
+    const Equilibrium state = solve_equilibrium(mesh, law, theta, truth.contact, truth.push_m);
+    status = state.status;
     if (!state) return std::nullopt;
-    return (state->contact_force - truth.force_N).norm() / truth.force_N.norm();
+    return (state.contact_force - truth.force_N).norm() / truth.force_N.norm();
+}
+
+std::string reasons_of(const std::vector<EquilibriumStatus>& statuses) {
+    std::map<EquilibriumStatus, int> count;
+    for (EquilibriumStatus s : statuses)
+        if (s != EquilibriumStatus::balanced) ++count[s];
+    std::string text;
+    for (const auto& [status, n] : count) text += fmt::format("{}{} ({})", text.empty() ? "" : "; ", reason_of(status), n);
+    return text;
 }
 
 std::optional<double> best_uniform_stiffness(const SpringMesh& mesh, const SpringLaw& law,
@@ -20,12 +33,11 @@ std::optional<double> best_uniform_stiffness(const SpringMesh& mesh, const Sprin
     // Every law is linear in theta, so the mesh's equilibrium does not depend on a common factor and its force is
     // proportional to it: one solve a contact serves every candidate.
     std::vector<Eigen::VectorXd> unit_forces, fe_forces;
-    std::string reason;
     const Eigen::VectorXd unit = uniform_stiffness(mesh, 1.0);
     for (const ContactTruth& truth : truths) {
-        const std::optional<Equilibrium> state = solve_equilibrium(mesh, law, unit, truth.contact, truth.push_m, reason);
+        const Equilibrium state = solve_equilibrium(mesh, law, unit, truth.contact, truth.push_m);
         if (!state) continue;
-        unit_forces.push_back(state->contact_force);
+        unit_forces.push_back(state.contact_force);
         fe_forces.push_back(truth.force_N);
     }
     if (2 * fe_forces.size() < truths.size() || fe_forces.empty()) return std::nullopt;

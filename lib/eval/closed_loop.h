@@ -16,9 +16,12 @@ struct ContactTruth {
 };
 
 /// The error a hand feels: the contact held at d, everything else at rest, e = |r_model - r_fe| / |r_fe|.
-/// Nothing, and the reason, when the spring mesh has no equilibrium there.
+/// Nothing when the spring mesh has no equilibrium there; `status` says why.
 std::optional<double> closed_loop_error(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
-                                        const ContactTruth& truth, std::string& reason);
+                                        const ContactTruth& truth, EquilibriumStatus& status);
+
+/// Reasons of those that are not `balanced`, each with how many have it, on one line; empty when all are.
+std::string reasons_of(const std::vector<EquilibriumStatus>& statuses);
 
 /// The honest baseline: the one stiffness for the whole mesh [N/m] (diagonals half) with the smallest median
 /// closed-loop error over `truths`, found on a logarithmic grid of 1 % steps between low and high [N/m].

@@ -7,7 +7,6 @@
 
 #include "error.h"
 #include "parallel.h"
-#include "eval/closed_loop.h"
 #include "springs/heuristic.h"
 
 namespace tissue {
@@ -80,6 +79,12 @@ Statistics ModelErrors::closed_loop() const {
     return statistics_of(values);
 }
 
+std::string ModelErrors::no_answer() const {
+    std::vector<EquilibriumStatus> statuses;
+    for (const CaseError& c : cases) statuses.push_back(c.status);
+    return reasons_of(statuses);
+}
+
 const ModelErrors& Evaluation::model(const std::string& name) const {
     const auto it = std::find_if(models.begin(), models.end(), [&](const ModelErrors& m) { return m.name == name; });
     if (it == models.end()) throw MismatchError("the evaluation has no model '" + name + "'");
@@ -145,7 +150,7 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
             if (!cases.measurement)
                 e.open_loop = force_error(model.mesh, *law, candidate.at(c), contacts[c],
                             model.books.node_weight.row(static_cast<Eigen::Index>(c)), *loads[c].path, *loads[c].record);
-            e.closed_loop = closed_loop_error(model.mesh, *law, candidate.at(c), truths[c], e.reason);
+            e.closed_loop = closed_loop_error(model.mesh, *law, candidate.at(c), truths[c], e.status);
         });
         NodeField theta(static_cast<Eigen::Index>(candidate.theta.size()), model.mesh.spring_count());
         for (std::size_t c = 0; c < candidate.theta.size(); ++c) theta.row(static_cast<Eigen::Index>(c)) = candidate.theta[c];

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cases/load_path.h"
+#include "eval/closed_loop.h"
 #include "eval/force_error.h"
 #include "eval/held_out.h"
 #include "eval/spring_character.h"
@@ -16,7 +17,7 @@ namespace tissue {
 struct CaseError {
     ForceError open_loop{};             ///< not of measured cases: nobody knows u inside
     std::optional<double> closed_loop;  ///< absent when the mesh has no equilibrium there
-    std::string reason;                 ///< why it is absent
+    EquilibriumStatus status{};         ///< why it is absent
 };
 
 /// One column of every table: a way to choose theta, and its errors at the load cases.
@@ -29,6 +30,7 @@ struct ModelErrors {
     Statistics rel_loss() const;
     Statistics resolved_error() const;
     Statistics closed_loop() const;  ///< over the cases that have an answer
+    std::string no_answer() const;   ///< why the others have none, and how many; empty when all have one
 };
 
 /// Resolved force against displacement along one load path (Fig. 3).

@@ -68,8 +68,7 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
                                   {"n", m.cases.size()}};
     for (const ModelErrors& m : evaluation.models) {
         Json& entry = j["closed_loop"]["trained"][m.name] = to_value(m.closed_loop());
-        for (const CaseError& c : m.cases)
-            if (!c.closed_loop) entry["reason"] = c.reason;
+        if (const std::string why = m.no_answer(); !why.empty()) entry["reason"] = why;
     }
     j["uniform"] = {{"stiffness_N_m", evaluation.uniform_N_m}, {"chosen_on", evaluation.uniform_chosen_on}};
     j["training"] = training(evaluation.trained.front());
@@ -84,7 +83,10 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
     const HeldOut& held_out = evaluation.held_out;
     for (const DrawnContacts& role : held_out.roles) {
         Json& entry = j["closed_loop"][role.role];
-        for (std::size_t m = 0; m < held_out.models.size(); ++m) entry[held_out.models[m]] = to_value(role.statistics(m));
+        for (std::size_t m = 0; m < held_out.models.size(); ++m) {
+            entry[held_out.models[m]] = to_value(role.statistics(m));
+            if (const std::string why = role.no_answer(m); !why.empty()) entry[held_out.models[m]]["reason"] = why;
+        }
         j["lost"][role.role] = role.lost;
         for (const DrawnContact& c : role.contacts) {
             Json row = {{"name", c.name},          {"arc_m", c.arc_m},
@@ -100,9 +102,10 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
                                      {"magnitude_m", c.magnitude_m},
                                      {"fe_N", c.fe_N},
                                      {"models_N", {{"learned", c.learned_N}, {"uniform", c.uniform_N}}}});
-    if (evaluation.truth.difference.n > 0) {
+    if (!evaluation.truth.empty()) {
         j["truth_check"] = to_value(evaluation.truth.difference);
         j["truth_check"]["lost"] = evaluation.truth.lost;
+        j["truth_check"]["unmatched"] = evaluation.truth.unmatched;
     }
     if (!evaluation.listed) return j.dump(1) + "\n";
     for (const ModelErrors& m : evaluation.models) {

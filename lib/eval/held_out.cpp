@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "eval/closed_loop.h"
 #include "mesh/topology.h"
 #include "parallel.h"
 #include "springs/heuristic.h"
@@ -87,16 +86,19 @@ Eigen::Vector2d table_force(const std::vector<LoadCase>& loads, const SetWeights
 /// Contact force along the push; NaN where the mesh has no equilibrium.
 double pushed_force(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta, const LoadPath& path,
                     double magnitude_m) {
-    std::string reason;
-    const std::optional<Equilibrium> state = solve_equilibrium(
-        mesh, law, theta, locate_on_surface(mesh, path.contact_m), path.direction * magnitude_m, reason);
-    return state ? state->contact_force.dot(path.direction) : std::nan("");
+    const Equilibrium state = solve_equilibrium(mesh, law, theta, locate_on_surface(mesh, path.contact_m),
+                                                path.direction * magnitude_m);
+    return state ? state.contact_force.dot(path.direction) : std::nan("");
 }
 
-bool is_load_case(const Cases& cases, double magnitude_m) {
-    for (double m : cases.magnitudes_m)
-        if (std::abs(m - magnitude_m) < 1e-9 * m) return true;
-    return false;
+/// The push that a check repeats on the finer mesh; nullptr without one.
+const LoadPath* repeated_by(const LoadPath& check, const Cases& cases) {
+    constexpr double same_m = 1e-9, same_direction = 1e-9;
+    for (const LoadPath& path : cases.paths)
+        if (path.role != "check" && (path.contact_m - check.contact_m).norm() <= same_m &&
+            (path.direction - check.direction).norm() <= same_direction && std::abs(path.depth_m - check.depth_m) <= same_m)
+            return &path;
+    return nullptr;
 }
 
 }  // namespace
@@ -107,19 +109,21 @@ TruthCheck check_truth(const Cases& cases) {
     for (const LoadPath& fine : cases.paths) {
         if (fine.role != "check") continue;
         if (!fine.lost.empty()) check.lost.push_back(fine.name + ": " + fine.lost);
-        for (const LoadPath& coarse : cases.paths) {
-            if (coarse.role == "check" || coarse.contact_m != fine.contact_m || coarse.direction != fine.direction ||
-                coarse.depth_m != fine.depth_m)
-                continue;
-            for (const PathRecord& record : fine.records) {
-                const bool counts = coarse.role == "train" ? is_load_case(cases, record.magnitude_m)
-                                                           : record.magnitude_m == coarse.depth_m;
-                const auto same = [&](const PathRecord& r) { return r.magnitude_m == record.magnitude_m; };
-                const auto there = std::find_if(coarse.records.begin(), coarse.records.end(), same);
-                if (counts && there != coarse.records.end())
-                    differences.push_back((there->contact_force_N - record.contact_force_N).norm() /
-                                          record.contact_force_N.norm());
-            }
+        const LoadPath* coarse = repeated_by(fine, cases);
+        if (!coarse) {
+            check.unmatched.push_back(fine.name + ": the study's mesh has no push at its contact, direction and depth");
+            continue;
+        }
+        const std::vector<double> wanted = coarse->role == "train" ? cases.magnitudes_m : std::vector{coarse->depth_m};
+        for (double magnitude_m : wanted) {
+            const PathRecord *there = coarse->record_at(magnitude_m), *record = fine.record_at(magnitude_m);
+            if (there && record)
+                differences.push_back((there->contact_force_N - record->contact_force_N).norm() /
+                                      record->contact_force_N.norm());
+            else if (record || fine.lost.empty())  // what the finer mesh lost is named already
+                check.unmatched.push_back(fmt::format(
+                    "{}: {} has no record at {:.4g} mm{}", fine.name, record ? coarse->name : "it", 1e3 * magnitude_m,
+                    record && !coarse->lost.empty() ? ", " + coarse->lost : ""));
         }
     }
     check.difference = statistics_of(differences);
@@ -131,6 +135,12 @@ Statistics DrawnContacts::statistics(std::size_t model, bool with_extrapolated) 
     for (const DrawnContact& c : contacts)
         if (c.error[model] && (with_extrapolated || !c.extrapolated)) errors.push_back(*c.error[model]);
     return statistics_of(errors);
+}
+
+std::string DrawnContacts::no_answer(std::size_t model) const {
+    std::vector<EquilibriumStatus> statuses;
+    for (const DrawnContact& c : contacts) statuses.push_back(c.status[model]);
+    return reasons_of(statuses);
 }
 
 const DrawnContacts* HeldOut::role(const std::string& name) const {
@@ -183,19 +193,25 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
             const ContactTruth truth = truth_of(model.mesh, path, record);
             DrawnContact& contact = role.contacts[static_cast<std::size_t>(p)];
             contact = {path.name, arc, grid.outline().angle(arc, path.direction) / degree, record.magnitude_m,
-                       record.contact_force_N, blended.extrapolated, {}};
-            std::string reason;
-            contact.error.push_back(closed_loop_error(model.mesh, *law, blend(theta, blended), truth, reason));
-            contact.error.push_back(closed_loop_error(
-                model.mesh, *law, blend(theta, grid.nearest(arc, path.direction, record.magnitude_m)), truth, reason));
-            contact.error.push_back((table_force(loads, blended, record.magnitude_m) - truth.force_N).norm() /
-                                    truth.force_N.norm());
-            for (const Baseline& b : baselines)
-                contact.error.push_back(closed_loop_error(b.setting->mesh, *b.setting->law, b.theta, truth, reason));
-            if (cases.measurement)
-                contact.error.push_back(path.again_N ? std::optional<double>((*path.again_N - truth.force_N).norm() /
-                                                                            truth.force_N.norm())
-                                                     : std::nullopt);
+                       record.contact_force_N, blended.extrapolated, {}, {}};
+            const auto add = [&](std::optional<double> error, EquilibriumStatus status) {
+                contact.error.push_back(error);
+                contact.status.push_back(status);
+            };
+            const auto add_springs = [&](const SpringMesh& mesh, const SpringLaw& of, const Eigen::VectorXd& stiffness) {
+                EquilibriumStatus status{};
+                const std::optional<double> error = closed_loop_error(mesh, of, stiffness, truth, status);
+                add(error, status);
+            };
+            const auto add_force = [&](const Eigen::Vector2d& force_N) {
+                add((force_N - truth.force_N).norm() / truth.force_N.norm(), EquilibriumStatus::balanced);
+            };
+            add_springs(model.mesh, *law, blend(theta, blended));
+            add_springs(model.mesh, *law, blend(theta, grid.nearest(arc, path.direction, record.magnitude_m)));
+            add_force(table_force(loads, blended, record.magnitude_m));
+            for (const Baseline& b : baselines) add_springs(b.setting->mesh, *b.setting->law, b.theta);
+            if (cases.measurement && path.again_N) add_force(*path.again_N);
+            if (cases.measurement && !path.again_N) add(std::nullopt, EquilibriumStatus::balanced);  // measured once
         });
     }
 

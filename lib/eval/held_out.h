@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cases/load_path.h"
+#include "eval/closed_loop.h"
 #include "eval/force_error.h"
 #include "springs/tissue_model.h"
 
@@ -17,6 +18,7 @@ struct DrawnContact {
     Eigen::Vector2d fe_force_N;
     bool extrapolated;                    ///< outside what the sets were trained on
     std::vector<std::optional<double>> error;  ///< closed-loop error of each model; absent where it has no answer
+    std::vector<EquilibriumStatus> status;     ///< why it is absent; of a model that needs no equilibrium, balanced
 };
 
 /// One role of drawn contacts: validation, held_out or held_out_full.
@@ -26,13 +28,19 @@ struct DrawnContacts {
     std::vector<std::string> lost;        ///< "name: why", contacts at which FE has no answer
 
     Statistics statistics(std::size_t model, bool with_extrapolated = true) const;
+    std::string no_answer(std::size_t model) const;  ///< why contacts have none, and how many; empty when all have one
 };
 
 /// The truth's own error: pushes solved again on the finer mesh of the study.
 struct TruthCheck {
     Statistics difference{};              ///< |r_coarse - r_fine| / |r_fine| at load cases or drawn contacts
     std::vector<std::string> lost;        ///< "name: why", pushes that have no answer on the finer mesh at their depth
+    std::vector<std::string> unmatched;   ///< "name: why", those with nothing on the study's mesh to compare with
+
+    bool empty() const { return difference.n == 0 && lost.empty() && unmatched.empty(); }
 };
+/// Every check at every load case of its training path, or at its drawn contact's depth: each is in `difference`, `lost`
+/// or `unmatched`.
 TruthCheck check_truth(const Cases& cases);
 
 /// Force along the push against its length at one drawn contact: FE, and models in closed loop.

@@ -66,6 +66,10 @@ std::string measurement_markdown(const Evaluation& e) {
     return out + (m.outliers.empty() ? "" : "\n");
 }
 
+std::string no_answer_markdown(const std::string& model, const std::string& reasons) {
+    return reasons.empty() ? "" : fmt::format("\nNo closed-loop answer of {}: {}.\n", model, reasons);
+}
+
 std::string held_out_markdown(const HeldOut& h, bool measured) {
     std::string out;
     for (const DrawnContacts& role : h.roles) {
@@ -76,6 +80,7 @@ std::string held_out_markdown(const HeldOut& h, bool measured) {
             out += fmt::format("| {} | {} | {} | {} | {} |\n", h.models[m], percent(s.median), percent(s.p95),
                                percent(s.max), s.n);
         }
+        for (std::size_t m = 0; m < h.models.size(); ++m) out += no_answer_markdown(h.models[m], role.no_answer(m));
         int extrapolated = 0;
         for (const DrawnContact& c : role.contacts) extrapolated += c.extrapolated ? 1 : 0;
         out += fmt::format("\n{} {}; {} lie outside what the sets were trained on.", role.contacts.size(),
@@ -97,12 +102,14 @@ std::string held_out_markdown(const HeldOut& h, bool measured) {
 }
 
 std::string truth_markdown(const TruthCheck& truth) {
-    if (truth.difference.n == 0) return "";
+    if (truth.empty()) return "";
     std::string out = fmt::format(
         "## The truth's own error\n\nForces of the finite elements differ from those on the study's finer mesh by {} "
         "(median / p95 / max, n = {}).", summary(truth.difference), truth.difference.n);
     if (!truth.lost.empty()) out += " On the finer mesh these pushes end early:\n";
     for (const std::string& lost : truth.lost) out += "\n- " + lost;
+    if (!truth.unmatched.empty()) out += "\n\nThese have nothing on the study's mesh to be compared with:\n";
+    for (const std::string& unmatched : truth.unmatched) out += "\n- " + unmatched;
     return out + "\n\n";
 }
 
@@ -138,15 +145,16 @@ std::string to_markdown(const Evaluation& e) {
     out += broken_markdown(e) + measurement_markdown(e) + held_out_markdown(e.held_out, e.measurement.has_value()) + truth_markdown(e.truth);
     out += "## Errors at the trained contacts: median / p95 / max\n\n";
     if (e.measurement) {
-        out += "| model | closed loop |\n|---|---|\n";
-        for (const ModelErrors& m : e.models) out += fmt::format("| {} | {} |\n", m.name, summary(m.closed_loop()));
-    } else {
-        out += "| model | rel_loss (9) | resolved force | closed loop |\n|---|---|---|---|\n";
+        out += "| model | closed loop | n |\n|---|---|---|\n";
         for (const ModelErrors& m : e.models)
-            out += fmt::format("| {} | {} | {} | {} |\n", m.name, summary(m.rel_loss()), summary(m.resolved_error()),
-                               summary(m.closed_loop()));
+            out += fmt::format("| {} | {} | {} |\n", m.name, summary(m.closed_loop()), m.closed_loop().n);
+    } else {
+        out += "| model | rel_loss (9) | resolved force | n | closed loop | n |\n|---|---|---|---|---|---|\n";
+        for (const ModelErrors& m : e.models)
+            out += fmt::format("| {} | {} | {} | {} | {} | {} |\n", m.name, summary(m.rel_loss()),
+                               summary(m.resolved_error()), m.rel_loss().n, summary(m.closed_loop()), m.closed_loop().n);
     }
-    out += fmt::format("\nn = {}. ", e.case_names.size());
+    out += fmt::format("\nn: of {} load cases those with an answer. ", e.case_names.size());
     if (!e.measurement)
         out += "*rel_loss*: L(theta) over the weighted FE force, every node where FE has it. *Resolved force*: along "
                "the push, at the loaded node. ";
@@ -154,11 +162,7 @@ std::string to_markdown(const Evaluation& e) {
         "*Closed loop*: the contact held where it was pushed, everything else at "
         "equilibrium. uniform is {:.4g} N/m, chosen on {}.\n",
         e.uniform_N_m, e.uniform_chosen_on == "closed_loop" ? "the closed-loop error" : "rel_loss");
-    for (const ModelErrors& m : e.models)
-        if (m.closed_loop().n == 0) {
-            out += fmt::format("No closed-loop answer: {}.\n", m.cases.front().reason);
-            break;
-        }
+    for (const ModelErrors& m : e.models) out += no_answer_markdown(m.name, m.no_answer());
 
     out +=
         "\n## Training\n\n| optimiser | sets | iterations | restarts (sets that restarted) | ended | median loss over start at "

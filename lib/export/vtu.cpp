@@ -144,8 +144,9 @@ std::string set_vtu(const TissueModel& model, const NamedSet& set, std::string& 
         const int c = set.load_case;
         const SurfacePoint contact = locate_on_surface(mesh, model.contact_m.row(c).transpose());
         const Eigen::VectorXd push = model.magnitude_m[c] * model.direction.row(c).transpose();
-        if (const auto state = solve_equilibrium(mesh, *law, set.theta, contact, push, reason))
-            displacement = state->displacement;
+        const Equilibrium state = solve_equilibrium(mesh, *law, set.theta, contact, push);
+        reason = reason_of(state.status);
+        if (state) displacement = state.displacement;
     } else {
         reason = "no load case belongs to it";
     }

@@ -17,14 +17,13 @@ Eigen::VectorXd push_sizes(const TissueModel& model, const Eigen::Ref<const Node
     if (by == SelectorOptions::By::displacement) return sizes;
     const auto law = make_spring_law(model.law);
     for (int c = 0; c < model.case_count(); ++c) {
-        std::string reason;
         const Eigen::Vector2d position = model.contact_m.row(c), push = model.magnitude_m[c] * model.direction.row(c);
         const auto rest = solve_equilibrium(model.mesh, *law, theta.row(c).transpose(),
-                                            locate_on_surface(model.mesh, position), push, reason);
+                                            locate_on_surface(model.mesh, position), push);
         if (!rest)
             throw MismatchError(fmt::format("set '{}' cannot be selected by force: {}",
-                                            model.case_names[static_cast<std::size_t>(c)], reason));
-        sizes[c] = rest->contact_force.norm();
+                                            model.case_names[static_cast<std::size_t>(c)], reason_of(rest.status)));
+        sizes[c] = rest.contact_force.norm();
     }
     return sizes;
 }

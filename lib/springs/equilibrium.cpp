@@ -1,189 +1,195 @@
 #include "springs/equilibrium.h"
 
-#include <Eigen/Dense>
-#include <Eigen/SparseCholesky>
-#include <fmt/format.h>
-
+#include <algorithm>
 #include <cmath>
+
+#include "springs/held_tangent.h"
 
 namespace tissue {
 namespace {
 
-/// Numbers the free degrees of freedom; -1 marks those of fixed nodes.
-std::vector<int> free_numbering(const SpringMesh& mesh, int& count) {
-    const int D = mesh.dimension();
-    std::vector<int> number(static_cast<std::size_t>(D * mesh.node_count()), 0);
-    for (int node : mesh.fixed)
-        for (int d = 0; d < D; ++d) number[static_cast<std::size_t>(D * node + d)] = -1;
-    count = 0;
-    for (int& n : number)
-        if (n >= 0) n = count++;
-    return number;
-}
-
-SparseMatrix free_block(const SparseMatrix& K, const std::vector<int>& number, int count) {
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(static_cast<std::size_t>(K.nonZeros()));
-    for (int column = 0; column < K.outerSize(); ++column)
-        for (SparseMatrix::InnerIterator it(K, column); it; ++it) {
-            const int i = number[static_cast<std::size_t>(it.row())], j = number[static_cast<std::size_t>(column)];
-            if (i >= 0 && j >= 0) entries.emplace_back(i, j, it.value());
-        }
-    SparseMatrix block(count, count);
-    block.setFromTriplets(entries.begin(), entries.end());
-    return block;
-}
+constexpr double tolerance = 1e-10;  // of EquilibriumStatus
+constexpr int load_steps = 10, max_newton = 100;
 
 /// The contact's weights on the free degrees of freedom, one column an axis.
-Eigen::MatrixXd contact_weights(const SpringMesh& mesh, const SurfacePoint& contact, const std::vector<int>& number,
-                                int free_count) {
+Eigen::MatrixXd contact_weights(const SpringMesh& mesh, const SurfacePoint& contact, const FreeNumbering& free) {
     const int D = mesh.dimension();
-    Eigen::MatrixXd W = Eigen::MatrixXd::Zero(free_count, D);
+    Eigen::MatrixXd W = Eigen::MatrixXd::Zero(free.count, D);
     for (int end : {0, 1})
         for (int d = 0; d < D; ++d) {
-            const int n = number[static_cast<std::size_t>(D * contact.node[end] + d)];
+            const int n = free.number[static_cast<std::size_t>(D * contact.node[end] + d)];
             if (n >= 0) W(n, d) += contact.weight[end];
         }
     return W;
 }
 
-using Factor = Eigen::SimplicialLDLT<SparseMatrix>;
+bool weighs_on_free_nodes(const Eigen::MatrixXd& W) {
+    return W.colwise().squaredNorm().minCoeff() > 0;
+}
 
-/// False when K is not safely positive definite: its smallest pivot is lost in rounding, or negative.
-bool factorise(Factor& factor, const SparseMatrix& K) {
-    factor.compute(K);
-    if (factor.info() != Eigen::Success) return false;
-    const Eigen::VectorXd pivots = factor.vectorD();
-    return pivots.minCoeff() > 1e-10 * pivots.maxCoeff();
+EquilibriumStatus at_rest(Definiteness d) {
+    if (d == Definiteness::positive) return EquilibriumStatus::balanced;
+    return d == Definiteness::flat ? EquilibriumStatus::zero_energy_modes : EquilibriumStatus::unstable_at_rest;
+}
+
+/// One mesh, law and stiffness with one contact held.
+struct HeldMesh {
+    const SpringMesh& mesh;
+    const SpringLaw& law;
+    const Eigen::VectorXd& theta;
+    const SurfacePoint& contact;
+    FreeNumbering free;
+    Eigen::MatrixXd W;
+
+    FreeTangent tangent(const NodeField& u) const { return {law.stiffness(mesh, theta, u), free}; }
+
+    Eigen::VectorXd nodal_forces(const NodeField& u) const { return law.force_matrix(mesh, u) * theta; }
+    Eigen::VectorXd forces(const NodeField& u) const { return free.gather(nodal_forces(u)); }
+
+    Eigen::VectorXd held_at(const NodeField& u) const {
+        return contact.weight[0] * u.row(contact.node[0]).transpose() +
+               contact.weight[1] * u.row(contact.node[1]).transpose();
+    }
+
+    /// r of forces that it takes up but for the smallest remainder.
+    Eigen::VectorXd contact_force(const Eigen::VectorXd& forces_N) const {
+        return (W.transpose() * forces_N).cwiseQuotient(W.colwise().squaredNorm().transpose());
+    }
+};
+
+/// A step towards the minimum: Newton's where the tangent is positive definite, else of a tangent raised until it is.
+HeldTangent::Step downhill(const HeldMesh& held, const FreeTangent& tangent, const Eigen::VectorXd& forces_N,
+                           const Eigen::VectorXd& gap) {
+    double shift = 0;
+    for (int tries = 0; tries < 40; ++tries) {
+        const HeldTangent t(tangent, held.W, shift);
+        if (t.definiteness() == Definiteness::positive) return t.solve(forces_N, gap);
+        shift = shift > 0 ? 2 * shift : 1e-4 * tangent.K.diagonal().cwiseAbs().maxCoeff();
+    }
+    return {Eigen::VectorXd::Constant(forces_N.size(), std::nan("")), gap};  // not finite: nothing converges any more
+}
+
+/// Goes along du, which leaves the contact where it is, until just before the force along it turns round. What the
+/// contact takes up does no work on du, but would drown the rest in its rounding.
+void line_search(const HeldMesh& held, const Eigen::VectorXd& du, const Eigen::VectorXd& forces_N, NodeField& u) {
+    const Eigen::VectorXd taken_up = held.W * held.contact_force(forces_N);
+    const double slope = (forces_N - taken_up).dot(du);  // of the energy, negative
+    double length = 1;
+    for (int halvings = 0; halvings < 30; ++halvings, length /= 2) {
+        NodeField there = u;
+        held.free.add(length * du, there);
+        if ((held.forces(there) - taken_up).dot(du) <= 0.5 * std::abs(slope)) break;
+    }
+    held.free.add(length * du, u);
+}
+
+/// From rest at one load to rest at the next.
+bool push_to(const HeldMesh& held, const Eigen::VectorXd& target, Equilibrium& state) {
+    Eigen::VectorXd f = held.forces(state.displacement);
+    for (int iteration = 0; iteration < max_newton; ++iteration) {
+        const Eigen::VectorXd gap = iteration == 0 ? Eigen::VectorXd(target - held.held_at(state.displacement))
+                                                   : Eigen::VectorXd::Zero(target.size());
+        const HeldTangent::Step step = downhill(held, held.tangent(state.displacement), f, gap);
+        if (!step.du.allFinite()) return false;
+        if (iteration == 0)  // the contact goes all the way at once
+            held.free.add(step.du, state.displacement);
+        else
+            line_search(held, step.du, f, state.displacement);
+        const Eigen::VectorXd nodal = held.nodal_forces(state.displacement);
+        f = held.free.gather(nodal);
+        state.contact_force = held.contact_force(f);
+        const double worst = (f - held.W * state.contact_force).cwiseAbs().maxCoeff();
+        if (!std::isfinite(worst)) return false;
+        if (worst <= tolerance * std::max(state.contact_force.norm(), nodal.cwiseAbs().maxCoeff())) return true;
+    }
+    return false;
 }
 
 }  // namespace
 
+std::string reason_of(EquilibriumStatus status) {
+    switch (status) {
+        case EquilibriumStatus::balanced: return "";
+        case EquilibriumStatus::contact_fixed: return "the contact lies on the fixed edge";
+        case EquilibriumStatus::zero_energy_modes: return "the spring mesh has zero-energy modes, though its contact is held";
+        case EquilibriumStatus::unstable_at_rest: return "the spring mesh is unstable at rest, though its contact is held";
+        case EquilibriumStatus::unstable: return "the spring mesh is unstable where it was pushed, though its contact is held";
+        case EquilibriumStatus::not_converged: return "Newton found no equilibrium";
+    }
+    return "";
+}
+
+Equilibrium solve_equilibrium(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
+                              const SurfacePoint& contact, const Eigen::VectorXd& push_m) {
+    const int D = mesh.dimension();
+    Equilibrium state{NodeField::Zero(mesh.node_count(), D), Eigen::VectorXd::Zero(D), EquilibriumStatus::contact_fixed};
+    HeldMesh held{mesh, law, theta, contact, FreeNumbering(mesh), {}};
+    held.W = contact_weights(mesh, contact, held.free);
+    if (!weighs_on_free_nodes(held.W)) return state;
+
+    const FreeTangent start = held.tangent(state.displacement);
+    const HeldTangent tangent(start, held.W);
+    state.status = at_rest(tangent.definiteness());
+    if (!state) return state;
+    if (law.linear_in_displacement()) {
+        const HeldTangent::Step step = tangent.solve(Eigen::VectorXd::Zero(held.free.count), push_m);
+        held.free.add(step.du, state.displacement);
+        state.contact_force = step.force;
+        return state;
+    }
+    for (int step = 1; step <= load_steps; ++step)
+        if (!push_to(held, push_m * step / load_steps, state)) {
+            state.status = EquilibriumStatus::not_converged;
+            return state;
+        }
+    if (HeldTangent(held.tangent(state.displacement), held.W).definiteness() != Definiteness::positive)
+        state.status = EquilibriumStatus::unstable;
+    return state;
+}
+
 std::optional<Eigen::MatrixXd> contact_sensitivity(const SpringMesh& mesh, const SpringLaw& law,
                                                    const Eigen::VectorXd& theta, const SurfacePoint& contact,
                                                    const NodeField& u) {
-    int free_count = 0;
-    const std::vector<int> number = free_numbering(mesh, free_count);
-    const Eigen::MatrixXd W = contact_weights(mesh, contact, number, free_count);
-    Factor factor;
-    if (!factorise(factor, free_block(law.stiffness(mesh, theta, u), number, free_count))) return std::nullopt;
-    const Eigen::MatrixXd KW = factor.solve(W);
-    const Eigen::MatrixXd free_part = (W.transpose() * KW).ldlt().solve(KW.transpose());
-    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(mesh.dimension(), u.size());
-    for (std::size_t i = 0; i < number.size(); ++i)
-        if (number[i] >= 0) G.col(static_cast<Eigen::Index>(i)) = free_part.col(number[i]);
-    return G;
-}
-
-std::optional<Equilibrium> solve_equilibrium(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
-                                             const SurfacePoint& contact, const Eigen::VectorXd& push_m,
-                                             std::string& reason) {
-    const int D = mesh.dimension();
-    int free_count = 0;
-    const std::vector<int> number = free_numbering(mesh, free_count);
-
-    const Eigen::MatrixXd W = contact_weights(mesh, contact, number, free_count);
-    if (!(W.colwise().squaredNorm().minCoeff() > 0)) {
-        reason = "the contact lies on the fixed edge";
-        return std::nullopt;
-    }
-
-    Equilibrium state{NodeField::Zero(mesh.node_count(), D), Eigen::VectorXd::Zero(D)};
-    const int steps = law.linear_in_displacement() ? 1 : 10;
-    constexpr int max_newton = 30;
-    constexpr double tolerance = 1e-10;  // largest out-of-balance force over the contact force
-    Factor factor;
-    for (int step = 1; step <= steps; ++step) {
-        const Eigen::VectorXd target = push_m * step / steps;
-        bool balanced = false;
-        for (int iteration = 0; iteration < max_newton && !balanced; ++iteration) {
-            const SparseMatrix K = free_block(law.stiffness(mesh, theta, state.displacement), number, free_count);
-            if (!factorise(factor, K)) {
-                reason = "the spring mesh has zero-energy modes or is unstable under its supports";
-                return std::nullopt;
-            }
-            const Eigen::VectorXd internal =
-                law.force_matrix(mesh, state.displacement) * theta;  // what the nodes are held with now
-            Eigen::VectorXd residual(free_count);
-            Eigen::VectorXd held = Eigen::VectorXd::Zero(D);
-            for (std::size_t i = 0; i < number.size(); ++i)
-                if (number[i] >= 0) residual[number[i]] = internal[static_cast<Eigen::Index>(i)];
-            for (int end : {0, 1}) held += contact.weight[end] * state.displacement.row(contact.node[end]).transpose();
-
-            // saddle point by its Schur complement: K du - W r = -residual, W' du = target - held
-            const Eigen::MatrixXd KW = factor.solve(W);
-            const Eigen::VectorXd Kr = factor.solve(residual);
-            state.contact_force = (W.transpose() * KW).ldlt().solve(target - held + W.transpose() * Kr);
-            const Eigen::VectorXd du = KW * state.contact_force - Kr;
-            for (std::size_t i = 0; i < number.size(); ++i)
-                if (number[i] >= 0) state.displacement.data()[i] += du[number[i]];
-            if (law.linear_in_displacement()) {
-                balanced = true;
-            } else {
-                const Eigen::VectorXd now = law.force_matrix(mesh, state.displacement) * theta;
-                double worst = 0;
-                for (std::size_t i = 0; i < number.size(); ++i)
-                    if (number[i] >= 0)
-                        worst = std::max(worst, std::abs(now[static_cast<Eigen::Index>(i)] -
-                                                         W.row(number[i]).dot(state.contact_force)));
-                balanced = worst <= tolerance * state.contact_force.norm();
-                if (!std::isfinite(worst)) break;
-            }
-        }
-        if (!balanced) {
-            reason = fmt::format("Newton found no equilibrium at {:.3g} mm", 1e3 * target.norm());
-            return std::nullopt;
-        }
-    }
-    return state;
+    const FreeNumbering free(mesh);
+    const Eigen::MatrixXd W = contact_weights(mesh, contact, free);
+    if (!weighs_on_free_nodes(W)) return std::nullopt;
+    const FreeTangent tangent(law.stiffness(mesh, theta, u), free);
+    const HeldTangent held(tangent, W);
+    if (held.definiteness() != Definiteness::positive) return std::nullopt;
+    return free.scatter_columns(held.sensitivity());
 }
 
 std::optional<std::vector<ContactResponse>> contact_responses(const SpringMesh& mesh, const SpringLaw& law,
                                                               const Eigen::VectorXd& theta,
                                                               const std::vector<SurfacePoint>& contacts,
                                                               const std::vector<Eigen::VectorXd>& pushes_m,
-                                                              std::string& reason) {
+                                                              EquilibriumStatus& status) {
     std::vector<ContactResponse> responses;
     if (!law.linear_in_displacement()) {
         for (std::size_t c = 0; c < contacts.size(); ++c) {
-            const std::optional<Equilibrium> state = solve_equilibrium(mesh, law, theta, contacts[c], pushes_m[c], reason);
+            Equilibrium state = solve_equilibrium(mesh, law, theta, contacts[c], pushes_m[c]);
+            status = state.status;
             if (!state) return std::nullopt;
-            const std::optional<Eigen::MatrixXd> G = contact_sensitivity(mesh, law, theta, contacts[c], state->displacement);
-            if (!G) {
-                reason = "the spring mesh is unstable where it was pushed";
-                return std::nullopt;
-            }
-            responses.push_back({*state, *G});
+            const auto G = contact_sensitivity(mesh, law, theta, contacts[c], state.displacement);
+            responses.push_back({std::move(state), *G});  // there is one where the tangent is positive definite
         }
         return responses;
     }
 
-    const int D = mesh.dimension();
-    int free_count = 0;
-    const std::vector<int> number = free_numbering(mesh, free_count);
-    const NodeField rest = NodeField::Zero(mesh.node_count(), D);
-    Factor factor;
-    if (!factorise(factor, free_block(law.stiffness(mesh, theta, rest), number, free_count))) {
-        reason = "the spring mesh has zero-energy modes or is unstable under its supports";
-        return std::nullopt;
-    }
+    const NodeField rest = NodeField::Zero(mesh.node_count(), mesh.dimension());
+    const FreeNumbering free(mesh);
+    const FreeTangent tangent(law.stiffness(mesh, theta, rest), free);
     for (std::size_t c = 0; c < contacts.size(); ++c) {
-        const Eigen::MatrixXd W = contact_weights(mesh, contacts[c], number, free_count);
-        if (!(W.colwise().squaredNorm().minCoeff() > 0)) {
-            reason = "the contact lies on the fixed edge";
-            return std::nullopt;
-        }
-        const Eigen::MatrixXd KW = factor.solve(W);
-        const auto compliance = (W.transpose() * KW).ldlt();
-        const Eigen::MatrixXd G = compliance.solve(KW.transpose());
-        ContactResponse r{{rest, compliance.solve(pushes_m[c])}, Eigen::MatrixXd::Zero(D, rest.size())};
-        const Eigen::VectorXd u = KW * r.state.contact_force;
-        for (std::size_t i = 0; i < number.size(); ++i) {
-            if (number[i] < 0) continue;
-            r.state.displacement.data()[i] = u[number[i]];
-            r.sensitivity.col(static_cast<Eigen::Index>(i)) = G.col(number[i]);
-        }
-        responses.push_back(std::move(r));
+        const Eigen::MatrixXd W = contact_weights(mesh, contacts[c], free);
+        status = EquilibriumStatus::contact_fixed;
+        if (!weighs_on_free_nodes(W)) return std::nullopt;
+        const HeldTangent held(tangent, W);
+        status = at_rest(held.definiteness());
+        if (status != EquilibriumStatus::balanced) return std::nullopt;
+        const HeldTangent::Step step = held.solve(Eigen::VectorXd::Zero(free.count), pushes_m[c]);
+        Equilibrium state{rest, step.force, status};
+        free.add(step.du, state.displacement);
+        responses.push_back({std::move(state), free.scatter_columns(held.sensitivity())});
     }
     return responses;
 }

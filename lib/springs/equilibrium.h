@@ -2,28 +2,50 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "springs/spring_law.h"
 
 namespace tissue {
 
+/// Why there is, or is not, an equilibrium. f is what is left of the springs' forces at free nodes when the contact's is
+/// taken off [N], R the largest force at any node, supports and contact included [N], p the pivots of the tangent on all
+/// displacements that leave the contact where it is.
+enum class EquilibriumStatus {
+    balanced,           ///< largest |f| <= 1e-10 R, and smallest p > 1e-10 of the largest
+    contact_fixed,      ///< the contact weighs on fixed nodes alone
+    zero_energy_modes,  ///< at rest smallest |p| <= 1e-10 of the largest: part of the mesh moves for nothing
+    unstable_at_rest,   ///< at rest a p < -1e-10 of the largest
+    unstable,           ///< largest |f| <= 1e-10 R, but smallest p <= 1e-10 of the largest: no minimum of the energy
+    not_converged       ///< largest |f| > 1e-10 R after 100 iterations of a load step, or not finite
+};
+
+/// One line for people; empty for `balanced`.
+std::string reason_of(EquilibriumStatus status);
+
 /// Rest of a spring mesh whose contact has been pushed, everything else free to find its place.
 struct Equilibrium {
     NodeField displacement;         ///< u [m] (N x D)
     Eigen::VectorXd contact_force;  ///< multiplier of the constraint [N] (D): the force of the indenter on the mesh
+    EquilibriumStatus status;       ///< u and the force mean something when it is `balanced`, and only then
+
+    explicit operator bool() const { return status == EquilibriumStatus::balanced; }
 };
 
-/// Holds the contact: weight(0) u_i + weight(1) u_j = push [m] (D), the mesh's fixed nodes at rest, and solves for the
-/// rest. Returns nothing, and says why in `reason`, when the free mesh has zero-energy modes or is unstable, or when
-/// Newton (laws that turn with the tissue) finds no equilibrium: there is no answer, and no pseudo-inverse.
+/// Holds the contact: weight(0) u_i + weight(1) u_j = push [m] (D), the mesh's fixed nodes at rest, and finds a minimum
+/// of the springs' energy over the rest. The mesh need not be stable without its contact; it must be with it, at rest
+/// and where it ends, or there is no answer, and no pseudo-inverse.
+/// A law that is linear in displacement takes one solve. Others are pushed in ten load steps from rest; in each Newton's
+/// method goes down in energy: where the tangent is not positive definite its diagonal is raised until it is, and a step
+/// ends before the force along it has turned round.
 /// Source: design of the closed-loop error; the multiplier is the force a hand feels.
-std::optional<Equilibrium> solve_equilibrium(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
-                                             const SurfacePoint& contact, const Eigen::VectorXd& push_m,
-                                             std::string& reason);
+Equilibrium solve_equilibrium(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
+                              const SurfacePoint& contact, const Eigen::VectorXd& push_m);
 
 /// G (D x N*D): a nodal force residual e = A(u) theta - f [N] at a state u that holds the contact where it was pushed
 /// changes the contact's reaction by G e [N]; exactly so for a law that is linear in displacement, to first order
-/// otherwise. Zero for fixed nodes. Nothing when the mesh has zero-energy modes or is unstable there.
+/// otherwise. Zero for fixed nodes. Nothing where the mesh is not stable though its contact is held, or the contact lies
+/// on fixed nodes.
 std::optional<Eigen::MatrixXd> contact_sensitivity(const SpringMesh& mesh, const SpringLaw& law,
                                                    const Eigen::VectorXd& theta, const SurfacePoint& contact,
                                                    const NodeField& u);
@@ -35,11 +57,12 @@ struct ContactResponse {
 };
 
 /// solve_equilibrium and contact_sensitivity for many contacts of one mesh, push by push; a law that is linear in
-/// displacement is factorised once for all. Nothing, and why, as soon as one has no answer.
+/// displacement is factorised once for all. Nothing, and the first contact's status that is not `balanced`, as soon as
+/// one has no answer.
 std::optional<std::vector<ContactResponse>> contact_responses(const SpringMesh& mesh, const SpringLaw& law,
                                                               const Eigen::VectorXd& theta,
                                                               const std::vector<SurfacePoint>& contacts,
                                                               const std::vector<Eigen::VectorXd>& pushes_m,
-                                                              std::string& reason);
+                                                              EquilibriumStatus& status);
 
 }  // namespace tissue

@@ -38,7 +38,9 @@ Answers answers(const SpringMesh& mesh, const SpringLaw& law, const std::vector<
         pushes.push_back(r.push_m);
     }
     Answers a;
-    const auto responses = contact_responses(mesh, law, theta, contacts, pushes, a.reason);
+    EquilibriumStatus status{};
+    const auto responses = contact_responses(mesh, law, theta, contacts, pushes, status);
+    a.reason = reason_of(status);
     if (!responses) return a;
     a.misfit = 0;
     for (std::size_t i = 0; i < readings.size(); ++i) {

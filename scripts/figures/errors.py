@@ -13,6 +13,7 @@ MEASURES = {
 
 def draw(results):
     cases = results.evaluation["cases"]
+    answered = {model: statistics["n"] for model, statistics in results.evaluation["closed_loop"]["trained"].items()}
     figure, axes = plt.subplots(1, len(MEASURES), figsize=(13, 0.3 * len(cases) + 1.6), sharey=True,
                                 layout="constrained")
     for axis, (measure, title) in zip(axes, MEASURES.items()):
@@ -22,9 +23,10 @@ def draw(results):
             rows = [i for i, e in enumerate(errors) if e is not None]
             answers += len(rows)
             axis.plot([max(errors[i], 1e-3) for i in rows], rows, MARKERS.get(model, "o"),
-                      color=COLOURS.get(model, "0.4"), markersize=6, alpha=0.85, label=LABELS.get(model, model))
+                      color=COLOURS.get(model, "0.4"), markersize=6, alpha=0.85,
+                      label=f"{LABELS.get(model, model)} (closed loop: n = {answered[model]})")
         if answers == 0:
-            axis.text(0.5, 0.5, "no answer: the mesh has\nzero-energy modes", ha="center", transform=axis.transAxes)
+            axis.text(0.5, 0.5, "no answer: see the report", ha="center", transform=axis.transAxes)
         else:
             axis.set_xscale("log")
             axis.axvline(1, color="0.6", linewidth=0.8)

@@ -40,7 +40,8 @@ def draw(results):
     for model, label in shown.items():
         values = np.sort([c["error"][model] for c in drawn["held_out"] if c["error"].get(model) is not None])
         if len(values):
-            often.plot(np.maximum(values, bins[0]), np.linspace(0, 1, len(values)), color=colours[model], label=label)
+            often.plot(np.maximum(values, bins[0]), np.linspace(0, 1, len(values)), color=colours[model],
+                       label=f"{label} (n = {len(values)})")
     often.set_xscale("log")
     often.set_xlabel("closed-loop error, core range")
     often.set_ylabel("part of the contacts below")

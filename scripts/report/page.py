@@ -64,7 +64,7 @@ def lead(e):
                     (loss["heuristic_a"], "left by Van Gelder's heuristic"),
                     (closed["trained"]["learned"]["median"], "closed-loop error, what a hand feels")]
         figures += best_baseline(closed["trained"])
-    if "truth_check" in e:
+    if e.get("truth_check", {"n": 0})["n"]:
         figures.append((e["truth_check"]["median"], "the finite elements' own error, on a finer mesh"))
     return percent(number), [(percent(value), what) for value, what in figures]
 

@@ -228,17 +228,16 @@ Cases made_up(const Study& study, int paths) {
         path.name = "push-" + std::to_string(k);
         path.contact_m = {study.geometry.width_m * (0.2 + 0.6 * k / paths), study.geometry.height_m};
         path.direction = Eigen::Vector2d(0.3, -1).normalized();
-        std::string reason;
         const auto rest = solve_equilibrium(mesh, *law, theta, locate_on_surface(mesh, path.contact_m),
-                                            0.005 * path.direction, reason);
-        if (!rest) throw MismatchError("bench_train: no equilibrium: " + reason);
-        const Eigen::VectorXd f = law->force_matrix(mesh, rest->displacement) * theta;
+                                            0.005 * path.direction);
+        if (!rest) throw MismatchError("bench_train: no equilibrium: " + reason_of(rest.status));
+        const Eigen::VectorXd f = law->force_matrix(mesh, rest.displacement) * theta;
         PathRecord record{};
         record.contact_force_N = record.support_force_N = Eigen::Vector2d::Zero();
         record.displacement = record.force = NodeField::Zero(mesh.node_count(), 2);
         path.records.push_back(record);
         record.magnitude_m = 0.005;
-        record.displacement = rest->displacement;
+        record.displacement = rest.displacement;
         record.force = Eigen::Map<const NodeField>(f.data(), mesh.node_count(), 2);
         record.contact_force_N = rest->contact_force;
         path.records.push_back(record);

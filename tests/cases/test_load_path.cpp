@@ -183,6 +183,50 @@ TEST_CASE("load cases are every path at every magnitude, path by path") {
     CHECK(names == std::vector<std::string>{"left-4mm", "left-8mm", "corner-4mm", "corner-8mm"});
 }
 
+TEST_CASE("load cases of magnitudes that differ little have names of their own, the shortest that do") {
+    Cases measured;
+    measured.measurement.emplace();
+    LoadPath path;
+    path.name = "s012500-p00000";
+    for (double m : {0.0123456, 0.0123457, 0.0200000}) path.records.push_back(measured_record(m, {0, -m}, {0, 0}));
+    measured.paths = {path};
+    std::vector<std::string> names;
+    for (const LoadCase& load : load_cases(measured)) names.push_back(load.name);
+    CHECK(names == std::vector<std::string>{"s012500-p00000-12.3456mm", "s012500-p00000-12.3457mm", "s012500-p00000-20mm"});
+
+    measured.paths[0].records.push_back(path.records.back());
+    refusal<MismatchError>([&] { load_cases(measured); });
+
+    Cases cases;
+    cases.magnitudes_m = {0.01234561, 0.01234562};
+    path.records = {measured_record(0.01234561, {0, -1}, {0, 0}), measured_record(0.01234562, {0, -1}, {0, 0})};
+    cases.paths = {path};
+    names.clear();
+    for (const LoadCase& load : load_cases(cases)) names.push_back(load.name);
+    CHECK(names == std::vector<std::string>{"s012500-p00000-12.34561mm", "s012500-p00000-12.34562mm"});
+}
+
+TEST_CASE("a file in which a path's name stands twice is refused") {
+    const TemporaryFolder folder;
+    Hdf5Writer out(folder.file("twice.h5"), "cases", {"tissuectl test", 0, {}});
+    out.attribute("/", "study", "example");
+    out.write("/nodes", corners(), "m", "nodes");
+    out.write("/magnitudes", Eigen::VectorXd(Eigen::VectorXd::Constant(1, 0.008)), "m", "push lengths");
+    out.write_texts("/path_names", {"left", "left"}, "load paths");
+    out.write_texts("/paths/left/role", {"validation", "lost before it began"}, "role");
+    for (const char* one : {"depth", "magnitude", "energy", "smallest_J", "newton_residual"})
+        out.write(std::string("/paths/left/") + one, Eigen::VectorXd(Eigen::VectorXd::Constant(1, 0.008)), "m", one);
+    for (const char* two : {"contact", "direction"})
+        out.write(std::string("/paths/left/") + two, Eigen::VectorXd(Eigen::VectorXd::Constant(2, 0.5)), "m", two);
+    for (const char* row : {"contact_force", "support_force"})
+        out.write(std::string("/paths/left/") + row, NodeField(NodeField::Zero(1, 2)), "N", row);
+    for (const char* field : {"displacement", "force"})
+        out.write(std::string("/paths/left/") + field, Array{{1, 4, 2}, std::vector<double>(8)}, "m", field);
+    out.write_integers("/paths/left/newton_iterations", {1}, {1}, "iterations");
+    out.commit();
+    CHECK_THAT(refusal<FileError>([&] { read_cases(folder.file("twice.h5")); }), Contains("path_names") && Contains("'left' stands twice"));
+}
+
 TEST_CASE("a path without a record at a magnitude is refused by path and magnitude") {
     Cases cases = example();
     cases.paths[1].records.pop_back();

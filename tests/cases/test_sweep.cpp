@@ -60,6 +60,42 @@ TEST_CASE("every path of a sweep has its own name and pushes from the free surfa
     }
 }
 
+TEST_CASE("training contacts nearer than 0.1 mm, and pushes nearer than a degree, have names of their own") {
+    Study study = swept();
+    study.loads.sweep->spacing_m = 0.02501;           // the fourth contact is 0.03 mm from the corner, which is one too
+    study.loads.sweep->angles_deg = {-45, 0, 0.3, 45};  // 45 degrees off a corner's bisector, and off a side
+    std::set<std::string> names;
+    std::vector<Eigen::Vector4d> pushes;
+    for (const PlannedPath& p : planned_paths(study)) {
+        CHECK(names.insert(p.push.name).second);
+        CHECK(p.push.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == std::string::npos);
+        if (p.role == "train") pushes.emplace_back(p.push.contact_m.x(), p.push.contact_m.y(), p.push.direction.x(), p.push.direction.y());
+    }
+    const auto count = [&](double x, double y) {
+        return std::count_if(pushes.begin(), pushes.end(), [&](const Eigen::Vector4d& p) {
+            return (p.head(2) - Eigen::Vector2d(x, y)).norm() < 1e-9;
+        });
+    };
+    CHECK(count(0.1, 0.02500) == 4);  // none of the study's own pushes is left out
+    CHECK(count(0.1, 0.1) >= 4);
+    CHECK(count(0.09997, 0.1) == 4);
+}
+
+TEST_CASE("names are as short as they can be: 0.1 mm and a degree where that tells all contacts apart") {
+    std::set<std::string> names;
+    for (const PlannedPath& p : planned_paths(swept())) names.insert(p.push.name);
+    for (const char* name : {"s0250-m030", "s0250-p000", "s0500-p030", "s1000-p045", "held-out-0001", "validation-0010"})
+        CHECK(names.count(name) == 1);
+}
+
+TEST_CASE("a listed path that is named as the check of another is refused before anything is solved") {
+    Study study = example_study();
+    study.check_refine = 2 * study.refine;
+    study.check_fraction = 1;
+    study.loads.paths[1].name = "check-" + study.loads.paths[0].name;
+    CHECK_THAT(refusal<MismatchError>([&] { planned_paths(study); }), Contains("'" + study.loads.paths[1].name + "'"));
+}
+
 TEST_CASE("of training contacts that mirror each other one is solved") {
     for (const PlannedPath& p : planned_paths(swept())) {
         if (p.role != "train") continue;

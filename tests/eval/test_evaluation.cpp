@@ -102,7 +102,7 @@ TEST_CASE("a mesh without closed-loop answers says why, and its uniform stiffnes
     const Evaluation e = evaluated(model, x.cases);
     CHECK(e.uniform_chosen_on == "rel_loss");
     CHECK(e.model("learned").closed_loop().n == 0);
-    CHECK_THAT(e.model("learned").cases[0].reason, Contains("zero-energy modes"));
+    CHECK_THAT(e.model("learned").no_answer(), Contains("zero-energy modes"));
     const nlohmann::json j = nlohmann::json::parse(to_json(e, 11));
     const nlohmann::json& entry = j["closed_loop"]["trained"]["learned"];
     CHECK(entry["median"].is_null());
@@ -110,6 +110,33 @@ TEST_CASE("a mesh without closed-loop answers says why, and its uniform stiffnes
     CHECK_THAT(entry["reason"].get<std::string>(), Contains("zero-energy modes"));
     CHECK(j["cases"][0]["models"]["learned"]["closed_loop_error"].is_null());
     CHECK_THAT(to_markdown(e), Contains("No closed-loop answer") && Contains("zero-energy modes"));
+}
+
+TEST_CASE("a model without an answer at some contacts has an n of its own in every table, and the reasons with their counts") {
+    Evaluation e = evaluated(perfect().model, perfect().cases);
+    const auto lose = [&](std::size_t model, std::size_t c, EquilibriumStatus status) {
+        e.models[model].cases[c].closed_loop.reset();
+        e.models[model].cases[c].status = status;
+    };
+    lose(0, 1, EquilibriumStatus::unstable);
+    lose(0, 2, EquilibriumStatus::unstable);
+    lose(0, 3, EquilibriumStatus::not_converged);
+    const nlohmann::json j = nlohmann::json::parse(to_json(e, 11));
+    const nlohmann::json &own = j["closed_loop"]["trained"]["learned"], &other = j["closed_loop"]["trained"]["uniform"];
+    CHECK(own["n"] == 1);
+    CHECK(other["n"] == 4);
+    CHECK_FALSE(other.contains("reason"));
+    const std::string reasons = reason_of(EquilibriumStatus::unstable) + " (2); " +
+                                reason_of(EquilibriumStatus::not_converged) + " (1)";
+    CHECK(own["reason"] == reasons);
+    const std::string report = to_markdown(e), table = report.substr(report.find("| model | rel_loss"));
+    const auto row = [&](const std::string& model) {
+        const std::size_t from = table.find("| " + model + " |");
+        return table.substr(from, table.find('\n', from) - from);
+    };
+    CHECK_THAT(row("learned"), Contains("| 4 |") && Catch::EndsWith("| 1 |"));
+    CHECK_THAT(row("uniform"), Contains("| 4 |") && Catch::EndsWith("| 4 |"));
+    CHECK_THAT(report, Contains("No closed-loop answer of learned: " + reasons));
 }
 
 TEST_CASE("eval.json has what the design promises, and its numbers are the evaluation's") {

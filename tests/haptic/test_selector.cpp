@@ -107,13 +107,12 @@ TEST_CASE("by force, a set serves where the force is the one that it gives at it
     const TissueModel model = haptic_example();
     const Selector selector = make(model, SelectorOptions::Mode::nearest, SelectorOptions::By::force);
     for (int c = 0; c < 6; ++c) {  // straight pushes: force along the push by symmetry of the isotropic law
-        std::string reason;
         const Eigen::Vector2d position = model.contact_m.row(c);
         const auto rest = solve_equilibrium(model.mesh, *make_spring_law(model.law), model.trained[0].theta.row(c).transpose(),
-                                            locate_on_surface(model.mesh, position), model.magnitude_m[c] * model.direction.row(c), reason);
+                                            locate_on_surface(model.mesh, position), model.magnitude_m[c] * model.direction.row(c));
         REQUIRE(rest);
         const auto [segment, w] = place(model.mesh, position);
-        CHECK(selector.select(segment, w, rest->contact_force).set[0] == c);
+        CHECK(selector.select(segment, w, rest.contact_force).set[0] == c);
     }
 }
 

@@ -10,9 +10,7 @@
 #include "error.h"
 #include "haptic/pointer_device.h"
 #include "haptic/state_channel.h"
-#include "haptic/truth_in_motion.h"
 #include "haptic_example.h"
-#include "springs/equilibrium.h"
 
 using namespace tissue;
 
@@ -308,15 +306,6 @@ TEST_CASE("the moving average is (19), tick by tick", "[simulation]") {
     CHECK(s.sets().set[0] == 3);  // top-15mm
 }
 
-TEST_CASE("at a switch of sets energy jumps by gamma of the difference at most, and force with it", "[simulation]") {
-    const TissueModel tissue = haptic_example();
-    const SwitchJump sudden = switch_jump(tissue, {}, 2, 3, 1.0), smooth = switch_jump(tissue, {}, 2, 3, 0.05);
-    CHECK(sudden.energy_jump_J == Approx(sudden.energy_bound_J).epsilon(1e-9));
-    CHECK(smooth.energy_bound_J == Approx(0.05 * sudden.energy_bound_J).epsilon(1e-9));
-    CHECK(smooth.energy_jump_J <= 1.2 * smooth.energy_bound_J);  // the mesh moves on meanwhile
-    CHECK(smooth.force_jump_N < 0.25 * sudden.force_jump_N);
-}
-
 TEST_CASE("the same samples give the same ticks, bit for bit", "[simulation]") {
     for (const char* dynamics : {"symplectic", "implicit"}) {
         HapticOptions o;
@@ -451,25 +440,6 @@ TEST_CASE("options that make no sense are refused", "[simulation]") {
     CHECK(refused([](HapticOptions& o) { o.sets = "best"; }).find("example, optimum") != std::string::npos);
 }
 
-TEST_CASE("in motion the force comes to the static closed-loop answer at every contact", "[truth]") {
-    for (const ExampleModel& e : {ExampleModel{"grid4", "isotropic", 10, 0.2}, ExampleModel{"grid8", "axial", 10, 0.2}, ExampleModel{"grid8", "geometric", 10, 0.2}, ExampleModel{"grid8", "rubber", 10, 0.2}}) {
-        const TissueModel tissue = haptic_example(e);
-        const HapticModel model(tissue, {});
-        int answered = 0, asked = 0;
-        for (int c = 0; c < tissue.case_count(); c += e.law == "isotropic" ? 1 : 3) {
-            const PressResult r = press(model, tissue, {tissue.case_names[static_cast<std::size_t>(c)], tissue.contact_m.row(c), tissue.direction.row(c), tissue.magnitude_m[c], {}});
-            if (!r.rested) WARN(e.law << " " << r.name << " does not rest");
-            INFO(e.law << " " << r.name << ": " << r.reason << " after " << r.seconds << " s");
-            ++asked;
-            if (!r.reason.empty() || !r.rested) continue;  // no equilibrium there, or two sets take turns for ever
-            ++answered;
-            CHECK(r.static_error < 0.01);
-            CHECK((r.displacement_m - tissue.magnitude_m[c] * tissue.direction.row(c).transpose()).norm() < 2e-3 * tissue.magnitude_m[c]);
-        }
-        CHECK(answered >= (e.law == "isotropic" ? asked : asked / 2));
-    }
-}
-
 TEST_CASE("under a hand that holds still the tissue comes to rest, however steeply its sets differ", "[simulation][truth]") {
     // four times stiffer at 15 mm than at 10: blended, the stiffness follows the depth closely
     TissueModel tissue = haptic_example({"grid8", "axial", 10, 0});
@@ -491,29 +461,6 @@ TEST_CASE("under a hand that holds still the tissue comes to rest, however steep
     CHECK(s.sets().count > 1);  // between the depths
     CHECK(s.record().mesh == 0);
     CHECK(swing[1] < 0.1 * swing[0]);
-}
-
-TEST_CASE("a press is judged by FE where it stands as deep as FE does, and at FE's contact alone", "[truth]") {
-    HapticOptions o;
-    o.selector.mode = SelectorOptions::Mode::blended;
-    const TissueModel tissue = haptic_example({"grid8", "axial", 10, 0});
-    const HapticModel model(tissue, o);
-    const auto law = make_spring_law(tissue.law);
-    // "FE" that is this very model at rest: all that is left is what motion does to it
-    PressTruth truth{"top", {0.047, 0.1}, Eigen::Vector2d(0.3, -1).normalized(), 0.012, {}};
-    const SurfacePoint point = locate_on_surface(tissue.mesh, truth.contact_m);
-    std::string reason;
-    const int segment = static_cast<int>(std::find(tissue.mesh.boundary.begin(), tissue.mesh.boundary.end(), point.node[0]) - tissue.mesh.boundary.begin());
-    const SetWeights sets = model.selector->select(segment, point.weight[1], truth.magnitude_m * truth.direction);
-    const auto rest = solve_equilibrium(tissue.mesh, *law, blend(tissue.trained[0].theta, sets), point, truth.magnitude_m * truth.direction, reason);
-    REQUIRE(rest);
-    truth.force_N = rest->contact_force;
-    const PressResult r = press(model, tissue, truth);
-    INFO(r.rested << " " << r.reason << " off " << r.off_contact_m << " static " << r.static_error << " " << r.seconds);
-    REQUIRE((r.rested && r.fe_error && r.static_fe_error));
-    CHECK(*r.fe_error < 2e-3);
-    CHECK(*r.static_fe_error < 2e-3);
-    CHECK(r.off_contact_m < 1e-6);
 }
 
 TEST_CASE("a master that leaves one mesh into the other is stopped at its surface", "[simulation]") {

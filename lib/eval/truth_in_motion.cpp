@@ -1,4 +1,4 @@
-#include "haptic/truth_in_motion.h"
+#include "eval/truth_in_motion.h"
 
 #include <algorithm>
 #include <cmath>
@@ -77,9 +77,10 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
     const auto b = static_cast<std::size_t>(r.segment);
     const SurfacePoint point{{outline[b], outline[(b + 1) % outline.size()]}, {1 - r.w, r.w}};
     const Eigen::VectorXd theta = theta_in_use(model.meshes[0]->springs, simulation.state(0));
-    const auto rest = solve_equilibrium(tissue.mesh, *law, theta, point, result.displacement_m, result.reason);
+    const auto rest = solve_equilibrium(tissue.mesh, *law, theta, point, result.displacement_m);
+    result.reason = reason_of(rest.status);
     if (!rest) return result;
-    result.static_N = rest->contact_force;
+    result.static_N = rest.contact_force;
     result.static_error = (result.force_N - result.static_N).norm() / result.static_N.norm();
     // FE's word is about its own contact: a tool that slipped off on the way pressed another
     const Eigen::Vector2d touched = model.meshes[0]->springs.rest().row(point.node[0]) * point.weight[0] +
@@ -87,12 +88,11 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
     result.off_contact_m = (touched - truth.contact_m).norm();
     if (truth.force_N && result.off_contact_m < same_contact_m) {
         result.fe_error = (result.force_N - *truth.force_N).norm() / truth.force_N->norm();
-        std::string ignored;
         const auto exact = solve_equilibrium(tissue.mesh, *law, theta, locate_on_surface(tissue.mesh, truth.contact_m),
-                                             truth.magnitude_m * truth.direction, ignored);
+                                             truth.magnitude_m * truth.direction);
         if (exact)
             result.static_fe_error =
-                (Eigen::Vector2d(exact->contact_force) - *truth.force_N).norm() / truth.force_N->norm();
+                (Eigen::Vector2d(exact.contact_force) - *truth.force_N).norm() / truth.force_N->norm();
     }
     return result;
 }

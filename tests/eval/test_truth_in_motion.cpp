@@ -1,0 +1,59 @@
+#include "eval/truth_in_motion.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+#include "../haptic/haptic_example.h"
+#include "springs/equilibrium.h"
+
+using namespace tissue;
+
+TEST_CASE("at a switch of sets energy jumps by gamma of the difference at most, and force with it", "[truth]") {
+    const TissueModel tissue = haptic_example();
+    const SwitchJump sudden = switch_jump(tissue, {}, 2, 3, 1.0), smooth = switch_jump(tissue, {}, 2, 3, 0.05);
+    CHECK(sudden.energy_jump_J == Approx(sudden.energy_bound_J).epsilon(1e-9));
+    CHECK(smooth.energy_bound_J == Approx(0.05 * sudden.energy_bound_J).epsilon(1e-9));
+    CHECK(smooth.energy_jump_J <= 1.2 * smooth.energy_bound_J);  // the mesh moves on meanwhile
+    CHECK(smooth.force_jump_N < 0.25 * sudden.force_jump_N);
+}
+
+TEST_CASE("in motion the force comes to the static closed-loop answer at every contact", "[truth]") {
+    for (const ExampleModel& e : {ExampleModel{"grid4", "isotropic", 10, 0.2}, ExampleModel{"grid8", "axial", 10, 0.2}, ExampleModel{"grid8", "geometric", 10, 0.2}, ExampleModel{"grid8", "rubber", 10, 0.2}}) {
+        const TissueModel tissue = haptic_example(e);
+        const HapticModel model(tissue, {});
+        int answered = 0, asked = 0;
+        for (int c = 0; c < tissue.case_count(); c += e.law == "isotropic" ? 1 : 3) {
+            const PressResult r = press(model, tissue, {tissue.case_names[static_cast<std::size_t>(c)], tissue.contact_m.row(c), tissue.direction.row(c), tissue.magnitude_m[c], {}});
+            if (!r.rested) WARN(e.law << " " << r.name << " does not rest");
+            INFO(e.law << " " << r.name << ": " << r.reason << " after " << r.seconds << " s");
+            ++asked;
+            if (!r.reason.empty() || !r.rested) continue;  // no equilibrium there, or two sets take turns for ever
+            ++answered;
+            CHECK(r.static_error < 0.01);
+            CHECK((r.displacement_m - tissue.magnitude_m[c] * tissue.direction.row(c).transpose()).norm() < 2e-3 * tissue.magnitude_m[c]);
+        }
+        CHECK(answered >= (e.law == "isotropic" ? asked : asked / 2));
+    }
+}
+
+TEST_CASE("a press is judged by FE where it stands as deep as FE does, and at FE's contact alone", "[truth]") {
+    HapticOptions o;
+    o.selector.mode = SelectorOptions::Mode::blended;
+    const TissueModel tissue = haptic_example({"grid8", "axial", 10, 0});
+    const HapticModel model(tissue, o);
+    const auto law = make_spring_law(tissue.law);
+    // "FE" that is this very model at rest: all that is left is what motion does to it
+    PressTruth truth{"top", {0.047, 0.1}, Eigen::Vector2d(0.3, -1).normalized(), 0.012, {}};
+    const SurfacePoint point = locate_on_surface(tissue.mesh, truth.contact_m);
+    const int segment = static_cast<int>(std::find(tissue.mesh.boundary.begin(), tissue.mesh.boundary.end(), point.node[0]) - tissue.mesh.boundary.begin());
+    const SetWeights sets = model.selector->select(segment, point.weight[1], truth.magnitude_m * truth.direction);
+    const auto rest = solve_equilibrium(tissue.mesh, *law, blend(tissue.trained[0].theta, sets), point, truth.magnitude_m * truth.direction);
+    REQUIRE(rest);
+    truth.force_N = rest.contact_force;
+    const PressResult r = press(model, tissue, truth);
+    INFO(r.rested << " " << r.reason << " off " << r.off_contact_m << " static " << r.static_error << " " << r.seconds);
+    REQUIRE((r.rested && r.fe_error && r.static_fe_error));
+    CHECK(*r.fe_error < 2e-3);
+    CHECK(*r.static_fe_error < 2e-3);
+    CHECK(r.off_contact_m < 1e-6);
+}
