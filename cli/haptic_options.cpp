@@ -1,5 +1,7 @@
 #include "haptic_options.h"
 
+#include "haptic/dynamics_kinds.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -26,7 +28,7 @@ void add_haptic_options(CLI::App& app, HapticChoices& c) {
         ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember({"displacement", "force"})));
     number("--innovation", h.innovation, "1", "gamma of (19): share of the new set a tick")->check(quiet(CLI::Range(1e-9, 1.0)));
     std::vector<std::string> steps = {"auto"};
-    steps.insert(steps.end(), dynamics_names().begin(), dynamics_names().end());
+    steps.insert(steps.end(), dynamics_kinds().names().begin(), dynamics_kinds().names().end());
     app.add_option("--dynamics", h.dynamics, fmt::format("{}", fmt::join(steps, ", ")))
         ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember(steps)));
     number("--coupling", h.coupling_ratio, "1", "k_C over the contact's own stiffness")->check(quiet(CLI::PositiveNumber));

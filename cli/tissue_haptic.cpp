@@ -41,7 +41,7 @@ void on_signal(int) {
 }
 
 struct Options {
-    std::string model, device = device_names().front(), record, check, out;
+    std::string model, device = device_kinds().names().front(), record, check, out;
     DeviceValues device_values;
     std::string axes = "x,y";
     std::vector<double> offset_m = {0, 0};
@@ -124,13 +124,13 @@ void run(const Options& o, Provenance provenance) {
 void add_options(CLI::App& app, Options& o) {
     using cli::add_number, cli::quiet;
     app.add_option("model", o.model, "model.h5 of tissuectl train")->required()->type_name("FILE");
-    app.add_option("--device", o.device, fmt::format("{}", fmt::join(device_names(), ", ")))
-        ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember(device_names())));
+    app.add_option("--device", o.device, fmt::format("{}", fmt::join(device_kinds().names(), ", ")))
+        ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember(device_kinds().names())));
     add_number(app, "--seconds", o.seconds, "s", "how long; 0: until the device ends or a signal comes")->check(quiet(CLI::NonNegativeNumber));
     app.add_flag("--json", o.json, "print the ledger as JSON");
     app.add_option("--record", o.record, "HDF5 file for every tick")->type_name("FILE");
     app.add_option("--seed", o.seed, "of poke")->type_name("integer")->capture_default_str();
-    for (const DeviceKind* kind : device_kinds())
+    for (const DeviceKind* kind : device_kinds().kinds())
         for (const DeviceOption& option : kind->options) {
             std::string& value = o.device_values[option.name] = option.initial;
             CLI::Option* added = app.add_option("--" + option.name, value, option.meaning)->type_name(option.unit);
@@ -149,7 +149,7 @@ void add_options(CLI::App& app, Options& o) {
 }
 
 void finish(Options& o) {
-    for (const DeviceOption& option : device_kind(o.device).options)
+    for (const DeviceOption& option : device_kinds().at(o.device)->options)
         if (option.needed && o.device_values.at(option.name).empty())
             throw CLI::ValidationError("--device " + o.device, fmt::format("needs --{} {}", option.name, option.unit));
     cli::settle(o.choices);

@@ -10,8 +10,9 @@ using namespace tissue;
 using Catch::Matchers::Equals;
 
 TEST_CASE("a registry finds what it has by name, in its order, and lists it where a name is unknown") {
-    const Registry<int> colours("colour", {{"red", 1}, {"blue", 2}});
-    CHECK(colours.at("blue") == 2);
+    const Registry<std::pair<std::string, int>> colours("colour", {{"red", 1}, {"blue", 2}},
+                                                        [](const auto& colour) { return colour.first; });
+    CHECK(colours.at("blue").second == 2);
     CHECK(colours.names() == std::vector<std::string>{"red", "blue"});
     CHECK_THAT(refusal<MismatchError>([&] { colours.at("green"); }),
                Equals("colour 'green' is not known; allowed: red, blue"));

@@ -1,7 +1,6 @@
 #include "haptic/device_kinds.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "error.h"
 #include "haptic/openhaptics_device.h"
@@ -11,30 +10,20 @@
 
 namespace tissue {
 
-const std::vector<const DeviceKind*>& device_kinds() {
-    static const std::vector<const DeviceKind*> kinds = {
-        &VirtualDevice::kind,
-        &ReplayDevice::kind,
-        &RemoteDevice::kind,
-        &OpenHapticsDevice::kind,
-    };
+const Registry<const DeviceKind*>& device_kinds() {
+    static const Registry<const DeviceKind*> kinds("device",
+                                                   {
+                                                       &VirtualDevice::kind,
+                                                       &ReplayDevice::kind,
+                                                       &RemoteDevice::kind,
+                                                       &OpenHapticsDevice::kind,
+                                                   },
+                                                   [](const DeviceKind* kind) { return kind->name; });
     return kinds;
 }
 
-std::vector<std::string> device_names() {
-    std::vector<std::string> names;
-    for (const DeviceKind* kind : device_kinds()) names.push_back(kind->name);
-    return names;
-}
-
-const DeviceKind& device_kind(const std::string& name) {
-    for (const DeviceKind* kind : device_kinds())
-        if (name == kind->name) return *kind;
-    throw MismatchError(fmt::format("device '{}' is not known; allowed: {}", name, fmt::join(device_names(), ", ")));
-}
-
 std::unique_ptr<Device> make_device(const std::string& name, DeviceValues values, const DeviceContext& context) {
-    const DeviceKind& kind = device_kind(name);
+    const DeviceKind& kind = *device_kinds().at(name);
     for (const DeviceOption& option : kind.options) {
         const std::string& value = values.emplace(option.name, option.initial).first->second;
         if (option.needed && value.empty())

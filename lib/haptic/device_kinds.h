@@ -7,6 +7,7 @@
 
 #include "haptic/device.h"
 #include "haptic/device_map.h"
+#include "registry.h"
 
 namespace tissue {
 
@@ -38,11 +39,7 @@ struct DeviceKind {
 /// Every kind that a program can be asked for by name, in the order in which messages list them; the first is the
 /// default. A new kind is a file of its own and a line in device_kinds.cpp. (PointerDevice is not one of them: it is made
 /// by whoever aims it.)
-const std::vector<const DeviceKind*>& device_kinds();
-std::vector<std::string> device_names();
-
-/// Throws MismatchError for an unknown name.
-const DeviceKind& device_kind(const std::string& name);
+const Registry<const DeviceKind*>& device_kinds();
 
 /// Options that `values` leaves out have their initial value. Throws MismatchError for a name that is not known, an option
 /// that is missing or wrong, and what the device throws.

@@ -1,7 +1,6 @@
 #include "haptic/dynamics.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <cmath>
 
@@ -16,19 +15,10 @@ Eigen::Vector2d ContactLoad::proxy(const RealtimeMesh& mesh, const NodeColumns& 
     return x;
 }
 
-namespace {
-
-const DynamicsKind* const kinds[] = {&paper_dynamics, &symplectic_dynamics, &implicit_dynamics};
-
-}  // namespace
-
-const std::vector<std::string>& dynamics_names() {
-    static const std::vector<std::string> names = [] {
-        std::vector<std::string> list;
-        for (const DynamicsKind* kind : kinds) list.push_back(kind->name);
-        return list;
-    }();
-    return names;
+const Registry<const DynamicsKind*>& dynamics_kinds() {
+    static const Registry<const DynamicsKind*> kinds("dynamics", {&paper_dynamics, &symplectic_dynamics, &implicit_dynamics},
+                                                     [](const DynamicsKind* kind) { return kind->name; });
+    return kinds;
 }
 
 std::unique_ptr<Dynamics> make_dynamics(const std::string& name, const RealtimeMesh& mesh,
@@ -36,14 +26,12 @@ std::unique_ptr<Dynamics> make_dynamics(const std::string& name, const RealtimeM
     if (!(options.dt_s > 0) || !(options.damping_1_s >= 0))
         throw MismatchError(fmt::format("a step of {} s with damping {} 1/s is not possible", options.dt_s,
                                         options.damping_1_s));
-    for (const DynamicsKind* kind : kinds)
-        if (name == kind->name) return kind->make(mesh, options);
-    throw MismatchError(fmt::format("dynamics '{}' is not known; allowed: {}", name, fmt::join(dynamics_names(), ", ")));
+    return dynamics_kinds().at(name)->make(mesh, options);
 }
 
 std::string stable_dynamics(double largest_eigenvalue_1_s2, double dt_s) {
     const double omega_dt = std::sqrt(largest_eigenvalue_1_s2) * dt_s;
-    for (const DynamicsKind* kind : kinds)
+    for (const DynamicsKind* kind : dynamics_kinds().kinds())
         if (omega_dt <= kind->stable_omega_dt) return kind->name;
     throw MismatchError(fmt::format("no step is stable at omega dt = {}", omega_dt));
 }

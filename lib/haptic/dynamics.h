@@ -48,15 +48,13 @@ class Dynamics {
     virtual Eigen::Vector2d step(MeshState& state, const ContactLoad& load) noexcept = 0;
 };
 
-/// Names of the kinds in dynamics_kinds.h, in the order in which messages list them: paper, symplectic, implicit.
-const std::vector<std::string>& dynamics_names();
-
 struct DynamicsOptions {
     double dt_s = 1e-3;          ///< 1 kHz (Sec. 4)
     double damping_1_s = 0;      ///< B = damping M
 };
 
-/// Throws MismatchError for an unknown name, or an implicit step of a mesh too large to factor (over 256 MB).
+/// name: of dynamics_kinds() (haptic/dynamics_kinds.h). Throws MismatchError for an unknown one, or an implicit step of a
+/// mesh too large to factor (over 256 MB).
 /// The mesh must outlive the result.
 std::unique_ptr<Dynamics> make_dynamics(const std::string& name, const RealtimeMesh& mesh,
                                         const DynamicsOptions& options);

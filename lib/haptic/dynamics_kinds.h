@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "haptic/dynamics.h"
+#include "registry.h"
 
 namespace tissue {
 
@@ -24,5 +25,8 @@ extern const DynamicsKind symplectic_dynamics;
 /// Backward Euler, the coupling included: stable at any stiffness; error proportional to dt, energy only falls. One
 /// banded Cholesky a step in which theta changed, in storage made before.
 extern const DynamicsKind implicit_dynamics;
+
+/// Every kind there is: a file of its own, and a line in dynamics.cpp.
+const Registry<const DynamicsKind*>& dynamics_kinds();
 
 }  // namespace tissue

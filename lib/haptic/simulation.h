@@ -21,7 +21,7 @@ struct HapticOptions {
     double innovation = 0.05;         ///< gamma of (19): a new set takes over within about 60 ms
     double damping_ratio = 0.05;      ///< of critical, at the lowest mode: the paper's "very small values"
     double coupling_ratio = 10;       ///< k_C over the contact's own stiffness: the tool sinks in by a tenth more
-    std::string dynamics = "auto";    ///< or a name of dynamics_names()
+    std::string dynamics = "auto";    ///< or a name of dynamics_kinds()
     std::string sets;                 ///< of the learned mesh: an optimiser of the model, `optimum`; "" is its first
     bool heuristic_mesh = true;       ///< Sec. 4.4: a second mesh, Van Gelder's, beside the learned one
     double place_m = 0;               ///< where the second mesh stands along x; 0: one and a half widths to the right

@@ -84,11 +84,13 @@ SpringMesh edges(int cells_x, int cells_y, double width_m, double height_m) {
 }  // namespace
 
 const Registry<Topology>& topologies() {
-    static const Registry<Topology> kinds("topology", {
-        {"grid4", {grid4, nullptr}},
-        {"grid8", {grid8, nullptr}},
-        {"edges", {edges, edge_mesh}},
-    });
+    static const Registry<Topology> kinds("topology",
+                                          {
+                                              {"grid4", grid4, nullptr},
+                                              {"grid8", grid8, nullptr},
+                                              {"edges", edges, edge_mesh},
+                                          },
+                                          [](const Topology& kind) { return kind.name; });
     return kinds;
 }
 

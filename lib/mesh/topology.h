@@ -7,8 +7,10 @@
 
 namespace tissue {
 
-/// Which nodes springs join. Entry of topologies(); each maker's result bears its name.
+/// Which nodes springs join. What a maker makes bears the name.
 struct Topology {
+    const char* name;
+
     /// The springs of a block's lattice: make_lattice.
     SpringMesh (*on_lattice)(int cells_x, int cells_y, double width_m, double height_m);
 

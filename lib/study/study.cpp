@@ -99,8 +99,8 @@ bool is_plain_name(const std::string& name) {
 
 std::vector<std::string> topologies_of(const Study::Geometry& geometry) {
     std::vector<std::string> names;
-    for (const auto& [name, kind] : topologies().kinds())
-        if (geometry.is_block() || !kind.needs_lattice()) names.push_back(name);
+    for (const Topology& kind : topologies().kinds())
+        if (geometry.is_block() || !kind.needs_lattice()) names.push_back(kind.name);
     return names;
 }
 

@@ -1,7 +1,5 @@
 #include "train/objective.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "error.h"
 #include "study/kinds.h"
@@ -27,30 +25,22 @@ const char* to_string(ProblemStatus status) {
     return "unknown";
 }
 
-const std::vector<std::unique_ptr<const Objective>>& objectives() {
-    static const std::vector<std::unique_ptr<const Objective>> all = [] {
-        std::vector<std::unique_ptr<const Objective>> list;
-        list.push_back(std::make_unique<ForceObjective>());
-        list.push_back(std::make_unique<ContactObjective>());
-        list.push_back(std::make_unique<ReactionObjective>());
-        return list;
-    }();
+const Registry<std::shared_ptr<const Objective>>& objectives() {
+    static const Registry<std::shared_ptr<const Objective>> all(
+        "objective",
+        {
+            std::make_shared<ForceObjective>(),
+            std::make_shared<ContactObjective>(),
+            std::make_shared<ReactionObjective>(),
+        },
+        [](const auto& objective) { return objective->name(); });
     return all;
 }
 
 std::vector<ObjectiveKind> objective_kinds() {
     std::vector<ObjectiveKind> kinds;
-    for (const auto& objective : objectives()) kinds.push_back({objective->name(), objective->needs_nodes()});
+    for (const auto& objective : objectives().kinds()) kinds.push_back({objective->name(), objective->needs_nodes()});
     return kinds;
-}
-
-const Objective& objective_named(const std::string& name) {
-    std::vector<std::string> names;
-    for (const auto& objective : objectives()) {
-        if (objective->name() == name) return *objective;
-        names.push_back(objective->name());
-    }
-    throw MismatchError(fmt::format("objective '{}' is not known; allowed: {}", name, fmt::join(names, ", ")));
 }
 
 TrainingProblems node_problems(const TrainingData& data, const std::vector<Target>& targets) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cases/load_path.h"
+#include "registry.h"
 #include "springs/spring_law.h"
 #include "study/study.h"
 #include "train/bounded_lsq.h"
@@ -66,10 +67,7 @@ class Objective {
 };
 
 /// Every objective there is; each in a file of its own. The paper's comes first, which a study has that names none.
-const std::vector<std::unique_ptr<const Objective>>& objectives();
-
-/// The one of that name. Throws MismatchError for an unknown name, listing what is allowed.
-const Objective& objective_named(const std::string& name);
+const Registry<std::shared_ptr<const Objective>>& objectives();
 
 /// One problem a case out of its target and nothing else, every start the heuristic: what objectives on nodes begin with.
 TrainingProblems node_problems(const TrainingData& data, const std::vector<Target>& targets);

@@ -1,7 +1,6 @@
 #include "train/optimizer.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "error.h"
 #include "study/kinds.h"
@@ -30,31 +29,22 @@ const char* to_string(TrainStatus status) {
     return "unknown";
 }
 
-const std::vector<std::unique_ptr<const Optimizer>>& optimizers() {
-    static const std::vector<std::unique_ptr<const Optimizer>> all = [] {
-        std::vector<std::unique_ptr<const Optimizer>> list;
-        list.push_back(std::make_unique<Spsa2008>());
-        list.push_back(std::make_unique<Spsa>());
-        list.push_back(std::make_unique<ExactOptimizer>());
+const Registry<std::shared_ptr<const Optimizer>>& optimizers() {
+    static const Registry<std::shared_ptr<const Optimizer>> all = [] {
+        std::vector<std::shared_ptr<const Optimizer>> list = {
+            std::make_shared<Spsa2008>(),
+            std::make_shared<Spsa>(),
+            std::make_shared<ExactOptimizer>(),
+        };
         for (const std::string& algorithm : nlopt_algorithm_names())
-            list.push_back(std::make_unique<NloptOptimizer>(algorithm));
-        return list;
+            list.push_back(std::make_shared<NloptOptimizer>(algorithm));
+        return Registry<std::shared_ptr<const Optimizer>>("optimizer", list,
+                                                          [](const auto& optimizer) { return optimizer->name(); });
     }();
     return all;
 }
 
-const Optimizer& optimizer_named(const std::string& name) {
-    for (const auto& optimizer : optimizers())
-        if (optimizer->name() == name) return *optimizer;
-    throw MismatchError(
-        fmt::format("optimizer '{}' is not known; allowed: {}", name, fmt::join(optimizer_names(), ", ")));
-}
-
-std::vector<std::string> optimizer_names() {
-    std::vector<std::string> names;
-    for (const auto& optimizer : optimizers()) names.push_back(optimizer->name());
-    return names;
-}
+std::vector<std::string> optimizer_names() { return optimizers().names(); }
 
 void check_problem(const ForceLoss& loss, const Eigen::VectorXd& start, const Box& box, double unit_N_m) {
     const Eigen::Index springs = loss.matrix().cols();

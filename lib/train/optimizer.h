@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "registry.h"
 #include "train/force_loss.h"
 
 namespace tissue {
@@ -78,10 +79,7 @@ class Optimizer {
 
 /// Every optimiser there is: "spsa-2008" (the paper's), "spsa" (ours), "exact" (bounded_lsq.h), "nlopt:NAME"
 /// (nlopt_optimizer.h). They have no state.
-const std::vector<std::unique_ptr<const Optimizer>>& optimizers();
-
-/// The one of that name. Throws MismatchError for an unknown name, listing what is allowed.
-const Optimizer& optimizer_named(const std::string& name);
+const Registry<std::shared_ptr<const Optimizer>>& optimizers();
 
 /// What `minimise` promises to refuse. Throws MismatchError.
 void check_problem(const ForceLoss& loss, const Eigen::VectorXd& start, const Box& box, double unit_N_m);

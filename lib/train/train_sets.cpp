@@ -51,9 +51,9 @@ double seconds_since(Clock::time_point start) {
 
 /// The study's optimisers, its own first, each once.
 std::vector<const Optimizer*> optimizers_of(const Study::Training& training) {
-    std::vector<const Optimizer*> chosen = {&optimizer_named(training.optimizer)};
+    std::vector<const Optimizer*> chosen = {optimizers().at(training.optimizer).get()};
     for (const std::string& name : training.also) {
-        const Optimizer* other = &optimizer_named(name);
+        const Optimizer* other = optimizers().at(name).get();
         if (std::find(chosen.begin(), chosen.end(), other) == chosen.end()) chosen.push_back(other);
     }
     return chosen;
@@ -68,7 +68,7 @@ ProblemRecord record_of(const Objective& objective, const TrainingProblems& prob
 }  // namespace
 
 TrainedModel train_sets(const Study& study, const Cases& cases, int threads, const TrainProgress& progress) {
-    const Objective& objective = objective_named(study.training.objective);
+    const Objective& objective = *objectives().at(study.training.objective);
     const std::vector<const Optimizer*> optimizers = optimizers_of(study.training);
     const double unit = study.modulus_N_m();
     TrainedModel model;

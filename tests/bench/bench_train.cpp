@@ -127,7 +127,7 @@ Json bench_sets(const std::string& study_file, const std::string& cases_file) {
 /// Time per iteration and loss reached, from `start` to the study's iterations or the optimiser's own end.
 Json bench_iterations(const Problem& problem, const std::string& optimizer, const std::string& set) {
     const ForceLoss& loss = problem.loss(set);
-    const Optimizer& method = optimizer_named(optimizer);
+    const Optimizer& method = *optimizers().at(optimizer);
     const std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free);
     const StopCriteria stop{problem.study.training.iterations, {}, {}};
     std::vector<double> us, rel_loss;

@@ -10,9 +10,9 @@ using namespace tissue;
 
 TEST_CASE("every kind of device has a name and options of its own, and its initial values are right", "[device]") {
     std::set<std::string> names, options;
-    for (const DeviceKind* kind : device_kinds()) {
+    for (const DeviceKind* kind : device_kinds().kinds()) {
         CHECK(names.insert(kind->name).second);
-        CHECK(&device_kind(kind->name) == kind);
+        CHECK(device_kinds().at(kind->name) == kind);
         for (const DeviceOption& option : kind->options) {
             INFO(kind->name << " --" << option.name);
             CHECK(options.insert(option.name).second);
@@ -21,7 +21,7 @@ TEST_CASE("every kind of device has a name and options of its own, and its initi
             if (option.wrong) CHECK_FALSE(option.wrong("nonsense").empty());
         }
     }
-    CHECK(device_names() == std::vector<std::string>{"virtual", "replay", "remote", "openhaptics"});
+    CHECK(device_kinds().names() == std::vector<std::string>{"virtual", "replay", "remote", "openhaptics"});
 }
 
 TEST_CASE("a device is made by its name, from its initial values where none are given", "[device]") {

@@ -38,15 +38,15 @@ using Words = std::vector<std::string>;
 }  // namespace
 
 TEST_CASE("every objective is found under its own name, an unknown one refused with what is allowed", "[objective]") {
-    for (const auto& objective : objectives()) CHECK(&objective_named(objective->name()) == objective.get());
-    CHECK_THAT(refusal<MismatchError>([] { objective_named("torque"); }),
+    for (const auto& objective : objectives().kinds()) CHECK(objectives().at(objective->name()) == objective);
+    CHECK_THAT(refusal<MismatchError>([] { objectives().at("torque"); }),
                Contains("'torque'") && Contains("force, contact, reaction"));
 }
 
 TEST_CASE("what a study can name is what the registries hold", "[objective]") {
     const std::vector<ObjectiveKind> kinds = objective_kinds();
-    REQUIRE(kinds.size() == objectives().size());
-    for (const ObjectiveKind& kind : kinds) CHECK(objective_named(kind.name).needs_nodes() == kind.nodes);
+    REQUIRE(kinds.size() == objectives().kinds().size());
+    for (const ObjectiveKind& kind : kinds) CHECK(objectives().at(kind.name)->needs_nodes() == kind.nodes);
     for (const std::string& name : optimizer_names()) {
         Study study = example_study(with(example_study_text(), "optimizer = \"spsa\"", "optimizer = \"" + name + "\""));
         CHECK(study.training.optimizer == name);

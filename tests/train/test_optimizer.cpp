@@ -14,30 +14,30 @@ namespace {
 const char* const iterative[] = {"spsa-2008", "spsa", "nlopt:LD_LBFGS", "nlopt:LN_BOBYQA"};
 
 TrainSummary train(const std::string& name, const Problem& p, const StopCriteria& stop = {}) {
-    return optimizer_named(name).minimise(p.loss, p.start, p.box, 1, stop, make_rng(1).get());
+    return optimizers().at(name)->minimise(p.loss, p.start, p.box, 1, stop, make_rng(1).get());
 }
 
 }  // namespace
 
 TEST_CASE("every optimiser is found under its own name") {
     for (const char* name : {"spsa-2008", "spsa", "exact", "nlopt:LD_LBFGS", "nlopt:LN_BOBYQA"})
-        CHECK(optimizer_named(name).name() == name);
+        CHECK(optimizers().at(name)->name() == name);
     for (const std::string& algorithm : nlopt_algorithm_names())
-        CHECK(optimizer_named("nlopt:" + algorithm).name() == "nlopt:" + algorithm);
+        CHECK(optimizers().at("nlopt:" + algorithm)->name() == "nlopt:" + algorithm);
 }
 
 TEST_CASE("an unknown optimiser is refused with what is allowed") {
-    CHECK_THROWS_AS(optimizer_named("spsa-1998"), MismatchError);
-    CHECK_THROWS_WITH(optimizer_named("sgd"), Catch::Contains("'sgd'") && Catch::Contains("spsa-2008, spsa, exact"));
-    CHECK_THROWS_AS(optimizer_named("nlopt:LD_NEWTON"), MismatchError);
-    CHECK_THROWS_WITH(optimizer_named("nlopt:"), Catch::Contains("LD_LBFGS") && Catch::Contains("LN_BOBYQA"));
+    CHECK_THROWS_AS(optimizers().at("spsa-1998"), MismatchError);
+    CHECK_THROWS_WITH(optimizers().at("sgd"), Catch::Contains("'sgd'") && Catch::Contains("spsa-2008, spsa, exact"));
+    CHECK_THROWS_AS(optimizers().at("nlopt:LD_NEWTON"), MismatchError);
+    CHECK_THROWS_WITH(optimizers().at("nlopt:"), Catch::Contains("LD_LBFGS") && Catch::Contains("LN_BOBYQA"));
 }
 
 TEST_CASE("every optimiser refuses sizes that disagree, an empty box, a start outside it and a modulus of zero") {
     const Problem p = problem_with_active_bounds(12, 6, 1);
     for (const char* name : {"spsa-2008", "spsa", "exact", "nlopt:LD_LBFGS"}) {
         CAPTURE(name);
-        const Optimizer& optimizer = optimizer_named(name);
+        const Optimizer& optimizer = *optimizers().at(name);
         const Rng rng = make_rng(1);
         const auto attempt = [&](const Eigen::VectorXd& start, const Box& box, double unit) {
             optimizer.minimise(p.loss, start, box, unit, {}, rng.get());
