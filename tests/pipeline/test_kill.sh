@@ -30,12 +30,12 @@ moments=$(awk -v seed=$seed -v whole=$whole -v fe=$fe -v legs=$legs -v n=5 'BEGI
 finished_paths() {
     for csv in "$R"/cases/*.csv; do
         name=$(basename "$csv" .csv)
-        [ -e "$csv" ] && [ "$csv" -nt "$R/mesh.msh" ] && [ "$csv" -nt "$R/plan/path-$name" ] && stat -c '%n %i %.Y' "$csv"
+        [ -e "$csv" ] && [ "$csv" -nt "$R/mesh.msh" ] && [ "$csv" -nt "$R/plan/path-$name" ] && stat -c '%i %.Y %n' "$csv"
     done
 }
 kept() { # the finished paths of $scratch/finished are the same files still
-    while read -r csv inode time; do
-        [ "$(stat -c '%n %i %.Y' "$csv")" = "$csv $inode $time" ] || { echo "done again: $csv"; return 1; }
+    while read -r inode time csv; do
+        [ "$(stat -c '%i %.Y' "$csv")" = "$inode $time" ] || { echo "done again: $csv"; return 1; }
     done <"$scratch/finished"
 }
 

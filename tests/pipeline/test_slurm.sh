@@ -112,7 +112,7 @@ state() { scontrol show job "$job" | sed -n 's/.*JobState=\([A-Z]*\).*/\1/p'; }
 ended() { case $(state) in COMPLETED | FAILED | CANCELLED | TIMEOUT | NODE_FAIL) ;; *) return 1 ;; esac; }  # no word is no end
 # a requeued job may start after two minutes only, and looks ended on its way back into the queue
 started_again() {
-    [ "$(state)" != PENDING ] || scontrol update JobId="$job" StartTime=now
+    [ "$(state)" != PENDING ] || scontrol update JobId="$job" StartTime=now 2>/dev/null
     begun 4
 }
 done_well() { [ "$(state)" = COMPLETED ]; }
