@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
         return 1;
     }
     if (const int refused = tissue::refused_threads())
-        std::cerr << "tissuectl: the system refused " << refused << " of the threads asked for (a limit on processes or "
-                  << "memory); the work was done with fewer, and results are the same\n";
+        std::cerr << "tissuectl: the system made " << refused << " threads fewer than asked for (a limit on processes or "
+                  << "memory); the work was done with those there were, and results are the same\n";
     return 0;
 }

@@ -10,14 +10,14 @@
 
 namespace tissue {
 
-/// Threads that the system has refused to this program so far: for one line at its end.
+/// The most threads that the system has refused to one parallel_for of this program so far: for one line at its end.
 inline std::atomic<int>& refused_threads() {
-    static std::atomic<int> count{0};
-    return count;
+    static std::atomic<int> most{0};
+    return most;
 }
 
 /// Runs job(0) ... job(count - 1) on up to `threads` threads, the caller's among them, and returns how many there were:
-/// fewer than asked for where the system made no more (a limit on processes or memory), which refused_threads() counts;
+/// fewer than asked for where the system made no more (a limit on processes or memory), which refused_threads() keeps;
 /// the others do their share. The first exception comes out here, after the running jobs have ended. Jobs must not
 /// depend on each other's order. make_thread: starts a thread, or throws; tests have their own.
 template <class Job, class MakeThread>
@@ -40,7 +40,8 @@ int parallel_for(int count, int threads, const Job& job, const MakeThread& make_
     while (static_cast<int>(pool.size()) + 1 < wanted) try {
             pool.push_back(make_thread(work));
         } catch (const std::exception&) {  // std::system_error, std::bad_alloc: those that were made are enough
-            refused_threads() += wanted - 1 - static_cast<int>(pool.size());
+            const int refused = wanted - 1 - static_cast<int>(pool.size());
+            for (int most = refused_threads(); refused > most && !refused_threads().compare_exchange_weak(most, refused);) {}
             break;
         }
     work();

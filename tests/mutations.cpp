@@ -154,12 +154,12 @@ std::vector<Mutation> mutations(const std::string& file, const std::string& data
     if (a.shape[0] > 1 && rule.rows != Rows::any) {
         const std::size_t columns = a.values.size() / a.shape[0];
         Array twice = a;
-        std::copy(a.values.begin(), a.values.begin() + static_cast<std::ptrdiff_t>(columns), twice.values.end() - static_cast<std::ptrdiff_t>(columns));
+        std::copy_n(a.values.begin(), columns, twice.values.end() - static_cast<std::ptrdiff_t>(columns));
         add("the first row again", twice, rule.rows == Rows::distinct || rule.rows == Rows::ascending);
         Array backwards = a;
         for (std::size_t r = 0; r < a.shape[0]; ++r)
-            std::copy(a.values.begin() + static_cast<std::ptrdiff_t>(r * columns), a.values.begin() + static_cast<std::ptrdiff_t>((r + 1) * columns),
-                      backwards.values.begin() + static_cast<std::ptrdiff_t>((a.shape[0] - 1 - r) * columns));
+            std::copy_n(a.values.begin() + static_cast<std::ptrdiff_t>(r * columns), columns,
+                        backwards.values.begin() + static_cast<std::ptrdiff_t>((a.shape[0] - 1 - r) * columns));
         add("backwards", backwards, rule.rows == Rows::ascending);
         if (columns > 1 && rule.values.kind == DatasetKind::integers) {
             Array same = a;

@@ -24,7 +24,7 @@ std::vector<std::string> split(const std::string& text, char by) {
 bool matches(const std::string& pattern, const std::string& name) {
     if (pattern.find("NAME") == std::string::npos) return pattern == name;
     const std::vector<std::string> a = split(pattern, '/'), b = split(name, '/');
-    return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](const auto& x, const auto& y) { return x == "NAME" || x == y; });
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& x, const auto& y) { return x == "NAME" || x == y; });
 }
 
 /// "S x 2" as {"S", "2"}; nothing of "".
@@ -177,7 +177,8 @@ std::vector<std::string> TableReader::texts(const std::string& name) {
     for (const std::string& text : texts) {
         if (!rule.values.name) continue;
         const bool plain = std::none_of(text.begin(), text.end(), [](char c) { return c == '/' || (c >= 0 && c < ' ') || c == 127; });
-        if (text.empty() || text == "." || text == ".." || !plain) in_->refuse(name, "has a name that is empty, or has a '/' or a control character");
+        if (text.empty() || text == "." || text == ".." || !plain)
+            in_->refuse(name, "has a name that is empty, a folder's, or with a '/' or a control character");
         if (!seen.insert(text).second) in_->refuse(name, fmt::format("'{}' stands twice", text));
     }
     return texts;

@@ -137,7 +137,7 @@ bad_model "contacts of one column" "/cases/contact: is 4 x 1, wanted C = 4 x D =
 bad_model "a spring to nowhere" "/mesh/springs: value 0 is nan" "put('mesh/springs', h['mesh/springs'][:] * 1.); h['mesh/springs'][0, 0] = float('nan')"
 bad_model "a spring from a node to itself" "/mesh/springs: row 5 names " "h['mesh/springs'][5] = [h['mesh/springs'][5, 0]] * 2"
 bad_model "a stiffness that is no number" "/trained/spsa/theta: value 1 is nan" "h['trained/spsa/theta'][0, 1] = float('nan')"
-bad_model "a clockwise boundary" "/mesh/boundary: runs clockwise" "put('mesh/boundary', h['mesh/boundary'][::-1])"
+bad_model "a clockwise boundary" "/mesh/boundary: runs clockwise" "put('mesh/boundary', h['mesh/boundary'][:][::-1])"
 check "bad models leave earlier results untouched" untouched
 
 for file in cut foreign future text; do
