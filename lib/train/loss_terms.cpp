@@ -81,15 +81,11 @@ std::optional<ForceLoss> joint_loss(const std::vector<ForceLoss>& losses) {
         rhs += weight * (loss.matrix().transpose() * loss.target());
     }
     if (!(normal.trace() > 0)) return std::nullopt;
-    for (double ridge = 1e-12; ridge < 2e-6; ridge *= 10) {
-        Eigen::MatrixXd ridged = normal;
-        ridged.diagonal().array() += ridge * normal.trace() / static_cast<double>(S);  // zero columns have a pivot too
-        const Eigen::LLT<Eigen::MatrixXd> factor(ridged);
-        if (factor.info() != Eigen::Success) continue;
-        const Eigen::MatrixXd upper = factor.matrixU();
-        return ForceLoss(upper.sparseView(), factor.matrixL().solve(rhs), Eigen::VectorXd::Ones(S));
-    }
-    return std::nullopt;
+    normal.diagonal().array() += 1e-12 * normal.trace() / static_cast<double>(S);  // zero columns have a pivot too
+    const Eigen::LLT<Eigen::MatrixXd> factor(normal);
+    if (factor.info() != Eigen::Success) return std::nullopt;
+    const Eigen::MatrixXd upper = factor.matrixU();
+    return ForceLoss(upper.sparseView(), factor.matrixL().solve(rhs), Eigen::VectorXd::Ones(S));
 }
 
 }  // namespace tissue
