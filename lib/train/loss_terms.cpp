@@ -80,17 +80,12 @@ std::optional<ForceLoss> joint_loss(const std::vector<ForceLoss>& losses) {
         normal += weight * Eigen::MatrixXd(SparseMatrix(loss.matrix().transpose() * loss.matrix()));
         rhs += weight * (loss.matrix().transpose() * loss.target());
     }
-    const double mean = normal.trace() / static_cast<double>(S);
-    if (!(mean > 0)) return std::nullopt;
-    for (double ridge = 1e-12; ridge < 2e-6; ridge *= 10) {
-        Eigen::MatrixXd ridged = normal;
-        ridged.diagonal().array() += ridge * mean;  // zero columns have a pivot too
-        const Eigen::LLT<Eigen::MatrixXd> factor(ridged);
-        if (factor.info() != Eigen::Success) continue;
-        const Eigen::MatrixXd upper = factor.matrixU();
-        return ForceLoss(upper.sparseView(), factor.matrixL().solve(rhs), Eigen::VectorXd::Ones(S));
-    }
-    return std::nullopt;
+    if (!(normal.trace() > 0)) return std::nullopt;
+    normal.diagonal().array() += 1e-12 * normal.trace() / static_cast<double>(S);  // zero columns have a pivot too
+    const Eigen::LLT<Eigen::MatrixXd> factor(normal);
+    if (factor.info() != Eigen::Success) return std::nullopt;
+    const Eigen::MatrixXd upper = factor.matrixU();
+    return ForceLoss(upper.sparseView(), factor.matrixL().solve(rhs), Eigen::VectorXd::Ones(S));
 }
 
 }  // namespace tissue

@@ -42,8 +42,7 @@ ForceLoss with_reaction(const ForceLoss& loss, const SpringMesh& mesh, const Spr
 
 /// Several losses as one: sum of (L_i / scale_i)^2 over those that have a scale, as the triangular system with the same
 /// minimum, by the Cholesky factor of the sum of their normal matrices. Where several spring sets are equally good, a
-/// ridge of 1e-12 of the mean pivot chooses, or the least tenfold of it, up to 1e-6, with which the factor exists.
-/// Nothing when no loss has a scale, or the factor does not exist.
+/// ridge of 1e-12 of the mean diagonal chooses. Nothing when no loss has a scale, or the factor does not exist.
 std::optional<ForceLoss> joint_loss(const std::vector<ForceLoss>& losses);
 
 }  // namespace tissue

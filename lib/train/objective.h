@@ -33,7 +33,7 @@ enum class ProblemStatus {
     floppy,           ///< "contact": a pivot of K <= 1e-10 of the largest, at the heuristic or one step from it, so the contact
                       ///< has no compliance of the set's own: the nodes count alone, or with the heuristic's compliance
     no_force,         ///< |f| = 0, of every case where it is the one set's: nothing is relative to it; of the one set: the heuristic
-    singular,         ///< of the one set: no ridge up to 1e-6 gives the sum of normal matrices a factor; it is the heuristic
+    singular,         ///< of the one set: a pivot <= 0 of the sum of normal matrices and its ridge (joint_loss); it is the heuristic
     stalled,          ///< of the fit or the exact solver: FitStatus::stalled, LsqStatus::stalled
     iterations_done   ///< of the fit or the exact solver: FitStatus::iterations_done, LsqStatus::iterations_done
 };

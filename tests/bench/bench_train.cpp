@@ -290,7 +290,7 @@ Json bench_scaling(const std::string& study_file, const std::string& cases_file)
                 std::vector<ForceLoss> losses;
                 for (const LoadCase& load : loads)
                     losses.push_back(loss_of(mesh, *law, contact_target(mesh, load, locate_on_surface(mesh, load.path->contact_m), weight)));
-                solve_bounded_lsq(joint_loss(losses), start, box);
+                solve_bounded_lsq(*joint_loss(losses), start, box);
             }));
         }
         add_costs(list, name + ", one set for many cases", "cases", count, seconds);

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The command line: help, version, exit status 0 / 1 / 2, and commands that stand alone in another folder.
+# The command line: help, version, exit status 0 / 1 / 2 / 3, and commands that stand alone in another folder.
 . "$(dirname "$0")/common"
 make_copy
 make_tiny cases -j2
@@ -68,6 +68,16 @@ check "info stands alone: exit 0" exited 0
 check "info says kind, study, format and seed" grep -q "model.h5: model of study 'tiny', format 1, tissuectl .*, seed 2008" \
     "$scratch/out"
 check "info lists datasets with shape, unit and meaning" grep -q '/trained/spsa/theta  *4 x 40  *N/m  *spring sets' "$scratch/out"
+
+# ---- exit status 3: written, but what promises convergence did not reach it
+cp "$scratch/elsewhere/tiny.toml" "$scratch/elsewhere/floppy.toml"
+printf 'objective = "contact"\n\n[springs]\ntopology = "grid4"\nlaw = "axial"\n' >>"$scratch/elsewhere/floppy.toml"
+there train --study floppy.toml --cases cases.h5 --out floppy.h5
+check "a mesh too floppy for objective contact: exit 3" exited 3
+check "a mesh too floppy for objective contact: one line says of how many sets" one_line 'floppy.h5 is written, but .*objective contact: of 4 sets 4 floppy'
+check "a mesh too floppy for objective contact: the model is there" exist "$scratch/elsewhere/floppy.h5"
+there eval --study floppy.toml --model floppy.h5 --cases cases.h5 --out floppy.json --report floppy.md
+check "its report begins with it" sh -c 'sed 10q "$1" | grep -q "of 4 sets 4 floppy"' - "$scratch/elsewhere/floppy.md"
 
 # ---- options change what they say and nothing else
 model() { # NAME OPTION...

@@ -107,7 +107,7 @@ TEST_CASE("losses joined have the minimum of their sum, however few equations th
     const Eigen::VectorXd theta = solve_bounded_lsq(*joint, Eigen::VectorXd::Zero(40), box).theta;
     for (const ForceLoss& loss : losses) CHECK(loss(theta) < 1e-5 * loss.scale());  // twelve equations, forty springs
 
-    // columns of very different length, several of them the same: rounding makes the plain factor fail
+    // columns of very different length, half of them the same
     std::vector<ForceLoss> same;
     Eigen::MatrixXd B = Eigen::MatrixXd::Constant(2, 400, 1e-5);
     B.leftCols(200) = 1e3 * random_matrix(2, 1, rng.get()).replicate(1, 200);
