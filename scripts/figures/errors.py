@@ -24,7 +24,7 @@ def draw(results):
             answers += len(rows)
             axis.plot([max(errors[i], 1e-3) for i in rows], rows, MARKERS.get(model, "o"),
                       color=COLOURS.get(model, "0.4"), markersize=6, alpha=0.85,
-                      label=f"{LABELS.get(model, model)} (closed loop: n = {answered[model]})")
+                      label=f"{LABELS.get(model, model)} (n = {answered[model]})")
         if answers == 0:
             axis.text(0.5, 0.5, "no answer: see the report", ha="center", transform=axis.transAxes)
         else:
@@ -37,7 +37,7 @@ def draw(results):
     axes[0].set_yticks(range(len(cases)), [case["name"].replace("-", " ") for case in cases], fontsize=8)
     axes[0].invert_yaxis()
     handles, labels = axes[0].get_legend_handles_labels()
-    figure.set_layout_engine("constrained", rect=(0, 0.06, 1, 0.94))  # room for the legend
-    figure.legend(handles, labels, loc="lower center", ncols=len(labels), frameon=False)
-    figure.suptitle("Relative error of force, case by case")
+    figure.set_layout_engine("constrained", rect=(0, 0.08, 1, 0.92))  # room for the legend
+    figure.legend(handles, labels, loc="lower center", ncols=-(-len(labels) // 2), frameon=False)
+    figure.suptitle("Relative error of force, case by case; n: those with an answer in closed loop")
     return figure

@@ -39,7 +39,7 @@ try:
         "return b.top >= 0 && b.bottom < innerHeight"))
 
     table = browser.find_element(By.CSS_SELECTOR, "table:has(th[scope=colgroup])")
-    heading = table.find_elements(By.CSS_SELECTOR, "th[data-column]")[1]
+    heading = table.find_element(By.CSS_SELECTOR, "tr + tr th[data-column]")  # the first of a group
     column = int(heading.get_attribute("data-column"))
     button = heading.find_element(By.TAG_NAME, "button")
 
