@@ -57,9 +57,10 @@ export OMP_NUM_THREADS := 1
 # Two makes in one clone: whoever writes a temporary file, beside the file that it is to become, holds a lock on it
 # meanwhile, and what it starts holds it too; the other waits.
 alone = exec 9>>$(1) && flock 9
-# says FILE,VARIABLE: a rule for a file that holds the variable's value, written anew when that is another
+# says FILE,VARIABLE: a rule for a file that holds the variable's value, written anew when that is another. Before there is
+# what install_deps brings, pkg-config too, nobody asks.
 define says
-ifneq ($$(strip $$(file <$(1))),$$(strip $$($(2))))
+ifneq ($$(strip $$(file <$(1))),$$(if $$(wildcard build/deps),$$(strip $$($(2)))))
 $(1): FORCE
 endif
 $(1): | build/deps
@@ -117,7 +118,8 @@ help:
 
 ## clean: remove everything that was built and every result, but the committed ones
 clean:
-	rm -rf build results/bench.json $(filter-out results/reference/,$(wildcard results/*/))
+	rm -rf build results/bench.json
+	find results -mindepth 1 -maxdepth 1 -type d ! -name reference -exec rm -rf {} +
 
 build/deps-test: ALSO = test
 build/deps build/deps-test: scripts/install_deps

@@ -91,6 +91,16 @@ cp "$work/fem/studies/paper.toml" "$scratch/else where/\$(shell touch pwned).tom
 tissuectl plan --study "$scratch/else where/\$(shell touch pwned).toml" --out results/tiny/plan.mk
 refused "a study's file by a name to run" 'its name: .*make cannot carry'
 
+# ---- make clean
+mkdir -p "$work/results/reference" "$work/results/a;touch pwned" "$work/results/x fem" "$work/build"
+touch "$work/build/kept"
+cp -pR "$work/build" "$scratch/build"
+run make clean
+check "make clean takes away results by whatever name, and runs none" sh -c 'cd "$1" && [ "$(ls results)" = reference ] && [ ! -e build ]' - "$work"
+check "make clean: nothing else is gone" exist "$work/fem/studies/tiny.toml" "$work/Makefile"
+check "make clean: nothing was run" not_run
+mv "$scratch/build" "$work/build"
+
 make_tiny results/tiny/cases/left.csv
 check "and the study that all this was done to is solved" exited 0
 finish

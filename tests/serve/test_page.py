@@ -168,12 +168,13 @@ def comparing(page):
           page.until(f"tissue.pressed === 0 && tissue.nearest === {left} && tissue.contact_moved_m[0][0] > 0.95 * {place['depth_m']}"),
           page.js("tissue.contact_moved_m"))
     check("who takes over ends the demo", take_over(page), page.js("tissue.control"))
-    for _ in range(100):     # until the tissue rests under the hand: to one per cent over half a second
-        seen = page.watch("({force: tissue.force_N, moved: tissue.contact_moved_m, fe: tissue.fe_N, place: tissue.nearest})", 0.55)
-        depths = [s["moved"][1][0] for s in seen]
-        if max(depths) - min(depths) < 0.01 * max(depths):
+    for _ in range(100):     # until the tissue rests under the hand: depths and force, to one per cent over half a second
+        seen = page.watch("({force: tissue.force_N, moved: tissue.contact_moved_m, fe: tissue.fe_N, place: tissue.nearest, "
+                          "off: tissue.off_FE, distance: tissue.distance_m, verdict: document.getElementById('verdict').textContent})", 0.55)
+        follow = [[s["moved"][0][0] for s in seen], [s["moved"][1][0] for s in seen], [math.hypot(*s["force"]) for s in seen]]
+        if seen and all(max(values) - min(values) < 0.01 * max(values) for values in follow):
             break
-    last = page.js("({off: tissue.off_FE, distance: tissue.distance_m, time: tissue.time_s, verdict: document.getElementById('verdict').textContent})")
+    last = seen[-1]
 
     check("the known contact is the pressed one", last["distance"] < 1e-3, last)
     angle = math.degrees(math.atan2(*reversed(seen[-1]["moved"][0])))
