@@ -29,7 +29,7 @@ std::vector<VariantResult> ablate(const Study& study, const Cases& cases, int th
         for (const LoadPath& path : kept.paths)
             if (path.role == "train" && path.name.find("-mirror") == std::string::npos) ++result.fe_paths;
         const auto start = std::chrono::steady_clock::now();
-        const TissueModel model = train_sets(changed, kept, threads);
+        const TrainedModel model = train_sets(changed, kept, threads);
         result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         result.sets = model.case_count();
         result.broken = endings_of(model.books.problems, model.books.trained, model.books.optimum).broken;

@@ -85,7 +85,7 @@ BoundedLsqSummary solve_bounded_lsq(const ForceLoss& loss, const Eigen::VectorXd
                 shift *= 10;
                 continue;
             }
-            step(inactive) = newton;
+            for (lapack_int k = 0; k < m; ++k) step[inactive[static_cast<std::size_t>(k)]] = newton[k];
             for (double part = 1; !lower && part > 0.01; part /= 2) {
                 change = (x + part * step).cwiseMax(lo).cwiseMin(hi) - x;
                 moved = B * change;

@@ -56,13 +56,13 @@ TEST_CASE("what a study can name is what the registries hold", "[objective]") {
 TEST_CASE("objective contact says of every case of a floppy mesh that it could not be posed", "[objective]") {
     const Study stiff = contact_study("grid8"), floppy = contact_study("grid4");
     const Cases cases = cases_of(stiff);
-    const TissueModel posed = train_sets(stiff, cases, 2), bare = train_sets(floppy, cases, 2);
-    CHECK(posed.problems.objective == "contact");
-    CHECK(posed.problems.status == Words(4, "posed"));
-    CHECK(posed.problems.one_set_status == "posed");
-    CHECK(endings_of(posed.problems, posed.trained, posed.optimum).broken.empty());
-    CHECK(bare.problems.status == Words(4, "floppy"));
-    const Words broken = endings_of(bare.problems, bare.trained, bare.optimum).broken;
+    const TrainedModel posed = train_sets(stiff, cases, 2), bare = train_sets(floppy, cases, 2);
+    CHECK(posed.books.problems.objective == "contact");
+    CHECK(posed.books.problems.status == Words(4, "posed"));
+    CHECK(posed.books.problems.one_set_status == "posed");
+    CHECK(endings_of(posed.books.problems, posed.books.trained, posed.books.optimum).broken.empty());
+    CHECK(bare.books.problems.status == Words(4, "floppy"));
+    const Words broken = endings_of(bare.books.problems, bare.books.trained, bare.books.optimum).broken;
     REQUIRE(broken.size() == 1);
     CHECK_THAT(broken.front(), Contains("objective contact") && Contains("of 4 sets 4 floppy"));
 }
