@@ -110,7 +110,7 @@ bad_h5 "an HDF5 file of a future version" future.h5 "tissuectl: future.h5: .*ver
 echo "not HDF5" >"$work/text.h5"
 bad_h5 "a file that is no HDF5" text.h5 "tissuectl: text.h5: is not an HDF5 file"
 # ---- a dataset that no model has, through everything that reads models
-TISSUE_HAPTIC=${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}
+TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}") || exit 1
 bad_model() { # SENTENCE LINE-PATTERN PYTHON: what it does to the model h
     cp "$R/model.h5" "$work/bad.h5"
     "$PYTHON" -c "import h5py, sys

@@ -49,7 +49,7 @@ proof() {
     defect "two cases swapped" '^    paths/left/' "fem/studies/$study.toml" \
         -e 's/name = "left",/name = "@",/' -e "s/name = \"$mirror\",/name = \"left\",/" \
         -e "s/name = \"@\",/name = \"$mirror\",/"
-    defect "one spring dropped" '^    trained/spsa/theta_hash: ' lib/mesh/spring_mesh.cpp \
+    defect "one spring dropped" '^    trained/spsa/theta_hash: ' lib/mesh/topology.cpp \
         's/^    mesh.springs.resize(/    springs.pop_back();\n&/'
     regress
     check "without them it is silent again" silent

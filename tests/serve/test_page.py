@@ -86,6 +86,7 @@ def dragging(page):
           page.js("tissue.control"))
     check("the page says so", "You hold" in page.text("notice"), page.text("notice"))
     page.mouse("Moved", 0.004, 0.05)
+    page.until(f"{force} > 0")
     shallow = page.rests(force)
     page.mouse("Moved", 0.009, 0.05)
     deep = page.rests(force)
