@@ -1,0 +1,31 @@
+#include "mesh/cells.h"
+
+#include "error.h"
+
+namespace tissue {
+
+Cells mesh_cells(const SpringMesh& mesh) {
+    if (mesh.topology == "edges") return mesh.triangles;
+    // a lattice cell's two triangles follow each other: (a, b, .) and (., c, d), whichever diagonal divides it
+    Cells cells(mesh.triangles.rows() / 2, 4);
+    for (Eigen::Index c = 0; c < cells.rows(); ++c) {
+        const auto first = mesh.triangles.row(2 * c), second = mesh.triangles.row(2 * c + 1);
+        cells.row(c) << first[0], first[1], second[1], second[2];
+        const bool rising = first[2] == second[1] && second[0] == first[0];   // divided from a to c
+        const bool falling = first[2] == second[2] && second[0] == first[1];  // from b to d
+        if (!rising && !falling) throw MismatchError("the triangles of the lattice do not pair up to its cells");
+    }
+    return cells;
+}
+
+Eigen::VectorXd cell_areas(const SpringMesh& mesh, const Cells& cells) {
+    Eigen::VectorXd areas = Eigen::VectorXd::Zero(cells.rows());
+    for (Eigen::Index c = 0; c < cells.rows(); ++c)
+        for (Eigen::Index k = 0; k < cells.cols(); ++k) {
+            const auto p = mesh.nodes.row(cells(c, k)), q = mesh.nodes.row(cells(c, (k + 1) % cells.cols()));
+            areas[c] += (p[0] * q[1] - p[1] * q[0]) / 2;
+        }
+    return areas;
+}
+
+}  // namespace tissue
