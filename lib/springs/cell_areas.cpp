@@ -20,46 +20,48 @@ CellAreas::CellAreas(const SpringMesh& mesh)
         if (!(area_[e] > 0)) throw MismatchError(fmt::format("cell {} runs clockwise or has no area", e));
 }
 
-/// Half the sum of cross products of successive corners, and its derivative by the corners.
-double CellAreas::area_and_gradient(int e, const NodeField& u, ElementVector& gradient) const {
-    const Eigen::Index corners = nodes().cols();
-    gradient.resize(2 * corners);
-    const auto x = [&](Eigen::Index k, int axis) {
-        const int node = nodes()(e, k % corners);
-        return rest_(node, axis) + u(node, axis);
-    };
-    double area = 0;
-    for (Eigen::Index k = 0; k < corners; ++k) {
-        gradient[2 * k] = (x(k + 1, 1) - x(k + corners - 1, 1)) / 2;
-        gradient[2 * k + 1] = (x(k + corners - 1, 0) - x(k + 1, 0)) / 2;
-        area += (x(k, 0) * x(k + 1, 1) - x(k, 1) * x(k + 1, 0)) / 2;
+/// Half the sum of cross products of successive corners, as it changes with u: nothing cancels.
+double CellAreas::swelling(int e, const NodeField& u) const {
+    double twice = 0;
+    for (Eigen::Index k = 0, corners = nodes().cols(); k < corners; ++k) {
+        const int i = nodes()(e, k), j = nodes()(e, (k + 1) % corners), before = nodes()(e, (k + corners - 1) % corners);
+        twice += u(i, 0) * (rest_(j, 1) - rest_(before, 1)) - u(i, 1) * (rest_(j, 0) - rest_(before, 0));
+        twice += u(i, 0) * u(j, 1) - u(i, 1) * u(j, 0);
     }
-    return area;
+    return twice / (2 * area_[e]);
 }
 
-double CellAreas::area_ratio(int e, const NodeField& u) const {
-    ElementVector gradient;
-    return area_and_gradient(e, u, gradient) / area_[e];
+void CellAreas::area_gradient(int e, const NodeField& u, ElementVector& out) const {
+    const Eigen::Index corners = nodes().cols();
+    out.resize(2 * corners);
+    for (Eigen::Index k = 0; k < corners; ++k) {
+        const int after = nodes()(e, (k + 1) % corners), before = nodes()(e, (k + corners - 1) % corners);
+        out[2 * k] = (rest_(after, 1) - rest_(before, 1) + u(after, 1) - u(before, 1)) / 2;
+        out[2 * k + 1] = (rest_(before, 0) - rest_(after, 0) + u(before, 0) - u(after, 0)) / 2;
+    }
 }
+
+double CellAreas::area_ratio(int e, const NodeField& u) const { return 1 + swelling(e, u); }
 
 double CellAreas::energy(int e, const NodeField& u) const {
-    const double swelling = area_ratio(e, u) - 1;
-    return area_[e] * swelling * swelling / 2;
+    const double by = swelling(e, u);
+    return area_[e] * by * by / 2;
 }
 
 void CellAreas::force(int e, const NodeField& u, ElementVector& out) const {
-    const double area = area_and_gradient(e, u, out);
-    out *= area / area_[e] - 1;
+    area_gradient(e, u, out);
+    out *= swelling(e, u);
 }
 
 void CellAreas::tangent(int e, const NodeField& u, ElementMatrix& out) const {
     const Eigen::Index corners = nodes().cols();
     ElementVector gradient;
-    const double swelling = area_and_gradient(e, u, gradient) / area_[e] - 1;
+    area_gradient(e, u, gradient);
     out = gradient * gradient.transpose() / area_[e];
+    const double by = swelling(e, u);
     for (Eigen::Index k = 0; k < corners; ++k)  // the area is bilinear in successive corners
         for (const Eigen::Index next : {(k + 1) % corners, (k + corners - 1) % corners}) {
-            const double half = (next == (k + 1) % corners ? 0.5 : -0.5) * swelling;
+            const double half = (next == (k + 1) % corners ? 0.5 : -0.5) * by;
             out(2 * k, 2 * next + 1) += half;
             out(2 * k + 1, 2 * next) -= half;
         }

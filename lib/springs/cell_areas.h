@@ -23,7 +23,8 @@ class CellAreas final : public Elements {
     double area_ratio(int e, const NodeField& u) const;
 
    private:
-    double area_and_gradient(int e, const NodeField& u, ElementVector& gradient) const;
+    double swelling(int e, const NodeField& u) const;  ///< area / a - 1
+    void area_gradient(int e, const NodeField& u, ElementVector& out) const;
 
     NodeField rest_;        ///< nodes [m] (N x 2)
     Eigen::VectorXd area_;  ///< a [m^2] (C)

@@ -30,16 +30,13 @@ std::vector<std::string> split(const std::string& text) {
 
 /// Row and factor of a contact's term.
 std::pair<int, int> patch_term(const std::string& term, const std::vector<std::string>& parts) {
-    const auto find = [&](const auto& names, const std::string& name) {
-        const auto at = std::find(names.begin(), names.end(), name);
-        if (at == names.end())
-            throw MismatchError(fmt::format("term '{}': '{}' is not possible here; allowed: contact., then {}, then nothing or .phase, .corner, .edge",
-                                            term, name, fmt::join(patch_rows, ", ")));
-        return static_cast<int>(at - names.begin());
-    };
-    if (parts.size() < 2 || parts.size() > 3) return {find(patch_rows, "nothing"), 0};
-    if (parts.size() == 3 && parts[2].empty()) find(patch_factors, "nothing");
-    return {find(patch_rows, parts[1]), parts.size() == 3 ? find(patch_factors, parts[2]) : 0};
+    const auto row = std::find(patch_rows.begin(), patch_rows.end(), parts.size() > 1 ? parts[1] : "");
+    const auto factor = parts.size() == 2 ? patch_factors.begin()
+                                          : std::find(patch_factors.begin() + 1, patch_factors.end(), parts.size() == 3 ? parts[2] : "");
+    if (row == patch_rows.end() || factor == patch_factors.end())
+        throw MismatchError(fmt::format("term '{}' is not known; allowed: contact. and one of {}, then nothing or one of .phase, .corner, .edge",
+                                        term, fmt::join(patch_rows, ", ")));
+    return {static_cast<int>(row - patch_rows.begin()), static_cast<int>(factor - patch_factors.begin())};
 }
 
 LawHeuristic assemble(const SpringMesh& mesh, const Eigen::VectorXd& springs, const Eigen::VectorXd& cell_modulus_N_m,

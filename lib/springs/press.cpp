@@ -75,7 +75,8 @@ double* PressSolver::entry(int row, int column) {
     return H_.valuePtr() + (std::lower_bound(begin, end, row) - H_.innerIndexPtr());
 }
 
-/// max |g| over |F|, and g (free). At no push there is no force either: what a push of 1e-6 of a load step takes, then.
+/// max |g| over |F|, and g (free). At no push there is no force either: what a push of a
+/// thousandth of a load step takes, then.
 double PressSolver::out_of_balance(const Eigen::VectorXd& constants, const PatchSpring& contact,
                                    const Eigen::Vector2d& push_m, const NodeField& u, Eigen::VectorXd& g) const {
     NodeField f = energy_.force(constants, u);
@@ -86,7 +87,7 @@ double PressSolver::out_of_balance(const Eigen::VectorXd& constants, const Patch
     g.resize(free_);
     for (std::size_t i = 0; i < number_.size(); ++i)
         if (number_[i] >= 0) g[number_[i]] = f.data()[i];
-    return g.lpNorm<Eigen::Infinity>() / (load.hand_N.norm() + 1e-6 * load_step_m_ * contact.gap_N_m.norm());
+    return g.lpNorm<Eigen::Infinity>() / (load.hand_N.norm() + 1e-3 * load_step_m_ * contact.gap_N_m.norm());
 }
 
 /// False when H has a pivot of zero.

@@ -10,9 +10,15 @@ TurningSprings::TurningSprings(const SpringMesh& mesh)
     }
 }
 
+/// l - L = (l^2 - L^2) / (l + L): nothing cancels, and a tissue at rest has no force at all.
+double TurningSprings::elongation(int e, const NodeField& u, double length) const {
+    const auto relative = u.row(nodes()(e, 0)) - u.row(nodes()(e, 1));
+    return relative.dot(2 * span_.row(e) + relative) / (length + length_[e]);
+}
+
 double TurningSprings::energy(int e, const NodeField& u) const {
-    const double elongation = (span_.row(e) + u.row(nodes()(e, 0)) - u.row(nodes()(e, 1))).norm() - length_[e];
-    return elongation * elongation / 2;
+    const double by = elongation(e, u, (span_.row(e) + u.row(nodes()(e, 0)) - u.row(nodes()(e, 1))).norm());
+    return by * by / 2;
 }
 
 void TurningSprings::force(int e, const NodeField& u, ElementVector& out) const {
@@ -20,7 +26,7 @@ void TurningSprings::force(int e, const NodeField& u, ElementVector& out) const 
     out.setZero(2 * D);
     out.head(D) = (span_.row(e) + u.row(nodes()(e, 0)) - u.row(nodes()(e, 1))).transpose();
     const double length = out.head(D).norm();
-    out.head(D) *= length > 0 ? 1 - length_[e] / length : 0;  // two nodes on one spot: no direction to push in
+    out.head(D) *= length > 0 ? elongation(e, u, length) / length : 0;  // two nodes on one spot: no direction to push in
     out.tail(D) = -out.head(D);
 }
 
@@ -28,7 +34,7 @@ void TurningSprings::tangent(int e, const NodeField& u, ElementMatrix& out) cons
     const Eigen::Index D = u.cols();
     ElementVector axis = (span_.row(e) + u.row(nodes()(e, 0)) - u.row(nodes()(e, 1))).transpose();
     const double length = axis.norm();
-    const double across = length > 0 ? 1 - length_[e] / length : 1;  // 1 along, (l - L) / l across
+    const double across = length > 0 ? elongation(e, u, length) / length : 1;  // 1 along, (l - L) / l across
     if (length > 0) axis /= length;
     out.setZero(2 * D, 2 * D);
     for (Eigen::Index a = 0; a < D; ++a)

@@ -15,6 +15,8 @@ class TurningSprings final : public Elements {
     void tangent(int e, const NodeField& u, ElementMatrix& out) const override;
 
    private:
+    double elongation(int e, const NodeField& u, double length) const;
+
     NodeField span_;          ///< X_i - X_j [m] (S x D)
     Eigen::VectorXd length_;  ///< L [m] (S)
 };
