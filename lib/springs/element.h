@@ -8,10 +8,8 @@
 
 namespace tissue {
 
-/// Most degrees of freedom that an element couples: eight corners in space.
-inline constexpr int most_element_dofs = 24;
-using ElementVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most_element_dofs, 1>;
-using ElementMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_element_dofs, most_element_dofs>;
+using ElementVector = Eigen::VectorXd;
+using ElementMatrix = Eigen::MatrixXd;
 
 /// All elements of one kind on one mesh at rest: springs, cells. Element e stores constant_e * energy(e, u), and so
 ///   force it takes to hold u        constant_e * force(e, u)        of its nodes, D * corner + axis

@@ -46,9 +46,13 @@ LawHeuristic assemble(const SpringMesh& mesh, const Eigen::VectorXd& springs, co
         throw MismatchError(fmt::format("formulation '{}' is not known; allowed: plane-stress, plane-strain", formulation));
     if (!(area_cap > 1.0 / 3)) throw MismatchError(fmt::format("an area cap of {} E2 is not above E2 / 3", area_cap));
     LawHeuristic h;
+    const Eigen::Index S = mesh.spring_count(), C = cell_modulus_N_m.size();
+    h.incompressible = strain;
     h.cap = area_cap * cell_modulus_N_m;
-    h.constants.resize(mesh.spring_count() + cell_modulus_N_m.size());
-    h.constants << 2.0 / 3 * springs, strain ? Eigen::VectorXd(0.95 * h.cap) : Eigen::VectorXd(cell_modulus_N_m / 3);
+    h.constants.resize(S + C + (strain ? 1 : 0));
+    h.constants.head(S) = 2.0 / 3 * springs;
+    h.constants.segment(S, C) = strain ? Eigen::VectorXd(0.95 * h.cap) : Eigen::VectorXd(cell_modulus_N_m / 3);
+    if (strain) h.constants[S + C] = h.constants.segment(S, C).mean();
     h.patch.log_N_m.col(0) << std::log(4 * contact_modulus_N_m), std::log(4 * contact_modulus_N_m),
         std::log(0.4 * contact_modulus_N_m), std::log(0.4 * contact_modulus_N_m);
     return h;
@@ -72,7 +76,7 @@ EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, cons
     : terms_(terms), heuristic_(heuristic), value_(Eigen::MatrixXd::Zero(heuristic.constants.size(), static_cast<Eigen::Index>(terms.size()))) {
     const RestPlaces places(mesh);
     const Cells springs = mesh.springs, cells = mesh_cells(mesh);
-    if (heuristic.constants.size() != springs.rows() + cells.rows() || heuristic.cap.size() != cells.rows())
+    if (heuristic.constants.size() != springs.rows() + cells.rows() + (heuristic.incompressible ? 1 : 0) || heuristic.cap.size() != cells.rows())
         throw MismatchError("the heuristic's constants are not those of the mesh");
     for (std::size_t t = 0; t < terms.size(); ++t) {
         if (std::count(terms.begin(), terms.end(), terms[t]) > 1)
@@ -100,10 +104,10 @@ EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, cons
 
 Eigen::VectorXd EnergyLaw::constants(const Eigen::VectorXd& p) const {
     const Eigen::VectorXd exponent = value_ * p;
-    const Eigen::Index S = exponent.size() - heuristic_.cap.size();
+    const Eigen::Index C = heuristic_.cap.size(), S = exponent.size() - C - (heuristic_.incompressible ? 1 : 0);
     Eigen::VectorXd c = heuristic_.constants.array() * exponent.array().exp();
     // stiffness in series with what the cap leaves: never above it
-    for (Eigen::Index e = S; e < c.size(); ++e) {
+    for (Eigen::Index e = S; e < S + C; ++e) {
         const double cap = heuristic_.cap[e - S];
         c[e] = cap / (1 + (cap / heuristic_.constants[e] - 1) * std::exp(-exponent[e]));
     }
@@ -112,8 +116,8 @@ Eigen::VectorXd EnergyLaw::constants(const Eigen::VectorXd& p) const {
 
 Eigen::MatrixXd EnergyLaw::constants_by(const Eigen::VectorXd& p) const {
     Eigen::VectorXd slope = constants(p);
-    const Eigen::Index C = heuristic_.cap.size();
-    slope.tail(C).array() *= 1 - slope.tail(C).array() / heuristic_.cap.array();
+    const Eigen::Index C = heuristic_.cap.size(), S = slope.size() - C - (heuristic_.incompressible ? 1 : 0);
+    slope.segment(S, C).array() *= 1 - slope.segment(S, C).array() / heuristic_.cap.array();
     return slope.asDiagonal() * value_;
 }
 

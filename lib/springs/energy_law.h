@@ -21,7 +21,8 @@ namespace tissue {
 /// Mechanics, 2.3: both kernels' mean logarithm): 1 / (4 E2) for b = h / 2, the start for normal and tangent; a tenth
 /// of it for the rows that keep the patch in line.
 struct LawHeuristic {
-    Eigen::VectorXd constants;   ///< springs, then cells [N/m] (E)
+    bool incompressible = false; ///< plane strain: the tissue as a whole keeps its area too, with the cells' mean A
+    Eigen::VectorXd constants;   ///< of a TissueEnergy [N/m] (E)
     Eigen::VectorXd cap;         ///< that cells stay below [N/m] (C)
     PatchLaw patch;              ///< the same everywhere
 };
@@ -53,6 +54,7 @@ class EnergyLaw {
     EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, const std::vector<std::string>& terms);
 
     const std::vector<std::string>& terms() const { return terms_; }
+    TissueEnergy energy(const SpringMesh& mesh) const { return {mesh, heuristic_.incompressible}; }
     int size() const { return static_cast<int>(terms_.size()); }
 
     Eigen::VectorXd constants(const Eigen::VectorXd& p) const;     ///< [N/m] (E)

@@ -8,10 +8,15 @@
 
 namespace tissue {
 
-TissueEnergy::TissueEnergy(const SpringMesh& mesh)
+TissueEnergy::TissueEnergy(const SpringMesh& mesh, bool incompressible)
     : first_{0}, nodes_(mesh.node_count()), dimension_(mesh.dimension()), fixed_(mesh.fixed) {
     kinds_.push_back(std::make_unique<TurningSprings>(mesh));
     kinds_.push_back(std::make_unique<CellAreas>(mesh));
+    if (incompressible) {
+        Cells whole(1, static_cast<Eigen::Index>(mesh.boundary.size()));
+        std::copy(mesh.boundary.begin(), mesh.boundary.end(), whole.data());
+        kinds_.push_back(std::make_unique<CellAreas>(mesh, whole, "whole"));
+    }
     for (const auto& kind : kinds_) first_.push_back(first_.back() + kind->count());
 }
 

@@ -49,7 +49,7 @@ int law_residual_count(const EnergyLaw& law, const std::vector<PressPath>& paths
 void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths,
                    const LawTrainingOptions& options, const Eigen::VectorXd& p, Eigen::Ref<Eigen::VectorXd> f,
                    Eigen::Ref<RowMatrix> J, std::vector<std::string>* lost) {
-    const TissueEnergy energy(mesh);
+    const TissueEnergy energy = law.energy(mesh);
     const ContactSurface surface(mesh);
     const Eigen::VectorXd constants = law.constants(p);
     const Eigen::MatrixXd constants_by = law.constants_by(p);

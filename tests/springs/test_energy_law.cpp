@@ -43,7 +43,7 @@ TEST_CASE("without coefficients a law's constants are the heuristic's: two third
         const EnergyLaw law(block(), law_heuristic(block(), 450, formulation, 12), {"spring.all"});
         const Eigen::VectorXd c = law.constants(Eigen::VectorXd::Zero(1));
         CHECK((c.head(block().spring_count()) - 2.0 / 3 * heuristic_stiffness(block(), 450)).norm() <= tolerance::rounding * c.norm());
-        CHECK(c.tail(1)[0] == Approx(std::string(formulation) == "plane-strain" ? 0.95 * 12 * 450 : 150).epsilon(tolerance::rounding));
+        CHECK(c[block().spring_count()] == Approx(std::string(formulation) == "plane-strain" ? 0.95 * 12 * 450 : 150).epsilon(tolerance::rounding));
     }
 }
 
@@ -52,7 +52,7 @@ TEST_CASE("constants are positive and cells stay below their cap whatever the co
     for (double size : {-20.0, -3.0, 3.0, 20.0}) {
         const Eigen::VectorXd c = law.constants(Eigen::Vector4d(size, -size / 2, size, size / 3));
         CHECK(c.minCoeff() > 0);
-        CHECK(c.tail(100).maxCoeff() <= 12 * 450);
+        CHECK(c.tail(101).maxCoeff() <= 12 * 450);
     }
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 /// A block of 10 x 10 cells that keeps its area, softer and stiffer from spring to spring.
 struct Tissue {
-    explicit Tissue(SpringMesh m = make_lattice("grid8", 10, 10, 0.1, 0.1)) : mesh(std::move(m)), energy(mesh), surface(mesh) {
+    explicit Tissue(SpringMesh m = make_lattice("grid8", 10, 10, 0.1, 0.1)) : mesh(std::move(m)), energy(mesh, true), surface(mesh) {
         constants = law_heuristic(mesh, 450, "plane-strain", 12).constants;
         for (Eigen::Index i = 0; i < constants.size(); ++i) constants[i] *= 1 + 0.2 * std::sin(static_cast<double>(i));
     }
@@ -170,7 +170,7 @@ TEST_CASE("a contact whose nodes are all held is refused") {
     const ContactSurface surface(mesh);
     mesh.fixed.clear();
     for (int node = 0; node < mesh.node_count(); ++node) mesh.fixed.push_back(node);
-    const TissueEnergy energy(mesh);
+    const TissueEnergy energy(mesh, false);
     PressSolver solver(energy, surface);
     CHECK_THAT(refusal<MismatchError>([&] { solver.press(Eigen::VectorXd::Ones(energy.constant_count()), {surface.at(0.1), {1, 1, 1, 1}}, {0.001, 0}); }),
                Contains("fixed edge"));

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
+#include <algorithm>
 #include <cmath>
 
 #include "error.h"
@@ -33,7 +34,7 @@ double off(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
 
 TEST_CASE("a tissue at rest stores no energy and asks for no force") {
     for (const SpringMesh& mesh : meshes()) {
-        const TissueEnergy energy(mesh);
+        const TissueEnergy energy(mesh, true);
         const Eigen::VectorXd c = some_constants(energy);
         const NodeField rest = NodeField::Zero(mesh.node_count(), 2);
         CHECK(energy.energy(c, rest) <= tolerance::rounding * energy.energy(c, scattered(mesh, 0.001)));
@@ -44,7 +45,7 @@ TEST_CASE("a tissue at rest stores no energy and asks for no force") {
 
 TEST_CASE("one square squeezed to half its height stores what springs and area say") {
     const SpringMesh mesh = make_lattice("grid8", 1, 1, 0.1, 0.1);
-    const TissueEnergy energy(mesh);
+    const TissueEnergy energy(mesh, false);
     REQUIRE(energy.constant_count() == 7);
     NodeField u = NodeField::Zero(4, 2);
     u(2, 1) = u(3, 1) = -0.05;
@@ -60,7 +61,7 @@ TEST_CASE("one square squeezed to half its height stores what springs and area s
 TEST_CASE("force is the derivative of the energy, tangent of the force, and both stay so when cells turn inside out") {
     for (const SpringMesh& mesh : meshes())
         for (double size : {0.003, 0.05}) {
-            const TissueEnergy energy(mesh);
+            const TissueEnergy energy(mesh, true);
             const Eigen::VectorXd c = some_constants(energy);
             const NodeField u = scattered(mesh, size);
             if (size > 0.01) REQUIRE(energy.smallest_area_ratio(u) < 0);
@@ -85,7 +86,7 @@ TEST_CASE("force is the derivative of the energy, tangent of the force, and both
 
 TEST_CASE("energy and force are linear in the constants: unit forces are the derivative") {
     for (const SpringMesh& mesh : meshes()) {
-        const TissueEnergy energy(mesh);
+        const TissueEnergy energy(mesh, true);
         const Eigen::VectorXd c = some_constants(energy);
         const NodeField u = scattered(mesh, 0.003), force = energy.force(c, u);
         CHECK(off(energy.unit_forces(u) * c, as_vector(force)) <= tolerance::rounding);
@@ -95,7 +96,7 @@ TEST_CASE("energy and force are linear in the constants: unit forces are the der
 
 TEST_CASE("no force under rigid translation and rotation, however large") {
     for (const SpringMesh& mesh : meshes()) {
-        const TissueEnergy energy(mesh);
+        const TissueEnergy energy(mesh, true);
         const Eigen::VectorXd c = some_constants(energy);
         const double size = energy.force(c, scattered(mesh, 0.01)).norm();
         for (double angle : {0.0, 0.1, 1.0, 3.0}) {
@@ -108,7 +109,7 @@ TEST_CASE("no force under rigid translation and rotation, however large") {
 
 TEST_CASE("a tissue that was bent feels the same when it is also turned: its forces turn with it") {
     for (const SpringMesh& mesh : meshes()) {
-        const TissueEnergy energy(mesh);
+        const TissueEnergy energy(mesh, true);
         const Eigen::VectorXd c = some_constants(energy);
         const NodeField u = scattered(mesh, 0.003);
         const Eigen::Matrix2d R = Eigen::Rotation2Dd(0.7).toRotationMatrix();
@@ -133,10 +134,23 @@ TEST_CASE("cells keep their area, not their shape: a shear that keeps it asks th
         }
 }
 
+TEST_CASE("an incompressible tissue is one cell more as a whole, which feels its outline alone") {
+    const SpringMesh mesh = make_lattice("grid8", 4, 3, 0.1, 0.06);
+    const TissueEnergy energy(mesh, true);
+    REQUIRE(energy.constant_count() == TissueEnergy(mesh, false).constant_count() + 1);
+    Eigen::VectorXd whole = Eigen::VectorXd::Zero(energy.constant_count());
+    whole.tail(1)[0] = 5;
+    NodeField swollen = 0.1 * mesh.nodes;
+    CHECK(energy.energy(whole, swollen) == Approx(5 * 0.006 * 0.21 * 0.21 / 2).epsilon(tolerance::rounding));
+    for (int node = 0; node < mesh.node_count(); ++node)
+        if (std::find(mesh.boundary.begin(), mesh.boundary.end(), node) == mesh.boundary.end()) swollen.row(node).setZero();
+    CHECK(energy.energy(whole, swollen) == Approx(5 * 0.006 * 0.21 * 0.21 / 2).epsilon(tolerance::rounding));
+}
+
 TEST_CASE("springs and cells together have the moduli of their derivation: Cauchy's relation, and what cells add") {
     // one inner cell of a large lattice under uniform strain; Van Gelder's springs of E2 = 1: axes 1, diagonals 1/2
     const SpringMesh mesh = make_lattice("grid8", 6, 6, 0.06, 0.06);
-    const TissueEnergy energy(mesh);
+    const TissueEnergy energy(mesh, false);
     const double cell = 0.7;
     Eigen::VectorXd c(energy.constant_count());
     for (int s = 0; s < mesh.spring_count(); ++s) c[s] = mesh.incident_area[s] / (mesh.rest_length(s) * mesh.rest_length(s));

@@ -28,7 +28,7 @@ Problem problem(SpringMesh mesh) {
     Problem p{mesh, EnergyLaw(mesh, law_heuristic(mesh, 450, "plane-strain", 12), terms), {}, {}};
     p.truth.resize(p.law.size());
     for (Eigen::Index i = 0; i < p.truth.size(); ++i) p.truth[i] = 0.4 * std::sin(1.0 + 2.0 * static_cast<double>(i));
-    const TissueEnergy energy(mesh);
+    const TissueEnergy energy = p.law.energy(mesh);
     const ContactSurface surface(mesh);
     PressSolver solver(energy, surface);
     for (double part : {0.1, 0.27, 0.36, 0.52}) {
