@@ -28,4 +28,22 @@ Eigen::VectorXd cell_areas(const SpringMesh& mesh, const Cells& cells) {
     return areas;
 }
 
+std::vector<std::vector<int>> cell_regions(const SpringMesh& mesh, const Cells& cells) {
+    const Eigen::RowVectorXd low = mesh.nodes.colwise().minCoeff(), high = mesh.nodes.colwise().maxCoeff(), middle = (low + high) / 2;
+    const double tiny = 1e-6 * (high - low).maxCoeff();
+    std::vector<std::vector<int>> regions(1);
+    for (int quarter = 0; quarter < 4; ++quarter) {
+        std::vector<int> region;
+        for (int c = 0; c < cells.rows(); ++c) {
+            Eigen::RowVectorXd off = -middle;
+            for (Eigen::Index k = 0; k < cells.cols(); ++k) off += mesh.nodes.row(cells(c, k)) / static_cast<double>(cells.cols());
+            const double x = quarter % 2 ? off[0] : -off[0], y = quarter / 2 ? off[1] : -off[1];
+            if (x > -tiny && y > -tiny) region.push_back(c);
+            if (quarter == 0) regions[0].push_back(c);
+        }
+        if (!region.empty()) regions.push_back(region);
+    }
+    return regions;
+}
+
 }  // namespace tissue

@@ -14,10 +14,8 @@ Cells plane_cells(const SpringMesh& mesh) {
 
 }  // namespace
 
-CellAreas::CellAreas(const SpringMesh& mesh) : CellAreas(mesh, plane_cells(mesh), "cell") {}
-
-CellAreas::CellAreas(const SpringMesh& mesh, Cells cells, std::string kind)
-    : Elements(std::move(cells)), kind_(std::move(kind)), rest_(mesh.nodes), area_(cell_areas(mesh, nodes())) {
+CellAreas::CellAreas(const SpringMesh& mesh)
+    : Elements(plane_cells(mesh)), rest_(mesh.nodes), area_(cell_areas(mesh, nodes())) {
     for (int e = 0; e < count(); ++e)
         if (!(area_[e] > 0)) throw MismatchError(fmt::format("cell {} runs clockwise or has no area", e));
 }

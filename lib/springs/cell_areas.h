@@ -11,12 +11,10 @@ namespace tissue {
 /// The Visual Computer 36: 809-825). Two dimensions.
 class CellAreas final : public Elements {
    public:
-    /// The mesh's cells, or others, of any number of corners. Throws MismatchError for a mesh that is not plane, and a cell
-    /// that runs clockwise or has no area.
+    /// Throws MismatchError for a mesh that is not plane, and a cell that runs clockwise or has no area.
     explicit CellAreas(const SpringMesh& mesh);
-    CellAreas(const SpringMesh& mesh, Cells cells, std::string kind);
 
-    std::string kind() const override { return kind_; }
+    std::string kind() const override { return "cell"; }
     double energy(int e, const NodeField& u) const override;
     void force(int e, const NodeField& u, ElementVector& out) const override;
     void tangent(int e, const NodeField& u, ElementMatrix& out) const override;
@@ -28,7 +26,6 @@ class CellAreas final : public Elements {
     double swelling(int e, const NodeField& u) const;  ///< area / a - 1
     void area_gradient(int e, const NodeField& u, ElementVector& out) const;
 
-    std::string kind_;
     NodeField rest_;        ///< nodes [m] (N x 2)
     Eigen::VectorXd area_;  ///< a [m^2] (C)
 };

@@ -49,10 +49,11 @@ LawHeuristic assemble(const SpringMesh& mesh, const Eigen::VectorXd& springs, co
     const Eigen::Index S = mesh.spring_count(), C = cell_modulus_N_m.size();
     h.incompressible = strain;
     h.cap = area_cap * cell_modulus_N_m;
-    h.constants.resize(S + C + (strain ? 1 : 0));
+    const auto R = static_cast<Eigen::Index>(strain ? cell_regions(mesh, mesh_cells(mesh)).size() : 0);
+    h.constants.resize(S + C + R);
     h.constants.head(S) = 2.0 / 3 * springs;
     h.constants.segment(S, C) = strain ? Eigen::VectorXd(0.95 * h.cap) : Eigen::VectorXd(cell_modulus_N_m / 3);
-    if (strain) h.constants[S + C] = h.constants.segment(S, C).mean();
+    h.constants.tail(R).setConstant(h.constants.segment(S, C).mean());
     h.patch.log_N_m.col(0) << std::log(4 * contact_modulus_N_m), std::log(4 * contact_modulus_N_m),
         std::log(0.4 * contact_modulus_N_m), std::log(0.4 * contact_modulus_N_m);
     return h;
@@ -73,10 +74,10 @@ LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triang
 }
 
 EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, const std::vector<std::string>& terms)
-    : terms_(terms), heuristic_(heuristic), value_(Eigen::MatrixXd::Zero(heuristic.constants.size(), static_cast<Eigen::Index>(terms.size()))) {
+    : terms_(terms), heuristic_(heuristic), springs_(mesh.spring_count()), value_(Eigen::MatrixXd::Zero(heuristic.constants.size(), static_cast<Eigen::Index>(terms.size()))) {
     const RestPlaces places(mesh);
     const Cells springs = mesh.springs, cells = mesh_cells(mesh);
-    if (heuristic.constants.size() != springs.rows() + cells.rows() + (heuristic.incompressible ? 1 : 0) || heuristic.cap.size() != cells.rows())
+    if (heuristic.constants.size() != energy(mesh).constant_count() || heuristic.cap.size() != cells.rows())
         throw MismatchError("the heuristic's constants are not those of the mesh");
     for (std::size_t t = 0; t < terms.size(); ++t) {
         if (std::count(terms.begin(), terms.end(), terms[t]) > 1)
@@ -104,11 +105,11 @@ EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, cons
 
 Eigen::VectorXd EnergyLaw::constants(const Eigen::VectorXd& p) const {
     const Eigen::VectorXd exponent = value_ * p;
-    const Eigen::Index C = heuristic_.cap.size(), S = exponent.size() - C - (heuristic_.incompressible ? 1 : 0);
+    const Eigen::Index C = heuristic_.cap.size();
     Eigen::VectorXd c = heuristic_.constants.array() * exponent.array().exp();
     // stiffness in series with what the cap leaves: never above it
-    for (Eigen::Index e = S; e < S + C; ++e) {
-        const double cap = heuristic_.cap[e - S];
+    for (Eigen::Index e = springs_; e < springs_ + C; ++e) {
+        const double cap = heuristic_.cap[e - springs_];
         c[e] = cap / (1 + (cap / heuristic_.constants[e] - 1) * std::exp(-exponent[e]));
     }
     return c;
@@ -116,8 +117,8 @@ Eigen::VectorXd EnergyLaw::constants(const Eigen::VectorXd& p) const {
 
 Eigen::MatrixXd EnergyLaw::constants_by(const Eigen::VectorXd& p) const {
     Eigen::VectorXd slope = constants(p);
-    const Eigen::Index C = heuristic_.cap.size(), S = slope.size() - C - (heuristic_.incompressible ? 1 : 0);
-    slope.segment(S, C).array() *= 1 - slope.segment(S, C).array() / heuristic_.cap.array();
+    auto cells = slope.segment(springs_, heuristic_.cap.size()).array();
+    cells *= 1 - cells / heuristic_.cap.array();
     return slope.asDiagonal() * value_;
 }
 

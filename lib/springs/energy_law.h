@@ -21,7 +21,7 @@ namespace tissue {
 /// Mechanics, 2.3: both kernels' mean logarithm): 1 / (4 E2) for b = h / 2, the start for normal and tangent; a tenth
 /// of it for the rows that keep the patch in line.
 struct LawHeuristic {
-    bool incompressible = false; ///< plane strain: the tissue as a whole keeps its area too, with the cells' mean A
+    bool incompressible = false; ///< plane strain: regions keep their area too (TissueEnergy), with the cells' mean A
     Eigen::VectorXd constants;   ///< of a TissueEnergy [N/m] (E)
     Eigen::VectorXd cap;         ///< that cells stay below [N/m] (C)
     PatchLaw patch;              ///< the same everywhere
@@ -65,6 +65,7 @@ class EnergyLaw {
    private:
     std::vector<std::string> terms_;
     LawHeuristic heuristic_;
+    int springs_;                                ///< first constant of the cells
     Eigen::MatrixXd value_;                      ///< of each term at each element (E x P)
     std::vector<std::pair<int, int>> on_patch_;  ///< row and factor of PatchLaw, or -1
 };

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "springs/cell_areas.h"
+#include "springs/region_area.h"
 #include "springs/turning_springs.h"
 
 namespace tissue {
@@ -13,9 +14,9 @@ TissueEnergy::TissueEnergy(const SpringMesh& mesh, bool incompressible)
     kinds_.push_back(std::make_unique<TurningSprings>(mesh));
     kinds_.push_back(std::make_unique<CellAreas>(mesh));
     if (incompressible) {
-        Cells whole(1, static_cast<Eigen::Index>(mesh.boundary.size()));
-        std::copy(mesh.boundary.begin(), mesh.boundary.end(), whole.data());
-        kinds_.push_back(std::make_unique<CellAreas>(mesh, whole, "whole"));
+        const Cells cells = mesh_cells(mesh);
+        for (const std::vector<int>& region : cell_regions(mesh, cells))
+            kinds_.push_back(std::make_unique<RegionArea>(mesh, cells, region));
     }
     for (const auto& kind : kinds_) first_.push_back(first_.back() + kind->count());
 }

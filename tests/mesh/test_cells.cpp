@@ -1,6 +1,8 @@
 #include "mesh/cells.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "disc.h"
 #include "error.h"
@@ -34,4 +36,19 @@ TEST_CASE("a lattice whose triangles do not pair up is refused") {
     SpringMesh mesh = make_lattice("grid8", 2, 2, 0.1, 0.1);
     mesh.triangles.row(1).swap(mesh.triangles.row(2));
     CHECK_THAT(refusal<MismatchError>([&] { mesh_cells(mesh); }), Contains("pair up"));
+}
+
+TEST_CASE("regions are the whole tissue and its quarters, and mirror themselves where the mesh does") {
+    for (int across : {4, 5}) {
+        const SpringMesh mesh = make_lattice("grid8", across, 4, 0.1, 0.1);
+        const Cells cells = mesh_cells(mesh);
+        const std::vector<std::vector<int>> regions = cell_regions(mesh, cells);
+        REQUIRE(regions.size() == 5);
+        CHECK(regions[0].size() == static_cast<std::size_t>(4 * across));
+        for (std::size_t q = 1; q < 5; ++q) CHECK(regions[q].size() == static_cast<std::size_t>(across == 4 ? 4 : 6));  // the middle column counts twice
+        for (int c : regions[1]) {
+            const int row = c / across, mirror = row * across + across - 1 - c % across;
+            CHECK(std::find(regions[2].begin(), regions[2].end(), mirror) != regions[2].end());
+        }
+    }
 }

@@ -52,7 +52,7 @@ TEST_CASE("constants are positive and cells stay below their cap whatever the co
     for (double size : {-20.0, -3.0, 3.0, 20.0}) {
         const Eigen::VectorXd c = law.constants(Eigen::Vector4d(size, -size / 2, size, size / 3));
         CHECK(c.minCoeff() > 0);
-        CHECK(c.tail(101).maxCoeff() <= 12 * 450);
+        CHECK(c.tail(105).maxCoeff() <= 12 * 450);
     }
 }
 
@@ -134,8 +134,8 @@ TEST_CASE("a modulus by triangle stiffens its own springs and cells") {
     Eigen::VectorXd modulus = Eigen::VectorXd::Constant(12, 100.0);
     modulus[3] = 400;
     const LawHeuristic h = law_heuristic(mesh, modulus, "plane-stress", 12), even = law_heuristic(mesh, 100.0, "plane-stress", 12);
-    CHECK(h.constants.tail(12)[3] == Approx(4 * even.constants.tail(12)[3]));
-    CHECK(h.constants.tail(12)[4] == Approx(even.constants.tail(12)[4]));
+    CHECK(h.constants.segment(24, 12)[3] == Approx(4 * even.constants.segment(24, 12)[3]));
+    CHECK(h.constants.segment(24, 12)[4] == Approx(even.constants.segment(24, 12)[4]));
     CHECK(std::exp(h.patch.log_N_m(0, 0)) == Approx(1600));
 }
 
