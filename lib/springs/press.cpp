@@ -23,7 +23,7 @@ PressSolver::PressSolver(const TissueEnergy& energy, const ContactSurface& surfa
     : energy_(energy), options_(options) {
     const int D = energy.dimension();
     const std::vector<int>& line = surface.outline().nodes();
-    load_step_m_ = options.load_step * surface.outline().length() / static_cast<double>(line.size() - 1);
+    spacing_m_ = surface.outline().length() / static_cast<double>(line.size() - 1);
 
     number_.assign(static_cast<std::size_t>(D * energy.node_count()), 0);
     for (int node : energy.fixed())
@@ -75,8 +75,8 @@ double* PressSolver::entry(int row, int column) {
     return H_.valuePtr() + (std::lower_bound(begin, end, row) - H_.innerIndexPtr());
 }
 
-/// max |g| over |F|, and g (free). At no push there is no force either: what a push of a
-/// thousandth of a load step takes, then.
+/// max |g| over |F|, and g (free). At no push there is no force either: what a push of
+/// 1e-4 of the nodes' spacing takes, then.
 double PressSolver::out_of_balance(const Eigen::VectorXd& constants, const PatchSpring& contact,
                                    const Eigen::Vector2d& push_m, const NodeField& u, Eigen::VectorXd& g) const {
     NodeField f = energy_.force(constants, u);
@@ -87,7 +87,7 @@ double PressSolver::out_of_balance(const Eigen::VectorXd& constants, const Patch
     g.resize(free_);
     for (std::size_t i = 0; i < number_.size(); ++i)
         if (number_[i] >= 0) g[number_[i]] = f.data()[i];
-    return g.lpNorm<Eigen::Infinity>() / (load.hand_N.norm() + 1e-3 * load_step_m_ * contact.gap_N_m.norm());
+    return g.lpNorm<Eigen::Infinity>() / (load.hand_N.norm() + 1e-4 * spacing_m_ * contact.gap_N_m.norm());
 }
 
 /// False when H has a pivot of zero.
@@ -150,7 +150,7 @@ PressState PressSolver::press(const Eigen::VectorXd& constants, const PatchSprin
     state.displacement = from ? from->displacement : NodeField::Zero(energy_.node_count(), D);
     const Eigen::Vector2d start_m = from ? from->push_m : Eigen::Vector2d::Zero();
     const Eigen::Vector2d way_m = push_m - start_m;
-    const double steps = std::max(1.0, std::ceil(way_m.norm() / load_step_m_ - 1e-9));
+    const double steps = std::max(1.0, std::ceil(way_m.norm() / (options_.load_step * spacing_m_) - 1e-9));
     double done = 0, step = 1 / steps;
     while (done < 1) {
         const double next = done + step > 1 - 1e-9 ? 1 : done + step;

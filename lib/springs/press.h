@@ -70,7 +70,7 @@ class PressSolver {
 
     const TissueEnergy& energy_;
     PressOptions options_;
-    double load_step_m_;
+    double spacing_m_;                      ///< mean, of the surface's nodes
     std::vector<int> number_;               ///< of each degree of freedom among the free ones, -1 held (N*D)
     int free_ = 0;
     Eigen::SparseMatrix<double> H_;         ///< lower triangle; its pattern holds every contact of the surface
