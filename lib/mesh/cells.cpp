@@ -28,6 +28,13 @@ Eigen::VectorXd cell_areas(const SpringMesh& mesh, const Cells& cells) {
     return areas;
 }
 
+std::vector<std::vector<int>> node_stars(const SpringMesh& mesh, const Cells& cells) {
+    std::vector<std::vector<int>> stars(static_cast<std::size_t>(mesh.node_count()));
+    for (int c = 0; c < cells.rows(); ++c)
+        for (Eigen::Index k = 0; k < cells.cols(); ++k) stars[static_cast<std::size_t>(cells(c, k))].push_back(c);
+    return stars;
+}
+
 std::vector<std::vector<int>> cell_regions(const SpringMesh& mesh, const Cells& cells) {
     const Eigen::RowVectorXd low = mesh.nodes.colwise().minCoeff(), high = mesh.nodes.colwise().maxCoeff(), middle = (low + high) / 2;
     const double tiny = 1e-6 * (high - low).maxCoeff();

@@ -16,6 +16,9 @@ Cells mesh_cells(const SpringMesh& mesh);
 /// Area of each cell at rest [m^2] (C).
 Eigen::VectorXd cell_areas(const SpringMesh& mesh, const Cells& cells);
 
+/// The cells around each node (N): lists of cells.
+std::vector<std::vector<int>> node_stars(const SpringMesh& mesh, const Cells& cells);
+
 /// The whole tissue, then its quarters: cells whose middles lie in one half of the box around the mesh, along x and along
 /// y. A cell in the middle belongs to both sides, so that a mesh that mirrors itself has regions that do. Quarters without
 /// cells are left out. Each a list of cells.

@@ -39,6 +39,20 @@ std::pair<int, int> patch_term(const std::string& term, const std::vector<std::s
     return {static_cast<int>(row - patch_rows.begin()), static_cast<int>(factor - patch_factors.begin())};
 }
 
+/// E2 of the cells: of the squares of a lattice, or of what lies around the nodes of a shape.
+Eigen::VectorXd cell_moduli(const SpringMesh& mesh, const Eigen::VectorXd& by_piece) {
+    if (mesh.topology != "edges") return by_piece;
+    const Cells triangles = mesh_cells(mesh);
+    const Eigen::VectorXd areas = cell_areas(mesh, triangles);
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(mesh.node_count()), area = sum;
+    for (Eigen::Index t = 0; t < triangles.rows(); ++t)
+        for (Eigen::Index k = 0; k < 3; ++k) {
+            sum[triangles(t, k)] += areas[t] * by_piece[t];
+            area[triangles(t, k)] += areas[t];
+        }
+    return sum.cwiseQuotient(area);
+}
+
 LawHeuristic assemble(const SpringMesh& mesh, const Eigen::VectorXd& springs, const Eigen::VectorXd& cell_modulus_N_m,
                       double contact_modulus_N_m, const std::string& formulation, double area_cap) {
     const bool strain = formulation == "plane-strain";
@@ -48,12 +62,14 @@ LawHeuristic assemble(const SpringMesh& mesh, const Eigen::VectorXd& springs, co
     LawHeuristic h;
     const Eigen::Index S = mesh.spring_count(), C = cell_modulus_N_m.size();
     h.incompressible = strain;
-    h.cap = area_cap * cell_modulus_N_m;
+    const double share = mesh.topology == "edges" ? 1.0 / 3 : 1;  // of cells that lie over each other
+    h.cap = share * area_cap * cell_modulus_N_m;
     const auto R = static_cast<Eigen::Index>(strain ? cell_regions(mesh, mesh_cells(mesh)).size() : 0);
     h.constants.resize(S + C + R);
-    h.constants.head(S) = 2.0 / 3 * springs;
-    h.constants.segment(S, C) = strain ? Eigen::VectorXd(0.95 * h.cap) : Eigen::VectorXd(cell_modulus_N_m / 3);
-    h.constants.tail(R).setConstant(h.constants.segment(S, C).mean());
+    const Cells pieces = mesh_cells(mesh);
+    h.constants.head(S) = 8.0 / 3 * cell_areas(mesh, pieces).sum() / mesh.incident_area.sum() * springs;
+    h.constants.segment(S, C) = strain ? Eigen::VectorXd(0.95 * h.cap) : Eigen::VectorXd(share * cell_modulus_N_m / 3);
+    h.constants.tail(R).setConstant(h.constants.segment(S, C).mean() / share);
     h.patch.log_N_m.col(0) << std::log(4 * contact_modulus_N_m), std::log(4 * contact_modulus_N_m),
         std::log(0.4 * contact_modulus_N_m), std::log(0.4 * contact_modulus_N_m);
     return h;
@@ -62,21 +78,26 @@ LawHeuristic assemble(const SpringMesh& mesh, const Eigen::VectorXd& springs, co
 }  // namespace
 
 LawHeuristic law_heuristic(const SpringMesh& mesh, double modulus_N_m, const std::string& formulation, double area_cap) {
-    return assemble(mesh, heuristic_stiffness(mesh, modulus_N_m), Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), modulus_N_m),
-                    modulus_N_m, formulation, area_cap);
+    return assemble(mesh, heuristic_stiffness(mesh, modulus_N_m),
+                    cell_moduli(mesh, Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), modulus_N_m)), modulus_N_m, formulation, area_cap);
 }
 
 LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triangle_modulus_N_m,
                            const std::string& formulation, double area_cap) {
     if (mesh.topology != "edges") throw MismatchError("a modulus by triangle needs springs on the triangles' edges");
-    return assemble(mesh, heuristic_stiffness(mesh, triangle_modulus_N_m), triangle_modulus_N_m,
+    return assemble(mesh, heuristic_stiffness(mesh, triangle_modulus_N_m), cell_moduli(mesh, triangle_modulus_N_m),
                     triangle_modulus_N_m.maxCoeff(), formulation, area_cap);
 }
 
 EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, const std::vector<std::string>& terms)
     : terms_(terms), heuristic_(heuristic), springs_(mesh.spring_count()), value_(Eigen::MatrixXd::Zero(heuristic.constants.size(), static_cast<Eigen::Index>(terms.size()))) {
     const RestPlaces places(mesh);
-    const Cells springs = mesh.springs, cells = mesh_cells(mesh);
+    const Cells springs = mesh.springs;
+    Cells cells = mesh_cells(mesh);
+    if (mesh.topology == "edges") {  // its cells are about its nodes
+        cells.resize(mesh.node_count(), 1);
+        for (int node = 0; node < mesh.node_count(); ++node) cells(node, 0) = node;
+    }
     if (heuristic.constants.size() != energy(mesh).constant_count() || heuristic.cap.size() != cells.rows())
         throw MismatchError("the heuristic's constants are not those of the mesh");
     for (std::size_t t = 0; t < terms.size(); ++t) {

@@ -10,9 +10,11 @@ namespace tissue {
 
 /// Constants before anything is learned: what linear elasticity asks of springs and cells.
 ///
-/// Van Gelder's springs (7) with both diagonals have lambda = mu = E2 / 2 on a square lattice (C11 = 3/2 E2, C12 = C66 =
-/// E2 / 2), and a shape's triangles nearly so: Cauchy's relation, springs/cell_areas.h. Incompressible tissue has mu =
-/// E / 3, so springs are 2/3 of Van Gelder's, and leave lambda = E2 / 3. The cells bring the rest:
+/// Van Gelder's springs (7), k L^2 = E2 area(T_e), store E2 area(T_e) (n.strain n)^2 / 2 each; where their directions n
+/// are spread evenly the mean of (n.strain n)^2 is (tr^2 + 2 strain:strain) / 8, so lambda = mu = E2 / 8 sum area(T_e) /
+/// area: Cauchy's relation, springs/cell_areas.h. That is E2 / 2 on a lattice with both diagonals, 3/8 E2 on triangles.
+/// Incompressible tissue has mu = E / 3, so springs are 2/3, or 8/9, of Van Gelder's, and leave lambda = E2 / 3. The cells
+/// bring the rest:
 ///   plane stress  lambda = E2 nu / (1 - nu^2) = 2/3 E2 at nu = 1/2: A = E2 / 3, a modulus
 ///   plane strain  lambda is infinite: A is as large as the time step bears. The cap is that choice, not a modulus:
 ///                 at 12 E2 the fastest mode of a 10 mm lattice stays below 1.9e3 rad/s, under the 2 / dt of 1 ms
@@ -29,6 +31,7 @@ struct LawHeuristic {
 
 /// formulation: plane-stress or plane-strain. area_cap: of cells, over E2; plane strain starts 5 % below it.
 /// Throws MismatchError for another formulation, or a cap that is not above E2 / 3.
+/// Cells of a shape, which lie over each other in threes, have a third each.
 LawHeuristic law_heuristic(const SpringMesh& mesh, double modulus_N_m, const std::string& formulation, double area_cap);
 
 /// Where E2 differs from triangle to triangle (T) [N/m], on a shape; a contact has the largest of them.

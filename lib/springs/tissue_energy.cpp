@@ -3,18 +3,22 @@
 #include <algorithm>
 #include <limits>
 
-#include "springs/cell_areas.h"
 #include "springs/region_area.h"
 #include "springs/turning_springs.h"
 
 namespace tissue {
 
 TissueEnergy::TissueEnergy(const SpringMesh& mesh, bool incompressible)
-    : first_{0}, nodes_(mesh.node_count()), dimension_(mesh.dimension()), fixed_(mesh.fixed) {
+    : cells_(mesh), first_{0}, nodes_(mesh.node_count()), dimension_(mesh.dimension()), fixed_(mesh.fixed) {
     kinds_.push_back(std::make_unique<TurningSprings>(mesh));
-    kinds_.push_back(std::make_unique<CellAreas>(mesh));
+    const Cells& cells = cells_.nodes();
+    if (mesh.topology == "edges") {
+        for (const std::vector<int>& star : node_stars(mesh, cells))
+            kinds_.push_back(std::make_unique<RegionArea>(mesh, cells, star));
+    } else {
+        kinds_.push_back(std::make_unique<CellAreas>(mesh));
+    }
     if (incompressible) {
-        const Cells cells = mesh_cells(mesh);
         for (const std::vector<int>& region : cell_regions(mesh, cells))
             kinds_.push_back(std::make_unique<RegionArea>(mesh, cells, region));
     }
@@ -79,9 +83,7 @@ Eigen::SparseMatrix<double> TissueEnergy::unit_forces(const NodeField& u) const 
 
 double TissueEnergy::smallest_area_ratio(const NodeField& u) const {
     double smallest = std::numeric_limits<double>::infinity();
-    for (const auto& kind : kinds_)
-        if (const auto* cells = dynamic_cast<const CellAreas*>(kind.get()))
-            for (int e = 0; e < cells->count(); ++e) smallest = std::min(smallest, cells->area_ratio(e, u));
+    for (int e = 0; e < cells_.count(); ++e) smallest = std::min(smallest, cells_.area_ratio(e, u));
     return smallest;
 }
 

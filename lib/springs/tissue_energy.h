@@ -4,13 +4,18 @@
 #include <memory>
 #include <vector>
 
-#include "springs/element.h"
+#include "springs/cell_areas.h"
 
 namespace tissue {
 
 /// The energy that a piece of tissue stores: turning springs and cells that keep their area, each with a constant of its
 /// own. Derives forces that give back what they took on every closed loop, feels no translation and no rotation, and is
 /// zero at rest. constants [N/m] (E): theta of the springs (S), then A of the cells (C).
+///
+/// Cells are a lattice's squares, about one a node. A shape has two triangles a node, and as many areas to keep as there
+/// are displacements: it would lock. There a cell is what lies around a node, all its triangles together (average nodal
+/// area: Bonet and Burton 1998, Communications in Numerical Methods in Engineering 14: 437-449); three of them lie over
+/// each other everywhere.
 ///
 /// An incompressible tissue keeps its area as a whole and by quarters too, A of those regions the last constants (R): what
 /// the cells lose one by one, since a time step bounds how stiff they may be, adds up over the tissue, and it bulges too
@@ -38,6 +43,7 @@ class TissueEnergy {
     double smallest_area_ratio(const NodeField& u) const;
 
    private:
+    CellAreas cells_;
     std::vector<std::unique_ptr<Elements>> kinds_;
     std::vector<int> first_;
     int nodes_, dimension_;
