@@ -12,6 +12,9 @@ inline constexpr double solve = 1e-9;
 /// Geometric springs at equilibrium: Newton stops at an out-of-balance force of 1e-10 of the contact's.
 inline constexpr double newton = 1e-8;
 
+/// A central difference of step 1e-3 of what it differs by: its own error goes with the step squared.
+inline constexpr double difference = 1e-6;
+
 /// Measured order of a second-order difference at the steps used here; absolute.
 inline constexpr double order = 0.05;
 

@@ -30,7 +30,8 @@ Outline::Outline(const SpringMesh& mesh) {
         }
     if (starts != 1) throw MismatchError("the fixed nodes do not leave one connected free surface");
     for (std::size_t b = first;; ++b) {
-        points_.emplace_back(mesh.nodes.row(mesh.boundary[b % count]));
+        nodes_.push_back(mesh.boundary[b % count]);
+        points_.emplace_back(mesh.nodes.row(nodes_.back()));
         arc_.push_back(arc_.empty() ? 0 : arc_.back() + (points_.back() - points_[points_.size() - 2]).norm());
         if (b > first && is_fixed(b)) break;
     }

@@ -16,6 +16,10 @@ class Outline {
 
     double length() const { return arc_.back(); }
 
+    /// Nodes of the free surface in order, the held ones at its two ends included, and the arc length of each [m].
+    const std::vector<int>& nodes() const { return nodes_; }
+    const std::vector<double>& arcs() const { return arc_; }
+
     /// Arc lengths of the nodes at which the surface turns by more than 45 degrees, ascending. Where it turns by less it
     /// is taken as curved.
     std::vector<double> corners() const;
@@ -41,7 +45,8 @@ class Outline {
     bool is_corner(std::size_t b) const;
     Eigen::Vector2d segment_normal(std::size_t b) const;
 
-    std::vector<Eigen::Vector2d> points_;  ///< the free surface's nodes, in order
+    std::vector<int> nodes_;               ///< of the free surface, in order
+    std::vector<Eigen::Vector2d> points_;  ///< where they are at rest
     std::vector<double> arc_;              ///< arc length of each
 };
 

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "mesh/spring_mesh.h"
+
+namespace tissue {
+
+/// Corner nodes of cells, one row a cell, counter-clockwise (C x 3 or C x 4).
+using Cells = Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// The pieces of tissue between the springs: a lattice's squares, a shape's triangles.
+/// Throws MismatchError when the triangles of a lattice do not pair up to its squares.
+Cells mesh_cells(const SpringMesh& mesh);
+
+/// Area of each cell at rest [m^2] (C).
+Eigen::VectorXd cell_areas(const SpringMesh& mesh, const Cells& cells);
+
+/// The cells around each node (N): lists of cells.
+std::vector<std::vector<int>> node_stars(const SpringMesh& mesh, const Cells& cells);
+
+/// The whole tissue, then its quarters: cells whose middles lie in one half of the box around the mesh, along x and along
+/// y. A cell in the middle belongs to both sides, so that a mesh that mirrors itself has regions that do. Quarters without
+/// cells are left out. Each a list of cells.
+std::vector<std::vector<int>> cell_regions(const SpringMesh& mesh, const Cells& cells);
+
+}  // namespace tissue

@@ -1,0 +1,122 @@
+#include "springs/contact_patch.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace tissue {
+namespace {
+
+/// The uniform cubic B-spline's four weights at a fraction of the way between its two middle nodes (de Boor).
+void spline_weights(double f, double (&w)[4]) noexcept {
+    const double g = 1 - f;
+    w[0] = g * g * g / 6;
+    w[1] = (4 - 6 * f * f + 3 * f * f * f) / 6;
+    w[2] = (4 - 6 * g * g + 3 * g * g * g) / 6;
+    w[3] = f * f * f / 6;
+}
+
+void spline_slopes(double f, double (&w)[4]) noexcept {
+    const double g = 1 - f;
+    w[0] = -g * g / 2;
+    w[1] = -2 * f + 1.5 * f * f;
+    w[2] = 2 * g - 1.5 * g * g;
+    w[3] = f * f / 2;
+}
+
+}  // namespace
+
+ContactSurface::ContactSurface(const SpringMesh& mesh) : outline_(mesh) {
+    node_ = outline_.nodes();
+    arc_ = outline_.arcs();
+    for (int node : node_) rest_m_.emplace_back(mesh.nodes.row(node).transpose());
+    const auto mirror = [](auto& list) {
+        list.insert(list.begin(), 2 * list[0] - list[1]);
+        list.push_back(2 * list[list.size() - 1] - list[list.size() - 2]);
+    };
+    mirror(arc_);
+    rest_m_.insert(rest_m_.begin(), 2 * rest_m_[0] - rest_m_[1]);
+    rest_m_.push_back(2 * rest_m_[rest_m_.size() - 1] - rest_m_[rest_m_.size() - 2]);
+    node_.insert(node_.begin(), node_.front());
+    node_.push_back(node_.back());
+    for (std::size_t i = 1; i + 1 < arc_.size(); ++i) knot_.push_back((arc_[i - 1] + 4 * arc_[i] + arc_[i + 1]) / 6);
+}
+
+double ContactSurface::arc_at(int segment, double fraction) const noexcept {
+    double w[4];
+    spline_weights(fraction, w);
+    const double* s = &arc_[static_cast<std::size_t>(segment)];
+    return w[0] * s[0] + w[1] * s[1] + w[2] * s[2] + w[3] * s[3];
+}
+
+ContactPatch ContactSurface::at(double arc_m) const noexcept {
+    const double s = std::clamp(arc_m, knot_.front(), knot_.back());
+    const auto above = std::upper_bound(knot_.begin() + 1, knot_.end() - 1, s);
+    const int segment = static_cast<int>(above - knot_.begin()) - 1;
+
+    // sum w_i s_i rises with the fraction: Newton between brackets; at once where nodes are evenly spaced
+    const double first = knot_[static_cast<std::size_t>(segment)], last = knot_[static_cast<std::size_t>(segment) + 1];
+    double low = 0, high = 1, f = (s - first) / (last - first);
+    const double* arcs = &arc_[static_cast<std::size_t>(segment)];
+    for (int iteration = 0; iteration < 20; ++iteration) {
+        const double off = arc_at(segment, f) - s;
+        if (std::abs(off) <= 1e-15 * (last - first)) break;
+        (off > 0 ? high : low) = f;
+        double slope[4];
+        spline_slopes(f, slope);
+        const double next = f - off / (slope[0] * arcs[0] + slope[1] * arcs[1] + slope[2] * arcs[2] + slope[3] * arcs[3]);
+        f = next >= low && next <= high ? next : (low + high) / 2;
+    }
+
+    ContactPatch patch;
+    spline_weights(f, patch.weight);
+    spline_slopes(f, patch.slope);
+    patch.place = segment + f;
+    Eigen::Vector2d along = Eigen::Vector2d::Zero();
+    double spacing = 0;  // ds / d place
+    for (int i = 0; i < ContactPatch::size; ++i) {
+        const auto n = static_cast<std::size_t>(segment + i);
+        patch.node[i] = node_[n];
+        along += patch.slope[i] * rest_m_[n];
+        spacing += patch.slope[i] * arc_[n];
+    }
+    constexpr double right_angle = 0.29289321881345254;  // 1 - cos 45: the spline halves the turn at a corner's node
+    patch.corner = std::max(0.0, 1 - along.norm() / spacing) / right_angle;
+    patch.edge = std::exp(-std::min(patch.place, static_cast<double>(knot_.size() - 1) - patch.place));
+    patch.tangent = along.normalized();
+    patch.normal << -patch.tangent.y(), patch.tangent.x();  // counter-clockwise: the tissue lies to the left
+    return patch;
+}
+
+Eigen::Vector4d PatchLaw::factors_at(const ContactPatch& patch) noexcept {
+    constexpr double turn = 2 * 3.14159265358979323846;
+    return {1, std::cos(turn * patch.place), patch.corner, patch.edge};
+}
+
+PatchStiffness PatchLaw::at(const ContactPatch& patch) const noexcept {
+    const Eigen::Vector4d log_k = log_N_m * factors_at(patch);
+    return {std::exp(log_k[0]), std::exp(log_k[1]), std::exp(log_k[2]), std::exp(log_k[3])};
+}
+
+PatchSpring::PatchSpring(const ContactPatch& where, const PatchStiffness& k) noexcept : patch(where) {
+    const Eigen::Matrix2d nn = patch.normal * patch.normal.transpose(), tt = patch.tangent * patch.tangent.transpose();
+    gap_N_m = k.normal * nn + k.tangent * tt;
+    turn_N_m = k.rotation * nn + k.stretch * tt;
+}
+
+PatchSpring::Load PatchSpring::load(const Eigen::Vector2d& push_m,
+                                    const Eigen::Vector2d (&u)[ContactPatch::size]) const noexcept {
+    Eigen::Vector2d gap = push_m, turn = Eigen::Vector2d::Zero();
+    for (int i = 0; i < ContactPatch::size; ++i) {
+        gap -= patch.weight[i] * u[i];
+        turn += patch.slope[i] * u[i];
+    }
+    Load load;
+    load.hand_N = gap_N_m * gap;
+    const Eigen::Vector2d held = turn_N_m * turn;
+    load.energy_J = (load.hand_N.dot(gap) + held.dot(turn)) / 2;
+    for (int i = 0; i < ContactPatch::size; ++i) load.node_N[i] = patch.slope[i] * held - patch.weight[i] * load.hand_N;
+    return load;
+}
+
+}  // namespace tissue

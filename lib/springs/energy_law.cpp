@@ -1,0 +1,164 @@
+#include "springs/energy_law.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "error.h"
+#include "springs/heuristic.h"
+#include "springs/rest_place.h"
+
+namespace tissue {
+namespace {
+
+constexpr std::array<const char*, 4> patch_rows = {"normal", "tangent", "rotation", "stretch"};
+constexpr std::array<const char*, 4> patch_factors = {"", "phase", "corner", "edge"};
+
+std::vector<std::string> split(const std::string& text) {
+    std::vector<std::string> parts{""};
+    for (char c : text) {
+        if (c == '.')
+            parts.emplace_back();
+        else
+            parts.back() += c;
+    }
+    return parts;
+}
+
+/// Row and factor of a contact's term.
+std::pair<int, int> patch_term(const std::string& term, const std::vector<std::string>& parts) {
+    const auto row = std::find(patch_rows.begin(), patch_rows.end(), parts.size() > 1 ? parts[1] : "");
+    const auto factor = parts.size() == 2 ? patch_factors.begin()
+                                          : std::find(patch_factors.begin() + 1, patch_factors.end(), parts.size() == 3 ? parts[2] : "");
+    if (row == patch_rows.end() || factor == patch_factors.end())
+        throw MismatchError(fmt::format("term '{}' is not known; allowed: contact. and one of {}, then nothing or one of .phase, .corner, .edge",
+                                        term, fmt::join(patch_rows, ", ")));
+    return {static_cast<int>(row - patch_rows.begin()), static_cast<int>(factor - patch_factors.begin())};
+}
+
+/// E2 of the cells: of the squares of a lattice, or of what lies around the nodes of a shape.
+Eigen::VectorXd cell_moduli(const SpringMesh& mesh, const Eigen::VectorXd& by_piece) {
+    if (mesh.topology != "edges") return by_piece;
+    const Cells triangles = mesh_cells(mesh);
+    const Eigen::VectorXd areas = cell_areas(mesh, triangles);
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(mesh.node_count()), area = sum;
+    for (Eigen::Index t = 0; t < triangles.rows(); ++t)
+        for (Eigen::Index k = 0; k < 3; ++k) {
+            sum[triangles(t, k)] += areas[t] * by_piece[t];
+            area[triangles(t, k)] += areas[t];
+        }
+    return sum.cwiseQuotient(area);
+}
+
+LawHeuristic assemble(const SpringMesh& mesh, const Eigen::VectorXd& springs, const Eigen::VectorXd& cell_modulus_N_m,
+                      double contact_modulus_N_m, const std::string& formulation, double area_cap) {
+    const bool strain = formulation == "plane-strain";
+    if (!strain && formulation != "plane-stress")
+        throw MismatchError(fmt::format("formulation '{}' is not known; allowed: plane-stress, plane-strain", formulation));
+    if (!(area_cap > 1.0 / 3)) throw MismatchError(fmt::format("an area cap of {} E2 is not above E2 / 3", area_cap));
+    LawHeuristic h;
+    const Eigen::Index S = mesh.spring_count(), C = cell_modulus_N_m.size();
+    h.incompressible = strain;
+    const double share = mesh.topology == "edges" ? 1.0 / 3 : 1;  // of cells that lie over each other
+    h.cap = share * area_cap * cell_modulus_N_m;
+    const auto R = static_cast<Eigen::Index>(strain ? cell_regions(mesh, mesh_cells(mesh)).size() : 0);
+    h.constants.resize(S + C + R);
+    const Cells pieces = mesh_cells(mesh);
+    h.constants.head(S) = 8.0 / 3 * cell_areas(mesh, pieces).sum() / mesh.incident_area.sum() * springs;
+    h.constants.segment(S, C) = strain ? Eigen::VectorXd(0.95 * h.cap) : Eigen::VectorXd(share * cell_modulus_N_m / 3);
+    h.constants.tail(R).setConstant(h.constants.segment(S, C).mean() / share);
+    h.patch.log_N_m.col(0) << std::log(4 * contact_modulus_N_m), std::log(4 * contact_modulus_N_m),
+        std::log(0.4 * contact_modulus_N_m), std::log(0.4 * contact_modulus_N_m);
+    return h;
+}
+
+}  // namespace
+
+LawHeuristic law_heuristic(const SpringMesh& mesh, double modulus_N_m, const std::string& formulation, double area_cap) {
+    return assemble(mesh, heuristic_stiffness(mesh, modulus_N_m),
+                    cell_moduli(mesh, Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), modulus_N_m)), modulus_N_m, formulation, area_cap);
+}
+
+LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triangle_modulus_N_m,
+                           const std::string& formulation, double area_cap) {
+    if (mesh.topology != "edges") throw MismatchError("a modulus by triangle needs springs on the triangles' edges");
+    return assemble(mesh, heuristic_stiffness(mesh, triangle_modulus_N_m), cell_moduli(mesh, triangle_modulus_N_m),
+                    triangle_modulus_N_m.maxCoeff(), formulation, area_cap);
+}
+
+EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, const std::vector<std::string>& terms)
+    : terms_(terms), heuristic_(heuristic), springs_(mesh.spring_count()), value_(Eigen::MatrixXd::Zero(heuristic.constants.size(), static_cast<Eigen::Index>(terms.size()))) {
+    const RestPlaces places(mesh);
+    const Cells springs = mesh.springs;
+    Cells cells = mesh_cells(mesh);
+    if (mesh.topology == "edges") {  // its cells are about its nodes
+        cells.resize(mesh.node_count(), 1);
+        for (int node = 0; node < mesh.node_count(); ++node) cells(node, 0) = node;
+    }
+    if (heuristic.constants.size() != energy(mesh).constant_count() || heuristic.cap.size() != cells.rows())
+        throw MismatchError("the heuristic's constants are not those of the mesh");
+    for (std::size_t t = 0; t < terms.size(); ++t) {
+        if (std::count(terms.begin(), terms.end(), terms[t]) > 1)
+            throw MismatchError(fmt::format("term '{}' stands twice", terms[t]));
+        const std::vector<std::string> parts = split(terms[t]);
+        const auto column = static_cast<Eigen::Index>(t);
+        on_patch_.emplace_back(-1, -1);
+        if (parts[0] == "contact") {
+            on_patch_.back() = patch_term(terms[t], parts);
+            continue;
+        }
+        if ((parts[0] != "spring" && parts[0] != "cell") || parts.size() < 2)
+            throw MismatchError(fmt::format("term '{}' is not known; allowed: spring., cell. or contact. and its factors", terms[t]));
+        const bool spring = parts[0] == "spring";
+        auto value = value_.col(column).segment(spring ? 0 : springs.rows(), spring ? springs.rows() : cells.rows());
+        value.setOnes();
+        for (std::size_t f = 1; f < parts.size(); ++f) try {
+                value.array() *= places.factor(parts[f], spring ? springs : cells).array();
+            } catch (const MismatchError& e) {
+                throw MismatchError(fmt::format("term '{}': {}", terms[t], e.what()));
+            }
+        if (!(value.cwiseAbs().maxCoeff() > 0)) throw MismatchError(fmt::format("term '{}' is zero everywhere", terms[t]));
+    }
+}
+
+Eigen::VectorXd EnergyLaw::constants(const Eigen::VectorXd& p) const {
+    const Eigen::VectorXd exponent = value_ * p;
+    const Eigen::Index C = heuristic_.cap.size();
+    Eigen::VectorXd c = heuristic_.constants.array() * exponent.array().exp();
+    // stiffness in series with what the cap leaves: never above it
+    for (Eigen::Index e = springs_; e < springs_ + C; ++e) {
+        const double cap = heuristic_.cap[e - springs_];
+        c[e] = cap / (1 + (cap / heuristic_.constants[e] - 1) * std::exp(-exponent[e]));
+    }
+    return c;
+}
+
+Eigen::MatrixXd EnergyLaw::constants_by(const Eigen::VectorXd& p) const {
+    Eigen::VectorXd slope = constants(p);
+    auto cells = slope.segment(springs_, heuristic_.cap.size()).array();
+    cells *= 1 - cells / heuristic_.cap.array();
+    return slope.asDiagonal() * value_;
+}
+
+PatchLaw EnergyLaw::patch(const Eigen::VectorXd& p) const {
+    PatchLaw law = heuristic_.patch;
+    for (std::size_t t = 0; t < on_patch_.size(); ++t)
+        if (on_patch_[t].first >= 0) law.log_N_m(on_patch_[t].first, on_patch_[t].second) += p[static_cast<Eigen::Index>(t)];
+    return law;
+}
+
+Eigen::MatrixXd EnergyLaw::stiffness_by(const Eigen::VectorXd& p, const ContactPatch& at) const {
+    const PatchStiffness k = patch(p).at(at);
+    const double stiffness[4] = {k.normal, k.tangent, k.rotation, k.stretch};
+    const Eigen::Vector4d factors = PatchLaw::factors_at(at);
+    Eigen::MatrixXd by = Eigen::MatrixXd::Zero(4, size());
+    for (std::size_t t = 0; t < on_patch_.size(); ++t)
+        if (on_patch_[t].first >= 0)
+            by(on_patch_[t].first, static_cast<Eigen::Index>(t)) = stiffness[on_patch_[t].first] * factors[on_patch_[t].second];
+    return by;
+}
+
+}  // namespace tissue

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "springs/contact_patch.h"
+#include "springs/tissue_energy.h"
+
+namespace tissue {
+
+/// Constants before anything is learned: what linear elasticity asks of springs and cells.
+///
+/// Van Gelder's springs (7), k L^2 = E2 area(T_e), store E2 area(T_e) (n.strain n)^2 / 2 each; where their directions n
+/// are spread evenly the mean of (n.strain n)^2 is (tr^2 + 2 strain:strain) / 8, so lambda = mu = E2 / 8 sum area(T_e) /
+/// area: Cauchy's relation, springs/cell_areas.h. That is E2 / 2 on a lattice with both diagonals, 3/8 E2 on triangles.
+/// Incompressible tissue has mu = E / 3, so springs are 2/3, or 8/9, of Van Gelder's, and leave lambda = E2 / 3. The cells
+/// bring the rest:
+///   plane stress  lambda = E2 nu / (1 - nu^2) = 2/3 E2 at nu = 1/2: A = E2 / 3, a modulus
+///   plane strain  lambda is infinite: A is as large as the time step bears. The cap is that choice, not a modulus:
+///                 at 12 E2 the fastest mode of a 10 mm lattice stays below 1.9e3 rad/s, under the 2 / dt of 1 ms
+/// Contact: between a rigid patch of half width b and the spline on nodes h apart lies the compliance
+/// 3 / (2 pi E2) ln(r_spline / (b / 2)), r_spline = 0.43 h, of a half plane's logarithmic dent (Johnson, Contact
+/// Mechanics, 2.3: both kernels' mean logarithm): 1 / (4 E2) for b = h / 2, the start for normal and tangent; a tenth
+/// of it for the rows that keep the patch in line.
+struct LawHeuristic {
+    bool incompressible = false; ///< plane strain: regions keep their area too (TissueEnergy), with the cells' mean A
+    Eigen::VectorXd constants;   ///< of a TissueEnergy [N/m] (E)
+    Eigen::VectorXd cap;         ///< that cells stay below [N/m] (C)
+    PatchLaw patch;              ///< the same everywhere
+};
+
+/// formulation: plane-stress or plane-strain. area_cap: of cells, over E2; plane strain starts 5 % below it.
+/// Throws MismatchError for another formulation, or a cap that is not above E2 / 3.
+/// Cells of a shape, which lie over each other in threes, have a third each.
+LawHeuristic law_heuristic(const SpringMesh& mesh, double modulus_N_m, const std::string& formulation, double area_cap);
+
+/// Where E2 differs from triangle to triangle (T) [N/m], on a shape; a contact has the largest of them.
+LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triangle_modulus_N_m,
+                           const std::string& formulation, double area_cap);
+
+/// The constants of a tissue energy from few coefficients p (P), each of a named term of the rest mesh:
+///   theta_s = heuristic_s exp(sum_t p_t term_t(s)),  k_m(place) = heuristic_m exp(...) likewise,
+///   A_c = cap / (1 + (cap / heuristic_c - 1) exp(-sum_t p_t term_t(c))): the same, bending below the cap.
+/// Positive whatever p, the same whatever pushes. A term is WHAT.FACTOR.FACTOR..., the product of its factors:
+///   spring, cell    all         1
+///                   surface     1 for a segment of the free surface, and for a cell that has one
+///                   layer       exp(-depth / spacing) below the free surface; spacing: mean of the surface's segments
+///                   held        1 where one but not all nodes are held
+///                   x2 x4 y y2 y3 y4   powers of the place, over the half sizes of the mesh, from its middle
+///   spring alone    along across    squared cosine to the nearest free surface, and to its normal
+///                   upright         squared cosine to the normal of the nearest held edge
+///                   horizontal vertical diagonal   1 for these springs of a lattice
+///   contact.normal contact.tangent contact.rotation contact.stretch, alone or with one of: phase corner edge (PatchLaw)
+class EnergyLaw {
+   public:
+    /// Throws MismatchError for a term that is not known, does not fit the mesh, is zero everywhere or stands twice.
+    EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, const std::vector<std::string>& terms);
+
+    const std::vector<std::string>& terms() const { return terms_; }
+    TissueEnergy energy(const SpringMesh& mesh) const { return {mesh, heuristic_.incompressible}; }
+    int size() const { return static_cast<int>(terms_.size()); }
+
+    Eigen::VectorXd constants(const Eigen::VectorXd& p) const;     ///< [N/m] (E)
+    Eigen::MatrixXd constants_by(const Eigen::VectorXd& p) const;  ///< their derivative (E x P)
+    PatchLaw patch(const Eigen::VectorXd& p) const;
+    Eigen::MatrixXd stiffness_by(const Eigen::VectorXd& p, const ContactPatch& at) const;  ///< of PatchStiffness (4 x P)
+
+   private:
+    std::vector<std::string> terms_;
+    LawHeuristic heuristic_;
+    int springs_;                                ///< first constant of the cells
+    Eigen::MatrixXd value_;                      ///< of each term at each element (E x P)
+    std::vector<std::pair<int, int>> on_patch_;  ///< row and factor of PatchLaw, or -1
+};
+
+}  // namespace tissue

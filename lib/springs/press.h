@@ -1,0 +1,85 @@
+#pragma once
+
+#include <Eigen/SparseCholesky>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "springs/contact_patch.h"
+#include "springs/tissue_energy.h"
+
+namespace tissue {
+
+/// How the search for a pressed tissue's rest ended. g: the energy's derivative by the free displacements,
+/// H: its second one, the contact's included; F: force of the tool.
+enum class PressStatus {
+    held,      ///< max |g| <= tolerance |F|, and every pivot of H > 0: a minimum of the energy
+    unstable,  ///< max |g| <= tolerance |F|, a pivot <= 0: an equilibrium that the least touch upsets
+    lost       ///< no load step down to smallest_step of the push led to max |g| <= tolerance |F|
+};
+const char* to_string(PressStatus status);
+
+struct PressOptions {
+    double load_step = 0.25;       ///< longest load step over the mean spacing of the surface's nodes: 10 mm in four steps
+    double smallest_step = 1e-3;   ///< part of the push below which a load step is not halved again
+    int max_newton = 15;           ///< a load step; measured: 3-5 are taken
+    double tolerance = 1e-10;
+};
+
+/// Rest of the tissue while the tool holds the contact at a push.
+struct PressState {
+    PressStatus status = PressStatus::held;
+    NodeField displacement;                                   ///< u [m] (N x D)
+    Eigen::Vector2d push_m = Eigen::Vector2d::Zero();         ///< d, as far as it was reached
+    Eigen::Vector2d contact_force_N = Eigen::Vector2d::Zero();///< of the tool on the tissue: dW/dd, what a hand feels
+    double energy_J = 0;                                      ///< W, the contact's own included
+    int newton = 0;                                           ///< iterations, all load steps together
+};
+
+/// Derivatives of a PressState by P parameters, at a held push.
+struct PressDerivative {
+    Eigen::MatrixXd displacement;   ///< [m] (N*D x P)
+    Eigen::MatrixXd contact_force;  ///< [N] (D x P)
+};
+
+/// Finds the displacement that makes tissue and contact energy smallest, contact by contact: Newton with load steps,
+/// each from the equilibrium before, halved when lost; sparse LDL'. The pattern is made once. One object a thread.
+class PressSolver {
+   public:
+    /// Both must outlive the solver.
+    PressSolver(const TissueEnergy& energy, const ContactSurface& surface, const PressOptions& options = {});
+
+    /// From rest, or from another push of the same contact and constants. A lost push comes back as far as it was
+    /// reached. Throws MismatchError when all nodes of the patch are held: there is nothing to push.
+    PressState press(const Eigen::VectorXd& constants, const PatchSpring& contact, const Eigen::Vector2d& push_m,
+                     const PressState* from = nullptr);
+
+    /// du/dp = -H^-1 dg/dp at the state that the last press() ended with, held there: constants_by (E x P) and
+    /// stiffness_by (4 x P: normal, tangent, rotation, stretch) say how the constants depend on p [N/m]. Implicit
+    /// function theorem; no tangent is solved for again.
+    PressDerivative derivative(const Eigen::MatrixXd& constants_by, const Eigen::MatrixXd& stiffness_by) const;
+
+   private:
+    bool balance(const Eigen::VectorXd& constants, const PatchSpring& contact, const Eigen::Vector2d& push_m, NodeField& u,
+                 int& iterations);
+    double out_of_balance(const Eigen::VectorXd& constants, const PatchSpring& contact, const Eigen::Vector2d& push_m,
+                          const NodeField& u, Eigen::VectorXd& g) const;
+    bool factorise(const Eigen::VectorXd& constants, const PatchSpring& contact, const NodeField& u);
+    double* entry(int row, int column);
+
+    const TissueEnergy& energy_;
+    PressOptions options_;
+    double spacing_m_;                      ///< mean, of the surface's nodes
+    std::vector<int> number_;               ///< of each degree of freedom among the free ones, -1 held (N*D)
+    int free_ = 0;
+    Eigen::SparseMatrix<double> H_;         ///< lower triangle; its pattern holds every contact of the surface
+    std::vector<std::vector<int>> slots_;   ///< by kind: where each entry of each element's tangent goes, -1 nowhere
+    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
+    // where the last press() ended
+    NodeField u_;
+    Eigen::Vector2d push_m_ = Eigen::Vector2d::Zero();
+    std::optional<PatchSpring> contact_;
+};
+
+}  // namespace tissue

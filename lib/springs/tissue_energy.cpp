@@ -1,0 +1,90 @@
+#include "springs/tissue_energy.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "springs/region_area.h"
+#include "springs/turning_springs.h"
+
+namespace tissue {
+
+TissueEnergy::TissueEnergy(const SpringMesh& mesh, bool incompressible)
+    : cells_(mesh), first_{0}, nodes_(mesh.node_count()), dimension_(mesh.dimension()), fixed_(mesh.fixed) {
+    kinds_.push_back(std::make_unique<TurningSprings>(mesh));
+    const Cells& cells = cells_.nodes();
+    if (mesh.topology == "edges") {
+        for (const std::vector<int>& star : node_stars(mesh, cells))
+            kinds_.push_back(std::make_unique<RegionArea>(mesh, cells, star));
+    } else {
+        kinds_.push_back(std::make_unique<CellAreas>(mesh));
+    }
+    if (incompressible) {
+        for (const std::vector<int>& region : cell_regions(mesh, cells))
+            kinds_.push_back(std::make_unique<RegionArea>(mesh, cells, region));
+    }
+    for (const auto& kind : kinds_) first_.push_back(first_.back() + kind->count());
+}
+
+double TissueEnergy::energy(const Eigen::VectorXd& constants, const NodeField& u) const {
+    double sum = 0;
+    for (std::size_t k = 0; k < kinds_.size(); ++k)
+        for (int e = 0; e < kinds_[k]->count(); ++e) sum += constants[first_[k] + e] * kinds_[k]->energy(e, u);
+    return sum;
+}
+
+NodeField TissueEnergy::force(const Eigen::VectorXd& constants, const NodeField& u) const {
+    NodeField f = NodeField::Zero(nodes_, dimension_);
+    ElementVector unit;
+    for (std::size_t k = 0; k < kinds_.size(); ++k) {
+        const Cells& nodes = kinds_[k]->nodes();
+        for (int e = 0; e < kinds_[k]->count(); ++e) {
+            kinds_[k]->force(e, u, unit);
+            for (Eigen::Index i = 0; i < nodes.cols(); ++i)
+                f.row(nodes(e, i)) += constants[first_[k] + e] * unit.segment(i * dimension_, dimension_).transpose();
+        }
+    }
+    return f;
+}
+
+Eigen::SparseMatrix<double> TissueEnergy::tangent(const Eigen::VectorXd& constants, const NodeField& u) const {
+    std::vector<Eigen::Triplet<double>> entries;
+    ElementMatrix unit;
+    for (std::size_t k = 0; k < kinds_.size(); ++k) {
+        const Cells& nodes = kinds_[k]->nodes();
+        for (int e = 0; e < kinds_[k]->count(); ++e) {
+            kinds_[k]->tangent(e, u, unit);
+            for (Eigen::Index a = 0; a < unit.rows(); ++a)
+                for (Eigen::Index b = 0; b < unit.cols(); ++b)
+                    entries.emplace_back(nodes(e, a / dimension_) * dimension_ + a % dimension_,
+                                         nodes(e, b / dimension_) * dimension_ + b % dimension_,
+                                         constants[first_[k] + e] * unit(a, b));
+        }
+    }
+    Eigen::SparseMatrix<double> K(u.size(), u.size());
+    K.setFromTriplets(entries.begin(), entries.end());
+    return K;
+}
+
+Eigen::SparseMatrix<double> TissueEnergy::unit_forces(const NodeField& u) const {
+    std::vector<Eigen::Triplet<double>> entries;
+    ElementVector unit;
+    for (std::size_t k = 0; k < kinds_.size(); ++k) {
+        const Cells& nodes = kinds_[k]->nodes();
+        for (int e = 0; e < kinds_[k]->count(); ++e) {
+            kinds_[k]->force(e, u, unit);
+            for (Eigen::Index a = 0; a < unit.size(); ++a)
+                entries.emplace_back(nodes(e, a / dimension_) * dimension_ + a % dimension_, first_[k] + e, unit[a]);
+        }
+    }
+    Eigen::SparseMatrix<double> A(u.size(), constant_count());
+    A.setFromTriplets(entries.begin(), entries.end());
+    return A;
+}
+
+double TissueEnergy::smallest_area_ratio(const NodeField& u) const {
+    double smallest = std::numeric_limits<double>::infinity();
+    for (int e = 0; e < cells_.count(); ++e) smallest = std::min(smallest, cells_.area_ratio(e, u));
+    return smallest;
+}
+
+}  // namespace tissue

@@ -1,0 +1,126 @@
+#include "train/nonlinear_fit.h"
+
+#include <fmt/format.h>
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_multifit_nlinear.h>
+
+#include <exception>
+#include <memory>
+
+#include "error.h"
+
+namespace tissue {
+namespace {
+
+Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<>> view(const gsl_vector* v) {
+    return {v->data, static_cast<Eigen::Index>(v->size), Eigen::InnerStride<>(static_cast<Eigen::Index>(v->stride))};
+}
+
+/// f and J where they were last asked for: GSL wants the one at every trial, the other where the trial was kept.
+struct Memory {
+    const FitFunction& function;
+    Eigen::VectorXd x, f;
+    RowMatrix J;
+    int evaluations = 0;
+    std::exception_ptr failure;
+
+    int at(const gsl_vector* where) noexcept {
+        if (evaluations > 0 && x == view(where)) return GSL_SUCCESS;
+        try {
+            x = view(where);
+            ++evaluations;
+            function(x, f, J);
+        } catch (...) {
+            failure = std::current_exception();
+            return GSL_EFAILED;
+        }
+        return GSL_SUCCESS;
+    }
+};
+
+int fill_f(const gsl_vector* x, void* memory, gsl_vector* out) {
+    auto& m = *static_cast<Memory*>(memory);
+    const int status = m.at(x);
+    if (status == GSL_SUCCESS) Eigen::Map<Eigen::VectorXd>(out->data, m.f.size()) = m.f;
+    return status;
+}
+
+int fill_J(const gsl_vector* x, void* memory, gsl_matrix* out) {
+    auto& m = *static_cast<Memory*>(memory);
+    const int status = m.at(x);
+    if (status == GSL_SUCCESS) Eigen::Map<RowMatrix>(out->data, m.J.rows(), m.J.cols()) = m.J;
+    return status;
+}
+
+}  // namespace
+
+const char* to_string(FitStatus status) {
+    switch (status) {
+        case FitStatus::small_gradient:
+            return "small_gradient";
+        case FitStatus::small_step:
+            return "small_step";
+        case FitStatus::small_gain:
+            return "small_gain";
+        case FitStatus::no_progress:
+            return "no_progress";
+        case FitStatus::iterations_done:
+            return "iterations_done";
+    }
+    return "unknown";
+}
+
+FitResult nonlinear_fit(const FitFunction& function, int residuals, const Eigen::VectorXd& start, const FitOptions& options) {
+    const Eigen::Index P = start.size();
+    if (P < 1 || residuals < P)
+        throw MismatchError(fmt::format("a fit of {} numbers to {} residuals is not possible", P, residuals));
+    Memory memory{function, {}, Eigen::VectorXd::Zero(residuals), RowMatrix::Zero(residuals, P), 0, nullptr};
+    gsl_multifit_nlinear_parameters parameters = gsl_multifit_nlinear_default_parameters();
+    parameters.trs = gsl_multifit_nlinear_trs_lm;
+    parameters.scale = gsl_multifit_nlinear_scale_more;
+    parameters.solver = gsl_multifit_nlinear_solver_mcholesky;
+    const auto n = static_cast<std::size_t>(residuals), p = static_cast<std::size_t>(P);
+    const std::unique_ptr<gsl_multifit_nlinear_workspace, void (*)(gsl_multifit_nlinear_workspace*)> work(
+        gsl_multifit_nlinear_alloc(gsl_multifit_nlinear_trust, &parameters, n, p), gsl_multifit_nlinear_free);
+    gsl_multifit_nlinear_fdf fdf{};
+    fdf.f = fill_f;
+    fdf.df = fill_J;
+    fdf.n = n;
+    fdf.p = p;
+    fdf.params = &memory;
+
+    Eigen::VectorXd x = start;
+    const gsl_vector_const_view at = gsl_vector_const_view_array(x.data(), p);
+    int outcome = gsl_multifit_nlinear_init(&at.vector, &fdf, work.get());
+    FitResult result;
+    while (outcome == GSL_SUCCESS && result.iterations < options.max_iterations) {
+        const double before = view(work->f).squaredNorm();
+        if (view(work->g).lpNorm<Eigen::Infinity>() <= options.gradient_tolerance * before) {
+            result.status = FitStatus::small_gradient;
+            break;
+        }
+        outcome = gsl_multifit_nlinear_iterate(work.get());
+        if (outcome != GSL_SUCCESS) break;
+        ++result.iterations;
+        if (view(work->dx).lpNorm<Eigen::Infinity>() <= options.step_tolerance) {
+            result.status = FitStatus::small_step;
+            break;
+        }
+        if (before - view(work->f).squaredNorm() <= options.gain_tolerance * before) {
+            result.status = FitStatus::small_gain;
+            break;
+        }
+    }
+    if (memory.failure) std::rethrow_exception(memory.failure);
+    if (outcome == GSL_ENOPROG)
+        result.status = FitStatus::no_progress;
+    else if (outcome != GSL_SUCCESS)
+        throw MismatchError(fmt::format("the fit broke off: {}", gsl_strerror(outcome)));
+    result.x = view(work->x);
+    result.half_square = view(work->f).squaredNorm() / 2;
+    result.gradient = view(work->g).lpNorm<Eigen::Infinity>();
+    result.evaluations = memory.evaluations;
+    return result;
+}
+
+}  // namespace tissue

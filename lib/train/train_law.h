@@ -1,0 +1,66 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cases/load_path.h"
+#include "springs/energy_law.h"
+#include "springs/press.h"
+#include "train/nonlinear_fit.h"
+
+namespace tissue {
+
+/// One load path as the law sees it: where on the surface, and at each push what the truth said.
+struct PressPath {
+    std::string name;
+    double arc_m;
+    struct Record {
+        Eigen::Vector2d push_m, force_N;
+        NodeField displacement;   ///< [m] (N x D); empty where only the force is known (measured contacts)
+    };
+    std::vector<Record> records;  ///< ascending
+};
+
+/// The cases' paths of a role, each at the cases' magnitudes; `deepest_only`: at its deepest record, as drawn contacts
+/// count. Paths that FE lost give what they reached.
+std::vector<PressPath> press_paths(const Cases& cases, const SpringMesh& mesh, const std::string& role, bool deepest_only);
+
+struct LawTrainingOptions {
+    double force_scale = 0.01;    ///< an error of 1 % of |F| counts 1
+    double shape_scale = 0.03;    ///< an error of 3 % of the displacement's rms counts 1
+    double ridge = 0.1;           ///< a coefficient of 10 (a factor of 22,000) counts 1
+    int starts = 1;               ///< the heuristic, then that many less one drawn around it
+    double spread = 0.5;          ///< standard deviation of a drawn start's coefficients
+    unsigned long seed = 1;
+    FitOptions fit;
+    PressOptions press;
+    int threads = 1;
+};
+
+/// What training a law ended with.
+struct TrainedLaw {
+    Eigen::VectorXd coefficients;          ///< (P)
+    double objective = 0;                  ///< mean over records of (force error / scale)^2 + (shape error / scale)^2, and the ridge
+    std::vector<FitResult> starts;         ///< of each start; the one with the smallest objective was kept
+    std::size_t kept = 0;
+    std::vector<std::string> lost;         ///< "path at 10 mm: lost at 7.5 mm": pushes without a stable rest at the end
+    double seconds = 0;
+};
+
+/// Closed loop: for every record the tool holds the contact at its push, everything else finds its rest, and the force it
+/// takes and the shape that results are compared with the truth's:
+///   mean over records of |F_model - F|^2 / (force_scale |F|)^2 + |u_model - u|^2 / (shape_scale |u|)^2, + |ridge p|^2.
+/// Derivatives of the rest are implicit (PressSolver::derivative). A push without a rest counts as if the model had
+/// neither moved nor pushed. Parallel over paths; the same for any number of threads.
+/// Throws MismatchError when there is nothing to train on.
+TrainedLaw train_law(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths,
+                     const LawTrainingOptions& options = {});
+
+/// The residuals of that objective (its square sum) and their derivative by the coefficients: for tests and for starts.
+/// Rows: record by record force (2) and shape (N*D where known), then the ridge.
+void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths,
+                   const LawTrainingOptions& options, const Eigen::VectorXd& p, Eigen::Ref<Eigen::VectorXd> f,
+                   Eigen::Ref<RowMatrix> J, std::vector<std::string>* lost = nullptr);
+int law_residual_count(const EnergyLaw& law, const std::vector<PressPath>& paths);
+
+}  // namespace tissue

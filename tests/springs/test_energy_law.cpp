@@ -1,0 +1,195 @@
+#include "springs/energy_law.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "error.h"
+#include "springs/heuristic.h"
+#include "mesh/shape.h"
+#include "../mesh/disc.h"
+#include "../refusal.h"
+#include "../tolerances.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const SpringMesh& block() {
+    static const SpringMesh mesh = make_lattice("grid8", 10, 10, 0.1, 0.1);
+    return mesh;
+}
+
+LawHeuristic heuristic() { return law_heuristic(block(), 450, "plane-strain", 12); }
+
+EnergyLaw law_of(const std::vector<std::string>& terms) { return {block(), heuristic(), terms}; }
+
+/// log of what one unit of a term makes of the constants, over the heuristic's.
+Eigen::VectorXd effect(const SpringMesh& mesh, const std::string& term) {
+    const EnergyLaw law(mesh, law_heuristic(mesh, 450, "plane-stress", 1e9), {term});
+    return (law.constants(Eigen::VectorXd::Ones(1)).array() / law.constants(Eigen::VectorXd::Zero(1)).array()).log();
+}
+
+int spring_between(const SpringMesh& mesh, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    const int i = node_at(mesh, a), j = node_at(mesh, b);
+    for (int s = 0; s < mesh.spring_count(); ++s)
+        if ((mesh.springs(s, 0) == i && mesh.springs(s, 1) == j) || (mesh.springs(s, 0) == j && mesh.springs(s, 1) == i)) return s;
+    return -1;
+}
+
+}  // namespace
+
+TEST_CASE("without coefficients a law's constants are the heuristic's: two thirds of Van Gelder's, and the cells' share") {
+    for (const char* formulation : {"plane-strain", "plane-stress"}) {
+        const EnergyLaw law(block(), law_heuristic(block(), 450, formulation, 12), {"spring.all"});
+        const Eigen::VectorXd c = law.constants(Eigen::VectorXd::Zero(1));
+        CHECK((c.head(block().spring_count()) - 2.0 / 3 * heuristic_stiffness(block(), 450)).norm() <= tolerance::rounding * c.norm());
+        CHECK(c[block().spring_count()] == Approx(std::string(formulation) == "plane-strain" ? 0.95 * 12 * 450 : 150).epsilon(tolerance::rounding));
+    }
+}
+
+TEST_CASE("a heuristic's springs have the shear modulus of incompressible tissue, on squares and on triangles") {
+    // equilateral triangles: rows shifted by half a side
+    Shape shape;
+    const int n = 12;
+    const double side = 0.01, height = side * std::sqrt(3.0) / 2;
+    shape.nodes.resize((n + 1) * (n + 1), 2);
+    shape.triangles.resize(2 * n * n, 3);
+    for (int j = 0; j <= n; ++j)
+        for (int i = 0; i <= n; ++i) shape.nodes.row(j * (n + 1) + i) << side * (i + 0.5 * j), height * j;
+    for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) {
+            const int a = j * (n + 1) + i;
+            shape.triangles.row(2 * (j * n + i)) << a, a + 1, a + n + 1;
+            shape.triangles.row(2 * (j * n + i) + 1) << a + 1, a + n + 2, a + n + 1;
+        }
+    shape.region.assign(static_cast<std::size_t>(2 * n * n), 0);
+    for (int i = 0; i < n; ++i) shape.fixed_edges.push_back({i, i + 1});
+    for (const SpringMesh& mesh : {block(), edge_mesh(shape)}) {
+        Eigen::VectorXd springs = law_heuristic(mesh, 450, "plane-stress", 12).constants.head(mesh.spring_count());
+        const TissueEnergy energy(mesh, false);
+        Eigen::VectorXd c = Eigen::VectorXd::Zero(energy.constant_count());
+        c.head(springs.size()) = springs;
+        const double small = 1e-5, area = cell_areas(mesh, mesh_cells(mesh)).sum();
+        NodeField stretched = small * mesh.nodes, sheared(mesh.node_count(), 2);
+        stretched.col(1) *= -1;
+        sheared.col(0) = small * mesh.nodes.col(1);
+        sheared.col(1) = small * mesh.nodes.col(0);
+        for (const NodeField& u : {stretched, sheared}) CHECK(energy.energy(c, u) / (area * small * small) == Approx(2 * 150).epsilon(1e-3));
+    }
+}
+
+TEST_CASE("constants are positive and cells stay below their cap whatever the coefficients") {
+    const EnergyLaw law = law_of({"spring.all", "spring.layer", "cell.all", "cell.y2"});
+    for (double size : {-20.0, -3.0, 3.0, 20.0}) {
+        const Eigen::VectorXd c = law.constants(Eigen::Vector4d(size, -size / 2, size, size / 3));
+        CHECK(c.minCoeff() > 0);
+        CHECK(c.tail(105).maxCoeff() <= 12 * 450);
+    }
+}
+
+TEST_CASE("derivatives of constants and contact stiffness by the coefficients agree with differences") {
+    const EnergyLaw law = law_of({"spring.diagonal.y", "cell.layer", "cell.all", "contact.normal", "contact.normal.phase",
+                                  "contact.tangent.corner", "contact.rotation.edge", "contact.stretch"});
+    Eigen::VectorXd p(8);
+    for (int i = 0; i < 8; ++i) p[i] = 0.3 * std::sin(2.0 * i);
+    const ContactSurface surface(block());
+    const ContactPatch patch = surface.at(0.0963);
+    const auto stiffness = [&](const Eigen::VectorXd& q) {
+        const PatchStiffness k = law.patch(q).at(patch);
+        return Eigen::Vector4d(k.normal, k.tangent, k.rotation, k.stretch);
+    };
+    const double h = 1e-4;
+    for (int t = 0; t < 8; ++t) {
+        const Eigen::VectorXd e = h * Eigen::VectorXd::Unit(8, t);
+        const Eigen::VectorXd constants = (law.constants(p + e) - law.constants(p - e)) / (2 * h);
+        const Eigen::Vector4d contact = (stiffness(p + e) - stiffness(p - e)) / (2 * h);
+        CHECK((constants - law.constants_by(p).col(t)).norm() <= tolerance::difference * law.constants(p).norm());
+        CHECK((contact - law.stiffness_by(p, patch).col(t)).norm() <= tolerance::difference * stiffness(p).norm());
+    }
+}
+
+TEST_CASE("terms say where they act: surface, layer, held part, family") {
+    const SpringMesh& mesh = block();
+    const int top = spring_between(mesh, {0.05, 0.1}, {0.06, 0.1}), side = spring_between(mesh, {0, 0.05}, {0, 0.06}),
+              below = spring_between(mesh, {0.05, 0.1}, {0.05, 0.09}), inner = spring_between(mesh, {0.05, 0.05}, {0.06, 0.05}),
+              foot = spring_between(mesh, {0.05, 0}, {0.05, 0.01}), slanted = spring_between(mesh, {0.05, 0}, {0.06, 0.01}),
+              bottom = spring_between(mesh, {0.05, 0}, {0.06, 0});
+    const Eigen::VectorXd surface = effect(mesh, "spring.surface"), held = effect(mesh, "spring.held"), layer = effect(mesh, "spring.layer"),
+                          along = effect(mesh, "spring.along"), upright = effect(mesh, "spring.upright"), slant = effect(mesh, "spring.diagonal");
+    CHECK(surface[top] == Approx(1));
+    CHECK(surface[side] == Approx(1));
+    CHECK(surface[below] == Approx(0).margin(1e-9));
+    CHECK(surface[bottom] == Approx(0).margin(1e-9));  // held is not free
+    CHECK(held[foot] == Approx(1));
+    CHECK(held[slanted] == Approx(1));
+    CHECK(held[bottom] == Approx(0).margin(1e-9));
+    CHECK(layer[top] == Approx(1));
+    CHECK(layer[below] == Approx(std::exp(-0.5)));
+    CHECK(layer[inner] == Approx(std::exp(-4.5)).epsilon(1e-6));  // the sides are nearer than the top
+    CHECK(along[top] == Approx(1));
+    CHECK(along[side] == Approx(1));
+    CHECK(along[below] == Approx(0).margin(1e-9));
+    CHECK(upright[foot] == Approx(1));
+    CHECK(upright[slanted] == Approx(0.5));
+    CHECK(slant[slanted] == Approx(1));
+    CHECK(slant[foot] == Approx(0).margin(1e-9));
+    const Eigen::VectorXd product = effect(mesh, "spring.held.upright");
+    CHECK(product[slanted] == Approx(0.5));
+    CHECK(product[below] == Approx(0).margin(1e-9));
+}
+
+TEST_CASE("every term of a block that mirrors itself mirrors itself") {
+    const SpringMesh& mesh = block();
+    for (const char* term : {"spring.layer", "spring.along", "spring.across.layer", "spring.held", "spring.x2.y", "spring.x4", "spring.y3", "spring.upright"}) {
+        INFO(term);
+        const Eigen::VectorXd value = effect(mesh, term);
+        for (int s = 0; s < mesh.spring_count(); ++s) {
+            const auto mirror = [&](int node) { return Eigen::Vector2d(0.1 - mesh.nodes(node, 0), mesh.nodes(node, 1)); };
+            const int other = spring_between(mesh, mirror(mesh.springs(s, 0)), mirror(mesh.springs(s, 1)));
+            REQUIRE(other >= 0);
+            CHECK(value[other] == Approx(value[s]).margin(1e-9));
+        }
+    }
+}
+
+TEST_CASE("terms without a block's x and y make sense on any shape") {
+    const SpringMesh mesh = edge_mesh(disc(16));
+    const EnergyLaw law(mesh, law_heuristic(mesh, 450, "plane-strain", 12),
+                        {"spring.all", "spring.surface", "spring.along.layer", "spring.across.layer", "spring.held", "cell.layer", "contact.normal"});
+    CHECK(law.size() == 7);
+    CHECK(effect(mesh, "spring.surface").sum() == Approx(12));  // a quarter of sixteen sides is held
+}
+
+TEST_CASE("a modulus by triangle stiffens its own springs and cells") {
+    const SpringMesh mesh = edge_mesh(disc(12));
+    Eigen::VectorXd modulus = Eigen::VectorXd::Constant(12, 100.0);
+    modulus[3] = 400;
+    const LawHeuristic h = law_heuristic(mesh, modulus, "plane-stress", 12), even = law_heuristic(mesh, 100.0, "plane-stress", 12);
+    // cells are about nodes: 3 and 4 have one stiff triangle of two, 8 none, the middle one of twelve
+    const auto ratio = [&](int node) { return h.constants[24 + node] / even.constants[24 + node]; };
+    CHECK(ratio(3) == Approx(2.5));
+    CHECK(ratio(8) == Approx(1));
+    CHECK(ratio(12) == Approx(1.25));
+    CHECK(std::exp(h.patch.log_N_m(0, 0)) == Approx(1600));
+}
+
+TEST_CASE("terms that are not known, do not fit or stand twice are refused by name") {
+    CHECK_THAT(refusal<MismatchError>([] { law_of({"spring.all", "spring.all"}); }), Contains("spring.all") && Contains("twice"));
+    CHECK_THAT(refusal<MismatchError>([] { law_of({"bolt.all"}); }), Contains("bolt.all") && Contains("spring., cell. or contact."));
+    CHECK_THAT(refusal<MismatchError>([] { law_of({"spring"}); }), Contains("spring"));
+    CHECK_THAT(refusal<MismatchError>([] { law_of({"spring.shiny"}); }), Contains("spring.shiny") && Contains("layer"));
+    CHECK_THAT(refusal<MismatchError>([] { law_of({"cell.along"}); }), Contains("cell.along"));
+    CHECK_THAT(refusal<MismatchError>([] { law_of({"spring.x"}); }), Contains("spring.x"));  // would not mirror itself
+    CHECK_THAT(refusal<MismatchError>([] { law_of({"spring.diagonal.surface"}); }), Contains("zero everywhere"));
+    CHECK_THAT(refusal<MismatchError>([] { law_of({"contact"}); }), Contains("normal, tangent, rotation, stretch"));
+    CHECK_THAT(refusal<MismatchError>([] { law_of({"contact.normal.shiny"}); }), Contains("shiny") && Contains("phase"));
+    CHECK_THAT(refusal<MismatchError>([] { law_of({"contact.normal."}); }), Contains("phase"));
+    CHECK_THAT(refusal<MismatchError>([] { law_of({"contact.shiny"}); }), Contains("shiny"));
+    const SpringMesh shape = edge_mesh(disc(12));
+    CHECK_THAT(refusal<MismatchError>([&] { EnergyLaw(shape, law_heuristic(shape, 1, "plane-stress", 12), {"spring.diagonal"}); }), Contains("diagonal"));
+    CHECK_THAT(refusal<MismatchError>([&] { EnergyLaw(shape, heuristic(), {"spring.all"}); }), Contains("mesh"));
+    CHECK_THAT(refusal<MismatchError>([] { law_heuristic(block(), 450, "plane", 12); }), Contains("plane-stress, plane-strain"));
+    CHECK_THAT(refusal<MismatchError>([] { law_heuristic(block(), 450, "plane-strain", 0.2); }), Contains("E2 / 3"));
+    CHECK_THAT(refusal<MismatchError>([] { law_heuristic(block(), Eigen::VectorXd::Ones(200), "plane-strain", 12); }), Contains("triangle"));
+}

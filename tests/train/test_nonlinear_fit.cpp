@@ -1,0 +1,62 @@
+#include "train/nonlinear_fit.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "error.h"
+#include "../refusal.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// Rosenbrock's valley: smallest at (1, 1), where it is 0.
+void valley(const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> f, Eigen::Ref<RowMatrix> J) {
+    f << 10 * (x[1] - x[0] * x[0]), 1 - x[0];
+    J << -20 * x[0], 10, -1, 0;
+}
+
+}  // namespace
+
+TEST_CASE("a fit follows a curved valley to its end, and says that its gradient is small") {
+    const FitResult fit = nonlinear_fit(valley, 2, Eigen::Vector2d(-1.2, 1), {200, 0, 1e-12, 0});
+    CHECK((fit.x - Eigen::Vector2d(1, 1)).norm() < 1e-6);
+    CHECK(fit.half_square < 1e-12);
+    CHECK(fit.iterations > 3);
+    CHECK(fit.evaluations >= fit.iterations);
+    CHECK((fit.status == FitStatus::small_gradient || fit.status == FitStatus::small_gain));
+}
+
+TEST_CASE("a fit that leaves something over ends where its gradient vanishes") {
+    // a line through three points that are on none
+    const FitFunction line = [](const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> f, Eigen::Ref<RowMatrix> J) {
+        f << x[0] - 1, x[0] + x[1] - 3, x[0] + 2 * x[1] - 2;
+        J << 1, 0, 1, 1, 1, 2;
+    };
+    const FitResult fit = nonlinear_fit(line, 3, Eigen::Vector2d(0, 0), {50, 0, 1e-10, 0});
+    CHECK(fit.x[0] == Approx(1.5).epsilon(1e-6));
+    CHECK(fit.x[1] == Approx(0.5).epsilon(1e-6));
+    CHECK(fit.half_square == Approx(0.75));
+    CHECK(fit.gradient < 1e-8);
+}
+
+TEST_CASE("each status names the fact that ended the fit") {
+    CHECK(nonlinear_fit(valley, 2, Eigen::Vector2d(-1.2, 1), {2, 0, 0, 0}).status == FitStatus::iterations_done);
+    CHECK(nonlinear_fit(valley, 2, Eigen::Vector2d(-1.2, 1), {200, 100, 0, 0}).status == FitStatus::small_step);
+    CHECK(nonlinear_fit(valley, 2, Eigen::Vector2d(-1.2, 1), {200, 0, 0, 1}).status == FitStatus::small_gain);
+    CHECK(nonlinear_fit(valley, 2, Eigen::Vector2d(1, 1), {200, 0, 1e-9, 0}).status == FitStatus::small_gradient);
+    // a derivative of the wrong sign: no step makes it smaller
+    const FitFunction wrong = [](const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> f, Eigen::Ref<RowMatrix> J) {
+        f << x[0], 1;
+        J << -1, 0;
+    };
+    CHECK(nonlinear_fit(wrong, 2, Eigen::VectorXd::Ones(1), {200, 0, 0, 0}).status == FitStatus::no_progress);
+    CHECK(std::string(to_string(FitStatus::no_progress)) == "no_progress");
+}
+
+TEST_CASE("what a fit's function throws comes out, and a fit without enough residuals is refused") {
+    const FitFunction broken = [](const Eigen::VectorXd&, Eigen::Ref<Eigen::VectorXd>, Eigen::Ref<RowMatrix>) { throw MismatchError("broken"); };
+    CHECK_THAT(refusal<MismatchError>([&] { nonlinear_fit(broken, 2, Eigen::Vector2d(0, 0)); }), Contains("broken"));
+    CHECK_THAT(refusal<MismatchError>([] { nonlinear_fit(valley, 1, Eigen::Vector2d(0, 0)); }), Contains("2 numbers to 1 residuals"));
+}

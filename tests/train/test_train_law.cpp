@@ -1,0 +1,133 @@
+#include "train/train_law.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "error.h"
+#include "../mesh/disc.h"
+#include "../refusal.h"
+#include "../tolerances.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::vector<std::string> terms = {"spring.all", "spring.surface", "spring.held.upright", "cell.layer", "contact.normal",
+                                        "contact.tangent", "contact.rotation", "contact.stretch"};
+
+struct Problem {
+    SpringMesh mesh;
+    EnergyLaw law;
+    std::vector<PressPath> paths;
+    Eigen::VectorXd truth;
+};
+
+/// A "tissue" that is itself such a law: training can meet it exactly.
+Problem problem(SpringMesh mesh) {
+    Problem p{mesh, EnergyLaw(mesh, law_heuristic(mesh, 450, "plane-strain", 12), terms), {}, {}};
+    p.truth.resize(p.law.size());
+    for (Eigen::Index i = 0; i < p.truth.size(); ++i) p.truth[i] = 0.4 * std::sin(1.0 + 2.0 * static_cast<double>(i));
+    const TissueEnergy energy = p.law.energy(mesh);
+    const ContactSurface surface(mesh);
+    PressSolver solver(energy, surface);
+    for (double part : {0.1, 0.27, 0.36, 0.52}) {
+        PressPath& path = p.paths.emplace_back();
+        path.arc_m = part * surface.outline().length();
+        path.name = "at " + std::to_string(part);
+        const ContactPatch patch = surface.at(path.arc_m);
+        for (double depth : {0.003, 0.006}) {
+            const Eigen::Vector2d push = depth * surface.outline().direction(path.arc_m, 2 * part - 0.6);
+            const PressState state = solver.press(p.law.constants(p.truth), {patch, p.law.patch(p.truth).at(patch)}, push);
+            path.records.push_back({push, state.contact_force_N, state.displacement});
+        }
+    }
+    return p;
+}
+
+}  // namespace
+
+TEST_CASE("training finds the law again that made its cases, from contacts alone, on a block and on a shape") {
+    for (const SpringMesh& mesh : {make_lattice("grid8", 6, 6, 0.1, 0.1), edge_mesh(disc(16))}) {
+        const Problem p = problem(mesh);
+        LawTrainingOptions options;
+        options.ridge = 0;
+        options.fit = {60, 1e-9, 1e-12, 0};
+        const TrainedLaw trained = train_law(p.mesh, p.law, p.paths, options);
+        CHECK((trained.coefficients - p.truth).norm() < 1e-4);
+        CHECK(trained.objective < 1e-8);
+        CHECK(trained.lost.empty());
+        REQUIRE(trained.starts.size() == 1);
+        CHECK(trained.starts[0].gradient < 1e-5);
+    }
+}
+
+TEST_CASE("forces alone are enough to train on where nothing else is known") {
+    Problem p = problem(make_lattice("grid8", 6, 6, 0.1, 0.1));
+    for (PressPath& path : p.paths)
+        for (PressPath::Record& record : path.records) record.displacement.resize(0, 0);
+    const TrainedLaw trained = train_law(p.mesh, p.law, p.paths);
+    CHECK(law_residual_count(p.law, p.paths) == 2 * 8 + 8);
+    CHECK(trained.objective < 0.05);  // the ridge's own part: errors of a fifth of a percent
+}
+
+TEST_CASE("residuals are the errors in their scales, and their derivative agrees with differences") {
+    const Problem p = problem(make_lattice("grid8", 6, 6, 0.1, 0.1));
+    LawTrainingOptions options;
+    options.press.tolerance = 1e-12;
+    const int rows = law_residual_count(p.law, p.paths);
+    const auto at = [&](const Eigen::VectorXd& coefficients, RowMatrix& J) {
+        Eigen::VectorXd f(rows);
+        J.resize(rows, p.law.size());
+        law_residuals(p.mesh, p.law, p.paths, options, coefficients, f, J);
+        return f;
+    };
+    RowMatrix J, ignored;
+    const Eigen::VectorXd f = at(p.truth, J);
+    CHECK(f.head(rows - p.law.size()).norm() < 1e-6);
+    CHECK((f.tail(p.law.size()) - 0.1 * p.truth).norm() <= tolerance::rounding);
+    const double h = 1e-4;
+    for (int t = 0; t < p.law.size(); ++t) {
+        const Eigen::VectorXd e = h * Eigen::VectorXd::Unit(p.law.size(), t);
+        const Eigen::VectorXd slope = (8 * (at(p.truth + e, ignored) - at(p.truth - e, ignored)) -
+                                       (at(p.truth + 2 * e, ignored) - at(p.truth - 2 * e, ignored))) / (12 * h);
+        CHECK((slope - J.col(t)).norm() <= tolerance::difference * J.col(t).norm());
+    }
+}
+
+TEST_CASE("training says the same for any number of threads, and keeps the best of several starts") {
+    const Problem p = problem(make_lattice("grid8", 6, 6, 0.1, 0.1));
+    LawTrainingOptions options;
+    options.starts = 3;
+    const TrainedLaw one = train_law(p.mesh, p.law, p.paths, options);
+    options.threads = 3;
+    const TrainedLaw three = train_law(p.mesh, p.law, p.paths, options);
+    CHECK(one.coefficients == three.coefficients);
+    REQUIRE(one.starts.size() == 3);
+    for (const FitResult& start : one.starts) CHECK(2 * start.half_square >= one.objective);
+}
+
+TEST_CASE("a push that a law cannot hold counts as if it had done nothing, and is named with its depth") {
+    Problem p = problem(make_lattice("grid8", 6, 6, 0.1, 0.1));
+    p.paths.resize(1);
+    p.paths[0].records.resize(1);
+    p.paths[0].records[0].push_m *= 100;  // six blocks deep
+    LawTrainingOptions options;
+    options.press.smallest_step = 0.02;
+    const int rows = law_residual_count(p.law, p.paths);
+    Eigen::VectorXd f(rows);
+    RowMatrix J(rows, p.law.size());
+    std::vector<std::string> lost;
+    law_residuals(p.mesh, p.law, p.paths, options, Eigen::VectorXd::Zero(p.law.size()), f, J, &lost);
+    CHECK(f.head(2).norm() == Approx(100));
+    CHECK(f.segment(2, rows - 2).norm() == Approx(1 / 0.03));
+    REQUIRE(lost.size() == 1);
+    CHECK_THAT(lost[0], Contains("at 0.1") && Contains("300 mm: lost at"));
+}
+
+TEST_CASE("training without paths or terms is refused") {
+    const Problem p = problem(make_lattice("grid8", 6, 6, 0.1, 0.1));
+    CHECK_THAT(refusal<MismatchError>([&] { train_law(p.mesh, p.law, {}); }), Contains("no load paths"));
+    const EnergyLaw bare(p.mesh, law_heuristic(p.mesh, 450, "plane-strain", 12), {});
+    CHECK_THAT(refusal<MismatchError>([&] { train_law(p.mesh, bare, p.paths); }), Contains("without terms"));
+}
