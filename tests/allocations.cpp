@@ -9,6 +9,12 @@ namespace {
 thread_local bool counting = false;
 thread_local long counted = 0, failing = -1;
 
+}  // namespace
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define TISSUE_SEES_ALLOCATIONS 1
+namespace {
+
 /// Whether this allocation may go on.
 bool allowed() {
     if (!counting) return true;
@@ -19,8 +25,6 @@ bool allowed() {
 
 }  // namespace
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define TISSUE_SEES_ALLOCATIONS 1
 extern "C" {
 void* __libc_malloc(std::size_t);
 void* __libc_calloc(std::size_t, std::size_t);
