@@ -124,7 +124,7 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         study.data ? "import " + for_make(study, "data.file", study.data->file) : "collect --paths $(R)/cases",
         study.data ? "import" : "collect",
         study.data          ? "held_out springs"
-        : study.loads.sweep ? "held_out held_out_force contours springs"
+        : study.loads.sweep ? "held_out held_out_force shape contours springs"
                             : "contours force learning springs errors character");
     plan.parts["collect"] = collect_part(study, paths);
     plan.parts["train"] = train_part(study);
