@@ -23,7 +23,8 @@ def draw(results):
     for axis in axes[len(shapes):2]:
         axis.set_visible(False)
     if shapes:
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower left", ncols=4, frameon=False, fontsize=9)
+        figure.set_layout_engine("constrained", rect=(0, 0.05, 1, 0.95))  # room for the legend
+        figure.legend(*axes[0].get_legend_handles_labels(), loc="lower left", bbox_to_anchor=(0.1, 0), ncols=4, frameon=False)
 
     errors = axes[2]
     for model, (label, size) in SHOWN.items():

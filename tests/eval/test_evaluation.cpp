@@ -212,6 +212,32 @@ TEST_CASE("drawn contacts have shapes, of models that have one, and the median a
     CHECK_THAT(to_markdown(e), Contains("the tissue's shape by"));
 }
 
+TEST_CASE("of drawn contacts the shapes kept are the median's and the worst's, in this order, as the learned springs have them") {
+    Cases cases = perfect().cases;
+    for (std::size_t p : {0, 1, 0}) {
+        cases.paths.push_back(cases.paths[p]);
+        LoadPath& path = cases.paths.back();
+        path.role = "held_out";
+        path.name = "drawn-" + std::to_string(cases.paths.size());
+        if (cases.paths.size() == 5) path.records.back().displacement *= 1.5;  // FE's shape is far from any
+    }
+    TrainedModel model = perfect().model;
+    model.trained.front().theta = model.heuristic_a.transpose().replicate(model.trained.front().theta.rows(), 1);
+    const Evaluation e = evaluated(model, cases);
+    std::vector<std::pair<double, std::string>> order;
+    for (const DrawnContact& c : e.held_out.role("held_out")->contacts) order.emplace_back(*c.error[0].shape, c.name);
+    std::sort(order.begin(), order.end());
+    REQUIRE(e.held_out.shapes.size() == 2);
+    for (std::size_t i : {0, 1}) {
+        const DrawnShape& shape = e.held_out.shapes[i];
+        CHECK(shape.name == order[i + 1].second);
+        const LoadPath& path = *std::find_if(cases.paths.begin(), cases.paths.end(),
+                                             [&](const LoadPath& p) { return p.name == shape.name; });
+        const NodeField& u = path.records.back().displacement;
+        CHECK((shape.displacement_m - u).norm() / u.norm() == Approx(order[i + 1].first).epsilon(tolerance::solve));
+    }
+}
+
 TEST_CASE("the report names the study, every model and every case") {
     const Evaluation e = evaluated(perfect().model, perfect().cases);
     const std::string report = to_markdown(e);
