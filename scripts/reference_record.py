@@ -8,6 +8,7 @@ made. Under the same ones, counts and hashes must be equal. Under others hashes 
 are some hundred times what moved when the paper study was run with OpenBLAS's kernels for three other processors
 (OPENBLAS_CORETYPE = Nehalem, Sandybridge, SkylakeX; in brackets below).
 """
+import ctypes
 import datetime
 import hashlib
 import json
@@ -144,7 +145,7 @@ def rounded(value):
 
 
 def machine():
-    """Processor, compiler and library versions: results are bit for bit the same where these are."""
+    """Processor, compiler, library versions and BLAS kernels: results are bit for bit the same where these are."""
     cpu = {}
     try:
         for line in Path("/proc/cpuinfo").read_text().split("\n\n")[0].splitlines():
@@ -153,8 +154,18 @@ def machine():
     except OSError:
         pass
     names = [platform.machine()] + [cpu.get(k, "") for k in ("vendor_id", "cpu family", "model", "stepping")]
-    return {"cpu": " ".join(names), "compiler": first_line(["g++", "--version"]),
+    return {"cpu": " ".join(names), "blas": blas_kernels(), "compiler": first_line(["g++", "--version"]),
             "packages": " ".join(first_line(["dpkg-query", "-W", "-f", "${Package} ${Version}; "] + PACKAGES).split())}
+
+
+def blas_kernels():
+    """The kernels that OpenBLAS chooses here, by processor or by OPENBLAS_CORETYPE: sums come out differently in each."""
+    try:
+        name = ctypes.CDLL("libopenblas.so.0").openblas_get_corename
+    except (OSError, AttributeError):
+        return ""
+    name.restype = ctypes.c_char_p
+    return name().decode()
 
 
 def first_line(command):
