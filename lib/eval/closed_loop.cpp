@@ -15,8 +15,12 @@ std::optional<double> closed_loop_error(const SpringMesh& mesh, const SpringLaw&
                                         const ContactTruth& truth, EquilibriumStatus& status) {
     const Equilibrium state = solve_equilibrium(mesh, law, theta, truth.contact, truth.push_m);
     status = state.status;
-    if (!state) return std::nullopt;
-    return (state.contact_force - truth.force_N).norm() / truth.force_N.norm();
+    return closed_loop_error(state, truth);
+}
+
+std::optional<double> closed_loop_error(const Equilibrium& answer, const ContactTruth& truth) {
+    if (!answer) return std::nullopt;
+    return (answer.contact_force - truth.force_N).norm() / truth.force_N.norm();
 }
 
 std::string reasons_of(const std::vector<EquilibriumStatus>& statuses) {

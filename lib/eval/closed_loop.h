@@ -20,6 +20,9 @@ struct ContactTruth {
 std::optional<double> closed_loop_error(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
                                         const ContactTruth& truth, EquilibriumStatus& status);
 
+/// The same of any model's answer there.
+std::optional<double> closed_loop_error(const Equilibrium& answer, const ContactTruth& truth);
+
 /// Reasons of those that are not `balanced`, each with how many have it, on one line; empty when all are.
 std::string reasons_of(const std::vector<EquilibriumStatus>& statuses);
 

@@ -8,6 +8,7 @@
 #include "mesh/topology.h"
 #include "parallel.h"
 #include "springs/heuristic.h"
+#include "springs/law_press.h"
 #include "springs/set_blend.h"
 
 namespace tissue {
@@ -159,9 +160,12 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
     const std::vector<LoadCase> loads = load_cases(cases);
     const SetGrid grid(model);
     const std::unique_ptr<SpringLaw> law = make_spring_law(model.law);
-    const NodeField& theta = model.trained.front().theta;
+    const NodeField theta = model.energy_law ? NodeField() : model.trained.front().theta;
+    std::optional<LawPress> energy;
+    if (model.energy_law) energy.emplace(model);
     const std::vector<Setting> settings = settings_of(model, loads, with_baselines);
-    std::vector<Baseline> baselines = {{"one_set", &settings[0], model.one_set}};
+    std::vector<Baseline> baselines;
+    if (!energy) baselines.push_back({"one_set", &settings[0], model.one_set});
     const double ratio_b = model.heuristic_b.sum() / model.heuristic_a.sum();
     for (const Setting& s : settings) {
         if (!with_baselines) break;
@@ -171,7 +175,9 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
         baselines.push_back({"heuristic_b" + s.suffix, &s, edges ? model.heuristic_b : heuristic_stiffness(s.mesh, ratio_b * model.modulus_N_m)});
         baselines.push_back({"uniform" + s.suffix, &s, uniform_stiffness(s.mesh, s.uniform_N_m)});
     }
-    result.models = {"learned", "learned_nearest", "force_table"};
+    result.models = {"learned"};
+    if (!energy) result.models.push_back("learned_nearest");
+    result.models.push_back("force_table");
     for (const Baseline& b : baselines) result.models.push_back(b.name);
     if (cases.measurement) result.models.push_back("repeat");
 
@@ -206,8 +212,13 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
             const auto add_force = [&](const Eigen::Vector2d& force_N) {
                 add((force_N - truth.force_N).norm() / truth.force_N.norm(), EquilibriumStatus::balanced);
             };
-            add_springs(model.mesh, *law, blend(theta, blended));
-            add_springs(model.mesh, *law, blend(theta, grid.nearest(arc, path.direction, record.magnitude_m)));
+            if (energy) {
+                const Equilibrium state = energy->at(arc, path.push_m(record));
+                add(closed_loop_error(state, truth), state.status);
+            } else {
+                add_springs(model.mesh, *law, blend(theta, blended));
+                add_springs(model.mesh, *law, blend(theta, grid.nearest(arc, path.direction, record.magnitude_m)));
+            }
             add_force(table_force(loads, blended, record.magnitude_m));
             for (const Baseline& b : baselines) add_springs(b.setting->mesh, *b.setting->law, b.theta);
             if (cases.measurement && path.again_N) add_force(*path.again_N);
@@ -225,8 +236,12 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
             const double m = record.magnitude_m;
             curve.magnitude_m.push_back(m);
             curve.fe_N.push_back(record.contact_force_N.dot(path.direction));
+            const auto law_force = [&] {
+                const Equilibrium state = energy->at(arc, path.push_m(record));
+                return state ? state.contact_force.dot(path.direction) : std::nan("");
+            };
             curve.learned_N.push_back(
-                m > 0 ? pushed_force(model.mesh, *law, blend(theta, grid.blended(arc, path.direction, m)), path, m) : 0);
+                m > 0 ? energy ? law_force() : pushed_force(model.mesh, *law, blend(theta, grid.blended(arc, path.direction, m)), path, m) : 0);
             curve.uniform_N.push_back(
                 m > 0 ? pushed_force(settings[0].mesh, *law, uniform_stiffness(model.mesh, settings[0].uniform_N_m), path, m)
                       : 0);
