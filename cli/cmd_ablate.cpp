@@ -32,7 +32,7 @@ void run(const Options& o) {
         const auto cell = [&](const char* model) {
             for (std::size_t m = 0; m < r.held_out.models.size(); ++m)
                 if (r.held_out.models[m] == model) {
-                    const Statistics s = drawn->statistics(m);
+                    const Statistics s = drawn->statistics(m).force;
                     return fmt::format("{:.2f} / {:.2f} / {:.2f} % ({})", 100 * s.median, 100 * s.p95, 100 * s.max, s.n);
                 }
             return std::string();

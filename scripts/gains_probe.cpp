@@ -191,9 +191,8 @@ void weights(const Problem& p, const Options& o, json& out) {
             double model = 0, truth = 0;
             for (int i : patch)
                 for (int axis : {0, 1}) model += f[2 * i + axis] * push[axis], truth += fe(i, axis) * push[axis];
-            EquilibriumStatus status{};
-            const std::optional<double> felt = closed_loop_error(
-                p.mesh, p.law, theta, {contact, p.load.record->magnitude_m * push, p.load.record->contact_force_N}, status);
+            const ContactTruth held{contact, p.load.record->magnitude_m * push, p.load.record->contact_force_N};
+            const std::optional<double> felt = error_of(answer_of(p.mesh, p.law, theta, held), held, p.mesh).force;
             json j = p.head();
             j["near"] = near, j["far"] = far, j["patch_nodes"] = patch.size();
             j["certificate"] = loss_gap(loss(theta), bound, loss.scale());

@@ -48,17 +48,24 @@ def three(statistics):
     return counted(" / ".join(percent(statistics[key]) for key in ("median", "p95", "max")), statistics)
 
 
+def shape(entry):
+    """Shape error of an entry of closed_loop; its contacts are the force's."""
+    return three(entry["shape"]).rpartition(" (")[0] if entry["shape"] and entry["shape"]["n"] else "none"
+
+
 def results_table(evaluation):
-    rows = ["| model | rel_loss (9) | resolved force | closed loop |", "|---|---|---|---|"]
+    rows = ["| model | rel_loss (9) | resolved force | closed loop | its shape |", "|---|---|---|---|---|"]
     for model, errors in evaluation["open_loop"].items():
         rows.append(f"| {LABELS.get(model, model)} | {three(errors['rel_loss'])} | "
-                    f"{three(errors['resolved_force_error'])} | {three(evaluation['closed_loop']['trained'][model])} |")
+                    f"{three(errors['resolved_force_error'])} | {three(evaluation['closed_loop']['trained'][model])} | "
+                    f"{shape(evaluation['closed_loop']['trained'][model])} |")
     return rows
 
 
 def studies_table(evaluations):
     rows = ["| spring mesh | heuristic rel_loss | certified optimum | gap of `spsa`, max | gap of `spsa-2008`, median | "
-            "closed loop, learned | closed loop, best baseline |", "|---|---|---|---|---|---|---|"]
+            "closed loop, learned | its shape | closed loop, best baseline | its shape |",
+            "|---|---|---|---|---|---|---|---|---|"]
     for study, e in evaluations.items():
         closed = e["closed_loop"]["trained"]
         baselines = {m: closed[m]["median"] for m in ("heuristic_a", "heuristic_b", "uniform") if closed[m]["n"]}
@@ -68,22 +75,25 @@ def studies_table(evaluations):
             f"| {STUDIES.get(study, study)} | {percent(e['open_loop']['heuristic_a']['rel_loss']['median'])} | "
             f"{percent(e['open_loop']['optimum']['rel_loss']['median'])} | {percent(e['training']['gap']['max'])} | "
             f"{percent(e['training_also'][0]['gap']['median'])} | {counted(percent(learned['median']), learned)} | "
-            + (f"{LABELS[best]}: {counted(percent(baselines[best]), closed[best])} |" if best else "none |"))
+            f"{percent(learned['shape']['median'])} | "
+            + (f"{LABELS[best]}: {counted(percent(baselines[best]), closed[best])} | "
+               f"{percent(closed[best]['shape']['median'])} |" if best else "none | none |"))
     return rows
 
 
 def surface_table(e):
     names = {"learned": "learned, blended", "learned_nearest": "learned, nearest set", "force_table": "FE force table",
              "one_set": "one set for all contacts"}
-    rows = ["| model | held_out | held_out_full |", "|---|---|---|"]
-    for model in e["closed_loop"]["held_out"]:
+    roles = [e["closed_loop"][role] for role in ("held_out", "held_out_full")]
+    rows = ["| model | held_out: force | held_out: shape | held_out_full: force | held_out_full: shape |",
+            "|---|---|---|---|---|"]
+    for model in roles[0]:
         label = names.get(model, LABELS.get(model, f"`{model}`"))
-        rows.append(f"| {label} | " + " | ".join(three(e["closed_loop"][role][model]) for role in
-                                                 ("held_out", "held_out_full")) + " |")
+        rows.append(f"| {label} | " + " | ".join(f"{three(role[model])} | {shape(role[model])}" for role in roles) + " |")
     counts = {role: (e["closed_loop"][role]["learned"]["n"], len(e["lost"][role]))
               for role in ("held_out", "held_out_full")}
-    rows.append("| contacts (and lost by FE) | " + " | ".join(f"{n} ({lost})" for n, lost in counts.values()) + " |")
-    rows.append("| the truth's own error, finer mesh | " + three(e["truth_check"]) + " | |")
+    rows.append("| contacts (and lost by FE) | " + " | | ".join(f"{n} ({lost})" for n, lost in counts.values()) + " | |")
+    rows.append("| the truth's own error, finer mesh | " + three(e["truth_check"]) + " | | | |")
     return rows
 
 

@@ -24,8 +24,8 @@ import numpy as np
 SCHEMA = 2
 FOLDER = Path(__file__).resolve().parent.parent / "results" / "reference"
 NOT_COMPARED = {"schema", "made", "machine"}
-NOT_KEPT = {"study", "version", "format_version", "seed", "seconds", "curves", "drawn", "drawn_curves", "kkt_residual",
-            "kkt_residual_max"}  # said elsewhere, wall times, bulk, and residuals that are rounding alone
+NOT_KEPT = {"study", "version", "format_version", "seed", "seconds", "curves", "drawn", "drawn_curves", "drawn_shapes",
+            "kkt_residual", "kkt_residual_max"}  # said elsewhere, wall times, bulk, and residuals that are rounding alone
 PACKAGES = ["gmsh", "freefem++", "libfreefem++", "libc6", "libeigen3-dev", "libgsl27", "libhdf5-103-1", "libnlopt0",
             "libopenblas0-pthread", "libstdc++6", "libumfpack5"]
 
@@ -51,7 +51,9 @@ RULES = [
     Rule(r"/(sets|n|floppy_sets|force_steps|force_falls)$", 0, 0, "number"),
     Rule(r"/springs/learned", 0.02, 1e-6, "number"),                     # [6e-4]; flat directions of the loss
     Rule(r"/learned[^/]*/(rel_loss)(/|$)", 1e-6, 1e-7, "number"),        # [6e-10]
-    Rule(r"/learned", 1e-3, 1e-4, "number"),                             # [1.3e-6]; force errors of sets that iterate
+    Rule(r"/learned", 1e-3, 1e-4, "number"),                             # [1.3e-6]; force and shape errors of sets that iterate
+    # [1e-13]; an equilibrium is found to 1e-10 of its forces, and where a mesh is soft its nodes move the more for that
+    Rule(r"/(shape|shape_max_over_depth|closed_loop_shape)(/|$)", 1e-4, 1e-5, "number"),
     Rule(r"", 1e-6, 1e-7, "number"),                                     # [4e-11]; exact solutions and heuristics
 ]
 

@@ -55,7 +55,7 @@ std::string to_json(const std::vector<VariantResult>& results) {
         if (!r.broken.empty()) row["broken"] = r.broken;
         for (const DrawnContacts& role : r.held_out.roles)
             for (std::size_t m = 0; m < r.held_out.models.size(); ++m) {
-                const Statistics s = role.statistics(m);
+                const Statistics s = role.statistics(m).force;
                 if (s.n > 0)
                     row[role.role][r.held_out.models[m]] = {{"median", s.median}, {"p95", s.p95}, {"max", s.max}, {"n", s.n}};
             }

@@ -2,34 +2,59 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
-#include "eval/force_error.h"
 #include "springs/heuristic.h"
 
 namespace tissue {
 
-std::optional<double> closed_loop_error(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
-                                        const ContactTruth& truth, EquilibriumStatus& status) {
-    const Equilibrium state = solve_equilibrium(mesh, law, theta, truth.contact, truth.push_m);
-    status = state.status;
-    return closed_loop_error(state, truth);
+ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, const SpringMesh& mesh) {
+    ContactError error{{}, {}, {}, answer.reason};
+    if (!answer.force_N) return error;
+    error.force = (*answer.force_N - truth.force_N).norm() / truth.force_N.norm();
+    if (answer.displacement_m.size() == 0 || truth.displacement_m.size() == 0) return error;
+    double off = 0, moved = 0, farthest = 0;  // squares
+    for (int i = 0; i < mesh.node_count(); ++i) {
+        if (std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), i)) continue;
+        const double here = (answer.displacement_m.row(i) - truth.displacement_m.row(i)).squaredNorm();
+        off += here;
+        moved += truth.displacement_m.row(i).squaredNorm();
+        farthest = std::max(farthest, here);
+    }
+    error.shape = std::sqrt(off / moved);
+    error.shape_max_over_depth = std::sqrt(farthest) / truth.push_m.norm();
+    return error;
 }
 
-std::optional<double> closed_loop_error(const Equilibrium& answer, const ContactTruth& truth) {
-    if (!answer) return std::nullopt;
-    return (answer.contact_force - truth.force_N).norm() / truth.force_N.norm();
+ContactAnswer answer_of(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
+                        const ContactTruth& truth) {
+    return answer_of(solve_equilibrium(mesh, law, theta, truth.contact, truth.push_m));
 }
 
-std::string reasons_of(const std::vector<EquilibriumStatus>& statuses) {
-    std::map<EquilibriumStatus, int> count;
-    for (EquilibriumStatus s : statuses)
-        if (s != EquilibriumStatus::balanced) ++count[s];
+ContactAnswer answer_of(const Equilibrium& state) {
+    if (!state) return {{}, {}, reason_of(state.status)};
+    return {state.contact_force, state.displacement, {}};
+}
+
+ContactStatistics contact_statistics(const std::vector<ContactError>& errors) {
+    std::vector<double> force, shape, farthest;
+    std::vector<std::pair<std::string, int>> reasons;  // as they come
+    for (const ContactError& e : errors) {
+        if (e.force) force.push_back(*e.force);
+        if (e.shape) shape.push_back(*e.shape);
+        if (e.shape_max_over_depth) farthest.push_back(*e.shape_max_over_depth);
+        if (e.reason.empty()) continue;
+        const auto same = [&](const auto& known) { return known.first == e.reason; };
+        if (const auto known = std::find_if(reasons.begin(), reasons.end(), same); known != reasons.end())
+            ++known->second;
+        else
+            reasons.emplace_back(e.reason, 1);
+    }
     std::string text;
-    for (const auto& [status, n] : count) text += fmt::format("{}{} ({})", text.empty() ? "" : "; ", reason_of(status), n);
-    return text;
+    for (const auto& [reason, n] : reasons) text += fmt::format("{}{} ({})", text.empty() ? "" : "; ", reason, n);
+    return {statistics_of(force), statistics_of(shape), statistics_of(farthest), text};
 }
 
 std::optional<double> best_uniform_stiffness(const SpringMesh& mesh, const SpringLaw& law,

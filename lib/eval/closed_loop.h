@@ -4,30 +4,54 @@
 #include <string>
 #include <vector>
 
+#include "eval/force_error.h"
 #include "springs/equilibrium.h"
 
 namespace tissue {
 
-/// A contact at which FE knows the force: where, how far pushed, and the force.
+/// A contact at which FE knows what becomes of the tissue: where, how far pushed, and the answer.
 struct ContactTruth {
     SurfacePoint contact;
-    Eigen::VectorXd push_m;   ///< d (D)
-    Eigen::VectorXd force_N;  ///< r_fe (D)
+    Eigen::VectorXd push_m;         ///< d (D)
+    Eigen::VectorXd force_N;        ///< r_fe (D)
+    NodeField displacement_m = {};  ///< u_fe (N x D); empty where it was not seen, as inside measured tissue
 };
 
-/// The error a hand feels: the contact held at d, everything else at rest, e = |r_model - r_fe| / |r_fe|.
-/// Nothing when the spring mesh has no equilibrium there; `status` says why.
-std::optional<double> closed_loop_error(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
-                                        const ContactTruth& truth, EquilibriumStatus& status);
+/// What a model of any kind says of a contact held at d.
+struct ContactAnswer {
+    std::optional<Eigen::VectorXd> force_N;  ///< r_model (D); nothing without an answer
+    NodeField displacement_m = {};           ///< u_model (N x D); empty where the model has a force alone
+    std::string reason = {};                 ///< why there is no answer, for people; empty where nothing failed
+};
 
-/// The same of any model's answer there.
-std::optional<double> closed_loop_error(const Equilibrium& answer, const ContactTruth& truth);
+/// How far an answer is from the truth, to a hand and to an eye.
+struct ContactError {
+    std::optional<double> force;                 ///< |r_model - r_fe| / |r_fe|; absent without an answer
+    std::optional<double> shape;                 ///< rms of u_model - u_fe over rms of u_fe, both over the free nodes
+    std::optional<double> shape_max_over_depth;  ///< largest |u_model - u_fe| of a free node, over |d|
+    std::string reason;                          ///< the answer's
+};
 
-/// Reasons of those that are not `balanced`, each with how many have it, on one line; empty when all are.
-std::string reasons_of(const std::vector<EquilibriumStatus>& statuses);
+/// The mesh says which nodes are free. Shape is absent where answer or truth has no displacement. Any topology will do:
+/// nodes are compared one by one.
+ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, const SpringMesh& mesh);
+
+/// The spring mesh at equilibrium: the contact held where the truth has it, everything else at rest.
+ContactAnswer answer_of(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
+                        const ContactTruth& truth);
+
+/// The same of any model's rest.
+ContactAnswer answer_of(const Equilibrium& state);
+
+/// Errors of one model at many contacts, each statistic over those that have it.
+struct ContactStatistics {
+    Statistics force, shape, shape_max_over_depth;
+    std::string reasons;  ///< why others have no answer, each with how many, on one line; empty when all have one
+};
+ContactStatistics contact_statistics(const std::vector<ContactError>& errors);
 
 /// The honest baseline: the one stiffness for the whole mesh [N/m] (diagonals half) with the smallest median
-/// closed-loop error over `truths`, found on a logarithmic grid of 1 % steps between low and high [N/m].
+/// closed-loop force error over `truths`, found on a logarithmic grid of 1 % steps between low and high [N/m].
 /// Contacts without an equilibrium (whatever the stiffness) are left out; nothing when they are more than half.
 std::optional<double> best_uniform_stiffness(const SpringMesh& mesh, const SpringLaw& law,
                                              const std::vector<ContactTruth>& truths, double low_N_m, double high_N_m);

@@ -73,17 +73,10 @@ Statistics ModelErrors::resolved_error() const {
     return statistics_of(collect(cases, [](const CaseError& c) { return c.open_loop.resolved_error; }));
 }
 
-Statistics ModelErrors::closed_loop() const {
-    std::vector<double> values;
-    for (const CaseError& c : cases)
-        if (c.closed_loop) values.push_back(*c.closed_loop);
-    return statistics_of(values);
-}
-
-std::string ModelErrors::no_answer() const {
-    std::vector<EquilibriumStatus> statuses;
-    for (const CaseError& c : cases) statuses.push_back(c.status);
-    return reasons_of(statuses);
+ContactStatistics ModelErrors::closed_loop() const {
+    std::vector<ContactError> errors;
+    for (const CaseError& c : cases) errors.push_back(c.closed_loop);
+    return contact_statistics(errors);
 }
 
 const ModelErrors& Evaluation::model(const std::string& name) const {
@@ -104,7 +97,8 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
     std::vector<ContactTruth> truths;
     for (const LoadCase& load : loads) {
         contacts.push_back(locate_on_surface(model.mesh, load.path->contact_m));
-        truths.push_back({contacts.back(), load.path->push_m(*load.record), load.record->contact_force_N});
+        truths.push_back({contacts.back(), load.path->push_m(*load.record), load.record->contact_force_N,
+                          load.record->displacement});
     }
 
     Evaluation result;
@@ -158,15 +152,14 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
             const auto c = static_cast<std::size_t>(i);
             CaseError& e = errors.cases[c];
             if (candidate.theta.empty()) {  // the law
-                const Equilibrium state = energy->at(outline.arc_of(loads[c].path->contact_m), truths[c].push_m);
-                e.status = state.status;
-                e.closed_loop = closed_loop_error(state, truths[c]);
+                const double arc_m = outline.arc_of(loads[c].path->contact_m);
+                e.closed_loop = error_of(answer_of(energy->at(arc_m, truths[c].push_m)), truths[c], model.mesh);
                 return;
             }
             if (result.open_loop())
                 e.open_loop = force_error(model.mesh, *law, candidate.at(c), contacts[c],
                             model.books.node_weight.row(static_cast<Eigen::Index>(c)), *loads[c].path, *loads[c].record);
-            e.closed_loop = closed_loop_error(model.mesh, *law, candidate.at(c), truths[c], e.status);
+            e.closed_loop = error_of(answer_of(model.mesh, *law, candidate.at(c), truths[c]), truths[c], model.mesh);
         });
         NodeField theta(static_cast<Eigen::Index>(candidate.theta.size()), model.mesh.spring_count());
         for (std::size_t c = 0; c < candidate.theta.size(); ++c) theta.row(static_cast<Eigen::Index>(c)) = candidate.theta[c];

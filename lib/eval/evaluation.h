@@ -15,9 +15,8 @@ namespace tissue {
 
 /// How well one stiffness model does at one load case.
 struct CaseError {
-    ForceError open_loop{};             ///< not of measured cases: nobody knows u inside; nor beside a law: no Q
-    std::optional<double> closed_loop;  ///< absent when the mesh has no equilibrium there
-    EquilibriumStatus status{};         ///< why it is absent
+    ForceError open_loop{};      ///< not of measured cases: nobody knows u inside; nor beside a law: no Q
+    ContactError closed_loop{};
 };
 
 /// One column of every table: a way to choose theta, and its errors at the load cases.
@@ -29,8 +28,7 @@ struct ModelErrors {
 
     Statistics rel_loss() const;
     Statistics resolved_error() const;
-    Statistics closed_loop() const;  ///< over the cases that have an answer
-    std::string no_answer() const;   ///< why the others have none, and how many; empty when all have one
+    ContactStatistics closed_loop() const;
 };
 
 /// Resolved force against displacement along one load path (Fig. 3).

@@ -14,6 +14,20 @@ Json to_value(const Statistics& s) {
     return {{"median", s.median}, {"p95", s.p95}, {"max", s.max}, {"n", s.n}};
 }
 
+Json or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+
+/// One entry of closed_loop. Of a model that says a force alone, shape is null; where nobody saw the tissue's inside,
+/// there is none.
+Json to_value(const ContactStatistics& s, bool seen_inside) {
+    Json entry = to_value(s.force);
+    if (!s.reasons.empty()) entry["reason"] = s.reasons;
+    if (!seen_inside) return entry;
+    const bool force_alone = s.force.n > 0 && s.shape.n == 0;
+    entry["shape"] = force_alone ? Json() : to_value(s.shape);
+    entry["shape_max_over_depth"] = force_alone ? Json() : to_value(s.shape_max_over_depth);
+    return entry;
+}
+
 int total(const std::vector<int>& values) {
     int sum = 0;
     for (int v : values) sum += v;
@@ -78,10 +92,9 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
         if (evaluation.open_loop()) j["open_loop"][m.name] = {{"rel_loss", to_value(m.rel_loss())},
                                   {"resolved_force_error", to_value(m.resolved_error())},
                                   {"n", m.cases.size()}};
-    for (const ModelErrors& m : evaluation.models) {
-        Json& entry = j["closed_loop"]["trained"][m.name] = to_value(m.closed_loop());
-        if (const std::string why = m.no_answer(); !why.empty()) entry["reason"] = why;
-    }
+    const bool seen_inside = !evaluation.measurement;
+    for (const ModelErrors& m : evaluation.models)
+        j["closed_loop"]["trained"][m.name] = to_value(m.closed_loop(), seen_inside);
     j["uniform"] = {{"stiffness_N_m", evaluation.uniform_N_m}, {"chosen_on", evaluation.uniform_chosen_on}};
     j["training"] = evaluation.law_book ? training(*evaluation.energy_law, *evaluation.law_book) : training(evaluation.trained.front());
     for (std::size_t t = 1; t < evaluation.trained.size(); ++t)
@@ -95,17 +108,17 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
     const HeldOut& held_out = evaluation.held_out;
     for (const DrawnContacts& role : held_out.roles) {
         Json& entry = j["closed_loop"][role.role];
-        for (std::size_t m = 0; m < held_out.models.size(); ++m) {
-            entry[held_out.models[m]] = to_value(role.statistics(m));
-            if (const std::string why = role.no_answer(m); !why.empty()) entry[held_out.models[m]]["reason"] = why;
-        }
+        for (std::size_t m = 0; m < held_out.models.size(); ++m)
+            entry[held_out.models[m]] = to_value(role.statistics(m), seen_inside);
         j["lost"][role.role] = role.lost;
         for (const DrawnContact& c : role.contacts) {
             Json row = {{"name", c.name},          {"arc_m", c.arc_m},
                         {"angle_deg", c.angle_deg}, {"depth_m", c.depth_m},
                         {"fe_force_N", {c.fe_force_N.x(), c.fe_force_N.y()}}, {"extrapolated", c.extrapolated}};
-            for (std::size_t m = 0; m < held_out.models.size(); ++m)
-                row["error"][held_out.models[m]] = c.error[m] ? Json(*c.error[m]) : Json();
+            for (std::size_t m = 0; m < held_out.models.size(); ++m) {
+                row["error"][held_out.models[m]] = or_null(c.error[m].force);
+                if (seen_inside) row["shape"][held_out.models[m]] = or_null(c.error[m].shape);
+            }
             j["drawn"][role.role].push_back(std::move(row));
         }
     }
@@ -114,6 +127,12 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
                                      {"magnitude_m", c.magnitude_m},
                                      {"fe_N", c.fe_N},
                                      {"models_N", {{"learned", c.learned_N}, {"uniform", c.uniform_N}}}});
+    for (const DrawnShape& s : held_out.shapes) {
+        Json row = {{"name", s.name}};
+        for (Eigen::Index i = 0; i < s.displacement_m.rows(); ++i)
+            row["displacement_m"].push_back({s.displacement_m(i, 0), s.displacement_m(i, 1)});
+        j["drawn_shapes"].push_back(std::move(row));
+    }
     if (!evaluation.truth.empty()) {
         j["truth_check"] = to_value(evaluation.truth.difference);
         j["truth_check"]["lost"] = evaluation.truth.lost;
@@ -152,7 +171,8 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
             row["models"][m.name] = {{"rel_loss", e.open_loop.rel_loss},
                                      {"resolved_force_N", e.open_loop.resolved_force_N},
                                      {"resolved_force_error", e.open_loop.resolved_error},
-                                     {"closed_loop_error", e.closed_loop ? Json(*e.closed_loop) : Json()}};
+                                     {"closed_loop_error", or_null(e.closed_loop.force)},
+                                     {"closed_loop_shape", or_null(e.closed_loop.shape)}};
         }
         j["cases"].push_back(std::move(row));
     }

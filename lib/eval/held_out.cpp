@@ -32,7 +32,7 @@ struct Baseline {
 };
 
 ContactTruth truth_of(const SpringMesh& mesh, const LoadPath& path, const PathRecord& record) {
-    return {locate_on_surface(mesh, path.contact_m), path.push_m(record), record.contact_force_N};
+    return {locate_on_surface(mesh, path.contact_m), path.push_m(record), record.contact_force_N, record.displacement};
 }
 
 /// The mesh of the same lattice in another topology.
@@ -92,6 +92,17 @@ double pushed_force(const SpringMesh& mesh, const SpringLaw& law, const Eigen::V
     return state ? state.contact_force.dot(path.direction) : std::nan("");
 }
 
+/// Names of the held_out contacts with the median shape error of the first model, of two the smaller, and the largest.
+std::vector<std::string> shown_shapes(const HeldOut& held_out) {
+    std::vector<std::pair<double, std::string>> errors;
+    if (const DrawnContacts* role = held_out.role("held_out"))
+        for (const DrawnContact& c : role->contacts)
+            if (c.error[0].shape) errors.emplace_back(*c.error[0].shape, c.name);
+    if (errors.empty()) return {};
+    std::sort(errors.begin(), errors.end());
+    return {errors[(errors.size() - 1) / 2].second, errors.back().second};
+}
+
 /// The push that a check repeats on the finer mesh; nullptr without one.
 const LoadPath* repeated_by(const LoadPath& check, const Cases& cases) {
     constexpr double same_m = 1e-9, same_direction = 1e-9;
@@ -131,17 +142,10 @@ TruthCheck check_truth(const Cases& cases) {
     return check;
 }
 
-Statistics DrawnContacts::statistics(std::size_t model, bool with_extrapolated) const {
-    std::vector<double> errors;
-    for (const DrawnContact& c : contacts)
-        if (c.error[model] && (with_extrapolated || !c.extrapolated)) errors.push_back(*c.error[model]);
-    return statistics_of(errors);
-}
-
-std::string DrawnContacts::no_answer(std::size_t model) const {
-    std::vector<EquilibriumStatus> statuses;
-    for (const DrawnContact& c : contacts) statuses.push_back(c.status[model]);
-    return reasons_of(statuses);
+ContactStatistics DrawnContacts::statistics(std::size_t model) const {
+    std::vector<ContactError> errors;
+    for (const DrawnContact& c : contacts) errors.push_back(c.error[model]);
+    return contact_statistics(errors);
 }
 
 const DrawnContacts* HeldOut::role(const std::string& name) const {
@@ -181,6 +185,10 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
     for (const Baseline& b : baselines) result.models.push_back(b.name);
     if (cases.measurement) result.models.push_back("repeat");
 
+    const auto learned = [&](const LoadPath& path, const PathRecord& record, const SetWeights& blended) {
+        return energy ? answer_of(energy->at(grid.outline().arc_of(path.contact_m), path.push_m(record)))
+                      : answer_of(model.mesh, *law, blend(theta, blended), truth_of(model.mesh, path, record));
+    };
     for (DrawnContacts& role : result.roles) {
         std::vector<const LoadPath*> paths;
         for (const LoadPath& path : cases.paths) {
@@ -199,30 +207,17 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
             const ContactTruth truth = truth_of(model.mesh, path, record);
             DrawnContact& contact = role.contacts[static_cast<std::size_t>(p)];
             contact = {path.name, arc, grid.outline().angle(arc, path.direction) / degree, record.magnitude_m,
-                       record.contact_force_N, blended.extrapolated, {}, {}};
-            const auto add = [&](std::optional<double> error, EquilibriumStatus status) {
-                contact.error.push_back(error);
-                contact.status.push_back(status);
+                       record.contact_force_N, blended.extrapolated, {}};
+            const auto add = [&](const ContactAnswer& answer) {
+                contact.error.push_back(error_of(answer, truth, model.mesh));
             };
-            const auto add_springs = [&](const SpringMesh& mesh, const SpringLaw& of, const Eigen::VectorXd& stiffness) {
-                EquilibriumStatus status{};
-                const std::optional<double> error = closed_loop_error(mesh, of, stiffness, truth, status);
-                add(error, status);
-            };
-            const auto add_force = [&](const Eigen::Vector2d& force_N) {
-                add((force_N - truth.force_N).norm() / truth.force_N.norm(), EquilibriumStatus::balanced);
-            };
-            if (energy) {
-                const Equilibrium state = energy->at(arc, path.push_m(record));
-                add(closed_loop_error(state, truth), state.status);
-            } else {
-                add_springs(model.mesh, *law, blend(theta, blended));
-                add_springs(model.mesh, *law, blend(theta, grid.nearest(arc, path.direction, record.magnitude_m)));
-            }
-            add_force(table_force(loads, blended, record.magnitude_m));
-            for (const Baseline& b : baselines) add_springs(b.setting->mesh, *b.setting->law, b.theta);
-            if (cases.measurement && path.again_N) add_force(*path.again_N);
-            if (cases.measurement && !path.again_N) add(std::nullopt, EquilibriumStatus::balanced);  // measured once
+            add(learned(path, record, blended));
+            if (!energy)
+                add(answer_of(model.mesh, *law, blend(theta, grid.nearest(arc, path.direction, record.magnitude_m)), truth));
+            add({table_force(loads, blended, record.magnitude_m)});
+            for (const Baseline& b : baselines) add(answer_of(b.setting->mesh, *b.setting->law, b.theta, truth));
+            if (cases.measurement && path.again_N) add({*path.again_N});
+            if (cases.measurement && !path.again_N) add({});  // measured once
         });
     }
 
@@ -236,17 +231,20 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
             const double m = record.magnitude_m;
             curve.magnitude_m.push_back(m);
             curve.fe_N.push_back(record.contact_force_N.dot(path.direction));
-            const auto law_force = [&] {
-                const Equilibrium state = energy->at(arc, path.push_m(record));
-                return state ? state.contact_force.dot(path.direction) : std::nan("");
-            };
-            curve.learned_N.push_back(
-                m > 0 ? energy ? law_force() : pushed_force(model.mesh, *law, blend(theta, grid.blended(arc, path.direction, m)), path, m) : 0);
+            const ContactAnswer answer = m > 0 ? learned(path, record, grid.blended(arc, path.direction, m)) : ContactAnswer{};
+            curve.learned_N.push_back(m > 0 ? answer.force_N ? answer.force_N->dot(path.direction) : std::nan("") : 0);
             curve.uniform_N.push_back(
                 m > 0 ? pushed_force(settings[0].mesh, *law, uniform_stiffness(model.mesh, settings[0].uniform_N_m), path, m)
                       : 0);
         }
         result.curves.push_back(std::move(curve));
+    }
+    for (const std::string& name : shown_shapes(result)) {
+        const auto path = std::find_if(cases.paths.begin(), cases.paths.end(),
+                                       [&](const LoadPath& p) { return p.name == name; });
+        const PathRecord& record = path->records.back();
+        const SetWeights blended = grid.blended(grid.outline().arc_of(path->contact_m), path->direction, record.magnitude_m);
+        result.shapes.push_back({name, learned(*path, record, blended).displacement_m});
     }
     return result;
 }

@@ -17,8 +17,7 @@ struct DrawnContact {
     double arc_m, angle_deg, depth_m;     ///< place along the surface, push off the inward normal, length of the push
     Eigen::Vector2d fe_force_N;
     bool extrapolated;                    ///< outside what the sets were trained on
-    std::vector<std::optional<double>> error;  ///< closed-loop error of each model; absent where it has no answer
-    std::vector<EquilibriumStatus> status;     ///< why it is absent; of a model that needs no equilibrium, balanced
+    std::vector<ContactError> error;      ///< of each model, in closed loop
 };
 
 /// One role of drawn contacts: validation, held_out or held_out_full.
@@ -27,8 +26,7 @@ struct DrawnContacts {
     std::vector<DrawnContact> contacts;
     std::vector<std::string> lost;        ///< "name: why", contacts at which FE has no answer
 
-    Statistics statistics(std::size_t model, bool with_extrapolated = true) const;
-    std::string no_answer(std::size_t model) const;  ///< why contacts have none, and how many; empty when all have one
+    ContactStatistics statistics(std::size_t model) const;
 };
 
 /// The truth's own error: pushes solved again on the finer mesh of the study.
@@ -49,21 +47,28 @@ struct DrawnCurve {
     std::vector<double> magnitude_m, fe_N, learned_N, uniform_N;  ///< NaN where there is no answer
 };
 
+/// Where the tissue's nodes go at one drawn contact, as the first of the models has it.
+struct DrawnShape {
+    std::string name;
+    NodeField displacement_m;             ///< u [m] (N x D)
+};
+
 struct HeldOut {
     std::vector<std::string> models;      ///< learned (blended sets) first
     std::vector<DrawnContacts> roles;
     std::vector<DrawnCurve> curves;       ///< of the first held_out contacts, which were drawn by seed
+    std::vector<DrawnShape> shapes;       ///< at the held_out contacts with the median and the largest shape error
 
     bool empty() const { return roles.empty(); }
     const DrawnContacts* role(const std::string& name) const;
 };
 
-/// Closed-loop errors at every drawn contact of the cases:
+/// Closed-loop errors at every drawn contact of the cases, force and shape:
 ///   learned            the model's law; or its sets, blended over position, angle and depth. Of a law learned_nearest
 ///                      and one_set are left out
 ///   learned_nearest    the nearest of them
 ///   one_set            the single set that serves all training cases best
-///   force_table        no springs: FE's forces interpolated with the same weights, the rival at equal FE cost
+///   force_table        no springs and no shape: FE's forces interpolated with the same weights, the rival at equal FE cost
 ///   repeat             measured cases: what the same push's other repeats say: about what a perfect model would leave
 ///   heuristic_a, heuristic_b, uniform, on the model's mesh and law, and with a suffix on the others
 /// with_baselines = false leaves out the last line.

@@ -70,34 +70,47 @@ std::string no_answer_markdown(const std::string& model, const std::string& reas
     return reasons.empty() ? "" : fmt::format("\nNo closed-loop answer of {}: {}.\n", model, reasons);
 }
 
+constexpr const char *shape_head = " shape: median / p95 / max | largest node error over depth: median / p95 / max | n |",
+                     *shape_words = "*Shape*: rms over the free nodes of u - u_fe, over the rms of u_fe: what an eye sees "
+                                    "where a hand feels the force.";
+
+std::string shape_cells(const ContactStatistics& s) {
+    return fmt::format(" {} | {} | {} |", summary(s.shape), summary(s.shape_max_over_depth), s.shape.n);
+}
+
 std::string held_out_markdown(const HeldOut& h, bool measured) {
     std::string out;
     for (const DrawnContacts& role : h.roles) {
-        out += fmt::format("## Contacts of `{}`: closed-loop error\n\n| model | median | p95 | max | n |\n|---|---|---|---|---|\n",
-                           role.role);
+        out += fmt::format("## Contacts of `{}`: closed-loop error\n\n| model | median | p95 | max | n |", role.role);
+        out += measured ? "\n|---|---|---|---|---|\n" : fmt::format("{}\n|---|---|---|---|---|---|---|---|\n", shape_head);
         for (std::size_t m = 0; m < h.models.size(); ++m) {
-            const Statistics s = role.statistics(m);
-            out += fmt::format("| {} | {} | {} | {} | {} |\n", h.models[m], percent(s.median), percent(s.p95),
-                               percent(s.max), s.n);
+            const ContactStatistics s = role.statistics(m);
+            out += fmt::format("| {} | {} | {} | {} | {} |", h.models[m], percent(s.force.median), percent(s.force.p95),
+                               percent(s.force.max), s.force.n);
+            out += (measured ? "" : shape_cells(s)) + "\n";
         }
-        for (std::size_t m = 0; m < h.models.size(); ++m) out += no_answer_markdown(h.models[m], role.no_answer(m));
+        for (std::size_t m = 0; m < h.models.size(); ++m) out += no_answer_markdown(h.models[m], role.statistics(m).reasons);
         for (const DrawnContact& c : role.contacts)
-            if (!c.error[0]) out += fmt::format("\nNone of {} at {}.\n", h.models[0], c.name);
+            if (!c.error[0].force) out += fmt::format("\nNone of {} at {}.\n", h.models[0], c.name);
         int extrapolated = 0;
         for (const DrawnContact& c : role.contacts) extrapolated += c.extrapolated ? 1 : 0;
         out += fmt::format("\n{} {}; {} lie outside what was trained on.", role.contacts.size(),
                            measured ? "rows" : "contacts", extrapolated);
+        if (!measured) out += fmt::format(" {}", shape_words);
         out += measured ? "\n" : fmt::format(" FE lost {}{}\n", role.lost.size(), role.lost.empty() ? "." : ":");
         for (const std::string& lost : role.lost) out += "- " + lost + "\n";
         std::vector<const DrawnContact*> worst;
         for (const DrawnContact& c : role.contacts)
-            if (c.error[0]) worst.push_back(&c);
-        std::sort(worst.begin(), worst.end(), [](const auto* a, const auto* b) { return *a->error[0] > *b->error[0]; });
-        out += "\nThe worst ten:\n\n| contact | along the surface mm | angle deg | depth mm | force N | error |\n|---|---|---|---|---|---|\n";
+            if (c.error[0].force) worst.push_back(&c);
+        std::sort(worst.begin(), worst.end(),
+                  [](const auto* a, const auto* b) { return *a->error[0].force > *b->error[0].force; });
+        out += fmt::format("\nThe worst ten:\n\n| contact | along the surface mm | angle deg | depth mm | force N | error |{}\n",
+                           measured ? "\n|---|---|---|---|---|---|" : " shape |\n|---|---|---|---|---|---|---|");
         for (std::size_t i = 0; i < std::min<std::size_t>(10, worst.size()); ++i)
-            out += fmt::format("| {} | {:.1f} | {:.1f} | {:.2f} | {:.3f} | {} |\n", worst[i]->name, 1e3 * worst[i]->arc_m,
+            out += fmt::format("| {} | {:.1f} | {:.1f} | {:.2f} | {:.3f} | {} |{}\n", worst[i]->name, 1e3 * worst[i]->arc_m,
                                worst[i]->angle_deg, 1e3 * worst[i]->depth_m, worst[i]->fe_force_N.norm(),
-                               percent(*worst[i]->error[0]));
+                               percent(*worst[i]->error[0].force),
+                               measured ? "" : fmt::format(" {} |", percent(worst[i]->error[0].shape.value_or(std::nan("")))));
         out += "\n";
     }
     return out;
@@ -149,15 +162,17 @@ std::string to_markdown(const Evaluation& e) {
     const ModelErrors &learned = e.models.front(), &heuristic = e.model("heuristic_a");
     std::string out = fmt::format("# Study `{}`\n\n", e.study);
     if (const DrawnContacts* held_out = e.held_out.role("held_out")) {
-        const Statistics s = held_out->statistics(0);
+        const ContactStatistics s = held_out->statistics(0);
         out += fmt::format(
             "**On contacts it never saw, the learned model's force is wrong by {} in the median, {} at the 95th "
-            "percentile and {} at worst (closed loop, {} {}).**\n\nWritten by `tissuectl eval` {}.\n\n",
-            percent(s.median), percent(s.p95), percent(s.max), s.n, e.measurement ? "rows" : "contacts", version);
+            "percentile and {} at worst (closed loop, {} {}){}.**\n\nWritten by `tissuectl eval` {}.\n\n",
+            percent(s.force.median), percent(s.force.p95), percent(s.force.max), s.force.n,
+            e.measurement ? "rows" : "contacts", e.measurement ? "" : ", the tissue's shape by " + summary(s.shape), version);
     } else if (e.law_book) {
-        out += fmt::format("**At the contacts it was trained on, the law's force is wrong by {} (median / p95 / max, closed loop, n = "
-                           "{}).**\n\nWritten by `tissuectl eval` {}.\n\n",
-                           summary(learned.closed_loop()), learned.closed_loop().n, version);
+        out += fmt::format("**At the contacts it was trained on, the law's force is wrong by {} and the tissue's shape by {} (median / "
+                           "p95 / max, closed loop, n = {}).**\n\nWritten by `tissuectl eval` {}.\n\n",
+                           summary(learned.closed_loop().force), summary(learned.closed_loop().shape), learned.closed_loop().force.n,
+                           version);
     } else {
         const double loss_ratio = heuristic.rel_loss().median / learned.rel_loss().median;
         const double force_ratio = heuristic.resolved_error().median / learned.resolved_error().median;
@@ -176,12 +191,12 @@ std::string to_markdown(const Evaluation& e) {
     if (!e.open_loop()) {
         out += "| model | closed loop | n |\n|---|---|---|\n";
         for (const ModelErrors& m : e.models)
-            out += fmt::format("| {} | {} | {} |\n", m.name, summary(m.closed_loop()), m.closed_loop().n);
+            out += fmt::format("| {} | {} | {} |\n", m.name, summary(m.closed_loop().force), m.closed_loop().force.n);
     } else {
         out += "| model | rel_loss (9) | resolved force | n | closed loop | n |\n|---|---|---|---|---|---|\n";
         for (const ModelErrors& m : e.models)
             out += fmt::format("| {} | {} | {} | {} | {} | {} |\n", m.name, summary(m.rel_loss()),
-                               summary(m.resolved_error()), m.rel_loss().n, summary(m.closed_loop()), m.closed_loop().n);
+                               summary(m.resolved_error()), m.rel_loss().n, summary(m.closed_loop().force), m.closed_loop().force.n);
     }
     out += fmt::format("\nn: of {} load cases those with an answer. ", e.case_names.size());
     if (e.open_loop())
@@ -191,11 +206,16 @@ std::string to_markdown(const Evaluation& e) {
         "*Closed loop*: the contact held where it was pushed, everything else at "
         "equilibrium. uniform is {:.4g} N/m, chosen on {}.\n",
         e.uniform_N_m, e.uniform_chosen_on == "closed_loop" ? "the closed-loop error" : "rel_loss");
-    for (const ModelErrors& m : e.models) out += no_answer_markdown(m.name, m.no_answer());
+    for (const ModelErrors& m : e.models) out += no_answer_markdown(m.name, m.closed_loop().reasons);
+    if (!e.measurement) {
+        out += fmt::format("\n## Shape at the trained contacts, in closed loop\n\n| model |{}\n|---|---|---|---|\n", shape_head);
+        for (const ModelErrors& m : e.models) out += fmt::format("| {} |{}\n", m.name, shape_cells(m.closed_loop()));
+        out += fmt::format("\n{}\n", shape_words);
+    }
 
     if (e.law_book)
         return out + law_markdown(*e.energy_law, *e.law_book) +
-               (e.held_out.empty() ? figures_markdown({"contours"}) : figures_markdown({"held_out", "held_out_force", "contours"}));
+               (e.held_out.empty() ? figures_markdown({"contours"}) : figures_markdown({"held_out", "held_out_force", "shape", "contours"}));
     out +=
         "\n## Training\n\n| optimiser | sets | iterations | restarts (sets that restarted) | ended | median loss over start at "
         "1,000 | at 5,000 | at the end | gap median / max | seconds |\n|---|---|---|---|---|---|---|---|---|---|\n";
@@ -227,7 +247,7 @@ std::string to_markdown(const Evaluation& e) {
                "Contact forces alone make the whole problem one that is not convex, and no certificate covers it: loss, gap "
                "and proof are those of each set's last linearised step.\n" +
                figures_markdown({"held_out", "springs"});
-    if (!e.listed) return out + figures_markdown({"held_out", "held_out_force", "contours", "springs"});
+    if (!e.listed) return out + figures_markdown({"held_out", "held_out_force", "shape", "contours", "springs"});
     out += "\n| set | L_lb mN | L_lb relative |";
     for (const TrainingBook& t : e.trained) out += fmt::format(" {}: L relative / gap / restarts / status |", t.optimizer);
     out += "\n|---|---|---|";
@@ -278,7 +298,7 @@ std::string to_markdown(const Evaluation& e) {
             const CaseError& error = m.cases[c];
             out += fmt::format(" {} / {:.3f} / {} |", percent(error.open_loop.rel_loss),
                                1e3 * error.open_loop.resolved_force_N,
-                               error.closed_loop ? percent(*error.closed_loop) : "none");
+                               error.closed_loop.force ? percent(*error.closed_loop.force) : "none");
         }
         out += "\n";
     }

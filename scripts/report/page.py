@@ -32,6 +32,7 @@ CAPTIONS = {
     "character": "What the springs are like, and what staying near the heuristic costs",
     "held_out": "Closed-loop error at contacts the sets were not trained on",
     "held_out_force": "Force against push at such contacts",
+    "shape": "The tissue's shape at such contacts, finite elements and springs; shape error against force error",
 }
 
 
@@ -53,6 +54,8 @@ def lead(e):
         number = learned["median"]
         figures += [(learned["p95"], "95th percentile of the same"),
                     (learned["max"], f"worst of {learned['n']} contacts")]
+        if learned.get("shape"):
+            figures.append((learned["shape"]["median"], "median error of the tissue's shape, what an eye sees"))
         figures += best_baseline(closed["held_out"])
         if "held_out_full" in closed:
             full = closed["held_out_full"]["learned"]

@@ -25,22 +25,36 @@ std::vector<ContactTruth> truths(const SpringLaw& law, const Eigen::VectorXd& th
         const Eigen::Vector2d push(dx, dy);
         const auto state = solve_equilibrium(block(), law, theta, contact, push);
         REQUIRE(state);
-        list.push_back({contact, push, state.contact_force});
+        list.push_back({contact, push, state.contact_force, state.displacement});
     }
     return list;
 }
 
+ContactError error_of_springs(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
+                              const ContactTruth& truth) {
+    return error_of(answer_of(mesh, law, theta, truth), truth, mesh);
+}
+
+/// The first truth of springs, and the answer that agrees with it.
+ContactTruth seen() { return truths(*make_spring_law("axial"), example_theta(block()))[0]; }
+ContactAnswer agreeing(const ContactTruth& truth) { return {truth.force_N, truth.displacement_m}; }
+
 }  // namespace
 
-TEST_CASE("springs that are the truth have no closed-loop error; half as stiff ones one half") {
-    EquilibriumStatus status{};
+TEST_CASE("springs that are the truth have no closed-loop error; half as stiff ones one half of force and none of shape") {
     for (const std::string& name : spring_laws().names()) {
         const auto law = make_spring_law(name);
         const Eigen::VectorXd theta = example_theta(block());
         for (const ContactTruth& truth : truths(*law, theta)) {
-            CHECK(closed_loop_error(block(), *law, theta, truth, status).value() <= tolerance::newton);
-            CHECK(closed_loop_error(block(), *law, theta / 2, truth, status).value() ==
-                  Approx(0.5).epsilon(tolerance::newton));
+            const ContactError own = error_of_springs(block(), *law, theta, truth),
+                               half = error_of_springs(block(), *law, theta / 2, truth);
+            CHECK(own.force.value() <= tolerance::newton);
+            CHECK(half.force.value() == Approx(0.5).epsilon(tolerance::newton));
+            for (const ContactError& e : {own, half}) {
+                CHECK(e.shape.value() <= tolerance::newton);
+                CHECK(e.shape_max_over_depth.value() <= tolerance::newton);
+                CHECK(e.reason.empty());
+            }
         }
     }
 }
@@ -51,9 +65,94 @@ TEST_CASE("the closed-loop error counts the force across the push as well") {
     ContactTruth truth = truths(*law, theta)[1];
     const Eigen::Vector2d force = truth.force_N;
     truth.force_N = Eigen::Vector2d(-force.y(), force.x());  // as strong, a quarter turn away
-    EquilibriumStatus status{};
-    CHECK(closed_loop_error(block(), *law, theta, truth, status).value() ==
-          Approx(std::sqrt(2)).epsilon(tolerance::solve));
+    const ContactError error = error_of_springs(block(), *law, theta, truth);
+    CHECK(error.force.value() == Approx(std::sqrt(2)).epsilon(tolerance::solve));
+    CHECK(error.shape.value() <= tolerance::newton);  // the eye sees nothing of it
+}
+
+TEST_CASE("half the displacement is a shape error of one half, and none at all one of one") {
+    const ContactTruth truth = seen();
+    ContactAnswer answer = agreeing(truth);
+    CHECK(error_of(answer, truth, block()).shape.value() == 0);
+    answer.displacement_m /= 2;
+    CHECK(error_of(answer, truth, block()).shape.value() == Approx(0.5).epsilon(tolerance::rounding));
+    answer.displacement_m.setZero();
+    const ContactError none = error_of(answer, truth, block());
+    CHECK(none.shape.value() == Approx(1).epsilon(tolerance::rounding));
+    CHECK(none.shape_max_over_depth.value() ==
+          Approx(truth.displacement_m.rowwise().norm().maxCoeff() / truth.push_m.norm()).epsilon(tolerance::rounding));
+}
+
+TEST_CASE("an offset of all free nodes is its length over their rms displacement, and over the depth") {
+    const ContactTruth truth = seen();
+    ContactAnswer answer = agreeing(truth);
+    const Eigen::RowVector2d offset(0.0003, -0.0004);
+    answer.displacement_m.rowwise() += offset;
+    double squares = 0;
+    int free = 0;
+    for (int i = 0; i < block().node_count(); ++i)
+        if (block().nodes(i, 1) > 0) ++free, squares += truth.displacement_m.row(i).squaredNorm();
+    const ContactError error = error_of(answer, truth, block());
+    CHECK(error.shape.value() == Approx(0.0005 / std::sqrt(squares / free)).epsilon(tolerance::rounding));
+    CHECK(error.shape_max_over_depth.value() == Approx(0.0005 / 0.01).epsilon(tolerance::rounding));
+}
+
+TEST_CASE("one node astray is the largest node error, its part of the mesh in the rms") {
+    const ContactTruth truth = seen();
+    ContactAnswer answer = agreeing(truth);
+    answer.displacement_m(block().node_count() - 1, 0) += 0.002;
+    const ContactError error = error_of(answer, truth, block());
+    CHECK(error.shape_max_over_depth.value() == Approx(0.2).epsilon(tolerance::rounding));
+    CHECK(error.shape.value() == Approx(0.002 / truth.displacement_m.norm()).epsilon(tolerance::rounding));
+}
+
+TEST_CASE("free nodes alone count for shape: what stands at held ones is nobody's answer") {
+    ContactTruth truth = seen();
+    ContactAnswer answer = agreeing(truth);
+    answer.displacement_m /= 2;
+    for (int node : block().fixed) {
+        truth.displacement_m.row(node) << 0.1, 0.1;
+        answer.displacement_m.row(node) << -7, 7;
+    }
+    const ContactError error = error_of(answer, truth, block());
+    CHECK(error.shape.value() == Approx(0.5).epsilon(tolerance::rounding));
+    CHECK(error.shape_max_over_depth.value() < 1);
+}
+
+TEST_CASE("where answer or truth has no displacement there is a force error and no shape error") {
+    ContactTruth truth = seen();
+    ContactAnswer answer = agreeing(truth);
+    answer.displacement_m.resize(0, 2);  // a table of forces
+    const ContactError table = error_of(answer, truth, block());
+    CHECK(table.force.value() == 0);
+    CHECK_FALSE(table.shape);
+    CHECK_FALSE(table.shape_max_over_depth);
+    answer = agreeing(truth);
+    truth.displacement_m.resize(0, 2);  // measured: nobody saw inside
+    CHECK(error_of(answer, truth, block()).force.value() == 0);
+    CHECK_FALSE(error_of(answer, truth, block()).shape);
+}
+
+TEST_CASE("the same nodes in another topology are compared one by one") {
+    const SpringMesh axes = make_lattice("grid4", 5, 5, 0.1, 0.1);
+    const auto law = make_spring_law("isotropic");
+    for (const ContactTruth& truth : truths(*make_spring_law("axial"), example_theta(block()))) {
+        const ContactError error = error_of_springs(axes, *law, uniform_stiffness(axes, 1), truth);
+        CHECK(error.shape.value() > 0.01);
+        CHECK(error.shape.value() < 2);
+    }
+}
+
+TEST_CASE("statistics of many contacts are over those that have an answer, and say why the others have none") {
+    const std::vector<ContactError> errors = {{0.1, 0.3, 0.5, ""}, {{}, {}, {}, "it folds"}, {0.2, {}, {}, ""},
+                                              {{}, {}, {}, "it flies"}, {{}, {}, {}, "it folds"}};
+    const ContactStatistics s = contact_statistics(errors);
+    CHECK(s.force.n == 2);
+    CHECK(s.force.max == 0.2);
+    CHECK(s.shape.n == 1);
+    CHECK(s.shape.median == 0.3);
+    CHECK(s.shape_max_over_depth.max == 0.5);
+    CHECK(s.reasons == "it folds (2); it flies (1)");
 }
 
 TEST_CASE("the best uniform stiffness of a uniform tissue is its own") {
@@ -78,8 +177,9 @@ TEST_CASE("a mesh with zero-energy modes has neither a closed-loop error nor a b
     const SpringMesh grid4 = make_lattice("grid4", 5, 5, 0.1, 0.1);
     const auto law = make_spring_law("axial");
     const ContactTruth truth{locate_on_surface(grid4, {0, 0.04}), Eigen::Vector2d(0.01, 0), Eigen::Vector2d(1, 0)};
-    EquilibriumStatus status{};
-    CHECK_FALSE(closed_loop_error(grid4, *law, heuristic_stiffness(grid4, 1), truth, status));
-    CHECK_THAT(reason_of(status), Contains("zero-energy modes"));
+    const ContactError error = error_of_springs(grid4, *law, heuristic_stiffness(grid4, 1), truth);
+    CHECK_FALSE(error.force);
+    CHECK_FALSE(error.shape);
+    CHECK_THAT(error.reason, Contains("zero-energy modes"));
     CHECK_FALSE(best_uniform_stiffness(grid4, *law, {truth}, 0.05, 40));
 }

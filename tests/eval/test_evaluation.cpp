@@ -1,6 +1,8 @@
 #include "eval/evaluation.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "error.h"
@@ -44,11 +46,13 @@ TEST_CASE("learned springs that are the truth have no error of any kind, the heu
     const ModelErrors &learned = e.model("learned"), &heuristic = e.model("heuristic_a");
     CHECK(learned.rel_loss().max <= tolerance::rounding);
     CHECK(learned.resolved_error().max <= tolerance::solve);
-    CHECK(learned.closed_loop().max <= tolerance::solve);
+    CHECK(learned.closed_loop().force.max <= tolerance::solve);
+    CHECK(learned.closed_loop().shape.max <= tolerance::solve);
     CHECK(learned.rel_loss().n == 4);
     CHECK(heuristic.rel_loss().median > 0.01);
     CHECK(heuristic.resolved_error().median > 0.01);
-    CHECK(heuristic.closed_loop().median > 0.01);
+    CHECK(heuristic.closed_loop().force.median > 0.01);
+    CHECK(heuristic.closed_loop().shape.median > 0.01);
 }
 
 TEST_CASE("every table has the learned sets, the other optimiser's, the optimum and all baselines") {
@@ -101,13 +105,15 @@ TEST_CASE("a mesh without closed-loop answers says why, and its uniform stiffnes
     const TrainedModel model = train_sets(study, x.cases, 1);
     const Evaluation e = evaluated(model, x.cases);
     CHECK(e.uniform_chosen_on == "rel_loss");
-    CHECK(e.model("learned").closed_loop().n == 0);
-    CHECK_THAT(e.model("learned").no_answer(), Contains("zero-energy modes"));
+    CHECK(e.model("learned").closed_loop().force.n == 0);
+    CHECK_THAT(e.model("learned").closed_loop().reasons, Contains("zero-energy modes"));
     const nlohmann::json j = nlohmann::json::parse(to_json(e, 11));
     const nlohmann::json& entry = j["closed_loop"]["trained"]["learned"];
     CHECK(entry["median"].is_null());
     CHECK(entry["n"] == 0);
     CHECK_THAT(entry["reason"].get<std::string>(), Contains("zero-energy modes"));
+    CHECK(entry["shape"]["median"].is_null());
+    CHECK(entry["shape"]["n"] == 0);
     CHECK(j["cases"][0]["models"]["learned"]["closed_loop_error"].is_null());
     CHECK_THAT(to_markdown(e), Contains("No closed-loop answer") && Contains("zero-energy modes"));
 }
@@ -115,8 +121,7 @@ TEST_CASE("a mesh without closed-loop answers says why, and its uniform stiffnes
 TEST_CASE("a model without an answer at some contacts has an n of its own in every table, and the reasons with their counts") {
     Evaluation e = evaluated(perfect().model, perfect().cases);
     const auto lose = [&](std::size_t model, std::size_t c, EquilibriumStatus status) {
-        e.models[model].cases[c].closed_loop.reset();
-        e.models[model].cases[c].status = status;
+        e.models[model].cases[c].closed_loop = {{}, {}, {}, reason_of(status)};
     };
     lose(0, 1, EquilibriumStatus::unstable);
     lose(0, 2, EquilibriumStatus::unstable);
@@ -125,6 +130,8 @@ TEST_CASE("a model without an answer at some contacts has an n of its own in eve
     const nlohmann::json &own = j["closed_loop"]["trained"]["learned"], &other = j["closed_loop"]["trained"]["uniform"];
     CHECK(own["n"] == 1);
     CHECK(other["n"] == 4);
+    CHECK(own["shape"]["n"] == 1);
+    CHECK(other["shape"]["n"] == 4);
     CHECK_FALSE(other.contains("reason"));
     const std::string reasons = reason_of(EquilibriumStatus::unstable) + " (2); " +
                                 reason_of(EquilibriumStatus::not_converged) + " (1)";
@@ -149,8 +156,13 @@ TEST_CASE("eval.json has what the design promises, and its numbers are the evalu
         CHECK(j["open_loop"][m.name]["rel_loss"]["median"] == m.rel_loss().median);
         CHECK(j["open_loop"][m.name]["resolved_force_error"]["p95"] == m.resolved_error().p95);
         CHECK(j["open_loop"][m.name]["n"] == 4);
-        CHECK(j["closed_loop"]["trained"][m.name]["max"] == m.closed_loop().max);
-        CHECK(j["closed_loop"]["trained"][m.name]["n"] == 4);
+        const nlohmann::json& closed = j["closed_loop"]["trained"][m.name];
+        CHECK(closed["max"] == m.closed_loop().force.max);
+        CHECK(closed["n"] == 4);
+        CHECK(closed["shape"]["median"] == m.closed_loop().shape.median);
+        CHECK(closed["shape"]["n"] == 4);
+        CHECK(closed["shape_max_over_depth"]["p95"] == m.closed_loop().shape_max_over_depth.p95);
+        CHECK(j["cases"][1]["models"][m.name]["closed_loop_shape"] == m.cases[1].closed_loop.shape.value());
     }
     for (const char* key : {"sets", "restarts", "iterations", "gap", "seconds"}) CHECK(j["training"].contains(key));
     CHECK(j["training"]["sets"] == 4);
@@ -159,6 +171,71 @@ TEST_CASE("eval.json has what the design promises, and its numbers are the evalu
     REQUIRE(j["cases"].size() == 4);
     CHECK(j["cases"][0]["name"] == "left-4mm");
     CHECK(j["cases"][0]["magnitude_m"] == 0.004);
+}
+
+TEST_CASE("drawn contacts have shapes, of models that have one, and the median and the worst of them are kept to be drawn") {
+    Cases cases = perfect().cases;
+    for (std::size_t p : {0, 1}) {
+        cases.paths.push_back(cases.paths[p]);
+        cases.paths.back().role = "held_out";
+        cases.paths.back().name = "drawn-" + std::to_string(p);
+    }
+    TrainedModel model = perfect().model;
+    model.trained.front().theta *= 2;  // the force is wrong, the shape is not
+    const Evaluation e = evaluated(model, cases);
+    const nlohmann::json j = nlohmann::json::parse(to_json(e, 11)), &held_out = j["closed_loop"]["held_out"];
+    CHECK(held_out["learned"]["median"].get<double>() == Approx(1).epsilon(tolerance::solve));
+    CHECK(held_out["learned"]["shape"]["max"].get<double>() <= tolerance::solve);
+    CHECK(held_out["learned"]["shape_max_over_depth"]["max"].get<double>() <= tolerance::solve);
+    CHECK(held_out["uniform"]["shape"]["median"].get<double>() > 0.01);
+    CHECK(held_out["uniform"]["shape"]["n"] == 2);
+    CHECK(held_out["force_table"]["n"] == 2);
+    CHECK(held_out["force_table"]["shape"].is_null());
+    CHECK(held_out["force_table"]["shape_max_over_depth"].is_null());
+    CHECK(j["drawn"]["held_out"][1]["shape"]["force_table"].is_null());
+    CHECK(j["drawn"]["held_out"][1]["shape"]["uniform"].get<double>() > 0.01);
+
+    const std::size_t uniform = static_cast<std::size_t>(
+        std::find(e.held_out.models.begin(), e.held_out.models.end(), "uniform") - e.held_out.models.begin());
+    CHECK(j["drawn"]["held_out"][0]["shape"]["uniform"] == *e.held_out.roles[0].contacts[0].error[uniform].shape);
+    REQUIRE(j["drawn_shapes"].size() == 2);
+    CHECK(j["drawn_shapes"][0]["name"] != j["drawn_shapes"][1]["name"]);
+    for (const nlohmann::json& shape : j["drawn_shapes"]) {
+        const auto path = std::find_if(cases.paths.begin(), cases.paths.end(),
+                                       [&](const LoadPath& p) { return p.name == shape["name"]; });
+        const NodeField& u = path->records.back().displacement;
+        REQUIRE(shape["displacement_m"].size() == static_cast<std::size_t>(u.rows()));
+        for (Eigen::Index i = 0; i < u.rows(); ++i)
+            for (Eigen::Index axis : {0, 1})
+                CHECK(std::abs(shape["displacement_m"][i][axis].get<double>() - u(i, axis)) <= tolerance::solve * u.norm());
+    }
+    CHECK_THAT(to_markdown(e), Contains("the tissue's shape by"));
+}
+
+TEST_CASE("of drawn contacts the shapes kept are the median's and the worst's, in this order, as the learned springs have them") {
+    Cases cases = perfect().cases;
+    for (std::size_t p : {0, 1, 0}) {
+        cases.paths.push_back(cases.paths[p]);
+        LoadPath& path = cases.paths.back();
+        path.role = "held_out";
+        path.name = "drawn-" + std::to_string(cases.paths.size());
+        if (cases.paths.size() == 5) path.records.back().displacement *= 1.5;  // FE's shape is far from any
+    }
+    TrainedModel model = perfect().model;
+    model.trained.front().theta = model.heuristic_a.transpose().replicate(model.trained.front().theta.rows(), 1);
+    const Evaluation e = evaluated(model, cases);
+    std::vector<std::pair<double, std::string>> order;
+    for (const DrawnContact& c : e.held_out.role("held_out")->contacts) order.emplace_back(*c.error[0].shape, c.name);
+    std::sort(order.begin(), order.end());
+    REQUIRE(e.held_out.shapes.size() == 2);
+    for (std::size_t i : {0, 1}) {
+        const DrawnShape& shape = e.held_out.shapes[i];
+        CHECK(shape.name == order[i + 1].second);
+        const LoadPath& path = *std::find_if(cases.paths.begin(), cases.paths.end(),
+                                             [&](const LoadPath& p) { return p.name == shape.name; });
+        const NodeField& u = path.records.back().displacement;
+        CHECK((shape.displacement_m - u).norm() / u.norm() == Approx(order[i + 1].first).epsilon(tolerance::solve));
+    }
 }
 
 TEST_CASE("the report names the study, every model and every case") {

@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "allocations.h"
+#include "../allocations.h"
 #include "haptic/device_error.h"
 #include "haptic/realtime_loop.h"
 #include "haptic/running_device.h"

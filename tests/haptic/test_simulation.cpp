@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "../refusal.h"
-#include "allocations.h"
+#include "../allocations.h"
 #include "error.h"
 #include "haptic/pointer_device.h"
 #include "haptic/state_channel.h"

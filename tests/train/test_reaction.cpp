@@ -1,6 +1,7 @@
 #include "train/reaction.h"
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "../measured_example.h"
 #include "../refusal.h"
@@ -149,13 +150,24 @@ TEST_CASE("noise-free data of a known spring model come back: trained contacts a
     const Cases cases = measured_cases(study, table_of(study, theta));
     const TrainedModel model = train_sets(study, cases, 2);
     const Evaluation e = evaluate(model, cases, 0, 1, 2);
-    CHECK(e.model("learned").closed_loop().max < 1e-3);
+    CHECK(e.model("learned").closed_loop().force.max < 1e-3);
     const DrawnContacts* held_out = e.held_out.role("held_out");
     REQUIRE(held_out);
     REQUIRE(e.held_out.models[0] == "learned");
-    CHECK(held_out->statistics(0).n == 3 * 11);
-    CHECK(held_out->statistics(0).max < 1e-3);
-    CHECK(e.model("heuristic_a").closed_loop().median > 0.01);  // it was not there to begin with
+    CHECK(held_out->statistics(0).force.n == 3 * 11);
+    CHECK(held_out->statistics(0).force.max < 1e-3);
+    CHECK(e.model("heuristic_a").closed_loop().force.median > 0.01);  // it was not there to begin with
+
+    const nlohmann::json j = nlohmann::json::parse(to_json(e, 1));
+    for (const char* role : {"trained", "held_out"})
+        for (const auto& [name, entry] : j["closed_loop"][role].items()) {
+            CAPTURE(role, name);
+            CHECK_FALSE(entry.contains("shape"));  // nobody saw inside
+            CHECK_FALSE(entry.contains("shape_max_over_depth"));
+        }
+    CHECK_FALSE(j["drawn"]["held_out"][0].contains("shape"));
+    CHECK_FALSE(j.contains("drawn_shapes"));
+    CHECK_THAT(to_markdown(e), !Catch::Contains("shape"));
 }
 
 TEST_CASE("without a ridge a fit stays inside its box to the last bit, step after step", "[reaction]") {
