@@ -8,8 +8,8 @@ namespace tissue {
 
 TrainedModel train_law_model(const Study& study, const Cases& cases, int threads) {
     if (!study.springs.is_law()) throw MismatchError("study '" + study.name + "' has no law: its stiffness is sets");
+    TrainedModel model = untrained_model(study, cases, load_cases(cases));
     const Cases kept = without_mirrors(cases);
-    TrainedModel model = untrained_model(study, kept, load_cases(kept));
     const EnergyLaw law = study_law(study, kept.shape, model.mesh);
     const std::vector<PressPath> paths = press_paths(kept, model.mesh, "train", false);
 
