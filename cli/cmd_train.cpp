@@ -8,9 +8,11 @@
 #include <thread>
 
 #include "command.h"
+#include "error.h"
 #include "io/atomic_file.h"
 #include "progress.h"
 #include "train/endings.h"
+#include "train/train_law_model.h"
 #include "train/train_sets.h"
 
 namespace tissue::cli {
@@ -25,9 +27,12 @@ struct Options {
     bool json = false;
 };
 
-/// A line of figures a set, as JSON.
+/// A line of figures a set, or a term, as JSON.
 void print(const TrainedModel& model) {
     nlohmann::ordered_json j;
+    if (const auto& law = model.energy_law)
+        for (std::size_t t = 0; t < law->terms.size(); ++t)
+            j.push_back({{"term", law->terms[t]}, {"coefficient", law->coefficients[static_cast<Eigen::Index>(t)]}});
     for (const TrainingBook& t : model.books.trained)
         for (Eigen::Index c = 0; c < t.loss_N.size(); ++c) {
             const auto i = static_cast<std::size_t>(c);
@@ -45,6 +50,8 @@ void print(const TrainedModel& model) {
 void run(const Options& o, Provenance provenance) {
     Study study = read_study(o.study);
     if (o.seed) study.training.seed = *o.seed;
+    if (study.springs.is_law() && (o.optimizer || o.iterations))
+        throw MismatchError("--optimizer and --iterations are of sets; the stiffness of study '" + study.name + "' is a law");
     if (o.optimizer) study.training.optimizer = *o.optimizer;
     if (o.iterations) study.training.iterations = *o.iterations;
     provenance.seed = study.training.seed;
@@ -53,13 +60,16 @@ void run(const Options& o, Provenance provenance) {
     TrainedModel model;
     {
         Progress progress("train");
-        model = train_sets(study, read_cases(o.cases), o.threads,
-                           [&](int done, int total, const std::string& set) { progress.step(done, total, set); });
+        const Cases cases = read_cases(o.cases);
+        model = study.springs.is_law()
+                    ? train_law_model(study, cases, o.threads)
+                    : train_sets(study, cases, o.threads,
+                                 [&](int done, int total, const std::string& set) { progress.step(done, total, set); });
     }
     write_trained_model(o.out, model, provenance);
     if (o.json) print(model);
 
-    const Endings endings = endings_of(model.books.problems, model.books.trained, model.books.optimum);
+    const Endings endings = endings_of(model.books);
     for (const std::string& line : endings.other) std::cerr << "tissuectl train: " << line << '\n';
     if (!endings.broken.empty())
         throw NotAsPromised(fmt::format("{} is written, but not all in it ended as it promises: {}", o.out,
@@ -72,7 +82,7 @@ void add_train(CLI::App& app, const Invocation& invocation) {
     auto o = std::make_shared<Options>();
     o->threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     CLI::App* command = app.add_subcommand(
-        "train", "Learn a spring set for every load case. Exit 3: written, but what promises convergence did not reach it.");
+        "train", "Learn a spring set for every load case, or a law for all. Exit 3: written, but what promises convergence did not reach it.");
     command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
     command->add_option("--cases", o->cases, "cases.h5 of tissuectl collect")->required()->type_name("FILE");
     command->add_option("--out", o->out, "model.h5 to write")->required()->type_name("FILE");
@@ -85,7 +95,7 @@ void add_train(CLI::App& app, const Invocation& invocation) {
     command->add_option("--iterations", o->iterations, "in place of the study's training.iterations")
         ->type_name("count")
         ->check(CLI::Range(1, 100000000));
-    command->add_flag("--json", o->json, "print a line of figures a set, as JSON");
+    command->add_flag("--json", o->json, "print a line of figures a set, or a term, as JSON");
     command->callback([o, command, &invocation] {
         echo_options(*command);
         run(*o, {invocation.command, 0, {}});

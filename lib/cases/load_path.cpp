@@ -141,6 +141,15 @@ LoadPath mirrored(const LoadPath& path, const NodeField& nodes, double width_m) 
     return result;
 }
 
+Cases without_mirrors(const Cases& cases) {
+    std::set<std::string> images;
+    for (const LoadPath& path : cases.paths) images.insert(path.name + "-mirror");
+    Cases result = cases;
+    const auto is_image = [&](const LoadPath& path) { return path.role == "train" && images.count(path.name) > 0; };
+    result.paths.erase(std::remove_if(result.paths.begin(), result.paths.end(), is_image), result.paths.end());
+    return result;
+}
+
 const PathRecord* LoadPath::record_at(double magnitude_m) const {
     for (const PathRecord& r : records)
         if (std::abs(r.magnitude_m - magnitude_m) <= 1e-9 * magnitude_m) return &r;

@@ -86,6 +86,9 @@ LoadPath read_path_csv(const std::string& file, const NodeField& nodes);
 /// Throws MismatchError when the lattice does not.
 LoadPath mirrored(const LoadPath& path, const NodeField& nodes, double width_m);
 
+/// The cases without those images, where what they mirror is there too: for what mirrors itself and would count all twice.
+Cases without_mirrors(const Cases& cases);
+
 /// A record that was measured (PathRecord).
 PathRecord measured_record(double magnitude_m, const Eigen::Vector2d& force_N, const Eigen::Vector2d& aside_m);
 

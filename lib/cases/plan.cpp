@@ -7,6 +7,8 @@
 #include <cctype>
 #include <cstring>
 
+#include "cases/study_law.h"
+#include "cases/study_mesh.h"
 #include "cases/sweep.h"
 #include "error.h"
 #include "study/one_line.h"
@@ -81,6 +83,11 @@ std::string train_part(const Study& s) {
     const auto optional = [](const std::optional<double>& v) { return v ? fmt::format("{}", *v) : std::string("none"); };
     std::string regions;
     for (const Study::Region& r : s.material.regions) regions += fmt::format("region {} {}\n", r.name, r.youngs_modulus_Pa());
+    if (s.springs.is_law())
+        return regions + fmt::format("law {} cap {} {}\nterms {}\nmodulus {}\ndensity {}\nthickness {}\nscales {} {} ridge {}\nstarts {} seed {}\n",
+                                     s.springs.topology, s.springs.area_cap_E2, s.material.formulation, fmt::join(s.springs.terms, " "),
+                                     s.modulus_N_m(), s.material.density_kg_m3, s.geometry.thickness_m, t.force_scale,
+                                     t.shape_scale, t.ridge, t.starts, t.seed);
     return regions + fmt::format(
         "springs {} {}\nobjective {} ridge {} {} reach {}\nmodulus {}\ndensity {}\nthickness {}\noptimizer {} also {}\nseed {}\niterations {}\n"
         "max_seconds {}\ntarget_rel_loss {}\nbox {} {}\nweight_near {} {}\nweight_far {} {}\n",
@@ -113,6 +120,11 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         plan.parts["shape"] = shape_part(study);
         if (!shape) return plan;
     }
+    if (study.springs.is_law()) try {
+            study_law(study, shape, study_mesh(study, shape, study.springs.topology));
+        } catch (const MismatchError& e) {  // before hours of FE, not after
+            throw StudyError(one_line(fmt::format("{}: key 'springs.terms': {}", study.file, e.what())));
+        }
     const std::vector<PlannedPath> paths = study.data ? std::vector<PlannedPath>() : planned_paths(study, shape);
     plan.fragment += fmt::format(
         "$(R)/cases.h5: CASES_COMMAND = {}\n"
@@ -123,7 +135,8 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         "FIGURES := {}\n",
         study.data ? "import " + for_make(study, "data.file", study.data->file) : "collect --paths $(R)/cases",
         study.data ? "import" : "collect",
-        study.data          ? "held_out springs"
+        study.springs.is_law() ? (study.draws.empty() ? "contours" : "held_out held_out_force shape contours")
+        : study.data        ? "held_out springs"
         : study.loads.sweep ? "held_out held_out_force shape contours springs"
                             : "contours force learning springs errors character");
     plan.parts["collect"] = collect_part(study, paths);

@@ -42,8 +42,31 @@ std::vector<double> angles_at(const Outline& outline, double arc, const std::vec
     return angles;
 }
 
-std::vector<Contact> training_contacts(const Outline& outline, const Study::Loads::Sweep& sweep) {
+/// The study's own list; mirrors: with the places in the other half that they stand for.
+std::vector<double> listed_arcs(const Outline& outline, const Study::Loads::Sweep& sweep, bool mirrors) {
+    std::vector<double> arcs;
+    const auto add = [&](double arc) {
+        if (std::none_of(arcs.begin(), arcs.end(), [&](double a) { return std::abs(a - arc) < tiny_arc_m; })) arcs.push_back(arc);
+    };
+    for (double arc : sweep.arcs_m) {
+        if (arc < sweep.clearance_m - tiny_arc_m || arc > outline.length() - sweep.clearance_m + tiny_arc_m)
+            throw MismatchError(fmt::format("loads.sweep.arcs_m: {:g} is not between clearance_m = {:g} and {:g}, as far from the "
+                                            "surface's other end", arc, sweep.clearance_m, outline.length() - sweep.clearance_m));
+        add(arc);
+        if (mirrors) add(outline.length() - arc);
+    }
+    std::sort(arcs.begin(), arcs.end());
+    return arcs;
+}
+
+/// mirrors: the tissue is the same in the mirror, and so are its contacts.
+std::vector<Contact> training_contacts(const Outline& outline, const Study::Loads::Sweep& sweep, bool mirrors) {
     std::vector<Contact> contacts;
+    if (!sweep.arcs_m.empty()) {
+        for (double arc : listed_arcs(outline, sweep, mirrors))
+            for (double angle : angles_at(outline, arc, sweep.angles_deg)) contacts.push_back({arc, angle});
+        return contacts;
+    }
     const int count = static_cast<int>(std::floor((outline.length() - 2 * sweep.clearance_m) / sweep.spacing_m + 1e-9));
     std::vector<double> arcs;
     for (int i = 0; i <= count; ++i) arcs.push_back(sweep.clearance_m + i * sweep.spacing_m);
@@ -110,7 +133,7 @@ std::vector<PlannedPath> listed_paths(const Study& study) {
 std::vector<PlannedPath> swept_paths(const Study& study, const std::optional<Shape>& shape) {
     std::vector<PlannedPath> paths;
     const Outline outline(study_mesh(study, shape, "edges"));
-    const std::vector<Contact> trained = training_contacts(outline, *study.loads.sweep);
+    const std::vector<Contact> trained = training_contacts(outline, *study.loads.sweep, study.geometry.is_block());
     std::vector<Contact> solved;
     for (const Contact& c : trained)
         if (!study.geometry.is_block() || is_solved(outline, c)) solved.push_back(c);
@@ -168,7 +191,7 @@ std::vector<PlannedPath> planned_paths(const Study& study, const std::optional<S
 Cases thinned(const Study& study, const Cases& cases, const Study::Variant& variant) {
     const Outline outline(study_mesh(study, cases.shape, "edges"));
     const std::vector<Contact> kept =
-        training_contacts(outline, {variant.spacing_m, study.loads.sweep->clearance_m, variant.angles_deg});
+        training_contacts(outline, {variant.spacing_m, study.loads.sweep->clearance_m, variant.angles_deg}, study.geometry.is_block());
     Cases result;
     result.study = cases.study;
     result.nodes = cases.nodes;

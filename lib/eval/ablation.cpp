@@ -20,7 +20,8 @@ std::vector<VariantResult> ablate(const Study& study, const Cases& cases, int th
     std::vector<VariantResult> results;
     for (const Study::Variant& v : variants) {
         Study changed = study;
-        changed.springs = {v.topology, v.law};
+        changed.springs.topology = v.topology;
+        changed.springs.law = v.law;
         changed.training.objective = v.objective;
         changed.training.ridge = v.ridge;
         changed.loads.magnitudes_m = v.magnitudes_m;
@@ -32,7 +33,7 @@ std::vector<VariantResult> ablate(const Study& study, const Cases& cases, int th
         const TrainedModel model = train_sets(changed, kept, threads);
         result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         result.sets = model.case_count();
-        result.broken = endings_of(model.books.problems, model.books.trained, model.books.optimum).broken;
+        result.broken = endings_of(model.books).broken;
         result.held_out = evaluate_held_out(model, kept, threads, false);
         results.push_back(std::move(result));
         if (progress) progress(static_cast<int>(results.size()), static_cast<int>(variants.size()), v.name);

@@ -30,7 +30,10 @@ ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, co
 
 ContactAnswer answer_of(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
                         const ContactTruth& truth) {
-    const Equilibrium state = solve_equilibrium(mesh, law, theta, truth.contact, truth.push_m);
+    return answer_of(solve_equilibrium(mesh, law, theta, truth.contact, truth.push_m));
+}
+
+ContactAnswer answer_of(const Equilibrium& state) {
     if (!state) return {{}, {}, reason_of(state.status)};
     return {state.contact_force, state.displacement, {}};
 }

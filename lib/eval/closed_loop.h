@@ -40,6 +40,9 @@ ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, co
 ContactAnswer answer_of(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
                         const ContactTruth& truth);
 
+/// The same of any model's rest.
+ContactAnswer answer_of(const Equilibrium& state);
+
 /// Errors of one model at many contacts, each statistic over those that have it.
 struct ContactStatistics {
     Statistics force, shape, shape_max_over_depth;

@@ -8,14 +8,15 @@
 #include "error.h"
 #include "parallel.h"
 #include "springs/heuristic.h"
+#include "springs/law_press.h"
 
 namespace tissue {
 namespace {
 
-/// A model's theta at a case. Baselines have one for all cases; learned ones a set a case.
+/// A model's theta at a case. Baselines have one for all cases; learned ones a set a case; a law none.
 struct Candidate {
     std::string name;
-    std::vector<Eigen::VectorXd> theta;  ///< one, or one a case
+    std::vector<Eigen::VectorXd> theta;  ///< one, or one a case, or none
 
     const Eigen::VectorXd& at(std::size_t c) const { return theta.size() == 1 ? theta[0] : theta[c]; }
 };
@@ -102,12 +103,17 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
 
     Evaluation result;
     result.measurement = cases.measurement;
-    result.listed = model.case_count() <= listed_cases && !cases.measurement;
+    result.listed = model.case_count() <= listed_cases && !cases.measurement && !model.energy_law;
     const bool listed = result.listed;
     result.study = model.study;
     result.trained = model.books.trained;
     result.optimum = model.books.optimum;
     result.problems = model.books.problems;
+    result.energy_law = model.energy_law;
+    result.law_book = model.books.law;
+    std::optional<LawPress> energy;
+    if (model.energy_law) energy.emplace(model);
+    const Outline outline(model.mesh);
     std::vector<Candidate> candidates;
     const auto add_sets = [&](const std::string& name, const NodeField& theta) {
         candidates.push_back({name, {}});
@@ -119,12 +125,16 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
         std::replace_if(name.begin(), name.end(), [](char ch) { return ch == '-' || ch == ':'; }, '_');
         add_sets(name, trained.theta);
     }
-    add_sets("optimum", model.optimum);
+    if (energy)
+        candidates.push_back({"learned", {}});
+    else
+        add_sets("optimum", model.optimum);
     const double low = 0.05 * model.modulus_N_m, high = 40 * model.modulus_N_m;
     const std::optional<double> uniform = best_uniform_stiffness(model.mesh, *law, truths, low, high);
+    if (!uniform && energy) throw MismatchError("springs of one stiffness have no closed-loop answer at the trained contacts");
     result.uniform_N_m = uniform ? *uniform : uniform_by_rel_loss(model, *law, loads, contacts, low, high);
     result.uniform_chosen_on = uniform ? "closed_loop" : "rel_loss";
-    candidates.push_back({"one_set", {model.one_set}});
+    if (!energy) candidates.push_back({"one_set", {model.one_set}});
     candidates.push_back({"heuristic_a", {model.heuristic_a}});
     candidates.push_back({"heuristic_b", {model.heuristic_b}});
     candidates.push_back({"uniform", {uniform_stiffness(model.mesh, result.uniform_N_m)}});
@@ -141,7 +151,12 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
         parallel_for(static_cast<int>(loads.size()), threads, [&](int i) {
             const auto c = static_cast<std::size_t>(i);
             CaseError& e = errors.cases[c];
-            if (!cases.measurement)
+            if (candidate.theta.empty()) {  // the law
+                const double arc_m = outline.arc_of(loads[c].path->contact_m);
+                e.closed_loop = error_of(answer_of(energy->at(arc_m, truths[c].push_m)), truths[c], model.mesh);
+                return;
+            }
+            if (result.open_loop())
                 e.open_loop = force_error(model.mesh, *law, candidate.at(c), contacts[c],
                             model.books.node_weight.row(static_cast<Eigen::Index>(c)), *loads[c].path, *loads[c].record);
             e.closed_loop = error_of(answer_of(model.mesh, *law, candidate.at(c), truths[c]), truths[c], model.mesh);

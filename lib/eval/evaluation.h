@@ -15,7 +15,7 @@ namespace tissue {
 
 /// How well one stiffness model does at one load case.
 struct CaseError {
-    ForceError open_loop{};      ///< not of measured cases: nobody knows u inside
+    ForceError open_loop{};      ///< not of measured cases: nobody knows u inside; nor beside a law: no Q
     ContactError closed_loop{};
 };
 
@@ -50,17 +50,21 @@ struct Evaluation {
     std::vector<TrainingBook> trained;
     OptimumProof optimum;
     ProblemRecord problems;
+    std::optional<LawModel> energy_law;                          ///< in place of `trained`, `optimum` and `problems`
+    std::optional<LawBook> law_book;
     TruthCheck truth;                                            ///< of FE itself, on the finer mesh
     HeldOut held_out;                                            ///< empty where the study draws no contacts
     std::optional<Measurement> measurement;                      ///< of measured cases
     bool listed = true;                                          ///< with curves, front and the springs' character
     std::vector<FrontPoint> front;                               ///< loss against distance from the heuristic
 
+    bool open_loop() const { return !measurement && !energy_law; }  ///< whether the cases' open-loop errors are known
     const ModelErrors& model(const std::string& name) const;
 };
 
 /// Sec. 3 and 5: every trained spring set and every baseline at the load cases they were trained on.
 /// Throws MismatchError when model and cases do not belong together.
+/// Of a law: its closed loop, and that of the untrained baselines.
 /// Curves, the front and what the springs are like are left to FE studies of up to `listed_cases` load cases.
 /// k_min, k_max: the box of the training [N/m], for the front.
 constexpr int listed_cases = 100;

@@ -59,6 +59,18 @@ Json training(const TrainingBook& t) {
             {"status", counts(t.status)},             {"seconds", t.seconds}};
 }
 
+Json training(const LawModel& law, const LawBook& book) {
+    Json j = {{"objective", book.objective}, {"paths", book.paths}, {"records", book.records}, {"seconds", book.seconds},
+              {"kept", book.kept}, {"lost", book.lost}};
+    for (std::size_t t = 0; t < law.terms.size(); ++t) j["terms"][law.terms[t]] = law.coefficients[static_cast<Eigen::Index>(t)];
+    for (std::size_t s = 0; s < book.status.size(); ++s) {
+        const auto i = static_cast<Eigen::Index>(s);
+        j["starts"].push_back({{"status", book.status[s]}, {"objective", book.start_objective[i]}, {"gradient", book.gradient[i]},
+                               {"iterations", book.iterations[s]}, {"evaluations", book.evaluations[s]}});
+    }
+    return j;
+}
+
 }  // namespace
 
 std::string to_json(const Evaluation& evaluation, unsigned long seed) {
@@ -77,19 +89,19 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
                             {"repeats", m->repeats},
                             {"outliers", m->outliers}};
     for (const ModelErrors& m : evaluation.models)
-        if (!evaluation.measurement) j["open_loop"][m.name] = {{"rel_loss", to_value(m.rel_loss())},
+        if (evaluation.open_loop()) j["open_loop"][m.name] = {{"rel_loss", to_value(m.rel_loss())},
                                   {"resolved_force_error", to_value(m.resolved_error())},
                                   {"n", m.cases.size()}};
     const bool seen_inside = !evaluation.measurement;
     for (const ModelErrors& m : evaluation.models)
         j["closed_loop"]["trained"][m.name] = to_value(m.closed_loop(), seen_inside);
     j["uniform"] = {{"stiffness_N_m", evaluation.uniform_N_m}, {"chosen_on", evaluation.uniform_chosen_on}};
-    j["training"] = training(evaluation.trained.front());
+    j["training"] = evaluation.law_book ? training(*evaluation.energy_law, *evaluation.law_book) : training(evaluation.trained.front());
     for (std::size_t t = 1; t < evaluation.trained.size(); ++t)
         j["training_also"].push_back(training(evaluation.trained[t]));
-    j["optimum"] = {{"kkt_residual_max", evaluation.optimum.kkt_residual.maxCoeff()},
+    if (!evaluation.law_book) j["optimum"] = {{"kkt_residual_max", evaluation.optimum.kkt_residual.maxCoeff()},
                     {"seconds", evaluation.optimum.seconds}};
-    if (!all_are("converged", evaluation.optimum.status)) j["optimum"]["status"] = counts(evaluation.optimum.status);
+    if (!evaluation.law_book && !all_are("converged", evaluation.optimum.status)) j["optimum"]["status"] = counts(evaluation.optimum.status);
     if (const ProblemRecord& p = evaluation.problems; !all_are("posed", p.status) || p.one_set_status != "posed")
         if (!p.status.empty())
             j["problems"] = {{"objective", p.objective}, {"status", counts(p.status)}, {"one_set_status", p.one_set_status}};

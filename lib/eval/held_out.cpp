@@ -8,6 +8,7 @@
 #include "mesh/topology.h"
 #include "parallel.h"
 #include "springs/heuristic.h"
+#include "springs/law_press.h"
 #include "springs/set_blend.h"
 
 namespace tissue {
@@ -163,9 +164,12 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
     const std::vector<LoadCase> loads = load_cases(cases);
     const SetGrid grid(model);
     const std::unique_ptr<SpringLaw> law = make_spring_law(model.law);
-    const NodeField& theta = model.trained.front().theta;
+    const NodeField theta = model.energy_law ? NodeField() : model.trained.front().theta;
+    std::optional<LawPress> energy;
+    if (model.energy_law) energy.emplace(model);
     const std::vector<Setting> settings = settings_of(model, loads, with_baselines);
-    std::vector<Baseline> baselines = {{"one_set", &settings[0], model.one_set}};
+    std::vector<Baseline> baselines;
+    if (!energy) baselines.push_back({"one_set", &settings[0], model.one_set});
     const double ratio_b = model.heuristic_b.sum() / model.heuristic_a.sum();
     for (const Setting& s : settings) {
         if (!with_baselines) break;
@@ -175,10 +179,16 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
         baselines.push_back({"heuristic_b" + s.suffix, &s, edges ? model.heuristic_b : heuristic_stiffness(s.mesh, ratio_b * model.modulus_N_m)});
         baselines.push_back({"uniform" + s.suffix, &s, uniform_stiffness(s.mesh, s.uniform_N_m)});
     }
-    result.models = {"learned", "learned_nearest", "force_table"};
+    result.models = {"learned"};
+    if (!energy) result.models.push_back("learned_nearest");
+    result.models.push_back("force_table");
     for (const Baseline& b : baselines) result.models.push_back(b.name);
     if (cases.measurement) result.models.push_back("repeat");
 
+    const auto learned = [&](const LoadPath& path, const PathRecord& record, const SetWeights& blended) {
+        return energy ? answer_of(energy->at(grid.outline().arc_of(path.contact_m), path.push_m(record)))
+                      : answer_of(model.mesh, *law, blend(theta, blended), truth_of(model.mesh, path, record));
+    };
     for (DrawnContacts& role : result.roles) {
         std::vector<const LoadPath*> paths;
         for (const LoadPath& path : cases.paths) {
@@ -201,8 +211,9 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
             const auto add = [&](const ContactAnswer& answer) {
                 contact.error.push_back(error_of(answer, truth, model.mesh));
             };
-            add(answer_of(model.mesh, *law, blend(theta, blended), truth));
-            add(answer_of(model.mesh, *law, blend(theta, grid.nearest(arc, path.direction, record.magnitude_m)), truth));
+            add(learned(path, record, blended));
+            if (!energy)
+                add(answer_of(model.mesh, *law, blend(theta, grid.nearest(arc, path.direction, record.magnitude_m)), truth));
             add({table_force(loads, blended, record.magnitude_m)});
             for (const Baseline& b : baselines) add(answer_of(b.setting->mesh, *b.setting->law, b.theta, truth));
             if (cases.measurement && path.again_N) add({*path.again_N});
@@ -220,8 +231,8 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
             const double m = record.magnitude_m;
             curve.magnitude_m.push_back(m);
             curve.fe_N.push_back(record.contact_force_N.dot(path.direction));
-            curve.learned_N.push_back(
-                m > 0 ? pushed_force(model.mesh, *law, blend(theta, grid.blended(arc, path.direction, m)), path, m) : 0);
+            const ContactAnswer answer = m > 0 ? learned(path, record, grid.blended(arc, path.direction, m)) : ContactAnswer{};
+            curve.learned_N.push_back(m > 0 ? answer.force_N ? answer.force_N->dot(path.direction) : std::nan("") : 0);
             curve.uniform_N.push_back(
                 m > 0 ? pushed_force(settings[0].mesh, *law, uniform_stiffness(model.mesh, settings[0].uniform_N_m), path, m)
                       : 0);
@@ -233,8 +244,7 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
                                        [&](const LoadPath& p) { return p.name == name; });
         const PathRecord& record = path->records.back();
         const SetWeights blended = grid.blended(grid.outline().arc_of(path->contact_m), path->direction, record.magnitude_m);
-        result.shapes.push_back(
-            {name, answer_of(model.mesh, *law, blend(theta, blended), truth_of(model.mesh, *path, record)).displacement_m});
+        result.shapes.push_back({name, learned(*path, record, blended).displacement_m});
     }
     return result;
 }

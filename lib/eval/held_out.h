@@ -64,7 +64,8 @@ struct HeldOut {
 };
 
 /// Closed-loop errors at every drawn contact of the cases, force and shape:
-///   learned            the model's sets, blended over position, angle and depth
+///   learned            the model's law; or its sets, blended over position, angle and depth. Of a law learned_nearest
+///                      and one_set are left out
 ///   learned_nearest    the nearest of them
 ///   one_set            the single set that serves all training cases best
 ///   force_table        no springs and no shape: FE's forces interpolated with the same weights, the rival at equal FE cost

@@ -44,7 +44,7 @@ std::string counted(const std::vector<std::string>& status) {
 
 /// At the head, where something that promises convergence did not reach it.
 std::string broken_markdown(const Evaluation& e) {
-    const Endings endings = endings_of(e.problems, e.trained, e.optimum);
+    const Endings endings = e.law_book ? endings_of(*e.law_book) : endings_of(e.problems, e.trained, e.optimum);
     if (endings.broken.empty()) return "";
     std::string out = "**Not all of the training ended as it promises** (what each word means: results/FORMATS.md):\n\n";
     for (const std::string& line : endings.broken) out += "- " + line + "\n";
@@ -90,9 +90,11 @@ std::string held_out_markdown(const HeldOut& h, bool measured) {
             out += (measured ? "" : shape_cells(s)) + "\n";
         }
         for (std::size_t m = 0; m < h.models.size(); ++m) out += no_answer_markdown(h.models[m], role.statistics(m).reasons);
+        for (const DrawnContact& c : role.contacts)
+            if (!c.error[0].force) out += fmt::format("\nNone of {} at {}.\n", h.models[0], c.name);
         int extrapolated = 0;
         for (const DrawnContact& c : role.contacts) extrapolated += c.extrapolated ? 1 : 0;
-        out += fmt::format("\n{} {}; {} lie outside what the sets were trained on.", role.contacts.size(),
+        out += fmt::format("\n{} {}; {} lie outside what was trained on.", role.contacts.size(),
                            measured ? "rows" : "contacts", extrapolated);
         if (!measured) out += fmt::format(" {}", shape_words);
         out += measured ? "\n" : fmt::format(" FE lost {}{}\n", role.lost.size(), role.lost.empty() ? "." : ":");
@@ -132,12 +134,32 @@ std::string figures_markdown(std::initializer_list<const char*> figures) {
     return out;
 }
 
+std::string law_markdown(const LawModel& law, const LawBook& book) {
+    std::string out = fmt::format(
+        "\n## The law\n\n{} numbers from {} FE paths, {} pushes, in {:.1f} s. Objective {:.4g}: the mean square of force and "
+        "shape errors, each in its scale, and the ridge. Every constant is its heuristic times exp(coefficient x term, summed); "
+        "the {} constants that come of it are in model.h5.\n\n| term | coefficient | factor where the term is 1 |\n|---|---|---|\n",
+        law.terms.size(), book.paths, book.records, book.seconds, book.objective, law.constants.size());
+    for (std::size_t t = 0; t < law.terms.size(); ++t) {
+        const double p = law.coefficients[static_cast<Eigen::Index>(t)];
+        out += fmt::format("| {} | {:.3f} | {:.3g} |\n", law.terms[t], p, std::exp(p));
+    }
+    out += "\n| start | ended | objective | largest derivative | iterations | evaluations |\n|---|---|---|---|---|---|\n";
+    for (std::size_t s = 0; s < book.status.size(); ++s) {
+        const auto i = static_cast<Eigen::Index>(s);
+        out += fmt::format("| {}{} | {} | {:.4g} | {:.1e} | {} | {} |\n", s == 0 ? "the heuristic" : fmt::format("drawn {}", s),
+                           static_cast<int>(s) == book.kept ? ", kept" : "", book.status[s], book.start_objective[i],
+                           book.gradient[i], book.iterations[s], book.evaluations[s]);
+    }
+    if (!book.lost.empty()) out += "\nPushes trained on without a stable rest:\n\n";
+    for (const std::string& lost : book.lost) out += "- " + lost + "\n";
+    return out;
+}
+
 }  // namespace
 
 std::string to_markdown(const Evaluation& e) {
     const ModelErrors &learned = e.models.front(), &heuristic = e.model("heuristic_a");
-    const double loss_ratio = heuristic.rel_loss().median / learned.rel_loss().median;
-    const double force_ratio = heuristic.resolved_error().median / learned.resolved_error().median;
     std::string out = fmt::format("# Study `{}`\n\n", e.study);
     if (const DrawnContacts* held_out = e.held_out.role("held_out")) {
         const ContactStatistics s = held_out->statistics(0);
@@ -146,7 +168,14 @@ std::string to_markdown(const Evaluation& e) {
             "percentile and {} at worst (closed loop, {} {}){}.**\n\nWritten by `tissuectl eval` {}.\n\n",
             percent(s.force.median), percent(s.force.p95), percent(s.force.max), s.force.n,
             e.measurement ? "rows" : "contacts", e.measurement ? "" : ", the tissue's shape by " + summary(s.shape), version);
-    } else
+    } else if (e.law_book) {
+        out += fmt::format("**At the contacts it was trained on, the law's force is wrong by {} and the tissue's shape by {} (median / "
+                           "p95 / max, closed loop, n = {}).**\n\nWritten by `tissuectl eval` {}.\n\n",
+                           summary(learned.closed_loop().force), summary(learned.closed_loop().shape), learned.closed_loop().force.n,
+                           version);
+    } else {
+        const double loss_ratio = heuristic.rel_loss().median / learned.rel_loss().median;
+        const double force_ratio = heuristic.resolved_error().median / learned.resolved_error().median;
         out += fmt::format(
         "**Learned springs leave {} of the FE force unexplained in the median of {} load cases; Van Gelder's heuristic "
         "leaves {}: {:.1f} times as much.** In the resolved force at the loaded node the medians are {} and {}: "
@@ -155,10 +184,11 @@ std::string to_markdown(const Evaluation& e) {
         percent(learned.rel_loss().median), learned.rel_loss().n, percent(heuristic.rel_loss().median),
         loss_ratio, percent(learned.resolved_error().median), percent(heuristic.resolved_error().median), force_ratio,
         version);
+    }
 
     out += broken_markdown(e) + measurement_markdown(e) + held_out_markdown(e.held_out, e.measurement.has_value()) + truth_markdown(e.truth);
     out += "## Errors at the trained contacts: median / p95 / max\n\n";
-    if (e.measurement) {
+    if (!e.open_loop()) {
         out += "| model | closed loop | n |\n|---|---|---|\n";
         for (const ModelErrors& m : e.models)
             out += fmt::format("| {} | {} | {} |\n", m.name, summary(m.closed_loop().force), m.closed_loop().force.n);
@@ -169,7 +199,7 @@ std::string to_markdown(const Evaluation& e) {
                                summary(m.resolved_error()), m.rel_loss().n, summary(m.closed_loop().force), m.closed_loop().force.n);
     }
     out += fmt::format("\nn: of {} load cases those with an answer. ", e.case_names.size());
-    if (!e.measurement)
+    if (e.open_loop())
         out += "*rel_loss*: L(theta) over the weighted FE force, every node where FE has it. *Resolved force*: along "
                "the push, at the loaded node. ";
     out += fmt::format(
@@ -183,6 +213,9 @@ std::string to_markdown(const Evaluation& e) {
         out += fmt::format("\n{}\n", shape_words);
     }
 
+    if (e.law_book)
+        return out + law_markdown(*e.energy_law, *e.law_book) +
+               (e.held_out.empty() ? figures_markdown({"contours"}) : figures_markdown({"held_out", "held_out_force", "shape", "contours"}));
     out +=
         "\n## Training\n\n| optimiser | sets | iterations | restarts (sets that restarted) | ended | median loss over start at "
         "1,000 | at 5,000 | at the end | gap median / max | seconds |\n|---|---|---|---|---|---|---|---|---|---|\n";

@@ -27,6 +27,13 @@ struct Values {
         return v;
     }
     static Values positive() { return Values{}.above(0, true); }
+    /// A logarithm that an exponential survives, and products of a few such.
+    static Values logarithm() {
+        Values v;
+        v.low = -50;
+        v.high = 50;
+        return v;
+    }
     static Values not_negative() { return Values{}.above(0, false); }
     static Values count() { return Values{DatasetKind::integers}.above(0, false); }
     static Values index(const std::string& length) {
@@ -115,6 +122,9 @@ class TableReader {
    public:
     TableReader(const Hdf5Reader& in, const DatasetTable& table, std::map<std::string, std::size_t> lengths = {})
         : in_(&in), table_(&table), length_(std::move(lengths)) {}
+
+    /// Goes on with another table and the lengths met so far.
+    void use(const DatasetTable& table) { table_ = &table; }
 
     bool has(const std::string& name) const { return in_->has(name); }
     Array array(const std::string& name);

@@ -115,7 +115,7 @@ bool read_text(hid_t attribute, std::string& value) {
 
 // ---- writing
 
-Hdf5Writer::Hdf5Writer(std::string file, const std::string& kind, const Provenance& provenance)
+Hdf5Writer::Hdf5Writer(std::string file, const std::string& kind, const Provenance& provenance, int version_of_format)
     : file_(std::move(file)), beside_(file_) {
     silence();
     const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
@@ -126,7 +126,7 @@ Hdf5Writer::Hdf5Writer(std::string file, const std::string& kind, const Provenan
     if (id_ < 0) throw FileError(file_ + ": cannot write: the folder is missing, full or may not be written to");
     attribute("/", "program", "tissuectl");
     attribute("/", "kind", kind);
-    attribute("/", "format_version", format_version);
+    attribute("/", "format_version", version_of_format);
     attribute("/", "version", version);
     attribute("/", "command", provenance.command);
     attribute("/", "seed", static_cast<double>(provenance.seed));
@@ -250,8 +250,8 @@ Hdf5Reader::Hdf5Reader(std::string file, const std::string& kind) : file_(std::m
         if (H5Aexists(id_, "program") <= 0 || text_attribute("/", "program") != "tissuectl")
             refuse("/", "was not written by tissuectl");
         const double file_version = number_attribute("/", "format_version");
-        if (file_version > format_version)
-            refuse("/", fmt::format("format version {} is later than this program's {}", file_version, format_version));
+        if (file_version > law_format_version)
+            refuse("/", fmt::format("format version {} is later than this program's {}", file_version, law_format_version));
         const std::string file_kind = text_attribute("/", "kind");
         if (!kind.empty() && file_kind != kind)
             refuse("/", fmt::format("holds '{}', wanted '{}'", file_kind, kind));

@@ -7,6 +7,7 @@
 
 #include "field.h"
 #include "io/atomic_file.h"
+#include "version.h"
 
 namespace tissue {
 
@@ -31,7 +32,7 @@ enum class DatasetKind { numbers, integers, texts };
 class Hdf5Writer {
    public:
     /// kind: what the file is ("cases", "model", ...), which readers check.
-    Hdf5Writer(std::string file, const std::string& kind, const Provenance& provenance);
+    Hdf5Writer(std::string file, const std::string& kind, const Provenance& provenance, int version_of_format = format_version);
     ~Hdf5Writer();
     Hdf5Writer(const Hdf5Writer&) = delete;
     Hdf5Writer& operator=(const Hdf5Writer&) = delete;

@@ -58,6 +58,7 @@ class EnergyLaw {
 
     const std::vector<std::string>& terms() const { return terms_; }
     TissueEnergy energy(const SpringMesh& mesh) const { return {mesh, heuristic_.incompressible}; }
+    bool incompressible() const { return heuristic_.incompressible; }
     int size() const { return static_cast<int>(terms_.size()); }
 
     Eigen::VectorXd constants(const Eigen::VectorXd& p) const;     ///< [N/m] (E)

@@ -7,7 +7,9 @@
 #include "error.h"
 #include "mesh/mesh_fault.h"
 #include "springs/spring_law.h"
+#include "springs/tissue_energy.h"
 #include "springs/tissue_table.h"
+#include "version.h"
 
 namespace tissue {
 
@@ -23,18 +25,90 @@ const DatasetTable& tissue_table() {
         {"/node_mass", "N", Values::positive(), "kg", "node masses, (8)"},
         {"/heuristic_a", "S", Values::positive(), "N/m", "theta of (7), E2 = E t"},
         {"/heuristic_b", "S", Values::positive(), "N/m", "theta of (7), E2 = (C1 + C2) t"},
-        {"/one_set", "S", Values::not_negative(), "N/m", "the single set that serves all cases best"},
         {"/cases/names", "C", Values::names(), "text", "load cases trained on"},
         {"/cases/contact", "C x D", Values::place(), "m", "contact at rest"},
         {"/cases/direction", "C x D", Values::finite(), "1", "unit vector of the push", Rows::unit},
         {"/cases/magnitude", "C", Values::positive(), "m", "how far the contact is pushed"},
         {"/cases/contact_force", "C x D", Values::finite(), "N", "FE force of the indenter on the tissue", Rows::any, true},
+    };
+    return table;
+}
+
+const DatasetTable& sets_table() {
+    static const DatasetTable table = {
+        {"/one_set", "S", Values::not_negative(), "N/m", "the single set that serves all cases best"},
         {"/optimum/theta", "C x S", Values::not_negative(), "N/m", "best spring sets inside the box"},
         {"/optimizers", "O", Values::names(), "text", "groups of /trained, the study's own first"},
         {"/trained/NAME/theta", "C x S", Values::not_negative(), "N/m", "spring sets"},
     };
     return table;
 }
+
+const DatasetTable& law_table() {
+    static const DatasetTable table = {
+        {"/law/terms", "P", Values::names(), "text", "terms of the rest mesh"},
+        {"/law/coefficients", "P", Values::logarithm(), "1", "coefficient of each term"},
+        {"/law/constants", "E", Values::positive(), "N/m", "theta of the springs, then A of cells and regions"},
+        {"/law/patch_log", "4 x 4", Values::logarithm(), "log(N/m)",
+         "contact: normal, tangent, rotation, stretch by 1, phase, corner, edge"},
+    };
+    return table;
+}
+
+namespace {
+
+void write_sets(Hdf5Writer& file, const TissueModel& model) {
+    TableWriter out(file, sets_table());
+    out.write("/one_set", model.one_set);
+    out.write("/optimum/theta", model.optimum);
+    std::vector<std::string> optimizers;
+    for (const SpringSets& sets : model.trained) {
+        out.write("/trained/" + sets.optimizer + "/theta", sets.theta);
+        optimizers.push_back(sets.optimizer);
+    }
+    out.write_texts("/optimizers", optimizers);
+}
+
+void write_law(Hdf5Writer& file, const LawModel& law) {
+    TableWriter out(file, law_table());
+    out.write_texts("/law/terms", law.terms);
+    out.write("/law/coefficients", law.coefficients);
+    out.write("/law/constants", law.constants);
+    out.write("/law/patch_log", NodeField(law.patch.log_N_m));
+    file.attribute("/law", "incompressible", law.incompressible ? 1.0 : 0.0);
+}
+
+/// in: of the mesh, with its lengths.
+void read_sets(TableReader in, TissueModel& model) {
+    in.use(sets_table());
+    model.one_set = in.vector("/one_set");
+    model.optimum = in.field("/optimum/theta");
+    for (const std::string& optimizer : in.texts("/optimizers"))
+        model.trained.push_back({optimizer, in.field("/trained/" + optimizer + "/theta")});
+}
+
+LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
+    TableReader in(file, law_table());
+    LawModel law;
+    law.terms = in.texts("/law/terms");
+    law.coefficients = in.vector("/law/coefficients");
+    law.constants = in.vector("/law/constants");
+    law.patch.log_N_m = in.field("/law/patch_log");
+    const double incompressible = file.number_attribute("/law", "incompressible");
+    if (incompressible != 0 && incompressible != 1)
+        in.refuse("/law", fmt::format("attribute 'incompressible' is {}, must be 0 or 1", incompressible));
+    law.incompressible = incompressible == 1;
+    try {
+        const int wanted = TissueEnergy(mesh, law.incompressible).constant_count();
+        if (law.constants.size() != wanted)
+            in.refuse("/law/constants", fmt::format("are {}, wanted {} of this mesh", law.constants.size(), wanted));
+    } catch (const MismatchError& e) {
+        in.refuse("/mesh", e.what());
+    }
+    return law;
+}
+
+}  // namespace
 
 void write_tissue(Hdf5Writer& file, const TissueModel& model) {
     file.attribute("/", "study", model.study);
@@ -52,29 +126,31 @@ void write_tissue(Hdf5Writer& file, const TissueModel& model) {
     out.write("/node_mass", model.node_mass_kg);
     out.write("/heuristic_a", model.heuristic_a);
     out.write("/heuristic_b", model.heuristic_b);
-    out.write("/one_set", model.one_set);
     out.write_texts("/cases/names", model.case_names);
     out.write("/cases/contact", model.contact_m);
     out.write("/cases/direction", model.direction);
     out.write("/cases/magnitude", model.magnitude_m);
     if (model.contact_force_N.rows() > 0) out.write("/cases/contact_force", model.contact_force_N);
-    out.write("/optimum/theta", model.optimum);
-    std::vector<std::string> optimizers;
-    for (const SpringSets& sets : model.trained) {
-        out.write("/trained/" + sets.optimizer + "/theta", sets.theta);
-        optimizers.push_back(sets.optimizer);
-    }
-    out.write_texts("/optimizers", optimizers);
+    if (model.energy_law)
+        write_law(file, *model.energy_law);
+    else
+        write_sets(file, model);
+}
+
+int format_of(const TissueModel& model) {
+    return model.energy_law ? law_format_version : format_version;
 }
 
 void write_model(const std::string& file, const TissueModel& model, const Provenance& provenance) {
-    Hdf5Writer out(file, "model", provenance);
+    Hdf5Writer out(file, "model", provenance, format_of(model));
     write_tissue(out, model);
     out.commit();
 }
 
 TissueModel read_model(const std::string& file) {
-    return read_model(Hdf5Reader(file, "model"));
+    TissueModel model = read_model(Hdf5Reader(file, "model"));
+    if (model.energy_law) throw FileError(file + ": /law: this plays sets, and the model is a law: not yet");
+    return model;
 }
 
 TissueModel read_model(const Hdf5Reader& file) {
@@ -98,15 +174,15 @@ TissueModel read_model(const Hdf5Reader& file) {
     model.node_mass_kg = in.vector("/node_mass");
     model.heuristic_a = in.vector("/heuristic_a");
     model.heuristic_b = in.vector("/heuristic_b");
-    model.one_set = in.vector("/one_set");
     model.case_names = in.texts("/cases/names");
     model.contact_m = in.field("/cases/contact");
     model.direction = in.field("/cases/direction");
     model.magnitude_m = in.vector("/cases/magnitude");
     if (in.has("/cases/contact_force")) model.contact_force_N = in.field("/cases/contact_force");
-    model.optimum = in.field("/optimum/theta");
-    for (const std::string& optimizer : in.texts("/optimizers"))
-        model.trained.push_back({optimizer, in.field("/trained/" + optimizer + "/theta")});
+    if (file.has("/law"))
+        model.energy_law = read_law(file, mesh);
+    else
+        read_sets(in, model);
     try {
         make_spring_law(model.law);
     } catch (const MismatchError& e) {

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "io/hdf5_store.h"
 #include "mesh/spring_mesh.h"
+#include "springs/contact_patch.h"
 
 namespace tissue {
 
@@ -12,6 +14,15 @@ namespace tissue {
 struct SpringSets {
     std::string optimizer;
     NodeField theta;                       ///< [N/m] (C x S)
+};
+
+/// Stiffness that is an energy (springs/energy_law.h), the same whatever pushes.
+struct LawModel {
+    std::vector<std::string> terms;        ///< (P)
+    Eigen::VectorXd coefficients;          ///< of the terms (P)
+    Eigen::VectorXd constants;             ///< what they make of the heuristic: of a TissueEnergy [N/m] (E)
+    PatchLaw patch;                        ///< and of the contact
+    bool incompressible = false;           ///< whether regions keep their area too (TissueEnergy)
 };
 
 /// What plays: everything that the realtime core, the exports and the page need. What training wrote down beside it is
@@ -32,17 +43,25 @@ struct TissueModel {
     std::vector<SpringSets> trained;       ///< the study's optimiser first
     NodeField optimum;                     ///< the best spring sets there are inside the box [N/m] (C x S)
 
+    std::optional<LawModel> energy_law;    ///< in place of one_set, trained and optimum, which it leaves empty
+
     int case_count() const { return static_cast<int>(case_names.size()); }
 };
 
 /// Its datasets, into a model.h5 that is being written.
 void write_tissue(Hdf5Writer& out, const TissueModel& model);
 
+/// The format version of the file that holds it: of a law 2, so that earlier programs refuse it.
+int format_of(const TissueModel& model);
+
 /// A model.h5 that plays and holds nothing else: whole ones are write_trained_model's.
 void write_model(const std::string& file, const TissueModel& model, const Provenance& provenance);
 
-/// Throws FileError when the file is not a model, or its parts do not fit together.
+/// What plays. Throws FileError when the file is not a model, its parts do not fit together, or its stiffness is a law:
+/// what plays today plays sets.
 TissueModel read_model(const std::string& file);
+
+/// Sets or law. Throws FileError.
 TissueModel read_model(const Hdf5Reader& in);
 
 }  // namespace tissue

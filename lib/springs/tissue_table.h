@@ -8,4 +8,8 @@ namespace tissue {
 /// asks for a mesh without fault (mesh/mesh_fault.h), contacts on its outline and a law that is known.
 const DatasetTable& tissue_table();
 
+/// Those that stand there when the stiffness is sets, and those when it is a law.
+const DatasetTable& sets_table();
+const DatasetTable& law_table();
+
 }  // namespace tissue

@@ -46,7 +46,14 @@ void erase_from(toml::table& base, const char* section, std::initializer_list<co
         for (const char* key : keys) there->as_table()->erase(key);
 }
 
-/// Keys of the base that a choice of this study makes meaningless: the block's, where a shape is given; another law's.
+/// Keys of [training] that belong to one kind of stiffness alone.
+const std::vector<const char*> sets_keys = {"optimizer", "also",      "objective",       "one_set_ridge", "reach_m",  "iterations",
+                                            "ridge",     "max_seconds", "target_rel_loss", "k_min_E2",      "k_max_E2", "weight_near",
+                                            "weight_far"};
+const std::vector<const char*> law_keys = {"force_scale", "shape_scale", "starts", "ridge"};
+
+/// Keys of the base that a choice of this study makes meaningless: the block's, where a shape is given; another law's;
+/// those of sets, where stiffness is a law; the spacing of contacts that are listed.
 void erase_replaced(toml::table& base, const toml::table& changes) {
     if (const auto shape = changes["geometry"]["shape"].value<std::string>(); shape && *shape != "block") {
         erase_from(base, "geometry", {"width_m", "height_m"});
@@ -59,6 +66,21 @@ void erase_replaced(toml::table& base, const toml::table& changes) {
         if (*law == "ogden") erase_from(base, "material", {"C1_Pa", "C2_Pa"});
         else erase_from(base, "material", {"mu_Pa", "alpha"});
     }
+    if (const auto stiffness = changes["springs"]["stiffness"].value<std::string>()) {
+        const bool law = *stiffness == "law";
+        if (law) {
+            erase_from(base, "springs", {"law"});
+            base.erase("variants");
+        } else
+            erase_from(base, "springs", {"terms", "area_cap_E2"});
+        toml::node* training = base.get("training");
+        if (training && training->is_table())
+            for (const char* key : law ? sets_keys : law_keys) training->as_table()->erase(key);
+    }
+    const toml::node_view<const toml::node> sweep = changes["loads"]["sweep"];
+    for (const auto& [key, other] : {std::pair("spacing_m", "arcs_m"), std::pair("arcs_m", "spacing_m")})
+        if (sweep[key])
+            if (toml::table* there = base["loads"]["sweep"].as_table()) there->erase(other);
 }
 
 /// The base study's tables with this study's keys put over them; lists are replaced whole. Nodes are moved, not copied:
@@ -211,8 +233,13 @@ Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const St
     if (in.has("sweep")) {
         in.refuse_unless_empty("paths", "must be empty beside a sweep");
         TomlReader sweep = in.table("sweep");
-        loads.sweep = Study::Loads::Sweep{sweep.number("spacing_m", positive), sweep.number("clearance_m", {0.015}),
-                                          sweep.numbers("angles_deg", {-75, 75})};
+        const bool listed = sweep.has("arcs_m");
+        if (listed && sweep.has("spacing_m")) sweep.refuse("arcs_m", "cannot stand beside spacing_m: contacts are listed or spaced");
+        const double spacing_m = listed ? 0 : sweep.number("spacing_m", positive);
+        loads.sweep = Study::Loads::Sweep{spacing_m, sweep.number("clearance_m", {0.015}), sweep.numbers("angles_deg", {-75, 75})};
+        if (listed) loads.sweep->arcs_m = sweep.numbers("arcs_m", positive);
+        for (std::size_t i = 1; i < loads.sweep->arcs_m.size(); ++i)
+            if (!(loads.sweep->arcs_m[i] > loads.sweep->arcs_m[i - 1])) sweep.refuse("arcs_m", "must be ascending");
         for (std::size_t i = 1; i < loads.sweep->angles_deg.size(); ++i)
             if (!(loads.sweep->angles_deg[i] > loads.sweep->angles_deg[i - 1]))
                 sweep.refuse("angles_deg", "must be ascending");
@@ -252,8 +279,48 @@ Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const St
     return loads;
 }
 
+Study::Springs read_springs(TomlReader in, const Study::Geometry& geometry) {
+    Study::Springs s;
+    s.topology = in.choice("topology", topologies_of(geometry));
+    s.stiffness = in.has("stiffness") ? in.choice("stiffness", {"sets", "law"}) : "sets";
+    if (!s.is_law()) {
+        for (const char* key : {"terms", "area_cap_E2"})
+            if (in.has(key)) in.refuse(key, "belongs to stiffness = \"law\"");
+        s.law = in.choice("law", spring_laws().names());
+        in.refuse_the_rest();
+        return s;
+    }
+    if (in.has("law")) in.refuse("law", "belongs to stiffness = \"sets\": springs of an energy turn with the tissue");
+    if (s.topology == "grid4") in.refuse("topology", "'grid4' cannot carry a law: without diagonals its springs shear for nothing");
+    s.law = "geometric";
+    s.terms = in.texts("terms");
+    if (s.terms.empty()) in.refuse("terms", "must name at least one term (lib/springs/energy_law.h)");
+    for (std::size_t i = 0; i < s.terms.size(); ++i)
+        if (std::find(s.terms.begin(), s.terms.begin() + static_cast<std::ptrdiff_t>(i), s.terms[i]) != s.terms.begin() + static_cast<std::ptrdiff_t>(i))
+            in.refuse("terms", "'" + s.terms[i] + "' stands twice");
+    s.area_cap_E2 = in.optional_number("area_cap_E2", {1.0 / 3, 1000, true}).value_or(12);
+    in.refuse_the_rest();
+    return s;
+}
+
+/// Of a law: the defaults are LawTrainingOptions', whose scales are what FE itself and an eye leave open.
+Study::Training read_law_training(TomlReader in) {
+    for (const char* key : sets_keys)
+        if (in.has(key) && std::string(key) != "ridge") in.refuse(key, "belongs to springs.stiffness = \"sets\"");
+    Study::Training t{};
+    t.force_scale = in.optional_number("force_scale", positive).value_or(0.01);
+    t.shape_scale = in.optional_number("shape_scale", positive).value_or(0.03);
+    t.ridge = in.optional_number("ridge", not_negative).value_or(0.1);
+    t.starts = static_cast<int>(in.optional_integer("starts", 1, 1000).value_or(1));
+    t.seed = static_cast<unsigned long>(in.optional_integer("seed", 0, std::numeric_limits<int>::max()).value_or(1));
+    in.refuse_the_rest();
+    return t;
+}
+
 Study::Training read_training(TomlReader in) {
-    Study::Training t;
+    for (const char* key : law_keys)
+        if (in.has(key) && std::string(key) != "ridge") in.refuse(key, "belongs to springs.stiffness = \"law\"");
+    Study::Training t{};
     t.optimizer = in.text("optimizer");
     t.also = in.texts("also");
     const std::vector<std::string> optimizers = optimizer_names();
@@ -435,11 +502,14 @@ Study read_study(const std::string& file) {
     else
         read_fe(in, study);
 
-    TomlReader springs = in.table("springs");
-    study.springs = {springs.choice("topology", topologies_of(study.geometry)), springs.choice("law", spring_laws().names())};
-    springs.refuse_the_rest();
-
-    study.training = read_training(in.table("training"));
+    study.springs = read_springs(in.table("springs"), study.geometry);
+    const bool law = study.springs.is_law();
+    const toml::table nothing;  // a law has a default for every key
+    if (law && study.data) in.table("springs").refuse("stiffness", "must be 'sets' beside [data]");
+    if (law)
+        study.training = in.has("training") ? read_law_training(in.table("training")) : read_law_training(TomlReader(nothing, file, "training"));
+    else
+        study.training = read_training(in.table("training"));
     if (study.data && needs_nodes(study.training.objective))
         in.table("training").refuse("objective", fmt::format("must be '{}' beside [data]: nothing inside was measured",
                                                              fmt::join(objective_names(false), "' or '")));
@@ -448,7 +518,9 @@ Study read_study(const std::string& file) {
         read_draws(in.table("draws"), study);
     }
     if (in.has("variants")) {
-        if (!study.loads.sweep) in.refuse("variants", "needs a study with loads.sweep");
+        if (law) in.refuse("variants", "are of sets; this study's stiffness is a law");
+        if (!study.loads.sweep || study.loads.sweep->spacing_m == 0)
+            in.refuse("variants", "needs a study with loads.sweep and its spacing_m");
         for (const TomlReader& variant : in.tables("variants")) study.variants.push_back(read_variant(variant, study));
     }
     in.refuse_the_rest();

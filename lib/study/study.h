@@ -79,9 +79,11 @@ struct Study {
 
         /// Training contacts all along the free surface, in place of a list.
         struct Sweep {
-            double spacing_m;              ///< between contacts, along the surface
+            double spacing_m;              ///< between contacts, along the surface; 0 where they are listed
             double clearance_m;            ///< of the first and the last from the fixed edge
             std::vector<double> angles_deg;  ///< of the pushes off the inward normal, ascending
+            std::vector<double> arcs_m = {};  ///< listed places along the surface, ascending; on the block each stands
+                                              ///< for its mirror image too
         };
         std::optional<Sweep> sweep;
 
@@ -90,7 +92,11 @@ struct Study {
     } loads;
 
     struct Springs {
-        std::string topology, law;
+        std::string topology, law;       ///< of a stiffness that is a law: geometric, springs that turn
+        std::string stiffness;           ///< sets: one theta a load case; law: an energy (springs/energy_law.h)
+        std::vector<std::string> terms;  ///< of a law
+        double area_cap_E2 = 0;          ///< of a law: what its cells stay below
+        bool is_law() const { return stiffness == "law"; }
     } springs;
 
     /// Contacts drawn by seed before any solve, between the trained ones: to choose with, or to prove with.
@@ -118,6 +124,8 @@ struct Study {
         std::optional<double> max_seconds, target_rel_loss;  ///< stop criteria of Fig. 5
         double k_min_E2, k_max_E2;
         double weight_near[2], weight_far[2];
+        double force_scale, shape_scale;   ///< of a law: relative errors that count 1 (train/train_law.h); then `ridge`,
+        int starts;                        ///< the first at the heuristic, and `seed` count too, and nothing above
     } training;
 
     /// The study with something else in it, for comparison on the same contacts. Absent keys are the study's.

@@ -4,6 +4,8 @@
 
 #include <map>
 
+#include "train/nonlinear_fit.h"
+
 namespace tissue {
 namespace {
 
@@ -42,6 +44,21 @@ Endings endings_of(const ProblemRecord& problems, const std::vector<TrainingBook
             counted(t.status, [&](std::size_t c) { return stalled(c) || t.status[c] == "converged"; }), t.status.size());
     }
     return e;
+}
+
+Endings endings_of(const LawBook& law) {
+    Endings e;
+    const std::string& status = law.status.at(static_cast<std::size_t>(law.kept));
+    if (status == to_string(FitStatus::no_progress) || status == to_string(FitStatus::iterations_done))
+        e.broken.push_back(fmt::format("law: {} after {} iterations, largest derivative {:.1e}", status,
+                                       law.iterations.at(static_cast<std::size_t>(law.kept)), law.gradient[law.kept]));
+    if (!law.lost.empty())
+        e.broken.push_back(fmt::format("law: of {} pushes {} have no stable rest", law.records, law.lost.size()));
+    return e;
+}
+
+Endings endings_of(const TrainingBooks& books) {
+    return books.law ? endings_of(*books.law) : endings_of(books.problems, books.trained, books.optimum);
 }
 
 }  // namespace tissue

@@ -6,10 +6,8 @@
 #include <chrono>
 #include <mutex>
 
-#include "cases/study_mesh.h"
 #include "error.h"
 #include "parallel.h"
-#include "springs/heuristic.h"
 #include "springs/spring_law.h"
 #include "train/certified_sets.h"
 #include "train/node_weights.h"
@@ -19,29 +17,7 @@
 
 namespace tissue {
 
-SpringMesh spring_mesh_of(const Study& study, const Cases& cases) {
-    SpringMesh mesh = study_mesh(study, cases.shape, study.springs.topology);
-    if (cases.nodes.rows() != mesh.nodes.rows() || !cases.nodes.isApprox(mesh.nodes, 1e-9))
-        throw MismatchError(fmt::format("the cases have {} nodes that are not the {} x {} lattice of study '{}'",
-                                        cases.nodes.rows(), study.cells[0] + 1, study.cells[1] + 1, study.name));
-    return mesh;
-}
-
 namespace {
-
-/// (7) with this E2 for the base material; where regions have a material of their own, in proportion to their E.
-Eigen::VectorXd study_heuristic(const Study& study, const Cases& cases, const SpringMesh& mesh, double modulus_N_m) {
-    if (study.material.regions.empty()) return heuristic_stiffness(mesh, modulus_N_m);
-    Eigen::VectorXd modulus(mesh.triangles.rows());
-    for (Eigen::Index t = 0; t < modulus.size(); ++t) {
-        const int region = cases.shape->region[static_cast<std::size_t>(t)];
-        const Study::LawParameters& own =
-            region == 0 ? study.material
-                        : static_cast<const Study::LawParameters&>(study.material.regions.at(static_cast<std::size_t>(region - 1)));
-        modulus[t] = modulus_N_m * own.youngs_modulus_Pa() / study.material.youngs_modulus_Pa();
-    }
-    return heuristic_stiffness(mesh, modulus);
-}
 
 using Clock = std::chrono::steady_clock;
 
@@ -68,40 +44,20 @@ ProblemRecord record_of(const Objective& objective, const TrainingProblems& prob
 }  // namespace
 
 TrainedModel train_sets(const Study& study, const Cases& cases, int threads, const TrainProgress& progress) {
+    if (study.springs.is_law()) throw MismatchError("study '" + study.name + "' has no sets: its stiffness is a law");
     const Objective& objective = *objectives().at(study.training.objective);
     const std::vector<const Optimizer*> optimizers = optimizers_of(study.training);
     const double unit = study.modulus_N_m();
-    TrainedModel model;
-    TrainingBooks& books = model.books;
-    books.seed = study.training.seed;
-    model.study = study.name;
-    model.law = study.springs.law;
-    model.mesh = spring_mesh_of(study, cases);
-    model.modulus_N_m = unit;
-    model.node_mass_kg = node_masses(model.mesh, study.material.density_kg_m3, study.geometry.thickness_m);
-    model.heuristic_a = study_heuristic(study, cases, model.mesh, unit);
-    model.heuristic_b = study_heuristic(study, cases, model.mesh, study.second_modulus_N_m());
-
     const std::vector<LoadCase> loads = load_cases(cases);
+    TrainedModel model = untrained_model(study, cases, loads);
+    TrainingBooks& books = model.books;
     const auto C = static_cast<Eigen::Index>(loads.size());
-    const int D = model.mesh.dimension(), S = model.mesh.spring_count();
-    model.contact_m.resize(C, D);
-    model.direction.resize(C, D);
-    model.magnitude_m.resize(C);
-    model.contact_force_N.resize(C, D);
+    const int S = model.mesh.spring_count();
     books.node_weight.resize(C, model.mesh.node_count());
+    for (Eigen::Index c = 0; c < C; ++c)
+        books.node_weight.row(c) = draw_node_weights(study, model.mesh, loads[static_cast<std::size_t>(c)]);
 
     const std::unique_ptr<SpringLaw> law = make_spring_law(study.springs.law);
-    for (Eigen::Index c = 0; c < C; ++c) {
-        const LoadCase& load = loads[static_cast<std::size_t>(c)];
-        model.case_names.push_back(load.name);
-        model.contact_m.row(c) = load.path->contact_m;
-        model.direction.row(c) = load.path->direction;
-        model.magnitude_m[c] = load.record->magnitude_m;
-        model.contact_force_N.row(c) = load.record->contact_force_N;
-        books.node_weight.row(c) = draw_node_weights(study, model.mesh, load);
-    }
-
     const Box box{Eigen::VectorXd::Constant(S, study.training.k_min_E2 * unit),
                   Eigen::VectorXd::Constant(S, study.training.k_max_E2 * unit)};
     const StopCriteria stop{study.training.iterations, study.training.max_seconds, study.training.target_rel_loss};

@@ -5,7 +5,7 @@
 
 #include "cases/load_path.h"
 #include "study/study.h"
-#include "train/training_books.h"
+#include "train/untrained_model.h"
 
 namespace tissue {
 
@@ -17,8 +17,5 @@ using TrainProgress = std::function<void(int done, int total, const std::string&
 /// name, so the result is the same for any number of threads.
 /// Throws MismatchError when the cases are not on the study's lattice.
 TrainedModel train_sets(const Study& study, const Cases& cases, int threads, const TrainProgress& progress = {});
-
-/// The study's spring mesh. Throws MismatchError when the cases are not on its nodes.
-SpringMesh spring_mesh_of(const Study& study, const Cases& cases);
 
 }  // namespace tissue

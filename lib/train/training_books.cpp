@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "train/books_table.h"
 
 namespace tissue {
@@ -39,7 +41,58 @@ TrainingBook read_book(const Hdf5Reader& file, TableReader in, const std::string
     return book;
 }
 
+void write_law_book(Hdf5Writer& file, const LawBook& book) {
+    TableWriter out(file, law_books_table());
+    const std::size_t R = book.status.size();
+    out.write_texts("/law/start_status", book.status);
+    out.write("/law/start_objective", book.start_objective);
+    out.write("/law/start_gradient", book.gradient);
+    out.write_integers("/law/start_iterations", {R}, book.iterations);
+    out.write_integers("/law/start_evaluations", {R}, book.evaluations);
+    out.write_texts("/law/lost", book.lost);
+    file.attribute("/law", "objective", book.objective);
+    file.attribute("/law", "kept", book.kept);
+    file.attribute("/law", "paths", book.paths);
+    file.attribute("/law", "records", book.records);
+    file.attribute("/law", "seconds", book.seconds);
+}
+
+LawBook read_law_book(const Hdf5Reader& file) {
+    TableReader in(file, law_books_table());
+    LawBook book;
+    book.status = in.texts("/law/start_status");
+    book.start_objective = in.vector("/law/start_objective");
+    book.gradient = in.vector("/law/start_gradient");
+    book.iterations = in.integers("/law/start_iterations");
+    book.evaluations = in.integers("/law/start_evaluations");
+    book.lost = in.texts("/law/lost");
+    const auto count = [&file](const char* key, double low, double high) {
+        const double value = file.number_attribute("/law", key);
+        if (!(value >= low && value <= high && value == std::floor(value)))
+            file.refuse("/law", fmt::format("attribute '{}' is {}, must be a whole number from {} to {}", key, value, low, high));
+        return static_cast<int>(value);
+    };
+    book.kept = count("kept", 0, static_cast<double>(book.status.size()) - 1);
+    book.paths = count("paths", 1, 1e9);
+    book.records = count("records", 1, 1e9);
+    book.objective = file.number_attribute("/law", "objective");
+    book.seconds = file.number_attribute("/law", "seconds");
+    return book;
+}
+
 }  // namespace
+
+const DatasetTable& law_books_table() {
+    static const DatasetTable table = {
+        {"/law/start_status", "R", Values::text(), "text", "why the fit of each start stopped"},
+        {"/law/start_objective", "R", Values::not_negative(), "1", "objective that it ended with"},
+        {"/law/start_gradient", "R", Values::not_negative(), "1", "largest derivative of half of it by a coefficient"},
+        {"/law/start_iterations", "R", Values::count(), "1", "iterations"},
+        {"/law/start_evaluations", "R", Values::count(), "1", "evaluations of all records"},
+        {"/law/lost", "L*", Values::text(), "text", "pushes trained on that have no stable rest"},
+    };
+    return table;
+}
 
 const DatasetTable& books_table() {
     static const DatasetTable table = {
@@ -66,8 +119,12 @@ const DatasetTable& books_table() {
 
 void write_trained_model(const std::string& file, const TrainedModel& model, const Provenance& provenance) {
     const TrainingBooks& books = model.books;
-    Hdf5Writer hdf5(file, "model", provenance);
+    Hdf5Writer hdf5(file, "model", provenance, format_of(model));
     write_tissue(hdf5, model);
+    if (books.law) {
+        write_law_book(hdf5, *books.law);
+        return hdf5.commit();
+    }
     TableWriter out(hdf5, books_table());
     out.write("/cases/node_weight", books.node_weight);
     out.write("/optimum/loss", books.optimum.loss_N);
@@ -96,6 +153,10 @@ TrainedModel read_trained_model(const std::string& name) {
     if (!(seed >= 0 && seed <= 9007199254740992.0))
         file.refuse("/", fmt::format("attribute 'seed' is {}, must be a whole number >= 0", seed));
     books.seed = static_cast<unsigned long>(seed);
+    if (model.energy_law) {
+        books.law = read_law_book(file);
+        return model;
+    }
     TableReader in(file, books_table(), {{"C", model.case_names.size()}, {"N", static_cast<std::size_t>(model.mesh.node_count())}});
     books.node_weight = in.field("/cases/node_weight");
     books.optimum = {in.vector("/optimum/loss"), in.vector("/optimum/rel_loss"), in.vector("/optimum/lower_bound"),

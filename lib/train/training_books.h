@@ -35,6 +35,18 @@ struct ProblemRecord {
     std::string one_set_status;             ///< and of the single set that serves all
 };
 
+/// How the training of a law ended (train/train_law.h).
+struct LawBook {
+    double objective = 0;                        ///< of the coefficients kept, its ridge included
+    int kept = 0;                                ///< the start with the smallest objective, whose coefficients they are
+    int paths = 0, records = 0;                  ///< trained on
+    std::vector<std::string> status;             ///< FitStatus of each start, train/nonlinear_fit.h (R)
+    Eigen::VectorXd start_objective, gradient;   ///< of each start: objective, max |g_i| of its half (R)
+    std::vector<int> iterations, evaluations;    ///< of each start (R)
+    std::vector<std::string> lost;               ///< pushes trained on without a stable rest at the end: where and how deep
+    double seconds = 0;                          ///< wall time; an attribute, not a dataset
+};
+
 /// Training's own books: what the evaluation needs beside the cases, and no hand that touches the tissue.
 struct TrainingBooks {
     unsigned long seed = 0;                ///< that training drew from; as read, the writer's Provenance says it
@@ -42,6 +54,7 @@ struct TrainingBooks {
     std::vector<TrainingBook> trained;     ///< in the order of TissueModel::trained
     OptimumProof optimum;                  ///< of TissueModel::optimum
     ProblemRecord problems;
+    std::optional<LawBook> law;            ///< of TissueModel::energy_law, in place of all but the seed
 };
 
 /// All that model.h5 holds.

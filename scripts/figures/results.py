@@ -81,7 +81,7 @@ def load(folder):
         results.direction = f["cases/direction"][()]
         results.heuristic_a = f["heuristic_a"][()]
         results.trained_by_model = {}
-        for optimizer in f["optimizers"].asstr():
+        for optimizer in f["optimizers"].asstr() if "optimizers" in f else []:  # a law has none
             group = f["trained"][optimizer]
             results.trained[optimizer] = SimpleNamespace(
                 theta=group["theta"][()], rel_loss=group["rel_loss"][()], loss=group["loss"][()],

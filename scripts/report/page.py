@@ -94,6 +94,9 @@ def label(model, e):
     words = {**LABELS, "one_set": "one learned set for all cases", "learned_nearest": "learned, nearest set",
              "force_table": "finite elements' own forces, interpolated"}
     for training in [e["training"]] + e.get("training_also", []):
+        if "terms" in training:
+            words["learned"] = f"an energy with {len(training['terms'])} numbers"
+            continue
         own = training["optimizer"]
         words["learned" if training is e["training"] else "learned_" + re.sub("[-:]", "_", own)] = f"trained by {own}"
     if model in words:

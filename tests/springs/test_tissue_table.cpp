@@ -44,12 +44,13 @@ void play(const TissueModel& tissue) {
     }
 }
 
-void walk(const DatasetTable& table, bool books) {
+void walk(const std::vector<const DatasetTable*>& tables, bool books) {
     const TemporaryFolder folder;
     const std::string file = folder.file("model.h5"), &whole = example_model_file();
     int refused = 0;
-    for (const auto& [dataset, rule] : datasets_of(whole, table))
-        for (const Mutation& mutation : mutations(whole, dataset, table)) {
+    for (const DatasetTable* table : tables)
+      for (const auto& [dataset, rule] : datasets_of(whole, *table))
+        for (const Mutation& mutation : mutations(whole, dataset, *table)) {
             INFO(dataset << ": " << mutation.name);
             std::filesystem::copy_file(whole, file, std::filesystem::copy_options::overwrite_existing);
             mutation.apply(file);
@@ -71,19 +72,20 @@ void walk(const DatasetTable& table, bool books) {
 }  // namespace
 
 TEST_CASE("every dataset of a model.h5 has its rule, and every rule its dataset") {
-    const auto tissue = datasets_of(example_model_file(), tissue_table()), books = datasets_of(example_model_file(), books_table());
-    CHECK(tissue.size() + books.size() == Hdf5Reader(example_model_file(), "model").datasets().size());
-    for (const auto& [table, found] : {std::pair(&tissue_table(), &tissue), std::pair(&books_table(), &books)})
+    const auto tissue = datasets_of(example_model_file(), tissue_table()), sets = datasets_of(example_model_file(), sets_table()),
+               books = datasets_of(example_model_file(), books_table());
+    CHECK(tissue.size() + sets.size() + books.size() == Hdf5Reader(example_model_file(), "model").datasets().size());
+    for (const auto& [table, found] : {std::pair(&tissue_table(), &tissue), std::pair(&sets_table(), &sets), std::pair(&books_table(), &books)})
         for (const DatasetRule& rule : *table)
             CHECK(std::any_of(found->begin(), found->end(), [&](const auto& f) { return f.second == &rule; }));
 }
 
 TEST_CASE("what plays, changed in any one dataset in any way, is refused in one line or plays finite forces") {
-    walk(tissue_table(), false);
+    walk({&tissue_table(), &sets_table()}, false);
 }
 
 TEST_CASE("training's books, changed in any one dataset in any way, are refused in one line") {
-    walk(books_table(), true);
+    walk({&books_table()}, true);
 }
 
 TEST_CASE("a boundary that runs clockwise, or leaves the outline, is refused by name") {

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <optional>
+
+#include "mesh/shape.h"
+#include "springs/energy_law.h"
+#include "study/study.h"
+
+namespace tissue {
+
+/// E2 of each triangle of the study's mesh [N/m] (T): modulus_N_m of the base material, and where a region has a material
+/// of its own, in proportion to its E.
+Eigen::VectorXd triangle_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_N_m);
+
+/// The study's terms on its mesh, over their heuristic. Throws MismatchError for terms that are not possible there.
+EnergyLaw study_law(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh);
+
+}  // namespace tissue

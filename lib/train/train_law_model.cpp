@@ -1,0 +1,48 @@
+#include "train/train_law_model.h"
+
+#include "cases/study_law.h"
+#include "error.h"
+#include "train/train_law.h"
+
+namespace tissue {
+
+TrainedModel train_law_model(const Study& study, const Cases& cases, int threads) {
+    if (!study.springs.is_law()) throw MismatchError("study '" + study.name + "' has no law: its stiffness is sets");
+    TrainedModel model = untrained_model(study, cases, load_cases(cases));
+    const Cases kept = without_mirrors(cases);
+    const EnergyLaw law = study_law(study, kept.shape, model.mesh);
+    const std::vector<PressPath> paths = press_paths(kept, model.mesh, "train", false);
+
+    LawTrainingOptions options;
+    options.force_scale = study.training.force_scale;
+    options.shape_scale = study.training.shape_scale;
+    options.ridge = study.training.ridge;
+    options.starts = study.training.starts;
+    options.seed = study.training.seed;
+    options.threads = threads;
+    const TrainedLaw trained = train_law(model.mesh, law, paths, options);
+    model.energy_law = {law.terms(), trained.coefficients, law.constants(trained.coefficients), law.patch(trained.coefficients),
+                        law.incompressible()};
+
+    LawBook& book = model.books.law.emplace();
+    const auto R = static_cast<Eigen::Index>(trained.starts.size());
+    book.objective = trained.objective;
+    book.kept = static_cast<int>(trained.kept);
+    book.paths = static_cast<int>(paths.size());
+    for (const PressPath& path : paths) book.records += static_cast<int>(path.records.size());
+    book.start_objective.resize(R);
+    book.gradient.resize(R);
+    for (Eigen::Index s = 0; s < R; ++s) {
+        const FitResult& start = trained.starts[static_cast<std::size_t>(s)];
+        book.status.push_back(to_string(start.status));
+        book.start_objective[s] = 2 * start.half_square;
+        book.gradient[s] = start.gradient;
+        book.iterations.push_back(start.iterations);
+        book.evaluations.push_back(start.evaluations);
+    }
+    book.lost = trained.lost;
+    book.seconds = trained.seconds;
+    return model;
+}
+
+}  // namespace tissue

@@ -1,0 +1,58 @@
+#include "train/untrained_model.h"
+
+#include <fmt/format.h>
+
+#include "cases/study_law.h"
+#include "cases/study_mesh.h"
+#include "error.h"
+#include "springs/heuristic.h"
+
+namespace tissue {
+
+SpringMesh spring_mesh_of(const Study& study, const Cases& cases) {
+    SpringMesh mesh = study_mesh(study, cases.shape, study.springs.topology);
+    if (cases.nodes.rows() != mesh.nodes.rows() || !cases.nodes.isApprox(mesh.nodes, 1e-9))
+        throw MismatchError(fmt::format("the cases have {} nodes that are not the {} x {} lattice of study '{}'",
+                                        cases.nodes.rows(), study.cells[0] + 1, study.cells[1] + 1, study.name));
+    return mesh;
+}
+
+namespace {
+
+/// (7) with this E2 for the base material; where regions have a material of their own, in proportion to their E.
+Eigen::VectorXd study_heuristic(const Study& study, const Cases& cases, const SpringMesh& mesh, double modulus_N_m) {
+    if (study.material.regions.empty()) return heuristic_stiffness(mesh, modulus_N_m);
+    return heuristic_stiffness(mesh, triangle_moduli(study, cases.shape, mesh, modulus_N_m));
+}
+
+}  // namespace
+
+TrainedModel untrained_model(const Study& study, const Cases& cases, const std::vector<LoadCase>& loads) {
+    TrainedModel model;
+    model.books.seed = study.training.seed;
+    model.study = study.name;
+    model.law = study.springs.law;
+    model.mesh = spring_mesh_of(study, cases);
+    model.modulus_N_m = study.modulus_N_m();
+    model.node_mass_kg = node_masses(model.mesh, study.material.density_kg_m3, study.geometry.thickness_m);
+    model.heuristic_a = study_heuristic(study, cases, model.mesh, study.modulus_N_m());
+    model.heuristic_b = study_heuristic(study, cases, model.mesh, study.second_modulus_N_m());
+
+    const auto C = static_cast<Eigen::Index>(loads.size());
+    const int D = model.mesh.dimension();
+    model.contact_m.resize(C, D);
+    model.direction.resize(C, D);
+    model.magnitude_m.resize(C);
+    model.contact_force_N.resize(C, D);
+    for (Eigen::Index c = 0; c < C; ++c) {
+        const LoadCase& load = loads[static_cast<std::size_t>(c)];
+        model.case_names.push_back(load.name);
+        model.contact_m.row(c) = load.path->contact_m;
+        model.direction.row(c) = load.path->direction;
+        model.magnitude_m[c] = load.record->magnitude_m;
+        model.contact_force_N.row(c) = load.record->contact_force_N;
+    }
+    return model;
+}
+
+}  // namespace tissue

@@ -1,0 +1,170 @@
+#include "train/train_law_model.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+
+#include "cases/study_law.h"
+#include "error.h"
+#include "eval/evaluation.h"
+#include "../example.h"
+#include "../mutations.h"
+#include "../refusal.h"
+#include "springs/law_press.h"
+#include "springs/tissue_table.h"
+#include "train/books_table.h"
+#include "train/endings.h"
+#include "train/train_sets.h"
+#include "version.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
+
+namespace {
+
+/// The example with a law, and next to no ridge.
+const std::string& law_text() {
+    static const std::string text = [] {
+        const std::string& sets = example_study_text();
+        return with(with(sets.substr(0, sets.find("[springs]")), "plane-stress", "plane-strain"), "kind = \"point\"",
+                    "kind = \"patch\"\nhalf_width_m = 0.02") +
+               R"([springs]
+topology = "grid8"
+stiffness = "law"
+terms = ["spring.all", "spring.held", "contact.normal", "contact.tangent"]
+
+[training]
+ridge = 1e-6
+seed = 11
+)";
+    }();
+    return text;
+}
+
+Eigen::Vector4d truth() { return {-0.4, 0.3, 0.5, -0.2}; }
+
+/// A "tissue" that is itself such a law, and one path that is another's mirror image.
+Cases law_cases(const Study& study) {
+    const SpringMesh mesh = make_lattice("grid8", study.cells[0], study.cells[1], study.geometry.width_m, study.geometry.height_m);
+    const EnergyLaw law = study_law(study, {}, mesh);
+    TissueModel tissue;
+    tissue.mesh = mesh;
+    tissue.energy_law = {law.terms(), truth(), law.constants(truth()), law.patch(truth()), law.incompressible()};
+    const LawPress press(tissue);
+    const Outline outline(mesh);
+    Cases cases{study.name, mesh.nodes, {}, study.loads.magnitudes_m, {}};
+    for (const StudyPath& p : study.loads.paths) {
+        LoadPath path;
+        path.name = p.name;
+        path.contact_m = p.contact_m;
+        path.direction = p.direction;
+        path.depth_m = study.loads.depth_m();
+        for (int r = 0; r <= study.loads.records(); ++r) {
+            const double s = r * study.loads.record_step_m;
+            const Equilibrium state = press.at(outline.arc_of(p.contact_m), s * p.direction);
+            REQUIRE(state);
+            path.records.push_back({s, state.displacement, NodeField::Zero(mesh.node_count(), 2), state.contact_force, {0, 0}, 0, 1, 1, 0});
+        }
+        cases.paths.push_back(path);
+    }
+    cases.paths.push_back(mirrored(cases.paths[0], cases.nodes, study.geometry.width_m));
+    return cases;
+}
+
+const std::string& law_file() {
+    static const TemporaryFolder folder;
+    static const std::string file = [] {
+        const Study study = example_study(law_text());
+        write_trained_model(folder.file("model.h5"), train_law_model(study, law_cases(study), 1), {"tissuectl test", 11, {}});
+        return folder.file("model.h5");
+    }();
+    return file;
+}
+
+}  // namespace
+
+TEST_CASE("a study's law is trained back to the coefficients that made its cases, and mirror images count once", "[law]") {
+    const Study study = example_study(law_text());
+    const Cases cases = law_cases(study);
+    const TrainedModel model = train_law_model(study, cases, 2);
+    REQUIRE(model.energy_law);
+    CHECK((model.energy_law->coefficients - truth()).norm() < 1e-3);
+    CHECK(model.books.law->paths == 2);
+    CHECK(model.books.law->records == 4);
+    CHECK(model.case_count() == 6);  // the image is a load case, and nothing new to a law
+    CHECK(endings_of(model.books).broken.empty());
+
+    const Evaluation evaluation = evaluate(model, cases, 0, 0, 1);
+    const ContactStatistics learned = evaluation.model("learned").closed_loop();
+    CHECK(learned.force.n == 6);
+    CHECK(learned.force.max < 1e-4);
+    CHECK(learned.shape.max < 1e-4);
+    CHECK(evaluation.model("heuristic_a").closed_loop().force.median > 0.05);
+    CHECK_THAT(to_markdown(evaluation), Contains("| spring.held | 0.3") && Contains("2 FE paths"));
+    CHECK_THAT(to_json(evaluation, 11), Contains("\"spring.held\""));
+}
+
+TEST_CASE("a model whose stiffness is a law comes back from its file as it was, in a format that earlier programs refuse", "[law]") {
+    const Study study = example_study(law_text());
+    const TrainedModel a = train_law_model(study, law_cases(study), 1), b = read_trained_model(law_file());
+    REQUIRE(b.energy_law);
+    CHECK(b.energy_law->terms == a.energy_law->terms);
+    CHECK(b.energy_law->coefficients == a.energy_law->coefficients);
+    CHECK(b.energy_law->constants == a.energy_law->constants);
+    CHECK(b.energy_law->patch.log_N_m == a.energy_law->patch.log_N_m);
+    CHECK(b.energy_law->incompressible);
+    CHECK(b.books.law->status == a.books.law->status);
+    CHECK(b.books.law->objective == a.books.law->objective);
+    CHECK(b.books.law->gradient == a.books.law->gradient);
+    CHECK(b.books.law->kept == 0);
+    CHECK(Hdf5Reader(law_file(), "model").number_attribute("/", "format_version") == law_format_version);
+    CHECK(law_format_version > format_version);
+}
+
+TEST_CASE("what plays sets refuses a law in one line", "[law]") {
+    const std::string said = refusal<FileError>([] { read_model(law_file()); });
+    CHECK_THAT(said, Contains("plays sets") && Contains("law"));
+    CHECK(said.find('\n') == std::string::npos);
+}
+
+TEST_CASE("every dataset of a law has its rule, and changed in any way is refused in one line", "[law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("model.h5");
+    int refused = 0;
+    for (const DatasetTable* table : {&law_table(), &law_books_table()}) {
+        CHECK(datasets_of(law_file(), *table).size() == table->size());
+        for (const auto& [dataset, rule] : datasets_of(law_file(), *table))
+            for (const Mutation& mutation : mutations(law_file(), dataset, *table)) {
+                INFO(dataset << ": " << mutation.name);
+                std::filesystem::copy_file(law_file(), file, std::filesystem::copy_options::overwrite_existing);
+                mutation.apply(file);
+                try {
+                    read_trained_model(file);
+                    CHECK_FALSE(mutation.must_be_refused);
+                } catch (const FileError& e) {
+                    ++refused;
+                    CHECK_THAT(e.what(), StartsWith(file + ": /"));
+                    CHECK(std::string(e.what()).find('\n') == std::string::npos);
+                }
+            }
+    }
+    CHECK(refused > 40);
+}
+
+TEST_CASE("a fit that ended short of its tolerances, or lost pushes, is a broken promise", "[law][endings]") {
+    LawBook book = *read_trained_model(law_file()).books.law;
+    CHECK(endings_of(book).broken.empty());
+    book.lost = {"left at 8 mm: lost at 5 mm"};
+    CHECK_THAT(endings_of(book).broken.at(0), Contains("of 4 pushes 1"));
+    book.lost.clear();
+    for (const char* word : {"no_progress", "iterations_done"}) {
+        book.status = {word};
+        CHECK_THAT(endings_of(book).broken.at(0), Contains(word));
+    }
+}
+
+TEST_CASE("sets are not trained for a law's study, nor a law for that of sets", "[law]") {
+    const Study law = example_study(law_text()), sets = example_study();
+    CHECK_THAT(refusal<MismatchError>([&] { train_sets(law, law_cases(law), 1); }), Contains("is a law"));
+    CHECK_THAT(refusal<MismatchError>([&] { train_law_model(sets, law_cases(law), 1); }), Contains("is sets"));
+}
