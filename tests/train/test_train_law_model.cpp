@@ -168,3 +168,11 @@ TEST_CASE("sets are not trained for a law's study, nor a law for that of sets", 
     CHECK_THAT(refusal<MismatchError>([&] { train_sets(law, law_cases(law), 1); }), Contains("is a law"));
     CHECK_THAT(refusal<MismatchError>([&] { train_law_model(sets, law_cases(law), 1); }), Contains("is sets"));
 }
+
+TEST_CASE("a law whose constants are not as many as its mesh has springs, cells and regions is refused", "[law]") {
+    const TemporaryFolder folder;
+    TrainedModel model = read_trained_model(law_file());
+    model.energy_law->constants.conservativeResize(model.energy_law->constants.size() - 1);
+    write_trained_model(folder.file("model.h5"), model, {"tissuectl test", 11, {}});
+    CHECK_THAT(refusal<FileError>([&] { read_trained_model(folder.file("model.h5")); }), Contains("/law/constants"));
+}
