@@ -5,7 +5,8 @@ namespace tissue {
 Study measured_study() {
     Study study = example_study();
     study.data = Study::Data{"data.csv", 8, 0.1, 0.2, 0.0005, {}};
-    study.springs = {"grid8", "axial"};
+    study.springs.topology = "grid8";
+    study.springs.law = "axial";
     study.training.optimizer = "exact";
     study.training.also = {};
     study.training.objective = "reaction";

@@ -239,7 +239,7 @@ Cases made_up(const Study& study, int paths) {
         record.magnitude_m = 0.005;
         record.displacement = rest.displacement;
         record.force = Eigen::Map<const NodeField>(f.data(), mesh.node_count(), 2);
-        record.contact_force_N = rest->contact_force;
+        record.contact_force_N = rest.contact_force;
         path.records.push_back(record);
         cases.paths.push_back(path);
     }

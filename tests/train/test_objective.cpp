@@ -25,7 +25,8 @@ Cases cases_of(const Study& study) {
 /// The example trained exactly on the contact's force, on this mesh.
 Study contact_study(const std::string& topology) {
     Study study = example_study();
-    study.springs = {topology, "axial"};
+    study.springs.topology = topology;
+    study.springs.law = "axial";
     study.training.objective = "contact";
     study.training.optimizer = "exact";
     study.training.also = {};
