@@ -258,6 +258,11 @@ TEST_CASE("tissue-haptic: a session's ledger is JSON with every key, and its rec
 }
 
 TEST_CASE("tissue-haptic: SIGINT, SIGTERM and SIGHUP end it with a ledger and a closed file", "[program]") {
+    // under nohup the program ignores a hangup, as it should; here it shall not inherit that
+    struct Hangup {
+        void (*before)(int) = std::signal(SIGHUP, SIG_DFL);
+        ~Hangup() { std::signal(SIGHUP, before); }
+    } const hangup;
     for (const char* signal : {"TERM", "INT", "HUP"}) {
         const TemporaryFolder folder;
         const Ended ended = run(folder, model_file(folder) + " --seconds 0 --json --record " + folder.file("s.h5"), signal);
