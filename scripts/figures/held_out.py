@@ -3,7 +3,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LogNorm
 
-from results import COLOURS
+from results import COLOURS, learned_label
 
 ROLES = {"held_out": "core range", "held_out_full": "full range"}
 
@@ -34,7 +34,7 @@ def draw(results):
     often = axes[1, 0]
     bins = np.geomspace(1e-4, 2, 45)
     table = "force table" if "measurement" in evaluation else "FE force table"
-    shown = {"learned": "learned, blended", "force_table": table, "uniform": "one stiffness",
+    shown = {"learned": learned_label(results), "force_table": table, "uniform": "one stiffness",
              "heuristic_a": "heuristic, E2 = E t"}
     colours = {"force_table": "#000000", **COLOURS}
     for model, label in shown.items():

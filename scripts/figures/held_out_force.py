@@ -2,7 +2,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from results import COLOURS
+from results import COLOURS, learned_label
 
 
 def draw(results):
@@ -14,7 +14,7 @@ def draw(results):
     for axis, curve in zip(axes.flat, curves):
         x = np.array(curve["magnitude_m"]) * 1e3
         axis.plot(x, curve["fe_N"], color=COLOURS["fe"], linewidth=2.4, label="finite elements")
-        axis.plot(x, curve["models_N"]["learned"], "o--", color=COLOURS["learned"], markersize=4, label="learned, blended")
+        axis.plot(x, curve["models_N"]["learned"], "o--", color=COLOURS["learned"], markersize=4, label=learned_label(results))
         axis.plot(x, curve["models_N"]["uniform"], ":", color=COLOURS["uniform"], linewidth=1.8, label="one stiffness")
         contact = contacts[curve["name"]]
         axis.set_title(f"{1e3 * contact['arc_m']:.1f} mm along the surface, {contact['angle_deg']:.0f} degrees", fontsize=9)

@@ -61,6 +61,11 @@ class Results(SimpleNamespace):
         return arcs[1:-1][(step[:-1] * step[1:]).sum(axis=1) < np.sqrt(0.5)]  # as mesh/outline: less is a curve
 
 
+def learned_label(results):
+    """What the learned springs are, in a legend: spring sets are blended, a law is one."""
+    return "learned law" if "terms" in results.evaluation["training"] else "learned, blended"
+
+
 def load(folder):
     folder = Path(folder)
     results = Results(evaluation=json.loads((folder / "eval.json").read_text()), paths={}, trained={})

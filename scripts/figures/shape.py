@@ -4,11 +4,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
 
-from results import COLOURS
+from results import COLOURS, learned_label
 
 MM = 1e3
 WHICH = ["Median shape error", "Largest shape error"]  # of eval.json's drawn_shapes, in order
-SHOWN = {"uniform": ("one stiffness", 8), "heuristic_a": ("heuristic, E2 = E t", 8), "learned": ("learned, blended", 16)}
+SHOWN = {"uniform": ("one stiffness", 8), "heuristic_a": ("heuristic, E2 = E t", 8), "learned": (None, 16)}
 
 
 def draw(results):
@@ -28,6 +28,7 @@ def draw(results):
 
     errors = axes[2]
     for model, (label, size) in SHOWN.items():
+        label = label or learned_label(results)
         both = np.array([(c["error"][model], c["shape"][model]) for c in contacts.values()
                          if c["shape"].get(model) is not None])
         if len(both):
@@ -58,7 +59,7 @@ def outlines(axis, results, path, displacement):
     loop = np.append(results.boundary, results.boundary[0])
     axis.plot(*rest[loop].T, color="0.7", linewidth=1, linestyle=":", label="at rest")
     axis.plot(*fe[loop].T, color=COLOURS["fe"], linewidth=2, label="finite elements")
-    axis.plot(*model[loop].T, color=COLOURS["learned"], linewidth=1.5, linestyle="--", label="learned, blended")
+    axis.plot(*model[loop].T, color=COLOURS["learned"], linewidth=1.5, linestyle="--", label=learned_label(results))
     axis.add_collection(LineCollection(np.stack([fe, model], axis=1), colors=COLOURS["heuristic_a"], linewidths=1,
                                        label="from the one to the other, at every node"))
     axis.plot(*fe.T, ".", color=COLOURS["fe"], markersize=2)
