@@ -45,11 +45,12 @@ proof() {
     defect "a tangent term's sign flipped" \
         "^    paths/left/newton: [0-9]* -> [0-9]* (exact)\|load path '.*': no equilibrium found .* relative residuals" \
         fem/plane_stress.idp 's/+ (d1112 \* dx(w1) + d1212/+ (-d1112 * dx(w1) + d1212/'
-    defect "a seed shifted" '^    trained/spsa/theta_hash: ' "fem/studies/$study.toml" 's/^seed = 2008/seed = 2009/'
+    # of the hash on the reference's type of machine, of the iterations on another
+    defect "a seed shifted" '^    trained/spsa/' "fem/studies/$study.toml" 's/^seed = 2008/seed = 2009/'
     defect "two cases swapped" '^    paths/left/' "fem/studies/$study.toml" \
         -e 's/name = "left",/name = "@",/' -e "s/name = \"$mirror\",/name = \"left\",/" \
         -e "s/name = \"@\",/name = \"$mirror\",/"
-    defect "one spring dropped" '^    trained/spsa/theta_hash: ' lib/mesh/topology.cpp \
+    defect "one spring dropped" '^    trained/spsa/' lib/mesh/topology.cpp \
         's/^    mesh.springs.resize(/    springs.pop_back();\n&/'
     regress
     check "without them it is silent again" silent
