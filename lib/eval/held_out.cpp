@@ -63,8 +63,7 @@ std::vector<Setting> settings_of(const TissueModel& model, const std::vector<Loa
     add(model.mesh.topology, model.law);
     if (!others) return settings;
     using Kinds = std::vector<std::pair<std::string, std::string>>;
-    const bool on_lattice = topologies().at(model.mesh.topology).needs_lattice();
-    const Kinds kinds = !on_lattice ? Kinds{{"edges", "isotropic"}, {"edges", "axial"}, {"edges", "geometric"}}
+    const Kinds kinds = !on_lattice(model.mesh) ? Kinds{{"edges", "isotropic"}, {"edges", "axial"}, {"edges", "geometric"}}
                                     : Kinds{{"grid4", "isotropic"}, {"grid8", "axial"}, {"grid8", "geometric"}};
     for (const auto& [topology, law] : kinds)
         if (topology != model.mesh.topology || law != model.law) add(topology, law);
@@ -174,7 +173,7 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
     for (const Setting& s : settings) {
         if (!with_baselines) break;
         // any shape: the same springs in every law, and regions have moduli of their own
-        const bool edges = !topologies().at(s.mesh.topology).needs_lattice();
+        const bool edges = !on_lattice(s.mesh);
         baselines.push_back({"heuristic_a" + s.suffix, &s, edges ? model.heuristic_a : heuristic_stiffness(s.mesh, model.modulus_N_m)});
         baselines.push_back({"heuristic_b" + s.suffix, &s, edges ? model.heuristic_b : heuristic_stiffness(s.mesh, ratio_b * model.modulus_N_m)});
         baselines.push_back({"uniform" + s.suffix, &s, uniform_stiffness(s.mesh, s.uniform_N_m)});

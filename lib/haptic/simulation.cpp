@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "error.h"
-#include "hot_loop.h"
 #include "haptic/spectrum.h"
+#include "hot_loop.h"
 #include "springs/spring_sets.h"
 
 namespace tissue {

@@ -1,11 +1,12 @@
 #include "mesh/cells.h"
 
 #include "error.h"
+#include "mesh/topology.h"
 
 namespace tissue {
 
 Cells mesh_cells(const SpringMesh& mesh) {
-    if (mesh.topology == "edges") return mesh.triangles;
+    if (!on_lattice(mesh)) return mesh.triangles;
     // a lattice cell's two triangles follow each other: (a, b, .) and (., c, d), whichever diagonal divides it
     Cells cells(mesh.triangles.rows() / 2, 4);
     for (Eigen::Index c = 0; c < cells.rows(); ++c) {

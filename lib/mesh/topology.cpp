@@ -94,6 +94,8 @@ const Registry<Topology>& topologies() {
     return kinds;
 }
 
+bool on_lattice(const SpringMesh& mesh) { return topologies().at(mesh.topology).needs_lattice(); }
+
 SpringMesh make_lattice(const std::string& topology, int cells_x, int cells_y, double width_m, double height_m) {
     return topologies().at(topology).on_lattice(cells_x, cells_y, width_m, height_m);
 }

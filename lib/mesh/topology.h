@@ -26,4 +26,7 @@ struct Topology {
 ///   edges  the edges of any mesh of triangles
 const Registry<Topology>& topologies();
 
+/// Whether a mesh's springs follow the cells of a lattice; else its pieces are triangles.
+bool on_lattice(const SpringMesh& mesh);
+
 }  // namespace tissue

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "error.h"
+#include "mesh/topology.h"
 #include "springs/heuristic.h"
 #include "springs/rest_place.h"
 
@@ -41,7 +42,7 @@ std::pair<int, int> patch_term(const std::string& term, const std::vector<std::s
 
 /// E2 of the cells: of the squares of a lattice, or of what lies around the nodes of a shape.
 Eigen::VectorXd cell_moduli(const SpringMesh& mesh, const Eigen::VectorXd& by_piece) {
-    if (mesh.topology != "edges") return by_piece;
+    if (on_lattice(mesh)) return by_piece;
     const Cells triangles = mesh_cells(mesh);
     const Eigen::VectorXd areas = cell_areas(mesh, triangles);
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(mesh.node_count()), area = sum;
@@ -62,7 +63,7 @@ LawHeuristic assemble(const SpringMesh& mesh, const Eigen::VectorXd& springs, co
     LawHeuristic h;
     const Eigen::Index S = mesh.spring_count(), C = cell_modulus_N_m.size();
     h.incompressible = strain;
-    const double share = mesh.topology == "edges" ? 1.0 / 3 : 1;  // of cells that lie over each other
+    const double share = on_lattice(mesh) ? 1 : 1.0 / 3;  // of cells that lie over each other
     h.cap = share * area_cap * cell_modulus_N_m;
     const auto R = static_cast<Eigen::Index>(strain ? cell_regions(mesh, mesh_cells(mesh)).size() : 0);
     h.constants.resize(S + C + R);
@@ -84,7 +85,7 @@ LawHeuristic law_heuristic(const SpringMesh& mesh, double modulus_N_m, const std
 
 LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triangle_modulus_N_m,
                            const std::string& formulation, double area_cap) {
-    if (mesh.topology != "edges") throw MismatchError("a modulus by triangle needs springs on the triangles' edges");
+    if (on_lattice(mesh)) throw MismatchError("a modulus by triangle needs springs on the triangles' edges");
     return assemble(mesh, heuristic_stiffness(mesh, triangle_modulus_N_m), cell_moduli(mesh, triangle_modulus_N_m),
                     triangle_modulus_N_m.maxCoeff(), formulation, area_cap);
 }
@@ -94,7 +95,7 @@ EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, cons
     const RestPlaces places(mesh);
     const Cells springs = mesh.springs;
     Cells cells = mesh_cells(mesh);
-    if (mesh.topology == "edges") {  // its cells are about its nodes
+    if (!on_lattice(mesh)) {  // its cells are about its nodes
         cells.resize(mesh.node_count(), 1);
         for (int node = 0; node < mesh.node_count(); ++node) cells(node, 0) = node;
     }

@@ -36,11 +36,11 @@ Eigen::VectorXd heuristic_stiffness(const SpringMesh& mesh, const Eigen::VectorX
 }
 
 Eigen::VectorXd uniform_stiffness(const SpringMesh& mesh, double stiffness_N_m) {
-    const bool on_lattice = topologies().at(mesh.topology).needs_lattice();
+    const bool lattice = on_lattice(mesh);
     Eigen::VectorXd theta(mesh.spring_count());
     for (int s = 0; s < mesh.spring_count(); ++s) {
         const Eigen::RowVectorXd along = mesh.nodes.row(mesh.springs(s, 0)) - mesh.nodes.row(mesh.springs(s, 1));
-        const bool diagonal = on_lattice && along.cwiseAbs().minCoeff() > 1e-9 * along.norm();
+        const bool diagonal = lattice && along.cwiseAbs().minCoeff() > 1e-9 * along.norm();
         theta[s] = diagonal ? stiffness_N_m / 2 : stiffness_N_m;
     }
     return theta;

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "error.h"
+#include "mesh/topology.h"
 
 namespace tissue {
 
@@ -60,7 +61,7 @@ double RestPlaces::squared_cosine(const Cells& nodes, Eigen::Index e, const Eige
 
 Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) const {
     const Eigen::Index count = nodes.rows();
-    const bool springs = nodes.cols() == 2, lattice = mesh_.topology != "edges";
+    const bool springs = nodes.cols() == 2, lattice = on_lattice(mesh_);
     Eigen::VectorXd value(count);
     const auto each = [&](const auto& at) {
         for (Eigen::Index e = 0; e < count; ++e) value[e] = at(e);

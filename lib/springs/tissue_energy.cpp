@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "mesh/topology.h"
 #include "springs/region_area.h"
 #include "springs/turning_springs.h"
 
@@ -12,7 +13,7 @@ TissueEnergy::TissueEnergy(const SpringMesh& mesh, bool incompressible)
     : cells_(mesh), first_{0}, nodes_(mesh.node_count()), dimension_(mesh.dimension()), fixed_(mesh.fixed) {
     kinds_.push_back(std::make_unique<TurningSprings>(mesh));
     const Cells& cells = cells_.nodes();
-    if (mesh.topology == "edges") {
+    if (!on_lattice(mesh)) {
         for (const std::vector<int>& star : node_stars(mesh, cells))
             kinds_.push_back(std::make_unique<RegionArea>(mesh, cells, star));
     } else {
