@@ -24,21 +24,17 @@ void run(const Options& o) {
                          [&](int done, int total, const std::string& name) { progress.step(done, total, name); });
     }
     write_file(o.out, to_json(results));
-    std::cout << fmt::format("closed-loop error on '{}', median / p95 / max (n)\n{:<42} {:>8} {:>6} {:>30} {:>30} {:>30}\n",
-                             o.role, "variant", "FE paths", "sets", "blended", "nearest", "one set");
+    std::cout << fmt::format("closed-loop errors on '{}', median / p95 / max (n)\n{:<42} {:>7} {:>8} {:>8} {:>28} {:>28}\n",
+                             o.role, "variant", "numbers", "FE paths", "training", "force", "shape");
     for (const VariantResult& r : results) {
         const DrawnContacts* drawn = r.held_out.role(o.role);
         if (!drawn) continue;
-        const auto cell = [&](const char* model) {
-            for (std::size_t m = 0; m < r.held_out.models.size(); ++m)
-                if (r.held_out.models[m] == model) {
-                    const Statistics s = drawn->statistics(m).force;
-                    return fmt::format("{:.2f} / {:.2f} / {:.2f} % ({})", 100 * s.median, 100 * s.p95, 100 * s.max, s.n);
-                }
-            return std::string();
+        const auto cell = [](const Statistics& e) {
+            return fmt::format("{:.2f} / {:.2f} / {:.2f} % ({})", 100 * e.median, 100 * e.p95, 100 * e.max, e.n);
         };
-        std::cout << fmt::format("{:<42} {:>8} {:>6} {:>30} {:>30} {:>30}\n", r.variant.name, r.fe_paths, r.sets,
-                                 cell("learned"), cell("learned_nearest"), cell("one_set"));
+        const ContactStatistics s = drawn->statistics(0);
+        std::cout << fmt::format("{:<42} {:>7} {:>8} {:>6.1f} s {:>28} {:>28}\n", r.variant.name, r.variant.terms.size(),
+                                 r.fe_paths, r.seconds, cell(s.force), cell(s.shape));
     }
 }
 
@@ -47,14 +43,14 @@ void run(const Options& o) {
 void add_ablate(CLI::App& app, const Invocation&) {
     auto o = std::make_shared<Options>();
     o->threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    CLI::App* command = app.add_subcommand("ablate", "Train and try the study's variants on its drawn contacts.");
+    CLI::App* command = app.add_subcommand("ablate", "Train and try the variants of the study's law on its drawn contacts.");
     command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
     command->add_option("--cases", o->cases, "cases.h5 of tissuectl collect")->required()->type_name("FILE");
     command->add_option("--out", o->out, "ablation.json to write")->required()->type_name("FILE");
     command->add_option("--role", o->role, "which drawn contacts the printed table shows")
         ->type_name("ROLE")
         ->capture_default_str();
-    command->add_option("--threads", o->threads, "spring sets trained at a time; changes no result")
+    command->add_option("--threads", o->threads, "paths pressed at a time; changes no result")
         ->type_name("threads")
         ->capture_default_str()
         ->check(CLI::Range(1, 4096));

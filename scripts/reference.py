@@ -82,8 +82,10 @@ def studies_table(evaluations):
 
 
 def surface_table(e):
-    names = {"learned": "learned, blended", "learned_nearest": "learned, nearest set", "force_table": "FE force table",
-             "one_set": "one set for all contacts"}
+    names = {"learned": "**learned law**", "untrained": "the same law untrained", "force_table": "FE force table",
+             "heuristic_a_patch": "heuristic, E2 = E t, springs alone under the law's contact",
+             "heuristic_b_patch": "heuristic, E2 = (C1 + C2) t, likewise",
+             "uniform_patch": "one stiffness, likewise"}
     roles = [e["closed_loop"][role] for role in ("held_out", "held_out_full")]
     rows = ["| model | held_out: force | held_out: shape | held_out_full: force | held_out_full: shape |",
             "|---|---|---|---|---|"]

@@ -191,7 +191,8 @@ std::vector<PlannedPath> planned_paths(const Study& study, const std::optional<S
 Cases thinned(const Study& study, const Cases& cases, const Study::Variant& variant) {
     const Outline outline(study_mesh(study, cases.shape, "edges"));
     const std::vector<Contact> kept =
-        training_contacts(outline, {variant.spacing_m, study.loads.sweep->clearance_m, variant.angles_deg}, study.geometry.is_block());
+        training_contacts(outline, {study.loads.sweep->spacing_m, study.loads.sweep->clearance_m, variant.angles_deg, variant.arcs_m},
+                          study.geometry.is_block());
     Cases result;
     result.study = cases.study;
     result.nodes = cases.nodes;

@@ -9,12 +9,13 @@
 
 namespace tissue {
 
-/// One variant of a study, trained on what it keeps and tried on the study's drawn contacts.
+/// One variant of a study's law, trained on what it keeps and tried on the study's drawn contacts.
 struct VariantResult {
     Study::Variant variant;
     int fe_paths;      ///< FE solves its training contacts need; mirrored ones count once
-    int sets;
+    int records;       ///< pushes along them
     double seconds;    ///< wall time of its training
+    double objective;  ///< train/train_law.h, at the end
     std::vector<std::string> broken;  ///< what of it did not end as it promises, train/endings.h
     HeldOut held_out;
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "eval/force_table.h"
 #include "mesh/topology.h"
 #include "parallel.h"
 #include "springs/heuristic.h"
@@ -70,17 +71,19 @@ std::vector<Setting> settings_of(const TissueModel& model, const std::vector<Loa
     return settings;
 }
 
-/// FE's own training forces, interpolated; below the smallest depth they shrink in proportion to it.
-Eigen::Vector2d table_force(const std::vector<LoadCase>& loads, const SetWeights& weights, double depth_m) {
-    Eigen::Vector2d force = Eigen::Vector2d::Zero();
-    double mean_depth_m = 0;  // the contact's own depth, unless that is out of reach
-    for (int i = 0; i < weights.count; ++i) {
-        const auto k = static_cast<std::size_t>(i);
-        const PathRecord& record = *loads[static_cast<std::size_t>(weights.set[k])].record;
-        force += weights.weight[k] * record.contact_force_N;
-        mean_depth_m += weights.weight[k] * record.magnitude_m;
+std::vector<Baseline> baselines_of(const TissueModel& model, const std::vector<Setting>& settings, bool others) {
+    std::vector<Baseline> baselines;
+    if (!model.energy_law) baselines.push_back({"one_set", &settings[0], model.one_set});
+    const double ratio_b = model.heuristic_b.sum() / model.heuristic_a.sum();
+    for (const Setting& s : settings) {
+        if (!others) break;
+        // any shape: the same springs in every law, and regions have moduli of their own
+        const bool edges = !on_lattice(s.mesh);
+        baselines.push_back({"heuristic_a" + s.suffix, &s, edges ? model.heuristic_a : heuristic_stiffness(s.mesh, model.modulus_N_m)});
+        baselines.push_back({"heuristic_b" + s.suffix, &s, edges ? model.heuristic_b : heuristic_stiffness(s.mesh, ratio_b * model.modulus_N_m)});
+        baselines.push_back({"uniform" + s.suffix, &s, uniform_stiffness(s.mesh, s.uniform_N_m)});
     }
-    return std::min(1.0, depth_m / mean_depth_m) * force;
+    return baselines;
 }
 
 /// Contact force along the push; NaN where the mesh has no equilibrium.
@@ -153,7 +156,7 @@ const DrawnContacts* HeldOut::role(const std::string& name) const {
     return nullptr;
 }
 
-HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int threads, bool with_baselines) {
+HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int threads, bool with_baselines) {
     HeldOut result;
     for (const LoadPath& path : cases.paths)
         if (path.role != "train" && path.role != "check" && !result.role(path.role))
@@ -161,32 +164,42 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
     if (result.empty()) return result;
 
     const std::vector<LoadCase> loads = load_cases(cases);
-    const SetGrid grid(model);
+    const Outline outline(model.mesh);
+    const ForceTable table(outline, loads);
     const std::unique_ptr<SpringLaw> law = make_spring_law(model.law);
-    const NodeField theta = model.energy_law ? NodeField() : model.trained.front().theta;
-    std::optional<LawPress> energy;
-    if (model.energy_law) energy.emplace(model);
     const std::vector<Setting> settings = settings_of(model, loads, with_baselines);
-    std::vector<Baseline> baselines;
-    if (!energy) baselines.push_back({"one_set", &settings[0], model.one_set});
-    const double ratio_b = model.heuristic_b.sum() / model.heuristic_a.sum();
-    for (const Setting& s : settings) {
-        if (!with_baselines) break;
-        // any shape: the same springs in every law, and regions have moduli of their own
-        const bool edges = !on_lattice(s.mesh);
-        baselines.push_back({"heuristic_a" + s.suffix, &s, edges ? model.heuristic_a : heuristic_stiffness(s.mesh, model.modulus_N_m)});
-        baselines.push_back({"heuristic_b" + s.suffix, &s, edges ? model.heuristic_b : heuristic_stiffness(s.mesh, ratio_b * model.modulus_N_m)});
-        baselines.push_back({"uniform" + s.suffix, &s, uniform_stiffness(s.mesh, s.uniform_N_m)});
+    const std::vector<Baseline> baselines = baselines_of(model, settings, with_baselines);
+
+    // of laws the model's own first
+    std::vector<std::pair<std::string, std::unique_ptr<LawPress>>> laws;
+    std::optional<SetGrid> sets;
+    if (model.energy_law) {
+        laws.emplace_back("learned", std::make_unique<LawPress>(model));
+        const LawBook& book = *model.books.law;
+        const auto add = [&](const std::string& name, const Eigen::VectorXd& constants) {
+            laws.emplace_back(name, std::make_unique<LawPress>(model.mesh, LawModel{{}, {}, constants, book.untrained_patch, model.energy_law->incompressible}));
+        };
+        add("untrained", book.untrained_constants);
+        Eigen::VectorXd springs_alone = Eigen::VectorXd::Zero(book.untrained_constants.size());
+        if (with_baselines)
+            for (const Baseline& b : baselines) {
+                if (b.setting != &settings[0]) continue;
+                springs_alone.head(b.theta.size()) = b.theta;
+                add(b.name + "_patch", springs_alone);
+            }
+    } else {
+        sets.emplace(model);
     }
-    result.models = {"learned"};
-    if (!energy) result.models.push_back("learned_nearest");
-    result.models.push_back("force_table");
+    result.models = {"learned", "force_table"};
+    for (std::size_t l = 1; l < laws.size(); ++l) result.models.push_back(laws[l].first);
     for (const Baseline& b : baselines) result.models.push_back(b.name);
     if (cases.measurement) result.models.push_back("repeat");
 
-    const auto learned = [&](const LoadPath& path, const PathRecord& record, const SetWeights& blended) {
-        return energy ? answer_of(energy->at(grid.outline().arc_of(path.contact_m), path.push_m(record)))
-                      : answer_of(model.mesh, *law, blend(theta, blended), truth_of(model.mesh, path, record));
+    const auto learned = [&](const LoadPath& path, const PathRecord& record) {
+        const double arc = outline.arc_of(path.contact_m);
+        if (!sets) return answer_of(laws[0].second->at(arc, path.push_m(record)));
+        const int set = sets->nearest(arc, path.direction, record.magnitude_m).set[0];
+        return answer_of(model.mesh, *law, model.trained.front().theta.row(set).transpose(), truth_of(model.mesh, path, record));
     };
     for (DrawnContacts& role : result.roles) {
         std::vector<const LoadPath*> paths;
@@ -201,19 +214,18 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
         parallel_for(static_cast<int>(paths.size()), threads, [&](int p) {
             const LoadPath& path = *paths[static_cast<std::size_t>(p)];
             const PathRecord& record = path.records.back();
-            const double arc = grid.outline().arc_of(path.contact_m);
-            const SetWeights blended = grid.blended(arc, path.direction, record.magnitude_m);
+            const double arc = outline.arc_of(path.contact_m);
+            const ForceTable::Entry tabled = table.at(arc, path.direction, record.magnitude_m);
             const ContactTruth truth = truth_of(model.mesh, path, record);
             DrawnContact& contact = role.contacts[static_cast<std::size_t>(p)];
-            contact = {path.name, arc, grid.outline().angle(arc, path.direction) / degree, record.magnitude_m,
-                       record.contact_force_N, blended.extrapolated, {}};
+            contact = {path.name, arc, outline.angle(arc, path.direction) / degree, record.magnitude_m,
+                       record.contact_force_N, tabled.extrapolated, {}};
             const auto add = [&](const ContactAnswer& answer) {
                 contact.error.push_back(error_of(answer, truth, model.mesh));
             };
-            add(learned(path, record, blended));
-            if (!energy)
-                add(answer_of(model.mesh, *law, blend(theta, grid.nearest(arc, path.direction, record.magnitude_m)), truth));
-            add({table_force(loads, blended, record.magnitude_m)});
+            add(learned(path, record));
+            add({tabled.force_N});
+            for (std::size_t l = 1; l < laws.size(); ++l) add(answer_of(laws[l].second->at(arc, truth.push_m)));
             for (const Baseline& b : baselines) add(answer_of(b.setting->mesh, *b.setting->law, b.theta, truth));
             if (cases.measurement && path.again_N) add({*path.again_N});
             if (cases.measurement && !path.again_N) add({});  // measured once
@@ -225,12 +237,11 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
         if (cases.measurement) break;  // single presses have no curve
         if (path.role != "held_out" || !path.lost.empty() || result.curves.size() == shown) continue;
         DrawnCurve curve{path.name, {}, {}, {}, {}};
-        const double arc = grid.outline().arc_of(path.contact_m);
         for (const PathRecord& record : path.records) {
             const double m = record.magnitude_m;
             curve.magnitude_m.push_back(m);
             curve.fe_N.push_back(record.contact_force_N.dot(path.direction));
-            const ContactAnswer answer = m > 0 ? learned(path, record, grid.blended(arc, path.direction, m)) : ContactAnswer{};
+            const ContactAnswer answer = m > 0 ? learned(path, record) : ContactAnswer{};
             curve.learned_N.push_back(m > 0 ? answer.force_N ? answer.force_N->dot(path.direction) : std::nan("") : 0);
             curve.uniform_N.push_back(
                 m > 0 ? pushed_force(settings[0].mesh, *law, uniform_stiffness(model.mesh, settings[0].uniform_N_m), path, m)
@@ -242,8 +253,7 @@ HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int thre
         const auto path = std::find_if(cases.paths.begin(), cases.paths.end(),
                                        [&](const LoadPath& p) { return p.name == name; });
         const PathRecord& record = path->records.back();
-        const SetWeights blended = grid.blended(grid.outline().arc_of(path->contact_m), path->direction, record.magnitude_m);
-        result.shapes.push_back({name, learned(*path, record, blended).displacement_m});
+        result.shapes.push_back({name, learned(*path, record).displacement_m});
     }
     return result;
 }

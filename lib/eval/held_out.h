@@ -7,7 +7,7 @@
 #include "cases/load_path.h"
 #include "eval/closed_loop.h"
 #include "eval/force_error.h"
-#include "springs/tissue_model.h"
+#include "train/training_books.h"
 
 namespace tissue {
 
@@ -54,7 +54,7 @@ struct DrawnShape {
 };
 
 struct HeldOut {
-    std::vector<std::string> models;      ///< learned (blended sets) first
+    std::vector<std::string> models;      ///< learned first
     std::vector<DrawnContacts> roles;
     std::vector<DrawnCurve> curves;       ///< of the first held_out contacts, which were drawn by seed
     std::vector<DrawnShape> shapes;       ///< at the held_out contacts with the median and the largest shape error
@@ -64,14 +64,14 @@ struct HeldOut {
 };
 
 /// Closed-loop errors at every drawn contact of the cases, force and shape:
-///   learned            the model's law; or its sets, blended over position, angle and depth. Of a law learned_nearest
-///                      and one_set are left out
-///   learned_nearest    the nearest of them
-///   one_set            the single set that serves all training cases best
-///   force_table        no springs and no shape: FE's forces interpolated with the same weights, the rival at equal FE cost
+///   learned            the model's law; or the nearest of its sets, Sec. 4.3
+///   force_table        no springs and no shape: FE's own forces, interpolated (eval/force_table.h)
+///   untrained          of a law: its heuristic, with nothing learned
+///   heuristic_a_patch, heuristic_b_patch, uniform_patch  of a law: those springs alone, without cells, under its contact
+///   one_set            of sets: the single one that serves all training cases best
 ///   repeat             measured cases: what the same push's other repeats say: about what a perfect model would leave
 ///   heuristic_a, heuristic_b, uniform, on the model's mesh and law, and with a suffix on the others
-/// with_baselines = false leaves out the last line.
-HeldOut evaluate_held_out(const TissueModel& model, const Cases& cases, int threads, bool with_baselines = true);
+/// with_baselines = false leaves out heuristic and uniform ones.
+HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int threads, bool with_baselines = true);
 
 }  // namespace tissue

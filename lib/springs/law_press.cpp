@@ -4,8 +4,8 @@
 
 namespace tissue {
 
-LawPress::LawPress(const TissueModel& model)
-    : law_(*model.energy_law), energy_(model.mesh, law_.incompressible), surface_(model.mesh) {}
+LawPress::LawPress(const SpringMesh& mesh, LawModel law)
+    : law_(std::move(law)), energy_(mesh, law_.incompressible), surface_(mesh) {}
 
 Equilibrium LawPress::at(double arc_m, const Eigen::Vector2d& push_m) const {
     const ContactPatch patch = surface_.at(arc_m);

@@ -10,15 +10,17 @@ namespace tissue {
 /// Serves many threads.
 class LawPress {
    public:
-    /// The model, which must have a law, must outlive it.
-    explicit LawPress(const TissueModel& model);
+    LawPress(const SpringMesh& mesh, LawModel law);
+
+    /// The model must have a law.
+    explicit LawPress(const TissueModel& model) : LawPress(model.mesh, *model.energy_law) {}
 
     /// The contact at an arc length [m] held at a push, everything else at rest: force of the tool and displacement.
     /// `not_converged` where load steps lost the rest, `unstable` where it is no minimum, `contact_fixed` on the fixed edge.
     Equilibrium at(double arc_m, const Eigen::Vector2d& push_m) const;
 
    private:
-    const LawModel& law_;
+    LawModel law_;
     TissueEnergy energy_;
     ContactSurface surface_;
 };

@@ -77,7 +77,9 @@ Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) 
     if (name == "all") return Eigen::VectorXd::Ones(count);
     if (name == "surface")
         return each([&](Eigen::Index e) {
-            return std::any_of(free_.begin(), free_.end(), [&](const Segment& s) { return has(e, s.node[0]) && has(e, s.node[1]); }) ? 1.0 : 0.0;
+            return std::any_of(free_.begin(), free_.end(), [&](const Segment& s) {
+                       return nodes.cols() == 1 ? has(e, s.node[0]) || has(e, s.node[1]) : has(e, s.node[0]) && has(e, s.node[1]);
+                   }) ? 1.0 : 0.0;
         });
     if (name == "layer") return each([&](Eigen::Index e) { return std::exp(-nearest(free_, middle(nodes, e)).distance_m / spacing_m_); });
     if (name == "held")

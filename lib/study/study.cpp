@@ -20,6 +20,7 @@ namespace {
 
 const Range positive{0, std::numeric_limits<double>::infinity(), true};
 const Range not_negative{0};
+const Range area_caps{1.0 / 3, 1000, true};
 
 /// Names of the objectives; with `nodes` false, of those alone that ask for nothing inside.
 std::vector<std::string> objective_names(bool nodes = true) {
@@ -53,7 +54,7 @@ const std::vector<const char*> sets_keys = {"optimizer", "also",      "objective
 const std::vector<const char*> law_keys = {"force_scale", "shape_scale", "starts", "ridge"};
 
 /// Keys of the base that a choice of this study makes meaningless: the block's, where a shape is given; another law's;
-/// those of sets, where stiffness is a law; the spacing of contacts that are listed.
+/// those of sets, where stiffness is a law, and the other way; the spacing of contacts that are listed.
 void erase_replaced(toml::table& base, const toml::table& changes) {
     if (const auto shape = changes["geometry"]["shape"].value<std::string>(); shape && *shape != "block") {
         erase_from(base, "geometry", {"width_m", "height_m"});
@@ -68,11 +69,11 @@ void erase_replaced(toml::table& base, const toml::table& changes) {
     }
     if (const auto stiffness = changes["springs"]["stiffness"].value<std::string>()) {
         const bool law = *stiffness == "law";
-        if (law) {
+        if (law)
             erase_from(base, "springs", {"law"});
-            base.erase("variants");
-        } else
+        else
             erase_from(base, "springs", {"terms", "area_cap_E2"});
+        base.erase("variants");
         toml::node* training = base.get("training");
         if (training && training->is_table())
             for (const char* key : law ? sets_keys : law_keys) training->as_table()->erase(key);
@@ -295,10 +296,10 @@ Study::Springs read_springs(TomlReader in, const Study::Geometry& geometry) {
     s.law = "geometric";
     s.terms = in.texts("terms");
     if (s.terms.empty()) in.refuse("terms", "must name at least one term (lib/springs/energy_law.h)");
-    for (std::size_t i = 0; i < s.terms.size(); ++i)
-        if (std::find(s.terms.begin(), s.terms.begin() + static_cast<std::ptrdiff_t>(i), s.terms[i]) != s.terms.begin() + static_cast<std::ptrdiff_t>(i))
-            in.refuse("terms", "'" + s.terms[i] + "' stands twice");
-    s.area_cap_E2 = in.optional_number("area_cap_E2", {1.0 / 3, 1000, true}).value_or(12);
+    std::set<std::string> known;
+    for (const std::string& term : s.terms)
+        if (!known.insert(term).second) in.refuse("terms", "'" + term + "' stands twice");
+    s.area_cap_E2 = in.optional_number("area_cap_E2", area_caps).value_or(12);
     in.refuse_the_rest();
     return s;
 }
@@ -431,12 +432,11 @@ Study::Variant read_variant(TomlReader in, const Study& study) {
     const Study::Loads::Sweep& sweep = *study.loads.sweep;
     Study::Variant v;
     v.name = in.text("name");
-    v.topology = in.has("topology") ? in.choice("topology", topologies_of(study.geometry)) : study.springs.topology;
-    v.law = in.has("law") ? in.choice("law", spring_laws().names()) : study.springs.law;
-    v.objective = in.has("objective") ? in.choice("objective", objective_names()) : study.training.objective;
-    v.ridge = in.optional_number("ridge", not_negative).value_or(study.training.ridge);
-    v.spacing_m = in.optional_number("spacing_m", {sweep.spacing_m}).value_or(sweep.spacing_m);
-    if (!is_multiple(v.spacing_m, sweep.spacing_m)) in.refuse("spacing_m", "must be a multiple of loads.sweep.spacing_m");
+    const auto count = static_cast<long>(study.springs.terms.size());
+    const auto kept = in.optional_integer("first_terms", 1, count).value_or(count);
+    v.terms.assign(study.springs.terms.begin(), study.springs.terms.begin() + kept);
+    v.area_cap_E2 = in.optional_number("area_cap_E2", area_caps).value_or(study.springs.area_cap_E2);
+    v.shape_scale = in.optional_number("shape_scale", positive).value_or(study.training.shape_scale);
     const auto some_of = [&in](const char* key, const std::vector<double>& all) {
         if (!in.has(key)) return all;
         const std::vector<double> kept = in.numbers(key);
@@ -444,6 +444,7 @@ Study::Variant read_variant(TomlReader in, const Study& study) {
             if (std::find(all.begin(), all.end(), k) == all.end()) in.refuse(key, "every entry must be one of the study's");
         return kept;
     };
+    v.arcs_m = some_of("arcs_m", sweep.arcs_m);
     v.angles_deg = some_of("angles_deg", sweep.angles_deg);
     v.magnitudes_m = some_of("magnitudes_m", study.loads.magnitudes_m);
     in.refuse_the_rest();
@@ -518,9 +519,8 @@ Study read_study(const std::string& file) {
         read_draws(in.table("draws"), study);
     }
     if (in.has("variants")) {
-        if (law) in.refuse("variants", "are of sets; this study's stiffness is a law");
-        if (!study.loads.sweep || study.loads.sweep->spacing_m == 0)
-            in.refuse("variants", "needs a study with loads.sweep and its spacing_m");
+        if (!law) in.refuse("variants", "are of a law; this study's stiffness is sets");
+        if (!study.loads.sweep) in.refuse("variants", "needs a study with loads.sweep");
         for (const TomlReader& variant : in.tables("variants")) study.variants.push_back(read_variant(variant, study));
     }
     in.refuse_the_rest();

@@ -128,11 +128,12 @@ struct Study {
         int starts;                        ///< the first at the heuristic, and `seed` count too, and nothing above
     } training;
 
-    /// The study with something else in it, for comparison on the same contacts. Absent keys are the study's.
+    /// The law with something else in it, for comparison on the same contacts. Absent keys are the study's.
     struct Variant {
-        std::string name, topology, law, objective;
-        double ridge;
-        double spacing_m;                  ///< of the training contacts kept
+        std::string name;
+        std::vector<std::string> terms;    ///< of the study's the first few
+        double area_cap_E2, shape_scale;
+        std::vector<double> arcs_m;        ///< of the training contacts kept; empty where the sweep has a spacing: all
         std::vector<double> angles_deg;    ///< of the pushes kept
         std::vector<double> magnitudes_m;  ///< of the load cases kept
     };

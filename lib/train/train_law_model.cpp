@@ -26,6 +26,9 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
 
     LawBook& book = model.books.law.emplace();
     const auto R = static_cast<Eigen::Index>(trained.starts.size());
+    const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(law.size());
+    book.untrained_constants = law.constants(nothing);
+    book.untrained_patch = law.patch(nothing);
     book.objective = trained.objective;
     book.kept = static_cast<int>(trained.kept);
     book.paths = static_cast<int>(paths.size());

@@ -44,6 +44,8 @@ TrainingBook read_book(const Hdf5Reader& file, TableReader in, const std::string
 void write_law_book(Hdf5Writer& file, const LawBook& book) {
     TableWriter out(file, law_books_table());
     const std::size_t R = book.status.size();
+    out.write("/law/untrained_constants", book.untrained_constants);
+    out.write("/law/untrained_patch_log", NodeField(book.untrained_patch.log_N_m));
     out.write_texts("/law/start_status", book.status);
     out.write("/law/start_objective", book.start_objective);
     out.write("/law/start_gradient", book.gradient);
@@ -57,9 +59,11 @@ void write_law_book(Hdf5Writer& file, const LawBook& book) {
     file.attribute("/law", "seconds", book.seconds);
 }
 
-LawBook read_law_book(const Hdf5Reader& file) {
-    TableReader in(file, law_books_table());
+LawBook read_law_book(const Hdf5Reader& file, std::size_t constants) {
+    TableReader in(file, law_books_table(), {{"E", constants}});
     LawBook book;
+    book.untrained_constants = in.vector("/law/untrained_constants");
+    book.untrained_patch.log_N_m = in.field("/law/untrained_patch_log");
     book.status = in.texts("/law/start_status");
     book.start_objective = in.vector("/law/start_objective");
     book.gradient = in.vector("/law/start_gradient");
@@ -84,6 +88,8 @@ LawBook read_law_book(const Hdf5Reader& file) {
 
 const DatasetTable& law_books_table() {
     static const DatasetTable table = {
+        {"/law/untrained_constants", "E", Values::positive(), "N/m", "the heuristic's constants, before anything is learned"},
+        {"/law/untrained_patch_log", "4 x 4", Values::logarithm(), "log(N/m)", "and its contact, as /law/patch_log"},
         {"/law/start_status", "R", Values::text(), "text", "why the fit of each start stopped"},
         {"/law/start_objective", "R", Values::not_negative(), "1", "objective that it ended with"},
         {"/law/start_gradient", "R", Values::not_negative(), "1", "largest derivative of half of it by a coefficient"},
@@ -154,7 +160,7 @@ TrainedModel read_trained_model(const std::string& name) {
         file.refuse("/", fmt::format("attribute 'seed' is {}, must be a whole number >= 0", seed));
     books.seed = static_cast<unsigned long>(seed);
     if (model.energy_law) {
-        books.law = read_law_book(file);
+        books.law = read_law_book(file, static_cast<std::size_t>(model.energy_law->constants.size()));
         return model;
     }
     TableReader in(file, books_table(), {{"C", model.case_names.size()}, {"N", static_cast<std::size_t>(model.mesh.node_count())}});

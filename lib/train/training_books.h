@@ -37,6 +37,8 @@ struct ProblemRecord {
 
 /// How the training of a law ended (train/train_law.h).
 struct LawBook {
+    Eigen::VectorXd untrained_constants;         ///< the heuristic's, as LawModel::constants (E)
+    PatchLaw untrained_patch;                    ///< and its contact
     double objective = 0;                        ///< of the coefficients kept, its ridge included
     int kept = 0;                                ///< the start with the smallest objective, whose coefficients they are
     int paths = 0, records = 0;                  ///< trained on

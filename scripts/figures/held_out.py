@@ -35,8 +35,8 @@ def draw(results):
     bins = np.geomspace(1e-4, 2, 45)
     table = "force table" if "measurement" in evaluation else "FE force table"
     shown = {"learned": learned_label(results), "force_table": table, "uniform": "one stiffness",
-             "heuristic_a": "heuristic, E2 = E t"}
-    colours = {"force_table": "#000000", **COLOURS}
+             "heuristic_a": "heuristic, E2 = E t", "untrained": "untrained law"}
+    colours = {"force_table": "#000000", "untrained": "#56B4E9", **COLOURS}
     for model, label in shown.items():
         values = np.sort([c["error"][model] for c in drawn["held_out"] if c["error"].get(model) is not None])
         if len(values):
@@ -73,5 +73,5 @@ def draw(results):
     for corner in results.corner_arcs():
         axes[1, 2].axvline(corner * 1e3, color="0.6", linestyle=":", linewidth=1)
     axes[1, 2].legend(frameon=False)
-    figure.suptitle("Contacts no set was trained on: error of the force a hand feels")
+    figure.suptitle("Contacts that nothing was trained on: error of the force a hand feels")
     return figure

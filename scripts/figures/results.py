@@ -62,8 +62,8 @@ class Results(SimpleNamespace):
 
 
 def learned_label(results):
-    """What the learned springs are, in a legend: spring sets are blended, a law is one."""
-    return "learned law" if "terms" in results.evaluation["training"] else "learned, blended"
+    """What the learned springs are, in a legend: of spring sets the nearest serves, a law is one."""
+    return "learned law" if "terms" in results.evaluation["training"] else "learned, nearest set"
 
 
 def load(folder):

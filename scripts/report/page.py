@@ -91,7 +91,10 @@ def picture(folder, source):
 
 def label(model, e):
     """A model's name in words; "" where it has none."""
-    words = {**LABELS, "one_set": "one learned set for all cases", "learned_nearest": "learned, nearest set",
+    words = {**LABELS, "one_set": "one learned set for all cases", "untrained": "the law untrained",
+             "heuristic_a_patch": "Van Gelder's springs alone, the law's contact",
+             "heuristic_b_patch": "the same, E2 = (C1 + C2) t",
+             "uniform_patch": "one stiffness alone, the law's contact",
              "force_table": "finite elements' own forces, interpolated"}
     for training in [e["training"]] + e.get("training_also", []):
         if "terms" in training:

@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <filesystem>
 
 #include "cases/plan.h"
 #include "cases/sweep.h"
@@ -20,6 +21,11 @@ std::string law_text(const std::string& springs = "", const std::string& trainin
 
 std::string said(const std::string& text) {
     return refusal<StudyError>([&] { example_study(text); });
+}
+
+/// First line of a study over `surface-quick`.
+std::string quick() {
+    return "based_on = \"" + (std::filesystem::current_path() / "fem/studies/surface-quick").string() + "\"\n";
 }
 
 }  // namespace
@@ -90,4 +96,54 @@ TEST_CASE("listed contacts stand for their mirror images: drawn ones keep away f
     }
     study.loads.sweep->arcs_m = {0.01};
     CHECK_THAT(refusal<MismatchError>([&] { planned_paths(study); }), Contains("arcs_m") && Contains("clearance_m"));
+}
+
+TEST_CASE("a law's variants differ in what they name, keep some of the study's contacts, and belong to no sets", "[law]") {
+    const auto said_of = [](const std::string& variant) {
+        const TemporaryFolder folder;
+        return refusal<StudyError>([&] {
+            read_study(folder.file("try.toml", quick() + "[[variants]]\nname = \"try\"\n" + variant));
+        });
+    };
+    const TemporaryFolder folder;
+    const Study study = read_study(folder.file(
+        "try.toml", quick() + "[[variants]]\nname = \"few\"\n"
+                    "first_terms = 1\narcs_m = [0.040, 0.140]\nmagnitudes_m = [0.015]\narea_cap_E2 = 6.0\n"));
+    REQUIRE(study.variants.size() == 1);
+    const Study::Variant& few = study.variants[0];
+    CHECK(few.terms == std::vector<std::string>{"spring.all"});
+    CHECK(few.area_cap_E2 == 6);
+    CHECK(few.shape_scale == study.training.shape_scale);
+    CHECK(few.angles_deg == study.loads.sweep->angles_deg);
+
+    CHECK_THAT(said_of("arcs_m = [0.041]"), Contains("arcs_m") && Contains("one of the study's"));
+    CHECK_THAT(said_of("first_terms = 0"), Contains("first_terms"));
+    CHECK_THAT(said_of("first_terms = 8"), Contains("first_terms"));
+    CHECK_THAT(said_of("area_cap_E2 = 0.1"), Contains("area_cap_E2"));
+    CHECK_THAT(said_of("law = \"axial\""), Contains("law"));
+    CHECK_THAT(said(example_study_text() + "\n[[variants]]\nname = \"x\"\n"), Contains("variants") && Contains("law"));
+    CHECK_THAT(said(law_text() + "\n[[variants]]\nname = \"x\"\n"), Contains("variants") && Contains("loads.sweep"));
+}
+
+TEST_CASE("a variant's cases are the training contacts it keeps, with their images, and every drawn one", "[law]") {
+    const Study study = read_study("fem/studies/surface-quick.toml");
+    Cases cases;
+    for (const PlannedPath& p : planned_paths(study)) {
+        LoadPath path;
+        path.name = p.push.name;
+        path.role = p.role;
+        path.contact_m = p.push.contact_m;
+        path.direction = p.push.direction;
+        cases.paths.push_back(path);
+        if (p.role == "train") cases.paths.push_back(mirrored(path, NodeField(), study.geometry.width_m));
+    }
+    const Study::Variant few{"few", {"spring.all"}, 6, 0.03, {0.040, 0.140}, {0}, {0.015}};
+    const Cases kept = thinned(study, cases, few);
+    CHECK(kept.magnitudes_m == few.magnitudes_m);
+    std::size_t trained = 0, drawn = 0;
+    for (const LoadPath& p : kept.paths) (p.role == "train" ? trained : drawn) += 1;
+    CHECK(trained == 4);
+    CHECK(drawn == cases.paths.size() - 10);
+    for (const LoadPath& p : kept.paths)
+        if (p.role == "train") CHECK((std::abs(p.contact_m.y() - 0.040) < 1e-9 || std::abs(p.contact_m.x() - 0.05) < 0.0101));
 }

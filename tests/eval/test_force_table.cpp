@@ -1,0 +1,73 @@
+#include "eval/force_table.h"
+
+#include <catch2/catch.hpp>
+
+#include "../tolerances.h"
+
+using namespace tissue;
+
+namespace {
+
+/// Forces that are linear in place, angle and depth, at three places on the top, three angles each, two depths each.
+struct Example {
+    SpringMesh mesh = make_lattice("grid8", 10, 10, 0.1, 0.1);
+    Outline outline{mesh};
+    std::vector<double> arcs = {0.15, 0.16, 0.18}, angles = {-0.4, 0.0, 0.3}, depths = {0.004, 0.01};
+    std::vector<LoadPath> paths;
+    std::vector<LoadCase> loads;
+
+    static Eigen::Vector2d force(double arc, double angle, double depth) {
+        return {1 + 20 * arc + 3 * angle + 500 * depth, 2 - 10 * arc + angle - 100 * depth};
+    }
+    Example() {
+        for (double arc : arcs)
+            for (double angle : angles) {
+                LoadPath path;
+                path.contact_m = outline.position(arc);
+                path.direction = outline.direction(arc, angle);
+                for (double depth : depths) {
+                    path.records.push_back({depth, {}, {}, force(arc, angle, depth), {0, 0}, 0, 1, 1, 0});
+                }
+                paths.push_back(path);
+            }
+        for (const LoadPath& path : paths)
+            for (const PathRecord& record : path.records) loads.push_back({"", &path, &record});
+        std::swap(loads.front(), loads[7]);  // in any order
+    }
+    Eigen::Vector2d push(double arc, double angle) const { return outline.direction(arc, angle); }
+};
+
+}  // namespace
+
+TEST_CASE("the table has FE's own forces where they were solved, and is linear between them") {
+    const Example e;
+    const ForceTable table(e.outline, e.loads);
+    for (double arc : {0.15, 0.152, 0.16, 0.171, 0.18})
+        for (double angle : {-0.4, -0.35, -0.1, 0.22, 0.3})
+            for (double depth : {0.004, 0.0045, 0.0093, 0.01}) {
+                const ForceTable::Entry entry = table.at(arc, e.push(arc, angle), depth);
+                CHECK_FALSE(entry.extrapolated);
+                CHECK((entry.force_N - Example::force(arc, angle, depth)).norm() < tolerance::solve);
+            }
+}
+
+TEST_CASE("below the smallest depth the table's force shrinks in proportion, and nothing is extrapolated") {
+    const Example e;
+    const ForceTable::Entry entry = ForceTable(e.outline, e.loads).at(0.16, e.push(0.16, 0.0), 0.001);
+    CHECK_FALSE(entry.extrapolated);
+    CHECK((entry.force_N - 0.25 * Example::force(0.16, 0, 0.004)).norm() < tolerance::solve);
+}
+
+TEST_CASE("outside what was solved the table's nearest force serves, and says so") {
+    const Example e;
+    const ForceTable table(e.outline, e.loads);
+    const auto nearest = [&](double arc, double angle, double depth, const Eigen::Vector2d& wanted) {
+        const ForceTable::Entry entry = table.at(arc, e.push(arc, angle), depth);
+        CHECK(entry.extrapolated);
+        CHECK((entry.force_N - wanted).norm() < tolerance::solve);
+    };
+    nearest(0.14, 0, 0.004, Example::force(0.15, 0, 0.004));
+    nearest(0.15, 1.2, 0.004, Example::force(0.15, 0.3, 0.004));
+    nearest(0.15, -1.2, 0.004, Example::force(0.15, -0.4, 0.004));
+    nearest(0.15, 0, 0.02, Example::force(0.15, 0, 0.01));
+}
