@@ -41,7 +41,8 @@ void export_cases(const Options& o) {
 }
 
 void export_law(const Options& o, const TissueModel& model) {
-    if (!o.sets.empty()) throw MismatchError(o.file + ": is a law, the same whatever pushes; --sets chooses among spring sets");
+    if (!o.sets.empty())
+        throw MismatchError(o.file + ": is a law, the same whatever pushes; --sets chooses among spring sets");
     if (o.to == "sofa") throw MismatchError(o.file + ": is a law, and " + sofa_lacks);
     const std::vector<PressedCase> cases = pressed_cases(model, o.set);
     if (o.to == "csv") return write_files(o.out, csv_files(model, cases));
@@ -49,7 +50,8 @@ void export_law(const Options& o, const TissueModel& model) {
     for (const PressedCase& c : cases) {
         const std::string& name = model.case_names[static_cast<std::size_t>(c.load_case)];
         files[name + ".vtu"] = pressed_vtu(model, c);
-        if (!c.state) std::cerr << "tissuectl export: " << name << ", drawn at rest: " << reason_of(c.state.status) << '\n';
+        if (!c.state)
+            std::cerr << "tissuectl export: " << name << ", drawn at rest: " << reason_of(c.state.status) << '\n';
     }
     write_files(o.out, files);
 }
@@ -88,7 +90,8 @@ void run(const Options& o) {
             if (!o.sets.empty() || !o.set.empty() || !o.path.empty())
                 throw MismatchError("--to numpy writes every dataset; it knows no --sets, --set or --path");
             Files files = npy_files(in);
-            if (in.text_attribute("/", "kind") == "model" && in.has("/law")) files.merge(npy_files(law_tables(read_model(in))));
+            if (in.text_attribute("/", "kind") == "model" && in.has("/law"))
+                files.merge(npy_files(law_tables(read_model(in))));
             write_files(o.out, files);
         }
         return in.text_attribute("/", "kind");
@@ -117,7 +120,9 @@ void add_export(CLI::App& app, const Invocation&) {
     command->add_option("--out", o->out, "to write: a folder; of sofa a .scn file")->required()->type_name("PATH");
     command->add_option("--sets", o->sets, "of a model of sets: an optimiser's, or optimum; else the study's own")
         ->type_name("NAME");
-    command->add_option("--set", o->set, "of a model: one load case's, or of sets one_set, heuristic_a or heuristic_b; else all")
+    command
+        ->add_option("--set", o->set,
+                     "of a model: one load case's, or of sets one_set, heuristic_a or heuristic_b; else all")
         ->type_name("NAME");
     command->add_option("--path", o->path, "of cases: this load path alone")->type_name("NAME");
     command->callback([o] { run(*o); });

@@ -135,14 +135,15 @@ std::string figures_markdown(std::initializer_list<const char*> figures) {
 }
 
 std::string law_markdown(const LawModel& law, const LawBook& book, bool measured) {
-    const std::string errors = measured ? "force errors, in their scale" : "force and shape errors, each in its scale",
-                      over = measured ? fmt::format(", of {:.3g} times the study's E2, as the forces have it,", book.factor) : "";
+    const std::string errors = measured ? "force errors, in their scale" : "force and shape errors, each in its scale";
+    std::string over;
+    if (measured) over = fmt::format(", of {:.3g} times the study's E2, as the forces have it,", book.factor);
     std::string out = fmt::format(
         "\n## The law\n\n{} numbers from {} {} paths, {} pushes, in {:.1f} s. Objective {:.4g}: the mean square of {}, and "
         "the ridge. Every constant is its heuristic{} times exp(coefficient x term, summed); the {} constants that come of it "
         "are in model.h5.\n\n| term | coefficient | factor where the term is 1 |\n|---|---|---|\n",
-        law.terms.size(), book.paths, measured ? "measured" : "FE", book.records, book.seconds, book.objective, errors, over,
-        law.constants.size());
+        law.terms.size(), book.paths, measured ? "measured" : "FE", book.records, book.seconds, book.objective, errors,
+        over, law.constants.size());
     for (std::size_t t = 0; t < law.terms.size(); ++t) {
         const double p = law.coefficients[static_cast<Eigen::Index>(t)];
         out += fmt::format("| {} | {:.3f} | {:.3g} |\n", law.terms[t], p, std::exp(p));

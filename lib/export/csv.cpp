@@ -106,11 +106,13 @@ Files csv_files(const TissueModel& model, const std::vector<PressedCase>& cases)
                 pressed = "case,node," + columns("u_", "_m", D) + "," + columns("f_", "_N", D) + "\n";
     for (const PressedCase& c : cases) {
         const std::string name = field(model.case_names[static_cast<std::size_t>(c.load_case)]);
-        presses += fmt::format("{},{},{},{},{},{}\n", name, values(model.contact_m.row(c.load_case)), c.arc_m, values(c.push_m),
-                               c.state ? values(c.state.contact_force) : std::string(static_cast<std::size_t>(D - 1), ','),
+        const std::string no_force(static_cast<std::size_t>(D - 1), ',');
+        presses += fmt::format("{},{},{},{},{},{}\n", name, values(model.contact_m.row(c.load_case)), c.arc_m,
+                               values(c.push_m), c.state ? values(c.state.contact_force) : no_force,
                                field(reason_of(c.state.status)));
         for (int i = 0; c.state && i < mesh.node_count(); ++i)
-            pressed += fmt::format("{},{},{},{}\n", name, i, values(c.state.displacement.row(i)), values(c.force_N.row(i)));
+            pressed += fmt::format("{},{},{},{}\n", name, i, values(c.state.displacement.row(i)),
+                                   values(c.force_N.row(i)));
     }
     return {{"nodes.csv", nodes_csv(model)},
             {"springs.csv", springs_csv(model, "stiffness_N_m", tables.spring_N_m)},

@@ -18,7 +18,8 @@ std::vector<std::array<int, 2>> outline(const Elements& kind, int e) {
     if (const auto* region = dynamic_cast<const RegionArea*>(&kind)) {
         for (const auto& [i, j] : region->edges()) pairs.push_back({nodes(e, i), nodes(e, j)});
     } else {
-        for (Eigen::Index k = 0; k < nodes.cols(); ++k) pairs.push_back({nodes(e, k), nodes(e, (k + 1) % nodes.cols())});
+        for (Eigen::Index k = 0; k < nodes.cols(); ++k)
+            pairs.push_back({nodes(e, k), nodes(e, (k + 1) % nodes.cols())});
     }
     return pairs;
 }
@@ -65,8 +66,9 @@ std::vector<PressedCase> pressed_cases(const TissueModel& model, const std::stri
         cases.push_back({c, arc_m, push_m, state, energy.force(model.energy_law->constants, state.displacement)});
     }
     if (cases.empty())
-        throw MismatchError(fmt::format("load case '{}' is not in the model; it has {}", name,
-                                        model.case_count() > 0 ? "one a push, as " + model.case_names.front() : "none"));
+        throw MismatchError(
+            fmt::format("load case '{}' is not in the model; it has {}", name,
+                        model.case_count() > 0 ? "one a push, as " + model.case_names.front() : "none"));
     return cases;
 }
 

@@ -111,7 +111,8 @@ std::vector<std::vector<int>> lattice_quads(const NodeField& nodes) {
 }
 
 /// The spring mesh where it has moved to, with the forces that hold it there.
-std::string mesh_vtu(const TissueModel& model, const Eigen::VectorXd& theta, const NodeField& displacement, const NodeField& force) {
+std::string mesh_vtu(const TissueModel& model, const Eigen::VectorXd& theta, const NodeField& displacement,
+                     const NodeField& force) {
     const SpringMesh& mesh = model.mesh;
     std::vector<int> fixed(static_cast<std::size_t>(mesh.node_count()), 0);
     for (int node : mesh.fixed) fixed[static_cast<std::size_t>(node)] = 1;

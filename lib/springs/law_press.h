@@ -18,8 +18,8 @@ class LawPress {
     explicit LawPress(const TissueModel& model);
 
     /// The contact at an arc length [m] held at a push, everything else at rest: force of the tool and displacement.
-    /// `not_converged` where load steps lost the rest, `unstable` where it is no minimum, `inside_out` where it is none of a
-    /// tissue, `contact_fixed` on the fixed edge.
+    /// `not_converged` where load steps lost the rest, `unstable` where it is no minimum, `inside_out` where it is none
+    /// of a tissue, `contact_fixed` on the fixed edge.
     Equilibrium at(double arc_m, const Eigen::Vector2d& push_m) const;
 
    private:

@@ -123,7 +123,8 @@ double heuristic_factor(const SpringMesh& mesh, const EnergyLaw& law, const std:
                                  before.displacement.size() > 0 ? &before : nullptr);
             if (state.status == PressStatus::lost) break;
             const Eigen::Vector2d &f = state.contact_force_N, &F = record.force_N;
-            if (F.squaredNorm() > 0) sums[static_cast<std::size_t>(i)] += Eigen::Vector2d(f.dot(F), f.dot(f)) / F.squaredNorm();
+            if (F.squaredNorm() > 0)
+                sums[static_cast<std::size_t>(i)] += Eigen::Vector2d(f.dot(F), f.dot(f)) / F.squaredNorm();
         }
     });
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();

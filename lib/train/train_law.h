@@ -37,8 +37,8 @@ struct LawTrainingOptions {
     int threads = 1;
 };
 
-/// The factor of all a law's constants, at coefficients 0, with the smallest sum of squared relative errors of force over
-/// the paths: forces are proportional to it, shapes do not change. A push without a rest does not count.
+/// The factor of all a law's constants, at coefficients 0, with the smallest sum of squared relative errors of force
+/// over the paths: forces are proportional to it, shapes do not change. A push that is lost does not count.
 /// Throws MismatchError when none has one, or none a force.
 double heuristic_factor(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths,
                         const LawTrainingOptions& options = {});
@@ -49,7 +49,7 @@ struct TrainedLaw {
     double objective = 0;                  ///< mean over records of (force error / scale)^2 + (shape error / scale)^2, and the ridge
     std::vector<FitResult> starts;         ///< of each start; the one with the smallest objective was kept
     std::size_t kept = 0;
-    std::vector<std::string> lost;         ///< "path at 10 mm: lost at 7.5 mm": pushes not `held` at the end, and as what
+    std::vector<std::string> lost;         ///< "path at 10 mm: lost at 7.5 mm": pushes not `held` at the end
     double seconds = 0;
 };
 
@@ -57,8 +57,8 @@ struct TrainedLaw {
 /// takes and the shape that results are compared with the truth's:
 ///   mean over records of |F_model - F|^2 / (force_scale |F|)^2 + |u_model - u|^2 / (shape_scale |u|)^2, + |ridge p|^2,
 /// without the second where nobody knows u.
-/// Derivatives of the rest are implicit (PressSolver::derivative). A push that is lost counts as if the model had neither
-/// moved nor pushed. Parallel over paths; the same for any number of threads.
+/// Derivatives of the rest are implicit (PressSolver::derivative). A push that is lost counts as if the model had
+/// neither moved nor pushed. Parallel over paths; the same for any number of threads.
 /// Throws MismatchError when there is nothing to train on.
 TrainedLaw train_law(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths,
                      const LawTrainingOptions& options = {});

@@ -20,7 +20,9 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     options.seed = study.training.seed;
     options.threads = threads;
     // a measured tissue's material is a guess: terms start from the heuristic that its forces speak for
-    const double factor = cases.measurement ? heuristic_factor(model.mesh, study_law(study, kept.shape, model.mesh), paths, options) : 1;
+    double factor = 1;
+    if (cases.measurement)
+        factor = heuristic_factor(model.mesh, study_law(study, kept.shape, model.mesh), paths, options);
     const EnergyLaw law = study_law(study, kept.shape, model.mesh, factor);
     const TrainedLaw trained = train_law(model.mesh, law, paths, options);
     model.energy_law = {law.terms(), trained.coefficients, law.constants(trained.coefficients), law.patch(trained.coefficients),

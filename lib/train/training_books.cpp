@@ -93,7 +93,7 @@ const DatasetTable& law_books_table() {
         {"/law/start_gradient", "R", Values::not_negative(), "1", "largest derivative of half of it by a coefficient"},
         {"/law/start_iterations", "R", Values::count(), "1", "iterations"},
         {"/law/start_evaluations", "R", Values::count(), "1", "evaluations of all records"},
-        {"/law/lost", "L*", Values::text(), "text", "pushes trained on that are not held: where, how deep, and as what"},
+        {"/law/lost", "L*", Values::text(), "text", "pushes trained on that are not held: where, how deep, as what"},
     };
     return table;
 }
