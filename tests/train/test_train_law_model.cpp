@@ -1,6 +1,7 @@
 #include "train/train_law_model.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <filesystem>
 
 #include "cases/measured_cases.h"
@@ -214,4 +215,15 @@ TEST_CASE("a law whose constants are not as many as its mesh has springs, cells 
     model.energy_law->constants.conservativeResize(model.energy_law->constants.size() - 1);
     write_trained_model(folder.file("model.h5"), model, {"tissuectl test", 11, {}});
     CHECK_THAT(refusal<FileError>([&] { read_trained_model(folder.file("model.h5")); }), Contains("/law/constants"));
+}
+
+TEST_CASE("a law over a heuristic whose factor is no number above 0 is refused", "[law]") {
+    const TemporaryFolder folder;
+    TrainedModel model = read_trained_model(law_file());
+    CHECK(model.books.law->factor == 1);  // of FE the material is known
+    for (double factor : {0.0, -1.0, std::nan("")}) {
+        model.books.law->factor = factor;
+        write_trained_model(folder.file("model.h5"), model, {"tissuectl test", 11, {}});
+        CHECK_THAT(refusal<FileError>([&] { read_trained_model(folder.file("model.h5")); }), Contains("'factor'"));
+    }
 }
