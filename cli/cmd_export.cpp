@@ -40,13 +40,30 @@ void export_cases(const Options& o) {
     write_files(o.out, files);
 }
 
+void export_law(const Options& o, const TissueModel& model) {
+    if (!o.sets.empty())
+        throw MismatchError(o.file + ": is a law, the same whatever pushes; --sets chooses among spring sets");
+    if (o.to == "sofa") throw MismatchError(o.file + ": is a law, and " + sofa_lacks);
+    const std::vector<PressedCase> cases = pressed_cases(model, o.set);
+    if (o.to == "csv") return write_files(o.out, csv_files(model, cases));
+    Files files;
+    for (const PressedCase& c : cases) {
+        const std::string& name = model.case_names[static_cast<std::size_t>(c.load_case)];
+        files[name + ".vtu"] = pressed_vtu(model, c);
+        if (!c.state)
+            std::cerr << "tissuectl export: " << name << ", drawn at rest: " << reason_of(c.state.status) << '\n';
+    }
+    write_files(o.out, files);
+}
+
 void export_model(const Options& o) {
     if (!o.path.empty())
-        throw MismatchError(o.file + ": holds spring sets; --path chooses among the paths of a cases.h5");
+        throw MismatchError(o.file + ": holds springs; --path chooses among the paths of a cases.h5");
+    const TissueModel model = read_model(Hdf5Reader(o.file, "model"));
+    if (model.energy_law) return export_law(o, model);
     if (o.to == "sofa" && o.set.empty())
         throw MismatchError(
             "a SOFA scene has one spring set: name it with --set (a load case of the model, or one_set)");
-    const TissueModel model = read_model(o.file);
     const std::vector<NamedSet> sets = spring_sets(model, o.sets, o.set);
     if (o.to == "csv") return write_files(o.out, csv_files(model, sets));
     if (o.to == "sofa") {
@@ -72,7 +89,10 @@ void run(const Options& o) {
         if (o.to == "numpy") {
             if (!o.sets.empty() || !o.set.empty() || !o.path.empty())
                 throw MismatchError("--to numpy writes every dataset; it knows no --sets, --set or --path");
-            write_files(o.out, npy_files(in));
+            Files files = npy_files(in);
+            if (in.text_attribute("/", "kind") == "model" && in.has("/law"))
+                files.merge(npy_files(law_tables(read_model(in))));
+            write_files(o.out, files);
         }
         return in.text_attribute("/", "kind");
     }();
@@ -98,9 +118,11 @@ void add_export(CLI::App& app, const Invocation&) {
         ->type_name("NAME")
         ->check(known);
     command->add_option("--out", o->out, "to write: a folder; of sofa a .scn file")->required()->type_name("PATH");
-    command->add_option("--sets", o->sets, "of a model: an optimiser's, or optimum; else the study's own")
+    command->add_option("--sets", o->sets, "of a model of sets: an optimiser's, or optimum; else the study's own")
         ->type_name("NAME");
-    command->add_option("--set", o->set, "of a model: one load case's, one_set, heuristic_a or heuristic_b; else all")
+    command
+        ->add_option("--set", o->set,
+                     "of a model: one load case's, or of sets one_set, heuristic_a or heuristic_b; else all")
         ->type_name("NAME");
     command->add_option("--path", o->path, "of cases: this load path alone")->type_name("NAME");
     command->callback([o] { run(*o); });

@@ -135,7 +135,9 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         "FIGURES := {}\n",
         study.data ? "import " + for_make(study, "data.file", study.data->file) : "collect --paths $(R)/cases",
         study.data ? "import" : "collect",
-        study.springs.is_law() ? (study.draws.empty() ? "contours" : "held_out held_out_force shape contours")
+        study.springs.is_law() ? study.data            ? "held_out"
+                                 : study.draws.empty() ? "contours"
+                                                       : "held_out held_out_force shape contours"
         : study.data        ? "held_out springs"
         : study.loads.sweep ? "held_out held_out_force shape contours springs"
                             : "contours force learning springs errors character");

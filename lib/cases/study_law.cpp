@@ -15,8 +15,8 @@ Eigen::VectorXd triangle_moduli(const Study& study, const std::optional<Shape>& 
     return modulus;
 }
 
-EnergyLaw study_law(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh) {
-    const double modulus_N_m = study.modulus_N_m(), cap = study.springs.area_cap_E2;
+EnergyLaw study_law(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double factor) {
+    const double modulus_N_m = factor * study.modulus_N_m(), cap = study.springs.area_cap_E2;
     const std::string& formulation = study.material.formulation;
     const LawHeuristic heuristic =
         study.material.regions.empty() ? law_heuristic(mesh, modulus_N_m, formulation, cap)

@@ -12,7 +12,8 @@ namespace tissue {
 /// of its own, in proportion to its E.
 Eigen::VectorXd triangle_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_N_m);
 
-/// The study's terms on its mesh, over their heuristic. Throws MismatchError for terms that are not possible there.
-EnergyLaw study_law(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh);
+/// The study's terms on its mesh, over the heuristic of its material, E2 taken `factor` times as large (train_law.h's
+/// heuristic_factor, where the material is a guess). Throws MismatchError for terms that are not possible there.
+EnergyLaw study_law(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double factor = 1);
 
 }  // namespace tissue

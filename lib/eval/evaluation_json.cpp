@@ -61,7 +61,7 @@ Json training(const TrainingBook& t) {
 
 Json training(const LawModel& law, const LawBook& book) {
     Json j = {{"objective", book.objective}, {"paths", book.paths}, {"records", book.records}, {"seconds", book.seconds},
-              {"kept", book.kept}, {"lost", book.lost}};
+              {"factor", book.factor}, {"kept", book.kept}, {"lost", book.lost}};
     for (std::size_t t = 0; t < law.terms.size(); ++t) j["terms"][law.terms[t]] = law.coefficients[static_cast<Eigen::Index>(t)];
     for (std::size_t s = 0; s < book.status.size(); ++s) {
         const auto i = static_cast<Eigen::Index>(s);

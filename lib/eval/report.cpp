@@ -134,12 +134,16 @@ std::string figures_markdown(std::initializer_list<const char*> figures) {
     return out;
 }
 
-std::string law_markdown(const LawModel& law, const LawBook& book) {
+std::string law_markdown(const LawModel& law, const LawBook& book, bool measured) {
+    const std::string errors = measured ? "force errors, in their scale" : "force and shape errors, each in its scale";
+    std::string over;
+    if (measured) over = fmt::format(", of {:.3g} times the study's E2, as the forces have it,", book.factor);
     std::string out = fmt::format(
-        "\n## The law\n\n{} numbers from {} FE paths, {} pushes, in {:.1f} s. Objective {:.4g}: the mean square of force and "
-        "shape errors, each in its scale, and the ridge. Every constant is its heuristic times exp(coefficient x term, summed); "
-        "the {} constants that come of it are in model.h5.\n\n| term | coefficient | factor where the term is 1 |\n|---|---|---|\n",
-        law.terms.size(), book.paths, book.records, book.seconds, book.objective, law.constants.size());
+        "\n## The law\n\n{} numbers from {} {} paths, {} pushes, in {:.1f} s. Objective {:.4g}: the mean square of {}, and "
+        "the ridge. Every constant is its heuristic{} times exp(coefficient x term, summed); the {} constants that come of it "
+        "are in model.h5.\n\n| term | coefficient | factor where the term is 1 |\n|---|---|---|\n",
+        law.terms.size(), book.paths, measured ? "measured" : "FE", book.records, book.seconds, book.objective, errors,
+        over, law.constants.size());
     for (std::size_t t = 0; t < law.terms.size(); ++t) {
         const double p = law.coefficients[static_cast<Eigen::Index>(t)];
         out += fmt::format("| {} | {:.3f} | {:.3g} |\n", law.terms[t], p, std::exp(p));
@@ -151,7 +155,7 @@ std::string law_markdown(const LawModel& law, const LawBook& book) {
                            static_cast<int>(s) == book.kept ? ", kept" : "", book.status[s], book.start_objective[i],
                            book.gradient[i], book.iterations[s], book.evaluations[s]);
     }
-    if (!book.lost.empty()) out += "\nPushes trained on without a stable rest:\n\n";
+    if (!book.lost.empty()) out += "\nPushes trained on that are not held:\n\n";
     for (const std::string& lost : book.lost) out += "- " + lost + "\n";
     return out;
 }
@@ -214,8 +218,10 @@ std::string to_markdown(const Evaluation& e) {
     }
 
     if (e.law_book)
-        return out + law_markdown(*e.energy_law, *e.law_book) +
-               (e.held_out.empty() ? figures_markdown({"contours"}) : figures_markdown({"held_out", "held_out_force", "shape", "contours"}));
+        return out + law_markdown(*e.energy_law, *e.law_book, e.measurement.has_value()) +
+               (e.measurement        ? figures_markdown({"held_out"})
+                : e.held_out.empty() ? figures_markdown({"contours"})
+                                     : figures_markdown({"held_out", "held_out_force", "shape", "contours"}));
     out +=
         "\n## Training\n\n| optimiser | sets | iterations | restarts (sets that restarted) | ended | median loss over start at "
         "1,000 | at 5,000 | at the end | gap median / max | seconds |\n|---|---|---|---|---|---|---|---|---|---|\n";

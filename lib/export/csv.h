@@ -2,6 +2,7 @@
 
 #include "cases/load_path.h"
 #include "export/files.h"
+#include "export/law_tables.h"
 #include "springs/spring_sets.h"
 
 namespace tissue {
@@ -11,6 +12,14 @@ namespace tissue {
 ///   triangles.csv  node numbers                            sets.csv     set, contact, push, magnitude
 ///   stiffness.csv  spring, then one column a set [N/m]
 Files csv_files(const TissueModel& model, const std::vector<NamedSet>& sets);
+
+/// Of a law:
+///   nodes.csv, triangles.csv  as above                     springs.csv     theta of the law in place of the one set
+///   areas.csv      area, cell or region, a at rest, A      area_edges.csv  area, its nodes from and to
+///   terms.csv      term, coefficient                       contact.csv     log k of each row by its four factors
+///   surface.csv    node, where along the free surface      presses.csv     case, contact, push, force of the hand, or
+///   pressed.csv    case, node, displacement, force                         the reason why it has none
+Files csv_files(const TissueModel& model, const std::vector<PressedCase>& cases);
 
 ///   nodes.csv      node, position
 ///   records.csv    path, record, magnitude, energy, contact and support force, smallest J

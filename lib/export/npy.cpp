@@ -80,4 +80,17 @@ Files npy_files(const Hdf5Reader& in) {
     return files;
 }
 
+Files npy_files(const LawTables& law) {
+    std::vector<int> edges;
+    for (std::size_t k = 0; k < law.edge_area.size(); ++k)
+        edges.insert(edges.end(), {law.edge_area[k], law.edge_from[k], law.edge_to[k]});
+    const std::vector<double> area_m2(law.area_m2.begin(), law.area_m2.end());
+    const std::size_t areas = law.area_kind.size(), nodes = law.surface_node.size();
+    return {{"law/area_edges.npy", header("<i4", {law.edge_area.size(), 3}) + bytes(edges)},
+            {"law/area_kind.npy", npy_texts(law.area_kind, {areas})},
+            {"law/area_rest.npy", header("<f8", {areas}) + bytes(area_m2)},
+            {"law/surface_node.npy", header("<i4", {nodes}) + bytes(law.surface_node)},
+            {"law/surface_arc.npy", header("<f8", {nodes}) + bytes(law.surface_arc_m)}};
+}
+
 }  // namespace tissue

@@ -110,6 +110,30 @@ std::vector<std::vector<int>> lattice_quads(const NodeField& nodes) {
     return quads;
 }
 
+/// The spring mesh where it has moved to, with the forces that hold it there.
+std::string mesh_vtu(const TissueModel& model, const Eigen::VectorXd& theta, const NodeField& displacement,
+                     const NodeField& force) {
+    const SpringMesh& mesh = model.mesh;
+    std::vector<int> fixed(static_cast<std::size_t>(mesh.node_count()), 0);
+    for (int node : mesh.fixed) fixed[static_cast<std::size_t>(node)] = 1;
+    Eigen::VectorXd rest_length(mesh.spring_count());
+
+    Grid grid(mesh.node_count(), 1);
+    for (int s = 0; s < mesh.spring_count(); ++s) {
+        grid.cell(line, {mesh.springs(s, 0), mesh.springs(s, 1)});
+        rest_length[s] = mesh.rest_length(s);
+    }
+    grid.place(mesh.nodes + displacement);
+    grid.at_points("rest_m", mesh.nodes);
+    grid.at_points("displacement_m", displacement);
+    grid.at_points("force_N", force);
+    grid.at_points("mass_kg", model.node_mass_kg);
+    grid.at_points("fixed", fixed);
+    grid.at_cells("stiffness_N_m", theta);
+    grid.at_cells("rest_length_m", rest_length);
+    return grid.xml();
+}
+
 }  // namespace
 
 std::string path_vtu(const Cases& cases, const LoadPath& path) {
@@ -152,24 +176,13 @@ std::string set_vtu(const TissueModel& model, const NamedSet& set, std::string& 
     }
     NodeField force(mesh.node_count(), mesh.dimension());
     Eigen::Map<Eigen::VectorXd>(force.data(), force.size()) = law->force_matrix(mesh, displacement) * set.theta;
-    std::vector<int> fixed(static_cast<std::size_t>(mesh.node_count()), 0);
-    for (int node : mesh.fixed) fixed[static_cast<std::size_t>(node)] = 1;
-    Eigen::VectorXd rest_length(mesh.spring_count());
+    return mesh_vtu(model, set.theta, displacement, force);
+}
 
-    Grid grid(mesh.node_count(), 1);
-    for (int s = 0; s < mesh.spring_count(); ++s) {
-        grid.cell(line, {mesh.springs(s, 0), mesh.springs(s, 1)});
-        rest_length[s] = mesh.rest_length(s);
-    }
-    grid.place(mesh.nodes + displacement);
-    grid.at_points("rest_m", mesh.nodes);
-    grid.at_points("displacement_m", displacement);
-    grid.at_points("force_N", force);
-    grid.at_points("mass_kg", model.node_mass_kg);
-    grid.at_points("fixed", fixed);
-    grid.at_cells("stiffness_N_m", set.theta);
-    grid.at_cells("rest_length_m", rest_length);
-    return grid.xml();
+std::string pressed_vtu(const TissueModel& model, const PressedCase& pressed) {
+    const NodeField rest = NodeField::Zero(model.mesh.node_count(), model.mesh.dimension());
+    return mesh_vtu(model, model.energy_law->constants.head(model.mesh.spring_count()),
+                    pressed.state ? pressed.state.displacement : rest, pressed.state ? pressed.force_N : rest);
 }
 
 }  // namespace tissue

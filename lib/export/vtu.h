@@ -3,6 +3,7 @@
 #include <string>
 
 #include "cases/load_path.h"
+#include "export/law_tables.h"
 #include "springs/spring_sets.h"
 
 namespace tissue {
@@ -17,5 +18,8 @@ std::string path_vtu(const Cases& cases, const LoadPath& path);
 /// equilibrium; at rest for a set without a load case, or when there is no equilibrium, and then `reason` says why.
 ///   points  rest_m, displacement_m, force_N (N x 3), mass_kg, fixed    springs  stiffness_N_m, rest_length_m (S)
 std::string set_vtu(const TissueModel& model, const NamedSet& set, std::string& reason);
+
+/// The same of a law, pressed at a load case: at rest where it has no answer.
+std::string pressed_vtu(const TissueModel& model, const PressedCase& pressed);
 
 }  // namespace tissue

@@ -114,6 +114,7 @@ std::string reason_of(EquilibriumStatus status) {
         case EquilibriumStatus::zero_energy_modes: return "the spring mesh has zero-energy modes, though its contact is held";
         case EquilibriumStatus::unstable_at_rest: return "the spring mesh is unstable at rest, though its contact is held";
         case EquilibriumStatus::unstable: return "the spring mesh is unstable where it was pushed, though its contact is held";
+        case EquilibriumStatus::inside_out: return "a cell of the tissue has turned inside out";
         case EquilibriumStatus::not_converged: return "Newton found no equilibrium";
     }
     return "";

@@ -17,6 +17,7 @@ enum class EquilibriumStatus {
     zero_energy_modes,  ///< at rest smallest |p| <= 1e-10 of the largest: part of the mesh moves for nothing
     unstable_at_rest,   ///< at rest a p < -1e-10 of the largest
     unstable,           ///< largest |f| <= 1e-10 R, but smallest p <= 1e-10 of the largest: no minimum of the energy
+    inside_out,         ///< a minimum, but of a law whose smallest area ratio is <= 0: no tissue (PressStatus)
     not_converged       ///< largest |f| > 1e-10 R after 100 iterations of a load step, or not finite
 };
 

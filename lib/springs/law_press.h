@@ -1,5 +1,9 @@
 #pragma once
 
+#include <memory>
+#include <mutex>
+#include <vector>
+
 #include "springs/equilibrium.h"
 #include "springs/press.h"
 #include "springs/tissue_model.h"
@@ -7,7 +11,7 @@
 namespace tissue {
 
 /// A model's law, pressed anywhere on its surface: each press from rest, so that the answer depends on nothing before it.
-/// Serves many threads.
+/// Serves many threads, each with a solver of its own, whose pattern is made and analysed once.
 class LawPress {
    public:
     LawPress(const SpringMesh& mesh, LawModel law);
@@ -16,13 +20,18 @@ class LawPress {
     explicit LawPress(const TissueModel& model) : LawPress(model.mesh, *model.energy_law) {}
 
     /// The contact at an arc length [m] held at a push, everything else at rest: force of the tool and displacement.
-    /// `not_converged` where load steps lost the rest, `unstable` where it is no minimum, `contact_fixed` on the fixed edge.
+    /// `not_converged` where load steps lost the rest, `unstable` where it is no minimum, `inside_out` where it is none
+    /// of a tissue, `contact_fixed` on the fixed edge.
     Equilibrium at(double arc_m, const Eigen::Vector2d& push_m) const;
 
    private:
+    std::unique_ptr<PressSolver> take() const;  ///< an idle solver, or a new one
+
     LawModel law_;
     TissueEnergy energy_;
     ContactSurface surface_;
+    mutable std::mutex guard_;
+    mutable std::vector<std::unique_ptr<PressSolver>> idle_;
 };
 
 }  // namespace tissue

@@ -13,6 +13,8 @@ const char* to_string(PressStatus status) {
             return "held";
         case PressStatus::unstable:
             return "unstable";
+        case PressStatus::inside_out:
+            return "inside_out";
         case PressStatus::lost:
             return "lost";
     }
@@ -170,6 +172,8 @@ PressState PressSolver::press(const Eigen::VectorXd& constants, const PatchSprin
     const bool regular = factorise(constants, contact, state.displacement);
     if (state.status == PressStatus::held && !(regular && factor_.vectorD().minCoeff() > 0))
         state.status = PressStatus::unstable;
+    else if (state.status == PressStatus::held && !(energy_.smallest_area_ratio(state.displacement) > 0))
+        state.status = PressStatus::inside_out;
     u_ = state.displacement;
     push_m_ = state.push_m;
     contact_ = contact;

@@ -12,11 +12,12 @@
 namespace tissue {
 
 /// How the search for a pressed tissue's rest ended. g: the energy's derivative by the free displacements,
-/// H: its second one, the contact's included; F: force of the tool.
+/// H: its second one, the contact's included; F: force of the tool; a: TissueEnergy::smallest_area_ratio.
 enum class PressStatus {
-    held,      ///< max |g| <= tolerance |F|, and every pivot of H > 0: a minimum of the energy
-    unstable,  ///< max |g| <= tolerance |F|, a pivot <= 0: an equilibrium that the least touch upsets
-    lost       ///< no load step down to smallest_step of the push led to max |g| <= tolerance |F|
+    held,        ///< max |g| <= tolerance |F|, every pivot of H > 0, and a > 0: a minimum of the energy
+    unstable,    ///< max |g| <= tolerance |F|, a pivot <= 0: an equilibrium that the least touch upsets
+    inside_out,  ///< max |g| <= tolerance |F|, every pivot > 0, a <= 0: a minimum that no tissue can have
+    lost         ///< no load step down to smallest_step of the push led to max |g| <= tolerance |F|
 };
 const char* to_string(PressStatus status);
 

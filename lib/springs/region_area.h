@@ -19,8 +19,10 @@ class RegionArea final : public Elements {
     void force(int e, const NodeField& u, ElementVector& out) const override;
     void tangent(int e, const NodeField& u, ElementMatrix& out) const override;
 
-   private:
     /// Edges that one cell of the region has and no other: from node to node, as columns of nodes(). Any number of loops.
+    const std::vector<std::array<int, 2>>& edges() const { return edges_; }
+
+   private:
     struct Outline {
         Cells nodes;
         std::vector<std::array<int, 2>> edges;

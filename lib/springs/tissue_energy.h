@@ -39,7 +39,8 @@ class TissueEnergy {
     /// Derivative of force by the constants [m] (N*D x E): column e is element e's force per unit.
     Eigen::SparseMatrix<double> unit_forces(const NodeField& u) const;
 
-    /// Smallest area of a cell over its area at rest: 0 or less, and one has turned inside out.
+    /// Smallest area, of a lattice's square or a shape's triangle, over its area at rest: 0 or less, and it has turned
+    /// inside out, where what lies around a node may still have its area.
     double smallest_area_ratio(const NodeField& u) const;
 
    private:

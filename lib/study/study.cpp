@@ -305,9 +305,11 @@ Study::Springs read_springs(TomlReader in, const Study::Geometry& geometry) {
 }
 
 /// Of a law: the defaults are LawTrainingOptions', whose scales are what FE itself and an eye leave open.
-Study::Training read_law_training(TomlReader in) {
+Study::Training read_law_training(TomlReader in, bool measured) {
     for (const char* key : sets_keys)
         if (in.has(key) && std::string(key) != "ridge") in.refuse(key, "belongs to springs.stiffness = \"sets\"");
+    if (measured && in.has("shape_scale"))
+        in.refuse("shape_scale", "belongs to finite elements: nothing inside was measured");
     Study::Training t{};
     t.force_scale = in.optional_number("force_scale", positive).value_or(0.01);
     t.shape_scale = in.optional_number("shape_scale", positive).value_or(0.03);
@@ -506,12 +508,12 @@ Study read_study(const std::string& file) {
     study.springs = read_springs(in.table("springs"), study.geometry);
     const bool law = study.springs.is_law();
     const toml::table nothing;  // a law has a default for every key
-    if (law && study.data) in.table("springs").refuse("stiffness", "must be 'sets' beside [data]");
-    if (law)
-        study.training = in.has("training") ? read_law_training(in.table("training")) : read_law_training(TomlReader(nothing, file, "training"));
-    else
+    if (law) {
+        const TomlReader training = in.has("training") ? in.table("training") : TomlReader(nothing, file, "training");
+        study.training = read_law_training(training, study.data.has_value());
+    } else
         study.training = read_training(in.table("training"));
-    if (study.data && needs_nodes(study.training.objective))
+    if (study.data && !law && needs_nodes(study.training.objective))
         in.table("training").refuse("objective", fmt::format("must be '{}' beside [data]: nothing inside was measured",
                                                              fmt::join(objective_names(false), "' or '")));
     if (in.has("draws")) {

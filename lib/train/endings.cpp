@@ -53,7 +53,7 @@ Endings endings_of(const LawBook& law) {
         e.broken.push_back(fmt::format("law: {} after {} iterations, largest derivative {:.1e}", status,
                                        law.iterations.at(static_cast<std::size_t>(law.kept)), law.gradient[law.kept]));
     if (!law.lost.empty())
-        e.broken.push_back(fmt::format("law: of {} pushes {} have no stable rest", law.records, law.lost.size()));
+        e.broken.push_back(fmt::format("law: of {} pushes {} are not held", law.records, law.lost.size()));
     return e;
 }
 

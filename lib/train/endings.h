@@ -17,8 +17,8 @@ struct Endings {
 ///  - a certified optimum, or a set of "exact", that is not `converged`;
 ///  - a problem, or the one set, whose ProblemStatus is not `posed`;
 ///  - a set that `stalled` farther than a gap of 1e-3 from the certified optimum;
-///  - a law whose kept start ended with `no_progress` or `iterations_done` (no study sets how many), or that leaves a
-///    push it was trained on without a stable rest.
+///  - a law whose kept start ended with `no_progress` or `iterations_done` (no study sets how many), or a
+///    push it was trained on that is not `held` (springs/press.h).
 /// A stop criterion that the study sets (`iterations_done`, `time_out`, `target_met`) and the end the paper's method has
 /// by itself (`restarts_exhausted`) promise nothing. A model of an earlier program says nothing of its optimum.
 Endings endings_of(const ProblemRecord& problems, const std::vector<TrainingBook>& trained, const OptimumProof& optimum);

@@ -29,13 +29,13 @@ struct TrainingData {
 /// How a problem came about: that of one load case, or that of the one set which serves all of them. f is the force the
 /// springs are to hold, K the stiffness of the free nodes.
 enum class ProblemStatus {
-    posed,            ///< as the objective says it; what had to be solved for it converged (FitStatus, LsqStatus)
+    posed,            ///< as the objective says it; what had to be solved for it converged (ReactionStatus, LsqStatus)
     floppy,           ///< "contact": a pivot of K <= 1e-10 of the largest, at the heuristic or one step from it, so the contact
                       ///< has no compliance of the set's own: the nodes count alone, or with the heuristic's compliance
     no_force,         ///< |f| = 0, of every case where it is the one set's: nothing is relative to it; of the one set: the heuristic
     singular,         ///< of the one set: a pivot <= 0 of the sum of normal matrices and its ridge (joint_loss); it is the heuristic
-    stalled,          ///< of the fit or the exact solver: FitStatus::stalled, LsqStatus::stalled
-    iterations_done   ///< of the fit or the exact solver: FitStatus::iterations_done, LsqStatus::iterations_done
+    stalled,          ///< of the fit or the exact solver: ReactionStatus::stalled, LsqStatus::stalled
+    iterations_done   ///< of the fit or the exact solver: ReactionStatus::iterations_done, LsqStatus::iterations_done
 };
 
 /// The status in the words of reports: "posed", ...

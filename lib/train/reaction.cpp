@@ -131,8 +131,8 @@ ReactionFit fit_reactions(const SpringMesh& mesh, const SpringLaw& law, const st
     Eigen::VectorXd theta = start;
     double value = now.misfit + pull(theta);
     int iterations = 0;
-    FitStatus status = FitStatus::iterations_done;
-    while (status == FitStatus::iterations_done && iterations < options.max_iterations) {
+    ReactionStatus status = ReactionStatus::iterations_done;
+    while (status == ReactionStatus::iterations_done && iterations < options.max_iterations) {
         ++iterations;
         step.weight = weight;
         const Eigen::VectorXd aim = solve(step, theta, theta0, box), change = aim - theta;
@@ -149,10 +149,10 @@ ReactionFit fit_reactions(const SpringMesh& mesh, const SpringLaw& law, const st
         const double fell = value - next.misfit - pull(to);
         if (!(fell > 0)) {
             const double promised = value - step.value(aim, theta0);
-            status = promised > options.tolerance * value ? FitStatus::stalled : FitStatus::converged;
+            status = promised > options.tolerance * value ? ReactionStatus::stalled : ReactionStatus::converged;
             break;
         }
-        if (fell <= options.tolerance * value) status = FitStatus::converged;
+        if (fell <= options.tolerance * value) status = ReactionStatus::converged;
         theta = to;
         value -= fell;
         now = std::move(next);

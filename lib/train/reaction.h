@@ -13,7 +13,7 @@ struct Reading {
 };
 
 /// Why a fit ended. F is the objective, p the fall of F that the last step's linear problem promised, f its fall.
-enum class FitStatus {
+enum class ReactionStatus {
     converged,       ///< 0 < f <= tolerance F, or p <= tolerance F: nothing worth a step is left
     stalled,         ///< p > tolerance F, but neither the step nor a half of it, nor a half of that ... lowers F
     iterations_done  ///< f > tolerance F at max_iterations
@@ -26,7 +26,7 @@ struct ReactionFit {
     ForceLoss inner;                  ///< the last linearised problem, with its ridge, times the first reading: convex, so
                                       ///< certificates hold for it, and in the unit of losses.front() [N]
     int iterations = 0;
-    FitStatus status = FitStatus::iterations_done;
+    ReactionStatus status = ReactionStatus::iterations_done;
 };
 
 struct ReactionOptions {

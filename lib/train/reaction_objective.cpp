@@ -22,13 +22,13 @@ std::vector<Reading> neighbours(const std::vector<Reading>& readings, const std:
     return near;
 }
 
-ProblemStatus problem_status(FitStatus status) {
+ProblemStatus problem_status(ReactionStatus status) {
     switch (status) {
-        case FitStatus::converged:
+        case ReactionStatus::converged:
             return ProblemStatus::posed;
-        case FitStatus::stalled:
+        case ReactionStatus::stalled:
             return ProblemStatus::stalled;
-        case FitStatus::iterations_done:
+        case ReactionStatus::iterations_done:
             break;
     }
     return ProblemStatus::iterations_done;

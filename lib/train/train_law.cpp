@@ -106,6 +106,33 @@ void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vect
         for (const auto& list : lost_of) lost->insert(lost->end(), list.begin(), list.end());
 }
 
+double heuristic_factor(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths,
+                        const LawTrainingOptions& options) {
+    const TissueEnergy energy = law.energy(mesh);
+    const ContactSurface surface(mesh);
+    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(law.size()), constants = law.constants(zero);
+    std::vector<Eigen::Vector2d> sums(paths.size(), Eigen::Vector2d::Zero());  // of f.F / F.F and f.f / F.F
+    parallel_for(static_cast<int>(paths.size()), options.threads, [&](int i) {
+        const PressPath& path = paths[static_cast<std::size_t>(i)];
+        PressSolver solver(energy, surface, options.press);
+        const ContactPatch patch = surface.at(path.arc_m);
+        PressState state;
+        for (const PressPath::Record& record : path.records) {
+            const PressState before = state;
+            state = solver.press(constants, {patch, law.patch(zero).at(patch)}, record.push_m,
+                                 before.displacement.size() > 0 ? &before : nullptr);
+            if (state.status == PressStatus::lost) break;
+            const Eigen::Vector2d &f = state.contact_force_N, &F = record.force_N;
+            if (F.squaredNorm() > 0)
+                sums[static_cast<std::size_t>(i)] += Eigen::Vector2d(f.dot(F), f.dot(f)) / F.squaredNorm();
+        }
+    });
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    for (const Eigen::Vector2d& s : sums) sum += s;
+    if (!(sum[0] > 0)) throw MismatchError("no load path has a force that the heuristic's own could be scaled to");
+    return sum[0] / sum[1];
+}
+
 TrainedLaw train_law(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths,
                      const LawTrainingOptions& options) {
     const auto begin = std::chrono::steady_clock::now();

@@ -37,20 +37,27 @@ struct LawTrainingOptions {
     int threads = 1;
 };
 
+/// The factor of all a law's constants, at coefficients 0, with the smallest sum of squared relative errors of force
+/// over the paths: forces are proportional to it, shapes do not change. A push that is lost does not count.
+/// Throws MismatchError when none has one, or none a force.
+double heuristic_factor(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths,
+                        const LawTrainingOptions& options = {});
+
 /// What training a law ended with.
 struct TrainedLaw {
     Eigen::VectorXd coefficients;          ///< (P)
     double objective = 0;                  ///< mean over records of (force error / scale)^2 + (shape error / scale)^2, and the ridge
     std::vector<FitResult> starts;         ///< of each start; the one with the smallest objective was kept
     std::size_t kept = 0;
-    std::vector<std::string> lost;         ///< "path at 10 mm: lost at 7.5 mm": pushes without a stable rest at the end
+    std::vector<std::string> lost;         ///< "path at 10 mm: lost at 7.5 mm": pushes not `held` at the end
     double seconds = 0;
 };
 
 /// Closed loop: for every record the tool holds the contact at its push, everything else finds its rest, and the force it
 /// takes and the shape that results are compared with the truth's:
-///   mean over records of |F_model - F|^2 / (force_scale |F|)^2 + |u_model - u|^2 / (shape_scale |u|)^2, + |ridge p|^2.
-/// Derivatives of the rest are implicit (PressSolver::derivative). A push without a rest counts as if the model had
+///   mean over records of |F_model - F|^2 / (force_scale |F|)^2 + |u_model - u|^2 / (shape_scale |u|)^2, + |ridge p|^2,
+/// without the second where nobody knows u.
+/// Derivatives of the rest are implicit (PressSolver::derivative). A push that is lost counts as if the model had
 /// neither moved nor pushed. Parallel over paths; the same for any number of threads.
 /// Throws MismatchError when there is nothing to train on.
 TrainedLaw train_law(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths,

@@ -10,7 +10,6 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     if (!study.springs.is_law()) throw MismatchError("study '" + study.name + "' has no law: its stiffness is sets");
     TrainedModel model = untrained_model(study, cases, load_cases(cases));
     const Cases kept = without_mirrors(cases);
-    const EnergyLaw law = study_law(study, kept.shape, model.mesh);
     const std::vector<PressPath> paths = press_paths(kept, model.mesh, "train", false);
 
     LawTrainingOptions options;
@@ -20,6 +19,11 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     options.starts = study.training.starts;
     options.seed = study.training.seed;
     options.threads = threads;
+    // a measured tissue's material is a guess: terms start from the heuristic that its forces speak for
+    double factor = 1;
+    if (cases.measurement)
+        factor = heuristic_factor(model.mesh, study_law(study, kept.shape, model.mesh), paths, options);
+    const EnergyLaw law = study_law(study, kept.shape, model.mesh, factor);
     const TrainedLaw trained = train_law(model.mesh, law, paths, options);
     model.energy_law = {law.terms(), trained.coefficients, law.constants(trained.coefficients), law.patch(trained.coefficients),
                         law.incompressible()};
@@ -30,6 +34,7 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     book.untrained_constants = law.constants(nothing);
     book.untrained_patch = law.patch(nothing);
     book.objective = trained.objective;
+    book.factor = factor;
     book.kept = static_cast<int>(trained.kept);
     book.paths = static_cast<int>(paths.size());
     for (const PressPath& path : paths) book.records += static_cast<int>(path.records.size());

@@ -56,6 +56,7 @@ void write_law_book(Hdf5Writer& file, const LawBook& book) {
     file.attribute("/law", "kept", book.kept);
     file.attribute("/law", "paths", book.paths);
     file.attribute("/law", "records", book.records);
+    file.attribute("/law", "factor", book.factor);
     file.attribute("/law", "seconds", book.seconds);
 }
 
@@ -79,6 +80,9 @@ LawBook read_law_book(const Hdf5Reader& file, std::size_t constants) {
     book.kept = count("kept", 0, static_cast<double>(book.status.size()) - 1);
     book.paths = count("paths", 1, 1e9);
     book.records = count("records", 1, 1e9);
+    book.factor = file.number_attribute("/law", "factor");
+    if (!(book.factor > 0) || !std::isfinite(book.factor))
+        file.refuse("/law", fmt::format("attribute 'factor' is {}, must be a finite number > 0", book.factor));
     book.objective = file.number_attribute("/law", "objective");
     book.seconds = file.number_attribute("/law", "seconds");
     return book;
@@ -95,7 +99,7 @@ const DatasetTable& law_books_table() {
         {"/law/start_gradient", "R", Values::not_negative(), "1", "largest derivative of half of it by a coefficient"},
         {"/law/start_iterations", "R", Values::count(), "1", "iterations"},
         {"/law/start_evaluations", "R", Values::count(), "1", "evaluations of all records"},
-        {"/law/lost", "L*", Values::text(), "text", "pushes trained on that have no stable rest"},
+        {"/law/lost", "L*", Values::text(), "text", "pushes trained on that are not held: where, how deep, as what"},
     };
     return table;
 }

@@ -42,10 +42,12 @@ struct LawBook {
     double objective = 0;                        ///< of the coefficients kept, its ridge included
     int kept = 0;                                ///< the start with the smallest objective, whose coefficients they are
     int paths = 0, records = 0;                  ///< trained on
+    double factor = 1;                           ///< E2 of the heuristic that the coefficients are over, over the study's: of
+                                                 ///< measured cases heuristic_factor, else 1
     std::vector<std::string> status;             ///< FitStatus of each start, train/nonlinear_fit.h (R)
     Eigen::VectorXd start_objective, gradient;   ///< of each start: objective, max |g_i| of its half (R)
     std::vector<int> iterations, evaluations;    ///< of each start (R)
-    std::vector<std::string> lost;               ///< pushes trained on without a stable rest at the end: where and how deep
+    std::vector<std::string> lost;               ///< pushes trained on, not held at the end: where, how deep, as what
     double seconds = 0;                          ///< wall time; an attribute, not a dataset
 };
 

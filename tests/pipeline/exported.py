@@ -1,6 +1,7 @@
 """exported.py WHAT EXPORT FILE [NAME]: exit 0 when an export holds what the HDF5 file it was made from does, else says where not.
 
-WHAT   cases-vtu, model-vtu (read by VTK), sofa (NAME: its set), cases-csv, model-csv, numpy
+WHAT   cases-vtu, model-vtu (read by VTK), sofa (NAME: its set), cases-csv, model-csv, numpy; of a law law-csv, law-numpy
+       (NAME: the folder of its CSV), whose energy is worked out anew, and law-vtu (NAME likewise)
 """
 import csv
 import sys
@@ -151,10 +152,132 @@ def model_csv(export, h5):
     same("stiffness", column(table(export / "stiffness.csv"), *names_of(h5)), theta.T)
 
 
-def numpy_files(export, h5):
+class Law:
+    """A law's energy as results/FORMATS.md writes it down, out of exported arrays alone."""
+
+    def __init__(self, nodes, springs, theta, edges, rest_area, stiffness, patch_log, surface_node, surface_arc):
+        self.nodes, self.springs, self.theta, self.edges = nodes, springs.astype(int), theta, edges.astype(int)
+        self.rest_area, self.stiffness, self.patch_log = rest_area, stiffness, patch_log
+        ends = lambda a: np.concatenate(([2 * a[0] - a[1]], a, [2 * a[-1] - a[-2]]))
+        node = surface_node.astype(int)
+        self.line, self.arc, self.place = np.concatenate((node[:1], node, node[-1:])), ends(surface_arc), ends(nodes[node])
+        same("areas at rest", self.areas(nodes), rest_area, 1e-12)
+
+    def areas(self, x):
+        area, i, j = self.edges.T
+        out = np.zeros(len(self.rest_area), x.dtype)
+        np.add.at(out, area, (x[i, 0] * x[j, 1] - x[i, 1] * x[j, 0]) / 2)
+        return out
+
+    def energy(self, u):
+        i, j = self.springs.T
+        length = lambda x: np.sqrt(((x[i] - x[j]) ** 2).sum(axis=1))  # no abs: u may be complex
+        stretch = length(self.nodes + u) - length(self.nodes)
+        swelling = self.areas(self.nodes + u) / self.rest_area - 1
+        return (self.theta * stretch**2).sum() / 2 + (self.stiffness * self.rest_area * swelling**2).sum() / 2
+
+    def contact(self, s, d, u):
+        """Energy between the tissue and a tool that holds the contact at arc length s, pushed by d."""
+        def spline(f):
+            g = 1 - f
+            return (np.array([g**3, 4 - 6 * f**2 + 3 * f**3, 4 - 6 * g**2 + 3 * g**3, f**3]) / 6,
+                    np.array([-g * g / 2, -2 * f + 1.5 * f * f, 2 * g - 1.5 * g * g, f * f / 2]))
+
+        last = len(self.line) - 4
+        k = next((k for k in range(last) if spline(1)[0] @ self.arc[k:k + 4] > s), last)
+        low, high = 0.0, 1.0
+        for _ in range(60):
+            f = (low + high) / 2
+            low, high = (f, high) if spline(f)[0] @ self.arc[k:k + 4] < s else (low, f)
+        w, slope = spline(f)
+        along, spacing, place = slope @ self.place[k:k + 4], slope @ self.arc[k:k + 4], k + f
+        tangent = along / np.linalg.norm(along)
+        normal = np.array([-tangent[1], tangent[0]])
+        corner = max(0, 1 - np.linalg.norm(along) / spacing) / (1 - np.sqrt(0.5))
+        factors = np.array([1, np.cos(2 * np.pi * place), corner, np.exp(-min(place, last + 1 - place))])
+        stiffness = np.exp(self.patch_log @ factors)
+        gap, turn = d - w @ u[self.line[k:k + 4]], slope @ u[self.line[k:k + 4]]
+        return (stiffness * np.array([normal @ gap, tangent @ gap, normal @ turn, tangent @ turn])**2).sum() / 2
+
+    @staticmethod
+    def slope(function, x, h=1e-30):
+        """By complex steps: no cancellation, no derivative written down."""
+        out = np.zeros(x.shape)
+        for at in np.ndindex(x.shape):
+            moved = x.astype(complex)
+            moved[at] += 1j * h
+            out[at] = function(moved).imag / h
+        return out
+
+    def check(self, fixed, name, s, d, u, tissue_force, hand_force):
+        """The state is the energy's own: its forces, the hand's, and nothing left over where nodes are free."""
+        force, size = self.slope(self.energy, u), np.linalg.norm(hand_force)
+        same(f"{name}: force of the tissue", force, tissue_force, 1e-9)
+        same(f"{name}: force of the hand", self.slope(lambda push: self.contact(s, push, u), d), hand_force, 1e-9)
+        left = force + self.slope(lambda v: self.contact(s, d, v), u)
+        if np.abs(np.delete(left, fixed, axis=0)).max() > 1e-9 * size:
+            sys.exit(f"{name}: is not in equilibrium")
+
+
+def presses_of(folder):
+    pressed = table(folder / "pressed.csv")
+    for press in table(folder / "presses.csv"):
+        if press["reason"]:
+            sys.exit(f"{press['case']}: {press['reason']}")
+        mine = [row for row in pressed if row["case"] == press["case"]]
+        yield (press["case"], float(press["arc_m"]), column([press], "push_x_m", "push_y_m")[0],
+               column(mine, "u_x_m", "u_y_m"), column(mine, "f_x_N", "f_y_N"), column([press], "force_x_N", "force_y_N")[0])
+
+
+def law_csv(export, h5):
+    read = {name: table(export / f"{name}.csv") for name in ("nodes", "springs", "areas", "area_edges", "terms", "contact", "surface")}
+    constants, S = h5["law/constants"][:], len(h5["mesh/springs"])
+    same("nodes", column(read["nodes"], "x_m", "y_m"), h5["mesh/nodes"][:])
+    same("springs", column(read["springs"], "node_i", "node_j"), h5["mesh/springs"][:])
+    same("stiffness of springs", column(read["springs"], "stiffness_N_m")[:, 0], constants[:S])
+    same("stiffness of areas", column(read["areas"], "stiffness_N_m")[:, 0], constants[S:])
+    same("kinds", sorted({row["kind"] for row in read["areas"]}), ["cell", "region"])
+    same("terms", [row["term"] for row in read["terms"]], [name.decode() for name in h5["law/terms"]])
+    same("coefficients", column(read["terms"], "coefficient")[:, 0], h5["law/coefficients"][:])
+    same("rows", [row["row"] for row in read["contact"]], ["normal", "tangent", "rotation", "stretch"])
+    same("contact", column(read["contact"], "log_k_N_m", "phase", "corner", "edge"), h5["law/patch_log"][:])
+    law = Law(column(read["nodes"], "x_m", "y_m"), column(read["springs"], "node_i", "node_j"),
+              column(read["springs"], "stiffness_N_m")[:, 0], column(read["area_edges"], "area", "node_i", "node_j"),
+              column(read["areas"], "rest_area_m2")[:, 0], column(read["areas"], "stiffness_N_m")[:, 0],
+              column(read["contact"], "log_k_N_m", "phase", "corner", "edge"),
+              column(read["surface"], "node")[:, 0], column(read["surface"], "arc_m")[:, 0])
+    presses = list(presses_of(export))
+    same("cases", [press[0] for press in presses], names_of(h5))
+    for press in presses:
+        law.check(h5["mesh/fixed"][:], *press)
+
+
+def law_numpy(export, h5, csv_export):
+    numpy_files(export, h5, ["law/area_edges", "law/area_kind", "law/area_rest", "law/surface_arc", "law/surface_node"])
+    load = lambda name: np.load(export / f"{name}.npy")
+    springs, constants = load("mesh/springs"), load("law/constants")
+    law = Law(load("mesh/nodes"), springs, constants[:len(springs)], load("law/area_edges"), load("law/area_rest"),
+              constants[len(springs):], load("law/patch_log"), load("law/surface_node"), load("law/surface_arc"))
+    for press in presses_of(Path(csv_export)):
+        law.check(load("mesh/fixed"), *press)
+
+
+def law_vtu(export, h5, csv_export):
+    nodes = h5["mesh/nodes"][:]
+    same("files", sorted(file.stem for file in export.glob("*.vtu")), sorted(names_of(h5)))
+    for name, _, _, u, force, _ in presses_of(Path(csv_export)):
+        grid = Grid(export / f"{name}.vtu")
+        same(f"{name}: springs", grid.nodes.reshape(-1, 2), h5["mesh/springs"][:])
+        same(f"{name}: stiffness", grid.cells["stiffness_N_m"], h5["law/constants"][:len(h5["mesh/springs"])])
+        same(f"{name}: displacement", grid.points["displacement_m"], in_space(u))
+        same(f"{name}: force", grid.points["force_N"], in_space(force))
+        same(f"{name}: places", grid.places, in_space(nodes + u))
+
+
+def numpy_files(export, h5, more=()):
     datasets = {}
     h5.visititems(lambda name, item: datasets.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
-    same("files", sorted(str(file.relative_to(export))[:-4] for file in export.rglob("*.npy")), sorted(datasets))
+    same("files", sorted(str(file.relative_to(export))[:-4] for file in export.rglob("*.npy")), sorted([*datasets, *more]))
     for name, wanted in datasets.items():
         seen = np.load(export / f"{name}.npy")
         if wanted.dtype == object:
@@ -169,4 +292,4 @@ def numpy_files(export, h5):
 what, export, file, *rest = sys.argv[1:]
 with h5py.File(file) as h5:
     {"cases-vtu": cases_vtu, "model-vtu": model_vtu, "sofa": sofa, "cases-csv": cases_csv, "model-csv": model_csv,
-     "numpy": numpy_files}[what](Path(export), h5, *rest)
+     "numpy": numpy_files, "law-csv": law_csv, "law-numpy": law_numpy, "law-vtu": law_vtu}[what](Path(export), h5, *rest)

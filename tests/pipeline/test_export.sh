@@ -31,6 +31,30 @@ for file in cases model; do
     check "$file.h5 as NumPy: every dataset, type, shape and value" exported numpy "$out/$file-npy" "$R/$file.h5"
 done
 
+# ---- a law, trained on the same cases
+cat >"$work/fem/studies/law.toml" <<'TOML'
+based_on = "tiny"
+
+[material]
+formulation = "plane-strain"     # so that it has regions
+
+[springs]
+topology = "grid8"
+stiffness = "law"
+terms = ["spring.all", "contact.normal", "contact.tangent.phase", "contact.rotation.corner", "contact.stretch.edge"]
+TOML
+tissuectl train --study fem/studies/law.toml --cases results/tiny/cases.h5 --out results/tiny/law.h5
+check "a law is trained on the same cases" exited 0
+convert results/tiny/law.h5 --to csv --out "$out/law-csv"
+check "a law goes to CSV: exit 0" exited 0
+check "its energy, worked out from the tables alone, has the hand's force and leaves nothing over" exported law-csv "$out/law-csv" "$R/law.h5"
+convert results/tiny/law.h5 --to numpy --out "$out/law-npy"
+check "and from the NumPy arrays alone" exported law-numpy "$out/law-npy" "$R/law.h5" "$out/law-csv"
+convert results/tiny/law.h5 --to vtu --out "$out/law"
+check "VTK reads the law pressed at its cases, as the tables have it" exported law-vtu "$out/law" "$R/law.h5" "$out/law-csv"
+convert results/tiny/law.h5 --to vtu --set top-8mm --out "$out/law-one"
+check "--set takes one case of a law" test "$(ls "$out/law-one")" = top-8mm.vtu
+
 convert results/tiny/cases.h5 --to vtu --path top --out "$out/one"
 check "--path takes one load path" test "$(ls "$out/one")" = top.vtu
 convert results/tiny/model.h5 --to csv --sets optimum --set left-4mm --out "$out/optimum"
@@ -54,6 +78,9 @@ refused "sets of nobody" 1 "^tissuectl: spring sets 'adam' are not in the model"
 refused "a scene of all sets at once" 1 'name it with --set' results/tiny/model.h5 --to sofa --out "$out/top.scn"
 refused "a scene of load cases" 1 'cases.h5: holds load cases; a SOFA scene needs springs' results/tiny/cases.h5 --to sofa --set top-8mm --out "$out/top.scn"
 refused "a path that is not there" 1 "there is no load path 'up'" results/tiny/cases.h5 --to vtu --path up --out "$out/cases"
+refused "sets of a law" 1 'law.h5: is a law, the same whatever pushes' results/tiny/law.h5 --to csv --sets spsa --out "$out/law-csv"
+refused "a case that a law does not have" 1 "load case 'top-9mm' is not in the model" results/tiny/law.h5 --to csv --set top-9mm --out "$out/law-csv"
+refused "a scene of a law" 1 'law.h5: is a law, and SOFA has no force field that keeps the area' results/tiny/law.h5 --to sofa --set top-8mm --out "$out/top.scn"
 refused "a truncated file" 1 '^tissuectl: cut.h5: is not an HDF5 file, or is truncated' cut.h5 --to vtu --out "$out/model"
 refused "a folder where a file is wanted" 1 'top.scn: is a file, wanted a folder' results/tiny/model.h5 --to vtu --out "$out/top.scn"
 convert results/tiny/model.h5 --to obj --out "$out/model"

@@ -165,6 +165,27 @@ TEST_CASE("a tissue of upright springs alone, pressed from above, rests and is n
     CHECK(state.status != PressStatus::held);
 }
 
+TEST_CASE("a push that turns a cell inside out ends in a minimum of the energy that is not called held") {
+    for (const SpringMesh& mesh : {make_lattice("grid8", 10, 10, 0.1, 0.1), edge_mesh(disc(16))}) {
+        const LawHeuristic soft = law_heuristic(mesh, 450, "plane-stress", 12);  // cells give way
+        const TissueEnergy energy(mesh, soft.incompressible);
+        const ContactSurface surface(mesh);
+        PressSolver solver(energy, surface);
+        const double arc = 0.1 * surface.outline().length();
+        const ContactPatch patch = surface.at(arc);
+        const auto pressed = [&](double depth_m) {
+            return solver.press(soft.constants, {patch, soft.patch.at(patch)}, depth_m * surface.outline().direction(arc, 0.9));
+        };
+        const PressState shallow = pressed(0.01), deep = pressed(0.03);
+        CHECK(shallow.status == PressStatus::held);
+        CHECK(energy.smallest_area_ratio(shallow.displacement) > 0);
+        CHECK(deep.status == PressStatus::inside_out);
+        CHECK(energy.smallest_area_ratio(deep.displacement) <= 0);
+        CHECK(deep.push_m.norm() == Approx(0.03));
+        CHECK(std::string(to_string(deep.status)) == "inside_out");
+    }
+}
+
 TEST_CASE("a contact whose nodes are all held is refused") {
     SpringMesh mesh = make_lattice("grid8", 10, 10, 0.1, 0.1);
     const ContactSurface surface(mesh);

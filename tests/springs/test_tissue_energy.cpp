@@ -119,6 +119,20 @@ TEST_CASE("a tissue that was bent feels the same when it is also turned: its for
     }
 }
 
+TEST_CASE("a triangle that turns inside out is seen, though what lies around the node that left it has its area still") {
+    const SpringMesh mesh = edge_mesh(disc(12));
+    const TissueEnergy energy(mesh, false);
+    int centre = 0;
+    while (std::find(mesh.boundary.begin(), mesh.boundary.end(), centre) != mesh.boundary.end()) ++centre;
+    NodeField u = NodeField::Zero(mesh.node_count(), 2);
+    const Eigen::RowVector2d rim = (mesh.nodes.row(mesh.boundary[0]) + mesh.nodes.row(mesh.boundary[1])) / 2;
+    u.row(centre) = 1.01 * (rim - mesh.nodes.row(centre));  // just across that side
+    CHECK(energy.smallest_area_ratio(u) == Approx(-0.01).epsilon(1e-6));
+    Eigen::VectorXd star = Eigen::VectorXd::Zero(energy.constant_count());
+    star[mesh.spring_count() + centre] = 1;
+    CHECK(energy.energy(star, u) <= tolerance::rounding);
+}
+
 TEST_CASE("cells keep their area, not their shape: a shear that keeps it asks them for nothing") {
     const SpringMesh mesh = make_lattice("grid8", 4, 3, 0.1, 0.06);
     const CellAreas cells(mesh);

@@ -50,6 +50,25 @@ TEST_CASE("measured data and finite elements do not mix", "[measured]") {
     CHECK_THAT(refusal<StudyError>([&] { read_study(fe); }), Contains("training.reach_m") && Contains("'reaction'"));
 }
 
+TEST_CASE("measured forces train a law as well as sets, and a law has no word on shapes then", "[measured][law]") {
+    const TemporaryFolder folder;
+    const std::string text = measured_text();
+    const std::string law = text.substr(0, text.find("[springs]")) +
+                            "[springs]\ntopology = \"grid8\"\nstiffness = \"law\"\nterms = [\"spring.all\", \"contact.normal\"]\n[training]\n";
+    const Study study = read_study(folder.file("s.toml", law + "starts = 3\n"));
+    CHECK(study.springs.is_law());
+    CHECK(study.training.force_scale == 0.01);
+    CHECK(study.training.starts == 3);
+    CHECK_THAT(make_plan(study).fragment, Contains("CASES_COMMAND = import") && Contains("FIGURES := held_out\n"));
+    const auto refused = [&](const std::string& training, const std::string& terms = "contact.normal") {
+        return refusal<StudyError>([&] { make_plan(read_study(folder.file("s.toml", with(law, "contact.normal", terms) + training))); });
+    };
+    CHECK_THAT(refused("shape_scale = 0.03\n"), Contains("training.shape_scale") && Contains("nothing inside was measured"));
+    CHECK_THAT(refused("objective = \"reaction\"\n"), Contains("training.objective") && Contains("sets"));
+    CHECK_THAT(refused("reach_m = 0.004\n"), Contains("training.reach_m") && Contains("sets"));
+    CHECK_THAT(refused("", "spring.depth"), Contains("springs.terms") && Contains("spring.depth"));
+}
+
 TEST_CASE("the plan of measured data imports them, and has neither mesh nor load paths", "[measured]") {
     const TemporaryFolder folder;
     const auto plan_of = [&](const std::string& text) { return make_plan(read_study(folder.file("s.toml", text))); };

@@ -106,7 +106,7 @@ TEST_CASE("readings of a known spring set are met, inside the box", "[reaction]"
     for (const char* name : {"axial", "geometric"}) {
         const Pressed p(name);
         const ReactionFit fit = fit_reactions(p.mesh, *p.law, p.readings, p.start, p.start, 1e-4, p.box);
-        CHECK(fit.status == FitStatus::converged);
+        CHECK(fit.status == ReactionStatus::converged);
         CHECK(fit.theta == p.box.project(fit.theta));
         for (const Reading& r : p.readings)
             CHECK((closed_loop(p.mesh, *p.law, fit.theta, r.contact, r.push_m) - r.force_N).norm() <= 1e-3 * r.force_N.norm());
@@ -215,11 +215,11 @@ TEST_CASE("a fit says how it ended: at its tolerance, out of steps, or with no s
     const auto fit = [&](int max_iterations, double tolerance) {
         return fit_reactions(p.mesh, *p.law, p.readings, p.start, p.start, 0.1, p.box, {max_iterations, tolerance});
     };
-    CHECK(fit(30, 1e-4).status == FitStatus::converged);
-    CHECK(fit(1, 1e-4).status == FitStatus::iterations_done);
+    CHECK(fit(30, 1e-4).status == ReactionStatus::converged);
+    CHECK(fit(1, 1e-4).status == ReactionStatus::iterations_done);
     CHECK(fit(1, 1e-4).iterations == 1);
     const ReactionFit end = fit(1000, -1);  // more than rounding gives: it stops where no step lowers the objective
-    CHECK(end.status == FitStatus::stalled);
+    CHECK(end.status == ReactionStatus::stalled);
     CHECK(end.iterations < 1000);
 }
 

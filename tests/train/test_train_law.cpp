@@ -71,6 +71,25 @@ TEST_CASE("forces alone are enough to train on where nothing else is known") {
     CHECK(trained.objective < 0.05);  // the ridge's own part: errors of a fifth of a percent
 }
 
+TEST_CASE("the heuristic's factor is that of the forces, and needs one that is not nothing") {
+    Problem p = problem(make_lattice("grid8", 6, 6, 0.1, 0.1));
+    const TissueEnergy energy = p.law.energy(p.mesh);
+    const ContactSurface surface(p.mesh);
+    PressSolver solver(energy, surface);
+    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(p.law.size());
+    for (PressPath& path : p.paths) {
+        const ContactPatch patch = surface.at(path.arc_m);
+        for (PressPath::Record& record : path.records)
+            record.force_N = 2.5 * solver.press(p.law.constants(zero), {patch, p.law.patch(zero).at(patch)}, record.push_m).contact_force_N;
+    }
+    CHECK(heuristic_factor(p.mesh, p.law, p.paths) == Approx(2.5).epsilon(tolerance::newton));
+    p.paths[0].records[0].force_N.setZero();  // no relative error, no say
+    CHECK(heuristic_factor(p.mesh, p.law, p.paths) == Approx(2.5).epsilon(tolerance::newton));
+    for (PressPath& path : p.paths)
+        for (PressPath::Record& record : path.records) record.force_N.setZero();
+    CHECK_THAT(refusal<MismatchError>([&] { heuristic_factor(p.mesh, p.law, p.paths); }), Contains("no load path has a force"));
+}
+
 TEST_CASE("residuals are the errors in their scales, and their derivative agrees with differences") {
     const Problem p = problem(make_lattice("grid8", 6, 6, 0.1, 0.1));
     LawTrainingOptions options;

@@ -1,12 +1,14 @@
 #include "train/train_law_model.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <filesystem>
 
+#include "cases/measured_cases.h"
 #include "cases/study_law.h"
 #include "error.h"
 #include "eval/evaluation.h"
-#include "../example.h"
+#include "../measured_example.h"
 #include "../mutations.h"
 #include "../refusal.h"
 #include "springs/law_press.h"
@@ -104,6 +106,44 @@ TEST_CASE("a study's law is trained back to the coefficients that made its cases
     CHECK_THAT(to_json(evaluation, 11), Contains("\"spring.held\""));
 }
 
+TEST_CASE("from forces alone a law finds its constants again, whatever the material was taken for", "[law][measured]") {
+    Study study = measured_study();
+    study.springs = example_study(law_text()).springs;
+    study.springs.terms = {"spring.all", "spring.surface", "cell.all", "contact.normal", "contact.tangent", "contact.rotation", "contact.stretch"};
+    study.training = example_study(law_text()).training;
+    const SpringMesh mesh = measured_mesh();
+    constexpr double stiffer = 3;  // than the study's material says
+    const EnergyLaw law = study_law(study, {}, mesh, stiffer);
+    Eigen::VectorXd p(7);
+    p << -0.2, 0.3, 0.4, 0.5, -0.3, 0.6, -0.4;
+    TissueModel tissue;
+    tissue.mesh = mesh;
+    tissue.energy_law = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
+    const LawPress press(tissue);
+    const Outline outline(mesh);
+    MeasuredTable table{"data.csv", "made up", {}};
+    for (double arc = 0.013; arc < outline.length() - 0.01; arc += 0.0137)
+        for (double angle : {-0.6, 0.0, 0.6})
+            for (double depth : {0.003, 0.008}) {
+                const Eigen::Vector2d push = depth * outline.direction(arc, angle);
+                const Equilibrium state = press.at(arc, push);
+                REQUIRE(state);
+                table.rows.push_back({static_cast<int>(table.rows.size()) + 2, outline.position(arc), push, state.contact_force, "", ""});
+            }
+    const Cases cases = measured_cases(study, table);
+    const TrainedModel model = train_law_model(study, cases, 2);
+    CHECK(model.books.law->factor == Approx(stiffer).epsilon(0.3));  // over a heuristic that is no law yet
+    CHECK(((model.energy_law->constants - tissue.energy_law->constants).array() / tissue.energy_law->constants.array()).abs().maxCoeff() < 1e-3);
+    CHECK((model.energy_law->patch.log_N_m - tissue.energy_law->patch.log_N_m).cwiseAbs().maxCoeff() < 1e-3);
+
+    const Evaluation evaluation = evaluate(model, cases, 0, 0, 1);
+    const DrawnContacts* held_out = evaluation.held_out.role("held_out");
+    REQUIRE(held_out);
+    CHECK(held_out->statistics(0).force.max < 1e-4);
+    CHECK_THAT(to_markdown(evaluation), Contains("measured paths") && Contains("times the study's E2, as the forces have it") && !Contains("shape"));
+    CHECK_THAT(to_json(evaluation, 11), Contains("\"factor\"") && !Contains("\"shape"));
+}
+
 TEST_CASE("a model whose stiffness is a law comes back from its file as it was, in a format that earlier programs refuse", "[law]") {
     const Study study = example_study(law_text());
     const TrainedModel a = train_law_model(study, law_cases(study), 1), b = read_trained_model(law_file());
@@ -175,4 +215,15 @@ TEST_CASE("a law whose constants are not as many as its mesh has springs, cells 
     model.energy_law->constants.conservativeResize(model.energy_law->constants.size() - 1);
     write_trained_model(folder.file("model.h5"), model, {"tissuectl test", 11, {}});
     CHECK_THAT(refusal<FileError>([&] { read_trained_model(folder.file("model.h5")); }), Contains("/law/constants"));
+}
+
+TEST_CASE("a law over a heuristic whose factor is no number above 0 is refused", "[law]") {
+    const TemporaryFolder folder;
+    TrainedModel model = read_trained_model(law_file());
+    CHECK(model.books.law->factor == 1);  // of FE the material is known
+    for (double factor : {0.0, -1.0, std::nan("")}) {
+        model.books.law->factor = factor;
+        write_trained_model(folder.file("model.h5"), model, {"tissuectl test", 11, {}});
+        CHECK_THAT(refusal<FileError>([&] { read_trained_model(folder.file("model.h5")); }), Contains("'factor'"));
+    }
 }

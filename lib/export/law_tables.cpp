@@ -1,0 +1,75 @@
+#include "export/law_tables.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "error.h"
+#include "mesh/cells.h"
+#include "springs/region_area.h"
+
+namespace tissue {
+namespace {
+
+/// Node pairs around an element that keeps its area, the area on the left.
+std::vector<std::array<int, 2>> outline(const Elements& kind, int e) {
+    const Cells& nodes = kind.nodes();
+    std::vector<std::array<int, 2>> pairs;
+    if (const auto* region = dynamic_cast<const RegionArea*>(&kind)) {
+        for (const auto& [i, j] : region->edges()) pairs.push_back({nodes(e, i), nodes(e, j)});
+    } else {
+        for (Eigen::Index k = 0; k < nodes.cols(); ++k)
+            pairs.push_back({nodes(e, k), nodes(e, (k + 1) % nodes.cols())});
+    }
+    return pairs;
+}
+
+}  // namespace
+
+LawTables law_tables(const TissueModel& model) {
+    const SpringMesh& mesh = model.mesh;
+    const LawModel& law = *model.energy_law;
+    const TissueEnergy energy(mesh, law.incompressible);
+    const int S = mesh.spring_count(), areas = energy.constant_count() - S;
+    const auto regions = static_cast<int>(law.incompressible ? cell_regions(mesh, mesh_cells(mesh)).size() : 0);
+    const Outline surface(mesh);
+    LawTables t;
+    t.spring_N_m = law.constants.head(S);
+    t.area_N_m = law.constants.tail(areas);
+    t.area_m2 = Eigen::VectorXd::Zero(areas);
+    t.surface_node = surface.nodes();
+    t.surface_arc_m = surface.arcs();
+    for (int area = 0; area < areas; ++area) t.area_kind.push_back(area < areas - regions ? "cell" : "region");
+    for (std::size_t k = 1; k < energy.kinds().size(); ++k)  // springs are the first
+        for (int e = 0; e < energy.kinds()[k]->count(); ++e) {
+            const int area = energy.first_of(k) + e - S;
+            for (const auto& [i, j] : outline(*energy.kinds()[k], e)) {
+                t.edge_area.push_back(area);
+                t.edge_from.push_back(i);
+                t.edge_to.push_back(j);
+                t.area_m2[area] += (mesh.nodes(i, 0) * mesh.nodes(j, 1) - mesh.nodes(j, 0) * mesh.nodes(i, 1)) / 2;
+            }
+        }
+    return t;
+}
+
+std::vector<PressedCase> pressed_cases(const TissueModel& model, const std::string& name) {
+    const LawPress press(model);
+    const TissueEnergy energy(model.mesh, model.energy_law->incompressible);
+    const Outline surface(model.mesh);
+    std::vector<PressedCase> cases;
+    for (int c = 0; c < model.case_count(); ++c) {
+        if (!name.empty() && model.case_names[static_cast<std::size_t>(c)] != name) continue;
+        const double arc_m = surface.arc_of(model.contact_m.row(c).transpose());
+        const Eigen::Vector2d push_m = model.magnitude_m[c] * model.direction.row(c).transpose();
+        const Equilibrium state = press.at(arc_m, push_m);
+        cases.push_back({c, arc_m, push_m, state, energy.force(model.energy_law->constants, state.displacement)});
+    }
+    if (cases.empty())
+        throw MismatchError(
+            fmt::format("load case '{}' is not in the model; it has {}", name,
+                        model.case_count() > 0 ? "one a push, as " + model.case_names.front() : "none"));
+    return cases;
+}
+
+}  // namespace tissue

@@ -1,0 +1,69 @@
+#include "export/law_tables.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "error.h"
+#include "springs/energy_law.h"
+#include "../example.h"
+#include "../mesh/disc.h"
+#include "../refusal.h"
+#include "../tolerances.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+TissueModel law_model(const SpringMesh& mesh) {
+    const EnergyLaw law(mesh, law_heuristic(mesh, 450, "plane-strain", 12), {"spring.surface", "cell.layer", "contact.normal.phase"});
+    const Eigen::Vector3d p(0.4, -0.3, 0.5);
+    TissueModel model;
+    model.mesh = mesh;
+    model.energy_law = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
+    const Outline outline(mesh);
+    model.case_names = {"first", "second"};
+    model.contact_m.resize(2, 2);
+    model.direction.resize(2, 2);
+    model.magnitude_m = Eigen::Vector2d(0.003, 0.006);
+    for (int c : {0, 1}) {
+        model.contact_m.row(c) = outline.position((0.3 + 0.2 * c) * outline.length());
+        model.direction.row(c) = outline.direction((0.3 + 0.2 * c) * outline.length(), 0.2);
+    }
+    return model;
+}
+
+}  // namespace
+
+TEST_CASE("a law's tables hold all its energy, on a block and on a shape", "[export][law]") {
+    for (const SpringMesh& mesh : {make_lattice("grid8", 6, 5, 0.1, 0.1), edge_mesh(disc(12))}) {
+        const TissueModel model = law_model(mesh);
+        const LawTables t = law_tables(model);
+        const NodeField u = scattered(mesh, 0.003), x = mesh.nodes + u;
+        Eigen::VectorXd area = Eigen::VectorXd::Zero(t.area_m2.size());
+        for (std::size_t k = 0; k < t.edge_area.size(); ++k) {
+            const int i = t.edge_from[k], j = t.edge_to[k];
+            area[t.edge_area[k]] += (x(i, 0) * x(j, 1) - x(j, 0) * x(i, 1)) / 2;
+        }
+        double W = 0;
+        for (Eigen::Index e = 0; e < area.size(); ++e) W += t.area_N_m[e] * t.area_m2[e] * std::pow(area[e] / t.area_m2[e] - 1, 2) / 2;
+        for (int s = 0; s < mesh.spring_count(); ++s)
+            W += t.spring_N_m[s] * std::pow((x.row(mesh.springs(s, 0)) - x.row(mesh.springs(s, 1))).norm() - mesh.rest_length(s), 2) / 2;
+        CHECK(W == Approx(TissueEnergy(mesh, true).energy(model.energy_law->constants, u)).epsilon(tolerance::rounding));
+        CHECK(std::count(t.area_kind.begin(), t.area_kind.end(), "region") == 5);
+        CHECK(std::count(t.area_kind.begin(), t.area_kind.end(), "cell") == (mesh.topology == "edges" ? mesh.node_count() : 30));
+    }
+}
+
+TEST_CASE("a law's cases are pressed as it presses, one or all of them", "[export][law]") {
+    const TissueModel model = law_model(make_lattice("grid8", 6, 5, 0.1, 0.1));
+    const std::vector<PressedCase> all = pressed_cases(model, ""), second = pressed_cases(model, "second");
+    REQUIRE(all.size() == 2);
+    REQUIRE(second.size() == 1);
+    CHECK(second[0].load_case == 1);
+    CHECK(second[0].state.displacement == all[1].state.displacement);
+    CHECK(all[1].push_m.norm() == Approx(0.006));
+    // supports and hand together hold what the tissue asks for
+    CHECK((all[0].force_N.colwise().sum()).norm() <= tolerance::newton * all[0].force_N.norm());
+    CHECK_THAT(refusal<MismatchError>([&] { pressed_cases(model, "third"); }), Contains("'third'") && Contains("as first"));
+}
