@@ -435,8 +435,7 @@ Study::Variant read_variant(TomlReader in, const Study& study) {
     Study::Variant v;
     v.name = in.text("name");
     const auto count = static_cast<long>(study.springs.terms.size());
-    const auto kept = in.optional_integer("first_terms", 1, count).value_or(count);
-    v.terms.assign(study.springs.terms.begin(), study.springs.terms.begin() + kept);
+    v.terms.assign(study.springs.terms.begin(), study.springs.terms.begin() + in.optional_integer("first_terms", 1, count).value_or(count));
     v.area_cap_E2 = in.optional_number("area_cap_E2", area_caps).value_or(study.springs.area_cap_E2);
     v.shape_scale = in.optional_number("shape_scale", positive).value_or(study.training.shape_scale);
     const auto some_of = [&in](const char* key, const std::vector<double>& all) {
