@@ -2,8 +2,7 @@
 
 results/reference/STUDY.json   what a regression compares with (reference_record.py)
 results/reference/*.png        the figures that README shows
-README.md                      the tables between its markers, from the evaluations; what it says of plane stress, when
-                               results/surface-stress is there
+README.md                      the tables between its markers, from the evaluations, and from `make ablation STUDY=surface`
 """
 import json
 import re
@@ -25,7 +24,16 @@ LABELS = {
     "uniform": "one stiffness",
     "one_set": "one learned set for all cases",
 }
-SWEPT = {"surface": ("held_out", "held_out"), "organ": ("contours", "organ")}  # the figure README shows, and its name there
+DRAWN = {  # studies judged on drawn contacts, and what README calls their models
+    "surface": "**law**, plane strain (`surface`)",
+    "surface-quick": "law, half a minute (`surface-quick`)",
+    "surface-sets": "spring sets, the nearest serves (`surface-sets`)",
+    "surface-stress": "law, plane stress (`surface-stress`)",
+    "organ": "law, an organ's section (`organ`)",
+    "organ-lump": "law, its lump five times as stiff (`organ-lump`)",
+}
+SHOWN = [("surface", "shape", "shape"), ("surface", "held_out", "held_out"), ("surface", "ablation", "ablation"),
+         ("organ", "shape", "organ")]  # study, figure, and its name beside README
 STUDIES = {
     "paper": "4-connected, `isotropic` (`paper`)",
     "paper-axial": "4-connected, `axial` (`paper-axial`)",
@@ -81,28 +89,53 @@ def studies_table(evaluations):
     return rows
 
 
-def surface_table(e):
-    names = {"learned": "**learned law**", "untrained": "the same law untrained", "force_table": "FE force table",
-             "heuristic_a_patch": "heuristic, E2 = E t, springs alone under the law's contact",
-             "heuristic_b_patch": "heuristic, E2 = (C1 + C2) t, likewise",
-             "uniform_patch": "one stiffness, likewise"}
-    roles = [e["closed_loop"][role] for role in ("held_out", "held_out_full")]
+def roles_of(e, model):
+    return " | ".join(f"{three(role[model])} | {shape(role[model])}" for role in
+                      (e["closed_loop"]["held_out"], e["closed_loop"]["held_out_full"]))
+
+
+def surface_table(e, sets):
+    """The models of study surface, and what spring sets make of the same training contacts."""
+    names = {"learned": "**learned law**", "untrained": "the same law, nothing learned", "force_table": "FE force table",
+             "heuristic_a_patch": "heuristic, E2 = E t, without cells, under the law's contact",
+             "uniform_patch": "one stiffness, likewise",
+             "heuristic_a": "heuristic, E2 = E t, two-node contact", "uniform": "one stiffness, two-node contact"}
     rows = ["| model | held_out: force | held_out: shape | held_out_full: force | held_out_full: shape |",
             "|---|---|---|---|---|"]
-    for model in roles[0]:
-        label = names.get(model, LABELS.get(model, f"`{model}`"))
-        rows.append(f"| {label} | " + " | ".join(f"{three(role[model])} | {shape(role[model])}" for role in roles) + " |")
-    counts = {role: (e["closed_loop"][role]["learned"]["n"], len(e["lost"][role]))
-              for role in ("held_out", "held_out_full")}
-    rows.append("| contacts (and lost by FE) | " + " | | ".join(f"{n} ({lost})" for n, lost in counts.values()) + " | |")
+    for model, name in names.items():
+        rows.append(f"| {name} | {roles_of(e, model)} |")
+        if model == "untrained":
+            rows.append(f"| spring sets, the nearest serves (`surface-sets`) | {roles_of(sets, 'learned')} |")
     rows.append("| the truth's own error, finer mesh | " + three(e["truth_check"]) + " | | | |")
     return rows
 
 
-def stress_words(e):
-    learned = {role: e["closed_loop"][role]["learned"] for role in ("held_out", "held_out_full")}
-    return ["In plane stress (`make all STUDY=surface-stress`) the learned springs reach",
-            f"{three(learned['held_out'])} on `held_out` and", f"{three(learned['held_out_full'])} on `held_out_full`."]
+def drawn_table(evaluations):
+    rows = ["| model | numbers | FE paths | training | held_out: force | held_out: shape | held_out_full: force | "
+            "held_out_full: shape |", "|---|---|---|---|---|---|---|---|"]
+    for study, name in DRAWN.items():
+        e = evaluations[study]
+        t = e["training"]
+        numbers = len(t["terms"]) if "terms" in t else f"{t['sets']} sets"
+        paths = t.get("paths", evaluations["surface"]["training"]["paths"])  # sets have those of surface
+        rows.append(f"| {name} | {numbers} | {paths} | {t['seconds']:.2g} s | {roles_of(e, 'learned')} |")
+    return rows
+
+
+def ablation_table(variants):
+    rows = ["| numbers | FE paths | training | held_out: force | held_out: shape | held_out_full: force | held_out_full: shape |",
+            "|---|---|---|---|---|---|---|"]
+    for v in sorted(variants, key=lambda v: (v["fe_paths"], v["numbers"])):
+        cells = [f"{three(v[role]['learned'])} | {shape(v[role]['learned'])}" for role in ("held_out", "held_out_full")]
+        rows.append(f"| {v['numbers']} | {v['fe_paths']} | {v['seconds']:.2g} s | " + " | ".join(cells) + " |")
+    return rows
+
+
+def measured_table(e):
+    names = {"learned": "learned law", "force_table": "force table, interpolated", "heuristic_a": "heuristic, E2 = E t",
+             "heuristic_b": "heuristic, E2 = (C1 + C2) t", "uniform": "one stiffness", "repeat": "the same push measured again"}
+    rows = ["| model | held-out rows |", "|---|---|"]
+    return rows + [f"| {name} | {three(e['closed_loop']['held_out'][model])} |" for model, name in names.items()]
 
 
 def claim(e):
@@ -135,9 +168,7 @@ def main():
         results = ROOT / "results" / study
         evaluations[study] = json.loads((results / "eval.json").read_text())
         reference_record.write(REFERENCE / f"{study}.json", reference_record.of(results, "make reference"))
-    swept = {study: evaluations.pop(study) for study in SWEPT if study in evaluations}
-    for study in swept:
-        figure, name = SWEPT[study]
+    for study, figure, name in SHOWN:
         shutil.copyfile(ROOT / "results" / study / "figures" / f"{figure}.png", REFERENCE / f"{name}.png")
     for figure in FIGURES:
         shutil.copyfile(ROOT / "results" / "paper" / "figures" / f"{figure}.png", REFERENCE / f"{figure}.png")
@@ -145,12 +176,12 @@ def main():
     text = readme.read_text()
     text = fill(text, "results", results_table(evaluations["paper"]))
     text = fill(text, "claim", claim(evaluations["paper"]))
-    text = fill(text, "studies", studies_table(evaluations))
-    for study, evaluation in swept.items():
-        text = fill(text, study, surface_table(evaluation))
-    stress = ROOT / "results" / "surface-stress" / "eval.json"
-    if stress.exists():
-        text = fill(text, "stress", stress_words(json.loads(stress.read_text())))
+    text = fill(text, "studies", studies_table({s: e for s, e in evaluations.items() if s in STUDIES}))
+    text = fill(text, "surface", surface_table(evaluations["surface"], evaluations["surface-sets"]))
+    text = fill(text, "drawn", drawn_table(evaluations))
+    ablation = json.loads((ROOT / "results" / "surface" / "ablation.json").read_text())
+    text = fill(text, "ablation", ablation_table(ablation["variants"]))
+    text = fill(text, "measured", measured_table(evaluations["measured"]))
     readme.write_text(text)
 
 

@@ -43,7 +43,7 @@ LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triang
 ///   A_c = cap / (1 + (cap / heuristic_c - 1) exp(-sum_t p_t term_t(c))): the same, bending below the cap.
 /// Positive whatever p, the same whatever pushes. A term is WHAT.FACTOR.FACTOR..., the product of its factors:
 ///   spring, cell    all         1
-///                   surface     1 for a segment of the free surface, and for a cell that has one
+///                   surface     1 for a segment of the free surface, for a cell that has one, and about a node on it
 ///                   layer       exp(-depth / spacing) below the free surface; spacing: mean of the surface's segments
 ///                   held        1 where one but not all nodes are held
 ///                   x2 x4 y y2 y3 y4   powers of the place, over the half sizes of the mesh, from its middle
