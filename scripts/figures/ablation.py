@@ -28,15 +28,13 @@ def draw(axes, variants, key, note):
             axes.plot(at, [error_of(v, error, measure) for v in variants], style, color=colour, markersize=4,
                       label=f"{error}, {measure}")
     for v in variants:
-        axes.annotate(note(v), (v[key], 0.98), xycoords=("data", "axes fraction"), ha="center", va="top", fontsize=8)
+        axes.annotate(note(v), (v[key], 0.97), xycoords=("data", "axes fraction"), ha="center", va="top", fontsize=8)
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xticks(at, [str(a) for a in at])
     axes.minorticks_off()
     ticks = (0.5, 1, 2, 5, 10, 20)
     axes.set_yticks(ticks, [f"{t:g} %" for t in ticks])
-    top = max(error_of(v, error, "max") for v in variants for error, _ in ERRORS)
-    axes.set_ylim(top=1.6 * top)  # room for the notes
     axes.grid(color="0.9")
 
 
@@ -51,11 +49,14 @@ def main():
     figure, (paths, numbers) = plt.subplots(1, 2, figsize=(13, 4.8), layout="constrained", sharey=True)
     draw(paths, [whole] + [v for v in same if v not in same_paths], "fe_paths", lambda v: f"{v['numbers']} numbers")
     draw(numbers, same_paths, "numbers", lambda v: "")
+    paths.margins(x=0.08)
     paths.set_xlabel("FE load paths trained on")
     paths.set_ylabel("closed-loop error, held out, core range")
     paths.tick_params(labelleft=True)
     numbers.set_xlabel(f"numbers in the law, {whole['fe_paths']} paths")
     numbers.legend(frameon=False, fontsize=8, ncols=2, loc="upper right")
+    top = max(error_of(v, error, "max") for v in same for error, _ in ERRORS)
+    paths.set_ylim(top=1.6 * top)  # room for the notes
     figure.suptitle("What finite elements and numbers buy")
     save(figure, sys.argv[2])
 
