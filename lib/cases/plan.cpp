@@ -89,10 +89,10 @@ std::string train_part(const Study& s) {
                                      s.modulus_N_m(), s.material.density_kg_m3, s.geometry.thickness_m, t.force_scale,
                                      t.shape_scale, t.ridge, t.starts, t.seed);
     return regions + fmt::format(
-        "springs {} {}\nobjective {} ridge {} {} reach {}\nmodulus {}\ndensity {}\nthickness {}\noptimizer {} also {}\nseed {}\niterations {}\n"
+        "springs {} {}\nobjective {} ridge {}\nmodulus {}\ndensity {}\nthickness {}\noptimizer {} also {}\nseed {}\niterations {}\n"
         "max_seconds {}\ntarget_rel_loss {}\nbox {} {}\nweight_near {} {}\nweight_far {} {}\n",
-        s.springs.topology, s.springs.law, t.objective, t.ridge, t.one_set_ridge, t.reach_m, s.modulus_N_m(), s.material.density_kg_m3, s.geometry.thickness_m,
-        t.optimizer, fmt::join(t.also, " "), t.seed, t.iterations, optional(t.max_seconds), optional(t.target_rel_loss),
+        s.springs.topology, s.springs.law, t.objective, t.ridge, s.modulus_N_m(), s.material.density_kg_m3,
+        s.geometry.thickness_m, t.optimizer, fmt::join(t.also, " "), t.seed, t.iterations, optional(t.max_seconds), optional(t.target_rel_loss),
         t.k_min_E2, t.k_max_E2, t.weight_near[0], t.weight_near[1], t.weight_far[0], t.weight_far[1]);
 }
 
@@ -138,7 +138,6 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         study.springs.is_law() ? study.data            ? "held_out"
                                  : study.draws.empty() ? "contours"
                                                        : "held_out held_out_force shape contours"
-        : study.data        ? "held_out springs"
         : study.loads.sweep ? "held_out held_out_force shape contours springs"
                             : "contours force learning springs errors character");
     plan.parts["collect"] = collect_part(study, paths);

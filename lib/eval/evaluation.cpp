@@ -91,6 +91,8 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
                 cases.nodes.isApprox(model.mesh.nodes, 1e-9);
     for (std::size_t c = 0; same && c < loads.size(); ++c) same = loads[c].name == model.case_names[c];
     if (!same) throw MismatchError("the model was trained on other cases than these");
+    if (cases.measurement && !model.energy_law)  // of an earlier program
+        throw MismatchError("these cases are measured: they can judge a law, and this model is of sets");
 
     const std::unique_ptr<SpringLaw> law = make_spring_law(model.law);
     std::vector<SurfacePoint> contacts;
@@ -103,7 +105,7 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
 
     Evaluation result;
     result.measurement = cases.measurement;
-    result.listed = model.case_count() <= listed_cases && !cases.measurement && !model.energy_law;
+    result.listed = model.case_count() <= listed_cases && !model.energy_law;
     const bool listed = result.listed;
     result.study = model.study;
     result.trained = model.books.trained;

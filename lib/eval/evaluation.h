@@ -15,7 +15,7 @@ namespace tissue {
 
 /// How well one stiffness model does at one load case.
 struct CaseError {
-    ForceError open_loop{};      ///< not of measured cases: nobody knows u inside; nor beside a law: no Q
+    ForceError open_loop{};      ///< not beside a law, which has no Q
     ContactError closed_loop{};
 };
 
@@ -58,14 +58,14 @@ struct Evaluation {
     bool listed = true;                                          ///< with curves, front and the springs' character
     std::vector<FrontPoint> front;                               ///< loss against distance from the heuristic
 
-    bool open_loop() const { return !measurement && !energy_law; }  ///< whether the cases' open-loop errors are known
+    bool open_loop() const { return !energy_law; }  ///< whether the cases' open-loop errors are known
     const ModelErrors& model(const std::string& name) const;
 };
 
 /// Sec. 3 and 5: every trained spring set and every baseline at the load cases they were trained on.
-/// Throws MismatchError when model and cases do not belong together.
+/// Throws MismatchError when model and cases do not belong together, or measured cases are to judge sets.
 /// Of a law: its closed loop, and that of the untrained baselines.
-/// Curves, the front and what the springs are like are left to FE studies of up to `listed_cases` load cases.
+/// Curves, the front and what the springs are like are left to sets of up to `listed_cases` load cases.
 /// k_min, k_max: the box of the training [N/m], for the front.
 constexpr int listed_cases = 100;
 Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m, int threads);

@@ -248,11 +248,6 @@ std::string to_markdown(const Evaluation& e) {
         e.optimum.seconds, e.optimum.kkt_residual.maxCoeff(),
         e.optimum.status.empty() ? "" : " (" + counted(e.optimum.status) + ")");
 
-    if (e.measurement)
-        return out +
-               "Contact forces alone make the whole problem one that is not convex, and no certificate covers it: loss, gap "
-               "and proof are those of each set's last linearised step.\n" +
-               figures_markdown({"held_out", "springs"});
     if (!e.listed) return out + figures_markdown({"held_out", "held_out_force", "shape", "contours", "springs"});
     out += "\n| set | L_lb mN | L_lb relative |";
     for (const TrainingBook& t : e.trained) out += fmt::format(" {}: L relative / gap / restarts / status |", t.optimizer);

@@ -160,39 +160,4 @@ std::optional<Eigen::MatrixXd> contact_sensitivity(const SpringMesh& mesh, const
     return free.scatter_columns(held.sensitivity());
 }
 
-std::optional<std::vector<ContactResponse>> contact_responses(const SpringMesh& mesh, const SpringLaw& law,
-                                                              const Eigen::VectorXd& theta,
-                                                              const std::vector<SurfacePoint>& contacts,
-                                                              const std::vector<Eigen::VectorXd>& pushes_m,
-                                                              EquilibriumStatus& status) {
-    std::vector<ContactResponse> responses;
-    if (!law.linear_in_displacement()) {
-        for (std::size_t c = 0; c < contacts.size(); ++c) {
-            Equilibrium state = solve_equilibrium(mesh, law, theta, contacts[c], pushes_m[c]);
-            status = state.status;
-            if (!state) return std::nullopt;
-            const auto G = contact_sensitivity(mesh, law, theta, contacts[c], state.displacement);
-            responses.push_back({std::move(state), *G});  // there is one where the tangent is positive definite
-        }
-        return responses;
-    }
-
-    const NodeField rest = NodeField::Zero(mesh.node_count(), mesh.dimension());
-    const FreeNumbering free(mesh);
-    const FreeTangent tangent(law.stiffness(mesh, theta, rest), free);
-    for (std::size_t c = 0; c < contacts.size(); ++c) {
-        const Eigen::MatrixXd W = contact_weights(mesh, contacts[c], free);
-        status = EquilibriumStatus::contact_fixed;
-        if (!weighs_on_free_nodes(W)) return std::nullopt;
-        const HeldTangent held(tangent, W);
-        status = at_rest(held.definiteness());
-        if (status != EquilibriumStatus::balanced) return std::nullopt;
-        const HeldTangent::Step step = held.solve(Eigen::VectorXd::Zero(free.count), pushes_m[c]);
-        Equilibrium state{rest, step.force, status};
-        free.add(step.du, state.displacement);
-        responses.push_back({std::move(state), free.scatter_columns(held.sensitivity())});
-    }
-    return responses;
-}
-
 }  // namespace tissue

@@ -2,7 +2,6 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "springs/spring_law.h"
 
@@ -50,20 +49,5 @@ Equilibrium solve_equilibrium(const SpringMesh& mesh, const SpringLaw& law, cons
 std::optional<Eigen::MatrixXd> contact_sensitivity(const SpringMesh& mesh, const SpringLaw& law,
                                                    const Eigen::VectorXd& theta, const SurfacePoint& contact,
                                                    const NodeField& u);
-
-/// An equilibrium and its compliance.
-struct ContactResponse {
-    Equilibrium state;
-    Eigen::MatrixXd sensitivity;  ///< G of contact_sensitivity at that state (D x N*D)
-};
-
-/// solve_equilibrium and contact_sensitivity for many contacts of one mesh, push by push; a law that is linear in
-/// displacement is factorised once for all. Nothing, and the first contact's status that is not `balanced`, as soon as
-/// one has no answer.
-std::optional<std::vector<ContactResponse>> contact_responses(const SpringMesh& mesh, const SpringLaw& law,
-                                                              const Eigen::VectorXd& theta,
-                                                              const std::vector<SurfacePoint>& contacts,
-                                                              const std::vector<Eigen::VectorXd>& pushes_m,
-                                                              EquilibriumStatus& status);
 
 }  // namespace tissue

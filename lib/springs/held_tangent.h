@@ -27,7 +27,7 @@ enum class Definiteness {
     negative   ///< the first that is not is < -1e-10 p: some displacement is driven on
 };
 
-/// A tangent K of the free degrees of freedom (F x F) and its factorisation, which serves every contact.
+/// A tangent K of the free degrees of freedom (F x F) and its factorisation.
 struct FreeTangent {
     SparseMatrix K;
     Eigen::SimplicialLDLT<SparseMatrix> factor;

@@ -22,19 +22,6 @@ const Range positive{0, std::numeric_limits<double>::infinity(), true};
 const Range not_negative{0};
 const Range area_caps{1.0 / 3, 1000, true};
 
-/// Names of the objectives; with `nodes` false, of those alone that ask for nothing inside.
-std::vector<std::string> objective_names(bool nodes = true) {
-    std::vector<std::string> names;
-    for (const ObjectiveKind& kind : objective_kinds())
-        if (nodes || !kind.nodes) names.push_back(kind.name);
-    return names;
-}
-
-bool needs_nodes(const std::string& objective) {
-    const std::vector<std::string> without = objective_names(false);
-    return std::find(without.begin(), without.end(), objective) == without.end();
-}
-
 toml::table parse(const std::string& file) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error)) throw FileError(one_line(file) + ": there is no such study file");
@@ -48,8 +35,8 @@ void erase_from(toml::table& base, const char* section, std::initializer_list<co
 }
 
 /// Keys of [training] that belong to one kind of stiffness alone.
-const std::vector<const char*> sets_keys = {"optimizer", "also",      "objective",       "one_set_ridge", "reach_m",  "iterations",
-                                            "ridge",     "max_seconds", "target_rel_loss", "k_min_E2",      "k_max_E2", "weight_near",
+const std::vector<const char*> sets_keys = {"optimizer",   "also",            "objective", "ridge",    "iterations",
+                                            "max_seconds", "target_rel_loss", "k_min_E2",  "k_max_E2", "weight_near",
                                             "weight_far"};
 const std::vector<const char*> law_keys = {"force_scale", "shape_scale", "starts", "ridge"};
 
@@ -280,10 +267,12 @@ Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const St
     return loads;
 }
 
-Study::Springs read_springs(TomlReader in, const Study::Geometry& geometry) {
+Study::Springs read_springs(TomlReader in, const Study::Geometry& geometry, bool measured) {
     Study::Springs s;
     s.topology = in.choice("topology", topologies_of(geometry));
     s.stiffness = in.has("stiffness") ? in.choice("stiffness", {"sets", "law"}) : "sets";
+    if (measured && !s.is_law())
+        in.refuse("stiffness", "must be \"law\" beside [data]: sets are trained on nodes inside, and none was measured");
     if (!s.is_law()) {
         for (const char* key : {"terms", "area_cap_E2"})
             if (in.has(key)) in.refuse(key, "belongs to stiffness = \"law\"");
@@ -336,11 +325,6 @@ Study::Training read_training(TomlReader in) {
         if (!is_optimizer(other)) in.refuse("also", "'" + other + "' " + allowed);
     t.objective = in.has("objective") ? in.choice("objective", objective_names()) : objective_names().front();
     t.ridge = in.optional_number("ridge", not_negative).value_or(0);
-    t.one_set_ridge = in.optional_number("one_set_ridge", not_negative).value_or(t.ridge);
-    t.reach_m = in.optional_number("reach_m", not_negative).value_or(0);
-    for (const char* key : {"one_set_ridge", "reach_m"})
-        if (in.has(key) && needs_nodes(t.objective))
-            in.refuse(key, fmt::format("belongs to objective '{}'", fmt::join(objective_names(false), "' or '")));
     t.seed = static_cast<unsigned long>(in.integer("seed", 0, std::numeric_limits<int>::max()));
     t.iterations = static_cast<int>(in.integer("iterations", 1, 100'000'000));
     t.max_seconds = in.optional_number("max_seconds", positive);
@@ -350,8 +334,6 @@ Study::Training read_training(TomlReader in) {
     if (!(t.k_min_E2 <= 0.5)) in.refuse("k_min_E2", "must be at most 0.5, or the heuristic starts outside the box");
     if (!(t.k_max_E2 >= 1)) in.refuse("k_max_E2", "must be at least 1, or the heuristic starts outside the box");
     const auto weights = [&](const char* key, double (&out)[2]) {
-        std::fill(out, out + 2, 1);
-        if (!needs_nodes(t.objective) && !in.has(key)) return;  // it has no nodes to weigh
         const std::vector<double> range = in.numbers(key, 2, {0, 1});
         if (range[0] > range[1]) in.refuse(key, "must be [smallest, largest]");
         std::copy(range.begin(), range.end(), out);
@@ -504,7 +486,7 @@ Study read_study(const std::string& file) {
     else
         read_fe(in, study);
 
-    study.springs = read_springs(in.table("springs"), study.geometry);
+    study.springs = read_springs(in.table("springs"), study.geometry, study.data.has_value());
     const bool law = study.springs.is_law();
     const toml::table nothing;  // a law has a default for every key
     if (law) {
@@ -512,9 +494,6 @@ Study read_study(const std::string& file) {
         study.training = read_law_training(training, study.data.has_value());
     } else
         study.training = read_training(in.table("training"));
-    if (study.data && !law && needs_nodes(study.training.objective))
-        in.table("training").refuse("objective", fmt::format("must be '{}' beside [data]: nothing inside was measured",
-                                                             fmt::join(objective_names(false), "' or '")));
     if (in.has("draws")) {
         if (!study.loads.sweep) in.refuse("draws", "needs a study with loads.sweep");
         read_draws(in.table("draws"), study);

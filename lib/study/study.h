@@ -114,11 +114,8 @@ struct Study {
     struct Training {
         std::string optimizer;
         std::vector<std::string> also;  ///< other optimisers, trained and evaluated for comparison
-        std::string objective;             ///< force: (9); contact: the force the contact itself carries; reaction:
-                                           ///< that alone, with no word on the nodes inside
-        double ridge;                      ///< towards the one set that serves all cases best; 0: none
-        double one_set_ridge;              ///< of objective reaction: of that one set towards the scaled heuristic
-        double reach_m;                    ///< of objective reaction: how near other contacts and pushes count too
+        std::string objective;             ///< force: (9); contact: the force the contact itself carries
+        double ridge;                      ///< towards the heuristic; 0: none
         unsigned long seed;
         int iterations;
         std::optional<double> max_seconds, target_rel_loss;  ///< stop criteria of Fig. 5

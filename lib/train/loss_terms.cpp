@@ -11,6 +11,20 @@ void append(std::vector<Eigen::Triplet<double>>& entries, const SparseMatrix& bl
             entries.emplace_back(static_cast<int>(first_row + it.row()), c, it.value());
 }
 
+/// The loss with more rows: L^2 + |extra theta - wanted|^2. extra (M x S), wanted (M).
+ForceLoss with_rows(const ForceLoss& loss, const SparseMatrix& extra, const Eigen::VectorXd& wanted) {
+    const Eigen::Index rows = loss.matrix().rows();
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(static_cast<std::size_t>(loss.matrix().nonZeros() + extra.nonZeros()));
+    append(entries, loss.matrix(), 0);
+    append(entries, extra, rows);
+    SparseMatrix matrix(rows + extra.rows(), loss.matrix().cols());
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    Eigen::VectorXd target(matrix.rows());
+    target << loss.target(), wanted;
+    return {matrix, target, Eigen::VectorXd::Ones(matrix.rows())};
+}
+
 }  // namespace
 
 Target force_target(const LoadCase& load, const Eigen::VectorXd& node_weight) {
@@ -40,19 +54,6 @@ Target contact_target(const SpringMesh& mesh, const LoadCase& load, const Surfac
 
 ForceLoss loss_of(const SpringMesh& mesh, const SpringLaw& law, const Target& target) {
     return {law.force_matrix(mesh, target.displacement), as_vector(target.force), as_vector(target.weight)};
-}
-
-ForceLoss with_rows(const ForceLoss& loss, const SparseMatrix& extra, const Eigen::VectorXd& wanted) {
-    const Eigen::Index rows = loss.matrix().rows();
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(static_cast<std::size_t>(loss.matrix().nonZeros() + extra.nonZeros()));
-    append(entries, loss.matrix(), 0);
-    append(entries, extra, rows);
-    SparseMatrix matrix(rows + extra.rows(), loss.matrix().cols());
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    Eigen::VectorXd target(matrix.rows());
-    target << loss.target(), wanted;
-    return {matrix, target, Eigen::VectorXd::Ones(matrix.rows())};
 }
 
 ForceLoss with_ridge(const ForceLoss& loss, double ridge, const Eigen::VectorXd& theta0) {

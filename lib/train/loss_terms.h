@@ -29,9 +29,6 @@ Target contact_target(const SpringMesh& mesh, const LoadCase& load, const Surfac
 
 ForceLoss loss_of(const SpringMesh& mesh, const SpringLaw& law, const Target& target);
 
-/// The loss with more rows: L^2 + |extra theta - wanted|^2. extra (M x S), wanted (M).
-ForceLoss with_rows(const ForceLoss& loss, const SparseMatrix& extra, const Eigen::VectorXd& wanted);
-
 /// L^2 + ridge c |theta - theta0|^2, c the mean squared column of the loss's matrix, so that ridge is a pure number.
 ForceLoss with_ridge(const ForceLoss& loss, double ridge, const Eigen::VectorXd& theta0);
 

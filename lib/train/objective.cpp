@@ -1,7 +1,5 @@
 #include "train/objective.h"
 
-
-#include "error.h"
 #include "study/kinds.h"
 #include "train/objectives.h"
 
@@ -31,17 +29,12 @@ const Registry<std::shared_ptr<const Objective>>& objectives() {
         {
             std::make_shared<ForceObjective>(),
             std::make_shared<ContactObjective>(),
-            std::make_shared<ReactionObjective>(),
         },
         [](const auto& objective) { return objective->name(); });
     return all;
 }
 
-std::vector<ObjectiveKind> objective_kinds() {
-    std::vector<ObjectiveKind> kinds;
-    for (const auto& objective : objectives().kinds()) kinds.push_back({objective->name(), objective->needs_nodes()});
-    return kinds;
-}
+std::vector<std::string> objective_names() { return objectives().names(); }
 
 TrainingProblems node_problems(const TrainingData& data, const std::vector<Target>& targets) {
     TrainingProblems p;

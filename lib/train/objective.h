@@ -29,13 +29,13 @@ struct TrainingData {
 /// How a problem came about: that of one load case, or that of the one set which serves all of them. f is the force the
 /// springs are to hold, K the stiffness of the free nodes.
 enum class ProblemStatus {
-    posed,            ///< as the objective says it; what had to be solved for it converged (ReactionStatus, LsqStatus)
+    posed,            ///< as the objective says it; what had to be solved for it converged (LsqStatus)
     floppy,           ///< "contact": a pivot of K <= 1e-10 of the largest, at the heuristic or one step from it, so the contact
                       ///< has no compliance of the set's own: the nodes count alone, or with the heuristic's compliance
     no_force,         ///< |f| = 0, of every case where it is the one set's: nothing is relative to it; of the one set: the heuristic
     singular,         ///< of the one set: a pivot <= 0 of the sum of normal matrices and its ridge (joint_loss); it is the heuristic
-    stalled,          ///< of the fit or the exact solver: ReactionStatus::stalled, LsqStatus::stalled
-    iterations_done   ///< of the fit or the exact solver: ReactionStatus::iterations_done, LsqStatus::iterations_done
+    stalled,          ///< of the one set: LsqStatus::stalled
+    iterations_done   ///< of the one set: LsqStatus::iterations_done
 };
 
 /// The status in the words of reports: "posed", ...
@@ -59,17 +59,14 @@ class Objective {
     virtual ~Objective() = default;
     virtual std::string name() const = 0;
 
-    /// False when the contact's force is all it needs: measured contacts will do, and there are no nodes for Q to weigh.
-    virtual bool needs_nodes() const { return true; }
-
-    /// Non-convergence is a status of its problem. Throws MismatchError for data that it cannot work with at all.
+    /// Non-convergence is a status of its problem.
     virtual TrainingProblems pose(const TrainingData& data) const = 0;
 };
 
 /// Every objective there is; each in a file of its own. The paper's comes first, which a study has that names none.
 const Registry<std::shared_ptr<const Objective>>& objectives();
 
-/// One problem a case out of its target and nothing else, every start the heuristic: what objectives on nodes begin with.
+/// One problem a case out of its target and nothing else, every start the heuristic: what objectives begin with.
 TrainingProblems node_problems(const TrainingData& data, const std::vector<Target>& targets);
 
 /// The set that serves all the losses best: their joint problem, solved exactly.

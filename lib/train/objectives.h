@@ -19,13 +19,4 @@ class ContactObjective final : public Objective {
     TrainingProblems pose(const TrainingData& data) const override;
 };
 
-/// That in closed loop with nothing known inside: contact forces alone (reaction.h), each set with its neighbours'
-/// readings. The heuristic, scaled to the readings, is the prior of the one set, and that one the prior of every other.
-class ReactionObjective final : public Objective {
-   public:
-    std::string name() const override { return "reaction"; }
-    bool needs_nodes() const override { return false; }
-    TrainingProblems pose(const TrainingData& data) const override;
-};
-
 }  // namespace tissue

@@ -18,11 +18,11 @@ int rows_of(const PressPath::Record& record) { return 2 + static_cast<int>(recor
 
 }  // namespace
 
-std::vector<PressPath> press_paths(const Cases& cases, const SpringMesh& mesh, const std::string& role, bool deepest_only) {
+std::vector<PressPath> press_paths(const Cases& cases, const SpringMesh& mesh) {
     const Outline outline(mesh);
     std::vector<PressPath> paths;
     for (const LoadPath& path : cases.paths) {
-        if (path.role != role || (deepest_only && !path.lost.empty())) continue;
+        if (path.role != "train") continue;
         PressPath& out = paths.emplace_back();
         out.name = path.name;
         out.arc_m = outline.arc_of(path.contact_m);
@@ -30,8 +30,7 @@ std::vector<PressPath> press_paths(const Cases& cases, const SpringMesh& mesh, c
             const bool asked = cases.magnitudes_m.empty() ||
                                std::any_of(cases.magnitudes_m.begin(), cases.magnitudes_m.end(),
                                            [&](double m) { return std::abs(m - record.magnitude_m) < 1e-9; });
-            const bool wanted = deepest_only ? &record == &path.records.back() : asked;
-            if (wanted && record.magnitude_m > 0)
+            if (asked && record.magnitude_m > 0)
                 out.records.push_back({path.push_m(record), record.contact_force_N, record.displacement});
         }
         if (out.records.empty()) paths.pop_back();

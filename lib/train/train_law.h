@@ -21,9 +21,8 @@ struct PressPath {
     std::vector<Record> records;  ///< ascending
 };
 
-/// The cases' paths of a role, each at the cases' magnitudes; `deepest_only`: at its deepest record, as drawn contacts
-/// count. Paths that FE lost give what they reached.
-std::vector<PressPath> press_paths(const Cases& cases, const SpringMesh& mesh, const std::string& role, bool deepest_only);
+/// The cases' training paths, each at the cases' magnitudes. Paths that FE lost give what they reached.
+std::vector<PressPath> press_paths(const Cases& cases, const SpringMesh& mesh);
 
 struct LawTrainingOptions {
     double force_scale = 0.01;    ///< an error of 1 % of |F| counts 1

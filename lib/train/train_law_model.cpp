@@ -10,7 +10,7 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     if (!study.springs.is_law()) throw MismatchError("study '" + study.name + "' has no law: its stiffness is sets");
     TrainedModel model = untrained_model(study, cases, load_cases(cases));
     const Cases kept = without_mirrors(cases);
-    const std::vector<PressPath> paths = press_paths(kept, model.mesh, "train", false);
+    const std::vector<PressPath> paths = press_paths(kept, model.mesh);
 
     LawTrainingOptions options;
     options.force_scale = study.training.force_scale;

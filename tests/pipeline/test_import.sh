@@ -23,7 +23,6 @@ for i in range(24):
 PY
 sed -e 's/^cells = .*/cells = [4, 4]/' -e 's/block_measured/tiny/' -e 's/^thickness_m = .*/thickness_m = 0.005/' \
     "$root/fem/studies/measured.toml" >"$work/fem/studies/tiny.toml"
-sed 's/^based_on = .*/based_on = "tiny"/' "$root/fem/studies/measured-sets.toml" >"$work/fem/studies/tiny-sets.toml"
 
 # ---- from the CSV to the report
 make_tiny all -j2
@@ -46,12 +45,6 @@ for model in sys.argv[2:]:
 assert held_out["learned"]["median"] < held_out["uniform"]["median"], held_out' "$@"
 }
 check "every rival stands beside the law on held-out rows" rivals "$R/eval.json" learned force_table heuristic_a heuristic_b uniform repeat
-run make PYTHON="$PYTHON" STUDY=tiny-sets all -j2
-check "the same forces train sets" exited 0
-check "every rival stands beside the sets, the one set for all too" rivals "$work/results/tiny-sets/eval.json" \
-    learned one_set force_table heuristic_a heuristic_b uniform repeat
-check "the sets' report says that no certificate covers the whole" grep -q 'no certificate covers it' "$work/results/tiny-sets/report.md"
-check "sets have a figure of their springs" exist "$work/results/tiny-sets/figures/springs.png"
 
 # ---- once more, and after an edit
 snapshot "$R" >"$scratch/before"
@@ -80,6 +73,11 @@ check "a CSV that is not there: exit 1" exited 1
 check "one line names it" one_line '^tissuectl: fem/data/tiny.csv: '
 tissuectl import fem/data/block_measured.csv --study fem/studies/paper.toml --out results/tiny/cases.h5
 check "a study without [data]: one line says so" one_line '^tissuectl: fem/studies/paper.toml: has no \[data\]'
+tissuectl train --study fem/studies/paper.toml --cases results/tiny/cases.h5 --out results/tiny/model.h5
+check "a study of sets, trained on measured cases: one line says why not" one_line "^tissuectl: these cases are measured: .*'paper' has sets"
+printf 'based_on = "tiny"\n[springs]\nstiffness = "sets"\nlaw = "axial"\n' >"$work/fem/studies/tiny-sets.toml"
+tissuectl plan --study fem/studies/tiny-sets.toml --out results/tiny/plan.mk
+check "sets beside [data]: one line names key and reason" one_line "^tissuectl: fem/studies/tiny-sets.toml:[0-9]*: key 'springs.stiffness': must be .*none was measured"
 tissuectl collect --study fem/studies/tiny.toml --paths results/tiny/cases --out results/tiny/cases.h5
 check "load paths for a study of measured data: one line says so" one_line '^tissuectl: fem/studies/tiny.toml: has \[data\]'
 check "and results are untouched still" only_changed "$scratch/before" "$R" ""

@@ -107,10 +107,7 @@ TEST_CASE("a study's law is trained back to the coefficients that made its cases
 }
 
 TEST_CASE("from forces alone a law finds its constants again, whatever the material was taken for", "[law][measured]") {
-    Study study = measured_study();
-    study.springs = example_study(law_text()).springs;
-    study.springs.terms = {"spring.all", "spring.surface", "cell.all", "contact.normal", "contact.tangent", "contact.rotation", "contact.stretch"};
-    study.training = example_study(law_text()).training;
+    const Study study = measured_study();
     const SpringMesh mesh = measured_mesh();
     constexpr double stiffer = 3;  // than the study's material says
     const EnergyLaw law = study_law(study, {}, mesh, stiffer);
@@ -140,8 +137,15 @@ TEST_CASE("from forces alone a law finds its constants again, whatever the mater
     const DrawnContacts* held_out = evaluation.held_out.role("held_out");
     REQUIRE(held_out);
     CHECK(held_out->statistics(0).force.max < 1e-4);
+    CHECK(evaluation.model("heuristic_a").closed_loop().force.median > 0.01);  // it was not there to begin with
     CHECK_THAT(to_markdown(evaluation), Contains("measured paths") && Contains("times the study's E2, as the forces have it") && !Contains("shape"));
-    CHECK_THAT(to_json(evaluation, 11), Contains("\"factor\"") && !Contains("\"shape"));
+    CHECK_THAT(to_json(evaluation, 11), Contains("\"factor\"") && !Contains("shape"));  // nobody saw inside
+
+    Study sets = example_study();
+    CHECK_THAT(refusal<MismatchError>([&] { train_sets(sets, cases, 1); }), Contains("measured") && Contains("'" + sets.name + "' has sets"));
+    TrainedModel earlier = model;  // of sets, as earlier programs trained them on such cases
+    earlier.energy_law.reset();
+    CHECK_THAT(refusal<MismatchError>([&] { evaluate(earlier, cases, 0, 0, 1); }), Contains("measured") && Contains("sets"));
 }
 
 TEST_CASE("a model whose stiffness is a law comes back from its file as it was, in a format that earlier programs refuse", "[law]") {
