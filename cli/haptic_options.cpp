@@ -22,9 +22,7 @@ void add_haptic_options(CLI::App& app, HapticChoices& c) {
         return add_number(app, name, value, unit, meaning);
     };
     app.add_option("--sets", h.sets, "an optimiser of the model, or optimum")->type_name("NAME");
-    app.add_option("--select", c.select, "spring sets: nearest, blended, or auto: blended where they lie densely enough")
-        ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember({"auto", "nearest", "blended"})));
-    app.add_option("--select-by", c.select_by, "displacement of the contact, or force (the paper's)")
+    app.add_option("--select-by", c.select_by, "the nearest spring set by displacement of the contact, or by force (the paper's)")
         ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember({"displacement", "force"})));
     number("--innovation", h.innovation, "1", "gamma of (19): share of the new set a tick")->check(quiet(CLI::Range(1e-9, 1.0)));
     std::vector<std::string> steps = {"auto"};
@@ -45,9 +43,7 @@ void add_haptic_options(CLI::App& app, HapticChoices& c) {
 
 void settle(HapticChoices& c) {
     HapticOptions& h = c.haptic;
-    using Mode = SelectorOptions::Mode;
-    h.selector.mode = c.select == "auto" ? Mode::automatic : c.select == "blended" ? Mode::blended : Mode::nearest;
-    h.selector.by = c.select_by == "force" ? SelectorOptions::By::force : SelectorOptions::By::displacement;
+    h.select_by = c.select_by == "force" ? SelectBy::force : SelectBy::displacement;
     h.heuristic_mesh = !c.no_heuristic;
     h.safety.passivity = !c.no_passivity;
 }

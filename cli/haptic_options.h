@@ -9,7 +9,7 @@ namespace tissue::cli {
 
 /// Options of the realtime core that `tissue-haptic` and `tissuectl serve` share.
 struct HapticChoices {
-    std::string select = "auto", select_by = "displacement";
+    std::string select_by = "displacement";
     bool no_heuristic = false, no_passivity = false, no_realtime = false;
     HapticOptions haptic;     ///< whole after settle()
 };

@@ -50,18 +50,18 @@ Json optional(const std::optional<double>& value) {
 
 std::string describe(const std::string& program, const HapticModel& model, const Device& device) {
     const HapticOptions& o = model.options;
-    std::string text = fmt::format("{}: study '{}', sets {} ({}, by {}), device {}\n", program, model.study, o.sets,
-                                   o.selector.mode == SelectorOptions::Mode::nearest ? "nearest" : "blended",
-                                   o.selector.by == SelectorOptions::By::force ? "force" : "displacement", device.name());
+    const std::string stiffness =
+        model.is_law() ? "a law" : fmt::format("sets {} (nearest, by {})", o.sets, o.select_by == SelectBy::force ? "force" : "displacement");
+    std::string text = fmt::format("{}: study '{}', {}, device {}\n", program, model.study, stiffness, device.name());
     for (const auto& mesh : model.meshes)
-        text += fmt::format("  {:<10} {} step: omega dt = {:.3f} (symplectic up to 1.8), lowest mode {:.3g} Hz, damping {:.3g}/s\n",
-                            mesh->name, mesh->dynamics, std::sqrt(mesh->largest_eigenvalue_1_s2) * o.dt_s,
-                            mesh->lowest_frequency_Hz, mesh->damping_1_s);
-    if (model.stiffness->floppy() > 0)
-        text += "  the learned mesh can move for nothing: its shape at rest is not determined\n";
-    text += fmt::format("  coupling up to {:.3g} N/m, force scale {:g}, position scale {:g}, at most {:g} N, {:g} N/s, {:g} m/s\n",
-                        o.coupling_ratio * model.stiffness->largest(), o.map.force_scale, o.map.scale,
-                        o.safety.force_max_N, o.safety.slew_N_s, o.safety.speed_max_m_s);
+        text += fmt::format("  {:<10} {} step{}: omega dt = {:.3f} (symplectic up to 1.8 a step), lowest mode {:.3g} Hz, damping {:.3g}/s\n",
+                            mesh->name, mesh->dynamics, mesh->substeps > 1 ? fmt::format(", {} a tick", mesh->substeps) : "",
+                            std::sqrt(mesh->largest_eigenvalue_1_s2) * o.dt_s, mesh->lowest_frequency_Hz, mesh->damping_1_s);
+    if (model.stiffness && model.stiffness->floppy() > 0)
+        text += fmt::format("  the {} mesh can move for nothing: its shape at rest is not determined\n", model.is_law() ? "heuristic" : "learned");
+    text += fmt::format("  coupling {}, force scale {:g}, position scale {:g}, at most {:g} N, {:g} N/s, {:g} m/s\n",
+                        model.stiffness ? fmt::format("up to {:.3g} N/m", o.coupling_ratio * model.stiffness->largest()) : "none: the law's own contact",
+                        o.map.force_scale, o.map.scale, o.safety.force_max_N, o.safety.slew_N_s, o.safety.speed_max_m_s);
     return text;
 }
 
@@ -102,6 +102,7 @@ std::string ledger_json(const std::string& model_file, const Device& device, con
     Json& details = j["details"];
     for (const auto& mesh : model.meshes)
         details["dynamics"][mesh->name] = {{"step", mesh->dynamics},
+                                           {"substeps", mesh->substeps},
                                            {"omega_dt", std::sqrt(mesh->largest_eigenvalue_1_s2) * model.options.dt_s}};
     details["force_scale"] = model.options.map.force_scale;
     details["slewed"] = s.slewed;
@@ -120,9 +121,10 @@ std::string ledger_json(const std::string& model_file, const Device& device, con
 
 std::string realtime_json(const HapticModel& model, const std::vector<PressResult>& presses,
                           const std::vector<SwitchJump>& jumps) {
-    Json j = {{"study", model.study}, {"version", version}, {"sets", model.options.sets}, {"dt_s", model.options.dt_s}};
+    Json j = {{"study", model.study}, {"version", version}, {"sets", model.is_law() ? Json(nullptr) : Json(model.options.sets)}, {"dt_s", model.options.dt_s}};
     for (const auto& mesh : model.meshes)
         j["dynamics"][mesh->name] = {{"step", mesh->dynamics},
+                                     {"substeps", mesh->substeps},
                                      {"omega_dt", std::sqrt(mesh->largest_eigenvalue_1_s2) * model.options.dt_s},
                                      {"lowest_frequency_Hz", mesh->lowest_frequency_Hz},
                                      {"damping_1_s", mesh->damping_1_s}};
@@ -134,7 +136,8 @@ std::string realtime_json(const HapticModel& model, const std::vector<PressResul
             if (p.fe_error) against_fe.push_back(*p.fe_error);
             if (p.static_fe_error) static_against_fe.push_back(*p.static_fe_error);
         }
-        Json entry = {{"name", p.name}, {"rested", p.rested}, {"seconds", p.seconds}, {"set", p.set}};
+        Json entry = {{"name", p.name}, {"rested", p.rested}, {"seconds", p.seconds}};
+        if (!model.is_law()) entry["set"] = p.set;
         if (p.reason.empty()) {
             entry["static_error"] = p.static_error;
             entry["fe_error"] = optional(p.fe_error);

@@ -81,7 +81,7 @@ void check(const Options& o, const TissueModel& tissue, const HapticModel& model
     }
     std::vector<SwitchJump> jumps;
     constexpr int shown = 18;
-    for (int from = 0; from + 1 < std::min(shown, tissue.case_count()); ++from) {
+    for (int from = 0; !model.is_law() && from + 1 < std::min(shown, tissue.case_count()); ++from) {
         const bool same_place = (tissue.contact_m.row(from) - tissue.contact_m.row(from + 1)).norm() < 1e-9 &&
                                 (tissue.direction.row(from) - tissue.direction.row(from + 1)).norm() < 1e-9;
         if (!same_place) continue;

@@ -160,7 +160,7 @@ void Hand::go_round(const Eigen::Vector2d& to_m) {
 /// Adds one press at the demo's place, and back out.
 void Hand::press() {
     const Place& place = scene_->places()[static_cast<std::size_t>(place_)];
-    const double sink = 1 + 1 / scene_->model().options.coupling_ratio;
+    const double sink = scene_->model().is_law() ? 1 : 1 + 1 / scene_->model().options.coupling_ratio;
     const Eigen::Vector2d touch = place.contact_m + inset_m * place.inward;
     const Eigen::Vector2d away = outside(scene_->boxes(), place.contact_m - 1.2 * clearance_m * place.inward, clearance_m);
     go_round(away);

@@ -6,9 +6,29 @@
 #include "haptic/virtual_device.h"
 #include "mesh/outline.h"
 #include "springs/equilibrium.h"
+#include "springs/law_press.h"
 
 namespace tissue {
 namespace {
+
+/// The model's static answers: of a law, or of the sets' stiffness in use.
+class StaticAnswer {
+   public:
+    explicit StaticAnswer(const TissueModel& tissue) : tissue_(tissue), spring_law_(make_spring_law(tissue.law)), outline_(tissue.mesh) {
+        if (tissue.energy_law) law_.emplace(tissue);
+    }
+
+    Equilibrium at(const Eigen::Vector2d& contact_m, const Eigen::Vector2d& push_m, const Eigen::VectorXd& theta) const {
+        return law_ ? law_->at(outline_.arc_of(contact_m), push_m)
+                    : solve_equilibrium(tissue_.mesh, *spring_law_, theta, locate_on_surface(tissue_.mesh, contact_m), push_m);
+    }
+
+   private:
+    const TissueModel& tissue_;
+    std::unique_ptr<SpringLaw> spring_law_;
+    Outline outline_;
+    std::optional<LawPress> law_;
+};
 
 /// Stiffness in use, by spring.
 Eigen::VectorXd theta_in_use(const RealtimeMesh& mesh, const MeshState& state) {
@@ -23,18 +43,18 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
     constexpr double inset_m = 0.0003;    // a push along the surface must stay inside it until the hand has corrected
     constexpr double same_contact_m = 5e-4;  // a tenth of the half width of the patch that FE pushes with
     constexpr double ramp_s = 2, window_s = 0.5, settled = 1e-4;
-    constexpr double creep_1_s = 0.3;     // slower than the mesh's own decay, or the hand would feed its swinging
+    // through a coupling slower than the mesh's own decay, or the hand would feed its swinging; a law's tool is where it is
+    const double creep_1_s = model.is_law() ? 10 : 0.3;
     PressResult result;
     result.name = truth.name;
-    const auto law = make_spring_law(tissue.law);
     const Outline outline_at_rest(tissue.mesh);
     const Eigen::Vector2d inward = outline_at_rest.inward_normal(outline_at_rest.arc_of(truth.contact_m));
     const double dt = model.options.dt_s;
 
     Simulation simulation(model);
-    const double aim = truth.magnitude_m * (1 + 1 / model.options.coupling_ratio);
     const Eigen::Vector2d target = truth.magnitude_m * truth.direction;
-    VirtualDevice hand(press_motion(truth.contact_m, inward, aim * truth.direction, ramp_s, inset_m), model.options.map);
+    const Eigen::Vector2d aim = model.is_law() ? Eigen::Vector2d(target - inset_m * inward) : Eigen::Vector2d((1 + 1 / model.options.coupling_ratio) * target);
+    VirtualDevice hand(press_motion(truth.contact_m, inward, aim, ramp_s, inset_m), model.options.map);
     Eigen::Vector2d shift = Eigen::Vector2d::Zero();
     Eigen::Vector2d last = Eigen::Vector2d::Zero();
     int still = 0;
@@ -75,21 +95,19 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
 
     const std::vector<int>& outline = tissue.mesh.boundary;
     const auto b = static_cast<std::size_t>(r.segment);
-    const SurfacePoint point{{outline[b], outline[(b + 1) % outline.size()]}, {1 - r.w, r.w}};
+    const Eigen::Vector2d touched = (1 - r.w) * tissue.mesh.nodes.row(outline[b]) + r.w * tissue.mesh.nodes.row(outline[(b + 1) % outline.size()]);
+    const StaticAnswer answer(tissue);
     const Eigen::VectorXd theta = theta_in_use(model.meshes[0]->springs, simulation.state(0));
-    const auto rest = solve_equilibrium(tissue.mesh, *law, theta, point, result.displacement_m);
+    const auto rest = answer.at(touched, result.displacement_m, theta);
     result.reason = reason_of(rest.status);
     if (!rest) return result;
     result.static_N = rest.contact_force;
     result.static_error = (result.force_N - result.static_N).norm() / result.static_N.norm();
     // FE's word is about its own contact: a tool that slipped off on the way pressed another
-    const Eigen::Vector2d touched = model.meshes[0]->springs.rest().row(point.node[0]) * point.weight[0] +
-                                    model.meshes[0]->springs.rest().row(point.node[1]) * point.weight[1];
     result.off_contact_m = (touched - truth.contact_m).norm();
     if (truth.force_N && result.off_contact_m < same_contact_m) {
         result.fe_error = (result.force_N - *truth.force_N).norm() / truth.force_N->norm();
-        const auto exact = solve_equilibrium(tissue.mesh, *law, theta, locate_on_surface(tissue.mesh, truth.contact_m),
-                                             truth.magnitude_m * truth.direction);
+        const auto exact = answer.at(truth.contact_m, truth.magnitude_m * truth.direction, theta);
         if (exact)
             result.static_fe_error =
                 (Eigen::Vector2d(exact.contact_force) - *truth.force_N).norm() / truth.force_N->norm();
@@ -110,7 +128,11 @@ SwitchJump switch_jump(const TissueModel& tissue, HapticOptions options, int fro
     const SurfacePoint point = locate_on_surface(tissue.mesh, contact);
     MeshState state(mesh.springs, mesh.theta_of_set.col(from));
     const auto dynamics = make_dynamics(mesh.dynamics, mesh.springs, {options.dt_s, mesh.damping_1_s});
-    ContactLoad load{{point.node[0], point.node[1]}, {point.weight[0], point.weight[1]}, 0, {0, 0}, {0, 0}};
+    ContactLoad load;
+    for (int end : {0, 1}) {
+        load.node[end] = point.node[end];
+        load.weight[end] = point.weight[end];
+    }
     const auto segment = static_cast<int>(
         std::find(tissue.mesh.boundary.begin(), tissue.mesh.boundary.end(), point.node[0]) - tissue.mesh.boundary.begin());
     load.coupling_N_m = options.coupling_ratio * model.stiffness->at(segment, point.weight[1]);

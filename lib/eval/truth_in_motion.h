@@ -22,9 +22,9 @@ struct PressResult {
     std::string name;
     bool rested = false;                 ///< the force changed by less than 1e-4 of itself in each of the last two half seconds
     std::string reason;                  ///< why there is no comparison; empty when there is one
-    Eigen::Vector2d displacement_m{0, 0};  ///< the proxy reached
+    Eigen::Vector2d displacement_m{0, 0};  ///< the proxy reached; of a law the tool
     Eigen::Vector2d force_N{0, 0};         ///< of the tool on the tissue
-    Eigen::Vector2d static_N{0, 0};        ///< closed-loop answer at that displacement with the stiffness in use
+    Eigen::Vector2d static_N{0, 0};        ///< closed-loop answer at that displacement, of sets with the stiffness in use
     double static_error = 0;             ///< |force - static| / |static|
     double off_contact_m = 0;            ///< how far the touched point lies from the contact asked for, at rest
     std::optional<double> fe_error;      ///< |force - FE| / |FE|; nothing where the tool slipped off to another contact
@@ -37,7 +37,7 @@ struct PressResult {
 
 /// Moves a virtual hand to the contact and on, until the proxy has come `magnitude_m` along the push, and waits.
 /// The hand aims past the contact by what the coupling gives way, and a little deeper so that grazing pushes stay
-/// inside; then it creeps until the proxy stands where FE's contact does.
+/// inside; then it creeps until the proxy, of a law the tool, stands where FE's contact does.
 PressResult press(const HapticModel& model, const TissueModel& tissue, const PressTruth& truth, double seconds_max = 30);
 
 /// Potential energy and force at a switch of spring sets under a held contact: one jump, or a moving average.
@@ -49,7 +49,7 @@ struct SwitchJump {
     double energy_bound_J = 0;                      ///< gamma |U(to) - U(from)| at the switch: what (19) allows
 };
 
-/// Holds case `from`'s contact at its displacement with set `from`, at rest, then lets set `to` serve.
+/// Of sets alone. Holds case `from`'s contact at its displacement with set `from`, at rest, then lets set `to` serve.
 SwitchJump switch_jump(const TissueModel& tissue, HapticOptions options, int from, int to, double innovation);
 
 }  // namespace tissue

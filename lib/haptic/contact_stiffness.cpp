@@ -7,7 +7,7 @@
 
 namespace tissue {
 
-ContactStiffness::ContactStiffness(const RealtimeMesh& mesh, const Selector& selector,
+ContactStiffness::ContactStiffness(const RealtimeMesh& mesh, const std::vector<int>& first_set,
                                    const Eigen::MatrixXd& theta_of_set) {
     const std::vector<int>& outline = mesh.outline();
     const std::size_t M = outline.size();
@@ -18,8 +18,7 @@ ContactStiffness::ContactStiffness(const RealtimeMesh& mesh, const Selector& sel
 
     // a segment's serving set, by sets so that each is factored once
     std::map<int, std::vector<std::size_t>> segments_of_set;
-    for (std::size_t b = 0; b < M; ++b)
-        segments_of_set[selector.select(static_cast<int>(b), 0.5, Eigen::Vector2d::Zero()).set[0]].push_back(b);
+    for (std::size_t b = 0; b < M; ++b) segments_of_set[first_set[b]].push_back(b);
 
     first_.assign(M, 0);
     second_.assign(M, 0);

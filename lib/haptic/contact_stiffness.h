@@ -4,16 +4,15 @@
 #include <vector>
 
 #include "haptic/realtime_mesh.h"
-#include "haptic/selector.h"
 
 namespace tissue {
 
 /// How stiff each place of the outline is by itself: force over displacement of a contact pushed there at rest, mean of
-/// the axes, with the spring set that serves a first touch. The virtual coupling k_C is a multiple of it.
+/// the axes, with the spring set that serves a first touch. The virtual coupling k_C of springs is a multiple of it.
 class ContactStiffness {
    public:
-    /// theta_of_set: by slot, one column a set (P x C).
-    ContactStiffness(const RealtimeMesh& mesh, const Selector& selector, const Eigen::MatrixXd& theta_of_set);
+    /// first_set: that serves a first touch of each segment of the outline (M). theta_of_set: by slot, one column a set (P x C).
+    ContactStiffness(const RealtimeMesh& mesh, const std::vector<int>& first_set, const Eigen::MatrixXd& theta_of_set);
 
     /// [N/m] at weight w of a segment of the outline; never above largest(). Does not allocate.
     double at(int segment, double w) const noexcept;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <cmath>
 
 #include "error.h"
@@ -15,6 +16,26 @@ Eigen::Vector2d ContactLoad::proxy(const RealtimeMesh& mesh, const NodeColumns& 
     return x;
 }
 
+Eigen::Vector2d ContactLoad::patch_push(const NodeColumns& u) const noexcept {
+    if (push_m) return *push_m;
+    Eigen::Vector2d push = patch->gap_N_m.inverse() * given_N;
+    for (int i = 0; i < ContactPatch::size; ++i) push += patch->patch.weight[i] * u.row(patch->patch.node[i]).transpose();
+    return push;
+}
+
+Eigen::Vector2d ContactLoad::put_on(const RealtimeMesh& mesh, const NodeColumns& u, NodeColumns& f) const noexcept {
+    if (patch) {
+        Eigen::Vector2d at[ContactPatch::size];
+        gather(patch->patch, u, at);
+        const PatchSpring::Load load = patch->load(patch_push(u), at);
+        for (int i = 0; i < ContactPatch::size; ++i) f.row(patch->patch.node[i]) += load.node_N[i].transpose();
+        return load.hand_N;
+    }
+    const Eigen::Vector2d tool = given_N + coupling_N_m * (master_m - proxy(mesh, u));
+    for (int end : {0, 1}) f.row(node[end]) -= weight[end] * tool.transpose();
+    return tool;
+}
+
 const Registry<const DynamicsKind*>& dynamics_kinds() {
     static const Registry<const DynamicsKind*> kinds("dynamics", {&paper_dynamics, &symplectic_dynamics, &implicit_dynamics},
                                                      [](const DynamicsKind* kind) { return kind->name; });
@@ -26,7 +47,10 @@ std::unique_ptr<Dynamics> make_dynamics(const std::string& name, const RealtimeM
     if (!(options.dt_s > 0) || !(options.damping_1_s >= 0))
         throw MismatchError(fmt::format("a step of {} s with damping {} 1/s is not possible", options.dt_s,
                                         options.damping_1_s));
-    return dynamics_kinds().at(name)->make(mesh, options);
+    const DynamicsKind* kind = dynamics_kinds().at(name);
+    if (kind != &symplectic_dynamics && (options.law || options.substeps != 1))
+        throw MismatchError(fmt::format("a law is stepped by '{}', not by '{}'", symplectic_dynamics.name, name));
+    return kind->make(mesh, options);
 }
 
 std::string stable_dynamics(double largest_eigenvalue_1_s2, double dt_s) {
@@ -34,6 +58,10 @@ std::string stable_dynamics(double largest_eigenvalue_1_s2, double dt_s) {
     for (const DynamicsKind* kind : dynamics_kinds().kinds())
         if (omega_dt <= kind->stable_omega_dt) return kind->name;
     throw MismatchError(fmt::format("no step is stable at omega dt = {}", omega_dt));
+}
+
+int stable_substeps(double largest_eigenvalue_1_s2, double dt_s) {
+    return std::max(1, static_cast<int>(std::ceil(std::sqrt(largest_eigenvalue_1_s2) * dt_s / symplectic_dynamics.stable_omega_dt)));
 }
 
 }  // namespace tissue

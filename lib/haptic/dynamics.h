@@ -2,9 +2,11 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "haptic/realtime_law.h"
 #include "haptic/realtime_mesh.h"
 
 namespace tissue {
@@ -19,21 +21,30 @@ struct MeshState {
     NodeColumns velocity;      ///< [m/s] (N x 2)
     NodeColumns acceleration;  ///< of the step before, `paper` alone [m/s^2] (N x 2)
     NodeColumns force;         ///< K u, scratch [N] (N x 2)
-    Eigen::VectorXd theta;     ///< stiffness in use, by slot [N/m] (P)
+    Eigen::VectorXd theta;     ///< stiffness in use, by slot [N/m] (P); of a law its springs', which stay
     bool theta_changed = true; ///< since the last step: whoever keeps a factor of K must make it again
 };
 
-/// What the tool does to a mesh in one step, at the ends of one segment of the outline: a spring of the virtual
-/// coupling between the master and the proxy w(0) x_i + w(1) x_j, and a given force. Neither: a free mesh.
+/// What the tool does to a mesh in one step. On springs, at the ends of one segment of the outline: a spring of the virtual
+/// coupling between the master and the proxy w(0) x_i + w(1) x_j, and a given force. On a law, at a patch of its own: held
+/// at a push, or a given force. None of these: a free mesh.
 struct ContactLoad {
     int node[2] = {0, 0};
     double weight[2] = {0, 0};
     double coupling_N_m = 0;                               ///< k_C
     Eigen::Vector2d master_m = Eigen::Vector2d::Zero();    ///< in the mesh's own coordinates
     Eigen::Vector2d given_N = Eigen::Vector2d::Zero();     ///< force on the mesh
+    const PatchSpring* patch = nullptr;                    ///< of a law
+    std::optional<Eigen::Vector2d> push_m = {};               ///< of the tool that holds the patch; nothing: it pushes with given_N
 
     /// Proxy at the given displacement [m].
     Eigen::Vector2d proxy(const RealtimeMesh& mesh, const NodeColumns& u) const noexcept;
+
+    /// How far the tool has pushed the patch [m]: push_m, or as far as given_N takes it at u.
+    Eigen::Vector2d patch_push(const NodeColumns& u) const noexcept;
+
+    /// Takes the tool's share off f, the force that holds u [N]. Returns the force of the tool on the mesh [N].
+    Eigen::Vector2d put_on(const RealtimeMesh& mesh, const NodeColumns& u, NodeColumns& f) const noexcept;
 };
 
 /// One step of M a = f - K u - B v, (12) with the signs put right, of length dt. B = damping M [1/s].
@@ -44,17 +55,19 @@ class Dynamics {
     virtual std::string name() const = 0;
 
     /// Returns the force on the mesh at the contact in this step [N]: the force of the tool on the tissue, put on its
-    /// segment's end nodes as w(j) f.
+    /// segment's end nodes as w(j) f, or on its patch.
     virtual Eigen::Vector2d step(MeshState& state, const ContactLoad& load) noexcept = 0;
 };
 
 struct DynamicsOptions {
     double dt_s = 1e-3;          ///< 1 kHz (Sec. 4)
     double damping_1_s = 0;      ///< B = damping M
+    int substeps = 1;            ///< that dt is divided into; `symplectic` alone
+    const RealtimeLaw* law = nullptr;  ///< in place of springs; `symplectic` alone. It must outlive the step
 };
 
-/// name: of dynamics_kinds() (haptic/dynamics_kinds.h). Throws MismatchError for an unknown one, or an implicit step of a
-/// mesh too large to factor (over 256 MB).
+/// name: of dynamics_kinds() (haptic/dynamics_kinds.h). Throws MismatchError for an unknown one, an implicit step of a
+/// mesh too large to factor (over 256 MB), and a law or substeps that the kind does not know.
 /// The mesh must outlive the result.
 std::unique_ptr<Dynamics> make_dynamics(const std::string& name, const RealtimeMesh& mesh,
                                         const DynamicsOptions& options);
@@ -62,5 +75,8 @@ std::unique_ptr<Dynamics> make_dynamics(const std::string& name, const RealtimeM
 /// Which step a mesh needs: the first that is stable at omega dt = sqrt(largest eigenvalue) dt. That is `symplectic` up
 /// to 1.8 (its limit is 2; the rest is margin), else `implicit`. largest_eigenvalue_1_s2: with the coupling's stiffness on it.
 std::string stable_dynamics(double largest_eigenvalue_1_s2, double dt_s);
+
+/// Into how many steps `symplectic` must divide dt to stay within that margin.
+int stable_substeps(double largest_eigenvalue_1_s2, double dt_s);
 
 }  // namespace tissue

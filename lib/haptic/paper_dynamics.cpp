@@ -11,10 +11,8 @@ class PaperDynamics final : public Dynamics {
     std::string name() const override { return paper_dynamics.name; }
 
     Eigen::Vector2d step(MeshState& s, const ContactLoad& load) noexcept override {
-        const Eigen::Vector2d f =
-            load.given_N + load.coupling_N_m * (load.master_m - load.proxy(mesh_, s.displacement));
         mesh_.force(s.theta, s.displacement, s.force);
-        for (int end : {0, 1}) s.force.row(load.node[end]) -= load.weight[end] * f.transpose();
+        const Eigen::Vector2d f = load.put_on(mesh_, s.displacement, s.force);
         for (Eigen::Index axis = 0; axis < 2; ++axis)
             for (Eigen::Index n = 0; n < s.force.rows(); ++n) {
                 const double inverse_mass = mesh_.inverse_mass()[n], v = s.velocity(n, axis);

@@ -12,6 +12,13 @@ namespace tissue {
 /// A field with one column an axis (N x 2), so that a loop over nodes reads memory in a row: u, v [m, m/s], f [N].
 using NodeColumns = Eigen::Matrix<double, Eigen::Dynamic, 2>;
 
+namespace kernel {
+
+/// f_i -= g, f_j += g (n each): pulls of springs on either end, where ends lie in a row.
+void add_pair(int n, const double* g, double* f_i, double* f_j);
+
+}  // namespace kernel
+
 /// The spring mesh of Sec. 4 laid out for the tick: constants only, nothing here changes while it runs. The realtime
 /// core is two-dimensional, as Sec. 4 is.
 ///

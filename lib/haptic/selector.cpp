@@ -11,10 +11,10 @@ namespace tissue {
 namespace {
 
 /// How far each load case pushes [m]; by force: with what force its own set answers there [N] (C).
-Eigen::VectorXd push_sizes(const TissueModel& model, const Eigen::Ref<const NodeField>& theta, SelectorOptions::By by) {
+Eigen::VectorXd push_sizes(const TissueModel& model, const Eigen::Ref<const NodeField>& theta, SelectBy by) {
     if (model.case_count() == 0) throw MismatchError("the model has no spring sets");
     Eigen::VectorXd sizes = model.magnitude_m;
-    if (by == SelectorOptions::By::displacement) return sizes;
+    if (by == SelectBy::displacement) return sizes;
     const auto law = make_spring_law(model.law);
     for (int c = 0; c < model.case_count(); ++c) {
         const Eigen::Vector2d position = model.contact_m.row(c), push = model.magnitude_m[c] * model.direction.row(c);
@@ -30,13 +30,11 @@ Eigen::VectorXd push_sizes(const TissueModel& model, const Eigen::Ref<const Node
 
 }  // namespace
 
-Selector::Selector(const TissueModel& model, const Eigen::Ref<const NodeField>& theta, const SelectorOptions& options)
-    : Selector(model, options, push_sizes(model, theta, options.by)) {}
+Selector::Selector(const TissueModel& model, const Eigen::Ref<const NodeField>& theta, SelectBy by)
+    : Selector(model, push_sizes(model, theta, by)) {}
 
-Selector::Selector(const TissueModel& model, const SelectorOptions& options, const Eigen::VectorXd& sizes)
-    : options_(options), grid_(model.mesh, model.contact_m, model.direction, sizes), small_(0.01 * sizes.minCoeff()) {
-    using Mode = SelectorOptions::Mode;
-    if (options_.mode == Mode::automatic) options_.mode = grid_.dense() ? Mode::blended : Mode::nearest;
+Selector::Selector(const TissueModel& model, const Eigen::VectorXd& sizes)
+    : grid_(model.mesh, model.contact_m, model.direction, sizes), small_(0.01 * sizes.minCoeff()) {
     const SpringMesh& mesh = model.mesh;
     const std::size_t M = mesh.boundary.size();
     for (std::size_t b = 0; b < M; ++b) {
@@ -46,14 +44,13 @@ Selector::Selector(const TissueModel& model, const SelectorOptions& options, con
     }
 }
 
-SetWeights Selector::select(int segment, double w, const Eigen::Vector2d& push) const noexcept {
+int Selector::select(int segment, double w, const Eigen::Vector2d& push) const noexcept {
     const auto b = static_cast<std::size_t>(segment);
     const Eigen::Vector2d position = (1 - w) * outline_m_[b] + w * outline_m_[(b + 1) % outline_m_.size()];
     const Eigen::Vector2d directed = push + std::max(0.0, small_ - push.norm()) * normal_[b];
     const double arc = grid_.outline().arc_of(position), size = directed.norm();
     const Eigen::Vector2d direction = size > 0 ? Eigen::Vector2d(directed / size) : normal_[b];
-    return options_.mode == SelectorOptions::Mode::nearest ? grid_.nearest(arc, direction, size)
-                                                           : grid_.blended(arc, direction, size);
+    return grid_.nearest(arc, direction, size).set[0];
 }
 
 }  // namespace tissue

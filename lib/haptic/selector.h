@@ -8,32 +8,25 @@
 
 namespace tissue {
 
-struct SelectorOptions {
-    /// nearest: Sec. 4.3. automatic: blended where the sets lie densely enough (SetGrid::dense), else nearest.
-    enum class Mode { nearest, blended, automatic } mode = Mode::nearest;
-    enum class By { displacement, force } by = By::displacement;     ///< force: Sec. 4.3 as printed
-};
+/// By what the sets are told apart at one place; force: Sec. 4.3 as printed.
+enum class SelectBy { displacement, force };
 
-/// Sec. 4.3 in the tick: which spring sets serve a contact, with which shares (springs/set_blend.h, the evaluation's own).
-/// A function of contact position and x_p - X_p; by force: of the force on the tissue there, compared with the forces
-/// that the sets themselves give at their load cases. Constants only; select() does not allocate.
+/// Sec. 4.3 in the tick: which spring set serves a contact, the nearest (SetGrid::nearest, the evaluation's own). A function
+/// of contact position and x_p - X_p; by force: of the force on the tissue there, compared with the forces that the sets
+/// themselves give at their load cases. Constants only; select() does not allocate.
 class Selector {
    public:
     /// theta (C x S): the sets in use. Throws MismatchError when the model has none, or (by force) one has no
     /// equilibrium under its own load case.
-    Selector(const TissueModel& model, const Eigen::Ref<const NodeField>& theta, const SelectorOptions& options);
+    Selector(const TissueModel& model, const Eigen::Ref<const NodeField>& theta, SelectBy by);
 
     /// segment, w: of the outline at rest. push: x_p - X_p [m], or the force on the tissue [N]. A push below a hundredth
     /// of the smallest trained one has no direction worth the name: it is filled up to that along the inward normal.
-    SetWeights select(int segment, double w, const Eigen::Vector2d& push) const noexcept;
-
-    /// As they came, `automatic` settled.
-    const SelectorOptions& options() const { return options_; }
+    int select(int segment, double w, const Eigen::Vector2d& push) const noexcept;
 
    private:
-    Selector(const TissueModel& model, const SelectorOptions& options, const Eigen::VectorXd& sizes);
+    Selector(const TissueModel& model, const Eigen::VectorXd& sizes);
 
-    SelectorOptions options_;
     SetGrid grid_;
     std::vector<Eigen::Vector2d> outline_m_, normal_;  ///< rest positions of outline nodes; inward normals of segments (M)
     double small_;  ///< a hundredth of the smallest trained push

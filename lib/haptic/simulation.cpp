@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "error.h"
+#include "haptic/law_spectrum.h"
 #include "haptic/spectrum.h"
 #include "hot_loop.h"
 #include "springs/spring_sets.h"
@@ -13,30 +14,47 @@
 namespace tissue {
 namespace kernel {
 
-/// (19) for one spring set: theta = keep theta + share theta_set.
-TISSUE_HOT void scale(int n, double keep, double* __restrict theta) {
-    for (int k = 0; k < n; ++k) theta[k] *= keep;
-}
-TISSUE_HOT void add_share(int n, double share, const double* __restrict set, double* __restrict theta) {
-    for (int k = 0; k < n; ++k) theta[k] += share * set[k];
+/// (19): theta = (1 - gamma) theta + gamma theta_set.
+TISSUE_HOT void average(int n, double gamma, const double* __restrict set, double* __restrict theta) {
+    for (int k = 0; k < n; ++k) theta[k] = (1 - gamma) * theta[k] + gamma * set[k];
 }
 
 }  // namespace kernel
 
 namespace {
 
-std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel& model,
+constexpr double turn = 2 * 3.14159265358979323846;
+
+std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel& model, const std::string& law,
                                       const Eigen::Ref<const NodeField>& theta, const Eigen::Vector2d& place_m) {
     if (!theta.allFinite() || !(theta.minCoeff() > 0))
         throw MismatchError(fmt::format("the {} mesh has springs that are not positive", name));
     auto mesh = std::make_unique<HapticMesh>(
-        HapticMesh{name, RealtimeMesh(model.mesh, model.law, model.node_mass_kg), {}, place_m, "", 0, 0, 0});
+        HapticMesh{name, RealtimeMesh(model.mesh, law, model.node_mass_kg), {}, nullptr, place_m, "", 1, 0, 0, 0});
     mesh->theta_of_set.resize(mesh->springs.slot_count(), theta.rows());
     for (Eigen::Index c = 0; c < theta.rows(); ++c) mesh->theta_of_set.col(c) = mesh->springs.to_slots(theta.row(c).transpose());
     return mesh;
 }
 
+std::unique_ptr<HapticMesh> make_law_mesh(const TissueModel& model) {
+    const NodeField theta = model.energy_law->constants.head(model.mesh.spring_count()).transpose();
+    auto mesh = make_mesh("learned", model, "geometric", theta, Eigen::Vector2d::Zero());
+    mesh->law = std::make_unique<RealtimeLaw>(model, mesh->springs);
+    return mesh;
+}
+
 /// Which step runs, and with how much damping: from the spectrum.
+void choose_law_dynamics(const TissueModel& model, HapticMesh& mesh, const HapticOptions& o) {
+    const LawSpectrum spectrum = law_spectrum(model, mesh.springs);
+    const double lowest = std::sqrt(spectrum.smallest);
+    mesh.largest_eigenvalue_1_s2 = spectrum.largest;
+    mesh.dynamics = o.dynamics == "auto" ? "symplectic" : o.dynamics;
+    mesh.substeps = stable_substeps(spectrum.largest, o.dt_s);
+    mesh.lowest_frequency_Hz = lowest / turn;
+    mesh.damping_1_s = 2 * o.damping_ratio * lowest;
+    make_dynamics(mesh.dynamics, mesh.springs, {o.dt_s, mesh.damping_1_s, mesh.substeps, mesh.law.get()});  // throws here, if at all
+}
+
 void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double coupling_N_m) {
     double bare = 0;
     for (Eigen::Index c = 0; c < mesh.theta_of_set.cols(); ++c)
@@ -47,7 +65,7 @@ void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double coupling_N
     mesh.dynamics = o.dynamics == "auto" ? stable_dynamics(mesh.largest_eigenvalue_1_s2, o.dt_s) : o.dynamics;
     const Eigen::VectorXd mean = mesh.theta_of_set.rowwise().mean();
     const double lowest = std::sqrt(smallest_eigenvalue(mesh.springs, mean));
-    mesh.lowest_frequency_Hz = lowest / (2 * 3.14159265358979323846);
+    mesh.lowest_frequency_Hz = lowest / turn;
     // a mesh that can move for nothing has no lowest mode: a hundredth of its highest stands in
     mesh.damping_1_s = 2 * o.damping_ratio * (lowest > 0 ? lowest : 0.01 * std::sqrt(bare));
 }
@@ -76,25 +94,39 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     high_m = model.mesh.nodes.colwise().maxCoeff();
     if (o.place_m == 0) o.place_m = 1.5 * (high_m - low_m).x();
 
-    const NodeField& theta = sets_of(model, o.sets);
-    if (o.sets.empty()) o.sets = model.trained.front().optimizer;
-    selector = std::make_unique<Selector>(model, theta, o.selector);
-    o.selector = selector->options();
-    meshes.push_back(make_mesh("learned", model, theta, Eigen::Vector2d::Zero()));
+    std::vector<int> first_set(model.mesh.boundary.size(), 0);  // the heuristic mesh has one
+    if (model.energy_law) {
+        if (!o.sets.empty()) throw MismatchError(fmt::format("spring sets '{}': the model is a law, and has none", o.sets));
+        if (o.select_by != SelectBy::displacement) throw MismatchError("the model is a law: there is nothing to select by force");
+        set_names.clear();
+        meshes.push_back(make_law_mesh(model));
+    } else {
+        const NodeField& theta = sets_of(model, o.sets);
+        if (o.sets.empty()) o.sets = model.trained.front().optimizer;
+        selector = std::make_unique<Selector>(model, theta, o.select_by);
+        for (std::size_t b = 0; b < first_set.size(); ++b) first_set[b] = selector->select(static_cast<int>(b), 0.5, Eigen::Vector2d::Zero());
+        meshes.push_back(make_mesh("learned", model, model.law, theta, Eigen::Vector2d::Zero()));
+    }
     if (o.heuristic_mesh)
-        meshes.push_back(make_mesh("heuristic", model, model.heuristic_a.transpose(), {o.place_m, 0}));
-    stiffness = std::make_unique<ContactStiffness>(meshes[0]->springs, *selector, meshes[0]->theta_of_set);
-    for (auto& mesh : meshes) choose_dynamics(*mesh, o, o.coupling_ratio * stiffness->largest());
+        meshes.push_back(make_mesh("heuristic", model, model.law, model.heuristic_a.transpose(), {o.place_m, 0}));
+    const auto springs = std::find_if(meshes.begin(), meshes.end(), [](const auto& mesh) { return !mesh->law; });
+    if (springs != meshes.end())
+        stiffness = std::make_unique<ContactStiffness>((*springs)->springs, first_set, (*springs)->theta_of_set);
+    for (auto& mesh : meshes) {
+        if (mesh->law)
+            choose_law_dynamics(model, *mesh, o);
+        else
+            choose_dynamics(*mesh, o, o.coupling_ratio * stiffness->largest());
+    }
 }
 
 Simulation::Simulation(const HapticModel& model) : model_(model), safety_(model.options.safety) {
     for (const auto& mesh : model.meshes) {
         states_.emplace_back(mesh->springs, mesh->theta_of_set.col(0));
         outlines_.emplace_back(static_cast<int>(mesh->springs.outline().size()));
-        dynamics_.push_back(make_dynamics(mesh->dynamics, mesh->springs, {model.options.dt_s, mesh->damping_1_s}));
+        dynamics_.push_back(make_dynamics(mesh->dynamics, mesh->springs,
+                                          {model.options.dt_s, mesh->damping_1_s, mesh->substeps, mesh->law.get()}));
     }
-    sets_.count = 1;
-    sets_.weight[0] = 1;
     place_outlines();
 }
 
@@ -130,8 +162,8 @@ Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) n
     if (!find_contact(master)) return stop(false);
 
     // 4.3 selection of mesh constants, and their moving average (18)-(19)
-    if (contact_.pressing) select_set(-last.coupling_N);
-    average_stiffness();
+    if (contact_.pressing && !model_.is_law()) select_set(-last.coupling_N);
+    if (!model_.is_law()) average_stiffness();
 
     // 4.1 deformation, with the coupling force of 4.2 on the segment's end nodes, on every mesh alike (4.4)
     const Eigen::Vector2d on_tissue = step_meshes(master);
@@ -188,8 +220,10 @@ bool Simulation::find_contact(const Eigen::Vector2d& master_m) noexcept {
     } else if (touched_ >= 0) {
         const int left = touched_;
         ContactState from = contact_;
-        const ContactRow row = update_contact(outlines_[static_cast<std::size_t>(left)], master_m, contact_);
-        if (row == ContactRow::swallowed_release) begin_contact(left);  // at another place of the same outline
+        if (model_.meshes[static_cast<std::size_t>(left)]->law)
+            hold_patch(master_m);
+        else if (update_contact(outlines_[static_cast<std::size_t>(left)], master_m, contact_) == ContactRow::swallowed_release)
+            begin_contact(left, master_m);  // at another place of the same outline
         from.contact = false;
         if (!contact_.contact) look_for_contact(from, left, master_m);
     } else {
@@ -205,11 +239,46 @@ bool Simulation::find_contact(const Eigen::Vector2d& master_m) noexcept {
     return true;
 }
 
-/// A contact at a new place: it has its own stiffness, and selects its sets by itself.
-void Simulation::begin_contact(int mesh) noexcept {
+/// A contact at a new place: it has its own stiffness, or patch.
+void Simulation::begin_contact(int mesh, const Eigen::Vector2d& master_m) noexcept {
     touched_ = mesh;
-    new_contact_ = true;
-    coupling_N_m_ = model_.options.coupling_ratio * model_.stiffness->at(contact_.where.segment, contact_.where.w);
+    const HapticMesh& pressed = *model_.meshes[static_cast<std::size_t>(mesh)];
+    const std::vector<int>& outline = pressed.springs.outline();
+    const auto b = static_cast<std::size_t>(contact_.where.segment);
+    const double w = contact_.where.w;
+    touched_m_ = (1 - w) * pressed.springs.rest().row(outline[b]) + w * pressed.springs.rest().row(outline[(b + 1) % outline.size()]);
+    if (model_.is_law()) patch_ = model_.meshes[0]->law->contact(contact_.where.segment, w);
+    if (pressed.law)
+        contact_.pressing = patch_pushes(master_m);
+    else
+        coupling_N_m_ = model_.options.coupling_ratio * model_.stiffness->at(contact_.where.segment, w);
+}
+
+/// Whether the tool, held where it is, pushes the law's tissue in: its force has a part along the rest's inward normal.
+bool Simulation::patch_pushes(const Eigen::Vector2d& master_m) const noexcept {
+    const auto m = static_cast<std::size_t>(touched_);
+    Eigen::Vector2d at[ContactPatch::size];
+    gather(patch_->patch, states_[m].displacement, at);
+    const Eigen::Vector2d push = master_m - model_.meshes[m]->place_m - touched_m_;
+    return patch_->load(push, at).hand_N.dot(patch_->patch.normal) > 0;
+}
+
+/// A law's contact keeps its place, and presses while its patch pushes the tool out. The outline does not say whether:
+/// the patch's spline is smoother, and the tool may lie on either side of it. Contact ends when the patch does not push and the
+/// tool is out of the outline, or when it is farther out of it than the surface's nodes lie apart, which no patch explains.
+void Simulation::hold_patch(const Eigen::Vector2d& master_m) noexcept {
+    const auto m = static_cast<std::size_t>(touched_);
+    const MovingOutline& outline = outlines_[m];
+    contact_.pressing = patch_pushes(master_m);
+    if (!outline.contains(master_m) &&
+        (!contact_.pressing || outline.nearest(master_m).distance_m > model_.meshes[m]->law->spacing_m())) {
+        contact_.contact = contact_.pressing = false;
+        contact_.proxy_m = master_m;
+        return;
+    }
+    contact_.where.position_m = outline.at(contact_.where.segment, contact_.where.w);
+    contact_.where.distance_m = (master_m - contact_.where.position_m).norm();
+    contact_.proxy_m = contact_.where.position_m;
 }
 
 /// A free proxy, on its way from where it was to the master, against every mesh but the one it has just left.
@@ -219,7 +288,7 @@ void Simulation::look_for_contact(const ContactState& from, int left, const Eige
         contact_ = from;
         update_contact(outlines_[m], master_m, contact_);
         if (!contact_.contact) continue;
-        return begin_contact(static_cast<int>(m));
+        return begin_contact(static_cast<int>(m), master_m);
     }
 }
 
@@ -237,10 +306,7 @@ void Simulation::wait_for_outside(const Eigen::Vector2d& master_m) noexcept {
     contact_.has_proxy = true;
 }
 
-/// 4.3: from where the contact is and how far the learned mesh gave way there (or the force on it a tick ago), averaged with (19)'s
-/// own gamma. Stiffness that follows a swinging contact late feeds its swing: (19) alone is a quarter of a period late
-/// above a few hertz, where that feeds most, and outdoes the damping at about 100 Hz. Two averages in a row are half a
-/// period late, where it feeds nothing.
+/// 4.3: from where the contact is and how far the learned mesh gave way there, or from the force on it a tick ago.
 void Simulation::select_set(const Eigen::Vector2d& on_tissue_N) noexcept {
     const RealtimeMesh& springs = model_.meshes[0]->springs;
     const auto b = static_cast<std::size_t>(contact_.where.segment);
@@ -248,52 +314,55 @@ void Simulation::select_set(const Eigen::Vector2d& on_tissue_N) noexcept {
     const int i = springs.outline()[b], j = springs.outline()[(b + 1) % springs.outline().size()];
     const Eigen::Vector2d displacement =
         (1 - w) * states_[0].displacement.row(i) + w * states_[0].displacement.row(j);
-    const bool by_force = model_.options.selector.by == SelectorOptions::By::force;
-    const Eigen::Vector2d push = by_force ? on_tissue_N : displacement;
-    selected_by_ += (new_contact_ ? 1 : model_.options.innovation) * (push - selected_by_);
-    new_contact_ = false;
-    sets_ = model_.selector->select(contact_.where.segment, w, selected_by_);
+    const bool by_force = model_.options.select_by == SelectBy::force;
+    set_ = model_.selector->select(contact_.where.segment, w, by_force ? on_tissue_N : displacement);
     record_.contact_displacement_m = displacement;
 }
 
 /// (19): K^t = gamma K_l + (1 - gamma) K^{t-1}, on theta, in which K is linear. The heuristic mesh has one set.
 void Simulation::average_stiffness() noexcept {
-    const double gamma = model_.options.innovation;
     MeshState& learned = states_[0];
-    const int P = static_cast<int>(learned.theta.size());
-    const Eigen::MatrixXd& sets = model_.meshes[0]->theta_of_set;
-    kernel::scale(P, 1 - gamma, learned.theta.data());
-    for (int k = 0; k < sets_.count; ++k)
-        kernel::add_share(P, gamma * sets_.weight[static_cast<std::size_t>(k)],
-                          sets.col(sets_.set[static_cast<std::size_t>(k)]).data(), learned.theta.data());
+    kernel::average(static_cast<int>(learned.theta.size()), model_.options.innovation, model_.meshes[0]->theta_of_set.col(set_).data(),
+                    learned.theta.data());
     learned.theta_changed = true;
 }
 
-/// One step of every mesh. The touched one goes first: its coupling gives the force that the others get as well.
+/// One step of every mesh. The touched one goes first: its coupling, or patch, gives the force that the others get as well.
 /// Returns the force of the tool on the tissue [N].
 Eigen::Vector2d Simulation::step_meshes(const Eigen::Vector2d& master_m) noexcept {
-    ContactLoad load;
     const auto touched = static_cast<std::size_t>(std::max(touched_, 0));
     record_.proxy_m = contact_.proxy_m;
-    record_.set = sets_.set[static_cast<std::size_t>(std::max_element(sets_.weight.begin(), sets_.weight.begin() + sets_.count) - sets_.weight.begin())];
-    if (contact_.pressing) {
-        record_.mesh = touched_;
-        record_.segment = contact_.where.segment;
-        record_.w = contact_.where.w;
-        const std::vector<int>& outline = model_.meshes[touched]->springs.outline();
-        const auto b = static_cast<std::size_t>(contact_.where.segment);
-        load.node[0] = outline[b];
-        load.node[1] = outline[(b + 1) % outline.size()];
-        load.weight[0] = 1 - contact_.where.w;
-        load.weight[1] = contact_.where.w;
-        load.coupling_N_m = coupling_N_m_;
-        load.master_m = master_m - model_.meshes[touched]->place_m;
+    record_.set = model_.is_law() ? -1 : set_;
+    if (!contact_.pressing) {
+        for (std::size_t m = 0; m < states_.size(); ++m) dynamics_[m]->step(states_[m], {});
+        return Eigen::Vector2d::Zero();
     }
-    const Eigen::Vector2d force = dynamics_[touched]->step(states_[touched], load);
+    record_.mesh = touched_;
+    record_.segment = contact_.where.segment;
+    record_.w = contact_.where.w;
+
+    // on springs the ends of the segment, on a law the patch: held by the master, then given the force
+    const std::vector<int>& outline = model_.meshes[touched]->springs.outline();
+    const auto b = static_cast<std::size_t>(contact_.where.segment);
+    ContactLoad load;
+    load.node[0] = outline[b];
+    load.node[1] = outline[(b + 1) % outline.size()];
+    load.weight[0] = 1 - contact_.where.w;
+    load.weight[1] = contact_.where.w;
+    const auto step = [&](std::size_t m) {
+        load.patch = model_.meshes[m]->law ? &*patch_ : nullptr;
+        if (load.patch) record_.contact_displacement_m = load.patch_push(states_[m].displacement);
+        return dynamics_[m]->step(states_[m], load);
+    };
+    load.master_m = master_m - model_.meshes[touched]->place_m;
+    load.coupling_N_m = coupling_N_m_;
+    load.push_m = load.master_m - touched_m_;
+    const Eigen::Vector2d force = step(touched);
     load.coupling_N_m = 0;
+    load.push_m.reset();
     load.given_N = force;
     for (std::size_t m = 0; m < states_.size(); ++m)
-        if (m != touched) dynamics_[m]->step(states_[m], load);
+        if (m != touched) step(m);
     return force;
 }
 
@@ -304,7 +373,7 @@ Eigen::Vector3d Simulation::stop(bool fault) noexcept {
     contact_.proxy_m = record_.master_m;
     touched_ = -1;
     armed_ = false;
-    average_stiffness();
+    if (!model_.is_law()) average_stiffness();
     step_meshes(record_.master_m);
     record_.device_N = safety_.stop();
     return record_.device_N;

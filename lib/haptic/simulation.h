@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,10 +23,10 @@ struct HapticOptions {
     double damping_ratio = 0.05;      ///< of critical, at the lowest mode: the paper's "very small values"
     double coupling_ratio = 10;       ///< k_C over the contact's own stiffness: the tool sinks in by a tenth more
     std::string dynamics = "auto";    ///< or a name of dynamics_kinds()
-    std::string sets;                 ///< of the learned mesh: an optimiser of the model, `optimum`; "" is its first
+    std::string sets;                 ///< of the learned mesh: an optimiser of the model, `optimum`; "" is its first. A law has none
     bool heuristic_mesh = true;       ///< Sec. 4.4: a second mesh, Van Gelder's, beside the learned one
     double place_m = 0;               ///< where the second mesh stands along x; 0: one and a half widths to the right
-    SelectorOptions selector;
+    SelectBy select_by = SelectBy::displacement;
     SafetyOptions safety;             ///< its dt is taken from here
     DeviceMap map;
 };
@@ -34,17 +35,19 @@ struct HapticOptions {
 struct HapticMesh {
     std::string name;                  ///< learned, heuristic
     RealtimeMesh springs;
-    Eigen::MatrixXd theta_of_set;      ///< by slot, one column a set [N/m] (P x C)
+    Eigen::MatrixXd theta_of_set;      ///< by slot, one column a set [N/m] (P x C); of a law its springs', one column
+    std::unique_ptr<RealtimeLaw> law;  ///< nothing where springs alone hold the mesh together
     Eigen::Vector2d place_m;           ///< of its origin in the plane
     std::string dynamics;              ///< which step runs
-    double largest_eigenvalue_1_s2;    ///< of M^-1 K over all its sets, the coupling's k_C on its node included
-    double lowest_frequency_Hz;        ///< of the mean set; 0 when the mesh can move for nothing
+    int substeps;                      ///< that divide dt
+    double largest_eigenvalue_1_s2;    ///< of M^-1 K: over all its sets, the coupling's k_C on its node included; of a law as law_spectrum has it
+    double lowest_frequency_Hz;        ///< of the mean set, or of the law at rest; 0 when the mesh can move for nothing
     double damping_1_s;                ///< B = damping M
 };
 
 /// Everything that is the same in every tick.
 struct HapticModel {
-    /// Throws MismatchError for options that the model does not know.
+    /// Throws MismatchError for options that the model does not know, such as those of sets where it is a law.
     HapticModel(const TissueModel& model, const HapticOptions& options);
     HapticModel(const HapticModel&) = delete;
     HapticModel& operator=(const HapticModel&) = delete;
@@ -53,9 +56,11 @@ struct HapticModel {
     HapticOptions options;
     std::vector<std::string> set_names;
     std::vector<std::unique_ptr<HapticMesh>> meshes;  ///< the learned one first
-    std::unique_ptr<Selector> selector;               ///< of the learned mesh
-    std::unique_ptr<ContactStiffness> stiffness;      ///< of the learned mesh's outline; both meshes use it
+    std::unique_ptr<Selector> selector;               ///< of the learned mesh; a law has none
+    std::unique_ptr<ContactStiffness> stiffness;      ///< of the first mesh of springs; every one uses it. Nothing where there is none
     Eigen::Vector2d low_m, high_m;                    ///< box of the learned mesh at rest
+
+    bool is_law() const { return meshes.front()->law != nullptr; }
 };
 
 /// What a tick leaves behind, for the recorder, the page and the tests. Nothing in it is older than the tick, but where
@@ -66,12 +71,12 @@ struct TickRecord {
     Eigen::Vector3d device_N = Eigen::Vector3d::Zero();
     Eigen::Vector2d master_m = Eigen::Vector2d::Zero();  ///< of the last position that was not refused
     Eigen::Vector2d proxy_m = Eigen::Vector2d::Zero();   ///< the master where there is no contact
-    Eigen::Vector2d contact_displacement_m = Eigen::Vector2d::Zero();  ///< x_p - X_p of the learned mesh
-    Eigen::Vector2d coupling_N = Eigen::Vector2d::Zero();              ///< f = k_C (x_p - x_m), before safety
+    Eigen::Vector2d contact_displacement_m = Eigen::Vector2d::Zero();  ///< x_p - X_p of the learned mesh; of a law the tool's own, x_m - X_p
+    Eigen::Vector2d coupling_N = Eigen::Vector2d::Zero();              ///< f = k_C (x_p - x_m), or the patch's, before safety
     int mesh = -1;                ///< pressed mesh, -1 none
     int segment = -1;
     double w = 0;
-    int set = -1;                 ///< with the largest share
+    int set = -1;                 ///< that serves; -1 of a law
     bool fault = false;
 };
 
@@ -102,7 +107,8 @@ class Simulation {
     MeshState& state(std::size_t mesh) { return states_[mesh]; }  ///< to start from another state, between ticks
     const MovingOutline& outline(std::size_t mesh) const { return outlines_[mesh]; }
     const ContactState& contact() const { return contact_; }
-    const SetWeights& sets() const { return sets_; }
+    int set() const { return set_; }                                                 ///< (18)'s l
+    const std::optional<PatchSpring>& patch() const { return patch_; }  ///< of a law, where the tool touches it or the other mesh
 
     /// Puts every mesh to rest; the master must be outside once before there is force again.
     void reset() noexcept;
@@ -111,7 +117,9 @@ class Simulation {
     void place_outlines() noexcept;
     bool move_outlines() noexcept;
     bool find_contact(const Eigen::Vector2d& master_m) noexcept;
-    void begin_contact(int mesh) noexcept;
+    void begin_contact(int mesh, const Eigen::Vector2d& master_m) noexcept;
+    void hold_patch(const Eigen::Vector2d& master_m) noexcept;
+    bool patch_pushes(const Eigen::Vector2d& master_m) const noexcept;
     void look_for_contact(const ContactState& from, int left, const Eigen::Vector2d& master_m) noexcept;
     void wait_for_outside(const Eigen::Vector2d& master_m) noexcept;
     void select_set(const Eigen::Vector2d& on_tissue_N) noexcept;
@@ -127,10 +135,10 @@ class Simulation {
     ContactState contact_;
     int touched_ = -1;            ///< mesh in contact
     double coupling_N_m_ = 0;     ///< k_C of this contact
-    bool new_contact_ = true;     ///< since the last selection
-    Eigen::Vector2d selected_by_ = Eigen::Vector2d::Zero();  ///< average of what chooses the sets [m], or [N] by force
+    std::optional<PatchSpring> patch_;                          ///< of this contact, where the learned mesh is a law
+    Eigen::Vector2d touched_m_ = Eigen::Vector2d::Zero();  ///< X_p of this contact, in the mesh's own coordinates
     bool armed_ = false;          ///< the master has been outside
-    SetWeights sets_;             ///< (19)'s K_l
+    int set_ = 0;                 ///< (19)'s K_l
     HapticCounters counters_;
     TickRecord record_;
 };

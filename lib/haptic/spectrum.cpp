@@ -1,6 +1,7 @@
 #include "haptic/spectrum.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/SparseCholesky>
 #include <cmath>
 #include <vector>
 
@@ -36,6 +37,24 @@ class ScaledStiffness {
     NodeColumns force_;
 };
 
+/// The same of a tangent.
+class ScaledTangent {
+   public:
+    ScaledTangent(const RealtimeMesh& mesh, const Eigen::SparseMatrix<double>& tangent)
+        : tangent_(tangent), root_(mesh.inverse_mass().cwiseSqrt()) {}
+
+    NodeColumns operator()(const NodeColumns& x) const {
+        const NodeField y = root_.asDiagonal() * x;
+        NodeField f(x.rows(), 2);
+        Eigen::Map<Eigen::VectorXd>(f.data(), f.size()) = tangent_ * Eigen::Map<const Eigen::VectorXd>(y.data(), y.size());
+        return root_.asDiagonal() * f;
+    }
+
+   private:
+    const Eigen::SparseMatrix<double>& tangent_;
+    Eigen::VectorXd root_;
+};
+
 /// A start without symmetry, the same every time.
 NodeColumns scattered_start(const RealtimeMesh& mesh) {
     NodeColumns x(mesh.node_count(), 2);
@@ -45,11 +64,10 @@ NodeColumns scattered_start(const RealtimeMesh& mesh) {
     return x;
 }
 
-}  // namespace
-
-double largest_eigenvalue(const RealtimeMesh& mesh, const Eigen::VectorXd& theta) {
+/// Lanczos' largest value plus its residual.
+template <class Apply>
+double largest_of(const RealtimeMesh& mesh, Apply apply) {
     constexpr int steps = 30;
-    ScaledStiffness apply(mesh, theta);
     NodeColumns q = scattered_start(mesh), before = NodeColumns::Zero(mesh.node_count(), 2);
     if (!(q.norm() > 0)) return 0;
     q /= q.norm();
@@ -74,6 +92,57 @@ double largest_eigenvalue(const RealtimeMesh& mesh, const Eigen::VectorXd& theta
     return solver.eigenvalues()[n - 1] + std::abs(beta.back() * solver.eigenvectors()(n - 1, n - 1));
 }
 
+/// Inverse iteration: solve(x) makes K^-1 x of x, in place. mass, x: of the free degrees of freedom.
+template <class Solve>
+double smallest_of(const Eigen::VectorXd& mass, const Solve& solve) {
+    Eigen::VectorXd x(mass.size());
+    for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = 1 + 0.5 * std::sin(12.9898 * static_cast<double>(i + 1));
+    double eigenvalue = 0;
+    for (int step = 0; step < 200; ++step) {
+        x /= std::sqrt(x.dot(mass.cwiseProduct(x)));
+        Eigen::VectorXd y = mass.cwiseProduct(x);
+        const Eigen::VectorXd Mx = y;
+        solve(y);
+        const double now = 1 / y.dot(Mx);  // Rayleigh quotient of the inverse
+        x = y;
+        if (std::abs(now - eigenvalue) < 1e-6 * now) return now;
+        eigenvalue = now;
+    }
+    return eigenvalue;
+}
+
+}  // namespace
+
+double largest_eigenvalue(const RealtimeMesh& mesh, const Eigen::VectorXd& theta) {
+    return largest_of(mesh, ScaledStiffness(mesh, theta));
+}
+
+double largest_eigenvalue(const RealtimeMesh& mesh, const Eigen::SparseMatrix<double>& tangent) {
+    return largest_of(mesh, ScaledTangent(mesh, tangent));
+}
+
+double smallest_eigenvalue(const RealtimeMesh& mesh, const Eigen::SparseMatrix<double>& tangent) {
+    std::vector<int> number(static_cast<std::size_t>(tangent.rows()), -1);
+    std::vector<double> mass;
+    for (int node = 0; node < mesh.node_count(); ++node)
+        for (int axis = 0; axis < 2 && !mesh.fixed(node); ++axis) {
+            number[static_cast<std::size_t>(2 * node + axis)] = static_cast<int>(mass.size());
+            mass.push_back(mesh.mass()[node]);
+        }
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int column = 0; column < tangent.outerSize(); ++column)
+        for (Eigen::SparseMatrix<double>::InnerIterator it(tangent, column); it; ++it) {
+            const int i = number[static_cast<std::size_t>(it.row())], j = number[static_cast<std::size_t>(column)];
+            if (i >= 0 && j >= 0) entries.emplace_back(i, j, it.value());
+        }
+    const auto n = static_cast<Eigen::Index>(mass.size());
+    Eigen::SparseMatrix<double> K(n, n);
+    K.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(K);
+    if (n == 0 || factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 0)) return 0;
+    return smallest_of(Eigen::Map<const Eigen::VectorXd>(mass.data(), n), [&](Eigen::VectorXd& x) { x = factor.solve(x).eval(); });
+}
+
 double smallest_eigenvalue(const RealtimeMesh& mesh, const Eigen::VectorXd& theta) {
     const FreeNumbering numbering(mesh);
     if (BandCholesky::bytes(numbering.order, numbering.half_bandwidth) > 1e9) return 0;
@@ -82,24 +151,12 @@ double smallest_eigenvalue(const RealtimeMesh& mesh, const Eigen::VectorXd& thet
     if (numbering.order == 0 || !K.factor()) return 0;
 
     const int components = numbering.per_node;
-    Eigen::VectorXd mass(numbering.order), x(numbering.order);
+    Eigen::VectorXd mass(numbering.order);
     for (int node = 0; node < mesh.node_count(); ++node) {
         const int n = numbering.number[static_cast<std::size_t>(node)];
         for (int c = 0; n >= 0 && c < components; ++c) mass[components * n + c] = mesh.mass()[node];
     }
-    for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = 1 + 0.5 * std::sin(12.9898 * static_cast<double>(i + 1));
-    double eigenvalue = 0;
-    for (int step = 0; step < 200; ++step) {
-        x /= std::sqrt(x.dot(mass.cwiseProduct(x)));
-        Eigen::VectorXd y = mass.cwiseProduct(x);
-        const Eigen::VectorXd Mx = y;
-        K.solve(y.data());
-        const double now = 1 / y.dot(Mx);  // Rayleigh quotient of the inverse
-        x = y;
-        if (std::abs(now - eigenvalue) < 1e-6 * now) return now;
-        eigenvalue = now;
-    }
-    return eigenvalue;
+    return smallest_of(mass, [&](Eigen::VectorXd& x) { K.solve(x.data()); });
 }
 
 }  // namespace tissue

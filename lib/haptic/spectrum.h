@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 
 #include "haptic/band_cholesky.h"
 #include "haptic/realtime_mesh.h"
@@ -13,6 +14,12 @@ namespace tissue {
 /// A spring that turns, stretches or shortens to half its length is never stiffer than an isotropic one of its law's
 /// SpringLaw::stiffest(): that bound is taken for it.
 double largest_eigenvalue(const RealtimeMesh& mesh, const Eigen::VectorXd& theta);
+
+/// The same of a tangent, as TissueEnergy::tangent lays it out [N/m] (2 N x 2 N).
+double largest_eigenvalue(const RealtimeMesh& mesh, const Eigen::SparseMatrix<double>& tangent);
+
+/// The smallest of that [1/s^2], 0 where it is not positive definite.
+double smallest_eigenvalue(const RealtimeMesh& mesh, const Eigen::SparseMatrix<double>& tangent);
 
 /// The smallest eigenvalue of M^-1 K(theta) at rest [1/s^2] by inverse iteration, 0 when K is not positive definite:
 /// the mesh can move for nothing.

@@ -28,6 +28,10 @@ void copy(const Simulation& simulation, const TickBooks& books, TickState& state
         Eigen::Vector2d& at_contact = state.contact_displacement_m[m];
         at_contact.setZero();
         if (record.mesh < 0) continue;
+        if (mesh.law) {
+            at_contact = record.contact_displacement_m;
+            continue;
+        }
         const std::vector<int>& outline = mesh.springs.outline();
         const auto b = static_cast<std::size_t>(record.segment);
         const int i = outline[b], j = outline[(b + 1) % outline.size()];

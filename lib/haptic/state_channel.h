@@ -15,7 +15,7 @@ struct TickState {
     TickBooks books;
     SafetyCounters safety;
     HapticCounters counters;
-    std::vector<Eigen::Vector2d> contact_displacement_m;  ///< of each mesh at the contact, 0 without one
+    std::vector<Eigen::Vector2d> contact_displacement_m;  ///< of each mesh at the contact, of a law the tool's own; 0 without one
     std::vector<float> nodes_m;                           ///< x, y of every node in the plane, mesh after mesh
 };
 

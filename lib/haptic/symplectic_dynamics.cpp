@@ -4,13 +4,13 @@
 namespace tissue {
 namespace kernel {
 
-/// v = (v - dt f / m) / (1 + dt damping), u += dt v, one axis of all nodes. `gain`: dt / (m (1 + dt damping)), 0 where
+/// v = (v - h f / m) / (1 + h damping), u += h v, one axis of all nodes. `gain`: h / (m (1 + h damping)), 0 where
 /// a node is fixed, and its velocity is 0 from the start.
-TISSUE_HOT void symplectic_axis(int n, const double* __restrict gain, double keep, double dt,
+TISSUE_HOT void symplectic_axis(int n, const double* __restrict gain, double keep, double h,
                                 const double* __restrict f, double* __restrict v, double* __restrict u) {
     for (int k = 0; k < n; ++k) {
         v[k] = keep * v[k] - gain[k] * f[k];
-        u[k] += dt * v[k];
+        u[k] += h * v[k];
     }
 }
 
@@ -21,26 +21,33 @@ namespace {
 class SymplecticDynamics final : public Dynamics {
    public:
     SymplecticDynamics(const RealtimeMesh& mesh, const DynamicsOptions& options)
-        : mesh_(mesh), o_(options), keep_(1 / (1 + options.dt_s * options.damping_1_s)),
-          gain_(options.dt_s * keep_ * mesh.inverse_mass()) {}
+        : mesh_(mesh), law_(options.law), substeps_(options.substeps), h_(options.dt_s / options.substeps),
+          keep_(1 / (1 + h_ * options.damping_1_s)), gain_(h_ * keep_ * mesh.inverse_mass()) {}
     std::string name() const override { return symplectic_dynamics.name; }
 
     Eigen::Vector2d step(MeshState& s, const ContactLoad& load) noexcept override {
-        const Eigen::Vector2d f =
-            load.given_N + load.coupling_N_m * (load.master_m - load.proxy(mesh_, s.displacement));
-        mesh_.force(s.theta, s.displacement, s.force);
-        for (int end : {0, 1}) s.force.row(load.node[end]) -= load.weight[end] * f.transpose();
         const int N = mesh_.node_count();
-        for (int axis = 0; axis < 2; ++axis)
-            kernel::symplectic_axis(N, gain_.data(), keep_, o_.dt_s, s.force.data() + axis * N,
-                                    s.velocity.data() + axis * N, s.displacement.data() + axis * N);
+        Eigen::Vector2d tool = Eigen::Vector2d::Zero();
+        for (int k = 0; k < substeps_; ++k) {
+            if (law_)
+                law_->force(s.displacement, s.force);
+            else
+                mesh_.force(s.theta, s.displacement, s.force);
+            const Eigen::Vector2d now = load.put_on(mesh_, s.displacement, s.force);
+            if (k == 0) tool = now;
+            for (int axis = 0; axis < 2; ++axis)
+                kernel::symplectic_axis(N, gain_.data(), keep_, h_, s.force.data() + axis * N, s.velocity.data() + axis * N,
+                                        s.displacement.data() + axis * N);
+        }
         s.theta_changed = false;
-        return f;
+        return tool;
     }
 
    private:
     const RealtimeMesh& mesh_;
-    DynamicsOptions o_;
+    const RealtimeLaw* law_;
+    int substeps_;
+    double h_;  ///< [s]
     double keep_;
     Eigen::VectorXd gain_;
 };

@@ -57,11 +57,8 @@ int format_of(const TissueModel& model);
 /// A model.h5 that plays and holds nothing else: whole ones are write_trained_model's.
 void write_model(const std::string& file, const TissueModel& model, const Provenance& provenance);
 
-/// What plays. Throws FileError when the file is not a model, its parts do not fit together, or its stiffness is a law:
-/// what plays today plays sets.
+/// What plays, sets or a law. Throws FileError when the file is not a model, or its parts do not fit together.
 TissueModel read_model(const std::string& file);
-
-/// Sets or law. Throws FileError.
 TissueModel read_model(const Hdf5Reader& in);
 
 }  // namespace tissue

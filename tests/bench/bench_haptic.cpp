@@ -151,11 +151,10 @@ TissueModel made_up() {
     return m;
 }
 
-/// Every tick of 20 s of pressing, dragging and letting go: two meshes, contact, blended sets, moving average, safety.
+/// Every tick of 20 s of pressing, dragging and letting go: two meshes, contact, sets, moving average, safety.
 std::vector<double> time_ticks(const TissueModel& tissue, const std::string& dynamics) {
     HapticOptions o;
     o.dynamics = dynamics;
-    o.selector.mode = SelectorOptions::Mode::blended;
     const HapticModel model(tissue, o);
     Simulation simulation(model);
     VirtualDevice hand(make_motion({"slide", 20, 0.01, 1, model.low_m, model.high_m}), o.map);

@@ -37,17 +37,15 @@ TEST_CASE("in motion the force comes to the static closed-loop answer at every c
 }
 
 TEST_CASE("a press is judged by FE where it stands as deep as FE does, and at FE's contact alone", "[truth]") {
-    HapticOptions o;
-    o.selector.mode = SelectorOptions::Mode::blended;
     const TissueModel tissue = haptic_example({"grid8", "axial", 10, 0});
-    const HapticModel model(tissue, o);
+    const HapticModel model(tissue, {});
     const auto law = make_spring_law(tissue.law);
     // "FE" that is this very model at rest: all that is left is what motion does to it
     PressTruth truth{"top", {0.047, 0.1}, Eigen::Vector2d(0.3, -1).normalized(), 0.012, {}};
     const SurfacePoint point = locate_on_surface(tissue.mesh, truth.contact_m);
     const int segment = static_cast<int>(std::find(tissue.mesh.boundary.begin(), tissue.mesh.boundary.end(), point.node[0]) - tissue.mesh.boundary.begin());
-    const SetWeights sets = model.selector->select(segment, point.weight[1], truth.magnitude_m * truth.direction);
-    const auto rest = solve_equilibrium(tissue.mesh, *law, blend(tissue.trained[0].theta, sets), point, truth.magnitude_m * truth.direction);
+    const int set = model.selector->select(segment, point.weight[1], truth.magnitude_m * truth.direction);
+    const auto rest = solve_equilibrium(tissue.mesh, *law, tissue.trained[0].theta.row(set).transpose(), point, truth.magnitude_m * truth.direction);
     REQUIRE(rest);
     truth.force_N = rest.contact_force;
     const PressResult r = press(model, tissue, truth);

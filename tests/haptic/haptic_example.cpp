@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "springs/energy_law.h"
 #include "springs/heuristic.h"
 
 namespace tissue {
@@ -39,6 +40,34 @@ TissueModel haptic_example(const ExampleModel& e) {
     }
     m.trained = {t};
     m.optimum = t.theta;
+    return m;
+}
+
+TissueModel law_example(const SpringMesh& mesh) {
+    constexpr double thickness_m = 0.1;
+    TissueModel m;
+    m.study = "law";
+    m.law = "axial";  // of the heuristic mesh beside it
+    m.mesh = mesh;
+    m.modulus_N_m = 4524 * thickness_m;
+    m.node_mass_kg = node_masses(mesh, 1040, thickness_m);
+    m.heuristic_a = heuristic_stiffness(mesh, m.modulus_N_m);
+    m.heuristic_b = m.heuristic_a / 6;
+    const EnergyLaw law(mesh, law_heuristic(mesh, m.modulus_N_m, "plane-strain", 12), {"spring.all", "spring.held", "contact.normal", "contact.tangent"});
+    const Eigen::Vector4d p(-0.1, -0.7, 0.6, 0.1);
+    m.energy_law = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
+    const Outline outline(mesh);
+    const int C = 10;
+    m.contact_m.resize(C, 2);
+    m.direction.resize(C, 2);
+    m.magnitude_m.resize(C);
+    for (int c = 0; c < C; ++c) {
+        const double arc = (c / 2 + 0.5) / (C / 2) * outline.length();
+        m.case_names.push_back("place-" + std::to_string(c / 2) + (c % 2 ? "-10mm" : "-5mm"));
+        m.contact_m.row(c) = outline.position(arc).transpose();
+        m.direction.row(c) = outline.inward_normal(arc).transpose();
+        m.magnitude_m[c] = c % 2 ? 0.010 : 0.005;
+    }
     return m;
 }
 

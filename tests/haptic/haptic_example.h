@@ -20,6 +20,9 @@ struct ExampleModel {
 /// A model as the paper's: 10 cm, 9 pushes at 10 and 15 mm, a spring set each, in memory. No FE in it.
 TissueModel haptic_example(const ExampleModel& e = {});
 
+/// A law in memory, on any mesh: near what `surface-quick` learns, 0.1 m thick, with load cases 5 and 10 mm deep. No FE in it.
+TissueModel law_example(const SpringMesh& mesh = make_lattice("grid8", 10, 10, 0.1, 0.1));
+
 /// Uniform numbers that are the same on every machine.
 class Draw {
    public:

@@ -62,23 +62,22 @@ class WildHand {
 
 }  // namespace
 
-TEST_CASE("adversarial ticks, late, early and in bursts: force finite and within its limits, the proxy outside, shares whole, the port passive", "[simulation][adversarial]") {
-    struct Kind { const char *topology, *law, *dynamics; SelectorOptions::Mode mode; double spread, force_scale, coupling; long long usual; bool on_time; };
+TEST_CASE("adversarial ticks, late, early and in bursts: force finite and within its limits, the proxy outside, the port passive", "[simulation][adversarial]") {
+    struct Kind { const char *topology, *law, *dynamics; double spread, force_scale, coupling; long long usual; bool on_time; };
     const Kind kinds[] = {
-        {"grid4", "isotropic", "auto", SelectorOptions::Mode::nearest, 0.5, 1, 10, 50000, true},
-        {"grid4", "isotropic", "auto", SelectorOptions::Mode::nearest, 0.5, 1, 10, 50000, false},
-        {"grid4", "isotropic", "auto", SelectorOptions::Mode::blended, 0.9, 300, 10, 50000, true},
-        {"grid4", "isotropic", "auto", SelectorOptions::Mode::blended, 0.9, 300, 10, 50000, false},
-        {"grid8", "axial", "implicit", SelectorOptions::Mode::blended, 0.5, 300, 100, 20000, false},
-        {"grid8", "geometric", "auto", SelectorOptions::Mode::nearest, 0.5, 300, 10, 50000, false},
-        {"grid8", "rubber", "auto", SelectorOptions::Mode::blended, 0.5, 300, 10, 20000, false},
-        {"grid4", "isotropic", "paper", SelectorOptions::Mode::nearest, 0.5, 300, 10, 30000, false},  // blows up: must stay harmless
+        {"grid4", "isotropic", "auto", 0.5, 1, 10, 50000, true},
+        {"grid4", "isotropic", "auto", 0.5, 1, 10, 50000, false},
+        {"grid4", "isotropic", "auto", 0.9, 300, 10, 50000, true},
+        {"grid4", "isotropic", "auto", 0.9, 300, 10, 50000, false},
+        {"grid8", "axial", "implicit", 0.5, 300, 100, 20000, false},
+        {"grid8", "geometric", "auto", 0.5, 300, 10, 50000, false},
+        {"grid8", "rubber", "auto", 0.5, 300, 10, 20000, false},
+        {"grid4", "isotropic", "paper", 0.5, 300, 10, 30000, false},  // blows up: must stay harmless
     };
     for (const Kind& kind : kinds) {
         const TissueModel tissue = haptic_example({kind.topology, kind.law, 10, kind.spread});
         HapticOptions o;
         o.dynamics = kind.dynamics;
-        o.selector.mode = kind.mode;
         o.map.force_scale = kind.force_scale;
         o.coupling_ratio = kind.coupling;
         const HapticModel model(tissue, o);
@@ -125,13 +124,6 @@ TEST_CASE("adversarial ticks, late, early and in bursts: force finite and within
             else REQUIRE(change <= o.safety.slew_N_s * o.dt_s * (1 + 1e-9));
             faults += fault;
             REQUIRE(s.state(0).displacement.allFinite());
-            double shares = 0;
-            for (int i = 0; i < s.sets().count; ++i) {
-                const double share = s.sets().weight[static_cast<std::size_t>(i)];
-                REQUIRE((share >= 0 && share <= 1));
-                shares += share;
-            }
-            REQUIRE(std::abs(shares - 1) < 1e-9);
             REQUIRE((s.contact().where.w >= 0 && s.contact().where.w <= 1));
             if (!fault && !lost) {
                 for (std::size_t m : {0u, 1u}) inside += s.outline(m).contains_strictly(s.contact().proxy_m, 1e-9);
@@ -300,17 +292,16 @@ TEST_CASE("the moving average is (19), tick by tick", "[simulation]") {
     Eigen::VectorXd expected = model.meshes[0]->theta_of_set.col(0);
     for (long k = 0; k < 2000; ++k) {
         s.tick(pressing(k, 0.014));
-        expected = 0.2 * model.meshes[0]->theta_of_set.col(s.sets().set[0]) + 0.8 * expected;
+        expected = 0.2 * model.meshes[0]->theta_of_set.col(s.set()) + 0.8 * expected;
         REQUIRE((s.state(0).theta - expected).norm() < 1e-12 * expected.norm());
     }
-    CHECK(s.sets().set[0] == 3);  // top-15mm
+    CHECK(s.set() == 3);  // top-15mm
 }
 
 TEST_CASE("the same samples give the same ticks, bit for bit", "[simulation]") {
     for (const char* dynamics : {"symplectic", "implicit"}) {
         HapticOptions o;
         o.dynamics = dynamics;
-        o.selector.mode = SelectorOptions::Mode::blended;
         const HapticModel one(haptic_example(), o), two(haptic_example(), o);
         Simulation a(one), b(two);
         WildHand ha(5), hb(5);
@@ -320,17 +311,16 @@ TEST_CASE("the same samples give the same ticks, bit for bit", "[simulation]") {
 }
 
 TEST_CASE("a tick allocates nothing", "[simulation]") {
-    struct Kind { const char *topology, *law, *dynamics; SelectorOptions o; };
-    using O = SelectorOptions;
-    for (const Kind& kind : {Kind{"grid4", "isotropic", "symplectic", {O::Mode::nearest, O::By::force}},
-                             Kind{"grid4", "isotropic", "implicit", {O::Mode::blended, O::By::displacement}},
-                             Kind{"grid8", "geometric", "implicit", {O::Mode::nearest, O::By::displacement}},
-                             Kind{"grid8", "rubber", "implicit", {O::Mode::blended, O::By::displacement}},
-                             Kind{"grid8", "axial", "symplectic", {O::Mode::blended, O::By::force}},
-                             Kind{"grid4", "isotropic", "paper", {O::Mode::nearest, O::By::displacement}}}) {
+    struct Kind { const char *topology, *law, *dynamics; SelectBy by; };
+    for (const Kind& kind : {Kind{"grid4", "isotropic", "symplectic", SelectBy::force},
+                             Kind{"grid4", "isotropic", "implicit", SelectBy::displacement},
+                             Kind{"grid8", "geometric", "implicit", SelectBy::displacement},
+                             Kind{"grid8", "rubber", "implicit", SelectBy::displacement},
+                             Kind{"grid8", "axial", "symplectic", SelectBy::force},
+                             Kind{"grid4", "isotropic", "paper", SelectBy::displacement}}) {
         HapticOptions o;
         o.dynamics = kind.dynamics;
-        o.selector = kind.o;
+        o.select_by = kind.by;
         const HapticModel model(haptic_example({kind.topology, kind.law}), o);
         Simulation s(model);
         WildHand hand(6);
@@ -443,29 +433,6 @@ TEST_CASE("options that make no sense are refused", "[simulation]") {
     refused([](HapticOptions& o) { o.safety.force_max_N = 0; });
     refused([](HapticOptions& o) { o.map.scale = 0; });
     CHECK(refused([](HapticOptions& o) { o.sets = "best"; }).find("example, optimum") != std::string::npos);
-}
-
-TEST_CASE("under a hand that holds still the tissue comes to rest, however steeply its sets differ", "[simulation][truth]") {
-    // four times stiffer at 15 mm than at 10: blended, the stiffness follows the depth closely
-    TissueModel tissue = haptic_example({"grid8", "axial", 10, 0});
-    for (int c = 1; c < tissue.case_count(); c += 2) tissue.trained[0].theta.row(c) *= 4;
-    HapticOptions o;
-    o.selector.mode = SelectorOptions::Mode::blended;
-    const HapticModel model(tissue, o);
-    Simulation s(model);
-    double swing[2] = {0, 0};  // of the coupling force, after 2 and after 12 seconds
-    for (int second = 0; second < 13; ++second) {
-        double low = 1e9, high = -1e9;
-        for (long k = 0; k < 1000; ++k) {
-            s.tick(pressing(1000 * second + k, 0.0135));
-            low = std::min(low, s.record().coupling_N.y());
-            high = std::max(high, s.record().coupling_N.y());
-        }
-        if (second == 2 || second == 12) swing[second == 12] = high - low;
-    }
-    CHECK(s.sets().count > 1);  // between the depths
-    CHECK(s.record().mesh == 0);
-    CHECK(swing[1] < 0.1 * swing[0]);
 }
 
 TEST_CASE("a master that leaves one mesh into the other is stopped at its surface", "[simulation]") {

@@ -14,7 +14,7 @@ def main():
     program, model, out, *night = sys.argv[1:]
     page = Browser(1280, 700, 1, prefers_color_scheme="dark" if night else "light")
     with tempfile.TemporaryDirectory() as folder:
-        server = Server(program, [model], folder, "--select", "blended")
+        server = Server(program, [model], folder)
         try:
             page.open(server.url)
             page.until("tissue.connected && tissue.states > 0")

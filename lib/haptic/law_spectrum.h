@@ -1,0 +1,19 @@
+#pragma once
+
+#include "haptic/realtime_mesh.h"
+#include "springs/tissue_model.h"
+
+namespace tissue {
+
+/// How fast a law's tissue can swing [1/s^2]: squared angular frequencies, of M^-1 K.
+struct LawSpectrum {
+    double smallest;  ///< at rest, untouched
+    double largest;   ///< at rest and pressed, the contact's springs included
+};
+
+/// The largest over presses as deep as the deepest load case, straight in and 45 degrees to either side, at places spread
+/// evenly over the free surface and at its corners. Presses whose rest is lost are left out.
+/// springs: of the model's mesh. Throws MismatchError for a model without a law.
+LawSpectrum law_spectrum(const TissueModel& model, const RealtimeMesh& springs);
+
+}  // namespace tissue

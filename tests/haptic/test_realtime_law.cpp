@@ -1,0 +1,147 @@
+#include "haptic/realtime_law.h"
+
+#include <Eigen/Eigenvalues>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "../allocations.h"
+#include "../example.h"
+#include "../mesh/disc.h"
+#include "../refusal.h"
+#include "error.h"
+#include "haptic/dynamics.h"
+#include "haptic/law_spectrum.h"
+#include "haptic/spectrum.h"
+#include "haptic_example.h"
+#include "springs/press.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::vector<SpringMesh> meshes() { return {make_lattice("grid8", 10, 10, 0.1, 0.1), make_lattice("grid8", 4, 7, 0.06, 0.1), edge_mesh(disc(24))}; }
+
+RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, "geometric", model.node_mass_kg}; }
+
+/// A law whose constants differ from element to element, so that none can stand in for another.
+TissueModel uneven(const SpringMesh& mesh) {
+    TissueModel model = law_example(mesh);
+    for (Eigen::Index e = 0; e < model.energy_law->constants.size(); ++e)
+        model.energy_law->constants[e] *= 1 + 0.3 * std::sin(1.7 * static_cast<double>(e));
+    return model;
+}
+
+}  // namespace
+
+TEST_CASE("the tick's law asks for the forces of the energy that was trained, and stores it", "[law]") {
+    for (const SpringMesh& mesh : meshes())
+        for (double size : {1e-6, 1e-3, 4e-3}) {
+            const TissueModel model = uneven(mesh);
+            const RealtimeMesh springs = springs_of(model);
+            const RealtimeLaw law(model, springs);
+            const TissueEnergy energy(mesh, true);
+            const NodeField u = scattered(mesh, size);
+            const NodeField expected = energy.force(model.energy_law->constants, u);
+            NodeColumns f(mesh.node_count(), 2);
+            long allocations = 0;
+            {
+                const NodeColumns columns = u;
+                const Allocations none;
+                law.force(columns, f);
+                allocations = Allocations::count();
+            }
+            INFO(mesh.topology << " " << size);
+            CHECK((f - NodeColumns(expected)).norm() <= (size < 1e-5 ? 1e-9 : 1e-12) * expected.norm());  // l - L cancels in the tick's springs
+            CHECK(law.energy(u) == Approx(energy.energy(model.energy_law->constants, u)).epsilon(1e-8));
+            CHECK(allocations == 0);
+        }
+}
+
+TEST_CASE("the tick's contact is the one that was trained, at every point of the free surface, and a wall where it is held", "[law]") {
+    for (const SpringMesh& mesh : meshes()) {
+        const TissueModel model = uneven(mesh);
+        const RealtimeMesh springs = springs_of(model);
+        const RealtimeLaw law(model, springs);
+        const ContactSurface surface(mesh);
+        const std::size_t M = mesh.boundary.size();
+        int held = 0;
+        for (std::size_t b = 0; b < M; ++b)
+            for (double w : {0.0, 0.3, 0.99}) {
+                const int i = mesh.boundary[b], j = mesh.boundary[(b + 1) % M];
+                const Eigen::Vector2d place = (1 - w) * mesh.nodes.row(i) + w * mesh.nodes.row(j);
+                const PatchSpring now = law.contact(static_cast<int>(b), w);
+                double sum = 0;
+                for (double weight : now.patch.weight) sum += weight;
+                CHECK(sum == Approx(1));
+                if (springs.fixed(i) && springs.fixed(j)) {
+                    ++held;
+                    CHECK(now.gap_N_m.isDiagonal(1e-9 * now.gap_N_m.norm()));
+                    for (int k = 0; k < ContactPatch::size; ++k) CHECK(springs.fixed(now.patch.node[k]));
+                    continue;
+                }
+                const ContactPatch patch = surface.at(surface.outline().arc_of(place));
+                const PatchSpring expected(patch, model.energy_law->patch.at(patch));
+                CHECK((now.gap_N_m - expected.gap_N_m).norm() <= 1e-9 * expected.gap_N_m.norm());
+                CHECK((now.turn_N_m - expected.turn_N_m).norm() <= 1e-9 * expected.turn_N_m.norm());
+                for (int k = 0; k < ContactPatch::size; ++k) {
+                    CHECK(now.patch.node[k] == patch.node[k]);
+                    CHECK(now.patch.weight[k] == Approx(patch.weight[k]).margin(1e-9));
+                }
+            }
+        CHECK(held > 0);
+    }
+}
+
+TEST_CASE("a law's spectrum is that of its tangents, at rest and pressed", "[law]") {
+    const SpringMesh mesh = make_lattice("grid8", 4, 4, 0.1, 0.1);
+    const TissueModel model = law_example(mesh);
+    const RealtimeMesh springs = springs_of(model);
+    const LawSpectrum spectrum = law_spectrum(model, springs);
+
+    const TissueEnergy energy(mesh, true);
+    const ContactSurface surface(mesh);
+    const auto eigenvalues = [&](const NodeField& u, const PatchSpring* contact) {
+        Eigen::MatrixXd K = energy.tangent(model.energy_law->constants, u);
+        for (int i = 0; contact && i < ContactPatch::size; ++i)
+            for (int j = 0; j < ContactPatch::size; ++j)
+                K.block<2, 2>(2 * contact->patch.node[i], 2 * contact->patch.node[j]) += contact->tangent(i, j);
+        std::vector<int> free;
+        for (int node = 0; node < mesh.node_count(); ++node)
+            for (int axis = 0; axis < 2 && !springs.fixed(node); ++axis) free.push_back(2 * node + axis);
+        Eigen::MatrixXd A = K(free, free);
+        for (std::size_t i = 0; i < free.size(); ++i)
+            for (std::size_t j = 0; j < free.size(); ++j)
+                A(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) *=
+                    std::sqrt(springs.inverse_mass()[free[i] / 2] * springs.inverse_mass()[free[j] / 2]);
+        return Eigen::VectorXd(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A).eigenvalues());
+    };
+    const Eigen::VectorXd rest = eigenvalues(NodeField::Zero(mesh.node_count(), 2), nullptr);
+    CHECK(spectrum.smallest == Approx(rest[0]).epsilon(1e-4));
+    CHECK(spectrum.largest >= rest[rest.size() - 1]);
+
+    // presses at places of its own choice, as deep as the deepest load case: none is much stiffer
+    PressSolver solver(energy, surface);
+    double stiffest = 0;
+    for (int k = 0; k <= 20; ++k) {
+        const double arc = k / 20.0 * surface.outline().length();
+        const ContactPatch patch = surface.at(arc);
+        const PatchSpring contact(patch, model.energy_law->patch.at(patch));
+        const PressState state = solver.press(model.energy_law->constants, contact, 0.010 * surface.outline().direction(arc, 0.3));
+        if (state.status != PressStatus::lost) stiffest = std::max(stiffest, eigenvalues(state.displacement, &contact).maxCoeff());
+    }
+    CHECK(stiffest > rest[rest.size() - 1]);
+    CHECK(spectrum.largest > 0.98 * stiffest);
+    CHECK(spectrum.largest < 1.05 * stiffest);
+}
+
+TEST_CASE("a model of sets is no law, springs that do not turn are not its own, and an implicit step does not know one", "[law]") {
+    const TissueModel model = law_example(), sets = haptic_example();
+    const RealtimeMesh springs = springs_of(model), axial(model.mesh, "axial", model.node_mass_kg);
+    CHECK_THAT(refusal<MismatchError>([&] { RealtimeLaw(sets, springs); }), Contains("no law"));
+    CHECK_THAT(refusal<MismatchError>([&] { RealtimeLaw(model, axial); }), Contains("geometric"));
+    CHECK_THAT(refusal<MismatchError>([&] { law_spectrum(sets, springs); }), Contains("no law"));
+    const RealtimeLaw law(model, springs);
+    for (const char* name : {"implicit", "paper"})
+        CHECK_THAT(refusal<MismatchError>([&] { make_dynamics(name, springs, {1e-3, 1, 1, &law}); }), Contains(name));
+}
