@@ -51,14 +51,16 @@ struct Options {
     cli::HapticChoices choices;
 };
 
-/// What to press: the first 50 held-out contacts where the study draws them, else every load case.
+/// What to press: the first 50 held-out contacts where the study draws them, else every load case. The full range fills up.
 std::vector<PressTruth> press_truths(const Cases& cases) {
     constexpr std::size_t enough = 50;
     std::vector<PressTruth> truths;
-    for (const LoadPath& path : cases.paths)
-        if (path.role == "held_out" && path.lost.empty() && truths.size() < enough)
+    for (const char* role : {"held_out", "held_out_full"})
+        for (const LoadPath& path : cases.paths) {
+            if (path.role != role || !path.lost.empty() || truths.size() >= enough) continue;
             truths.push_back({path.name, path.contact_m, path.direction, path.records.back().magnitude_m,
                               path.records.back().contact_force_N});
+        }
     if (!truths.empty()) return truths;
     for (const LoadCase& c : load_cases(cases))
         truths.push_back({c.name, c.path->contact_m, c.path->direction, c.record->magnitude_m, c.record->contact_force_N});

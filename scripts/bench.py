@@ -287,7 +287,7 @@ def cyclictest_version():
 def bench_sessions(program, seconds):
     """Three sessions, taking turns with cyclictest: same priority, same interval, as long."""
     study = "surface" if (ROOT / "results/surface/model.h5").exists() else "paper"
-    command = [program, f"results/{study}/model.h5", "--device", "virtual", "--motion", "poke", "--select", "blended",
+    command = [program, f"results/{study}/model.h5", "--device", "virtual", "--motion", "poke",
                "--json", "--seconds", seconds]
     ours, machine = [], []
     for _ in range(3):

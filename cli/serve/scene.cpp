@@ -95,7 +95,7 @@ Near Scene::near(const TickState& state) const {
 
 std::string Scene::message(const std::vector<std::string>& names, int index) const {
     const HapticOptions& o = model_.options;
-    Json j = {{"type", "model"}, {"study", model_.study}, {"models", names}, {"model", index}, {"dt_s", o.dt_s},
+    Json j = {{"type", "model"}, {"study", model_.study}, {"models", names}, {"model", index}, {"law", model_.is_law()}, {"dt_s", o.dt_s},
               {"force_max_N", o.safety.force_max_N}, {"force_scale", o.map.force_scale}};
     Eigen::Vector2d low = boxes_[0].first, high = boxes_[0].second;
     for (const auto& [box_low, box_high] : boxes_) low = low.cwiseMin(box_low), high = high.cwiseMax(box_high);

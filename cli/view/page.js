@@ -153,12 +153,13 @@ function prepare(message) {
   model.strongest_N = Math.max(0, ...model.places.flatMap(place => place.curve.map(point => point[1])));
   const of = axis => model.meshes[LEARNED].nodes_m.map(p => p[axis]);
   model.box = { low: [Math.min(...of(0)), Math.min(...of(1))], high: [Math.max(...of(0)), Math.max(...of(1))] };
+  document.getElementById("spring_set").parentElement.hidden = model.law;
   list_models();
   list_places();
   document.title = `${model.study} – tissuectl`;
   say("about", `Study ${model.study}: ${model.meshes[0].nodes_m.length} nodes and ${model.meshes[0].springs.length} springs a mesh, ` +
       `step ${1e3 * model.dt_s} ms, dynamics ${[...new Set(Object.values(model.dynamics))].join(" and ")}; the hand feels ${model.force_scale === 1 ? "" : `${model.force_scale} times `}` +
-      `the tissue's force, ${model.force_max_N} N at most. Line width: stiffness (its root, mean over spring sets). Colour: displacement.`);
+      `the tissue's force, ${model.force_max_N} N at most. Line width: stiffness (its root${model.law ? "" : ", mean over spring sets"}). Colour: displacement.`);
   fit();
 }
 

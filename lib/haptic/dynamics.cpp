@@ -60,8 +60,8 @@ std::string stable_dynamics(double largest_eigenvalue_1_s2, double dt_s) {
     throw MismatchError(fmt::format("no step is stable at omega dt = {}", omega_dt));
 }
 
-int stable_substeps(double largest_eigenvalue_1_s2, double dt_s) {
-    return std::max(1, static_cast<int>(std::ceil(std::sqrt(largest_eigenvalue_1_s2) * dt_s / symplectic_dynamics.stable_omega_dt)));
+int law_substeps(double largest_eigenvalue_1_s2, double dt_s) {
+    return std::max(1, static_cast<int>(std::ceil(std::sqrt(largest_eigenvalue_1_s2) * dt_s)));
 }
 
 }  // namespace tissue

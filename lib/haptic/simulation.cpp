@@ -49,9 +49,9 @@ void choose_law_dynamics(const TissueModel& model, HapticMesh& mesh, const Hapti
     const double lowest = std::sqrt(spectrum.smallest);
     mesh.largest_eigenvalue_1_s2 = spectrum.largest;
     mesh.dynamics = o.dynamics == "auto" ? "symplectic" : o.dynamics;
-    mesh.substeps = stable_substeps(spectrum.largest, o.dt_s);
+    mesh.substeps = law_substeps(spectrum.largest, o.dt_s);
     mesh.lowest_frequency_Hz = lowest / turn;
-    mesh.damping_1_s = 2 * o.damping_ratio * lowest;
+    mesh.damping_1_s = 2 * *o.damping_ratio * lowest;
     make_dynamics(mesh.dynamics, mesh.springs, {o.dt_s, mesh.damping_1_s, mesh.substeps, mesh.law.get()});  // throws here, if at all
 }
 
@@ -67,7 +67,7 @@ void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double coupling_N
     const double lowest = std::sqrt(smallest_eigenvalue(mesh.springs, mean));
     mesh.lowest_frequency_Hz = lowest / turn;
     // a mesh that can move for nothing has no lowest mode: a hundredth of its highest stands in
-    mesh.damping_1_s = 2 * o.damping_ratio * (lowest > 0 ? lowest : 0.01 * std::sqrt(bare));
+    mesh.damping_1_s = 2 * *o.damping_ratio * (lowest > 0 ? lowest : 0.01 * std::sqrt(bare));
 }
 
 }  // namespace
@@ -78,7 +78,8 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     if (!(o.dt_s > 0)) throw MismatchError("dt must be positive");
     if (!(o.innovation > 0 && o.innovation <= 1)) throw MismatchError("the innovation gamma must lie in (0, 1]");
     if (!(o.coupling_ratio > 0)) throw MismatchError("the coupling ratio must be positive");
-    if (!(o.damping_ratio >= 0)) throw MismatchError("the damping ratio must not be negative");
+    if (!o.damping_ratio) o.damping_ratio = model.energy_law ? 0.17 : 0.05;
+    if (!(*o.damping_ratio >= 0)) throw MismatchError("the damping ratio must not be negative");
     if (!(o.safety.force_max_N > 0) || !(o.safety.slew_N_s > 0) || !(o.safety.speed_max_m_s > 0))
         throw MismatchError("the limits of force, slew and speed must be positive");
     if (!(o.map.scale > 0) || !(std::abs(o.map.force_scale) > 0) || !std::isfinite(o.map.force_scale))
@@ -141,6 +142,7 @@ void Simulation::reset() noexcept {
     contact_ = {};
     touched_ = -1;
     armed_ = false;
+    untouched_ = 0;
 }
 
 Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) noexcept {
@@ -152,13 +154,15 @@ Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) n
     record_.device_m = sample.position_m.allFinite() ? sample.position_m : last.device_m;
     record_.master_m = last.master_m;
 
+    const bool lost = put_to_rest();
+
     // device position
     if (!safety_.admit(sample, elapsed_s > 0 ? elapsed_s : o.dt_s)) return stop(true);
     const Eigen::Vector2d master = o.map.to_plane(sample.position_m);
     record_.master_m = master;
 
     // 4.2 collision detection
-    if (!move_outlines()) return stop(false);
+    if (lost || !move_outlines()) return stop(false);
     if (!find_contact(master)) return stop(false);
 
     // 4.3 selection of mesh constants, and their moving average (18)-(19)
@@ -191,17 +195,29 @@ void Simulation::place_outlines() noexcept {
     }
 }
 
-/// The same, and false when there is no inside: a mesh has flown apart, or an outline crosses itself.
+/// A law has other rests than its own: tissue drawn through itself, inside out, stays so. True where nothing has touched it for so
+/// long that damping has left e^-5 of any swing, and it still is a tenth of the nodes' distance away.
+bool Simulation::come_to_rest_elsewhere() const noexcept {
+    const HapticMesh& learned = *model_.meshes[0];
+    const double settled_s = 10 / learned.damping_1_s;
+    return learned.law && static_cast<double>(untouched_) * model_.options.dt_s > settled_s &&
+           states_[0].displacement.cwiseAbs().maxCoeff() > 0.1 * learned.law->spacing_m();
+}
+
+/// Puts meshes to rest that have flown apart, or a law that came to rest elsewhere; true when it had to. In every tick, also those
+/// whose input is refused: meshes go on then.
+bool Simulation::put_to_rest() noexcept {
+    constexpr double apart_m = 1e3;
+    bool lost = come_to_rest_elsewhere();
+    for (const MeshState& state : states_) lost = lost || !(state.displacement.cwiseAbs().sum() < apart_m);
+    if (!lost) return false;
+    ++counters_.unstable;
+    reset();
+    return true;
+}
+
+/// Outlines to where the meshes are, and false when there is no inside: an outline crosses itself.
 bool Simulation::move_outlines() noexcept {
-    constexpr double apart_m = 1e6;
-    for (std::size_t m = 0; m < states_.size(); ++m) {
-        double moved = 0;
-        for (int node : model_.meshes[m]->springs.outline()) moved += states_[m].displacement.row(node).cwiseAbs().sum();
-        if (moved < apart_m) continue;
-        ++counters_.unstable;
-        reset();
-        return false;
-    }
     place_outlines();
     bool sound = true;
     for (MovingOutline& outline : outlines_)
@@ -333,6 +349,7 @@ Eigen::Vector2d Simulation::step_meshes(const Eigen::Vector2d& master_m) noexcep
     const auto touched = static_cast<std::size_t>(std::max(touched_, 0));
     record_.proxy_m = contact_.proxy_m;
     record_.set = model_.is_law() ? -1 : set_;
+    untouched_ = contact_.pressing ? 0 : untouched_ + 1;
     if (!contact_.pressing) {
         for (std::size_t m = 0; m < states_.size(); ++m) dynamics_[m]->step(states_[m], {});
         return Eigen::Vector2d::Zero();

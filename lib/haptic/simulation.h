@@ -20,7 +20,9 @@ namespace tissue {
 struct HapticOptions {
     double dt_s = 1e-3;               ///< 1 kHz, the paper's rate
     double innovation = 0.05;         ///< gamma of (19): a new set takes over within about 60 ms
-    double damping_ratio = 0.05;      ///< of critical, at the lowest mode: the paper's "very small values"
+    /// Of critical, at the lowest mode. Nothing: 0.05 for sets, the paper's "very small values"; 0.17 for a law, 5 1/s on the
+    /// tissue of `surface`, with which a press comes to rest in the time that a hand takes to notice.
+    std::optional<double> damping_ratio = {};
     double coupling_ratio = 10;       ///< k_C over the contact's own stiffness: the tool sinks in by a tenth more
     std::string dynamics = "auto";    ///< or a name of dynamics_kinds()
     std::string sets;                 ///< of the learned mesh: an optimiser of the model, `optimum`; "" is its first. A law has none
@@ -83,7 +85,7 @@ struct TickRecord {
 struct HapticCounters {
     long long ticks = 0;
     long long folded = 0;         ///< outline not simple, or two meshes over each other: no inside, no force
-    long long unstable = 0;       ///< displacement of an outline not finite, or over 1000 km: meshes put to rest
+    long long unstable = 0;       ///< a node not finite, or 1 km away; or a law that nothing touches and that does not come back: meshes put to rest
     long long unarmed = 0;        ///< inside tissue, but the master has not been outside since the start or a fault
 };
 
@@ -116,6 +118,8 @@ class Simulation {
    private:
     void place_outlines() noexcept;
     bool move_outlines() noexcept;
+    bool come_to_rest_elsewhere() const noexcept;
+    bool put_to_rest() noexcept;
     bool find_contact(const Eigen::Vector2d& master_m) noexcept;
     void begin_contact(int mesh, const Eigen::Vector2d& master_m) noexcept;
     void hold_patch(const Eigen::Vector2d& master_m) noexcept;
@@ -138,6 +142,7 @@ class Simulation {
     std::optional<PatchSpring> patch_;                          ///< of this contact, where the learned mesh is a law
     Eigen::Vector2d touched_m_ = Eigen::Vector2d::Zero();  ///< X_p of this contact, in the mesh's own coordinates
     bool armed_ = false;          ///< the master has been outside
+    long long untouched_ = 0;     ///< ticks since a tool or its force was on the meshes
     int set_ = 0;                 ///< (19)'s K_l
     HapticCounters counters_;
     TickRecord record_;

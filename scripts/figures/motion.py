@@ -40,7 +40,8 @@ def main():
     worst = max(p["static_error"] for p in presses)
     rest.set_title(f"{len(presses)} presses, at most {100 * worst:.2g} % off the static answer", fontsize=10)
 
-    switches = data["switches"]
+    switches = data["switches"]  # of sets: a law never switches
+    switch.set_visible(bool(switches))
     largest = max((s for s in switches if s["innovation"] == 1), key=lambda s: s["force_jump_N"], default=None)
     for s in switches:
         if largest and (s["from"], s["to"]) == (largest["from"], largest["to"]):

@@ -2,7 +2,7 @@
 //
 //   bench_haptic [results/STUDY]     full ticks of an 11 x 11 grid8 lattice with made-up sets, and of that study's model
 //
-// The peer is a plain explicit step, a loop over a vector of springs, timed beside ours in the same run: batches of
+// The peer is a plain explicit step, a loop over a vector of springs, of a law over its cells and regions too, timed beside ours in the same run: batches of
 // both take turns. CHAI3D's GEL needs about 1.15 us for 220 springs; it is not built here.
 #include <algorithm>
 #include <chrono>
@@ -11,11 +11,14 @@
 #include <cstdlib>
 #include <functional>
 #include <iostream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "haptic/simulation.h"
 #include "haptic/virtual_device.h"
+#include "springs/energy_law.h"
 #include "springs/heuristic.h"
+#include "springs/region_area.h"
 
 namespace {
 
@@ -123,6 +126,141 @@ StepTimes time_steps(int side, int batches) {
     return times;
 }
 
+/// A law's step as one would first write it: springs that turn, squares and regions by their corners.
+struct PlainLaw {
+    struct Spring { int i, j; double k, length; };
+    struct Ring { std::vector<int> nodes; double k, area; };
+    struct Node { double x, y, vx, vy, fx, fy, inverse_mass; };
+    std::vector<Spring> springs;
+    std::vector<Ring> rings;
+    std::vector<Node> nodes;
+
+    explicit PlainLaw(const TissueModel& m) {
+        const Eigen::VectorXd& constants = m.energy_law->constants;
+        for (int s = 0; s < m.mesh.spring_count(); ++s) {
+            const int i = m.mesh.springs(s, 0), j = m.mesh.springs(s, 1);
+            springs.push_back({i, j, constants[s], (m.mesh.nodes.row(j) - m.mesh.nodes.row(i)).norm()});
+        }
+        for (int n = 0; n < m.mesh.node_count(); ++n)
+            nodes.push_back({m.mesh.nodes(n, 0), m.mesh.nodes(n, 1), 0, 0, 0, 0, 1 / m.node_mass_kg[n]});
+        for (int n : m.mesh.fixed) nodes[static_cast<std::size_t>(n)].inverse_mass = 0;
+        const TissueEnergy energy(m.mesh, m.energy_law->incompressible);
+        for (std::size_t k = 1; k < energy.kinds().size(); ++k) {
+            const Elements& kind = *energy.kinds()[k];
+            for (int e = 0; e < kind.count(); ++e) {
+                Ring ring{{}, constants[energy.first_of(k) + e], 0};
+                if (kind.kind() == "cell")
+                    for (Eigen::Index c = 0; c < kind.nodes().cols(); ++c) ring.nodes.push_back(kind.nodes()(e, c));
+                else
+                    ring.nodes = in_order(static_cast<const RegionArea&>(kind));
+                ring.area = area(ring);
+                rings.push_back(ring);
+            }
+        }
+    }
+
+    static std::vector<int> in_order(const RegionArea& region) {
+        std::map<int, int> next;
+        for (const auto& [i, j] : region.edges()) next[i] = j;
+        std::vector<int> order;
+        for (int at = 0; order.empty() || at != 0; at = next[at]) order.push_back(region.nodes()(0, at));
+        return order;
+    }
+
+    double area(const Ring& ring) const {
+        double twice = 0;
+        for (std::size_t k = 0; k < ring.nodes.size(); ++k) {
+            const Node &a = nodes[static_cast<std::size_t>(ring.nodes[k])], &b = nodes[static_cast<std::size_t>(ring.nodes[(k + 1) % ring.nodes.size()])];
+            twice += a.x * b.y - a.y * b.x;
+        }
+        return twice / 2;
+    }
+
+    void step(double dt, double damping) {
+        for (Node& n : nodes) n.fx = n.fy = 0;
+        for (const Spring& s : springs) {
+            Node &a = nodes[static_cast<std::size_t>(s.i)], &b = nodes[static_cast<std::size_t>(s.j)];
+            const double x = b.x - a.x, y = b.y - a.y, length = std::sqrt(x * x + y * y), pull = s.k * (length - s.length) / length;
+            a.fx += pull * x;
+            a.fy += pull * y;
+            b.fx -= pull * x;
+            b.fy -= pull * y;
+        }
+        for (const Ring& ring : rings) {
+            const double push = ring.k * (area(ring) / ring.area - 1) / 2;
+            for (std::size_t k = 0, n = ring.nodes.size(); k < n; ++k) {
+                const Node &before = nodes[static_cast<std::size_t>(ring.nodes[(k + n - 1) % n])], &after = nodes[static_cast<std::size_t>(ring.nodes[(k + 1) % n])];
+                Node& at = nodes[static_cast<std::size_t>(ring.nodes[k])];
+                at.fx -= push * (after.y - before.y);
+                at.fy += push * (after.x - before.x);
+            }
+        }
+        for (Node& n : nodes) {
+            n.vx += n.inverse_mass > 0 ? dt * (n.inverse_mass * n.fx - damping * n.vx) : 0;
+            n.vy += n.inverse_mass > 0 ? dt * (n.inverse_mass * n.fy - damping * n.vy) : 0;
+            n.x += dt * n.vx;
+            n.y += dt * n.vy;
+        }
+    }
+};
+
+/// One step of a law's mesh, ours and the peer's, from the same displacements.
+StepTimes time_law_steps(const TissueModel& m, int batches) {
+    const RealtimeMesh springs(m.mesh, "geometric", m.node_mass_kg);
+    const RealtimeLaw law(m, springs);
+    constexpr double dt = 5e-4;
+    const auto dynamics = make_dynamics("symplectic", springs, {dt, 1, 1, &law});
+    MeshState state(springs, Eigen::VectorXd::Zero(springs.slot_count()));
+    PlainLaw plain(m);
+    for (int n = 0; n < m.mesh.node_count(); ++n) {
+        if (springs.fixed(n)) continue;
+        state.displacement.row(n) << 1e-3 * std::sin(0.3 * n), 1e-3 * std::cos(0.7 * n);
+        plain.nodes[static_cast<std::size_t>(n)].x += state.displacement(n, 0);
+        plain.nodes[static_cast<std::size_t>(n)].y += state.displacement(n, 1);
+    }
+    const int repeat = std::max(1, 40000 / m.mesh.spring_count());
+    StepTimes times{{}, {}, m.mesh.spring_count()};
+    for (int batch = 0; batch < batches + 3; ++batch) {
+        const auto start = Clock::now();
+        for (int k = 0; k < repeat; ++k) dynamics->step(state, {});
+        const auto middle = Clock::now();
+        for (int k = 0; k < repeat; ++k) plain.step(dt, 1);
+        const auto end = Clock::now();
+        if (batch == 0)  // before rounding tells them apart
+            for (int n = 0; n < m.mesh.node_count(); ++n)
+                if (!(std::abs(m.mesh.nodes(n, 0) + state.displacement(n, 0) - plain.nodes[static_cast<std::size_t>(n)].x) < 1e-4)) {
+                    std::cerr << "bench_haptic: the two steps of a law do not agree\n";
+                    std::exit(1);
+                }
+        if (batch < 3) continue;  // caches and pages
+        times.ours.push_back(microseconds(middle - start) / repeat);
+        times.peer.push_back(microseconds(end - middle) / repeat);
+    }
+    return times;
+}
+
+/// A law on the lattice of `surface`: the heuristic's constants, two steps a tick.
+TissueModel made_up_law() {
+    constexpr double thickness_m = 0.1;
+    TissueModel m;
+    m.study = "bench";
+    m.law = "axial";
+    m.mesh = make_lattice("grid8", 10, 10, 0.1, 0.1);
+    m.modulus_N_m = 4524 * thickness_m;
+    m.node_mass_kg = node_masses(m.mesh, 1040, thickness_m);
+    m.heuristic_a = heuristic_stiffness(m.mesh, m.modulus_N_m);
+    const EnergyLaw law(m.mesh, law_heuristic(m.mesh, m.modulus_N_m, "plane-strain", 12), {"spring.all"});
+    const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);
+    m.energy_law = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
+    m.contact_m.resize(1, 2);
+    m.direction.resize(1, 2);
+    m.contact_m << 0.05, 0.1;
+    m.direction << 0, -1;
+    m.magnitude_m = Eigen::VectorXd::Constant(1, 0.015);
+    m.case_names = {"top"};
+    return m;
+}
+
 /// The paper's cases with sets that differ, when no model is given.
 TissueModel made_up() {
     TissueModel m;
@@ -151,10 +289,12 @@ TissueModel made_up() {
     return m;
 }
 
-/// Every tick of 20 s of pressing, dragging and letting go: two meshes, contact, sets, moving average, safety.
-std::vector<double> time_ticks(const TissueModel& tissue, const std::string& dynamics) {
+/// Every tick of 20 s of pressing, dragging and letting go: one or two meshes, contact, sets with their moving average or a
+/// law, safety.
+std::vector<double> time_ticks(const TissueModel& tissue, const std::string& dynamics, bool heuristic_mesh) {
     HapticOptions o;
     o.dynamics = dynamics;
+    o.heuristic_mesh = heuristic_mesh;
     const HapticModel model(tissue, o);
     Simulation simulation(model);
     VirtualDevice hand(make_motion({"slide", 20, 0.01, 1, model.low_m, model.high_m}), o.map);
@@ -176,19 +316,24 @@ int main(int argc, char** argv) {
         Json list = Json::array();
         const StepTimes small = time_steps(11, 3000);
         list.push_back(entry("haptic: mesh step, 11 x 11 grid8 axial, 420 springs", "us", small.ours, small.peer));
-        std::vector<std::pair<std::string, TissueModel>> models = {{"grid8 axial", made_up()}};
+        const TissueModel law = made_up_law();
+        const StepTimes law_step = time_law_steps(law, 3000);
+        list.push_back(entry("haptic: mesh step, 11 x 11 grid8 law, 420 springs, 100 cells, 5 regions", "us", law_step.ours, law_step.peer));
+        std::vector<std::pair<std::string, TissueModel>> models = {{"grid8 axial", made_up()}, {"grid8 law", law}};
         if (argc > 1) {
             models.emplace_back("", read_model(std::string(argv[1]) + "/model.h5"));
             models.back().first = "study " + models.back().second.study;
         }
         for (const auto& [model, tissue] : models)
-            for (const std::string dynamics : {"symplectic", "implicit"}) {
-                const std::vector<double> ticks = time_ticks(tissue, dynamics);
-                const std::string name = "haptic: full tick, two meshes, " + model + ", " + dynamics;
-                list.push_back(entry(name, "us", ticks));
-                list.push_back(entry(name + ", p99", "us", {rank(ticks, 0.99)}));
-                list.back()["n"] = ticks.size();
-            }
+            for (const std::string dynamics : {"symplectic", "implicit"})
+                for (const bool two : {true, false}) {
+                    if (tissue.energy_law ? dynamics == "implicit" : !two) continue;  // a law has no implicit step
+                    const std::vector<double> ticks = time_ticks(tissue, dynamics, two);
+                    const std::string name = std::string("haptic: full tick, ") + (two ? "two meshes, " : "one mesh, ") + model + ", " + dynamics;
+                    list.push_back(entry(name, "us", ticks));
+                    list.push_back(entry(name + ", p99", "us", {rank(ticks, 0.99)}));
+                    list.back()["n"] = ticks.size();
+                }
         for (int side : {11, 21, 41, 81, 161, 301}) {
             StepTimes t = time_steps(side, side > 100 ? 60 : 300);
             for (double& us : t.ours) us *= 1e3 / t.springs;

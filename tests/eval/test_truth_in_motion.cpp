@@ -4,7 +4,9 @@
 #include <catch2/catch.hpp>
 
 #include "../haptic/haptic_example.h"
+#include "mesh/outline.h"
 #include "springs/equilibrium.h"
+#include "springs/law_press.h"
 
 using namespace tissue;
 
@@ -54,4 +56,26 @@ TEST_CASE("a press is judged by FE where it stands as deep as FE does, and at FE
     CHECK(*r.fe_error < 2e-3);
     CHECK(*r.static_fe_error < 2e-3);
     CHECK(r.off_contact_m < 1e-6);
+}
+
+TEST_CASE("in motion a law comes to rest within five seconds at its static answer, where FE's contact stands", "[truth][law]") {
+    const TissueModel tissue = law_example();
+    const HapticModel model(tissue, {});
+    const LawPress law(tissue);
+    const Outline outline(tissue.mesh);
+    struct Push { double arc, angle, depth; };
+    for (const auto& [arc, angle, depth] : {Push{0.03, 0.4, 0.010}, Push{0.075, 0, 0.008}, Push{0.102, -0.3, 0.006}, Push{0.147, 0.5, 0.010}, Push{0.28, -0.5, 0.012}}) {
+        PressTruth truth{"place", outline.position(arc), outline.direction(arc, angle), depth, {}};
+        const Equilibrium exact = law.at(arc, depth * truth.direction);
+        REQUIRE(exact);
+        truth.force_N = exact.contact_force;  // "FE" that is this very law
+        const PressResult r = press(model, tissue, truth);
+        INFO("arc " << arc << ": " << r.reason << " after " << r.seconds << " s, off " << r.off_contact_m << ", static " << r.static_error);
+        REQUIRE((r.rested && r.fe_error && r.static_fe_error));
+        CHECK(r.seconds <= 5);
+        CHECK(r.static_error < 1e-4);
+        CHECK(*r.fe_error < 2e-3);
+        CHECK(*r.static_fe_error < 1e-9);
+        CHECK((r.displacement_m - depth * truth.direction).norm() < 1e-6);
+    }
 }

@@ -2,6 +2,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <csignal>
@@ -100,10 +101,11 @@ TEST_CASE("percentiles of durations are within 1 %, the largest exact", "[record
 }
 
 TEST_CASE("a recorded session replays to the same forces, bit for bit", "[recorder]") {
+    const bool law = GENERATE(false, true);
     const TemporaryFolder folder;
     HapticOptions o;
     o.map.force_scale = 100;
-    const HapticModel model(haptic_example(), o);
+    const HapticModel model(law ? law_example() : haptic_example(), o);
     {
         // in simulated time: every tick on its place
         Simulation simulation(model);
@@ -258,6 +260,29 @@ TEST_CASE("tissue-haptic: a session's ledger is JSON with every key, and its rec
     const Ended replayed = run(folder, model_file(folder) + " --device replay --trajectory " + folder.file("s.h5") + " --force-scale 3 --seconds 0 --json");
     REQUIRE(replayed.status == 0);
     CHECK(nlohmann::json::parse(replayed.out)["details"]["device"].count("reference_error_rms_N") == 1);
+}
+
+TEST_CASE("tissue-haptic: a law plays, is recorded and replayed, and knows no sets", "[program]") {
+    const TemporaryFolder folder;
+    const std::string model = folder.file("law.h5");
+    write_model(model, law_example(), {"test", 1, {}});
+    const Ended ended = run(folder, model + " --seconds 1 --motion sine --json --record " + folder.file("s.h5"));
+    INFO(ended.err);
+    REQUIRE(ended.status == 0);
+    CHECK(ended.err.find("a law") != std::string::npos);
+    const nlohmann::json j = nlohmann::json::parse(ended.out);
+    CHECK(j["details"]["dynamics"]["learned"]["substeps"] == 2);
+    CHECK(j["force_max_N"] > 0.1);
+    const Hdf5Reader in(folder.file("s.h5"), "recording");
+    CHECK(in.texts("/set_names").empty());
+    CHECK(in.vector("/time").size() == j["ticks"].get<int>());
+    CHECK(run(folder, model + " --device replay --trajectory " + folder.file("s.h5") + " --seconds 0").status == 0);
+    for (const char* option : {"--sets optimum", "--select-by force", "--dynamics implicit"}) {
+        const Ended refused = run(folder, model + " " + option);
+        CHECK(refused.status == 1);
+        CHECK(std::count(refused.err.begin(), refused.err.end(), '\n') == 1);
+        CHECK(refused.err.find("law") != std::string::npos);
+    }
 }
 
 TEST_CASE("tissue-haptic: SIGINT, SIGTERM and SIGHUP end it with a ledger and a closed file", "[program]") {

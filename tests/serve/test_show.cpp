@@ -293,3 +293,35 @@ TEST_CASE("the page is in the program, whole, and asks for nothing from elsewher
     CHECK_FALSE(page_file("/index.html/.."));
     CHECK_FALSE(page_file(""));
 }
+
+TEST_CASE("a law has a scene too: its springs, its places and what FE says there, and no spring sets", "[serve]") {
+    TissueModel tissue = law_example();
+    tissue.contact_force_N = 100 * tissue.magnitude_m.asDiagonal() * tissue.direction;
+    const HapticModel model(tissue, {});
+    const Scene scene(tissue, model);
+    const Json message = Json::parse(scene.message({"law"}, 0));
+    CHECK(message["law"] == true);
+    CHECK(message["places"].size() == 5);
+    CHECK(message["meshes"][0]["stiffness_N_m"][7].get<double>() == Approx(tissue.energy_law->constants[7]));
+
+    // the demo's own press: FE's force is told at the tool's depth
+    Simulation simulation(model);
+    StateChannel channel(model, 1);
+    Hand hand(scene);
+    hand.demonstrate(scene.first_place());
+    int compared = 0;
+    for (int k = 0; k < 6000; ++k) {
+        const Eigen::Vector2d at = hand.step(1e-3);
+        simulation.tick(sample_at(at.x(), at.y()));
+        channel.after(simulation, {});
+        REQUIRE(channel.fetch());
+        const Near near = scene.near(channel.state());
+        if (near.place < 0) continue;
+        CHECK(channel.state().record.set == -1);
+        const double depth = channel.state().record.contact_displacement_m.dot(scene.places()[static_cast<std::size_t>(near.place)].direction);
+        if (!std::isfinite(near.force_N)) continue;  // deeper than FE went
+        ++compared;
+        CHECK(near.force_N == Approx(100 * depth).margin(1e-9));
+    }
+    CHECK(compared > 500);
+}
