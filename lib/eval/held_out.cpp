@@ -10,7 +10,7 @@
 #include "parallel.h"
 #include "springs/heuristic.h"
 #include "springs/law_press.h"
-#include "springs/set_blend.h"
+#include "springs/set_grid.h"
 
 namespace tissue {
 namespace {
@@ -198,7 +198,7 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
     const auto learned = [&](const LoadPath& path, const PathRecord& record) {
         const double arc = outline.arc_of(path.contact_m);
         if (!sets) return answer_of(laws[0].second->at(arc, path.push_m(record)));
-        const int set = sets->nearest(arc, path.direction, record.magnitude_m).set[0];
+        const int set = sets->nearest(arc, path.direction, record.magnitude_m);
         return answer_of(model.mesh, *law, model.trained.front().theta.row(set).transpose(), truth_of(model.mesh, path, record));
     };
     for (DrawnContacts& role : result.roles) {

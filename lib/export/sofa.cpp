@@ -33,8 +33,6 @@ std::string sofa_fidelity(const std::string& law_name) {
     if (law->axes_apart()) return "springs of no length and a constant force are this law in SOFA";
     if (law->linear_in_displacement())
         return "SOFA's springs turn with the tissue: the same stiffness at rest, other forces the more it turns";
-    if (law->stiffest() > 1)
-        return "SOFA's springs do not stiffen: the same stiffness at rest, other forces the more they are stretched";
     return "SOFA's springs are this law";
 }
 

@@ -50,7 +50,7 @@ int Selector::select(int segment, double w, const Eigen::Vector2d& push) const n
     const Eigen::Vector2d directed = push + std::max(0.0, small_ - push.norm()) * normal_[b];
     const double arc = grid_.outline().arc_of(position), size = directed.norm();
     const Eigen::Vector2d direction = size > 0 ? Eigen::Vector2d(directed / size) : normal_[b];
-    return grid_.nearest(arc, direction, size).set[0];
+    return grid_.nearest(arc, direction, size);
 }
 
 }  // namespace tissue

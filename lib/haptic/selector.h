@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "springs/set_blend.h"
+#include "springs/set_grid.h"
 #include "springs/tissue_model.h"
 
 namespace tissue {

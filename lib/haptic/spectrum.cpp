@@ -22,7 +22,7 @@ class ScaledStiffness {
             force_.setZero();
             for (int slot : mesh_.slot_of_spring()) {
                 const Eigen::Vector2i ends = mesh_.nodes_of_slot(slot);
-                const Eigen::RowVector2d pull = mesh_.law().stiffest() * theta_[slot] * (y.row(ends[0]) - y.row(ends[1]));
+                const Eigen::RowVector2d pull = theta_[slot] * (y.row(ends[0]) - y.row(ends[1]));
                 force_.row(ends[0]) += pull;
                 force_.row(ends[1]) -= pull;
             }

@@ -10,9 +10,8 @@ namespace tissue {
 
 /// The largest eigenvalue of M^-1 K(theta) [1/s^2] over the free nodes at rest, from above: Lanczos' value plus its
 /// residual, so that it is never too small. theta by slot. It is convex in theta, so the largest of several spring
-/// sets bounds every blend of them and every moving average.
-/// A spring that turns, stretches or shortens to half its length is never stiffer than an isotropic one of its law's
-/// SpringLaw::stiffest(): that bound is taken for it.
+/// sets bounds every moving average of them. A spring that turns is never stiffer than an isotropic one: that bound is
+/// taken for it.
 double largest_eigenvalue(const RealtimeMesh& mesh, const Eigen::VectorXd& theta);
 
 /// The same of a tangent, as TissueEnergy::tangent lays it out [N/m] (2 N x 2 N).

@@ -31,7 +31,6 @@ namespace {
 struct Axial {
     static constexpr const char* name = "axial";
     static constexpr bool linear = true, axes_apart = false;
-    static constexpr double stiffest = 1;
 
     template <class Vector>
     static Vector force(const Vector& rest, const Vector& relative) {

@@ -1,19 +1,43 @@
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 
 #include "hot_loop.h"
-#include "springs/turning_law.h"
+#include "springs/two_node_law.h"
 
 namespace tissue {
 namespace {
 
-/// theta (|x_i - x_j| - L0) along the current direction: Hooke's.
+constexpr double no_length_m = 1e-12;  ///< two nodes on one spot have no direction to push in
+
+/// theta (|x_i - x_j| - L0) along the current direction: Hooke's spring, turning with the tissue.
 struct Hookean {
     static constexpr const char* name = "geometric";
-    static constexpr double stiffest = 1;
+    static constexpr bool linear = false, axes_apart = false;
+
+    /// Force over current length: the force is that times (x_i - x_j).
     static double secant(double rest, double length) noexcept { return 1 - rest / length; }
-    static double tangent(double, double) noexcept { return 1; }
-    static double energy(double rest, double length) noexcept { return (length - rest) * (length - rest) / 2; }
+
+    template <class Vector>
+    static Vector force(const Vector& rest, const Vector& relative) {
+        const Vector current = rest + relative;
+        return current * secant(rest.norm(), std::max(current.norm(), no_length_m));
+    }
+    template <class Vector>
+    static SquareOf<Vector> stiffness(const Vector& rest, const Vector& relative, bool convex) {
+        const Vector current = rest + relative;
+        const double length = current.norm();
+        const SquareOf<Vector> identity = SquareOf<Vector>::Identity(rest.size(), rest.size());
+        if (!(length > no_length_m)) return identity;
+        const SquareOf<Vector> along = current * current.transpose() / (length * length);
+        const double across = secant(rest.norm(), length);
+        return along + (convex ? std::max(across, 0.0) : across) * (identity - along);
+    }
+    template <class Vector>
+    static double energy(const Vector& rest, const Vector& relative) {
+        const double by = (rest + relative).norm() - rest.norm();
+        return by * by / 2;
+    }
     static void pull(const SpringRun& run, int n, double* gx, double* gy) noexcept;
 };
 
@@ -36,7 +60,7 @@ inline double inverse_root(double x) {
     return y + y * e * (0.5 + e * 0.375);
 }
 
-/// `turning` with Hookean::secant, by inverse length.
+/// Hookean::force of many springs, by inverse length.
 TISSUE_HOT void geometric(const SpringRun& r, int n, double* __restrict gx, double* __restrict gy) {
     for (int k = 0; k < n; ++k) {
         const double x = r.sx[k] + (r.ux_j[k] - r.ux_i[k]), y = r.sy[k] + (r.uy_j[k] - r.uy_i[k]);
@@ -50,6 +74,6 @@ TISSUE_HOT void geometric(const SpringRun& r, int n, double* __restrict gx, doub
 
 void Hookean::pull(const SpringRun& run, int n, double* gx, double* gy) noexcept { kernel::geometric(run, n, gx, gy); }
 
-std::unique_ptr<SpringLaw> make_geometric_law() { return std::make_unique<TwoNodeLaw<Turning<Hookean>>>(); }
+std::unique_ptr<SpringLaw> make_geometric_law() { return std::make_unique<TwoNodeLaw<Hookean>>(); }
 
 }  // namespace tissue

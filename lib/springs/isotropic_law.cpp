@@ -19,7 +19,6 @@ namespace {
 struct Isotropic {
     static constexpr const char* name = "isotropic";
     static constexpr bool linear = true, axes_apart = true;
-    static constexpr double stiffest = 1;
 
     template <class Vector>
     static Vector force(const Vector&, const Vector& relative) {

@@ -2,11 +2,11 @@
 
 namespace tissue {
 
-std::unique_ptr<SpringLaw> make_isotropic_law(), make_axial_law(), make_geometric_law(), make_rubber_law();
+std::unique_ptr<SpringLaw> make_isotropic_law(), make_axial_law(), make_geometric_law();
 
 const Registry<MakeSpringLaw>& spring_laws() {
     static const Registry<MakeSpringLaw> laws(
-        "spring law", {make_isotropic_law, make_axial_law, make_geometric_law, make_rubber_law},
+        "spring law", {make_isotropic_law, make_axial_law, make_geometric_law},
         [](MakeSpringLaw make) { return make()->name(); });
     return laws;
 }

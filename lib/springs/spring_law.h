@@ -38,9 +38,6 @@ class SpringLaw {
     /// True when K never mixes the axes and is the same along each: one number a pair of nodes.
     virtual bool axes_apart() const = 0;
 
-    /// The largest derivative of force by elongation there is, over theta: 1 where a spring does not stiffen.
-    virtual double stiffest() const = 0;
-
     /// A(u) [m] (N*D x S): column s is the force of spring s per unit stiffness.
     virtual SparseMatrix force_matrix(const SpringMesh& mesh, const NodeField& u) const = 0;
 

@@ -8,7 +8,7 @@
 namespace tissue {
 
 /// Every law of a two-node spring, from what one spring does. Kind has, all static:
-///   name, linear, axes_apart, stiffest   what SpringLaw says of them
+///   name, linear, axes_apart             what SpringLaw says of them
 ///   force(rest, relative)                on the first end per unit stiffness; the second gets the opposite
 ///   stiffness(rest, relative, convex)    d force / d relative
 ///   energy(rest, relative)
@@ -20,7 +20,6 @@ class TwoNodeLaw final : public SpringLaw {
     std::string name() const override { return Kind::name; }
     bool linear_in_displacement() const override { return Kind::linear; }
     bool axes_apart() const override { return Kind::axes_apart; }
-    double stiffest() const override { return Kind::stiffest; }
 
     SparseMatrix force_matrix(const SpringMesh& mesh, const NodeField& u) const override {
         const int dimension = mesh.dimension();

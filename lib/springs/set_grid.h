@@ -1,20 +1,11 @@
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "mesh/outline.h"
 #include "springs/tissue_model.h"
 
 namespace tissue {
-
-/// Which spring sets serve a contact, and with which weights: not negative, summing to 1.
-struct SetWeights {
-    int count = 0;
-    std::array<int, 8> set{};        ///< rows of theta
-    std::array<double, 8> weight{};
-    bool extrapolated = false;       ///< the contact lies outside what the sets were trained on; the nearest serve
-};
 
 /// The trained contacts as a grid that a contact is looked up in: position along the surface, direction of the push,
 /// depth. The paper's Sec. 4.3 by contact position, angle and displacement. Look-ups allocate nothing and never throw.
@@ -28,16 +19,8 @@ class SetGrid {
     explicit SetGrid(const TissueModel& model)
         : SetGrid(model.mesh, model.contact_m, model.direction, model.magnitude_m) {}
 
-    /// Linear in arc length between trained positions, in angle between the pushes trained at each, in depth between
-    /// those trained along each; below the smallest depth the smallest serves.
-    SetWeights blended(double arc_m, const Eigen::Vector2d& direction, double depth_m) const;
-
-    /// The one set that is nearest in position, then in angle, then in depth: the paper's choice.
-    SetWeights nearest(double arc_m, const Eigen::Vector2d& direction, double depth_m) const;
-
-    /// True when every trained position knows several pushes: there is something to blend between everywhere. The paper
-    /// has one push at its midpoints.
-    bool dense() const;
+    /// The one set that is nearest in position, then in angle, then in depth: the paper's choice. A row of theta.
+    int nearest(double arc_m, const Eigen::Vector2d& direction, double depth_m) const;
 
     const Outline& outline() const { return outline_; }
 
@@ -55,8 +38,5 @@ class SetGrid {
     Outline outline_;
     std::vector<Position> positions_;  ///< ascending arc
 };
-
-/// Sum of the weighted sets: sum_i weight_i theta_(set_i) [N/m] (S).
-Eigen::VectorXd blend(const NodeField& theta, const SetWeights& weights);
 
 }  // namespace tissue
