@@ -56,5 +56,5 @@ TEST_CASE("the nearest set is so in place, then in angle, then in depth, however
     };
     CHECK(nearest(0.162, 0.2, 0.009) == 1 * 6 + 2 * 2 + 1);   // 0.16, 0.3, 10 mm
     CHECK(nearest(0.154, -0.3, 0.005) == 0 * 6 + 0 * 2 + 0);  // 0.15, -0.4, 4 mm
-    CHECK(nearest(0.1, -0.1, 0.05) == 0 * 6 + 1 * 2 + 1);     // outside all of them
+    CHECK(nearest(0.12, -0.1, 0.05) == 0 * 6 + 1 * 2 + 1);    // outside all of them
 }
