@@ -300,7 +300,7 @@ def bench_sessions(program, seconds):
     for session in ours:
         for notice in session["details"]["notices"]:
             note(notice)
-    what = f"haptic: {3 * seconds} s of study {study} at 1 kHz, blended, poke"
+    what = f"haptic: {3 * seconds} s of study {study} at 1 kHz, poke"
 
     def count(key):
         return sum(session[key] for session in ours)

@@ -70,7 +70,7 @@ std::vector<Contact> training_contacts(const Outline& outline, const Study::Load
     const int count = static_cast<int>(std::floor((outline.length() - 2 * sweep.clearance_m) / sweep.spacing_m + 1e-9));
     std::vector<double> arcs;
     for (int i = 0; i <= count; ++i) arcs.push_back(sweep.clearance_m + i * sweep.spacing_m);
-    // corners always: no blend may reach round one
+    // corners always: directions jump there
     for (double corner : outline.corners())
         if (std::none_of(arcs.begin(), arcs.end(), [&](double a) { return std::abs(a - corner) < tiny_arc_m; }))
             arcs.push_back(corner);
