@@ -92,7 +92,7 @@ std::string bye_message(const std::string& reason) {
 }
 
 std::string near_message(int place, double distance_m, const std::vector<FeOutline>& outlines) {
-    const auto rounded = [](double u_m) { return std::round(1e7 * u_m) / 1e7; };  // fewer digits than a double's
+    const auto rounded = [](double u_m) { return std::round(1e7 * u_m) / 1e7 + 0.0; };  // fewer digits, and no -0
     Json outline = Json::array();
     for (const FeOutline& o : outlines) {
         Json moved = Json::array();
