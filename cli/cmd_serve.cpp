@@ -26,6 +26,7 @@ void run(const Options& o, Provenance provenance) {
     std::unique_ptr<Recorder> recorder;  // outlives the tick that pushes into it
     serve::Stage stage(o.models, {o.choices.haptic, !o.choices.no_realtime});
     serve::Server server(stage, o.server);
+    for (const std::string& warning : stage.warnings()) std::cerr << "tissuectl serve: warning: " << warning << '\n';
     if (!o.record.empty()) {
         const std::string& file = o.models.front();
         provenance.inputs[std::filesystem::path(file).filename().string()] = file_hash(file);
@@ -66,7 +67,8 @@ void check(const Options& o) {
 void add_serve(CLI::App& app, const Invocation& invocation) {
     auto o = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("serve", "Press learned tissue from a page in the browser.");
-    command->add_option("model", o->models, "model.h5 of tissuectl train; several to choose from")->required()->type_name("FILE");
+    command->add_option("model", o->models, "model.h5 of tissuectl train; several to choose from. A cases.h5 beside one "
+                                                 "gives FE's surface")->required()->type_name("FILE");
     command->add_option("--port", o->server.port, "TCP; 0: any that is free")
         ->type_name("number")->capture_default_str()->check(quiet(CLI::Range(0, 65535)));
     command->add_option("--bind", o->server.bind, "address to listen on; all but this machine's own need --token")

@@ -91,8 +91,15 @@ std::string bye_message(const std::string& reason) {
     return Json{{"type", "bye"}, {"reason", reason}}.dump();
 }
 
-std::string near_message(int place, double distance_m) {
-    return Json{{"type", "near"}, {"place", place}, {"distance_m", distance_m}}.dump();
+std::string near_message(int place, double distance_m, const std::vector<FeOutline>& outlines) {
+    const auto rounded = [](double u_m) { return std::round(1e7 * u_m) / 1e7 + 0.0; };  // fewer digits, and no -0
+    Json outline = Json::array();
+    for (const FeOutline& o : outlines) {
+        Json moved = Json::array();
+        for (const auto& u : o.displacement_m.rowwise()) moved.push_back({rounded(u.x()), rounded(u.y())});
+        outline.push_back({o.depth_m, moved});
+    }
+    return Json{{"type", "near"}, {"place", place}, {"distance_m", distance_m}, {"outline", outline}}.dump();
 }
 
 std::string control_message(const char* holder, bool paused, int place) {

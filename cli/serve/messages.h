@@ -3,6 +3,9 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
+
+#include "fe_outline.h"
 
 namespace tissue::serve {
 
@@ -28,8 +31,8 @@ std::variant<Message, Refusal> parse_message(std::string_view text);
 /// {"type": "bye", "reason": ...}
 std::string bye_message(const std::string& reason);
 
-/// {"type": "near", ...}
-std::string near_message(int place, double distance_m);
+/// {"type": "near", ...}; displacements to 0.1 um.
+std::string near_message(int place, double distance_m, const std::vector<FeOutline>& outlines);
 
 /// {"type": "control", ...}
 std::string control_message(const char* holder, bool paused, int place);

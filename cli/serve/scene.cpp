@@ -1,5 +1,6 @@
 #include "scene.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -45,10 +46,11 @@ double at_depth(const std::vector<std::pair<double, double>>& curve, double dept
 
 }  // namespace
 
-Scene::Scene(const TissueModel& tissue, const HapticModel& model)
+Scene::Scene(const TissueModel& tissue, const HapticModel& model, const std::vector<NodeField>& fe_displacement_m)
     : model_(model), fixed_(tissue.mesh.fixed), springs_(tissue.mesh.springs) {
     for (const auto& mesh : model.meshes) boxes_.emplace_back(mesh->place_m + model.low_m, mesh->place_m + model.high_m);
     const Outline outline(tissue.mesh);
+    const std::vector<int>& nodes = model.meshes[0]->springs.outline();
     const bool forces = tissue.contact_force_N.rows() > 0;
     for (int c = 0; c < tissue.case_count(); ++c) {
         const Eigen::Vector2d contact = tissue.contact_m.row(c), direction = tissue.direction.row(c);
@@ -57,12 +59,16 @@ Scene::Scene(const TissueModel& tissue, const HapticModel& model)
             ++k;
         if (k == places_.size())
             places_.push_back({without_depth(tissue.case_names[static_cast<std::size_t>(c)]), contact, direction,
-                               outline.inward_normal(outline.arc_of(contact)), 0, {}});
+                               outline.inward_normal(outline.arc_of(contact)), 0, {}, {}});
         Place& place = places_[k];
         place.depth_m = std::max(place.depth_m, tissue.magnitude_m[c]);
         if (forces) place.curve.emplace_back(tissue.magnitude_m[c], tissue.contact_force_N.row(c).dot(direction));
+        if (!fe_displacement_m.empty())
+            place.outlines.push_back({tissue.magnitude_m[c], fe_displacement_m[static_cast<std::size_t>(c)](nodes, Eigen::all)});
     }
     for (Place& place : places_) {
+        if (!place.outlines.empty()) place.outlines.push_back({0, NodeField::Zero(static_cast<Eigen::Index>(nodes.size()), 2)});
+        std::sort(place.outlines.begin(), place.outlines.end(), [](const auto& a, const auto& b) { return a.depth_m < b.depth_m; });
         if (place.curve.empty()) continue;
         place.curve.emplace_back(0, 0);
         std::sort(place.curve.begin(), place.curve.end());

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "fe_outline.h"
 #include "haptic/state_channel.h"
 #include "springs/tissue_model.h"
 
@@ -15,6 +16,7 @@ struct Place {
     Eigen::Vector2d contact_m, direction, inward;  ///< learned mesh at rest; unit vectors
     double depth_m = 0;                            ///< deepest case
     std::vector<std::pair<double, double>> curve;  ///< depth [m], FE force along the push [N], from 0; or empty
+    std::vector<FeOutline> outlines;               ///< FE's surface by depth, from rest; or empty
 };
 
 /// The known place that is nearest to a contact.
@@ -27,7 +29,8 @@ struct Near {
 /// What a model looks like to a page, and to the hand that presses it. Constants only.
 class Scene {
    public:
-    Scene(const TissueModel& tissue, const HapticModel& model);
+    /// fe_displacement_m: FE's, of every node at each load case (C) of (N x D), or empty.
+    Scene(const TissueModel& tissue, const HapticModel& model, const std::vector<NodeField>& fe_displacement_m = {});
 
     const std::vector<Place>& places() const { return places_; }
     int first_place() const { return first_; }     ///< where the demo begins: the middle of the top, straight in

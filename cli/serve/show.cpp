@@ -20,7 +20,7 @@ void Show::join(Client client) {
     clients_[client] = "";
     tell_model(client);
     tell_control();
-    tell_(client, near_message(near_.place, near_.distance_m));
+    tell_(client, near_text());
 }
 
 void Show::leave(Client client) {
@@ -76,7 +76,7 @@ void Show::act(Client, const ModelMessage& m, double now_s) {
     near_ = {-1, 0, 0};
     for (const auto& [other, heard] : clients_) {
         tell_model(other);
-        tell_(other, near_message(-1, 0));
+        tell_(other, near_text());
     }
 }
 
@@ -114,9 +114,12 @@ bool Show::step(double now_s) {
     if (!channel.fetch()) return false;
     const TickState& state = channel.state();
     const Near near = stage_.scene().near(state);
-    if (near.place != near_.place)
-        for (const auto& [client, heard] : clients_) tell_(client, near_message(near.place, near.distance_m));
+    const bool another = near.place != near_.place;
     near_ = near;
+    if (another) {
+        const std::string text = near_text();
+        for (const auto& [client, heard] : clients_) tell_(client, text);
+    }
     const StageCounts counts = stage_.counts();
     summary_.ticks = counts.ticks;
     summary_.misses = counts.misses;
@@ -130,6 +133,11 @@ bool Show::step(double now_s) {
 
 void Show::tell_model(Client client) {
     tell_(client, stage_.scene().message(stage_.names(), stage_.index()));
+}
+
+std::string Show::near_text() const {
+    if (near_.place < 0) return near_message(near_.place, near_.distance_m, {});
+    return near_message(near_.place, near_.distance_m, stage_.scene().places()[static_cast<std::size_t>(near_.place)].outlines);
 }
 
 std::string Show::control_for(Client client) const {

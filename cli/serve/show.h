@@ -47,6 +47,7 @@ class Show {
     void release(double now_s);
     void tell_model(Client client);
     void tell_control();
+    std::string near_text() const;
     std::string control_for(Client client) const;
 
     static constexpr Client nobody = -1;

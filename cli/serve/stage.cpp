@@ -37,10 +37,12 @@ std::string name_for(const std::string& study, const std::vector<std::string>& t
 Stage::Stage(const std::vector<std::string>& files, const StageOptions& options) : options_(options) {
     for (const std::string& file : files) {
         const TissueModel tissue = read_model(file);
+        const FeCases fe = read_fe_cases(file, tissue);
+        if (!fe.warning.empty()) warnings_.push_back(fe.warning);
         Served served;
         try {
             served.model = std::make_unique<HapticModel>(tissue, options_.haptic);
-            served.scene = std::make_unique<Scene>(tissue, *served.model);
+            served.scene = std::make_unique<Scene>(tissue, *served.model, fe.displacement_m);
         } catch (const MismatchError& e) {
             throw MismatchError(file + ": " + e.what());
         }

@@ -44,6 +44,7 @@ class Stage {
 
     int index() const { return index_; }
     const std::vector<std::string>& names() const { return names_; }
+    const std::vector<std::string>& warnings() const { return warnings_; }  ///< of files beside the models that are not used
     const Scene& scene() const { return *served_[static_cast<std::size_t>(index_)].scene; }
     const HapticModel& model() const { return *served_[static_cast<std::size_t>(index_)].model; }
     StateChannel& channel() { return *channel_; }
@@ -66,7 +67,7 @@ class Stage {
     void run();
 
     StageOptions options_;
-    std::vector<std::string> names_;
+    std::vector<std::string> names_, warnings_;
     std::vector<Served> served_;
     int index_ = 0;
     Recorder* recorder_ = nullptr;

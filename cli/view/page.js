@@ -8,6 +8,7 @@
 
 let model = null;        // the last "model" message, with what prepare() adds
 let state = null;        // the last state: {v: 32 numbers, nodes: [Float32Array x, y of the learned mesh, of the heuristic]}
+let near = null;         // the last "near" message
 let control = { holder: "nobody", paused: false, place: -1 };
 const samples = [];      // what the plots show, oldest first
 let states = 0;          // since the page was opened
@@ -96,7 +97,8 @@ function heard(message) {
   } else if (message.type === "control") {
     if (message.holder === "other" && control.holder === "you") let_go(false);
     control = message;
-  } else if (message.type === "bye") socket.reason = message.reason;
+  } else if (message.type === "near") near = message;
+  else if (message.type === "bye") socket.reason = message.reason;
   show_controls();
 }
 
@@ -130,7 +132,7 @@ function remember() {
 
 function prepare(message) {
   model = message;
-  state = null;
+  state = near = null;
   samples.length = 0;
   hand.at = null;
   for (const mesh of model.meshes) {
@@ -195,11 +197,18 @@ function faces(mesh) {
 
 /** FE force at a depth [N], by lines between what was solved, and a twentieth beyond the deepest; else NaN. */
 function on_curve(curve, depth) {
-  for (let k = 1; k < curve.length; k++) {
-    const [d0, f0] = curve[k - 1], [d1, f1] = curve[k], reach = k + 1 === curve.length ? 1.05 * d1 : d1;
-    if (depth <= reach && depth >= d0) return f0 + (f1 - f0) * (depth - d0) / (d1 - d0);
+  const at = between(curve, depth);
+  return at ? at.a + (at.b - at.a) * at.w : NaN;
+}
+
+/** The rows [depth, what FE say there] on either side of a depth, what they say as a and b, and how far it is from a to b;
+ *  null where nothing was solved. */
+function between(rows, depth) {
+  for (let k = 1; k < rows.length; k++) {
+    const [d0, a] = rows[k - 1], [d1, b] = rows[k], reach = k + 1 === rows.length ? 1.05 * d1 : d1;
+    if (depth <= reach && depth >= d0) return { a, b, w: (depth - d0) / (d1 - d0) };
   }
-  return NaN;
+  return null;
 }
 
 /** From the learned mesh to mesh m, at rest: both have the same nodes. */
@@ -233,6 +242,17 @@ const pushed = (sample, mesh) => {
   const u = sample.moved[mesh], depth = norm(u);
   return [depth, depth > 0 ? dot(sample.force, u) / depth : 0];
 };
+
+/** FE's surface under the push of now, in the plane, by the nodes of the learned mesh's outline; at the learned mesh's depth, as
+ *  their force is. null where the server has none, and where contact or push is another than what was solved. */
+function fe_outline() {
+  if (!state || state.v[IN.pressed] < 0 || !near || near.place !== state.v[IN.place]) return null;
+  const place = model.places[near.place], u = pair(IN.moved);
+  if (!place || norm(u) < SHALLOW || norm(add(place.contact_m, contact_at_rest(), -1)) > NEAR) return null;
+  const at = Math.abs(turn(place.direction, u)) <= ASKEW ? between(near.outline, dot(u, place.direction)) : null;
+  const mesh = model.meshes[LEARNED];
+  return at && mesh.outline.map((i, b) => add(add(mesh.nodes_m[i], at.a[b], 1 - at.w), at.b[b], at.w));
+}
 
 /** How each mesh compares with FE now: {why} when it cannot be said, else {errors: [learned, heuristic], place, ...}. */
 function comparison() {
@@ -571,10 +591,12 @@ function draw_stage() {
   if (!model) return;
   const narrow = width < 520;
   model.meshes.forEach((mesh, m) => draw_mesh(c, mesh, m, narrow));
+  const fe = fe_outline();
+  if (fe) draw_fe_outline(c, fe.map(to_screen));
   draw_marks(c);
   if (state) draw_forces(c);
   draw_diamond(c);
-  draw_legend(c, width, height, narrow);
+  draw_legend(c, width, height, narrow, fe !== null);
 }
 
 function trace(c, points, closed = true) {
@@ -662,6 +684,15 @@ function draw_mesh(c, mesh, m, narrow) {
   c.fillText(mesh.name, middle, 17);
 }
 
+function draw_fe_outline(c, points, closed = true) {
+  c.setLineDash([5, 5]);
+  c.strokeStyle = colours.fe;
+  c.lineWidth = 1.6;
+  trace(c, points, closed);
+  c.stroke();
+  c.setLineDash([]);
+}
+
 /** Contacts that FE have solved, as dots on both outlines at rest; the closer they lie, the smaller. */
 function draw_marks(c) {
   const gap = model.apart_m * view.scale, radius = clamp(gap / 7, 0.6, 2);
@@ -742,7 +773,7 @@ function draw_diamond(c) {
   if (document.activeElement === stage && hand.at && !hand.down && stage.matches(":focus-visible")) diamond(hand.at, 5.5, false);
 }
 
-function draw_legend(c, width, height, narrow) {
+function draw_legend(c, width, height, narrow, with_fe) {
   const y = height - 34, bar = Math.min(narrow ? 150 : 240, 0.42 * width), x = width - bar - (narrow ? 22 : 24), deepest = 1e3 * model.deepest_m;
   for (let k = 0; k < bar; k++) {
     c.fillStyle = shade(k / (bar - 1));
@@ -769,6 +800,9 @@ function draw_legend(c, width, height, narrow) {
   c.fillStyle = colours.soft;
   const unit = unit_of(round.top);
   c.fillText(`${+(round.top * unit.scale).toPrecision(2)} ${unit.name}${narrow ? "" : ", force of the tool"}`, left + length + 9, y + 10);
+  if (!with_fe) return;
+  draw_fe_outline(c, [[left, y + 23], [left + 25, y + 23]], false);
+  c.fillText("FE", left + 34, y + 27);
 }
 
 // ---- plots
@@ -975,6 +1009,8 @@ Object.defineProperty(window, "tissue", { value: Object.freeze({
   get nearest() { return state ? state.v[IN.place] : -1; },   // known contact, index of places
   get distance_m() { return state && state.v[IN.place] >= 0 ? comparison().distance : NaN; },   // to it
   get fe_N() { return state ? state.v[IN.fe] : NaN; },        // FE force at the learned mesh's depth, the server's
+  get fe_outline_m() { return fe_outline(); },                // FE's surface as it is drawn, in the plane; null without
+  get outline() { return model ? [...model.meshes[LEARNED].outline] : []; },   // its nodes
   get springs() { return model ? model.meshes[LEARNED].springs.length : 0; },
   get hand_m() { return hand.at && [...hand.at]; },
   get drawn() { return drawings; },                           // times the stage was drawn

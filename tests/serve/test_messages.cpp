@@ -99,7 +99,10 @@ TEST_CASE("whatever comes in, it is a message or a refusal: 20000 mutated and ra
 TEST_CASE("what the page is told is JSON with the promised keys", "[serve]") {
     using Json = nlohmann::json;
     CHECK(Json::parse(bye_message("it \"ends\"\n")) == Json{{"type", "bye"}, {"reason", "it \"ends\"\n"}});
-    CHECK(Json::parse(near_message(3, 0.25)) == Json{{"type", "near"}, {"place", 3}, {"distance_m", 0.25}});
+    CHECK(Json::parse(near_message(3, 0.25, {})) == Json{{"type", "near"}, {"place", 3}, {"distance_m", 0.25}, {"outline", Json::array()}});
+    NodeField u(2, 2);
+    u << 0.00123456789, -0.002, 0, 1e-9;
+    CHECK(Json::parse(near_message(0, 0, {{0.01, u}}))["outline"] == Json::parse("[[0.01, [[0.0012346, -0.002], [0.0, 0.0]]]]"));
     CHECK(Json::parse(control_message("you", true, -1)) == Json{{"type", "control"}, {"holder", "you"}, {"paused", true}, {"place", -1}});
 }
 

@@ -8,7 +8,9 @@ import re
 import sys
 import tempfile
 import time
+from pathlib import Path
 
+import h5py
 from browser import PATIENCE_S, Browser, Missing, Server
 
 failed = 0
@@ -151,7 +153,23 @@ def take_over(page):
     return page.until("tissue.control.holder === 'you' && tissue.control.place === -1 && tissue.pressed === 0")
 
 
-def comparing(page):
+def fe_surface(page, model, place):
+    """The demo presses that place when this begins."""
+    page.until("tissue.fe_outline_m !== null")
+    drawn, outline, (x, y) = page.js("[tissue.fe_outline_m, tissue.outline, tissue.contact_moved_m[0]]")
+    depth = sum(a * b for a, b in zip((x, y), place["direction"]))
+    with h5py.File(Path(model).with_name("cases.h5")) as f:
+        rest, path, cases = f["nodes"][:], f[f"paths/{place['name']}"], f["magnitudes"][:]
+        known = {0: 0 * rest} | {d: path["displacement"][abs(path["magnitude"][:] - d).argmin()] for d in cases}
+    depths = sorted(known)
+    at = next((k for k in range(1, len(depths)) if depth <= depths[k]), len(depths) - 1)
+    a, b = depths[at - 1], depths[at]
+    fe = rest + known[a] + (known[b] - known[a]) * (depth - a) / (b - a)
+    off = abs(fe[outline] - drawn).max()
+    check("FE's surface is drawn where cases.h5 has it, at the learned mesh's depth", off < 2e-7, [off, depth])
+
+
+def comparing(page, model):
     check("the contacts to choose from are those of the study", page.js(
         "[...document.querySelectorAll('#contact option')].map(o => o.textContent)") ==
         ["all, one after another", "left side, y 50 mm", "top, x 50 mm"], page.js("tissue.places"))
@@ -168,6 +186,7 @@ def comparing(page):
     check("it presses to the depth that is known",
           page.until(f"tissue.pressed === 0 && tissue.nearest === {left} && tissue.contact_moved_m[0][0] > 0.95 * {place['depth_m']}"),
           page.js("tissue.contact_moved_m"))
+    fe_surface(page, model, place)
     check("who takes over ends the demo", take_over(page), page.js("tissue.control"))
     for _ in range(100):     # until the tissue rests under the hand: depths and force, to one per cent over half a second
         seen = page.watch("({force: tissue.force_N, moved: tissue.contact_moved_m, fe: tissue.fe_N, place: tissue.nearest, "
@@ -187,6 +206,7 @@ def comparing(page):
 
     check("page and server read the same FE curve",
           all(abs(s["fe"] - on_curve(places[s["place"]], along(s))) < 1e-3 * s["fe"] for s in seen), seen[-1])
+    check("10 degrees off every known push, FE's surface is not drawn", page.js("tissue.fe_outline_m") is None)
     off = off_curves(seen, *(page.js("tissue.place(tissue.places.indexOf(arguments[0]))", name) for name in ("left-20-down", "left", "left-20-up")))
     check("learned and heuristic: force along the push over FE's, each at its own depth and angle, over half a second",
           last["off"] is not None and all(abs(a - b) < 0.03 * (1 + a) for a, b in zip(off, last["off"])), [off, last])
@@ -397,7 +417,7 @@ def main():
             drawing(page)
             dragging(page)
             telling_seldom(page)
-            comparing(page)
+            comparing(page, models[0])
             standing_still(page)
             keyboard(page)
             touching(page)
