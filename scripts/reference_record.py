@@ -98,10 +98,12 @@ def of(results, command):
 
 def load_path(path):
     """One load path in short: its end, where everything that went before has left its mark."""
-    short = {"records": len(path["magnitude"]), "lost": int(path["role"].asstr()[1] != ""),
-             "newton": int(path["newton_iterations"][()].sum())}
+    short = {"records": len(path["magnitude"]), "lost": int(path["role"].asstr()[1] != "")}
     if short["records"]:
         short["contact_force_N"] = path["contact_force"][-1].tolist()
+    if "newton_iterations" in path:  # solved, not measured
+        short["newton"] = int(path["newton_iterations"][()].sum())
+    if short["records"] and "smallest_J" in path:
         short["smallest_J"] = float(path["smallest_J"][-1])
     return short
 
