@@ -20,7 +20,8 @@ bool is_case(const TissueModel& tissue, int c, const LoadCase& load) {
     return alike(tissue.contact_m.row(c), load.path->contact_m.transpose()) &&
            alike(tissue.direction.row(c), load.path->direction.transpose()) &&
            std::abs(tissue.magnitude_m[c] - load.record->magnitude_m) <= same * tissue.magnitude_m[c] &&
-           (tissue.contact_force_N.rows() == 0 || alike(tissue.contact_force_N.row(c), load.record->contact_force_N.transpose()));
+           (tissue.contact_force_N.rows() == 0 ||
+            alike(tissue.contact_force_N.row(c), load.record->contact_force_N.transpose()));
 }
 
 /// Throws FileError, MismatchError.

@@ -19,8 +19,8 @@ struct FeCases {
     std::string warning;                    ///< why a cases.h5 that is there is not used; else empty
 };
 
-/// Reads the cases.h5 that stands in the folder of model.h5. Without one, and of measured ones, which say nothing of the
-/// inside, nothing is known. It belongs to the model when study, nodes and every load case are the same: name, contact,
+/// Reads the cases.h5 that stands in the folder of model.h5. Without one, and of measured ones, which say nothing of
+/// the inside, nothing is known. It belongs to the model when study, nodes and every load case are the same: name, contact,
 /// direction, magnitude and, where the model carries it, FE's force. Throws nothing: the model plays without.
 FeCases read_fe_cases(const std::string& model_file, const TissueModel& tissue);
 

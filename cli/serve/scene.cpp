@@ -64,11 +64,14 @@ Scene::Scene(const TissueModel& tissue, const HapticModel& model, const std::vec
         place.depth_m = std::max(place.depth_m, tissue.magnitude_m[c]);
         if (forces) place.curve.emplace_back(tissue.magnitude_m[c], tissue.contact_force_N.row(c).dot(direction));
         if (!fe_displacement_m.empty())
-            place.outlines.push_back({tissue.magnitude_m[c], fe_displacement_m[static_cast<std::size_t>(c)](nodes, Eigen::all)});
+            place.outlines.push_back(
+                {tissue.magnitude_m[c], fe_displacement_m[static_cast<std::size_t>(c)](nodes, Eigen::all)});
     }
     for (Place& place : places_) {
-        if (!place.outlines.empty()) place.outlines.push_back({0, NodeField::Zero(static_cast<Eigen::Index>(nodes.size()), 2)});
-        std::sort(place.outlines.begin(), place.outlines.end(), [](const auto& a, const auto& b) { return a.depth_m < b.depth_m; });
+        if (!place.outlines.empty())
+            place.outlines.push_back({0, NodeField::Zero(static_cast<Eigen::Index>(nodes.size()), 2)});
+        std::sort(place.outlines.begin(), place.outlines.end(),
+                  [](const FeOutline& a, const FeOutline& b) { return a.depth_m < b.depth_m; });
         if (place.curve.empty()) continue;
         place.curve.emplace_back(0, 0);
         std::sort(place.curve.begin(), place.curve.end());

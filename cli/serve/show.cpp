@@ -137,7 +137,8 @@ void Show::tell_model(Client client) {
 
 std::string Show::near_text() const {
     if (near_.place < 0) return near_message(near_.place, near_.distance_m, {});
-    return near_message(near_.place, near_.distance_m, stage_.scene().places()[static_cast<std::size_t>(near_.place)].outlines);
+    const Place& place = stage_.scene().places()[static_cast<std::size_t>(near_.place)];
+    return near_message(near_.place, near_.distance_m, place.outlines);
 }
 
 std::string Show::control_for(Client client) const {

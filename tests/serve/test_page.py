@@ -156,6 +156,9 @@ def take_over(page):
 def fe_surface(page, model, place):
     """The demo presses that place when this begins."""
     page.until("tissue.fe_outline_m !== null")
+    page.click("pause")
+    page.until("tissue.control.paused")
+    page.after(5)
     drawn, outline, (x, y) = page.js("[tissue.fe_outline_m, tissue.outline, tissue.contact_moved_m[0]]")
     depth = sum(a * b for a, b in zip((x, y), place["direction"]))
     with h5py.File(Path(model).with_name("cases.h5")) as f:
@@ -167,6 +170,20 @@ def fe_surface(page, model, place):
     fe = rest + known[a] + (known[b] - known[a]) * (depth - a) / (b - a)
     off = abs(fe[outline] - drawn).max()
     check("FE's surface is drawn where cases.h5 has it, at the learned mesh's depth", off < 2e-7, [off, depth])
+    free = [(p, q) for p, q, i, j in zip(drawn, drawn[1:], outline, outline[1:]) if rest[i][1] > 0 or rest[j][1] > 0]
+    colours = page.js("""(points => {
+        const stage = document.getElementById('stage'), box = stage.getBoundingClientRect(), r = stage.width / box.width;
+        const copy = document.createElement('canvas');
+        [copy.width, copy.height] = [stage.width, stage.height];
+        const c = copy.getContext('2d', { willReadFrequently: true });
+        c.drawImage(stage, 0, 0);
+        return points.map(p => tissue.on_screen(p)).map(([x, y]) =>
+            [...c.getImageData((x - box.left) * r, (y - box.top) * r, 1, 1).data]);
+    })(arguments[0])""", [[a + (b - a) * k / 20 for a, b in zip(p, q)] for p, q in free for k in range(20)])
+    dark = sum(sum(colour[:3]) < 120 and colour[3] > 180 for colour in colours) / len(colours)   # not what is blank
+    check("as dashes in the finite elements' colour", 0.3 < dark < 0.9, dark)
+    page.click("pause")
+    page.until("!tissue.control.paused")
 
 
 def comparing(page, model):

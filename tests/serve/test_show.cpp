@@ -323,7 +323,7 @@ TEST_CASE("FE's surface in the model's folder is told with the nearest place, on
     REQUIRE(wait_for([&] {   // the demo goes round the places
         s.now_s += 0.004;
         s.show->step(s.now_s);
-        return nears().size() > 4;
+        return nears().size() > 4 && nears().back()["place"] >= 0;
     }));
     const auto& outline = s.stage->model().meshes[0]->springs.outline();
     int before = -2, told = 0;
@@ -372,7 +372,7 @@ TEST_CASE("without cases.h5 there is no FE surface and no word of it; a foreign 
         CHECK(no_outline(s));
         CHECK(said[0] == s.folder.file("cases.h5") + " is not used: it does not belong to " + s.folder.file("a.h5") + ": " + why);
     };
-    Cases study = cases_of(tissue), nodes = study, missing = study, force = study, contact = study;
+    Cases study = cases_of(tissue), nodes = study, missing = study, force = study, contact = study, depth = study;
     study.study = "other";
     refused(study, "it is of the study 'other'");
     nodes.nodes(7, 0) += 1e-6;
@@ -383,6 +383,10 @@ TEST_CASE("without cases.h5 there is no FE surface and no word of it; a foreign 
     refused(force, "its load case 'right-15mm' is another");
     contact.paths[0].contact_m.y() += 1e-6;
     refused(contact, "its load case 'left-10mm' is another");
+
+    depth.magnitudes_m[0] *= 1 + 1e-7;   // to six digits the same name
+    for (LoadPath& path : depth.paths) path.records[0].magnitude_m = depth.magnitudes_m[0];
+    refused(depth, "its load case 'left-10mm' is another");
 
     const TemporaryFolder folder;
     folder.file("cases.h5", "no HDF5");
