@@ -61,6 +61,7 @@ depth_m = [0.002, 0.004]
 
 [springs]
 topology = "edges"
+terms = ["spring.all", "spring.held", "contact.normal", "contact.tangent"]
 TOML
 make_tiny eval -j2
 check "a curved outline goes through from gmsh to the evaluation" exited 0
@@ -86,7 +87,7 @@ check "held-out contacts have numbers" "$PYTHON" - "$R" <<'PY'
 import json, sys
 loop = json.load(open(sys.argv[1] + "/eval.json"))["closed_loop"]["held_out"]
 assert loop["learned"]["n"] + 0 >= 1 and 0 < loop["learned"]["median"] < 0.5, loop["learned"]
-assert loop["heuristic_a"]["median"] > 0 and "uniform_edges_geometric" in loop, sorted(loop)
+assert loop["heuristic_a"]["median"] > 0 and "uniform_edges_axial" in loop and "untrained" in loop, sorted(loop)
 PY
 snapshot "$R" >"$scratch/before"
 make_tiny eval

@@ -107,12 +107,13 @@ class Browser:
         return self.until(f"tissue.states >= {self.js('tissue.states') + states}")
 
     def rests(self, expression):
-        """Its value, once it changes by less than one per cent over thirty states."""
+        """Its value, once it is not zero and changes by less than one per cent over thirty states: tissue that swings away
+        from a tool has no force for a while, and does not rest."""
         end = time.monotonic() + PATIENCE_S
         before = self.js(expression)
         while self.after(30):
             value = self.js(expression)
-            if abs(value - before) <= 0.01 * abs(value) or time.monotonic() > end:
+            if value and abs(value - before) <= 0.01 * abs(value) or time.monotonic() > end:
                 return value
             before = value
 

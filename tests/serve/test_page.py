@@ -155,11 +155,16 @@ def take_over(page):
 
 def fe_surface(page, model, place):
     """The demo presses that place when this begins."""
-    page.until("tissue.fe_outline_m !== null")
-    page.click("pause")
-    page.until("tissue.control.paused")
-    page.after(5)
-    drawn, outline, (x, y) = page.js("[tissue.fe_outline_m, tissue.outline, tissue.contact_moved_m[0]]")
+    for _ in range(5):  # the demo may have moved on before it is stopped
+        page.until("tissue.fe_outline_m !== null")
+        page.click("pause")
+        page.until("tissue.control.paused")
+        page.after(5)
+        drawn, outline, (x, y) = page.js("[tissue.fe_outline_m, tissue.outline, tissue.contact_moved_m[0]]")
+        if drawn is not None:
+            break
+        page.click("pause")
+        page.until("!tissue.control.paused")
     depth = sum(a * b for a, b in zip((x, y), place["direction"]))
     with h5py.File(Path(model).with_name("cases.h5")) as f:
         rest, path, cases = f["nodes"][:], f[f"paths/{place['name']}"], f["magnitudes"][:]
