@@ -6,8 +6,8 @@ import tempfile
 
 from browser import Browser, Server
 
-Y = 0.0625       # m above the fixed edge
-DEPTH = 0.0115   # m, of the hand
+Y = 0.0665       # m above the fixed edge
+DEPTH = 0.0095   # m, of the hand
 
 
 def main():
