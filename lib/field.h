@@ -8,6 +8,12 @@ namespace tissue {
 /// that its storage is the vector of degrees of freedom, D * node + axis.
 using NodeField = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+/// A place, a displacement or a force (D), D = 2 in the plane and 3 in space. Allocates nothing.
+using Point = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 3, 1>;
+
+/// Node numbers, one row a piece: springs, cells, simplices, facets.
+using Cells = Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 /// A field as its vector of degrees of freedom (N*D).
 inline Eigen::Map<const Eigen::VectorXd> as_vector(const NodeField& field) {
     return {field.data(), field.size()};

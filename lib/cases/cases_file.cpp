@@ -58,8 +58,8 @@ Measurement read_measurement(const Hdf5Reader& file, TableReader& in) {
 
 /// One row a record.
 template <class Value>
-NodeField rows_of(const std::vector<PathRecord>& records, const Value& value) {
-    NodeField rows(static_cast<Eigen::Index>(records.size()), 2);
+NodeField rows_of(const std::vector<PathRecord>& records, Eigen::Index D, const Value& value) {
+    NodeField rows(static_cast<Eigen::Index>(records.size()), D);
     for (std::size_t r = 0; r < records.size(); ++r) rows.row(static_cast<Eigen::Index>(r)) = value(records[r]).transpose();
     return rows;
 }
@@ -91,10 +91,10 @@ void write_path(TableWriter& out, const LoadPath& path, const NodeField& nodes, 
     out.write(group + "contact", Eigen::VectorXd(path.contact_m));
     out.write(group + "direction", Eigen::VectorXd(path.direction));
     out.write(group + "magnitude", numbers_of(records, [](const PathRecord& r) { return r.magnitude_m; }));
-    out.write(group + "contact_force", rows_of(records, [](const PathRecord& r) { return r.contact_force_N; }));
+    out.write(group + "contact_force", rows_of(records, path.contact_m.size(), [](const PathRecord& r) { return r.contact_force_N; }));
     if (measured) {
-        out.write(group + "aside", rows_of(records, [](const PathRecord& r) { return r.aside_m; }));
-        NodeField again(path.again_N ? 1 : 0, 2);
+        out.write(group + "aside", rows_of(records, path.contact_m.size(), [](const PathRecord& r) { return r.aside_m; }));
+        NodeField again(path.again_N ? 1 : 0, path.contact_m.size());
         if (path.again_N) again.row(0) = path.again_N->transpose();
         out.write(group + "again", again);
         return;
@@ -103,7 +103,7 @@ void write_path(TableWriter& out, const LoadPath& path, const NodeField& nodes, 
     const auto f = [](const PathRecord& r) -> const NodeField& { return r.force; };
     out.write(group + "displacement", fields_of(records, nodes, u));
     out.write(group + "force", fields_of(records, nodes, f));
-    out.write(group + "support_force", rows_of(records, [](const PathRecord& r) { return r.support_force_N; }));
+    out.write(group + "support_force", rows_of(records, path.contact_m.size(), [](const PathRecord& r) { return r.support_force_N; }));
     out.write(group + "energy", numbers_of(records, [](const PathRecord& r) { return r.energy_J; }));
     out.write(group + "smallest_J", numbers_of(records, [](const PathRecord& r) { return r.smallest_J; }));
     out.write(group + "newton_residual", numbers_of(records, [](const PathRecord& r) { return r.newton_residual; }));
@@ -128,9 +128,9 @@ LoadPath read_path(TableReader in, const std::string& name, const NodeField& nod
     if (measured) {
         const NodeField aside = in.field(group + "aside"), again = in.field(group + "again");
         for (Eigen::Index r = 0; r < magnitude.size(); ++r)
-            path.records.push_back(measured_record(magnitude[r], contact.row(r), aside.row(r)));
+            path.records.push_back(measured_record(magnitude[r], contact.row(r).transpose(), aside.row(r).transpose()));
         if (again.rows() > 1) in.refuse(group + "again", "has more than one row");
-        if (again.rows() == 1) path.again_N = again.row(0);
+        if (again.rows() == 1) path.again_N = again.row(0).transpose();
         return path;
     }
     const Eigen::VectorXd energy = in.vector(group + "energy"), J = in.vector(group + "smallest_J"),
@@ -142,7 +142,7 @@ LoadPath read_path(TableReader in, const std::string& name, const NodeField& nod
         const auto at = [&](const Array& a) {
             return Eigen::Map<const NodeField>(a.values.data() + r * nodes.size(), nodes.rows(), nodes.cols());
         };
-        path.records.push_back({magnitude[r], at(u), at(f), contact.row(r), support.row(r), energy[r], J[r],
+        path.records.push_back({magnitude[r], at(u), at(f), contact.row(r).transpose(), support.row(r).transpose(), energy[r], J[r],
                                 newton[static_cast<std::size_t>(r)], residual[r]});
     }
     return path;

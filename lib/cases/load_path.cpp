@@ -40,33 +40,42 @@ class PathLines : public CsvLines {
     }
 };
 
-PathRecord read_step(const PathLines& line, Eigen::Index node_count) {
-    line.want(11);
+/// D numbers of a row, from a field on.
+Point read_point(const PathLines& line, std::size_t from, std::size_t D) {
+    Point p(static_cast<Eigen::Index>(D));
+    for (std::size_t d = 0; d < D; ++d) p[static_cast<Eigen::Index>(d)] = line.number(from + d);
+    return p;
+}
+
+/// nodes: the lattice's (N x D).
+PathRecord read_step(const PathLines& line, const NodeField& nodes) {
+    const auto D = static_cast<std::size_t>(nodes.cols());
+    line.want(7 + 2 * D);
     PathRecord r;
     r.magnitude_m = line.number(2);
     r.energy_J = line.number(3);
-    r.contact_force_N = {line.number(4), line.number(5)};
-    r.support_force_N = {line.number(6), line.number(7)};
-    r.smallest_J = line.number(8);
-    r.newton_iterations = static_cast<int>(line.number(9));
-    r.newton_residual = line.number(10);
-    r.displacement = NodeField::Constant(node_count, 2, std::nan(""));
+    r.contact_force_N = read_point(line, 4, D);
+    r.support_force_N = read_point(line, 4 + D, D);
+    r.smallest_J = line.number(4 + 2 * D);
+    r.newton_iterations = static_cast<int>(line.number(5 + 2 * D));
+    r.newton_residual = line.number(6 + 2 * D);
+    r.displacement = NodeField::Constant(nodes.rows(), nodes.cols(), std::nan(""));
     r.force = r.displacement;
     return r;
 }
 
 void read_node(const PathLines& line, const SpringMesh& mesh, PathRecord& r) {
-    line.want(7);
+    const auto D = static_cast<std::size_t>(mesh.dimension());
+    line.want(1 + 3 * D);
     int node = 0;
     try {
-        node = node_at(mesh, {line.number(1), line.number(2)});
+        node = node_at(mesh, read_point(line, 1, D));
     } catch (const MismatchError& e) {
         line.refuse(e.what());
     }
     if (!std::isnan(r.displacement(node, 0))) line.refuse("the node stands twice in its record");
-    // whole rows: Eigen's comma initializer aborts when a refusal leaves it half done
-    r.displacement.row(node) = Eigen::RowVector2d(line.number(3), line.number(4));
-    r.force.row(node) = Eigen::RowVector2d(line.number(5), line.number(6));
+    r.displacement.row(node) = read_point(line, 1 + D, D).transpose();
+    r.force.row(node) = read_point(line, 1 + 2 * D, D).transpose();
 }
 
 }  // namespace
@@ -91,7 +100,7 @@ LoadPath read_path_csv(const std::string& file, const NodeField& nodes) {
         if (ended) line.refuse("stands after the end row");
         if (line.kind() == "step") {
             close_record();
-            path.records.push_back(read_step(line, nodes.rows()));
+            path.records.push_back(read_step(line, nodes));
             const auto& r = path.records;
             if (r.size() > 1 && !(r.back().magnitude_m > r[r.size() - 2].magnitude_m))
                 line.refuse("the magnitudes do not ascend");
@@ -122,8 +131,8 @@ LoadPath mirrored(const LoadPath& path, const NodeField& nodes, double width_m) 
     lattice.nodes = nodes;
     std::vector<int> image;
     for (Eigen::Index i = 0; i < nodes.rows(); ++i)
-        image.push_back(node_at(lattice, {width_m - nodes(i, 0), nodes(i, 1)}));
-    const auto reflect = [](Eigen::Vector2d v) { return Eigen::Vector2d(-v.x(), v.y()); };
+        image.push_back(node_at(lattice, Eigen::Vector2d(width_m - nodes(i, 0), nodes(i, 1))));
+    const auto reflect = [](const Eigen::Vector2d& v) { return Eigen::Vector2d(-v.x(), v.y()); };
     LoadPath result = path;
     result.name += "-mirror";
     result.contact_m.x() = width_m - path.contact_m.x();
@@ -156,8 +165,8 @@ const PathRecord* LoadPath::record_at(double magnitude_m) const {
     return nullptr;
 }
 
-PathRecord measured_record(double magnitude_m, const Eigen::Vector2d& force_N, const Eigen::Vector2d& aside_m) {
-    return {magnitude_m, {}, {}, force_N, Eigen::Vector2d::Zero(), 0, 0, 0, 0, aside_m};
+PathRecord measured_record(double magnitude_m, const Point& force_N, const Point& aside_m) {
+    return {magnitude_m, {}, {}, force_N, Point(Point::Zero(force_N.size())), 0, 0, 0, 0, aside_m};
 }
 
 namespace {

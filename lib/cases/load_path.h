@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "field.h"
 #include "io/hdf5_store.h"
 #include "mesh/shape.h"
 #include "mesh/spring_mesh.h"
@@ -16,28 +17,31 @@ struct PathRecord {
     double magnitude_m;                ///< how far the contact has been pushed
     NodeField displacement;            ///< u at the lattice nodes [m] (N x D)
     NodeField force;                   ///< f at the lattice nodes [N] (N x D): contact, supports, else nothing
-    Eigen::Vector2d contact_force_N;   ///< that the indenter puts on the tissue
-    Eigen::Vector2d support_force_N;
+    Point contact_force_N;   ///< that the indenter puts on the tissue
+    Point support_force_N;
     double energy_J;
     double smallest_J;                 ///< smallest det F in the tissue; FE stops before it reaches 0
     int newton_iterations;             ///< since the record before
     double newton_residual;            ///< relative, at the last iteration
-    Eigen::Vector2d aside_m = Eigen::Vector2d::Zero();  ///< what a measured push strayed from its path's direction
+    Point aside_m = {};                ///< what a measured push strayed from its path's direction (D); empty: nothing
 };
 
 /// One straight push: FE equilibria from rest to the deepest magnitude.
 struct LoadPath {
     std::string name;
-    Eigen::Vector2d contact_m;
-    Eigen::Vector2d direction;         ///< unit vector
+    Point contact_m;
+    Point direction;         ///< unit vector
     std::string role = "train";        ///< as in PlannedPath (cases/sweep.h)
     double depth_m = 0;                ///< how deep it was to go
     std::string lost;                  ///< why FE ended before that depth; empty when it did not
     std::vector<PathRecord> records;   ///< ascending magnitude, the first at rest
-    std::optional<Eigen::Vector2d> again_N;  ///< contact force on average when the same push was measured again
+    std::optional<Point> again_N;  ///< contact force on average when the same push was measured again
 
     /// Where the contact stands at a record, from where it was at rest [m].
-    Eigen::Vector2d push_m(const PathRecord& record) const { return direction * record.magnitude_m + record.aside_m; }
+    Point push_m(const PathRecord& record) const {
+        const Point along = direction * record.magnitude_m;
+        return record.aside_m.size() > 0 ? Point(along + record.aside_m) : along;
+    }
 
     /// The record at a magnitude [m], to a part in 10^9, since FE counts its way there in steps; nullptr without one.
     const PathRecord* record_at(double magnitude_m) const;
@@ -82,7 +86,7 @@ std::vector<LoadCase> load_cases(const Cases& cases);
 /// lattice or stands twice.
 LoadPath read_path_csv(const std::string& file, const NodeField& nodes);
 
-/// The same push seen in a mirror, x to width - x, on a lattice that mirrors itself. Its name gets "-mirror".
+/// The same push seen in a mirror, x to width - x, on a lattice that mirrors itself. Its name gets "-mirror". In the plane.
 /// Throws MismatchError when the lattice does not.
 LoadPath mirrored(const LoadPath& path, const NodeField& nodes, double width_m);
 
@@ -90,7 +94,7 @@ LoadPath mirrored(const LoadPath& path, const NodeField& nodes, double width_m);
 Cases without_mirrors(const Cases& cases);
 
 /// A record that was measured (PathRecord).
-PathRecord measured_record(double magnitude_m, const Eigen::Vector2d& force_N, const Eigen::Vector2d& aside_m);
+PathRecord measured_record(double magnitude_m, const Point& force_N, const Point& aside_m);
 
 void write_cases(const std::string& file, const Cases& cases, const Provenance& provenance);
 

@@ -3,7 +3,7 @@
 namespace tissue {
 
 Eigen::VectorXd triangle_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_N_m) {
-    Eigen::VectorXd modulus = Eigen::VectorXd::Constant(mesh.triangles.rows(), modulus_N_m);
+    Eigen::VectorXd modulus = Eigen::VectorXd::Constant(mesh.simplices.rows(), modulus_N_m);
     if (study.material.regions.empty()) return modulus;
     for (Eigen::Index t = 0; t < modulus.size(); ++t) {
         const int region = shape->region[static_cast<std::size_t>(t)];

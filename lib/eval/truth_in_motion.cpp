@@ -93,7 +93,7 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
         return result;
     }
 
-    const std::vector<int>& outline = tissue.mesh.boundary;
+    const std::vector<int> outline = tissue.mesh.loop();
     const auto b = static_cast<std::size_t>(r.segment);
     const Eigen::Vector2d touched = (1 - r.w) * tissue.mesh.nodes.row(outline[b]) + r.w * tissue.mesh.nodes.row(outline[(b + 1) % outline.size()]);
     const StaticAnswer answer(tissue);
@@ -133,8 +133,9 @@ SwitchJump switch_jump(const TissueModel& tissue, HapticOptions options, int fro
         load.node[end] = point.node[end];
         load.weight[end] = point.weight[end];
     }
+    const std::vector<int> loop = tissue.mesh.loop();
     const auto segment = static_cast<int>(
-        std::find(tissue.mesh.boundary.begin(), tissue.mesh.boundary.end(), point.node[0]) - tissue.mesh.boundary.begin());
+        std::find(loop.begin(), loop.end(), point.node[0]) - loop.begin());
     load.coupling_N_m = options.coupling_ratio * model.stiffness->at(segment, point.weight[1]);
     load.master_m = contact + tissue.magnitude_m[from] * direction;
 

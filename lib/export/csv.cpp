@@ -53,7 +53,7 @@ std::string springs_csv(const TissueModel& model, const std::string& name, const
 
 std::string triangles_csv(const SpringMesh& mesh) {
     std::string triangles = "node_i,node_j,node_k\n";
-    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) triangles += values(mesh.triangles.row(t)) + "\n";
+    for (Eigen::Index t = 0; t < mesh.simplices.rows(); ++t) triangles += values(mesh.simplices.row(t)) + "\n";
     return triangles;
 }
 

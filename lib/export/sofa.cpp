@@ -53,8 +53,8 @@ std::string sofa_scene(const TissueModel& model, const NamedSet& set) {
         preload = fmt::format("        <ConstantForceField name=\"rest\" forces=\"{}\"/>\n", vectors(hold));
     }
     std::vector<int> triangles, all(static_cast<std::size_t>(mesh.node_count()));
-    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t)
-        for (int k = 0; k < 3; ++k) triangles.push_back(mesh.triangles(t, k));
+    for (Eigen::Index t = 0; t < mesh.simplices.rows(); ++t)
+        for (int k = 0; k < 3; ++k) triangles.push_back(mesh.simplices(t, k));
     std::iota(all.begin(), all.end(), 0);
 
     return fmt::format(

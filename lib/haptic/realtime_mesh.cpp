@@ -36,7 +36,7 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const
     mass_ = node_mass_kg;
     inverse_mass_ = mass_.cwiseInverse();
     for (int node : mesh.fixed) inverse_mass_[node] = 0;
-    outline_ = mesh.boundary;
+    outline_ = mesh.loop();
 
     // bands: offsets that fill at least half of the run they span
     std::map<int, std::vector<int>> by_offset;

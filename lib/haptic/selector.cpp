@@ -36,9 +36,8 @@ Selector::Selector(const TissueModel& model, const Eigen::Ref<const NodeField>& 
 Selector::Selector(const TissueModel& model, const Eigen::VectorXd& sizes)
     : grid_(model.mesh, model.contact_m, model.direction, sizes), small_(0.01 * sizes.minCoeff()) {
     const SpringMesh& mesh = model.mesh;
-    const std::size_t M = mesh.boundary.size();
-    for (std::size_t b = 0; b < M; ++b) {
-        const Eigen::Vector2d start = mesh.nodes.row(mesh.boundary[b]), end = mesh.nodes.row(mesh.boundary[(b + 1) % M]);
+    for (Eigen::Index b = 0; b < mesh.facets.rows(); ++b) {
+        const Eigen::Vector2d start = mesh.nodes.row(mesh.facets(b, 0)), end = mesh.nodes.row(mesh.facets(b, 1));
         outline_m_.push_back(start);
         normal_.push_back(Eigen::Vector2d(-(end - start).y(), (end - start).x()).normalized());
     }

@@ -95,7 +95,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     high_m = model.mesh.nodes.colwise().maxCoeff();
     if (o.place_m == 0) o.place_m = 1.5 * (high_m - low_m).x();
 
-    std::vector<int> first_set(model.mesh.boundary.size(), 0);  // the heuristic mesh has one
+    std::vector<int> first_set(static_cast<std::size_t>(model.mesh.facets.rows()), 0);  // the heuristic mesh has one
     if (model.energy_law) {
         if (!o.sets.empty()) throw MismatchError(fmt::format("spring sets '{}': the model is a law, and has none", o.sets));
         if (o.select_by != SelectBy::displacement) throw MismatchError("the model is a law: there is nothing to select by force");

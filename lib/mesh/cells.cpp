@@ -6,11 +6,11 @@
 namespace tissue {
 
 Cells mesh_cells(const SpringMesh& mesh) {
-    if (!on_lattice(mesh)) return mesh.triangles;
+    if (!on_lattice(mesh)) return mesh.simplices;
     // a lattice cell's two triangles follow each other: (a, b, .) and (., c, d), whichever diagonal divides it
-    Cells cells(mesh.triangles.rows() / 2, 4);
+    Cells cells(mesh.simplices.rows() / 2, 4);
     for (Eigen::Index c = 0; c < cells.rows(); ++c) {
-        const auto first = mesh.triangles.row(2 * c), second = mesh.triangles.row(2 * c + 1);
+        const auto first = mesh.simplices.row(2 * c), second = mesh.simplices.row(2 * c + 1);
         cells.row(c) << first[0], first[1], second[1], second[2];
         const bool rising = first[2] == second[1] && second[0] == first[0];   // divided from a to c
         const bool falling = first[2] == second[2] && second[0] == first[1];  // from b to d

@@ -20,7 +20,7 @@ double cross(const NodeField& nodes, int a, int b, int c) {
 
 }  // namespace
 
-std::optional<MeshFault> triangle_fault(const NodeField& nodes, const Eigen::Matrix<int, Eigen::Dynamic, 3>& triangles) {
+std::optional<MeshFault> triangle_fault(const NodeField& nodes, const Cells& triangles) {
     std::set<Edge> edges;
     for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
         if (!(cross(nodes, triangles(t, 0), triangles(t, 1), triangles(t, 2)) > 0))
@@ -33,20 +33,21 @@ std::optional<MeshFault> triangle_fault(const NodeField& nodes, const Eigen::Mat
 }
 
 std::optional<MeshFault> mesh_fault(const SpringMesh& mesh) {
-    if (const auto fault = triangle_fault(mesh.nodes, mesh.triangles)) return fault;
-    const std::size_t M = mesh.boundary.size();
+    if (const auto fault = triangle_fault(mesh.nodes, mesh.simplices)) return fault;
+    const std::vector<int> loop = mesh.loop();
+    const std::size_t M = loop.size();
     double twice_area = 0;
     std::set<Edge> segments;
     for (std::size_t b = 0; b < M; ++b) {
-        const int i = mesh.boundary[b], j = mesh.boundary[(b + 1) % M];
-        twice_area += cross(mesh.nodes, mesh.boundary[0], i, j);
+        const int i = loop[b], j = loop[(b + 1) % M];
+        twice_area += cross(mesh.nodes, loop[0], i, j);
         segments.emplace(i, j);
     }
     if (!(twice_area > 0)) return MeshFault{"boundary", "runs clockwise"};
     std::set<Edge> outer;
-    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t)
+    for (Eigen::Index t = 0; t < mesh.simplices.rows(); ++t)
         for (int i = 0; i < 3; ++i) {
-            const int a = mesh.triangles(t, i), b = mesh.triangles(t, (i + 1) % 3);
+            const int a = mesh.simplices(t, i), b = mesh.simplices(t, (i + 1) % 3);
             if (outer.erase({b, a}) == 0) outer.emplace(a, b);
         }
     if (segments != outer) return MeshFault{"boundary", "is not the outline of the triangles"};

@@ -19,6 +19,6 @@ struct MeshFault {
 std::optional<MeshFault> mesh_fault(const SpringMesh& mesh);
 
 /// The same of triangles alone.
-std::optional<MeshFault> triangle_fault(const NodeField& nodes, const Eigen::Matrix<int, Eigen::Dynamic, 3>& triangles);
+std::optional<MeshFault> triangle_fault(const NodeField& nodes, const Cells& triangles);
 
 }  // namespace tissue

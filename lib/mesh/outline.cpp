@@ -17,9 +17,10 @@ Eigen::Vector2d left_of(const Eigen::Vector2d& along) {
 }  // namespace
 
 Outline::Outline(const SpringMesh& mesh) {
-    const std::size_t count = mesh.boundary.size();
+    const std::vector<int> loop = mesh.loop();
+    const std::size_t count = loop.size();
     const auto is_fixed = [&](std::size_t b) {
-        return std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), mesh.boundary[b % count]);
+        return std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), loop[b % count]);
     };
     // the last fixed node before a free one starts the surface, the next fixed one ends it
     std::size_t starts = 0, first = 0;
@@ -30,7 +31,7 @@ Outline::Outline(const SpringMesh& mesh) {
         }
     if (starts != 1) throw MismatchError("the fixed nodes do not leave one connected free surface");
     for (std::size_t b = first;; ++b) {
-        nodes_.push_back(mesh.boundary[b % count]);
+        nodes_.push_back(loop[b % count]);
         points_.emplace_back(mesh.nodes.row(nodes_.back()));
         arc_.push_back(arc_.empty() ? 0 : arc_.back() + (points_.back() - points_[points_.size() - 2]).norm());
         if (b > first && is_fixed(b)) break;

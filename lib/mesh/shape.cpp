@@ -261,34 +261,34 @@ SpringMesh edge_mesh(const Shape& shape) {
     SpringMesh mesh;
     mesh.topology = "edges";
     mesh.nodes = shape.nodes;
-    mesh.triangles = shape.triangles;
-    mesh.boundary = loop_of(shape, "the shape");
+    mesh.simplices = shape.triangles;
+    mesh.facets = loop_facets(loop_of(shape, "the shape"));
     std::set<int> fixed;
     for (const Edge& edge : shape.fixed_edges) fixed.insert(edge.begin(), edge.end());
     mesh.fixed.assign(fixed.begin(), fixed.end());
     std::map<Edge, double> area;  // of the triangles on each edge
-    mesh.node_area = Eigen::VectorXd::Zero(mesh.node_count());
-    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
-        const int a = mesh.triangles(t, 0), b = mesh.triangles(t, 1), c = mesh.triangles(t, 2);
+    mesh.node_measure = Eigen::VectorXd::Zero(mesh.node_count());
+    for (Eigen::Index t = 0; t < mesh.simplices.rows(); ++t) {
+        const int a = mesh.simplices(t, 0), b = mesh.simplices(t, 1), c = mesh.simplices(t, 2);
         const double own = twice_area(mesh.nodes, a, b, c) / 2;
         for (const auto& [i, j] : {std::pair(a, b), {b, c}, {c, a}}) area[{std::min(i, j), std::max(i, j)}] += own;
-        for (int corner : {a, b, c}) mesh.node_area[corner] += own / 3;
+        for (int corner : {a, b, c}) mesh.node_measure[corner] += own / 3;
     }
     mesh.springs.resize(static_cast<Eigen::Index>(area.size()), 2);
-    mesh.incident_area.resize(static_cast<Eigen::Index>(area.size()));
+    mesh.incident_measure.resize(static_cast<Eigen::Index>(area.size()));
     Eigen::Index s = 0;
     for (const auto& [edge, sum] : area) {
         mesh.springs.row(s) << edge[0], edge[1];
-        mesh.incident_area[s++] = sum;
+        mesh.incident_measure[s++] = sum;
     }
     return mesh;
 }
 
 Shape shape_of(const SpringMesh& mesh) {
-    Shape shape{mesh.nodes, mesh.triangles, std::vector<int>(static_cast<std::size_t>(mesh.triangles.rows()), 0), {}};
+    Shape shape{mesh.nodes, mesh.simplices, std::vector<int>(static_cast<std::size_t>(mesh.simplices.rows()), 0), {}};
     const auto is_fixed = [&](int node) { return std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), node); };
-    for (std::size_t i = 0; i < mesh.boundary.size(); ++i) {
-        const Edge edge{mesh.boundary[i], mesh.boundary[(i + 1) % mesh.boundary.size()]};
+    for (Eigen::Index b = 0; b < mesh.facets.rows(); ++b) {
+        const Edge edge{mesh.facets(b, 0), mesh.facets(b, 1)};
         if (is_fixed(edge[0]) && is_fixed(edge[1])) shape.fixed_edges.push_back(edge);
     }
     return shape;

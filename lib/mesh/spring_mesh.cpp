@@ -1,8 +1,12 @@
 #include "mesh/spring_mesh.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 
 #include "error.h"
+#include "mesh/facet.h"
 
 namespace tissue {
 namespace {
@@ -13,11 +17,24 @@ double tolerance_of(const SpringMesh& mesh) {
 
 }  // namespace
 
+std::vector<int> SpringMesh::loop() const {
+    std::vector<int> nodes_in_order(static_cast<std::size_t>(facets.rows()));
+    for (std::size_t b = 0; b < nodes_in_order.size(); ++b) nodes_in_order[b] = facets(static_cast<Eigen::Index>(b), 0);
+    return nodes_in_order;
+}
+
+Cells loop_facets(const std::vector<int>& loop) {
+    Cells facets(static_cast<Eigen::Index>(loop.size()), 2);
+    for (std::size_t b = 0; b < loop.size(); ++b)
+        facets.row(static_cast<Eigen::Index>(b)) << loop[b], loop[(b + 1) % loop.size()];
+    return facets;
+}
+
 SurfacePoint locate_on_surface(const SpringMesh& mesh, const Eigen::Vector2d& position_m) {
     double best = std::numeric_limits<double>::infinity();
     SurfacePoint point{};
-    for (std::size_t b = 0; b < mesh.boundary.size(); ++b) {
-        const int i = mesh.boundary[b], j = mesh.boundary[(b + 1) % mesh.boundary.size()];
+    for (Eigen::Index b = 0; b < mesh.facets.rows(); ++b) {
+        const int i = mesh.facets(b, 0), j = mesh.facets(b, 1);
         const Eigen::Vector2d start = mesh.nodes.row(i), along = mesh.nodes.row(j) - mesh.nodes.row(i);
         const double w = std::clamp((position_m - start).dot(along) / along.squaredNorm(), 0.0, 1.0);
         const double distance = (start + w * along - position_m).norm();
@@ -32,13 +49,25 @@ SurfacePoint locate_on_surface(const SpringMesh& mesh, const Eigen::Vector2d& po
     return point;
 }
 
-int node_at(const SpringMesh& mesh, const Eigen::Vector2d& position_m) {
+void check_on_surface(const SpringMesh& mesh, const Point& position_m) {
+    if (!mesh.is_solid()) {
+        locate_on_surface(mesh, position_m);
+        return;
+    }
+    double best = std::numeric_limits<double>::infinity();
+    for (Eigen::Index b = 0; b < mesh.facets.rows(); ++b) best = std::min(best, nearest_on_facet(mesh.nodes, mesh.facets, b, position_m).distance_m);
+    if (!(best <= tolerance_of(mesh)))
+        throw MismatchError(fmt::format("the contact ({}, {}, {}) m is not on the surface; it is {:.3g} mm away from it",
+                                        position_m[0], position_m[1], position_m[2], 1e3 * best));
+}
+
+int node_at(const SpringMesh& mesh, const Point& position_m) {
     Eigen::Index nearest;
     const double distance =
         (mesh.nodes.rowwise() - position_m.transpose()).rowwise().norm().minCoeff(&nearest);
     if (!(distance <= tolerance_of(mesh)))
-        throw MismatchError(fmt::format("no lattice node at ({}, {}) m; the nearest is {:.3g} mm away", position_m.x(),
-                                        position_m.y(), 1e3 * distance));
+        throw MismatchError(fmt::format("no lattice node at ({}) m; the nearest is {:.3g} mm away", fmt::join(position_m, ", "),
+                                        1e3 * distance));
     return static_cast<int>(nearest);
 }
 

@@ -19,15 +19,21 @@ struct SpringMesh {
     std::string topology;                      ///< a name of topologies(), mesh/topology.h
     NodeField nodes;                           ///< rest positions [m] (N x D)
     Eigen::Matrix<int, Eigen::Dynamic, 2> springs;    ///< node pair of each spring (S x 2)
-    Eigen::Matrix<int, Eigen::Dynamic, 3> triangles;  ///< one triangulation of the tissue (T x 3)
-    std::vector<int> boundary;                 ///< node loop, counter-clockwise; segment b joins b and b + 1
+    Cells simplices;                           ///< one division of the tissue: triangles, counter-clockwise (T x 3); in
+                                               ///< space tetrahedra of positive volume (T x 4)
+    Cells facets;                              ///< its boundary: segments, counter-clockwise, each beginning where the one
+                                               ///< before ends (B x 2); in space triangles whose normals point out (B x 3)
     std::vector<int> fixed;                    ///< nodes held at rest, ascending
-    Eigen::VectorXd incident_area;             ///< sum of area(T_e) in (7) for each spring [m^2] (S)
-    Eigen::VectorXd node_area;                 ///< sum of V_j / (4 thickness) in (8) for each node [m^2] (N)
+    Eigen::VectorXd incident_measure;          ///< sum of area(T_e) in (7) for each spring [m^2], in space of volumes [m^3] (S)
+    Eigen::VectorXd node_measure;              ///< sum of V_j / (4 thickness) in (8) for each node [m^2], in space of V_j / 8 [m^3] (N)
 
     int node_count() const { return static_cast<int>(nodes.rows()); }
     int spring_count() const { return static_cast<int>(springs.rows()); }
     int dimension() const { return static_cast<int>(nodes.cols()); }
+    bool is_solid() const { return dimension() == 3; }
+
+    /// In the plane: the boundary's nodes in order, counter-clockwise; segment b joins b and b + 1.
+    std::vector<int> loop() const;
     double rest_length(int spring) const {
         return (nodes.row(springs(spring, 0)) - nodes.row(springs(spring, 1))).norm();
     }
@@ -40,17 +46,32 @@ struct SurfacePoint {
     double weight[2];
 };
 
-/// The block's lattice: (cells_x + 1) x (cells_y + 1) nodes, row by row from the bottom, bottom row fixed.
+/// Facets of a closed node loop: its segments (B x 2).
+Cells loop_facets(const std::vector<int>& loop);
+
+/// A block's cells along each axis, the last of which points up, and its size [m] (D).
+struct Lattice {
+    std::vector<int> cells;
+    std::vector<double> size_m;
+
+    int dimension() const { return static_cast<int>(cells.size()); }
+};
+
+/// The block's lattice: cells + 1 nodes along each axis, the first axis fastest, bottom row or layer fixed.
 /// topology: a name of topologies() (mesh/topology.h). The triangles of (7) are half cells: an axis spring borders one a side, a
-/// diagonal two.
-/// Throws MismatchError for an unknown topology or a size that is not positive.
+/// diagonal two. In space: mesh/solid_lattice.h.
+/// Throws MismatchError for an unknown topology, one of another dimension, or a size that is not positive.
+SpringMesh make_lattice(const std::string& topology, const Lattice& lattice);
 SpringMesh make_lattice(const std::string& topology, int cells_x, int cells_y, double width_m, double height_m);
 
 /// The boundary segment and weights of a position [m] on the outline.
-/// Throws MismatchError when it lies farther than 1e-6 of the mesh's size from it.
+/// Throws MismatchError when it lies farther than 1e-6 of the mesh's size from it. In the plane.
 SurfacePoint locate_on_surface(const SpringMesh& mesh, const Eigen::Vector2d& position_m);
 
-/// Index of the node at a position [m]. Throws MismatchError when there is none within 1e-6 of the mesh's size.
-int node_at(const SpringMesh& mesh, const Eigen::Vector2d& position_m);
+/// Throws MismatchError when a position [m] (D) lies farther than 1e-6 of the mesh's size from its surface.
+void check_on_surface(const SpringMesh& mesh, const Point& position_m);
+
+/// Index of the node at a position [m] (D). Throws MismatchError when there is none within 1e-6 of the mesh's size.
+int node_at(const SpringMesh& mesh, const Point& position_m);
 
 }  // namespace tissue

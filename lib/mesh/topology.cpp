@@ -5,11 +5,14 @@
 #include <array>
 
 #include "error.h"
+#include "mesh/solid_lattice.h"
 
 namespace tissue {
 namespace {
 
-SpringMesh lattice(const char* topology, bool diagonals, int cells_x, int cells_y, double width_m, double height_m) {
+SpringMesh plane_lattice(const char* topology, bool diagonals, const Lattice& of) {
+    const int cells_x = of.cells[0], cells_y = of.cells[1];
+    const double width_m = of.size_m[0], height_m = of.size_m[1];
     if (cells_x < 1 || cells_y < 1 || !(width_m > 0) || !(height_m > 0))
         throw MismatchError(fmt::format("a lattice of {} x {} cells on {} x {} m is not possible", cells_x, cells_y,
                                         width_m, height_m));
@@ -43,52 +46,49 @@ SpringMesh lattice(const char* topology, bool diagonals, int cells_x, int cells_
                 add(node(ix + 1, iy), node(ix, iy + 1), cell_area);
             }
     mesh.springs.resize(static_cast<int>(springs.size()), 2);
-    mesh.incident_area.resize(static_cast<int>(springs.size()));
+    mesh.incident_measure.resize(static_cast<int>(springs.size()));
     for (int s = 0; s < mesh.spring_count(); ++s) {
         mesh.springs.row(s) << springs[s][0], springs[s][1];
-        mesh.incident_area[s] = areas[s];
+        mesh.incident_measure[s] = areas[s];
     }
 
-    mesh.triangles.resize(2 * cells_x * cells_y, 3);
-    mesh.node_area = Eigen::VectorXd::Zero(mesh.node_count());
+    mesh.simplices.resize(2 * cells_x * cells_y, 3);
+    mesh.node_measure = Eigen::VectorXd::Zero(mesh.node_count());
     int t = 0;
     for (int iy = 0; iy < cells_y; ++iy)
         for (int ix = 0; ix < cells_x; ++ix) {
             const int a = node(ix, iy), b = node(ix + 1, iy), c = node(ix + 1, iy + 1), d = node(ix, iy + 1);
             const bool left = 2 * ix < cells_x;  // mirror-symmetric, as the FE mesh is
-            mesh.triangles.row(t++) << a, b, left ? d : c;
-            mesh.triangles.row(t++) << (left ? b : a), c, d;
-            for (int corner : {a, b, c, d}) mesh.node_area[corner] += cell_area / 4;
+            mesh.simplices.row(t++) << a, b, left ? d : c;
+            mesh.simplices.row(t++) << (left ? b : a), c, d;
+            for (int corner : {a, b, c, d}) mesh.node_measure[corner] += cell_area / 4;
         }
 
-    for (int ix = 0; ix < cells_x; ++ix) mesh.boundary.push_back(node(ix, 0));
-    for (int iy = 0; iy < cells_y; ++iy) mesh.boundary.push_back(node(cells_x, iy));
-    for (int ix = cells_x; ix > 0; --ix) mesh.boundary.push_back(node(ix, cells_y));
-    for (int iy = cells_y; iy > 0; --iy) mesh.boundary.push_back(node(0, iy));
+    std::vector<int> loop;
+    for (int ix = 0; ix < cells_x; ++ix) loop.push_back(node(ix, 0));
+    for (int iy = 0; iy < cells_y; ++iy) loop.push_back(node(cells_x, iy));
+    for (int ix = cells_x; ix > 0; --ix) loop.push_back(node(ix, cells_y));
+    for (int iy = cells_y; iy > 0; --iy) loop.push_back(node(0, iy));
+    mesh.facets = loop_facets(loop);
     for (int ix = 0; ix <= cells_x; ++ix) mesh.fixed.push_back(node(ix, 0));
     return mesh;
 }
 
-SpringMesh grid4(int cells_x, int cells_y, double width_m, double height_m) {
-    return lattice("grid4", false, cells_x, cells_y, width_m, height_m);
-}
+SpringMesh grid4(const Lattice& of) { return plane_lattice("grid4", false, of); }
 
-SpringMesh grid8(int cells_x, int cells_y, double width_m, double height_m) {
-    return lattice("grid8", true, cells_x, cells_y, width_m, height_m);
-}
+SpringMesh grid8(const Lattice& of) { return plane_lattice("grid8", true, of); }
 
-SpringMesh edges(int cells_x, int cells_y, double width_m, double height_m) {
-    return edge_mesh(shape_of(grid4(cells_x, cells_y, width_m, height_m)));
-}
+SpringMesh edges(const Lattice& of) { return edge_mesh(shape_of(grid4(of))); }
 
 }  // namespace
 
 const Registry<Topology>& topologies() {
     static const Registry<Topology> kinds("topology",
                                           {
-                                              {"grid4", grid4, nullptr},
-                                              {"grid8", grid8, nullptr},
-                                              {"edges", edges, edge_mesh},
+                                              {"grid4", 2, grid4, nullptr},
+                                              {"grid8", 2, grid8, nullptr},
+                                              {"edges", 2, edges, edge_mesh},
+                                              {"grid26", 3, solid_lattice, nullptr},
                                           },
                                           [](const Topology& kind) { return kind.name; });
     return kinds;
@@ -96,8 +96,15 @@ const Registry<Topology>& topologies() {
 
 bool on_lattice(const SpringMesh& mesh) { return topologies().at(mesh.topology).needs_lattice(); }
 
+SpringMesh make_lattice(const std::string& topology, const Lattice& lattice) {
+    const Topology& kind = topologies().at(topology);
+    if (lattice.dimension() != kind.dimension)
+        throw MismatchError(fmt::format("topology '{}' is of {} dimensions, the lattice of {}", topology, kind.dimension, lattice.dimension()));
+    return kind.on_lattice(lattice);
+}
+
 SpringMesh make_lattice(const std::string& topology, int cells_x, int cells_y, double width_m, double height_m) {
-    return topologies().at(topology).on_lattice(cells_x, cells_y, width_m, height_m);
+    return make_lattice(topology, {{cells_x, cells_y}, {width_m, height_m}});
 }
 
 }  // namespace tissue

@@ -10,9 +10,10 @@ namespace tissue {
 /// Which nodes springs join. What a maker makes bears the name.
 struct Topology {
     const char* name;
+    int dimension;
 
     /// The springs of a block's lattice: make_lattice.
-    SpringMesh (*on_lattice)(int cells_x, int cells_y, double width_m, double height_m);
+    SpringMesh (*on_lattice)(const Lattice& lattice);
 
     /// Those of any shape's triangles; null where springs follow the cells of a lattice.
     SpringMesh (*on_shape)(const Shape& shape);
@@ -24,6 +25,7 @@ struct Topology {
 ///   grid4  the axis springs of a lattice: the paper's
 ///   grid8  both diagonals of every cell as well
 ///   edges  the edges of any mesh of triangles
+///   grid26 in space: edges, face and body diagonals of every cell of a lattice
 const Registry<Topology>& topologies();
 
 /// Whether a mesh's springs follow the cells of a lattice; else its pieces are triangles.

@@ -68,7 +68,7 @@ LawHeuristic assemble(const SpringMesh& mesh, const Eigen::VectorXd& springs, co
     const auto R = static_cast<Eigen::Index>(strain ? cell_regions(mesh, mesh_cells(mesh)).size() : 0);
     h.constants.resize(S + C + R);
     const Cells pieces = mesh_cells(mesh);
-    h.constants.head(S) = 8.0 / 3 * cell_areas(mesh, pieces).sum() / mesh.incident_area.sum() * springs;
+    h.constants.head(S) = 8.0 / 3 * cell_areas(mesh, pieces).sum() / mesh.incident_measure.sum() * springs;
     h.constants.segment(S, C) = strain ? Eigen::VectorXd(0.95 * h.cap) : Eigen::VectorXd(share * cell_modulus_N_m / 3);
     h.constants.tail(R).setConstant(h.constants.segment(S, C).mean() / share);
     h.patch.log_N_m.col(0) << std::log(4 * contact_modulus_N_m), std::log(4 * contact_modulus_N_m),

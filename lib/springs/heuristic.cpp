@@ -12,15 +12,15 @@ Eigen::VectorXd heuristic_stiffness(const SpringMesh& mesh, double modulus_N_m) 
     Eigen::VectorXd theta(mesh.spring_count());
     for (int s = 0; s < mesh.spring_count(); ++s) {
         const double length = mesh.rest_length(s);
-        theta[s] = modulus_N_m * mesh.incident_area[s] / (length * length);
+        theta[s] = modulus_N_m * mesh.incident_measure[s] / (length * length);
     }
     return theta;
 }
 
 Eigen::VectorXd heuristic_stiffness(const SpringMesh& mesh, const Eigen::VectorXd& triangle_modulus_N_m) {
     std::map<std::pair<int, int>, double> sum;  // of E2 area(T_e) on each edge
-    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
-        const int a = mesh.triangles(t, 0), b = mesh.triangles(t, 1), c = mesh.triangles(t, 2);
+    for (Eigen::Index t = 0; t < mesh.simplices.rows(); ++t) {
+        const int a = mesh.simplices(t, 0), b = mesh.simplices(t, 1), c = mesh.simplices(t, 2);
         const Eigen::RowVector2d ab = mesh.nodes.row(b) - mesh.nodes.row(a), ac = mesh.nodes.row(c) - mesh.nodes.row(a);
         const double own = triangle_modulus_N_m[t] * (ab.x() * ac.y() - ab.y() * ac.x()) / 2;
         for (const auto& [i, j] : {std::pair(a, b), {b, c}, {c, a}}) sum[std::minmax(i, j)] += own;
@@ -47,7 +47,7 @@ Eigen::VectorXd uniform_stiffness(const SpringMesh& mesh, double stiffness_N_m) 
 }
 
 Eigen::VectorXd node_masses(const SpringMesh& mesh, double density_kg_m3, double thickness_m) {
-    return density_kg_m3 * thickness_m * mesh.node_area;
+    return density_kg_m3 * thickness_m * mesh.node_measure;
 }
 
 }  // namespace tissue

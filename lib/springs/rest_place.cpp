@@ -7,56 +7,71 @@
 #include <limits>
 
 #include "error.h"
+#include "mesh/facet.h"
 #include "mesh/topology.h"
 
 namespace tissue {
 
 RestPlaces::RestPlaces(const SpringMesh& mesh) : mesh_(mesh) {
-    const Outline outline(mesh);
-    const auto add = [&](std::vector<Segment>& list, int i, int j) {
-        const Eigen::Vector2d from = mesh.nodes.row(i), to = mesh.nodes.row(j);
-        list.push_back({{i, j}, from, to - from});
-    };
-    for (std::size_t i = 0; i + 1 < outline.nodes().size(); ++i) add(free_, outline.nodes()[i], outline.nodes()[i + 1]);
-    const auto is_held = [&](int node) { return std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), node); };
-    for (std::size_t b = 0; b < mesh.boundary.size(); ++b) {
-        const int i = mesh.boundary[b], j = mesh.boundary[(b + 1) % mesh.boundary.size()];
-        if (is_held(i) && is_held(j)) add(held_, i, j);
-    }
-    spacing_m_ = outline.length() / static_cast<double>(free_.size());
-    const Eigen::Vector2d low = mesh.nodes.colwise().minCoeff(), high = mesh.nodes.colwise().maxCoeff();
+    const FreeSurface surface(mesh);
+    free_ = surface.facets();
+    held_ = surface.held_facets();
+    spacing_m_ = surface.spacing_m();
+    const Eigen::VectorXd low = mesh.nodes.colwise().minCoeff().transpose(), high = mesh.nodes.colwise().maxCoeff().transpose();
     centre_m_ = (low + high) / 2;
     half_size_m_ = (high - low) / 2;
 }
 
-RestPlaces::Nearest RestPlaces::nearest(const std::vector<Segment>& segments, const Eigen::Vector2d& point) {
-    Nearest result{std::numeric_limits<double>::infinity(), Eigen::Matrix2d::Zero()};
+RestPlaces::Nearest RestPlaces::nearest(const Cells& facets, const Point& point) const {
+    const Eigen::Index D = mesh_.dimension();
+    Nearest result{std::numeric_limits<double>::infinity(), Eigen::MatrixXd::Zero(D, D)};
     int equal = 0;
-    for (const Segment& s : segments) {
-        const double w = std::clamp((point - s.from).dot(s.along) / s.along.squaredNorm(), 0.0, 1.0);
-        const double distance = (point - s.from - w * s.along).norm();
-        if (distance > result.distance_m + 1e-6 * s.along.norm()) continue;
-        if (distance < result.distance_m - 1e-6 * s.along.norm()) {
+    const double same = 1e-6 * spacing_m_;
+    for (Eigen::Index f = 0; f < facets.rows(); ++f) {
+        const double distance = nearest_on_facet(mesh_.nodes, facets, f, point).distance_m;
+        if (distance > result.distance_m + same) continue;
+        if (distance < result.distance_m - same) {
             equal = 0;
-            result.direction.setZero();
+            result.along.setZero();
         }
         result.distance_m = std::min(distance, result.distance_m);
-        result.direction += s.along * s.along.transpose() / s.along.squaredNorm();
+        const Point normal = facet_normal(mesh_.nodes, facets, f);
+        result.along += Eigen::MatrixXd::Identity(D, D) - normal * normal.transpose();
         ++equal;
     }
-    if (equal > 0) result.direction /= equal;
+    if (equal > 0) result.along /= equal;
     return result;
 }
 
-Eigen::Vector2d RestPlaces::middle(const Cells& nodes, Eigen::Index e) const {
-    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    for (Eigen::Index k = 0; k < nodes.cols(); ++k) sum += mesh_.nodes.row(nodes(e, k));
+const std::vector<RestPlaces::Nearest>& RestPlaces::nearest_free(const Cells& nodes) const {
+    std::vector<Nearest>& list = known_[nodes.cols()];
+    if (list.size() != static_cast<std::size_t>(nodes.rows())) {
+        list.clear();
+        for (Eigen::Index e = 0; e < nodes.rows(); ++e) list.push_back(nearest(free_, middle(nodes, e)));
+    }
+    return list;
+}
+
+Point RestPlaces::middle(const Cells& nodes, Eigen::Index e) const {
+    Point sum = Point::Zero(mesh_.dimension());
+    for (Eigen::Index k = 0; k < nodes.cols(); ++k) sum += mesh_.nodes.row(nodes(e, k)).transpose();
     return sum / static_cast<double>(nodes.cols());
 }
 
-double RestPlaces::squared_cosine(const Cells& nodes, Eigen::Index e, const Eigen::Matrix2d& direction) const {
-    const Eigen::Vector2d axis = (mesh_.nodes.row(nodes(e, 1)) - mesh_.nodes.row(nodes(e, 0))).normalized();
-    return axis.dot(direction * axis);
+double RestPlaces::squared_cosine(const Cells& nodes, Eigen::Index e, const Eigen::MatrixXd& projector) const {
+    const Point axis = (mesh_.nodes.row(nodes(e, 1)) - mesh_.nodes.row(nodes(e, 0))).transpose().normalized();
+    return axis.dot(projector * axis);
+}
+
+int RestPlaces::axes_of(const Cells& nodes, Eigen::Index e, int& first) const {
+    const Point span = (mesh_.nodes.row(nodes(e, 1)) - mesh_.nodes.row(nodes(e, 0))).transpose().cwiseAbs();
+    int count = 0;
+    for (Eigen::Index d = span.size() - 1; d >= 0; --d)
+        if (span[d] > 1e-9 * span.norm()) {
+            ++count;
+            first = static_cast<int>(d);
+        }
+    return count;
 }
 
 Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) const {
@@ -77,11 +92,14 @@ Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) 
     if (name == "all") return Eigen::VectorXd::Ones(count);
     if (name == "surface")
         return each([&](Eigen::Index e) {
-            return std::any_of(free_.begin(), free_.end(), [&](const Segment& s) {
-                       return nodes.cols() == 1 ? has(e, s.node[0]) || has(e, s.node[1]) : has(e, s.node[0]) && has(e, s.node[1]);
-                   }) ? 1.0 : 0.0;
+            for (Eigen::Index f = 0; f < free_.rows(); ++f) {
+                Eigen::Index shared = 0;
+                for (int node : free_.row(f)) shared += has(e, node);
+                if (shared >= std::min(nodes.cols(), free_.cols())) return 1.0;
+            }
+            return 0.0;
         });
-    if (name == "layer") return each([&](Eigen::Index e) { return std::exp(-nearest(free_, middle(nodes, e)).distance_m / spacing_m_); });
+    if (name == "layer") return each([&](Eigen::Index e) { return std::exp(-nearest_free(nodes)[static_cast<std::size_t>(e)].distance_m / spacing_m_); });
     if (name == "held")
         return each([&](Eigen::Index e) {
             Eigen::Index held = 0;
@@ -89,29 +107,43 @@ Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) 
                 held += std::binary_search(mesh_.fixed.begin(), mesh_.fixed.end(), nodes(e, k));
             return held > 0 && held < nodes.cols() ? 1.0 : 0.0;
         });
-    if ((name[0] == 'x' || name[0] == 'y') && name.size() <= 2) {
+    const int up = mesh_.dimension() - 1;
+    if (name[0] >= 'x' && name[0] <= 'x' + up && name.size() <= 2) {
         const int axis = name[0] - 'x', power = name.size() == 1 ? 1 : name[1] - '0';
         const bool even = power == 2 || power == 4;  // a tissue that mirrors itself about x must stay so
-        if (even || (axis == 1 && (power == 1 || power == 3)))
+        if (even || (axis == up && (power == 1 || power == 3)))
             return each([&](Eigen::Index e) { return std::pow(scaled(e, axis), power); });
     }
+    // a solid's layers: from its highest and its lowest place, and at its walls, which are neither
+    const auto height_m = [&](Eigen::Index e) { return middle(nodes, e)[up] - (centre_m_[up] - half_size_m_[up]); };
+    if (mesh_.is_solid() && name == "top")
+        return each([&](Eigen::Index e) { return std::exp(-(2 * half_size_m_[up] - height_m(e)) / spacing_m_); });
+    if (mesh_.is_solid() && name == "bottom") return each([&](Eigen::Index e) { return std::exp(-height_m(e) / spacing_m_); });
+    if (mesh_.is_solid() && name == "wall")
+        return each([&](Eigen::Index e) {
+            double least = std::numeric_limits<double>::infinity();
+            for (int d = 0; d < up; ++d) least = std::min(least, half_size_m_[d] - std::abs(middle(nodes, e)[d] - centre_m_[d]));
+            return std::exp(-least / spacing_m_);
+        });
     if (springs) {
-        if (name == "along") return each([&](Eigen::Index e) { return squared_cosine(nodes, e, nearest(free_, middle(nodes, e)).direction); });
+        if (name == "along") return each([&](Eigen::Index e) { return squared_cosine(nodes, e, nearest_free(nodes)[static_cast<std::size_t>(e)].along); });
         if (name == "across")
-            return each([&](Eigen::Index e) { return 1 - squared_cosine(nodes, e, nearest(free_, middle(nodes, e)).direction); });
+            return each([&](Eigen::Index e) { return 1 - squared_cosine(nodes, e, nearest_free(nodes)[static_cast<std::size_t>(e)].along); });
         if (name == "upright")
-            return each([&](Eigen::Index e) { return 1 - squared_cosine(nodes, e, nearest(held_, middle(nodes, e)).direction); });
-        if (lattice && (name == "horizontal" || name == "vertical" || name == "diagonal"))
+            return each([&](Eigen::Index e) { return 1 - squared_cosine(nodes, e, nearest(held_, middle(nodes, e)).along); });
+        const bool diagonals = mesh_.is_solid() ? name == "face" || name == "body" : name == "diagonal";
+        if (lattice && (name == "horizontal" || name == "vertical" || diagonals))
             return each([&](Eigen::Index e) {
-                const Eigen::RowVector2d span = (mesh_.nodes.row(nodes(e, 1)) - mesh_.nodes.row(nodes(e, 0))).cwiseAbs();
-                const double small = 1e-9 * span.norm();
-                const char* family = span[1] < small ? "horizontal" : span[0] < small ? "vertical" : "diagonal";
+                int axis = 0;
+                const int axes = axes_of(nodes, e, axis);
+                const char* family = axes == 3 ? "body" : axes == 2 ? (up == 2 ? "face" : "diagonal") : axis == up ? "vertical" : "horizontal";
                 return name == family ? 1.0 : 0.0;
             });
     }
-    throw MismatchError(fmt::format("factor '{}' is not possible here; allowed: all, surface, layer, held, x2, x4, y, y2, y3, y4{}{}", name,
+    throw MismatchError(fmt::format("factor '{}' is not possible here; allowed: all, surface, layer, held, {}{}{}", name,
+                                    up == 2 ? "top, bottom, wall, x2, x4, y2, y4, z, z2, z3, z4" : "x2, x4, y, y2, y3, y4",
                                     springs ? ", along, across, upright" : "",
-                                    springs && lattice ? ", horizontal, vertical, diagonal" : ""));
+                                    !springs || !lattice ? "" : up == 2 ? ", horizontal, vertical, face, body" : ", horizontal, vertical, diagonal"));
 }
 
 }  // namespace tissue

@@ -1,13 +1,16 @@
 #pragma once
 
+#include <map>
 #include <string>
+#include <vector>
 
-#include "mesh/outline.h"
+#include "mesh/free_surface.h"
 #include "springs/element.h"
 
 namespace tissue {
 
-/// Where the elements of a mesh are at rest: what the terms of an energy law are made of (springs/energy_law.h).
+/// Where the elements of a mesh are at rest: what the terms of an energy law are made of (springs/energy_law.h). One object
+/// a thread, asked of the same springs and cells.
 class RestPlaces {
    public:
     explicit RestPlaces(const SpringMesh& mesh);
@@ -17,22 +20,21 @@ class RestPlaces {
     Eigen::VectorXd factor(const std::string& name, const Cells& nodes) const;
 
    private:
-    struct Segment {
-        int node[2];
-        Eigen::Vector2d from, along;  ///< along: to the other end, not of unit length
-    };
     struct Nearest {
         double distance_m;
-        Eigen::Matrix2d direction;    ///< t t' of the nearest segment, the mean where several are equally near
+        Eigen::MatrixXd along;        ///< projector on the nearest facet (D x D), the mean where several are equally near
     };
-    static Nearest nearest(const std::vector<Segment>& segments, const Eigen::Vector2d& point);
-    Eigen::Vector2d middle(const Cells& nodes, Eigen::Index e) const;
-    double squared_cosine(const Cells& nodes, Eigen::Index e, const Eigen::Matrix2d& direction) const;
+    Nearest nearest(const Cells& facets, const Point& point) const;
+    const std::vector<Nearest>& nearest_free(const Cells& nodes) const;  ///< to the middle of each row
+    Point middle(const Cells& nodes, Eigen::Index e) const;
+    double squared_cosine(const Cells& nodes, Eigen::Index e, const Eigen::MatrixXd& projector) const;
+    int axes_of(const Cells& nodes, Eigen::Index e, int& first) const;  ///< how many axes a spring runs along
 
     const SpringMesh& mesh_;
-    std::vector<Segment> free_, held_;
-    double spacing_m_;
-    Eigen::Vector2d centre_m_, half_size_m_;
+    Cells free_, held_;               ///< facets
+    double spacing_m_;                ///< mean, of the free surface's nodes
+    Eigen::VectorXd centre_m_, half_size_m_;
+    mutable std::map<Eigen::Index, std::vector<Nearest>> known_;  ///< by the number of columns: many terms ask
 };
 
 }  // namespace tissue

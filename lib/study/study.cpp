@@ -246,8 +246,8 @@ Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const St
         if (!is_plain_name(p.name)) path.refuse("name", "must be of lower-case letters, digits and '-'");
         if (!names.insert(p.name).second) path.refuse("name", "'" + p.name + "' stands twice");
         const std::vector<double> contact = path.numbers("contact_m", 2), push = path.numbers("push", 2);
-        p.contact_m = {contact[0], contact[1]};
-        p.direction = {push[0], push[1]};
+        p.contact_m = Eigen::Vector2d(contact[0], contact[1]);
+        p.direction = Eigen::Vector2d(push[0], push[1]);
         if (!(p.direction.norm() > 0)) path.refuse("push", "must not be zero");
         p.direction.normalize();
         const double x = contact[0], y = contact[1], w = geometry.width_m, h = geometry.height_m;

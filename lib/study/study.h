@@ -1,17 +1,18 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "field.h"
 
 namespace tissue {
 
 /// One straight push on one contact, from rest to the deepest magnitude.
 struct StudyPath {
     std::string name;           ///< file name of its results: lower-case letters, digits, '-'
-    Eigen::Vector2d contact_m;  ///< position on the outline [m]
-    Eigen::Vector2d direction;  ///< unit vector of the push
+    Point contact_m;            ///< position on the outline, in space on the surface [m] (D)
+    Point direction;            ///< unit vector of the push (D)
 };
 
 /// Everything a study file (fem/studies/NAME.toml) says. Every key is listed in results/FORMATS.md.

@@ -162,7 +162,7 @@ Json bench_lattices() {
             const NodeField u = 0.01 * (30 * mesh.nodes.array()).sin().matrix();
             double sum = 0;
             const std::vector<double> lattice =
-                time_calls(20, [&] { sum += make_lattice(topology, nodes - 1, nodes - 1, 0.1, 0.1).incident_area[0]; });
+                time_calls(20, [&] { sum += make_lattice(topology, nodes - 1, nodes - 1, 0.1, 0.1).incident_measure[0]; });
             const std::vector<double> matrix = time_calls(20, [&] { sum += law->force_matrix(mesh, u).coeff(0, 0); });
             if (!std::isfinite(sum)) throw MismatchError("bench_train: a force matrix is not finite");
             list.push_back(entry("make_lattice, " + topology + ", " + size, "us", scaled(lattice, 1e6)));

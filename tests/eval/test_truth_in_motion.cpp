@@ -45,7 +45,8 @@ TEST_CASE("a press is judged by FE where it stands as deep as FE does, and at FE
     // "FE" that is this very model at rest: all that is left is what motion does to it
     PressTruth truth{"top", {0.047, 0.1}, Eigen::Vector2d(0.3, -1).normalized(), 0.012, {}};
     const SurfacePoint point = locate_on_surface(tissue.mesh, truth.contact_m);
-    const int segment = static_cast<int>(std::find(tissue.mesh.boundary.begin(), tissue.mesh.boundary.end(), point.node[0]) - tissue.mesh.boundary.begin());
+    const std::vector<int> loop = tissue.mesh.loop();
+    const int segment = static_cast<int>(std::find(loop.begin(), loop.end(), point.node[0]) - loop.begin());
     const int set = model.selector->select(segment, point.weight[1], truth.magnitude_m * truth.direction);
     const auto rest = solve_equilibrium(tissue.mesh, *law, tissue.trained[0].theta.row(set).transpose(), point, truth.magnitude_m * truth.direction);
     REQUIRE(rest);

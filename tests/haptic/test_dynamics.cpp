@@ -68,7 +68,7 @@ TEST_CASE("the realtime force is the spring law's, for every law and for meshes 
                 for (int n = 0; n < N; ++n) mesh.nodes.row(to[static_cast<std::size_t>(n)]) = model.mesh.nodes.row(n);
                 for (int s = 0; s < mesh.spring_count(); ++s)
                     for (int e : {0, 1}) mesh.springs(s, e) = to[static_cast<std::size_t>(model.mesh.springs(s, e))];
-                for (int& n : mesh.boundary) n = to[static_cast<std::size_t>(n)];
+                for (int& n : mesh.facets.reshaped()) n = to[static_cast<std::size_t>(n)];
                 for (int& n : mesh.fixed) n = to[static_cast<std::size_t>(n)];
                 model.mesh = mesh;
             }

@@ -64,11 +64,11 @@ TEST_CASE("the tick's contact is the one that was trained, at every point of the
         const RealtimeMesh springs = springs_of(model);
         const RealtimeLaw law(model, springs);
         const ContactSurface surface(mesh);
-        const std::size_t M = mesh.boundary.size();
+        const std::size_t M = mesh.loop().size();
         int held = 0;
         for (std::size_t b = 0; b < M; ++b)
             for (double w : {0.0, 0.3, 0.99}) {
-                const int i = mesh.boundary[b], j = mesh.boundary[(b + 1) % M];
+                const int i = mesh.loop()[b], j = mesh.loop()[(b + 1) % M];
                 const Eigen::Vector2d place = (1 - w) * mesh.nodes.row(i) + w * mesh.nodes.row(j);
                 const PatchSpring now = law.contact(static_cast<int>(b), w);
                 double sum = 0;

@@ -18,7 +18,8 @@ Selector make(const TissueModel& model, SelectBy by = SelectBy::displacement) {
 /// Segment and weight of a place on the outline.
 std::pair<int, double> place(const SpringMesh& mesh, const Eigen::Vector2d& x) {
     const SurfacePoint p = locate_on_surface(mesh, x);
-    const auto b = std::find(mesh.boundary.begin(), mesh.boundary.end(), p.node[0]) - mesh.boundary.begin();
+    const std::vector<int> loop = mesh.loop();
+    const auto b = std::find(loop.begin(), loop.end(), p.node[0]) - loop.begin();
     return {static_cast<int>(b), p.weight[1]};
 }
 
@@ -49,7 +50,7 @@ TEST_CASE("any push anywhere is served by a set that there is", "[selector]") {
         const Selector selector = make(model, by);
         const double size = by == SelectBy::force ? 0.005 : 0.02;
         for (int k = 0; k < 20000; ++k) {
-            const int segment = draw.below(static_cast<int>(model.mesh.boundary.size()));
+            const int segment = draw.below(static_cast<int>(model.mesh.loop().size()));
             const double w = draw(0, 1), angle = draw(-3.2, 3.2), r = k % 100 ? draw(0, size) : 0;
             const int set = selector.select(segment, w, {r * std::cos(angle), r * std::sin(angle)});
             REQUIRE((set >= 0 && set < model.case_count()));

@@ -34,7 +34,7 @@ TEST_CASE("a shape's cells are its triangles") {
 
 TEST_CASE("a lattice whose triangles do not pair up is refused") {
     SpringMesh mesh = make_lattice("grid8", 2, 2, 0.1, 0.1);
-    mesh.triangles.row(1).swap(mesh.triangles.row(2));
+    mesh.simplices.row(1).swap(mesh.simplices.row(2));
     CHECK_THAT(refusal<MismatchError>([&] { mesh_cells(mesh); }), Contains("pair up"));
 }
 

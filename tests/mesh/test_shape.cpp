@@ -69,18 +69,18 @@ TEST_CASE("a mesh becomes a shape: clockwise triangles turned, idle points dropp
 TEST_CASE("springs on the edges of triangles: as many as Euler says, with the areas of (7) and (8)") {
     for (const Shape& shape : {square(), disc(24), shape_of(make_lattice("grid4", 6, 4, 0.1, 0.1))}) {
         const SpringMesh mesh = edge_mesh(shape);
-        const auto T = static_cast<int>(mesh.triangles.rows());
+        const auto T = static_cast<int>(mesh.simplices.rows());
         CHECK(mesh.topology == "edges");
         CHECK(mesh.spring_count() == mesh.node_count() + T - 1);
         double area = 0;
-        for (std::size_t b = 0; b < mesh.boundary.size(); ++b) {
-            const Eigen::RowVector2d p = mesh.nodes.row(mesh.boundary[b]),
-                                     q = mesh.nodes.row(mesh.boundary[(b + 1) % mesh.boundary.size()]);
+        for (std::size_t b = 0; b < mesh.loop().size(); ++b) {
+            const Eigen::RowVector2d p = mesh.nodes.row(mesh.loop()[b]),
+                                     q = mesh.nodes.row(mesh.loop()[(b + 1) % mesh.loop().size()]);
             area += (p.x() * q.y() - p.y() * q.x()) / 2;
         }
         CHECK(area > 0);
-        CHECK(mesh.node_area.sum() == Approx(area).epsilon(tolerance::rounding));
-        CHECK(mesh.incident_area.sum() == Approx(3 * area).epsilon(tolerance::rounding));
+        CHECK(mesh.node_measure.sum() == Approx(area).epsilon(tolerance::rounding));
+        CHECK(mesh.incident_measure.sum() == Approx(3 * area).epsilon(tolerance::rounding));
         std::set<std::pair<int, int>> pairs;
         for (int s = 0; s < mesh.spring_count(); ++s) CHECK(pairs.insert({mesh.springs(s, 0), mesh.springs(s, 1)}).second);
     }
@@ -93,7 +93,7 @@ TEST_CASE("a shape written and read again is the same to the last bit") {
         CHECK(back.nodes == shape.nodes);
         CHECK(back.triangles == shape.triangles);
         CHECK(back.region == shape.region);
-        CHECK(edge_mesh(back).boundary == edge_mesh(shape).boundary);
+        CHECK(edge_mesh(back).loop() == edge_mesh(shape).loop());
         CHECK(edge_mesh(back).fixed == edge_mesh(shape).fixed);
     }
 }

@@ -16,8 +16,8 @@ double cross(const Eigen::RowVector2d& a, const Eigen::RowVector2d& b) {
 }
 
 double triangle_area(const SpringMesh& mesh, int t) {
-    const Eigen::RowVector2d a = mesh.nodes.row(mesh.triangles(t, 0)), b = mesh.nodes.row(mesh.triangles(t, 1)),
-                             c = mesh.nodes.row(mesh.triangles(t, 2));
+    const Eigen::RowVector2d a = mesh.nodes.row(mesh.simplices(t, 0)), b = mesh.nodes.row(mesh.simplices(t, 1)),
+                             c = mesh.nodes.row(mesh.simplices(t, 2));
     return cross(b - a, c - a) / 2;
 }
 
@@ -30,7 +30,7 @@ TEST_CASE("the paper's lattice has 121 nodes, 220 springs, and 420 with both dia
     CHECK(grid4.spring_count() == 220);
     CHECK(grid8.spring_count() == 420);
     CHECK(grid4.triangles.rows() == 200);
-    CHECK(grid4.boundary.size() == 40);
+    CHECK(grid4.loop().size() == 40);
     CHECK(grid4.topology == "grid4");
     CHECK(grid8.topology == "grid8");
 }
@@ -39,9 +39,9 @@ TEST_CASE("the lattice of one cell is the cell: four sides, two diagonals, two t
     const SpringMesh mesh = make_lattice("grid8", 1, 1, 0.2, 0.1);
     CHECK(mesh.node_count() == 4);
     CHECK(mesh.spring_count() == 6);
-    CHECK(mesh.triangles.rows() == 2);
+    CHECK(mesh.simplices.rows() == 2);
     CHECK(mesh.fixed == std::vector<int>{0, 1});
-    CHECK(mesh.boundary == std::vector<int>{0, 1, 3, 2});
+    CHECK(mesh.loop() == std::vector<int>{0, 1, 3, 2});
     std::multiset<double> lengths;
     for (int s = 0; s < mesh.spring_count(); ++s) lengths.insert(mesh.rest_length(s));
     CHECK(lengths.count(0.2) == 2);
@@ -76,8 +76,8 @@ TEST_CASE("the lattice is mirror-symmetric about its vertical axis") {
             CHECK(springs.count(std::minmax(mirror[a], mirror[b])) == 1);
         }
         std::set<std::set<int>> triangles;
-        for (int t = 0; t < mesh.triangles.rows(); ++t)
-            triangles.insert({mesh.triangles(t, 0), mesh.triangles(t, 1), mesh.triangles(t, 2)});
+        for (int t = 0; t < mesh.simplices.rows(); ++t)
+            triangles.insert({mesh.simplices(t, 0), mesh.simplices(t, 1), mesh.simplices(t, 2)});
         for (const std::set<int>& triangle : triangles) {
             std::set<int> reflected;
             for (int node : triangle) reflected.insert(mirror[static_cast<std::size_t>(node)]);
@@ -91,35 +91,36 @@ TEST_CASE("the lattice is mirror-symmetric about its vertical axis") {
 TEST_CASE("triangles cover the tissue once, counter-clockwise, and a loaded top corner lies in two") {
     const SpringMesh mesh = make_lattice("grid4", 6, 4, 0.12, 0.1);
     double area = 0;
-    for (int t = 0; t < mesh.triangles.rows(); ++t) {
+    for (int t = 0; t < mesh.simplices.rows(); ++t) {
         CHECK(triangle_area(mesh, t) > 0);
         area += triangle_area(mesh, t);
     }
     CHECK(area == Approx(0.12 * 0.1).epsilon(tolerance::rounding));
-    for (double x : {0.0, 0.12}) CHECK((mesh.triangles.array() == node_at(mesh, {x, 0.1})).count() == 2);
+    for (double x : {0.0, 0.12}) CHECK((mesh.simplices.array() == node_at(mesh, {x, 0.1})).count() == 2);
 }
 
 TEST_CASE("the areas of (8) sum to the tissue's, a corner carrying a quarter of an inner node's") {
     const SpringMesh mesh = make_lattice("grid4", 5, 2, 0.1, 0.06);
-    CHECK(mesh.node_area.sum() == Approx(0.1 * 0.06).epsilon(tolerance::rounding));
-    const double inner = mesh.node_area[node_at(mesh, {0.04, 0.03})];
+    CHECK(mesh.node_measure.sum() == Approx(0.1 * 0.06).epsilon(tolerance::rounding));
+    const double inner = mesh.node_measure[node_at(mesh, {0.04, 0.03})];
     CHECK(inner == Approx(0.02 * 0.03).epsilon(tolerance::rounding));
-    CHECK(mesh.node_area[node_at(mesh, {0, 0.06})] == Approx(inner / 4).epsilon(tolerance::rounding));
-    CHECK(mesh.node_area[node_at(mesh, {0.04, 0.06})] == Approx(inner / 2).epsilon(tolerance::rounding));
+    CHECK(mesh.node_measure[node_at(mesh, {0, 0.06})] == Approx(inner / 4).epsilon(tolerance::rounding));
+    CHECK(mesh.node_measure[node_at(mesh, {0.04, 0.06})] == Approx(inner / 2).epsilon(tolerance::rounding));
 }
 
 TEST_CASE("the outline is one counter-clockwise loop of neighbours about the whole tissue") {
     const SpringMesh mesh = make_lattice("grid4", 5, 3, 0.1, 0.06);
     double twice_area = 0, length = 0;
-    for (std::size_t b = 0; b < mesh.boundary.size(); ++b) {
-        const Eigen::RowVector2d here = mesh.nodes.row(mesh.boundary[b]),
-                                 next = mesh.nodes.row(mesh.boundary[(b + 1) % mesh.boundary.size()]);
+    for (std::size_t b = 0; b < mesh.loop().size(); ++b) {
+        const Eigen::RowVector2d here = mesh.nodes.row(mesh.loop()[b]),
+                                 next = mesh.nodes.row(mesh.loop()[(b + 1) % mesh.loop().size()]);
         twice_area += cross(here, next);
         length += (next - here).norm();
     }
     CHECK(twice_area / 2 == Approx(0.1 * 0.06).epsilon(tolerance::rounding));
     CHECK(length == Approx(2 * (0.1 + 0.06)).epsilon(tolerance::rounding));
-    CHECK(std::set<int>(mesh.boundary.begin(), mesh.boundary.end()).size() == mesh.boundary.size());
+    const std::vector<int> loop = mesh.loop();
+    CHECK(std::set<int>(loop.begin(), loop.end()).size() == mesh.loop().size());
 }
 
 TEST_CASE("the bottom row and nothing else is fixed") {

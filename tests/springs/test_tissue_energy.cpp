@@ -123,9 +123,10 @@ TEST_CASE("a triangle that turns inside out is seen, though what lies around the
     const SpringMesh mesh = edge_mesh(disc(12));
     const TissueEnergy energy(mesh, false);
     int centre = 0;
-    while (std::find(mesh.boundary.begin(), mesh.boundary.end(), centre) != mesh.boundary.end()) ++centre;
+    const std::vector<int> loop = mesh.loop();
+    while (std::find(loop.begin(), loop.end(), centre) != loop.end()) ++centre;
     NodeField u = NodeField::Zero(mesh.node_count(), 2);
-    const Eigen::RowVector2d rim = (mesh.nodes.row(mesh.boundary[0]) + mesh.nodes.row(mesh.boundary[1])) / 2;
+    const Eigen::RowVector2d rim = (mesh.nodes.row(mesh.loop()[0]) + mesh.nodes.row(mesh.loop()[1])) / 2;
     u.row(centre) = 1.01 * (rim - mesh.nodes.row(centre));  // just across that side
     CHECK(energy.smallest_area_ratio(u) == Approx(-0.01).epsilon(1e-6));
     Eigen::VectorXd star = Eigen::VectorXd::Zero(energy.constant_count());
@@ -156,9 +157,10 @@ TEST_CASE("regions of an incompressible tissue keep their area, and feel their o
     Eigen::VectorXd whole = Eigen::VectorXd::Zero(energy.constant_count());
     whole[first] = 5;
     NodeField swollen = 0.1 * mesh.nodes;
+    const std::vector<int> loop = mesh.loop();
     CHECK(energy.energy(whole, swollen) == Approx(5 * 0.006 * 0.21 * 0.21 / 2).epsilon(tolerance::rounding));
     for (int node = 0; node < mesh.node_count(); ++node)
-        if (std::find(mesh.boundary.begin(), mesh.boundary.end(), node) == mesh.boundary.end()) swollen.row(node).setZero();
+        if (std::find(loop.begin(), loop.end(), node) == loop.end()) swollen.row(node).setZero();
     CHECK(energy.energy(whole, swollen) == Approx(5 * 0.006 * 0.21 * 0.21 / 2).epsilon(tolerance::rounding));
 }
 
@@ -168,7 +170,7 @@ TEST_CASE("springs and cells together have the moduli of their derivation: Cauch
     const TissueEnergy energy(mesh, false);
     const double cell = 0.7;
     Eigen::VectorXd c(energy.constant_count());
-    for (int s = 0; s < mesh.spring_count(); ++s) c[s] = mesh.incident_area[s] / (mesh.rest_length(s) * mesh.rest_length(s));
+    for (int s = 0; s < mesh.spring_count(); ++s) c[s] = mesh.incident_measure[s] / (mesh.rest_length(s) * mesh.rest_length(s));
     c.tail(36).setConstant(cell);
     const auto density = [&](double xx, double yy, double xy) {  // of energy, for a small strain
         const double small = 1e-5;

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <vector>
+
+#include "mesh/spring_mesh.h"
+
+namespace tissue {
+
+/// The free surface of a spring mesh at rest, whatever its dimension: the boundary's facets that are not held. In the plane
+/// mesh/outline.h goes along it.
+class FreeSurface {
+   public:
+    explicit FreeSurface(const SpringMesh& mesh);
+
+    const Cells& facets() const { return facets_; }            ///< a node of them at least is free
+    const Cells& held_facets() const { return held_facets_; }  ///< all their nodes are held
+    const std::vector<int>& nodes() const { return nodes_; }   ///< of the free facets, ascending
+    double spacing_m() const { return spacing_m_; }            ///< mean, of those nodes: a lattice's is its cells'
+
+    /// The point of the surface nearest to a position.
+    struct Place {
+        Eigen::Index facet;
+        Point point_m, inward;   ///< inward: unit normal into the tissue, smooth but at creases
+        double distance_m;       ///< from the position
+    };
+    Place nearest(const Point& position_m) const;
+
+    /// From a point to the nearest node where the surface ends or turns by more than 45 degrees [m].
+    double to_crease_m(const Point& position_m) const;
+
+    /// Whether the surface at a node faces the way a normal does, to 60 degrees: it lies round no crease from there.
+    bool faces(int node, const Point& inward) const;
+
+   private:
+    Point node_inward(int node, const Point& facet_inward) const;
+
+    NodeField rest_;
+    Cells facets_, held_facets_;
+    std::vector<int> nodes_, creases_;
+    std::vector<std::vector<Eigen::Index>> around_;  ///< free facets of each node (N)
+    std::vector<Point> inward_;                      ///< of each free facet
+    Eigen::VectorXd measure_;                        ///< of each free facet
+    double spacing_m_;
+};
+
+}  // namespace tissue
