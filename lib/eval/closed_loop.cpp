@@ -6,17 +6,22 @@
 #include <cmath>
 #include <limits>
 
+#include "mesh/free_surface.h"
 #include "springs/heuristic.h"
 
 namespace tissue {
 
 ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, const SpringMesh& mesh) {
+    return error_of(answer, truth, mesh, seen_nodes(mesh));
+}
+
+ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, const SpringMesh& mesh, const std::vector<int>& seen) {
     ContactError error{{}, {}, {}, answer.reason};
     if (!answer.force_N) return error;
     error.force = (*answer.force_N - truth.force_N).norm() / truth.force_N.norm();
     if (answer.displacement_m.size() == 0 || truth.displacement_m.size() == 0) return error;
     double off = 0, moved = 0, farthest = 0;  // squares
-    for (int i = 0; i < mesh.node_count(); ++i) {
+    for (int i : seen) {
         if (std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), i)) continue;
         const double here = (answer.displacement_m.row(i) - truth.displacement_m.row(i)).squaredNorm();
         off += here;

@@ -11,7 +11,7 @@ namespace tissue {
 
 /// A contact at which FE knows what becomes of the tissue: where, how far pushed, and the answer.
 struct ContactTruth {
-    SurfacePoint contact;
+    SurfacePoint contact;           ///< in the plane
     Eigen::VectorXd push_m;         ///< d (D)
     Eigen::VectorXd force_N;        ///< r_fe (D)
     NodeField displacement_m = {};  ///< u_fe (N x D); empty where it was not seen, as inside measured tissue
@@ -27,13 +27,15 @@ struct ContactAnswer {
 /// How far an answer is from the truth, to a hand and to an eye.
 struct ContactError {
     std::optional<double> force;                 ///< |r_model - r_fe| / |r_fe|; absent without an answer
-    std::optional<double> shape;                 ///< rms of u_model - u_fe over rms of u_fe, both over the free nodes
-    std::optional<double> shape_max_over_depth;  ///< largest |u_model - u_fe| of a free node, over |d|
+    std::optional<double> shape;                 ///< rms of u_model - u_fe over rms of u_fe, both over the free nodes, in
+                                                 ///< space over those of the surface
+    std::optional<double> shape_max_over_depth;  ///< largest |u_model - u_fe| of such a node, over |d|
     std::string reason;                          ///< the answer's
 };
 
 /// The mesh says which nodes are free. Shape is absent where answer or truth has no displacement. Any topology will do:
-/// nodes are compared one by one.
+/// nodes are compared one by one. seen: those that count (seen_nodes of mesh/free_surface.h).
+ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, const SpringMesh& mesh, const std::vector<int>& seen);
 ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, const SpringMesh& mesh);
 
 /// The spring mesh at equilibrium: the contact held where the truth has it, everything else at rest.

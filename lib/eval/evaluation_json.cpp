@@ -95,7 +95,7 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
     const bool seen_inside = !evaluation.measurement;
     for (const ModelErrors& m : evaluation.models)
         j["closed_loop"]["trained"][m.name] = to_value(m.closed_loop(), seen_inside);
-    j["uniform"] = {{"stiffness_N_m", evaluation.uniform_N_m}, {"chosen_on", evaluation.uniform_chosen_on}};
+    if (!evaluation.uniform_chosen_on.empty()) j["uniform"] = {{"stiffness_N_m", evaluation.uniform_N_m}, {"chosen_on", evaluation.uniform_chosen_on}};
     j["training"] = evaluation.law_book ? training(*evaluation.energy_law, *evaluation.law_book) : training(evaluation.trained.front());
     for (std::size_t t = 1; t < evaluation.trained.size(); ++t)
         j["training_also"].push_back(training(evaluation.trained[t]));
@@ -112,9 +112,14 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
             entry[held_out.models[m]] = to_value(role.statistics(m), seen_inside);
         j["lost"][role.role] = role.lost;
         for (const DrawnContact& c : role.contacts) {
-            Json row = {{"name", c.name},          {"arc_m", c.arc_m},
-                        {"angle_deg", c.angle_deg}, {"depth_m", c.depth_m},
-                        {"fe_force_N", {c.fe_force_N.x(), c.fe_force_N.y()}}, {"extrapolated", c.extrapolated}};
+            Json row = {{"name", c.name}};
+            if (c.contact_m.size() == 2) {
+                row["arc_m"] = c.arc_m;
+            } else {
+                row["contact_m"] = c.contact_m;
+                row["direction"] = c.direction;
+            }
+            row.update({{"angle_deg", c.angle_deg}, {"depth_m", c.depth_m}, {"fe_force_N", c.fe_force_N}, {"extrapolated", c.extrapolated}});
             for (std::size_t m = 0; m < held_out.models.size(); ++m) {
                 row["error"][held_out.models[m]] = or_null(c.error[m].force);
                 if (seen_inside) row["shape"][held_out.models[m]] = or_null(c.error[m].shape);
@@ -130,7 +135,7 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
     for (const DrawnShape& s : held_out.shapes) {
         Json row = {{"name", s.name}};
         for (Eigen::Index i = 0; i < s.displacement_m.rows(); ++i)
-            row["displacement_m"].push_back({s.displacement_m(i, 0), s.displacement_m(i, 1)});
+            row["displacement_m"].push_back(s.displacement_m.row(i));
         j["drawn_shapes"].push_back(std::move(row));
     }
     if (!evaluation.truth.empty()) {

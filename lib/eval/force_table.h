@@ -15,7 +15,7 @@ class ForceTable {
     ForceTable(const Outline& outline, const std::vector<LoadCase>& loads);
 
     struct Entry {
-        Eigen::Vector2d force_N;   ///< on the tissue
+        Point force_N;             ///< on the tissue (D)
         bool extrapolated;         ///< the push lies outside what was solved: the nearest there is serves
     };
     /// At an arc length [m], along a unit direction, that deep [m]. Below the smallest depth it shrinks in proportion.

@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "eval/force_table.h"
+#include "eval/solid_force_table.h"
+#include "mesh/free_surface.h"
 #include "mesh/topology.h"
 #include "parallel.h"
 #include "springs/heuristic.h"
@@ -33,7 +35,8 @@ struct Baseline {
 };
 
 ContactTruth truth_of(const SpringMesh& mesh, const LoadPath& path, const PathRecord& record) {
-    return {locate_on_surface(mesh, path.contact_m), path.push_m(record), record.contact_force_N, record.displacement};
+    return {mesh.is_solid() ? SurfacePoint{} : locate_on_surface(mesh, path.contact_m), path.push_m(record), record.contact_force_N,
+            record.displacement};
 }
 
 /// The mesh of the same lattice in another topology.
@@ -84,6 +87,34 @@ std::vector<Baseline> baselines_of(const TissueModel& model, const std::vector<S
         baselines.push_back({"uniform" + s.suffix, &s, uniform_stiffness(s.mesh, s.uniform_N_m)});
     }
     return baselines;
+}
+
+/// In space: the one stiffness of all springs [N/m], of a few round the heuristic's mean, with the smallest median force error
+/// at some of the load cases, under the law's untrained contact.
+double best_uniform_under_law(const TrainedModel& model, const std::vector<LoadCase>& loads, int threads) {
+    const double mean = model.heuristic_a.mean();
+    const LawBook& book = *model.books.law;
+    double best = mean, best_median = std::numeric_limits<double>::infinity();
+    std::vector<const LoadCase*> some;
+    for (std::size_t c = 0; c < loads.size(); c += 1 + loads.size() / 10) some.push_back(&loads[c]);
+    for (double factor = 0.25; factor < 4.1; factor *= std::sqrt(2.0)) {
+        Eigen::VectorXd constants = Eigen::VectorXd::Zero(book.untrained_constants.size());
+        constants.head(model.mesh.spring_count()) = uniform_stiffness(model.mesh, factor * mean);
+        const LawPress press(model.mesh, LawModel{{}, {}, constants, book.untrained_patch, false, model.energy_law->disc_radius_m});
+        std::vector<double> errors(some.size(), std::numeric_limits<double>::infinity());
+        parallel_for(static_cast<int>(some.size()), threads, [&](int i) {
+            const LoadCase& load = *some[static_cast<std::size_t>(i)];
+            const Equilibrium state = press.at(load.path->contact_m, load.path->push_m(*load.record));
+            const Point& force_N = load.record->contact_force_N;
+            if (state) errors[static_cast<std::size_t>(i)] = (Point(state.contact_force) - force_N).norm() / force_N.norm();
+        });
+        const double median = statistics_of(errors).median;
+        if (median < best_median) {
+            best_median = median;
+            best = factor * mean;
+        }
+    }
+    return best;
 }
 
 /// Contact force along the push; NaN where the mesh has no equilibrium.
@@ -164,11 +195,23 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
     if (result.empty()) return result;
 
     const std::vector<LoadCase> loads = load_cases(cases);
-    const Outline outline(model.mesh);
-    const ForceTable table(outline, loads);
+    const bool solid = model.mesh.is_solid();
+    const std::vector<int> seen = seen_nodes(model.mesh);
     const std::unique_ptr<SpringLaw> law = make_spring_law(model.law);
-    const std::vector<Setting> settings = settings_of(model, loads, with_baselines);
-    const std::vector<Baseline> baselines = baselines_of(model, settings, with_baselines);
+    // the plane's own: places along a line, and springs under a contact of two nodes
+    std::optional<Outline> outline;
+    std::optional<ForceTable> table;
+    std::optional<SolidForceTable> solid_table;
+    std::vector<Setting> settings;
+    std::vector<Baseline> baselines;
+    if (solid) {
+        solid_table.emplace(loads);
+    } else {
+        outline.emplace(model.mesh);
+        table.emplace(*outline, loads);
+        settings = settings_of(model, loads, with_baselines);
+        baselines = baselines_of(model, settings, with_baselines);
+    }
 
     // of laws the model's own first
     std::vector<std::pair<std::string, std::unique_ptr<LawPress>>> laws;
@@ -177,7 +220,8 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
         laws.emplace_back("learned", std::make_unique<LawPress>(model));
         const LawBook& book = *model.books.law;
         const auto add = [&](const std::string& name, const Eigen::VectorXd& constants) {
-            laws.emplace_back(name, std::make_unique<LawPress>(model.mesh, LawModel{{}, {}, constants, book.untrained_patch, model.energy_law->incompressible}));
+            laws.emplace_back(name, std::make_unique<LawPress>(model.mesh, LawModel{{}, {}, constants, book.untrained_patch, model.energy_law->incompressible,
+                                                                                         model.energy_law->disc_radius_m}));
         };
         add("untrained", book.untrained_constants);
         Eigen::VectorXd springs_alone = Eigen::VectorXd::Zero(book.untrained_constants.size());
@@ -187,18 +231,24 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
                 springs_alone.head(b.theta.size()) = b.theta;
                 add(b.name + "_patch", springs_alone);
             }
+        if (with_baselines && solid) {
+            springs_alone.head(model.mesh.spring_count()) = model.heuristic_a;
+            add("heuristic_a_patch", springs_alone);
+            springs_alone.head(model.mesh.spring_count()) = uniform_stiffness(model.mesh, best_uniform_under_law(model, loads, threads));
+            add("uniform_patch", springs_alone);
+        }
     } else {
         sets.emplace(model);
     }
+    const FreeSurface surface(model.mesh);
     result.models = {"learned", "force_table"};
     for (std::size_t l = 1; l < laws.size(); ++l) result.models.push_back(laws[l].first);
     for (const Baseline& b : baselines) result.models.push_back(b.name);
     if (cases.measurement) result.models.push_back("repeat");
 
     const auto learned = [&](const LoadPath& path, const PathRecord& record) {
-        const double arc = outline.arc_of(path.contact_m);
-        if (!sets) return answer_of(laws[0].second->at(arc, path.push_m(record)));
-        const int set = sets->nearest(arc, path.direction, record.magnitude_m);
+        if (!sets) return answer_of(laws[0].second->at(path.contact_m, path.push_m(record)));
+        const int set = sets->nearest(outline->arc_of(path.contact_m), path.direction, record.magnitude_m);
         return answer_of(model.mesh, *law, model.trained.front().theta.row(set).transpose(), truth_of(model.mesh, path, record));
     };
     for (DrawnContacts& role : result.roles) {
@@ -214,18 +264,21 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
         parallel_for(static_cast<int>(paths.size()), threads, [&](int p) {
             const LoadPath& path = *paths[static_cast<std::size_t>(p)];
             const PathRecord& record = path.records.back();
-            const double arc = outline.arc_of(path.contact_m);
-            const ForceTable::Entry tabled = table.at(arc, path.direction, record.magnitude_m);
+            const double arc = solid ? std::nan("") : outline->arc_of(path.contact_m);
+            const ForceTable::Entry tabled = solid ? solid_table->at(path.contact_m, path.direction, record.magnitude_m)
+                                                   : table->at(arc, path.direction, record.magnitude_m);
             const ContactTruth truth = truth_of(model.mesh, path, record);
             DrawnContact& contact = role.contacts[static_cast<std::size_t>(p)];
-            contact = {path.name, arc, outline.angle(arc, path.direction) / degree, record.magnitude_m,
+            const double angle = solid ? std::acos(std::clamp(surface.nearest(path.contact_m).inward.dot(path.direction), -1.0, 1.0))
+                                       : outline->angle(arc, path.direction);
+            contact = {path.name, path.contact_m, path.direction, arc, angle / degree, record.magnitude_m,
                        record.contact_force_N, tabled.extrapolated, {}};
             const auto add = [&](const ContactAnswer& answer) {
-                contact.error.push_back(error_of(answer, truth, model.mesh));
+                contact.error.push_back(error_of(answer, truth, model.mesh, seen));
             };
             add(learned(path, record));
             add({tabled.force_N});
-            for (std::size_t l = 1; l < laws.size(); ++l) add(answer_of(laws[l].second->at(arc, truth.push_m)));
+            for (std::size_t l = 1; l < laws.size(); ++l) add(answer_of(laws[l].second->at(path.contact_m, truth.push_m)));
             for (const Baseline& b : baselines) add(answer_of(b.setting->mesh, *b.setting->law, b.theta, truth));
             if (cases.measurement && path.again_N) add({*path.again_N});
             if (cases.measurement && !path.again_N) add({});  // measured once
@@ -243,9 +296,15 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
             curve.fe_N.push_back(record.contact_force_N.dot(path.direction));
             const ContactAnswer answer = m > 0 ? learned(path, record) : ContactAnswer{};
             curve.learned_N.push_back(m > 0 ? answer.force_N ? answer.force_N->dot(path.direction) : std::nan("") : 0);
+            if (solid && with_baselines) {
+                const ContactAnswer uniform = m > 0 ? answer_of(laws.back().second->at(path.contact_m, path.push_m(record))) : ContactAnswer{};
+                curve.uniform_N.push_back(m > 0 ? uniform.force_N ? uniform.force_N->dot(path.direction) : std::nan("") : 0);
+                continue;
+            }
             curve.uniform_N.push_back(
-                m > 0 ? pushed_force(settings[0].mesh, *law, uniform_stiffness(model.mesh, settings[0].uniform_N_m), path, m)
-                      : 0);
+                solid   ? std::nan("")
+                : m > 0 ? pushed_force(settings[0].mesh, *law, uniform_stiffness(model.mesh, settings[0].uniform_N_m), path, m)
+                        : 0);
         }
         result.curves.push_back(std::move(curve));
     }

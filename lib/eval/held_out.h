@@ -14,8 +14,11 @@ namespace tissue {
 /// One drawn contact that no set was trained on, at its own depth.
 struct DrawnContact {
     std::string name;
-    double arc_m, angle_deg, depth_m;     ///< place along the surface, push off the inward normal, length of the push
-    Eigen::Vector2d fe_force_N;
+    Point contact_m, direction;           ///< at rest; unit vector of the push (D)
+    double arc_m;                         ///< in the plane: place along the surface
+    double angle_deg;                     ///< of the push off the inward normal; in space not signed
+    double depth_m;                       ///< length of the push
+    Point fe_force_N;
     bool extrapolated;                    ///< outside what the sets were trained on
     std::vector<ContactError> error;      ///< of each model, in closed loop
 };
@@ -71,6 +74,7 @@ struct HeldOut {
 ///   one_set            of sets: the single one that serves all training cases best
 ///   repeat             measured cases: what the same push's other repeats say: about what a perfect model would leave
 ///   heuristic_a, heuristic_b, uniform, on the model's mesh and law, and with a suffix on the others
+/// In space there are learned, force_table (eval/solid_force_table.h), untrained, heuristic_a_patch and uniform_patch.
 /// with_baselines = false leaves out heuristic and uniform ones.
 HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int threads, bool with_baselines = true);
 

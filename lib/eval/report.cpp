@@ -163,7 +163,7 @@ std::string law_markdown(const LawModel& law, const LawBook& book, bool measured
 }  // namespace
 
 std::string to_markdown(const Evaluation& e) {
-    const ModelErrors &learned = e.models.front(), &heuristic = e.model("heuristic_a");
+    const ModelErrors& learned = e.models.front();
     std::string out = fmt::format("# Study `{}`\n\n", e.study);
     if (const DrawnContacts* held_out = e.held_out.role("held_out")) {
         const ContactStatistics s = held_out->statistics(0);
@@ -178,6 +178,7 @@ std::string to_markdown(const Evaluation& e) {
                            summary(learned.closed_loop().force), summary(learned.closed_loop().shape), learned.closed_loop().force.n,
                            version);
     } else {
+        const ModelErrors& heuristic = e.model("heuristic_a");
         const double loss_ratio = heuristic.rel_loss().median / learned.rel_loss().median;
         const double force_ratio = heuristic.resolved_error().median / learned.resolved_error().median;
         out += fmt::format(
@@ -206,10 +207,11 @@ std::string to_markdown(const Evaluation& e) {
     if (e.open_loop())
         out += "*rel_loss*: L(theta) over the weighted FE force, every node where FE has it. *Resolved force*: along "
                "the push, at the loaded node. ";
-    out += fmt::format(
-        "*Closed loop*: the contact held where it was pushed, everything else at "
-        "equilibrium. uniform is {:.4g} N/m, chosen on {}.\n",
-        e.uniform_N_m, e.uniform_chosen_on == "closed_loop" ? "the closed-loop error" : "rel_loss");
+    out += "*Closed loop*: the contact held where it was pushed, everything else at equilibrium.";
+    if (!e.uniform_chosen_on.empty())
+        out += fmt::format(" uniform is {:.4g} N/m, chosen on {}.", e.uniform_N_m,
+                           e.uniform_chosen_on == "closed_loop" ? "the closed-loop error" : "rel_loss");
+    out += "\n";
     for (const ModelErrors& m : e.models) out += no_answer_markdown(m.name, m.closed_loop().reasons);
     if (!e.measurement) {
         out += fmt::format("\n## Shape at the trained contacts, in closed loop\n\n| model |{}\n|---|---|---|---|\n", shape_head);

@@ -14,19 +14,18 @@ namespace {
 /// The model's static answers: of a law, or of the sets' stiffness in use.
 class StaticAnswer {
    public:
-    explicit StaticAnswer(const TissueModel& tissue) : tissue_(tissue), spring_law_(make_spring_law(tissue.law)), outline_(tissue.mesh) {
+    explicit StaticAnswer(const TissueModel& tissue) : tissue_(tissue), spring_law_(make_spring_law(tissue.law)) {
         if (tissue.energy_law) law_.emplace(tissue);
     }
 
     Equilibrium at(const Eigen::Vector2d& contact_m, const Eigen::Vector2d& push_m, const Eigen::VectorXd& theta) const {
-        return law_ ? law_->at(outline_.arc_of(contact_m), push_m)
+        return law_ ? law_->at(contact_m, push_m)
                     : solve_equilibrium(tissue_.mesh, *spring_law_, theta, locate_on_surface(tissue_.mesh, contact_m), push_m);
     }
 
    private:
     const TissueModel& tissue_;
     std::unique_ptr<SpringLaw> spring_law_;
-    Outline outline_;
     std::optional<LawPress> law_;
 };
 

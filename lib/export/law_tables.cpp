@@ -62,7 +62,7 @@ std::vector<PressedCase> pressed_cases(const TissueModel& model, const std::stri
         if (!name.empty() && model.case_names[static_cast<std::size_t>(c)] != name) continue;
         const double arc_m = surface.arc_of(model.contact_m.row(c).transpose());
         const Eigen::Vector2d push_m = model.magnitude_m[c] * model.direction.row(c).transpose();
-        const Equilibrium state = press.at(arc_m, push_m);
+        const Equilibrium state = press.at(model.contact_m.row(c).transpose(), push_m);
         cases.push_back({c, arc_m, push_m, state, energy.force(model.energy_law->constants, state.displacement)});
     }
     if (cases.empty())

@@ -6,11 +6,12 @@
 
 namespace tissue {
 
-/// The pieces of tissue between the springs: a lattice's squares, a shape's triangles.
-/// Throws MismatchError when the triangles of a lattice do not pair up to its squares.
+/// The pieces of tissue between the springs: a lattice's squares, in space its boxes (C x 8, corners bit by bit: 1 along x,
+/// 2 along y, 4 along z), a shape's triangles. In the plane counter-clockwise.
+/// Throws MismatchError when the simplices of a lattice do not make up its cells.
 Cells mesh_cells(const SpringMesh& mesh);
 
-/// Area of each cell at rest [m^2] (C).
+/// Area of each cell at rest [m^2] (C). In the plane, as what follows.
 Eigen::VectorXd cell_areas(const SpringMesh& mesh, const Cells& cells);
 
 /// The cells around each node (N): lists of cells.

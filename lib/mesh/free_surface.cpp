@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "mesh/facet.h"
 
@@ -90,6 +91,13 @@ bool FreeSurface::faces(int node, const Point& inward) const {
     Point sum = Point::Zero(rest_.cols());
     for (Eigen::Index f : around_[static_cast<std::size_t>(node)]) sum += measure_[f] * inward_[static_cast<std::size_t>(f)];
     return sum.normalized().dot(inward) >= same_side;
+}
+
+std::vector<int> seen_nodes(const SpringMesh& mesh) {
+    if (mesh.is_solid()) return FreeSurface(mesh).nodes();
+    std::vector<int> all(static_cast<std::size_t>(mesh.node_count()));
+    std::iota(all.begin(), all.end(), 0);
+    return all;
 }
 
 }  // namespace tissue

@@ -43,4 +43,7 @@ class FreeSurface {
     double spacing_m_;
 };
 
+/// Nodes whose displacement counts as the tissue's shape: in the plane all, in space those of the free surface.
+std::vector<int> seen_nodes(const SpringMesh& mesh);
+
 }  // namespace tissue

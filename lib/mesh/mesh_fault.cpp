@@ -1,7 +1,10 @@
 #include "mesh/mesh_fault.h"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <set>
 #include <utility>
 
@@ -16,6 +19,38 @@ using Edge = std::pair<int, int>;
 double cross(const NodeField& nodes, int a, int b, int c) {
     const Eigen::RowVector2d u = nodes.row(b) - nodes.row(a), v = nodes.row(c) - nodes.row(a);
     return u.x() * v.y() - u.y() * v.x();
+}
+
+/// The three nodes of a face, turned so that the smallest stands first: its orientation stays.
+std::array<int, 3> turned(std::array<int, 3> face) {
+    std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+    return face;
+}
+
+std::optional<MeshFault> solid_fault(const SpringMesh& mesh) {
+    std::set<std::array<int, 3>> outer;
+    for (Eigen::Index t = 0; t < mesh.simplices.rows(); ++t) {
+        const auto at = [&](int k) { return Eigen::Vector3d(mesh.nodes.row(mesh.simplices(t, k))); };
+        if (!((at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0)) > 0))
+            return MeshFault{"tetrahedra", fmt::format("tetrahedron {} is inside out or has no volume", t)};
+        for (const auto& [i, j, k] : {std::array<int, 3>{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}) {
+            const int a = mesh.simplices(t, i), b = mesh.simplices(t, j), c = mesh.simplices(t, k);
+            if (outer.erase(turned({a, c, b})) == 0 && !outer.insert(turned({a, b, c})).second)
+                return MeshFault{"tetrahedra", fmt::format("tetrahedron {} lies over another", t)};
+        }
+    }
+    bool held = false, free = false;
+    std::set<std::array<int, 3>> facets;
+    for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
+        facets.insert(turned({mesh.facets(f, 0), mesh.facets(f, 1), mesh.facets(f, 2)}));
+        int fixed = 0;
+        for (int node : mesh.facets.row(f)) fixed += std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), node);
+        held |= fixed == 3;
+        free |= fixed == 0;
+    }
+    if (facets != outer) return MeshFault{"facets", "are not the surface of the tetrahedra"};
+    if (!held || !free) return MeshFault{"fixed", held ? "leaves no facet free" : "holds no facet"};
+    return std::nullopt;
 }
 
 }  // namespace
@@ -33,6 +68,7 @@ std::optional<MeshFault> triangle_fault(const NodeField& nodes, const Cells& tri
 }
 
 std::optional<MeshFault> mesh_fault(const SpringMesh& mesh) {
+    if (mesh.is_solid()) return solid_fault(mesh);
     if (const auto fault = triangle_fault(mesh.nodes, mesh.simplices)) return fault;
     const std::vector<int> loop = mesh.loop();
     const std::size_t M = loop.size();

@@ -94,11 +94,13 @@ Eigen::Vector4d PatchLaw::factors_at(const ContactPatch& patch) noexcept {
 }
 
 PatchStiffness PatchLaw::at(const ContactPatch& patch) const noexcept {
-    const Eigen::Vector4d log_k = log_N_m * factors_at(patch);
+    const Eigen::Vector4d log_k = log_N_m.topRows<4>() * factors_at(patch);
     return {std::exp(log_k[0]), std::exp(log_k[1]), std::exp(log_k[2]), std::exp(log_k[3])};
 }
 
-PatchSpring::PatchSpring(const ContactPatch& where, const PatchStiffness& k) noexcept : patch(where) {
+Eigen::VectorXd PatchLaw::values_at(const Eigen::Vector4d& at) const { return (log_N_m * at).array().exp(); }
+
+PatchSpring::PatchSpring(const ContactPatch& where, const PatchStiffness& k) noexcept : patch(where), stiffness(k) {
     const Eigen::Matrix2d nn = patch.normal * patch.normal.transpose(), tt = patch.tangent * patch.tangent.transpose();
     gap_N_m = k.normal * nn + k.tangent * tt;
     turn_N_m = k.rotation * nn + k.stretch * tt;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "mesh/outline.h"
+#include "springs/contact_kernel.h"
 
 namespace tissue {
 
@@ -22,10 +23,14 @@ struct ContactPatch {
 
 /// The free surface as that spline, X(p) = sum_i w_i(p) X_i. A contact at arc length s is where sum_i w_i s_i = s, s_i the
 /// nodes' arc lengths: weights reproduce the arc whatever the spacing of the nodes. Two dimensions.
-class ContactSurface {
+class ContactSurface final : public ContactKernel {
    public:
     /// Throws MismatchError as Outline does.
     explicit ContactSurface(const SpringMesh& mesh);
+
+    ContactRows rows_at(const Point& contact_m) const override;  ///< at the surface's point nearest to that
+    std::vector<std::pair<int, int>> coupled() const override;   ///< four nodes that follow each other
+    double spacing_m() const override { return outline_.length() / static_cast<double>(outline_.nodes().size() - 1); }
 
     const Outline& outline() const { return outline_; }
 
@@ -50,14 +55,20 @@ struct PatchStiffness {
     double rotation, stretch;  ///< of sum slope u, along normal and tangent: the surface under the patch keeps its line
 };
 
-/// How those four depend on the contact's place: log k_m = sum_f log_N_m(m, f) factor_f, with factors
+/// How those depend on the contact's place: log k_m = sum_f log_N_m(m, f) factor_f, with factors
 ///   1, phase = cos(2 pi place): 1 at a node, -1 half way between two, corner, edge.
+/// In space, of a disc (springs/disc_contact.h): phase 1 at a node, 0 in the middle of an edge, -1 in that of a square;
+/// corner 0, since a disc lies on no crease; a fifth row is the hardening [log(1/J)].
 struct PatchLaw {
-    static constexpr int factors = 4;
-    Eigen::Matrix4d log_N_m = Eigen::Matrix4d::Zero();  ///< normal, tangent, rotation, stretch x factors
+    static constexpr int factors = 4, hardening_row = 4;
+    /// K x factors: normal, tangent, rotation, stretch; of a disc normal, tangent, imprint_normal, imprint_tangent, hardening
+    Eigen::Matrix<double, Eigen::Dynamic, 4> log_N_m = Eigen::Matrix<double, Eigen::Dynamic, 4>::Zero(4, 4);
+
+    bool hardens() const { return log_N_m.rows() > hardening_row; }
+    Eigen::VectorXd values_at(const Eigen::Vector4d& factors) const;  ///< of every row [N/m], the last [1/J] (K)
 
     static Eigen::Vector4d factors_at(const ContactPatch& patch) noexcept;
-    PatchStiffness at(const ContactPatch& patch) const noexcept;  ///< No allocation.
+    PatchStiffness at(const ContactPatch& patch) const noexcept;  ///< In the plane. No allocation.
 };
 
 /// One contact's energy, for training, evaluation, page and tick:
@@ -65,6 +76,7 @@ struct PatchLaw {
 ///   E = (k_n (n.gap)^2 + k_t (t.gap)^2 + k_r (n.turn)^2 + k_s (t.turn)^2) / 2
 struct PatchSpring {
     ContactPatch patch;
+    PatchStiffness stiffness;
     Eigen::Matrix2d gap_N_m, turn_N_m;  ///< k_n n n' + k_t t t', k_r n n' + k_s t t'
 
     PatchSpring(const ContactPatch& where, const PatchStiffness& k) noexcept;

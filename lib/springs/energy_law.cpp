@@ -15,7 +15,8 @@
 namespace tissue {
 namespace {
 
-constexpr std::array<const char*, 4> patch_rows = {"normal", "tangent", "rotation", "stretch"};
+const std::vector<std::string> patch_rows = {"normal", "tangent", "rotation", "stretch"};
+const std::vector<std::string> disc_rows = {"normal", "tangent", "imprint_normal", "imprint_tangent", "hardening"};
 constexpr std::array<const char*, 4> patch_factors = {"", "phase", "corner", "edge"};
 
 std::vector<std::string> split(const std::string& text) {
@@ -30,14 +31,15 @@ std::vector<std::string> split(const std::string& text) {
 }
 
 /// Row and factor of a contact's term.
-std::pair<int, int> patch_term(const std::string& term, const std::vector<std::string>& parts) {
-    const auto row = std::find(patch_rows.begin(), patch_rows.end(), parts.size() > 1 ? parts[1] : "");
+std::pair<int, int> patch_term(const std::string& term, const std::vector<std::string>& parts, bool solid) {
+    const std::vector<std::string>& rows = solid ? disc_rows : patch_rows;
+    const auto row = std::find(rows.begin(), rows.end(), parts.size() > 1 ? parts[1] : "");
     const auto factor = parts.size() == 2 ? patch_factors.begin()
                                           : std::find(patch_factors.begin() + 1, patch_factors.end(), parts.size() == 3 ? parts[2] : "");
-    if (row == patch_rows.end() || factor == patch_factors.end())
-        throw MismatchError(fmt::format("term '{}' is not known; allowed: contact. and one of {}, then nothing or one of .phase, .corner, .edge",
-                                        term, fmt::join(patch_rows, ", ")));
-    return {static_cast<int>(row - patch_rows.begin()), static_cast<int>(factor - patch_factors.begin())};
+    if (row == rows.end() || factor == patch_factors.end() || (solid && *factor == std::string("corner")))
+        throw MismatchError(fmt::format("term '{}' is not known; allowed: contact. and one of {}, then nothing or one of .phase{}, .edge",
+                                        term, fmt::join(rows, ", "), solid ? "" : ", .corner"));
+    return {static_cast<int>(row - rows.begin()), static_cast<int>(factor - patch_factors.begin())};
 }
 
 /// E2 of the cells: of the squares of a lattice, or of what lies around the nodes of a shape.
@@ -90,6 +92,24 @@ LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triang
                     triangle_modulus_N_m.maxCoeff(), formulation, area_cap);
 }
 
+LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spring_modulus_Pa, const Eigen::VectorXd& cell_modulus_Pa,
+                             double volume_cap, double radius_m) {
+    if (!mesh.is_solid()) throw MismatchError("a solid's heuristic needs a mesh in space");
+    if (!(volume_cap > 1.0 / 3)) throw MismatchError(fmt::format("a volume cap of {} E is not above E / 3", volume_cap));
+    LawHeuristic h;
+    h.cap = volume_cap * cell_modulus_Pa;
+    h.constants.resize(mesh.spring_count() + h.cap.size());
+    const Eigen::VectorXd unit = heuristic_stiffness(mesh, 1.0);
+    h.constants.head(mesh.spring_count()) =
+        5 * mesh.node_measure.sum() / mesh.incident_measure.sum() * unit.cwiseProduct(spring_modulus_Pa);
+    h.constants.tail(h.cap.size()) = 0.95 * h.cap;
+    const double E = cell_modulus_Pa.mean(), stiffness = std::log(4 * E * radius_m);
+    h.patch.log_N_m.setZero(5, 4);
+    h.patch.log_N_m.col(0) << stiffness, stiffness, stiffness - std::log(10), stiffness - std::log(10),
+        std::log(0.2 / (E * radius_m * radius_m * radius_m));
+    return h;
+}
+
 EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, const std::vector<std::string>& terms)
     : terms_(terms), heuristic_(heuristic), springs_(mesh.spring_count()), value_(Eigen::MatrixXd::Zero(heuristic.constants.size(), static_cast<Eigen::Index>(terms.size()))) {
     const RestPlaces places(mesh);
@@ -108,7 +128,7 @@ EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, cons
         const auto column = static_cast<Eigen::Index>(t);
         on_patch_.emplace_back(-1, -1);
         if (parts[0] == "contact") {
-            on_patch_.back() = patch_term(terms[t], parts);
+            on_patch_.back() = patch_term(terms[t], parts, mesh.is_solid());
             continue;
         }
         if ((parts[0] != "spring" && parts[0] != "cell") || parts.size() < 2)
@@ -151,11 +171,9 @@ PatchLaw EnergyLaw::patch(const Eigen::VectorXd& p) const {
     return law;
 }
 
-Eigen::MatrixXd EnergyLaw::stiffness_by(const Eigen::VectorXd& p, const ContactPatch& at) const {
-    const PatchStiffness k = patch(p).at(at);
-    const double stiffness[4] = {k.normal, k.tangent, k.rotation, k.stretch};
-    const Eigen::Vector4d factors = PatchLaw::factors_at(at);
-    Eigen::MatrixXd by = Eigen::MatrixXd::Zero(4, size());
+Eigen::MatrixXd EnergyLaw::stiffness_by(const Eigen::VectorXd& p, const Eigen::Vector4d& factors) const {
+    const Eigen::VectorXd stiffness = patch(p).values_at(factors);
+    Eigen::MatrixXd by = Eigen::MatrixXd::Zero(stiffness.size(), size());
     for (std::size_t t = 0; t < on_patch_.size(); ++t)
         if (on_patch_[t].first >= 0)
             by(on_patch_[t].first, static_cast<Eigen::Index>(t)) = stiffness[on_patch_[t].first] * factors[on_patch_[t].second];

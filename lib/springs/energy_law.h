@@ -18,10 +18,14 @@ namespace tissue {
 ///   plane stress  lambda = E2 nu / (1 - nu^2) = 2/3 E2 at nu = 1/2: A = E2 / 3, a modulus
 ///   plane strain  lambda is infinite: A is as large as the time step bears. The cap is that choice, not a modulus:
 ///                 at 12 E2 the fastest mode of a 10 mm lattice stays below 1.9e3 rad/s, under the 2 / dt of 1 ms
+/// In space E takes the place of E2, and springs store E V_e (n.strain n)^2 / 2, of which the mean over directions is (tr^2 + 2
+/// strain:strain) / 15: lambda = mu = E / 15 sum V_e / V, with all diagonals 2/5 E, so springs are 5/6 of Van Gelder's for mu =
+/// E / 3. Cells have A up to the cap, as in plane strain; there are no regions.
 /// Contact: between a rigid patch of half width b and the spline on nodes h apart lies the compliance
 /// 3 / (2 pi E2) ln(r_spline / (b / 2)), r_spline = 0.43 h, of a half plane's logarithmic dent (Johnson, Contact
 /// Mechanics, 2.3: both kernels' mean logarithm): 1 / (4 E2) for b = h / 2, the start for normal and tangent; a tenth
-/// of it for the rows that keep the patch in line.
+/// of it for the rows that keep the patch in line. Of a disc of radius R: 4 E R, about twice
+/// what the half space itself resists with, 16/9 E R (Hertz); the imprint's rows a tenth; it hardens by 0.2 / (E R^3).
 struct LawHeuristic {
     bool incompressible = false; ///< plane strain: regions keep their area too (TissueEnergy), with the cells' mean A
     Eigen::VectorXd constants;   ///< of a TissueEnergy [N/m] (E)
@@ -33,6 +37,10 @@ struct LawHeuristic {
 /// Throws MismatchError for another formulation, or a cap that is not above E2 / 3.
 /// Cells of a shape, which lie over each other in threes, have a third each.
 LawHeuristic law_heuristic(const SpringMesh& mesh, double modulus_N_m, const std::string& formulation, double area_cap);
+
+/// In space: by spring (S) and by cell (C) moduli E [Pa], volume_cap of cells over E, radius of the disc that presses [m].
+LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spring_modulus_Pa, const Eigen::VectorXd& cell_modulus_Pa,
+                             double volume_cap, double radius_m);
 
 /// Where E2 differs from triangle to triangle (T) [N/m], on a shape; a contact has the largest of them.
 LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triangle_modulus_N_m,
@@ -50,7 +58,10 @@ LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triang
 ///   spring alone    along across    squared cosine to the nearest free surface, and to its normal
 ///                   upright         squared cosine to the normal of the nearest held edge
 ///                   horizontal vertical diagonal   1 for these springs of a lattice
+///   in space        top bottom wall   exp(-distance / spacing) from the highest and the lowest place, from the sides
+///                   z z2 z3 z4, and of x and y the even powers; spring alone horizontal vertical face body
 ///   contact.normal contact.tangent contact.rotation contact.stretch, alone or with one of: phase corner edge (PatchLaw)
+///   of a disc normal tangent imprint_normal imprint_tangent hardening, with one of: phase edge
 class EnergyLaw {
    public:
     /// Throws MismatchError for a term that is not known, does not fit the mesh, is zero everywhere or stands twice.
@@ -64,7 +75,8 @@ class EnergyLaw {
     Eigen::VectorXd constants(const Eigen::VectorXd& p) const;     ///< [N/m] (E)
     Eigen::MatrixXd constants_by(const Eigen::VectorXd& p) const;  ///< their derivative (E x P)
     PatchLaw patch(const Eigen::VectorXd& p) const;
-    Eigen::MatrixXd stiffness_by(const Eigen::VectorXd& p, const ContactPatch& at) const;  ///< of PatchStiffness (4 x P)
+    /// Derivative of PatchLaw::values_at a place of these factors (K x P).
+    Eigen::MatrixXd stiffness_by(const Eigen::VectorXd& p, const Eigen::Vector4d& factors) const;
 
    private:
     std::vector<std::string> terms_;

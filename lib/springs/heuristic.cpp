@@ -40,7 +40,7 @@ Eigen::VectorXd uniform_stiffness(const SpringMesh& mesh, double stiffness_N_m) 
     Eigen::VectorXd theta(mesh.spring_count());
     for (int s = 0; s < mesh.spring_count(); ++s) {
         const Eigen::RowVectorXd along = mesh.nodes.row(mesh.springs(s, 0)) - mesh.nodes.row(mesh.springs(s, 1));
-        const bool diagonal = lattice && along.cwiseAbs().minCoeff() > 1e-9 * along.norm();
+        const bool diagonal = lattice && (along.array().abs() > 1e-9 * along.norm()).count() > 1;
         theta[s] = diagonal ? stiffness_N_m / 2 : stiffness_N_m;
     }
     return theta;

@@ -1,6 +1,7 @@
 #include "springs/law_press.h"
 
 #include "error.h"
+#include "springs/law_kernel.h"
 
 namespace tissue {
 namespace {
@@ -22,7 +23,7 @@ EquilibriumStatus status_of(PressStatus status) {
 }  // namespace
 
 LawPress::LawPress(const SpringMesh& mesh, LawModel law)
-    : law_(std::move(law)), energy_(mesh, law_.incompressible), surface_(mesh) {}
+    : law_(std::move(law)), energy_(mesh, law_.incompressible), kernel_(make_contact_kernel(mesh, law_.disc_radius_m)) {}
 
 std::unique_ptr<PressSolver> LawPress::take() const {
     {
@@ -33,19 +34,18 @@ std::unique_ptr<PressSolver> LawPress::take() const {
             return solver;
         }
     }
-    return std::make_unique<PressSolver>(energy_, surface_);
+    return std::make_unique<PressSolver>(energy_, *kernel_);
 }
 
-Equilibrium LawPress::at(double arc_m, const Eigen::Vector2d& push_m) const {
-    const ContactPatch patch = surface_.at(arc_m);
+Equilibrium LawPress::at(const Point& contact_m, const Point& push_m) const {
     std::unique_ptr<PressSolver> solver = take();
     try {
-        PressState state = solver->press(law_.constants, {patch, law_.patch.at(patch)}, push_m);
+        PressState state = solver->press(law_.constants, ContactSpring(kernel_->rows_at(contact_m), law_.patch), push_m);
         const std::lock_guard<std::mutex> lock(guard_);
         idle_.push_back(std::move(solver));
         return {std::move(state.displacement), state.contact_force_N, status_of(state.status)};
     } catch (const MismatchError&) {  // nothing to push there
-        return {NodeField::Zero(energy_.node_count(), 2), Eigen::VectorXd::Zero(2), EquilibriumStatus::contact_fixed};
+        return {NodeField::Zero(energy_.node_count(), energy_.dimension()), Eigen::VectorXd::Zero(energy_.dimension()), EquilibriumStatus::contact_fixed};
     }
 }
 

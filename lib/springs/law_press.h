@@ -19,17 +19,18 @@ class LawPress {
     /// The model must have a law.
     explicit LawPress(const TissueModel& model) : LawPress(model.mesh, *model.energy_law) {}
 
-    /// The contact at an arc length [m] held at a push, everything else at rest: force of the tool and displacement.
+    /// The contact at a place of the surface [m] (D), or that nearest to it, held at a push, everything else at rest: force of
+    /// the tool and displacement.
     /// `not_converged` where load steps lost the rest, `unstable` where it is no minimum, `inside_out` where it is none
     /// of a tissue, `contact_fixed` on the fixed edge.
-    Equilibrium at(double arc_m, const Eigen::Vector2d& push_m) const;
+    Equilibrium at(const Point& contact_m, const Point& push_m) const;
 
    private:
     std::unique_ptr<PressSolver> take() const;  ///< an idle solver, or a new one
 
     LawModel law_;
     TissueEnergy energy_;
-    ContactSurface surface_;
+    std::unique_ptr<ContactKernel> kernel_;
     mutable std::mutex guard_;
     mutable std::vector<std::unique_ptr<PressSolver>> idle_;
 };

@@ -21,11 +21,9 @@ const char* to_string(PressStatus status) {
     return "unknown";
 }
 
-PressSolver::PressSolver(const TissueEnergy& energy, const ContactSurface& surface, const PressOptions& options)
-    : energy_(energy), options_(options) {
+PressSolver::PressSolver(const TissueEnergy& energy, const ContactKernel& kernel, const PressOptions& options)
+    : energy_(energy), options_(options), spacing_m_(kernel.spacing_m()) {
     const int D = energy.dimension();
-    const std::vector<int>& line = surface.outline().nodes();
-    spacing_m_ = surface.outline().length() / static_cast<double>(line.size() - 1);
 
     number_.assign(static_cast<std::size_t>(D * energy.node_count()), 0);
     for (int node : energy.fixed())
@@ -33,7 +31,15 @@ PressSolver::PressSolver(const TissueEnergy& energy, const ContactSurface& surfa
     for (int& n : number_)
         if (n >= 0) n = free_++;
 
-    // nodes that an element, or a contact anywhere on the surface, couples
+    const std::vector<std::pair<int, int>> coupled = kernel.coupled();
+    every_contact_ = !coupled.empty();
+    if (every_contact_) lay_out(coupled);
+}
+
+/// The pattern of H and its order of elimination: nodes that an element, or a contact, couples.
+void PressSolver::lay_out(const std::vector<std::pair<int, int>>& coupled) {
+    const TissueEnergy& energy = energy_;
+    const int D = energy.dimension();
     std::vector<Eigen::Triplet<double>> pattern;
     const auto couple = [&](int node, int other) {
         for (int a = 0; a < D; ++a)
@@ -46,16 +52,16 @@ PressSolver::PressSolver(const TissueEnergy& energy, const ContactSurface& surfa
         for (int e = 0; e < kind->count(); ++e)
             for (Eigen::Index a = 0; a < kind->nodes().cols(); ++a)
                 for (Eigen::Index b = 0; b < kind->nodes().cols(); ++b) couple(kind->nodes()(e, a), kind->nodes()(e, b));
-    for (std::size_t i = 0; i < line.size(); ++i)
-        for (std::size_t j = i; j < std::min(i + ContactPatch::size, line.size()); ++j) {
-            couple(line[i], line[j]);
-            couple(line[j], line[i]);
-        }
+    for (const auto& [i, j] : coupled) {
+        couple(i, j);
+        couple(j, i);
+    }
     H_.resize(free_, free_);
     H_.setFromTriplets(pattern.begin(), pattern.end());
     H_.makeCompressed();
     factor_.analyzePattern(H_);
 
+    slots_.clear();
     for (const auto& kind : energy.kinds()) {
         std::vector<int>& slots = slots_.emplace_back();
         const Eigen::Index n = D * kind->nodes().cols();
@@ -71,6 +77,16 @@ PressSolver::PressSolver(const TissueEnergy& energy, const ContactSurface& surfa
     }
 }
 
+void PressSolver::make_room_for(const ContactSpring& contact) {
+    if (every_contact_ || room_for_ == contact.rows.nodes) return;
+    std::vector<std::pair<int, int>> coupled;
+    for (int i : contact.rows.nodes)
+        for (int j : contact.rows.nodes)
+            if (i <= j) coupled.emplace_back(i, j);
+    lay_out(coupled);
+    room_for_ = contact.rows.nodes;
+}
+
 double* PressSolver::entry(int row, int column) {
     const int* begin = H_.innerIndexPtr() + H_.outerIndexPtr()[column];
     const int* end = H_.innerIndexPtr() + H_.outerIndexPtr()[column + 1];
@@ -79,21 +95,22 @@ double* PressSolver::entry(int row, int column) {
 
 /// max |g| over |F|, and g (free). At no push there is no force either: what a push of
 /// 1e-4 of the nodes' spacing takes, then.
-double PressSolver::out_of_balance(const Eigen::VectorXd& constants, const PatchSpring& contact,
-                                   const Eigen::Vector2d& push_m, const NodeField& u, Eigen::VectorXd& g) const {
+double PressSolver::out_of_balance(const Eigen::VectorXd& constants, const ContactSpring& contact,
+                                   const Point& push_m, const NodeField& u, Eigen::VectorXd& g) const {
     NodeField f = energy_.force(constants, u);
-    Eigen::Vector2d at[ContactPatch::size];
-    gather(contact.patch, u, at);
-    const PatchSpring::Load load = contact.load(push_m, at);
-    for (int i = 0; i < ContactPatch::size; ++i) f.row(contact.patch.node[i]) += load.node_N[i].transpose();
+    const Eigen::Index D = u.cols();
+    const ContactSpring::Load load = contact.load(push_m, contact.gather(u));
+    for (std::size_t i = 0; i < contact.rows.nodes.size(); ++i)
+        f.row(contact.rows.nodes[i]) += load.node_N.segment(D * static_cast<Eigen::Index>(i), D).transpose();
     g.resize(free_);
     for (std::size_t i = 0; i < number_.size(); ++i)
         if (number_[i] >= 0) g[number_[i]] = f.data()[i];
-    return g.lpNorm<Eigen::Infinity>() / (load.hand_N.norm() + 1e-4 * spacing_m_ * contact.gap_N_m.norm());
+    return g.lpNorm<Eigen::Infinity>() / (load.hand_N.norm() + 1e-4 * spacing_m_ * contact.push_N_m());
 }
 
 /// False when H has a pivot of zero.
-bool PressSolver::factorise(const Eigen::VectorXd& constants, const PatchSpring& contact, const NodeField& u) {
+bool PressSolver::factorise(const Eigen::VectorXd& constants, const ContactSpring& contact, const Point& push_m,
+                            const NodeField& u) {
     const int D = energy_.dimension();
     std::fill(H_.valuePtr(), H_.valuePtr() + H_.nonZeros(), 0.0);
     ElementMatrix unit;
@@ -108,22 +125,19 @@ bool PressSolver::factorise(const Eigen::VectorXd& constants, const PatchSpring&
                     if (*slot >= 0) H_.valuePtr()[*slot] += constant * unit(a, b);
         }
     }
-    for (int i = 0; i < ContactPatch::size; ++i)
-        for (int j = 0; j < ContactPatch::size; ++j) {
-            const Eigen::Matrix2d block = contact.tangent(i, j);
-            for (int a = 0; a < D; ++a)
-                for (int b = 0; b < D; ++b) {
-                    const int row = number_[static_cast<std::size_t>(D * contact.patch.node[i] + a)],
-                              column = number_[static_cast<std::size_t>(D * contact.patch.node[j] + b)];
-                    if (column >= 0 && row >= column) *entry(row, column) += block(a, b);
-                }
-        }
+    const Eigen::MatrixXd block = contact.tangent(push_m, contact.gather(u));
+    const auto dof = [&](Eigen::Index k) {
+        return number_[static_cast<std::size_t>(contact.rows.nodes[static_cast<std::size_t>(k / D)] * D + k % D)];
+    };
+    for (Eigen::Index a = 0; a < block.rows(); ++a)
+        for (Eigen::Index b = 0; b < block.cols(); ++b)
+            if (dof(b) >= 0 && dof(a) >= dof(b)) *entry(dof(a), dof(b)) += block(a, b);
     factor_.factorize(H_);
     return factor_.info() == Eigen::Success;
 }
 
 /// Newton at one push. Leaves u where it was when it does not get there.
-bool PressSolver::balance(const Eigen::VectorXd& constants, const PatchSpring& contact, const Eigen::Vector2d& push_m,
+bool PressSolver::balance(const Eigen::VectorXd& constants, const ContactSpring& contact, const Point& push_m,
                           NodeField& u, int& iterations) {
     NodeField trial = u;
     Eigen::VectorXd g;
@@ -133,7 +147,7 @@ bool PressSolver::balance(const Eigen::VectorXd& constants, const PatchSpring& c
             u = trial;
             return true;
         }
-        if (!std::isfinite(off) || iteration == options_.max_newton || !factorise(constants, contact, trial)) return false;
+        if (!std::isfinite(off) || iteration == options_.max_newton || !factorise(constants, contact, push_m, trial)) return false;
         const Eigen::VectorXd step = factor_.solve(g);
         for (std::size_t i = 0; i < number_.size(); ++i)
             if (number_[i] >= 0) trial.data()[i] -= step[number_[i]];
@@ -142,17 +156,19 @@ bool PressSolver::balance(const Eigen::VectorXd& constants, const PatchSpring& c
     return false;
 }
 
-PressState PressSolver::press(const Eigen::VectorXd& constants, const PatchSpring& contact, const Eigen::Vector2d& push_m,
+PressState PressSolver::press(const Eigen::VectorXd& constants, const ContactSpring& contact, const Point& push_m,
                               const PressState* from) {
     const int D = energy_.dimension();
-    if (std::all_of(contact.patch.node, contact.patch.node + ContactPatch::size,
+    if (std::all_of(contact.rows.nodes.begin(), contact.rows.nodes.end(),
                     [&](int node) { return number_[static_cast<std::size_t>(D * node)] < 0; }))
         throw MismatchError("the contact lies on the fixed edge");
+    make_room_for(contact);
     PressState state;
     state.displacement = from ? from->displacement : NodeField::Zero(energy_.node_count(), D);
-    const Eigen::Vector2d start_m = from ? from->push_m : Eigen::Vector2d::Zero();
-    const Eigen::Vector2d way_m = push_m - start_m;
-    const double steps = std::max(1.0, std::ceil(way_m.norm() / (options_.load_step * spacing_m_) - 1e-9));
+    const Point start_m = from ? from->push_m : Point(Point::Zero(D));
+    const Point way_m = push_m - start_m;
+    const double longest_m = spacing_m_ * (D == 3 ? options_.solid_load_step : options_.load_step);
+    const double steps = std::max(1.0, std::ceil(way_m.norm() / longest_m - 1e-9));
     double done = 0, step = 1 / steps;
     while (done < 1) {
         const double next = done + step > 1 - 1e-9 ? 1 : done + step;
@@ -164,15 +180,13 @@ PressState PressSolver::press(const Eigen::VectorXd& constants, const PatchSprin
         }
     }
     state.push_m = start_m + done * way_m;
-    Eigen::Vector2d at[ContactPatch::size];
-    gather(contact.patch, state.displacement, at);
-    const PatchSpring::Load load = contact.load(state.push_m, at);
+    const ContactSpring::Load load = contact.load(state.push_m, contact.gather(state.displacement));
     state.contact_force_N = load.hand_N;
     state.energy_J = energy_.energy(constants, state.displacement) + load.energy_J;
-    const bool regular = factorise(constants, contact, state.displacement);
+    const bool regular = factorise(constants, contact, state.push_m, state.displacement);
     if (state.status == PressStatus::held && !(regular && factor_.vectorD().minCoeff() > 0))
         state.status = PressStatus::unstable;
-    else if (state.status == PressStatus::held && !(energy_.smallest_area_ratio(state.displacement) > 0))
+    else if (state.status == PressStatus::held && !(energy_.smallest_ratio(state.displacement) > 0))
         state.status = PressStatus::inside_out;
     u_ = state.displacement;
     push_m_ = state.push_m;
@@ -196,25 +210,23 @@ PressDerivative PressSolver::derivative(const Eigen::MatrixXd& constants_by, con
             }
         }
     }
-    const ContactPatch& patch = contact_->patch;
-    Eigen::Vector2d at[ContactPatch::size];
-    gather(patch, u_, at);
+    const std::vector<int>& nodes = contact_->rows.nodes;
+    const Eigen::VectorXd at = contact_->gather(u_);
     PressDerivative by{Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(number_.size()), P), Eigen::MatrixXd::Zero(D, P)};
-    const PatchStiffness one[4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
-    for (int m = 0; m < 4; ++m) {
-        const PatchSpring::Load load = PatchSpring(patch, one[m]).load(push_m_, at);
+    for (int m = 0; m < stiffness_by.rows(); ++m) {
+        const ContactSpring::Load load = contact_->by_law_row(m, push_m_, at);
         by.contact_force += load.hand_N * stiffness_by.row(m);
-        for (int i = 0; i < ContactPatch::size; ++i)
-            for (int a = 0; a < D; ++a) {
-                const int row = number_[static_cast<std::size_t>(D * patch.node[i] + a)];
-                if (row >= 0) g.row(row) += load.node_N[i][a] * stiffness_by.row(m);
-            }
+        for (Eigen::Index a = 0; a < load.node_N.size(); ++a) {
+            const int row = number_[static_cast<std::size_t>(D * nodes[static_cast<std::size_t>(a / D)] + a % D)];
+            if (row >= 0) g.row(row) += load.node_N[a] * stiffness_by.row(m);
+        }
     }
     const Eigen::MatrixXd du = -factor_.solve(Eigen::MatrixXd(g));
     for (std::size_t i = 0; i < number_.size(); ++i)
         if (number_[i] >= 0) by.displacement.row(static_cast<Eigen::Index>(i)) = du.row(number_[i]);
-    for (int i = 0; i < ContactPatch::size; ++i)
-        by.contact_force -= patch.weight[i] * contact_->gap_N_m * by.displacement.middleRows(D * patch.node[i], D);
+    const Eigen::MatrixXd hand_by = contact_->hand_by_nodes(push_m_, at);
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+        by.contact_force += hand_by.middleCols(D * static_cast<Eigen::Index>(i), D) * by.displacement.middleRows(D * nodes[i], D);
     return by;
 }
 

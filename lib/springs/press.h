@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "springs/contact_patch.h"
+#include "springs/contact_spring.h"
 #include "springs/tissue_energy.h"
 
 namespace tissue {
 
 /// How the search for a pressed tissue's rest ended. g: the energy's derivative by the free displacements,
-/// H: its second one, the contact's included; F: force of the tool; a: TissueEnergy::smallest_area_ratio.
+/// H: its second one, the contact's included; F: force of the tool; a: TissueEnergy::smallest_ratio.
 enum class PressStatus {
     held,        ///< max |g| <= tolerance |F|, every pivot of H > 0, and a > 0: a minimum of the energy
     unstable,    ///< max |g| <= tolerance |F|, a pivot <= 0: an equilibrium that the least touch upsets
@@ -23,6 +23,7 @@ const char* to_string(PressStatus status);
 
 struct PressOptions {
     double load_step = 0.25;       ///< longest load step over the mean spacing of the surface's nodes: 10 mm in four steps
+    double solid_load_step = 1;    ///< the same in space, where a disc spreads what it does
     double smallest_step = 1e-3;   ///< part of the push below which a load step is not halved again
     int max_newton = 15;           ///< a load step; measured: 3-5 are taken
     double tolerance = 1e-10;
@@ -32,8 +33,8 @@ struct PressOptions {
 struct PressState {
     PressStatus status = PressStatus::held;
     NodeField displacement;                                   ///< u [m] (N x D)
-    Eigen::Vector2d push_m = Eigen::Vector2d::Zero();         ///< d, as far as it was reached
-    Eigen::Vector2d contact_force_N = Eigen::Vector2d::Zero();///< of the tool on the tissue: dW/dd, what a hand feels
+    Point push_m;                                             ///< d, as far as it was reached (D)
+    Point contact_force_N;                                    ///< of the tool on the tissue: dW/dd, what a hand feels (D)
     double energy_J = 0;                                      ///< W, the contact's own included
     int newton = 0;                                           ///< iterations, all load steps together
 };
@@ -45,42 +46,47 @@ struct PressDerivative {
 };
 
 /// Finds the displacement that makes tissue and contact energy smallest, contact by contact: Newton with load steps,
-/// each from the equilibrium before, halved when lost; sparse LDL'. The pattern is made once. One object a thread.
+/// each from the equilibrium before, halved when lost; sparse LDL'. The pattern is made once where the kernel knows what its
+/// contacts couple, else once for every contact that follows another. One object a thread.
 class PressSolver {
    public:
     /// Both must outlive the solver.
-    PressSolver(const TissueEnergy& energy, const ContactSurface& surface, const PressOptions& options = {});
+    PressSolver(const TissueEnergy& energy, const ContactKernel& kernel, const PressOptions& options = {});
 
     /// From rest, or from another push of the same contact and constants. A lost push comes back as far as it was
     /// reached. Throws MismatchError when all nodes of the patch are held: there is nothing to push.
-    PressState press(const Eigen::VectorXd& constants, const PatchSpring& contact, const Eigen::Vector2d& push_m,
+    PressState press(const Eigen::VectorXd& constants, const ContactSpring& contact, const Point& push_m,
                      const PressState* from = nullptr);
 
     /// du/dp = -H^-1 dg/dp at the state that the last press() ended with, held there: constants_by (E x P) and
-    /// stiffness_by (4 x P: normal, tangent, rotation, stretch) say how the constants depend on p [N/m]. Implicit
+    /// stiffness_by (K x P: the rows of PatchLaw) say how the constants depend on p. Implicit
     /// function theorem; no tangent is solved for again.
     PressDerivative derivative(const Eigen::MatrixXd& constants_by, const Eigen::MatrixXd& stiffness_by) const;
 
    private:
-    bool balance(const Eigen::VectorXd& constants, const PatchSpring& contact, const Eigen::Vector2d& push_m, NodeField& u,
+    bool balance(const Eigen::VectorXd& constants, const ContactSpring& contact, const Point& push_m, NodeField& u,
                  int& iterations);
-    double out_of_balance(const Eigen::VectorXd& constants, const PatchSpring& contact, const Eigen::Vector2d& push_m,
+    double out_of_balance(const Eigen::VectorXd& constants, const ContactSpring& contact, const Point& push_m,
                           const NodeField& u, Eigen::VectorXd& g) const;
-    bool factorise(const Eigen::VectorXd& constants, const PatchSpring& contact, const NodeField& u);
+    bool factorise(const Eigen::VectorXd& constants, const ContactSpring& contact, const Point& push_m, const NodeField& u);
     double* entry(int row, int column);
+    void lay_out(const std::vector<std::pair<int, int>>& coupled);
+    void make_room_for(const ContactSpring& contact);
 
     const TissueEnergy& energy_;
     PressOptions options_;
-    double spacing_m_;                      ///< mean, of the surface's nodes
+    double spacing_m_;                      ///< of the surface's nodes
+    bool every_contact_;                    ///< the pattern has room for contacts anywhere
+    std::vector<int> room_for_;             ///< else: for those nodes together
     std::vector<int> number_;               ///< of each degree of freedom among the free ones, -1 held (N*D)
     int free_ = 0;
-    Eigen::SparseMatrix<double> H_;         ///< lower triangle; its pattern holds every contact of the surface
+    Eigen::SparseMatrix<double> H_;         ///< lower triangle; its pattern holds every contact, or the last
     std::vector<std::vector<int>> slots_;   ///< by kind: where each entry of each element's tangent goes, -1 nowhere
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
     // where the last press() ended
     NodeField u_;
-    Eigen::Vector2d push_m_ = Eigen::Vector2d::Zero();
-    std::optional<PatchSpring> contact_;
+    Point push_m_;
+    std::optional<ContactSpring> contact_;
 };
 
 }  // namespace tissue

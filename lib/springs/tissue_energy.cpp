@@ -10,9 +10,16 @@
 namespace tissue {
 
 TissueEnergy::TissueEnergy(const SpringMesh& mesh, bool incompressible)
-    : cells_(mesh), first_{0}, nodes_(mesh.node_count()), dimension_(mesh.dimension()), fixed_(mesh.fixed) {
+    : first_{0}, nodes_(mesh.node_count()), dimension_(mesh.dimension()), fixed_(mesh.fixed) {
     kinds_.push_back(std::make_unique<TurningSprings>(mesh));
-    const Cells& cells = cells_.nodes();
+    if (mesh.is_solid()) {
+        volumes_ = std::make_unique<CellVolumes>(mesh);
+        kinds_.push_back(std::make_unique<CellVolumes>(mesh));
+        for (const auto& kind : kinds_) first_.push_back(first_.back() + kind->count());
+        return;
+    }
+    areas_ = std::make_unique<CellAreas>(mesh);
+    const Cells& cells = areas_->nodes();
     if (!on_lattice(mesh)) {
         for (const std::vector<int>& star : node_stars(mesh, cells))
             kinds_.push_back(std::make_unique<RegionArea>(mesh, cells, star));
@@ -82,9 +89,10 @@ Eigen::SparseMatrix<double> TissueEnergy::unit_forces(const NodeField& u) const 
     return A;
 }
 
-double TissueEnergy::smallest_area_ratio(const NodeField& u) const {
+double TissueEnergy::smallest_ratio(const NodeField& u) const {
     double smallest = std::numeric_limits<double>::infinity();
-    for (int e = 0; e < cells_.count(); ++e) smallest = std::min(smallest, cells_.area_ratio(e, u));
+    for (int e = 0; areas_ && e < areas_->count(); ++e) smallest = std::min(smallest, areas_->area_ratio(e, u));
+    for (int e = 0; volumes_ && e < volumes_->count(); ++e) smallest = std::min(smallest, volumes_->volume_ratio(e, u));
     return smallest;
 }
 

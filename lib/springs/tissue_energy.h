@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "springs/cell_areas.h"
+#include "springs/cell_volumes.h"
 
 namespace tissue {
 
@@ -17,7 +18,9 @@ namespace tissue {
 /// area: Bonet and Burton 1998, Communications in Numerical Methods in Engineering 14: 437-449); three of them lie over
 /// each other everywhere.
 ///
-/// An incompressible tissue keeps its area as a whole and by quarters too, A of those regions the last constants (R): what
+/// In space cells are a lattice's boxes, each with its volume.
+///
+/// An incompressible tissue in the plane keeps its area as a whole and by quarters too, A of those regions the last constants (R): what
 /// the cells lose one by one, since a time step bounds how stiff they may be, adds up over the tissue, and it bulges too
 /// little. Regions pull softly at many nodes and cost the time step next to nothing: at the cells' own A 4 % of the fastest
 /// mode on the 10 mm lattice, where making the cells as stiff as that helps would cost 20 %.
@@ -39,12 +42,13 @@ class TissueEnergy {
     /// Derivative of force by the constants [m] (N*D x E): column e is element e's force per unit.
     Eigen::SparseMatrix<double> unit_forces(const NodeField& u) const;
 
-    /// Smallest area, of a lattice's square or a shape's triangle, over its area at rest: 0 or less, and it has turned
-    /// inside out, where what lies around a node may still have its area.
-    double smallest_area_ratio(const NodeField& u) const;
+    /// Smallest area, of a lattice's square or a shape's triangle, or volume of a cell in space, over that at rest: 0 or
+    /// less, and it has turned inside out, where what lies around a node may still have its area.
+    double smallest_ratio(const NodeField& u) const;
 
    private:
-    CellAreas cells_;
+    std::unique_ptr<CellAreas> areas_;       ///< in the plane
+    std::unique_ptr<CellVolumes> volumes_;   ///< in space
     std::vector<std::unique_ptr<Elements>> kinds_;
     std::vector<int> first_;
     int nodes_, dimension_;

@@ -13,25 +13,56 @@
 
 namespace tissue {
 
-const DatasetTable& tissue_table() {
-    static const DatasetTable table = {
+namespace {
+
+DatasetTable joined(DatasetTable table, const DatasetTable& more) {
+    table.insert(table.end(), more.begin(), more.end());
+    return table;
+}
+
+/// Where a mesh's own geometry stands, by dimension.
+struct MeshNames {
+    const char *simplices, *incident_measure, *node_measure;
+};
+const MeshNames& names_of(bool solid) {
+    static const MeshNames plane = {"/mesh/triangles", "/mesh/incident_area", "/mesh/node_area"},
+                           space = {"/mesh/tetrahedra", "/mesh/incident_volume", "/mesh/node_volume"};
+    return solid ? space : plane;
+}
+
+}  // namespace
+
+const DatasetTable& tissue_table(bool solid) {
+    static const DatasetTable all = {
         {"/mesh/nodes", "N x D", Values::place(), "m", "nodes at rest", Rows::distinct},
         {"/mesh/springs", "S x 2", Values::index("N"), "1", "node pair of each spring", Rows::distinct},
-        {"/mesh/triangles", "T x 3", Values::index("N"), "1", "triangulation for drawing", Rows::distinct},
-        {"/mesh/boundary", "M", Values::index("N"), "1", "nodes of the outline, counter-clockwise", Rows::distinct},
+    };
+    static const DatasetTable rest = {
         {"/mesh/fixed", "F", Values::index("N"), "1", "nodes held at rest", Rows::ascending},
-        {"/mesh/incident_area", "S", Values::positive(), "m2", "sum of area(T_e) in (7)"},
-        {"/mesh/node_area", "N", Values::positive(), "m2", "tissue area that a node carries, (8)"},
         {"/node_mass", "N", Values::positive(), "kg", "node masses, (8)"},
-        {"/heuristic_a", "S", Values::positive(), "N/m", "theta of (7), E2 = E t"},
-        {"/heuristic_b", "S", Values::positive(), "N/m", "theta of (7), E2 = (C1 + C2) t"},
         {"/cases/names", "C", Values::names(), "text", "load cases trained on"},
         {"/cases/contact", "C x D", Values::place(), "m", "contact at rest"},
         {"/cases/direction", "C x D", Values::finite(), "1", "unit vector of the push", Rows::unit},
         {"/cases/magnitude", "C", Values::positive(), "m", "how far the contact is pushed"},
         {"/cases/contact_force", "C x D", Values::finite(), "N", "FE force of the indenter on the tissue", Rows::any, true},
     };
-    return table;
+    static const DatasetTable plane = joined(joined(all, {
+        {"/mesh/triangles", "T x 3", Values::index("N"), "1", "triangulation for drawing", Rows::distinct},
+        {"/mesh/boundary", "M", Values::index("N"), "1", "nodes of the outline, counter-clockwise", Rows::distinct},
+        {"/mesh/incident_area", "S", Values::positive(), "m2", "sum of area(T_e) in (7)"},
+        {"/mesh/node_area", "N", Values::positive(), "m2", "tissue area that a node carries, (8)"},
+        {"/heuristic_a", "S", Values::positive(), "N/m", "theta of (7), E2 = E t"},
+        {"/heuristic_b", "S", Values::positive(), "N/m", "theta of (7), E2 = (C1 + C2) t"},
+    }), rest);
+    static const DatasetTable space = joined(joined(all, {
+        {"/mesh/tetrahedra", "T x 4", Values::index("N"), "1", "the tissue's division, of positive volume", Rows::distinct},
+        {"/mesh/facets", "B x 3", Values::index("N"), "1", "triangles of its surface, normals out", Rows::distinct},
+        {"/mesh/incident_volume", "S", Values::positive(), "m3", "(7)'s sum, of volumes (mesh/solid_lattice.h)"},
+        {"/mesh/node_volume", "N", Values::positive(), "m3", "tissue volume that a node carries, (8)"},
+        {"/heuristic_a", "S", Values::positive(), "N/m", "theta of (7), E in place of E2"},
+        {"/heuristic_b", "S", Values::positive(), "N/m", "theta of (7), C1 + C2 in place of E2"},
+    }), rest);
+    return solid ? space : plane;
 }
 
 const DatasetTable& sets_table() {
@@ -48,9 +79,10 @@ const DatasetTable& law_table() {
     static const DatasetTable table = {
         {"/law/terms", "P", Values::names(), "text", "terms of the rest mesh"},
         {"/law/coefficients", "P", Values::logarithm(), "1", "coefficient of each term"},
-        {"/law/constants", "E", Values::positive(), "N/m", "theta of the springs, then A of cells and regions"},
-        {"/law/patch_log", "4 x 4", Values::logarithm(), "log(N/m)",
-         "contact: normal, tangent, rotation, stretch by 1, phase, corner, edge"},
+        {"/law/constants", "E", Values::positive(), "N/m", "theta of the springs, then A of cells and regions, in space Pa"},
+        {"/law/patch_log", "K x 4", Values::logarithm(), "log(N/m)",
+         "contact: normal, tangent, rotation, stretch, of a disc normal, tangent, imprint_normal, imprint_tangent, hardening; "
+         "by 1, phase, corner, edge"},
     };
     return table;
 }
@@ -76,6 +108,7 @@ void write_law(Hdf5Writer& file, const LawModel& law) {
     out.write("/law/constants", law.constants);
     out.write("/law/patch_log", NodeField(law.patch.log_N_m));
     file.attribute("/law", "incompressible", law.incompressible ? 1.0 : 0.0);
+    if (law.patch.hardens()) file.attribute("/law", "disc_radius_m", law.disc_radius_m);
 }
 
 /// in: of the mesh, with its lengths.
@@ -93,7 +126,15 @@ LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
     law.terms = in.texts("/law/terms");
     law.coefficients = in.vector("/law/coefficients");
     law.constants = in.vector("/law/constants");
-    law.patch.log_N_m = in.field("/law/patch_log");
+    const NodeField patch = in.field("/law/patch_log");
+    const Eigen::Index rows = mesh.is_solid() ? PatchLaw::hardening_row + 1 : PatchLaw::hardening_row;
+    if (patch.rows() != rows) in.refuse("/law/patch_log", fmt::format("has {} rows, wanted {}", patch.rows(), rows));
+    law.patch.log_N_m = patch;
+    if (mesh.is_solid()) {
+        law.disc_radius_m = file.number_attribute("/law", "disc_radius_m");
+        if (!(law.disc_radius_m > 0 && law.disc_radius_m < 1e3))
+            in.refuse("/law", fmt::format("attribute 'disc_radius_m' is {}, must be a number > 0", law.disc_radius_m));
+    }
     const double incompressible = file.number_attribute("/law", "incompressible");
     if (incompressible != 0 && incompressible != 1)
         in.refuse("/law", fmt::format("attribute 'incompressible' is {}, must be 0 or 1", incompressible));
@@ -115,14 +156,20 @@ void write_tissue(Hdf5Writer& file, const TissueModel& model) {
     file.attribute("/", "law", model.law);
     file.attribute("/", "topology", model.mesh.topology);
     file.attribute("/", "modulus_N_m", model.modulus_N_m);
-    TableWriter out(file, tissue_table());
+    const bool solid = model.mesh.is_solid();
+    const MeshNames& names = names_of(solid);
+    if (solid) file.attribute("/", "dimension", 3.0);
+    TableWriter out(file, tissue_table(solid));
     out.write("/mesh/nodes", model.mesh.nodes);
     out.write_table("/mesh/springs", model.mesh.springs);
-    out.write_table("/mesh/triangles", model.mesh.simplices);
-    out.write_integers("/mesh/boundary", {static_cast<std::size_t>(model.mesh.facets.rows())}, model.mesh.loop());
+    out.write_table(names.simplices, model.mesh.simplices);
+    if (solid)
+        out.write_table("/mesh/facets", model.mesh.facets);
+    else
+        out.write_integers("/mesh/boundary", {static_cast<std::size_t>(model.mesh.facets.rows())}, model.mesh.loop());
     out.write_integers("/mesh/fixed", {model.mesh.fixed.size()}, model.mesh.fixed);
-    out.write("/mesh/incident_area", model.mesh.incident_measure);
-    out.write("/mesh/node_area", model.mesh.node_measure);
+    out.write(names.incident_measure, model.mesh.incident_measure);
+    out.write(names.node_measure, model.mesh.node_measure);
     out.write("/node_mass", model.node_mass_kg);
     out.write("/heuristic_a", model.heuristic_a);
     out.write("/heuristic_b", model.heuristic_b);
@@ -138,6 +185,7 @@ void write_tissue(Hdf5Writer& file, const TissueModel& model) {
 }
 
 int format_of(const TissueModel& model) {
+    if (model.mesh.is_solid()) return solid_format_version;
     return model.energy_law ? law_format_version : format_version;
 }
 
@@ -159,16 +207,18 @@ TissueModel read_model(const Hdf5Reader& file) {
     model.mesh.topology = file.text_attribute("/", "topology");
     if (!(model.modulus_N_m > 0) || !std::isfinite(model.modulus_N_m))
         file.refuse("/", fmt::format("attribute 'modulus_N_m' is {}, must be a finite number > 0", model.modulus_N_m));
-    TableReader in(file, tissue_table(), {{"D", 2}});
+    const bool solid = file.has("/mesh/tetrahedra");
+    const MeshNames& names = names_of(solid);
+    TableReader in(file, tissue_table(solid), {{"D", solid ? 3 : 2}});
     SpringMesh& mesh = model.mesh;
     mesh.nodes = in.field("/mesh/nodes");
     mesh.springs = in.table_of<2>("/mesh/springs");
-    mesh.simplices = in.table_of<3>("/mesh/triangles");
-    mesh.facets = loop_facets(in.integers("/mesh/boundary"));
+    mesh.simplices = in.field(names.simplices).cast<int>();
+    mesh.facets = solid ? Cells(in.field("/mesh/facets").cast<int>()) : loop_facets(in.integers("/mesh/boundary"));
     mesh.fixed = in.integers("/mesh/fixed");
     if (const auto fault = mesh_fault(mesh)) in.refuse("/mesh/" + fault->part, fault->why);
-    mesh.incident_measure = in.vector("/mesh/incident_area");
-    mesh.node_measure = in.vector("/mesh/node_area");
+    mesh.incident_measure = in.vector(names.incident_measure);
+    mesh.node_measure = in.vector(names.node_measure);
     model.node_mass_kg = in.vector("/node_mass");
     model.heuristic_a = in.vector("/heuristic_a");
     model.heuristic_b = in.vector("/heuristic_b");
@@ -187,7 +237,7 @@ TissueModel read_model(const Hdf5Reader& file) {
         in.refuse("/", fmt::format("attribute 'law': {}", e.what()));
     }
     for (Eigen::Index c = 0; c < model.contact_m.rows(); ++c) try {
-            locate_on_surface(mesh, model.contact_m.row(c));
+            check_on_surface(mesh, model.contact_m.row(c).transpose());
         } catch (const MismatchError& e) {
             in.refuse("/cases/contact", e.what());
         }

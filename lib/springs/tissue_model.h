@@ -23,6 +23,7 @@ struct LawModel {
     Eigen::VectorXd constants;             ///< what they make of the heuristic: of a TissueEnergy [N/m] (E)
     PatchLaw patch;                        ///< and of the contact
     bool incompressible = false;           ///< whether regions keep their area too (TissueEnergy)
+    double disc_radius_m = 0;              ///< in space: of the disc that presses
 };
 
 /// What plays: everything that the realtime core, the exports and the page need. What training wrote down beside it is
@@ -30,7 +31,7 @@ struct LawModel {
 struct TissueModel {
     std::string study, law;
     SpringMesh mesh;
-    double modulus_N_m;                    ///< E2 = E t
+    double modulus_N_m;                    ///< E2 = E t; in space E [Pa], t = 1 being no length
     Eigen::VectorXd node_mass_kg;          ///< (8) (N)
     Eigen::VectorXd heuristic_a, heuristic_b;  ///< theta of (7) with E2 = E t and (C1 + C2) t [N/m] (S)
 

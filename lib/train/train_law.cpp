@@ -10,22 +10,40 @@
 
 #include "error.h"
 #include "parallel.h"
+#include "springs/law_kernel.h"
 
 namespace tissue {
 namespace {
 
-int rows_of(const PressPath::Record& record) { return 2 + static_cast<int>(record.displacement.size()); }
+/// What of the shape counts: D numbers of every node that is seen.
+Eigen::Index shape_rows(const PressPath::Record& record, const LawTrainingOptions& options) {
+    const bool all = options.seen.empty() || record.displacement.size() == 0;
+    return all ? record.displacement.size() : static_cast<Eigen::Index>(options.seen.size()) * record.push_m.size();
+}
+
+int rows_of(const PressPath::Record& record, const LawTrainingOptions& options) {
+    return static_cast<int>(record.push_m.size() + shape_rows(record, options));
+}
+
+/// Rows of a (N*D x .) matrix that belong to nodes that are seen.
+template <class Matrix>
+Eigen::MatrixXd seen_rows(const Matrix& all, const LawTrainingOptions& options, Eigen::Index D) {
+    if (options.seen.empty()) return all;
+    Eigen::MatrixXd rows(D * static_cast<Eigen::Index>(options.seen.size()), all.cols());
+    for (std::size_t i = 0; i < options.seen.size(); ++i)
+        rows.middleRows(D * static_cast<Eigen::Index>(i), D) = all.middleRows(D * options.seen[i], D);
+    return rows;
+}
 
 }  // namespace
 
-std::vector<PressPath> press_paths(const Cases& cases, const SpringMesh& mesh) {
-    const Outline outline(mesh);
+std::vector<PressPath> press_paths(const Cases& cases) {
     std::vector<PressPath> paths;
     for (const LoadPath& path : cases.paths) {
         if (path.role != "train") continue;
         PressPath& out = paths.emplace_back();
         out.name = path.name;
-        out.arc_m = outline.arc_of(path.contact_m);
+        out.contact_m = path.contact_m;
         for (const PathRecord& record : path.records) {
             const bool asked = cases.magnitudes_m.empty() ||
                                std::any_of(cases.magnitudes_m.begin(), cases.magnitudes_m.end(),
@@ -38,18 +56,20 @@ std::vector<PressPath> press_paths(const Cases& cases, const SpringMesh& mesh) {
     return paths;
 }
 
-int law_residual_count(const EnergyLaw& law, const std::vector<PressPath>& paths) {
+int law_residual_count(const EnergyLaw& law, const std::vector<PressPath>& paths, const LawTrainingOptions& options) {
     int rows = law.size();
     for (const PressPath& path : paths)
-        for (const PressPath::Record& record : path.records) rows += rows_of(record);
+        for (const PressPath::Record& record : path.records) rows += rows_of(record, options);
     return rows;
 }
 
 void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths,
                    const LawTrainingOptions& options, const Eigen::VectorXd& p, Eigen::Ref<Eigen::VectorXd> f,
-                   Eigen::Ref<RowMatrix> J, std::vector<std::string>* lost) {
+                   Eigen::Ref<RowMatrix> J, std::vector<std::string>* lost, LawRests* rests) {
     const TissueEnergy energy = law.energy(mesh);
-    const ContactSurface surface(mesh);
+    const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, options.disc_radius_m);
+    const Eigen::Index D = mesh.dimension();
+    if (rests) rests->resize(paths.size());
     const Eigen::VectorXd constants = law.constants(p);
     const Eigen::MatrixXd constants_by = law.constants_by(p);
     const PatchLaw patch_law = law.patch(p);
@@ -58,45 +78,53 @@ void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vect
     int rows = 0, records = 0;
     for (const PressPath& path : paths) {
         first_row.push_back(rows);
-        for (const PressPath::Record& record : path.records) rows += rows_of(record);
+        for (const PressPath::Record& record : path.records) rows += rows_of(record, options);
         records += static_cast<int>(path.records.size());
     }
     const double share = 1 / std::sqrt(static_cast<double>(records));
     std::vector<std::vector<std::string>> lost_of(paths.size());
     parallel_for(static_cast<int>(paths.size()), options.threads, [&](int i) {
         const PressPath& path = paths[static_cast<std::size_t>(i)];
-        PressSolver solver(energy, surface, options.press);
-        const ContactPatch patch = surface.at(path.arc_m);
-        const PatchSpring contact(patch, patch_law.at(patch));
-        const Eigen::MatrixXd stiffness_by = law.stiffness_by(p, patch);
+        PressSolver solver(energy, *kernel, options.press);
+        const ContactSpring contact(kernel->rows_at(path.contact_m), patch_law);
+        const Eigen::MatrixXd stiffness_by = law.stiffness_by(p, contact.rows.factors);
+        std::vector<PressState>* known = rests ? &(*rests)[static_cast<std::size_t>(i)] : nullptr;
+        if (known) known->resize(path.records.size());
+        std::size_t r = 0;
         PressState state;
         bool reached = true;
         Eigen::Index row = first_row[static_cast<std::size_t>(i)];
         for (const PressPath::Record& record : path.records) {
             const PressState before = state;
-            if (reached) state = solver.press(constants, contact, record.push_m, before.displacement.size() > 0 ? &before : nullptr);
+            PressState* rest = known ? &(*known)[r++] : nullptr;
+            const bool warm = rest && rest->displacement.size() > 0;
+            if (warm) state = solver.press(constants, contact, record.push_m, rest);
+            if (reached && (!warm || state.status != PressStatus::held))
+                state = solver.press(constants, contact, record.push_m, before.displacement.size() > 0 ? &before : nullptr);
             reached = state.status != PressStatus::lost;
+            if (rest) *rest = state.status == PressStatus::held ? state : PressState();
             if (state.status != PressStatus::held)
                 lost_of[static_cast<std::size_t>(i)].push_back(
                     fmt::format("{} at {:.3g} mm: {} at {:.3g} mm", path.name, 1e3 * record.push_m.norm(),
                                 to_string(state.status), 1e3 * state.push_m.norm()));
-            const Eigen::Index dofs = record.displacement.size();
+            const Eigen::Index dofs = shape_rows(record, options);
+            const Eigen::VectorXd truth = dofs > 0 ? Eigen::VectorXd(seen_rows(as_vector(record.displacement), options, D)) : Eigen::VectorXd();
             const double per_force = share / (options.force_scale * record.force_N.norm());
-            const double per_shape = dofs > 0 ? share / (options.shape_scale * record.displacement.norm()) : 0;
+            const double per_shape = dofs > 0 ? share / (options.shape_scale * truth.norm()) : 0;
             if (reached) {
                 const PressDerivative by = solver.derivative(constants_by, stiffness_by);
-                f.segment(row, 2) = per_force * (state.contact_force_N - record.force_N);
-                J.middleRows(row, 2) = per_force * by.contact_force;
+                f.segment(row, D) = per_force * (state.contact_force_N - record.force_N);
+                J.middleRows(row, D) = per_force * by.contact_force;
                 if (dofs > 0) {
-                    f.segment(row + 2, dofs) = per_shape * (as_vector(state.displacement) - as_vector(record.displacement));
-                    J.middleRows(row + 2, dofs) = per_shape * by.displacement;
+                    f.segment(row + D, dofs) = per_shape * (seen_rows(as_vector(state.displacement), options, D) - truth);
+                    J.middleRows(row + D, dofs) = per_shape * seen_rows(by.displacement, options, D);
                 }
             } else {
-                f.segment(row, 2) = -per_force * record.force_N;
-                if (dofs > 0) f.segment(row + 2, dofs) = -per_shape * as_vector(record.displacement);
-                J.middleRows(row, 2 + dofs).setZero();
+                f.segment(row, D) = -per_force * record.force_N;
+                if (dofs > 0) f.segment(row + D, dofs) = -per_shape * truth;
+                J.middleRows(row, D + dofs).setZero();
             }
-            row += 2 + dofs;
+            row += D + dofs;
         }
     });
     f.segment(rows, p.size()) = options.ridge * p;
@@ -108,20 +136,20 @@ void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vect
 double heuristic_factor(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths,
                         const LawTrainingOptions& options) {
     const TissueEnergy energy = law.energy(mesh);
-    const ContactSurface surface(mesh);
+    const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, options.disc_radius_m);
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(law.size()), constants = law.constants(zero);
     std::vector<Eigen::Vector2d> sums(paths.size(), Eigen::Vector2d::Zero());  // of f.F / F.F and f.f / F.F
     parallel_for(static_cast<int>(paths.size()), options.threads, [&](int i) {
         const PressPath& path = paths[static_cast<std::size_t>(i)];
-        PressSolver solver(energy, surface, options.press);
-        const ContactPatch patch = surface.at(path.arc_m);
+        PressSolver solver(energy, *kernel, options.press);
+        const ContactSpring contact(kernel->rows_at(path.contact_m), law.patch(zero));
         PressState state;
         for (const PressPath::Record& record : path.records) {
             const PressState before = state;
-            state = solver.press(constants, {patch, law.patch(zero).at(patch)}, record.push_m,
+            state = solver.press(constants, contact, record.push_m,
                                  before.displacement.size() > 0 ? &before : nullptr);
             if (state.status == PressStatus::lost) break;
-            const Eigen::Vector2d &f = state.contact_force_N, &F = record.force_N;
+            const Point &f = state.contact_force_N, &F = record.force_N;
             if (F.squaredNorm() > 0)
                 sums[static_cast<std::size_t>(i)] += Eigen::Vector2d(f.dot(F), f.dot(f)) / F.squaredNorm();
         }
@@ -139,15 +167,17 @@ TrainedLaw train_law(const SpringMesh& mesh, const EnergyLaw& law, const std::ve
     if (law.size() == 0) throw MismatchError("a law without terms has nothing to train");
     const std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free);
     gsl_rng_set(rng.get(), options.seed);
-    const int rows = law_residual_count(law, paths);
+    const int rows = law_residual_count(law, paths, options);
+    LawRests rests;
     const FitFunction residuals = [&](const Eigen::VectorXd& p, Eigen::Ref<Eigen::VectorXd> f, Eigen::Ref<RowMatrix> J) {
-        law_residuals(mesh, law, paths, options, p, f, J);
+        law_residuals(mesh, law, paths, options, p, f, J, nullptr, mesh.is_solid() ? &rests : nullptr);
     };
     TrainedLaw trained;
     for (int s = 0; s < options.starts; ++s) {
         Eigen::VectorXd start = Eigen::VectorXd::Zero(law.size());
         for (double& p : start)
             if (s > 0) p = gsl_ran_gaussian(rng.get(), options.spread);
+        rests.clear();
         trained.starts.push_back(nonlinear_fit(residuals, rows, start, options.fit));
         if (trained.starts.back().half_square < trained.starts[trained.kept].half_square) trained.kept = trained.starts.size() - 1;
     }

@@ -13,21 +13,23 @@ namespace tissue {
 /// One load path as the law sees it: where on the surface, and at each push what the truth said.
 struct PressPath {
     std::string name;
-    double arc_m;
+    Point contact_m;              ///< (D)
     struct Record {
-        Eigen::Vector2d push_m, force_N;
+        Point push_m, force_N;
         NodeField displacement;   ///< [m] (N x D); empty where only the force is known (measured contacts)
     };
     std::vector<Record> records;  ///< ascending
 };
 
 /// The cases' training paths, each at the cases' magnitudes. Paths that FE lost give what they reached.
-std::vector<PressPath> press_paths(const Cases& cases, const SpringMesh& mesh);
+std::vector<PressPath> press_paths(const Cases& cases);
 
 struct LawTrainingOptions {
     double force_scale = 0.01;    ///< an error of 1 % of |F| counts 1
     double shape_scale = 0.03;    ///< an error of 3 % of the displacement's rms counts 1
     double ridge = 0.1;           ///< a coefficient of 10 (a factor of 22,000) counts 1
+    std::vector<int> seen;        ///< nodes whose displacement counts; empty: all
+    double disc_radius_m = 0;     ///< in space
     int starts = 1;               ///< the heuristic, then that many less one drawn around it
     double spread = 0.5;          ///< standard deviation of a drawn start's coefficients
     unsigned long seed = 1;
@@ -56,17 +58,22 @@ struct TrainedLaw {
 /// takes and the shape that results are compared with the truth's:
 ///   mean over records of |F_model - F|^2 / (force_scale |F|)^2 + |u_model - u|^2 / (shape_scale |u|)^2, + |ridge p|^2,
 /// without the second where nobody knows u.
-/// Derivatives of the rest are implicit (PressSolver::derivative). A push that is lost counts as if the model had
+/// u: of the nodes that are seen. Derivatives of the rest are implicit (PressSolver::derivative). A push that is lost counts as if the model had
 /// neither moved nor pushed. Parallel over paths; the same for any number of threads.
 /// Throws MismatchError when there is nothing to train on.
 TrainedLaw train_law(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths,
                      const LawTrainingOptions& options = {});
 
+/// Where every record's press ended: the next evaluation begins there, in space, where a press from rest costs most of the
+/// training. Empty before the first.
+using LawRests = std::vector<std::vector<PressState>>;
+
 /// The residuals of that objective (its square sum) and their derivative by the coefficients: for tests and for starts.
-/// Rows: record by record force (2) and shape (N*D where known), then the ridge.
+/// Rows: record by record force (D) and shape (D * seen where known), then the ridge.
 void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths,
                    const LawTrainingOptions& options, const Eigen::VectorXd& p, Eigen::Ref<Eigen::VectorXd> f,
-                   Eigen::Ref<RowMatrix> J, std::vector<std::string>* lost = nullptr);
-int law_residual_count(const EnergyLaw& law, const std::vector<PressPath>& paths);
+                   Eigen::Ref<RowMatrix> J, std::vector<std::string>* lost = nullptr,
+                   LawRests* rests = nullptr);
+int law_residual_count(const EnergyLaw& law, const std::vector<PressPath>& paths, const LawTrainingOptions& options);
 
 }  // namespace tissue

@@ -2,6 +2,7 @@
 
 #include "cases/study_law.h"
 #include "error.h"
+#include "mesh/free_surface.h"
 #include "train/train_law.h"
 
 namespace tissue {
@@ -10,7 +11,7 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     if (!study.springs.is_law()) throw MismatchError("study '" + study.name + "' has no law: its stiffness is sets");
     TrainedModel model = untrained_model(study, cases, load_cases(cases));
     const Cases kept = without_mirrors(cases);
-    const std::vector<PressPath> paths = press_paths(kept, model.mesh);
+    const std::vector<PressPath> paths = press_paths(kept);
 
     LawTrainingOptions options;
     options.force_scale = study.training.force_scale;
@@ -19,6 +20,8 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     options.starts = study.training.starts;
     options.seed = study.training.seed;
     options.threads = threads;
+    options.disc_radius_m = study.indenter.radius_m;
+    if (model.mesh.is_solid()) options.seen = seen_nodes(model.mesh);
     // a measured tissue's material is a guess: terms start from the heuristic that its forces speak for
     double factor = 1;
     if (cases.measurement)
@@ -26,7 +29,7 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     const EnergyLaw law = study_law(study, kept.shape, model.mesh, factor);
     const TrainedLaw trained = train_law(model.mesh, law, paths, options);
     model.energy_law = {law.terms(), trained.coefficients, law.constants(trained.coefficients), law.patch(trained.coefficients),
-                        law.incompressible()};
+                        law.incompressible(), options.disc_radius_m};
 
     LawBook& book = model.books.law.emplace();
     const auto R = static_cast<Eigen::Index>(trained.starts.size());

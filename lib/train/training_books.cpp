@@ -60,8 +60,10 @@ void write_law_book(Hdf5Writer& file, const LawBook& book) {
     file.attribute("/law", "seconds", book.seconds);
 }
 
-LawBook read_law_book(const Hdf5Reader& file, std::size_t constants) {
-    TableReader in(file, law_books_table(), {{"E", constants}});
+/// law: of the same file, whose lengths the book shares.
+LawBook read_law_book(const Hdf5Reader& file, const LawModel& law) {
+    TableReader in(file, law_books_table(), {{"E", static_cast<std::size_t>(law.constants.size())},
+                                             {"K", static_cast<std::size_t>(law.patch.log_N_m.rows())}});
     LawBook book;
     book.untrained_constants = in.vector("/law/untrained_constants");
     book.untrained_patch.log_N_m = in.field("/law/untrained_patch_log");
@@ -93,7 +95,7 @@ LawBook read_law_book(const Hdf5Reader& file, std::size_t constants) {
 const DatasetTable& law_books_table() {
     static const DatasetTable table = {
         {"/law/untrained_constants", "E", Values::positive(), "N/m", "the heuristic's constants, before anything is learned"},
-        {"/law/untrained_patch_log", "4 x 4", Values::logarithm(), "log(N/m)", "and its contact, as /law/patch_log"},
+        {"/law/untrained_patch_log", "K x 4", Values::logarithm(), "log(N/m)", "and its contact, as /law/patch_log"},
         {"/law/start_status", "R", Values::text(), "text", "why the fit of each start stopped"},
         {"/law/start_objective", "R", Values::not_negative(), "1", "objective that it ended with"},
         {"/law/start_gradient", "R", Values::not_negative(), "1", "largest derivative of half of it by a coefficient"},
@@ -164,7 +166,7 @@ TrainedModel read_trained_model(const std::string& name) {
         file.refuse("/", fmt::format("attribute 'seed' is {}, must be a whole number >= 0", seed));
     books.seed = static_cast<unsigned long>(seed);
     if (model.energy_law) {
-        books.law = read_law_book(file, static_cast<std::size_t>(model.energy_law->constants.size()));
+        books.law = read_law_book(file, *model.energy_law);
         return model;
     }
     TableReader in(file, books_table(), {{"C", model.case_names.size()}, {"N", static_cast<std::size_t>(model.mesh.node_count())}});

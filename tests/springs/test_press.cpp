@@ -178,9 +178,9 @@ TEST_CASE("a push that turns a cell inside out ends in a minimum of the energy t
         };
         const PressState shallow = pressed(0.01), deep = pressed(0.03);
         CHECK(shallow.status == PressStatus::held);
-        CHECK(energy.smallest_area_ratio(shallow.displacement) > 0);
+        CHECK(energy.smallest_ratio(shallow.displacement) > 0);
         CHECK(deep.status == PressStatus::inside_out);
-        CHECK(energy.smallest_area_ratio(deep.displacement) <= 0);
+        CHECK(energy.smallest_ratio(deep.displacement) <= 0);
         CHECK(deep.push_m.norm() == Approx(0.03));
         CHECK(std::string(to_string(deep.status)) == "inside_out");
     }

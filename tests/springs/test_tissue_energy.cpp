@@ -39,7 +39,7 @@ TEST_CASE("a tissue at rest stores no energy and asks for no force") {
         const NodeField rest = NodeField::Zero(mesh.node_count(), 2);
         CHECK(energy.energy(c, rest) <= tolerance::rounding * energy.energy(c, scattered(mesh, 0.001)));
         CHECK(energy.force(c, rest).norm() <= tolerance::rounding * energy.force(c, scattered(mesh, 0.001)).norm());
-        CHECK(energy.smallest_area_ratio(rest) == Approx(1).epsilon(tolerance::rounding));
+        CHECK(energy.smallest_ratio(rest) == Approx(1).epsilon(tolerance::rounding));
     }
 }
 
@@ -55,7 +55,7 @@ TEST_CASE("one square squeezed to half its height stores what springs and area s
     CHECK(energy.energy(springs, u) == Approx(0.05 * 0.05 + diagonal * diagonal).epsilon(tolerance::rounding));
     const Eigen::VectorXd cell = (Eigen::VectorXd(7) << 0, 0, 0, 0, 0, 0, 3).finished();
     CHECK(energy.energy(cell, u) == Approx(3 * 0.01 * 0.25 / 2).epsilon(tolerance::rounding));
-    CHECK(energy.smallest_area_ratio(u) == Approx(0.5).epsilon(tolerance::rounding));
+    CHECK(energy.smallest_ratio(u) == Approx(0.5).epsilon(tolerance::rounding));
 }
 
 TEST_CASE("force is the derivative of the energy, tangent of the force, and both stay so when cells turn inside out") {
@@ -64,7 +64,7 @@ TEST_CASE("force is the derivative of the energy, tangent of the force, and both
             const TissueEnergy energy(mesh, true);
             const Eigen::VectorXd c = some_constants(energy);
             const NodeField u = scattered(mesh, size);
-            if (size > 0.01) REQUIRE(energy.smallest_area_ratio(u) < 0);
+            if (size > 0.01) REQUIRE(energy.smallest_ratio(u) < 0);
             const NodeField force = energy.force(c, u);
             const Eigen::MatrixXd tangent = energy.tangent(c, u);
             NodeField slope(u.rows(), 2);
@@ -128,7 +128,7 @@ TEST_CASE("a triangle that turns inside out is seen, though what lies around the
     NodeField u = NodeField::Zero(mesh.node_count(), 2);
     const Eigen::RowVector2d rim = (mesh.nodes.row(mesh.loop()[0]) + mesh.nodes.row(mesh.loop()[1])) / 2;
     u.row(centre) = 1.01 * (rim - mesh.nodes.row(centre));  // just across that side
-    CHECK(energy.smallest_area_ratio(u) == Approx(-0.01).epsilon(1e-6));
+    CHECK(energy.smallest_ratio(u) == Approx(-0.01).epsilon(1e-6));
     Eigen::VectorXd star = Eigen::VectorXd::Zero(energy.constant_count());
     star[mesh.spring_count() + centre] = 1;
     CHECK(energy.energy(star, u) <= tolerance::rounding);

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include "springs/element.h"
+
+namespace tissue {
+
+/// Cells of a lattice in space that keep their true volume: A V (J - 1)^2 / 2, J the determinant of the cell's mean
+/// deformation gradient, from the means of its four edges along each axis: the trilinear map's at the middle (one-point
+/// quadrature; what it does not see, springs hold). Constants A are moduli [Pa]; per unit of them energies are [m^3].
+/// What springs alone cannot do is in springs/cell_areas.h.
+class CellVolumes final : public Elements {
+   public:
+    /// Throws MismatchError for a mesh that is no lattice in space, and a cell turned inside out or without volume.
+    explicit CellVolumes(const SpringMesh& mesh);
+
+    std::string kind() const override { return "cell"; }
+    double energy(int e, const NodeField& u) const override;
+    void force(int e, const NodeField& u, ElementVector& out) const override;
+    void tangent(int e, const NodeField& u, ElementMatrix& out) const override;
+
+    /// J; not positive where the cell has turned inside out.
+    double volume_ratio(int e, const NodeField& u) const;
+    const Eigen::VectorXd& volumes() const { return volume_; }  ///< V [m^3] (C)
+
+   private:
+    Eigen::Matrix3d displacement_gradient(int e, const NodeField& u) const;  ///< F - I of the cell
+
+    Eigen::VectorXd volume_;
+    std::vector<Eigen::Matrix<double, 3, 8>> gradient_;  ///< of the corners' hat functions at the cell's middle [1/m] (C)
+};
+
+}  // namespace tissue

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "field.h"
+
+namespace tissue {
+
+/// Where a contact lies: what its rows take of the push d and of the displacements of a few nodes, e = push d - pull u, and
+/// which of the law's stiffnesses each of them has.
+struct ContactRows {
+    std::vector<int> nodes;      ///< (K), none twice
+    Eigen::MatrixXd push;        ///< (R x D)
+    Eigen::MatrixXd pull;        ///< (R x D*K), columns D * node + axis
+    std::vector<int> law_row;    ///< of PatchLaw, for each row (R)
+    Eigen::VectorXd share;       ///< of that stiffness (R)
+    Eigen::Vector4d factors;     ///< of the place: PatchLaw's
+};
+
+/// Makes contacts of one kind on the surface of one mesh: the patch in the plane (springs/contact_patch.h), the disc in
+/// space (springs/disc_contact.h). Const, and serves many threads.
+class ContactKernel {
+   public:
+    virtual ~ContactKernel() = default;
+
+    virtual ContactRows rows_at(const Point& contact_m) const = 0;
+    /// Node pairs that contacts anywhere couple, where they are few; else none, and each contact brings its own.
+    virtual std::vector<std::pair<int, int>> coupled() const { return {}; }
+    virtual double spacing_m() const = 0;  ///< of the surface's nodes
+};
+
+}  // namespace tissue

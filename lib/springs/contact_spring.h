@@ -1,0 +1,38 @@
+#pragma once
+
+#include "springs/contact_patch.h"
+
+namespace tissue {
+
+/// One contact's energy, for training and evaluation. With s = sum_r k_r e_r^2 / 2
+///   E = s + hardening s^2 / 2
+/// k_r = share_r times the law's stiffness. A contact that hardens does so by its energy alone: the tissue between tool and
+/// mesh stiffens as it is pressed together, whatever the direction.
+struct ContactSpring {
+    ContactRows rows;
+    Eigen::VectorXd k_N_m;        ///< (R)
+    double hardening_1_J = 0;
+
+    ContactSpring(ContactRows where, const PatchLaw& law);
+    ContactSpring(const PatchSpring& patch);  ///< the same energy as the tick has it
+
+    struct Load {
+        double energy_J;
+        Point hand_N;             ///< dE/dd: force of the tool on the tissue (D)
+        Eigen::VectorXd node_N;   ///< dE/du: what the contact asks of the rest to hold u (D*K)
+    };
+    /// u: of the rows' nodes (D*K) [m].
+    Load load(const Point& push_m, const Eigen::VectorXd& u) const;
+
+    Eigen::MatrixXd tangent(const Point& push_m, const Eigen::VectorXd& u) const;        ///< d node / du (D*K x D*K)
+    Eigen::MatrixXd hand_by_nodes(const Point& push_m, const Eigen::VectorXd& u) const;  ///< d hand / du (D x D*K)
+    /// Derivatives of hand_N and node_N by the law's row m: a stiffness, or the hardening.
+    Load by_law_row(int m, const Point& push_m, const Eigen::VectorXd& u) const;
+
+    /// Size of the stiffness against d with the nodes held [N/m].
+    double push_N_m() const { return (rows.push.transpose() * k_N_m.asDiagonal() * rows.push).norm(); }
+
+    Eigen::VectorXd gather(const NodeField& u) const;  ///< of the rows' nodes (D*K)
+};
+
+}  // namespace tissue

@@ -1,0 +1,116 @@
+#include "springs/disc_contact.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "error.h"
+#include "springs/contact_patch.h"
+
+namespace tissue {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+constexpr double reach = 1.6;  // of the mean's weights, in spacings: at least four nodes of a square lattice
+
+/// (1 - x^2)^2, nothing beyond 1.
+double bell(double x) {
+    const double fall = std::max(0.0, 1 - x * x);
+    return fall * fall;
+}
+
+/// Two unit vectors across a unit vector: the first as near to the first axis as can be.
+Eigen::Matrix<double, 3, 2> tangents_of(const Eigen::Vector3d& normal) {
+    Eigen::Index least = 0;
+    normal.cwiseAbs().minCoeff(&least);
+    if (std::abs(normal[0]) < 0.9) least = 0;
+    Eigen::Matrix<double, 3, 2> t;
+    t.col(0) = (Eigen::Vector3d::Unit(least) - normal[least] * normal).normalized();
+    t.col(1) = normal.cross(Eigen::Vector3d(t.col(0)));
+    return t;
+}
+
+}  // namespace
+
+double DiscContact::profile(double x) {
+    if (x <= 1) return 1 - x * x / 2;
+    return ((2 - x * x) * std::asin(1 / x) + std::sqrt(x * x - 1)) / pi;
+}
+
+DiscContact::DiscContact(const SpringMesh& mesh, double radius_m) : surface_(mesh), rest_(mesh.nodes), radius_m_(radius_m) {
+    if (!mesh.is_solid()) throw MismatchError("a disc needs a surface in space");
+    if (!(radius_m > 0)) throw MismatchError("a disc needs a radius > 0");
+}
+
+ContactRows DiscContact::rows_at(const Point& contact_m) const {
+    const FreeSurface::Place place = surface_.nearest(contact_m);
+    const Eigen::Vector3d centre = place.point_m, normal = place.inward;
+    const Eigen::Matrix<double, 3, 2> tangents = tangents_of(normal);
+    const double h = surface_.spacing_m(), imprint_m = 2 * radius_m_;
+
+    // nodes of the mean, and of the imprint; both from what faces the disc. Where the surface's mesh is so coarse there that
+    // fewer than four are near, the mean reaches farther.
+    std::vector<int> near;
+    double nearest_m = std::numeric_limits<double>::infinity();
+    const auto away_m = [&](int node) { return (rest_.row(node).transpose() - centre).norm(); };
+    double reach_m = reach * h;
+    for (int tries = 0; tries < 10; ++tries, reach_m *= 1.25) {
+        near.clear();
+        int in_reach = 0;
+        for (int node : surface_.nodes()) {
+            const double r = away_m(node);
+            if (r >= std::max(reach_m, imprint_m) || !surface_.faces(node, normal)) continue;
+            near.push_back(node);
+            in_reach += r < 0.95 * reach_m;
+            nearest_m = std::min(nearest_m, r);
+        }
+        if (in_reach >= 4) break;
+    }
+    if (near.size() < 3) throw MismatchError("the surface's mesh has no nodes near the contact");
+
+    // moving least squares in the tangent plane, lengths in spacings
+    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+    const auto basis = [&](int node) {
+        const Eigen::Vector2d across = tangents.transpose() * (rest_.row(node).transpose() - centre) / h;
+        return Eigen::Vector3d(1, across[0], across[1]);
+    };
+    for (int node : near) moments += bell(away_m(node) / reach_m) * basis(node) * basis(node).transpose();
+    const Eigen::Vector3d solved = moments.ldlt().solve(Eigen::Vector3d::UnitX());
+
+    std::vector<int> pressed;
+    for (int node : near)
+        if (away_m(node) < imprint_m) pressed.push_back(node);
+    ContactRows rows;
+    const auto K = static_cast<Eigen::Index>(near.size()), R = static_cast<Eigen::Index>(3 + 3 * pressed.size());
+    rows.nodes = near;
+    rows.push.setZero(R, 3);
+    rows.pull.setZero(R, 3 * K);
+    rows.share.setOnes(R);
+    Eigen::Matrix3d axes;
+    axes << normal, tangents;
+    for (int a = 0; a < 3; ++a) {
+        rows.push.row(a) = axes.col(a).transpose();
+        for (Eigen::Index i = 0; i < K; ++i) {
+            const int node = near[static_cast<std::size_t>(i)];
+            rows.pull.block<1, 3>(a, 3 * i) = bell(away_m(node) / reach_m) * basis(node).dot(solved) * axes.col(a).transpose();
+        }
+        rows.law_row.push_back(a == 0 ? 0 : 1);
+    }
+    Eigen::Index row = 3;
+    for (int node : pressed) {
+        const double r = away_m(node);
+        const Eigen::Index i = std::find(near.begin(), near.end(), node) - near.begin();
+        for (int a = 0; a < 3; ++a, ++row) {
+            rows.push.row(row) = profile(r / radius_m_) * axes.col(a).transpose();
+            rows.pull.block<1, 3>(row, 3 * i) = axes.col(a).transpose();
+            rows.share[row] = bell(r / imprint_m);
+            rows.law_row.push_back(a == 0 ? 2 : 3);
+        }
+    }
+    const double phase = std::max(-1.0, 1 - 4 * nearest_m * nearest_m / (h * h));
+    rows.factors << 1, phase, 0, std::exp(-surface_.to_crease_m(place.point_m) / h);
+    return rows;
+}
+
+}  // namespace tissue

@@ -1,0 +1,13 @@
+#include "springs/law_kernel.h"
+
+#include "springs/contact_patch.h"
+#include "springs/disc_contact.h"
+
+namespace tissue {
+
+std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, double disc_radius_m) {
+    if (mesh.is_solid()) return std::make_unique<DiscContact>(mesh, disc_radius_m);
+    return std::make_unique<ContactSurface>(mesh);
+}
+
+}  // namespace tissue

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <memory>
+
+#include "mesh/spring_mesh.h"
+#include "springs/contact_kernel.h"
+
+namespace tissue {
+
+/// Contacts of a law on a mesh: the patch in the plane; in space a disc of that radius [m].
+std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, double disc_radius_m);
+
+}  // namespace tissue
