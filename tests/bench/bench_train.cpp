@@ -226,7 +226,7 @@ Cases made_up(const Study& study, int paths) {
     for (int k = 0; k < paths; ++k) {
         LoadPath path;
         path.name = "push-" + std::to_string(k);
-        path.contact_m = {study.geometry.width_m * (0.2 + 0.6 * k / paths), study.geometry.height_m};
+        path.contact_m = Eigen::Vector2d(study.geometry.width_m * (0.2 + 0.6 * k / paths), study.geometry.height_m);
         path.direction = Eigen::Vector2d(0.3, -1).normalized();
         const auto rest = solve_equilibrium(mesh, *law, theta, locate_on_surface(mesh, path.contact_m),
                                             0.005 * path.direction);

@@ -33,7 +33,7 @@ Cases hand_cases() {
     cases.measurement->noise_source = "repeats";
     cases.magnitudes_m.clear();
     for (LoadPath& path : cases.paths) {
-        path.records = {measured_record(0.004, {1, 2}, {0, 1e-4}), measured_record(0.008, {2, 3}, {0, 2e-4})};
+        path.records = {measured_record(0.004, Eigen::Vector2d(1, 2), Eigen::Vector2d(0, 1e-4)), measured_record(0.008, Eigen::Vector2d(2, 3), Eigen::Vector2d(0, 2e-4))};
         path.again_N = Eigen::Vector2d(2, 3);
     }
     return cases;

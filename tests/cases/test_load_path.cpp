@@ -188,7 +188,7 @@ TEST_CASE("load cases of magnitudes that differ little have names of their own, 
     measured.measurement.emplace();
     LoadPath path;
     path.name = "s012500-p00000";
-    for (double m : {0.0123456, 0.0123457, 0.0200000}) path.records.push_back(measured_record(m, {0, -m}, {0, 0}));
+    for (double m : {0.0123456, 0.0123457, 0.0200000}) path.records.push_back(measured_record(m, Eigen::Vector2d(0, -m), Eigen::Vector2d(0, 0)));
     measured.paths = {path};
     std::vector<std::string> names;
     for (const LoadCase& load : load_cases(measured)) names.push_back(load.name);
@@ -199,7 +199,7 @@ TEST_CASE("load cases of magnitudes that differ little have names of their own, 
 
     Cases cases;
     cases.magnitudes_m = {0.01234561, 0.01234562};
-    path.records = {measured_record(0.01234561, {0, -1}, {0, 0}), measured_record(0.01234562, {0, -1}, {0, 0})};
+    path.records = {measured_record(0.01234561, Eigen::Vector2d(0, -1), Eigen::Vector2d(0, 0)), measured_record(0.01234562, Eigen::Vector2d(0, -1), Eigen::Vector2d(0, 0))};
     cases.paths = {path};
     names.clear();
     for (const LoadCase& load : load_cases(cases)) names.push_back(load.name);
@@ -282,7 +282,7 @@ TEST_CASE("a mirrored path pushes the mirrored contact; mirrored twice it is its
     CHECK(once.contact_m == Eigen::Vector2d(0, 0.1));
     CHECK(once.direction == Eigen::Vector2d(-path.direction.x(), path.direction.y()));
     const SpringMesh mesh = make_lattice("grid8", 4, 4, 0.1, 0.1);
-    const int here = node_at(mesh, {0.1, 0.1}), there = node_at(mesh, {0.0, 0.1});
+    const int here = node_at(mesh, Eigen::Vector2d(0.1, 0.1)), there = node_at(mesh, Eigen::Vector2d(0.0, 0.1));
     CHECK(once.records[2].displacement(there, 0) == -path.records[2].displacement(here, 0));
     CHECK(once.records[2].force(there, 1) == path.records[2].force(here, 1));
     CHECK(once.records[2].contact_force_N.x() == -path.records[2].contact_force_N.x());

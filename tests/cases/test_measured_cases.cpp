@@ -191,8 +191,8 @@ TEST_CASE("rows that no tissue of this outline can have given are refused by lin
         return said;
     };
     CHECK_THAT(spoilt([](MeasuredRow& r) { r.contact_m.x() -= 0.001; }), Contains("off the free surface") && Contains("1 mm"));
-    CHECK_THAT(spoilt([](MeasuredRow& r) { r.contact_m = {0.05, 0.05}; }), Contains("off the free surface"));
-    CHECK_THAT(spoilt([](MeasuredRow& r) { r.contact_m = {0.05, 0}; }), Contains("contact_x"));
+    CHECK_THAT(spoilt([](MeasuredRow& r) { r.contact_m = Eigen::Vector2d(0.05, 0.05); }), Contains("off the free surface"));
+    CHECK_THAT(spoilt([](MeasuredRow& r) { r.contact_m = Eigen::Vector2d(0.05, 0); }), Contains("contact_x"));
     CHECK_THAT(spoilt([](MeasuredRow& r) { r.contact_m.y() = 0.0005; }), Contains("fixed edge"));
     CHECK_THAT(spoilt([](MeasuredRow& r) { r.displacement_m *= -1; }), Contains("out of the tissue"));
     CHECK_THAT(spoilt([](MeasuredRow& r) { r.force_N *= -1; }), Contains("indenter's force on the tissue"));

@@ -82,8 +82,8 @@ TEST_CASE("the resolved force between two nodes is both ends' together, along th
     const auto law = make_spring_law("isotropic");
     NodeField u = NodeField::Zero(mesh.node_count(), 2);
     const SurfacePoint between = locate_on_surface(mesh, {0.1, 0.06}), on_node = locate_on_surface(mesh, {0.1, 0.05});
-    u.row(node_at(mesh, {0.1, 0.05})) << -0.002, 0.001;
-    u.row(node_at(mesh, {0.1, 0.1})) << -0.002, 0.001;
+    u.row(node_at(mesh, Eigen::Vector2d(0.1, 0.05))) << -0.002, 0.001;
+    u.row(node_at(mesh, Eigen::Vector2d(0.1, 0.1))) << -0.002, 0.001;
     const Eigen::VectorXd theta = Eigen::VectorXd::Constant(mesh.spring_count(), 2.0);
     // middle node: to the left and down, 2 springs moved by u; top corner: to the left, one spring
     CHECK(resolved_force(mesh, *law, theta, on_node, {-1, 0}, u) == Approx(2 * 2 * 0.002).epsilon(tolerance::rounding));

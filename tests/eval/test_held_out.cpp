@@ -16,11 +16,11 @@ LoadPath pushed(const std::string& name, const std::string& role, double depth_m
     LoadPath path;
     path.name = name;
     path.role = role;
-    path.contact_m = {0.05, 0.1};
-    path.direction = {0, -1};
+    path.contact_m = Eigen::Vector2d(0.05, 0.1);
+    path.direction = Eigen::Vector2d(0, -1);
     path.depth_m = depth_m;
-    path.records.push_back(measured_record(0, {0, 0}, {0, 0}));
-    for (double m : magnitudes_m) path.records.push_back(measured_record(m, {0, -stronger * 100 * m}, {0, 0}));
+    path.records.push_back(measured_record(0, Eigen::Vector2d(0, 0), Eigen::Vector2d(0, 0)));
+    for (double m : magnitudes_m) path.records.push_back(measured_record(m, Eigen::Vector2d(0, -stronger * 100 * m), Eigen::Vector2d(0, 0)));
     return path;
 }
 

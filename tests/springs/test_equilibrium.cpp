@@ -52,7 +52,7 @@ TEST_CASE("two springs in a row between a wall and a contact share the push as t
     REQUIRE(state);
     // two columns in parallel, each 3 and 1 N/m in series: 2 * 0.75 N/m * 4 mm
     CHECK(state.contact_force.y() == Approx(2 * 0.75 * 0.004).epsilon(tolerance::solve));
-    CHECK(state.displacement(node_at(cell, {0, 0.1}), 1) == Approx(0.001).epsilon(tolerance::solve));
+    CHECK(state.displacement(node_at(cell, Eigen::Vector2d(0, 0.1)), 1) == Approx(0.001).epsilon(tolerance::solve));
 }
 
 TEST_CASE("the contact goes where it is pushed, and fixed nodes stay") {
@@ -194,7 +194,7 @@ TEST_CASE("a node that no spring holds, or a negative spring that wins, leaves n
     const auto law = make_spring_law("isotropic");
     const SurfacePoint contact = locate_on_surface(block(), {0, 0.05});
     Eigen::VectorXd theta = example_theta(block());
-    const int corner = node_at(block(), {0.1, 0.1});
+    const int corner = node_at(block(), Eigen::Vector2d(0.1, 0.1));
     for (int s = 0; s < theta.size(); ++s)
         if (block().springs(s, 0) == corner || block().springs(s, 1) == corner) theta[s] = 0;
     CHECK(solve_equilibrium(block(), *law, theta, contact, push).status == EquilibriumStatus::zero_energy_modes);
@@ -211,7 +211,7 @@ TEST_CASE("a contact on the fixed edge has no answer and says why") {
 
 TEST_CASE("a mesh that its contact alone keeps from sliding or collapsing has an answer: the least energy with it held") {
     // a corner on one spring slides across it, on a negative one it runs away; the contact weighs 3/4 on it
-    const int corner = node_at(block(), {0.1, 0.1}), left = node_at(block(), {0.1 * 5 / 6, 0.1});
+    const int corner = node_at(block(), Eigen::Vector2d(0.1, 0.1)), left = node_at(block(), Eigen::Vector2d(0.1 * 5 / 6, 0.1));
     const SurfacePoint contact{{left, corner}, {0.25, 0.75}};
     for (const auto& [law, stiffness] : {std::pair("axial", 0.5), std::pair("axial", -0.05), std::pair("isotropic", -0.05)}) {
         INFO(law << " " << stiffness);

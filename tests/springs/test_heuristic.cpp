@@ -72,7 +72,7 @@ TEST_CASE("node masses (8) sum to rho t L^2, a corner carrying a quarter of an i
     const Eigen::VectorXd mass = node_masses(mesh, rho, t);
     CHECK(mass.size() == mesh.node_count());
     CHECK(mass.sum() == Approx(rho * t * L * L).epsilon(tolerance::rounding));
-    CHECK(mass[node_at(mesh, {0.05, 0.05})] == Approx(rho * t * 1e-4).epsilon(tolerance::rounding));
-    CHECK(mass[node_at(mesh, {0.0, 0.1})] == Approx(rho * t * 1e-4 / 4).epsilon(tolerance::rounding));
+    CHECK(mass[node_at(mesh, Eigen::Vector2d(0.05, 0.05))] == Approx(rho * t * 1e-4).epsilon(tolerance::rounding));
+    CHECK(mass[node_at(mesh, Eigen::Vector2d(0.0, 0.1))] == Approx(rho * t * 1e-4 / 4).epsilon(tolerance::rounding));
     CHECK(mass.minCoeff() > 0);
 }
