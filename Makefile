@@ -75,8 +75,8 @@ FORCE:
 ## all: the whole study, from mesh to report
 all: figures eval report
 
-## mesh: gmsh meshes the block (Sec. 2.2), or your shape
-mesh: $(R)/mesh.msh
+## mesh: gmsh meshes the block (Sec. 2.2), or your shape; a solid block's paths mesh for themselves
+mesh:
 
 ## cases: FreeFEM solves every load path (Sec. 2)
 cases: $(R)/cases.h5
@@ -212,6 +212,14 @@ endif
 # SHAPE_ARGUMENTS, and that the plan depends on the mesh.
 MESH_OPTION = $(if $(SHAPE),--mesh $(R)/mesh.msh)
 figures: $(FIGURES:%=$(R)/figures/%.png)
+
+# a solid block has no mesh of its own: SOLID is what scripts/solve_path makes one of, finest where a path pushes
+ifneq (,$(SOLID))
+mesh:
+	@echo "mesh  none of $(STUDY) itself: every load path of a solid block gets its own, of $(SOLID)"
+else
+mesh: $(R)/mesh.msh
+endif
 
 $(R)/plan.mk: $(STUDIES) $(TISSUECTL)
 	@$(TISSUECTL) plan --study fem/studies/$(STUDY).toml $(MESH_OPTION) --out $@

@@ -20,7 +20,7 @@ void run(const Options& o, Provenance provenance) {
     cases.study = study.name;
     cases.magnitudes_m = study.loads.magnitudes_m;
     cases.shape = study_shape(study, o.mesh);
-    cases.nodes = study_mesh(study, cases.shape, "edges").nodes;
+    cases.nodes = study_nodes(study, cases.shape);
     std::string hashes;
     for (const PlannedPath& planned : planned_paths(study, cases.shape)) {
         const std::string file = o.paths + "/" + planned.push.name + ".csv";

@@ -1,7 +1,10 @@
+#include <fmt/format.h>
+
 #include "cases/cases_table.h"
 #include "cases/load_path.h"
 #include "error.h"
 #include "mesh/mesh_fault.h"
+#include "version.h"
 
 namespace tissue {
 namespace {
@@ -190,8 +193,10 @@ const DatasetTable& cases_table(bool measured) {
 
 void write_cases(const std::string& file, const Cases& cases, const Provenance& provenance) {
     const bool measured = cases.measurement.has_value();
-    Hdf5Writer hdf5(file, "cases", provenance);
+    const bool solid = cases.nodes.cols() == 3;
+    Hdf5Writer hdf5(file, "cases", provenance, solid ? solid_format_version : format_version);
     hdf5.attribute("/", "study", cases.study);
+    if (solid) hdf5.attribute("/", "dimension", 3);
     TableWriter out(hdf5, cases_table(measured));
     out.write("/nodes", cases.nodes);
     if (cases.shape) write_shape(out, *cases.shape);
@@ -207,12 +212,27 @@ void write_cases(const std::string& file, const Cases& cases, const Provenance& 
     hdf5.commit();
 }
 
+namespace {
+
+/// Files of the plane do not say it.
+int dimension_of(const Hdf5Reader& file) {
+    if (!file.has_attribute("/", "dimension")) return 2;
+    const double D = file.number_attribute("/", "dimension");
+    if (D != 2 && D != 3) file.refuse("/", fmt::format("attribute 'dimension' is {}, must be 2 or 3", D));
+    return static_cast<int>(D);
+}
+
+}  // namespace
+
 Cases read_cases(const std::string& name) {
     const Hdf5Reader file(name, "cases");
     Cases cases;
     cases.study = file.text_attribute("/", "study");
     const bool measured = file.has("/measurement");
-    TableReader in(file, cases_table(measured), {{"D", 2}});
+    const int D = dimension_of(file);
+    for (const char* group : {"/measurement", "/shape"})
+        if (D == 3 && file.has(group)) file.refuse(group, "belongs to the plane, and these cases are of 3 dimensions");
+    TableReader in(file, cases_table(measured), {{"D", D}});
     cases.nodes = in.field("/nodes");
     if (file.has("/shape")) cases.shape = read_shape(in, cases.nodes);
     const Eigen::VectorXd magnitudes = in.vector("/magnitudes");

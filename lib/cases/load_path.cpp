@@ -13,6 +13,7 @@ namespace tissue {
 namespace {
 
 constexpr int csv_version = 1;
+constexpr double same_magnitude = 1e-9;  // relative
 
 /// FreeFEM's rows: the first field is the kind of row.
 class PathLines : public CsvLines {
@@ -161,7 +162,7 @@ Cases without_mirrors(const Cases& cases) {
 
 const PathRecord* LoadPath::record_at(double magnitude_m) const {
     for (const PathRecord& r : records)
-        if (std::abs(r.magnitude_m - magnitude_m) <= 1e-9 * magnitude_m) return &r;
+        if (std::abs(r.magnitude_m - magnitude_m) <= same_magnitude * magnitude_m) return &r;
     return nullptr;
 }
 
@@ -183,23 +184,34 @@ std::vector<std::string> labels_of(const std::vector<double>& magnitudes_m, int 
 
 }  // namespace
 
+std::vector<double> load_magnitudes(const Cases& cases, const LoadPath& path) {
+    std::vector<double> magnitudes;
+    if (cases.measurement) {
+        for (const PathRecord& r : path.records) magnitudes.push_back(r.magnitude_m);
+        return magnitudes;
+    }
+    for (double m : cases.magnitudes_m) {
+        if (m > path.depth_m * (1 + same_magnitude)) {
+            if (magnitudes.empty() || magnitudes.back() < path.depth_m * (1 - same_magnitude)) magnitudes.push_back(path.depth_m);
+            break;
+        }
+        magnitudes.push_back(m);
+    }
+    return magnitudes;
+}
+
 std::vector<LoadCase> load_cases(const Cases& cases) {
     std::vector<LoadCase> list;
-    const std::vector<std::string> labels = labels_of(cases.magnitudes_m, 6);
+    labels_of(cases.magnitudes_m, 6);  // refuses two at one magnitude
     for (const LoadPath& path : cases.paths) {
         if (path.role != "train") continue;
-        if (cases.measurement) {
-            std::vector<double> measured_m;
-            for (const PathRecord& r : path.records) measured_m.push_back(r.magnitude_m);
-            const std::vector<std::string> own = labels_of(measured_m, 5);
-            for (std::size_t r = 0; r < own.size(); ++r) list.push_back({path.name + "-" + own[r], &path, &path.records[r]});
-        }
+        const std::vector<double> magnitudes = load_magnitudes(cases, path);
+        const std::vector<std::string> labels = labels_of(magnitudes, cases.measurement ? 5 : 6);
         for (std::size_t m = 0; m < labels.size(); ++m) {
-            const double magnitude = cases.magnitudes_m[m];
-            const PathRecord* found = path.record_at(magnitude);
+            const PathRecord* found = cases.measurement ? &path.records[m] : path.record_at(magnitudes[m]);
             if (!found && !path.lost.empty()) continue;
             if (!found)
-                throw MismatchError(fmt::format("load path '{}' has no record at {} mm", path.name, 1e3 * magnitude));
+                throw MismatchError(fmt::format("load path '{}' has no record at {} mm", path.name, 1e3 * magnitudes[m]));
             list.push_back({path.name + "-" + labels[m], &path, found});
         }
     }

@@ -75,9 +75,13 @@ struct LoadCase {
     const PathRecord* record;
 };
 
-/// Every training path at every magnitude, path by path; of a path that FE lost, those it reached. Names have as many
-/// digits of the magnitude as tell them apart. Throws MismatchError when another path has no record at a magnitude, or
-/// two at one.
+/// Magnitudes [m] at which a training path is a load case, ascending: the cases', up to its depth, and its depth where it
+/// ends before the largest of them; measured: every record's.
+std::vector<double> load_magnitudes(const Cases& cases, const LoadPath& path);
+
+/// Every training path at every one of its load_magnitudes, path by path; of a path that FE lost, those it reached. Names
+/// have as many digits of the magnitude as tell them apart. Throws MismatchError when another path has no record at a
+/// magnitude, or two at one.
 /// The cases must outlive the result.
 std::vector<LoadCase> load_cases(const Cases& cases);
 

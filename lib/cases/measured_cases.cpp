@@ -207,8 +207,7 @@ void add_held_out(Cases& cases, const Outline& outline, const Push& push, const 
 }  // namespace
 
 Cases measured_cases(const Study& study, const MeasuredTable& table) {
-    const SpringMesh lattice =
-        make_lattice("grid4", study.cells[0], study.cells[1], study.geometry.width_m, study.geometry.height_m);
+    const SpringMesh lattice = make_lattice("grid4", study.lattice());
     const Outline outline(lattice);
     std::vector<Push> pushes = pushes_of(table, outline, study.data->surface_tolerance_m);
     const std::vector<std::vector<Push*>> contacts = contacts_of(pushes, apart_m);

@@ -16,6 +16,9 @@
 namespace tissue {
 namespace {
 
+constexpr const char* solid_geo = "fem/block3.geo";  ///< of which scripts/solve_path makes a mesh a path
+constexpr int nodule_label = 11;                     ///< of its elements there
+
 /// Words that a person wrote, as they stand in the fragment. make and the shell would take others apart, or run them.
 /// key: where they stand in the study; "" is the name of its file.
 const std::string& for_make(const Study& s, const std::string& key, const std::string& words) {
@@ -48,6 +51,24 @@ std::string law_arguments(const Study::Material& m) {
     return text;
 }
 
+/// For scripts/solve_path, which shares them between gmsh and fem/solve_solid.edp.
+std::string solid_arguments(const Study& s, const PlannedPath& path) {
+    const Study::Geometry& g = s.geometry;
+    const StudyPath& p = path.push;
+    std::string text = fmt::format(
+        "-geo {} -width {} -length {} -height {} -cells_x {} -cells_y {} -cells_z {} -size_near {} -size_far {} {}", solid_geo,
+        g.width_m, g.length_m, g.height_m, s.cells[0], s.cells[1], s.cells[2], path.sizes_m[0], path.sizes_m[1],
+        law_arguments(s.material));
+    if (s.nodule)
+        text += fmt::format(" -nodule_x {} -nodule_y {} -nodule_z {} -nodule_radius {} -C1_{5} {4} -C2_{5} {6}", s.nodule->centre_m[0],
+                            s.nodule->centre_m[1], s.nodule->centre_m[2], s.nodule->radius_m, s.nodule->C1_Pa, nodule_label, s.nodule->C2_Pa);
+    return text + fmt::format(
+        " -contact_x {} -contact_y {} -contact_z {} -direction_x {} -direction_y {} -direction_z {} -disc_radius {} -depth {} "
+        "-records {} -tolerance {} -max_newton {} -allow_lost 1",
+        p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1], p.direction[2], s.indenter.radius_m,
+        path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton);
+}
+
 /// For FreeFEM, fem/solve_path.edp. Numbers are written so that they read back to the same bits.
 std::string path_arguments(const Study& s, const PlannedPath& path) {
     const StudyPath& p = path.push;
@@ -70,7 +91,11 @@ std::string collect_part(const Study& s, const std::vector<PlannedPath>& paths) 
                            s.cells[1], s.geometry.width_m, s.geometry.height_m, s.data->file, s.data->seed,
                            s.data->validation_part, s.data->held_out_part, s.data->surface_tolerance_m,
                            s.data->stated_force_noise.value_or(0));
-    std::string text = s.geometry.is_block()
+    const std::string magnitudes = fmt::format("magnitudes {}\n", fmt::join(s.loads.magnitudes_m, " "));
+    std::string text = s.geometry.is_solid()
+                           ? fmt::format("cells {}\nsize {} {} {}\n", fmt::join(s.cells, " "), s.geometry.width_m, s.geometry.length_m,
+                                         s.geometry.height_m) + magnitudes
+                       : s.geometry.is_block()
                            ? fmt::format("cells {} {}\nsize {} {}\nmagnitudes {}\n", s.cells[0], s.cells[1],
                                          s.geometry.width_m, s.geometry.height_m, fmt::join(s.loads.magnitudes_m, " "))
                            : fmt::format("shape {}\nmagnitudes {}\n", s.geometry.shape, fmt::join(s.loads.magnitudes_m, " "));
@@ -83,6 +108,9 @@ std::string train_part(const Study& s) {
     const auto optional = [](const std::optional<double>& v) { return v ? fmt::format("{}", *v) : std::string("none"); };
     std::string regions;
     for (const Study::Region& r : s.material.regions) regions += fmt::format("region {} {}\n", r.name, r.youngs_modulus_Pa());
+    if (s.nodule)
+        regions += fmt::format("nodule {} {} {} {} {}\n", s.nodule->centre_m[0], s.nodule->centre_m[1], s.nodule->centre_m[2],
+                               s.nodule->radius_m, s.nodule->youngs_modulus_Pa());
     if (s.springs.is_law())
         return regions + fmt::format("law {} cap {} {}\nterms {}\nmodulus {}\ndensity {}\nthickness {}\nscales {} {} ridge {}\nstarts {} seed {}\n",
                                      s.springs.topology, s.springs.area_cap_E2, s.material.formulation, fmt::join(s.springs.terms, " "),
@@ -110,17 +138,18 @@ std::string shape_part(const Study& s) {
 }  // namespace
 
 Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
-    const bool block = study.geometry.is_block();
+    const bool solid = study.geometry.is_solid(), block = study.geometry.is_block() && !solid, shaped = !study.geometry.is_block();
     Plan plan;
     plan.fragment = fmt::format("# Written by tissuectl plan from study '{}'; do not edit.\n",
                                 for_make(study, "", study.name));
-    if (!block) {
+    if (shaped) {
         plan.fragment += fmt::format("SHAPE := {}\nSHAPE_ARGUMENTS := {}\n$(R)/plan.mk: $(R)/mesh.msh\n",
                                      for_make(study, "geometry.shape", study.geometry.shape), shape_arguments(study));
         plan.parts["shape"] = shape_part(study);
         if (!shape) return plan;
     }
-    if (study.springs.is_law()) try {
+    // a law of springs in space has no terms to look up yet
+    if (study.springs.is_law() && !solid) try {
             study_law(study, shape, study_mesh(study, shape, study.springs.topology));
         } catch (const MismatchError& e) {  // before hours of FE, not after
             throw StudyError(one_line(fmt::format("{}: key 'springs.terms': {}", study.file, e.what())));
@@ -135,7 +164,8 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         "FIGURES := {}\n",
         study.data ? "import " + for_make(study, "data.file", study.data->file) : "collect --paths $(R)/cases",
         study.data ? "import" : "collect",
-        study.springs.is_law() ? study.data            ? "held_out"
+        solid                    ? study.draws.empty() ? "" : "held_out held_out_force shape"
+        : study.springs.is_law() ? study.data            ? "held_out"
                                  : study.draws.empty() ? "contours"
                                                        : "held_out held_out_force shape contours"
         : study.loads.sweep ? "held_out held_out_force shape contours springs"
@@ -157,6 +187,19 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
             "$(R)/mesh-fine.msh: $(R)/plan/mesh-fine\n",
             mesh_arguments(study, study.check_refine));
         plan.parts["mesh-fine"] = mesh_arguments(study, study.check_refine) + "\n";
+    }
+    if (solid) {
+        plan.fragment += fmt::format("SOLID := {}\n", solid_geo);
+        for (const PlannedPath& path : paths) {
+            const std::string arguments = solid_arguments(study, path);
+            plan.fragment += fmt::format(
+                "\nPATHS += {0}\n"
+                "$(R)/cases/{0}.csv: PATH_ARGUMENTS = {1}\n"
+                "$(R)/cases/{0}.csv: $(R)/plan/path-{0} {2}\n",
+                path.push.name, arguments, solid_geo);
+            plan.parts["path-" + path.push.name] = arguments + "\n";
+        }
+        return plan;
     }
     for (const PlannedPath& path : paths) {
         const std::string arguments = path_arguments(study, path),

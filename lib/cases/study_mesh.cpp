@@ -6,12 +6,15 @@
 namespace tissue {
 
 SpringMesh study_mesh(const Study& study, const std::optional<Shape>& shape, const std::string& topology) {
-    if (study.geometry.is_block())
-        return make_lattice(topology, study.cells[0], study.cells[1], study.geometry.width_m, study.geometry.height_m);
+    if (study.geometry.is_block()) return make_lattice(topology, study.lattice());
     if (!shape) throw MismatchError("study '" + study.name + "' has a shape, and these cases have none");
     const Topology& kind = topologies().at(topology);
     if (kind.needs_lattice()) throw MismatchError("topology '" + topology + "' is not possible on a shape");
     return kind.on_shape(*shape);
+}
+
+NodeField study_nodes(const Study& study, const std::optional<Shape>& shape) {
+    return study_mesh(study, shape, study.geometry.is_solid() ? study.springs.topology : "edges").nodes;
 }
 
 std::optional<Shape> study_shape(const Study& study, const std::string& mesh_file) {

@@ -12,6 +12,9 @@ namespace tissue {
 /// Throws MismatchError when the study has a shape and none is given, or the topology is not the shape's.
 SpringMesh study_mesh(const Study& study, const std::optional<Shape>& shape, const std::string& topology);
 
+/// Its nodes alone (N x D). Throws as study_mesh.
+NodeField study_nodes(const Study& study, const std::optional<Shape>& shape);
+
 /// The shape of a study that has one, from the mesh file that tissuectl shape wrote; nothing for the block.
 /// Throws MismatchError when the file is needed and its name is empty; FileError.
 std::optional<Shape> study_shape(const Study& study, const std::string& mesh_file);

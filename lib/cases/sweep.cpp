@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <set>
 
+#include "cases/solid_sweep.h"
 #include "cases/study_mesh.h"
 #include "error.h"
 #include "mesh/outline.h"
@@ -177,10 +179,34 @@ std::vector<PlannedPath> swept_paths(const Study& study, const std::optional<Sha
     return paths;
 }
 
+/// Whether a variant keeps a training path.
+std::function<bool(const LoadPath&)> kept_in_the_plane(const Study& study, const Cases& cases, const Study::Variant& variant) {
+    const Outline outline(study_mesh(study, cases.shape, "edges"));
+    const std::vector<Contact> contacts =
+        training_contacts(outline, {study.loads.sweep->spacing_m, study.loads.sweep->clearance_m, variant.angles_deg, variant.arcs_m},
+                          study.geometry.is_block());
+    return [outline, contacts](const LoadPath& path) {
+        const double arc = outline.arc_of(path.contact_m), angle = outline.angle(arc, path.direction);
+        return std::any_of(contacts.begin(), contacts.end(), [&](const Contact& c) {
+            return std::abs(c.arc - arc) < 1e-7 && std::abs(c.angle - angle) < 1e-6;
+        });
+    };
+}
+
+std::function<bool(const LoadPath&)> kept_in_space(const Study& study, const Study::Variant& variant) {
+    const std::vector<StudyPath>& all = study.loads.paths;
+    std::set<std::string> names;
+    for (std::size_t i = 0; i < all.size() && (variant.first_paths == 0 || i < static_cast<std::size_t>(variant.first_paths)); ++i)
+        names.insert(all[i].name);
+    return [names](const LoadPath& path) { return names.count(path.name) > 0; };
+}
+
 }  // namespace
 
 std::vector<PlannedPath> planned_paths(const Study& study, const std::optional<Shape>& shape) {
-    std::vector<PlannedPath> paths = study.loads.sweep ? swept_paths(study, shape) : listed_paths(study);
+    std::vector<PlannedPath> paths = study.geometry.is_solid() ? solid_paths(study)
+                                     : study.loads.sweep       ? swept_paths(study, shape)
+                                                               : listed_paths(study);
     std::set<std::string> names;
     for (const PlannedPath& p : paths)
         if (!names.insert(p.push.name).second)
@@ -189,22 +215,15 @@ std::vector<PlannedPath> planned_paths(const Study& study, const std::optional<S
 }
 
 Cases thinned(const Study& study, const Cases& cases, const Study::Variant& variant) {
-    const Outline outline(study_mesh(study, cases.shape, "edges"));
-    const std::vector<Contact> kept =
-        training_contacts(outline, {study.loads.sweep->spacing_m, study.loads.sweep->clearance_m, variant.angles_deg, variant.arcs_m},
-                          study.geometry.is_block());
     Cases result;
     result.study = cases.study;
     result.nodes = cases.nodes;
     result.shape = cases.shape;
     result.magnitudes_m = variant.magnitudes_m;
-    for (const LoadPath& path : cases.paths) {
-        const double arc = outline.arc_of(path.contact_m), angle = outline.angle(arc, path.direction);
-        const bool keep = path.role != "train" || std::any_of(kept.begin(), kept.end(), [&](const Contact& c) {
-            return std::abs(c.arc - arc) < 1e-7 && std::abs(c.angle - angle) < 1e-6;
-        });
-        if (keep) result.paths.push_back(path);
-    }
+    const std::function<bool(const LoadPath&)> kept =
+        study.geometry.is_solid() ? kept_in_space(study, variant) : kept_in_the_plane(study, cases, variant);
+    for (const LoadPath& path : cases.paths)
+        if (path.role != "train" || kept(path)) result.paths.push_back(path);
     return result;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -16,12 +17,13 @@ struct PlannedPath {
     double depth_m;
     int records;         ///< after the one at rest
     int refine;          ///< of the mesh it is solved on
+    std::array<double, 2> sizes_m = {};  ///< of a solid: of that mesh's elements, near the contact and far from it
 };
 
 /// Every FE solve a study needs, in a fixed order, all drawn before any of them runs. Of training contacts that mirror
 /// each other only one is solved (mirrored() makes the other). Drawn contacts keep 2 mm or 5 degrees from every
 /// training contact. A shape, for a study that has one, need not mirror itself: all its contacts are solved.
-/// Every name stands once. Throws MismatchError when a draw finds no such contact, and when a listed path is named as
+/// Of a solid: cases/solid_sweep.h. Every name stands once. Throws MismatchError when a draw finds no such contact, and when a listed path is named as
 /// another's check.
 std::vector<PlannedPath> planned_paths(const Study& study, const std::optional<Shape>& shape = {});
 

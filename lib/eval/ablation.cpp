@@ -18,9 +18,7 @@ Json statistics(const Statistics& s) { return {{"median", s.median}, {"p95", s.p
 
 std::vector<VariantResult> ablate(const Study& study, const Cases& cases, int threads,
                                   const std::function<void(int, int, const std::string&)>& progress) {
-    std::vector<Study::Variant> variants = {{study.name, study.springs.terms, study.springs.area_cap_E2,
-                                             study.training.shape_scale, study.loads.sweep->arcs_m,
-                                             study.loads.sweep->angles_deg, study.loads.magnitudes_m}};
+    std::vector<Study::Variant> variants = {study.whole()};
     variants.insert(variants.end(), study.variants.begin(), study.variants.end());
     std::vector<VariantResult> results;
     for (const Study::Variant& v : variants) {

@@ -250,8 +250,8 @@ Hdf5Reader::Hdf5Reader(std::string file, const std::string& kind) : file_(std::m
         if (H5Aexists(id_, "program") <= 0 || text_attribute("/", "program") != "tissuectl")
             refuse("/", "was not written by tissuectl");
         const double file_version = number_attribute("/", "format_version");
-        if (file_version > law_format_version)
-            refuse("/", fmt::format("format version {} is later than this program's {}", file_version, law_format_version));
+        if (file_version > solid_format_version)
+            refuse("/", fmt::format("format version {} is later than this program's {}", file_version, solid_format_version));
         const std::string file_kind = text_attribute("/", "kind");
         if (!kind.empty() && file_kind != kind)
             refuse("/", fmt::format("holds '{}', wanted '{}'", file_kind, kind));
@@ -321,6 +321,10 @@ std::vector<std::string> Hdf5Reader::texts(const std::string& name) const {
         H5free_memory(text);
     }
     return texts;
+}
+
+bool Hdf5Reader::has_attribute(const std::string& object, const std::string& key) const {
+    return H5Aexists_by_name(id_, object.c_str(), key.c_str(), H5P_DEFAULT) > 0;
 }
 
 std::string Hdf5Reader::text_attribute(const std::string& object, const std::string& key) const {

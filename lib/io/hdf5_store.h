@@ -87,6 +87,7 @@ class Hdf5Reader {
     NodeField field(const std::string& name) const;
     std::vector<int> integers(const std::string& name) const;
     std::vector<std::string> texts(const std::string& name) const;
+    bool has_attribute(const std::string& object, const std::string& key) const;
     std::string text_attribute(const std::string& object, const std::string& key) const;
     double number_attribute(const std::string& object, const std::string& key) const;
 

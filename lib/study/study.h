@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "field.h"
+#include "mesh/spring_mesh.h"
 
 namespace tissue {
 
@@ -13,6 +15,7 @@ struct StudyPath {
     std::string name;           ///< file name of its results: lower-case letters, digits, '-'
     Point contact_m;            ///< position on the outline, in space on the surface [m] (D)
     Point direction;            ///< unit vector of the push (D)
+    double depth_m = 0;         ///< how deep it goes; 0: to the largest magnitude
 };
 
 /// Everything a study file (fem/studies/NAME.toml) says. Every key is listed in results/FORMATS.md.
@@ -21,11 +24,14 @@ struct Study {
     std::string file;
 
     struct Geometry {
-        double width_m, height_m, thickness_m;  ///< width and height are the block's
+        double width_m, height_m, thickness_m;  ///< width and height are the block's; thickness of a solid: 1, so that
+                                                ///< E t is E
+        double length_m = 0;              ///< of a solid block, along y, between width along x and height along z; 0: the plane
         std::string shape;                ///< mesh or outline file of any other tissue; empty for the block
         double unit_m = 1;                ///< that file's unit of length
         std::vector<std::string> fixed;   ///< names of its physical curves that are held
         bool is_block() const { return shape.empty(); }
+        bool is_solid() const { return length_m > 0; }
     } geometry;
 
     /// What a law needs to know, of the base material or of a region.
@@ -42,13 +48,20 @@ struct Study {
     struct Material : LawParameters {
         std::string law;  ///< mooney-rivlin, neo-Hookean (C2 = 0) or ogden
         double density_kg_m3;
-        std::string formulation;  ///< plane-stress or plane-strain
+        std::string formulation;  ///< plane-stress or plane-strain; of a solid incompressible
         std::vector<Region> regions;  ///< of the same law, in alphabetical order
 
         std::vector<std::string> region_names() const;
     } material;
 
-    int cells[2];            ///< of the block's spring lattice, along x and y
+    /// A ball of other material inside a solid block.
+    struct Nodule : LawParameters {
+        Point centre_m;  ///< (3)
+        double radius_m;
+    };
+    std::optional<Nodule> nodule;
+
+    std::vector<int> cells = {0, 0};  ///< of the block's spring lattice, along x and y, of a solid z too
     double spring_size_m = 0;  ///< length of the springs that gmsh fills an outline with; 0 for a shape that is a mesh
 
     /// Measured contact forces in place of finite elements.
@@ -61,11 +74,17 @@ struct Study {
     };
     std::optional<Data> data;         ///< absent: the cases are FE's; what follows, down to `springs`, says how
 
-    int refine = 0;          ///< finite elements along a lattice cell's, or a spring's, side
+    int refine = 0;          ///< finite elements along a lattice cell's, or a spring's, side; of a solid 0
+    std::array<double, 2> sizes_m{};  ///< of a solid's finite elements, at the contact and far from it
 
     struct Indenter {
-        std::string kind;      ///< point: one FE node; patch: all boundary points within half_width_m move alike
+        std::string kind;      ///< point: one FE node; patch: all boundary points within half_width_m move alike; disc: of a
+                               ///< solid's top, all within radius_m
         double half_width_m = 0;  ///< of a patch, along the boundary; 0 for a point
+        double radius_m = 0;      ///< of a disc
+
+        /// What a disc's middle keeps from every wall.
+        double clearance_m() const { return radius_m + 0.005; }
     } indenter;
 
     struct Solver {
@@ -76,7 +95,7 @@ struct Study {
     struct Loads {
         std::vector<double> magnitudes_m;  ///< ascending; every one a record
         double record_step_m = 0;
-        std::vector<StudyPath> paths;      ///< listed one by one; empty when swept
+        std::vector<StudyPath> paths;      ///< listed one by one; empty when swept; of a solid: every push of its contacts
 
         /// Training contacts all along the free surface, in place of a list.
         struct Sweep {
@@ -102,15 +121,18 @@ struct Study {
 
     /// Contacts drawn by seed before any solve, between the trained ones: to choose with, or to prove with.
     struct Draws {
-        std::string role;                  ///< validation, held_out or held_out_full
+        std::string role;                  ///< validation, held_out or held_out_full; of a solid held_out_WORD too
         unsigned long seed;
         int count;
         double depth_m[2];                 ///< range of the push
-        double max_angle_deg;              ///< off the inward normal
+        double max_angle_deg;              ///< off the inward normal; in the plane
+        double tilt_deg[2] = {0, 0};       ///< of a solid: range off the inward normal,
+        double clearance_m[2] = {0, 0};    ///< and of the distance from the nearest wall
     };
     std::vector<Draws> draws;
     double check_fraction = 0;             ///< of listed paths, or of held_out contacts, solved again on a finer mesh
     int check_refine = 0;                  ///< that mesh's `refine`; 0: none
+    std::array<double, 2> check_sizes_m{};  ///< of a solid: that mesh's `sizes_m`; 0: none
 
     struct Training {
         std::string optimizer;
@@ -134,8 +156,15 @@ struct Study {
         std::vector<double> arcs_m;        ///< of the training contacts kept; empty where the sweep has a spacing: all
         std::vector<double> angles_deg;    ///< of the pushes kept
         std::vector<double> magnitudes_m;  ///< of the load cases kept
+        int first_paths = 0;               ///< of a solid: training paths kept, in the study's order; 0: all
     };
     std::vector<Variant> variants;
+
+    /// The study itself, among its variants.
+    Variant whole() const;
+
+    /// Of the block's springs.
+    Lattice lattice() const;
 
     /// E2 = E t [N/m], the two-dimensional Young's modulus of (7).
     double modulus_N_m() const { return material.youngs_modulus_Pa() * geometry.thickness_m; }

@@ -162,6 +162,24 @@ std::vector<double> TomlReader::numbers(const std::string& key, std::size_t coun
     return values;
 }
 
+std::vector<std::vector<double>> TomlReader::rows(const std::string& key, std::size_t count) {
+    const std::string wanted = fmt::format("must be a list of lists of {} finite numbers", count);
+    const toml::array* array = require(key).as_array();
+    if (!array || array->empty()) refuse(key, wanted);
+    std::vector<std::vector<double>> rows;
+    for (const toml::node& node : *array) {
+        const toml::array* row = node.as_array();
+        if (!row || row->size() != count) refuse(key, wanted);
+        std::vector<double>& values = rows.emplace_back();
+        for (const toml::node& number : *row) {
+            const std::optional<double> value = number.value<double>();
+            if (!value || !std::isfinite(*value)) refuse(key, wanted);
+            values.push_back(*value);
+        }
+    }
+    return rows;
+}
+
 std::vector<std::string> TomlReader::keys() const {
     std::vector<std::string> names;
     for (const auto& [key, node] : *table_) names.emplace_back(key.str());

@@ -40,6 +40,8 @@ class TomlReader {
     std::vector<std::string> texts(const std::string& key);
     std::vector<double> numbers(const std::string& key, Range range = {});
     std::vector<double> numbers(const std::string& key, std::size_t count, Range range = {});
+    /// A list of lists of so many numbers, not empty.
+    std::vector<std::vector<double>> rows(const std::string& key, std::size_t count);
     std::vector<std::string> keys() const;  ///< in alphabetical order
     bool has(const std::string& key) const { return table_->contains(key); }
 

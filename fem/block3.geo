@@ -1,0 +1,97 @@
+// A block of tissue in three dimensions, held at its bottom, meshed finely about the disc that pushes on its top.
+//
+//        +----------------+  top, z = height: the disc is a face of its own, so that its rim is a line of nodes
+//       /     (disc)     /|
+//      +----------------+ |     x: 0 .. width, y: 0 .. length, z: 0 .. height
+//      |     (nodule)   | +     Boundaries are named (bottom 1, the free rest 2); the tissue is 10, the nodule 11.
+//      |                |/
+//      +----------------+  bottom, z = 0, held
+//
+// Parameters, set with gmsh -setnumber [m]:
+//   width, length, height       size of the block
+//   contact_x, contact_y        the disc's middle;  disc_radius
+//   size_near                   elements within disc_radius + 2 mm of the contact;  size_far: far away
+//   nodule_x, nodule_y, nodule_z, nodule_radius   a ball of its own material; radius 0: none
+// Sample run: gmsh -3 -format msh22 -setnumber contact_x 0.043 fem/block3.geo -o path.msh
+
+DefineConstant[ width = 0.1, length = 0.1, height = 0.05, contact_x = 0.05, contact_y = 0.05, disc_radius = 0.007,
+                size_near = 0.0035, size_far = 0.015,
+                nodule_x = 0.05, nodule_y = 0.05, nodule_z = 0.025, nodule_radius = 0 ];
+
+If (disc_radius <= 0 || size_near <= 0 || size_far < size_near)
+  Error("block3.geo: disc_radius and size_near must be positive and size_far at least size_near, got %g, %g, %g m",
+        disc_radius, size_near, size_far);
+  Abort;
+EndIf
+least = 0.5 * size_near;  // [m] between the disc's rim and an edge of the top, or nodule and walls: else slivers
+room = contact_x;
+room = (contact_y < room) ? contact_y : room;
+room = (width - contact_x < room) ? width - contact_x : room;
+room = (length - contact_y < room) ? length - contact_y : room;
+If (room < disc_radius + least)
+  Error("block3.geo: the disc of radius %g m about (%g, %g) m does not fit on the top face", disc_radius, contact_x, contact_y);
+  Abort;
+EndIf
+
+SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, width, length, height};
+Disk(100) = {contact_x, contact_y, height, disc_radius};
+nodules[] = {};
+If (nodule_radius > 0)
+  room = nodule_x;
+  room = (nodule_y < room) ? nodule_y : room;
+  room = (nodule_z < room) ? nodule_z : room;
+  room = (width - nodule_x < room) ? width - nodule_x : room;
+  room = (length - nodule_y < room) ? length - nodule_y : room;
+  room = (height - nodule_z < room) ? height - nodule_z : room;
+  If (room < nodule_radius + least)
+    Error("block3.geo: the nodule of radius %g m about (%g, %g, %g) m does not fit inside the block",
+          nodule_radius, nodule_x, nodule_y, nodule_z);
+    Abort;
+  EndIf
+  Sphere(2) = {nodule_x, nodule_y, nodule_z, nodule_radius};
+  nodules[] = {2};
+EndIf
+BooleanFragments{ Volume{1}; Delete; }{ Volume{nodules[]}; Surface{100}; Delete; }
+
+e = 1e-4 * height;  // more than the tolerance of OpenCASCADE's own boxes
+bottom[] = Surface In BoundingBox{-e, -e, -e, width + e, length + e, e};
+all[] = Abs(CombinedBoundary{ Volume{:}; });
+free[] = all[];
+free[] -= bottom[];
+ball[] = {};
+If (nodule_radius > 0)
+  r = nodule_radius * 1.001;
+  ball[] = Volume In BoundingBox{nodule_x - r, nodule_y - r, nodule_z - r, nodule_x + r, nodule_y + r, nodule_z + r};
+EndIf
+tissue[] = Volume{:};
+tissue[] -= ball[];
+
+Physical Surface("bottom", 1) = {bottom[]};
+Physical Surface("free", 2) = {free[]};
+Physical Volume("tissue", 10) = {tissue[]};
+If (nodule_radius > 0)
+  Physical Volume("nodule", 11) = {ball[]};
+EndIf
+
+Field[1] = Ball;
+Field[1].XCenter = contact_x;  Field[1].YCenter = contact_y;  Field[1].ZCenter = height;
+Field[1].Radius = disc_radius + 0.002;
+Field[1].VIn = size_near;  Field[1].VOut = size_far;
+Field[1].Thickness = 3.5 * (size_far - size_near);
+Field[2] = Ball;
+Field[2].XCenter = nodule_x;  Field[2].YCenter = nodule_y;  Field[2].ZCenter = nodule_z;
+Field[2].Radius = nodule_radius;
+Field[2].VIn = (nodule_radius > 0 && 0.6 * nodule_radius < size_far) ? 0.6 * nodule_radius : size_far;
+Field[2].VOut = size_far;
+Field[2].Thickness = 2.5 * size_far;
+Field[3] = Min;
+Field[3].FieldsList = {1, 2};
+Background Field = 3;
+Mesh.MeshSizeExtendFromBoundary = 0;
+Mesh.MeshSizeFromPoints = 0;
+Mesh.MeshSizeFromCurvature = 0;
+Mesh.Algorithm = 6;     // frontal
+Mesh.Algorithm3D = 1;   // Delaunay
+Mesh.Optimize = 1;
+General.NumThreads = 1;

@@ -1,0 +1,250 @@
+#!/bin/sh
+# Tests of the FreeFEM truth in three dimensions: one line per check, "ok - sentence" or "not ok - sentence: measured vs
+# wanted". Exits 0 when every check passed. Needs FreeFem++-nw and gmsh; takes two minutes.
+#
+# Sample runs: tests/fem/test_solid.sh
+#              tests/fem/test_solid.sh scripts|orders|paths|mirror|refine|refusals|count      one group alone
+here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
+root=$here/../..
+fem=$root/fem
+only=${1:-all}
+group() { [ "$only" = all ] || [ "$only" = "$1" ]; }
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT INT TERM
+FF_LOADPATH=$("$root/scripts/freefem_plugins")
+export FF_LOADPATH OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 SCOTCH_PTHREAD_NUMBER=1
+results=$work/results
+: > "$results"
+
+say() { echo "$1" | tee -a "$results"; }
+# runs a test script; a script that ends without its own verdict is a failed check
+script() {
+  log=$work/log
+  # shellcheck disable=SC2086  # arguments have no blanks
+  if ! FreeFem++-nw -nw -v 0 "$here/$1" $2 -C1 263 -C2 491 > "$log" 2>&1; then
+    grep -q '^not ok' "$log" || say "not ok - $1 $2 runs: $(grep -v '^ok' "$log" | tail -n 3 | tr '\n' ' ') vs a verdict"
+  fi
+  grep -E '^(not )?ok - ' "$log" | tee -a "$results"
+}
+mesh() { # NAME NEAR FAR [-setnumber ...]
+  name=$1 near=$2 far=$3
+  shift 3
+  gmsh -v 1 -3 -format msh22 -setnumber size_near "$near" -setnumber size_far "$far" "$@" "$fem/block3.geo" -o "$work/$name.msh" > /dev/null
+}
+# solve NAME MESH DEPTH RECORDS X Y DX DY DZ [more]
+solve() {
+  name=$1 msh=$2 depth=$3 records=$4 x=$5 y=$6 dx=$7 dy=$8 dz=$9
+  shift 9
+  FreeFem++-nw -nw -v 0 "$fem/solve_solid.edp" -mesh "$work/$msh.msh" -out "$work/$name.csv" -width 0.1 -length 0.1 -height 0.05 \
+    -C1 263 -C2 491 -cells_x 10 -cells_y 10 -cells_z 5 -contact_x "$x" -contact_y "$y" -contact_z 0.05 -direction_x "$dx" \
+    -direction_y "$dy" -direction_z "$dz" -disc_radius 0.007 -depth "$depth" -records "$records" -tolerance 1e-10 -max_newton 12 "$@" \
+    > "$work/$name.log" 2> "$work/$name.err"
+}
+# paths that must be refused: exit 1 (2 for arguments), one line on stderr, no end line
+refused() {  # NAME STATUS WANTED-CODE WORDS SENTENCE
+  lines=$(wc -l < "$work/$1.err")
+  if [ "$2" = "$3" ] && [ "$lines" = 1 ] && grep -q -e "$4" "$work/$1.err" && ! { [ -f "$work/$1.csv" ] && grep -q '^end' "$work/$1.csv"; }
+  then say "ok - $5"
+  else say "not ok - $5: exit $2, $lines lines, '$(head -c 200 "$work/$1.err")' vs exit $3 and one line with '$4'"; fi
+}
+tilt="0.5 0 -0.86602540378443865"
+mesh off 0.005 0.02 -setnumber contact_x 0.043
+
+# ---- closed forms, derivatives, balance: the scripts' own checks
+if group scripts; then
+  script solid_homogeneous.edp "-state uniaxial"
+  script solid_homogeneous.edp "-state shear"
+  script solid_tangent.edp
+  script solid_balance.edp "-mesh $work/off.msh -contact_x 0.043 -contact_y 0.05 -direction_x 0 -direction_y 0 -direction_z -1"
+  script solid_balance.edp "-mesh $work/off.msh -contact_x 0.043 -contact_y 0.05 -direction_x 0.3 -direction_y -0.4 -direction_z -0.86602540378443865"
+fi
+
+# ---- a smooth solution: P2 displacement of order 3 in L2 and 2 in H1, P1 pressure of order 2 in L2
+if group orders; then
+  : > "$work/orders"
+  for cells in 4 8; do
+    FreeFem++-nw -nw -v 0 "$here/solid_manufactured.edp" -C1 263 -C2 491 -cells $cells 2>&1 | grep -E '^(errors|not ok)' >> "$work/orders"
+  done
+  awk '
+    function check(what, a, b, order,   rate) {
+      rate = (b > 0) ? log(a / b) / log(2) : 0
+      if (rate > order - 0.15 && rate < order + 0.4) printf "ok - %s converges with order %d in three dimensions, measured %.2f\n", what, order, rate
+      else printf "not ok - %s converges with order %d in three dimensions: %.2f vs %d\n", what, order, rate, order
+    }
+    /^errors/ { n++; l2[n] = $3; h1[n] = $4; p[n] = $5 }
+    /^not ok/ { print }
+    END {
+      if (n < 2) print "not ok - manufactured solution solves on two meshes in three dimensions: " n + 0 " vs 2"
+      else { check("displacement in L2", l2[1], l2[2], 3); check("displacement in H1", h1[1], h1[2], 2); check("pressure in L2", p[1], p[2], 2) }
+    }' "$work/orders" | tee -a "$results"
+fi
+
+# ---- whole paths
+step() { awk -F, -v r="$2" -v c="$3" '$1 == "step" && $2 == r { print $c }' "$work/$1.csv"; }
+if group paths; then
+  solve a off 0.01 5 0.043 0.05 $tilt
+  solve b off 0.01 5 0.043 0.05 $tilt
+  if cmp -s "$work/a.csv" "$work/b.csv"; then say "ok - a path has the same bytes twice"
+  else say "not ok - a path has the same bytes twice: $(cmp "$work/a.csv" "$work/b.csv" 2>&1) vs none"; fi
+  awk -F, '
+    function size(a) { return a < 0 ? -a : a }
+    $1 == "step" {
+      r = $2; s[r] = $3; E[r] = $4; push[r] = 0.5 * $5 - 0.86602540378443865 * $7; for (j = 0; j < 3; ++j) { support[r, j] = $(8 + j); sum[r, j] = 0 }
+      J[r] = $11; fields = NF
+    }
+    $1 == "node" { ++nodes; nodeFields = NF; for (j = 0; j < 3; ++j) sum[r, j] += $(8 + j) }
+    $1 == "end" { records = $2 }
+    END {
+      if (records == 6 && nodes == 6 * 726 && fields == 13 && nodeFields == 10) print "ok - a path writes its records, 726 nodes each, three numbers where the plane has two"
+      else print "not ok - a path writes its records: " records + 0 ", " nodes + 0 " nodes, " fields + 0 " and " nodeFields + 0 " fields vs 6, 4356, 13 and 10"
+      for (r = 1; r < records; ++r) {
+        # Simpson over two records where there are; the force is nearly a polynomial of s
+        for (j = 0; j < 3; ++j) if (size(sum[r, j]) > off) off = size(sum[r, j])
+        if (r == 1 || J[r] < least) least = J[r]
+      }
+      work = (s[2] - s[0]) / 6 * (push[0] + 4 * push[1] + push[2]) + (s[4] - s[2]) / 6 * (push[2] + 4 * push[3] + push[4])
+      e = size(work / E[4] - 1)
+      if (e < 1e-3) print "ok - the energy of a path is the work of its conjugate force"
+      else print "not ok - the energy of a path is the work of its conjugate force: off by " e " vs 1e-3"
+      if (off < 1e-9 * push[5]) print "ok - what the lattice records of forces adds up to nothing"
+      else print "not ok - what the lattice records of forces adds up to nothing: " off " N vs " 1e-9 * push[5]
+      if (least > 0) print "ok - J stays positive in a push of 10 mm at 30 degrees"
+      else print "not ok - J stays positive in a push of 10 mm at 30 degrees: " least " vs > 0"
+    }' "$work/a.csv" | tee -a "$results"
+  # a nodule: of the same material it is none, a stiff one is felt
+  mesh nodule 0.005 0.02 -setnumber contact_x 0.043 -setnumber nodule_x 0.05 -setnumber nodule_y 0.05 -setnumber nodule_z 0.03 -setnumber nodule_radius 0.008
+  solve n nodule 0.002 1 0.043 0.05 0 0 -1
+  solve same nodule 0.002 1 0.043 0.05 0 0 -1 -C1_11 263 -C2_11 491
+  solve stiff nodule 0.002 1 0.043 0.05 0 0 -1 -C1_11 2630 -C2_11 4910
+  if cmp -s "$work/n.csv" "$work/same.csv"; then say "ok - a nodule of the same material changes no bit"
+  else say "not ok - a nodule of the same material changes no bit: $(cmp "$work/n.csv" "$work/same.csv" 2>&1) vs none"; fi
+  ratio=$(echo "$(step stiff 1 7) $(step n 1 7)" | awk '{ print ($2 != 0) ? $1 / $2 : 0 }')
+  if awk "BEGIN { exit !($ratio > 1.01 && $ratio < 2) }"; then say "ok - a nodule ten times as stiff is felt"
+  else say "not ok - a nodule ten times as stiff is felt: force times $ratio vs 1.01 to 2"; fi
+fi
+
+# ---- mirror images: exactly on a mirrored mesh; on gmsh's own meshes within their error
+mirrored() { # ONE OTHER TOLERANCE SENTENCE: displacements of lattice nodes and the contact's force
+  awk -F, -v tolerance="$3" -v what="$4" '
+    function size(a) { return a < 0 ? -a : a }
+    $1 == "step" { r = $2 }
+    FNR == NR && $1 == "step" { fx[r] = -$5; fy[r] = $6; fz[r] = $7 }
+    FNR == NR && $1 == "node" { key = r "," sprintf("%.6f,%.6f,%.6f", 0.1 - $2, $3, $4); a[key, 5] = -$5; a[key, 6] = $6; a[key, 7] = $7 }
+    FNR != NR && $1 == "step" { e = (size($5 - fx[r]) + size($6 - fy[r]) + size($7 - fz[r])) / (size(fz[r]) + 1e-300); if (r > 0 && e > worstForce) worstForce = e }
+    FNR != NR && $1 == "node" {
+      key = r "," sprintf("%.6f,%.6f,%.6f", $2, $3, $4); ++n; if (!((key, 5) in a)) bad = 1e9
+      for (i = 5; i <= 7; ++i) { e = size($i - a[key, i]); if (e > worst) worst = e; if (size($i) > largest) largest = size($i) }
+    }
+    END {
+      e = (largest > 0) ? worst / largest + worstForce + bad : 1e9
+      if (n > 0 && e <= tolerance) printf "ok - %s: relative difference %.1e\n", what, e
+      else print "not ok - " what ": relative difference " e " vs " tolerance
+    }' "$work/$1.csv" "$work/$2.csv" | tee -a "$results"
+}
+if group mirror; then
+  awk '/^\$Nodes/ { nodes = 1 } /^\$Elements/ { elements = 1 }
+    nodes && NF == 4 { $2 = sprintf("%.17g", 0.1 - $2) }
+    elements && $2 == 4 { t = $NF; $NF = $(NF - 1); $(NF - 1) = t }
+    elements && $2 == 2 { t = $NF; $NF = $(NF - 1); $(NF - 1) = t }
+    /^\$EndNodes/ { nodes = 0 } { print }' "$work/off.msh" > "$work/flipped.msh"
+  mesh other 0.005 0.02 -setnumber contact_x 0.057
+  solve l off 0.004 2 0.043 0.05 $tilt
+  solve r flipped 0.004 2 0.057 0.05 -0.5 0 -0.86602540378443865
+  mirrored l r 1e-8 "mirrored pushes have mirrored answers on a mirrored mesh"
+  solve g other 0.004 2 0.057 0.05 -0.5 0 -0.86602540378443865
+  mirrored l g 0.05 "mirrored pushes have mirrored answers on gmsh's own meshes, within the mesh's error"
+fi
+
+# ---- the disc's force settles under refinement
+if group refine; then
+  for size in "1 0.0056 0.024" "2 0.004 0.017" "3 0.0028 0.012" "4 0.002 0.0085"; do
+    # shellcheck disable=SC2086
+    set -- $size
+    mesh f$1 "$2" "$3" -setnumber contact_x 0.043
+    solve f$1 f$1 0.002 1 0.043 0.05 $tilt
+  done
+  cat "$work"/f?.csv | awk -F, '
+    $1 == "step" && $2 == 1 { n++; force[n] = 1e3 * (0.5 * $5 - 0.86602540378443865 * $7) }
+    END {
+      a = force[1] - force[3]; b = force[2] - force[4]; last = force[3] - force[4]
+      line = sprintf("%.3f %.3f %.3f %.3f mN on 5.6, 4, 2.8, 2 mm elements", force[1], force[2], force[3], force[4])
+      if (n == 4 && b > 0 && b < a && last < 0.01 * force[4]) printf "ok - the disc'"'"'s force settles under refinement, rate %.2f: %s\n", 2 * log(a / b) / log(2), line
+      else printf "not ok - the disc'"'"'s force settles under refinement: %s vs shrinking differences\n", line
+    }' | tee -a "$results"
+fi
+
+# ---- refusals
+if group refusals; then
+solve wall off 0.002 1 0.005 0.05 0 0 -1
+refused wall $? 1 "does not fit on the top face" "a disc that hangs over the edge is refused"
+solve long off 0.002 1 0.043 0.05 0 1 -1
+refused long $? 2 "unit vector" "a direction in space that is no unit vector is refused"
+solve law off 0.002 1 0.043 0.05 0 0 -1 -law ogden
+refused law $? 2 "-law must be mooney-rivlin" "a law that is not there in three dimensions is refused"
+solve unknown off 0.002 1 0.043 0.05 0 0 -1 -patch_half_width 0.005
+refused unknown $? 2 "-patch_half_width is not known" "an argument nobody reads is refused"
+solve elsewhere off 0.002 1 0.053 0.05 0 0 -1
+refused elsewhere $? 1 "no line of the mesh follows the disc" "a mesh made for another contact is refused"
+head -c 9000 "$work/off.msh" > "$work/broken.msh"
+solve broken broken 0.002 1 0.043 0.05 0 0 -1
+refused broken $? 1 "cannot read a whole mesh" "a mesh file in space that breaks off is refused"
+awk '/^\$Elements/ { inside = 1 } inside && $2 == 2 && $4 == 1 { $4 = 2 } { print }' "$work/off.msh" > "$work/unnamed.msh"
+solve unnamed unnamed 0.002 1 0.043 0.05 0 0 -1
+refused unnamed $? 1 "the bottom of the mesh.*label 1, is 0 m^2" "a mesh without the held bottom is refused"
+awk '/^\$Elements/ { inside = 1 } inside && $2 == 4 && !done { --count; done = 1; next } { print }' "$work/off.msh" \
+  | awk '/^\$Elements/ { print; getline; print $1 - 1; next } { print }' > "$work/gap.msh"
+solve gap gap 0.002 1 0.043 0.05 0 0 -1
+refused gap $? 1 "fills .* m^3, not the block's" "a mesh with a tetrahedron missing is refused"
+awk '/^\$Elements/ { inside = 1 } inside && $2 == 2 && $4 == 2 && !done { done = 1; next } { print }' "$work/off.msh" \
+  | awk '/^\$Elements/ { print; getline; print $1 - 1; next } { print }' > "$work/hole.msh"
+solve hole hole 0.002 1 0.043 0.05 0 0 -1
+refused hole $? 1 "the boundary of the mesh" "a mesh with a boundary triangle missing is refused"
+# a node moved to the middle of a face that it does not belong to: the tetrahedron between is flat
+awk '/^\$Elements/ { inside = 1 }
+  FNR == NR { if (inside && $2 == 4) { a = $(NF - 3); b = $(NF - 2); c = $(NF - 1); d = $NF } if (/^\$Nodes/) nodes = 1; if (/^\$EndNodes/) nodes = 0; if (nodes && NF == 4) { x[$1] = $2; y[$1] = $3; z[$1] = $4 } next }
+  FNR == 1 { nodes = 0 } /^\$Nodes/ { nodes = 1 } /^\$EndNodes/ { nodes = 0 }
+  nodes && NF == 4 && $1 == d { $2 = (x[a] + x[b] + x[c]) / 3 + 0.02 * (x[d] - x[a]); $3 = (y[a] + y[b] + y[c]) / 3 + 0.02 * (y[d] - y[a]); $4 = (z[a] + z[b] + z[c]) / 3 + 0.02 * (z[d] - z[a]) }
+  { print }' "$work/off.msh" "$work/off.msh" > "$work/sliver.msh"
+solve sliver sliver 0.002 1 0.043 0.05 0 0 -1
+refused sliver $? 1 "is a sliver\|is turned inside out or flat" "a mesh with a sliver is refused with its place"
+solve deep off 0.03 15 0.043 0.05 0 0 -1
+refused deep $? 1 "between .* mm of push, .* mN; the contact (0.043, 0.05, 0.05) m: .* mm" "a push too deep is refused with its place and load"
+solve lost off 0.03 15 0.043 0.05 0 0 -1 -allow_lost 1
+if [ $? = 0 ] && tail -n 1 "$work/lost.csv" | grep -q '^lost,[0-9]*,state refused between\|^lost,[0-9]*,no equilibrium found between'; then say "ok - a lost path keeps the records it has and says why"
+else say "not ok - a lost path keeps the records it has and says why: '$(tail -n 1 "$work/lost.csv")' vs lost"; fi
+fi
+
+# ---- scripts/solve_path: a mesh of its own, and how far the plan is
+if group count; then
+cd "$root" || exit 1
+study=$work/study
+mkdir -p "$study/plan"
+for i in a b c; do echo plan > "$study/plan/path-$i"; done
+touch "$study/plan.mk"
+path() { # NAME [more]: what it says
+  name=$1
+  shift
+  scripts/solve_path "$study" "$name" -geo fem/block3.geo -width 0.1 -length 0.1 -height 0.05 -cells_x 10 -cells_y 10 -cells_z 5 \
+    -size_near 0.006 -size_far 0.025 -C1 263 -C2 491 -contact_y 0.05 -contact_z 0.05 -direction_x 0 -direction_y 0 -direction_z -1 \
+    -disc_radius 0.007 -depth 0.001 -records 1 -tolerance 1e-10 -max_newton 12 "$@" 2>&1
+}
+said() { # WANTED SENTENCE SAID
+  if echo "$3" | grep -q -e "$1"; then say "ok - $2"; else say "not ok - $2: '$3' vs '$1'"; fi
+}
+said '^cases \[1/3\] a, ' "a path makes its own mesh, and the first of three is counted" "$(path a -contact_x 0.043)"
+said '^cases \[2/3\] b, ' "the second of three is counted" "$(path b -contact_x 0.05)"
+said '^cases \[2/3\] a, ' "a path solved again is counted once" "$(path a -contact_x 0.043)"
+said "load path 'c': fem/block3.geo: gmsh cannot mesh it: .*does not fit on the top face; see" "a mesh that cannot be had is one line with its cause" "$(path c -contact_x 0.003)"
+rm "$study/cases/b.csv"
+sleep 0.01; touch "$study/plan.mk"
+said '^cases \[2/3\] c, ' "a changed plan is counted anew" "$(path c -contact_x 0.05)"
+: > "$study/cases/.counted"
+said '^cases \[3/3\] b, ' "a count that was interrupted is made anew" "$(path b -contact_x 0.05)"
+left=$(find "$study" -name '*.tmp' | wc -l)
+if [ "$left" = 0 ]; then say "ok - nothing temporary is left"; else say "not ok - nothing temporary is left: $(find "$study" -name '*.tmp') vs none"; fi
+fi
+
+passed=$(grep -c '^ok' "$results")
+failed=$(grep -c '^not ok' "$results")
+echo "$passed checks passed, $failed failed"
+[ "$failed" = 0 ] && [ "$passed" -gt 0 ]
