@@ -15,7 +15,50 @@ Eigen::VectorXd triangle_moduli(const Study& study, const std::optional<Shape>& 
     return modulus;
 }
 
+Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, const Point& centre_m, double radius_m) {
+    constexpr int along = 4;
+    Eigen::VectorXd part = Eigen::VectorXd::Zero(pieces.rows());
+    int axes = 0;  // a spring's ends, or a cell's corners bit by bit
+    while ((1 << axes) < pieces.cols()) ++axes;
+    int points = 1;
+    for (int a = 0; a < axes; ++a) points *= along;
+    for (Eigen::Index e = 0; e < pieces.rows(); ++e) {
+        for (int p = 0; p < points; ++p) {
+            Point at = Point::Zero(mesh.dimension());
+            for (Eigen::Index k = 0; k < pieces.cols(); ++k) {
+                double weight = 1;
+                for (int a = 0, rest = p; a < axes; ++a, rest /= along) {
+                    const double w = (rest % along + 0.5) / along;
+                    weight *= (k >> a & 1) ? w : 1 - w;
+                }
+                at += weight * mesh.nodes.row(pieces(e, k)).transpose();
+            }
+            part[e] += (at - centre_m).norm() < radius_m ? 1.0 / points : 0.0;
+        }
+    }
+    return part;
+}
+
+namespace {
+
+/// E of springs and cells in space [Pa]: of the block, and in proportion to what of them lies in the nodule.
+EnergyLaw solid_law(const Study& study, const SpringMesh& mesh, double factor) {
+    const double E = factor * study.material.youngs_modulus_Pa();
+    const auto modulus = [&](const Cells& pieces) {
+        Eigen::VectorXd own = Eigen::VectorXd::Constant(pieces.rows(), E);
+        if (!study.nodule) return own;
+        const double more = study.nodule->youngs_modulus_Pa() / study.material.youngs_modulus_Pa() - 1;
+        return Eigen::VectorXd(own.array() * (1 + more * fraction_inside(mesh, pieces, study.nodule->centre_m, study.nodule->radius_m).array()));
+    };
+    const LawHeuristic heuristic =
+        solid_heuristic(mesh, modulus(mesh.springs), modulus(mesh_cells(mesh)), E, study.springs.area_cap_E2, study.indenter.radius_m);
+    return {mesh, heuristic, study.springs.terms};
+}
+
+}  // namespace
+
 EnergyLaw study_law(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double factor) {
+    if (mesh.is_solid()) return solid_law(study, mesh, factor);
     const double modulus_N_m = factor * study.modulus_N_m(), cap = study.springs.area_cap_E2;
     const std::string& formulation = study.material.formulation;
     const LawHeuristic heuristic =

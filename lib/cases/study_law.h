@@ -12,6 +12,9 @@ namespace tissue {
 /// of its own, in proportion to its E.
 Eigen::VectorXd triangle_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_N_m);
 
+/// Part of each row's pieces that lies in a ball, by points spread evenly over it: 4 along a spring, 64 in a cell.
+Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, const Point& centre_m, double radius_m);
+
 /// The study's terms on its mesh, over the heuristic of its material, E2 taken `factor` times as large (train_law.h's
 /// heuristic_factor, where the material is a guess). Throws MismatchError for terms that are not possible there.
 EnergyLaw study_law(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double factor = 1);

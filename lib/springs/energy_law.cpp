@@ -93,7 +93,7 @@ LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triang
 }
 
 LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spring_modulus_Pa, const Eigen::VectorXd& cell_modulus_Pa,
-                             double volume_cap, double radius_m) {
+                             double surface_modulus_Pa, double volume_cap, double radius_m) {
     if (!mesh.is_solid()) throw MismatchError("a solid's heuristic needs a mesh in space");
     if (!(volume_cap > 1.0 / 3)) throw MismatchError(fmt::format("a volume cap of {} E is not above E / 3", volume_cap));
     LawHeuristic h;
@@ -103,7 +103,7 @@ LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spri
     h.constants.head(mesh.spring_count()) =
         5 * mesh.node_measure.sum() / mesh.incident_measure.sum() * unit.cwiseProduct(spring_modulus_Pa);
     h.constants.tail(h.cap.size()) = 0.95 * h.cap;
-    const double E = cell_modulus_Pa.mean(), stiffness = std::log(4 * E * radius_m);
+    const double E = surface_modulus_Pa, stiffness = std::log(4 * E * radius_m);
     h.patch.log_N_m.setZero(5, 4);
     h.patch.log_N_m.col(0) << stiffness, stiffness, stiffness - std::log(10), stiffness - std::log(10),
         std::log(0.2 / (E * radius_m * radius_m * radius_m));

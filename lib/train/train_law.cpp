@@ -44,10 +44,11 @@ std::vector<PressPath> press_paths(const Cases& cases) {
         PressPath& out = paths.emplace_back();
         out.name = path.name;
         out.contact_m = path.contact_m;
+        const std::vector<double> magnitudes_m = load_magnitudes(cases, path);
         for (const PathRecord& record : path.records) {
-            const bool asked = cases.magnitudes_m.empty() ||
-                               std::any_of(cases.magnitudes_m.begin(), cases.magnitudes_m.end(),
-                                           [&](double m) { return std::abs(m - record.magnitude_m) < 1e-9; });
+            const bool asked = magnitudes_m.empty() || std::any_of(magnitudes_m.begin(), magnitudes_m.end(), [&](double m) {
+                                   return std::abs(m - record.magnitude_m) < 1e-9;
+                               });
             if (asked && record.magnitude_m > 0)
                 out.records.push_back({path.push_m(record), record.contact_force_N, record.displacement});
         }

@@ -11,7 +11,7 @@
 #include "../tolerances.h"
 
 using namespace tissue;
-using Catch::Approx;
+using Approx = Catch::Detail::Approx;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -30,7 +30,7 @@ NodeField crooked(const SpringMesh& mesh, double size_m) {
 
 EnergyLaw law_on(const SpringMesh& mesh, const std::vector<std::string>& terms) {
     const Eigen::VectorXd E = Eigen::VectorXd::Constant(mesh.spring_count(), 4524), cells = Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), 4524);
-    return {mesh, solid_heuristic(mesh, E, cells, 12, 0.007), terms};
+    return {mesh, solid_heuristic(mesh, E, cells, 4524, 12, 0.007), terms};
 }
 
 const std::vector<std::string> some_terms = {"spring.all", "spring.face.top", "cell.all", "spring.upright", "contact.normal",
@@ -86,7 +86,7 @@ TEST_CASE("springs of a heuristic in space have the shear modulus of incompressi
 TEST_CASE("a disc's weights sum to one and reproduce places wherever it stands", "[solid]") {
     const SpringMesh mesh = block(6, 6, 2);
     const DiscContact kernel(mesh, 0.007);
-    for (const Eigen::Vector3d at : {Eigen::Vector3d(0.03, 0.03, 0.02), {0.0312, 0.0277, 0.02}, {0.025, 0.035, 0.02}, {0.013, 0.045, 0.02}}) {
+    for (const Eigen::Vector3d& at : {Eigen::Vector3d(0.03, 0.03, 0.02), {0.0312, 0.0277, 0.02}, {0.025, 0.035, 0.02}, {0.013, 0.045, 0.02}}) {
         const ContactRows rows = kernel.rows_at(at);
         Eigen::VectorXd rigid(3 * rows.nodes.size()), place = rigid;
         for (std::size_t i = 0; i < rows.nodes.size(); ++i) {
