@@ -299,6 +299,7 @@ ablation: $(R)/cases.h5 $(TISSUECTL)
 felupe: | build/deps
 	@PYTHON=$(PYTHON) scripts/venv
 	@FF_LOADPATH="$$(scripts/freefem_plugins)" build/venv/bin/python tests/fem/felupe_patch.py
+	@FF_LOADPATH="$$(scripts/freefem_plugins)" build/venv/bin/python tests/fem/felupe_solid.py
 
 ## gains: how gains, iterations and Q follow mesh size and displacement, as results/reference/gains.md
 gains: $(TISSUECTL) $(BUILD)/gains_probe

@@ -170,7 +170,7 @@ class QuadraticTriangle(fem.QuadraticTriangle):
 def check_gradient(element, at=(0.2, 0.3), h=1e-6):
     """An element's gradient is the derivative of its functions: a reference is worth no more than that."""
     at = np.array(at)
-    difference = np.stack([(element.function(at + h * e) - element.function(at - h * e)) / (2 * h) for e in np.eye(2)], 1)
+    difference = np.stack([(element.function(at + h * e) - element.function(at - h * e)) / (2 * h) for e in np.eye(len(at))], 1)
     worst = np.abs(difference - element.gradient(at)).max()
     if worst > 1e-8:
         raise RuntimeError(f"felupe's {type(element).__name__} has a gradient that is off by {worst:.2g}")
