@@ -150,7 +150,7 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         if (!shape) return plan;
     }
     // a law of springs in space has no terms to look up yet
-    if (study.springs.is_law() && !solid) try {
+    if (study.springs.is_law()) try {
             study_law(study, shape, study_mesh(study, shape, study.springs.topology));
         } catch (const MismatchError& e) {  // before hours of FE, not after
             throw StudyError(one_line(fmt::format("{}: key 'springs.terms': {}", study.file, e.what())));
