@@ -44,7 +44,10 @@ std::vector<std::pair<int, int>> ContactSurface::coupled() const {
 ContactSpring::ContactSpring(ContactRows where, const PatchLaw& law) : rows(std::move(where)), k_N_m(rows.share.size()) {
     const Eigen::VectorXd values = law.values_at(rows.factors);
     for (Eigen::Index r = 0; r < k_N_m.size(); ++r) k_N_m[r] = rows.share[r] * values[rows.law_row[static_cast<std::size_t>(r)]];
-    if (law.hardens()) hardening_1_J = values[PatchLaw::hardening_row];
+    if (!law.hardens()) return;
+    hardening_1_J = values[PatchLaw::hardening_row];
+    saturation_1_J = values[PatchLaw::saturation_row];
+    coupling_N_m2 = values[PatchLaw::coupling_row];
 }
 
 ContactSpring::ContactSpring(const PatchSpring& patch) : rows(rows_of(patch.patch)), k_N_m(4) {
@@ -58,35 +61,79 @@ Eigen::VectorXd ContactSpring::gather(const NodeField& u) const {
     return here;
 }
 
+struct ContactSpring::State {
+    Eigen::VectorXd e, q;  // q = k e
+    double s, room, rise, bend;
+
+    State(const ContactSpring& c, const Point& push_m, const Eigen::VectorXd& u)
+        : e(c.rows.push * push_m - c.rows.pull * u), q(c.k_N_m.cwiseProduct(e)), s(q.dot(e) / 2), room(1 + c.saturation_1_J * s),
+          rise(1 + c.hardening_1_J * (s + c.saturation_1_J * s * s / 2) / (room * room)),
+          bend(c.hardening_1_J / (room * room * room)) {}
+
+    double across() const { return e.size() < 3 ? 0 : (e[1] * e[1] + e[2] * e[2]) / 2; }
+    /// Of e_0 (e_1^2 + e_2^2) / 2.
+    Eigen::VectorXd coupling_slope() const {
+        Eigen::VectorXd slope = Eigen::VectorXd::Zero(e.size());
+        slope.head<3>() << across(), e[0] * e[1], e[0] * e[2];
+        return slope;
+    }
+};
+
 ContactSpring::Load ContactSpring::load(const Point& push_m, const Eigen::VectorXd& u) const {
-    const Eigen::VectorXd e = rows.push * push_m - rows.pull * u, q = k_N_m.cwiseProduct(e);
-    const double s = q.dot(e) / 2, rise = 1 + hardening_1_J * s;
-    return {s + hardening_1_J * s * s / 2, rise * (rows.push.transpose() * q), -rise * (rows.pull.transpose() * q)};
+    const State at(*this, push_m, u);
+    Eigen::VectorXd slope = at.rise * at.q;
+    double energy = at.s + hardening_1_J * at.s * at.s / (2 * at.room);
+    if (coupling_N_m2 != 0) {
+        slope += coupling_N_m2 * at.coupling_slope();
+        energy += coupling_N_m2 * at.e[0] * at.across();
+    }
+    return {energy, rows.push.transpose() * slope, -(rows.pull.transpose() * slope)};
+}
+
+/// Second derivative of the energy by e, times the rows that u moves.
+Eigen::MatrixXd ContactSpring::curvature_pull(const Point& push_m, const Eigen::VectorXd& u) const {
+    const State at(*this, push_m, u);
+    Eigen::MatrixXd product = at.rise * (k_N_m.asDiagonal() * rows.pull);
+    product.noalias() += at.bend * at.q * (at.q.transpose() * rows.pull);
+    if (coupling_N_m2 != 0) {
+        Eigen::Matrix3d c;
+        c << 0, at.e[1], at.e[2], at.e[1], at.e[0], 0, at.e[2], 0, at.e[0];
+        product.topRows<3>() += coupling_N_m2 * c * rows.pull.topRows<3>();
+    }
+    return product;
 }
 
 Eigen::MatrixXd ContactSpring::tangent(const Point& push_m, const Eigen::VectorXd& u) const {
-    const Eigen::VectorXd e = rows.push * push_m - rows.pull * u, q = k_N_m.cwiseProduct(e);
-    const Eigen::VectorXd s_by = rows.pull.transpose() * q;
-    return (1 + hardening_1_J * q.dot(e) / 2) * (rows.pull.transpose() * k_N_m.asDiagonal() * rows.pull) +
-           hardening_1_J * s_by * s_by.transpose();
+    return rows.pull.transpose() * curvature_pull(push_m, u);
 }
 
 Eigen::MatrixXd ContactSpring::hand_by_nodes(const Point& push_m, const Eigen::VectorXd& u) const {
-    const Eigen::VectorXd e = rows.push * push_m - rows.pull * u, q = k_N_m.cwiseProduct(e);
-    return -(1 + hardening_1_J * q.dot(e) / 2) * (rows.push.transpose() * k_N_m.asDiagonal() * rows.pull) -
-           hardening_1_J * (rows.push.transpose() * q) * (rows.pull.transpose() * q).transpose();
+    return -(rows.push.transpose() * curvature_pull(push_m, u));
 }
 
 ContactSpring::Load ContactSpring::by_law_row(int m, const Point& push_m, const Eigen::VectorXd& u) const {
-    const Eigen::VectorXd e = rows.push * push_m - rows.pull * u, q = k_N_m.cwiseProduct(e);
-    const double s = q.dot(e) / 2;
-    if (m == PatchLaw::hardening_row) return {s * s / 2, s * (rows.push.transpose() * q), -s * (rows.pull.transpose() * q)};
-    Eigen::VectorXd own = Eigen::VectorXd::Zero(e.size());  // d q / d stiffness
-    for (Eigen::Index r = 0; r < e.size(); ++r)
-        if (rows.law_row[static_cast<std::size_t>(r)] == m) own[r] = rows.share[r] * e[r];
-    const double s_by = own.dot(e) / 2, rise = 1 + hardening_1_J * s;
-    const Eigen::VectorXd all = rise * own + hardening_1_J * s_by * q;
-    return {rise * s_by, rows.push.transpose() * all, -(rows.pull.transpose() * all)};
+    const State at(*this, push_m, u);
+    const double s = at.s, sat = saturation_1_J;
+    Eigen::VectorXd slope;  // derivative of the energy's slope by e
+    double energy = 0;
+    if (m == PatchLaw::hardening_row) {
+        energy = s * s / (2 * at.room);
+        slope = (s + sat * s * s / 2) / (at.room * at.room) * at.q;
+    } else if (m == PatchLaw::saturation_row) {
+        energy = -hardening_1_J * s * s * s / (2 * at.room * at.room);
+        slope = -hardening_1_J * (1.5 * s * s + sat * s * s * s / 2) / (at.room * at.room * at.room) * at.q;
+    } else if (m == PatchLaw::coupling_row) {
+        energy = at.e[0] * at.across();
+        slope = at.coupling_slope();
+    } else {
+        Eigen::VectorXd own = Eigen::VectorXd::Zero(at.e.size());
+        for (Eigen::Index r = 0; r < own.size(); ++r)
+            if (rows.law_row[static_cast<std::size_t>(r)] == m) own[r] = rows.share[r] * at.e[r];
+        const double s_by = own.dot(at.e) / 2;
+        energy = at.rise * s_by;
+        slope = at.rise * own + at.bend * s_by * at.q;
+    }
+    return {energy, rows.push.transpose() * slope, -(rows.pull.transpose() * slope)};
 }
 
 }  // namespace tissue

@@ -4,14 +4,15 @@
 
 namespace tissue {
 
-/// One contact's energy, for training and evaluation. With s = sum_r k_r e_r^2 / 2
-///   E = s + hardening s^2 / 2
-/// k_r = share_r times the law's stiffness. A contact that hardens does so by its energy alone: the tissue between tool and
-/// mesh stiffens as it is pressed together, whatever the direction.
+/// One contact's energy, for training and evaluation. With s = sum_r k_r e_r^2 / 2, k_r = share_r times the law's stiffness,
+///   E = s + hardening s^2 / (2 (1 + saturation s)) + coupling e_0 (e_1^2 + e_2^2) / 2
+/// of a disc. It hardens by its energy, whatever the direction: what lies between tool and mesh stiffens as it is pressed
+/// together, the less the further it has gone. Dragged sideways (mean rows 1 and 2) it presses back (mean row 0): in a
+/// sheared rubber normal stress goes with the square of the shear (Poynting).
 struct ContactSpring {
     ContactRows rows;
     Eigen::VectorXd k_N_m;        ///< (R)
-    double hardening_1_J = 0;
+    double hardening_1_J = 0, saturation_1_J = 0, coupling_N_m2 = 0;
 
     ContactSpring(ContactRows where, const PatchLaw& law);
     ContactSpring(const PatchSpring& patch);  ///< the same energy as the tick has it
@@ -26,13 +27,17 @@ struct ContactSpring {
 
     Eigen::MatrixXd tangent(const Point& push_m, const Eigen::VectorXd& u) const;        ///< d node / du (D*K x D*K)
     Eigen::MatrixXd hand_by_nodes(const Point& push_m, const Eigen::VectorXd& u) const;  ///< d hand / du (D x D*K)
-    /// Derivatives of hand_N and node_N by the law's row m: a stiffness, or the hardening.
+    /// Derivatives of all three by the value of the law's row m.
     Load by_law_row(int m, const Point& push_m, const Eigen::VectorXd& u) const;
 
     /// Size of the stiffness against d with the nodes held [N/m].
     double push_N_m() const { return (rows.push.transpose() * k_N_m.asDiagonal() * rows.push).norm(); }
 
     Eigen::VectorXd gather(const NodeField& u) const;  ///< of the rows' nodes (D*K)
+
+   private:
+    struct State;  ///< what an e makes of the energy
+    Eigen::MatrixXd curvature_pull(const Point& push_m, const Eigen::VectorXd& u) const;
 };
 
 }  // namespace tissue

@@ -101,8 +101,14 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
     for (int node : pressed) {
         const double r = away_m(node);
         const Eigen::Index i = std::find(near.begin(), near.end(), node) - near.begin();
+        // how far the tissue goes along the surface where it is pushed that way: the same all round on average
+        const Eigen::Vector3d out = (rest_.row(node).transpose() - centre) / std::max(r, 1e-9 * radius_m_);
+        const double far = r > radius_m_ ? 1 - radius_m_ * radius_m_ / (r * r) : 0;
+        Eigen::Matrix3d follows = Eigen::Matrix3d::Identity();
+        follows += far * ((2 * out * out.transpose() - Eigen::Matrix3d::Identity()) / 3) *
+                   (Eigen::Matrix3d::Identity() - normal * normal.transpose());
         for (int a = 0; a < 3; ++a, ++row) {
-            rows.push.row(row) = profile(r / radius_m_) * axes.col(a).transpose();
+            rows.push.row(row) = profile(r / radius_m_) * axes.col(a).transpose() * follows;
             rows.pull.block<1, 3>(row, 3 * i) = axes.col(a).transpose();
             rows.share[row] = bell(r / imprint_m);
             rows.law_row.push_back(a == 0 ? 2 : 3);

@@ -13,7 +13,9 @@ namespace tissue {
 ///            of Computation 37: 141-158)
 ///   imprint  phi(r_i) d - u_i of every node within 2 R, times (1 - (r_i / 2R)^2)^2: the shape that the disc presses in.
 ///            Outside R phi is that of the half space which the same parabola is pressed into, Hertz's (Johnson, Contact
-///            Mechanics, (3.42)): (2 - x^2) / pi asin(1 / x) + sqrt(x^2 - 1) / pi at x = r / R
+///            Mechanics, (3.42)): (2 - x^2) / pi asin(1 / x) + sqrt(x^2 - 1) / pi at x = r / R. Along the surface a half space
+///            follows a force the more where it points to, (1 + cos^2) for incompressible tissue far away (Cerruti; Johnson,
+///            (3.75)), and the imprint goes over to that with 1 - (R / r)^2
 /// Nodes round a crease do not belong to it.
 class DiscContact final : public ContactKernel {
    public:

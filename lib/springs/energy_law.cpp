@@ -16,7 +16,7 @@ namespace tissue {
 namespace {
 
 const std::vector<std::string> patch_rows = {"normal", "tangent", "rotation", "stretch"};
-const std::vector<std::string> disc_rows = {"normal", "tangent", "imprint_normal", "imprint_tangent", "hardening"};
+const std::vector<std::string> disc_rows = {"normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"};
 constexpr std::array<const char*, 4> patch_factors = {"", "phase", "corner", "edge"};
 
 std::vector<std::string> split(const std::string& text) {
@@ -104,9 +104,9 @@ LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spri
         5 * mesh.node_measure.sum() / mesh.incident_measure.sum() * unit.cwiseProduct(spring_modulus_Pa);
     h.constants.tail(h.cap.size()) = 0.95 * h.cap;
     const double E = surface_modulus_Pa, stiffness = std::log(4 * E * radius_m);
-    h.patch.log_N_m.setZero(5, 4);
+    h.patch.log_N_m.setZero(PatchLaw::disc_rows, 4);
     h.patch.log_N_m.col(0) << stiffness, stiffness, stiffness - std::log(10), stiffness - std::log(10),
-        std::log(0.2 / (E * radius_m * radius_m * radius_m));
+        std::log(0.2 / (E * radius_m * radius_m * radius_m)), std::log(0.1 / (E * radius_m * radius_m * radius_m)), std::log(E);
     return h;
 }
 

@@ -25,7 +25,8 @@ namespace tissue {
 /// 3 / (2 pi E2) ln(r_spline / (b / 2)), r_spline = 0.43 h, of a half plane's logarithmic dent (Johnson, Contact
 /// Mechanics, 2.3: both kernels' mean logarithm): 1 / (4 E2) for b = h / 2, the start for normal and tangent; a tenth
 /// of it for the rows that keep the patch in line. Of a disc of radius R: 4 E R, about twice
-/// what the half space itself resists with, 16/9 E R (Hertz); the imprint's rows a tenth; it hardens by 0.2 / (E R^3).
+/// what the half space itself resists with, 16/9 E R (Hertz); the imprint's rows a tenth; it hardens by 0.2 / (E R^3), half of which
+/// saturates it; coupling E.
 struct LawHeuristic {
     bool incompressible = false; ///< plane strain: regions keep their area too (TissueEnergy), with the cells' mean A
     Eigen::VectorXd constants;   ///< of a TissueEnergy [N/m] (E)
@@ -62,7 +63,7 @@ LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triang
 ///   in space        top bottom wall   exp(-distance / spacing) from the highest and the lowest place, from the sides
 ///                   z z2 z3 z4, and of x and y the even powers; spring alone horizontal vertical face body
 ///   contact.normal contact.tangent contact.rotation contact.stretch, alone or with one of: phase corner edge (PatchLaw)
-///   of a disc normal tangent imprint_normal imprint_tangent hardening, with one of: phase edge
+///   of a disc normal tangent imprint_normal imprint_tangent hardening saturation coupling, with one of: phase edge
 class EnergyLaw {
    public:
     /// Throws MismatchError for a term that is not known, does not fit the mesh, is zero everywhere or stands twice.

@@ -81,7 +81,7 @@ const DatasetTable& law_table() {
         {"/law/coefficients", "P", Values::logarithm(), "1", "coefficient of each term"},
         {"/law/constants", "E", Values::positive(), "N/m", "theta of the springs, then A of cells and regions, in space Pa"},
         {"/law/patch_log", "K x 4", Values::logarithm(), "log(N/m)",
-         "contact: normal, tangent, rotation, stretch, of a disc normal, tangent, imprint_normal, imprint_tangent, hardening; "
+         "contact: normal, tangent, rotation, stretch, of a disc normal, tangent, imprint_normal, imprint_tangent, hardening, saturation, coupling; "
          "by 1, phase, corner, edge"},
     };
     return table;
@@ -127,7 +127,7 @@ LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
     law.coefficients = in.vector("/law/coefficients");
     law.constants = in.vector("/law/constants");
     const NodeField patch = in.field("/law/patch_log");
-    const Eigen::Index rows = mesh.is_solid() ? PatchLaw::hardening_row + 1 : PatchLaw::hardening_row;
+    const Eigen::Index rows = mesh.is_solid() ? PatchLaw::disc_rows : PatchLaw::hardening_row;
     if (patch.rows() != rows) in.refuse("/law/patch_log", fmt::format("has {} rows, wanted {}", patch.rows(), rows));
     law.patch.log_N_m = patch;
     if (mesh.is_solid()) {

@@ -34,7 +34,7 @@ EnergyLaw law_on(const SpringMesh& mesh, const std::vector<std::string>& terms) 
 }
 
 const std::vector<std::string> some_terms = {"spring.all", "spring.face.top", "cell.all", "spring.upright", "contact.normal",
-    "contact.normal.phase", "contact.tangent", "contact.imprint_normal", "contact.imprint_tangent.edge", "contact.hardening"};
+    "contact.normal.phase", "contact.tangent", "contact.imprint_normal", "contact.imprint_tangent.edge", "contact.hardening", "contact.saturation", "contact.coupling"};
 
 }  // namespace
 
