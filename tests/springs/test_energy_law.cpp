@@ -105,7 +105,7 @@ TEST_CASE("derivatives of constants and contact stiffness by the coefficients ag
         const Eigen::VectorXd constants = (law.constants(p + e) - law.constants(p - e)) / (2 * h);
         const Eigen::Vector4d contact = (stiffness(p + e) - stiffness(p - e)) / (2 * h);
         CHECK((constants - law.constants_by(p).col(t)).norm() <= tolerance::difference * law.constants(p).norm());
-        CHECK((contact - law.stiffness_by(p, patch).col(t)).norm() <= tolerance::difference * stiffness(p).norm());
+        CHECK((contact - law.stiffness_by(p, PatchLaw::factors_at(patch)).col(t)).norm() <= tolerance::difference * stiffness(p).norm());
     }
 }
 

@@ -77,11 +77,11 @@ TEST_CASE("a closed loop of the tool takes no work and gives none") {
     const PatchSpring contact = block().contact(0.13);
     const auto work = [&](int steps) {
         double sum = 0, stored = 0;
-        PressState state = solver.press(block().constants, contact, {0.0025, -0.007});
+        PressState state = solver.press(block().constants, contact, Eigen::Vector2d(0.0025, -0.007));
         for (int i = 1; i <= steps; ++i) {
             const double angle = 2 * std::acos(-1.0) * i / steps;
             const PressState before = state;
-            state = solver.press(block().constants, contact, {0.0025 * std::cos(angle), -0.007 + 0.0025 * std::sin(angle)}, &before);
+            state = solver.press(block().constants, contact, Eigen::Vector2d(0.0025 * std::cos(angle), -0.007 + 0.0025 * std::sin(angle)), &before);
             sum += (state.contact_force_N + before.contact_force_N).dot(state.push_m - before.push_m) / 2;
             stored = std::max(stored, state.energy_J);
         }
@@ -96,11 +96,11 @@ TEST_CASE("however a push is reached, the tissue rests in the same place") {
     const PatchSpring contact = block().contact(0.192);
     const Eigen::Vector2d push(-0.004, -0.009);
     const PressState straight = solver.press(block().constants, contact, push);
-    const PressState aside = solver.press(block().constants, contact, {0.005, -0.002});
+    const PressState aside = solver.press(block().constants, contact, Eigen::Vector2d(0.005, -0.002));
     const PressState round = solver.press(block().constants, contact, push, &aside);
     CHECK((straight.displacement - round.displacement).norm() <= tolerance::newton * straight.displacement.norm());
     CHECK((straight.contact_force_N - round.contact_force_N).norm() <= tolerance::newton * straight.contact_force_N.norm());
-    const PressState back = solver.press(block().constants, contact, {0, 0}, &straight);
+    const PressState back = solver.press(block().constants, contact, Eigen::Vector2d(0, 0), &straight);
     CHECK(back.status == PressStatus::held);
     CHECK(back.displacement.norm() <= tolerance::newton * straight.displacement.norm());
 }
@@ -109,8 +109,8 @@ TEST_CASE("a mirrored push on a mirrored block gives the mirrored answer") {
     Tissue even;
     even.constants = law_heuristic(even.mesh, 450, "plane-strain", 12).constants;
     PressSolver solver(even.energy, even.surface);
-    const PressState one = solver.press(even.constants, even.contact(0.043), {-0.007, 0.002});
-    const PressState other = solver.press(even.constants, even.contact(0.3 - 0.043), {0.007, 0.002});
+    const PressState one = solver.press(even.constants, even.contact(0.043), Eigen::Vector2d(-0.007, 0.002));
+    const PressState other = solver.press(even.constants, even.contact(0.3 - 0.043), Eigen::Vector2d(0.007, 0.002));
     CHECK(one.contact_force_N.x() == Approx(-other.contact_force_N.x()).epsilon(tolerance::newton));
     CHECK(one.contact_force_N.y() == Approx(other.contact_force_N.y()).epsilon(tolerance::newton));
     CHECK(one.energy_J == Approx(other.energy_J).epsilon(tolerance::newton));
@@ -148,7 +148,7 @@ TEST_CASE("implicit derivatives of force and shape by constants and contact stif
 
 TEST_CASE("a push that no load step reaches is lost, and comes back as far as it was reached") {
     PressSolver solver(block().energy, block().surface, {0.25, 1e-2, 15, 1e-10});
-    const PressState state = solver.press(block().constants, block().contact(0.15), {0, -0.4});  // four times the block's height
+    const PressState state = solver.press(block().constants, block().contact(0.15), Eigen::Vector2d(0, -0.4));  // four times the block's height
     CHECK(state.status == PressStatus::lost);
     CHECK(state.push_m.norm() < 0.4);
     CHECK(state.displacement.allFinite());
@@ -161,7 +161,7 @@ TEST_CASE("a tissue of upright springs alone, pressed from above, rests and is n
     for (int s = 0; s < column.mesh.spring_count(); ++s)
         if (column.mesh.nodes(column.mesh.springs(s, 0), 0) == column.mesh.nodes(column.mesh.springs(s, 1), 0)) column.constants[s] = 400;
     PressSolver solver(column.energy, column.surface);
-    const PressState state = solver.press(column.constants, column.contact(0.15), {0, -0.002});
+    const PressState state = solver.press(column.constants, column.contact(0.15), Eigen::Vector2d(0, -0.002));
     CHECK(state.status != PressStatus::held);
 }
 
@@ -174,7 +174,7 @@ TEST_CASE("a push that turns a cell inside out ends in a minimum of the energy t
         const double arc = 0.1 * surface.outline().length();
         const ContactPatch patch = surface.at(arc);
         const auto pressed = [&](double depth_m) {
-            return solver.press(soft.constants, {patch, soft.patch.at(patch)}, depth_m * surface.outline().direction(arc, 0.9));
+            return solver.press(soft.constants, PatchSpring(patch, soft.patch.at(patch)), depth_m * surface.outline().direction(arc, 0.9));
         };
         const PressState shallow = pressed(0.01), deep = pressed(0.03);
         CHECK(shallow.status == PressStatus::held);
@@ -193,6 +193,6 @@ TEST_CASE("a contact whose nodes are all held is refused") {
     for (int node = 0; node < mesh.node_count(); ++node) mesh.fixed.push_back(node);
     const TissueEnergy energy(mesh, false);
     PressSolver solver(energy, surface);
-    CHECK_THAT(refusal<MismatchError>([&] { solver.press(Eigen::VectorXd::Ones(energy.constant_count()), {surface.at(0.1), {1, 1, 1, 1}}, {0.001, 0}); }),
+    CHECK_THAT(refusal<MismatchError>([&] { solver.press(Eigen::VectorXd::Ones(energy.constant_count()), PatchSpring(surface.at(0.1), {1, 1, 1, 1}), Eigen::Vector2d(0.001, 0)); }),
                Contains("fixed edge"));
 }
