@@ -1,5 +1,6 @@
 #include "export/law_tables.h"
 
+#include <Eigen/Dense>
 #include <catch2/catch.hpp>
 #include <cmath>
 
