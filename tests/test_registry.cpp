@@ -21,8 +21,9 @@ TEST_CASE("a registry finds what it has by name, in its order, and lists it wher
 TEST_CASE("every spring law and topology bears the name it is found by") {
     for (const std::string& name : spring_laws().names()) CHECK(make_spring_law(name)->name() == name);
     for (const std::string& name : topologies().names()) {
-        CHECK(make_lattice(name, 3, 2, 0.3, 0.2).topology == name);
         const Topology& kind = topologies().at(name);
+        const Lattice lattice = kind.dimension == 3 ? Lattice{{3, 2, 1}, {0.3, 0.2, 0.1}} : Lattice{{3, 2}, {0.3, 0.2}};
+        CHECK(make_lattice(name, lattice).topology == name);
         if (!kind.needs_lattice()) CHECK(kind.on_shape(shape_of(make_lattice("grid4", 3, 2, 0.3, 0.2))).topology == name);
     }
 }

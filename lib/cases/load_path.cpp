@@ -190,6 +190,7 @@ std::vector<double> load_magnitudes(const Cases& cases, const LoadPath& path) {
         for (const PathRecord& r : path.records) magnitudes.push_back(r.magnitude_m);
         return magnitudes;
     }
+    if (path.direction.size() != 3) return cases.magnitudes_m;
     for (double m : cases.magnitudes_m) {
         if (m > path.depth_m * (1 + same_magnitude)) {
             if (magnitudes.empty() || magnitudes.back() < path.depth_m * (1 - same_magnitude)) magnitudes.push_back(path.depth_m);

@@ -75,8 +75,8 @@ struct LoadCase {
     const PathRecord* record;
 };
 
-/// Magnitudes [m] at which a training path is a load case, ascending: the cases', up to its depth, and its depth where it
-/// ends before the largest of them; measured: every record's.
+/// Magnitudes [m] at which a training path is a load case, ascending: in the plane, where all are pushed equally deep, the
+/// cases' own; in space those up to its depth, and its depth where it ends before the largest; measured: every record's.
 std::vector<double> load_magnitudes(const Cases& cases, const LoadPath& path);
 
 /// Every training path at every one of its load_magnitudes, path by path; of a path that FE lost, those it reached. Names

@@ -60,8 +60,9 @@ std::string solid_arguments(const Study& s, const PlannedPath& path) {
         g.width_m, g.length_m, g.height_m, s.cells[0], s.cells[1], s.cells[2], path.sizes_m[0], path.sizes_m[1],
         law_arguments(s.material));
     if (s.nodule)
-        text += fmt::format(" -nodule_x {} -nodule_y {} -nodule_z {} -nodule_radius {} -C1_{5} {4} -C2_{5} {6}", s.nodule->centre_m[0],
-                            s.nodule->centre_m[1], s.nodule->centre_m[2], s.nodule->radius_m, s.nodule->C1_Pa, nodule_label, s.nodule->C2_Pa);
+        text += fmt::format(" -nodule_x {} -nodule_y {} -nodule_z {} -nodule_radius {} -C1_{} {} -C2_{} {}", s.nodule->centre_m[0],
+                            s.nodule->centre_m[1], s.nodule->centre_m[2], s.nodule->radius_m, nodule_label, s.nodule->C1_Pa, nodule_label,
+                            s.nodule->C2_Pa);
     return text + fmt::format(
         " -contact_x {} -contact_y {} -contact_z {} -direction_x {} -direction_y {} -direction_z {} -disc_radius {} -depth {} "
         "-records {} -tolerance {} -max_newton {} -allow_lost 1",
@@ -149,7 +150,7 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         if (!shape) return plan;
     }
     // a law of springs in space has no terms to look up yet
-    if (study.springs.is_law() && !solid) try {
+    if (study.springs.is_law()) try {
             study_law(study, shape, study_mesh(study, shape, study.springs.topology));
         } catch (const MismatchError& e) {  // before hours of FE, not after
             throw StudyError(one_line(fmt::format("{}: key 'springs.terms': {}", study.file, e.what())));

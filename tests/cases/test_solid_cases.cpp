@@ -1,0 +1,315 @@
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <hdf5.h>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "cases/plan.h"
+#include "cases/solid_sweep.h"
+#include "cases/study_mesh.h"
+#include "error.h"
+#include "../example.h"
+#include "../mutations.h"
+#include "../refusal.h"
+#include "../solid_example.h"
+#include "../tolerances.h"
+#include "cases/cases_table.h"
+#include "version.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
+
+namespace {
+
+const Study& solid() {
+    static const Study study = example_study(solid_study_text());
+    return study;
+}
+
+constexpr double degree = 3.14159265358979323846 / 180;
+
+double wall_m(const Point& p) { return std::min({p[0], 0.1 - p[0], p[1], 0.08 - p[1]}); }
+double tilt_deg(const Point& d) { return std::acos(std::clamp(-d[2], -1.0, 1.0)) / degree; }
+
+/// The word that follows "-NAME" in a path's part.
+std::string argument(const std::string& part, const std::string& name) {
+    std::istringstream words(part);
+    for (std::string word; words >> word;)
+        if (word == "-" + name) {
+            words >> word;
+            return word;
+        }
+    return "";
+}
+
+/// Cases of the study's training paths and one that proves, with made-up fields.
+Cases solid_cases() {
+    Cases cases;
+    cases.study = solid().name;
+    cases.nodes = study_nodes(solid(), {});
+    cases.magnitudes_m = solid().loads.magnitudes_m;
+    for (const PlannedPath& p : planned_paths(solid())) {
+        if (p.role != "train" && p.push.name != "held-out-0001") continue;
+        LoadPath path;
+        path.name = p.push.name;
+        path.contact_m = p.push.contact_m;
+        path.direction = p.push.direction;
+        path.role = p.role;
+        path.depth_m = p.depth_m;
+        for (int r = 0; r <= p.records; ++r) {
+            NodeField u = scattered(make_lattice("grid26", solid().lattice()), 1e-3 * r);
+            path.records.push_back({p.depth_m * r / p.records, u, 2 * u, p.push.direction * r, p.push.direction * -r, 0.1 * r, 1 - 0.01 * r, r, 1e-12});
+        }
+        cases.paths.push_back(path);
+    }
+    return cases;
+}
+
+std::vector<std::string> names_of(const std::vector<LoadCase>& loads) {
+    std::vector<std::string> names;
+    for (const LoadCase& load : loads) names.push_back(load.name);
+    return names;
+}
+
+}  // namespace
+
+TEST_CASE("a solid's paths are its own pushes, every draw of every role, and some of held_out again on the finer mesh") {
+    std::map<std::string, int> count;
+    std::set<std::string> names;
+    for (const PlannedPath& p : planned_paths(solid())) {
+        ++count[p.role];
+        CHECK(names.insert(p.push.name).second);
+        CHECK(p.push.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == std::string::npos);
+        CHECK(p.sizes_m == (p.role == "check" ? solid().check_sizes_m : solid().sizes_m));
+        CHECK(p.push.depth_m == p.depth_m);
+        CHECK(p.records == std::lround(std::ceil(p.depth_m / 0.002 - 1e-9)));
+    }
+    CHECK(count == std::map<std::string, int>{{"train", 4}, {"validation", 10}, {"held_out", 40}, {"held_out_near_a_wall", 20}, {"check", 20}});
+    CHECK(names.count("held-out-near-a-wall-0020") == 1);
+    CHECK(names.count("check-0020") == 1);
+    Study unchecked = solid();
+    unchecked.check_sizes_m = {};
+    CHECK(planned_paths(unchecked).size() == 74);
+}
+
+TEST_CASE("a solid's drawn contacts lie on the top as far from the walls as their role says, pushed as it says") {
+    for (const PlannedPath& p : planned_paths(solid()))
+        for (const Study::Draws& d : solid().draws) {
+            if (p.role != d.role) continue;
+            INFO(p.push.name);
+            CHECK(p.push.contact_m[2] == 0.05);
+            CHECK(wall_m(p.push.contact_m) >= d.clearance_m[0]);
+            CHECK(wall_m(p.push.contact_m) <= d.clearance_m[1]);
+            CHECK(p.push.direction.norm() == Approx(1).epsilon(tolerance::rounding));
+            CHECK(tilt_deg(p.push.direction) >= d.tilt_deg[0] - 1e-6);
+            CHECK(tilt_deg(p.push.direction) <= d.tilt_deg[1] + 1e-6);
+            CHECK(p.depth_m >= d.depth_m[0]);
+            CHECK(p.depth_m <= d.depth_m[1]);
+            if (d.tilt_deg[0] == 90) CHECK(p.push.direction[2] == 0);
+        }
+}
+
+TEST_CASE("a solid's draws are uniform over the top and in solid angle") {
+    Study many = solid();
+    many.draws.resize(1);
+    many.draws[0].count = 20000;
+    many.draws[0].clearance_m[0] = 0.012;
+    many.draws[0].tilt_deg[1] = 60;
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero(), push = Eigen::Vector2d::Zero();
+    double cosine = 0, near = 0, count = 0;
+    for (const PlannedPath& p : planned_paths(many)) {
+        if (p.role == "train") continue;
+        mean += p.push.contact_m.head(2);
+        push += p.push.direction.head(2);
+        cosine += -p.push.direction[2];
+        near += wall_m(p.push.contact_m) < 0.02;
+        ++count;
+    }
+    CHECK(count == 20000);
+    CHECK((mean / count - Eigen::Vector2d(0.05, 0.04)).norm() < 0.001);  // standard error 0.2 mm
+    CHECK((push / count).norm() < 0.02);
+    CHECK(cosine / count == Approx(0.75).margin(0.005));  // of a cosine even between 1 and 1/2
+    CHECK(near / count == Approx(1 - 60.0 * 40 / (76 * 56)).margin(0.015));
+}
+
+TEST_CASE("a solid's drawn contacts keep 2 mm or 5 degrees from every training push, or are refused by role") {
+    Study crowded = solid();
+    crowded.draws.resize(1);
+    crowded.draws[0].tilt_deg[1] = 3;
+    crowded.draws[0].count = 3000;
+    int turned_near = 0;
+    for (const PlannedPath& p : planned_paths(crowded)) {
+        if (p.role == "train") continue;
+        for (const StudyPath& t : crowded.loads.paths) {
+            const bool near = (t.contact_m - p.push.contact_m).norm() < 0.002;
+            const double angle = std::acos(std::clamp(t.direction.dot(p.push.direction), -1.0, 1.0)) / degree;
+            CHECK((!near || angle >= 5));
+            turned_near += near;
+        }
+    }
+    CHECK(turned_near == 0);  // straight in is trained at every one of these places
+    crowded.loads.paths.clear();
+    for (double x = 0.02; x < 0.081; x += 0.002)
+        for (double y = 0.02; y < 0.061; y += 0.002) crowded.loads.paths.push_back({"t", Eigen::Vector3d(x, y, 0.05), Eigen::Vector3d(0, 0, -1), 0.01});
+    CHECK_THAT(refusal<MismatchError>([&] { solid_paths(crowded); }), StartsWith("draws.validation: ") && Contains("no room"));
+}
+
+TEST_CASE("a solid's draws are by seed and role alone: other roles and meshes leave them alone") {
+    Study other = solid();
+    other.draws[0].seed = 77;
+    other.check_sizes_m = {};
+    const auto before = planned_paths(solid()), after = planned_paths(other);
+    for (std::size_t i = 0; i < after.size(); ++i) {
+        CHECK(after[i].push.name == before[i].push.name);
+        CHECK((after[i].push.contact_m == before[i].push.contact_m) == (after[i].role != "validation"));
+    }
+}
+
+TEST_CASE("a solid's plan gives every path its arguments, its mesh's sizes too, and has no mesh of its own") {
+    const Plan plan = make_plan(solid());
+    CHECK(plan.parts.size() == 2 + 94);
+    CHECK_THAT(plan.fragment, Contains("SOLID := fem/block3.geo\n"));
+    CHECK(plan.fragment.find("mesh.msh") == std::string::npos);
+    const StudyPath& push = solid().loads.paths[1];
+    const std::string& part = plan.parts.at("path-" + push.name);
+    CHECK_THAT(plan.fragment, Contains("$(R)/cases/" + push.name + ".csv: PATH_ARGUMENTS = " + part) &&
+                                  Contains("$(R)/cases/" + push.name + ".csv: $(R)/plan/path-" + push.name + " fem/block3.geo\n"));
+    CHECK_THAT(part, StartsWith("-geo fem/block3.geo "));
+    const auto number = [&](const std::string& name) {
+        const std::string word = argument(part, name);
+        CHECK_FALSE(word.empty());
+        return std::strtod(word.c_str(), nullptr);
+    };
+    CHECK(number("width") == 0.1);
+    CHECK(number("length") == 0.08);
+    CHECK(number("height") == 0.05);
+    CHECK(argument(part, "cells_x") + argument(part, "cells_y") + argument(part, "cells_z") == "543");
+    CHECK(number("size_near") == 0.005);
+    CHECK(number("size_far") == 0.02);
+    CHECK(number("C1") == 263);
+    CHECK(number("C2") == 491);
+    CHECK(number("nodule_z") == 0.025);
+    CHECK(number("nodule_radius") == 0.008);
+    CHECK(number("C1_11") == 1000);
+    CHECK(number("C2_11") == 2000);
+    const char* axes[] = {"x", "y", "z"};
+    for (int a : {0, 1, 2}) {
+        CHECK(number(std::string("contact_") + axes[a]) == push.contact_m[a]);
+        CHECK(number(std::string("direction_") + axes[a]) == push.direction[a]);  // to the bit
+    }
+    CHECK(number("disc_radius") == 0.007);
+    CHECK(number("depth") == 0.01);
+    CHECK(number("records") == 5);
+    CHECK(number("tolerance") == 1e-9);
+    CHECK(number("max_newton") == 12);
+    CHECK(number("allow_lost") == 1);
+    CHECK(argument(plan.parts.at("path-check-0001"), "size_near") == "0.004");
+    CHECK(argument(plan.parts.at("path-check-0001"), "depth") == argument(plan.parts.at("path-held-out-0001"), "depth"));
+    const std::string& text = solid_study_text();
+    const Plan even = make_plan(example_study(text.substr(0, text.find("[nodule]"))));
+    CHECK(even.parts.at("path-" + push.name).find("nodule") == std::string::npos);
+    CHECK(even.parts.at("train") != plan.parts.at("train"));
+}
+
+TEST_CASE("a training push in space is a load case at every magnitude up to its depth, and at its depth where it ends earlier") {
+    Cases cases = solid_cases();
+    CHECK(names_of(load_cases(cases)) ==
+          std::vector<std::string>{"x0500-y0400-t00-a000-4mm", "x0500-y0400-t00-a000-10mm", "x0500-y0400-t30-a270-4mm",
+                                   "x0500-y0400-t30-a270-10mm", "x0120-y0150-t00-a000-4mm", "x0120-y0150-t00-a000-10mm",
+                                   "x0500-y0400-t90-a090-3mm"});
+    LoadPath path = cases.paths[0];
+    path.depth_m = 0.008;
+    CHECK(load_magnitudes(cases, path) == std::vector<double>{0.004, 0.008});
+    path.depth_m = 0.004;
+    CHECK(load_magnitudes(cases, path) == std::vector<double>{0.004});
+    cases.magnitudes_m = {0.004};  // as a variant keeps
+    path.depth_m = 0.010;
+    CHECK(load_magnitudes(cases, path) == std::vector<double>{0.004});
+    path.direction = Eigen::Vector2d(0, -1);  // in the plane the cases' own
+    path.depth_m = 0.003;
+    CHECK(load_magnitudes(cases, path) == std::vector<double>{0.004});
+}
+
+TEST_CASE("a solid's variant keeps its first training pushes and every drawn one") {
+    const Cases cases = solid_cases();
+    Study::Variant few = solid().whole();
+    few.first_paths = 2;
+    few.magnitudes_m = {0.004};
+    const Cases kept = thinned(solid(), cases, few);
+    REQUIRE(kept.paths.size() == 3);
+    CHECK(kept.paths[1].name == solid().loads.paths[1].name);
+    CHECK(kept.paths[2].role == "held_out");
+    CHECK(kept.magnitudes_m == few.magnitudes_m);
+    CHECK(thinned(solid(), cases, solid().whole()).paths.size() == cases.paths.size());
+}
+
+TEST_CASE("cases in space come back from their file as they were; earlier programs refuse them") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("cases.h5");
+    const Cases cases = solid_cases();
+    write_cases(file, cases, {"tissuectl test", 0, {}});
+    CHECK(Hdf5Reader(file, "cases").number_attribute("/", "format_version") == solid_format_version);
+    CHECK(solid_format_version > law_format_version);
+    const Cases after = read_cases(file);
+    CHECK(after.nodes == cases.nodes);
+    REQUIRE(after.paths.size() == cases.paths.size());
+    for (std::size_t i = 0; i < cases.paths.size(); ++i) {
+        CHECK(after.paths[i].contact_m == cases.paths[i].contact_m);
+        CHECK(after.paths[i].direction == cases.paths[i].direction);
+        CHECK(after.paths[i].records.back().displacement == cases.paths[i].records.back().displacement);
+        CHECK(after.paths[i].records.back().force == cases.paths[i].records.back().force);
+        CHECK(after.paths[i].records.back().contact_force_N == cases.paths[i].records.back().contact_force_N);
+    }
+    write_cases(file, example_cases(example_study(), example_theta(make_lattice("grid8", 4, 4, 0.1, 0.1))), {"tissuectl test", 0, {}});
+    CHECK(Hdf5Reader(file, "cases").number_attribute("/", "format_version") == format_version);
+    CHECK_FALSE(Hdf5Reader(file, "cases").has_attribute("/", "dimension"));
+}
+
+TEST_CASE("cases of a dimension that is neither 2 nor 3, or not that of their nodes, are refused with file and place") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("cases.h5");
+    const auto said = [&](double dimension) {
+        write_cases(file, solid_cases(), {"tissuectl test", 0, {}});
+        const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), attribute = H5Aopen(id, "dimension", H5P_DEFAULT);
+        REQUIRE(H5Awrite(attribute, H5T_NATIVE_DOUBLE, &dimension) >= 0);
+        H5Aclose(attribute);
+        H5Fclose(id);
+        return refusal<FileError>([&] { read_cases(file); });
+    };
+    for (double wrong : {1.0, 4.0, 2.5, -3.0, std::nan("")}) CHECK_THAT(said(wrong), Contains("cases.h5: /: ") && Contains("must be 2 or 3"));
+    CHECK_THAT(said(2), Contains("cases.h5: /nodes"));
+
+    Cases shaped = solid_cases();
+    shaped.shape = shape_of(make_lattice("grid4", 4, 4, 0.1, 0.1));
+    write_cases(file, shaped, {"tissuectl test", 0, {}});
+    CHECK_THAT(refusal<FileError>([&] { read_cases(file); }), Contains("cases.h5: /shape") && Contains("plane"));
+}
+
+TEST_CASE("cases in space, changed in any one dataset in any way, are refused in one line or load as others that are well") {
+    const TemporaryFolder folder;
+    const std::string whole = folder.file("whole.h5"), file = folder.file("cases.h5");
+    Cases cases = solid_cases();
+    cases.paths.erase(cases.paths.begin() + 1, cases.paths.end() - 1);
+    write_cases(whole, cases, {"tissuectl test", 0, {}});
+    const DatasetTable& table = cases_table(false);
+    int refused = 0;
+    for (const auto& [dataset, rule] : datasets_of(whole, table))
+        for (const Mutation& mutation : mutations(whole, dataset, table)) {
+            INFO(dataset << ": " << mutation.name);
+            std::filesystem::copy_file(whole, file, std::filesystem::copy_options::overwrite_existing);
+            mutation.apply(file);
+            try {
+                load_cases(read_cases(file));
+                CHECK_FALSE(mutation.must_be_refused);
+            } catch (const Error& e) {
+                CHECK(std::string(e.what()).find('\n') == std::string::npos);
+                ++refused;
+            }
+        }
+    CHECK(refused > 50);
+}

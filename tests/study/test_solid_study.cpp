@@ -1,0 +1,201 @@
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+
+#include "error.h"
+#include "study/solid_push.h"
+#include "study/study.h"
+#include "../example.h"
+#include "../refusal.h"
+#include "../solid_example.h"
+#include "../tolerances.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// What read_study says of the solid example with one thing changed; it must name file, the key's line, and key.
+std::string said(const std::string& from, const std::string& to, const std::string& key) {
+    const TemporaryFolder folder;
+    const std::string text = with(solid_study_text(), from, to), file = folder.file("s.toml", text);
+    const std::string words = refusal<StudyError>([&] { read_study(file); });
+    INFO(to);
+    CHECK_THAT(words, Contains("s.toml:") && Contains("key '" + key + "': "));
+    CHECK(words.find('\n') == std::string::npos);
+    return words;
+}
+
+}  // namespace
+
+TEST_CASE("a study with length_m is a solid block: three axes, incompressible, E t is E") {
+    const Study s = example_study(solid_study_text());
+    CHECK(s.geometry.is_solid());
+    CHECK(s.geometry.is_block());
+    CHECK(s.material.formulation == "incompressible");
+    CHECK(s.modulus_N_m() == s.material.youngs_modulus_Pa());
+    CHECK(s.lattice().cells == std::vector<int>{5, 4, 3});
+    CHECK(s.lattice().size_m == std::vector<double>{0.1, 0.08, 0.05});
+    CHECK(s.indenter.kind == "disc");
+    CHECK(s.indenter.clearance_m() == Approx(0.012).epsilon(tolerance::rounding));
+    CHECK(s.sizes_m == std::array<double, 2>{0.005, 0.02});
+    CHECK(s.check_sizes_m == std::array<double, 2>{0.004, 0.015});
+    CHECK(s.springs.topology == "grid26");
+    CHECK_FALSE(s.loads.sweep);
+    CHECK_FALSE(example_study().geometry.is_solid());
+    CHECK(example_study().lattice().size_m == std::vector<double>{0.1, 0.1});
+}
+
+TEST_CASE("pushes of a solid are tilted off the inward normal towards an azimuth, axes exactly") {
+    CHECK(solid_push(0, 77) == Eigen::Vector3d(0, 0, -1));
+    CHECK(solid_push(90, 0) == Eigen::Vector3d(1, 0, 0));
+    CHECK(solid_push(90, 90) == Eigen::Vector3d(0, 1, 0));
+    CHECK(solid_push(90, 180) == Eigen::Vector3d(-1, 0, 0));
+    CHECK(solid_push(90, -90) == Eigen::Vector3d(0, -1, 0));
+    for (int axis : {0, 1, 2}) CHECK_FALSE((solid_push(90, 270)[axis] == 0 && std::signbit(solid_push(90, 270)[axis])));
+    const double half = std::sqrt(0.5);
+    CHECK((solid_push(30, 45) - Eigen::Vector3d(half / 2, half / 2, -std::sqrt(0.75))).norm() < tolerance::rounding);
+}
+
+TEST_CASE("contacts of a solid are its training paths, push by push in the study's order, with names of their own") {
+    const Study s = example_study(solid_study_text());
+    REQUIRE(s.loads.paths.size() == 4);
+    CHECK(s.loads.paths[0].name == "x0500-y0400-t00-a000");
+    CHECK(s.loads.paths[1].name == "x0500-y0400-t30-a270");
+    CHECK(s.loads.paths[2].name == "x0120-y0150-t00-a000");
+    CHECK(s.loads.paths[3].name == "x0500-y0400-t90-a090");
+    for (const StudyPath& p : s.loads.paths) CHECK(p.contact_m[2] == 0.05);
+    CHECK(s.loads.paths[0].depth_m == 0.010);
+    CHECK(s.loads.paths[3].depth_m == 0.003);
+    const Study fine = example_study(with(solid_study_text(), "[[0, 0], [30, -90]]", "[[0, 0], [30, -90], [30.2, -90], [30.2, -90.04]]"));
+    CHECK(fine.loads.paths[0].name == "x050000-y040000-t0000-a00000");
+    CHECK(fine.loads.paths[3].name == "x050000-y040000-t3020-a26996");
+}
+
+TEST_CASE("keys of the plane are refused in a solid, and a solid's in the plane, by name") {
+    CHECK_THAT(said("height_m = 0.05", "height_m = 0.05\nthickness_m = 0.1", "geometry.thickness_m"), Contains("plane"));
+    CHECK_THAT(said("height_m = 0.05", "height_m = 0.05\nshape = \"block\"", "geometry.shape"), Contains("plane"));
+    said("length_m = 0.08", "length_m = 0", "geometry.length_m");
+    CHECK_THAT(said("density_kg_m3 = 1000.0", "density_kg_m3 = 1000.0\nformulation = \"plane-strain\"", "material.formulation"), Contains("plane"));
+    CHECK_THAT(said("law = \"mooney-rivlin\"\nC1_Pa = 263.0\nC2_Pa = 491.0", "law = \"ogden\"\nmu_Pa = [100]\nalpha = [2]", "material.law"),
+               Contains("ogden"));
+    CHECK_THAT(said("density_kg_m3 = 1000.0", "density_kg_m3 = 1000.0\nregions = {}", "material.regions"), Contains("nodule"));
+    said("cells = [5, 4, 3]", "cells = [5, 4]", "lattice.cells");
+    said("cells = [5, 4, 3]", "cells = [5, 4, 2.5]", "lattice.cells");
+    CHECK_THAT(said("[mesh]", "[mesh]\nrefine = 2", "mesh.refine"), Contains("sizes_m"));
+    CHECK_THAT(said("[mesh]", "[mesh]\ncheck_refine = 2", "mesh.check_refine"), Contains("sizes_m"));
+    CHECK_THAT(said("kind = \"disc\"", "kind = \"patch\"", "indenter.kind"), Contains("disc"));
+    CHECK_THAT(said("record_step_m = 0.002", "record_step_m = 0.002\npaths = []", "loads.paths"), Contains("contacts"));
+    CHECK_THAT(said("record_step_m = 0.002", "record_step_m = 0.002\nsweep = { spacing_m = 1 }", "loads.sweep"), Contains("contacts"));
+    CHECK_THAT(said("topology = \"grid26\"", "topology = \"grid8\"", "springs.topology"), Contains("allowed: grid26"));
+    CHECK_THAT(said("stiffness = \"law\"\nterms = [\"spring.all\", \"cell.all\"]", "law = \"axial\"", "springs.stiffness"), Contains("\"law\""));
+    CHECK_THAT(said("[nodule]", "[data]\nx = 1\n[nodule]", "data"), Contains("plane"));
+    CHECK_THAT(said("tilt_deg = [0, 30]\nclearance_m = [0.02, 0.05]\n\n[draws.held_out]",
+                    "max_angle_deg = 30\ntilt_deg = [0, 30]\nclearance_m = [0.02, 0.05]\n\n[draws.held_out]", "draws.validation.max_angle_deg"),
+               Contains("not known"));
+
+    const auto plane = [](const std::string& from, const std::string& to) {
+        return refusal<StudyError>([&] { example_study(with(example_study_text(), from, to)); });
+    };
+    CHECK_THAT(plane("topology = \"grid8\"", "topology = \"grid26\""), Contains("springs.topology") && Contains("allowed: grid4, grid8, edges"));
+    CHECK_THAT(plane("kind = \"point\"", "kind = \"disc\""), Contains("indenter.kind"));
+    CHECK_THAT(plane("[mesh]", "[nodule]\nx = 1\n[mesh]"), Contains("key 'nodule'") && Contains("geometry.length_m"));
+    CHECK_THAT(plane("refine = 1", "refine = 1\nsizes_m = [1, 2]"), Contains("mesh.sizes_m"));
+}
+
+TEST_CASE("contacts of a solid that a disc cannot push, or whose pushes are none, are refused by place") {
+    CHECK_THAT(said("at_m = [0.012, 0.015]", "at_m = [0.0119, 0.015]", "loads.contacts[1].at_m"), Contains("11.9 mm") && Contains("needs 12 mm"));
+    CHECK_THAT(said("at_m = [0.012, 0.015]", "at_m = [0.03, 0.0681]", "loads.contacts[1].at_m"), Contains("wall"));
+    said("at_m = [0.012, 0.015]", "at_m = [0.012, 0.015, 0.05]", "loads.contacts[1].at_m");
+    CHECK_THAT(said("[[90, 90]]", "[[91, 90]]", "loads.contacts[2].pushes_deg"), Contains("91"));
+    said("[[90, 90]]", "[[-1, 90]]", "loads.contacts[2].pushes_deg");
+    said("[[90, 90]]", "[[90, 361]]", "loads.contacts[2].pushes_deg");
+    CHECK_THAT(said("[[90, 90]]", "[[90]]", "loads.contacts[2].pushes_deg"), Contains("lists of 2"));
+    said("[[90, 90]]", "[90, 90]", "loads.contacts[2].pushes_deg");
+    said("[[90, 90]]", "[]", "loads.contacts[2].pushes_deg");
+    said("[[90, 90]]", "[[90, nan]]", "loads.contacts[2].pushes_deg");
+    CHECK_THAT(said("[[90, 90]]", "[[30, 270]]", "loads.contacts[2].pushes_deg"), Contains("twice"));
+    CHECK_THAT(said("[[90, 90]]", "[[0, 45]]", "loads.contacts[2].pushes_deg"), Contains("twice"));
+    said("depth_m = 0.003", "depth_m = 0", "loads.contacts[2].depth_m");
+    CHECK_THAT(said("depth_m = 0.003", "depth_m = 0.012", "loads.contacts[2].depth_m"), Contains("magnitudes_m"));
+    CHECK_THAT(said("depth_m = 0.003", "depth_m = 0.007", "loads.contacts[2].depth_m"), Contains("record_step_m"));
+    CHECK(example_study(with(solid_study_text(), "depth_m = 0.003", "depth_m = 0.008")).loads.paths[3].depth_m == 0.008);
+    said("depth_m = 0.003,", "depht_m = 0.003,", "loads.contacts[2].depht_m");
+    const std::string& text = solid_study_text();
+    const std::size_t from = text.find("contacts = ["), to = text.find("[draws");
+    CHECK_THAT(refusal<StudyError>([&] { example_study(text.substr(0, from) + "contacts = []\n" + text.substr(to)); }), Contains("loads.contacts"));
+    CHECK_THAT(refusal<StudyError>([&] { example_study(text.substr(0, from) + text.substr(to)); }), Contains("'loads.contacts': is missing"));
+}
+
+TEST_CASE("meshes of a solid that would miss the disc, or check nothing, are refused") {
+    CHECK_THAT(said("sizes_m = [0.005, 0.02]", "sizes_m = [0.0071, 0.02]", "mesh.sizes_m"), Contains("indenter.radius_m"));
+    CHECK_THAT(said("sizes_m = [0.005, 0.02]", "sizes_m = [0.005, 0.004]", "mesh.sizes_m"), Contains("[near, far]"));
+    said("sizes_m = [0.005, 0.02]", "sizes_m = [0.005]", "mesh.sizes_m");
+    CHECK_THAT(said("check_sizes_m = [0.004, 0.015]", "check_sizes_m = [0.005, 0.015]", "mesh.check_sizes_m"), Contains("smaller"));
+    said("check_sizes_m = [0.004, 0.015]", "check_sizes_m = [0.004, 0.02]", "mesh.check_sizes_m");
+    said("radius_m = 0.007", "radius_m = -0.007", "indenter.radius_m");
+    said("check_fraction = 0.5", "check_fraction = 1.5", "mesh.check_fraction");
+}
+
+TEST_CASE("a nodule lies inside its block, or is refused") {
+    const Study s = example_study(solid_study_text());
+    REQUIRE(s.nodule);
+    CHECK(s.nodule->centre_m == Eigen::Vector3d(0.06, 0.04, 0.025));
+    CHECK(s.nodule->youngs_modulus_Pa() == 6 * 3000.0);
+    const std::string& text = solid_study_text();
+    CHECK_FALSE(example_study(text.substr(0, text.find("[nodule]"))).nodule);
+    for (const char* centre : {"[0.06, 0.04, 0.01]", "[0.06, 0.04, 0.04]", "[0.01, 0.04, 0.025]", "[0.09, 0.04, 0.025]", "[0.06, 0.01, 0.025]",
+                               "[0.06, 0.07, 0.025]", "[0.06, 0.04, -1]"})
+        CHECK_THAT(said("centre_m = [0.06, 0.04, 0.025]", std::string("centre_m = ") + centre, "nodule.radius_m"), Contains("from a wall"));
+    said("radius_m = 0.008", "radius_m = 0", "nodule.radius_m");
+    said("C1_Pa = 1000.0", "C1_Pa = -1", "nodule.C1_Pa");
+    said("C2_Pa = 2000.0", "C2_Pa = 2000.0\nmu_Pa = [1]", "nodule.mu_Pa");
+}
+
+TEST_CASE("draws of a solid have any number of held_out_WORD roles, each with a seed, ranges and a clearance of its own") {
+    const Study s = example_study(solid_study_text());
+    std::vector<std::string> roles;
+    for (const Study::Draws& d : s.draws) roles.push_back(d.role);
+    CHECK(roles == std::vector<std::string>{"validation", "held_out", "held_out_near_a_wall"});
+    CHECK(s.draws[2].clearance_m[1] == 0.02);
+    CHECK(s.draws[2].tilt_deg[0] == 90);
+    for (const char* role : {"held_out_", "held_out_2", "held_out_Near", "held_outnear", "held_out__a", "held_out_a_", "proof"})
+        CHECK_THAT(said("[draws.held_out_near_a_wall]", "[draws." + std::string(role) + "]", "draws." + std::string(role)), Contains("held_out_WORD"));
+    CHECK_THAT(said("seed = 3", "seed = 1", "draws.held_out_near_a_wall.seed"), Contains("validation"));
+    said("depth_m = [0.001, 0.003]", "depth_m = [0.001, 0.011]", "draws.held_out_near_a_wall.depth_m");
+    said("tilt_deg = [90, 90]", "tilt_deg = [90, 91]", "draws.held_out_near_a_wall.tilt_deg");
+    said("tilt_deg = [90, 90]", "tilt_deg = [90, 80]", "draws.held_out_near_a_wall.tilt_deg");
+    said("tilt_deg = [90, 90]\n", "", "draws.held_out_near_a_wall.tilt_deg");
+    CHECK_THAT(said("clearance_m = [0.012, 0.02]", "clearance_m = [0.0115, 0.02]", "draws.held_out_near_a_wall.clearance_m"), Contains("12 mm"));
+    CHECK_THAT(said("clearance_m = [0.012, 0.02]", "clearance_m = [0.02, 0.02]", "draws.held_out_near_a_wall.clearance_m"), Contains("[smallest"));
+    CHECK_THAT(said("clearance_m = [0.012, 0.02]", "clearance_m = [0.04, 0.05]", "draws.held_out_near_a_wall.clearance_m"), Contains("no place"));
+}
+
+TEST_CASE("a solid's variants keep the first terms and paths, and have no arcs") {
+    const auto varied = [](const std::string& more) { return example_study(solid_study_text() + "\n[[variants]]\nname = \"few\"\n" + more); };
+    const Study s = varied("first_terms = 1\nfirst_paths = 2\nmagnitudes_m = [0.004]\narea_cap_E2 = 6\nshape_scale = 0.1\n");
+    REQUIRE(s.variants.size() == 1);
+    CHECK(s.variants[0].first_paths == 2);
+    CHECK(s.variants[0].terms == std::vector<std::string>{"spring.all"});
+    CHECK(s.variants[0].magnitudes_m == std::vector<double>{0.004});
+    CHECK(varied("").variants[0].first_paths == 0);
+    CHECK(varied("").variants[0].magnitudes_m == s.loads.magnitudes_m);
+    for (const char* wrong : {"first_paths = 0", "first_paths = 5", "arcs_m = [0.1]", "angles_deg = [0]", "magnitudes_m = [0.005]"})
+        CHECK_THAT(refusal<StudyError>([&] { varied(wrong); }), Contains("key 'variants[0]."));
+    const TemporaryFolder folder;
+    const std::string plane = folder.file("p.toml", "based_on = \"" + (std::filesystem::current_path() / "fem/studies/surface-quick").string() +
+                                                        "\"\n[[variants]]\nname = \"few\"\nfirst_paths = 2\n");
+    CHECK_THAT(refusal<StudyError>([&] { read_study(plane); }), Contains("first_paths"));
+}
+
+TEST_CASE("block3 has thirty training pushes whose first few are small sets, and six along the top") {
+    const Study s = read_study("fem/studies/block3.toml");
+    REQUIRE(s.loads.paths.size() == 30);
+    for (int i = 0; i < 4; ++i) CHECK(s.loads.paths[static_cast<std::size_t>(i)].direction == Eigen::Vector3d(0, 0, -1));
+    int along = 0;
+    for (const StudyPath& p : s.loads.paths) along += p.direction[2] == 0 && p.depth_m == 0.003;
+    CHECK(along == 6);
+    CHECK(read_study("fem/studies/block3-quick.toml").loads.paths.size() == 6);
+    CHECK(read_study("fem/studies/block3-mini.toml").loads.paths.size() == 4);
+}
