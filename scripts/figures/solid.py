@@ -20,7 +20,7 @@ def draw(results):
     fe, model = MM * path.displacement[-1], MM * np.array(shape["displacement_m"])
     facets, cut_mm = cut_open(results, path.contact)
     away = np.linalg.norm(model - fe, axis=1)
-    figure, axes = plt.subplots(1, 3, figsize=(17, 5.2))
+    figure, axes = plt.subplots(1, 3, figsize=(17, 5.8))
     figure.set_layout_engine("constrained", rect=(0, 0, 1, 0.9))  # room for two lines above
     shown = np.unique(facets)
     most = max(np.linalg.norm(u[shown], axis=1).max() for u in (fe, model))
