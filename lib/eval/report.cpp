@@ -85,17 +85,18 @@ std::string solid_words(const HeldOut& h) {
                                         {"held_out_sideways", "pushed along the top, not into it"}};
     constexpr const char* models[][2] = {
         {"learned", "the law"},
-        {"force_table", "no springs: the finite elements' own forces at the trained contacts, interpolated"},
+        {"force_table", "no springs but the finite elements' own forces at the trained contacts, interpolated"},
         {"untrained", "the law before anything is learned: every constant its heuristic"},
-        {"heuristic_a_patch", "Van Gelder's springs (7) with E, without cells that keep their volume, under the law's learned contact"},
+        {"heuristic_a_patch", "Van Gelder's springs (7) with E, without cells that keep their volume, under the untrained law's contact"},
         {"heuristic_b_patch", "the same with C1 + C2 in place of E"},
-        {"uniform_patch", "the same springs, all of one stiffness, chosen on the trained contacts"}};
+        {"uniform_patch", "the same springs, all of the one stiffness that is best at the trained contacts"}};
     std::string out = "## What the tables compare\n\n";
     for (const auto& [role, words] : roles)
         if (h.role(role)) out += fmt::format("- contacts of `{}`: {}\n", role, words);
+    out += "\nThe top of the tissue is what is pressed; *tilt* is the push's angle off straight in. The models:\n\n";
     for (const auto& [model, words] : models)
         if (std::find(h.models.begin(), h.models.end(), model) != h.models.end()) out += fmt::format("- model `{}`: {}\n", model, words);
-    return out + "\nThe top of the tissue is the surface pressed; *tilt* is the push's angle off straight in.\n\n";
+    return out + "\n";
 }
 
 /// Head of the table of the worst contacts, up to the depth; and what stands there of one.
