@@ -11,7 +11,7 @@ MM = 1e3
 ROLES = {"held_out": ("core range", "o", "#0072B2"), "held_out_near": ("near a wall", "s", "#E69F00"),
          "held_out_sideways": ("sideways", "D", "#CC79A7")}
 SHOWN = {"learned": None, "force_table": "FE force table", "untrained": "untrained law",
-         "heuristic_a": "heuristic springs alone", "uniform": "springs of one stiffness alone"}
+         "heuristic_a": "heuristic springs alone", "uniform": "one stiffness alone"}
 LOWEST = 1e-3  # of a logarithmic axis
 
 
@@ -71,7 +71,7 @@ def how_often(axis, results, contacts, label):
         values = [c["error"].get(model, c["error"].get(f"{model}_patch")) for c in contacts]
         values = np.sort([v for v in values if v is not None])
         if len(values):
-            axis.step(np.maximum(np.append(values, values[-1]), LOWEST), np.append(np.arange(len(values)), len(values)) / len(values),
+            axis.step(np.maximum(np.append(values[0], values), LOWEST), np.arange(len(values) + 1) / len(values),
                       where="post", color=COLOURS[model], label=f"{name or learned_label(results)} (n = {len(values)})")
     axis.set_xscale("log")
     axis.set_xlim(LOWEST / 4, 2)

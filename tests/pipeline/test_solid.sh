@@ -15,11 +15,11 @@ cells = [5, 5, 3]
 sizes_m = [0.006, 0.025]
 
 [loads]
-magnitudes_m = [0.003]
-record_step_m = 0.003
+magnitudes_m = [0.002, 0.004]
+record_step_m = 0.002
 contacts = [
-  { at_m = [0.050, 0.050], depth_m = 0.003, pushes_deg = [[0, 0]] },
-  { at_m = [0.030, 0.065], depth_m = 0.003, pushes_deg = [[30, 45]] },
+  { at_m = [0.050, 0.050], depth_m = 0.004, pushes_deg = [[0, 0]] },
+  { at_m = [0.030, 0.065], depth_m = 0.004, pushes_deg = [[30, 45]] },
 ]
 
 [draws.validation]
