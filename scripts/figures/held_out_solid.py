@@ -21,8 +21,13 @@ def draw(results):
     figure = plt.figure(figsize=(18, 8.4), layout="constrained")
     grid = figure.add_gridspec(2, 4, width_ratios=[1.7, 1, 1, 1])
     from_above(figure, figure.add_subplot(grid[:, 0]), results, drawn)
+    models = {}
     for column, role in enumerate(ROLES, 1):
-        how_often(figure.add_subplot(grid[0, column]), results, drawn[role], ROLES[role][0])
+        axis = figure.add_subplot(grid[0, column])
+        how_often(axis, results, drawn[role], ROLES[role][0])
+        models.update(zip(*reversed(axis.get_legend_handles_labels())))
+    figure.legend(models.values(), models.keys(), loc="lower right", bbox_to_anchor=(0.97, 0.03), ncols=5, frameon=False,
+                  title="above, closed-loop error of:")
     low, high = results.nodes[:, :2].min(axis=0), results.nodes[:, :2].max(axis=0)
     to_wall = lambda c: MM * min(np.min(c["contact_m"][:2] - low), np.min(high - c["contact_m"][:2]))
     for column, (value, label) in enumerate(((lambda c: c["angle_deg"], "tilt off straight in (degrees)"),
@@ -41,6 +46,7 @@ def from_above(figure, axis, results, drawn):
     axis.plot(*(MM * top[:, :2]).T, "+", color="0.8", markersize=4, zorder=1)
     trained = np.array([path.contact for path in results.paths.values() if path.role[0] == b"train"])
     axis.plot(*(MM * trained[:, :2]).T, "x", color="black", markersize=7, markeredgewidth=1.5, zorder=4)
+    shade = axis.scatter([], [], c=[], norm=LogNorm(LOWEST, 0.3), cmap="viridis")
     for role, (label, marker, _) in ROLES.items():
         if not drawn[role]:
             continue
@@ -50,8 +56,8 @@ def from_above(figure, axis, results, drawn):
         for start, way in zip(place, tick):
             axis.plot(*np.stack([start, start + way]).T, color="0.25", linewidth=1, zorder=2)
         error = np.array([c["error"]["learned"] for c in drawn[role]])
-        shade = axis.scatter(*place.T, c=np.maximum(error, LOWEST), norm=LogNorm(LOWEST, 0.3), cmap="viridis", marker=marker,
-                             s=44, edgecolors="black", linewidths=0.4, zorder=3)
+        axis.scatter(*place.T, c=np.maximum(error, LOWEST), norm=shade.norm, cmap="viridis", marker=marker,
+                     s=44, edgecolors="black", linewidths=0.4, zorder=3)
     figure.colorbar(shade, ax=axis, label="closed-loop error of the learned law", format=lambda v, _: f"{100 * v:g} %",
                     location="bottom", shrink=0.8, aspect=35)
     handles = [Line2D([], [], color="0.6", marker=marker, linestyle="", markeredgecolor="black", label=f"{label} (n = {len(drawn[role])})")
@@ -72,16 +78,15 @@ def how_often(axis, results, contacts, label):
         values = np.sort([v for v in values if v is not None])
         if len(values):
             axis.step(np.maximum(np.append(values[0], values), LOWEST), np.arange(len(values) + 1) / len(values),
-                      where="post", color=COLOURS[model], label=f"{name or learned_label(results)} (n = {len(values)})")
+                      where="post", color=COLOURS[model], label=name or learned_label(results))
     axis.set_xscale("log")
     axis.set_xlim(LOWEST / 4, 2)
     axis.set_ylim(0, 1.02)
     axis.xaxis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
-    axis.set_title(f"How often: {label}", fontsize=10)
+    axis.set_title(f"How often: {label} (n = {len(contacts)})", fontsize=10)
     axis.set_xlabel("closed-loop error")
     axis.set_ylabel("part of the contacts at or below")
     axis.grid(color="0.9")
-    axis.legend(frameon=False, fontsize=7, loc="upper left")
 
 
 def against(axis, drawn, value, label):
