@@ -90,6 +90,8 @@ def how_often(axis, results, contacts, label):
 
 
 def against(axis, drawn, value, label):
+    if not any(drawn.values()):
+        return axis.set_visible(False)
     for role, (name, marker, colour) in ROLES.items():
         if drawn[role]:
             axis.plot([value(c) for c in drawn[role]], [max(c["error"]["learned"], LOWEST) for c in drawn[role]], marker,

@@ -14,6 +14,8 @@ def percent(value):
 
 def force_and_shape(errors, results, contacts, shapes):
     """Shape error against force error at every held-out contact; those of drawn_shapes with a ring."""
+    if not contacts:
+        return errors.set_visible(False)
     models = {**(SHOWN_OF_SOLIDS if results.solid else SHOWN), "learned": learned_label(results)}
     for model, label in models.items():
         both = np.array([(c["error"][model], c["shape"][model]) for c in contacts.values()
