@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <iostream>
+#include <numeric>
 
 #include "cases/load_path.h"
 #include "command.h"
@@ -56,11 +57,20 @@ void export_law(const Options& o, const TissueModel& model) {
     write_files(o.out, files);
 }
 
+/// What of a law is no dataset of its file.
+Files law_arrays(const TissueModel& model) {
+    if (!model.mesh.is_solid()) return npy_files(law_tables(model));
+    std::vector<int> load_cases(static_cast<std::size_t>(model.case_count()));
+    std::iota(load_cases.begin(), load_cases.end(), 0);
+    return npy_files(solid_law_tables(model), contact_table(model, load_cases));
+}
+
 void export_model(const Options& o) {
     if (!o.path.empty())
         throw MismatchError(o.file + ": holds springs; --path chooses among the paths of a cases.h5");
     const TissueModel model = read_model(Hdf5Reader(o.file, "model"));
     if (model.energy_law) return export_law(o, model);
+    if (model.mesh.is_solid()) throw MismatchError(o.file + ": is a model in space without a law; spring sets are of the plane");
     if (o.to == "sofa" && o.set.empty())
         throw MismatchError(
             "a SOFA scene has one spring set: name it with --set (a load case of the model, or one_set)");
@@ -90,8 +100,7 @@ void run(const Options& o) {
             if (!o.sets.empty() || !o.set.empty() || !o.path.empty())
                 throw MismatchError("--to numpy writes every dataset; it knows no --sets, --set or --path");
             Files files = npy_files(in);
-            if (in.text_attribute("/", "kind") == "model" && in.has("/law"))
-                files.merge(npy_files(law_tables(read_model(in))));
+            if (in.text_attribute("/", "kind") == "model" && in.has("/law")) files.merge(law_arrays(read_model(in)));
             write_files(o.out, files);
         }
         return in.text_attribute("/", "kind");

@@ -10,8 +10,10 @@ namespace {
 
 void run(const std::string& file) {
     const Hdf5Reader in(file, "");
-    std::cout << fmt::format("{}: {} of study '{}', format {}, tissuectl {}, seed {:.0f}\n  {}\n", file,
-                             in.text_attribute("/", "kind"), in.text_attribute("/", "study"),
+    const std::string space =
+        in.has_attribute("/", "dimension") ? fmt::format(" in {} dimensions", in.number_attribute("/", "dimension")) : "";
+    std::cout << fmt::format("{}: {} of study '{}'{}, format {}, tissuectl {}, seed {:.0f}\n  {}\n", file,
+                             in.text_attribute("/", "kind"), in.text_attribute("/", "study"), space,
                              in.number_attribute("/", "format_version"), in.text_attribute("/", "version"),
                              in.number_attribute("/", "seed"), in.text_attribute("/", "command"));
     for (const std::string& line : in.describe()) std::cout << "  " << line << '\n';

@@ -94,7 +94,7 @@ void check(const Options& o, const TissueModel& tissue, const HapticModel& model
 }
 
 void run(const Options& o, Provenance provenance) {
-    const TissueModel tissue = read_model(o.model);
+    const TissueModel tissue = read_model_in_plane(o.model);
     const HapticModel model(tissue, o.choices.haptic);
     if (!o.check.empty()) return check(o, tissue, model);
 

@@ -10,6 +10,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "mesh/cells.h"
+#include "springs/energy_law.h"
 #include "springs/equilibrium.h"
 #include "springs/heuristic.h"
 #include "train/train_sets.h"
@@ -142,6 +144,31 @@ TrainedModel example_model(const Study& study, const Cases& cases, const Eigen::
     TrainedModel model = train_sets(study, cases, 1);
     for (SpringSets& t : model.trained) t.theta = theta.transpose().replicate(t.theta.rows(), 1);
     return model;
+}
+
+TissueModel solid_example() {
+    constexpr double modulus_Pa = 4524, radius_m = 0.012;
+    TissueModel m;
+    m.study = "solid";
+    m.law = "geometric";
+    m.mesh = make_lattice("grid26", Lattice{{4, 4, 2}, {0.1, 0.1, 0.05}});
+    m.modulus_N_m = modulus_Pa;
+    m.node_mass_kg = node_masses(m.mesh, 1040, 1);
+    m.heuristic_a = heuristic_stiffness(m.mesh, modulus_Pa);
+    m.heuristic_b = m.heuristic_a / 6;
+    const Eigen::VectorXd springs = Eigen::VectorXd::Constant(m.mesh.spring_count(), modulus_Pa),
+                          cells = Eigen::VectorXd::Constant(mesh_cells(m.mesh).rows(), modulus_Pa);
+    const EnergyLaw law(m.mesh, solid_heuristic(m.mesh, springs, cells, modulus_Pa, 12, radius_m),
+                        {"spring.all", "spring.face", "contact.normal.phase", "contact.tangent.edge", "contact.imprint_normal", "contact.hardening"});
+    const Eigen::VectorXd p = (Eigen::VectorXd(6) << -0.7, 0.9, 0.3, -0.2, 1.5, 1.2).finished();
+    m.energy_law = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible(), radius_m};
+    m.case_names = {"down-3mm", "tilted-5mm"};
+    m.contact_m.resize(2, 3);
+    m.contact_m << 0.05, 0.05, 0.05, 0.041, 0.058, 0.05;
+    m.direction.resize(2, 3);
+    m.direction << 0, 0, -1, 0.3, 0.4, -std::sqrt(0.75);
+    m.magnitude_m = Eigen::Vector2d(0.003, 0.005);
+    return m;
 }
 
 void replace_dataset(const std::string& file, const std::string& dataset, const std::vector<double>& values) {

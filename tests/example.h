@@ -44,6 +44,10 @@ Cases example_cases(const Study& study, const Eigen::VectorXd& theta);
 /// A model trained on these cases, whose every trained set has then been replaced by theta.
 TrainedModel example_model(const Study& study, const Cases& cases, const Eigen::VectorXd& theta);
 
+/// A law on a block in space, 0.1 x 0.1 x 0.05 m of 4 x 4 x 2 cells: near what `block3-quick` learns, with one push down the
+/// middle of its top and one that is tilted, and no FE.
+TissueModel solid_example();
+
 /// Takes a dataset out of an HDF5 file; with values, puts these (one dimension) in its place.
 void replace_dataset(const std::string& file, const std::string& dataset, const std::vector<double>& values = {});
 

@@ -70,16 +70,49 @@ std::string no_answer_markdown(const std::string& model, const std::string& reas
     return reasons.empty() ? "" : fmt::format("\nNo closed-loop answer of {}: {}.\n", model, reasons);
 }
 
-constexpr const char *shape_head = " shape: median / p95 / max | largest node error over depth: median / p95 / max | n |",
-                     *shape_words = "*Shape*: rms over the free nodes of u - u_fe, over the rms of u_fe: what an eye sees "
-                                    "where a hand feels the force.";
+constexpr const char* shape_head = " shape: median / p95 / max | largest node error over depth: median / p95 / max | n |";
+
+std::string shape_words(bool solid) {
+    return fmt::format("*Shape*: rms over the free nodes{} of u - u_fe, over the rms of u_fe: what an eye sees where a hand feels the force.",
+                       solid ? " of the surface" : "");
+}
+
+/// What the roles of a solid's contacts are, and its models, before the tables that name them.
+std::string solid_words(const HeldOut& h) {
+    constexpr const char* roles[][2] = {{"validation", "served every choice that was made on the way, so its errors flatter"},
+                                        {"held_out", "served none, and proves: places, tilts and depths drawn as for `validation`"},
+                                        {"held_out_near", "nearer to a wall or a corner than those"},
+                                        {"held_out_sideways", "pushed along the top, not into it"}};
+    constexpr const char* models[][2] = {
+        {"learned", "the law"},
+        {"force_table", "no springs but the finite elements' own forces at the trained contacts, interpolated"},
+        {"untrained", "the law before anything is learned: every constant its heuristic"},
+        {"heuristic_a_patch", "Van Gelder's springs (7) with E, without cells that keep their volume, under the untrained law's contact"},
+        {"heuristic_b_patch", "the same with C1 + C2 in place of E"},
+        {"uniform_patch", "the same springs, all of the one stiffness that is best at the trained contacts"}};
+    std::string out = "## What the tables compare\n\n";
+    for (const auto& [role, words] : roles)
+        if (h.role(role)) out += fmt::format("- contacts of `{}`: {}\n", role, words);
+    out += "\nThe top of the tissue is what is pressed; *tilt* is the push's angle off straight in. The models:\n\n";
+    for (const auto& [model, words] : models)
+        if (std::find(h.models.begin(), h.models.end(), model) != h.models.end()) out += fmt::format("- model `{}`: {}\n", model, words);
+    return out + "\n";
+}
+
+/// Head of the table of the worst contacts, up to the depth; and what stands there of one.
+std::string place_head(bool solid) { return solid ? " x mm | y mm | tilt deg |" : " along the surface mm | angle deg |"; }
+
+std::string place_cells(const DrawnContact& c, bool solid) {
+    return solid ? fmt::format(" {:.1f} | {:.1f} | {:.1f} |", 1e3 * c.contact_m[0], 1e3 * c.contact_m[1], c.angle_deg)
+                 : fmt::format(" {:.1f} | {:.1f} |", 1e3 * c.arc_m, c.angle_deg);
+}
 
 std::string shape_cells(const ContactStatistics& s) {
     return fmt::format(" {} | {} | {} |", summary(s.shape), summary(s.shape_max_over_depth), s.shape.n);
 }
 
-std::string held_out_markdown(const HeldOut& h, bool measured) {
-    std::string out;
+std::string held_out_markdown(const HeldOut& h, bool measured, bool solid) {
+    std::string out = solid ? solid_words(h) : "";
     for (const DrawnContacts& role : h.roles) {
         out += fmt::format("## Contacts of `{}`: closed-loop error\n\n| model | median | p95 | max | n |", role.role);
         out += measured ? "\n|---|---|---|---|---|\n" : fmt::format("{}\n|---|---|---|---|---|---|---|---|\n", shape_head);
@@ -96,7 +129,7 @@ std::string held_out_markdown(const HeldOut& h, bool measured) {
         for (const DrawnContact& c : role.contacts) extrapolated += c.extrapolated ? 1 : 0;
         out += fmt::format("\n{} {}; {} lie outside what was trained on.", role.contacts.size(),
                            measured ? "rows" : "contacts", extrapolated);
-        if (!measured) out += fmt::format(" {}", shape_words);
+        if (!measured) out += " " + shape_words(solid);
         out += measured ? "\n" : fmt::format(" FE lost {}{}\n", role.lost.size(), role.lost.empty() ? "." : ":");
         for (const std::string& lost : role.lost) out += "- " + lost + "\n";
         std::vector<const DrawnContact*> worst;
@@ -104,11 +137,11 @@ std::string held_out_markdown(const HeldOut& h, bool measured) {
             if (c.error[0].force) worst.push_back(&c);
         std::sort(worst.begin(), worst.end(),
                   [](const auto* a, const auto* b) { return *a->error[0].force > *b->error[0].force; });
-        out += fmt::format("\nThe worst ten:\n\n| contact | along the surface mm | angle deg | depth mm | force N | error |{}\n",
-                           measured ? "\n|---|---|---|---|---|---|" : " shape |\n|---|---|---|---|---|---|---|");
+        out += fmt::format("\nThe worst ten:\n\n| contact |{} depth mm | force N | error |{}\n|{}---|---|---|---|---|---|{}\n", place_head(solid),
+                           measured ? "" : " shape |", solid ? "---|" : "", measured ? "" : "---|");
         for (std::size_t i = 0; i < std::min<std::size_t>(10, worst.size()); ++i)
-            out += fmt::format("| {} | {:.1f} | {:.1f} | {:.2f} | {:.3f} | {} |{}\n", worst[i]->name, 1e3 * worst[i]->arc_m,
-                               worst[i]->angle_deg, 1e3 * worst[i]->depth_m, worst[i]->fe_force_N.norm(),
+            out += fmt::format("| {} |{} {:.2f} | {:.3f} | {} |{}\n", worst[i]->name, place_cells(*worst[i], solid),
+                               1e3 * worst[i]->depth_m, worst[i]->fe_force_N.norm(),
                                percent(*worst[i]->error[0].force),
                                measured ? "" : fmt::format(" {} |", percent(worst[i]->error[0].shape.value_or(std::nan("")))));
         out += "\n";
@@ -164,6 +197,7 @@ std::string law_markdown(const LawModel& law, const LawBook& book, bool measured
 
 std::string to_markdown(const Evaluation& e) {
     const ModelErrors& learned = e.models.front();
+    const bool solid = e.energy_law && e.energy_law->disc_radius_m > 0;
     std::string out = fmt::format("# Study `{}`\n\n", e.study);
     if (const DrawnContacts* held_out = e.held_out.role("held_out")) {
         const ContactStatistics s = held_out->statistics(0);
@@ -191,7 +225,7 @@ std::string to_markdown(const Evaluation& e) {
         version);
     }
 
-    out += broken_markdown(e) + measurement_markdown(e) + held_out_markdown(e.held_out, e.measurement.has_value()) + truth_markdown(e.truth);
+    out += broken_markdown(e) + measurement_markdown(e) + held_out_markdown(e.held_out, e.measurement.has_value(), solid) + truth_markdown(e.truth);
     out += "## Errors at the trained contacts: median / p95 / max\n\n";
     if (!e.open_loop()) {
         out += "| model | closed loop | n |\n|---|---|---|\n";
@@ -216,12 +250,13 @@ std::string to_markdown(const Evaluation& e) {
     if (!e.measurement) {
         out += fmt::format("\n## Shape at the trained contacts, in closed loop\n\n| model |{}\n|---|---|---|---|\n", shape_head);
         for (const ModelErrors& m : e.models) out += fmt::format("| {} |{}\n", m.name, shape_cells(m.closed_loop()));
-        out += fmt::format("\n{}\n", shape_words);
+        out += "\n" + shape_words(solid) + "\n";
     }
 
     if (e.law_book)
         return out + law_markdown(*e.energy_law, *e.law_book, e.measurement.has_value()) +
-               (e.measurement        ? figures_markdown({"held_out"})
+               (solid                ? e.held_out.empty() ? "" : figures_markdown({"held_out", "held_out_force", "shape", "solid"})
+                : e.measurement      ? figures_markdown({"held_out"})
                 : e.held_out.empty() ? figures_markdown({"contours"})
                                      : figures_markdown({"held_out", "held_out_force", "shape", "contours"}));
     out +=

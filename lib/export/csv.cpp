@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "export/solid_law_tables.h"
+
 namespace tissue {
 namespace {
 
@@ -51,10 +53,99 @@ std::string springs_csv(const TissueModel& model, const std::string& name, const
     return springs;
 }
 
-std::string triangles_csv(const SpringMesh& mesh) {
-    std::string triangles = "node_i,node_j,node_k\n";
-    for (Eigen::Index t = 0; t < mesh.simplices.rows(); ++t) triangles += values(mesh.simplices.row(t)) + "\n";
-    return triangles;
+/// Node numbers, a row each.
+std::string nodes_of_csv(const Cells& cells) {
+    constexpr const char* letters = "ijkl";
+    std::string text;
+    for (Eigen::Index k = 0; k < cells.cols(); ++k) text += fmt::format("{}node_{}", k > 0 ? "," : "", letters[k]);
+    text += '\n';
+    for (Eigen::Index t = 0; t < cells.rows(); ++t) text += values(cells.row(t)) + "\n";
+    return text;
+}
+
+/// Of which the tissue and its surface are made: triangles, in space tetrahedra and the triangles around them.
+Files simplices_csv(const SpringMesh& mesh) {
+    if (!mesh.is_solid()) return {{"triangles.csv", nodes_of_csv(mesh.simplices)}};
+    return {{"tetrahedra.csv", nodes_of_csv(mesh.simplices)}, {"facets.csv", nodes_of_csv(mesh.facets)}};
+}
+
+std::string terms_csv(const LawModel& law) {
+    std::string terms = "term,coefficient\n";
+    for (std::size_t t = 0; t < law.terms.size(); ++t)
+        terms += fmt::format("{},{}\n", field(law.terms[t]), law.coefficients[static_cast<Eigen::Index>(t)]);
+    return terms;
+}
+
+std::string contact_csv(const PatchLaw& patch, const std::vector<std::string>& rows) {
+    std::string contact = "row,log_k_N_m,phase,corner,edge\n";
+    for (std::size_t m = 0; m < rows.size(); ++m)
+        contact += fmt::format("{},{}\n", rows[m], values(patch.log_N_m.row(static_cast<Eigen::Index>(m))));
+    return contact;
+}
+
+/// presses.csv and pressed.csv.
+Files pressed_csv(const TissueModel& model, const std::vector<PressedCase>& cases) {
+    const int D = model.mesh.dimension();
+    const bool solid = model.mesh.is_solid();
+    std::string presses = "case," + columns("contact_", "_m", D) + (solid ? "," : ",arc_m,") + columns("push_", "_m", D) + "," +
+                          columns("force_", "_N", D) + ",reason\n",
+                pressed = "case,node," + columns("u_", "_m", D) + "," + columns("f_", "_N", D) + "\n";
+    const std::string no_force(static_cast<std::size_t>(D - 1), ',');
+    for (const PressedCase& c : cases) {
+        const std::string name = field(model.case_names[static_cast<std::size_t>(c.load_case)]);
+        presses += fmt::format("{},{},{}{},{},{}\n", name, values(model.contact_m.row(c.load_case)),
+                               c.arc_m ? fmt::format("{},", *c.arc_m) : "", values(c.push_m),
+                               c.state ? values(c.state.contact_force) : no_force, field(reason_of(c.state.status)));
+        for (int i = 0; c.state && i < model.mesh.node_count(); ++i)
+            pressed += fmt::format("{},{},{},{}\n", name, i, values(c.state.displacement.row(i)), values(c.force_N.row(i)));
+    }
+    return {{"presses.csv", presses}, {"pressed.csv", pressed}};
+}
+
+/// Of a law in space, what stands in place of areas and surface.
+Files solid_csv(const TissueModel& model, const std::vector<PressedCase>& cases) {
+    const SolidLawTables tables = solid_law_tables(model);
+    std::vector<int> load_cases;
+    for (const PressedCase& c : cases) load_cases.push_back(c.load_case);
+    const ContactTable contact = contact_table(model, load_cases);
+    std::string cells = "cell,node_000,node_100,node_010,node_110,node_001,node_101,node_011,node_111,rest_volume_m3,stiffness_Pa\n";
+    for (Eigen::Index c = 0; c < tables.cells.rows(); ++c)
+        cells += fmt::format("{},{},{},{}\n", c, values(tables.cells.row(c)), tables.volume_m3[c], tables.cell_Pa[c]);
+    const auto name = [&](int load_case) { return field(model.case_names[static_cast<std::size_t>(load_case)]); };
+    std::string rows = "row,case,kind,k_N_m,push_x,push_y,push_z\n", pull = "row,node,pull_x,pull_y,pull_z\n",
+                hardening = "case,hardening_1_J\n";
+    for (std::size_t r = 0; r < contact.k_N_m.size(); ++r)
+        rows += fmt::format("{},{},{},{},{}\n", r, name(contact.load_case[r]), contact.kind[r], contact.k_N_m[r],
+                            values(contact.push.row(static_cast<Eigen::Index>(r))));
+    for (std::size_t q = 0; q < contact.pull_row.size(); ++q)
+        pull += fmt::format("{},{},{}\n", contact.pull_row[q], contact.pull_node[q], values(contact.pull.row(static_cast<Eigen::Index>(q))));
+    for (std::size_t c = 0; c < load_cases.size(); ++c)
+        hardening += fmt::format("{},{}\n", name(load_cases[c]), contact.hardening_1_J[c]);
+    return {{"springs.csv", springs_csv(model, "stiffness_N_m", tables.spring_N_m)},
+            {"cells.csv", cells},
+            {"contact.csv", contact_csv(model.energy_law->patch, {"normal", "tangent", "imprint_normal", "imprint_tangent", "hardening"})},
+            {"contact_rows.csv", rows},
+            {"contact_pull.csv", pull},
+            {"contact_hardening.csv", hardening}};
+}
+
+/// Of a law in the plane.
+Files plane_csv(const TissueModel& model) {
+    const LawTables tables = law_tables(model);
+    std::string areas = "area,kind,rest_area_m2,stiffness_N_m\n", edges = "area,node_i,node_j\n", surface = "node,arc_m\n";
+    for (std::size_t e = 0; e < tables.area_kind.size(); ++e) {
+        const auto i = static_cast<Eigen::Index>(e);
+        areas += fmt::format("{},{},{},{}\n", e, tables.area_kind[e], tables.area_m2[i], tables.area_N_m[i]);
+    }
+    for (std::size_t k = 0; k < tables.edge_area.size(); ++k)
+        edges += fmt::format("{},{},{}\n", tables.edge_area[k], tables.edge_from[k], tables.edge_to[k]);
+    for (std::size_t n = 0; n < tables.surface_node.size(); ++n)
+        surface += fmt::format("{},{}\n", tables.surface_node[n], tables.surface_arc_m[n]);
+    return {{"springs.csv", springs_csv(model, "stiffness_N_m", tables.spring_N_m)},
+            {"areas.csv", areas},
+            {"area_edges.csv", edges},
+            {"contact.csv", contact_csv(model.energy_law->patch, {"normal", "tangent", "rotation", "stretch"})},
+            {"surface.csv", surface}};
 }
 
 }  // namespace
@@ -75,55 +166,20 @@ Files csv_files(const TissueModel& model, const std::vector<NamedSet>& sets) {
         if (const int c = set.load_case; c >= 0)
             table += fmt::format("{},{},{},{}\n", field(set.name), values(model.contact_m.row(c)),
                                  values(model.direction.row(c)), model.magnitude_m[c]);
-    return {{"nodes.csv", nodes_csv(model)},
-            {"springs.csv", springs_csv(model, "one_set_N_m", model.one_set)},
-            {"triangles.csv", triangles_csv(mesh)},
-            {"sets.csv", table},
-            {"stiffness.csv", stiffness}};
+    Files files = {{"nodes.csv", nodes_csv(model)},
+                   {"springs.csv", springs_csv(model, "one_set_N_m", model.one_set)},
+                   {"sets.csv", table},
+                   {"stiffness.csv", stiffness}};
+    files.merge(simplices_csv(mesh));
+    return files;
 }
 
 Files csv_files(const TissueModel& model, const std::vector<PressedCase>& cases) {
-    const SpringMesh& mesh = model.mesh;
-    const LawModel& law = *model.energy_law;
-    const LawTables tables = law_tables(model);
-    const int D = mesh.dimension();
-    std::string areas = "area,kind,rest_area_m2,stiffness_N_m\n", edges = "area,node_i,node_j\n";
-    for (std::size_t e = 0; e < tables.area_kind.size(); ++e) {
-        const auto i = static_cast<Eigen::Index>(e);
-        areas += fmt::format("{},{},{},{}\n", e, tables.area_kind[e], tables.area_m2[i], tables.area_N_m[i]);
-    }
-    for (std::size_t k = 0; k < tables.edge_area.size(); ++k)
-        edges += fmt::format("{},{},{}\n", tables.edge_area[k], tables.edge_from[k], tables.edge_to[k]);
-    std::string terms = "term,coefficient\n", contact = "row,log_k_N_m,phase,corner,edge\n", surface = "node,arc_m\n";
-    for (std::size_t t = 0; t < law.terms.size(); ++t)
-        terms += fmt::format("{},{}\n", field(law.terms[t]), law.coefficients[static_cast<Eigen::Index>(t)]);
-    constexpr const char* rows[] = {"normal", "tangent", "rotation", "stretch"};
-    for (Eigen::Index m = 0; m < 4; ++m) contact += fmt::format("{},{}\n", rows[m], values(law.patch.log_N_m.row(m)));
-    for (std::size_t n = 0; n < tables.surface_node.size(); ++n)
-        surface += fmt::format("{},{}\n", tables.surface_node[n], tables.surface_arc_m[n]);
-    std::string presses = "case," + columns("contact_", "_m", D) + ",arc_m," + columns("push_", "_m", D) + "," +
-                          columns("force_", "_N", D) + ",reason\n",
-                pressed = "case,node," + columns("u_", "_m", D) + "," + columns("f_", "_N", D) + "\n";
-    for (const PressedCase& c : cases) {
-        const std::string name = field(model.case_names[static_cast<std::size_t>(c.load_case)]);
-        const std::string no_force(static_cast<std::size_t>(D - 1), ',');
-        presses += fmt::format("{},{},{},{},{},{}\n", name, values(model.contact_m.row(c.load_case)), c.arc_m,
-                               values(c.push_m), c.state ? values(c.state.contact_force) : no_force,
-                               field(reason_of(c.state.status)));
-        for (int i = 0; c.state && i < mesh.node_count(); ++i)
-            pressed += fmt::format("{},{},{},{}\n", name, i, values(c.state.displacement.row(i)),
-                                   values(c.force_N.row(i)));
-    }
-    return {{"nodes.csv", nodes_csv(model)},
-            {"springs.csv", springs_csv(model, "stiffness_N_m", tables.spring_N_m)},
-            {"triangles.csv", triangles_csv(mesh)},
-            {"areas.csv", areas},
-            {"area_edges.csv", edges},
-            {"terms.csv", terms},
-            {"contact.csv", contact},
-            {"surface.csv", surface},
-            {"presses.csv", presses},
-            {"pressed.csv", pressed}};
+    Files files = {{"nodes.csv", nodes_csv(model)}, {"terms.csv", terms_csv(*model.energy_law)}};
+    files.merge(simplices_csv(model.mesh));
+    files.merge(pressed_csv(model, cases));
+    files.merge(model.mesh.is_solid() ? solid_csv(model, cases) : plane_csv(model));
+    return files;
 }
 
 Files csv_files(const Cases& cases, const std::vector<const LoadPath*>& paths) {

@@ -19,6 +19,9 @@ Files csv_files(const TissueModel& model, const std::vector<NamedSet>& sets);
 ///   terms.csv      term, coefficient                       contact.csv     log k of each row by its four factors
 ///   surface.csv    node, where along the free surface      presses.csv     case, contact, push, force of the hand, or
 ///   pressed.csv    case, node, displacement, force                         the reason why it has none
+/// In space tetrahedra.csv and facets.csv stand in place of triangles.csv, and of areas and surface
+///   cells.csv      cell, its corners, volume at rest, A    contact_rows.csv  row, case, kind, stiffness, what it takes of the push
+///   contact_pull.csv  row, node, what it takes of its displacement           contact_hardening.csv  case, hardening
 Files csv_files(const TissueModel& model, const std::vector<PressedCase>& cases);
 
 ///   nodes.csv      node, position

@@ -56,13 +56,14 @@ LawTables law_tables(const TissueModel& model) {
 std::vector<PressedCase> pressed_cases(const TissueModel& model, const std::string& name) {
     const LawPress press(model);
     const TissueEnergy energy(model.mesh, model.energy_law->incompressible);
-    const Outline surface(model.mesh);
+    std::optional<Outline> surface;
+    if (!model.mesh.is_solid()) surface.emplace(model.mesh);
     std::vector<PressedCase> cases;
     for (int c = 0; c < model.case_count(); ++c) {
         if (!name.empty() && model.case_names[static_cast<std::size_t>(c)] != name) continue;
-        const double arc_m = surface.arc_of(model.contact_m.row(c).transpose());
-        const Eigen::Vector2d push_m = model.magnitude_m[c] * model.direction.row(c).transpose();
-        const Equilibrium state = press.at(model.contact_m.row(c).transpose(), push_m);
+        const Point contact_m = model.contact_m.row(c).transpose(), push_m = model.magnitude_m[c] * model.direction.row(c).transpose();
+        const std::optional<double> arc_m = surface ? std::optional<double>(surface->arc_of(contact_m)) : std::nullopt;
+        const Equilibrium state = press.at(contact_m, push_m);
         cases.push_back({c, arc_m, push_m, state, energy.force(model.energy_law->constants, state.displacement)});
     }
     if (cases.empty())

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,14 +21,14 @@ struct LawTables {
     std::vector<double> surface_arc_m;               ///< and where along it
 };
 
-/// The model must have a law.
+/// The model must have a law, in the plane; in space: export/solid_law_tables.h.
 LawTables law_tables(const TissueModel& model);
 
 /// The law's answer at a load case of the model.
 struct PressedCase {
     int load_case;
-    double arc_m;              ///< of the contact, along the free surface
-    Eigen::Vector2d push_m;
+    std::optional<double> arc_m;  ///< of the contact, along the free surface; in the plane
+    Point push_m;
     Equilibrium state;         ///< of the whole, the contact's own compliance included
     NodeField force_N;         ///< dW/du: what holds the tissue there (N x D)
 };

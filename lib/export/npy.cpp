@@ -93,4 +93,20 @@ Files npy_files(const LawTables& law) {
             {"law/surface_arc.npy", header("<f8", {nodes}) + bytes(law.surface_arc_m)}};
 }
 
+Files npy_files(const SolidLawTables& law, const ContactTable& contact) {
+    const std::size_t R = contact.k_N_m.size(), Q = contact.pull_row.size();
+    const auto numbers = [](const auto& values) { return std::vector<double>(values.data(), values.data() + values.size()); };
+    const std::vector<int> corners(law.cells.data(), law.cells.data() + law.cells.size());
+    return {{"law/cells.npy", header("<i4", {static_cast<std::size_t>(law.cells.rows()), 8}) + bytes(corners)},
+            {"law/cell_rest.npy", header("<f8", {static_cast<std::size_t>(law.volume_m3.size())}) + bytes(numbers(law.volume_m3))},
+            {"law/contact_case.npy", header("<i4", {R}) + bytes(contact.load_case)},
+            {"law/contact_kind.npy", npy_texts(contact.kind, {R})},
+            {"law/contact_k.npy", header("<f8", {R}) + bytes(contact.k_N_m)},
+            {"law/contact_push.npy", header("<f8", {R, 3}) + bytes(numbers(contact.push))},
+            {"law/contact_pull_row.npy", header("<i4", {Q}) + bytes(contact.pull_row)},
+            {"law/contact_pull_node.npy", header("<i4", {Q}) + bytes(contact.pull_node)},
+            {"law/contact_pull.npy", header("<f8", {Q, 3}) + bytes(numbers(contact.pull))},
+            {"law/contact_hardening.npy", header("<f8", {contact.hardening_1_J.size()}) + bytes(contact.hardening_1_J)}};
+}
+
 }  // namespace tissue

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "mesh/cells.h"
 #include "springs/equilibrium.h"
 #include "springs/spring_law.h"
 
@@ -13,7 +14,7 @@ namespace tissue {
 namespace {
 
 /// VTK's numbers of the cells we use.
-enum CellType { vertex = 1, line = 3, quad = 9 };
+enum CellType { vertex = 1, line = 3, quad = 9, tetrahedron = 10, hexahedron = 12 };
 
 /// Writes the XML of one grid. Numbers are the shortest text that reads back to the same double.
 class Grid {
@@ -93,30 +94,60 @@ class Grid {
     std::string places_, point_data_, cell_data_, field_data_, connectivity_, offsets_, types_;
 };
 
-/// Nodes of each quad when the nodes are a lattice, row by row from the bottom; else none.
-std::vector<std::vector<int>> lattice_quads(const NodeField& nodes) {
-    const Eigen::Index N = nodes.rows();
-    Eigen::Index across = 1;
-    while (across < N && nodes(across, 1) == nodes(0, 1)) ++across;
-    if (across < 2 || N % across != 0 || N == across) return {};
-    for (Eigen::Index i = 0; i < N; ++i) {
-        const bool in_row = nodes(i, 1) == nodes(i - i % across, 1), in_column = nodes(i, 0) == nodes(i % across, 0);
-        if (!in_row || !in_column) return {};
+/// Nodes of each cell when the nodes are a lattice, numbered along x first, then y, then z; else none. In VTK's order: around
+/// the cell, in space around its lower face and then its upper one.
+std::vector<std::vector<int>> lattice_cells(const NodeField& nodes) {
+    const Eigen::Index N = nodes.rows(), D = nodes.cols();
+    std::vector<int> stride{1}, count;  // along each axis: to the next node, and how many of them
+    for (Eigen::Index d = 0; d < D; ++d) {
+        Eigen::Index end = stride.back();
+        const auto in_line = [&](Eigen::Index i) { return (nodes.row(i).tail(D - d - 1) - nodes.row(0).tail(D - d - 1)).isZero(0); };
+        while (end < N && in_line(end)) ++end;
+        if (end % stride.back() != 0 || N % end != 0 || end / stride.back() < 2) return {};
+        count.push_back(static_cast<int>(end / stride.back()));
+        stride.push_back(static_cast<int>(end));
     }
-    std::vector<std::vector<int>> quads;
-    const int width = static_cast<int>(across);
-    for (int i = 0; i + width < N; ++i)
-        if (i % width + 1 < width) quads.push_back({i, i + 1, i + 1 + width, i + width});
-    return quads;
+    const auto place = [&](Eigen::Index i, Eigen::Index d) { return static_cast<int>(i) / stride[static_cast<std::size_t>(d)] % count[static_cast<std::size_t>(d)]; };
+    for (Eigen::Index i = 0; i < N; ++i)
+        for (Eigen::Index d = 0; d < D; ++d)
+            if (nodes(i, d) != nodes(place(i, d) * stride[static_cast<std::size_t>(d)], d)) return {};
+    std::vector<std::vector<int>> cells;
+    for (int i = 0; i < N; ++i) {
+        bool last = false;
+        for (Eigen::Index d = 0; d < D; ++d) last = last || place(i, d) + 1 == count[static_cast<std::size_t>(d)];
+        if (last) continue;
+        std::vector<int> cell{i, i + 1, i + 1 + stride[1], i + stride[1]};
+        for (std::size_t k = 0; D == 3 && k < 4; ++k) cell.push_back(cell[k] + stride[2]);
+        cells.push_back(cell);
+    }
+    return cells;
 }
 
-/// The spring mesh where it has moved to, with the forces that hold it there.
+/// In space, what lies between the springs: a cell's corners in VTK's order, or a tetrahedron's.
+std::vector<std::vector<int>> volumes_of(const SpringMesh& mesh) {
+    constexpr int around[] = {0, 1, 3, 2, 4, 5, 7, 6};
+    std::vector<std::vector<int>> volumes;
+    if (!mesh.is_solid()) return volumes;
+    const Cells cells = mesh_cells(mesh);
+    for (Eigen::Index c = 0; c < cells.rows(); ++c) {
+        volumes.emplace_back();
+        for (Eigen::Index k = 0; k < cells.cols(); ++k) volumes.back().push_back(cells(c, cells.cols() == 8 ? around[k] : k));
+    }
+    return volumes;
+}
+
+/// The spring mesh where it has moved to, with the forces that hold it there. volume_Pa: in space of what lies between springs.
 std::string mesh_vtu(const TissueModel& model, const Eigen::VectorXd& theta, const NodeField& displacement,
-                     const NodeField& force) {
+                     const NodeField& force, const Eigen::VectorXd& volume_Pa = {}) {
     const SpringMesh& mesh = model.mesh;
     std::vector<int> fixed(static_cast<std::size_t>(mesh.node_count()), 0);
     for (int node : mesh.fixed) fixed[static_cast<std::size_t>(node)] = 1;
-    Eigen::VectorXd rest_length(mesh.spring_count());
+    const std::vector<std::vector<int>> volumes = volumes_of(mesh);
+    // each array is of springs, then of volumes, and 0 where it means nothing: VTK's reader knows no NaN in text
+    const Eigen::Index S = mesh.spring_count(), cells = S + static_cast<Eigen::Index>(volumes.size());
+    Eigen::VectorXd stiffness = Eigen::VectorXd::Zero(cells), rest_length = stiffness, volume_stiffness = stiffness;
+    stiffness.head(S) = theta;
+    if (volume_Pa.size() > 0) volume_stiffness.tail(cells - S) = volume_Pa;
 
     Grid grid(mesh.node_count(), 1);
     for (int s = 0; s < mesh.spring_count(); ++s) {
@@ -129,8 +160,10 @@ std::string mesh_vtu(const TissueModel& model, const Eigen::VectorXd& theta, con
     grid.at_points("force_N", force);
     grid.at_points("mass_kg", model.node_mass_kg);
     grid.at_points("fixed", fixed);
-    grid.at_cells("stiffness_N_m", theta);
+    for (const std::vector<int>& nodes : volumes) grid.cell(nodes.size() == 8 ? hexahedron : tetrahedron, nodes);
+    grid.at_cells("stiffness_N_m", stiffness);
     grid.at_cells("rest_length_m", rest_length);
+    if (!volumes.empty()) grid.at_cells("stiffness_Pa", volume_stiffness);
     return grid.xml();
 }
 
@@ -153,9 +186,9 @@ std::string path_vtu(const Cases& cases, const LoadPath& path) {
     grid.of_the_whole("magnitude_m", magnitude);
     grid.of_the_whole("energy_J", energy);
     grid.of_the_whole("smallest_J", smallest_J);
-    const std::vector<std::vector<int>> quads = lattice_quads(cases.nodes);
-    for (const std::vector<int>& nodes : quads) grid.cell(quad, nodes);
-    if (quads.empty())
+    const std::vector<std::vector<int>> lattice = lattice_cells(cases.nodes);
+    for (const std::vector<int>& nodes : lattice) grid.cell(nodes.size() == 8 ? hexahedron : quad, nodes);
+    if (lattice.empty())
         for (int i = 0; i < N; ++i) grid.cell(vertex, {i});
     return grid.xml();
 }
@@ -181,8 +214,10 @@ std::string set_vtu(const TissueModel& model, const NamedSet& set, std::string& 
 
 std::string pressed_vtu(const TissueModel& model, const PressedCase& pressed) {
     const NodeField rest = NodeField::Zero(model.mesh.node_count(), model.mesh.dimension());
-    return mesh_vtu(model, model.energy_law->constants.head(model.mesh.spring_count()),
-                    pressed.state ? pressed.state.displacement : rest, pressed.state ? pressed.force_N : rest);
+    const Eigen::VectorXd& constants = model.energy_law->constants;
+    const Eigen::Index S = model.mesh.spring_count();
+    return mesh_vtu(model, constants.head(S), pressed.state ? pressed.state.displacement : rest,
+                    pressed.state ? pressed.force_N : rest, constants.tail(constants.size() - S));
 }
 
 }  // namespace tissue

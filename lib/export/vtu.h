@@ -9,8 +9,8 @@
 namespace tissue {
 
 /// One load path as a VTK unstructured grid (.vtu, XML, double precision) that ParaView opens as it is: a time step a
-/// record. Points are where the tissue is then, in metres, z = 0; cells are the lattice's quads, or the nodes alone
-/// where they are no lattice.
+/// record. Points are where the tissue is then, in metres, in the plane z = 0; cells are the lattice's quads, in space its
+/// hexahedra, or the nodes alone where they are no lattice.
 ///   points  rest_m, displacement_m, force_N (N x 3)    field  magnitude_m, energy_J, smallest_J (R)
 std::string path_vtu(const Cases& cases, const LoadPath& path);
 
@@ -19,7 +19,8 @@ std::string path_vtu(const Cases& cases, const LoadPath& path);
 ///   points  rest_m, displacement_m, force_N (N x 3), mass_kg, fixed    springs  stiffness_N_m, rest_length_m (S)
 std::string set_vtu(const TissueModel& model, const NamedSet& set, std::string& reason);
 
-/// The same of a law, pressed at a load case: at rest where it has no answer.
+/// The same of a law, pressed at a load case: at rest where it has no answer. In space the lattice's hexahedra follow the
+/// springs, with stiffness_Pa; an array is 0 at cells that it does not belong to.
 std::string pressed_vtu(const TissueModel& model, const PressedCase& pressed);
 
 }  // namespace tissue

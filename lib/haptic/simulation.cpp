@@ -25,6 +25,11 @@ namespace {
 
 constexpr double turn = 2 * 3.14159265358979323846;
 
+/// Everything from here to the tick counts on two coordinates.
+void check_in_plane(const TissueModel& model, const std::string& subject) {
+    if (model.mesh.is_solid()) throw MismatchError(subject + "is a model in space; the realtime core plays models in the plane");
+}
+
 std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel& model, const std::string& law,
                                       const Eigen::Ref<const NodeField>& theta, const Eigen::Vector2d& place_m) {
     if (!theta.allFinite() || !(theta.minCoeff() > 0))
@@ -72,8 +77,15 @@ void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double coupling_N
 
 }  // namespace
 
+TissueModel read_model_in_plane(const std::string& file) {
+    TissueModel model = read_model(file);
+    check_in_plane(model, file + ": ");
+    return model;
+}
+
 HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     : study(model.study), options(given), set_names(model.case_names) {
+    check_in_plane(model, "this ");
     HapticOptions& o = options;
     if (!(o.dt_s > 0)) throw MismatchError("dt must be positive");
     if (!(o.innovation > 0 && o.innovation <= 1)) throw MismatchError("the innovation gamma must lie in (0, 1]");

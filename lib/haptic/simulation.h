@@ -47,9 +47,13 @@ struct HapticMesh {
     double damping_1_s;                ///< B = damping M
 };
 
+/// What plays, out of a model.h5. Throws FileError, and MismatchError with the file's name for a model in space.
+TissueModel read_model_in_plane(const std::string& file);
+
 /// Everything that is the same in every tick.
 struct HapticModel {
-    /// Throws MismatchError for options that the model does not know, such as those of sets where it is a law.
+    /// Throws MismatchError for a model in space, and for options that the model does not know, such as those of sets where
+    /// it is a law.
     HapticModel(const TissueModel& model, const HapticOptions& options);
     HapticModel(const HapticModel&) = delete;
     HapticModel& operator=(const HapticModel&) = delete;

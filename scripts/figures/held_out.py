@@ -3,12 +3,15 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LogNorm
 
+import held_out_solid
 from results import COLOURS, learned_label
 
 ROLES = {"held_out": "core range", "held_out_full": "full range"}
 
 
 def draw(results):
+    if results.solid:
+        return held_out_solid.draw(results)
     evaluation = results.evaluation
     drawn = {role: [c for c in evaluation["drawn"].get(role, []) if c["error"]["learned"] is not None]
              for role in ROLES}
@@ -36,11 +39,10 @@ def draw(results):
     table = "force table" if "measurement" in evaluation else "FE force table"
     shown = {"learned": learned_label(results), "force_table": table, "uniform": "one stiffness",
              "heuristic_a": "heuristic, E2 = E t", "untrained": "untrained law"}
-    colours = {"force_table": "#000000", "untrained": "#56B4E9", **COLOURS}
     for model, label in shown.items():
         values = np.sort([c["error"][model] for c in drawn["held_out"] if c["error"].get(model) is not None])
         if len(values):
-            often.plot(np.maximum(values, bins[0]), np.linspace(0, 1, len(values)), color=colours[model],
+            often.plot(np.maximum(values, bins[0]), np.linspace(0, 1, len(values)), color=COLOURS[model],
                        label=f"{label} (n = {len(values)})")
     often.set_xscale("log")
     often.set_xlabel("closed-loop error, core range")

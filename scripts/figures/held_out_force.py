@@ -15,9 +15,10 @@ def draw(results):
         x = np.array(curve["magnitude_m"]) * 1e3
         axis.plot(x, curve["fe_N"], color=COLOURS["fe"], linewidth=2.4, label="finite elements")
         axis.plot(x, curve["models_N"]["learned"], "o--", color=COLOURS["learned"], markersize=4, label=learned_label(results))
-        axis.plot(x, curve["models_N"]["uniform"], ":", color=COLOURS["uniform"], linewidth=1.8, label="one stiffness")
+        if "uniform" in curve["models_N"]:
+            axis.plot(x, curve["models_N"]["uniform"], ":", color=COLOURS["uniform"], linewidth=1.8, label="one stiffness")
         contact = contacts[curve["name"]]
-        axis.set_title(f"{1e3 * contact['arc_m']:.1f} mm along the surface, {contact['angle_deg']:.0f} degrees", fontsize=9)
+        axis.set_title(title_of(results, contact), fontsize=9)
         axis.set_xlim(left=0)
         axis.set_ylim(bottom=0)
         axis.set_xlabel("displacement (mm)")
@@ -27,3 +28,10 @@ def draw(results):
     axes[0, 0].legend(frameon=False, fontsize=8)
     figure.suptitle("Held-out contacts, in closed loop")
     return figure
+
+
+def title_of(results, contact):
+    if results.solid:
+        x, y, _ = 1e3 * np.array(contact["contact_m"])
+        return f"at x = {x:.1f} mm, y = {y:.1f} mm, tilted {contact['angle_deg']:.0f} degrees"
+    return f"{1e3 * contact['arc_m']:.1f} mm along the surface, {contact['angle_deg']:.0f} degrees"

@@ -15,6 +15,8 @@ COLOURS = {
     "heuristic_a": "#D55E00",
     "heuristic_b": "#E69F00",
     "uniform": "#CC79A7",
+    "untrained": "#56B4E9",
+    "force_table": "#000000",
 }
 MARKERS = {"learned": "o", "learned_spsa_2008": "s", "optimum": "*", "heuristic_a": "^", "heuristic_b": "v",
            "uniform": "D"}
@@ -76,8 +78,13 @@ def load(folder):
     with h5py.File(folder / "model.h5") as f:
         results.nodes = f["mesh/nodes"][()]
         results.springs = f["mesh/springs"][()]
-        results.triangles = f["mesh/triangles"][()]
-        results.boundary = f["mesh/boundary"][()]
+        results.solid = results.nodes.shape[1] == 3
+        if results.solid:
+            results.tetrahedra = f["mesh/tetrahedra"][()]
+            results.facets = f["mesh/facets"][()]
+        else:
+            results.triangles = f["mesh/triangles"][()]
+            results.boundary = f["mesh/boundary"][()]
         results.fixed = f["mesh/fixed"][()]
         results.modulus = float(f.attrs["modulus_N_m"])
         results.case_names = list(f["cases/names"].asstr())

@@ -33,6 +33,7 @@ CAPTIONS = {
     "held_out": "Closed-loop error at contacts the sets were not trained on",
     "held_out_force": "Force against push at such contacts",
     "shape": "The tissue's shape at such contacts, finite elements and springs; shape error against force error",
+    "solid": "The block cut open through such a contact: displacement in finite elements and in the law, and what lies between",
 }
 
 
@@ -56,7 +57,7 @@ def lead(e):
                     (learned["max"], f"worst of {learned['n']} contacts")]
         if learned.get("shape"):
             figures.append((learned["shape"]["median"], "median error of the tissue's shape, what an eye sees"))
-        figures += best_baseline(closed["held_out"])
+        figures += best_baseline(closed["held_out"], e)
         if "held_out_full" in closed:
             full = closed["held_out_full"]["learned"]
             figures.append((full["median"], f"median over the full range of depth and angle, {full['n']} contacts"))
@@ -66,17 +67,17 @@ def lead(e):
         figures += [(loss["optimum"], "the best this mesh can do, certified"),
                     (loss["heuristic_a"], "left by Van Gelder's heuristic"),
                     (closed["trained"]["learned"]["median"], "closed-loop error, what a hand feels")]
-        figures += best_baseline(closed["trained"])
+        figures += best_baseline(closed["trained"], e)
     if e.get("truth_check", {"n": 0})["n"]:
         figures.append((e["truth_check"]["median"], "the finite elements' own error, on a finer mesh"))
     return percent(number), [(percent(value), what) for value, what in figures]
 
 
-def best_baseline(errors):
+def best_baseline(errors, e):
     """Median closed-loop error of the best untrained springs, if any has one."""
     medians = {m: v["median"] for m, v in errors.items() if v["n"] and m.startswith(("heuristic", "uniform"))}
     best = min(medians, key=medians.get, default=None)
-    return [(medians[best], f"best untrained springs ({LABELS.get(best, best)}), closed loop")] if best else []
+    return [(medians[best], f"best untrained springs ({label(best, e) or best}), closed loop")] if best else []
 
 
 # ---- Markdown to HTML

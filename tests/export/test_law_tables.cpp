@@ -1,10 +1,14 @@
 #include "export/law_tables.h"
 
+#include <Eigen/Dense>
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "error.h"
+#include "export/solid_law_tables.h"
+#include "springs/contact_spring.h"
 #include "springs/energy_law.h"
+#include "springs/law_kernel.h"
 #include "../example.h"
 #include "../mesh/disc.h"
 #include "../refusal.h"
@@ -66,4 +70,47 @@ TEST_CASE("a law's cases are pressed as it presses, one or all of them", "[expor
     // supports and hand together hold what the tissue asks for
     CHECK((all[0].force_N.colwise().sum()).norm() <= tolerance::newton * all[0].force_N.norm());
     CHECK_THAT(refusal<MismatchError>([&] { pressed_cases(model, "third"); }), Contains("'third'") && Contains("as first"));
+}
+
+TEST_CASE("the tables of a law in space hold all its energy, the contact's too", "[export][solid]") {
+    const TissueModel model = solid_example();
+    const SpringMesh& mesh = model.mesh;
+    const SolidLawTables t = solid_law_tables(model);
+    const NodeField u = scattered(mesh, 0.002), x = mesh.nodes + u;
+    double W = 0;
+    for (int s = 0; s < mesh.spring_count(); ++s)
+        W += t.spring_N_m[s] * std::pow((x.row(mesh.springs(s, 0)) - x.row(mesh.springs(s, 1))).norm() - mesh.rest_length(s), 2) / 2;
+    for (Eigen::Index c = 0; c < t.cells.rows(); ++c) {
+        Eigen::Matrix3d edges = Eigen::Matrix3d::Zero();
+        for (int k = 0; k < 8; ++k)
+            for (int d = 0; d < 3; ++d) edges.col(d) += (k >> d & 1 ? 0.25 : -0.25) * x.row(t.cells(c, k)).transpose();
+        W += t.cell_Pa[c] * t.volume_m3[c] * std::pow(edges.determinant() / t.volume_m3[c] - 1, 2) / 2;
+    }
+    CHECK(W == Approx(TissueEnergy(mesh, false).energy(model.energy_law->constants, u)).epsilon(tolerance::rounding));
+
+    const ContactTable table = contact_table(model, {1});
+    const ContactSpring contact(make_contact_kernel(mesh, model.energy_law->disc_radius_m)->rows_at(model.contact_m.row(1).transpose()),
+                                model.energy_law->patch);
+    const Eigen::Vector3d push(0.001, -0.002, -0.004);
+    Eigen::VectorXd e = table.push * push;
+    for (std::size_t q = 0; q < table.pull_row.size(); ++q)
+        e[table.pull_row[q]] -= table.pull.row(static_cast<Eigen::Index>(q)).dot(u.row(table.pull_node[q]));
+    double stored = 0;
+    for (Eigen::Index r = 0; r < e.size(); ++r) stored += table.k_N_m[static_cast<std::size_t>(r)] * e[r] * e[r] / 2;
+    CHECK(stored + table.hardening_1_J[0] * stored * stored / 2 ==
+          Approx(contact.load(push, contact.gather(u)).energy_J).epsilon(tolerance::rounding));
+    CHECK(std::count(table.kind.begin(), table.kind.end(), "normal") == 1);
+    CHECK(contact_table(model, {0, 1}).hardening_1_J[1] == table.hardening_1_J[0]);
+}
+
+TEST_CASE("a law in space is pressed at its cases too, where no arc length says the place", "[export][solid]") {
+    const TissueModel model = solid_example();
+    const std::vector<PressedCase> cases = pressed_cases(model, "");
+    REQUIRE(cases.size() == 2);
+    for (const PressedCase& c : cases) {
+        REQUIRE(c.state);
+        CHECK_FALSE(c.arc_m);
+        CHECK(c.push_m.norm() == Approx(model.magnitude_m[c.load_case]));
+        CHECK((c.force_N.colwise().sum()).norm() <= tolerance::newton * c.force_N.norm());
+    }
 }

@@ -65,6 +65,22 @@ std::string model_file(const TemporaryFolder& folder) {
 
 }  // namespace
 
+TEST_CASE("a model in space is refused in one line that names the file, before anything else", "[tissue-haptic][solid]") {
+    const TissueModel solid = solid_example();
+    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(solid, {}); }), Catch::Contains("is a model in space"));
+    const TemporaryFolder folder;
+    write_model(folder.file("solid.h5"), solid, {"test", 1, {}});
+    const std::string line = "tissue-haptic: " + folder.file("solid.h5") + ": is a model in space; the realtime core plays models in the plane\n";
+    const std::string ways[] = {" --seconds 0.1 --no-realtime --record " + folder.file("record.h5"), " --sets optimum",
+                                " --check " + folder.file("solid.h5") + " --out " + folder.file("realtime.json")};
+    for (const std::string& way : ways) {
+        const Ended ended = run(folder, folder.file("solid.h5") + way);
+        CHECK(ended.status == 1);
+        CHECK(ended.err == line);
+    }
+    CHECK(folder.names() == std::vector<std::string>{"err", "out", "solid.h5"});
+}
+
 TEST_CASE("a ring keeps order between two threads, and drops only what does not fit", "[recorder]") {
     SpscRing<int> ring(1000);
     CHECK(ring.capacity() == 1024);

@@ -1,7 +1,8 @@
 """exported.py WHAT EXPORT FILE [NAME]: exit 0 when an export holds what the HDF5 file it was made from does, else says where not.
 
 WHAT   cases-vtu, model-vtu (read by VTK), sofa (NAME: its set), cases-csv, model-csv, numpy; of a law law-csv, law-numpy
-       (NAME: the folder of its CSV), whose energy is worked out anew, and law-vtu (NAME likewise)
+       (NAME: the folder of its CSV), whose energy is worked out anew, and law-vtu (NAME likewise); cases-vtu, cases-csv,
+       law-csv, law-numpy and law-vtu of tissue in space too
 """
 import csv
 import sys
@@ -44,10 +45,31 @@ class Grid:
         self.places = vtk_to_numpy(grid.GetPoints().GetData())
         self.types = {grid.GetCellType(i) for i in range(grid.GetNumberOfCells())}
         self.nodes = vtk_to_numpy(grid.GetCells().GetConnectivityArray())
+        self.grid = grid
+
+    def hexahedra(self):
+        """Volume of each, and its smallest scaled Jacobian, as VTK numbers its corners: both negative where they run
+        the wrong way round."""
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkFiltersVerdict import vtkMeshQuality
+
+        def quality(measure):
+            verdict = vtkMeshQuality()
+            verdict.SetInputData(self.grid)
+            getattr(verdict, f"SetHexQualityMeasureTo{measure}")()
+            verdict.Update()
+            every = vtk_to_numpy(verdict.GetOutput().GetCellData().GetArray("Quality"))
+            return every[[self.grid.GetCellType(i) == 12 for i in range(self.grid.GetNumberOfCells())]]
+
+        return quality("Volume"), quality("ScaledJacobian")
 
 
 def in_space(field):
-    return np.pad(field, ((0, 0), (0, 1)))
+    return np.pad(field, ((0, 0), (0, 3 - field.shape[1])))
+
+
+def axes(before, after, dimension):
+    return [f"{before}{axis}{after}" for axis in "xyz"[:dimension]]
 
 
 def cases_vtu(export, h5):
@@ -58,7 +80,13 @@ def cases_vtu(export, h5):
         for step in range(len(path["magnitude"])):
             grid = Grid(export / f"{name}.vtu", step)
             same(f"{name}: steps", grid.steps, len(path["magnitude"]))
-            same(f"{name}: cells", sorted(grid.types), [9])
+            same(f"{name}: cells", sorted(grid.types), [9 if h5["nodes"].shape[1] == 2 else 12])
+            if 12 in grid.types:
+                volume, jacobian = grid.hexahedra()
+                if min(volume.min(), jacobian.min()) <= 0:
+                    sys.exit(f"{name}: a cell is inside out")
+                if step == 0:
+                    same(f"{name}: volume", volume.sum(), np.ptp(h5["nodes"][:], axis=0).prod(), 1e-9)
             same(f"{name}: magnitude", grid.field["magnitude_m"], path["magnitude"][:])
             same(f"{name}: energy", grid.field["energy_J"], path["energy"][:])
             same(f"{name}: rest", grid.points["rest_m"], in_space(h5["nodes"][:]))
@@ -127,15 +155,16 @@ def column(rows, *names):
 
 def cases_csv(export, h5):
     records, fields = table(export / "records.csv"), table(export / "fields.csv")
-    same("nodes", column(table(export / "nodes.csv"), "x_m", "y_m"), h5["nodes"][:])
+    D = h5["nodes"].shape[1]
+    same("nodes", column(table(export / "nodes.csv"), *axes("", "_m", D)), h5["nodes"][:])
     for name in h5["paths"]:
         path = h5["paths"][name]
         mine = [row for row in records if row["path"] == name]
         same(f"{name}: magnitude", column(mine, "magnitude_m")[:, 0], path["magnitude"][:])
-        same(f"{name}: contact force", column(mine, "contact_x_N", "contact_y_N"), path["contact_force"][:])
+        same(f"{name}: contact force", column(mine, *axes("contact_", "_N", D)), path["contact_force"][:])
         mine = [row for row in fields if row["path"] == name]
-        same(f"{name}: displacement", column(mine, "u_x_m", "u_y_m"), path["displacement"][:].reshape(-1, 2))
-        same(f"{name}: force", column(mine, "f_x_N", "f_y_N"), path["force"][:].reshape(-1, 2))
+        same(f"{name}: displacement", column(mine, *axes("u_", "_m", D)), path["displacement"][:].reshape(-1, D))
+        same(f"{name}: force", column(mine, *axes("f_", "_N", D)), path["force"][:].reshape(-1, D))
 
 
 def model_csv(export, h5):
@@ -219,17 +248,109 @@ class Law:
             sys.exit(f"{name}: is not in equilibrium")
 
 
+class SolidLaw:
+    """The same in space: energies element by element, so that complex steps take few of them."""
+
+    def __init__(self, nodes, springs, theta, cells, volume, stiffness, contacts):
+        """contacts: of each case k (R), push (R x 3), row (Q), node (Q), pull (Q x 3), hardening."""
+        self.nodes, self.springs, self.theta = nodes, springs.astype(int), theta
+        self.cells, self.volume, self.stiffness, self.contacts = cells.astype(int), volume, stiffness, contacts
+        same("volumes at rest", self.volumes(nodes[self.cells]), volume, 1e-12)
+
+    @staticmethod
+    def volumes(x):
+        """Of cells with corners x (C x 8 x 3): the determinant of their mean edges."""
+        side = np.array([[(1 if corner >> axis & 1 else -1) / 4 for axis in range(3)] for corner in range(8)])
+        a, b, c = np.einsum("cki,kj->jci", x, side)
+        return (np.cross(a, b) * c).sum(axis=1)
+
+    def force(self, u):
+        """dW/du (N x 3)."""
+        def scatter(nodes, energy):
+            x = (self.nodes + u)[nodes]
+            for corner in range(nodes.shape[1]):
+                for axis in range(3):
+                    moved = x.astype(complex)
+                    moved[:, corner, axis] += 1e-30j
+                    np.add.at(total, (nodes[:, corner], axis), energy(moved).imag / 1e-30)
+
+        total = np.zeros(u.shape)
+        length = lambda x: np.sqrt(((x[:, 0] - x[:, 1]) ** 2).sum(axis=1))  # no abs: x may be complex
+        rest = length(self.nodes[self.springs])
+        scatter(self.springs, lambda x: self.theta * (length(x) - rest) ** 2 / 2)
+        scatter(self.cells, lambda x: self.stiffness * self.volume * (self.volumes(x) / self.volume - 1) ** 2 / 2)
+        return total
+
+    def contact(self, name, d, u):
+        """Energy between the tissue and the disc, pushed by d at the case's place."""
+        k, push, row, node, pull, hardening = self.contacts[name]
+        e = push @ d - np.bincount(row, (pull * u[node].real).sum(axis=1), len(k)) \
+            - 1j * np.bincount(row, (pull * u[node].imag).sum(axis=1), len(k))
+        s = (k * e**2).sum() / 2
+        return s + hardening * s**2 / 2
+
+    def check(self, fixed, name, _, d, u, tissue_force, hand_force):
+        force, size = self.force(u), np.linalg.norm(hand_force)
+        same(f"{name}: force of the tissue", force, tissue_force, 1e-9)
+        same(f"{name}: force of the hand", Law.slope(lambda push: self.contact(name, push, u), d), hand_force, 1e-9)
+        left = force + Law.slope(lambda v: self.contact(name, d, v), u)
+        if np.abs(np.delete(left, fixed, axis=0)).max() > 1e-9 * size:
+            sys.exit(f"{name}: is not in equilibrium")
+
+
 def presses_of(folder):
     pressed = table(folder / "pressed.csv")
+    D = 3 if "u_z_m" in pressed[0] else 2
     for press in table(folder / "presses.csv"):
         if press["reason"]:
             sys.exit(f"{press['case']}: {press['reason']}")
         mine = [row for row in pressed if row["case"] == press["case"]]
-        yield (press["case"], float(press["arc_m"]), column([press], "push_x_m", "push_y_m")[0],
-               column(mine, "u_x_m", "u_y_m"), column(mine, "f_x_N", "f_y_N"), column([press], "force_x_N", "force_y_N")[0])
+        yield (press["case"], float(press["arc_m"]) if D == 2 else None, column([press], *axes("push_", "_m", D))[0],
+               column(mine, *axes("u_", "_m", D)), column(mine, *axes("f_", "_N", D)), column([press], *axes("force_", "_N", D))[0])
+
+
+def solid_law_csv(export, h5):
+    read = {name: table(export / f"{name}.csv") for name in
+            ("nodes", "springs", "tetrahedra", "facets", "cells", "terms", "contact", "contact_rows", "contact_pull", "contact_hardening")}
+    constants, S, names = h5["law/constants"][:], len(h5["mesh/springs"]), names_of(h5)
+    corners = [f"node_{k >> 0 & 1}{k >> 1 & 1}{k >> 2 & 1}" for k in range(8)]
+    same("nodes", column(read["nodes"], "x_m", "y_m", "z_m"), h5["mesh/nodes"][:])
+    same("springs", column(read["springs"], "node_i", "node_j"), h5["mesh/springs"][:])
+    same("tetrahedra", column(read["tetrahedra"], "node_i", "node_j", "node_k", "node_l"), h5["mesh/tetrahedra"][:])
+    same("facets", column(read["facets"], "node_i", "node_j", "node_k"), h5["mesh/facets"][:])
+    same("stiffness of springs", column(read["springs"], "stiffness_N_m")[:, 0], constants[:S])
+    same("stiffness of cells", column(read["cells"], "stiffness_Pa")[:, 0], constants[S:])
+    same("terms", [row["term"] for row in read["terms"]], [name.decode() for name in h5["law/terms"]])
+    same("coefficients", column(read["terms"], "coefficient")[:, 0], h5["law/coefficients"][:])
+    same("rows", [row["row"] for row in read["contact"]], ["normal", "tangent", "imprint_normal", "imprint_tangent", "hardening"])
+    same("contact", column(read["contact"], "log_k_N_m", "phase", "corner", "edge"), h5["law/patch_log"][:])
+    hardening = {row["case"]: float(row["hardening_1_J"]) for row in read["contact_hardening"]}
+    case = np.array([names.index(row["case"]) for row in read["contact_rows"]])
+    law = SolidLaw(column(read["nodes"], "x_m", "y_m", "z_m"), column(read["springs"], "node_i", "node_j"),
+                   column(read["springs"], "stiffness_N_m")[:, 0], column(read["cells"], *corners),
+                   column(read["cells"], "rest_volume_m3")[:, 0], column(read["cells"], "stiffness_Pa")[:, 0],
+                   contacts_of(names, case, column(read["contact_rows"], "k_N_m")[:, 0], column(read["contact_rows"], "push_x", "push_y", "push_z"),
+                               column(read["contact_pull"], "row")[:, 0].astype(int), column(read["contact_pull"], "node")[:, 0].astype(int),
+                               column(read["contact_pull"], "pull_x", "pull_y", "pull_z"), [hardening[name] for name in names]))
+    presses = list(presses_of(export))
+    same("cases", [press[0] for press in presses], names)
+    for press in presses:
+        law.check(h5["mesh/fixed"][:], *press)
+
+
+def contacts_of(names, case, k, push, pull_row, pull_node, pull, hardening):
+    """The rows of all cases, by case."""
+    contacts = {}
+    for c, name in enumerate(names):
+        rows = np.flatnonzero(case == c)
+        mine = np.isin(pull_row, rows)
+        contacts[name] = (k[rows], push[rows], np.searchsorted(rows, pull_row[mine]), pull_node[mine], pull[mine], hardening[c])
+    return contacts
 
 
 def law_csv(export, h5):
+    if "mesh/tetrahedra" in h5:
+        return solid_law_csv(export, h5)
     read = {name: table(export / f"{name}.csv") for name in ("nodes", "springs", "areas", "area_edges", "terms", "contact", "surface")}
     constants, S = h5["law/constants"][:], len(h5["mesh/springs"])
     same("nodes", column(read["nodes"], "x_m", "y_m"), h5["mesh/nodes"][:])
@@ -252,7 +373,20 @@ def law_csv(export, h5):
         law.check(h5["mesh/fixed"][:], *press)
 
 
+def solid_law_numpy(export, h5, csv_export):
+    parts = ["case", "k", "push", "pull_row", "pull_node", "pull", "hardening"]
+    numpy_files(export, h5, ["law/cells", "law/cell_rest", "law/contact_kind", *(f"law/contact_{part}" for part in parts)])
+    load = lambda name: np.load(export / f"{name}.npy")
+    springs, constants = load("mesh/springs"), load("law/constants")
+    law = SolidLaw(load("mesh/nodes"), springs, constants[:len(springs)], load("law/cells"), load("law/cell_rest"),
+                   constants[len(springs):], contacts_of(names_of(h5), *(load(f"law/contact_{part}") for part in parts)))
+    for press in presses_of(Path(csv_export)):
+        law.check(load("mesh/fixed"), *press)
+
+
 def law_numpy(export, h5, csv_export):
+    if "mesh/tetrahedra" in h5:
+        return solid_law_numpy(export, h5, csv_export)
     numpy_files(export, h5, ["law/area_edges", "law/area_kind", "law/area_rest", "law/surface_arc", "law/surface_node"])
     load = lambda name: np.load(export / f"{name}.npy")
     springs, constants = load("mesh/springs"), load("law/constants")
@@ -267,8 +401,15 @@ def law_vtu(export, h5, csv_export):
     same("files", sorted(file.stem for file in export.glob("*.vtu")), sorted(names_of(h5)))
     for name, _, _, u, force, _ in presses_of(Path(csv_export)):
         grid = Grid(export / f"{name}.vtu")
-        same(f"{name}: springs", grid.nodes.reshape(-1, 2), h5["mesh/springs"][:])
-        same(f"{name}: stiffness", grid.cells["stiffness_N_m"], h5["law/constants"][:len(h5["mesh/springs"])])
+        S = len(h5["mesh/springs"])
+        same(f"{name}: springs", grid.nodes[:2 * S].reshape(-1, 2), h5["mesh/springs"][:])
+        same(f"{name}: stiffness", grid.cells["stiffness_N_m"][:S], h5["law/constants"][:S])
+        if "mesh/tetrahedra" in h5:
+            volume, jacobian = grid.hexahedra()
+            same(f"{name}: stiffness of cells", grid.cells["stiffness_Pa"][S:], h5["law/constants"][S:])
+            same(f"{name}: a cell each", len(volume), len(h5["mesh/tetrahedra"]) // 6)
+            if min(volume.min(), jacobian.min()) <= 0:
+                sys.exit(f"{name}: a cell is inside out")
         same(f"{name}: displacement", grid.points["displacement_m"], in_space(u))
         same(f"{name}: force", grid.points["force_N"], in_space(force))
         same(f"{name}: places", grid.places, in_space(nodes + u))

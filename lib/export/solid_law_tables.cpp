@@ -1,0 +1,54 @@
+#include "export/solid_law_tables.h"
+
+#include <array>
+
+#include "error.h"
+#include "springs/cell_volumes.h"
+#include "springs/contact_spring.h"
+#include "springs/law_kernel.h"
+
+namespace tissue {
+
+SolidLawTables solid_law_tables(const TissueModel& model) {
+    const CellVolumes cells(model.mesh);
+    const Eigen::VectorXd& constants = model.energy_law->constants;
+    return {constants.head(model.mesh.spring_count()), cells.nodes(), cells.volumes(), constants.tail(cells.count())};
+}
+
+ContactTable contact_table(const TissueModel& model, const std::vector<int>& load_cases) {
+    constexpr const char* kinds[] = {"normal", "tangent", "imprint_normal", "imprint_tangent"};
+    const LawModel& law = *model.energy_law;
+    const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(model.mesh, law.disc_radius_m);
+    ContactTable table;
+    std::vector<std::array<double, 3>> push, pull;
+    for (const int c : load_cases) try {
+            const ContactSpring contact(kernel->rows_at(model.contact_m.row(c).transpose()), law.patch);
+            const ContactRows& rows = contact.rows;
+            for (Eigen::Index r = 0; r < contact.k_N_m.size(); ++r) {
+                for (std::size_t i = 0; i < rows.nodes.size(); ++i) {
+                    const auto part = rows.pull.block<1, 3>(r, 3 * static_cast<Eigen::Index>(i));
+                    if (part.isZero(0)) continue;
+                    table.pull_row.push_back(static_cast<int>(table.load_case.size()));
+                    table.pull_node.push_back(rows.nodes[i]);
+                    pull.push_back({part[0], part[1], part[2]});
+                }
+                push.push_back({rows.push(r, 0), rows.push(r, 1), rows.push(r, 2)});
+                table.load_case.push_back(c);
+                table.kind.push_back(kinds[rows.law_row[static_cast<std::size_t>(r)]]);
+                table.k_N_m.push_back(contact.k_N_m[r]);
+            }
+            table.hardening_1_J.push_back(contact.hardening_1_J);
+        } catch (const MismatchError&) {  // nothing to push there
+            table.hardening_1_J.push_back(0);
+        }
+    const auto field = [](const std::vector<std::array<double, 3>>& rows) {
+        NodeField out(static_cast<Eigen::Index>(rows.size()), 3);
+        for (std::size_t r = 0; r < rows.size(); ++r) out.row(static_cast<Eigen::Index>(r)) << rows[r][0], rows[r][1], rows[r][2];
+        return out;
+    };
+    table.push = field(push);
+    table.pull = field(pull);
+    return table;
+}
+
+}  // namespace tissue

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "springs/tissue_model.h"
+
+namespace tissue {
+
+/// A law's energy in space as tables, as LawTables in the plane (results/FORMATS.md):
+///   W(u) = sum_s theta_s (l_s - L_s)^2 / 2 + sum_c A_c V_c (V_c(u) / V_c - 1)^2 / 2
+/// over springs and cells; V_c(u) the determinant of the means of a cell's four edges along each axis.
+struct SolidLawTables {
+    Eigen::VectorXd spring_N_m;  ///< theta_s
+    Cells cells;                 ///< corners bit by bit: 1 along x, 2 along y, 4 along z (C x 8)
+    Eigen::VectorXd volume_m3;   ///< V_c
+    Eigen::VectorXd cell_Pa;     ///< A_c
+};
+
+/// What contacts take of push and displacement, of several load cases one after the other: with e_r = push_r . d - sum of
+/// pull . u over the row's nodes, and s = sum_r k_r e_r^2 / 2,
+///   E(d, u) = s + hardening s^2 / 2
+struct ContactTable {
+    std::vector<int> load_case;      ///< of each row (R)
+    std::vector<std::string> kind;   ///< normal, tangent, imprint_normal or imprint_tangent (R)
+    std::vector<double> k_N_m;       ///< (R)
+    NodeField push;                  ///< (R x 3)
+    std::vector<int> pull_row, pull_node;  ///< of each entry that is not zero (Q)
+    NodeField pull;                  ///< (Q x 3)
+    std::vector<double> hardening_1_J;     ///< of each load case asked for
+};
+
+/// The model must have a law, in space.
+SolidLawTables solid_law_tables(const TissueModel& model);
+
+/// Of load cases of such a model. One that has nothing to push has no rows.
+ContactTable contact_table(const TissueModel& model, const std::vector<int>& load_cases);
+
+}  // namespace tissue

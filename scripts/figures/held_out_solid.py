@@ -1,0 +1,106 @@
+"""Of tissue in space: closed-loop error on contacts that nothing was trained on, on its surface seen from above, how often, and
+by tilt, depth and distance from the nearest wall."""
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import LogNorm
+from matplotlib.lines import Line2D
+
+from results import COLOURS, learned_label
+
+MM = 1e3
+ROLES = {"held_out": ("core range", "o", "#0072B2"), "held_out_near": ("near a wall", "s", "#E69F00"),
+         "held_out_sideways": ("sideways", "D", "#CC79A7")}
+SHOWN = {"learned": None, "force_table": "FE force table", "untrained": "untrained law",
+         "heuristic_a": "heuristic springs alone", "uniform": "one stiffness alone"}
+LOWEST = 1e-3  # of a logarithmic axis
+
+
+def draw(results):
+    drawn = {role: [c for c in results.evaluation["drawn"].get(role, []) if c["error"]["learned"] is not None]
+             for role in ROLES}
+    figure = plt.figure(figsize=(18, 8.4), layout="constrained")
+    grid = figure.add_gridspec(2, 4, width_ratios=[1.7, 1, 1, 1])
+    from_above(figure, figure.add_subplot(grid[:, 0]), results, drawn)
+    models = {}
+    for column, role in enumerate(ROLES, 1):
+        axis = figure.add_subplot(grid[0, column])
+        how_often(axis, results, drawn[role], ROLES[role][0])
+        models.update(zip(*reversed(axis.get_legend_handles_labels())))
+    figure.legend(models.values(), models.keys(), loc="lower right", bbox_to_anchor=(0.97, 0.03), ncols=5, frameon=False,
+                  title="above, closed-loop error of:")
+    low, high = results.nodes[:, :2].min(axis=0), results.nodes[:, :2].max(axis=0)
+    to_wall = lambda c: MM * min(np.min(c["contact_m"][:2] - low), np.min(high - c["contact_m"][:2]))
+    for column, (value, label) in enumerate(((lambda c: c["angle_deg"], "tilt off straight in (degrees)"),
+                                             (lambda c: MM * c["depth_m"], "depth of the push (mm)"),
+                                             (to_wall, "distance from the nearest wall (mm)")), 1):
+        against(figure.add_subplot(grid[1, column]), drawn, value, label)
+    figure.suptitle("Contacts that nothing was trained on: error of the force a hand feels, in closed loop")
+    return figure
+
+
+def from_above(figure, axis, results, drawn):
+    low, high = MM * results.nodes.min(axis=0), MM * results.nodes.max(axis=0)
+    top = np.unique(results.nodes[results.facets[(results.nodes[results.facets, 2] > results.nodes[:, 2].max() - 1e-9)
+                                                 .all(axis=1)]].reshape(-1, 3), axis=0)
+    axis.add_patch(plt.Rectangle(low[:2], *(high - low)[:2], facecolor="0.97", edgecolor="0.4"))
+    axis.plot(*(MM * top[:, :2]).T, "+", color="0.8", markersize=4, zorder=1)
+    trained = np.array([path.contact for path in results.paths.values() if path.role[0] == b"train"])
+    axis.plot(*(MM * trained[:, :2]).T, "x", color="black", markersize=7, markeredgewidth=1.5, zorder=4)
+    shade = axis.scatter([], [], c=[], norm=LogNorm(LOWEST, 0.3), cmap="viridis")
+    for role, (label, marker, _) in ROLES.items():
+        if not drawn[role]:
+            continue
+        place = MM * np.array([c["contact_m"][:2] for c in drawn[role]])
+        # a tick as long as the push goes sideways
+        tick = MM * np.array([c["depth_m"] * np.array(c["direction"][:2]) for c in drawn[role]])
+        for start, way in zip(place, tick):
+            axis.plot(*np.stack([start, start + way]).T, color="0.25", linewidth=1, zorder=2)
+        error = np.array([c["error"]["learned"] for c in drawn[role]])
+        axis.scatter(*place.T, c=np.maximum(error, LOWEST), norm=shade.norm, cmap="viridis", marker=marker,
+                     s=44, edgecolors="black", linewidths=0.4, zorder=3)
+    figure.colorbar(shade, ax=axis, label="closed-loop error of the learned law", format=lambda v, _: f"{100 * v:g} %",
+                    location="bottom", shrink=0.8, aspect=35)
+    handles = [Line2D([], [], color="0.6", marker=marker, linestyle="", markeredgecolor="black", label=f"{label} (n = {len(drawn[role])})")
+               for role, (label, marker, _) in ROLES.items() if drawn[role]]
+    handles += [Line2D([], [], color="black", marker="x", linestyle="", label="trained on"),
+                Line2D([], [], color="0.25", label="sideways part of the push"),
+                Line2D([], [], color="0.8", marker="+", linestyle="", label="nodes of the springs")]
+    axis.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False, fontsize=9)
+    axis.set_aspect("equal")
+    axis.set_xlabel("x (mm), the surface from above")
+    axis.set_ylabel("y (mm)")
+
+
+def how_often(axis, results, contacts, label):
+    for model, name in SHOWN.items():
+        # springs alone lie under the law's contact: heuristic_a_patch
+        values = [c["error"].get(model, c["error"].get(f"{model}_patch")) for c in contacts]
+        values = np.sort([v for v in values if v is not None])
+        if len(values):
+            axis.step(np.maximum(np.append(values[0], values), LOWEST), np.arange(len(values) + 1) / len(values),
+                      where="post", color=COLOURS[model], label=name or learned_label(results))
+    axis.set_xscale("log")
+    axis.set_xlim(LOWEST / 4, 2)
+    axis.set_ylim(0, 1.02)
+    axis.xaxis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
+    axis.set_title(f"How often: {label} (n = {len(contacts)})", fontsize=10)
+    axis.set_xlabel("closed-loop error")
+    axis.set_ylabel("part of the contacts at or below")
+    axis.grid(color="0.9")
+
+
+def against(axis, drawn, value, label):
+    if not any(drawn.values()):
+        return axis.set_visible(False)
+    for role, (name, marker, colour) in ROLES.items():
+        if drawn[role]:
+            axis.plot([value(c) for c in drawn[role]], [max(c["error"]["learned"], LOWEST) for c in drawn[role]], marker,
+                      color=colour, markersize=5, linestyle="", label=f"{name} (n = {len(drawn[role])})")
+    axis.set_yscale("log")
+    axis.yaxis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
+    axis.yaxis.set_minor_formatter(lambda v, _: f"{100 * v:g} %" if f"{v:.0e}"[0] in "25" else "")
+    axis.tick_params(axis="y", which="minor", labelsize=7)
+    axis.set_xlabel(label)
+    axis.set_ylabel("closed-loop error of the learned law")
+    axis.grid(color="0.9")
+    axis.legend(frameon=False, fontsize=8)

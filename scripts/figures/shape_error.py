@@ -1,0 +1,38 @@
+"""Shape error against force error at every held-out contact, of each model."""
+import numpy as np
+
+from results import COLOURS, learned_label
+
+SHOWN = {"uniform": "one stiffness", "heuristic_a": "heuristic, E2 = E t"}
+SHOWN_OF_SOLIDS = {"uniform_patch": "springs of one stiffness alone", "heuristic_a_patch": "heuristic springs alone",
+                   "untrained": "untrained law"}
+
+
+def percent(value):
+    return f"{100 * value:.1f} %"
+
+
+def force_and_shape(errors, results, contacts, shapes):
+    """Shape error against force error at every held-out contact; those of drawn_shapes with a ring."""
+    if not contacts:
+        return errors.set_visible(False)
+    models = {**(SHOWN_OF_SOLIDS if results.solid else SHOWN), "learned": learned_label(results)}
+    for model, label in models.items():
+        both = np.array([(c["error"][model], c["shape"][model]) for c in contacts.values()
+                         if c["shape"].get(model) is not None])
+        if len(both):
+            errors.scatter(*both.T, s=16 if model == "learned" else 8, color=COLOURS[model.removesuffix("_patch")], alpha=0.8, linewidths=0, label=f"{label} (n = {len(both)})")
+    shown = [contacts[shape["name"]] for shape in shapes]
+    errors.scatter([c["error"]["learned"] for c in shown], [c["shape"]["learned"] for c in shown], s=70,
+                   facecolors="none", edgecolors="black", label="the two on the left")
+    errors.set_xscale("log")
+    errors.set_yscale("log")
+    for axis in (errors.xaxis, errors.yaxis):
+        axis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
+        axis.set_minor_formatter(lambda v, _: f"{100 * v:g} %" if f"{v:.0e}"[0] in "25" else "")
+    errors.tick_params(axis="both", which="minor", labelsize=7)
+    errors.set_xlabel("force error")
+    errors.set_ylabel("shape error: rms of u - u_fe over rms of u_fe")
+    errors.grid(color="0.9")
+    errors.legend(frameon=False, fontsize=8)
+    errors.set_title("Every held-out contact, in closed loop", fontsize=10)

@@ -1,0 +1,120 @@
+#!/bin/sh
+# A study of a solid block goes from mesh to report by itself; its files leave for other programs; what is of the plane alone
+# refuses them in one line.
+. "$(dirname "$0")/common"
+make_copy
+TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}") || exit 1
+R=$work/results/solid
+cat >"$work/fem/studies/solid.toml" <<'TOML'
+based_on = "block3-mini"
+
+[lattice]
+cells = [5, 5, 3]
+
+[mesh]
+sizes_m = [0.006, 0.025]
+
+[loads]
+magnitudes_m = [0.002, 0.004]
+record_step_m = 0.002
+contacts = [
+  { at_m = [0.050, 0.050], depth_m = 0.004, pushes_deg = [[0, 0]] },
+  { at_m = [0.030, 0.065], depth_m = 0.004, pushes_deg = [[30, 45]] },
+]
+
+[draws.validation]
+count = 1
+depth_m = [0.002, 0.004]
+
+[draws.held_out]
+count = 2
+depth_m = [0.002, 0.004]
+
+[draws.held_out_near]
+count = 1
+depth_m = [0.002, 0.004]
+
+[draws.held_out_sideways]
+count = 1
+depth_m = [0.001, 0.002]
+
+[springs]
+terms = ["spring.all", "cell.all", "contact.normal", "contact.imprint_normal", "contact.hardening"]
+TOML
+make_solid() { run make PYTHON="$PYTHON" STUDY=solid "$@"; }
+make_solid all -j2
+check "a solid's study runs from mesh to report" exited 0
+figures="held_out held_out_force shape solid"
+check "every figure of its plan is drawn, and the report's list is the plan's" sh -c 'for f in $1; do [ -s "$2/figures/$f.png" ] || exit 1; done
+    [ "$(sed -n "s/^!\[\(.*\)\].*/\1/p" "$2/report.md" | tr "\n" " ")" = "$1 " ]' - "$figures" "$R"
+check "the report speaks of places on the top, tilt and the surface's nodes" sh -c \
+    'grep -q "^| contact | x mm | y mm | tilt deg |" "$1" && grep -q "over the free nodes of the surface" "$1" && ! grep -q nan "$1"' - "$R/report.md"
+check "it says what each model and role is" sh -c 'for w in learned force_table untrained heuristic_a_patch uniform_patch; do grep -q "^- model \`$w\`: " "$1" || exit 1; done
+    for w in held_out held_out_near held_out_sideways; do grep -q "^- contacts of \`$w\`: " "$1" || exit 1; done' - "$R/report.md"
+check "report.html is there" exist "$R/report.html"
+run make PYTHON="$PYTHON" STUDY=solid -q all
+check "asked again, there is nothing to do" exited 0
+for file in cases model; do
+    tissuectl info results/solid/$file.h5
+    check "info tells that $file.h5 is in space" says "in 3 dimensions"
+done
+
+# ---- exports read back
+out=$scratch/out
+mkdir "$out"
+exported() { "$PYTHON" "$root/tests/pipeline/exported.py" "$@"; }
+for to in vtu csv numpy; do
+    for file in cases model; do
+        tissuectl export results/solid/$file.h5 --to $to --out "$out/$file-$to"
+        check "$file.h5 of a solid goes to $to" exited 0
+    done
+done
+check "VTK reads hexahedra of positive volume where cases.h5 has the nodes" exported cases-vtu "$out/cases-vtu" "$R/cases.h5"
+check "load paths in space as CSV read back to the last bit" exported cases-csv "$out/cases-csv" "$R/cases.h5"
+check "load paths in space as NumPy likewise" exported numpy "$out/cases-numpy" "$R/cases.h5"
+check "forces of tissue and hand, worked out from a law's tables in space, are the model's" exported law-csv "$out/model-csv" "$R/model.h5"
+check "and from the NumPy arrays" exported law-numpy "$out/model-numpy" "$R/model.h5" "$out/model-csv"
+check "VTK reads springs and boxes of the pressed law" exported law-vtu "$out/model-vtu" "$R/model.h5" "$out/model-csv"
+
+# ---- what is of the plane refuses, and harms nothing
+snapshot "$R" >"$scratch/before"
+refused() { # SENTENCE WORDS COMMAND...
+    sentence=$1 words=$2
+    shift 2
+    run timeout 60 "$@"
+    check "$sentence: exit 1" exited 1
+    check "$sentence: one line says so" one_line "$words"
+}
+model=results/solid/model.h5 T=build/release/tissuectl
+plane='model.h5: is a model in space; .* plays models in the plane'
+refused "a model in space on a device" "tissue-haptic: .*$plane" "$TISSUE_HAPTIC" $model --seconds 0.1 --no-realtime --record "$out/record.h5"
+refused "a model in space under --check" "tissue-haptic: .*$plane" "$TISSUE_HAPTIC" $model --check results/solid/cases.h5 --out "$out/realtime.json"
+refused "a model in space on the page" "$plane" $T serve $model --port 0
+refused "a SOFA scene of a model in space" "model.h5: is a law, and SOFA has no force field" $T export $model --to sofa --out "$out/x.scn"
+check "no file was begun" absent "$out/record.h5" "$out/realtime.json" "$out/x.scn"
+refused "cases in space for a study in the plane" "144 nodes that are not the 11 x 11 lattice" \
+    $T train --study fem/studies/surface-quick.toml --cases results/solid/cases.h5 --out results/solid/model.h5
+refused "variants of such a study" "144 nodes that are not the 11 x 11 lattice" \
+    $T ablate --study fem/studies/surface-quick.toml --cases results/solid/cases.h5 --out "$out/ablation.json"
+# the same cases, flattened: all that is said along three axes is said along two
+"$PYTHON" -c "import h5py, sys
+with h5py.File(sys.argv[1]) as a, h5py.File(sys.argv[2], 'w') as b:
+    b.attrs.update({key: value for key, value in a.attrs.items() if key != 'dimension'})
+    b.attrs['format_version'] = 1.0
+    def put(name, item):
+        if not isinstance(item, h5py.Dataset): return
+        words = item.name.rsplit('/', 1)[-1] in ('nodes', 'contact', 'direction', 'displacement', 'force', 'contact_force', 'support_force')
+        b[name] = item[..., :2] if words else item[()]
+        b[name].attrs.update(item.attrs)
+    a.visititems(put)" "$R/cases.h5" "$work/flat.h5"
+tissuectl info flat.h5
+check "the flattened cases are cases" exited 0
+refused "cases in the plane for a study in space" "flat.h5: \|144 nodes that are not" \
+    $T train --study fem/studies/solid.toml --cases flat.h5 --out results/solid/model.h5
+refused "cases in the plane for a model in space" "flat.h5: \|nodes" \
+    $T eval --study fem/studies/solid.toml --model $model --cases flat.h5 --out results/solid/eval.json
+printf 'x_m,y_m,ux_m,uy_m,fx_N,fy_N\n' >"$work/data.csv"
+refused "measured data of a solid" "solid.toml: " $T import data.csv --study fem/studies/solid.toml --out "$out/import.h5"
+refused "a shape of a solid" "study 'solid' is of the block" $T shape --study fem/studies/solid.toml --mesh fem/block.geo --out "$out/shape.msh"
+check "refusals leave results untouched" only_changed "$scratch/before" "$R" ""
+finish
