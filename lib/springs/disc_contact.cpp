@@ -3,7 +3,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "error.h"
 #include "springs/contact_patch.h"
@@ -13,6 +12,8 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 constexpr double reach = 1.6;  // of the mean's weights, in spacings: at least four nodes of a square lattice
+
+constexpr double width = 0.35;  // of the bells whose sum says where between the nodes a contact stands, in spacings
 
 /// (1 - x^2)^2, nothing beyond 1.
 double bell(double x) {
@@ -52,7 +53,6 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
     // nodes of the mean, and of the imprint; both from what faces the disc. Where the surface's mesh is so coarse there that
     // fewer than four are near, the mean reaches farther.
     std::vector<int> near;
-    double nearest_m = std::numeric_limits<double>::infinity();
     const auto away_m = [&](int node) { return (rest_.row(node).transpose() - centre).norm(); };
     double reach_m = reach * h;
     for (int tries = 0; tries < 10; ++tries, reach_m *= 1.25) {
@@ -63,7 +63,6 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
             if (r >= std::max(reach_m, imprint_m) || !surface_.faces(node, normal)) continue;
             near.push_back(node);
             in_reach += r < 0.95 * reach_m;
-            nearest_m = std::min(nearest_m, r);
         }
         if (in_reach >= 4) break;
     }
@@ -114,7 +113,9 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
             rows.law_row.push_back(a == 0 ? 2 : 3);
         }
     }
-    const double phase = std::max(-1.0, 1 - 4 * nearest_m * nearest_m / (h * h));
+    double crowd = 0;
+    for (int node : near) crowd += std::exp(-std::pow(away_m(node) / (width * h), 2) / 2) / (2 * pi * width * width);
+    const double phase = (crowd - 1) / (4 * std::exp(-2 * pi * pi * width * width));
     rows.factors << 1, phase, 0, std::exp(-surface_.to_crease_m(place.point_m) / h);
     return rows;
 }

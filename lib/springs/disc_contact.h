@@ -16,6 +16,8 @@ namespace tissue {
 ///            Mechanics, (3.42)): (2 - x^2) / pi asin(1 / x) + sqrt(x^2 - 1) / pi at x = r / R. Along the surface a half space
 ///            follows a force the more where it points to, (1 + cos^2) for incompressible tissue far away (Cerruti; Johnson,
 ///            (3.75)), and the imprint goes over to that with 1 - (R / r)^2
+/// Where between the nodes it stands is `phase`: how far the nodes crowd there, as a sum of Gaussian bells of 0.35 spacings
+/// about them, over its mean; scaled so that on a square lattice it is cos 2 pi x + cos 2 pi y over 2, to a tenth.
 /// Nodes round a crease do not belong to it.
 class DiscContact final : public ContactKernel {
    public:
