@@ -113,17 +113,17 @@ Files solid_csv(const TissueModel& model, const std::vector<PressedCase>& cases)
         cells += fmt::format("{},{},{},{}\n", c, values(tables.cells.row(c)), tables.volume_m3[c], tables.cell_Pa[c]);
     const auto name = [&](int load_case) { return field(model.case_names[static_cast<std::size_t>(load_case)]); };
     std::string rows = "row,case,kind,k_N_m,push_x,push_y,push_z\n", pull = "row,node,pull_x,pull_y,pull_z\n",
-                hardening = "case,hardening_1_J\n";
+                hardening = "case,hardening_1_J,saturation_1_J,coupling_N_m2\n";
     for (std::size_t r = 0; r < contact.k_N_m.size(); ++r)
         rows += fmt::format("{},{},{},{},{}\n", r, name(contact.load_case[r]), contact.kind[r], contact.k_N_m[r],
                             values(contact.push.row(static_cast<Eigen::Index>(r))));
     for (std::size_t q = 0; q < contact.pull_row.size(); ++q)
         pull += fmt::format("{},{},{}\n", contact.pull_row[q], contact.pull_node[q], values(contact.pull.row(static_cast<Eigen::Index>(q))));
     for (std::size_t c = 0; c < load_cases.size(); ++c)
-        hardening += fmt::format("{},{}\n", name(load_cases[c]), contact.hardening_1_J[c]);
+        hardening += fmt::format("{},{}\n", name(load_cases[c]), values(contact.hardening.row(static_cast<Eigen::Index>(c))));
     return {{"springs.csv", springs_csv(model, "stiffness_N_m", tables.spring_N_m)},
             {"cells.csv", cells},
-            {"contact.csv", contact_csv(model.energy_law->patch, {"normal", "tangent", "imprint_normal", "imprint_tangent", "hardening"})},
+            {"contact.csv", contact_csv(model.energy_law->patch, {"normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"})},
             {"contact_rows.csv", rows},
             {"contact_pull.csv", pull},
             {"contact_hardening.csv", hardening}};

@@ -106,7 +106,7 @@ Files npy_files(const SolidLawTables& law, const ContactTable& contact) {
             {"law/contact_pull_row.npy", header("<i4", {Q}) + bytes(contact.pull_row)},
             {"law/contact_pull_node.npy", header("<i4", {Q}) + bytes(contact.pull_node)},
             {"law/contact_pull.npy", header("<f8", {Q, 3}) + bytes(numbers(contact.pull))},
-            {"law/contact_hardening.npy", header("<f8", {contact.hardening_1_J.size()}) + bytes(contact.hardening_1_J)}};
+            {"law/contact_hardening.npy", header("<f8", {static_cast<std::size_t>(contact.hardening.rows()), 3}) + bytes(numbers(contact.hardening))}};
 }
 
 }  // namespace tissue

@@ -20,7 +20,7 @@ ContactTable contact_table(const TissueModel& model, const std::vector<int>& loa
     const LawModel& law = *model.energy_law;
     const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(model.mesh, law.disc_radius_m);
     ContactTable table;
-    std::vector<std::array<double, 3>> push, pull;
+    std::vector<std::array<double, 3>> push, pull, hardening;
     for (const int c : load_cases) try {
             const ContactSpring contact(kernel->rows_at(model.contact_m.row(c).transpose()), law.patch);
             const ContactRows& rows = contact.rows;
@@ -37,9 +37,9 @@ ContactTable contact_table(const TissueModel& model, const std::vector<int>& loa
                 table.kind.push_back(kinds[rows.law_row[static_cast<std::size_t>(r)]]);
                 table.k_N_m.push_back(contact.k_N_m[r]);
             }
-            table.hardening_1_J.push_back(contact.hardening_1_J);
+            hardening.push_back({contact.hardening_1_J, contact.saturation_1_J, contact.coupling_N_m2});
         } catch (const MismatchError&) {  // nothing to push there
-            table.hardening_1_J.push_back(0);
+            hardening.push_back({0, 0, 0});
         }
     const auto field = [](const std::vector<std::array<double, 3>>& rows) {
         NodeField out(static_cast<Eigen::Index>(rows.size()), 3);
@@ -48,6 +48,7 @@ ContactTable contact_table(const TissueModel& model, const std::vector<int>& loa
     };
     table.push = field(push);
     table.pull = field(pull);
+    table.hardening = field(hardening);
     return table;
 }
 

@@ -19,7 +19,8 @@ struct SolidLawTables {
 
 /// What contacts take of push and displacement, of several load cases one after the other: with e_r = push_r . d - sum of
 /// pull . u over the row's nodes, and s = sum_r k_r e_r^2 / 2,
-///   E(d, u) = s + hardening s^2 / 2
+///   E(d, u) = s + hardening s^2 / (2 (1 + saturation s)) + coupling e_0 (e_1^2 + e_2^2) / 2
+/// e_0, e_1, e_2 those of the case's first three rows.
 struct ContactTable {
     std::vector<int> load_case;      ///< of each row (R)
     std::vector<std::string> kind;   ///< normal, tangent, imprint_normal or imprint_tangent (R)
@@ -27,7 +28,7 @@ struct ContactTable {
     NodeField push;                  ///< (R x 3)
     std::vector<int> pull_row, pull_node;  ///< of each entry that is not zero (Q)
     NodeField pull;                  ///< (Q x 3)
-    std::vector<double> hardening_1_J;     ///< of each load case asked for
+    NodeField hardening;             ///< of each load case asked for: hardening, saturation [1/J], coupling [N/m2]
 };
 
 /// The model must have a law, in space.

@@ -287,7 +287,8 @@ class SolidLaw:
         e = push @ d - np.bincount(row, (pull * u[node].real).sum(axis=1), len(k)) \
             - 1j * np.bincount(row, (pull * u[node].imag).sum(axis=1), len(k))
         s = (k * e**2).sum() / 2
-        return s + hardening * s**2 / 2
+        harder, saturation, coupling = hardening
+        return s + harder * s**2 / (2 * (1 + saturation * s)) + coupling * e[0] * (e[1]**2 + e[2]**2) / 2
 
     def check(self, fixed, name, _, d, u, tissue_force, hand_force):
         force, size = self.force(u), np.linalg.norm(hand_force)
@@ -322,9 +323,9 @@ def solid_law_csv(export, h5):
     same("stiffness of cells", column(read["cells"], "stiffness_Pa")[:, 0], constants[S:])
     same("terms", [row["term"] for row in read["terms"]], [name.decode() for name in h5["law/terms"]])
     same("coefficients", column(read["terms"], "coefficient")[:, 0], h5["law/coefficients"][:])
-    same("rows", [row["row"] for row in read["contact"]], ["normal", "tangent", "imprint_normal", "imprint_tangent", "hardening"])
+    same("rows", [row["row"] for row in read["contact"]], ["normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"])
     same("contact", column(read["contact"], "log_k_N_m", "phase", "corner", "edge"), h5["law/patch_log"][:])
-    hardening = {row["case"]: float(row["hardening_1_J"]) for row in read["contact_hardening"]}
+    hardening = {row["case"]: [float(row[c]) for c in ("hardening_1_J", "saturation_1_J", "coupling_N_m2")] for row in read["contact_hardening"]}
     case = np.array([names.index(row["case"]) for row in read["contact_rows"]])
     law = SolidLaw(column(read["nodes"], "x_m", "y_m", "z_m"), column(read["springs"], "node_i", "node_j"),
                    column(read["springs"], "stiffness_N_m")[:, 0], column(read["cells"], *corners),
