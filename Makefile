@@ -264,11 +264,11 @@ $(R)/report.html: $(R)/report.md $(R)/eval.json $(R)/cases.h5 $(R)/model.h5 $(FI
 	@$(PYTHON) scripts/report/page.py $(R) $@
 
 REFERENCE_STUDIES := paper paper-axial paper-grid8 paper-grid8-turning surface surface-quick surface-sets \
-  surface-stress organ organ-lump measured
+  surface-stress organ organ-lump measured block3 block3-quick
 ## reference: run the paper's studies, then write results/reference and README's tables anew
 reference:
 	@for study in $(REFERENCE_STUDIES); do $(MAKE) all STUDY=$$study || exit 1; done
-	@$(MAKE) ablation STUDY=surface
+	@for study in $(filter surface block3,$(REFERENCE_STUDIES)); do $(MAKE) ablation STUDY=$$study || exit 1; done
 	@$(PYTHON) scripts/reference.py $(REFERENCE_STUDIES)
 
 ## regress: run the study anew and elsewhere; silent when it says what results/reference/STUDY.json says

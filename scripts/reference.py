@@ -3,6 +3,9 @@
 results/reference/STUDY.json   what a regression compares with (reference_record.py)
 results/reference/*.png        the figures that README shows
 README.md                      the tables between its markers, from the evaluations, and from `make ablation STUDY=surface`
+                               and `STUDY=block3`
+
+Of fewer studies than README is about it writes the tables and figures of those alone.
 """
 import json
 import re
@@ -33,7 +36,17 @@ DRAWN = {  # studies judged on drawn contacts, and what README calls their model
     "organ-lump": "law, its lump five times as stiff (`organ-lump`)",
 }
 SHOWN = [("surface", "shape", "shape"), ("surface", "held_out", "held_out"), ("surface", "ablation", "ablation"),
-         ("organ", "shape", "organ")]  # study, figure, and its name beside README
+         ("organ", "shape", "organ"), ("block3", "solid", "block3-solid"), ("block3", "shape", "block3-shape"),
+         ("block3", "held_out", "block3-held_out"), *(("paper", figure, figure) for figure in FIGURES)]  # study, figure, its name beside README
+SPACE = {  # models of solids, and what README calls them
+    ("block3", "learned"): "**learned law**, {numbers} numbers, {paths} FE paths (`block3`)",
+    ("block3-quick", "learned"): "law, {numbers} numbers, {paths} FE paths (`block3-quick`, its own contacts)",
+    ("block3", "untrained"): "the same law, nothing learned",
+    ("block3", "force_table"): "FE force table",
+    ("block3", "heuristic_a_patch"): "heuristic, E2 = E, without cells, under the untrained law's contact",
+    ("block3", "uniform_patch"): "one stiffness, likewise",
+}
+SPACE_ROLES = ["held_out", "held_out_near", "held_out_sideways"]
 STUDIES = {
     "paper": "4-connected, `isotropic` (`paper`)",
     "paper-axial": "4-connected, `axial` (`paper-axial`)",
@@ -122,11 +135,24 @@ def drawn_table(evaluations):
     return rows
 
 
-def ablation_table(variants):
-    rows = ["| numbers | FE paths | training | held_out: force | held_out: shape | held_out_full: force | held_out_full: shape |",
-            "|---|---|---|---|---|---|---|"]
+def space_table(evaluations):
+    rows = ["| model | training | " + " | ".join(f"{role}: force | shape" for role in SPACE_ROLES) + " |",
+            "|---|---|" + "---|---|" * len(SPACE_ROLES)]
+    for (study, model), name in SPACE.items():
+        e = evaluations[study]
+        training = e["training"]
+        cells = [f"{three(e['closed_loop'][role][model])} | {shape(e['closed_loop'][role][model])}" for role in SPACE_ROLES]
+        rows.append(f"| {name.format(numbers=len(training['terms']), paths=training['paths'])} | "
+                    + (f"{training['seconds']:.2g} s" if model == "learned" else "") + " | " + " | ".join(cells) + " |")
+    rows.append("| the truth's own error, finer mesh | | " + three(evaluations["block3"]["truth_check"]) + " | " * 6 + "|")
+    return rows
+
+
+def ablation_table(variants, roles=("held_out", "held_out_full")):
+    rows = ["| numbers | FE paths | training | " + " | ".join(f"{role}: force | {role}: shape" for role in roles) + " |",
+            "|---|---|---|" + "---|---|" * len(roles)]
     for v in sorted(variants, key=lambda v: (v["fe_paths"], v["numbers"])):
-        cells = [f"{three(v[role]['learned'])} | {shape(v[role]['learned'])}" for role in ("held_out", "held_out_full")]
+        cells = [f"{three(v[role]['learned'])} | {shape(v[role]['learned'])}" for role in roles]
         rows.append(f"| {v['numbers']} | {v['fe_paths']} | {v['seconds']:.2g} s | " + " | ".join(cells) + " |")
     return rows
 
@@ -169,19 +195,28 @@ def main():
         evaluations[study] = json.loads((results / "eval.json").read_text())
         reference_record.write(REFERENCE / f"{study}.json", reference_record.of(results, "make reference"))
     for study, figure, name in SHOWN:
-        shutil.copyfile(ROOT / "results" / study / "figures" / f"{figure}.png", REFERENCE / f"{name}.png")
-    for figure in FIGURES:
-        shutil.copyfile(ROOT / "results" / "paper" / "figures" / f"{figure}.png", REFERENCE / f"{figure}.png")
+        if study in evaluations:
+            shutil.copyfile(ROOT / "results" / study / "figures" / f"{figure}.png", REFERENCE / f"{name}.png")
     readme = ROOT / "README.md"
     text = readme.read_text()
-    text = fill(text, "results", results_table(evaluations["paper"]))
-    text = fill(text, "claim", claim(evaluations["paper"]))
-    text = fill(text, "studies", studies_table({s: e for s, e in evaluations.items() if s in STUDIES}))
-    text = fill(text, "surface", surface_table(evaluations["surface"], evaluations["surface-sets"]))
-    text = fill(text, "drawn", drawn_table(evaluations))
-    ablation = json.loads((ROOT / "results" / "surface" / "ablation.json").read_text())
-    text = fill(text, "ablation", ablation_table(ablation["variants"]))
-    text = fill(text, "measured", measured_table(evaluations["measured"]))
+
+    def variants(study):
+        return json.loads((ROOT / "results" / study / "ablation.json").read_text())["variants"]
+
+    tables = [  # marker, studies it needs, its rows
+        ("results", ["paper"], lambda: results_table(evaluations["paper"])),
+        ("claim", ["paper"], lambda: claim(evaluations["paper"])),
+        ("studies", STUDIES, lambda: studies_table({s: e for s, e in evaluations.items() if s in STUDIES})),
+        ("surface", ["surface", "surface-sets"], lambda: surface_table(evaluations["surface"], evaluations["surface-sets"])),
+        ("drawn", DRAWN, lambda: drawn_table(evaluations)),
+        ("ablation", ["surface"], lambda: ablation_table(variants("surface"))),
+        ("space", ["block3", "block3-quick"], lambda: space_table(evaluations)),
+        ("space-ablation", ["block3"], lambda: ablation_table(variants("block3"), SPACE_ROLES)),
+        ("measured", ["measured"], lambda: measured_table(evaluations["measured"])),
+    ]
+    for marker, needs, rows in tables:
+        if all(study in evaluations for study in needs):
+            text = fill(text, marker, rows())
     readme.write_text(text)
 
 

@@ -43,7 +43,7 @@ const std::vector<const char*> sets_keys = {"optimizer",   "also",            "o
 const std::vector<const char*> law_keys = {"force_scale", "shape_scale", "starts", "ridge"};
 
 /// Keys of the base that a choice of this study makes meaningless: the block's, where a shape is given; another law's;
-/// those of sets, where stiffness is a law, and the other way; the spacing of contacts that are listed.
+/// those of sets, where stiffness is a law, and the other way; the spacing of contacts that are listed; variants of other contacts.
 void erase_replaced(toml::table& base, const toml::table& changes) {
     if (const auto shape = changes["geometry"]["shape"].value<std::string>(); shape && *shape != "block") {
         erase_from(base, "geometry", {"width_m", "height_m"});
@@ -67,6 +67,7 @@ void erase_replaced(toml::table& base, const toml::table& changes) {
         if (training && training->is_table())
             for (const char* key : law ? sets_keys : law_keys) training->as_table()->erase(key);
     }
+    if (changes["loads"]["contacts"]) base.erase("variants");  // which count the base's contacts
     const toml::node_view<const toml::node> sweep = changes["loads"]["sweep"];
     for (const auto& [key, other] : {std::pair("spacing_m", "arcs_m"), std::pair("arcs_m", "spacing_m")})
         if (sweep[key])

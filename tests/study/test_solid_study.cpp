@@ -192,6 +192,8 @@ TEST_CASE("a solid's variants keep the first terms and paths, and have no arcs")
 TEST_CASE("block3 has thirty training pushes whose first few are small sets, and six along the top") {
     const Study s = read_study("fem/studies/block3.toml");
     REQUIRE(s.loads.paths.size() == 30);
+    CHECK(!s.variants.empty());
+    CHECK(read_study("fem/studies/block3-quick.toml").variants.empty());  // they count the base's contacts
     for (int i = 0; i < 4; ++i) CHECK(s.loads.paths[static_cast<std::size_t>(i)].direction == Eigen::Vector3d(0, 0, -1));
     int along = 0;
     for (const StudyPath& p : s.loads.paths) along += p.direction[2] == 0 && p.depth_m == 0.003;
