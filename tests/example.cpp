@@ -127,7 +127,7 @@ Cases example_cases(const Study& study, const Eigen::VectorXd& theta) {
                                                  p.direction * s);
             REQUIRE(state);
             PathRecord record{s,      state.displacement, NodeField::Zero(mesh.node_count(), 2), state.contact_force,
-                              {0, 0}, 0,                   1 - s,                                 r,
+                              Eigen::Vector2d(0, 0), 0,                   1 - s,                                 r,
                               1e-12 * r};
             const Eigen::VectorXd f = law->force_matrix(mesh, record.displacement) * theta;
             record.force = Eigen::Map<const NodeField>(f.data(), mesh.node_count(), 2);

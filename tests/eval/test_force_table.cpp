@@ -26,7 +26,7 @@ struct Example {
                 path.contact_m = outline.position(arc);
                 path.direction = outline.direction(arc, angle);
                 for (double depth : depths) {
-                    path.records.push_back({depth, {}, {}, force(arc, angle, depth), {0, 0}, 0, 1, 1, 0});
+                    path.records.push_back({depth, {}, {}, force(arc, angle, depth), Eigen::Vector2d(0, 0), 0, 1, 1, 0});
                 }
                 paths.push_back(path);
             }

@@ -49,7 +49,7 @@ Cases cases_of(const TissueModel& tissue) {
             path.depth_m = 0.015;
             cases.paths.push_back(path);
         }
-        PathRecord record = measured_record(tissue.magnitude_m[c], tissue.contact_force_N.row(c), {0, 0});
+        PathRecord record = measured_record(tissue.magnitude_m[c], tissue.contact_force_N.row(c), Eigen::Vector2d(0, 0));
         record.displacement = record.force = scattered(tissue.mesh, 0.001 * (c + 1));
         record.support_force_N.setZero();
         record.smallest_J = 1;

@@ -65,7 +65,7 @@ Cases law_cases(const Study& study) {
             const double s = r * study.loads.record_step_m;
             const Equilibrium state = press.at(outline.arc_of(p.contact_m), s * p.direction);
             REQUIRE(state);
-            path.records.push_back({s, state.displacement, NodeField::Zero(mesh.node_count(), 2), state.contact_force, {0, 0}, 0, 1, 1, 0});
+            path.records.push_back({s, state.displacement, NodeField::Zero(mesh.node_count(), 2), state.contact_force, Eigen::Vector2d(0, 0), 0, 1, 1, 0});
         }
         cases.paths.push_back(path);
     }
