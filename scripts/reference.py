@@ -36,7 +36,7 @@ DRAWN = {  # studies judged on drawn contacts, and what README calls their model
     "organ-lump": "law, its lump five times as stiff (`organ-lump`)",
 }
 SHOWN = [("surface", "shape", "shape"), ("surface", "held_out", "held_out"), ("surface", "ablation", "ablation"),
-         ("organ", "shape", "organ"), ("block3", "solid", "block3-solid"), ("block3", "shape", "block3-shape"),
+         ("organ", "shape", "organ"), ("block3", "solid", "block3-solid"),
          ("block3", "held_out", "block3-held_out"), *(("paper", figure, figure) for figure in FIGURES)]  # study, figure, its name beside README
 SPACE = {  # models of solids, and what README calls them
     ("block3", "learned"): "**learned law**, {numbers} numbers, {paths} FE paths (`block3`)",
