@@ -149,7 +149,6 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         plan.parts["shape"] = shape_part(study);
         if (!shape) return plan;
     }
-    // a law of springs in space has no terms to look up yet
     if (study.springs.is_law()) try {
             study_law(study, shape, study_mesh(study, shape, study.springs.topology));
         } catch (const MismatchError& e) {  // before hours of FE, not after

@@ -46,7 +46,8 @@ struct Evaluation {
     std::vector<ModelErrors> models;                             ///< learned first
     std::vector<ForceCurve> curves;
     double uniform_N_m;              ///< the uniform model's stiffness
-    std::string uniform_chosen_on;   ///< "closed_loop" or, where the mesh has no closed-loop answer, "rel_loss"
+    std::string uniform_chosen_on;   ///< "closed_loop" or, where the mesh has no closed-loop answer, "rel_loss"; in space
+                                     ///< empty: uniform springs are among the drawn contacts' models alone
     std::vector<TrainingBook> trained;
     OptimumProof optimum;
     ProblemRecord problems;

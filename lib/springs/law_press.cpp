@@ -37,10 +37,6 @@ std::unique_ptr<PressSolver> LawPress::take() const {
     return std::make_unique<PressSolver>(energy_, *kernel_);
 }
 
-Equilibrium LawPress::at(double arc_m, const Point& push_m) const {
-    return at(dynamic_cast<const ContactSurface&>(*kernel_).outline().position(arc_m), push_m);
-}
-
 Equilibrium LawPress::at(const Point& contact_m, const Point& push_m) const {
     std::unique_ptr<PressSolver> solver = take();
     try {

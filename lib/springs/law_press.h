@@ -25,9 +25,6 @@ class LawPress {
     /// of a tissue, `contact_fixed` on the fixed edge.
     Equilibrium at(const Point& contact_m, const Point& push_m) const;
 
-    /// In the plane: at an arc length of its surface [m].
-    Equilibrium at(double arc_m, const Point& push_m) const;
-
    private:
     std::unique_ptr<PressSolver> take() const;  ///< an idle solver, or a new one
 

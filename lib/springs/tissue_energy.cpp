@@ -13,8 +13,9 @@ TissueEnergy::TissueEnergy(const SpringMesh& mesh, bool incompressible)
     : first_{0}, nodes_(mesh.node_count()), dimension_(mesh.dimension()), fixed_(mesh.fixed) {
     kinds_.push_back(std::make_unique<TurningSprings>(mesh));
     if (mesh.is_solid()) {
-        volumes_ = std::make_unique<CellVolumes>(mesh);
-        kinds_.push_back(std::make_unique<CellVolumes>(mesh));
+        auto volumes = std::make_unique<CellVolumes>(mesh);
+        volumes_ = volumes.get();
+        kinds_.push_back(std::move(volumes));
         for (const auto& kind : kinds_) first_.push_back(first_.back() + kind->count());
         return;
     }

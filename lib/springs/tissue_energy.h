@@ -26,6 +26,7 @@ namespace tissue {
 /// mode on the 10 mm lattice, where making the cells as stiff as that helps would cost 20 %.
 class TissueEnergy {
    public:
+    /// incompressible: in the plane whether there are regions; in space it means nothing.
     TissueEnergy(const SpringMesh& mesh, bool incompressible);
 
     const std::vector<std::unique_ptr<Elements>>& kinds() const { return kinds_; }
@@ -48,7 +49,7 @@ class TissueEnergy {
 
    private:
     std::unique_ptr<CellAreas> areas_;       ///< in the plane
-    std::unique_ptr<CellVolumes> volumes_;   ///< in space
+    const CellVolumes* volumes_ = nullptr;   ///< in space: of kinds_
     std::vector<std::unique_ptr<Elements>> kinds_;
     std::vector<int> first_;
     int nodes_, dimension_;

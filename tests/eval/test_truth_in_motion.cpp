@@ -67,7 +67,7 @@ TEST_CASE("in motion a law comes to rest within five seconds at its static answe
     struct Push { double arc, angle, depth; };
     for (const auto& [arc, angle, depth] : {Push{0.03, 0.4, 0.010}, Push{0.075, 0, 0.008}, Push{0.102, -0.3, 0.006}, Push{0.147, 0.5, 0.010}, Push{0.28, -0.5, 0.012}}) {
         PressTruth truth{"place", outline.position(arc), outline.direction(arc, angle), depth, {}};
-        const Equilibrium exact = law.at(arc, depth * truth.direction);
+        const Equilibrium exact = law.at(outline.position(arc), depth * truth.direction);
         REQUIRE(exact);
         truth.force_N = exact.contact_force;  // "FE" that is this very law
         const PressResult r = press(model, tissue, truth);

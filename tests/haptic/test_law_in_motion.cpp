@@ -83,7 +83,7 @@ TEST_CASE("a tool led round in a circle gets nothing back beyond the sampled cou
         const Eigen::Vector2d in = held.surface.outline().direction(arc, 0), along(-in.y(), in.x());
         const auto tool = [&](double a) -> Eigen::Vector2d { return 0.007 * in + 0.0025 * (std::cos(a) * in + std::sin(a) * along); };
         const LawPress press(held.tissue);
-        held.state.displacement = press.at(arc, tool(0)).displacement;
+        held.state.displacement = press.at(held.surface.outline().position(arc), tool(0)).displacement;
         const double stored = held.energy(tool(0));
 
         constexpr int ticks = 4000;
@@ -104,7 +104,7 @@ TEST_CASE("a tool led round in a circle gets nothing back beyond the sampled cou
         for (int k = 0; k < points; ++k) {
             const double a = turn * k / points;
             const Eigen::Vector2d motion = 0.0025 * turn / points * (-std::sin(a) * in + std::cos(a) * along);
-            statical += press.at(arc, tool(a)).contact_force.dot(motion);
+            statical += press.at(held.surface.outline().position(arc), tool(a)).contact_force.dot(motion);
         }
         CHECK(std::abs(statical) < 1e-9 * stored);
     }
@@ -123,7 +123,7 @@ TEST_CASE("a contact that glides is outside the energy: what it makes of nothing
         const ContactPatch patch = surface.at(arc);
         const PatchSpring contact(patch, tissue.energy_law->patch.at(patch));
         const Eigen::Vector2d push = depth * patch.normal;
-        const Equilibrium state = press.at(arc, push);
+        const Equilibrium state = press.at(surface.outline().position(arc), push);
         REQUIRE(state);
         Eigen::Vector2d at[ContactPatch::size];
         gather(patch, state.displacement, at);
@@ -203,8 +203,7 @@ TEST_CASE("a law's contact keeps its place while the patch pushes, wherever the 
     CHECK(s.contact().where.w == w);
     const Eigen::Vector2d touched(0.047, 0.1), push = Eigen::Vector2d(0.052, 0.092) - touched;
     CHECK((s.record().contact_displacement_m - push).norm() < 1e-12);
-    const Outline outline(tissue.mesh);
-    const Equilibrium rest = press.at(outline.arc_of(touched), push);
+    const Equilibrium rest = press.at(touched, push);
     REQUIRE(rest);
     CHECK((Eigen::Vector2d(rest.contact_force) + s.record().coupling_N).norm() < 1e-4 * rest.contact_force.norm());
     go(0.052, 0.104, 1000);
@@ -220,7 +219,7 @@ TEST_CASE("where the other mesh is touched, a law gets its force, and says how f
     for (int k = 0; k < 10000; ++k) s.tick(sample_at(0.197, 0.103 - 0.009 * std::min(1.0, k / 1000.0)));
     REQUIRE(s.record().mesh == 1);
     const Eigen::Vector2d push = s.record().contact_displacement_m, force = -s.record().coupling_N;
-    const Equilibrium rest = LawPress(tissue).at(Outline(tissue.mesh).arc_of({0.047, 0.1}), push);
+    const Equilibrium rest = LawPress(tissue).at(Eigen::Vector2d(0.047, 0.1), push);
     REQUIRE(rest);
     CHECK(force.norm() > 0.5);
     CHECK((Eigen::Vector2d(rest.contact_force) - force).norm() < 1e-3 * force.norm());
@@ -267,7 +266,7 @@ TEST_CASE("a force in place of the tool may let 20 mm deep tissue snap to a rest
     for (const Push& p : {Push{0.013, 1.047}, Push{0.023, 1.047}, Push{0.103, -0.349}, Push{0.153, 0}}) {
         Held held(p.arc, 5);
         const Eigen::Vector2d push = 0.020 * held.surface.outline().direction(p.arc, p.angle);
-        const Equilibrium rest = LawPress(held.tissue).at(p.arc, push);
+        const Equilibrium rest = LawPress(held.tissue).at(held.surface.outline().position(p.arc), push);
         REQUIRE(rest);
         held.state.displacement = rest.displacement;
         for (int node = 0; node < held.springs.node_count(); ++node)

@@ -27,9 +27,9 @@ TEST_CASE("a law pressed from many threads gives to the last bit what it gives a
     const auto push = [&](int i) { return Eigen::Vector2d(0.004 * outline.direction(0.02 + 0.01 * i, 0.3)); };
     std::vector<Equilibrium> together(count);
     const LawPress press(model);
-    parallel_for(count, 4, [&](int i) { together[static_cast<std::size_t>(i)] = press.at(0.02 + 0.01 * i, push(i)); });
+    parallel_for(count, 4, [&](int i) { together[static_cast<std::size_t>(i)] = press.at(outline.position(0.02 + 0.01 * i), push(i)); });
     for (int i = 0; i < count; ++i) {
-        const Equilibrium alone = LawPress(model).at(0.02 + 0.01 * i, push(i)), &other = together[static_cast<std::size_t>(i)];
+        const Equilibrium alone = LawPress(model).at(outline.position(0.02 + 0.01 * i), push(i)), &other = together[static_cast<std::size_t>(i)];
         REQUIRE(alone);
         CHECK(other.status == alone.status);
         CHECK(other.displacement == alone.displacement);
@@ -41,11 +41,11 @@ TEST_CASE("a law's answer says what its press ended as, and is none unless that 
     const TissueModel model = law_model(make_lattice("grid8", 10, 10, 0.1, 0.1), "plane-stress");
     const LawPress press(model);
     const Outline outline(model.mesh);
-    const auto status = [&](double arc, double angle, double depth) { return press.at(arc, depth * outline.direction(arc, angle)).status; };
+    const auto status = [&](double arc, double angle, double depth) { return press.at(outline.position(arc), depth * outline.direction(arc, angle)).status; };
     CHECK(status(0.03, 0.9, 0.01) == EquilibriumStatus::balanced);
     CHECK(status(0.03, 0.9, 0.03) == EquilibriumStatus::inside_out);
     CHECK(status(0.15, 0, 0.03) == EquilibriumStatus::unstable);
     CHECK(status(0.15, 0, 0.4) == EquilibriumStatus::not_converged);
-    CHECK_FALSE(press.at(0.03, 0.03 * outline.direction(0.03, 0.9)));
+    CHECK_FALSE(press.at(outline.position(0.03), 0.03 * outline.direction(0.03, 0.9)));
     CHECK(reason_of(EquilibriumStatus::inside_out) != "");
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "error.h"
+#include "mesh/free_surface.h"
+#include "springs/law_press.h"
 #include "../mesh/disc.h"
 #include "../refusal.h"
 #include "../tolerances.h"
@@ -150,4 +152,49 @@ TEST_CASE("training without paths or terms is refused") {
     CHECK_THAT(refusal<MismatchError>([&] { train_law(p.mesh, p.law, {}); }), Contains("no load paths"));
     const EnergyLaw bare(p.mesh, law_heuristic(p.mesh, 450, "plane-strain", 12), {});
     CHECK_THAT(refusal<MismatchError>([&] { train_law(p.mesh, bare, p.paths); }), Contains("without terms"));
+}
+
+TEST_CASE("in space training finds the law again from the surface alone, the same for any number of threads", "[solid]") {
+    const SpringMesh mesh = make_lattice("grid26", Lattice{{5, 5, 3}, {0.05, 0.05, 0.03}});
+    const double E = 4500, radius_m = 0.007;
+    const LawHeuristic heuristic = solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), E),
+                                                   Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), E), E, 12, radius_m);
+    const EnergyLaw law(mesh, heuristic, {"spring.all", "contact.normal", "contact.tangent", "contact.hardening"});
+    const Eigen::VectorXd truth = (Eigen::VectorXd(4) << -0.3, 0.2, -0.2, 0.5).finished();
+    const LawPress press(mesh, {law.terms(), truth, law.constants(truth), law.patch(truth), false, radius_m});
+    std::vector<PressPath> paths;
+    for (const Eigen::Vector3d& direction : {Eigen::Vector3d(0, 0, -1), Eigen::Vector3d(0.5, 0, -1)})
+        for (double x : {0.021, 0.03}) {
+            PressPath& path = paths.emplace_back();
+            path.name = "at " + std::to_string(x);
+            path.contact_m = Eigen::Vector3d(x, 0.026, 0.03);
+            for (double depth : {0.003, 0.007}) {
+                const Eigen::Vector3d push = depth * direction.normalized();
+                const Equilibrium state = press.at(path.contact_m, push);
+                REQUIRE(state);
+                path.records.push_back({push, state.contact_force, state.displacement});
+            }
+        }
+    LawTrainingOptions options;
+    options.ridge = 0;
+    options.disc_radius_m = radius_m;
+    options.seen = seen_nodes(mesh);
+    options.fit = {60, 1e-9, 1e-12, 0};
+    CHECK(law_residual_count(law, paths, options) == 8 * (3 + 3 * static_cast<int>(options.seen.size())) + 4);
+    const TrainedLaw trained = train_law(mesh, law, paths, options);
+    CHECK((trained.coefficients - truth).norm() < 1e-4);
+    CHECK(trained.objective < 1e-8);
+    CHECK(trained.lost.empty());
+    options.threads = 3;
+    CHECK(train_law(mesh, law, paths, options).coefficients == trained.coefficients);
+
+    // from rests of other coefficients the residuals are those from rest
+    const int rows = law_residual_count(law, paths, options);
+    LawRests rests;
+    Eigen::VectorXd cold(rows), warm(rows);
+    RowMatrix J(rows, law.size());
+    law_residuals(mesh, law, paths, options, Eigen::VectorXd::Zero(4), warm, J, nullptr, &rests);
+    law_residuals(mesh, law, paths, options, truth, warm, J, nullptr, &rests);
+    law_residuals(mesh, law, paths, options, truth, cold, J);
+    CHECK((warm - cold).norm() < 1e-6);
 }
