@@ -6,6 +6,8 @@
 namespace tissue {
 namespace {
 
+constexpr Eigen::Index mean_rows = 3;  // of a disc: the first ones, normal and two tangents
+
 /// The plane's patch as rows. A node may stand twice at the surface's ends: there its weights add up.
 ContactRows rows_of(const ContactPatch& patch) {
     ContactRows rows;
@@ -62,13 +64,18 @@ Eigen::VectorXd ContactSpring::gather(const NodeField& u) const {
 }
 
 struct ContactSpring::State {
-    Eigen::VectorXd e, q;  // q = k e
-    double s, room, rise, bend;
+    Eigen::VectorXd e, q, mean;  // q = k e; mean: of the mean rows, else 0
+    double s, room, rise, bend;  // s: of the mean rows; rise, bend: derivatives by it of what hardening adds
 
     State(const ContactSpring& c, const Point& push_m, const Eigen::VectorXd& u)
-        : e(c.rows.push * push_m - c.rows.pull * u), q(c.k_N_m.cwiseProduct(e)), s(q.dot(e) / 2), room(1 + c.saturation_1_J * s),
-          rise(1 + c.hardening_1_J * (s + c.saturation_1_J * s * s / 2) / (room * room)),
-          bend(c.hardening_1_J / (room * room * room)) {}
+        : e(c.rows.push * push_m - c.rows.pull * u), q(c.k_N_m.cwiseProduct(e)), mean(Eigen::VectorXd::Zero(e.size())) {
+        const Eigen::Index rows = std::min(mean_rows, e.size());
+        mean.head(rows) = q.head(rows);
+        s = mean.dot(e) / 2;
+        room = 1 + c.saturation_1_J * s;
+        rise = c.hardening_1_J * (s + c.saturation_1_J * s * s / 2) / (room * room);
+        bend = c.hardening_1_J / (room * room * room);
+    }
 
     double across() const { return e.size() < 3 ? 0 : (e[1] * e[1] + e[2] * e[2]) / 2; }
     /// Of e_0 (e_1^2 + e_2^2) / 2.
@@ -81,8 +88,8 @@ struct ContactSpring::State {
 
 ContactSpring::Load ContactSpring::load(const Point& push_m, const Eigen::VectorXd& u) const {
     const State at(*this, push_m, u);
-    Eigen::VectorXd slope = at.rise * at.q;
-    double energy = at.s + hardening_1_J * at.s * at.s / (2 * at.room);
+    Eigen::VectorXd slope = at.q + at.rise * at.mean;
+    double energy = at.q.dot(at.e) / 2 + hardening_1_J * at.s * at.s / (2 * at.room);
     if (coupling_N_m2 != 0) {
         slope += coupling_N_m2 * at.coupling_slope();
         energy += coupling_N_m2 * at.e[0] * at.across();
@@ -93,8 +100,10 @@ ContactSpring::Load ContactSpring::load(const Point& push_m, const Eigen::Vector
 /// Second derivative of the energy by e, times the rows that u moves.
 Eigen::MatrixXd ContactSpring::curvature_pull(const Point& push_m, const Eigen::VectorXd& u) const {
     const State at(*this, push_m, u);
-    Eigen::MatrixXd product = at.rise * (k_N_m.asDiagonal() * rows.pull);
-    product.noalias() += at.bend * at.q * (at.q.transpose() * rows.pull);
+    Eigen::MatrixXd product = k_N_m.asDiagonal() * rows.pull;
+    const Eigen::Index mean = std::min(mean_rows, at.e.size());
+    product.topRows(mean) += at.rise * (k_N_m.head(mean).asDiagonal() * rows.pull.topRows(mean)) +
+                             at.bend * at.mean.head(mean) * (at.mean.head(mean).transpose() * rows.pull.topRows(mean));
     if (coupling_N_m2 != 0) {
         Eigen::Matrix3d c;
         c << 0, at.e[1], at.e[2], at.e[1], at.e[0], 0, at.e[2], 0, at.e[0];
@@ -118,10 +127,10 @@ ContactSpring::Load ContactSpring::by_law_row(int m, const Point& push_m, const 
     double energy = 0;
     if (m == PatchLaw::hardening_row) {
         energy = s * s / (2 * at.room);
-        slope = (s + sat * s * s / 2) / (at.room * at.room) * at.q;
+        slope = (s + sat * s * s / 2) / (at.room * at.room) * at.mean;
     } else if (m == PatchLaw::saturation_row) {
         energy = -hardening_1_J * s * s * s / (2 * at.room * at.room);
-        slope = -hardening_1_J * (1.5 * s * s + sat * s * s * s / 2) / (at.room * at.room * at.room) * at.q;
+        slope = -hardening_1_J * (1.5 * s * s + sat * s * s * s / 2) / (at.room * at.room * at.room) * at.mean;
     } else if (m == PatchLaw::coupling_row) {
         energy = at.e[0] * at.across();
         slope = at.coupling_slope();
@@ -129,9 +138,11 @@ ContactSpring::Load ContactSpring::by_law_row(int m, const Point& push_m, const 
         Eigen::VectorXd own = Eigen::VectorXd::Zero(at.e.size());
         for (Eigen::Index r = 0; r < own.size(); ++r)
             if (rows.law_row[static_cast<std::size_t>(r)] == m) own[r] = rows.share[r] * at.e[r];
-        const double s_by = own.dot(at.e) / 2;
-        energy = at.rise * s_by;
-        slope = at.rise * own + at.bend * s_by * at.q;
+        const Eigen::Index mean = std::min(mean_rows, own.size());
+        const double s_by = own.head(mean).dot(at.e.head(mean)) / 2;
+        energy = own.dot(at.e) / 2 + at.rise * s_by;
+        slope = own + at.bend * s_by * at.mean;
+        slope.head(mean) += at.rise * own.head(mean);
     }
     return {energy, rows.push.transpose() * slope, -(rows.pull.transpose() * slope)};
 }

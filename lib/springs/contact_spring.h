@@ -4,10 +4,11 @@
 
 namespace tissue {
 
-/// One contact's energy, for training and evaluation. With s = sum_r k_r e_r^2 / 2, k_r = share_r times the law's stiffness,
-///   E = s + hardening s^2 / (2 (1 + saturation s)) + coupling e_0 (e_1^2 + e_2^2) / 2
-/// of a disc. It hardens by its energy, whatever the direction: what lies between tool and mesh stiffens as it is pressed
-/// together, the less the further it has gone. Dragged sideways (mean rows 1 and 2) it presses back (mean row 0): in a
+/// One contact's energy, for training and evaluation. With k_r = share_r times the law's stiffness,
+///   E = sum_r k_r e_r^2 / 2 + hardening s^2 / (2 (1 + saturation s)) + coupling e_0 (e_1^2 + e_2^2) / 2
+/// of a disc, s the part of the sum that its mean rows have (0 to 2). They harden by their energy, whatever the direction: what
+/// lies between tool and mesh stiffens as it is pressed together, the less the further it has gone. The imprint does not: at
+/// any depth it is the disc's own shape. Dragged sideways (mean rows 1 and 2) it presses back (mean row 0): in a
 /// sheared rubber normal stress goes with the square of the shear (Poynting).
 struct ContactSpring {
     ContactRows rows;

@@ -11,6 +11,8 @@ namespace tissue {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
+constexpr double imprint = 2.5;             // its reach, in radii
+constexpr double under = 1.2, stuck = 4;    // how far the disc itself holds the tissue, in radii, and how much more stiffly
 constexpr double reach = 1.6;  // of the mean's weights, in spacings: at least four nodes of a square lattice
 
 constexpr double width = 0.35;  // of the bells whose sum says where between the nodes a contact stands, in spacings
@@ -48,7 +50,7 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
     const FreeSurface::Place place = surface_.nearest(contact_m);
     const Eigen::Vector3d centre = place.point_m, normal = place.inward;
     const Eigen::Matrix<double, 3, 2> tangents = tangents_of(normal);
-    const double h = surface_.spacing_m(), imprint_m = 2 * radius_m_;
+    const double h = surface_.spacing_m(), imprint_m = imprint * radius_m_;
 
     // nodes of the mean, and of the imprint; both from what faces the disc. Where the surface's mesh is so coarse there that
     // fewer than four are near, the mean reaches farther.
@@ -109,7 +111,7 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
         for (int a = 0; a < 3; ++a, ++row) {
             rows.push.row(row) = profile(r / radius_m_) * axes.col(a).transpose() * follows;
             rows.pull.block<1, 3>(row, 3 * i) = axes.col(a).transpose();
-            rows.share[row] = bell(r / imprint_m);
+            rows.share[row] = bell(r / imprint_m) + stuck * bell(r / (under * radius_m_));
             rows.law_row.push_back(a == 0 ? 2 : 3);
         }
     }

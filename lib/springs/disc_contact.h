@@ -11,7 +11,8 @@ namespace tissue {
 ///   mean     d - sum_i w_i u_i, w the moving-least-squares weights of the surface's nodes within 1.6 spacings, which
 ///            sum to 1 and reproduce linear fields whatever the surface's mesh (Lancaster and Salkauskas 1981, Mathematics
 ///            of Computation 37: 141-158)
-///   imprint  phi(r_i) d - u_i of every node within 2 R, times (1 - (r_i / 2R)^2)^2: the shape that the disc presses in.
+///   imprint  phi(r_i) d - u_i of every node within 2.5 R, times (1 - (r_i / 2.5 R)^2)^2: the shape that the disc presses in;
+///            under the disc, to 1.2 R, up to five times as stiff, since there nothing slips and the shape is known.
 ///            Outside R phi is that of the half space which the same parabola is pressed into, Hertz's (Johnson, Contact
 ///            Mechanics, (3.42)): (2 - x^2) / pi asin(1 / x) + sqrt(x^2 - 1) / pi at x = r / R. Along the surface a half space
 ///            follows a force the more where it points to, (1 + cos^2) for incompressible tissue far away (Cerruti; Johnson,
