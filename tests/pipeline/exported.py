@@ -286,9 +286,9 @@ class SolidLaw:
         k, push, row, node, pull, hardening = self.contacts[name]
         e = push @ d - np.bincount(row, (pull * u[node].real).sum(axis=1), len(k)) \
             - 1j * np.bincount(row, (pull * u[node].imag).sum(axis=1), len(k))
-        s = (k * e**2).sum() / 2
+        s = (k * e**2)[:3].sum() / 2
         harder, saturation, coupling = hardening
-        return s + harder * s**2 / (2 * (1 + saturation * s)) + coupling * e[0] * (e[1]**2 + e[2]**2) / 2
+        return (k * e**2).sum() / 2 + harder * s**2 / (2 * (1 + saturation * s)) + coupling * e[0] * (e[1]**2 + e[2]**2) / 2
 
     def check(self, fixed, name, _, d, u, tissue_force, hand_force):
         force, size = self.force(u), np.linalg.norm(hand_force)
