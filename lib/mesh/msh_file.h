@@ -14,18 +14,24 @@ struct MshFile {
     };
     struct Element {
         long number;   ///< the file's own
-        int node[4];   ///< places in `points`; a line has two, a triangle three
+        int node[3];   ///< places in `points`; a line has two
         int physical;  ///< tag of its physical group; 0: in none
+    };
+    struct Tetrahedron {
+        long number;
+        int node[4];
+        int physical;
     };
     std::string file;                       ///< as messages name it
     std::vector<Point> points;              ///< in the file's unit of length
-    std::vector<Element> lines, triangles, tetrahedra;  ///< an element in two groups stands twice
+    std::vector<Element> lines, triangles;  ///< an element in two groups stands twice
+    std::vector<Tetrahedron> tetrahedra;
     std::map<int, std::string> line_names, triangle_names, tetrahedron_names;  ///< of the physical groups, by tag
 };
 
-/// solid: whether tetrahedra belong there. Throws FileError with file, line and cause: missing, another format, cut off, an
-/// element that is neither a line nor a straight triangle, in space nor a straight tetrahedron (quadrilaterals, hexahedra
-/// and second-order elements are named), a node that does not exist.
-MshFile read_msh(const std::string& file, bool solid = false);
+/// Throws FileError with file, line and cause: missing, another format, cut off, an element that is neither a line nor a
+/// straight triangle (quadrilaterals, tetrahedra and second-order elements are named), a node that does not exist.
+/// in_space: tetrahedra are welcome.
+MshFile read_msh(const std::string& file, bool in_space = false);
 
 }  // namespace tissue

@@ -90,7 +90,7 @@ void check_surface(const Shape& shape, const Cells& facets, const std::string& f
 }
 
 struct Picked {
-    std::vector<MshFile::Element> tetrahedra;
+    std::vector<MshFile::Tetrahedron> tetrahedra;
     std::vector<int> region;
 };
 
@@ -98,7 +98,7 @@ struct Picked {
 Picked pick(const MshFile& mesh, const std::vector<int>& region_tags) {
     Picked picked;
     std::map<std::array<int, 4>, std::size_t> seen;
-    for (const MshFile::Element& e : mesh.tetrahedra) {
+    for (const MshFile::Tetrahedron& e : mesh.tetrahedra) {
         std::array<int, 4> key{e.node[0], e.node[1], e.node[2], e.node[3]};
         std::sort(key.begin(), key.end());
         const auto tag = std::find(region_tags.begin(), region_tags.end(), e.physical);
@@ -129,7 +129,7 @@ Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixe
 
     // nodes in use, numbered along the longest axis
     std::set<int> used;
-    for (const MshFile::Element& e : picked.tetrahedra) used.insert(e.node, e.node + 4);
+    for (const MshFile::Tetrahedron& e : picked.tetrahedra) used.insert(e.node, e.node + 4);
     const std::vector<int> points(used.begin(), used.end());
     NodeField place(static_cast<Eigen::Index>(points.size()), 3);
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -150,7 +150,7 @@ Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixe
     shape.simplices.resize(static_cast<Eigen::Index>(picked.tetrahedra.size()), 4);
     shape.region = picked.region;
     for (std::size_t i = 0; i < picked.tetrahedra.size(); ++i) {
-        const MshFile::Element& e = picked.tetrahedra[i];
+        const MshFile::Tetrahedron& e = picked.tetrahedra[i];
         const auto t = static_cast<Eigen::Index>(i);
         shape.simplices.row(t) << number[e.node[0]], number[e.node[1]], number[e.node[2]], number[e.node[3]];
         double longest = 0;
@@ -230,7 +230,7 @@ Shape read_solid_shape(const std::string& file) {
         shape.nodes.row(static_cast<Eigen::Index>(i)) << mesh.points[i].x, mesh.points[i].y, mesh.points[i].z;
     shape.simplices.resize(static_cast<Eigen::Index>(mesh.tetrahedra.size()), 4);
     for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i) {
-        const MshFile::Element& e = mesh.tetrahedra[i];
+        const MshFile::Tetrahedron& e = mesh.tetrahedra[i];
         const auto t = static_cast<Eigen::Index>(i);
         shape.simplices.row(t) << e.node[0], e.node[1], e.node[2], e.node[3];
         shape.region.push_back(e.physical - tissue_label);

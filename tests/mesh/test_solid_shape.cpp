@@ -102,7 +102,7 @@ TEST_CASE("what is no solid shape is refused with its place", "[solid_shape]") {
     CHECK_THAT(refused(good, {"chair"}), Contains("has no physical surface 'chair'; it has: bed"));
 
     file = good;  // a node pulled onto the plane of others
-    const MshFile::Element& first = file.tetrahedra[0];
+    const MshFile::Tetrahedron& first = file.tetrahedra[0];
     file.points[static_cast<std::size_t>(first.node[1])] = file.points[static_cast<std::size_t>(first.node[0])];
     CHECK_THAT(refused(file), Contains("is a sliver") && Contains(" m "));
 
