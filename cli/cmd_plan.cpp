@@ -4,6 +4,7 @@
 #include "error.h"
 #include "io/atomic_file.h"
 #include "cases/plan.h"
+#include "cases/study_mesh.h"
 
 namespace tissue::cli {
 namespace {
@@ -23,7 +24,7 @@ void run(const Options& o) {
     bool stale = o.mesh.empty() || !std::filesystem::exists(o.mesh, error);
     const auto shape = plan.parts.find("shape");
     if (shape != plan.parts.end() && write_file_if_changed((folder / "shape").string(), shape->second)) stale = true;
-    if (shape != plan.parts.end() && !stale) plan = make_plan(study, read_shape(o.mesh));
+    if (shape != plan.parts.end() && !stale) plan = make_plan(study, study_shape(study, o.mesh));
     for (const auto& [name, text] : plan.parts) write_file_if_changed((folder / name).string(), text);
     write_file(o.out, plan.fragment);  // last: make takes a new fragment as a sign that all parts are there
 }

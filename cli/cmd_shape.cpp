@@ -6,6 +6,7 @@
 #include "error.h"
 #include "io/atomic_file.h"
 #include "mesh/shape.h"
+#include "mesh/solid_shape.h"
 #include "study/study.h"
 
 namespace tissue::cli {
@@ -19,11 +20,14 @@ void run(const Options& o) {
     const Study study = read_study(o.study);
     const Study::Geometry& g = study.geometry;
     if (g.is_block()) throw MismatchError("study '" + study.name + "' is of the block; it has no geometry.shape");
-    MshFile mesh = read_msh(o.mesh);
+    MshFile mesh = read_msh(o.mesh, g.is_solid());
     mesh.file = g.shape;  // what the user knows of; the mesh is what gmsh made of it
     ShapeNotes notes;
-    const Shape shape = make_shape(mesh, g.fixed, study.material.region_names(), g.unit_m, &notes);
-    if (notes.turned > 0) std::cerr << fmt::format("shape: {} triangles of {} ran clockwise and were turned\n", notes.turned, g.shape);
+    const auto make = g.is_solid() ? make_solid_shape : make_shape;
+    const Shape shape = make(mesh, g.fixed, study.material.region_names(), g.unit_m, &notes);
+    if (notes.turned > 0)
+        std::cerr << fmt::format("shape: {} {} of {} {} and were turned\n", notes.turned, g.is_solid() ? "tetrahedra" : "triangles", g.shape,
+                                 g.is_solid() ? "were inside out" : "ran clockwise");
     write_file(o.out, to_msh(shape, study.material.region_names()));
 }
 

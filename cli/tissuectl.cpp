@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     add_plan(app, invocation);
     add_shape(app, invocation);
+    add_rim(app, invocation);
     add_collect(app, invocation);
     add_import(app, invocation);
     add_train(app, invocation);

@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <set>
+
 #include "cases/cases_table.h"
 #include "cases/load_path.h"
 #include "error.h"
@@ -20,20 +23,49 @@ Eigen::VectorXd single(double value) {
 
 void write_shape(TableWriter& out, const Shape& shape) {
     std::vector<int> edges;
+    if (shape.is_solid()) {
+        for (const auto& facet : shape.fixed_facets) edges.insert(edges.end(), facet.begin(), facet.end());
+        out.write_table("/shape/tetrahedra", shape.simplices);
+        out.write_integers("/shape/region", {shape.region.size()}, shape.region);
+        out.write_integers("/shape/fixed_facets", {shape.fixed_facets.size(), 3}, edges);
+        return;
+    }
     for (const auto& edge : shape.fixed_edges) edges.insert(edges.end(), edge.begin(), edge.end());
-    out.write_table("/shape/triangles", shape.triangles);
+    out.write_table("/shape/triangles", shape.simplices);
     out.write_integers("/shape/region", {shape.region.size()}, shape.region);
     out.write_integers("/shape/fixed_edges", {shape.fixed_edges.size(), 2}, edges);
+}
+
+/// The surface that the tetrahedra have, and held facets of it.
+void check_fixed_facets(TableReader& in, const Shape& shape) {
+    const SpringMesh mesh = edge_mesh(shape);
+    if (const auto fault = mesh_fault(mesh)) in.refuse("/shape", fault->part + " " + fault->why);
+    std::set<std::array<int, 3>> outside;
+    const auto sorted = [](std::array<int, 3> facet) {
+        std::sort(facet.begin(), facet.end());
+        return facet;
+    };
+    for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) outside.insert(sorted({mesh.facets(f, 0), mesh.facets(f, 1), mesh.facets(f, 2)}));
+    for (const auto& facet : shape.fixed_facets)
+        if (!outside.count(sorted(facet))) in.refuse("/shape/fixed_facets", "are not all of the surface");
 }
 
 Shape read_shape(TableReader& in, const NodeField& nodes) {
     Shape shape;
     shape.nodes = nodes;
-    shape.triangles = in.table_of<3>("/shape/triangles");
+    if (nodes.cols() == 3) {
+        shape.simplices = in.table_of<4>("/shape/tetrahedra");
+        shape.region = in.integers("/shape/region");
+        const auto facets = in.table_of<3>("/shape/fixed_facets");
+        for (Eigen::Index f = 0; f < facets.rows(); ++f) shape.fixed_facets.push_back({facets(f, 0), facets(f, 1), facets(f, 2)});
+        check_fixed_facets(in, shape);
+        return shape;
+    }
+    shape.simplices = in.table_of<3>("/shape/triangles");
     shape.region = in.integers("/shape/region");
     const auto edges = in.table_of<2>("/shape/fixed_edges");
     for (Eigen::Index e = 0; e < edges.rows(); ++e) shape.fixed_edges.push_back({edges(e, 0), edges(e, 1)});
-    if (const auto fault = triangle_fault(nodes, shape.triangles)) in.refuse("/shape/" + fault->part, fault->why);
+    if (const auto fault = triangle_fault(nodes, shape.simplices)) in.refuse("/shape/" + fault->part, fault->why);
     std::string why;
     try {
         if (const auto fault = mesh_fault(edge_mesh(shape))) why = fault->part + " " + fault->why;
@@ -157,6 +189,8 @@ const DatasetTable& cases_table(bool measured) {
     static const DatasetTable all = {
         {"/nodes", "N x D", Values::place(), "m", "lattice nodes at rest", Rows::distinct},
         {"/shape/triangles", "T x 3", Values::index("N"), "1", "triangles between the nodes", Rows::distinct},
+        {"/shape/tetrahedra", "T x 4", Values::index("N"), "1", "in space: tetrahedra between the nodes", Rows::distinct},
+        {"/shape/fixed_facets", "B x 3", Values::index("N"), "1", "in space: held facets of the surface", Rows::distinct},
         {"/shape/region", "T", Values::count(), "1", "0: base material, else 1 + named region"},
         {"/shape/fixed_edges", "B x 2", Values::index("N"), "1", "held edges of the outline", Rows::distinct},
         {"/magnitudes", "M*", Values::positive(), "m", "push lengths that are load cases", Rows::ascending},
@@ -230,7 +264,7 @@ Cases read_cases(const std::string& name) {
     cases.study = file.text_attribute("/", "study");
     const bool measured = file.has("/measurement");
     const int D = dimension_of(file);
-    for (const char* group : {"/measurement", "/shape"})
+    for (const char* group : {"/measurement", "/shape/triangles"})
         if (D == 3 && file.has(group)) file.refuse(group, "belongs to the plane, and these cases are of 3 dimensions");
     TableReader in(file, cases_table(measured), {{"D", D}});
     cases.nodes = in.field("/nodes");

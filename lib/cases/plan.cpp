@@ -70,6 +70,19 @@ std::string solid_arguments(const Study& s, const PlannedPath& path) {
         path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton);
 }
 
+/// For scripts/solve_path, of a solid shape. springs: the mesh whose nodes are asked for.
+std::string solid_shape_arguments(const Study& s, const PlannedPath& path, const std::string& springs) {
+    const StudyPath& p = path.push;
+    const std::vector<std::string> regions = s.material.region_names();
+    return fmt::format(
+        "-shape {} -unit_m {} -fixed {}{} -springs {} -size_near {} -size_far {} {} -contact_x {} -contact_y {} -contact_z {} "
+        "-direction_x {} -direction_y {} -direction_z {} -disc_radius {} -depth {} -records {} -tolerance {} -max_newton {} -allow_lost 1",
+        s.geometry.shape, s.geometry.unit_m, fmt::join(s.geometry.fixed, ","),
+        regions.empty() ? "" : fmt::format(" -regions {}", fmt::join(regions, ",")), springs, path.sizes_m[0], path.sizes_m[1],
+        law_arguments(s.material), p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1], p.direction[2],
+        s.indenter.radius_m, path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton);
+}
+
 /// For FreeFEM, fem/solve_path.edp. Numbers are written so that they read back to the same bits.
 std::string path_arguments(const Study& s, const PlannedPath& path) {
     const StudyPath& p = path.push;
@@ -93,7 +106,7 @@ std::string collect_part(const Study& s, const std::vector<PlannedPath>& paths) 
                            s.data->validation_part, s.data->held_out_part, s.data->surface_tolerance_m,
                            s.data->stated_force_noise.value_or(0));
     const std::string magnitudes = fmt::format("magnitudes {}\n", fmt::join(s.loads.magnitudes_m, " "));
-    std::string text = s.geometry.is_solid()
+    std::string text = s.geometry.is_solid() && s.geometry.is_block()
                            ? fmt::format("cells {}\nsize {} {} {}\n", fmt::join(s.cells, " "), s.geometry.width_m, s.geometry.length_m,
                                          s.geometry.height_m) + magnitudes
                        : s.geometry.is_block()
@@ -125,8 +138,9 @@ std::string train_part(const Study& s) {
         t.k_min_E2, t.k_max_E2, t.weight_near[0], t.weight_near[1], t.weight_far[0], t.weight_far[1]);
 }
 
-/// How gmsh makes the shape's triangles: an outline is filled, a mesh is converted.
+/// How gmsh makes the shape's triangles or tetrahedra: an outline or a surface is filled, a mesh is converted.
 std::string shape_arguments(const Study& s) {
+    if (s.spring_size_m > 0 && s.geometry.is_solid()) return fmt::format("-3 -clmin {0} -clmax {0}", s.spring_size_m / s.geometry.unit_m);
     if (s.spring_size_m > 0) return fmt::format("-2 -clmin {0} -clmax {0}", s.spring_size_m / s.geometry.unit_m);
     return "-save";
 }
@@ -187,6 +201,19 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
             "$(R)/mesh-fine.msh: $(R)/plan/mesh-fine\n",
             mesh_arguments(study, study.check_refine));
         plan.parts["mesh-fine"] = mesh_arguments(study, study.check_refine) + "\n";
+    }
+    if (solid && shaped) {
+        for (const std::string& name : study.geometry.fixed) for_make(study, "geometry.fixed", name);
+        for (const std::string& name : study.material.region_names()) for_make(study, "material.regions", name);
+        for (const PlannedPath& path : paths) {
+            plan.fragment += fmt::format(
+                "\nPATHS += {0}\n"
+                "$(R)/cases/{0}.csv: PATH_ARGUMENTS = {1}\n"
+                "$(R)/cases/{0}.csv: $(R)/plan/path-{0} $(R)/mesh.msh {2}\n",
+                path.push.name, solid_shape_arguments(study, path, "$(R)/mesh.msh"), study.geometry.shape);
+            plan.parts["path-" + path.push.name] = solid_shape_arguments(study, path, "mesh.msh") + "\n";
+        }
+        return plan;
     }
     if (solid) {
         plan.fragment += fmt::format("SOLID := {}\n", solid_geo);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "cases/solid_training.h"
 #include "error.h"
 #include "study/solid_push.h"
 
@@ -30,8 +31,9 @@ bool apart(const StudyPath& a, const StudyPath& b) {
 /// Pushes of one role, by its own stream of random numbers.
 class SolidDraws {
    public:
-    SolidDraws(const Study& study, const Study::Draws& draws)
-        : study_(study), draws_(draws), rng_(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free), tries_(1000L * draws.count) {
+    /// surface: of a shape; null for a block.
+    SolidDraws(const Study& study, const Study::Draws& draws, const std::vector<StudyPath>& trained, const FreeSurface* surface)
+        : study_(study), draws_(draws), trained_(trained), surface_(surface), rng_(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free), tries_(1000L * draws.count) {
         gsl_rng_set(rng_.get(), draws.seed);
     }
 
@@ -39,8 +41,8 @@ class SolidDraws {
     StudyPath draw(int number) {
         StudyPath push;
         do {
-            push.contact_m = place();
-            push.direction = direction();
+            push.contact_m = surface_ ? place_on_surface() : place();
+            push.direction = direction(push.contact_m);
         } while (!apart_from_training(push));
         push.depth_m = uniform(draws_.depth_m);
         push.name = fmt::format("{}-{:04}", draws_.role, number);
@@ -68,30 +70,54 @@ class SolidDraws {
         }
     }
 
-    Point direction() {
+    /// Uniform by area: a facet by its area, then a point of it.
+    Point place_on_surface() {
+        const Eigen::VectorXd& area = surface_->measure();
+        while (true) {
+            count_a_try();
+            double left = uniform(0, area.sum());
+            Eigen::Index f = 0;
+            while (f + 1 < area.size() && left >= area[f]) left -= area[f++];
+            double a = uniform(0, 1), b = uniform(0, 1);
+            if (a + b > 1) {
+                a = 1 - a;
+                b = 1 - b;
+            }
+            const Point place = surface_->at(f, {1 - a - b, a, b});
+            const double clearance_m = surface_->clearance_m(place);
+            if (clearance_m >= draws_.clearance_m[0] && clearance_m <= draws_.clearance_m[1]) return place;
+        }
+    }
+
+    Point direction(const Point& place) {
         const double high = std::cos(draws_.tilt_deg[0] * degree), low = std::cos(draws_.tilt_deg[1] * degree);
         const double tilt_deg = std::acos(uniform(low, high)) / degree, azimuth_deg = uniform(0, 360);
-        return solid_push(std::clamp(tilt_deg, draws_.tilt_deg[0], draws_.tilt_deg[1]), azimuth_deg);
+        const double tilt = std::clamp(tilt_deg, draws_.tilt_deg[0], draws_.tilt_deg[1]);
+        return surface_ ? surface_push(surface_->nearest(place).inward, tilt, azimuth_deg) : solid_push(tilt, azimuth_deg);
     }
 
     bool apart_from_training(const StudyPath& push) const {
-        const std::vector<StudyPath>& trained = study_.loads.paths;
-        return std::all_of(trained.begin(), trained.end(), [&](const StudyPath& t) { return apart(push, t); });
+        return std::all_of(trained_.begin(), trained_.end(), [&](const StudyPath& t) { return apart(push, t); });
     }
 
     const Study& study_;
     const Study::Draws& draws_;
+    const std::vector<StudyPath>& trained_;
+    const FreeSurface* surface_;
     std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng_;
     long tries_;
 };
 
 }  // namespace
 
-std::vector<PlannedPath> solid_paths(const Study& study) {
+std::vector<PlannedPath> solid_paths(const Study& study, const std::optional<Shape>& shape) {
     std::vector<PlannedPath> paths, checks;
-    for (const StudyPath& push : study.loads.paths) paths.push_back(planned(study, push, "train"));
+    const std::vector<StudyPath> trained = solid_training(study, shape);
+    std::optional<FreeSurface> surface;
+    if (!study.geometry.is_block()) surface.emplace(study_surface(study, shape));
+    for (const StudyPath& push : trained) paths.push_back(planned(study, push, "train"));
     for (const Study::Draws& draws : study.draws) {
-        SolidDraws drawn(study, draws);
+        SolidDraws drawn(study, draws, trained, surface ? &*surface : nullptr);
         const bool checked = draws.role == "held_out" && study.check_sizes_m[0] > 0;
         for (int i = 1; i <= draws.count; ++i) {
             paths.push_back(planned(study, drawn.draw(i), draws.role));

@@ -1,5 +1,11 @@
 #include "cases/study_law.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <map>
+
+#include "mesh/topology.h"
+
 namespace tissue {
 
 Eigen::VectorXd triangle_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_N_m) {
@@ -41,9 +47,48 @@ Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, con
 
 namespace {
 
-/// E of springs and cells in space [Pa]: of the block, and in proportion to what of them lies in the nodule.
-EnergyLaw solid_law(const Study& study, const SpringMesh& mesh, double factor) {
+/// Mean of a value of the tetrahedra (T), by their volumes, over those that have all nodes of a row of `pieces`.
+Eigen::VectorXd mean_about(const SpringMesh& mesh, const Eigen::VectorXd& value, const Cells& pieces) {
+    std::map<std::vector<int>, std::pair<double, double>> sums;  // of value times volume, and of volume
+    const Eigen::Index size = pieces.cols();
+    for (Eigen::Index t = 0; t < mesh.simplices.rows(); ++t) {
+        const auto at = [&](int k) { return Eigen::RowVector3d(mesh.nodes.row(mesh.simplices(t, k))); };
+        const double volume = (at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0)) / 6;
+        for (int a = 0; a < 4; ++a)
+            for (int b = 0; b < (size == 1 ? 1 : a); ++b) {
+                std::vector<int> key{mesh.simplices(t, a)};
+                if (size == 2) key.push_back(mesh.simplices(t, b));
+                std::sort(key.begin(), key.end());
+                sums[key].first += value[t] * volume;
+                sums[key].second += volume;
+            }
+    }
+    Eigen::VectorXd mean(pieces.rows());
+    for (Eigen::Index e = 0; e < pieces.rows(); ++e) {
+        std::vector<int> key(pieces.row(e).begin(), pieces.row(e).end());
+        std::sort(key.begin(), key.end());
+        mean[e] = sums.at(key).first / sums.at(key).second;
+    }
+    return mean;
+}
+
+/// Every node, a row each.
+Cells nodes_of(const SpringMesh& mesh) {
+    Cells nodes(mesh.node_count(), 1);
+    for (int node = 0; node < mesh.node_count(); ++node) nodes(node, 0) = node;
+    return nodes;
+}
+
+/// E of springs and cells in space [Pa]: of the block, and in proportion to what of them lies in the nodule; on a shape means
+/// over the tetrahedra about them.
+EnergyLaw solid_law(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double factor) {
     const double E = factor * study.material.youngs_modulus_Pa();
+    if (!on_lattice(mesh)) {
+        const Eigen::VectorXd modulus = triangle_moduli(study, shape, mesh, E);
+        const LawHeuristic heuristic = solid_heuristic(mesh, mean_about(mesh, modulus, mesh.springs), mean_about(mesh, modulus, nodes_of(mesh)), E,
+                                                       study.springs.area_cap_E2, study.indenter.radius_m);
+        return {mesh, heuristic, study.springs.terms};
+    }
     const auto modulus = [&](const Cells& pieces) {
         Eigen::VectorXd own = Eigen::VectorXd::Constant(pieces.rows(), E);
         if (!study.nodule) return own;
@@ -58,7 +103,7 @@ EnergyLaw solid_law(const Study& study, const SpringMesh& mesh, double factor) {
 }  // namespace
 
 EnergyLaw study_law(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double factor) {
-    if (mesh.is_solid()) return solid_law(study, mesh, factor);
+    if (mesh.is_solid()) return solid_law(study, shape, mesh, factor);
     const double modulus_N_m = factor * study.modulus_N_m(), cap = study.springs.area_cap_E2;
     const std::string& formulation = study.material.formulation;
     const LawHeuristic heuristic =

@@ -8,7 +8,7 @@
 
 namespace tissue {
 
-/// E2 of each triangle of the study's mesh [N/m] (T): modulus_N_m of the base material, and where a region has a material
+/// E2 of each triangle of the study's mesh [N/m], in space E of each tetrahedron [Pa] (T): modulus_N_m of the base material, and where a region has a material
 /// of its own, in proportion to its E.
 Eigen::VectorXd triangle_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_N_m);
 

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "cases/solid_sweep.h"
+#include "cases/solid_training.h"
 #include "cases/study_mesh.h"
 #include "error.h"
 #include "mesh/outline.h"
@@ -193,8 +194,8 @@ std::function<bool(const LoadPath&)> kept_in_the_plane(const Study& study, const
     };
 }
 
-std::function<bool(const LoadPath&)> kept_in_space(const Study& study, const Study::Variant& variant) {
-    const std::vector<StudyPath>& all = study.loads.paths;
+std::function<bool(const LoadPath&)> kept_in_space(const Study& study, const Cases& cases, const Study::Variant& variant) {
+    const std::vector<StudyPath> all = solid_training(study, cases.shape);
     std::set<std::string> names;
     for (std::size_t i = 0; i < all.size() && (variant.first_paths == 0 || i < static_cast<std::size_t>(variant.first_paths)); ++i)
         names.insert(all[i].name);
@@ -204,7 +205,7 @@ std::function<bool(const LoadPath&)> kept_in_space(const Study& study, const Stu
 }  // namespace
 
 std::vector<PlannedPath> planned_paths(const Study& study, const std::optional<Shape>& shape) {
-    std::vector<PlannedPath> paths = study.geometry.is_solid() ? solid_paths(study)
+    std::vector<PlannedPath> paths = study.geometry.is_solid() ? solid_paths(study, shape)
                                      : study.loads.sweep       ? swept_paths(study, shape)
                                                                : listed_paths(study);
     std::set<std::string> names;
@@ -221,7 +222,7 @@ Cases thinned(const Study& study, const Cases& cases, const Study::Variant& vari
     result.shape = cases.shape;
     result.magnitudes_m = variant.magnitudes_m;
     const std::function<bool(const LoadPath&)> kept =
-        study.geometry.is_solid() ? kept_in_space(study, variant) : kept_in_the_plane(study, cases, variant);
+        study.geometry.is_solid() ? kept_in_space(study, cases, variant) : kept_in_the_plane(study, cases, variant);
     for (const LoadPath& path : cases.paths)
         if (path.role != "train" || kept(path)) result.paths.push_back(path);
     return result;

@@ -108,7 +108,9 @@ Files solid_csv(const TissueModel& model, const std::vector<PressedCase>& cases)
     std::vector<int> load_cases;
     for (const PressedCase& c : cases) load_cases.push_back(c.load_case);
     const ContactTable contact = contact_table(model, load_cases);
-    std::string cells = "cell,node_000,node_100,node_010,node_110,node_001,node_101,node_011,node_111,rest_volume_m3,stiffness_Pa\n";
+    const bool lattice = tables.cells.cols() == 8;
+    std::string cells = lattice ? "cell,node_000,node_100,node_010,node_110,node_001,node_101,node_011,node_111,rest_volume_m3,stiffness_Pa\n"
+                                : "cell,node,rest_volume_m3,stiffness_Pa\n";
     for (Eigen::Index c = 0; c < tables.cells.rows(); ++c)
         cells += fmt::format("{},{},{},{}\n", c, values(tables.cells.row(c)), tables.volume_m3[c], tables.cell_Pa[c]);
     const auto name = [&](int load_case) { return field(model.case_names[static_cast<std::size_t>(load_case)]); };
@@ -121,12 +123,17 @@ Files solid_csv(const TissueModel& model, const std::vector<PressedCase>& cases)
         pull += fmt::format("{},{},{}\n", contact.pull_row[q], contact.pull_node[q], values(contact.pull.row(static_cast<Eigen::Index>(q))));
     for (std::size_t c = 0; c < load_cases.size(); ++c)
         hardening += fmt::format("{},{}\n", name(load_cases[c]), values(contact.hardening.row(static_cast<Eigen::Index>(c))));
-    return {{"springs.csv", springs_csv(model, "stiffness_N_m", tables.spring_N_m)},
+    Files files = {{"springs.csv", springs_csv(model, "stiffness_N_m", tables.spring_N_m)},
             {"cells.csv", cells},
             {"contact.csv", contact_csv(model.energy_law->patch, {"normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"})},
             {"contact_rows.csv", rows},
             {"contact_pull.csv", pull},
             {"contact_hardening.csv", hardening}};
+    if (!lattice) {
+        std::string& facets = files["cell_facets.csv"] = "cell,node_i,node_j,node_k\n";
+        for (Eigen::Index f = 0; f < tables.cell_facets.rows(); ++f) facets += values(tables.cell_facets.row(f)) + "\n";
+    }
+    return files;
 }
 
 /// Of a law in the plane.

@@ -147,7 +147,8 @@ std::string mesh_vtu(const TissueModel& model, const Eigen::VectorXd& theta, con
     const Eigen::Index S = mesh.spring_count(), cells = S + static_cast<Eigen::Index>(volumes.size());
     Eigen::VectorXd stiffness = Eigen::VectorXd::Zero(cells), rest_length = stiffness, volume_stiffness = stiffness;
     stiffness.head(S) = theta;
-    if (volume_Pa.size() > 0) volume_stiffness.tail(cells - S) = volume_Pa;
+    const bool about_nodes = volume_Pa.size() > 0 && volume_Pa.size() != cells - S;  // a shape's cells
+    if (volume_Pa.size() > 0 && !about_nodes) volume_stiffness.tail(cells - S) = volume_Pa;
 
     Grid grid(mesh.node_count(), 1);
     for (int s = 0; s < mesh.spring_count(); ++s) {
@@ -163,7 +164,8 @@ std::string mesh_vtu(const TissueModel& model, const Eigen::VectorXd& theta, con
     for (const std::vector<int>& nodes : volumes) grid.cell(nodes.size() == 8 ? hexahedron : tetrahedron, nodes);
     grid.at_cells("stiffness_N_m", stiffness);
     grid.at_cells("rest_length_m", rest_length);
-    if (!volumes.empty()) grid.at_cells("stiffness_Pa", volume_stiffness);
+    if (about_nodes) grid.at_points("stiffness_Pa", volume_Pa);
+    else if (!volumes.empty()) grid.at_cells("stiffness_Pa", volume_stiffness);
     return grid.xml();
 }
 
@@ -188,7 +190,12 @@ std::string path_vtu(const Cases& cases, const LoadPath& path) {
     grid.of_the_whole("smallest_J", smallest_J);
     const std::vector<std::vector<int>> lattice = lattice_cells(cases.nodes);
     for (const std::vector<int>& nodes : lattice) grid.cell(nodes.size() == 8 ? hexahedron : quad, nodes);
-    if (lattice.empty())
+    const bool solid_shape = cases.shape && cases.shape->is_solid();
+    for (Eigen::Index t = 0; solid_shape && t < cases.shape->simplices.rows(); ++t) {
+        const auto corners = cases.shape->simplices.row(t);
+        grid.cell(tetrahedron, {corners.begin(), corners.end()});
+    }
+    if (lattice.empty() && !solid_shape)
         for (int i = 0; i < N; ++i) grid.cell(vertex, {i});
     return grid.xml();
 }

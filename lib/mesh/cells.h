@@ -7,17 +7,17 @@
 namespace tissue {
 
 /// The pieces of tissue between the springs: a lattice's squares, in space its boxes (C x 8, corners bit by bit: 1 along x,
-/// 2 along y, 4 along z), a shape's triangles. In the plane counter-clockwise.
+/// 2 along y, 4 along z), a shape's triangles, in space its tetrahedra (C x 4). In the plane counter-clockwise.
 /// Throws MismatchError when the simplices of a lattice do not make up its cells.
 Cells mesh_cells(const SpringMesh& mesh);
 
-/// Area of each cell at rest [m^2] (C). In the plane, as what follows.
+/// Area of each cell at rest [m^2] (C). In the plane.
 Eigen::VectorXd cell_areas(const SpringMesh& mesh, const Cells& cells);
 
 /// The cells around each node (N): lists of cells.
 std::vector<std::vector<int>> node_stars(const SpringMesh& mesh, const Cells& cells);
 
-/// The whole tissue, then its quarters: cells whose middles lie in one half of the box around the mesh, along x and along
+/// In the plane the whole tissue, then its quarters: cells whose middles lie in one half of the box around the mesh, along x and along
 /// y. A cell in the middle belongs to both sides, so that a mesh that mirrors itself has regions that do. Quarters without
 /// cells are left out. Each a list of cells.
 std::vector<std::vector<int>> cell_regions(const SpringMesh& mesh, const Cells& cells);

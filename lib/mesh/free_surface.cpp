@@ -1,8 +1,10 @@
 #include "mesh/free_surface.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 
 #include "mesh/facet.h"
@@ -37,6 +39,19 @@ FreeSurface::FreeSurface(const SpringMesh& mesh) : rest_(mesh.nodes), around_(st
         measure_[f] = facet_measure(rest_, facets_, f);
         inward_.push_back(-facet_normal(rest_, facets_, f));
         for (int node : facets_.row(f)) around_[static_cast<std::size_t>(node)].push_back(f);
+    }
+    if (mesh.is_solid()) {
+        std::map<std::array<int, 2>, std::vector<Eigen::Index>> sides;
+        for (Eigen::Index f = 0; f < facets_.rows(); ++f)
+            for (int k = 0; k < 3; ++k) {
+                const auto [low, high] = std::minmax(facets_(f, k), facets_(f, (k + 1) % 3));
+                sides[{low, high}].push_back(f);
+            }
+        std::vector<std::array<int, 2>> ends;
+        for (const auto& [edge, on] : sides)
+            if (on.size() != 2 || inward_[static_cast<std::size_t>(on[0])].dot(inward_[static_cast<std::size_t>(on[1])]) < crease) ends.push_back(edge);
+        ends_.resize(static_cast<Eigen::Index>(ends.size()), 2);
+        for (std::size_t e = 0; e < ends.size(); ++e) ends_.row(static_cast<Eigen::Index>(e)) << ends[e][0], ends[e][1];
     }
     // squares of a side h divide into two triangles of h^2 / 2
     spacing_m_ = mesh.is_solid() ? std::sqrt(2 * measure_.mean()) : measure_.mean();
@@ -79,6 +94,30 @@ FreeSurface::Place FreeSurface::nearest(const Point& position_m) const {
     }
     place.inward.normalize();
     return place;
+}
+
+Point FreeSurface::at(Eigen::Index facet, const Eigen::Vector3d& weight) const {
+    Point point = Point::Zero(rest_.cols());
+    for (Eigen::Index k = 0; k < facets_.cols(); ++k) point += weight[k] * rest_.row(facets_(facet, k)).transpose();
+    return point;
+}
+
+double FreeSurface::clearance_m(const Point& position_m) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (Eigen::Index e = 0; e < ends_.rows(); ++e) least = std::min(least, nearest_on_facet(rest_, ends_, e, position_m).distance_m);
+    return least;
+}
+
+std::vector<Point> FreeSurface::points(int parts) const {
+    std::vector<Point> middles;
+    for (Eigen::Index f = 0; f < facets_.rows(); ++f)
+        for (int i = 0; i < parts; ++i)
+            for (int j = 0; i + j < parts; ++j)
+                for (const double third : {1.0 / 3, 2.0 / 3}) {  // of a part that points as its facet does, and of one that does not
+                    const double a = (i + third) / parts, b = (j + third) / parts;
+                    if (a + b < 1) middles.push_back(at(f, {1 - a - b, a, b}));
+                }
+    return middles;
 }
 
 double FreeSurface::to_crease_m(const Point& position_m) const {

@@ -28,6 +28,16 @@ class FreeSurface {
     /// From a point to the nearest node where the surface ends or turns by more than 45 degrees [m].
     double to_crease_m(const Point& position_m) const;
 
+    /// In space, from a point to the nearest edge where the free surface ends, or turns by more than 45 degrees [m]; infinite where
+    /// it does neither.
+    double clearance_m(const Point& position_m) const;
+
+    /// In space: the middles of parts of the free facets, parts^2 of each, all alike.
+    std::vector<Point> points(int parts) const;
+
+    const Eigen::VectorXd& measure() const { return measure_; }  ///< length or area of each free facet
+    Point at(Eigen::Index facet, const Eigen::Vector3d& weight) const;  ///< by weights of a facet's nodes (a segment's third is 0)
+
     /// Whether the surface at a node faces the way a normal does, to 60 degrees: it lies round no crease from there.
     bool faces(int node, const Point& inward) const;
 
@@ -37,6 +47,7 @@ class FreeSurface {
     NodeField rest_;
     Cells facets_, held_facets_;
     std::vector<int> nodes_, creases_;
+    Cells ends_;                                     ///< in space: edges where it ends or turns, as segments
     std::vector<std::vector<Eigen::Index>> around_;  ///< free facets of each node (N)
     std::vector<Point> inward_;                      ///< of each free facet
     Eigen::VectorXd measure_;                        ///< of each free facet

@@ -56,7 +56,7 @@ class Lines {
 
 }  // namespace
 
-MshFile read_msh(const std::string& file) {
+MshFile read_msh(const std::string& file, bool in_space) {
     Lines in(file);
     MshFile mesh;
     mesh.file = file;
@@ -81,6 +81,7 @@ MshFile read_msh(const std::string& file) {
                 name = name.substr(1, name.size() - 2);
                 if (dimension == 1) mesh.line_names[tag] = name;
                 if (dimension == 2) mesh.triangle_names[tag] = name;
+                if (dimension == 3) mesh.tetrahedron_names[tag] = name;
             }
             in.want("$EndPhysicalNames");
         } else if (section == "$Nodes") {
@@ -109,26 +110,28 @@ MshFile read_msh(const std::string& file) {
                 int kind = 0, tags = 0;
                 if (!(words >> number >> kind >> tags)) in.refuse("is not an element");
                 if (kind == 15) continue;  // a point
-                if (kind != 1 && kind != 2) {
+                if (kind != 1 && kind != 2 && !(kind == 4 && in_space)) {
                     const auto known = other_kinds.find(kind);
-                    in.refuse(fmt::format("element {} is {}; a tissue is of straight triangles, in the plane", number,
+                    in.refuse(fmt::format("element {} is {}; a tissue is of straight {}", number,
                                           known == other_kinds.end() ? fmt::format("of gmsh's kind {}", kind)
-                                                                     : known->second));
+                                                                     : known->second,
+                                          in_space ? "tetrahedra" : "triangles, in the plane"));
                 }
-                MshFile::Element e{number, {0, 0, 0}, 0};
+                MshFile::Tetrahedron e{number, {0, 0, 0, 0}, 0};
                 for (int t = 0; t < tags; ++t) {
                     long tag = 0;
                     if (!(words >> tag)) in.refuse("is not an element");
                     if (t == 0) e.physical = static_cast<int>(tag);
                 }
-                for (int i = 0; i <= kind; ++i) {
+                for (int i = 0; i < (kind == 4 ? 4 : kind + 1); ++i) {
                     long node = 0;
                     if (!(words >> node)) in.refuse("is not an element");
                     const auto there = place.find(node);
                     if (there == place.end()) in.refuse(fmt::format("element {} names node {}, which does not exist", number, node));
                     e.node[i] = there->second;
                 }
-                (kind == 1 ? mesh.lines : mesh.triangles).push_back(e);
+                if (kind == 4) mesh.tetrahedra.push_back(e);
+                else (kind == 1 ? mesh.lines : mesh.triangles).push_back({number, {e.node[0], e.node[1], e.node[2]}, e.physical});
             }
             in.want("$EndElements");
             elements = true;

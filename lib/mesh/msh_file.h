@@ -6,8 +6,8 @@
 
 namespace tissue {
 
-/// A plane mesh as gmsh writes it: MSH 2.2, ASCII, straight lines and triangles. Nothing about it is checked but that
-/// it is one.
+/// A mesh as gmsh writes it: MSH 2.2, ASCII, straight lines and triangles, in space tetrahedra too. Nothing about it is
+/// checked but that it is one.
 struct MshFile {
     struct Point {
         double x, y, z;
@@ -17,14 +17,21 @@ struct MshFile {
         int node[3];   ///< places in `points`; a line has two
         int physical;  ///< tag of its physical group; 0: in none
     };
+    struct Tetrahedron {
+        long number;
+        int node[4];
+        int physical;
+    };
     std::string file;                       ///< as messages name it
     std::vector<Point> points;              ///< in the file's unit of length
     std::vector<Element> lines, triangles;  ///< an element in two groups stands twice
-    std::map<int, std::string> line_names, triangle_names;  ///< of the physical groups, by tag
+    std::vector<Tetrahedron> tetrahedra;
+    std::map<int, std::string> line_names, triangle_names, tetrahedron_names;  ///< of the physical groups, by tag
 };
 
 /// Throws FileError with file, line and cause: missing, another format, cut off, an element that is neither a line nor a
 /// straight triangle (quadrilaterals, tetrahedra and second-order elements are named), a node that does not exist.
-MshFile read_msh(const std::string& file);
+/// in_space: tetrahedra are welcome.
+MshFile read_msh(const std::string& file, bool in_space = false);
 
 }  // namespace tissue

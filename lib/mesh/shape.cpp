@@ -12,6 +12,7 @@
 
 #include "error.h"
 #include "mesh/outline.h"
+#include "mesh/solid_shape.h"
 
 namespace tissue {
 namespace {
@@ -35,9 +36,9 @@ std::string at(const Eigen::RowVector2d& p) {
 /// Edges of one triangle alone, from node to node, counter-clockwise: the boundary.
 std::map<int, int> boundary_of(const Shape& shape, const std::string& file) {
     std::map<Edge, int> sides;  // directed edge -> triangle to its left
-    for (int t = 0; t < shape.triangles.rows(); ++t)
+    for (int t = 0; t < shape.simplices.rows(); ++t)
         for (int i = 0; i < 3; ++i) {
-            const Edge edge{shape.triangles(t, i), shape.triangles(t, (i + 1) % 3)};
+            const Edge edge{shape.simplices(t, i), shape.simplices(t, (i + 1) % 3)};
             if (!sides.emplace(edge, t).second)
                 throw FileError(fmt::format("{}: two triangles lie over each other at the edge from {} to {}", file,
                                             at(shape.nodes.row(edge[0])), at(shape.nodes.row(edge[1]))));
@@ -75,9 +76,10 @@ void refuse_crossings(const Shape& shape, const std::vector<int>& loop, const st
         }
 }
 
-/// Tags of the groups with these names.
-std::vector<int> tags_of(const std::vector<std::string>& wanted, const std::map<int, std::string>& names,
-                         const std::string& what, const std::string& file) {
+}  // namespace
+
+std::vector<int> group_tags(const std::vector<std::string>& wanted, const std::map<int, std::string>& names,
+                            const std::string& what, const std::string& file) {
     std::vector<int> tags;
     for (const std::string& name : wanted) {
         const auto there = std::find_if(names.begin(), names.end(), [&](const auto& n) { return n.second == name; });
@@ -91,14 +93,30 @@ std::vector<int> tags_of(const std::vector<std::string>& wanted, const std::map<
     return tags;
 }
 
-}  // namespace
+std::vector<int> order_along(const NodeField& places) {
+    const NodeField about = places.rowwise() - places.colwise().mean();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(about.transpose() * about);
+    NodeField along = about * axes.eigenvectors().rowwise().reverse();  // the longest first
+    for (Eigen::Index d = 0; d < along.cols(); ++d) {
+        const Eigen::VectorXd axis = axes.eigenvectors().col(along.cols() - 1 - d);
+        double sign = 0;
+        for (Eigen::Index k = 0; k < axis.size(); ++k) sign += std::pow(1e-3, k) * axis[k];
+        if (sign < 0) along.col(d) *= -1;
+    }
+    std::vector<int> order(static_cast<std::size_t>(places.rows()));
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](int a, int b) {
+        return std::lexicographical_compare(along.row(a).begin(), along.row(a).end(), along.row(b).begin(), along.row(b).end());
+    });
+    return order;
+}
 
 Shape make_shape(const MshFile& mesh, const std::vector<std::string>& fixed, const std::vector<std::string>& regions,
                  double unit_m, ShapeNotes* notes) {
     const std::string& file = mesh.file;
     if (mesh.triangles.empty()) throw FileError(file + ": has no triangles: is its outline closed, and its surface in a physical group?");
-    const std::vector<int> fixed_tags = tags_of(fixed, mesh.line_names, "curve", file),
-                           region_tags = tags_of(regions, mesh.triangle_names, "surface", file);
+    const std::vector<int> fixed_tags = group_tags(fixed, mesh.line_names, "curve", file),
+                           region_tags = group_tags(regions, mesh.triangle_names, "surface", file);
 
     // an element stands once for every group it is in: the named region counts
     std::map<std::array<int, 3>, std::size_t> seen;
@@ -156,7 +174,7 @@ Shape make_shape(const MshFile& mesh, const std::vector<std::string>& fixed, con
 
     ShapeNotes put_right;
     put_right.dropped = static_cast<int>(mesh.points.size() - used.size());
-    shape.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
+    shape.simplices.resize(static_cast<Eigen::Index>(triangles.size()), 3);
     shape.region = region;
     double area = 0;
     for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -172,7 +190,7 @@ Shape make_shape(const MshFile& mesh, const std::vector<std::string>& fixed, con
             std::swap(b, c);
             ++put_right.turned;
         }
-        shape.triangles.row(static_cast<Eigen::Index>(t)) << a, b, c;
+        shape.simplices.row(static_cast<Eigen::Index>(t)) << a, b, c;
         area += std::abs(twice) / 2;
     }
 
@@ -212,6 +230,7 @@ Shape make_shape(const MshFile& mesh, const std::vector<std::string>& fixed, con
 }
 
 std::string to_msh(const Shape& shape, const std::vector<std::string>& regions) {
+    if (shape.is_solid()) return solid_to_msh(shape, regions);
     const std::vector<int> loop = loop_of(shape, "the shape");
     const std::set<Edge> held(shape.fixed_edges.begin(), shape.fixed_edges.end());
     std::string text = fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n1 {} \"fixed\"\n1 {} \"free\"\n2 {} \"tissue\"\n",
@@ -221,17 +240,17 @@ std::string to_msh(const Shape& shape, const std::vector<std::string>& regions) 
     text += fmt::format("$EndPhysicalNames\n$Nodes\n{}\n", shape.nodes.rows());
     for (Eigen::Index i = 0; i < shape.nodes.rows(); ++i)
         text += fmt::format("{} {} {} 0\n", i + 1, shape.nodes(i, 0), shape.nodes(i, 1));
-    text += fmt::format("$EndNodes\n$Elements\n{}\n", static_cast<Eigen::Index>(loop.size()) + shape.triangles.rows());
+    text += fmt::format("$EndNodes\n$Elements\n{}\n", static_cast<Eigen::Index>(loop.size()) + shape.simplices.rows());
     int number = 0;
     for (std::size_t i = 0; i < loop.size(); ++i) {
         const Edge edge{loop[i], loop[(i + 1) % loop.size()]};
         const int label = held.count(edge) ? fixed_label : free_label;
         text += fmt::format("{} 1 2 {} {} {} {}\n", ++number, label, label, edge[0] + 1, edge[1] + 1);
     }
-    for (Eigen::Index t = 0; t < shape.triangles.rows(); ++t) {
+    for (Eigen::Index t = 0; t < shape.simplices.rows(); ++t) {
         const int label = tissue_label + shape.region[static_cast<std::size_t>(t)];
-        text += fmt::format("{} 2 2 {} {} {} {} {}\n", ++number, label, label, shape.triangles(t, 0) + 1,
-                            shape.triangles(t, 1) + 1, shape.triangles(t, 2) + 1);
+        text += fmt::format("{} 2 2 {} {} {} {} {}\n", ++number, label, label, shape.simplices(t, 0) + 1,
+                            shape.simplices(t, 1) + 1, shape.simplices(t, 2) + 1);
     }
     return text + "$EndElements\n";
 }
@@ -242,10 +261,10 @@ Shape read_shape(const std::string& file) {
     shape.nodes.resize(static_cast<Eigen::Index>(mesh.points.size()), 2);
     for (std::size_t i = 0; i < mesh.points.size(); ++i)
         shape.nodes.row(static_cast<Eigen::Index>(i)) << mesh.points[i].x, mesh.points[i].y;
-    shape.triangles.resize(static_cast<Eigen::Index>(mesh.triangles.size()), 3);
+    shape.simplices.resize(static_cast<Eigen::Index>(mesh.triangles.size()), 3);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const MshFile::Element& e = mesh.triangles[t];
-        shape.triangles.row(static_cast<Eigen::Index>(t)) << e.node[0], e.node[1], e.node[2];
+        shape.simplices.row(static_cast<Eigen::Index>(t)) << e.node[0], e.node[1], e.node[2];
         shape.region.push_back(e.physical - tissue_label);
         if (e.physical < tissue_label || twice_area(shape.nodes, e.node[0], e.node[1], e.node[2]) <= 0)
             throw FileError(file + ": is not a shape's mesh that tissuectl shape wrote");
@@ -258,10 +277,11 @@ Shape read_shape(const std::string& file) {
 }
 
 SpringMesh edge_mesh(const Shape& shape) {
+    if (shape.is_solid()) return solid_edge_mesh(shape);
     SpringMesh mesh;
     mesh.topology = "edges";
     mesh.nodes = shape.nodes;
-    mesh.simplices = shape.triangles;
+    mesh.simplices = shape.simplices;
     mesh.facets = loop_facets(loop_of(shape, "the shape"));
     std::set<int> fixed;
     for (const Edge& edge : shape.fixed_edges) fixed.insert(edge.begin(), edge.end());
@@ -285,6 +305,7 @@ SpringMesh edge_mesh(const Shape& shape) {
 }
 
 Shape shape_of(const SpringMesh& mesh) {
+    if (mesh.is_solid()) return solid_shape_of(mesh);
     Shape shape{mesh.nodes, mesh.simplices, std::vector<int>(static_cast<std::size_t>(mesh.simplices.rows()), 0), {}};
     const auto is_fixed = [&](int node) { return std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), node); };
     for (Eigen::Index b = 0; b < mesh.facets.rows(); ++b) {

@@ -9,18 +9,22 @@
 namespace tissue {
 
 /// Any closed outline in the plane, filled with triangles: their corners are the springs' nodes, their edges the
-/// springs, and finite elements are their parts.
+/// springs, and finite elements are their parts. Or any closed surface in space, filled with tetrahedra, whose edges are the
+/// springs; there finite elements have meshes of their own (mesh/solid_shape.h).
 struct Shape {
-    NodeField nodes;                                  ///< [m] (N x 2)
-    Eigen::Matrix<int, Eigen::Dynamic, 3> triangles;  ///< counter-clockwise (T x 3)
-    std::vector<int> region;                          ///< of each triangle: 0 the base material, else 1 + its named region
-    std::vector<std::array<int, 2>> fixed_edges;      ///< of the boundary, counter-clockwise; the rest of it is free
+    NodeField nodes;                              ///< [m] (N x D)
+    Cells simplices;                              ///< triangles, counter-clockwise (T x 3); tetrahedra of positive volume (T x 4)
+    std::vector<int> region;                      ///< of each: 0 the base material, else 1 + its named region
+    std::vector<std::array<int, 2>> fixed_edges;  ///< of the boundary, counter-clockwise; the rest of it is free
+    std::vector<std::array<int, 3>> fixed_facets = {};  ///< in space, in place of edges: normals out
+
+    bool is_solid() const { return nodes.cols() == 3; }
 };
 
 /// What was put right on the way.
 struct ShapeNotes {
-    int turned = 0;   ///< triangles that ran clockwise
-    int dropped = 0;  ///< points that belong to no triangle
+    int turned = 0;   ///< triangles that ran clockwise, tetrahedra that were inside out
+    int dropped = 0;  ///< points that belong to none of them
 };
 
 /// A shape from a mesh: triangles turned counter-clockwise, points of no triangle left out, nodes numbered along the
@@ -39,10 +43,19 @@ std::string to_msh(const Shape& shape, const std::vector<std::string>& regions);
 Shape read_shape(const std::string& file);
 
 /// The shape's spring mesh, topology "edges": one spring an edge; (7)'s areas are the triangles on it, and (8)'s give
-/// each corner a third.
+/// each corner a third. In space mesh/solid_shape.h's.
 SpringMesh edge_mesh(const Shape& shape);
 
-/// The triangles of another mesh, as a shape: the same tissue with the springs on their edges.
+/// The triangles or tetrahedra of another mesh, as a shape: the same tissue with the springs on their edges.
 Shape shape_of(const SpringMesh& mesh);
+
+/// Numbers of nodes that keep neighbours close to each other: along the longest axis of the places (N x D), then along the
+/// next. Returns which of them stands where: the first is result[0].
+std::vector<int> order_along(const NodeField& places);
+
+/// Tags of the physical groups with these names, for messages of a "surface", "curve" or "volume" of a file.
+/// Throws FileError with the names there are.
+std::vector<int> group_tags(const std::vector<std::string>& wanted, const std::map<int, std::string>& names,
+                            const std::string& what, const std::string& file);
 
 }  // namespace tissue

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "error.h"
+#include "mesh/open_faces.h"
 
 namespace tissue {
 namespace {
@@ -78,18 +79,7 @@ SpringMesh solid_lattice(const Lattice& lattice) {
             mesh.incident_measure[s++] = measure;
         }
 
-    // faces that one tetrahedron has alone
-    std::map<std::array<int, 3>, std::array<int, 3>> open;
-    for (Eigen::Index e = 0; e < mesh.simplices.rows(); ++e)
-        for (const auto& [i, j, k] : {std::array<int, 3>{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}) {
-            const std::array<int, 3> face = {mesh.simplices(e, i), mesh.simplices(e, j), mesh.simplices(e, k)};
-            std::array<int, 3> key = face;
-            std::sort(key.begin(), key.end());
-            if (open.erase(key) == 0) open.emplace(key, face);
-        }
-    mesh.facets.resize(static_cast<Eigen::Index>(open.size()), 3);
-    Eigen::Index f = 0;
-    for (const auto& [key, face] : open) mesh.facets.row(f++) << face[0], face[1], face[2];
+    mesh.facets = open_faces(mesh.simplices);
     for (int i = 0; i < (n[0] + 1) * (n[1] + 1); ++i) mesh.fixed.push_back(i);
     return mesh;
 }

@@ -80,6 +80,8 @@ SpringMesh grid8(const Lattice& of) { return plane_lattice("grid8", true, of); }
 
 SpringMesh edges(const Lattice& of) { return edge_mesh(shape_of(grid4(of))); }
 
+SpringMesh edges3(const Lattice& of) { return edge_mesh(shape_of(solid_lattice(of))); }
+
 }  // namespace
 
 const Registry<Topology>& topologies() {
@@ -89,6 +91,7 @@ const Registry<Topology>& topologies() {
                                               {"grid8", 2, grid8, nullptr},
                                               {"edges", 2, edges, edge_mesh},
                                               {"grid26", 3, solid_lattice, nullptr},
+                                              {"edges3", 3, edges3, edge_mesh},
                                           },
                                           [](const Topology& kind) { return kind.name; });
     return kinds;

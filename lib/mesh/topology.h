@@ -15,7 +15,7 @@ struct Topology {
     /// The springs of a block's lattice: make_lattice.
     SpringMesh (*on_lattice)(const Lattice& lattice);
 
-    /// Those of any shape's triangles; null where springs follow the cells of a lattice.
+    /// Those of any shape's triangles or tetrahedra; null where springs follow the cells of a lattice.
     SpringMesh (*on_shape)(const Shape& shape);
 
     bool needs_lattice() const { return on_shape == nullptr; }
@@ -26,9 +26,11 @@ struct Topology {
 ///   grid8  both diagonals of every cell as well
 ///   edges  the edges of any mesh of triangles
 ///   grid26 in space: edges, face and body diagonals of every cell of a lattice
+///   edges3 in space: the edges of any mesh of tetrahedra
 const Registry<Topology>& topologies();
 
-/// Whether a mesh's springs follow the cells of a lattice; else its pieces are triangles.
+/// Whether a mesh's springs follow the cells of a lattice; else its pieces are triangles, in space
+/// tetrahedra.
 bool on_lattice(const SpringMesh& mesh);
 
 }  // namespace tissue

@@ -10,7 +10,9 @@ namespace {
 
 Cells solid_cells(const SpringMesh& mesh) {
     if (!mesh.is_solid()) throw MismatchError("cells with a volume need a mesh in space");
-    return mesh_cells(mesh);
+    const Cells cells = mesh_cells(mesh);
+    if (cells.cols() != 8) throw MismatchError("boxes need a lattice in space");
+    return cells;
 }
 
 /// det(I + G) - 1, without the 1 that would cancel.

@@ -97,7 +97,7 @@ LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spri
     if (!mesh.is_solid()) throw MismatchError("a solid's heuristic needs a mesh in space");
     if (!(volume_cap > 1.0 / 3)) throw MismatchError(fmt::format("a volume cap of {} E is not above E / 3", volume_cap));
     LawHeuristic h;
-    h.cap = volume_cap * cell_modulus_Pa;
+    h.cap = (on_lattice(mesh) ? 1 : 0.25) * volume_cap * cell_modulus_Pa;  // of cells that lie over each other in fours
     h.constants.resize(mesh.spring_count() + h.cap.size());
     const Eigen::VectorXd unit = heuristic_stiffness(mesh, 1.0);
     h.constants.head(mesh.spring_count()) =

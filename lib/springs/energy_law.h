@@ -39,7 +39,8 @@ struct LawHeuristic {
 /// Cells of a shape, which lie over each other in threes, have a third each.
 LawHeuristic law_heuristic(const SpringMesh& mesh, double modulus_N_m, const std::string& formulation, double area_cap);
 
-/// In space: moduli E of springs (S) and cells (C), and of what lies at the surface [Pa]; volume_cap of cells over E; radius of
+/// In space: moduli E of springs (S) and cells (C), of a shape those about its nodes, which lie over each other in fours and
+/// have a quarter each, and of what lies at the surface [Pa]; volume_cap of cells over E; radius of
 /// the disc that presses [m].
 LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spring_modulus_Pa, const Eigen::VectorXd& cell_modulus_Pa,
                              double surface_modulus_Pa, double volume_cap, double radius_m);
@@ -60,7 +61,7 @@ LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triang
 ///   spring alone    along across    squared cosine to the nearest free surface, and to its normal
 ///                   upright         squared cosine to the normal of the nearest held edge
 ///                   horizontal vertical diagonal   1 for these springs of a lattice
-///   in space        top bottom wall   exp(-distance / spacing) from the highest and the lowest place, from the sides
+///   in space        top bottom wall   exp(-distance / spacing) from the highest and the lowest place, from a block's sides
 ///                   z z2 z3 z4, and of x and y the even powers; spring alone horizontal vertical face body
 ///   contact.normal contact.tangent contact.rotation contact.stretch, alone or with one of: phase corner edge (PatchLaw)
 ///   of a disc normal tangent imprint_normal imprint_tangent hardening saturation coupling, with one of: phase edge

@@ -119,7 +119,7 @@ Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) 
     if (mesh_.is_solid() && name == "top")
         return each([&](Eigen::Index e) { return std::exp(-(2 * half_size_m_[up] - height_m(e)) / spacing_m_); });
     if (mesh_.is_solid() && name == "bottom") return each([&](Eigen::Index e) { return std::exp(-height_m(e) / spacing_m_); });
-    if (mesh_.is_solid() && name == "wall")
+    if (mesh_.is_solid() && lattice && name == "wall")
         return each([&](Eigen::Index e) {
             double least = std::numeric_limits<double>::infinity();
             for (int d = 0; d < up; ++d) least = std::min(least, half_size_m_[d] - std::abs(middle(nodes, e)[d] - centre_m_[d]));
@@ -140,8 +140,9 @@ Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) 
                 return name == family ? 1.0 : 0.0;
             });
     }
-    throw MismatchError(fmt::format("factor '{}' is not possible here; allowed: all, surface, layer, held, {}{}{}", name,
-                                    up == 2 ? "top, bottom, wall, x2, x4, y2, y4, z, z2, z3, z4" : "x2, x4, y, y2, y3, y4",
+    throw MismatchError(fmt::format("factor '{}' is not possible here; allowed: all, surface, layer, held, {}{}{}{}", name,
+                                    up < 2 ? "" : lattice ? "top, bottom, wall, " : "top, bottom, ",
+                                    up == 2 ? "x2, x4, y2, y4, z, z2, z3, z4" : "x2, x4, y, y2, y3, y4",
                                     springs ? ", along, across, upright" : "",
                                     !springs || !lattice ? "" : up == 2 ? ", horizontal, vertical, face, body" : ", horizontal, vertical, diagonal"));
 }

@@ -18,7 +18,8 @@ namespace tissue {
 /// area: Bonet and Burton 1998, Communications in Numerical Methods in Engineering 14: 437-449); three of them lie over
 /// each other everywhere.
 ///
-/// In space cells are a lattice's boxes, each with its volume.
+/// In space cells are a lattice's boxes, each with its volume, and a shape's are what lies around its nodes: five tetrahedra a
+/// node lock the more (average nodal volume: Bonet and Burton 1998). Four of them lie over each other everywhere.
 ///
 /// An incompressible tissue in the plane keeps its area as a whole and by quarters too, A of those regions the last constants (R): what
 /// the cells lose one by one, since a time step bounds how stiff they may be, adds up over the tissue, and it bulges too
@@ -43,13 +44,15 @@ class TissueEnergy {
     /// Derivative of force by the constants [m] (N*D x E): column e is element e's force per unit.
     Eigen::SparseMatrix<double> unit_forces(const NodeField& u) const;
 
-    /// Smallest area, of a lattice's square or a shape's triangle, or volume of a cell in space, over that at rest: 0 or
+    /// Smallest area, of a lattice's square or a shape's triangle, or volume of a cell or a shape's tetrahedron in space, over that at rest: 0 or
     /// less, and it has turned inside out, where what lies around a node may still have its area.
     double smallest_ratio(const NodeField& u) const;
 
    private:
     std::unique_ptr<CellAreas> areas_;       ///< in the plane
-    const CellVolumes* volumes_ = nullptr;   ///< in space: of kinds_
+    const CellVolumes* volumes_ = nullptr;   ///< in space: of kinds_, on a lattice
+    Cells tetrahedra_;                       ///< of a shape in space
+    NodeField rest_;                         ///< of its nodes [m]
     std::vector<std::unique_ptr<Elements>> kinds_;
     std::vector<int> first_;
     int nodes_, dimension_;

@@ -1,5 +1,6 @@
 #include "study/solid_push.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 namespace tissue {
@@ -18,6 +19,14 @@ Point solid_push(double tilt_deg, double azimuth_deg) {
     // + 0: no -0 among a load path's arguments
     const Eigen::Vector3d push(sine(tilt_deg) * cosine(azimuth_deg) + 0.0, sine(tilt_deg) * sine(azimuth_deg) + 0.0, -cosine(tilt_deg) + 0.0);
     return push.normalized();
+}
+
+Point surface_push(const Point& inward, double tilt_deg, double azimuth_deg) {
+    constexpr double nearly_along = 0.9;  // cos 25 degrees
+    const Eigen::Vector3d n = inward, axis = Eigen::Vector3d::Unit(std::abs(n[0]) > nearly_along ? 1 : 0);
+    const Eigen::Vector3d t1 = (axis - axis.dot(n) * n).normalized(), t2 = t1.cross(n);
+    const Point on_block = solid_push(tilt_deg, azimuth_deg);
+    return Eigen::Vector3d(on_block[0] * t1 + on_block[1] * t2 - on_block[2] * n).normalized();
 }
 
 }  // namespace tissue

@@ -13,16 +13,14 @@
 #include "springs/spring_law.h"
 #include "study/kinds.h"
 #include "study/one_line.h"
-#include "study/solid_push.h"
+#include "study/read_parts.h"
+#include "study/solid_study.h"
 #include "study/toml_reader.h"
 
 namespace tissue {
 namespace {
 
-const Range positive{0, std::numeric_limits<double>::infinity(), true};
-const Range not_negative{0};
 const Range area_caps{1.0 / 3, 1000, true};
-constexpr double tiny_m = 1e-9, tiny_direction = 1e-9;  // what counts as the same place, and as the same push
 
 toml::table parse(const std::string& file) {
     std::error_code error;
@@ -46,8 +44,10 @@ const std::vector<const char*> law_keys = {"force_scale", "shape_scale", "starts
 /// those of sets, where stiffness is a law, and the other way; the spacing of contacts that are listed; variants of other contacts.
 void erase_replaced(toml::table& base, const toml::table& changes) {
     if (const auto shape = changes["geometry"]["shape"].value<std::string>(); shape && *shape != "block") {
-        erase_from(base, "geometry", {"width_m", "height_m"});
+        erase_from(base, "geometry", {"width_m", "height_m", "length_m"});
+        if (changes["geometry"]["solid"]) erase_from(base, "geometry", {"thickness_m"});
         base.erase("lattice");
+        base.erase("nodule");
     }
     if (changes["material"]["preset"])
         erase_from(base, "material", {"law", "C1_Pa", "C2_Pa", "mu_Pa", "alpha", "density_kg_m3", "regions"});
@@ -67,7 +67,10 @@ void erase_replaced(toml::table& base, const toml::table& changes) {
         if (training && training->is_table())
             for (const char* key : law ? sets_keys : law_keys) training->as_table()->erase(key);
     }
-    if (changes["loads"]["contacts"]) base.erase("variants");  // which count the base's contacts
+    if (changes["loads"]["contacts"] || changes["loads"]["spread"]) {
+        base.erase("variants");  // which count the base's contacts
+        erase_from(base, "loads", {changes["loads"]["contacts"] ? "spread" : "contacts"});
+    }
     const toml::node_view<const toml::node> sweep = changes["loads"]["sweep"];
     for (const auto& [key, other] : {std::pair("spacing_m", "arcs_m"), std::pair("arcs_m", "spacing_m")})
         if (sweep[key])
@@ -102,19 +105,16 @@ toml::table parse_with_base(const std::string& file, int depth = 0) {
     return merged;
 }
 
-bool is_multiple(double value, double step) {
-    return std::abs(value / step - std::round(value / step)) < 1e-9 * value / step;
-}
-
 bool is_plain_name(const std::string& name) {
     return !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == std::string::npos;
 }
 
 std::vector<std::string> topologies_of(const Study::Geometry& geometry) {
     std::vector<std::string> names;
-    for (const Topology& kind : topologies().kinds())
-        if (kind.dimension == (geometry.is_solid() ? 3 : 2) && (geometry.is_block() || !kind.needs_lattice()))
-            names.push_back(kind.name);
+    for (const Topology& kind : topologies().kinds()) {
+        const bool fits = !geometry.is_block() ? !kind.needs_lattice() : !geometry.is_solid() || kind.needs_lattice();
+        if (kind.dimension == (geometry.is_solid() ? 3 : 2) && fits) names.push_back(kind.name);
+    }
     return names;
 }
 
@@ -132,6 +132,7 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
     Study::Geometry g{};
     g.unit_m = 1;
     if (in.has("length_m")) {
+        if (in.has("solid")) in.refuse("solid", "is for a shape; a block with length_m is a solid already");
         for (const char* key : {"thickness_m", "shape", "unit_m", "fixed"})
             if (in.has(key)) in.refuse(key, "belongs to the plane; a block with length_m is a solid");
         g.length_m = in.number("length_m", positive);
@@ -141,42 +142,33 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
         in.refuse_the_rest();
         return g;
     }
-    g.thickness_m = in.number("thickness_m", positive);
+    if (in.has("solid")) {
+        if (!in.flag("solid")) in.refuse("solid", "must be true, or left out in the plane");
+        if (in.has("thickness_m")) in.refuse("thickness_m", "belongs to the plane; a solid has none");
+        if (!in.has("shape")) in.refuse("solid", "needs geometry.shape; a block is a solid by its length_m");
+        g.solid = true;
+    }
+    g.thickness_m = g.solid ? 1 : in.number("thickness_m", positive);
     const std::string shape = in.has("shape") ? in.text("shape") : "block";
-    if (shape == "block") {
+    if (shape == "block" && !g.solid) {
         g.width_m = in.number("width_m", positive);
         g.height_m = in.number("height_m", positive);
     } else {
-        if (!ends_with(shape, ".geo") && !ends_with(shape, ".msh"))
+        if (g.solid && !ends_with(shape, ".geo") && !ends_with(shape, ".msh") && !ends_with(shape, ".stl"))
+            in.refuse("shape", "'" + shape + "' must be a file that ends in .geo, .msh or .stl");
+        if (!g.solid && !ends_with(shape, ".geo") && !ends_with(shape, ".msh"))
             in.refuse("shape", "'" + shape + "' must be block, or a file that ends in .geo or .msh");
         g.shape = beside(*table["geometry"]["shape"].node(), file, shape);
         std::error_code error;
         if (!std::filesystem::is_regular_file(g.shape, error)) in.refuse("shape", "there is no file " + g.shape);
         g.unit_m = in.optional_number("unit_m", positive).value_or(1);
         g.fixed = in.texts("fixed");
-        if (g.fixed.empty()) in.refuse("fixed", "must name at least one physical curve of the shape");
+        if (g.fixed.empty()) in.refuse("fixed", fmt::format("must name at least one physical {} of the shape", g.solid ? "surface" : "curve"));
+        for (const std::string& name : g.fixed)
+            if (g.solid && name.find(',') != std::string::npos) in.refuse("fixed", "'" + name + "' has a comma, which stands between names");
     }
     in.refuse_the_rest();
     return g;
-}
-
-Study::LawParameters read_law_parameters(TomlReader& in, const std::string& law, std::size_t terms = 0) {
-    Study::LawParameters p;
-    if (law == "ogden") {
-        p.mu_Pa = in.numbers("mu_Pa");
-        p.alpha = in.numbers("alpha", {-50, 50});
-        if (p.mu_Pa.size() != p.alpha.size()) in.refuse("alpha", "must have as many entries as mu_Pa");
-        if (terms != 0 && p.alpha.size() != terms) in.refuse("alpha", "must have as many entries as the base material's");
-        for (double a : p.alpha)
-            if (!(std::abs(a) >= 1e-3)) in.refuse("alpha", "no entry may be 0");
-        if (!(p.youngs_modulus_Pa() > 0)) in.refuse("mu_Pa", "the sum of mu_Pa times alpha must be > 0");
-        return p;
-    }
-    p.C1_Pa = in.number("C1_Pa", not_negative);
-    p.C2_Pa = law == "neo-Hookean" ? in.optional_number("C2_Pa", not_negative).value_or(0) : in.number("C2_Pa", not_negative);
-    if (law == "neo-Hookean" && p.C2_Pa != 0) in.refuse("C2_Pa", "must be 0 for the neo-Hookean law");
-    if (!(p.C1_Pa + p.C2_Pa > 0)) in.refuse("C1_Pa", "C1_Pa + C2_Pa must be > 0");
-    return p;
 }
 
 /// Puts what fem/materials/NAME.toml says under the study's own keys.
@@ -207,12 +199,12 @@ Study::Material read_material(TomlReader in, const Study::Geometry& geometry) {
     Study::Material m;
     m.law = in.choice("law", {"mooney-rivlin", "neo-Hookean", "ogden"});
     if (geometry.is_solid() && m.law == "ogden")
-        in.refuse("law", "'ogden' is for the plane alone; a solid block has mooney-rivlin or neo-Hookean");
+        in.refuse("law", fmt::format("'ogden' is for the plane alone; a solid {} has mooney-rivlin or neo-Hookean", geometry.is_block() ? "block" : "shape"));
     static_cast<Study::LawParameters&>(m) = read_law_parameters(in, m.law);
     m.density_kg_m3 = in.number("density_kg_m3", positive);
     if (geometry.is_solid()) {
-        if (in.has("formulation")) in.refuse("formulation", "belongs to the plane; a solid block is incompressible");
-        if (in.has("regions")) in.refuse("regions", "needs a geometry.shape whose file names them; a solid block has [nodule]");
+        if (in.has("formulation")) in.refuse("formulation", fmt::format("belongs to the plane; a solid {} is incompressible", geometry.is_block() ? "block" : "shape"));
+        if (in.has("regions") && geometry.is_block()) in.refuse("regions", "needs a geometry.shape whose file names them; a solid block has [nodule]");
         m.formulation = "incompressible";
     } else {
         m.formulation = in.choice("formulation", {"plane-stress", "plane-strain"});
@@ -228,19 +220,6 @@ Study::Material read_material(TomlReader in, const Study::Geometry& geometry) {
     }
     in.refuse_the_rest();
     return m;
-}
-
-Study::Loads read_magnitudes(TomlReader& in) {
-    Study::Loads loads;
-    loads.magnitudes_m = in.numbers("magnitudes_m", positive);
-    loads.record_step_m = in.number("record_step_m", positive);
-    for (std::size_t i = 0; i < loads.magnitudes_m.size(); ++i) {
-        if (i > 0 && !(loads.magnitudes_m[i] > loads.magnitudes_m[i - 1]))
-            in.refuse("magnitudes_m", "must be ascending");
-        if (!is_multiple(loads.magnitudes_m[i], loads.record_step_m))
-            in.refuse("magnitudes_m", "every entry must be a multiple of record_step_m");
-    }
-    return loads;
 }
 
 Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const Study::Indenter& indenter) {
@@ -298,7 +277,7 @@ Study::Springs read_springs(TomlReader in, const Study::Geometry& geometry, bool
     Study::Springs s;
     s.topology = in.choice("topology", topologies_of(geometry));
     s.stiffness = in.has("stiffness") ? in.choice("stiffness", {"sets", "law"}) : "sets";
-    if (geometry.is_solid() && !s.is_law()) in.refuse("stiffness", "must be \"law\" on a solid block: sets are of the plane");
+    if (geometry.is_solid() && !s.is_law()) in.refuse("stiffness", fmt::format("must be \"law\" on a solid {}: sets are of the plane", geometry.is_block() ? "block" : "shape"));
     if (measured && !s.is_law())
         in.refuse("stiffness", "must be \"law\" beside [data]: sets are trained on nodes inside, and none was measured");
     if (!s.is_law()) {
@@ -372,26 +351,6 @@ Study::Training read_training(TomlReader in) {
     return t;
 }
 
-void read_seed_and_count(TomlReader& draw, Study::Draws& d) {
-    d.seed = static_cast<unsigned long>(draw.integer("seed", 0, std::numeric_limits<int>::max()));
-    d.count = static_cast<int>(draw.integer("count", 1, 100'000));
-}
-
-void read_depth(TomlReader& draw, const Study& study, Study::Draws& d) {
-    const std::vector<double> depth = draw.numbers("depth_m", 2, positive);
-    if (depth[0] > depth[1] || depth[1] > study.loads.depth_m())
-        draw.refuse("depth_m", "must be [smallest, largest], the largest not beyond loads.magnitudes_m");
-    std::copy(depth.begin(), depth.end(), d.depth_m);
-}
-
-/// Puts it among the study's draws, none of which has its seed.
-void add_draws(const TomlReader& draw, const Study::Draws& d, Study& study) {
-    for (const Study::Draws& other : study.draws)
-        if (other.seed == d.seed) draw.refuse("seed", "is also that of '" + other.role + "': the draws would overlap");
-    draw.refuse_the_rest();
-    study.draws.push_back(d);
-}
-
 void read_draws(TomlReader in, Study& study) {
     for (const char* role : {"validation", "held_out", "held_out_full"}) {
         if (!in.has(role)) continue;
@@ -404,12 +363,6 @@ void read_draws(TomlReader in, Study& study) {
         add_draws(draw, d, study);
     }
     in.refuse_the_rest();
-}
-
-Study::Solver read_solver(TomlReader solver) {
-    const Study::Solver s{solver.number("tolerance", {1e-13, 1e-3}), static_cast<int>(solver.integer("max_newton", 2, 100))};
-    solver.refuse_the_rest();
-    return s;
 }
 
 /// What finite elements need.
@@ -438,155 +391,6 @@ void read_fe(TomlReader& in, Study& study) {
 
     study.solver = read_solver(in.table("solver"));
     study.loads = read_loads(in.table("loads"), study.geometry, study.indenter);
-}
-
-// ---- solid blocks
-
-/// A name a path: place in 0.1 mm, tilt and azimuth in degrees, all with as many more decimals as tell all of them apart.
-void name_paths(std::vector<StudyPath>& paths, const std::vector<std::array<double, 2>>& pushes_deg) {
-    constexpr int most_decimals = 6;  // places lie 1e-9 m apart
-    for (int decimals = 0; decimals <= most_decimals; ++decimals) {
-        const double scale = std::pow(10, decimals);
-        std::set<std::string> names;
-        for (std::size_t i = 0; i < paths.size(); ++i) {
-            paths[i].name = fmt::format("x{:0{}.0f}-y{:0{}.0f}-t{:0{}.0f}-a{:0{}.0f}", 1e4 * scale * paths[i].contact_m[0], 4 + decimals,
-                                        1e4 * scale * paths[i].contact_m[1], 4 + decimals, scale * pushes_deg[i][0], 2 + decimals,
-                                        scale * pushes_deg[i][1], 3 + decimals);
-            names.insert(paths[i].name);
-        }
-        if (names.size() == paths.size()) return;
-    }
-}
-
-/// A ball well inside the block: half an element from every wall, or the mesh has slivers.
-Study::Nodule read_nodule(TomlReader in, const Study& study) {
-    const Study::Geometry& g = study.geometry;
-    const std::vector<double> centre = in.numbers("centre_m", 3);
-    const double radius_m = in.number("radius_m", positive);
-    Study::Nodule nodule{read_law_parameters(in, study.material.law), Eigen::Vector3d(centre[0], centre[1], centre[2]), radius_m};
-    const double least_m = radius_m + study.sizes_m[0] / 2;
-    double wall_m = std::numeric_limits<double>::infinity();
-    for (const auto& [place_m, size_m] :
-         {std::pair(centre[0], g.width_m), std::pair(centre[1], g.length_m), std::pair(centre[2], g.height_m)})
-        wall_m = std::min({wall_m, place_m, size_m - place_m});
-    if (wall_m < least_m - tiny_m)
-        in.refuse("radius_m", fmt::format("the nodule's middle is {:g} mm from a wall of the {:g} x {:g} x {:g} m block; a nodule of "
-                                          "{:g} mm needs {:g} mm, half of mesh.sizes_m[0] more than its radius",
-                                          1e3 * wall_m, g.width_m, g.length_m, g.height_m, 1e3 * radius_m, 1e3 * least_m));
-    in.refuse_the_rest();
-    return nodule;
-}
-
-/// [near, far] of a solid's finite elements.
-std::array<double, 2> read_sizes(TomlReader& in, const char* key, const Study::Indenter& indenter) {
-    constexpr double longest_m = 0.010;  // near elements; half of it lies between disc and wall
-    const std::vector<double> sizes = in.numbers(key, 2, positive);
-    if (sizes[0] > sizes[1]) in.refuse(key, "must be [near, far], the elements at the contact no longer than those far away");
-    if (sizes[0] > std::min(indenter.radius_m, longest_m))
-        in.refuse(key, fmt::format("elements at the contact must be no longer than indenter.radius_m, nor than {:g} mm", 1e3 * longest_m));
-    return {sizes[0], sizes[1]};
-}
-
-/// "contacts[2]" stands in messages as loads.contacts[2]. Every push of every contact, in the order in which they stand.
-std::vector<StudyPath> read_contacts(TomlReader& in, const Study& study) {
-    const Study::Geometry& g = study.geometry;
-    const Study::Loads& loads = study.loads;
-    std::vector<StudyPath> paths;
-    std::vector<std::array<double, 2>> pushes_deg;  // of each path, for its name
-    if (in.tables("contacts").empty()) in.refuse("contacts", "must not be empty");
-    for (TomlReader& contact : in.tables("contacts")) {
-        const std::vector<double> at = contact.numbers("at_m", 2);
-        const double wall_m = std::min({at[0], g.width_m - at[0], at[1], g.length_m - at[1]});
-        if (wall_m < study.indenter.clearance_m() - tiny_m)
-            contact.refuse("at_m", fmt::format("({:g}, {:g}) m is {:g} mm from a wall of the {:g} x {:g} m top; a disc of radius {:g} mm needs {:g} mm",
-                                               at[0], at[1], 1e3 * wall_m, g.width_m, g.length_m, 1e3 * study.indenter.radius_m,
-                                               1e3 * study.indenter.clearance_m()));
-        const double depth_m = contact.optional_number("depth_m", positive).value_or(loads.depth_m());
-        if (depth_m > loads.depth_m()) contact.refuse("depth_m", "must not be beyond loads.magnitudes_m");
-        if (depth_m > loads.magnitudes_m.front() && !is_multiple(depth_m, loads.record_step_m))
-            contact.refuse("depth_m", "must be a multiple of loads.record_step_m, or not beyond the smallest of loads.magnitudes_m");
-        for (const std::vector<double>& push : contact.rows("pushes_deg", 2)) {
-            if (!(push[0] >= 0 && push[0] <= 90)) contact.refuse("pushes_deg", fmt::format("a tilt of {:g} degrees is not from 0 to 90", push[0]));
-            if (!(std::abs(push[1]) <= 360)) contact.refuse("pushes_deg", fmt::format("an azimuth of {:g} degrees is not from -360 to 360", push[1]));
-            const Eigen::Vector3d place(at[0], at[1], g.height_m), direction = solid_push(push[0], push[1]);
-            for (const StudyPath& p : paths)
-                if ((p.contact_m - place).norm() < tiny_m && (p.direction - direction).norm() < tiny_direction)
-                    contact.refuse("pushes_deg", fmt::format("({:g}, {:g}) m is pushed at ({:g}, {:g}) degrees twice", at[0], at[1], push[0], push[1]));
-            paths.push_back({"", place, direction, depth_m});
-            pushes_deg.push_back({push[0], push[0] == 0 ? 0 : push[1] < 0 ? push[1] + 360 : push[1]});
-        }
-        contact.refuse_the_rest();
-    }
-    name_paths(paths, pushes_deg);
-    return paths;
-}
-
-/// validation, held_out, or held_out_WORD.
-bool is_role(const std::string& role) {
-    const std::string held_out = "held_out";
-    if (role == "validation" || role == held_out) return true;
-    return role.rfind(held_out + "_", 0) == 0 && role.size() > held_out.size() + 1 && role.back() != '_' &&
-           role.find("__") == std::string::npos &&
-           role.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") == std::string::npos;
-}
-
-void read_solid_draws(TomlReader in, Study& study) {
-    const Study::Geometry& g = study.geometry;
-    std::vector<std::string> roles = {"validation", "held_out"};
-    for (const std::string& role : in.keys())
-        if (!is_role(role)) in.refuse(role, "is not a role; allowed: validation, held_out, held_out_WORD of lower-case letters and '_'");
-        else if (role != "validation" && role != "held_out") roles.push_back(role);
-    for (const std::string& role : roles) {
-        if (!in.has(role)) continue;
-        TomlReader draw = in.table(role);
-        Study::Draws d{};
-        d.role = role;
-        read_seed_and_count(draw, d);
-        read_depth(draw, study, d);
-        const std::vector<double> tilt = draw.numbers("tilt_deg", 2, {0, 90}), clearance = draw.numbers("clearance_m", 2, positive);
-        if (tilt[0] > tilt[1]) draw.refuse("tilt_deg", "must be [smallest, largest]");
-        if (!(clearance[0] < clearance[1])) draw.refuse("clearance_m", "must be [smallest, largest], not the same");
-        if (clearance[0] < study.indenter.clearance_m() - tiny_m)
-            draw.refuse("clearance_m", fmt::format("a disc of radius {:g} mm needs {:g} mm from every wall", 1e3 * study.indenter.radius_m,
-                                                   1e3 * study.indenter.clearance_m()));
-        if (!(clearance[0] < std::min(g.width_m, g.length_m) / 2))
-            draw.refuse("clearance_m", fmt::format("no place of the {:g} x {:g} m top is so far from every wall", g.width_m, g.length_m));
-        std::copy(tilt.begin(), tilt.end(), d.tilt_deg);
-        std::copy(clearance.begin(), clearance.end(), d.clearance_m);
-        add_draws(draw, d, study);
-    }
-    in.refuse_the_rest();
-}
-
-/// What finite elements need in space.
-void read_solid_fe(TomlReader& in, Study& study) {
-    TomlReader indenter = in.table("indenter");
-    study.indenter.kind = indenter.text("kind");
-    if (study.indenter.kind != "disc") indenter.refuse("kind", "'" + study.indenter.kind + "' is for the plane; a solid block has disc");
-    study.indenter.radius_m = indenter.number("radius_m", positive);
-    indenter.refuse_the_rest();
-
-    TomlReader mesh = in.table("mesh");
-    for (const char* key : {"refine", "check_refine"})
-        if (mesh.has(key)) mesh.refuse(key, "belongs to the plane; a solid block has sizes_m and check_sizes_m");
-    study.sizes_m = read_sizes(mesh, "sizes_m", study.indenter);
-    if (mesh.has("check_sizes_m")) {
-        study.check_sizes_m = read_sizes(mesh, "check_sizes_m", study.indenter);
-        for (int i : {0, 1})
-            if (!(study.check_sizes_m[i] < study.sizes_m[i])) mesh.refuse("check_sizes_m", "must both be smaller than those of sizes_m");
-    }
-    study.check_fraction = mesh.optional_number("check_fraction", {0, 1}).value_or(1);
-    mesh.refuse_the_rest();
-
-    if (in.has("nodule")) study.nodule = read_nodule(in.table("nodule"), study);
-    study.solver = read_solver(in.table("solver"));
-
-    TomlReader loads = in.table("loads");
-    for (const char* key : {"sweep", "paths"})
-        if (loads.has(key)) loads.refuse(key, "belongs to the plane; a solid block has contacts");
-    study.loads = read_magnitudes(loads);
-    study.loads.paths = read_contacts(loads, study);
-    loads.refuse_the_rest();
 }
 
 /// Measured contacts, in place of all that.
@@ -620,7 +424,7 @@ Study::Variant read_variant(TomlReader in, const Study& study) {
         return kept;
     };
     if (study.geometry.is_solid()) {
-        v.first_paths = static_cast<int>(in.optional_integer("first_paths", 1, static_cast<long>(study.loads.paths.size())).value_or(0));
+        v.first_paths = static_cast<int>(in.optional_integer("first_paths", 1, static_cast<long>(study.loads.path_count())).value_or(0));
     } else {
         v.arcs_m = some_of("arcs_m", v.arcs_m);
         v.angles_deg = some_of("angles_deg", v.angles_deg);
@@ -656,6 +460,12 @@ Lattice Study::lattice() const {
     return {cells, {geometry.width_m, geometry.height_m}};
 }
 
+std::size_t Study::Loads::path_count() const {
+    std::size_t count = paths.size() + (spread ? static_cast<std::size_t>(spread->count) * spread->pushes_deg.size() : 0);
+    for (const Contact& contact : contacts) count += contact.pushes_deg.size();
+    return count;
+}
+
 int Study::Loads::records() const {
     return static_cast<int>(std::lround(depth_m() / record_step_m));
 }
@@ -677,17 +487,18 @@ Study read_study(const std::string& file) {
         study.cells.assign(cells.begin(), cells.end());
         if (!std::equal(cells.begin(), cells.end(), study.cells.begin())) lattice.refuse("cells", "must be whole numbers");
         lattice.refuse_the_rest();
-    } else if (ends_with(study.geometry.shape, ".geo")) {
+    } else if (!ends_with(study.geometry.shape, ".msh")) {
         TomlReader lattice = in.table("lattice");
         study.spring_size_m = lattice.number("size_m", positive);
         lattice.refuse_the_rest();
     } else if (in.has("lattice")) {
-        in.refuse("lattice", "is for the block, or a shape that is a .geo; a .msh has its triangles already");
+        in.refuse("lattice", solid ? "is for the block, or a shape that is a .geo or .stl; a .msh has its tetrahedra already"
+                                   : "is for the block, or a shape that is a .geo; a .msh has its triangles already");
     }
 
     if (in.has("data") && !block) in.refuse("data", "is measured on the block; a shape has finite elements");
     if (in.has("data") && solid) in.refuse("data", "is measured in the plane; a solid block has finite elements");
-    if (in.has("nodule") && !solid) in.refuse("nodule", "needs a solid block, one with geometry.length_m");
+    if (in.has("nodule") && (!solid || !block)) in.refuse("nodule", "needs a solid block, one with geometry.length_m");
     if (in.has("data"))
         read_data(in, study);
     else if (solid)

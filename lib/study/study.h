@@ -27,11 +27,12 @@ struct Study {
         double width_m, height_m, thickness_m;  ///< width and height are the block's; thickness of a solid: 1, so that
                                                 ///< E t is E
         double length_m = 0;              ///< of a solid block, along y, between width along x and height along z; 0: the plane
+        bool solid = false;               ///< whether a shape is one in space
         std::string shape;                ///< mesh or outline file of any other tissue; empty for the block
         double unit_m = 1;                ///< that file's unit of length
-        std::vector<std::string> fixed;   ///< names of its physical curves that are held
+        std::vector<std::string> fixed;   ///< names of its physical curves, in space surfaces, that are held
         bool is_block() const { return shape.empty(); }
-        bool is_solid() const { return length_m > 0; }
+        bool is_solid() const { return length_m > 0 || solid; }
     } geometry;
 
     /// What a law needs to know, of the base material or of a region.
@@ -62,7 +63,7 @@ struct Study {
     std::optional<Nodule> nodule;
 
     std::vector<int> cells = {0, 0};  ///< of the block's spring lattice, along x and y, of a solid z too
-    double spring_size_m = 0;  ///< length of the springs that gmsh fills an outline with; 0 for a shape that is a mesh
+    double spring_size_m = 0;  ///< length of the springs that gmsh fills an outline or a surface with; 0 for a shape that is a mesh
 
     /// Measured contact forces in place of finite elements.
     struct Data {
@@ -95,7 +96,8 @@ struct Study {
     struct Loads {
         std::vector<double> magnitudes_m;  ///< ascending; every one a record
         double record_step_m = 0;
-        std::vector<StudyPath> paths;      ///< listed one by one; empty when swept; of a solid: every push of its contacts
+        std::vector<StudyPath> paths;      ///< listed one by one; empty when swept; of a solid block: every push of
+                                           ///< its contacts; of a solid shape empty
 
         /// Training contacts all along the free surface, in place of a list.
         struct Sweep {
@@ -107,6 +109,25 @@ struct Study {
         };
         std::optional<Sweep> sweep;
 
+        using Pushes = std::vector<std::array<double, 2>>;  ///< tilt off the inward normal, and azimuth about it [degrees]
+
+        /// A training contact on a solid shape, whose surface is known once it is meshed: cases/solid_training.h.
+        struct Contact {
+            Point at_m;  ///< (3), near the surface
+            Pushes pushes_deg;
+            double depth_m;
+        };
+        std::vector<Contact> contacts;
+
+        /// Training contacts all over a solid shape, in place of a list.
+        struct Spread {
+            int count;
+            double clearance_m;  ///< from where the surface ends or turns
+            Pushes pushes_deg;   ///< azimuths turn from contact to contact
+        };
+        std::optional<Spread> spread;
+
+        std::size_t path_count() const;  ///< training paths of a solid
         double depth_m() const { return magnitudes_m.back(); }
         int records() const;  ///< after the one at rest
     } loads;

@@ -118,6 +118,12 @@ std::optional<long> TomlReader::optional_integer(const std::string& key, long lo
     return integer(key, low, high);
 }
 
+bool TomlReader::flag(const std::string& key) {
+    const toml::node& node = require(key);
+    if (!node.is_boolean()) refuse(key, "must be true or false");
+    return node.as_boolean()->get();
+}
+
 std::string TomlReader::text(const std::string& key) {
     const toml::node& node = require(key);
     if (!node.is_string()) refuse(key, "must be a text");

@@ -35,6 +35,7 @@ class TomlReader {
     std::optional<double> optional_number(const std::string& key, Range range = {});
     long integer(const std::string& key, long low, long high);
     std::optional<long> optional_integer(const std::string& key, long low, long high);
+    bool flag(const std::string& key);
     std::string text(const std::string& key);
     std::string choice(const std::string& key, const std::vector<std::string>& allowed);
     std::vector<std::string> texts(const std::string& key);

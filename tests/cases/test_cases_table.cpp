@@ -83,13 +83,13 @@ TEST_CASE("a shape in cases whose triangles run clockwise, or are two pieces, is
     };
     CHECK(said(shape_cases()) == "read");
     Cases turned = shape_cases();
-    turned.shape->triangles.col(0).swap(turned.shape->triangles.col(1));
+    turned.shape->simplices.col(0).swap(turned.shape->simplices.col(1));
     CHECK_THAT(said(turned), Contains("cases.h5: /shape/triangles: triangle 0 runs clockwise"));
     Cases holed = shape_cases();
-    for (Eigen::Index t = 0; t < holed.shape->triangles.rows(); ++t)
-        if ((holed.shape->triangles.row(t).array() == 12).any()) {  // the middle node's
-            holed.shape->triangles.row(t) = holed.shape->triangles.row(holed.shape->triangles.rows() - 1).eval();
-            holed.shape->triangles.conservativeResize(holed.shape->triangles.rows() - 1, 3);
+    for (Eigen::Index t = 0; t < holed.shape->simplices.rows(); ++t)
+        if ((holed.shape->simplices.row(t).array() == 12).any()) {  // the middle node's
+            holed.shape->simplices.row(t) = holed.shape->simplices.row(holed.shape->simplices.rows() - 1).eval();
+            holed.shape->simplices.conservativeResize(holed.shape->simplices.rows() - 1, 3);
             holed.shape->region.pop_back();
             break;
         }

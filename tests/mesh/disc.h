@@ -10,12 +10,12 @@ namespace tissue {
 inline Shape disc(int n) {
     Shape shape;
     shape.nodes.resize(n + 1, 2);
-    shape.triangles.resize(n, 3);
+    shape.simplices.resize(n, 3);
     shape.nodes.row(n) << 0, 0;
     for (int i = 0; i < n; ++i) {
         const double angle = 2 * std::acos(-1.0) * i / n;
         shape.nodes.row(i) << 0.05 * std::cos(angle), 0.05 * std::sin(angle);
-        shape.triangles.row(i) << i, (i + 1) % n, n;
+        shape.simplices.row(i) << i, (i + 1) % n, n;
         shape.region.push_back(0);
         if (i < n / 4) shape.fixed_edges.push_back({i, (i + 1) % n});
     }

@@ -28,7 +28,7 @@ TEST_CASE("a lattice's cells are its squares, whichever way they are divided, an
 TEST_CASE("a shape's cells are its triangles") {
     const Shape shape = disc(12);
     const SpringMesh mesh = edge_mesh(shape);
-    CHECK(mesh_cells(mesh) == Cells(shape.triangles));
+    CHECK(mesh_cells(mesh) == Cells(shape.simplices));
     CHECK(cell_areas(mesh, mesh_cells(mesh)).sum() == Approx(6 * 0.05 * 0.05 * std::sin(std::acos(-1.0) / 6)).epsilon(tolerance::rounding));
 }
 

@@ -54,14 +54,14 @@ TEST_CASE("a mesh becomes a shape: clockwise triangles turned, idle points dropp
     CHECK(notes.turned == 1);
     CHECK(notes.dropped == 1);
     CHECK(shape.nodes.rows() == 5);
-    CHECK(shape.triangles.rows() == 4);
+    CHECK(shape.simplices.rows() == 4);
     CHECK(shape.nodes.maxCoeff() == Approx(0.1));
     CHECK(shape.region == std::vector<int>{0, 1, 0, 0});
     REQUIRE(shape.fixed_edges.size() == 1);
     for (int node : shape.fixed_edges[0]) CHECK(shape.nodes(node, 1) == 0);
     for (Eigen::Index t = 0; t < 4; ++t) {
-        const Eigen::RowVector2d a = shape.nodes.row(shape.triangles(t, 0)), b = shape.nodes.row(shape.triangles(t, 1)) - a,
-                                 c = shape.nodes.row(shape.triangles(t, 2)) - a;
+        const Eigen::RowVector2d a = shape.nodes.row(shape.simplices(t, 0)), b = shape.nodes.row(shape.simplices(t, 1)) - a,
+                                 c = shape.nodes.row(shape.simplices(t, 2)) - a;
         CHECK(b.x() * c.y() - b.y() * c.x() == Approx(0.005));
     }
 }
@@ -91,7 +91,7 @@ TEST_CASE("a shape written and read again is the same to the last bit") {
     for (const Shape& shape : {square(), disc(24)}) {
         const Shape back = read_shape(folder.file("mesh.msh", to_msh(shape, {"hard"})));
         CHECK(back.nodes == shape.nodes);
-        CHECK(back.triangles == shape.triangles);
+        CHECK(back.simplices == shape.simplices);
         CHECK(back.region == shape.region);
         CHECK(edge_mesh(back).loop() == edge_mesh(shape).loop());
         CHECK(edge_mesh(back).fixed == edge_mesh(shape).fixed);

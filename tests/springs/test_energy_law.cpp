@@ -54,14 +54,14 @@ TEST_CASE("a heuristic's springs have the shear modulus of incompressible tissue
     const int n = 12;
     const double side = 0.01, height = side * std::sqrt(3.0) / 2;
     shape.nodes.resize((n + 1) * (n + 1), 2);
-    shape.triangles.resize(2 * n * n, 3);
+    shape.simplices.resize(2 * n * n, 3);
     for (int j = 0; j <= n; ++j)
         for (int i = 0; i <= n; ++i) shape.nodes.row(j * (n + 1) + i) << side * (i + 0.5 * j), height * j;
     for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {
             const int a = j * (n + 1) + i;
-            shape.triangles.row(2 * (j * n + i)) << a, a + 1, a + n + 1;
-            shape.triangles.row(2 * (j * n + i) + 1) << a + 1, a + n + 2, a + n + 1;
+            shape.simplices.row(2 * (j * n + i)) << a, a + 1, a + n + 1;
+            shape.simplices.row(2 * (j * n + i) + 1) << a + 1, a + n + 2, a + n + 1;
         }
     shape.region.assign(static_cast<std::size_t>(2 * n * n), 0);
     for (int i = 0; i < n; ++i) shape.fixed_edges.push_back({i, i + 1});

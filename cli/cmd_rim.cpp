@@ -1,0 +1,48 @@
+#include <fmt/format.h>
+
+#include <iostream>
+
+#include "command.h"
+#include "error.h"
+#include "io/atomic_file.h"
+#include "mesh/disc_rim.h"
+
+namespace tissue::cli {
+namespace {
+
+struct Options {
+    std::string mesh, out;
+    std::vector<std::string> fixed{"fixed"};
+    std::vector<double> contact_m;
+    double unit_m = 1, radius_m = 0.007, near_m = 0.003, far_m = 0.015;
+};
+
+void run(const Options& o) {
+    const Surface surface = make_surface(read_msh(o.mesh, true), o.fixed, o.unit_m);
+    try {
+        const RimmedSurface made = with_rim(surface, {{o.contact_m[0], o.contact_m[1], o.contact_m[2]}, o.radius_m, o.near_m, o.far_m});
+        write_file(o.out, to_msh(made.surface));
+        const Eigen::Vector3d& c = made.contact_m;
+        std::cout << fmt::format("-contact_x {} -contact_y {} -contact_z {}\n", c.x(), c.y(), c.z());
+    } catch (const MismatchError& e) {
+        throw MismatchError(o.mesh + ": " + e.what());
+    }
+}
+
+}  // namespace
+
+void add_rim(CLI::App& app, const Invocation&) {
+    auto o = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("rim", "Divide a solid's surface anew for a disc that presses on it; prints the contact on the surface.");
+    command->add_option("--mesh", o->mesh, "the shape as gmsh saved it, MSH 2.2")->required()->type_name("FILE");
+    command->add_option("--fixed", o->fixed, "surfaces that are held")->delimiter(',')->type_name("NAME,..")->capture_default_str();
+    command->add_option("--unit", o->unit_m, "the mesh's unit of length")->type_name("m")->capture_default_str();
+    command->add_option("--contact", o->contact_m, "about which the disc presses")->required()->expected(3)->type_name("m m m");
+    command->add_option("--radius", o->radius_m, "of the disc")->type_name("m")->capture_default_str();
+    command->add_option("--size_near", o->near_m, "sides of triangles near the disc")->type_name("m")->capture_default_str();
+    command->add_option("--size_far", o->far_m, "and far away")->type_name("m")->capture_default_str();
+    command->add_option("--out", o->out, "surface to write: fixed 1, free 2, disc 3")->required()->type_name("FILE");
+    command->callback([o] { run(*o); });
+}
+
+}  // namespace tissue::cli

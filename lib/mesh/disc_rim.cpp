@@ -1,0 +1,48 @@
+#include "mesh/disc_rim.h"
+
+#include <fmt/format.h>
+
+#include "error.h"
+
+namespace tissue {
+namespace {
+
+constexpr double least_quality = 0.1;  // 1 of the regular triangle
+constexpr double beyond_m = 0.002;     // beyond the rim, sides are still near_m
+constexpr int rounds = 6;
+
+std::string at(const Eigen::Vector3d& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", p.x(), p.y(), p.z()); }
+
+}  // namespace
+
+SideLength side_length(const DiscRim& disc, const Eigen::Vector3d& contact_m) {
+    return {contact_m, disc.radius_m + beyond_m, disc.near_m, disc.far_m};
+}
+
+RimmedSurface with_rim(const Surface& surface, const DiscRim& disc) {
+    if (!(disc.radius_m > 0) || !(disc.near_m > 0) || !(disc.far_m >= disc.near_m))
+        throw MismatchError(fmt::format("the disc's radius and the size near it must be positive, and the size far away at least that near: got {}, {}, {} m",
+                                        disc.radius_m, disc.near_m, disc.far_m));
+    const NearestTriangle::Place place = NearestTriangle(surface).nearest(disc.contact_m);
+    if (place.distance_m > 2 * disc.radius_m)
+        throw MismatchError(fmt::format("the contact {} is {:.6g} m off the surface, more than two disc radii", at(disc.contact_m), place.distance_m));
+    if (surface.label[static_cast<std::size_t>(place.triangle)] == Surface::fixed_label)
+        throw MismatchError(fmt::format("the contact {} is on the held part", at(disc.contact_m)));
+    SurfaceRemesh mesh(surface, side_length(disc, place.point_m));
+    mesh.remesh(rounds);
+    const int centre = mesh.insert(place.point_m);
+    mesh.cut(centre, disc.radius_m);
+    mesh.remesh(rounds);
+
+    RimmedSurface made{mesh.surface(), place.point_m, 1};
+    for (Eigen::Index t = 0; t < made.surface.triangles.rows(); ++t) {
+        const Surface& s = made.surface;
+        const double quality = triangle_quality(s.corner(t, 0), s.corner(t, 1), s.corner(t, 2));
+        made.least_quality = std::min(made.least_quality, quality);
+        if (quality < least_quality)
+            throw MismatchError(fmt::format("the surface has no good triangles at {}: quality {:.3g}, wanted {}", at(s.corner(t, 0)), quality, least_quality));
+    }
+    return made;
+}
+
+}  // namespace tissue

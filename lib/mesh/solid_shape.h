@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mesh/shape.h"
+
+namespace tissue {
+
+/// A shape in space from a mesh with tetrahedra: turned to positive volume, points of no tetrahedron left out, nodes
+/// numbered along the shape's longest axis. `fixed` and `regions` are names of physical surfaces and volumes; unit_m [m] is
+/// the mesh's unit of length.
+/// Throws FileError with file, place and cause: no tetrahedra, a sliver, tetrahedra that lie over each other, a surface that
+/// is not one closed one without a hole through it or meets itself, no group of a name (with those there are), a fixed
+/// group that is not on the surface, or that leaves nothing of it free.
+Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixed, const std::vector<std::string>& regions,
+                       double unit_m, ShapeNotes* notes = nullptr);
+
+/// The shape as MSH 2.2 in metres: triangles "fixed" 1 and "free" 2, tetrahedra "tissue" 10 and its regions 11, 12, ...
+std::string solid_to_msh(const Shape& shape, const std::vector<std::string>& regions);
+
+/// Reads what solid_to_msh wrote, nodes in the order of the file. Throws FileError.
+Shape read_solid_shape(const std::string& file);
+
+/// The shape's spring mesh, topology "edges3": one spring an edge; (7)'s volumes are the tetrahedra on it (Van Gelder 1998,
+/// Journal of Graphics Tools 3: 21-42), and (8)'s give each corner a quarter.
+SpringMesh solid_edge_mesh(const Shape& shape);
+
+/// The tetrahedra of another mesh in space, as a shape.
+Shape solid_shape_of(const SpringMesh& mesh);
+
+}  // namespace tissue

@@ -1,0 +1,313 @@
+#include "mesh/surface.h"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "error.h"
+#include "mesh/facet.h"
+
+namespace tissue {
+namespace {
+
+using Edge = std::pair<int, int>;
+using Face = std::array<int, 3>;
+
+std::string at(const Eigen::Vector3d& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", p.x(), p.y(), p.z()); }
+
+Face sorted(Face face) {
+    std::sort(face.begin(), face.end());
+    return face;
+}
+
+/// Faces of one tetrahedron alone, normals out.
+std::vector<Face> outer_faces(const MshFile& mesh, const std::string& file) {
+    std::map<Face, std::pair<Face, int>> seen;  // sorted nodes -> face, how often
+    for (const MshFile::Tetrahedron& e : mesh.tetrahedra) {
+        const auto place = [&](int i) {
+            const MshFile::Point& p = mesh.points[static_cast<std::size_t>(e.node[i])];
+            return Eigen::Vector3d(p.x, p.y, p.z);
+        };
+        const double volume = (place(1) - place(0)).cross(place(2) - place(0)).dot(place(3) - place(0));
+        if (volume == 0) throw FileError(fmt::format("{}: tetrahedron {} has no volume", file, e.number));
+        for (const auto& [i, j, k] : {std::array<int, 3>{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}) {
+            Face face{e.node[i], e.node[j], e.node[k]};
+            if (volume < 0) std::swap(face[1], face[2]);
+            auto& there = seen.emplace(sorted(face), std::pair(face, 0)).first->second;
+            if (++there.second > 2) throw FileError(fmt::format("{}: tetrahedron {} lies over another", file, e.number));
+        }
+    }
+    std::vector<Face> faces;
+    for (const auto& [key, face] : seen)
+        if (face.second == 1) faces.push_back(face.first);
+    return faces;
+}
+
+/// The neighbour across each side of each triangle, as (triangle, whether it runs the other way, as it should).
+std::vector<std::array<std::pair<int, bool>, 3>> neighbours(const Surface& s, const std::string& file) {
+    std::map<Edge, std::vector<std::pair<int, int>>> sides;
+    for (int t = 0; t < s.triangles.rows(); ++t)
+        for (int i = 0; i < 3; ++i) {
+            const int a = s.triangles(t, i), b = s.triangles(t, (i + 1) % 3);
+            sides[{std::min(a, b), std::max(a, b)}].emplace_back(t, i);
+        }
+    std::vector<std::array<std::pair<int, bool>, 3>> across(static_cast<std::size_t>(s.triangles.rows()));
+    for (const auto& [edge, here] : sides) {
+        if (here.size() != 2)
+            throw FileError(fmt::format("{}: the surface {} at {}", file, here.size() == 1 ? "does not close: it has a border" : "meets itself",
+                                        at((s.nodes.row(edge.first) + s.nodes.row(edge.second)) / 2)));
+        const bool opposite = s.triangles(here[0].first, here[0].second) != s.triangles(here[1].first, here[1].second);
+        for (int k = 0; k < 2; ++k)
+            across[static_cast<std::size_t>(here[static_cast<std::size_t>(k)].first)][static_cast<std::size_t>(here[static_cast<std::size_t>(k)].second)] = {here[static_cast<std::size_t>(1 - k)].first, opposite};
+    }
+    return across;
+}
+
+double enclosed_volume(const Surface& s) {
+    double six = 0;
+    const Eigen::RowVector3d origin = s.nodes.row(0);
+    for (Eigen::Index t = 0; t < s.triangles.rows(); ++t) {
+        const Eigen::RowVector3d a = s.nodes.row(s.triangles(t, 0)) - origin, b = s.nodes.row(s.triangles(t, 1)) - origin,
+                                 c = s.nodes.row(s.triangles(t, 2)) - origin;
+        six += a.cross(b).dot(c);
+    }
+    return six / 6;
+}
+
+/// Turns triangles so that all point out, and checks that they are one ball's surface.
+void close(Surface& s, const std::string& file) {
+    for (Eigen::Index t = 0; t < s.triangles.rows(); ++t)
+        if (!(facet_measure(s.nodes, s.triangles, t) > 0))
+            throw FileError(fmt::format("{}: a triangle of the surface has no area at {}", file, at(s.nodes.row(s.triangles(t, 0)))));
+    const auto across = neighbours(s, file);
+    std::vector<char> seen(across.size(), 0);
+    std::vector<int> next{0};
+    seen[0] = 1;
+    std::size_t count = 1;
+    std::vector<char> turned(across.size(), 0);
+    while (!next.empty()) {
+        const int t = next.back();
+        next.pop_back();
+        for (const auto& [other, opposite] : across[static_cast<std::size_t>(t)]) {
+            const char turn = opposite ? turned[static_cast<std::size_t>(t)] : !turned[static_cast<std::size_t>(t)];
+            if (seen[static_cast<std::size_t>(other)]) {
+                if (turned[static_cast<std::size_t>(other)] != turn)
+                    throw FileError(fmt::format("{}: the surface has one side only, at {}", file, at(s.nodes.row(s.triangles(other, 0)))));
+                continue;
+            }
+            seen[static_cast<std::size_t>(other)] = 1;
+            turned[static_cast<std::size_t>(other)] = turn;
+            next.push_back(other);
+            ++count;
+        }
+    }
+    if (count < across.size()) {
+        const auto other = static_cast<Eigen::Index>(std::find(seen.begin(), seen.end(), 0) - seen.begin());
+        throw FileError(fmt::format("{}: the surface is of more than one piece: another, or a hollow, at {}", file, at(s.nodes.row(s.triangles(other, 0)))));
+    }
+    for (Eigen::Index t = 0; t < s.triangles.rows(); ++t)
+        if (turned[static_cast<std::size_t>(t)]) std::swap(s.triangles(t, 1), s.triangles(t, 2));
+    const double volume = enclosed_volume(s);
+    if (volume == 0) throw FileError(file + ": the surface closes in no volume");
+    if (volume < 0)
+        for (Eigen::Index t = 0; t < s.triangles.rows(); ++t) std::swap(s.triangles(t, 1), s.triangles(t, 2));
+    // Euler: N - E + T = 2 of a ball, E = 3 T / 2
+    const Eigen::Index euler = s.nodes.rows() - s.triangles.rows() / 2;
+    if (euler != 2)
+        throw FileError(euler < 2 ? fmt::format("{}: the tissue has {} holes through it; a shape is a ball's", file, (2 - euler) / 2)
+                                  : file + ": the surface touches itself at a point");
+}
+
+/// Parts of the surface between creases, numbered from the largest on.
+std::vector<int> parts_between_creases(const Surface& s, const std::string& file) {
+    const auto across = neighbours(s, file);
+    std::vector<int> part(across.size(), -1);
+    std::vector<double> area;
+    for (std::size_t first = 0; first < part.size(); ++first) {
+        if (part[first] >= 0) continue;
+        std::vector<int> next{static_cast<int>(first)};
+        part[first] = static_cast<int>(area.size());
+        area.push_back(0);
+        while (!next.empty()) {
+            const int t = next.back();
+            next.pop_back();
+            area.back() += facet_measure(s.nodes, s.triangles, t);
+            for (const auto& [other, opposite] : across[static_cast<std::size_t>(t)]) {
+                if (part[static_cast<std::size_t>(other)] >= 0) continue;
+                if (facet_normal(s.nodes, s.triangles, t).dot(facet_normal(s.nodes, s.triangles, other)) < crease_cosine) continue;
+                part[static_cast<std::size_t>(other)] = part[first];
+                next.push_back(other);
+            }
+        }
+    }
+    std::vector<std::size_t> order(area.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return area[a] > area[b]; });
+    std::vector<int> rank(area.size());
+    for (std::size_t k = 0; k < order.size(); ++k) rank[order[k]] = static_cast<int>(k);
+    for (int& p : part) p = rank[static_cast<std::size_t>(p)];
+    return part;
+}
+
+}  // namespace
+
+Surface make_surface(const MshFile& mesh, const std::vector<std::string>& fixed, double unit_m) {
+    const std::string& file = mesh.file;
+    std::vector<Face> faces;
+    if (!mesh.tetrahedra.empty()) {
+        faces = outer_faces(mesh, file);
+    } else {
+        for (const MshFile::Element& e : mesh.triangles) faces.push_back({e.node[0], e.node[1], e.node[2]});
+        std::vector<Face> keys;  // an element in two groups stands twice
+        for (const Face& f : faces) keys.push_back(sorted(f));
+        std::sort(keys.begin(), keys.end());
+        if (std::adjacent_find(keys.begin(), keys.end()) != keys.end()) {
+            std::map<Face, Face> once;
+            for (const Face& f : faces) once.emplace(sorted(f), f);
+            faces.clear();
+            for (const auto& [key, f] : once) faces.push_back(f);
+        }
+    }
+    if (faces.empty()) throw FileError(file + ": has neither tetrahedra nor triangles");
+
+    Surface s;
+    std::vector<int> place(mesh.points.size(), -1);
+    std::vector<int> used;
+    s.triangles.resize(static_cast<Eigen::Index>(faces.size()), 3);
+    for (std::size_t t = 0; t < faces.size(); ++t)
+        for (int i = 0; i < 3; ++i) {
+            int& there = place[static_cast<std::size_t>(faces[t][static_cast<std::size_t>(i)])];
+            if (there < 0) {
+                there = static_cast<int>(used.size());
+                used.push_back(faces[t][static_cast<std::size_t>(i)]);
+            }
+            s.triangles(static_cast<Eigen::Index>(t), i) = there;
+        }
+    s.nodes.resize(static_cast<Eigen::Index>(used.size()), 3);
+    for (std::size_t i = 0; i < used.size(); ++i) {
+        const MshFile::Point& p = mesh.points[static_cast<std::size_t>(used[i])];
+        s.nodes.row(static_cast<Eigen::Index>(i)) << unit_m * p.x, unit_m * p.y, unit_m * p.z;
+    }
+    close(s, file);
+
+    // ---- what is held
+    s.label.assign(faces.size(), Surface::free_label);
+    std::vector<std::string> known;
+    const auto hold = [&](const std::string& name, const std::vector<std::size_t>& triangles) {
+        if (std::find(fixed.begin(), fixed.end(), name) != fixed.end())
+            for (std::size_t t : triangles) s.label[t] = Surface::fixed_label;
+        known.push_back(name);
+    };
+    std::map<Face, std::size_t> number;
+    for (std::size_t t = 0; t < faces.size(); ++t) number[sorted(faces[t])] = t;
+    if (!mesh.triangle_names.empty()) {
+        for (const auto& [tag, name] : mesh.triangle_names) {
+            std::vector<std::size_t> group;
+            std::size_t all = 0;
+            for (const MshFile::Element& e : mesh.triangles) {
+                if (e.physical != tag) continue;
+                ++all;
+                const auto there = number.find(sorted({e.node[0], e.node[1], e.node[2]}));
+                if (there != number.end()) group.push_back(there->second);
+            }
+            const bool wanted = std::find(fixed.begin(), fixed.end(), name) != fixed.end();
+            if (wanted && group.size() < all) throw FileError(fmt::format("{}: '{}', to be held, has triangles that are not on the surface", file, name));
+            if (wanted && all == 0) throw FileError(fmt::format("{}: '{}', to be held, has no triangles", file, name));
+            hold(name, group);
+        }
+    } else {
+        const std::vector<int> part = parts_between_creases(s, file);
+        const int parts = *std::max_element(part.begin(), part.end()) + 1;
+        for (int k = 0; k < parts; ++k) {
+            std::vector<std::size_t> group;
+            for (std::size_t t = 0; t < part.size(); ++t)
+                if (part[t] == k) group.push_back(t);
+            hold(fmt::format("surface-{}", k + 1), group);
+        }
+    }
+    for (const std::string& name : fixed)
+        if (std::find(known.begin(), known.end(), name) == known.end()) {
+            if (known.size() > 12) known.assign({known[0], known[1], "...", known.back()});
+            throw FileError(fmt::format("{}: has no surface '{}' to hold; it has {}", file, name, fmt::join(known, ", ")));
+        }
+    if (fixed.empty()) throw FileError(file + ": no surface of it is held");
+    if (std::count(s.label.begin(), s.label.end(), Surface::free_label) == 0) throw FileError(file + ": all of the surface is held");
+    return s;
+}
+
+std::string to_msh(const Surface& s) {
+    std::string text = fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n2 {} \"fixed\"\n2 {} \"free\"\n2 {} \"disc\"\n$EndPhysicalNames\n"
+                                   "$Nodes\n{}\n", Surface::fixed_label, Surface::free_label, Surface::disc_label, s.nodes.rows());
+    for (Eigen::Index i = 0; i < s.nodes.rows(); ++i) text += fmt::format("{} {} {} {}\n", i + 1, s.nodes(i, 0), s.nodes(i, 1), s.nodes(i, 2));
+    text += fmt::format("$EndNodes\n$Elements\n{}\n", s.triangles.rows());
+    for (Eigen::Index t = 0; t < s.triangles.rows(); ++t) {
+        const int label = s.label[static_cast<std::size_t>(t)];
+        text += fmt::format("{} 2 2 {} {} {} {} {}\n", t + 1, label, label, s.triangles(t, 0) + 1, s.triangles(t, 1) + 1, s.triangles(t, 2) + 1);
+    }
+    return text + "$EndElements\n";
+}
+
+double triangle_quality(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+    const double squares = (b - a).squaredNorm() + (c - b).squaredNorm() + (a - c).squaredNorm();
+    return squares > 0 ? 2 * std::sqrt(3.0) * (b - a).cross(c - a).norm() / squares : 0;
+}
+
+NearestTriangle::NearestTriangle(const Surface& surface) : nodes_(surface.nodes), triangles_(surface.triangles) {
+    low_m_ = nodes_.colwise().minCoeff().transpose();
+    const Eigen::Vector3d size = Eigen::Vector3d(nodes_.colwise().maxCoeff().transpose()) - low_m_;
+    double area = 0;
+    for (Eigen::Index t = 0; t < triangles_.rows(); ++t) {
+        area += facet_measure(nodes_, triangles_, t);
+        normal_.emplace_back(facet_normal(nodes_, triangles_, t));
+    }
+    box_m_ = std::max(2 * std::sqrt(area / static_cast<double>(triangles_.rows())), size.maxCoeff() / 60);
+    for (int j = 0; j < 3; ++j) count_[j] = 1 + static_cast<int>(size[j] / box_m_);
+    inside_.resize(static_cast<std::size_t>(count_.prod()));
+    for (Eigen::Index t = 0; t < triangles_.rows(); ++t) {
+        const Eigen::Vector3d a = nodes_.row(triangles_(t, 0)), b = nodes_.row(triangles_(t, 1)), c = nodes_.row(triangles_(t, 2));
+        const Eigen::Vector3i from = box_of(a.cwiseMin(b).cwiseMin(c)), to = box_of(a.cwiseMax(b).cwiseMax(c));
+        for (int k = from.z(); k <= to.z(); ++k)
+            for (int j = from.y(); j <= to.y(); ++j)
+                for (int i = from.x(); i <= to.x(); ++i) inside_[place_of(i, j, k)].push_back(static_cast<int>(t));
+    }
+}
+
+Eigen::Vector3i NearestTriangle::box_of(const Eigen::Vector3d& position_m) const {
+    Eigen::Vector3i box;
+    for (int j = 0; j < 3; ++j) box[j] = static_cast<int>(std::clamp(std::floor((position_m[j] - low_m_[j]) / box_m_), 0.0, count_[j] - 1.0));
+    return box;
+}
+
+NearestTriangle::Place NearestTriangle::nearest(const Eigen::Vector3d& position_m, const Eigen::Vector3d& outward) const {
+    Place best{-1, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), std::numeric_limits<double>::infinity()};
+    const Eigen::Vector3i middle = box_of(position_m);
+    const bool any = outward.squaredNorm() == 0;
+    for (int shell = 0; shell <= count_.maxCoeff(); ++shell) {
+        const auto reach = [&](int j, int side) { return side < 0 ? std::max(middle[j] - shell, 0) : std::min(middle[j] + shell, count_[j] - 1); };
+        for (int k = reach(2, -1); k <= reach(2, 1); ++k)
+            for (int j = reach(1, -1); j <= reach(1, 1); ++j)
+                for (int i = reach(0, -1); i <= reach(0, 1); ++i) {
+                    if (std::max({std::abs(i - middle[0]), std::abs(j - middle[1]), std::abs(k - middle[2])}) != shell) continue;
+                    for (int t : inside_[place_of(i, j, k)]) {
+                        if (!any && normal_[static_cast<std::size_t>(t)].dot(outward) <= 0.2) continue;
+                        const FacetPoint here = nearest_on_facet(nodes_, triangles_, t, position_m);
+                        if (!(here.distance_m < best.distance_m)) continue;
+                        best.triangle = t;
+                        best.weight = here.weight;
+                        best.distance_m = here.distance_m;
+                    }
+                }
+        if (best.distance_m <= shell * box_m_) break;  // what is farther out is farther away
+    }
+    if (best.triangle >= 0)
+        for (int i = 0; i < 3; ++i) best.point_m += best.weight[i] * nodes_.row(triangles_(best.triangle, i)).transpose();
+    return best;
+}
+
+}  // namespace tissue

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "field.h"
+#include "mesh/msh_file.h"
+
+namespace tissue {
+
+/// The surface of a closed solid: triangles that close in a volume, whatever the file was that they came from.
+struct Surface {
+    static constexpr int fixed_label = 1, free_label = 2, disc_label = 3;  ///< as fem/solve_solid.edp knows them
+
+    NodeField nodes;         ///< [m] (N x 3)
+    Cells triangles;         ///< normals point out (T x 3)
+    std::vector<int> label;  ///< of each triangle
+
+    Eigen::Vector3d corner(Eigen::Index triangle, int i) const { return nodes.row(triangles(triangle, i)).transpose(); }
+};
+
+constexpr double crease_cosine = 0.766;  ///< of 40 degrees: where neighbours turn by more there is an edge to be kept
+
+/// The surface of a mesh of tetrahedra, or, where it has none, its triangles, turned so that they point out. `fixed` are
+/// names of physical surfaces; where no surface has a name, its parts between edges that turn by more than 40 degrees
+/// are "surface-1", "surface-2", ... from the largest on. unit_m [m] is the mesh's unit of length.
+/// Throws FileError with file, place and cause: no triangles, one without area, a surface that does not close or that
+/// meets itself, more than one piece, a hole through it, no group of a name (with those there are), a fixed group that is
+/// not on the surface or is all of it, nothing that is held.
+Surface make_surface(const MshFile& mesh, const std::vector<std::string>& fixed, double unit_m);
+
+/// As MSH 2.2 in metres: triangles "fixed" 1, "free" 2 and "disc" 3.
+std::string to_msh(const Surface& surface);
+
+/// 4 sqrt(3) area / sum of squared sides: 1 of the regular triangle, 0 of a flat one.
+double triangle_quality(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
+
+/// Nearest point of a surface, by a grid of boxes that know their triangles.
+class NearestTriangle {
+   public:
+    explicit NearestTriangle(const Surface& surface);
+
+    struct Place {
+        Eigen::Index triangle;   ///< -1: none faces that way
+        Eigen::Vector3d weight;  ///< of its nodes
+        Eigen::Vector3d point_m;
+        double distance_m;
+    };
+    /// Among triangles whose normal has a positive part along `outward`, to 78 degrees; a zero vector asks all.
+    Place nearest(const Eigen::Vector3d& position_m, const Eigen::Vector3d& outward = Eigen::Vector3d::Zero()) const;
+
+    const Eigen::Vector3d& normal(Eigen::Index triangle) const { return normal_[static_cast<std::size_t>(triangle)]; }
+
+   private:
+    Eigen::Vector3i box_of(const Eigen::Vector3d& position_m) const;
+    std::size_t place_of(int i, int j, int k) const {
+        return (static_cast<std::size_t>(k) * static_cast<std::size_t>(count_.y()) + static_cast<std::size_t>(j)) * static_cast<std::size_t>(count_.x()) + static_cast<std::size_t>(i);
+    }
+
+    NodeField nodes_;
+    Cells triangles_;
+    std::vector<Eigen::Vector3d> normal_;
+    Eigen::Vector3d low_m_;
+    double box_m_;
+    Eigen::Vector3i count_;
+    std::vector<std::vector<int>> inside_;  ///< triangles that reach into each box
+};
+
+}  // namespace tissue

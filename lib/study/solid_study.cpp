@@ -1,0 +1,223 @@
+#include "study/solid_study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "study/read_parts.h"
+#include "study/solid_push.h"
+
+namespace tissue {
+namespace {
+
+constexpr double tiny_m = 1e-9, tiny_direction = 1e-9;  // what counts as the same place, and as the same push
+
+/// A name a path: place in 0.1 mm, tilt and azimuth in degrees, all with as many more decimals as tell all of them apart.
+void name_paths(std::vector<StudyPath>& paths, const std::vector<std::array<double, 2>>& pushes_deg) {
+    constexpr int most_decimals = 6;  // places lie 1e-9 m apart
+    for (int decimals = 0; decimals <= most_decimals; ++decimals) {
+        const double scale = std::pow(10, decimals);
+        std::set<std::string> names;
+        for (std::size_t i = 0; i < paths.size(); ++i) {
+            paths[i].name = fmt::format("x{:0{}.0f}-y{:0{}.0f}-t{:0{}.0f}-a{:0{}.0f}", 1e4 * scale * paths[i].contact_m[0], 4 + decimals,
+                                        1e4 * scale * paths[i].contact_m[1], 4 + decimals, scale * pushes_deg[i][0], 2 + decimals,
+                                        scale * pushes_deg[i][1], 3 + decimals);
+            names.insert(paths[i].name);
+        }
+        if (names.size() == paths.size()) return;
+    }
+}
+
+/// A ball well inside the block: half an element from every wall, or the mesh has slivers.
+Study::Nodule read_nodule(TomlReader in, const Study& study) {
+    const Study::Geometry& g = study.geometry;
+    const std::vector<double> centre = in.numbers("centre_m", 3);
+    const double radius_m = in.number("radius_m", positive);
+    Study::Nodule nodule{read_law_parameters(in, study.material.law), Eigen::Vector3d(centre[0], centre[1], centre[2]), radius_m};
+    const double least_m = radius_m + study.sizes_m[0] / 2;
+    double wall_m = std::numeric_limits<double>::infinity();
+    for (const auto& [place_m, size_m] :
+         {std::pair(centre[0], g.width_m), std::pair(centre[1], g.length_m), std::pair(centre[2], g.height_m)})
+        wall_m = std::min({wall_m, place_m, size_m - place_m});
+    if (wall_m < least_m - tiny_m)
+        in.refuse("radius_m", fmt::format("the nodule's middle is {:g} mm from a wall of the {:g} x {:g} x {:g} m block; a nodule of "
+                                          "{:g} mm needs {:g} mm, half of mesh.sizes_m[0] more than its radius",
+                                          1e3 * wall_m, g.width_m, g.length_m, g.height_m, 1e3 * radius_m, 1e3 * least_m));
+    in.refuse_the_rest();
+    return nodule;
+}
+
+/// [near, far] of a solid's finite elements.
+std::array<double, 2> read_sizes(TomlReader& in, const char* key, const Study::Indenter& indenter) {
+    constexpr double longest_m = 0.010;  // near elements; half of it lies between disc and wall
+    const std::vector<double> sizes = in.numbers(key, 2, positive);
+    if (sizes[0] > sizes[1]) in.refuse(key, "must be [near, far], the elements at the contact no longer than those far away");
+    if (sizes[0] > std::min(indenter.radius_m, longest_m))
+        in.refuse(key, fmt::format("elements at the contact must be no longer than indenter.radius_m, nor than {:g} mm", 1e3 * longest_m));
+    return {sizes[0], sizes[1]};
+}
+
+/// depth_m of a contact: a record of its own, at the depth or before.
+double read_contact_depth(TomlReader& contact, const Study::Loads& loads) {
+    const double depth_m = contact.optional_number("depth_m", positive).value_or(loads.depth_m());
+    if (depth_m > loads.depth_m()) contact.refuse("depth_m", "must not be beyond loads.magnitudes_m");
+    if (depth_m > loads.magnitudes_m.front() && !is_multiple(depth_m, loads.record_step_m))
+        contact.refuse("depth_m", "must be a multiple of loads.record_step_m, or not beyond the smallest of loads.magnitudes_m");
+    return depth_m;
+}
+
+/// A row of pushes_deg, checked.
+std::array<double, 2> push_of(const TomlReader& in, const std::vector<double>& push) {
+    if (!(push[0] >= 0 && push[0] <= 90)) in.refuse("pushes_deg", fmt::format("a tilt of {:g} degrees is not from 0 to 90", push[0]));
+    if (!(std::abs(push[1]) <= 360)) in.refuse("pushes_deg", fmt::format("an azimuth of {:g} degrees is not from -360 to 360", push[1]));
+    return {push[0], push[1]};
+}
+
+/// "contacts[2]" stands in messages as loads.contacts[2]. Every push of every contact, in the order in which they stand.
+std::vector<StudyPath> read_contacts(TomlReader& in, const Study& study) {
+    const Study::Geometry& g = study.geometry;
+    const Study::Loads& loads = study.loads;
+    std::vector<StudyPath> paths;
+    std::vector<std::array<double, 2>> pushes_deg;  // of each path, for its name
+    if (in.tables("contacts").empty()) in.refuse("contacts", "must not be empty");
+    for (TomlReader& contact : in.tables("contacts")) {
+        const std::vector<double> at = contact.numbers("at_m", 2);
+        const double wall_m = std::min({at[0], g.width_m - at[0], at[1], g.length_m - at[1]});
+        if (wall_m < study.indenter.clearance_m() - tiny_m)
+            contact.refuse("at_m", fmt::format("({:g}, {:g}) m is {:g} mm from a wall of the {:g} x {:g} m top; a disc of radius {:g} mm needs {:g} mm",
+                                               at[0], at[1], 1e3 * wall_m, g.width_m, g.length_m, 1e3 * study.indenter.radius_m,
+                                               1e3 * study.indenter.clearance_m()));
+        const double depth_m = read_contact_depth(contact, loads);
+        for (const std::vector<double>& row : contact.rows("pushes_deg", 2)) {
+            const std::array<double, 2> push = push_of(contact, row);
+            const Eigen::Vector3d place(at[0], at[1], g.height_m), direction = solid_push(push[0], push[1]);
+            for (const StudyPath& p : paths)
+                if ((p.contact_m - place).norm() < tiny_m && (p.direction - direction).norm() < tiny_direction)
+                    contact.refuse("pushes_deg", fmt::format("({:g}, {:g}) m is pushed at ({:g}, {:g}) degrees twice", at[0], at[1], push[0], push[1]));
+            paths.push_back({"", place, direction, depth_m});
+            pushes_deg.push_back({push[0], push[0] == 0 ? 0 : push[1] < 0 ? push[1] + 360 : push[1]});
+        }
+        contact.refuse_the_rest();
+    }
+    name_paths(paths, pushes_deg);
+    return paths;
+}
+
+/// Pushes of one contact of a shape: none twice.
+Study::Loads::Pushes read_pushes(TomlReader& in) {
+    Study::Loads::Pushes pushes;
+    for (const std::vector<double>& row : in.rows("pushes_deg", 2)) {
+        const std::array<double, 2> push = push_of(in, row);
+        for (const std::array<double, 2>& p : pushes)
+            if ((solid_push(p[0], p[1]) - solid_push(push[0], push[1])).norm() < tiny_direction)
+                in.refuse("pushes_deg", fmt::format("({:g}, {:g}) degrees stand twice", push[0], push[1]));
+        pushes.push_back(push);
+    }
+    return pushes;
+}
+
+/// Contacts of a shape, listed or spread: cases/solid_training.h finds their places.
+void read_shape_contacts(TomlReader& in, Study& study) {
+    Study::Loads& loads = study.loads;
+    if (in.has("contacts") && in.has("spread")) in.refuse("spread", "cannot stand beside contacts: they are listed or spread");
+    if (!in.has("spread")) {
+        if (!in.has("contacts")) in.refuse("contacts", "is missing: a solid shape needs contacts or spread");
+        if (in.tables("contacts").empty()) in.refuse("contacts", "must not be empty");
+        for (TomlReader& contact : in.tables("contacts")) {
+            const std::vector<double> at = contact.numbers("at_m", 3);
+            loads.contacts.push_back({Eigen::Vector3d(at[0], at[1], at[2]), read_pushes(contact), read_contact_depth(contact, loads)});
+            contact.refuse_the_rest();
+        }
+        return;
+    }
+    TomlReader spread = in.table("spread");
+    Study::Loads::Spread s;
+    s.count = static_cast<int>(spread.integer("count", 1, 10'000));
+    s.clearance_m = spread.number("clearance_m", positive);
+    if (s.clearance_m < study.indenter.clearance_m() - tiny_m)
+        spread.refuse("clearance_m", fmt::format("a disc of radius {:g} mm needs {:g} mm to where the surface ends or turns",
+                                                 1e3 * study.indenter.radius_m, 1e3 * study.indenter.clearance_m()));
+    s.pushes_deg = read_pushes(spread);
+    spread.refuse_the_rest();
+    loads.spread = s;
+}
+
+/// validation, held_out, or held_out_WORD.
+bool is_role(const std::string& role) {
+    const std::string held_out = "held_out";
+    if (role == "validation" || role == held_out) return true;
+    return role.rfind(held_out + "_", 0) == 0 && role.size() > held_out.size() + 1 && role.back() != '_' &&
+           role.find("__") == std::string::npos &&
+           role.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") == std::string::npos;
+}
+
+}  // namespace
+
+void read_solid_draws(TomlReader in, Study& study) {
+    const Study::Geometry& g = study.geometry;
+    std::vector<std::string> roles = {"validation", "held_out"};
+    for (const std::string& role : in.keys())
+        if (!is_role(role)) in.refuse(role, "is not a role; allowed: validation, held_out, held_out_WORD of lower-case letters and '_'");
+        else if (role != "validation" && role != "held_out") roles.push_back(role);
+    for (const std::string& role : roles) {
+        if (!in.has(role)) continue;
+        TomlReader draw = in.table(role);
+        Study::Draws d{};
+        d.role = role;
+        read_seed_and_count(draw, d);
+        read_depth(draw, study, d);
+        const std::vector<double> tilt = draw.numbers("tilt_deg", 2, {0, 90}), clearance = draw.numbers("clearance_m", 2, positive);
+        if (tilt[0] > tilt[1]) draw.refuse("tilt_deg", "must be [smallest, largest]");
+        if (!(clearance[0] < clearance[1])) draw.refuse("clearance_m", "must be [smallest, largest], not the same");
+        if (clearance[0] < study.indenter.clearance_m() - tiny_m)
+            draw.refuse("clearance_m", fmt::format("a disc of radius {:g} mm needs {:g} mm {}", 1e3 * study.indenter.radius_m,
+                                                   1e3 * study.indenter.clearance_m(),
+                                                   g.is_block() ? "from every wall" : "to where the surface ends or turns"));
+        if (g.is_block() && !(clearance[0] < std::min(g.width_m, g.length_m) / 2))
+            draw.refuse("clearance_m", fmt::format("no place of the {:g} x {:g} m top is so far from every wall", g.width_m, g.length_m));
+        std::copy(tilt.begin(), tilt.end(), d.tilt_deg);
+        std::copy(clearance.begin(), clearance.end(), d.clearance_m);
+        add_draws(draw, d, study);
+    }
+    in.refuse_the_rest();
+}
+
+void read_solid_fe(TomlReader& in, Study& study) {
+    TomlReader indenter = in.table("indenter");
+    study.indenter.kind = indenter.text("kind");
+    if (study.indenter.kind != "disc") indenter.refuse("kind", "'" + study.indenter.kind + "' is for the plane; a solid " + (study.geometry.is_block() ? "block" : "shape") + " has disc");
+    study.indenter.radius_m = indenter.number("radius_m", positive);
+    indenter.refuse_the_rest();
+
+    TomlReader mesh = in.table("mesh");
+    for (const char* key : {"refine", "check_refine"})
+        if (mesh.has(key)) mesh.refuse(key, fmt::format("belongs to the plane; a solid {} has sizes_m and check_sizes_m", study.geometry.is_block() ? "block" : "shape"));
+    study.sizes_m = read_sizes(mesh, "sizes_m", study.indenter);
+    if (mesh.has("check_sizes_m")) {
+        study.check_sizes_m = read_sizes(mesh, "check_sizes_m", study.indenter);
+        for (int i : {0, 1})
+            if (!(study.check_sizes_m[i] < study.sizes_m[i])) mesh.refuse("check_sizes_m", "must both be smaller than those of sizes_m");
+    }
+    study.check_fraction = mesh.optional_number("check_fraction", {0, 1}).value_or(1);
+    mesh.refuse_the_rest();
+
+    if (in.has("nodule")) study.nodule = read_nodule(in.table("nodule"), study);
+    study.solver = read_solver(in.table("solver"));
+
+    TomlReader loads = in.table("loads");
+    for (const char* key : {"sweep", "paths"})
+        if (loads.has(key))
+            loads.refuse(key, study.geometry.is_block() ? "belongs to the plane; a solid block has contacts"
+                                                        : "belongs to the plane; a solid shape has contacts or spread");
+    study.loads = read_magnitudes(loads);
+    if (study.geometry.is_block())
+        study.loads.paths = read_contacts(loads, study);
+    else
+        read_shape_contacts(loads, study);
+    loads.refuse_the_rest();
+}
+
+}  // namespace tissue

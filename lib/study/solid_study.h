@@ -1,0 +1,14 @@
+#pragma once
+
+#include "study/study.h"
+#include "study/toml_reader.h"
+
+namespace tissue {
+
+/// What finite elements need in space: [indenter], [mesh], [nodule], [solver] and [loads], of a block or of a shape.
+void read_solid_fe(TomlReader& in, Study& study);
+
+/// [draws] in space: validation, held_out and held_out_WORD.
+void read_solid_draws(TomlReader in, Study& study);
+
+}  // namespace tissue

@@ -1,0 +1,266 @@
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <fmt/format.h>
+
+#include "cases/cases_table.h"
+#include "cases/plan.h"
+#include "cases/solid_training.h"
+#include "cases/study_law.h"
+#include "cases/study_mesh.h"
+#include "cases/sweep.h"
+#include "error.h"
+#include "../mutations.h"
+#include "../refusal.h"
+#include "../solid_shape_study.h"
+#include "../tolerances.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
+
+namespace {
+
+constexpr double degree = 3.14159265358979323846 / 180;
+
+const Study& study() {
+    static const Study s = shape_study();
+    return s;
+}
+
+const std::optional<Shape>& shape() {
+    static const std::optional<Shape> s = dome();
+    return s;
+}
+
+Study spread_study(int count, double clearance_m = 0.015) {
+    Study s = study();
+    s.loads.contacts.clear();
+    s.loads.spread = Study::Loads::Spread{count, clearance_m, {{0, 0}, {30, 0}, {30, 180}}};
+    return s;
+}
+
+double tilt_deg(const FreeSurface& surface, const StudyPath& p) {
+    return std::acos(std::clamp(surface.nearest(p.contact_m).inward.dot(p.direction), -1.0, 1.0)) / degree;
+}
+
+Cases dome_cases() {
+    Cases cases;
+    cases.study = study().name;
+    cases.shape = shape();
+    cases.nodes = study_nodes(study(), shape());
+    cases.magnitudes_m = study().loads.magnitudes_m;
+    for (const PlannedPath& p : planned_paths(study(), shape())) {
+        if (p.role != "train" && p.push.name != "held-out-0001") continue;
+        LoadPath path;
+        path.name = p.push.name;
+        path.contact_m = p.push.contact_m;
+        path.direction = p.push.direction;
+        path.role = p.role;
+        path.depth_m = p.depth_m;
+        for (int r = 0; r <= p.records; ++r) {
+            const NodeField u = NodeField::Constant(cases.nodes.rows(), 3, 1e-4 * r);
+            path.records.push_back({p.depth_m * r / p.records, u, 2 * u, p.push.direction * r, p.push.direction * -r, 0.1 * r, 1 - 0.01 * r, r, 1e-12});
+        }
+        cases.paths.push_back(path);
+    }
+    return cases;
+}
+
+}  // namespace
+
+TEST_CASE("listed contacts of a solid shape move to its surface and are pushed about its inward normal", "[solid_shape]") {
+    const FreeSurface surface = study_surface(study(), shape());
+    const std::vector<StudyPath> paths = solid_training(study(), shape());
+    REQUIRE(paths.size() == 5);
+    CHECK(paths[0].name == "c01-t00-a000");
+    CHECK(paths[1].name == "c01-t30-a270");
+    CHECK(paths[4].name == "c02-t30-a180");
+    for (const StudyPath& p : paths) {
+        CHECK(surface.nearest(p.contact_m).distance_m < 1e-12);
+        CHECK(p.direction.norm() == Approx(1).epsilon(tolerance::rounding));
+    }
+    CHECK(tilt_deg(surface, paths[0]) < 1e-4);
+    CHECK(tilt_deg(surface, paths[1]) == Approx(30).epsilon(1e-6));
+    CHECK(paths[2].contact_m == paths[3].contact_m);
+    CHECK(paths[2].depth_m == 0.003);
+    const auto moved = [](const Eigen::Vector3d& at) {
+        Study s = study();
+        s.loads.contacts[1].at_m = at;
+        return refusal<StudyError>([&] { solid_training(s, shape()); });
+    };
+    CHECK_THAT(moved({0, 0, 0.07}), Contains("example.toml: key 'loads.contacts[1].at_m': (0, 0, 0.07) m is ") && Contains("from the free surface"));
+    CHECK_THAT(moved({0.049, 0, 0.005}), Contains("key 'loads.contacts[1].at_m'") && Contains("needs 12 mm"));
+}
+
+TEST_CASE("spread contacts lie far from each other, clear of the bed's edge, and their azimuths turn", "[solid_shape]") {
+    const Study s = spread_study(10);
+    const FreeSurface surface = study_surface(s, shape());
+    const std::vector<StudyPath> paths = solid_training(s, shape());
+    REQUIRE(paths.size() == 30);
+    std::set<std::string> names;
+    for (const StudyPath& p : paths) {
+        CHECK(surface.clearance_m(p.contact_m) >= 0.015);
+        CHECK(tilt_deg(surface, p) == Approx(p.name[5] == '0' ? 0 : 30).margin(1e-4));
+        CHECK(names.insert(p.name).second);
+    }
+    double nearest = 1;
+    for (std::size_t i = 0; i < 30; i += 3)
+        for (std::size_t j = 0; j < i; j += 3) nearest = std::min(nearest, (paths[i].contact_m - paths[j].contact_m).norm());
+    CHECK(nearest > 0.02);
+    CHECK(paths[0].contact_m[2] > 0.045);  // the first at the top, farthest from the edge
+    CHECK(paths[1].name == "c01-t30-a000");
+    CHECK(paths[4].name == "c02-t30-a138");
+    CHECK(paths[8].name == "c03-t30-a095");  // 2 x 137.508 + 180 - 360
+    const std::vector<StudyPath> again = solid_training(s, shape());
+    for (std::size_t i = 0; i < 30; ++i) CHECK(again[i].contact_m == paths[i].contact_m);
+    CHECK(solid_training(spread_study(4), shape())[9].contact_m == paths[9].contact_m);  // more of them come after
+    CHECK_THAT(refusal<StudyError>([&] { solid_training(spread_study(2, 0.09), shape()); }), Contains("key 'loads.spread': the free surface has 0 places 90 mm"));
+}
+
+TEST_CASE("draws on a solid shape are uniform by area, as clear and as tilted as their role says, and by seed", "[solid_shape]") {
+    const FreeSurface surface = study_surface(study(), shape());
+    std::map<std::string, int> count;
+    for (const PlannedPath& p : planned_paths(study(), shape())) {
+        ++count[p.role];
+        CHECK(p.sizes_m == (p.role == "check" ? study().check_sizes_m : study().sizes_m));
+        if (p.role == "train") continue;
+        const double clearance_m = surface.clearance_m(p.push.contact_m), tilt = tilt_deg(surface, p.push);
+        CHECK(surface.nearest(p.push.contact_m).distance_m < 1e-12);
+        CHECK(clearance_m >= (p.role == "validation" ? 0.015 : 0.012));
+        CHECK(clearance_m <= (p.role == "validation" ? 0.2 : 0.03));
+        CHECK(tilt >= (p.role == "validation" ? 0 : 10) - 1e-6);
+        CHECK(tilt <= 30 + 1e-6);
+        CHECK(p.depth_m <= 0.008);
+    }
+    CHECK(count == std::map<std::string, int>{{"train", 5}, {"validation", 10}, {"held_out", 40}, {"check", 20}});
+    Study many = study();
+    many.draws.resize(1);
+    many.draws[0].count = 4000;
+    many.draws[0].clearance_m[0] = 0.012;
+    double high = 0, east = 0, all = 0, area_high = 0, area = 0;
+    for (const Point& p : surface.points(6)) {  // parts of a facet are alike, facets nearly
+        const double part = surface.measure()[surface.nearest(p).facet];
+        if (surface.clearance_m(p) < 0.012) continue;
+        area += part;
+        area_high += part * (p[2] > 0.035);
+    }
+    Eigen::Vector3d aside = Eigen::Vector3d::Zero();
+    for (const PlannedPath& p : planned_paths(many, shape())) {
+        if (p.role == "train") continue;
+        high += p.push.contact_m[2] > 0.035;
+        east += p.push.contact_m[0] > 0;
+        aside += p.push.direction - surface.nearest(p.push.contact_m).inward * surface.nearest(p.push.contact_m).inward.dot(p.push.direction);
+        ++all;
+    }
+    CHECK(all == 4000);
+    CHECK(high / all == Approx(area_high / area).margin(0.03));
+    CHECK(east / all == Approx(0.5).margin(0.03));
+    CHECK((aside / all).norm() < 0.02);
+    Study other = study();
+    other.draws[0].seed = 77;
+    const auto before = planned_paths(study(), shape()), after = planned_paths(other, shape());
+    for (std::size_t i = 0; i < after.size(); ++i)
+        CHECK((after[i].push.contact_m == before[i].push.contact_m) == (after[i].role != "validation"));
+    other.draws[0].clearance_m[0] = 0.09;
+    CHECK_THAT(refusal<MismatchError>([&] { planned_paths(other, shape()); }), StartsWith("draws.validation: clearance_m"));
+}
+
+TEST_CASE("a solid shape's plan asks for its mesh, then gives every path shape, springs and push", "[solid_shape]") {
+    const Plan first = make_plan(study());
+    CHECK(first.parts.size() == 1);
+    CHECK_THAT(first.fragment, Contains("SHAPE_ARGUMENTS := -3 -clmin 10 -clmax 10\n") && Contains("$(R)/plan.mk: $(R)/mesh.msh\n"));
+}
+
+TEST_CASE("a solid shape's paths have their arguments in order, to the bit", "[solid_shape]") {
+    Study s = study();
+    s.geometry.shape = "fem/dome.geo";
+    s.name = "dome";
+    s.material.regions = {{{}, "stone"}};
+    s.material.regions[0].C1_Pa = 8000;
+    const Plan plan = make_plan(s, shape());
+    const StudyPath p = solid_training(s, shape())[1];
+    const std::string& part = plan.parts.at("path-" + p.name);
+    CHECK(part == fmt::format("-shape fem/dome.geo -unit_m 0.001 -fixed bed -regions stone -springs mesh.msh -size_near 0.005 -size_far 0.02 -C1 263 -C2 491 "
+                              "-C1_11 8000 -C2_11 0 -contact_x {} -contact_y {} -contact_z {} -direction_x {} -direction_y {} -direction_z {} "
+                              "-disc_radius 0.007 -depth 0.008 -records 4 -tolerance 1e-09 -max_newton 12 -allow_lost 1\n",
+                              p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1], p.direction[2]));
+    CHECK_THAT(plan.fragment, Contains("$(R)/cases/" + p.name + ".csv: PATH_ARGUMENTS = -shape fem/dome.geo ") && Contains(" -springs $(R)/mesh.msh ") &&
+                                  Contains("$(R)/cases/" + p.name + ".csv: $(R)/plan/path-" + p.name + " $(R)/mesh.msh fem/dome.geo\n") &&
+                                  Contains("FIGURES := held_out held_out_force shape solid\n"));
+    CHECK(plan.fragment.find("SOLID") == std::string::npos);
+    CHECK_THAT(plan.parts.at("path-check-0001"), Contains("-size_near 0.004 -size_far 0.015"));
+    s.geometry.fixed = {"bed $(rm)"};
+    CHECK_THAT(refusal<StudyError>([&] { make_plan(s, shape()); }), Contains("key 'geometry.fixed'") && Contains("make cannot carry"));
+    s = study();
+    s.springs.terms = {"spring.wall"};
+    s.geometry.shape = "fem/dome.geo";
+    CHECK_THAT(refusal<StudyError>([&] { make_plan(s, shape()); }), Contains("key 'springs.terms': term 'spring.wall'"));
+}
+
+TEST_CASE("regions of a solid shape stiffen springs and cells about them", "[solid_shape]") {
+    Study s = study();
+    s.material.regions = {{{}, "stone"}};
+    s.material.regions[0].C1_Pa = 10 * (263 + 491);
+    std::optional<Shape> stony = shape();
+    for (std::size_t t = 0; t < stony->region.size() / 2; ++t) stony->region[t] = 1;
+    const SpringMesh mesh = study_mesh(s, stony, "edges3");
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(2);
+    const Eigen::VectorXd soft = study_law(study(), shape(), mesh).constants(none), hard = study_law(s, stony, mesh).constants(none);
+    const Eigen::VectorXd ratio = hard.cwiseQuotient(soft);
+    CHECK(ratio.minCoeff() == Approx(1).epsilon(tolerance::rounding));
+    CHECK(ratio.maxCoeff() == Approx(10).epsilon(tolerance::rounding));
+    CHECK((ratio.array() > 1.01 && ratio.array() < 9.99).any());
+    stony->region.assign(stony->region.size(), 1);
+    CHECK((study_law(s, stony, mesh).constants(none) - 10 * soft).norm() < 1e-9 * soft.norm());
+}
+
+TEST_CASE("cases of a solid shape read back the same, in any dataset changed in any way are refused in one line or well", "[solid_shape]") {
+    const TemporaryFolder folder;
+    const std::string whole = folder.file("whole.h5"), file = folder.file("cases.h5");
+    Cases cases = dome_cases();
+    cases.shape = dome(4);  // small: every dataset is read many times
+    cases.nodes = cases.shape->nodes;
+    for (LoadPath& path : cases.paths)
+        for (PathRecord& r : path.records) r.displacement = r.force = NodeField::Constant(cases.nodes.rows(), 3, r.magnitude_m);
+    write_cases(whole, cases, {"tissuectl test", 0, {}});
+    const Cases back = read_cases(whole);
+    REQUIRE(back.shape);
+    CHECK(back.shape->simplices == cases.shape->simplices);
+    CHECK(back.shape->fixed_facets == cases.shape->fixed_facets);
+    CHECK(back.nodes == cases.nodes);
+    const DatasetTable& table = cases_table(false);
+    const auto found = datasets_of(whole, table);
+    REQUIRE(found.size() == Hdf5Reader(whole, "cases").datasets().size());
+    int refused = 0;
+    for (const auto& [dataset, rule] : found) {
+        if (dataset.rfind("/paths/", 0) == 0) continue;  // tests/cases/test_solid_cases.cpp has them
+        for (const Mutation& mutation : mutations(whole, dataset, table)) {
+            INFO(dataset << ": " << mutation.name);
+            std::filesystem::copy_file(whole, file, std::filesystem::copy_options::overwrite_existing);
+            mutation.apply(file);
+            try {
+                load_cases(read_cases(file));
+                CHECK_FALSE(mutation.must_be_refused);
+            } catch (const FileError& e) {
+                ++refused;
+                CHECK_THAT(e.what(), StartsWith(file + ": /"));
+            } catch (const MismatchError&) {
+                CHECK_FALSE(mutation.must_be_refused);
+            }
+        }
+    }
+    CHECK(refused > 20);
+}
+
+TEST_CASE("a study's shape in space is read where the study is in space", "[solid_shape]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("mesh.msh", to_msh(*shape(), {}));
+    CHECK(study_shape(study(), file)->simplices.rows() == shape()->simplices.rows());
+    CHECK_THAT(refusal<MismatchError>([&] { study_shape(study(), ""); }), Contains("--mesh"));
+    const Shape plane = shape_of(make_lattice("grid4", 4, 4, 0.1, 0.1));
+    CHECK_THAT(refusal<MismatchError>([&] { study_mesh(study(), plane, "edges3"); }), Contains("other dimensions"));
+}

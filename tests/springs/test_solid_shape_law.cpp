@@ -1,0 +1,124 @@
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include "error.h"
+#include "mesh/topology.h"
+#include "springs/disc_contact.h"
+#include "springs/energy_law.h"
+#include "springs/heuristic.h"
+#include "springs/law_press.h"
+#include "springs/region_volume.h"
+#include "../mesh/dome.h"
+#include "../tolerances.h"
+
+using namespace tissue;
+using Approx = Catch::Detail::Approx;
+using Catch::Matchers::Contains;
+
+namespace {
+
+NodeField crooked(const SpringMesh& mesh, double size_m) {
+    NodeField u(mesh.node_count(), 3);
+    for (int i = 0; i < mesh.node_count(); ++i)
+        for (int d = 0; d < 3; ++d) u(i, d) = size_m * std::sin(1.7 * i + 0.9 * d * d + 0.3);
+    return u;
+}
+
+EnergyLaw law_on(const SpringMesh& mesh, const std::vector<std::string>& terms) {
+    return {mesh, solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), 4524), Eigen::VectorXd::Constant(mesh.node_count(), 4524), 4524, 12, 0.007),
+            terms};
+}
+
+}  // namespace
+
+TEST_CASE("what lies around a node of a solid shape keeps its volume: energy, force and tangent agree, a rotation costs nothing", "[solid_shape]") {
+    const SpringMesh mesh = edge_mesh(dome(4));
+    const std::vector<std::vector<int>> stars = node_stars(mesh, mesh.simplices);
+    const NodeField u = crooked(mesh, 1e-3);
+    Eigen::Matrix3d turn;
+    turn = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized());
+    const NodeField turned = (mesh.nodes * turn.transpose() - mesh.nodes).rowwise() + Eigen::RowVector3d(0.3, -0.1, 0.2);
+    double volume = 0;
+    for (int node = 0; node < mesh.node_count(); ++node) {
+        const RegionVolume star(mesh, mesh.simplices, stars[static_cast<std::size_t>(node)]);
+        volume += star.volume_m3();
+        CHECK(star.volume_m3() == Approx(4 * mesh.node_measure[node]).epsilon(1e-9));
+        CHECK(std::abs(star.energy(0, turned)) < 1e-24 * star.volume_m3());
+        CHECK(star.energy(0, 0.1 * mesh.nodes) == Approx(star.volume_m3() * 0.331 * 0.331 / 2).epsilon(1e-9));
+        if (node % 7) continue;
+        ElementVector force, before, after;
+        ElementMatrix tangent;
+        star.force(0, u, force);
+        star.tangent(0, u, tangent);
+        for (Eigen::Index k = 0; k < force.size(); ++k) {
+            NodeField low = u, high = u;
+            const double h = 1e-7;
+            low(star.nodes()(0, k / 3), k % 3) -= h;
+            high(star.nodes()(0, k / 3), k % 3) += h;
+            CHECK(force[k] == Approx((star.energy(0, high) - star.energy(0, low)) / (2 * h)).epsilon(1e-6).margin(1e-10));
+            star.force(0, low, before);
+            star.force(0, high, after);
+            CHECK((tangent.col(k) - (after - before) / (2 * h)).norm() < 1e-6 * tangent.norm());
+        }
+    }
+    CHECK(volume == Approx(4 * mesh.node_measure.sum()).epsilon(1e-9));
+}
+
+TEST_CASE("springs of a solid shape's heuristic have the shear modulus of incompressible tissue, and its cells the cap's bulk modulus", "[solid_shape]") {
+    const SpringMesh mesh = edge_mesh(dome(12));
+    const EnergyLaw law = law_on(mesh, {"spring.all"});
+    Eigen::VectorXd constants = law.constants(Eigen::VectorXd::Zero(1)), springs = constants, cells = constants;
+    springs.tail(mesh.node_count()).setZero();
+    cells.head(mesh.spring_count()).setZero();
+    const TissueEnergy energy = law.energy(mesh);
+    CHECK(energy.constant_count() == mesh.spring_count() + mesh.node_count());
+    const double e = 1e-5, V = mesh.node_measure.sum();
+    double mean = 0;
+    for (int a = 0; a < 3; ++a) {
+        const int b = (a + 1) % 3;
+        NodeField slide = NodeField::Zero(mesh.node_count(), 3), stretch = slide;
+        slide.col(a) = 2 * e * mesh.nodes.col(b);
+        stretch.col(a) = e * mesh.nodes.col(a);
+        stretch.col(b) = -e * mesh.nodes.col(b);
+        mean += (energy.energy(springs, slide) + energy.energy(springs, stretch)) / (2 * e * e * V) / 6;
+    }
+    CHECK(mean == Approx(4524.0 / 3).epsilon(0.1));  // Kuhn's tetrahedra do not spread their edges evenly
+    CHECK(energy.energy(cells, e * mesh.nodes) == Approx(0.95 * 12 * 4524 * 9 * e * e * V / 2).epsilon(1e-4));
+    CHECK(energy.smallest_ratio(0.1 * mesh.nodes) == Approx(1.331).epsilon(1e-9));
+    NodeField mirror = NodeField::Zero(mesh.node_count(), 3);
+    mirror.col(2) = -2 * mesh.nodes.col(2);
+    CHECK(energy.smallest_ratio(mirror) == Approx(-1).epsilon(1e-9));
+    CHECK(heuristic_stiffness(mesh, 1.0)[0] == Approx(mesh.incident_measure[0] / std::pow(mesh.rest_length(0), 2)).epsilon(tolerance::rounding));
+}
+
+TEST_CASE("terms for places serve a solid shape, but for those of a lattice", "[solid_shape]") {
+    const SpringMesh mesh = edge_mesh(dome(6));
+    for (const char* term : {"spring.all", "cell.all", "spring.layer", "cell.layer", "spring.surface", "cell.surface", "spring.held", "spring.along",
+                             "spring.across.layer", "spring.upright", "spring.top", "cell.bottom", "spring.z", "cell.z2", "spring.x2", "contact.normal.phase"})
+        CHECK_NOTHROW(law_on(mesh, {term}));
+    for (const char* term : {"spring.wall", "cell.wall", "spring.face", "spring.body", "spring.vertical"})
+        CHECK_THROWS_WITH(law_on(mesh, {term}), Contains("is not possible here; allowed: all, surface, layer, held, top, bottom, x2"));
+}
+
+TEST_CASE("a pressed dome rests in balance, and its derivatives are those of its rest", "[solid_shape]") {
+    const SpringMesh mesh = edge_mesh(dome(8));
+    const EnergyLaw law = law_on(mesh, {"spring.all", "cell.layer", "spring.along.layer", "contact.normal", "contact.normal.phase", "contact.imprint_normal"});
+    const TissueEnergy energy = law.energy(mesh);
+    const DiscContact kernel(mesh, 0.007);
+    PressSolver solver(energy, kernel);
+    const Eigen::VectorXd p = Eigen::VectorXd::LinSpaced(law.size(), -0.2, 0.2);
+    const Eigen::Vector3d at = FreeSurface(mesh).nearest(Eigen::Vector3d(0.02, 0.013, 0.05)).point_m, push(-2e-3, 1e-3, -3e-3);
+    const auto pressed = [&](const Eigen::VectorXd& q) { return solver.press(law.constants(q), ContactSpring(kernel.rows_at(at), law.patch(q)), push); };
+    const PressState state = pressed(p);
+    REQUIRE(state.status == PressStatus::held);
+    CHECK(state.contact_force_N.dot(push) > 0);
+    const PressDerivative by = solver.derivative(law.constants_by(p), law.stiffness_by(p, kernel.rows_at(at).factors));
+    for (Eigen::Index t = 0; t < p.size(); ++t) {
+        Eigen::VectorXd low = p, high = p;
+        low[t] -= 1e-4;
+        high[t] += 1e-4;
+        const PressState a = pressed(low), b = pressed(high);
+        CHECK((by.contact_force.col(t) - Eigen::VectorXd((b.contact_force_N - a.contact_force_N) / 2e-4)).norm() < 1e-5 * state.contact_force_N.norm());
+    }
+}
