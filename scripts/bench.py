@@ -8,8 +8,8 @@ PROGRAM     build/.../bench_NAME, made from tests/bench/bench_NAME.cpp, or a scr
             bench_train is driven by this script, and so is tissue-haptic, a minute of it beside cyclictest. Any other
             is run once as `bench_NAME results/paper`, and prints a JSON list of {"name", "unit", "samples"}, or of
             finished entries.
---quick     leaves out the last part: the whole study `surface` from clean, which takes longer than all the rest, its
-            training alone, and how its cost grows
+--quick     leaves out the last parts: how the cost of training in space grows; the whole study `surface` from clean, which
+            takes longer than all the rest, its training alone, and how its cost grows
 """
 import argparse
 import json
@@ -25,6 +25,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 STUDY = "fem/studies/paper.toml"
+SOLID = "fem/studies/block3-quick.toml"
 RESULTS = "results/paper"
 WORK = "build/bench"                    # scratch: FE solved for time alone
 VENV = ROOT / "build" / "venv" / "bin" / "python"
@@ -327,7 +328,7 @@ def printed_entries(command):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--make", default="make", help="the make to time FE with")
-    parser.add_argument("--quick", action="store_true", help="without the whole study from clean")
+    parser.add_argument("--quick", action="store_true", help="without training in space and the whole study from clean")
     parser.add_argument("--study", default="surface", help="which study that is")
     parser.add_argument("--session", type=int, default=SESSION_S, metavar="s",
                         help="length of each of the three sessions of tissue-haptic")
@@ -347,6 +348,7 @@ def main():
             parts.append((Path(program).name, lambda p=program: printed_entries([p, RESULTS])))
     if train_program and not options.quick:
         tissuectl = Path(train_program).parents[1] / "tissuectl"
+        parts.append(("training in space", lambda: printed_entries([train_program, "space", SOLID])))
         parts.append((f"the whole study {options.study}",
                       lambda: bench_whole_study(options.make, tissuectl, train_program, options.study)))
     entries, failed = [], 0

@@ -169,15 +169,17 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
             throw StudyError(one_line(fmt::format("{}: key 'springs.terms': {}", study.file, e.what())));
         }
     const std::vector<PlannedPath> paths = study.data ? std::vector<PlannedPath>() : planned_paths(study, shape);
+    std::string names;  // all at once: make copies the whole list for every name that is added to it
+    for (const PlannedPath& path : paths) names += " " + path.push.name;
     plan.fragment += fmt::format(
         "$(R)/cases.h5: CASES_COMMAND = {}\n"
         "$(R)/cases.h5: $(R)/plan/collect\n"
         "$(R)/cases.h5: $(BUILD)/stage/{}\n"
         "$(R)/model.h5: $(R)/plan/train\n"
-        "PATHS :=\n"
+        "PATHS :={}\n"
         "FIGURES := {}\n",
         study.data ? "import " + for_make(study, "data.file", study.data->file) : "collect --paths $(R)/cases",
-        study.data ? "import" : "collect",
+        study.data ? "import" : "collect", names,
         solid                    ? study.draws.empty() ? "" : "held_out held_out_force shape solid"
         : study.springs.is_law() ? study.data            ? "held_out"
                                  : study.draws.empty() ? "contours"
@@ -220,8 +222,7 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         for (const PlannedPath& path : paths) {
             const std::string arguments = solid_arguments(study, path);
             plan.fragment += fmt::format(
-                "\nPATHS += {0}\n"
-                "$(R)/cases/{0}.csv: PATH_ARGUMENTS = {1}\n"
+                "\n$(R)/cases/{0}.csv: PATH_ARGUMENTS = {1}\n"
                 "$(R)/cases/{0}.csv: $(R)/plan/path-{0} {2}\n",
                 path.push.name, arguments, solid_geo);
             plan.parts["path-" + path.push.name] = arguments + "\n";
@@ -232,8 +233,7 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         const std::string arguments = path_arguments(study, path),
                           mesh = !block || path.refine == study.refine ? "mesh.msh" : "mesh-fine.msh";
         plan.fragment += fmt::format(
-            "\nPATHS += {0}\n"
-            "$(R)/cases/{0}.csv: PATH_ARGUMENTS = -mesh $(R)/{2} {1}\n"
+            "\n$(R)/cases/{0}.csv: PATH_ARGUMENTS = -mesh $(R)/{2} {1}\n"
             "$(R)/cases/{0}.csv: $(R)/plan/path-{0} $(R)/{2}\n",
             path.push.name, arguments, mesh);
         plan.parts["path-" + path.push.name] = mesh + " " + arguments + "\n";

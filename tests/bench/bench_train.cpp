@@ -5,9 +5,10 @@
 //   bench_train loss STUDY CASES SET              one evaluation of the loss of one set
 //   bench_train lattice                           building lattices and their force matrices
 //   bench_train scaling STUDY CASES               cost against sets, springs and cases in one set, with exponents
+//   bench_train space STUDY                       cost of training a law in space against nodes, springs and paths, with exponents
 //   bench_train export STUDY CASES                the losses themselves, for others to minimise
 //
-// What runs on one thread, and `scaling`, is measured in processor time, so that others on the machine do not count;
+// What runs on one thread, `scaling` and `space`, is measured in processor time, so that others on the machine do not count;
 // `sets` is not. Prints a JSON list of {"name", "unit", "samples"}, or of finished entries; `export` a list of sets instead: L(theta) = |target - B theta|
 // with B as triplets (row, column, value), and start, lo, hi, unit [N/m]. SET counts from 0.
 //
@@ -21,13 +22,18 @@
 #include <string>
 #include <vector>
 
+#include "cases/study_law.h"
+#include "cases/study_mesh.h"
 #include "error.h"
+#include "mesh/free_surface.h"
 #include "springs/equilibrium.h"
 #include "springs/heuristic.h"
+#include "springs/law_kernel.h"
 #include "study/study.h"
 #include "train/bounded_lsq.h"
 #include "train/loss_terms.h"
 #include "train/optimizer.h"
+#include "train/train_law.h"
 #include "train/train_sets.h"
 
 namespace {
@@ -197,13 +203,30 @@ double exponent(const std::vector<double>& x, const std::vector<double>& y) {
     return (n * sxy - sx * sy) / (n * sxx - sx * sx);
 }
 
-/// One entry a size, and the exponent over them; its n is the number of sizes.
+double median(std::vector<double> samples) {
+    std::sort(samples.begin(), samples.end());
+    const std::size_t n = samples.size();
+    return (samples[(n - 1) / 2] + samples[n / 2]) / 2;
+}
+
+/// The exponent of the samples' medians over the sizes; its n is the number of sizes.
+void add_exponent(Json& list, const std::string& what, const std::string& of, const std::vector<double>& size,
+                  const std::vector<std::vector<double>>& samples) {
+    std::vector<double> medians;
+    for (const auto& s : samples) medians.push_back(median(s));
+    const double p = exponent(size, medians);
+    list.push_back({{"name", what + ", exponent in " + of}, {"unit", "1"}, {"median", p}, {"p95", p}, {"n", size.size()}});
+}
+
+/// One entry a size, and the exponent over them.
 void add_costs(Json& list, const std::string& what, const std::string& of, const std::vector<double>& size,
                const std::vector<double>& seconds) {
-    for (std::size_t i = 0; i < size.size(); ++i)
-        list.push_back(entry(what + ", " + std::to_string(static_cast<int>(size[i])) + " " + of + ", processor", "s", {seconds[i]}));
-    const double p = exponent(size, seconds);
-    list.push_back({{"name", what + ", exponent in " + of}, {"unit", "1"}, {"median", p}, {"p95", p}, {"n", size.size()}});
+    std::vector<std::vector<double>> samples;
+    for (std::size_t i = 0; i < size.size(); ++i) {
+        samples.push_back({seconds[i]});
+        list.push_back(entry(what + ", " + std::to_string(static_cast<int>(size[i])) + " " + of + ", processor", "s", samples[i]));
+    }
+    add_exponent(list, what, of, size, samples);
 }
 
 /// Every `step`-th training path.
@@ -298,6 +321,100 @@ Json bench_scaling(const std::string& study_file, const std::string& cases_file)
     return list;
 }
 
+/// A law of a solid block to train on pushes into its top, all over it, straight and tilted, to 4 and 8 mm. Their truth is the same
+/// law with coefficients of its own: what training would get from FE, without it.
+struct SolidProblem {
+    SpringMesh mesh;
+    EnergyLaw law;
+    std::vector<PressPath> paths;
+    LawTrainingOptions options;
+
+    SolidProblem(const Study& study, int count) : mesh(study_mesh(study, {}, study.springs.topology)), law(study_law(study, {}, mesh)) {
+        options.force_scale = study.training.force_scale;
+        options.shape_scale = study.training.shape_scale;
+        options.ridge = study.training.ridge;
+        options.disc_radius_m = study.indenter.radius_m;
+        options.seen = seen_nodes(mesh);
+        options.threads = threads;
+        Eigen::VectorXd truth(law.size());
+        for (Eigen::Index t = 0; t < truth.size(); ++t) truth[t] = 0.3 * std::sin(1.7 * static_cast<double>(t + 1));
+        const TissueEnergy energy = law.energy(mesh);
+        const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, options.disc_radius_m);
+        PressSolver solver(energy, *kernel, options.press);
+        for (int k = 0; k < count; ++k) {
+            PressPath& path = paths.emplace_back();
+            path.name = "push-" + std::to_string(k);
+            const double turn = 2.4 * k, far = 0.3 * std::sqrt((k + 0.5) / count);  // a sunflower's places
+            path.contact_m = Eigen::Vector3d(study.geometry.width_m * (0.5 + far * std::cos(turn)),
+                                             study.geometry.length_m * (0.5 + far * std::sin(turn)), study.geometry.height_m);
+            const Eigen::Vector3d direction = k % 2 == 0 ? Eigen::Vector3d(0, 0, -1) : Eigen::Vector3d(std::cos(turn), std::sin(turn), -1.7).normalized();
+            const ContactSpring contact(kernel->rows_at(path.contact_m), law.patch(truth));
+            PressState state;
+            for (const double depth_m : {0.004, 0.008}) {
+                const PressState before = state;
+                state = solver.press(law.constants(truth), contact, depth_m * direction, before.displacement.size() > 0 ? &before : nullptr);
+                if (state.status != PressStatus::held)
+                    throw MismatchError("bench_train: " + path.name + " is " + to_string(state.status));
+                path.records.push_back({state.push_m, state.contact_force_N, state.displacement});
+            }
+        }
+    }
+
+    /// Processor seconds that training takes for one evaluation, the mean of its first four iterations.
+    double evaluation_seconds() const {
+        LawTrainingOptions few = options;
+        few.fit.max_iterations = 4;
+        int evaluations = 0;
+        const double seconds = processor_seconds_of([&] {
+            const TrainedLaw trained = train_law(mesh, law, paths, few);
+            evaluations = trained.starts[0].evaluations + 1;  // the last is of what was trained
+        });
+        return seconds / evaluations;
+    }
+};
+
+/// Every size in turn, over and over, so that what else the machine does falls on all of them.
+Json bench_space(const std::string& study_file) {
+    constexpr int repeats = 3, few_paths = 4;
+    const Study study = read_study(study_file);
+    const std::string what = "train a law in space of " + std::to_string(study.springs.terms.size()) + " numbers, an evaluation";
+    std::vector<SolidProblem> lattices, sets;
+    std::vector<double> nodes, springs, paths;
+    for (const int cells : {6, 8, 10, 12}) {
+        Study other = study;
+        other.cells[0] = other.cells[1] = cells;
+        other.cells[2] = cells / 2;
+        lattices.emplace_back(other, few_paths);
+        nodes.push_back(lattices.back().mesh.node_count());
+        springs.push_back(lattices.back().mesh.spring_count());
+    }
+    for (const int count : {4, 8, 16, 30}) {
+        Study other = study;
+        other.cells[0] = other.cells[1] = 6;
+        other.cells[2] = 3;
+        sets.emplace_back(other, count);
+        paths.push_back(count);
+    }
+    std::vector<std::vector<double>> by_lattice(lattices.size()), by_paths(sets.size());
+    for (int repeat = 0; repeat < repeats; ++repeat) {
+        for (std::size_t i = 0; i < lattices.size(); ++i) by_lattice[i].push_back(lattices[i].evaluation_seconds());
+        for (std::size_t i = 0; i < sets.size(); ++i) by_paths[i].push_back(sets[i].evaluation_seconds());
+    }
+    Json list = Json::array();
+    const std::string pressed = ", " + std::to_string(few_paths) + " paths";
+    for (std::size_t i = 0; i < lattices.size(); ++i)
+        list.push_back(entry(what + pressed + ", " + std::to_string(static_cast<int>(nodes[i])) + " nodes, " +
+                                 std::to_string(static_cast<int>(springs[i])) + " springs, processor",
+                             "s", by_lattice[i]));
+    add_exponent(list, what + pressed, "nodes", nodes, by_lattice);
+    add_exponent(list, what + pressed, "springs", springs, by_lattice);
+    const std::string small = ", " + std::to_string(static_cast<int>(nodes[0])) + " nodes";
+    for (std::size_t i = 0; i < sets.size(); ++i)
+        list.push_back(entry(what + small + ", " + std::to_string(static_cast<int>(paths[i])) + " paths, processor", "s", by_paths[i]));
+    add_exponent(list, what + small, "paths", paths, by_paths);
+    return list;
+}
+
 Json export_losses(const Problem& problem) {
     const auto list = [](const Eigen::VectorXd& v) { return std::vector<double>(v.begin(), v.end()); };
     Json sets = Json::array();
@@ -333,6 +450,7 @@ Json run(const std::vector<std::string>& words) {
     if (command == "sets" && given == 2) return bench_sets(words[1], words[2]);
     if (command == "lattice" && given == 0) return bench_lattices();
     if (command == "scaling" && given == 2) return bench_scaling(words[1], words[2]);
+    if (command == "space" && given == 1) return bench_space(words[1]);
     if (command == "export" && given == 2) return export_losses({words[1], words[2]});
     if (command == "loss" && given == 3) return bench_loss({words[1], words[2]}, words[3]);
     if (command == "iterate" && given == 4) return bench_iterations({words[1], words[2]}, words[3], words[4]);
@@ -345,7 +463,7 @@ int main(int argc, char** argv) {
     try {
         const Json out = run({argv + 1, argv + argc});
         if (out.is_null()) {
-            std::fputs("usage: bench_train sets|iterate|loss|lattice|scaling|export ...; see the head of its source\n", stderr);
+            std::fputs("usage: bench_train sets|iterate|loss|lattice|scaling|space|export ...; see the head of its source\n", stderr);
             return 2;
         }
         std::puts(out.dump().c_str());

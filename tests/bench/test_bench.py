@@ -45,6 +45,12 @@ def main():
     check("ratio is our median over the peer's",
           [e["name"] for e in entries if e["ratio"] is not None and e["name"] not in mixed
            and not math.isclose(e["ratio"] * e["peer_median"], e["median"], rel_tol=1e-9)])
+    exponents = [e for e in entries if ", exponent in " in e["name"]]
+    check("an exponent is fitted to four sizes or more", [e["name"] for e in exponents if e["n"] < 4])
+    in_space = [e["name"] for e in exponents if "in space" in e["name"]]
+    check("where costs are given as they grow, training in space has its own in nodes, springs and paths",
+          [f"none in {of}" for of in ("nodes", "springs", "paths")
+           if exponents and not any(name.endswith(f"exponent in {of}") for name in in_space)])
     return 1 if failed else 0
 
 

@@ -1,7 +1,7 @@
 #!/bin/bash
 # A study on a cluster: Debian's own Slurm and munge, started here with two nodes on this machine, on ports of their own.
-# Every load path is a step; a step that is killed and a job that is put back into the queue lose nothing; the results
-# have the contents of a run without Slurm.
+# Every load path is a step, a solid's too; a step that is killed and a job that is put back into the queue lose nothing;
+# the results have the contents of a run without Slurm.
 . "$(dirname "$0")/common"
 for program in munged slurmctld slurmd sbatch srun scancel scontrol squeue; do
     PATH=$PATH:/usr/sbin command -v $program >/dev/null || {
@@ -10,6 +10,7 @@ for program in munged slurmctld slurmd sbatch srun scancel scontrol squeue; do
     }
 done
 PATH=$PATH:/usr/sbin
+patience=180
 cluster=$scratch/cluster
 host=$(hostname -s)
 export SLURM_CONF=$cluster/slurm.conf
@@ -65,7 +66,7 @@ TaskPlugin=task/none
 MpiDefault=none
 SelectType=select/cons_tres
 SelectTypeParameters=CR_Core
-SchedulerParameters=batch_sched_delay=0,sched_min_interval=0,requeue_delay=0
+SchedulerParameters=batch_sched_delay=0,sched_min_interval=0
 KillWait=2
 NodeName=one NodeHostname=$host NodeAddr=127.0.0.1 Port=$port2 CPUs=1 RealMemory=2000
 NodeName=two NodeHostname=$host NodeAddr=127.0.0.1 Port=$port3 CPUs=1 RealMemory=2000
@@ -102,33 +103,31 @@ exec $(command -v FreeFem++-nw) "\$@"
 SH
 chmod +x "$scratch/slow/FreeFem++-nw"
 
-submit() { # starts the study from nothing; its job id in $job
-    rm -rf "$R"
+submit() { # STUDY TARGET: starts it from nothing; its job id in $job
+    rm -rf "$work/results/$1"
     : >"$scratch/steps"
-    job=$(cd "$work" && PATH=$scratch/slow:$PATH sbatch --parsable --nodes=2 --output="$scratch/said" \
-        scripts/slurm/study.sbatch tiny eval)
+    job=$(cd "$work" && PATH=$scratch/slow:$PATH sbatch --parsable --nodes=2 --output="$said" scripts/slurm/study.sbatch "$1" "$2")
 }
 state() { scontrol show job "$job" | sed -n 's/.*JobState=\([A-Z]*\).*/\1/p'; }
 ended() { case $(state) in COMPLETED | FAILED | CANCELLED | TIMEOUT | NODE_FAIL) ;; *) return 1 ;; esac; }  # no word is no end
-# a requeued job may start after two minutes only, and looks ended on its way back into the queue
-started_again() {
-    [ "$(state)" != PENDING ] || scontrol update JobId="$job" StartTime=now 2>/dev/null
-    begun 4
-}
-done_well() { [ "$(state)" = COMPLETED ]; }
-completed() { done_well || { state; cat "$said"; return 1; }; }
+completed() { [ "$(state)" = COMPLETED ] || { state; tail -n 3 "$cluster/slurmctld.out"; cat "$said"; return 1; }; }
+begun() { [ "$(wc -l <"$scratch/steps")" -ge "$1" ]; }
 solved() { [ -s "$R/cases/$1.csv" ]; }
 times() { grep -c " $1\$" "$scratch/steps"; }  # a path was begun
 
+kill_step() { # PATH: kills the step that solves it, while it does; then lets it go on
+    wait_for grep -q " $1\$" "$scratch/steps"
+    step=$(sed -n "s/ .* $1\$//p" "$scratch/steps")
+    scancel "$step"
+    wait_for gone
+    rm "$scratch/hold/$1"
+}
+gone() { ! squeue --steps --noheader --format=%i | grep -qx "$step"; }
+
 # ---- undisturbed but for one step, which is killed while it runs
 touch "$scratch/hold/left"
-submit
-wait_for grep -q ' left$' "$scratch/steps"
-step=$(sed -n 's/ .* left$//p' "$scratch/steps")
-scancel "$step"
-gone() { ! squeue --steps --noheader --format=%i | grep -qx "$step"; }
-wait_for gone
-rm "$scratch/hold/left"
+submit tiny eval
+kill_step left
 wait_for ended
 check "a job completes though one of its steps was killed" completed
 check "the killed load path was tried again" test "$(times left)" = 2
@@ -141,15 +140,49 @@ check "no half-written file is left" no_half_files "$R"
 
 # ---- killed as a whole half-way, and put back into the queue
 touch "$scratch/hold/top" "$scratch/hold/right" "$scratch/hold/corner"
-submit
-begun() { [ "$(wc -l <"$scratch/steps")" -ge "$1" ]; }
+submit tiny eval
 wait_for solved left
 wait_for begun 3  # the two that a job of two tasks began with, and the one after left
-scontrol requeue "$job"
-wait_for started_again
+# Slurm tells the second only of when a job's credential was made and when its former one was revoked: a job that starts again
+# in the second in which it was killed is refused by its nodes, and has failed. So a requeued job waits as long as a
+# credential lives, two minutes; that second is all we wait for. A job that is back in the queue is killed no more.
+refusals() { grep -c "Killing non-startable batch JobId=$job:" "$cluster/slurmctld.out"; }
+queued() { [ "$(state)" = PENDING ]; }
+started_or_ended() { begun 4 || ended; }  # 4: one more than were begun before
+start_again() {
+    for try in 1 2 3; do
+        refused=$(refusals)
+        scontrol requeue "$job" && wait_for queued || return 1
+        sleep 2
+        scontrol update JobId="$job" StartTime=now && wait_for started_or_ended || return 1
+        if begun 4; then return; fi
+        [ "$(refusals)" -gt "$refused" ] || break  # what Slurm refused may be asked again; nothing else
+    done
+    echo "job $job is $(state) after $try tries; slurmctld:"
+    tail -n 5 "$cluster/slurmctld.out"
+    return 1
+}
+check "a job that is killed half-way and put back into the queue starts again" start_again
 rm "$scratch/hold"/*
-wait_for done_well
-check "a job killed half-way runs again and completes" completed
+wait_for ended
+check "it completes" completed
 check "what was solved before was not solved again" test "$(times left)" = 1
 check "its results have the contents of the run without Slurm" same_contents "$R" "$scratch/local"
+
+# ---- a solid: every step makes a mesh of its own beside its CSV, and one of them is killed with its mesh there
+solid_study >"$work/fem/studies/solid.toml"
+R=$work/results/solid
+run make PYTHON="$PYTHON" STUDY=solid eval -j2
+check "a solid's study is solved without Slurm to begin with" exited 0
+cp -R "$R" "$scratch/solid"
+killed=validation-0001
+touch "$scratch/hold/$killed"
+submit solid eval
+kill_step $killed
+wait_for ended
+check "a solid's job completes though a step was killed between its mesh and its CSV" completed
+check "the killed path alone was tried again" test "$(times $killed) $(wc -l <"$scratch/steps")" = "2 8"
+check "every path of the solid was a step of its own" test "$(cut -d' ' -f1 "$scratch/steps" | sort -u | grep -c "^$job\.[0-9]")" = 8
+check "a solid's results have the contents of the run without Slurm" same_contents "$R" "$scratch/solid"
+check "no mesh is left beside them" no_half_files "$R"
 finish

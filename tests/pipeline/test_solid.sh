@@ -5,42 +5,7 @@
 make_copy
 TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}") || exit 1
 R=$work/results/solid
-cat >"$work/fem/studies/solid.toml" <<'TOML'
-based_on = "block3-mini"
-
-[lattice]
-cells = [5, 5, 3]
-
-[mesh]
-sizes_m = [0.006, 0.025]
-
-[loads]
-magnitudes_m = [0.002, 0.004]
-record_step_m = 0.002
-contacts = [
-  { at_m = [0.050, 0.050], depth_m = 0.004, pushes_deg = [[0, 0]] },
-  { at_m = [0.030, 0.065], depth_m = 0.004, pushes_deg = [[30, 45]] },
-]
-
-[draws.validation]
-count = 1
-depth_m = [0.002, 0.004]
-
-[draws.held_out]
-count = 2
-depth_m = [0.002, 0.004]
-
-[draws.held_out_near]
-count = 1
-depth_m = [0.002, 0.004]
-
-[draws.held_out_sideways]
-count = 1
-depth_m = [0.001, 0.002]
-
-[springs]
-terms = ["spring.all", "cell.all", "contact.normal", "contact.imprint_normal", "contact.hardening"]
-TOML
+solid_study >"$work/fem/studies/solid.toml"
 make_solid() { run make PYTHON="$PYTHON" STUDY=solid "$@"; }
 make_solid all -j2
 check "a solid's study runs from mesh to report" exited 0
