@@ -521,6 +521,26 @@ std::vector<StudyPath> read_contacts(TomlReader& in, const Study& study) {
     return paths;
 }
 
+Study::Map read_map(TomlReader in, const Study& study) {
+    Study::Map map;
+    map.depth_m = in.number("depth_m", positive);
+    if (map.depth_m > study.loads.depth_m()) in.refuse("depth_m", "must not be beyond loads.magnitudes_m");
+    const auto places = [&](const char* key, double size_m) {
+        const std::vector<double> at = in.numbers(key);
+        const double least_m = study.indenter.clearance_m();
+        if (at.size() < 2) in.refuse(key, "must have two entries at least");
+        for (std::size_t i = 1; i < at.size(); ++i)
+            if (!(at[i] > at[i - 1] + tiny_m)) in.refuse(key, "must be ascending");
+        if (at.front() < least_m - tiny_m || at.back() > size_m - least_m + tiny_m)
+            in.refuse(key, fmt::format("a disc of radius {:g} mm needs {:g} mm from every wall", 1e3 * study.indenter.radius_m, 1e3 * least_m));
+        return at;
+    };
+    map.x_m = places("x_m", study.geometry.width_m);
+    map.y_m = places("y_m", study.geometry.length_m);
+    in.refuse_the_rest();
+    return map;
+}
+
 /// validation, held_out, or held_out_WORD.
 bool is_role(const std::string& role) {
     const std::string held_out = "held_out";
@@ -587,6 +607,11 @@ void read_solid_fe(TomlReader& in, Study& study) {
     study.loads = read_magnitudes(loads);
     study.loads.paths = read_contacts(loads, study);
     loads.refuse_the_rest();
+
+    if (in.has("map")) {
+        if (!study.nodule) in.refuse("map", "shows a nodule, and there is none");
+        study.map = read_map(in.table("map"), study);
+    }
 }
 
 /// Measured contacts, in place of all that.
@@ -687,7 +712,8 @@ Study read_study(const std::string& file) {
 
     if (in.has("data") && !block) in.refuse("data", "is measured on the block; a shape has finite elements");
     if (in.has("data") && solid) in.refuse("data", "is measured in the plane; a solid block has finite elements");
-    if (in.has("nodule") && !solid) in.refuse("nodule", "needs a solid block, one with geometry.length_m");
+    for (const char* key : {"nodule", "map"})
+        if (in.has(key) && !solid) in.refuse(key, "needs a solid block, one with geometry.length_m");
     if (in.has("data"))
         read_data(in, study);
     else if (solid)
