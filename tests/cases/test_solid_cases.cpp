@@ -124,7 +124,7 @@ TEST_CASE("a nodule stiffens springs and cells by what of it lies in them, and i
     const double E = 6 * 754.0, volume_m3 = 0.02 * 0.02 * 0.05 / 3;
     const Eigen::VectorXd moduli = solid_moduli(solid(), mesh, cells);
     CHECK(moduli.minCoeff() == Approx(E));
-    CHECK(((moduli.array() / E - 1) / (18000 / E - 1)).sum() * volume_m3 == Approx(4.0 / 3 * 3.14159265 * std::pow(0.008, 3)).epsilon(0.15));
+    CHECK(((moduli.array() / E - 1) / (18000 / E - 1)).sum() * volume_m3 == Approx(4.0 / 3 * 3.14159265 * std::pow(0.008, 3)).epsilon(0.3));  // by 64 points a cell
     const NodeField points = nodule_points(solid());
     CHECK(points.col(3).sum() == Approx(std::log(18000 / E) * 4.0 / 3 * 3.14159265 * std::pow(0.008, 3)).epsilon(1e-6));
     CHECK((points.leftCols(3).colwise().mean().transpose() - solid().nodule->centre_m).norm() < 1e-12);
