@@ -37,11 +37,12 @@ DRAWN = {  # studies judged on drawn contacts, and what README calls their model
 }
 SHOWN = [("surface", "shape", "shape"), ("surface", "held_out", "held_out"), ("surface", "ablation", "ablation"),
          ("organ", "shape", "organ"), ("block3", "solid", "block3-solid"),
-         ("block3", "held_out", "block3-held_out"), *(("paper", figure, figure) for figure in FIGURES)]  # study, figure, its name beside README
+         ("block3", "held_out", "block3-held_out"), ("nodule3", "map", "nodule3-map"), *(("paper", figure, figure) for figure in FIGURES)]  # study, figure, its name beside README
 SPACE = {  # models of solids, and what README calls them
     ("block3", "learned"): "**learned law**, {numbers} numbers, {paths} FE paths (`block3`)",
     ("block3-quick", "learned"): "law, {numbers} numbers, {paths} FE paths (`block3-quick`, its own contacts)",
-    ("block3", "untrained"): "the same law, nothing learned",
+    ("nodule3", "learned"): "law, {numbers} numbers, {paths} FE paths, a nodule in the block (`nodule3`, its own contacts)",
+    ("block3", "untrained"): "`block3`'s law, nothing learned",
     ("block3", "force_table"): "FE force table",
     ("block3", "heuristic_a_patch"): "heuristic, E2 = E, without cells, under the untrained law's contact",
     ("block3", "uniform_patch"): "one stiffness, likewise",
@@ -148,6 +149,20 @@ def space_table(evaluations):
     return rows
 
 
+def nodule_table(e):
+    """What the map of study nodule3 says: over the nodule, far away, and their ratio."""
+    contrast = e["map"]["contrast"]
+    force = {tuple(p["contact_m"]): p for p in e["map"]["places"]}
+
+    def row(name, places):
+        values = [1e3 * sum(force[tuple(p)][model] for p in places) / len(places) for model in ("fe_N", "learned_N")]
+        return f"| {name} | {values[0]:.1f} mN | {values[1]:.1f} mN |"
+
+    return [f"| straight in, {1e3 * e['map']['depth_m']:g} mm | finite elements | learned law |", "|---|---|---|",
+            row("over the nodule's middle", [contrast["over_m"]]), row("far from it", contrast["far_m"]),
+            f"| contrast | {contrast['fe']:.3f} | {contrast['learned']:.3f} |"]
+
+
 def ablation_table(variants, roles=("held_out", "held_out_full")):
     rows = ["| numbers | FE paths | training | " + " | ".join(f"{role}: force | {role}: shape" for role in roles) + " |",
             "|---|---|---|" + "---|---|" * len(roles)]
@@ -210,7 +225,8 @@ def main():
         ("surface", ["surface", "surface-sets"], lambda: surface_table(evaluations["surface"], evaluations["surface-sets"])),
         ("drawn", DRAWN, lambda: drawn_table(evaluations)),
         ("ablation", ["surface"], lambda: ablation_table(variants("surface"))),
-        ("space", ["block3", "block3-quick"], lambda: space_table(evaluations)),
+        ("space", ["block3", "block3-quick", "nodule3"], lambda: space_table(evaluations)),
+        ("nodule", ["nodule3"], lambda: nodule_table(evaluations["nodule3"])),
         ("space-ablation", ["block3"], lambda: ablation_table(variants("block3"), SPACE_ROLES)),
         ("measured", ["measured"], lambda: measured_table(evaluations["measured"])),
     ]

@@ -180,7 +180,7 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         "FIGURES := {}\n",
         study.data ? "import " + for_make(study, "data.file", study.data->file) : "collect --paths $(R)/cases",
         study.data ? "import" : "collect", names,
-        solid                    ? study.draws.empty() ? "" : "held_out held_out_force shape solid"
+        solid                    ? std::string(study.draws.empty() ? "" : "held_out held_out_force shape solid") + (study.map ? " map" : "")
         : study.springs.is_law() ? study.data            ? "held_out"
                                  : study.draws.empty() ? "contours"
                                                        : "held_out held_out_force shape contours"

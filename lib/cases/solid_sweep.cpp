@@ -129,6 +129,13 @@ std::vector<PlannedPath> solid_paths(const Study& study, const std::optional<Sha
             checks.push_back(check);
         }
     }
+    int number = 0;
+    if (study.map)
+        for (const double y : study.map->y_m)
+            for (const double x : study.map->x_m) {
+                const StudyPath push{fmt::format("map-{:04}", ++number), Eigen::Vector3d(x, y, study.geometry.height_m), solid_push(0, 0), study.map->depth_m};
+                paths.push_back(planned(study, push, "map"));
+            }
     paths.insert(paths.end(), checks.begin(), checks.end());
     return paths;
 }

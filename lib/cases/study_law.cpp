@@ -2,7 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <vector>
 
 #include "mesh/topology.h"
 
@@ -43,6 +45,30 @@ Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, con
         }
     }
     return part;
+}
+
+Eigen::VectorXd solid_moduli(const Study& study, const SpringMesh& mesh, const Cells& pieces) {
+    const double E = study.material.youngs_modulus_Pa();
+    Eigen::VectorXd own = Eigen::VectorXd::Constant(pieces.rows(), E);
+    if (study.nodule)
+        own += (study.nodule->youngs_modulus_Pa() - E) * fraction_inside(mesh, pieces, study.nodule->centre_m, study.nodule->radius_m);
+    return own;
+}
+
+NodeField nodule_points(const Study& study) {
+    constexpr int across = 8;
+    const Study::Nodule& nodule = *study.nodule;
+    std::vector<Eigen::Vector3d> places;
+    for (int i = 0; i < across * across * across; ++i) {
+        const Eigen::Vector3d at = (2 * Eigen::Vector3d(i % across, i / across % across, i / across / across).array() + 1) / across - 1;
+        if (at.norm() < 1) places.emplace_back(nodule.centre_m + nodule.radius_m * at);
+    }
+    const double volume_m3 = 4 * 3.14159265358979323846 / 3 * std::pow(nodule.radius_m, 3);
+    NodeField points(static_cast<Eigen::Index>(places.size()), 4);
+    for (Eigen::Index g = 0; g < points.rows(); ++g)
+        points.row(g) << places[static_cast<std::size_t>(g)].transpose(),
+            volume_m3 / static_cast<double>(places.size()) * std::log(nodule.youngs_modulus_Pa() / study.material.youngs_modulus_Pa());
+    return points;
 }
 
 namespace {
@@ -89,14 +115,13 @@ EnergyLaw solid_law(const Study& study, const std::optional<Shape>& shape, const
                                                        study.springs.area_cap_E2, study.indenter.radius_m);
         return {mesh, heuristic, study.springs.terms};
     }
-    const auto modulus = [&](const Cells& pieces) {
-        Eigen::VectorXd own = Eigen::VectorXd::Constant(pieces.rows(), E);
-        if (!study.nodule) return own;
-        const double more = study.nodule->youngs_modulus_Pa() / study.material.youngs_modulus_Pa() - 1;
-        return Eigen::VectorXd(own.array() * (1 + more * fraction_inside(mesh, pieces, study.nodule->centre_m, study.nodule->radius_m).array()));
-    };
-    const LawHeuristic heuristic =
-        solid_heuristic(mesh, modulus(mesh.springs), modulus(mesh_cells(mesh)), E, study.springs.area_cap_E2, study.indenter.radius_m);
+    const Eigen::VectorXd springs = factor * solid_moduli(study, mesh, mesh.springs), cells = factor * solid_moduli(study, mesh, mesh_cells(mesh));
+    LawHeuristic heuristic = solid_heuristic(mesh, springs, cells, E, study.springs.area_cap_E2, study.indenter.radius_m);
+    if (study.nodule) {
+        heuristic.stiffer.resize(springs.size() + cells.size());
+        heuristic.stiffer << (springs / E).array().log(), (cells / E).array().log();
+        heuristic.ground = nodule_points(study);
+    }
     return {mesh, heuristic, study.springs.terms};
 }
 

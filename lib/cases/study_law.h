@@ -12,6 +12,12 @@ namespace tissue {
 /// of its own, in proportion to its E.
 Eigen::VectorXd triangle_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_N_m);
 
+/// E of each row of springs or cells in space [Pa]: of the block, and in proportion to what of it lies in the nodule.
+Eigen::VectorXd solid_moduli(const Study& study, const SpringMesh& mesh, const Cells& pieces);
+
+/// The study's nodule as points that fill it evenly, 8 across (G x 4): place [m], volume times log(E / E_block) [m3].
+NodeField nodule_points(const Study& study);
+
 /// Part of each row's pieces that lies in a ball, by points spread evenly over it: 4 along a spring, 64 in a cell.
 Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, const Point& centre_m, double radius_m);
 

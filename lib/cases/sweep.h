@@ -13,7 +13,7 @@ namespace tissue {
 /// One FE solve of a study: which push, how deep, and what it is for.
 struct PlannedPath {
     StudyPath push;
-    std::string role;    ///< train, validation, held_out, held_out_full, check (one of them again, on the finer mesh)
+    std::string role;    ///< train, validation, held_out, held_out_full, map, check (one of them again, on the finer mesh)
     double depth_m;
     int records;         ///< after the one at rest
     int refine;          ///< of the mesh it is solved on

@@ -7,6 +7,7 @@
 #include "cases/load_path.h"
 #include "eval/closed_loop.h"
 #include "eval/force_error.h"
+#include "eval/force_map.h"
 #include "eval/held_out.h"
 #include "eval/spring_character.h"
 #include "train/training_books.h"
@@ -55,6 +56,7 @@ struct Evaluation {
     std::optional<LawBook> law_book;
     TruthCheck truth;                                            ///< of FE itself, on the finer mesh
     HeldOut held_out;                                            ///< empty where the study draws no contacts
+    ForceMap map;                                                ///< empty where the study has none
     std::optional<Measurement> measurement;                      ///< of measured cases
     bool listed = true;                                          ///< with curves, front and the springs' character
     std::vector<FrontPoint> front;                               ///< loss against distance from the heuristic

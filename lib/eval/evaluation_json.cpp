@@ -138,6 +138,13 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
             row["displacement_m"].push_back(s.displacement_m.row(i));
         j["drawn_shapes"].push_back(std::move(row));
     }
+    if (const ForceMap& map = evaluation.map; !map.empty()) {
+        j["map"] = {{"depth_m", map.depth_m}, {"lost", map.lost}};
+        for (const ForceMap::Place& p : map.places)
+            j["map"]["places"].push_back({{"name", p.name}, {"contact_m", p.contact_m}, {"fe_N", p.fe_N}, {"learned_N", or_null(p.learned_N)}});
+        if (const auto& c = map.contrast)
+            j["map"]["contrast"] = {{"over_m", c->over_m}, {"far_m", c->far_m}, {"fe", c->fe}, {"learned", or_null(c->learned)}};
+    }
     if (!evaluation.truth.empty()) {
         j["truth_check"] = to_value(evaluation.truth.difference);
         j["truth_check"]["lost"] = evaluation.truth.lost;

@@ -190,7 +190,7 @@ const DrawnContacts* HeldOut::role(const std::string& name) const {
 HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int threads, bool with_baselines) {
     HeldOut result;
     for (const LoadPath& path : cases.paths)
-        if (path.role != "train" && path.role != "check" && !result.role(path.role))
+        if (path.role != "train" && path.role != "check" && path.role != "map" && !result.role(path.role))
             result.roles.push_back({path.role, {}, {}});
     if (result.empty()) return result;
 

@@ -161,7 +161,23 @@ std::string truth_markdown(const TruthCheck& truth) {
     return out + "\n\n";
 }
 
-std::string figures_markdown(std::initializer_list<const char*> figures) {
+std::string map_markdown(const ForceMap& map) {
+    if (map.empty()) return "";
+    std::string out = fmt::format("## The map of force\n\n{} straight pushes of {:g} mm over the top, which nothing was trained on.",
+                                  map.places.size(), 1e3 * map.depth_m);
+    std::vector<double> errors;
+    for (const ForceMap::Place& p : map.places)
+        if (p.learned_N) errors.push_back(std::abs(*p.learned_N - p.fe_N) / p.fe_N);
+    if (!errors.empty()) out += fmt::format(" The law's force is wrong by {} (median / p95 / max, n = {}).", summary(statistics_of(errors)), errors.size());
+    if (const auto& c = map.contrast)
+        out += fmt::format(" Over the nodule's middle it is {:.3f} times that far from it in finite elements, {} in the law.", c->fe,
+                           c->learned ? fmt::format("{:.3f}", *c->learned) : "not known");
+    if (!map.lost.empty()) out += fmt::format(" FE lost {}:\n", map.lost.size());
+    for (const std::string& lost : map.lost) out += "\n- " + lost;
+    return out + "\n\n";
+}
+
+std::string figures_markdown(const std::vector<const char*>& figures) {
     std::string out = "\n## Figures\n\n";
     for (const char* figure : figures) out += fmt::format("![{0}](figures/{0}.png)\n\n", figure);
     return out;
@@ -191,6 +207,13 @@ std::string law_markdown(const LawModel& law, const LawBook& book, bool measured
     if (!book.lost.empty()) out += "\nPushes trained on that are not held:\n\n";
     for (const std::string& lost : book.lost) out += "- " + lost + "\n";
     return out;
+}
+
+std::string solid_figures(const Evaluation& e) {
+    std::vector<const char*> figures;
+    if (!e.held_out.empty()) figures = {"held_out", "held_out_force", "shape", "solid"};
+    if (!e.map.empty()) figures.push_back("map");
+    return figures.empty() ? "" : figures_markdown(figures);
 }
 
 }  // namespace
@@ -225,7 +248,7 @@ std::string to_markdown(const Evaluation& e) {
         version);
     }
 
-    out += broken_markdown(e) + measurement_markdown(e) + held_out_markdown(e.held_out, e.measurement.has_value(), solid) + truth_markdown(e.truth);
+    out += broken_markdown(e) + measurement_markdown(e) + held_out_markdown(e.held_out, e.measurement.has_value(), solid) + map_markdown(e.map) + truth_markdown(e.truth);
     out += "## Errors at the trained contacts: median / p95 / max\n\n";
     if (!e.open_loop()) {
         out += "| model | closed loop | n |\n|---|---|---|\n";
@@ -255,7 +278,7 @@ std::string to_markdown(const Evaluation& e) {
 
     if (e.law_book)
         return out + law_markdown(*e.energy_law, *e.law_book, e.measurement.has_value()) +
-               (solid                ? e.held_out.empty() ? "" : figures_markdown({"held_out", "held_out_force", "shape", "solid"})
+               (solid                ? solid_figures(e)
                 : e.measurement      ? figures_markdown({"held_out"})
                 : e.held_out.empty() ? figures_markdown({"contours"})
                                      : figures_markdown({"held_out", "held_out_force", "shape", "contours"}));

@@ -77,7 +77,7 @@ std::string terms_csv(const LawModel& law) {
 }
 
 std::string contact_csv(const PatchLaw& patch, const std::vector<std::string>& rows) {
-    std::string contact = "row,log_k_N_m,phase,corner,edge\n";
+    std::string contact = fmt::format("row,log_k_N_m,phase,{},edge\n", patch.hardens() ? "ground" : "corner");
     for (std::size_t m = 0; m < rows.size(); ++m)
         contact += fmt::format("{},{}\n", rows[m], values(patch.log_N_m.row(static_cast<Eigen::Index>(m))));
     return contact;

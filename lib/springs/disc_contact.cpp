@@ -41,7 +41,19 @@ double DiscContact::profile(double x) {
     return ((2 - x * x) * std::asin(1 / x) + std::sqrt(x * x - 1)) / pi;
 }
 
-DiscContact::DiscContact(const SpringMesh& mesh, double radius_m) : surface_(mesh), rest_(mesh.nodes), radius_m_(radius_m) {
+double DiscContact::ground_at(const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const {
+    const double squared = radius_m_ * radius_m_;
+    double sum = 0;
+    for (Eigen::Index g = 0; g < ground_.rows(); ++g) {
+        const Eigen::Vector3d ray = ground_.row(g).head<3>().transpose() - contact_m;
+        const double depth = std::max(0.0, ray.dot(inward));
+        sum += ground_(g, 3) * depth * depth / std::pow(squared + ray.squaredNorm(), 3);
+    }
+    return 8 * radius_m_ / (pi * pi) * sum;
+}
+
+DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, NodeField ground)
+    : surface_(mesh), rest_(mesh.nodes), radius_m_(radius_m), ground_(std::move(ground)) {
     if (!mesh.is_solid()) throw MismatchError("a disc needs a surface in space");
     if (!(radius_m > 0)) throw MismatchError("a disc needs a radius > 0");
 }
@@ -118,7 +130,7 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
     double crowd = 0;
     for (int node : near) crowd += std::exp(-std::pow(away_m(node) / (width * h), 2) / 2) / (2 * pi * width * width);
     const double phase = (crowd - 1) / (4 * std::exp(-2 * pi * pi * width * width));
-    rows.factors << 1, phase, 0, std::exp(-surface_.to_crease_m(place.point_m) / h);
+    rows.factors << 1, phase, ground_at(centre, normal), std::exp(-surface_.to_crease_m(place.point_m) / h);
     return rows;
 }
 

@@ -19,22 +19,30 @@ namespace tissue {
 ///            (3.75)), and the imprint goes over to that with 1 - (R / r)^2
 /// Where between the nodes it stands is `phase`: how far the nodes crowd there, as a sum of Gaussian bells of 0.35 spacings
 /// about them, over its mean; scaled so that on a square lattice it is cos 2 pi x + cos 2 pi y over 2, to a tenth.
+/// What of the ground under it is of other stiffness is `ground`: to first order in log E / E_block the force changes by exp of
+/// its mean, weighted with the energy that the disc stores there. Under a force on incompressible ground the stress is along
+/// rays alone, as z / r^3 (Boussinesq; Johnson, (3.19)), so that the weight is z^2 / r^6, with R for what is nearer:
+///   ground = sum_g (8 R / pi^2) z_g^2 / (R^2 + r_g^2)^3 weight_g, 1 for a half space with log E / E_block = 1 everywhere
 /// Nodes round a crease do not belong to it.
 class DiscContact final : public ContactKernel {
    public:
-    /// Throws MismatchError for a radius that is not positive.
-    DiscContact(const SpringMesh& mesh, double radius_m);
+    /// ground: what is of other stiffness than the block, as points (G x 4): place [m], volume times log(E / E_block) [m3];
+    /// no rows: nothing. Throws MismatchError for a radius that is not positive.
+    DiscContact(const SpringMesh& mesh, double radius_m, NodeField ground = NodeField());
 
     ContactRows rows_at(const Point& contact_m) const override;  ///< at the surface's point nearest to that
     double spacing_m() const override { return surface_.spacing_m(); }
 
     /// phi at r / R.
     static double profile(double x);
+    /// `ground` of a contact there, `inward` into the tissue.
+    double ground_at(const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const;
 
    private:
     FreeSurface surface_;
     NodeField rest_;
     double radius_m_;
+    NodeField ground_;
 };
 
 }  // namespace tissue

@@ -17,7 +17,7 @@ namespace {
 
 const std::vector<std::string> patch_rows = {"normal", "tangent", "rotation", "stretch"};
 const std::vector<std::string> disc_rows = {"normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"};
-constexpr std::array<const char*, 4> patch_factors = {"", "phase", "corner", "edge"};
+constexpr std::array<const char*, 4> patch_factors = {"", "phase", "corner", "edge"}, disc_factors = {"", "phase", "ground", "edge"};
 
 std::vector<std::string> split(const std::string& text) {
     std::vector<std::string> parts{""};
@@ -33,13 +33,13 @@ std::vector<std::string> split(const std::string& text) {
 /// Row and factor of a contact's term.
 std::pair<int, int> patch_term(const std::string& term, const std::vector<std::string>& parts, bool solid) {
     const std::vector<std::string>& rows = solid ? disc_rows : patch_rows;
+    const auto& factors = solid ? disc_factors : patch_factors;
     const auto row = std::find(rows.begin(), rows.end(), parts.size() > 1 ? parts[1] : "");
-    const auto factor = parts.size() == 2 ? patch_factors.begin()
-                                          : std::find(patch_factors.begin() + 1, patch_factors.end(), parts.size() == 3 ? parts[2] : "");
-    if (row == rows.end() || factor == patch_factors.end() || (solid && *factor == std::string("corner")))
-        throw MismatchError(fmt::format("term '{}' is not known; allowed: contact. and one of {}, then nothing or one of .phase{}, .edge",
-                                        term, fmt::join(rows, ", "), solid ? "" : ", .corner"));
-    return {static_cast<int>(row - rows.begin()), static_cast<int>(factor - patch_factors.begin())};
+    const auto factor = parts.size() == 2 ? factors.begin() : std::find(factors.begin() + 1, factors.end(), parts.size() == 3 ? parts[2] : "");
+    if (row == rows.end() || factor == factors.end())
+        throw MismatchError(fmt::format("term '{}' is not known; allowed: contact. and one of {}, then nothing or one of .{}", term,
+                                        fmt::join(rows, ", "), fmt::join(factors.begin() + 1, factors.end(), ", .")));
+    return {static_cast<int>(row - rows.begin()), static_cast<int>(factor - factors.begin())};
 }
 
 /// E2 of the cells: of the squares of a lattice, or of what lies around the nodes of a shape.
@@ -129,6 +129,8 @@ EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, cons
         on_patch_.emplace_back(-1, -1);
         if (parts[0] == "contact") {
             on_patch_.back() = patch_term(terms[t], parts, mesh.is_solid());
+            if (mesh.is_solid() && on_patch_.back().second == PatchLaw::ground_factor && heuristic.ground.rows() == 0)
+                throw MismatchError(fmt::format("term '{}' is zero everywhere", terms[t]));
             continue;
         }
         if ((parts[0] != "spring" && parts[0] != "cell") || parts.size() < 2)
@@ -137,6 +139,11 @@ EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, cons
         auto value = value_.col(column).segment(spring ? 0 : springs.rows(), spring ? springs.rows() : cells.rows());
         value.setOnes();
         for (std::size_t f = 1; f < parts.size(); ++f) try {
+                if (mesh.is_solid() && parts[f] == "nodule") {
+                    if (heuristic.stiffer.size() == 0) value.setZero();
+                    else value.array() *= heuristic.stiffer.segment(spring ? 0 : springs.rows(), value.size()).array();
+                    continue;
+                }
                 value.array() *= places.factor(parts[f], spring ? springs : cells).array();
             } catch (const MismatchError& e) {
                 throw MismatchError(fmt::format("term '{}': {}", terms[t], e.what()));

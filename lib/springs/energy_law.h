@@ -32,6 +32,8 @@ struct LawHeuristic {
     Eigen::VectorXd constants;   ///< of a TissueEnergy [N/m] (E)
     Eigen::VectorXd cap;         ///< that cells stay below [N/m] (C)
     PatchLaw patch;              ///< the same everywhere
+    Eigen::VectorXd stiffer = {};  ///< of a solid with a nodule: log of springs' and cells' E over the block's (S + C)
+    NodeField ground = {};         ///< and the nodule as points (springs/disc_contact.h)
 };
 
 /// formulation: plane-stress or plane-strain. area_cap: of cells, over E2; plane strain starts 5 % below it.
@@ -63,8 +65,9 @@ LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triang
 ///                   horizontal vertical diagonal   1 for these springs of a lattice
 ///   in space        top bottom wall   exp(-distance / spacing) from the highest and the lowest place, from a block's sides
 ///                   z z2 z3 z4, and of x and y the even powers; spring alone horizontal vertical face body
+///                   nodule      log(E / E_block), E in proportion to what of it lies in the nodule
 ///   contact.normal contact.tangent contact.rotation contact.stretch, alone or with one of: phase corner edge (PatchLaw)
-///   of a disc normal tangent imprint_normal imprint_tangent hardening saturation coupling, with one of: phase edge
+///   of a disc normal tangent imprint_normal imprint_tangent hardening saturation coupling, with one of: phase ground edge (DiscContact)
 class EnergyLaw {
    public:
     /// Throws MismatchError for a term that is not known, does not fit the mesh, is zero everywhere or stands twice.
@@ -72,6 +75,7 @@ class EnergyLaw {
 
     const std::vector<std::string>& terms() const { return terms_; }
     TissueEnergy energy(const SpringMesh& mesh) const { return {mesh, heuristic_.incompressible}; }
+    const NodeField& ground() const { return heuristic_.ground; }
     bool incompressible() const { return heuristic_.incompressible; }
     int size() const { return static_cast<int>(terms_.size()); }
 

@@ -5,8 +5,8 @@
 
 namespace tissue {
 
-std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, double disc_radius_m) {
-    if (mesh.is_solid()) return std::make_unique<DiscContact>(mesh, disc_radius_m);
+std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, double disc_radius_m, const NodeField& ground) {
+    if (mesh.is_solid()) return std::make_unique<DiscContact>(mesh, disc_radius_m, ground);
     return std::make_unique<ContactSurface>(mesh);
 }
 

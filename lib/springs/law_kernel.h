@@ -7,7 +7,7 @@
 
 namespace tissue {
 
-/// Contacts of a law on a mesh: the patch in the plane; in space a disc of that radius [m].
-std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, double disc_radius_m);
+/// Contacts of a law on a mesh: the patch in the plane; in space a disc of that radius [m] on that ground (springs/disc_contact.h).
+std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, double disc_radius_m, const NodeField& ground = NodeField());
 
 }  // namespace tissue

@@ -75,16 +75,19 @@ const DatasetTable& sets_table() {
     return table;
 }
 
-const DatasetTable& law_table() {
-    static const DatasetTable table = {
+const DatasetTable& law_table(bool solid) {
+    static const DatasetTable plane = {
         {"/law/terms", "P", Values::names(), "text", "terms of the rest mesh"},
         {"/law/coefficients", "P", Values::logarithm(), "1", "coefficient of each term"},
         {"/law/constants", "E", Values::positive(), "N/m", "theta of the springs, then A of cells and regions, in space Pa"},
         {"/law/patch_log", "K x 4", Values::logarithm(), "log(N/m)",
          "contact: normal, tangent, rotation, stretch, of a disc normal, tangent, imprint_normal, imprint_tangent, hardening, saturation, coupling; "
-         "by 1, phase, corner, edge"},
+         "by 1, phase, corner (of a disc ground), edge"},
     };
-    return table;
+    static const DatasetTable space = joined(plane, {
+        {"/law/ground", "G x 4", Values::place(), "m, m3", "what under a disc is of other stiffness: place, volume times log(E / E_block)", Rows::any, true},
+    });
+    return solid ? space : plane;
 }
 
 namespace {
@@ -102,12 +105,13 @@ void write_sets(Hdf5Writer& file, const TissueModel& model) {
 }
 
 void write_law(Hdf5Writer& file, const LawModel& law) {
-    TableWriter out(file, law_table());
+    TableWriter out(file, law_table(law.patch.hardens()));
     out.write_texts("/law/terms", law.terms);
     out.write("/law/coefficients", law.coefficients);
     out.write("/law/constants", law.constants);
     out.write("/law/patch_log", NodeField(law.patch.log_N_m));
     file.attribute("/law", "incompressible", law.incompressible ? 1.0 : 0.0);
+    if (law.ground.rows() > 0) out.write("/law/ground", law.ground);
     if (law.patch.hardens()) file.attribute("/law", "disc_radius_m", law.disc_radius_m);
 }
 
@@ -121,7 +125,7 @@ void read_sets(TableReader in, TissueModel& model) {
 }
 
 LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
-    TableReader in(file, law_table());
+    TableReader in(file, law_table(mesh.is_solid()));
     LawModel law;
     law.terms = in.texts("/law/terms");
     law.coefficients = in.vector("/law/coefficients");
@@ -131,6 +135,7 @@ LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
     if (patch.rows() != rows) in.refuse("/law/patch_log", fmt::format("has {} rows, wanted {}", patch.rows(), rows));
     law.patch.log_N_m = patch;
     if (mesh.is_solid()) {
+        if (in.has("/law/ground")) law.ground = in.field("/law/ground");
         law.disc_radius_m = file.number_attribute("/law", "disc_radius_m");
         if (!(law.disc_radius_m > 0 && law.disc_radius_m < 1e3))
             in.refuse("/law", fmt::format("attribute 'disc_radius_m' is {}, must be a number > 0", law.disc_radius_m));

@@ -23,7 +23,8 @@ struct LawModel {
     Eigen::VectorXd constants;             ///< what they make of the heuristic: of a TissueEnergy [N/m] (E)
     PatchLaw patch;                        ///< and of the contact
     bool incompressible = false;           ///< whether regions keep their area too (TissueEnergy)
-    double disc_radius_m = 0;              ///< in space: of the disc that presses
+    double disc_radius_m = 0;              ///< in space: of the disc that presses,
+    NodeField ground = {};                 ///< and what under it is of other stiffness (G x 4, springs/disc_contact.h); often no rows
 };
 
 /// What plays: everything that the realtime core, the exports and the page need. What training wrote down beside it is

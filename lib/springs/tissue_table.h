@@ -10,6 +10,6 @@ const DatasetTable& tissue_table(bool solid = false);
 
 /// Those that stand there when the stiffness is sets, and those when it is a law.
 const DatasetTable& sets_table();
-const DatasetTable& law_table();
+const DatasetTable& law_table(bool solid = false);
 
 }  // namespace tissue

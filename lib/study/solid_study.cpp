@@ -119,6 +119,26 @@ Study::Loads::Pushes read_pushes(TomlReader& in) {
     return pushes;
 }
 
+Study::Map read_map(TomlReader in, const Study& study) {
+    Study::Map map;
+    map.depth_m = in.number("depth_m", positive);
+    if (map.depth_m > study.loads.depth_m()) in.refuse("depth_m", "must not be beyond loads.magnitudes_m");
+    const auto places = [&](const char* key, double size_m) {
+        const std::vector<double> at = in.numbers(key);
+        const double least_m = study.indenter.clearance_m();
+        if (at.size() < 2) in.refuse(key, "must have two entries at least");
+        for (std::size_t i = 1; i < at.size(); ++i)
+            if (!(at[i] > at[i - 1] + tiny_m)) in.refuse(key, "must be ascending");
+        if (at.front() < least_m - tiny_m || at.back() > size_m - least_m + tiny_m)
+            in.refuse(key, fmt::format("a disc of radius {:g} mm needs {:g} mm from every wall", 1e3 * study.indenter.radius_m, 1e3 * least_m));
+        return at;
+    };
+    map.x_m = places("x_m", study.geometry.width_m);
+    map.y_m = places("y_m", study.geometry.length_m);
+    in.refuse_the_rest();
+    return map;
+}
+
 /// Contacts of a shape, listed or spread: cases/solid_training.h finds their places.
 void read_shape_contacts(TomlReader& in, Study& study) {
     Study::Loads& loads = study.loads;
@@ -218,6 +238,11 @@ void read_solid_fe(TomlReader& in, Study& study) {
     else
         read_shape_contacts(loads, study);
     loads.refuse_the_rest();
+
+    if (in.has("map")) {
+        if (!study.nodule) in.refuse("map", "shows a nodule, and there is none");
+        study.map = read_map(in.table("map"), study);
+    }
 }
 
 }  // namespace tissue

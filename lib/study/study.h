@@ -62,6 +62,14 @@ struct Study {
     };
     std::optional<Nodule> nodule;
 
+    /// Straight pushes of one depth all over a solid's top, at every x and every y: what a nodule feels like. Nothing is trained on
+    /// them.
+    struct Map {
+        double depth_m;
+        std::vector<double> x_m, y_m;  ///< ascending, two at least
+    };
+    std::optional<Map> map;
+
     std::vector<int> cells = {0, 0};  ///< of the block's spring lattice, along x and y, of a solid z too
     double spring_size_m = 0;  ///< length of the springs that gmsh fills an outline or a surface with; 0 for a shape that is a mesh
 

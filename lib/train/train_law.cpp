@@ -68,7 +68,7 @@ void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vect
                    const LawTrainingOptions& options, const Eigen::VectorXd& p, Eigen::Ref<Eigen::VectorXd> f,
                    Eigen::Ref<RowMatrix> J, std::vector<std::string>* lost, LawRests* rests) {
     const TissueEnergy energy = law.energy(mesh);
-    const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, options.disc_radius_m);
+    const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, options.disc_radius_m, law.ground());
     const Eigen::Index D = mesh.dimension();
     if (rests) rests->resize(paths.size());
     const Eigen::VectorXd constants = law.constants(p);
@@ -137,7 +137,7 @@ void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vect
 double heuristic_factor(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths,
                         const LawTrainingOptions& options) {
     const TissueEnergy energy = law.energy(mesh);
-    const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, options.disc_radius_m);
+    const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, options.disc_radius_m, law.ground());
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(law.size()), constants = law.constants(zero);
     std::vector<Eigen::Vector2d> sums(paths.size(), Eigen::Vector2d::Zero());  // of f.F / F.F and f.f / F.F
     parallel_for(static_cast<int>(paths.size()), options.threads, [&](int i) {

@@ -82,6 +82,7 @@ def load(folder):
         if results.solid:
             results.tetrahedra = f["mesh/tetrahedra"][()]
             results.facets = f["mesh/facets"][()]
+            results.ground = f["law/ground"][()] if "law/ground" in f else None
         else:
             results.triangles = f["mesh/triangles"][()]
             results.boundary = f["mesh/boundary"][()]

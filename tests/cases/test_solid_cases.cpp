@@ -10,9 +10,11 @@
 
 #include "cases/plan.h"
 #include "cases/solid_sweep.h"
+#include "cases/study_law.h"
 #include "cases/study_mesh.h"
 #include "error.h"
 #include "../example.h"
+#include "mesh/topology.h"
 #include "../mutations.h"
 #include "../refusal.h"
 #include "../solid_example.h"
@@ -95,6 +97,53 @@ TEST_CASE("a solid's paths are its own pushes, every draw of every role, and som
     Study unchecked = solid();
     unchecked.check_sizes_m = {};
     CHECK(planned_paths(unchecked).size() == 74);
+}
+
+TEST_CASE("a map's paths are straight pushes row by row, of a role of their own, and the plan draws it") {
+    const Study mapped = example_study(solid_study_text() + "\n[map]\ndepth_m = 0.005\nx_m = [0.012, 0.06, 0.088]\ny_m = [0.04, 0.068]\n");
+    std::vector<PlannedPath> paths;
+    for (const PlannedPath& p : planned_paths(mapped))
+        if (p.role == "map") paths.push_back(p);
+    REQUIRE(paths.size() == 6);
+    CHECK(planned_paths(mapped).size() == planned_paths(solid()).size() + 6);
+    CHECK(paths[0].push.name == "map-0001");
+    CHECK(paths[1].push.contact_m == Eigen::Vector3d(0.06, 0.04, 0.05));
+    CHECK(paths[5].push.contact_m == Eigen::Vector3d(0.088, 0.068, 0.05));
+    for (const PlannedPath& p : paths) {
+        CHECK(p.push.direction == Eigen::Vector3d(0, 0, -1));
+        CHECK(p.depth_m == 0.005);
+        CHECK(p.records == 3);
+    }
+    CHECK_THAT(make_plan(mapped).fragment, Contains("FIGURES := held_out held_out_force shape solid map\n"));
+    CHECK_THAT(make_plan(solid()).fragment, Contains("FIGURES := held_out held_out_force shape solid\n"));
+}
+
+TEST_CASE("a nodule stiffens springs and cells by what of it lies in them, and its points have its volume") {
+    const SpringMesh mesh = study_mesh(solid(), {}, "grid26");
+    const Cells cells = mesh_cells(mesh);
+    const double E = 6 * 754.0, volume_m3 = 0.02 * 0.02 * 0.05 / 3;
+    const Eigen::VectorXd moduli = solid_moduli(solid(), mesh, cells);
+    CHECK(moduli.minCoeff() == Approx(E));
+    CHECK(((moduli.array() / E - 1) / (18000 / E - 1)).sum() * volume_m3 == Approx(4.0 / 3 * 3.14159265 * std::pow(0.008, 3)).epsilon(0.3));  // by 64 points a cell
+    const NodeField points = nodule_points(solid());
+    CHECK(points.col(3).sum() == Approx(std::log(18000 / E) * 4.0 / 3 * 3.14159265 * std::pow(0.008, 3)).epsilon(1e-6));
+    CHECK((points.leftCols(3).colwise().mean().transpose() - solid().nodule->centre_m).norm() < 1e-12);
+    CHECK((points.leftCols(3).rowwise() - solid().nodule->centre_m.transpose()).rowwise().norm().maxCoeff() < 0.008);
+
+    Study other = solid();
+    other.springs.terms = {"spring.nodule", "cell.nodule", "contact.normal.ground"};
+    const EnergyLaw law = study_law(other, {}, mesh);
+    Eigen::VectorXd p = Eigen::VectorXd::Zero(3);
+    const Eigen::VectorXd before = law.constants(p);
+    p << 1, 0, 0;
+    const Eigen::VectorXd ratio = law.constants(p).cwiseQuotient(before).head(mesh.spring_count());
+    CHECK((ratio - solid_moduli(solid(), mesh, mesh.springs) / E).norm() < 1e-9);  // exp(1 log(E / E_block))
+    CHECK(law.ground() == points);
+    other.nodule.reset();
+    for (const char* term : {"spring.nodule", "cell.nodule", "contact.hardening.ground"}) {
+        other.springs.terms = {"spring.all", term};
+        CHECK_THAT(refusal<MismatchError>([&] { study_law(other, {}, mesh); }), Contains(std::string("term '") + term + "' is zero everywhere"));
+    }
 }
 
 TEST_CASE("a solid's drawn contacts lie on the top as far from the walls as their role says, pushed as it says") {

@@ -9,6 +9,7 @@
 #include "springs/contact_spring.h"
 #include "springs/energy_law.h"
 #include "springs/law_kernel.h"
+#include "springs/law_press.h"
 #include "../example.h"
 #include "../mesh/disc.h"
 #include "../refusal.h"
@@ -105,6 +106,28 @@ TEST_CASE("the tables of a law in space hold all its energy, the contact's too",
           Approx(contact.load(push, contact.gather(u)).energy_J).epsilon(tolerance::rounding));
     CHECK(std::count(table.kind.begin(), table.kind.end(), "normal") == 1);
     CHECK(contact_table(model, {0, 1}).hardening.row(1) == table.hardening.row(0));
+}
+
+TEST_CASE("a law in space comes back from its file with its ground, and one without has none", "[export][solid]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("model.h5");
+    TissueModel model = solid_example();
+    const auto back = [&] {
+        write_model(file, model, {"tissuectl test", 0, {}});
+        return read_model(file);
+    };
+    CHECK(back().energy_law->ground.rows() == 0);
+    model.energy_law->ground = NodeField::Constant(3, 4, 0.02);
+    model.energy_law->ground(1, 3) = 1e-7;
+    model.energy_law->patch.log_N_m(0, PatchLaw::ground_factor) = 0.5;
+    CHECK(back().energy_law->ground == model.energy_law->ground);
+    CHECK(LawPress(back()).at(model.contact_m.row(1).transpose(), 0.002 * model.direction.row(1).transpose()).contact_force ==
+          LawPress(model).at(model.contact_m.row(1).transpose(), 0.002 * model.direction.row(1).transpose()).contact_force);
+    const double stiffness = contact_table(model, {1}).k_N_m[0];
+    model.energy_law->ground.resize(0, 4);
+    CHECK(stiffness > contact_table(model, {1}).k_N_m[0]);
+    model.energy_law->ground = NodeField::Constant(3, 4, 2e3);  // no place of a tissue
+    CHECK_THAT(refusal<FileError>(back), Contains("model.h5: /law/ground"));
 }
 
 TEST_CASE("a law in space is pressed at its cases too, where no arc length says the place", "[export][solid]") {

@@ -5,17 +5,41 @@
 make_copy
 TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}") || exit 1
 R=$work/results/solid
-solid_study >"$work/fem/studies/solid.toml"
+{
+    solid_study | sed 's/"contact.hardening"\]/"contact.hardening", "contact.normal.ground", "spring.nodule"]/'
+    cat <<'TOML'
+
+[nodule]
+centre_m = [0.050, 0.050, 0.030]
+radius_m = 0.012
+C1_Pa = 1052.0
+C2_Pa = 1964.0
+
+[map]
+depth_m = 0.002
+x_m = [0.050, 0.080]
+y_m = [0.050, 0.080]
+TOML
+} >"$work/fem/studies/solid.toml"
 make_solid() { run make PYTHON="$PYTHON" STUDY=solid "$@"; }
 make_solid all -j2
 check "a solid's study runs from mesh to report" exited 0
-figures="held_out held_out_force shape solid"
+figures="held_out held_out_force shape solid map"
 check "every figure of its plan is drawn, and the report's list is the plan's" sh -c 'for f in $1; do [ -s "$2/figures/$f.png" ] || exit 1; done
     [ "$(sed -n "s/^!\[\(.*\)\].*/\1/p" "$2/report.md" | tr "\n" " ")" = "$1 " ]' - "$figures" "$R"
 check "the report speaks of places on the top, tilt and the surface's nodes" sh -c \
     'grep -q "^| contact | x mm | y mm | tilt deg |" "$1" && grep -q "over the free nodes of the surface" "$1" && ! grep -q nan "$1"' - "$R/report.md"
 check "it says what each model and role is" sh -c 'for w in learned force_table untrained heuristic_a_patch uniform_patch; do grep -q "^- model \`$w\`: " "$1" || exit 1; done
     for w in held_out held_out_near held_out_sideways; do grep -q "^- contacts of \`$w\`: " "$1" || exit 1; done' - "$R/report.md"
+check "the map has every place's force in both, and the report the contrast of eval.json" "$PYTHON" -c "import json, sys
+e, report = json.load(open(sys.argv[1] + '/eval.json')), open(sys.argv[1] + '/report.md').read()
+places, contrast = e['map']['places'], e['map']['contrast']
+assert [p['contact_m'] for p in places] == [[x, y, 0.05] for y in (0.05, 0.08) for x in (0.05, 0.08)], places
+assert all(0 < p['learned_N'] < 2 * p['fe_N'] for p in places) and not e['map']['lost']
+assert contrast['over_m'] == places[0]['contact_m'] and contrast['far_m'] == [places[3]['contact_m']]
+assert abs(contrast['fe'] - places[0]['fe_N'] / places[3]['fe_N']) < 1e-9
+assert '%.3f times that far from it' % contrast['fe'] in report
+assert not any('map' in role for role in e['closed_loop'])" "$R"
 check "report.html is there" exist "$R/report.html"
 run make PYTHON="$PYTHON" STUDY=solid -q all
 check "asked again, there is nothing to do" exited 0

@@ -28,13 +28,22 @@ NodeField crooked(const SpringMesh& mesh, double size_m) {
     return u;
 }
 
+/// One point of other stiffness under the top of block().
+NodeField nodule() {
+    NodeField points(1, 4);
+    points << 0.03, 0.03, 0.01, 3e-6;
+    return points;
+}
+
 EnergyLaw law_on(const SpringMesh& mesh, const std::vector<std::string>& terms) {
     const Eigen::VectorXd E = Eigen::VectorXd::Constant(mesh.spring_count(), 4524), cells = Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), 4524);
-    return {mesh, solid_heuristic(mesh, E, cells, 4524, 12, 0.007), terms};
+    LawHeuristic heuristic = solid_heuristic(mesh, E, cells, 4524, 12, 0.007);
+    heuristic.ground = nodule();
+    return {mesh, heuristic, terms};
 }
 
 const std::vector<std::string> some_terms = {"spring.all", "spring.face.top", "cell.all", "spring.upright", "contact.normal",
-    "contact.normal.phase", "contact.tangent", "contact.imprint_normal", "contact.imprint_tangent.edge", "contact.hardening", "contact.saturation", "contact.coupling"};
+    "contact.normal.phase", "contact.tangent.ground", "contact.tangent", "contact.imprint_normal", "contact.imprint_tangent.edge", "contact.hardening", "contact.saturation", "contact.coupling"};
 
 }  // namespace
 
@@ -106,11 +115,34 @@ TEST_CASE("a disc's weights sum to one and reproduce places wherever it stands",
     CHECK(DiscContact::profile(1 + 1e-9) == Approx(0.5).epsilon(1e-4));
 }
 
+TEST_CASE("a disc's ground is 1 on a half space of one log of stiffness, 0 on none, and falls with the way to a nodule") {
+    const SpringMesh mesh = block(6, 6, 2);
+    const double radius_m = 0.007, step_m = 0.003;
+    std::vector<Eigen::Vector3d> places;
+    const Eigen::Vector3d at(0.0312, 0.0277, 0.02), down(0, 0, -1);
+    for (double x = -0.2985; x < 0.3; x += step_m)
+        for (double y = -0.2985; y < 0.3; y += step_m)
+            for (double z = step_m / 2; z < 0.3; z += step_m) places.emplace_back(at + Eigen::Vector3d(x, y, -z));
+    NodeField half_space(static_cast<Eigen::Index>(places.size()), 4);
+    for (std::size_t i = 0; i < places.size(); ++i)
+        half_space.row(static_cast<Eigen::Index>(i)) << places[i].transpose(), std::pow(step_m, 3);
+    CHECK(DiscContact(mesh, radius_m, half_space).ground_at(at, down) == Approx(1 - 0.04).margin(0.01));  // what is left lies farther away than 0.3 m
+    CHECK(DiscContact(mesh, radius_m, half_space).ground_at(at + Eigen::Vector3d(0, 0, -0.4), down) == 0);  // all behind it
+    CHECK(DiscContact(mesh, radius_m).rows_at(at).factors[2] == 0);
+    NodeField nodule(1, 4);
+    nodule << 0.0312, 0.0277, 0.008, 2e-6;
+    const DiscContact kernel(mesh, radius_m, nodule);
+    const double over = kernel.rows_at(at).factors[2], beside = kernel.rows_at(at + Eigen::Vector3d(0.008, 0, 0)).factors[2];
+    CHECK(over == Approx(2e-6 * 8 * 0.007 / 9.8696044 * 0.000144 / std::pow(0.000193, 3)).epsilon(1e-6));
+    CHECK(beside < 0.6 * over);
+    CHECK(beside > 0);
+}
+
 TEST_CASE("a contact that hardens derives from its energy, and its derivatives are those of its force", "[solid]") {
     const SpringMesh mesh = block(6, 6, 2);
     const EnergyLaw law = law_on(mesh, some_terms);
     Eigen::VectorXd p = Eigen::VectorXd::LinSpaced(law.size(), -0.4, 0.5);
-    const ContactRows rows = DiscContact(mesh, 0.007).rows_at(Eigen::Vector3d(0.0312, 0.0277, 0.02));
+    const ContactRows rows = DiscContact(mesh, 0.007, nodule()).rows_at(Eigen::Vector3d(0.0312, 0.0277, 0.02));
     const ContactSpring spring(rows, law.patch(p));
     const Eigen::Vector3d push(1e-3, -2e-3, -6e-3);
     const Eigen::VectorXd u = spring.gather(crooked(mesh, 1e-3));
@@ -152,7 +184,7 @@ TEST_CASE("a pressed solid rests in balance, harder the deeper, and its derivati
     const SpringMesh mesh = block(6, 6, 3);
     const EnergyLaw law = law_on(mesh, some_terms);
     const TissueEnergy energy = law.energy(mesh);
-    const DiscContact kernel(mesh, 0.007);
+    const DiscContact kernel(mesh, 0.007, nodule());
     PressSolver solver(energy, kernel);
     Eigen::VectorXd p = Eigen::VectorXd::LinSpaced(law.size(), -0.2, 0.2);
     const Eigen::Vector3d at(0.0312, 0.0277, 0.03), push = 6e-3 * Eigen::Vector3d(0.3, 0.2, -1).normalized();

@@ -153,6 +153,28 @@ TEST_CASE("a nodule lies inside its block, or is refused") {
     said("C2_Pa = 2000.0", "C2_Pa = 2000.0\nmu_Pa = [1]", "nodule.mu_Pa");
 }
 
+TEST_CASE("a map is straight pushes at every x and y of a solid with a nodule, or is refused by key") {
+    const std::string map = "\n[map]\ndepth_m = 0.005\nx_m = [0.012, 0.06, 0.088]\ny_m = [0.04, 0.068]\n", last = "C2_Pa = 2000.0\n";
+    const Study s = example_study(solid_study_text() + map);
+    REQUIRE(s.map);
+    CHECK(s.map->depth_m == 0.005);
+    CHECK(s.map->x_m == std::vector<double>{0.012, 0.06, 0.088});
+    CHECK(s.map->y_m == std::vector<double>{0.04, 0.068});
+    CHECK_FALSE(example_study(solid_study_text()).map);
+    const auto wrong = [&](const std::string& from, const std::string& to, const std::string& key) { return said(last, last + with(map, from, to), key); };
+    CHECK_THAT(wrong("0.005", "0.0101", "map.depth_m"), Contains("magnitudes_m"));
+    wrong("0.005", "0", "map.depth_m");
+    CHECK_THAT(wrong("0.012, ", "0.0119, ", "map.x_m"), Contains("12 mm"));
+    CHECK_THAT(wrong("0.068", "0.0681", "map.y_m"), Contains("12 mm"));
+    CHECK_THAT(wrong("0.06, 0.088", "0.06, 0.06", "map.x_m"), Contains("ascending"));
+    CHECK_THAT(wrong("[0.04, 0.068]", "[0.04]", "map.y_m"), Contains("two entries"));
+    wrong("y_m = [0.04, 0.068]", "", "map.y_m");
+    wrong("y_m", "z_m = 1\ny_m", "map.z_m");
+    const std::string& text = solid_study_text();
+    CHECK_THAT(refusal<StudyError>([&] { example_study(text.substr(0, text.find("[nodule]")) + map); }), Contains("key 'map'") && Contains("nodule"));
+    CHECK_THAT(refusal<StudyError>([&] { example_study(example_study_text() + map); }), Contains("key 'map'") && Contains("geometry.length_m"));
+}
+
 TEST_CASE("draws of a solid have any number of held_out_WORD roles, each with a seed, ranges and a clearance of its own") {
     const Study s = example_study(solid_study_text());
     std::vector<std::string> roles;
