@@ -75,6 +75,10 @@ def shape(entry):
     return three(entry["shape"]).rpartition(" (")[0] if entry["shape"] and entry["shape"]["n"] else "none"
 
 
+def seconds(value):
+    return f"{value:.2g} s" if value < 99.5 else f"{value:.0f} s"
+
+
 def results_table(evaluation):
     rows = ["| model | rel_loss (9) | resolved force | closed loop | its shape |", "|---|---|---|---|---|"]
     for model, errors in evaluation["open_loop"].items():
@@ -132,7 +136,7 @@ def drawn_table(evaluations):
         t = e["training"]
         numbers = len(t["terms"]) if "terms" in t else f"{t['sets']} sets"
         paths = t.get("paths", evaluations["surface"]["training"]["paths"])  # sets have those of surface
-        rows.append(f"| {name} | {numbers} | {paths} | {t['seconds']:.2g} s | {roles_of(e, 'learned')} |")
+        rows.append(f"| {name} | {numbers} | {paths} | {seconds(t['seconds'])} | {roles_of(e, 'learned')} |")
     return rows
 
 
@@ -144,7 +148,7 @@ def space_table(evaluations):
         training = e["training"]
         cells = [f"{three(e['closed_loop'][role][model])} | {shape(e['closed_loop'][role][model])}" for role in SPACE_ROLES]
         rows.append(f"| {name.format(numbers=len(training['terms']), paths=training['paths'])} | "
-                    + (f"{training['seconds']:.2g} s" if model == "learned" else "") + " | " + " | ".join(cells) + " |")
+                    + (seconds(training['seconds']) if model == "learned" else "") + " | " + " | ".join(cells) + " |")
     rows.append("| the truth's own error, finer mesh | | " + three(evaluations["block3"]["truth_check"]) + " | " * 6 + "|")
     return rows
 
@@ -168,7 +172,7 @@ def ablation_table(variants, roles=("held_out", "held_out_full")):
             "|---|---|---|" + "---|---|" * len(roles)]
     for v in sorted(variants, key=lambda v: (v["fe_paths"], v["numbers"])):
         cells = [f"{three(v[role]['learned'])} | {shape(v[role]['learned'])}" for role in roles]
-        rows.append(f"| {v['numbers']} | {v['fe_paths']} | {v['seconds']:.2g} s | " + " | ".join(cells) + " |")
+        rows.append(f"| {v['numbers']} | {v['fe_paths']} | {seconds(v['seconds'])} | " + " | ".join(cells) + " |")
     return rows
 
 

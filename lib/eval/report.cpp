@@ -163,7 +163,7 @@ std::string truth_markdown(const TruthCheck& truth) {
 
 std::string map_markdown(const ForceMap& map) {
     if (map.empty()) return "";
-    std::string out = fmt::format("## The map of force\n\n{} straight pushes of {:g} mm over the top, which nothing was trained on.",
+    std::string out = fmt::format("## The map of force\n\n{} straight pushes of {:g} mm over the top, none of them a load case of the training.",
                                   map.places.size(), 1e3 * map.depth_m);
     std::vector<double> errors;
     for (const ForceMap::Place& p : map.places)

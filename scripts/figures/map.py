@@ -34,7 +34,7 @@ def draw(results):
     figure.colorbar(shade, ax=axes[:2], label="force along the push (mN)", location="bottom", shrink=0.6, aspect=40)
     figure.colorbar(away, ax=axes[2], label="difference", format=lambda v, _: f"{v:g} %", location="bottom", shrink=0.9)
     mirrored = " or at their mirror images" if values.shape[1] * values.shape[2] > len(at) else ""
-    figure.suptitle(f"Straight pushes of {MM * found['depth_m']:g} mm at the dots{mirrored}; nothing was trained on them" + contrast(found))
+    figure.suptitle(f"Straight pushes of {MM * found['depth_m']:g} mm at the dots{mirrored}, none of them a load case of the training" + contrast(found))
     return figure
 
 
