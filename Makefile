@@ -7,7 +7,7 @@
 # NO_INSTALL=1   name missing packages instead of installing them
 # PREFIX=PATH    where install puts programs, library, headers, man pages and completions (default /usr/local)
 # DESTDIR=PATH   put before PREFIX, for packagers
-# BENCH_OPTIONS=--quick  `make bench` without the whole study from clean, its longest part
+# BENCH_OPTIONS=--quick  `make bench` without the whole study from clean and training in space, its longest parts
 # SANITIZE=1     build with address and undefined-behaviour sanitizers, in a folder of its own
 
 # ---- names: make and the shell take others apart, or run them

@@ -6,6 +6,7 @@
 //   bench_train lattice                           building lattices and their force matrices
 //   bench_train scaling STUDY CASES               cost against sets, springs and cases in one set, with exponents
 //   bench_train space STUDY                       cost of training a law in space against nodes, springs and paths, with exponents
+//   bench_train space STUDY X Y Z PATHS           one lattice of so many cells alone, for its memory: under /usr/bin/time -v
 //   bench_train export STUDY CASES                the losses themselves, for others to minimise
 //
 // What runs on one thread, `scaling` and `space`, is measured in processor time, so that others on the machine do not count;
@@ -360,10 +361,10 @@ struct SolidProblem {
         }
     }
 
-    /// Processor seconds that training takes for one evaluation, the mean of its first four iterations.
-    double evaluation_seconds() const {
+    /// Processor seconds that training takes for one evaluation, the mean of its first iterations.
+    double evaluation_seconds(int iterations = 4) const {
         LawTrainingOptions few = options;
-        few.fit.max_iterations = 4;
+        few.fit.max_iterations = iterations;
         int evaluations = 0;
         const double seconds = processor_seconds_of([&] {
             const TrainedLaw trained = train_law(mesh, law, paths, few);
@@ -373,6 +374,20 @@ struct SolidProblem {
     }
 };
 
+Study with_cells(Study study, int x, int y, int z) {
+    study.cells[0] = x;
+    study.cells[1] = y;
+    study.cells[2] = z;
+    return study;
+}
+
+Json bench_one_solid(const Study& study, int paths) {
+    const SolidProblem problem(study, paths);
+    return {entry("train a law in space, an evaluation, " + std::to_string(paths) + " paths, " + std::to_string(problem.mesh.node_count()) +
+                      " nodes, " + std::to_string(problem.mesh.spring_count()) + " springs, processor",
+                  "s", {problem.evaluation_seconds(1)})};
+}
+
 /// Every size in turn, over and over, so that what else the machine does falls on all of them.
 Json bench_space(const std::string& study_file) {
     constexpr int repeats = 3, few_paths = 4;
@@ -381,18 +396,12 @@ Json bench_space(const std::string& study_file) {
     std::vector<SolidProblem> lattices, sets;
     std::vector<double> nodes, springs, paths;
     for (const int cells : {6, 8, 10, 12}) {
-        Study other = study;
-        other.cells[0] = other.cells[1] = cells;
-        other.cells[2] = cells / 2;
-        lattices.emplace_back(other, few_paths);
+        lattices.emplace_back(with_cells(study, cells, cells, cells / 2), few_paths);
         nodes.push_back(lattices.back().mesh.node_count());
         springs.push_back(lattices.back().mesh.spring_count());
     }
     for (const int count : {4, 8, 16, 30}) {
-        Study other = study;
-        other.cells[0] = other.cells[1] = 6;
-        other.cells[2] = 3;
-        sets.emplace_back(other, count);
+        sets.emplace_back(with_cells(study, 6, 6, 3), count);
         paths.push_back(count);
     }
     std::vector<std::vector<double>> by_lattice(lattices.size()), by_paths(sets.size());
@@ -451,6 +460,8 @@ Json run(const std::vector<std::string>& words) {
     if (command == "lattice" && given == 0) return bench_lattices();
     if (command == "scaling" && given == 2) return bench_scaling(words[1], words[2]);
     if (command == "space" && given == 1) return bench_space(words[1]);
+    if (command == "space" && given == 5)
+        return bench_one_solid(with_cells(read_study(words[1]), std::stoi(words[2]), std::stoi(words[3]), std::stoi(words[4])), std::stoi(words[5]));
     if (command == "export" && given == 2) return export_losses({words[1], words[2]});
     if (command == "loss" && given == 3) return bench_loss({words[1], words[2]}, words[3]);
     if (command == "iterate" && given == 4) return bench_iterations({words[1], words[2]}, words[3], words[4]);

@@ -49,7 +49,7 @@ def main():
     check("an exponent is fitted to four sizes or more", [e["name"] for e in exponents if e["n"] < 4])
     in_space = [e["name"] for e in exponents if "in space" in e["name"]]
     check("where costs are given as they grow, training in space has its own in nodes, springs and paths",
-          [f"none in {of}" for of in ("nodes", "springs", "paths")
+          [f"{of} without one" for of in ("nodes", "springs", "paths")
            if exponents and not any(name.endswith(f"exponent in {of}") for name in in_space)])
     return 1 if failed else 0
 
