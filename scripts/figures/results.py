@@ -82,6 +82,7 @@ def load(folder):
         if results.solid:
             results.tetrahedra = f["mesh/tetrahedra"][()]
             results.facets = f["mesh/facets"][()]
+            results.on_lattice = f.attrs["topology"] in ("grid26", b"grid26")
         else:
             results.triangles = f["mesh/triangles"][()]
             results.boundary = f["mesh/boundary"][()]
