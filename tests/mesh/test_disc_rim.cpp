@@ -92,10 +92,10 @@ const DiscRim on_top{{0.043, 0.052, 0.05}, 0.007, 0.003, 0.015};
 }  // namespace
 
 TEST_CASE("the disc's rim is one closed line of sides at its radius, which no triangle crosses", "[solid][rim]") {
-    const auto check = [](const Surface& whole, const DiscRim& disc) {
+    const auto check = [](const Surface& whole, const DiscRim& disc, double least) {
         const RimmedSurface made = with_rim(whole, disc);
         const Surface& s = made.surface;
-        CHECK(made.least_quality > 0.4);
+        CHECK(made.least_quality > least);
         const std::map<int, int> next = rim_of(s);
         REQUIRE(next.size() >= 10);
         std::size_t steps = 0;
@@ -116,9 +116,9 @@ TEST_CASE("the disc's rim is one closed line of sides at its radius, which no tr
             }
         CHECK(middle);
     };
-    check(make_surface(box(), {"bottom"}, 1e-3), on_top);
-    check(ellipsoid(5), {{0.02, 0.01, 0.03}, 0.007, 0.003, 0.012});
-    check(ellipsoid(5), {{0.058, 0, 0.01}, 0.007, 0.002, 0.012});
+    check(make_surface(box(), {"bottom"}, 1e-3), on_top, 0.5);
+    check(ellipsoid(5), {{0.02, 0.01, 0.03}, 0.007, 0.003, 0.012}, 0.3);  // what it is held by has a border of zigzags
+    check(ellipsoid(5), {{0.058, 0, 0.01}, 0.007, 0.002, 0.012}, 0.3);
 }
 
 TEST_CASE("a flat surface keeps its area and volume, its creases and what is held", "[solid][rim]") {
@@ -137,7 +137,7 @@ TEST_CASE("a curved surface keeps its volume and its disc's area to second order
     const double all = area(whole, Surface::free_label) + area(whole, Surface::fixed_label);
     std::vector<double> volumes, areas;
     for (const double h : {0.004, 0.002}) {
-        const Surface s = with_rim(whole, {{0, 0.045, 0}, 0.014, h, h}).surface;
+        const Surface s = with_rim(whole, {{0, 0, 0.03}, 0.014, h, h}).surface;
         volumes.push_back(volume(s) / volume(whole) - 1);
         areas.push_back((area(s, Surface::free_label) + area(s, Surface::fixed_label) + area(s, Surface::disc_label)) / all - 1);
         CHECK(area(s, Surface::fixed_label) == Approx(area(whole, Surface::fixed_label)).epsilon(0.01));
@@ -194,8 +194,9 @@ TEST_CASE("a surface that is no ball's is refused with its place", "[solid][rim]
     MshFile mesh = box();
     mesh.triangles.pop_back();
     CHECK(said(mesh).find("box.msh: the surface does not close: it has a border at (0.1") == 0);
-    mesh = box();
-    mesh.triangles.push_back({13, {0, 3, 7}, 2});
+    mesh = box();  // two tetrahedra on one edge
+    mesh.triangles.clear();
+    mesh.tetrahedra = {{1, {0, 1, 2, 4}, 10}, {2, {0, 1, 5, 7}, 10}};
     CHECK(said(mesh).find("the surface meets itself at") != std::string::npos);
     mesh = box();
     for (const MshFile::Element& e : box().triangles) mesh.triangles.push_back({e.number + 12, {e.node[0] + 8, e.node[1] + 8, e.node[2] + 8}, 2});
