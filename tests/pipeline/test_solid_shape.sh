@@ -63,7 +63,7 @@ with h5py.File(sys.argv[1] + "/model.h5") as m, h5py.File(sys.argv[1] + "/cases.
     assert len(m["law/constants"]) == len(springs) + len(nodes)
     volume = m["mesh/node_volume"][()].sum()
     assert 0.8 < volume / (2 / 3 * np.pi * 0.050 * 0.045 * 0.035) < 1.01, volume
-    assert (np.diff(nodes[:, 0]).mean() > 0) and nodes[:, 2].min() == 0
+    assert nodes[-1, 0] - nodes[0, 0] > 0.09 and abs(nodes[:, 2].min()) < 1e-12
     for name in c["path_names"].asstr():
         p = c["paths"][name]
         f, u = p["force"][()], p["displacement"][()]
@@ -166,9 +166,9 @@ refused "two pieces" "fem/dome.msh: the surface is not one closed one: the tissu
 (cd "$work/fem" && sed 's/^bed.*/Cylinder(9) = {0, 0, -1, 0, 0, 80, 15}; BooleanDifference(10) = { Volume{3}; Delete; }{ Volume{9}; Delete; }; &/; s/Volume("flesh") = {3}/Volume("flesh") = {10}/' dome.geo >ring.geo &&
     gmsh -v 1 -3 -clmin 14 -clmax 14 -format msh41 ring.geo -o dome.msh >/dev/null 2>&1)
 refused "a hole through it" "fem/dome.msh: the surface has a hole through it.*is 0, not 2"
-edit3 'count = 2\npushes' 'count = 2'
 sed -i '/^\[loads.spread\]/,/^pushes_deg/d' "$work/$study"
 sed -i 's/^magnitudes_m.*/&\ncontacts = [{ at_m = [0.0, 0.0, 0.2], pushes_deg = [[0, 0]] }]/' "$work/$study"
+tissuectl plan --study $study --mesh results/dome/mesh.msh --out results/dome/plan.mk  # the shape is another than in the refusals before
 tissuectl plan --study $study --mesh results/dome/mesh.msh --out results/dome/plan.mk
 check "a contact off the surface: one line says so" one_line "key 'loads.contacts\[0\].at_m': (0, 0, 0.2) m is [0-9.]* mm from the free surface"
 finish
