@@ -7,6 +7,8 @@
 #include "io/atomic_file.h"
 #include "mesh/shape.h"
 #include "mesh/solid_shape.h"
+#include "mesh/surface.h"
+#include "mesh/surface_remesh.h"
 #include "study/study.h"
 
 namespace tissue::cli {
@@ -14,7 +16,18 @@ namespace {
 
 struct Options {
     std::string study, mesh, out;
+    bool surface = false, filled = false;
 };
+
+/// A surface of triangles alone, divided into sides of the springs' length, for gmsh to fill.
+std::string divided_surface(const Study& study, const MshFile& mesh) {
+    constexpr int rounds = 8;
+    const Study::Geometry& g = study.geometry;
+    const Surface surface = make_surface(mesh, g.fixed, g.unit_m);
+    SurfaceRemesh divided(surface, {Eigen::Vector3d::Zero(), 0, study.spring_size_m, study.spring_size_m});
+    divided.remesh(rounds);
+    return to_msh(divided.surface());
+}
 
 void run(const Options& o) {
     const Study study = read_study(o.study);
@@ -22,9 +35,13 @@ void run(const Options& o) {
     if (g.is_block()) throw MismatchError("study '" + study.name + "' is of the block; it has no geometry.shape");
     MshFile mesh = read_msh(o.mesh, g.is_solid());
     mesh.file = g.shape;  // what the user knows of; the mesh is what gmsh made of it
+    if ((o.surface || o.filled) && !(g.is_solid() && study.spring_size_m > 0))
+        throw MismatchError("study '" + study.name + "' has no surface in space to fill with springs of lattice.size_m");
+    if (o.surface) return write_file(o.out, divided_surface(study, mesh));
     ShapeNotes notes;
     const auto make = g.is_solid() ? make_solid_shape : make_shape;
-    const Shape shape = make(mesh, g.fixed, study.material.region_names(), g.unit_m, &notes);
+    const std::vector<std::string> of_ours{"fixed"};
+    const Shape shape = o.filled ? make_solid_shape(mesh, of_ours, {}, 1, &notes) : make(mesh, g.fixed, study.material.region_names(), g.unit_m, &notes);
     if (notes.turned > 0)
         std::cerr << fmt::format("shape: {} {} of {} {} and were turned\n", notes.turned, g.is_solid() ? "tetrahedra" : "triangles", g.shape,
                                  g.is_solid() ? "were inside out" : "ran clockwise");
@@ -39,6 +56,8 @@ void add_shape(CLI::App& app, const Invocation&) {
     command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
     command->add_option("--mesh", o->mesh, "the shape as gmsh saved it, MSH 2.2")->required()->type_name("FILE");
     command->add_option("--out", o->out, "mesh.msh to write")->required()->type_name("FILE");
+    command->add_flag("--surface", o->surface, "write the surface of an .stl, divided into sides of lattice.size_m, for gmsh to fill");
+    command->add_flag("--filled", o->filled, "the mesh is that surface, filled");
     command->callback([o] { run(*o); });
 }
 

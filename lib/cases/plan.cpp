@@ -140,6 +140,8 @@ std::string train_part(const Study& s) {
 
 /// How gmsh makes the shape's triangles or tetrahedra: an outline or a surface is filled, a mesh is converted.
 std::string shape_arguments(const Study& s) {
+    if (s.geometry.is_solid() && s.geometry.shape.size() > 4 && s.geometry.shape.substr(s.geometry.shape.size() - 4) == ".stl")
+        return fmt::format("-setnumber size_near {0} -setnumber size_far {0}", s.spring_size_m);  // fem/fill3.geo
     if (s.spring_size_m > 0 && s.geometry.is_solid()) return fmt::format("-3 -clmin {0} -clmax {0}", s.spring_size_m / s.geometry.unit_m);
     if (s.spring_size_m > 0) return fmt::format("-2 -clmin {0} -clmax {0}", s.spring_size_m / s.geometry.unit_m);
     return "-save";

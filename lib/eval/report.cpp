@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 #include <cmath>
 #include <map>
 
@@ -93,7 +94,11 @@ std::string solid_words(const HeldOut& h) {
     std::string out = "## What the tables compare\n\n";
     for (const auto& [role, words] : roles)
         if (h.role(role)) out += fmt::format("- contacts of `{}`: {}\n", role, words);
-    out += "\nThe top of the tissue is what is pressed; *tilt* is the push's angle off straight in. The models:\n\n";
+    std::set<double> heights_m;  // one of a block's top
+    for (const DrawnContacts& role : h.roles)
+        for (const DrawnContact& c : role.contacts) heights_m.insert(c.contact_m[2]);
+    out += fmt::format("\n{} of the tissue is what is pressed; *tilt* is the push's angle off straight in. The models:\n\n",
+                       heights_m.size() < 2 ? "The top" : "The free surface");
     for (const auto& [model, words] : models)
         if (std::find(h.models.begin(), h.models.end(), model) != h.models.end()) out += fmt::format("- model `{}`: {}\n", model, words);
     return out + "\n";

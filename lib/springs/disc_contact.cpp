@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "error.h"
+#include "mesh/topology.h"
 #include "springs/contact_patch.h"
 
 namespace tissue {
@@ -56,6 +57,12 @@ DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, NodeField grou
     : surface_(mesh), rest_(mesh.nodes), radius_m_(radius_m), ground_(std::move(ground)) {
     if (!mesh.is_solid()) throw MismatchError("a disc needs a surface in space");
     if (!(radius_m > 0)) throw MismatchError("a disc needs a radius > 0");
+    carried_ = Eigen::VectorXd::Ones(mesh.node_count());
+    if (on_lattice(mesh)) return;
+    carried_.setZero();
+    const double square_m2 = surface_.spacing_m() * surface_.spacing_m();
+    for (Eigen::Index f = 0; f < surface_.facets().rows(); ++f)
+        for (int node : surface_.facets().row(f)) carried_[node] += surface_.measure()[f] / (3 * square_m2);
 }
 
 ContactRows DiscContact::rows_at(const Point& contact_m) const {
@@ -128,7 +135,7 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
         }
     }
     double crowd = 0;
-    for (int node : near) crowd += std::exp(-std::pow(away_m(node) / (width * h), 2) / 2) / (2 * pi * width * width);
+    for (int node : near) crowd += carried_[node] * std::exp(-std::pow(away_m(node) / (width * h), 2) / 2) / (2 * pi * width * width);
     const double phase = (crowd - 1) / (4 * std::exp(-2 * pi * pi * width * width));
     rows.factors << 1, phase, ground_at(centre, normal), std::exp(-surface_.to_crease_m(place.point_m) / h);
     return rows;

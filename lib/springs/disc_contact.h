@@ -18,7 +18,8 @@ namespace tissue {
 ///            follows a force the more where it points to, (1 + cos^2) for incompressible tissue far away (Cerruti; Johnson,
 ///            (3.75)), and the imprint goes over to that with 1 - (R / r)^2
 /// Where between the nodes it stands is `phase`: how far the nodes crowd there, as a sum of Gaussian bells of 0.35 spacings
-/// about them, over its mean; scaled so that on a square lattice it is cos 2 pi x + cos 2 pi y over 2, to a tenth.
+/// about them, over its mean; scaled so that on a square lattice it is cos 2 pi x + cos 2 pi y over 2, to a tenth. On a shape, whose
+/// nodes do not lie equally dense, each counts as the part of the surface that it carries.
 /// What of the ground under it is of other stiffness is `ground`: to first order in log E / E_block the force changes by exp of
 /// its mean, weighted with the energy that the disc stores there. Under a force on incompressible ground the stress is along
 /// rays alone, as z / r^3 (Boussinesq; Johnson, (3.19)), so that the weight is z^2 / r^6, with R for what is nearer:
@@ -43,6 +44,7 @@ class DiscContact final : public ContactKernel {
     NodeField rest_;
     double radius_m_;
     NodeField ground_;
+    Eigen::VectorXd carried_;  ///< part of the free surface that a node carries, in squared spacings: 1 on a lattice (N)
 };
 
 }  // namespace tissue

@@ -205,6 +205,7 @@ Study::Material read_material(TomlReader in, const Study::Geometry& geometry) {
     if (geometry.is_solid()) {
         if (in.has("formulation")) in.refuse("formulation", fmt::format("belongs to the plane; a solid {} is incompressible", geometry.is_block() ? "block" : "shape"));
         if (in.has("regions") && geometry.is_block()) in.refuse("regions", "needs a geometry.shape whose file names them; a solid block has [nodule]");
+        if (in.has("regions")) in.refuse("regions", "belongs to the plane: finite elements of a solid shape have one material");
         m.formulation = "incompressible";
     } else {
         m.formulation = in.choice("formulation", {"plane-stress", "plane-strain"});

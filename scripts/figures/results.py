@@ -83,6 +83,7 @@ def load(folder):
             results.tetrahedra = f["mesh/tetrahedra"][()]
             results.facets = f["mesh/facets"][()]
             results.ground = f["law/ground"][()] if "law/ground" in f else None
+            results.on_lattice = f.attrs["topology"] in ("grid26", b"grid26")
         else:
             results.triangles = f["mesh/triangles"][()]
             results.boundary = f["mesh/boundary"][()]

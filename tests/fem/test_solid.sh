@@ -3,7 +3,8 @@
 # wanted". Exits 0 when every check passed. Needs FreeFem++-nw and gmsh; takes two minutes.
 #
 # Sample runs: tests/fem/test_solid.sh
-#              tests/fem/test_solid.sh scripts|orders|paths|mirror|refine|refusals|count      one group alone
+#              tests/fem/test_solid.sh scripts|orders|paths|mirror|refine|refusals|shape|count      one group alone
+#              TISSUECTL=build/release/tissuectl tests/fem/test_solid.sh shape
 here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
 root=$here/../..
 fem=$root/fem
@@ -214,6 +215,157 @@ refused deep $? 1 "between .* mm of push, .* mN; the contact (0.043, 0.05, 0.05)
 solve lost off 0.03 15 0.043 0.05 0 0 -1 -allow_lost 1
 if [ $? = 0 ] && tail -n 1 "$work/lost.csv" | grep -q '^lost,[0-9]*,state refused between\|^lost,[0-9]*,no equilibrium found between'; then say "ok - a lost path keeps the records it has and says why"
 else say "not ok - a lost path keeps the records it has and says why: '$(tail -n 1 "$work/lost.csv")' vs lost"; fi
+fi
+
+# ---- any closed shape: its surface divided for the disc, filled, and recorded at the nodes of its springs
+if group shape; then
+cd "$root" || exit 1
+TISSUECTL=${TISSUECTL:-build/release/tissuectl}
+export TISSUECTL
+shapes=$work/shapes
+mkdir -p "$shapes/plan"
+: > "$shapes/plan/path-one"
+# springs_of FROM UNIT OUT: the springs' mesh as a study has it, of gmsh's own tetrahedra; what is at z = 0 is held
+springs_of() {
+  gmsh -v 1 -3 -format msh22 -setnumber whole 1 -clmin "$4" -clmax "$4" "$1" -o "$work/springs.tmp" > /dev/null
+  awk -v unit="$2" '/^\$Nodes/ { nodes = 1 } /^\$EndNodes/ { nodes = 0 } nodes && NF == 4 { for (i = 2; i <= 4; ++i) $i = sprintf("%.17g", unit * $i) } { print }' \
+    "$work/springs.tmp" > "$3"
+}
+cat > "$work/box.geo" <<'GEO'
+SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 100, 100, 50};
+Physical Surface("bottom", 1) = {5};
+DefineConstant[ whole = 0 ];
+If (whole)
+  Physical Surface("free", 2) = {1, 2, 3, 4, 6};
+EndIf
+Physical Volume("tissue", 10) = {1};
+GEO
+cat > "$work/organ.geo" <<GEO
+Merge "$fem/organ3.geo";
+DefineConstant[ whole = 0 ];
+If (whole)
+  all[] = Abs(CombinedBoundary{ Volume{:}; });
+  all[] -= bed[];
+  Physical Surface("free", 2) = {all[]};
+EndIf
+GEO
+springs_of "$work/box.geo" 0.001 "$work/box-springs.msh" 10
+springs_of "$work/organ.geo" 0.001 "$work/organ-springs.msh" 12
+# over NAME SHAPE SPRINGS FIXED NEAR DEPTH RECORDS X Y Z DX DY DZ [more]: a path by the script itself; what it says in NAME.err
+over() {
+  name=$1 shape=$2 springs=$3 held=$4 near=$5 depth=$6 records=$7 x=$8 y=$9
+  shift 9
+  z=$1 dx=$2 dy=$3 dz=$4
+  shift 4
+  scripts/solve_path "$shapes" "$name" -shape "$shape" -unit_m 0.001 -fixed "$held" -springs "$springs" -size_near "$near" \
+    -size_far 0.015 -C1 263 -C2 491 -contact_x "$x" -contact_y "$y" -contact_z "$z" -direction_x "$dx" -direction_y "$dy" \
+    -direction_z "$dz" -disc_radius 0.007 -depth "$depth" -records "$records" -tolerance 1e-10 -max_newton 12 "$@" 2> "$work/$name.err"
+  status=$?
+  if [ -f "$shapes/cases/$name.csv" ]; then cp "$shapes/cases/$name.csv" "$work/$name.csv"; fi
+  return $status
+}
+# along FILE RECORD DX DY DZ: the force along the push, mN
+along() { awk -F, -v r="$2" -v x="$3" -v y="$4" -v z="$5" '$1 == "step" && $2 == r { printf "%.6f", 1e3 * (x * $5 + y * $6 + z * $7) }' "$work/$1.csv"; }
+close_to() { # A B TOLERANCE SENTENCE
+  if awk -v a="$1" -v b="$2" -v t="$3" 'BEGIN { d = (b != 0) ? a / b - 1 : 1; exit !(a != "" && d < t && d > -t) }'; then say "ok - $4: $1 and $2 mN"
+  else say "not ok - $4: '$1' vs '$2' mN within $3"; fi
+}
+
+# a block as a shape: .geo, .msh in any place, .stl
+mesh near 0.003 0.015 -setnumber contact_x 0.043
+solve near near 0.002 1 0.043 0.05 $tilt
+block=$(along near 1 $tilt)
+over geo "$work/box.geo" "$work/box-springs.msh" bottom 0.003 0.002 1 0.043 0.05 0.0505 $tilt
+close_to "$(along geo 1 $tilt)" "$block" 0.005 "a block drawn as a shape has the block's force, from a contact off its surface too"
+gmsh -v 1 -3 -format msh22 -clmin 8 -clmax 8 "$work/box.geo" -o "$work/box.msh" > /dev/null
+awk '/^\$PhysicalNames/ { inside = 1 } /^\$Nodes/ { nodes = 1 } /^\$EndNodes/ { nodes = 0 } /^\$Elements/ { elements = 1 }
+  FNR == NR { if (nodes && NF == 4) place[$1] = $2 " " $3 " " $4
+    if (elements && $2 == 4) for (a = 1; a <= 4; ++a) for (b = a + 1; b <= 4; ++b) for (c = b + 1; c <= 4; ++c) {
+      p = $(5 + a); q = $(5 + b); r = $(5 + c); if (p > q) { t = p; p = q; q = t } if (q > r) { t = q; q = r; r = t } if (p > q) { t = p; p = q; q = t }
+      ++seen[p " " q " " r] } next }
+  END { for (pass = 0; pass < 2; ++pass) {
+      print "solid " (pass ? "rest" : "bottom")
+      for (f in seen) if (seen[f] == 1) { split(f, n, " "); low = 1; for (i = 1; i <= 3; ++i) { split(place[n[i]], x, " "); if (x[3] > 1e-9) low = 0 }
+        if (low != pass) { print "facet normal 0 0 0"; print "outer loop"; for (i = 1; i <= 3; ++i) print "vertex " place[n[i]]; print "endloop"; print "endfacet" } }
+      print "endsolid" } }' "$work/box.msh" /dev/null > "$work/box.stl"
+over stl "$work/box.stl" "$work/box-springs.msh" bottom 0.003 0.002 1 0.043 0.05 0.05 $tilt
+close_to "$(along stl 1 $tilt)" "$block" 0.005 "a block of an STL's two solids has the block's force"
+# x, y, z -> y, z, x and a turn of 0.6, 0.8 about the new z: whatever the grid of anything is
+turn='function turned(x, y, z) { X = 0.6 * y - 0.8 * z; Y = 0.8 * y + 0.6 * z; Z = x }'
+turn_mesh() { awk "$turn"' /^\$Nodes/ { nodes = 1 } /^\$EndNodes/ { nodes = 0 } nodes && NF == 4 { turned($2, $3, $4); print $1, sprintf("%.17g %.17g %.17g", X, Y, Z); next } { print }' "$1" > "$2"; }
+turn_mesh "$work/box.msh" "$work/turned.msh"
+turn_mesh "$work/box-springs.msh" "$work/turned-springs.msh"
+about=$(awk "$turn"' BEGIN { turned(0.043, 0.05, 0.05); printf "%.17g %.17g %.17g", X, Y, Z }')
+along_turned=$(awk "$turn"' BEGIN { turned(0.5, 0, -0.86602540378443865); printf "%.17g %.17g %.17g", X, Y, Z }')
+# shellcheck disable=SC2086
+over turned "$work/turned.msh" "$work/turned-springs.msh" bottom 0.003 0.002 1 $about $along_turned
+# shellcheck disable=SC2086
+close_to "$(along turned 1 $along_turned)" "$block" 0.005 "a block of tetrahedra turned in space has the block's force"
+awk -F, "$turn"' $1 == "step" && $2 == 1 { if (FNR == NR) { turned($5, $6, $7); a = X; b = Y; c = Z } else { n = sqrt($5 ^ 2 + $6 ^ 2 + $7 ^ 2); d = sqrt(($5 - a) ^ 2 + ($6 - b) ^ 2 + ($7 - c) ^ 2) } }
+  END { if (n > 0 && d < 0.005 * n) print "ok - and its three parts turn with it"; else print "not ok - and its three parts turn with it: off by " d " of " n " N" }' "$work/near.csv" "$work/turned.csv" | tee -a "$results"
+
+# the organ
+over organ "$fem/organ3.geo" "$work/organ-springs.msh" bed 0.003 0.008 4 0.04 0.045 0.0545 $tilt
+if [ -f "$work/organ.csv" ]; then say "ok - an organ's path to 8 mm at 30 degrees converges"; else say "not ok - an organ's path to 8 mm at 30 degrees converges: '$(cat "$work/organ.err")' vs a path"; : > "$work/organ.csv"; fi
+nodes=$(awk '/^\$Nodes/ { getline; print; exit }' "$work/organ-springs.msh")
+awk -F, -v wanted="$nodes" -v springs="$work/organ-springs.msh" '
+  function size(a) { return a < 0 ? -a : a }
+  BEGIN { while ((getline line < springs) > 0) { if (line ~ /^\$Nodes/) { getline line < springs; for (i = 1; i <= wanted; ++i) { getline line < springs; split(line, w, " "); for (j = 1; j <= 3; ++j) there[i, j] = w[j + 1] } break } } }
+  $1 == "step" { r = $2; s[r] = $3; E[r] = $4; push[r] = 0.5 * $5 - 0.86602540378443865 * $7; k = 0; for (j = 0; j < 3; ++j) sum[j] = 0 }
+  $1 == "node" { ++k; for (j = 1; j <= 3; ++j) { d = size($(1 + j) - there[k, j]); if (d > far) far = d; sum[j] += $(7 + j); if (size(sum[j]) > most) most = size(sum[j]) }
+    if (k == wanted) { if (r > 0) ++full; for (j = 1; j <= 3; ++j) { if (size(sum[j]) > off) off = size(sum[j]); sum[j] = 0 } } }
+  END {
+    if (full == 4 && k == wanted && far < 1e-12) print "ok - a shape records the nodes of its springs in their order"
+    else print "not ok - a shape records the nodes of its springs in their order: " full + 0 " records of " k " nodes, off by " far " m vs 4 of " wanted
+    work = (s[2] - s[0]) / 6 * (push[0] + 4 * push[1] + push[2]) + (s[4] - s[2]) / 6 * (push[2] + 4 * push[3] + push[4])
+    e = (E[4] > 0) ? size(work / E[4] - 1) : 1
+    if (e < 1e-3) print "ok - the energy of a path on a shape is the work of its conjugate force"
+    else print "not ok - the energy of a path on a shape is the work of its conjugate force: off by " e " vs 1e-3"
+    if (k > 0 && off < 1e-9 * push[4]) print "ok - the forces that a shape records add up to nothing"
+    else print "not ok - the forces that a shape records add up to nothing: " off " N vs " 1e-9 * push[4]
+  }' "$work/organ.csv" | tee -a "$results"
+level=0
+for size in "0.0064 0.02" "0.0045 0.015" "0.0032 0.0107" "0.00226 0.0075"; do
+  level=$((level + 1))
+  over level$level "$fem/organ3.geo" "$work/organ-springs.msh" bed "${size% *}" 0.002 1 0.04 0.045 0.0545 $tilt -size_far "${size#* }"
+done
+awk -v a="$(along level1 1 $tilt)" -v b="$(along level2 1 $tilt)" -v c="$(along level3 1 $tilt)" -v d="$(along level4 1 $tilt)" '
+  function away(f) { return f > d ? f - d : d - f }
+  BEGIN {
+    line = sprintf("%.3f %.3f %.3f %.3f mN on 6.4, 4.5, 3.2 and 2.3 mm elements", a, b, c, d)
+    if (d > 0 && away(c) < away(b) && away(b) < away(a) && away(c) < 0.005 * d) print "ok - the force on an organ settles under refinement: " line
+    else print "not ok - the force on an organ settles under refinement: " line " vs nearer and nearer to the last" }' | tee -a "$results"
+# balance and refused states, on a mesh made as the script makes it
+contact=$("$TISSUECTL" rim --mesh "$shapes/surface-organ3.geo-0.0045.msh" --fixed bed --unit 0.001 --contact 0.04 0.045 0.0545 --size_near 0.0045 --size_far 0.015 --out "$work/rim.msh")
+# shellcheck disable=SC2046,SC2086
+gmsh -v 1 -3 -format msh22 -setnumber size_near 0.0045 $(echo $contact | sed 's/-contact/-setnumber contact/g') "$work/rim.msh" "$fem/fill3.geo" -o "$work/organ.msh" > /dev/null
+script solid_balance.edp "-mesh $work/organ.msh -springs $work/organ-springs.msh $contact -direction_x 0.3 -direction_y -0.4 -direction_z -0.86602540378443865"
+
+# refusals
+over_refused() { # NAME STATUS WORDS SENTENCE: one line with the shape's name
+  lines=$(wc -l < "$work/$1.err")
+  if [ "$2" = 1 ] && [ "$lines" = 1 ] && grep -q -e "load path '$1': .*$3" "$work/$1.err" && ! [ -f "$shapes/cases/$1.csv" ]; then say "ok - $4"
+  else say "not ok - $4: exit $2, $lines lines, '$(head -c 300 "$work/$1.err")' vs exit 1 and one line with '$3'"; fi
+}
+organ() { name=$1 held=$2; shift 2; over "$name" "$fem/organ3.geo" "$work/organ-springs.msh" "$held" 0.0045 0.002 1 "$@" 0 0 -1; }
+organ high bed 0.04 0.045 0.08
+over_refused high $? 'organ3.geo: the contact .* m off the surface, more than two disc radii' "a contact far off a shape is refused"
+organ under bed 0.04 0.045 -0.001
+over_refused under $? 'organ3.geo: the contact .* is on the held part' "a contact on what is held is refused"
+organ low bed 0.04 0.002 0.002
+over_refused low $? 'organ3.geo: the disc of radius 0.007 m about .* overlaps the held part at' "a disc over what is held is refused"
+organ name beds 0.04 0.045 0.0545
+over_refused name $? "organ3.geo: has no surface 'beds' to hold; it has bed" "a held surface that is not there is refused with those there are"
+over regions "$fem/organ3.geo" "$work/organ-springs.msh" bed 0.0045 0.002 1 0.04 0.045 0.0545 0 0 -1 -regions lump
+over_refused regions $? 'regions of their own material (lump) are not supported' "regions in a shape in space are refused"
+awk '/^solid rest/ { rest = 1 } rest && /^facet/ && !cut { cut = 1; skip = 1 } !skip { print } /^endfacet/ { skip = 0 }' "$work/box.stl" > "$work/open.stl"
+over open "$work/open.stl" "$work/box-springs.msh" bottom 0.0045 0.002 1 0.043 0.05 0.05 0 0 -1
+over_refused open $? 'open.stl: the surface does not close: it has a border at' "an STL that does not close is refused with the place"
+over other "$work/box.geo" "$work/organ-springs.msh" bottom 0.0045 0.002 1 0.043 0.05 0.05 0 0 -1
+over_refused other $? 'is not of the same shape: nothing of it is near' "springs of another shape are refused"
+left=$(find "$shapes" -name '*.tmp' | wc -l)
+if [ "$left" = 0 ]; then say "ok - no surface or mesh of a shape is left"; else say "not ok - no surface or mesh of a shape is left: $(find "$shapes" -name '*.tmp') vs none"; fi
 fi
 
 # ---- scripts/solve_path: a mesh of its own, and how far the plan is

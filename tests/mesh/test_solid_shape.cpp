@@ -106,9 +106,8 @@ TEST_CASE("what is no solid shape is refused with its place", "[solid_shape]") {
     file.points[static_cast<std::size_t>(first.node[1])] = file.points[static_cast<std::size_t>(first.node[0])];
     CHECK_THAT(refused(file), Contains("is a sliver") && Contains(" m "));
 
-    file = good;  // pushed through the opposite face
-    MshFile::Point& moved = file.points[static_cast<std::size_t>(good.tetrahedra[0].node[3])];
-    moved = {moved.x, moved.y, -40};
+    file = good;  // a node inside, pushed through the faces across
+    file.points[static_cast<std::size_t>(good.tetrahedra[6 * 255].node[3])].x += 17;
     CHECK_THAT(refused(file), Contains("lie over each other at ("));
 
     file = good;

@@ -80,7 +80,7 @@ def cases_vtu(export, h5):
         for step in range(len(path["magnitude"])):
             grid = Grid(export / f"{name}.vtu", step)
             same(f"{name}: steps", grid.steps, len(path["magnitude"]))
-            same(f"{name}: cells", sorted(grid.types), [9 if h5["nodes"].shape[1] == 2 else 12])
+            same(f"{name}: cells", sorted(grid.types), [10 if "shape/tetrahedra" in h5 else 9 if h5["nodes"].shape[1] == 2 else 12])
             if 12 in grid.types:
                 volume, jacobian = grid.hexahedra()
                 if min(volume.min(), jacobian.min()) <= 0:
@@ -255,7 +255,13 @@ class SolidLaw:
         """contacts: of each case k (R), push (R x 3), row (Q), node (Q), pull (Q x 3), hardening."""
         self.nodes, self.springs, self.theta = nodes, springs.astype(int), theta
         self.cells, self.volume, self.stiffness, self.contacts = cells.astype(int), volume, stiffness, contacts
-        same("volumes at rest", self.volumes(nodes[self.cells]), volume, 1e-12)
+        self.shape = self.cells.shape[1] == 4  # facets of what lies about the nodes: cell and corners
+        same("volumes at rest", self.enclosed(nodes) if self.shape else self.volumes(nodes[self.cells]), volume, 1e-12)
+
+    def enclosed(self, x):
+        """By closed surfaces of facets."""
+        cell, i, j, k = self.cells.T
+        return np.bincount(cell, (np.cross(x[i], x[j]) * x[k]).sum(axis=1) / 6, len(self.volume))
 
     @staticmethod
     def volumes(x):
@@ -278,6 +284,13 @@ class SolidLaw:
         length = lambda x: np.sqrt(((x[:, 0] - x[:, 1]) ** 2).sum(axis=1))  # no abs: x may be complex
         rest = length(self.nodes[self.springs])
         scatter(self.springs, lambda x: self.theta * (length(x) - rest) ** 2 / 2)
+        if self.shape:
+            cell, i, j, k = self.cells.T
+            x = self.nodes + u
+            pressure = (self.stiffness * (self.enclosed(x) / self.volume - 1))[cell, None] / 6
+            for a, b, c in ((i, j, k), (j, k, i), (k, i, j)):
+                np.add.at(total, a, pressure * np.cross(x[b], x[c]))
+            return total
         scatter(self.cells, lambda x: self.stiffness * self.volume * (self.volumes(x) / self.volume - 1) ** 2 / 2)
         return total
 
@@ -315,6 +328,10 @@ def solid_law_csv(export, h5):
             ("nodes", "springs", "tetrahedra", "facets", "cells", "terms", "contact", "contact_rows", "contact_pull", "contact_hardening")}
     constants, S, names = h5["law/constants"][:], len(h5["mesh/springs"]), names_of(h5)
     corners = [f"node_{k >> 0 & 1}{k >> 1 & 1}{k >> 2 & 1}" for k in range(8)]
+    shape = (export / "cell_facets.csv").exists()
+    if shape:
+        same("a cell a node", column(read["cells"], "node")[:, 0], np.arange(len(h5["mesh/nodes"])))
+    cells = column(table(export / "cell_facets.csv"), "cell", "node_i", "node_j", "node_k") if shape else column(read["cells"], *corners)
     same("nodes", column(read["nodes"], "x_m", "y_m", "z_m"), h5["mesh/nodes"][:])
     same("springs", column(read["springs"], "node_i", "node_j"), h5["mesh/springs"][:])
     same("tetrahedra", column(read["tetrahedra"], "node_i", "node_j", "node_k", "node_l"), h5["mesh/tetrahedra"][:])
@@ -328,7 +345,7 @@ def solid_law_csv(export, h5):
     hardening = {row["case"]: [float(row[c]) for c in ("hardening_1_J", "saturation_1_J", "coupling_N_m2")] for row in read["contact_hardening"]}
     case = np.array([names.index(row["case"]) for row in read["contact_rows"]])
     law = SolidLaw(column(read["nodes"], "x_m", "y_m", "z_m"), column(read["springs"], "node_i", "node_j"),
-                   column(read["springs"], "stiffness_N_m")[:, 0], column(read["cells"], *corners),
+                   column(read["springs"], "stiffness_N_m")[:, 0], cells,
                    column(read["cells"], "rest_volume_m3")[:, 0], column(read["cells"], "stiffness_Pa")[:, 0],
                    contacts_of(names, case, column(read["contact_rows"], "k_N_m")[:, 0], column(read["contact_rows"], "push_x", "push_y", "push_z"),
                                column(read["contact_pull"], "row")[:, 0].astype(int), column(read["contact_pull"], "node")[:, 0].astype(int),
@@ -376,10 +393,11 @@ def law_csv(export, h5):
 
 def solid_law_numpy(export, h5, csv_export):
     parts = ["case", "k", "push", "pull_row", "pull_node", "pull", "hardening"]
-    numpy_files(export, h5, ["law/cells", "law/cell_rest", "law/contact_kind", *(f"law/contact_{part}" for part in parts)])
+    facets = ["law/cell_facets"] if (export / "law/cell_facets.npy").exists() else []
+    numpy_files(export, h5, ["law/cells", *facets, "law/cell_rest", "law/contact_kind", *(f"law/contact_{part}" for part in parts)])
     load = lambda name: np.load(export / f"{name}.npy")
     springs, constants = load("mesh/springs"), load("law/constants")
-    law = SolidLaw(load("mesh/nodes"), springs, constants[:len(springs)], load("law/cells"), load("law/cell_rest"),
+    law = SolidLaw(load("mesh/nodes"), springs, constants[:len(springs)], load((facets or ["law/cells"])[0]), load("law/cell_rest"),
                    constants[len(springs):], contacts_of(names_of(h5), *(load(f"law/contact_{part}") for part in parts)))
     for press in presses_of(Path(csv_export)):
         law.check(load("mesh/fixed"), *press)
@@ -405,7 +423,10 @@ def law_vtu(export, h5, csv_export):
         S = len(h5["mesh/springs"])
         same(f"{name}: springs", grid.nodes[:2 * S].reshape(-1, 2), h5["mesh/springs"][:])
         same(f"{name}: stiffness", grid.cells["stiffness_N_m"][:S], h5["law/constants"][:S])
-        if "mesh/tetrahedra" in h5:
+        if "stiffness_Pa" in grid.points:
+            same(f"{name}: stiffness about nodes", grid.points["stiffness_Pa"], h5["law/constants"][S:])
+            same(f"{name}: tetrahedra", grid.nodes[2 * S:].reshape(-1, 4), h5["mesh/tetrahedra"][:])
+        elif "mesh/tetrahedra" in h5:
             volume, jacobian = grid.hexahedra()
             same(f"{name}: stiffness of cells", grid.cells["stiffness_Pa"][S:], h5["law/constants"][S:])
             same(f"{name}: a cell each", len(volume), len(h5["mesh/tetrahedra"]) // 6)

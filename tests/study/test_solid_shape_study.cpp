@@ -1,3 +1,4 @@
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
@@ -98,8 +99,7 @@ TEST_CASE("keys that a solid shape has not, or must have, are refused by name", 
     CHECK_THAT(said("[springs]", "[nodule]\nradius_m = 0.01\n[springs]", "nodule"), Contains("geometry.length_m"));
     CHECK_THAT(said("[springs]", "[data]\nfile = \"x.csv\"\n[springs]", "data"), Contains("finite elements"));
     CHECK_THAT(said("sizes_m = [0.005, 0.02]", "sizes_m = [0.0071, 0.02]", "mesh.sizes_m"), Contains("indenter.radius_m"));
-    CHECK(shape_study(with(shape_study_text(), "density_kg_m3 = 1000.0", "density_kg_m3 = 1000.0\nregions.stone = { C1_Pa = 1, C2_Pa = 2 }")).material.region_names() ==
-          std::vector<std::string>{"stone"});
+    CHECK_THAT(said("density_kg_m3 = 1000.0", "density_kg_m3 = 1000.0\nregions.stone = { C1_Pa = 1, C2_Pa = 2 }", "material.regions"), Contains("one material"));
 }
 
 TEST_CASE("contacts of a solid shape are listed or spread, one of the two, and each checked", "[solid_shape]") {

@@ -1,0 +1,174 @@
+#!/bin/sh
+# A closed surface in space, end to end: a .geo on its bed, the same as a mesh of tetrahedra and as an .stl, exports, and what
+# is refused with one line.
+. "$(dirname "$0")/common"
+make_copy
+R=$work/results/dome
+study=fem/studies/dome.toml
+cat >"$work/fem/dome.geo" <<'GEO'
+SetFactory("OpenCASCADE");
+Sphere(1) = {0, 0, 0, 1};
+Dilate{ {0, 0, 0}, {50, 45, 35} }{ Volume{1}; }
+Box(2) = {-60, -60, 0, 120, 120, 60};
+BooleanIntersection(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };
+bed[] = Surface In BoundingBox{-60, -60, -0.01, 60, 60, 0.01};
+Physical Surface("table") = {bed[]};
+Physical Volume("flesh") = {3};
+GEO
+cat >"$work/$study" <<'TOML'
+based_on = "organ3"
+
+[geometry]
+shape = "../dome.geo"
+fixed = ["table"]
+
+[lattice]
+size_m = 0.014
+
+[mesh]
+sizes_m = [0.005, 0.02]
+check_fraction = 0
+
+[loads]
+magnitudes_m = [0.002, 0.004]
+
+[loads.spread]
+count = 2
+pushes_deg = [[0, 0]]
+
+[draws.validation]
+count = 1
+depth_m = [0.002, 0.004]
+
+[draws.held_out]
+count = 2
+depth_m = [0.002, 0.004]
+
+[springs]
+terms = ["spring.all", "cell.all", "contact.normal", "contact.imprint_normal", "contact.hardening"]
+TOML
+make_dome() { run make PYTHON="$PYTHON" STUDY=dome "$@"; }
+make_dome all -j2
+check "a solid shape's study runs from mesh to report" exited 0
+check "its results are there" exist "$R/mesh.msh" "$R/cases.h5" "$R/model.h5" "$R/eval.json" "$R/report.html" "$R/figures/solid.png"
+check "its springs are the edges of its tetrahedra, one closed surface, cells about its nodes; forces are in balance" "$PYTHON" - "$R" <<'PY'
+import sys
+import h5py
+import numpy as np
+with h5py.File(sys.argv[1] + "/model.h5") as m, h5py.File(sys.argv[1] + "/cases.h5") as c:
+    nodes, springs, tetrahedra, facets = (m["mesh/" + k][()] for k in ("nodes", "springs", "tetrahedra", "facets"))
+    assert m.attrs["topology"] in ("edges3", b"edges3"), m.attrs["topology"]
+    faces = (4 * len(tetrahedra) + len(facets)) // 2
+    assert len(nodes) - len(springs) + faces - len(tetrahedra) == 1
+    assert len(m["law/constants"]) == len(springs) + len(nodes)
+    volume = m["mesh/node_volume"][()].sum()
+    assert 0.8 < volume / (2 / 3 * np.pi * 0.050 * 0.045 * 0.035) < 1.01, volume
+    assert nodes[-1, 0] - nodes[0, 0] > 0.09 and abs(nodes[:, 2].min()) < 1e-12
+    for name in c["path_names"].asstr():
+        p = c["paths"][name]
+        f, u = p["force"][()], p["displacement"][()]
+        assert np.abs(f.sum(axis=1)).max() < 1e-6 * np.abs(f).max(), (name, np.abs(f.sum(axis=1)).max() / np.abs(f).max())
+        assert np.abs(u).max() < 1.5 * p["magnitude"][-1], name
+PY
+check "held-out contacts have numbers" "$PYTHON" - "$R" <<'PY'
+import json, sys
+loop = json.load(open(sys.argv[1] + "/eval.json"))["closed_loop"]["held_out"]
+assert loop["learned"]["n"] == 2 and 0 < loop["learned"]["median"] < 0.5, loop["learned"]
+PY
+check "the report speaks of its surface" grep -q "^The free surface of the tissue is what is pressed" "$R/report.md"
+run make PYTHON="$PYTHON" STUDY=dome -q all
+check "asked again, there is nothing to do" exited 0
+tissuectl info results/dome/model.h5
+check "info tells that the model is in space" says "in 3 dimensions"
+
+# ---- exports read back
+out=$scratch/out
+mkdir "$out"
+exported() { "$PYTHON" "$root/tests/pipeline/exported.py" "$@"; }
+for to in vtu csv numpy; do
+    for file in cases model; do
+        tissuectl export results/dome/$file.h5 --to $to --out "$out/$file-$to"
+        check "$file.h5 of a solid shape goes to $to" exited 0
+    done
+done
+check "VTK reads tetrahedra where cases.h5 has the nodes" exported cases-vtu "$out/cases-vtu" "$R/cases.h5"
+check "load paths as CSV read back to the last bit" exported cases-csv "$out/cases-csv" "$R/cases.h5"
+check "load paths as NumPy likewise" exported numpy "$out/cases-numpy" "$R/cases.h5"
+check "forces of tissue and hand, worked out from the law's tables, are the model's" exported law-csv "$out/model-csv" "$R/model.h5"
+check "and from the NumPy arrays" exported law-numpy "$out/model-numpy" "$R/model.h5" "$out/model-csv"
+check "VTK reads springs and tetrahedra of the pressed law" exported law-vtu "$out/model-vtu" "$R/model.h5" "$out/model-csv"
+
+# ---- the same tissue as a mesh of tetrahedra, and as an .stl
+cp -p "$work/$study" "$scratch/geo.toml"
+(cd "$work/fem" && gmsh -v 1 -3 -clmin 14 -clmax 14 -format msh41 dome.geo -o dome.msh >/dev/null 2>&1)
+sed -i -e 's/dome.geo/dome.msh/' -e '/^\[lattice\]/,/^size_m/d' "$work/$study"
+make_dome mesh
+check "tetrahedra in MSH 4.1 are taken as well" exited 0
+cp -p "$work/$study" "$scratch/good.toml"
+cp -p "$work/fem/dome.msh" "$scratch/dome.msh"
+"$PYTHON" - "$work/fem/dome.stl" "$R/mesh.msh" <<'PY'
+import sys
+lines = open(sys.argv[2]).read().split("\n")
+k, e = lines.index("$Nodes"), lines.index("$Elements")
+nodes = {l.split()[0]: l.split()[1:] for l in lines[k + 2:k + 2 + int(lines[k + 1])]}
+with open(sys.argv[1], "w") as out:
+    for name, tag in (("skin", "2"), ("table", "1")):
+        print("solid", name, file=out)
+        for l in lines[e + 2:e + 2 + int(lines[e + 1])]:
+            w = l.split()
+            if w[1] == "2" and w[3] == tag:
+                print("facet normal 0 0 0\nouter loop", *("vertex " + " ".join(repr(1e3 * float(x)) for x in nodes[n]) for n in w[5:]), "endloop\nendfacet", sep="\n", file=out)
+        print("endsolid", name, file=out)
+PY
+sed 's/dome.geo/dome.stl/' "$scratch/geo.toml" >"$work/$study"
+make_dome mesh
+check "an .stl of named surfaces is filled" exited 0
+check "its tetrahedra fill what the .stl encloses, held on its table" "$PYTHON" - "$R/mesh.msh" <<'PY'
+import sys
+import numpy as np
+lines = open(sys.argv[1]).read().split("\n")
+k, e = lines.index("$Nodes"), lines.index("$Elements")
+x = np.array([[float(w) for w in l.split()[1:]] for l in lines[k + 2:k + 2 + int(lines[k + 1])]])
+elements = [[int(w) for w in l.split()] for l in lines[e + 2:e + 2 + int(lines[e + 1])]]
+t = np.array([w[5:] for w in elements if w[1] == 4]) - 1
+volume = (np.cross(x[t[:, 1]] - x[t[:, 0]], x[t[:, 2]] - x[t[:, 0]]) * (x[t[:, 3]] - x[t[:, 0]])).sum() / 6
+assert 0.8 < volume / (2 / 3 * np.pi * 0.050 * 0.045 * 0.035) < 1.01, volume
+held = np.unique([n - 1 for w in elements if w[1] == 2 and w[3] == 1 for n in w[5:]])
+assert len(held) > 8 and np.abs(x[held, 2]).max() < 1e-9
+PY
+
+# ---- refusals: one line that names file, place and cause; the mesh there was stays
+cp -p "$scratch/good.toml" "$work/$study"
+make_dome mesh
+edit3() { sed -i "s|$1|$2|" "$work/$study"; }
+refused() { # SENTENCE LINE-PATTERN
+    cp -p "$R/mesh.msh" "$scratch/mesh.msh"
+    make_dome mesh
+    check "$1: make fails" failed
+    check "$1: one line says so" one_line "$2"
+    check "$1: the mesh of before is untouched" cmp "$R/mesh.msh" "$scratch/mesh.msh"
+    cp -p "$scratch/good.toml" "$work/$study"
+    cp "$scratch/dome.msh" "$work/fem/dome.msh"
+}
+edit3 'fixed = .*' 'fixed = ["chair"]'
+refused "no surface of that name" "fem/dome.msh: has no physical surface 'chair'; it has: table"
+edit3 'dome.msh' 'cone.msh'
+refused "a shape that is not there" "dome.toml:[0-9]*: key 'geometry.shape': there is no file fem/cone.msh"
+edit3 'dome.msh' 'dome.obj'
+refused "a shape of another kind" "'dome.obj' must be a file that ends in .geo, .msh or .stl\|ends in .geo, .msh or .stl"
+(cd "$work/fem" && sed '/Physical Volume/d' dome.geo >skin.geo && gmsh -v 1 -2 -clmin 14 -clmax 14 -format msh41 skin.geo -o dome.msh >/dev/null 2>&1)
+refused "a surface without tetrahedra" "fem/dome.msh: has no tetrahedra: is its surface closed, and its volume in a physical group?"
+head -c 3000 "$scratch/dome.msh" >"$work/fem/dome.msh"
+refused "a mesh that breaks off" "fem/dome.msh: gmsh cannot read"
+(cd "$work/fem" && sed 's/^Physical Volume.*/Box(9) = {200, 0, 0, 30, 30, 30}; Physical Volume("flesh") = {3, 9};/' dome.geo >two.geo &&
+    gmsh -v 1 -3 -clmin 14 -clmax 14 -format msh41 two.geo -o dome.msh >/dev/null 2>&1)
+refused "two pieces" "fem/dome.msh: the surface is not one closed one: the tissue has a cavity, or another piece, at (.*) m"
+(cd "$work/fem" && sed 's/^bed.*/Cylinder(9) = {0, 0, -1, 0, 0, 80, 15}; BooleanDifference(10) = { Volume{3}; Delete; }{ Volume{9}; Delete; }; &/; s/Volume("flesh") = {3}/Volume("flesh") = {10}/' dome.geo >ring.geo &&
+    gmsh -v 1 -3 -clmin 14 -clmax 14 -format msh41 ring.geo -o dome.msh >/dev/null 2>&1)
+refused "a hole through it" "fem/dome.msh: the surface has a hole through it.*is 0, not 2"
+sed -i '/^\[loads.spread\]/,/^pushes_deg/d' "$work/$study"
+sed -i 's/^magnitudes_m.*/&\ncontacts = [{ at_m = [0.0, 0.0, 0.2], pushes_deg = [[0, 0]] }]/' "$work/$study"
+tissuectl plan --study $study --mesh results/dome/mesh.msh --out results/dome/plan.mk  # the shape is another than in the refusals before
+tissuectl plan --study $study --mesh results/dome/mesh.msh --out results/dome/plan.mk
+check "a contact off the surface: one line says so" one_line "key 'loads.contacts\[0\].at_m': (0, 0, 0.2) m is [0-9.]* mm from the free surface"
+finish
