@@ -19,7 +19,8 @@ namespace tissue {
 /// each other everywhere.
 ///
 /// In space cells are a lattice's boxes, each with its volume, and a shape's are what lies around its nodes: five tetrahedra a
-/// node lock the more (average nodal volume: Bonet and Burton 1998). Four of them lie over each other everywhere.
+/// node lock the more (average nodal volume: Bonet and Burton 1998): on an organ of 11 mm springs they leave twice the untrained
+/// law's error of force. Four of them lie over each other everywhere.
 ///
 /// An incompressible tissue in the plane keeps its area as a whole and by quarters too, A of those regions the last constants (R): what
 /// the cells lose one by one, since a time step bounds how stiff they may be, adds up over the tissue, and it bulges too

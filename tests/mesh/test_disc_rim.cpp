@@ -132,6 +132,15 @@ TEST_CASE("a flat surface keeps its area and volume, its creases and what is hel
     CHECK((made.contact_m - on_top.contact_m).norm() < 1e-12);
 }
 
+TEST_CASE("what is held keeps its border within a flat face", "[solid][rim]") {
+    MshFile mesh = box();
+    mesh.triangles[2].physical = 3;  // half of the top
+    mesh.triangle_names[3] = "half";
+    const RimmedSurface made = with_rim(make_surface(mesh, {"half"}, 1e-3), {{0.07, 0.07, 0.05}, 0.007, 0.003, 0.015});
+    CHECK(area(made.surface, Surface::fixed_label) == Approx(0.005).epsilon(1e-9));
+    CHECK(volume(made.surface) == Approx(5e-4).epsilon(1e-9));
+}
+
 TEST_CASE("a curved surface keeps its volume and its disc's area to second order", "[solid][rim]") {
     const Surface whole = ellipsoid(6);
     const double all = area(whole, Surface::free_label) + area(whole, Surface::fixed_label);
