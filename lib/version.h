@@ -9,6 +9,6 @@ inline constexpr const char* version = "0.1.0";
 /// earlier programs must refuse them. Readers refuse a later one.
 inline constexpr int format_version = 1;
 inline constexpr int law_format_version = 2;
-inline constexpr int solid_format_version = 3;
+inline constexpr int solid_format_version = 4;  ///< 3 was of solids whose discs had another energy: refused
 
 }  // namespace tissue
