@@ -37,11 +37,13 @@ DRAWN = {  # studies judged on drawn contacts, and what README calls their model
 }
 SHOWN = [("surface", "shape", "shape"), ("surface", "held_out", "held_out"), ("surface", "ablation", "ablation"),
          ("organ", "shape", "organ"), ("block3", "solid", "block3-solid"),
-         ("block3", "held_out", "block3-held_out"), ("nodule3", "map", "nodule3-map"), *(("paper", figure, figure) for figure in FIGURES)]  # study, figure, its name beside README
+         ("block3", "held_out", "block3-held_out"), ("nodule3", "map", "nodule3-map"), ("organ3", "solid", "organ3-solid"),
+         *(("paper", figure, figure) for figure in FIGURES)]  # study, figure, its name beside README
 SPACE = {  # models of solids, and what README calls them
     ("block3", "learned"): "**learned law**, {numbers} numbers, {paths} FE paths (`block3`)",
     ("block3-quick", "learned"): "law, {numbers} numbers, {paths} FE paths (`block3-quick`, its own contacts)",
     ("nodule3", "learned"): "law, {numbers} numbers, {paths} FE paths, a nodule in the block (`nodule3`, its own contacts)",
+    ("organ3", "learned"): "law, {numbers} numbers, {paths} FE paths, a solid of any shape (`organ3`, its own contacts)",
     ("block3", "untrained"): "`block3`'s law, nothing learned",
     ("block3", "force_table"): "FE force table",
     ("block3", "heuristic_a_patch"): "heuristic, E2 = E, without cells, under the untrained law's contact",
@@ -146,7 +148,8 @@ def space_table(evaluations):
     for (study, model), name in SPACE.items():
         e = evaluations[study]
         training = e["training"]
-        cells = [f"{three(e['closed_loop'][role][model])} | {shape(e['closed_loop'][role][model])}" for role in SPACE_ROLES]
+        drawn = e["closed_loop"]
+        cells = [f"{three(drawn[role][model])} | {shape(drawn[role][model])}" if role in drawn else " | " for role in SPACE_ROLES]
         rows.append(f"| {name.format(numbers=len(training['terms']), paths=training['paths'])} | "
                     + (seconds(training['seconds']) if model == "learned" else "") + " | " + " | ".join(cells) + " |")
     rows.append("| the truth's own error, finer mesh | | " + three(evaluations["block3"]["truth_check"]) + " | " * 6 + "|")
@@ -229,7 +232,7 @@ def main():
         ("surface", ["surface", "surface-sets"], lambda: surface_table(evaluations["surface"], evaluations["surface-sets"])),
         ("drawn", DRAWN, lambda: drawn_table(evaluations)),
         ("ablation", ["surface"], lambda: ablation_table(variants("surface"))),
-        ("space", ["block3", "block3-quick", "nodule3"], lambda: space_table(evaluations)),
+        ("space", ["block3", "block3-quick", "nodule3", "organ3"], lambda: space_table(evaluations)),
         ("nodule", ["nodule3"], lambda: nodule_table(evaluations["nodule3"])),
         ("space-ablation", ["block3"], lambda: ablation_table(variants("block3"), SPACE_ROLES)),
         ("measured", ["measured"], lambda: measured_table(evaluations["measured"])),
