@@ -239,7 +239,7 @@ $(R)/mesh.msh $(R)/mesh-fine.msh: fem/block.geo
 endif
 
 $(R)/cases/%.csv: $(call files,fem/*.edp fem/*.idp) scripts/solve_path
-	@$(RUN) scripts/solve_path $(R) $* $(PATH_ARGUMENTS)
+	@TISSUECTL=$(TISSUECTL) $(RUN) scripts/solve_path $(R) $* $(PATH_ARGUMENTS)
 
 # the plan adds the stage, collect or import
 $(R)/cases.h5: $(PATHS:%=$(R)/cases/%.csv) | $(TISSUECTL)
