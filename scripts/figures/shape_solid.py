@@ -19,12 +19,12 @@ def draw(results):
     for column, (shape, which) in enumerate(zip(shapes, WHICH)):
         c, path = contacts[shape["name"]], results.paths[shape["name"]]
         section, profile = figure.add_subplot(grid[0, column]), figure.add_subplot(grid[1, column])
-        along, nodes = plane_of(results, path)
+        cut = lattice_cut(results, path) if results.on_lattice else shape_cut(results, path)
         fe, model = path.displacement[-1], np.array(shape["displacement_m"])
-        draw_section(section, results, path, along, nodes, fe, model)
+        draw_section(section, results, path, cut, fe, model)
         section.set_title(f"{which}, {percent(c['shape']['learned'])} (force {percent(c['error']['learned'])}):\n"
                           f"{MM * c['depth_m']:.1f} mm deep, {c['angle_deg']:.0f} degrees off straight in", fontsize=10)
-        draw_profile(profile, results, along, nodes, fe, model)
+        draw_profile(profile, results, cut, fe, model)
     if shapes:
         figure.set_layout_engine("constrained", rect=(0, 0.05, 1, 0.95))  # room for the legend
         figure.legend(*section.get_legend_handles_labels(), loc="lower left", bbox_to_anchor=(0.15, 0), ncols=4, frameon=False)
@@ -33,25 +33,60 @@ def draw(results):
     return figure
 
 
-def plane_of(results, path):
-    """The axis along which the section runs, as the push leans, and the nodes in the lattice's plane nearest to the contact."""
+class Cut:
+    """A vertical section that runs along an axis: points between two nodes each, and lines and the top's row among them."""
+
+    def __init__(self, along, place, first, second, part, lines, top):
+        self.along, self.place, self.first, self.second, self.part, self.lines, self.top = along, place, first, second, part, lines, top
+
+    def at(self, values):
+        """Of the nodes (N x 3), at the points."""
+        part = self.part[:, None]
+        return (1 - part) * values[self.first] + part * values[self.second]
+
+
+def lattice_cut(results, path):
+    """As the push leans, in the lattice's plane nearest to the contact: its springs but the diagonals."""
     along = int(np.argmax(np.abs(path.direction[:2])))
     across = results.nodes[:, 1 - along]
     nearest = across[np.argmin(np.abs(across - path.contact[1 - along]))]
-    return along, np.flatnonzero(np.abs(across - nearest) < 1e-9)
+    inside = np.abs(across - nearest) < 1e-9
+    springs = results.springs[inside[results.springs].all(axis=1)]
+    lines = springs[((results.nodes[springs[:, 0]] - results.nodes[springs[:, 1]]) != 0).sum(axis=1) == 1]
+    every = np.arange(len(results.nodes))
+    top = np.flatnonzero(inside & (results.nodes[:, 2] > results.nodes[:, 2].max() - 1e-9))
+    return Cut(along, nearest, every, every, 0.0 * every, lines, top[np.argsort(results.nodes[top, along])])
 
 
-def draw_section(axis, results, path, along, nodes, fe, model):
-    rest = MM * results.nodes[:, [along, 2]]
-    inside = np.zeros(len(rest), bool)
-    inside[nodes] = True
-    i, j = results.springs[inside[results.springs].all(axis=1)].T
-    edges = np.flatnonzero(((results.nodes[i] - results.nodes[j]) != 0).sum(axis=1) == 1)  # no diagonals
+def shape_cut(results, path):
+    """As the push leans, through the contact: where the plane meets the sides of the surface's triangles."""
+    along = int(np.argmax(np.abs(path.direction[:2])))
+    place = path.contact[1 - along]
+    above = results.nodes[:, 1 - along] > place
+    met = [f for f in results.facets if 0 < above[f].sum() < 3]
+    first, second, top = [], [], []
+    for a, b, c in met:
+        up = np.cross(results.nodes[b] - results.nodes[a], results.nodes[c] - results.nodes[a])[2] > 0
+        for i, j in ((a, b), (b, c), (c, a)):
+            if above[i] != above[j]:
+                if up and results.nodes[[i, j], 2].max() > results.nodes[:, 2].min():
+                    top.append(len(first))
+                first.append(min(i, j))
+                second.append(max(i, j))
+    first, second = np.array(first), np.array(second)
+    part = (place - results.nodes[first, 1 - along]) / (results.nodes[second, 1 - along] - results.nodes[first, 1 - along])
+    cut = Cut(along, place, first, second, part, np.arange(len(first)).reshape(-1, 2), np.array(top))
+    where = cut.at(results.nodes)[cut.top, along]
+    cut.top = cut.top[np.unique(where, return_index=True)[1]]
+    return cut
+
+
+def draw_section(axis, results, path, cut, fe, model):
+    along = cut.along
     for u, colour, style, width, label in ((0 * fe, "0.75", ":", 0.8, "at rest"), (fe, COLOURS["fe"], "-", 1.4, "finite elements"),
                                            (model, COLOURS["learned"], "--", 1.2, learned_label(results))):
-        now = rest + MM * u[:, [along, 2]]
-        axis.add_collection(LineCollection(np.stack([now[i[edges]], now[j[edges]]], axis=1), colors=colour, linewidths=width,
-                                           linestyles=style, label=label))
+        now = MM * cut.at(results.nodes + u)[:, [along, 2]]
+        axis.add_collection(LineCollection(now[cut.lines], colors=colour, linewidths=width, linestyles=style, label=label))
     start = MM * path.contact[[along, 2]]
     axis.annotate("", start + MM * path.direction[[along, 2]] * path.magnitude[-1], start, zorder=3, annotation_clip=False,
                   arrowprops={"arrowstyle": "-|>", "color": "#009E73", "linewidth": 2})
@@ -59,18 +94,17 @@ def draw_section(axis, results, path, along, nodes, fe, model):
     axis.autoscale_view()
     axis.margins(0.04)
     axis.set_aspect("equal")
-    axis.set_xlabel(f"{'xy'[along]} (mm), in the plane {'yx'[along]} = {MM * results.nodes[nodes[0], 1 - along]:.0f} mm "
+    axis.set_xlabel(f"{'xy'[along]} (mm), in the plane {'yx'[along]} = {MM * cut.place:.0f} mm "
                     f"(contact: {MM * path.contact[1 - along]:.1f})")
     axis.set_ylabel("z (mm)")
 
 
-def draw_profile(axis, results, along, nodes, fe, model):
-    top = nodes[results.nodes[nodes, 2] > results.nodes[:, 2].max() - 1e-9]
-    top = top[np.argsort(results.nodes[top, along])]
-    place = MM * results.nodes[top, along]
+def draw_profile(axis, results, cut, fe, model):
+    along = cut.along
+    place = MM * cut.at(results.nodes)[cut.top, along]
     for component, colour, label in ((2, "#D55E00", "up"), (along, "#009E73", f"along {'xy'[along]}")):
-        axis.plot(place, MM * fe[top, component], color=colour, linewidth=1.8, label=f"{label}: finite elements")
-        axis.plot(place, MM * model[top, component], "o--", color=colour, markersize=3.5, markerfacecolor="white", linewidth=1,
+        axis.plot(place, MM * cut.at(fe)[cut.top, component], color=colour, linewidth=1.8, label=f"{label}: finite elements")
+        axis.plot(place, MM * cut.at(model)[cut.top, component], "o--", color=colour, markersize=3.5, markerfacecolor="white", linewidth=1,
                   label=f"{label}: {learned_label(results)}")
     axis.axhline(0, color="0.7", linewidth=0.8)
     axis.set_xlabel(f"{'xy'[along]} at rest (mm), on the surface in that plane")
