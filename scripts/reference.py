@@ -41,7 +41,7 @@ SHOWN = [("surface", "shape", "shape"), ("surface", "held_out", "held_out"), ("s
          *(("paper", figure, figure) for figure in FIGURES)]  # study, figure, its name beside README
 SPACE = {  # models of solids, and what README calls them
     ("block3", "learned"): "**learned law**, {numbers} numbers, {paths} FE paths (`block3`)",
-    ("block3-quick", "learned"): "law, {numbers} numbers, {paths} FE paths (`block3-quick`, its own contacts)",
+    ("block3-quick", "learned"): "law, {numbers} numbers, {paths} FE paths (`block3-quick`, on the first of these contacts)",
     ("nodule3", "learned"): "law, {numbers} numbers, {paths} FE paths, a nodule in the block (`nodule3`, its own contacts)",
     ("organ3", "learned"): "law, {numbers} numbers, {paths} FE paths, a solid of any shape (`organ3`, its own contacts)",
     ("block3", "untrained"): "`block3`'s law, nothing learned",
