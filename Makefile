@@ -170,7 +170,7 @@ $(BUILD)/%.o: %.cpp $(BUILD)/flags | build/deps
 $(BUILD)/libtissue.a: $(call objects,$(LIB_SOURCES)) $(BUILD)/libtissue.list
 	@$(call alone,$@.lock) && rm -f $@.tmp && ar rcs $@.tmp $(filter %.o,$^) && mv $@.tmp $@
 
-STAGES := collect import train eval
+STAGES := rim collect import train eval
 link = $(call alone,$@.lock) && $(CXX) $(CXXFLAGS) $(1) $(filter %.o %.a,$^) $(LDLIBS) -ldl -o $@.tmp
 $(TISSUECTL): $(call objects,$(CLI_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/tissuectl.list
 	@$(call link) && scripts/stage_code $(BUILD) $(STAGES) && mv $@.tmp $@

@@ -206,39 +206,32 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
             mesh_arguments(study, study.check_refine));
         plan.parts["mesh-fine"] = mesh_arguments(study, study.check_refine) + "\n";
     }
+    /// How a path is solved, what it is made of, and what its part of the plan says.
+    const auto solves = [&plan](const PlannedPath& path, const std::string& arguments, const std::string& made_of, const std::string& part) {
+        plan.fragment += fmt::format("\n$(R)/cases/{0}.csv: PATH_ARGUMENTS = {1}\n$(R)/cases/{0}.csv: $(R)/plan/path-{0} {2}\n", path.push.name,
+                                     arguments, made_of);
+        plan.parts["path-" + path.push.name] = part + "\n";
+    };
     if (solid && shaped) {
         for (const std::string& name : study.geometry.fixed) for_make(study, "geometry.fixed", name);
         for (const std::string& name : study.material.region_names()) for_make(study, "material.regions", name);
-        for (const PlannedPath& path : paths) {
-            plan.fragment += fmt::format(
-                "\nPATHS += {0}\n"
-                "$(R)/cases/{0}.csv: PATH_ARGUMENTS = {1}\n"
-                "$(R)/cases/{0}.csv: $(R)/plan/path-{0} $(R)/mesh.msh {2}\n",
-                path.push.name, solid_shape_arguments(study, path, "$(R)/mesh.msh"), study.geometry.shape);
-            plan.parts["path-" + path.push.name] = solid_shape_arguments(study, path, "mesh.msh") + "\n";
-        }
+        for (const PlannedPath& path : paths)  // tissuectl rim divides its surface
+            solves(path, solid_shape_arguments(study, path, "$(R)/mesh.msh"), "$(R)/mesh.msh $(BUILD)/stage/rim " + study.geometry.shape,
+                   solid_shape_arguments(study, path, "mesh.msh"));
         return plan;
     }
     if (solid) {
         plan.fragment += fmt::format("SOLID := {}\n", solid_geo);
         for (const PlannedPath& path : paths) {
             const std::string arguments = solid_arguments(study, path);
-            plan.fragment += fmt::format(
-                "\n$(R)/cases/{0}.csv: PATH_ARGUMENTS = {1}\n"
-                "$(R)/cases/{0}.csv: $(R)/plan/path-{0} {2}\n",
-                path.push.name, arguments, solid_geo);
-            plan.parts["path-" + path.push.name] = arguments + "\n";
+            solves(path, arguments, solid_geo, arguments);
         }
         return plan;
     }
     for (const PlannedPath& path : paths) {
         const std::string arguments = path_arguments(study, path),
                           mesh = !block || path.refine == study.refine ? "mesh.msh" : "mesh-fine.msh";
-        plan.fragment += fmt::format(
-            "\n$(R)/cases/{0}.csv: PATH_ARGUMENTS = -mesh $(R)/{2} {1}\n"
-            "$(R)/cases/{0}.csv: $(R)/plan/path-{0} $(R)/{2}\n",
-            path.push.name, arguments, mesh);
-        plan.parts["path-" + path.push.name] = mesh + " " + arguments + "\n";
+        solves(path, "-mesh $(R)/" + mesh + " " + arguments, "$(R)/" + mesh, mesh + " " + arguments);
     }
     return plan;
 }

@@ -15,7 +15,7 @@ echo 'int tick() { return 5; }' >lib/haptic/tick.cpp
 echo '#page { color: black }' >cli/view/page.css
 printf '%s\n' '__asm__(".section .rodata\n.globl page\npage: .incbin \"cli/view/page.css\"\n.previous\n");' >cli/serve/page.cpp
 echo 'extern const char page[]; int serve() { return page[0]; }' >cli/serve/server.cpp
-for command in plan shape import eval; do echo "int file(); int add_$command() { return file(); }" >cli/cmd_$command.cpp; done
+for command in plan shape rim import eval; do echo "int file(); int add_$command() { return file(); }" >cli/cmd_$command.cpp; done
 echo 'int train(); int shared(); int add_train() { return train() + shared(); }' >cli/cmd_train.cpp
 echo 'int collect(); int add_collect() { return collect(); }' >cli/cmd_collect.cpp
 echo 'int serve(); int tick(); int add_serve() { return serve() + tick(); }' >cli/cmd_serve.cpp
@@ -23,9 +23,9 @@ echo 'int shared() { return 6; }' >cli/command.cpp
 cat >cli/tissuectl.cpp <<'CPP'
 #include <cstdlib>
 #include <unistd.h>
-int add_plan(), add_shape(), add_import(), add_collect(), add_train(), add_eval(), add_serve();
+int add_plan(), add_shape(), add_rim(), add_import(), add_collect(), add_train(), add_eval(), add_serve();
 int main(int, char** argv) {
-    if (add_plan() + add_shape() + add_import() + add_collect() + add_train() + add_eval() + add_serve() == 0) return 1;
+    if (add_plan() + add_shape() + add_rim() + add_import() + add_collect() + add_train() + add_eval() + add_serve() == 0) return 1;
     return execv(std::getenv("REAL_TISSUECTL"), argv);
 }
 CPP

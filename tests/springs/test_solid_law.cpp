@@ -115,6 +115,24 @@ TEST_CASE("a disc's weights sum to one and reproduce places wherever it stands",
     CHECK(DiscContact::profile(1 + 1e-9) == Approx(0.5).epsilon(1e-4));
 }
 
+TEST_CASE("a disc holds the node under its middle five times as fast as its imprint holds others, and none beyond 2.5 radii", "[solid]") {
+    const SpringMesh mesh = block(6, 6, 2);
+    const Eigen::Vector3d at(0.03, 0.03, 0.02);
+    const ContactRows rows = DiscContact(mesh, 0.007).rows_at(at);
+    const auto share_at = [&](double away_m) {
+        const double far = std::pow(1 - std::pow(away_m / 0.0175, 2), 2), under = away_m < 0.0084 ? std::pow(1 - std::pow(away_m / 0.0084, 2), 2) : 0;
+        return far + 4 * under;
+    };
+    Eigen::Index row = 3;
+    for (int node : rows.nodes) {
+        const double away_m = (mesh.nodes.row(node).transpose() - at).norm();
+        if (away_m >= 0.0175) continue;
+        for (int a = 0; a < 3; ++a) CHECK(rows.share[row++] == Approx(share_at(away_m)));
+    }
+    CHECK(row == rows.share.size());
+    CHECK(rows.share.tail(rows.share.size() - 3).maxCoeff() == Approx(5));
+}
+
 TEST_CASE("a disc's ground is 1 on a half space of one log of stiffness, 0 on none, and falls with the way to a nodule") {
     const SpringMesh mesh = block(6, 6, 2);
     const double radius_m = 0.007, step_m = 0.003;
