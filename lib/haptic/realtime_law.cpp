@@ -1,5 +1,6 @@
 #include "haptic/realtime_law.h"
 
+#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -106,23 +107,23 @@ TISSUE_HOT void boxes_alike(int n, const Vector& A, const Vector& B, const Vecto
     for (int k = 0; k < n; ++k) box(k, a, b, c, gain[k], ux, uy, uz, up, in, far, g);
 }
 
-/// Tetrahedra by their edges from the first node: v, what has been added to those (9 arrays of `chunk`), e as they were. six: of what
-/// the volume has gained; kept: its derivatives by the edges, 9 arrays `stride` apart.
-TISSUE_HOT void tetrahedra(int n, const double* const* e, const double* __restrict v, double* __restrict six, Eigen::Index stride, double* __restrict kept) {
+/// Tetrahedra by their edges from the first node: v, what has been added to those, e as they were. six: of what the volume has
+/// gained; kept: its derivatives by the edges. v, kept: 9 arrays of `chunk`.
+TISSUE_HOT void tetrahedra(int n, const double* const* e, const double* __restrict v, double* __restrict six, double* __restrict kept) {
     for (int k = 0; k < n; ++k) {
         const Gained now = gained({e[0][k], e[1][k], e[2][k]}, {e[3][k], e[4][k], e[5][k]}, {e[6][k], e[7][k], e[8][k]},
                                   {v[k], v[chunk + k], v[2 * chunk + k]}, {v[3 * chunk + k], v[4 * chunk + k], v[5 * chunk + k]},
                                   {v[6 * chunk + k], v[7 * chunk + k], v[8 * chunk + k]});
         six[k] = now.by;
         kept[k] = now.by_p.x;
-        kept[stride + k] = now.by_p.y;
-        kept[2 * stride + k] = now.by_p.z;
-        kept[3 * stride + k] = now.by_q.x;
-        kept[4 * stride + k] = now.by_q.y;
-        kept[5 * stride + k] = now.by_q.z;
-        kept[6 * stride + k] = now.by_r.x;
-        kept[7 * stride + k] = now.by_r.y;
-        kept[8 * stride + k] = now.by_r.z;
+        kept[chunk + k] = now.by_p.y;
+        kept[2 * chunk + k] = now.by_p.z;
+        kept[3 * chunk + k] = now.by_q.x;
+        kept[4 * chunk + k] = now.by_q.y;
+        kept[5 * chunk + k] = now.by_q.z;
+        kept[6 * chunk + k] = now.by_r.x;
+        kept[7 * chunk + k] = now.by_r.y;
+        kept[8 * chunk + k] = now.by_r.z;
     }
 }
 
@@ -268,6 +269,11 @@ void RealtimeLaw::add_tetrahedra(const TissueModel& model, const TissueEnergy& e
     }
 }
 
+/// By node, then of every `chunk` tetrahedra what the kernel keeps.
+Eigen::Index RealtimeLaw::scratch_size() const {
+    return tetrahedra_.node_gain.size() + 9 * ((tetrahedra_.count + chunk - 1) / chunk) * chunk;
+}
+
 void RealtimeLaw::force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch) const noexcept {
     springs_.force(theta_, u, f);
     squares_force(u, f);
@@ -328,7 +334,7 @@ void RealtimeLaw::tetrahedra_growth(const NodeColumns& u, Eigen::VectorXd& scrat
         }
         const double* e[9];
         for (int i = 0; i < 9; ++i) e[i] = tetrahedra_.edge[i].data() + done;
-        kernel::tetrahedra(n, e, v, six, tetrahedra_.count, scratch.data() + N + done);
+        kernel::tetrahedra(n, e, v, six, scratch.data() + N + 9 * done);
         for (int k = 0; k < n; ++k)
             for (int c = 0; c < 4; ++c) scratch[node[c][k]] += six[k];
     }
@@ -343,10 +349,11 @@ void RealtimeLaw::tetrahedra_force(const NodeColumns& u, NodeColumns& f, Eigen::
     for (Eigen::Index t = 0; t < T; ++t) {
         const auto k = static_cast<std::size_t>(t);
         const int at = tetrahedra_.node[0][k], to[3] = {tetrahedra_.node[1][k], tetrahedra_.node[2][k], tetrahedra_.node[3][k]};
+        const double* derivative = kept + 9 * (t - t % chunk) + t % chunk;
         const double together = pull[at] + pull[to[0]] + pull[to[1]] + pull[to[2]];
         kernel::Vector sum = {0, 0, 0};
-        for (int c = 0; c < 3; ++c) {
-            const kernel::Vector g = {together * kept[3 * c * T + t], together * kept[(3 * c + 1) * T + t], together * kept[(3 * c + 2) * T + t]};
+        for (int c = 0; c < 3; ++c, derivative += 3 * chunk) {
+            const kernel::Vector g = {together * derivative[0], together * derivative[chunk], together * derivative[2 * chunk]};
             fx[to[c]] += g.x;
             fy[to[c]] += g.y;
             fz[to[c]] += g.z;

@@ -26,7 +26,7 @@ class RealtimeLaw {
     /// dW/du: what holds u [N]. Fixed nodes get theirs too. scratch: of the caller, of scratch_size(); what is in it means nothing.
     /// No allocation; cost in proportion to springs, outlines and cells.
     void force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch) const noexcept;
-    Eigen::Index scratch_size() const { return tetrahedra_.node_gain.size() + tetrahedra_kept * tetrahedra_.count; }
+    Eigen::Index scratch_size() const;
 
     /// W without a contact's [J].
     double energy(const NodeColumns& u) const;
@@ -68,7 +68,6 @@ class RealtimeLaw {
         std::vector<double> edge[9];       ///< [m]
         Eigen::VectorXd node_gain;         ///< A / (36 V) of what lies around a node [N/m5] (N): of six times what it has grown by
     };
-    static constexpr Eigen::Index tetrahedra_kept = 9;  ///< numbers a tetrahedron in scratch: its volume's derivatives
 
     void add_plane_cells(const Elements& cells, const Eigen::VectorXd& constants);
     bool add_squares(const Elements& cells, const Eigen::VectorXd& constants);
