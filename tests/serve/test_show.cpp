@@ -133,8 +133,8 @@ TEST_CASE("the nearest place is the one at the contact whose push is most like o
     const auto at = [&](double x, double y, const Eigen::Vector2d& push) {
         state.record.mesh = 0;
         for (std::size_t b = 0; b < outline.size(); ++b)
-            if ((s.model.meshes[0]->springs.rest().row(outline[b]) - Eigen::RowVector2d(x, y)).norm() < 1e-9) state.record.segment = static_cast<int>(b);
-        state.record.w = 0;
+            if ((s.model.meshes[0]->springs.rest().row(outline[b]) - Eigen::RowVector2d(x, y)).norm() < 1e-9) state.record.facet = static_cast<int>(b);
+        state.record.weight = {1, 0, 0};
         state.contact_displacement_m[0] = push;
         return s.scene.near(state);
     };
