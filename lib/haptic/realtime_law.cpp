@@ -17,7 +17,7 @@
 namespace tissue {
 namespace {
 
-constexpr int chunk = 128;  ///< cells at a time: their forces stay in the first-level cache
+constexpr int chunk = 256;  ///< cells at a time: their forces stay in the first-level cache
 
 const LawModel& law_of(const TissueModel& model) {
     if (!model.energy_law) throw MismatchError("the model's stiffness is no law");
