@@ -30,7 +30,7 @@ void run(const Options& o, Provenance provenance) {
     if (!o.record.empty()) {
         const std::string& file = o.models.front();
         provenance.inputs[std::filesystem::path(file).filename().string()] = file_hash(file);
-        recorder = std::make_unique<Recorder>(o.record, provenance);
+        recorder = std::make_unique<Recorder>(o.record, stage.model().dimension(), provenance);
     }
     std::cerr << describe("tissuectl serve", stage.model(), stage.pointer());
     std::cerr << "tissuectl serve: " << server.url() << std::endl;

@@ -43,8 +43,8 @@ void on_signal(int) {
 struct Options {
     std::string model, device = device_kinds().names().front(), record, check, out;
     DeviceValues device_values;
-    std::string axes = "x,y";
-    std::vector<double> offset_m = {0, 0};
+    std::string axes;
+    std::vector<double> offset_m;
     double seconds = 10;
     unsigned long seed = 2008;
     bool json = false;
@@ -103,7 +103,7 @@ void run(const Options& o, Provenance provenance) {
     if (!o.record.empty()) {
         provenance.seed = o.seed;
         provenance.inputs[std::filesystem::path(o.model).filename().string()] = file_hash(o.model);
-        recorder = std::make_unique<Recorder>(o.record, provenance);
+        recorder = std::make_unique<Recorder>(o.record, model.dimension(), provenance);
     }
     // the device last: nothing is open while anything else can fail
     const std::unique_ptr<Device> device =
@@ -141,9 +141,9 @@ void add_options(CLI::App& app, Options& o) {
         }
     cli::add_haptic_options(app, o.choices);
     add_number(app, "--scale", o.choices.haptic.map.scale, "1", "metres of tissue a metre of device")->check(quiet(CLI::PositiveNumber));
-    app.add_option("--axes", o.axes, "device axes of the plane's x and y, as in x,-z")->type_name("A,A")->capture_default_str();
-    app.add_option("--offset", o.offset_m, "of the device's origin in the plane")
-        ->type_name("m m")->expected(2)->default_str("0 0");
+    app.add_option("--axes", o.axes, "device axes of the tissue's, as in x,-z in the plane and x,-z,y in space; the first ones")->type_name("A,A[,A]");
+    app.add_option("--offset", o.offset_m, "of the device's origin in the tissue's space; none")
+        ->type_name("m m [m]")->expected(2, 3);
     CLI::Option* check = app.add_option("--check", o.check, "press the held-out contacts, or else the cases, of this file; no device, no clock")->type_name("FILE");
     CLI::Option* out = app.add_option("--out", o.out, "of --check: realtime.json to write")->type_name("FILE");
     check->needs(out);
@@ -155,7 +155,7 @@ void finish(Options& o) {
         if (option.needed && o.device_values.at(option.name).empty())
             throw CLI::ValidationError("--device " + o.device, fmt::format("needs --{} {}", option.name, option.unit));
     cli::settle(o.choices);
-    o.choices.haptic.map.offset_m = {o.offset_m[0], o.offset_m[1]};
+    o.choices.haptic.map.offset_m = Eigen::Map<const Eigen::VectorXd>(o.offset_m.data(), static_cast<Eigen::Index>(o.offset_m.size()));
 }
 
 }  // namespace
@@ -179,7 +179,7 @@ int main(int argc, char** argv) {
         if (cli::generated(app, argc, argv)) return 0;
         app.parse(argc, argv);
         finish(o);
-        o.choices.haptic.map.axes = parse_axes(o.axes);
+        if (!o.axes.empty()) o.choices.haptic.map.axes = parse_axes(o.axes);
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? 0 : 2;
     } catch (const std::exception& e) {

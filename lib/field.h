@@ -11,6 +11,10 @@ using NodeField = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::R
 /// A place, a displacement or a force (D), D = 2 in the plane and 3 in space. Allocates nothing.
 using Point = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 3, 1>;
 
+/// The same as a NodeField, one axis after the other in memory, so that a loop over nodes reads in a row: the tick's u [m], v [m/s]
+/// and f [N] (N x D).
+using NodeColumns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
+
 /// Node numbers, one row a piece: springs, cells, simplices, facets.
 using Cells = Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 

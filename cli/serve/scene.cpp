@@ -29,10 +29,7 @@ std::string without_depth(const std::string& name) {
 
 /// Where the contact is on the learned mesh at rest.
 Eigen::Vector2d contact_at_rest(const TickRecord& record, const HapticModel& model) {
-    const RealtimeMesh& springs = model.meshes[0]->springs;
-    const auto b = static_cast<std::size_t>(record.segment);
-    const std::vector<int>& outline = springs.outline();
-    return (1 - record.w) * springs.rest().row(outline[b]) + record.w * springs.rest().row(outline[(b + 1) % outline.size()]);
+    return model.meshes[0]->springs.rest_place(record.facet, record.weight);
 }
 
 double at_depth(const std::vector<std::pair<double, double>>& curve, double depth_m) {
@@ -48,7 +45,7 @@ double at_depth(const std::vector<std::pair<double, double>>& curve, double dept
 
 Scene::Scene(const TissueModel& tissue, const HapticModel& model, const std::vector<NodeField>& fe_displacement_m)
     : model_(model), fixed_(tissue.mesh.fixed), springs_(tissue.mesh.springs) {
-    for (const auto& mesh : model.meshes) boxes_.emplace_back(mesh->place_m + model.low_m, mesh->place_m + model.high_m);
+    for (const auto& mesh : model.meshes) boxes_.emplace_back(Eigen::Vector2d(mesh->place_m + model.low_m), Eigen::Vector2d(mesh->place_m + model.high_m));
     const Outline outline(tissue.mesh);
     const std::vector<int>& nodes = model.meshes[0]->springs.outline();
     const bool forces = tissue.contact_force_N.rows() > 0;
@@ -113,7 +110,7 @@ std::string Scene::message(const std::vector<std::string>& names, int index) con
         j["dynamics"][mesh->name] = mesh->dynamics;
         Json nodes = Json::array(), springs = Json::array(), stiffness = Json::array();
         for (int n = 0; n < mesh->springs.node_count(); ++n)
-            nodes.push_back(pair(mesh->place_m + mesh->springs.rest().row(n).transpose()));
+            nodes.push_back(pair(Eigen::Vector2d(mesh->place_m + mesh->springs.rest().row(n).transpose())));
         const Eigen::VectorXd mean = mesh->theta_of_set.rowwise().mean();
         for (Eigen::Index s = 0; s < springs_.rows(); ++s) {
             springs.push_back({springs_(s, 0), springs_(s, 1)});
@@ -142,8 +139,7 @@ std::string encode_state(const TickState& s, const HapticModel& model, const Nea
     const TickRecord& r = s.record;
     const auto number = [](long long n) { return static_cast<double>(n); };
     const Eigen::Vector2d port = model.options.map.axes * r.device_N;
-    const Eigen::Vector2d heuristic =
-        s.contact_displacement_m.size() > 1 ? s.contact_displacement_m[1] : Eigen::Vector2d::Zero();
+    const Eigen::Vector2d heuristic = s.contact_displacement_m.size() > 1 ? Eigen::Vector2d(s.contact_displacement_m[1]) : Eigen::Vector2d::Zero();
     const std::array<double, 32> head = {
         r.time_s, number(sum.ticks), number(sum.misses), number(sum.misses_program), number(sum.clamped),
         number(sum.faults), sum.ticks_a_second, sum.p50_us, sum.p99_us,

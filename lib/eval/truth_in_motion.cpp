@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "haptic/virtual_device.h"
-#include "mesh/outline.h"
+#include "mesh/free_surface.h"
 #include "springs/equilibrium.h"
 #include "springs/law_press.h"
 
@@ -18,7 +18,7 @@ class StaticAnswer {
         if (tissue.energy_law) law_.emplace(tissue);
     }
 
-    Equilibrium at(const Eigen::Vector2d& contact_m, const Eigen::Vector2d& push_m, const Eigen::VectorXd& theta) const {
+    Equilibrium at(const Point& contact_m, const Point& push_m, const Eigen::VectorXd& theta) const {
         return law_ ? law_->at(contact_m, push_m)
                     : solve_equilibrium(tissue_.mesh, *spring_law_, theta, locate_on_surface(tissue_.mesh, contact_m), push_m);
     }
@@ -46,16 +46,14 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
     const double creep_1_s = model.is_law() ? 10 : 0.3;
     PressResult result;
     result.name = truth.name;
-    const Outline outline_at_rest(tissue.mesh);
-    const Eigen::Vector2d inward = outline_at_rest.inward_normal(outline_at_rest.arc_of(truth.contact_m));
+    const Point inward = FreeSurface(tissue.mesh).nearest(truth.contact_m).inward;
     const double dt = model.options.dt_s;
 
     Simulation simulation(model);
-    const Eigen::Vector2d target = truth.magnitude_m * truth.direction;
-    const Eigen::Vector2d aim = model.is_law() ? Eigen::Vector2d(target - inset_m * inward) : Eigen::Vector2d((1 + 1 / model.options.coupling_ratio) * target);
+    const Point target = truth.magnitude_m * truth.direction;
+    const Point aim = model.is_law() ? Point(target - inset_m * inward) : Point((1 + 1 / model.options.coupling_ratio) * target);
     VirtualDevice hand(press_motion(truth.contact_m, inward, aim, ramp_s, inset_m), model.options.map);
-    Eigen::Vector2d shift = Eigen::Vector2d::Zero();
-    Eigen::Vector2d last = Eigen::Vector2d::Zero();
+    Point shift = Point::Zero(target.size()), last = shift;
     int still = 0;
     const int window = static_cast<int>(window_s / dt), sample = std::max(1, static_cast<int>(0.01 / dt));
     for (int k = 0; k * dt < seconds_max && !result.rested; ++k) {
@@ -92,11 +90,10 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
         return result;
     }
 
-    const std::vector<int> outline = tissue.mesh.loop();
-    const auto b = static_cast<std::size_t>(r.segment);
-    const Eigen::Vector2d touched = (1 - r.w) * tissue.mesh.nodes.row(outline[b]) + r.w * tissue.mesh.nodes.row(outline[(b + 1) % outline.size()]);
+    const RealtimeMesh& springs = model.meshes[0]->springs;
+    const Point touched = springs.rest_place(r.facet, r.weight);
     const StaticAnswer answer(tissue);
-    const Eigen::VectorXd theta = theta_in_use(model.meshes[0]->springs, simulation.state(0));
+    const Eigen::VectorXd theta = theta_in_use(springs, simulation.state(0));
     const auto rest = answer.at(touched, result.displacement_m, theta);
     result.reason = reason_of(rest.status);
     if (!rest) return result;
@@ -109,7 +106,7 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
         const auto exact = answer.at(truth.contact_m, truth.magnitude_m * truth.direction, theta);
         if (exact)
             result.static_fe_error =
-                (Eigen::Vector2d(exact.contact_force) - *truth.force_N).norm() / truth.force_N->norm();
+                (exact.contact_force - *truth.force_N).norm() / truth.force_N->norm();
     }
     return result;
 }
@@ -139,7 +136,7 @@ SwitchJump switch_jump(const TissueModel& tissue, HapticOptions options, int fro
     load.master_m = contact + tissue.magnitude_m[from] * direction;
 
     // to rest with the first set, from its own static answer
-    Eigen::Vector2d force = Eigen::Vector2d::Zero();
+    Point force = Point::Zero(2);
     for (int k = 0; k < static_cast<int>(20 / options.dt_s); ++k) force = dynamics->step(state, load);
 
     const Eigen::VectorXd target = mesh.theta_of_set.col(to);

@@ -12,9 +12,9 @@ namespace tissue {
 /// A contact at which FE knows the force.
 struct PressTruth {
     std::string name;
-    Eigen::Vector2d contact_m, direction;  ///< at rest; unit vector of the push
+    Point contact_m, direction;  ///< at rest; unit vector of the push
     double magnitude_m;
-    std::optional<Eigen::Vector2d> force_N;   ///< on the tissue; nothing where FE was not asked
+    std::optional<Point> force_N;   ///< on the tissue; nothing where FE was not asked
 };
 
 /// The running simulation pressed at one contact until it rests.
@@ -22,9 +22,9 @@ struct PressResult {
     std::string name;
     bool rested = false;                 ///< the force changed by less than 1e-4 of itself in each of the last two half seconds
     std::string reason;                  ///< why there is no comparison; empty when there is one
-    Eigen::Vector2d displacement_m{0, 0};  ///< the proxy reached; of a law the tool
-    Eigen::Vector2d force_N{0, 0};         ///< of the tool on the tissue
-    Eigen::Vector2d static_N{0, 0};        ///< closed-loop answer at that displacement, of sets with the stiffness in use
+    Point displacement_m;  ///< the proxy reached; of a law the tool
+    Point force_N;         ///< of the tool on the tissue
+    Point static_N;        ///< closed-loop answer at that displacement, of sets with the stiffness in use
     double static_error = 0;             ///< |force - static| / |static|
     double off_contact_m = 0;            ///< how far the touched point lies from the contact asked for, at rest
     std::optional<double> fe_error;      ///< |force - FE| / |FE|; nothing where the tool slipped off to another contact

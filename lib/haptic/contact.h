@@ -2,16 +2,16 @@
 
 #include <Eigen/Core>
 
-#include "haptic/moving_outline.h"
+#include "haptic/moving_surface.h"
 
 namespace tissue {
 
-/// Master and proxy of Sec. 4.2 with one outline, between ticks.
+/// Master and proxy of Sec. 4.2 with one surface, between ticks.
 struct ContactState {
     bool contact = false;   ///< at the end of the last tick
     bool pressing = false;  ///< contact, and the master inside: only then is there a force. Tissue pushes, never pulls
-    OutlinePoint where;     ///< segment and weights while in contact
-    Eigen::Vector2d proxy_m = Eigen::Vector2d::Zero();
+    SurfacePlace where;     ///< facet and weights while in contact
+    Point proxy_m;          ///< (D)
     bool has_proxy = false; ///< false before the first position: the proxy starts at the master
 };
 
@@ -24,15 +24,15 @@ enum class ContactRow {
     swallowed,         // no   yes  yes  the mesh moved over both: project, contact
     release,           // yes  no   no   the paper leaves it out: contact ends, the proxy goes to the master
     swallowed_release, // yes  no   yes  the mesh moved over the proxy, the master left: project, no force
-    hold,              // yes  yes  no   same segment, same weights: infinite friction
+    hold,              // yes  yes  no   same facet, same weights: infinite friction
     hold_swallowed     // yes  yes  yes  the mesh moved over the proxy while pushed: the same
 };
 
-/// The row for a state: inside is meant of the outline as it is now, and of the proxy where the last tick left it.
+/// The row for a state: inside is meant of the surface as it is now, and of the proxy where the last tick left it.
 ContactRow contact_row(bool contact_before, bool master_inside, bool proxy_inside) noexcept;
 
-/// Sec. 4.2 for one tick: the outline has moved, the master has moved; where is the proxy? The outline must be simple.
-/// Afterwards the proxy is outside or on the outline, and equals (1 - w) s(0) + w s(1) while in contact.
-ContactRow update_contact(const MovingOutline& outline, const Eigen::Vector2d& master_m, ContactState& state) noexcept;
+/// Sec. 4.2 for one tick: the surface has moved, the master has moved; where is the proxy? The surface must be simple.
+/// Afterwards the proxy is outside or on the surface, and equals sum_k w(k) s(k) while in contact.
+ContactRow update_contact(const MovingSurface& surface, const Point& master_m, ContactState& state) noexcept;
 
 }  // namespace tissue

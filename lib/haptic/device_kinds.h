@@ -22,7 +22,7 @@ struct DeviceOption {
 struct DeviceContext {
     double seconds = 10;                            ///< 0: no end
     unsigned long seed = 2008;                      ///< of what is drawn
-    Eigen::Vector2d low_m{0, 0}, high_m{0.1, 0.1};  ///< box of the tissue at rest
+    Point low_m = Eigen::Vector2d(0, 0), high_m = Eigen::Vector2d(0.1, 0.1);  ///< box of the tissue at rest
     DeviceMap map;
 };
 

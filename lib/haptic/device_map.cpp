@@ -2,19 +2,31 @@
 
 #include <fmt/format.h>
 
+#include <sstream>
+#include <vector>
+
 #include "error.h"
 
 namespace tissue {
 
-Eigen::Matrix<double, 2, 3> parse_axes(const std::string& text) {
+void DeviceMap::fit(int dimension) {
+    if (axes.rows() == 0) axes = Eigen::Matrix3d::Identity().topRows(dimension);
+    if (offset_m.size() == 0) offset_m = Point::Zero(dimension);
+    if (axes.rows() != dimension) throw MismatchError(fmt::format("{} device axes for a tissue of {}", axes.rows(), dimension));
+    if (offset_m.size() != dimension) throw MismatchError(fmt::format("an offset of {} numbers for a tissue of {} axes", offset_m.size(), dimension));
+}
+
+Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 3, 3> parse_axes(const std::string& text) {
     const auto refuse = [&] {
-        throw MismatchError(fmt::format("axes '{}': wanted two different ones of x, y, z with a sign, as in x,-z", text));
+        throw MismatchError(fmt::format("axes '{}': wanted two or three different ones of x, y, z with a sign, as in x,-z", text));
     };
-    Eigen::Matrix<double, 2, 3> axes = Eigen::Matrix<double, 2, 3>::Zero();
-    const std::size_t comma = text.find(',');
-    if (comma == std::string::npos) refuse();
-    std::string words[2] = {text.substr(0, comma), text.substr(comma + 1)};
-    for (int row : {0, 1}) {
+    std::vector<std::string> words;
+    std::stringstream in(text);
+    for (std::string word; std::getline(in, word, ',');) words.push_back(word);
+    if (words.size() < 2 || words.size() > 3) refuse();
+    Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 3, 3> axes;
+    axes.setZero(static_cast<Eigen::Index>(words.size()), 3);
+    for (std::size_t row = 0; row < words.size(); ++row) {
         std::string& word = words[row];
         double sign = 1;
         if (!word.empty() && (word[0] == '-' || word[0] == '+')) {
@@ -22,9 +34,9 @@ Eigen::Matrix<double, 2, 3> parse_axes(const std::string& text) {
             word.erase(0, 1);
         }
         if (word.size() != 1 || word[0] < 'x' || word[0] > 'z') refuse();
-        axes(row, word[0] - 'x') = sign;
+        axes(static_cast<Eigen::Index>(row), word[0] - 'x') = sign;
     }
-    if (axes.row(0).cwiseProduct(axes.row(1)).cwiseAbs().sum() > 0) refuse();
+    if (axes.cwiseAbs().colwise().sum().maxCoeff() > 1) refuse();
     return axes;
 }
 

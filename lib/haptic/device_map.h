@@ -3,30 +3,29 @@
 #include <Eigen/Core>
 #include <string>
 
+#include "field.h"
+
 namespace tissue {
 
-/// Sec. 4.4: the device's space on the plane of the tissue. The paper ignores motion in and out of the image; so do
-/// we, for whichever axes are left out.
+/// Sec. 4.4: the device's space on that of the tissue, D = 2 axes in the plane, 3 in space. The paper ignores motion in and out of
+/// the image; so do we in the plane, for whichever axis is left out.
 struct DeviceMap {
-    Eigen::Matrix<double, 2, 3> axes = Eigen::Matrix<double, 2, 3>::Identity();  ///< device axes of the plane's x and y
-    double scale = 1;                                      ///< metres of tissue a metre of device
-    Eigen::Vector2d offset_m = Eigen::Vector2d::Zero();    ///< of the device's origin in the plane
-    double force_scale = 1;                                ///< newtons on the hand a newton of tissue
+    Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 3, 3> axes = decltype(axes)(0, 3);  ///< device axes of the tissue's (D x 3); no rows: the first ones
+    double scale = 1;                     ///< metres of tissue a metre of device
+    Point offset_m;                       ///< of the device's origin in the tissue's space (D); empty: none
+    double force_scale = 1;               ///< newtons on the hand a newton of tissue
 
-    Eigen::Vector2d to_plane(const Eigen::Vector3d& position_m) const noexcept {
-        return scale * (axes * position_m) + offset_m;
-    }
-    Eigen::Vector3d force_to_device(const Eigen::Vector2d& force_N) const noexcept {
-        return force_scale * (axes.transpose() * force_N);
-    }
-    /// A device position that maps to this point of the plane.
-    Eigen::Vector3d to_device(const Eigen::Vector2d& point_m) const noexcept {
-        return axes.transpose() * (point_m - offset_m) / scale;
-    }
+    /// For a tissue of so many axes. Throws MismatchError when axes or offset are of another number.
+    void fit(int dimension);
+
+    Point to_tissue(const Eigen::Vector3d& position_m) const noexcept { return scale * (axes * position_m) + offset_m; }
+    Eigen::Vector3d force_to_device(const Point& force_N) const noexcept { return force_scale * (axes.transpose() * force_N); }
+    /// A device position that maps to this point.
+    Eigen::Vector3d to_device(const Point& point_m) const noexcept { return axes.transpose() * (point_m - offset_m) / scale; }
 };
 
-/// "x,y", "x,-z", ...: the device axes that become the plane's x and y. Throws MismatchError when they are not two
-/// different ones.
-Eigen::Matrix<double, 2, 3> parse_axes(const std::string& text);
+/// "x,-z" in the plane, "x,-z,y" in space, ...: the device axes that become the tissue's (D x 3). Throws MismatchError when they
+/// are not two or three different ones.
+Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 3, 3> parse_axes(const std::string& text);
 
 }  // namespace tissue

@@ -16,24 +16,12 @@ Eigen::Vector2d ContactLoad::proxy(const RealtimeMesh& mesh, const NodeColumns& 
     return x;
 }
 
-Eigen::Vector2d ContactLoad::patch_push(const NodeColumns& u) const noexcept {
-    if (push_m) return *push_m;
-    Eigen::Vector2d push = patch->gap_N_m.inverse() * given_N;
-    for (int i = 0; i < ContactPatch::size; ++i) push += patch->patch.weight[i] * u.row(patch->patch.node[i]).transpose();
-    return push;
-}
-
-Eigen::Vector2d ContactLoad::put_on(const RealtimeMesh& mesh, const NodeColumns& u, NodeColumns& f) const noexcept {
-    if (patch) {
-        Eigen::Vector2d at[ContactPatch::size];
-        gather(patch->patch, u, at);
-        const PatchSpring::Load load = patch->load(patch_push(u), at);
-        for (int i = 0; i < ContactPatch::size; ++i) f.row(patch->patch.node[i]) += load.node_N[i].transpose();
-        return load.hand_N;
-    }
-    const Eigen::Vector2d tool = given_N + coupling_N_m * (master_m - proxy(mesh, u));
-    for (int end : {0, 1}) f.row(node[end]) -= weight[end] * tool.transpose();
-    return tool;
+Point ContactLoad::put_on(const RealtimeMesh& mesh, const NodeColumns& u, NodeColumns& f) const noexcept {
+    if (tool) return tool->put_on(tool_push(u), u, f);
+    if (weight[0] == 0 && weight[1] == 0) return Point::Zero(mesh.dimension());  // a free mesh
+    const Eigen::Vector2d force = given_N + coupling_N_m * (master_m - proxy(mesh, u));
+    for (int end : {0, 1}) f.row(node[end]) -= weight[end] * force.transpose();
+    return force;
 }
 
 const Registry<const DynamicsKind*>& dynamics_kinds() {

@@ -8,43 +8,44 @@
 
 #include "haptic/realtime_law.h"
 #include "haptic/realtime_mesh.h"
+#include "springs/tool_spring.h"
 
 namespace tissue {
 
 /// What changes while one mesh runs.
 struct MeshState {
     explicit MeshState(const RealtimeMesh& mesh, const Eigen::VectorXd& theta_by_slot)
-        : displacement(NodeColumns::Zero(mesh.node_count(), 2)), velocity(displacement), acceleration(displacement),
+        : displacement(NodeColumns::Zero(mesh.node_count(), mesh.dimension())), velocity(displacement), acceleration(displacement),
           force(displacement), theta(theta_by_slot) {}
 
-    NodeColumns displacement;  ///< u = x - x_0, (11) [m] (N x 2)
-    NodeColumns velocity;      ///< [m/s] (N x 2)
-    NodeColumns acceleration;  ///< of the step before, `paper` alone [m/s^2] (N x 2)
-    NodeColumns force;         ///< K u, scratch [N] (N x 2)
+    NodeColumns displacement;  ///< u = x - x_0, (11) [m] (N x D)
+    NodeColumns velocity;      ///< [m/s] (N x D)
+    NodeColumns acceleration;  ///< of the step before, `paper` alone [m/s^2] (N x D)
+    NodeColumns force;         ///< K u, scratch [N] (N x D)
     Eigen::VectorXd theta;     ///< stiffness in use, by slot [N/m] (P); of a law its springs', which stay
     bool theta_changed = true; ///< since the last step: whoever keeps a factor of K must make it again
 };
 
 /// What the tool does to a mesh in one step. On springs, at the ends of one segment of the outline: a spring of the virtual
-/// coupling between the master and the proxy w(0) x_i + w(1) x_j, and a given force. On a law, at a patch of its own: held
+/// coupling between the master and the proxy w(0) x_i + w(1) x_j, and a given force. On a law, at a contact of its own (springs/tool_spring.h): held
 /// at a push, or a given force. None of these: a free mesh.
 struct ContactLoad {
     int node[2] = {0, 0};
     double weight[2] = {0, 0};
     double coupling_N_m = 0;                               ///< k_C
     Eigen::Vector2d master_m = Eigen::Vector2d::Zero();    ///< in the mesh's own coordinates
-    Eigen::Vector2d given_N = Eigen::Vector2d::Zero();     ///< force on the mesh
-    const PatchSpring* patch = nullptr;                    ///< of a law
-    std::optional<Eigen::Vector2d> push_m = {};               ///< of the tool that holds the patch; nothing: it pushes with given_N
+    Point given_N = Eigen::Vector2d::Zero();               ///< force on the mesh (D)
+    const ToolSpring* tool = nullptr;                      ///< of a law
+    std::optional<Point> push_m = {};                      ///< of the tool that is held; nothing: it pushes with given_N
 
-    /// Proxy at the given displacement [m].
+    /// Proxy at the given displacement [m]. On springs, in the plane.
     Eigen::Vector2d proxy(const RealtimeMesh& mesh, const NodeColumns& u) const noexcept;
 
-    /// How far the tool has pushed the patch [m]: push_m, or as far as given_N takes it at u.
-    Eigen::Vector2d patch_push(const NodeColumns& u) const noexcept;
+    /// How far the tool has pushed a law's tissue [m]: push_m, or as far as given_N takes it at u.
+    Point tool_push(const NodeColumns& u) const noexcept { return push_m ? *push_m : tool->push_at(given_N, u); }
 
-    /// Takes the tool's share off f, the force that holds u [N]. Returns the force of the tool on the mesh [N].
-    Eigen::Vector2d put_on(const RealtimeMesh& mesh, const NodeColumns& u, NodeColumns& f) const noexcept;
+    /// Takes the tool's share off f, the force that holds u [N]. Returns the force of the tool on the mesh [N]; nothing where there is no tool.
+    Point put_on(const RealtimeMesh& mesh, const NodeColumns& u, NodeColumns& f) const noexcept;
 };
 
 /// One step of M a = f - K u - B v, (12) with the signs put right, of length dt. B = damping M [1/s].
@@ -55,8 +56,8 @@ class Dynamics {
     virtual std::string name() const = 0;
 
     /// Returns the force on the mesh at the contact in this step [N]: the force of the tool on the tissue, put on its
-    /// segment's end nodes as w(j) f, or on its patch.
-    virtual Eigen::Vector2d step(MeshState& state, const ContactLoad& load) noexcept = 0;
+    /// segment's end nodes as w(j) f, or at its own contact.
+    virtual Point step(MeshState& state, const ContactLoad& load) noexcept = 0;
 };
 
 struct DynamicsOptions {

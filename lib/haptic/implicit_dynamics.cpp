@@ -22,7 +22,7 @@ class ImplicitDynamics final : public Dynamics {
           x_(Eigen::VectorXd::Zero(2 * mesh.node_count())), z_(Eigen::MatrixXd::Zero(2 * mesh.node_count(), 2)) {}
     std::string name() const override { return implicit_dynamics.name; }
 
-    Eigen::Vector2d step(MeshState& s, const ContactLoad& load) noexcept override {
+    Point step(MeshState& s, const ContactLoad& load) noexcept override {
         const double dt = o_.dt_s;
         const int D = numbering_.per_node;
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "error.h"
 #include "hot_loop.h"
 
 namespace tissue {
@@ -49,6 +50,20 @@ MovingOutline::MovingOutline(int segments)
     : count_(segments), x_(static_cast<std::size_t>(segments) + 1, 0.0), y_(x_), low_x_(static_cast<std::size_t>(segments), 0.0),
       high_x_(low_x_), low_y_(low_x_), high_y_(low_x_) {}
 
+MovingOutline::MovingOutline(const SpringMesh& mesh) : MovingOutline(static_cast<int>(mesh.facets.rows())) {
+    if (mesh.is_solid()) throw MismatchError("an outline is of a mesh in the plane");
+    nodes_ = mesh.loop();
+    move(Point::Zero(2), mesh.nodes, NodeColumns::Zero(mesh.node_count(), 2));
+}
+
+void MovingOutline::move(const Point& place_m, const NodeColumns& rest, const NodeColumns& u) noexcept {
+    for (std::size_t b = 0; b < nodes_.size(); ++b) {
+        x_[b] = place_m[0] + (rest(nodes_[b], 0) + u(nodes_[b], 0));
+        y_[b] = place_m[1] + (rest(nodes_[b], 1) + u(nodes_[b], 1));
+    }
+    refresh();
+}
+
 void MovingOutline::refresh() noexcept {
     x_[static_cast<std::size_t>(count_)] = x_[0];
     y_[static_cast<std::size_t>(count_)] = y_[0];
@@ -60,16 +75,13 @@ void MovingOutline::refresh() noexcept {
     }
 }
 
-bool MovingOutline::contains(const Eigen::Vector2d& p) const noexcept {
+bool MovingOutline::contains(const Point& p) const noexcept {
     return kernel::odd_crossings(count_, x_.data(), y_.data(), p.x(), p.y()) != 0;
 }
 
-bool MovingOutline::contains_strictly(const Eigen::Vector2d& p, double tolerance_m) const noexcept {
-    return contains(p) && nearest(p).distance_m > tolerance_m;
-}
-
-OutlinePoint MovingOutline::nearest(const Eigen::Vector2d& p) const noexcept {
-    OutlinePoint best;
+SurfacePlace MovingOutline::nearest(const Point& asked) const noexcept {
+    const Eigen::Vector2d p = asked;
+    SurfacePlace best;
     double best2 = std::numeric_limits<double>::infinity();
     for (int b = 0; b < count_; ++b) {
         const Eigen::Vector2d start = node(b), along = node(b + 1) - start;
@@ -78,17 +90,18 @@ OutlinePoint MovingOutline::nearest(const Eigen::Vector2d& p) const noexcept {
         const double distance2 = (start + w * along - p).squaredNorm();
         if (distance2 < best2) {
             best2 = distance2;
-            best.segment = b;
-            best.w = w;
+            best.facet = b;
+            best.weight << 1 - w, w, 0;
         }
     }
-    best.position_m = at(best.segment, best.w);
-    best.distance_m = (best.position_m - p).norm();
+    best.position_m = at(best.facet, best.weight[1]);
+    best.distance_m = (best.position_m - asked).norm();
     return best;
 }
 
-std::optional<OutlinePoint> MovingOutline::first_crossing(const Eigen::Vector2d& p, const Eigen::Vector2d& m) const noexcept {
-    std::optional<OutlinePoint> deepest;
+std::optional<SurfacePlace> MovingOutline::first_crossing(const Point& from, const Point& to) const noexcept {
+    const Eigen::Vector2d p = from, m = to;
+    std::optional<SurfacePlace> deepest;
     const Eigen::Vector2d way = m - p;
     const double low_x = std::min(p.x(), m.x()), high_x = std::max(p.x(), m.x());
     const double low_y = std::min(p.y(), m.y()), high_y = std::max(p.y(), m.y());
@@ -102,7 +115,7 @@ std::optional<OutlinePoint> MovingOutline::first_crossing(const Eigen::Vector2d&
         if (!(t >= 0 && t <= 1 && w >= 0 && w <= 1)) continue;
         const Eigen::Vector2d point = at(b, w);
         const double depth = (m - point).norm();
-        if (!deepest || depth > deepest->distance_m) deepest = OutlinePoint{b, w, point, depth};
+        if (!deepest || depth > deepest->distance_m) deepest = SurfacePlace{b, {1 - w, w, 0}, point, depth};
     }
     return deepest;
 }
@@ -139,5 +152,7 @@ bool MovingOutline::simple() noexcept {
     }
     return true;
 }
+
+std::unique_ptr<MovingSurface> make_moving_surface(const SpringMesh& mesh) { return std::make_unique<MovingOutline>(mesh); }
 
 }  // namespace tissue

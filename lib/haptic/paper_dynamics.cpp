@@ -10,7 +10,7 @@ class PaperDynamics final : public Dynamics {
     PaperDynamics(const RealtimeMesh& mesh, const DynamicsOptions& options) : mesh_(mesh), o_(options) {}
     std::string name() const override { return paper_dynamics.name; }
 
-    Eigen::Vector2d step(MeshState& s, const ContactLoad& load) noexcept override {
+    Point step(MeshState& s, const ContactLoad& load) noexcept override {
         mesh_.force(s.theta, s.displacement, s.force);
         const Eigen::Vector2d f = load.put_on(mesh_, s.displacement, s.force);
         for (Eigen::Index axis = 0; axis < 2; ++axis)

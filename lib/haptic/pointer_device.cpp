@@ -14,16 +14,16 @@ constexpr double far_m = 1e3;
 
 }  // namespace
 
-PointerDevice::PointerDevice(const Eigen::Vector2d& start_m, const DeviceMap& map, double safe_speed_m_s,
+PointerDevice::PointerDevice(const Point& start_m, const DeviceMap& map, double safe_speed_m_s,
                              const PointerOptions& options)
     : map_(map), speed_m_s_(std::min(options.speed_m_s, 0.9 * safe_speed_m_s * map.scale)), settle_s_(options.settle_s),
-      target_(start_m), point_m_(start_m) {
+      target_(start_m), point_m_(start_m), velocity_m_s_(Point::Zero(start_m.size())) {
     if (!(speed_m_s_ > 0) || !(settle_s_ > 0) || !start_m.allFinite())
         throw MismatchError("a pointer needs a place to start, a speed and a settling time that are positive");
 }
 
-void PointerDevice::aim(const Eigen::Vector2d& target_m) noexcept {
-    if (!target_m.allFinite()) {
+void PointerDevice::aim(const Point& target_m) noexcept {
+    if (target_m.size() != point_m_.size() || !target_m.allFinite()) {
         refused_.fetch_add(1, std::memory_order_relaxed);
         return;
     }
@@ -36,7 +36,7 @@ DeviceSample PointerDevice::read(double time_s) noexcept {
     target_.fetch();
     const double h = std::clamp(time_s - time_s_, 0.0, longest_s), w = 1 / settle_s_;
     time_s_ = time_s;
-    Eigen::Vector2d way = target_.front() - point_m_;
+    Point way = target_.front() - point_m_;
     const double farthest = way.cwiseAbs().maxCoeff();
     if (farthest > far_m) way *= far_m / farthest;
     // backward Euler of x'' = w^2 (target - x) - 2 w x': stable and without overshoot for any step

@@ -7,6 +7,7 @@
 
 #include "error.h"
 #include "hot_loop.h"
+#include "springs/law_kernel.h"
 #include "springs/region_area.h"
 
 namespace tissue {
@@ -46,7 +47,7 @@ TISSUE_HOT void squares(int n, const double* __restrict px, const double* __rest
 
 }  // namespace kernel
 
-RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) : springs_(springs), surface_(model.mesh) {
+RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) : springs_(springs), kernel_(make_contact_kernel(model.mesh, law_of(model).disc_radius_m, law_of(model).ground)) {
     const LawModel& law = law_of(model);
     if (springs.law().name() != "geometric")
         throw MismatchError(fmt::format("a law's springs are geometric, not {}", springs.law().name()));
@@ -69,27 +70,6 @@ RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) 
                 for (Eigen::Index c = 0, n = kind.nodes().cols(); c < n; ++c) edges.push_back({kind.nodes()(e, c), kind.nodes()(e, (c + 1) % n)});
                 add_region(edges, constants[e]);
             }
-        }
-    }
-
-    // where the free surface lies on the outline, which is closed and begins anywhere
-    const std::vector<int>& nodes = surface_.outline().nodes();
-    const std::vector<double>& arcs = surface_.outline().arcs();
-    spacing_m_ = surface_.outline().length() / static_cast<double>(nodes.size() - 1);
-    std::map<std::pair<int, int>, std::size_t> segment;
-    for (std::size_t s = 0; s + 1 < nodes.size(); ++s) segment[{nodes[s], nodes[s + 1]}] = s;
-    const std::vector<int>& outline = springs.outline();
-    for (std::size_t b = 0; b < outline.size(); ++b) {
-        const int i = outline[b], j = outline[(b + 1) % outline.size()];
-        const auto found = segment.find({i, j});
-        if (found != segment.end()) {
-            arc_.push_back(arcs[found->second]);
-            arc_.push_back(arcs[found->second + 1]);
-        } else {
-            const auto off = [&](int end) { return (springs.rest().row(i) - springs.rest().row(end)).norm(); };
-            const double end = off(nodes.front()) < off(nodes.back()) ? 0 : arcs.back();
-            arc_.push_back(end);
-            arc_.push_back(end);
         }
     }
 }
@@ -201,24 +181,6 @@ double RealtimeLaw::energy(const NodeColumns& u) const noexcept {
         energy += region.gain * twice * twice / 2;
     }
     return energy;
-}
-
-PatchSpring RealtimeLaw::contact(int segment, double w) const noexcept {
-    const auto b = static_cast<std::size_t>(segment);
-    const double first = arc_[2 * b], last = arc_[2 * b + 1];
-    ContactPatch patch = surface_.at(first + w * (last - first));
-    const PatchStiffness k = patch_.at(patch);
-    if (first != last) return {patch, k};
-    const std::vector<int>& outline = springs_.outline();
-    const int ends[2] = {outline[b], outline[(b + 1) % outline.size()]};
-    for (int i = 0; i < ContactPatch::size; ++i) {
-        patch.node[i] = ends[i % 2];
-        patch.weight[i] = i < 2 ? (i == 0 ? 1 - w : w) : 0;
-        patch.slope[i] = 0;
-    }
-    patch.tangent = (springs_.rest().row(ends[1]) - springs_.rest().row(ends[0])).normalized().transpose();
-    patch.normal << -patch.tangent.y(), patch.tangent.x();
-    return {patch, {k.normal, k.normal, k.rotation, k.stretch}};
 }
 
 }  // namespace tissue

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "haptic/realtime_mesh.h"
@@ -25,11 +26,10 @@ class RealtimeLaw {
     /// W without a contact's [J]. No allocation.
     double energy(const NodeColumns& u) const noexcept;
 
-    /// The contact at a point of the mesh's outline (springs.outline()), as training and evaluation have it. On a held segment, which
-    /// is no part of the free surface, a wall as stiff as the contact at the surface's nearer end. No allocation.
-    PatchSpring contact(int segment, double w) const noexcept;
+    /// The contact at a place of the mesh's boundary, as training and evaluation have it (ContactKernel::tool_at). No allocation.
+    void contact(int facet, const Eigen::Vector3d& weight, ToolSpring& tool) const noexcept { kernel_->tool_at(facet, weight, patch_, tool); }
 
-    double spacing_m() const { return spacing_m_; }  ///< mean, of the free surface's nodes
+    double spacing_m() const { return kernel_->spacing_m(); }  ///< mean, of the free surface's nodes
 
    private:
     /// Squares whose corners are first + k, + b, + c, + d: one a node; where there is none, gain is 0.
@@ -57,10 +57,8 @@ class RealtimeLaw {
     Squares squares_;
     std::vector<Region> regions_;
     std::vector<Step> walk_;
-    ContactSurface surface_;
+    std::unique_ptr<ContactKernel> kernel_;
     PatchLaw patch_;
-    double spacing_m_;
-    std::vector<double> arc_;   ///< of each outline segment's first and second end [m] (2 M); equal where it is held
 };
 
 }  // namespace tissue

@@ -36,7 +36,8 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const
     mass_ = node_mass_kg;
     inverse_mass_ = mass_.cwiseInverse();
     for (int node : mesh.fixed) inverse_mass_[node] = 0;
-    outline_ = mesh.loop();
+    if (!mesh.is_solid()) outline_ = mesh.loop();
+    facets_ = mesh.facets;
 
     // bands: offsets that fill at least half of the run they span
     std::map<int, std::vector<int>> by_offset;
@@ -97,6 +98,12 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const
         for (int slot = band.first_slot; slot < band.first_slot + band.count; ++slot)
             band.parallel = band.parallel && (rest_length_[slot] == 0 || (axis_.row(slot) - axis).norm() < 1e-14);
     }
+}
+
+Point RealtimeMesh::rest_place(int facet, const Eigen::Vector3d& weight) const noexcept {
+    Point place = Point::Zero(dimension());
+    for (Eigen::Index k = 0; k < facets_.cols(); ++k) place += weight[k] * rest_.row(facets_(facet, k)).transpose();
+    return place;
 }
 
 Eigen::VectorXd RealtimeMesh::to_slots(const Eigen::Ref<const Eigen::VectorXd>& theta) const {

@@ -9,9 +9,6 @@
 
 namespace tissue {
 
-/// A field with one column an axis (N x 2), so that a loop over nodes reads memory in a row: u, v [m, m/s], f [N].
-using NodeColumns = Eigen::Matrix<double, Eigen::Dynamic, 2>;
-
 namespace kernel {
 
 /// f_i -= g, f_j += g (n each): pulls of springs on either end, where ends lie in a row.
@@ -45,7 +42,10 @@ class RealtimeMesh {
     const Eigen::VectorXd& mass() const { return mass_; }                ///< [kg] (N)
     const Eigen::VectorXd& inverse_mass() const { return inverse_mass_; }  ///< [1/kg] (N), 0 where a node is fixed
     bool fixed(int node) const { return inverse_mass_[node] == 0; }
-    const std::vector<int>& outline() const { return outline_; }         ///< boundary nodes, counter-clockwise (M)
+    int dimension() const { return static_cast<int>(rest_.cols()); }
+    const std::vector<int>& outline() const { return outline_; }         ///< in the plane: boundary nodes, counter-clockwise (M)
+    const Cells& facets() const { return facets_; }                      ///< of the boundary, as SpringMesh has them (B x D)
+    Point rest_place(int facet, const Eigen::Vector3d& weight) const noexcept;  ///< on the boundary [m] (D)
     const std::vector<Band>& bands() const { return bands_; }
     const std::vector<int>& slot_of_spring() const { return slot_of_spring_; }
     Eigen::Vector2i nodes_of_slot(int slot) const { return {first_[slot], second_[slot]}; }
@@ -73,6 +73,7 @@ class RealtimeMesh {
     NodeColumns rest_;
     Eigen::VectorXd mass_, inverse_mass_;
     std::vector<int> outline_;
+    Cells facets_;
     std::vector<Band> bands_;
     int loose_slot_ = 0;                ///< slots from here on are loose springs
     std::vector<int> slot_of_spring_;   ///< (S)

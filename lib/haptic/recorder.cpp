@@ -8,6 +8,8 @@ namespace {
 
 constexpr std::size_t block_ticks = 1024;
 
+constexpr int of_tissue = -1;  ///< as many columns as the tissue has axes
+
 /// A dataset of real numbers: one row a tick, `axes` columns (0: none, a plain list).
 struct Numbers {
     const char* name;
@@ -26,28 +28,28 @@ const Numbers numbers[] = {
     {"/time", 0, "s", "of each tick on the schedule", [](const RecordedTick& k, int) { return k.tick.time_s; }},
     {"/device_position", 3, "m", "as the device gave it", [](const RecordedTick& k, int a) { return k.tick.device_m[a]; }},
     {"/device_force", 3, "N", "as the device got it", [](const RecordedTick& k, int a) { return k.tick.device_N[a]; }},
-    {"/master", 2, "m", "device position in the plane of the tissue", [](const RecordedTick& k, int a) { return k.tick.master_m[a]; }},
-    {"/proxy", 2, "m", "on the outline while in contact", [](const RecordedTick& k, int a) { return k.tick.proxy_m[a]; }},
-    {"/contact_displacement", 2, "m", "x_p - X_p of the learned mesh", [](const RecordedTick& k, int a) { return k.tick.contact_displacement_m[a]; }},
-    {"/coupling_force", 2, "N", "k_C (x_p - x_m), before safety and force scale", [](const RecordedTick& k, int a) { return k.tick.coupling_N[a]; }},
-    {"/weight", 0, "1", "w(1) of the contact on its segment", [](const RecordedTick& k, int) { return k.tick.w; }},
+    {"/master", of_tissue, "m", "device position in the tissue's space", [](const RecordedTick& k, int a) { return k.tick.master_m[a]; }},
+    {"/proxy", of_tissue, "m", "on the surface while in contact", [](const RecordedTick& k, int a) { return k.tick.proxy_m[a]; }},
+    {"/contact_displacement", of_tissue, "m", "x_p - X_p of the learned mesh", [](const RecordedTick& k, int a) { return k.tick.contact_displacement_m[a]; }},
+    {"/coupling_force", of_tissue, "N", "k_C (x_p - x_m), before safety and force scale", [](const RecordedTick& k, int a) { return k.tick.coupling_N[a]; }},
+    {"/weight", 3, "1", "of the facet's nodes at the contact; of a segment the third is 0", [](const RecordedTick& k, int a) { return k.tick.weight[a]; }},
     {"/tick_us", 0, "us", "work of the tick", [](const RecordedTick& k, int) { return k.tick_us; }},
     {"/lateness_us", 0, "us", "start of the tick after its place on the schedule", [](const RecordedTick& k, int) { return k.lateness_us; }},
 };
 
 const Integers integers[] = {
     {"/mesh", "pressed mesh, -1 none", [](const RecordedTick& k) { return k.tick.mesh; }},
-    {"/segment", "of the outline, -1 none", [](const RecordedTick& k) { return k.tick.segment; }},
+    {"/facet", "of the boundary, -1 none", [](const RecordedTick& k) { return k.tick.facet; }},
     {"/set", "spring set with the largest share", [](const RecordedTick& k) { return k.tick.set; }},
     {"/fault", "1 where the input was refused", [](const RecordedTick& k) { return k.tick.fault ? 1 : 0; }},
 };
 
 }  // namespace
 
-Recorder::Recorder(const std::string& file, const Provenance& provenance, std::size_t ring)
-    : ring_(ring), out_(file, "recording", provenance) {
+Recorder::Recorder(const std::string& file, int dimension, const Provenance& provenance, std::size_t ring)
+    : ring_(ring), dimension_(dimension), out_(file, "recording", provenance) {
     block_.reserve(block_ticks);
-    for (const Numbers& n : numbers) out_.begin_rows(n.name, n.axes, n.units, n.description);
+    for (const Numbers& n : numbers) out_.begin_rows(n.name, columns(n.axes), n.units, n.description);
     for (const Integers& n : integers) out_.begin_rows(n.name, 0, "", n.description);
     thread_ = std::thread([this] { run(); });
 }
@@ -79,7 +81,7 @@ void Recorder::write_block() {
         for (const Numbers& n : numbers) {
             values.clear();
             for (const RecordedTick& tick : block_)
-                for (int a = 0; a < std::max(n.axes, 1); ++a) values.push_back(n.value(tick, a));
+                for (int a = 0; a < std::max(columns(n.axes), 1); ++a) values.push_back(n.value(tick, a));
             out_.append_rows(n.name, values);
         }
         std::vector<int> whole;

@@ -23,8 +23,8 @@ struct RecordedTick {
 /// fit is dropped and counted. HDF5 belongs to that thread until close().
 class Recorder final : public TickHook {
    public:
-    /// Throws FileError when the file cannot be written. ring: ticks that fit while the disk is slow.
-    Recorder(const std::string& file, const Provenance& provenance, std::size_t ring = 8192);
+    /// dimension: of the tissue. Throws FileError when the file cannot be written. ring: ticks that fit while the disk is slow.
+    Recorder(const std::string& file, int dimension, const Provenance& provenance, std::size_t ring = 8192);
     /// Closes without an error message; call close() to hear of one.
     ~Recorder() override;
     Recorder(const Recorder&) = delete;
@@ -43,11 +43,13 @@ class Recorder final : public TickHook {
     void close(const HapticModel& model);
 
    private:
+    int columns(int axes) const { return axes < 0 ? dimension_ : axes; }
     void drain();
     void write_block();
     void run();
 
     SpscRing<RecordedTick> ring_;
+    int dimension_;
     std::vector<RecordedTick> block_;     ///< not yet written
     Hdf5Writer out_;
     std::exception_ptr error_;            ///< of the thread; from then on ticks are let go

@@ -31,7 +31,7 @@ void check_in_plane(const TissueModel& model, const std::string& subject) {
 }
 
 std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel& model, const std::string& law,
-                                      const Eigen::Ref<const NodeField>& theta, const Eigen::Vector2d& place_m) {
+                                      const Eigen::Ref<const NodeField>& theta, const Point& place_m) {
     if (!theta.allFinite() || !(theta.minCoeff() > 0))
         throw MismatchError(fmt::format("the {} mesh has springs that are not positive", name));
     auto mesh = std::make_unique<HapticMesh>(
@@ -43,7 +43,7 @@ std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel
 
 std::unique_ptr<HapticMesh> make_law_mesh(const TissueModel& model) {
     const NodeField theta = model.energy_law->constants.head(model.mesh.spring_count()).transpose();
-    auto mesh = make_mesh("learned", model, "geometric", theta, Eigen::Vector2d::Zero());
+    auto mesh = make_mesh("learned", model, "geometric", theta, Point::Zero(model.mesh.dimension()));
     mesh->law = std::make_unique<RealtimeLaw>(model, mesh->springs);
     return mesh;
 }
@@ -84,7 +84,7 @@ TissueModel read_model_in_plane(const std::string& file) {
 }
 
 HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
-    : study(model.study), options(given), set_names(model.case_names) {
+    : study(model.study), options(given), set_names(model.case_names), mesh(model.mesh) {
     check_in_plane(model, "this ");
     HapticOptions& o = options;
     if (!(o.dt_s > 0)) throw MismatchError("dt must be positive");
@@ -100,8 +100,10 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
         throw MismatchError("the oldest position must be older than now, and the damping not negative");
     if (!(o.dt_s <= force_held_s / 2))
         throw MismatchError(fmt::format("dt must be at most {:g} s: a device may let go of an older force", force_held_s / 2));
-    if (!std::isfinite(o.place_m) || !o.map.offset_m.allFinite() || !model.mesh.nodes.allFinite())
+    if (!std::isfinite(o.place_m) || !model.mesh.nodes.allFinite())
         throw MismatchError("positions of nodes, of the second mesh and of the device must be finite");
+    o.map.fit(model.mesh.dimension());
+    if (!o.map.offset_m.allFinite()) throw MismatchError("positions of nodes, of the second mesh and of the device must be finite");
     o.safety.dt_s = o.dt_s;
     low_m = model.mesh.nodes.colwise().minCoeff();
     high_m = model.mesh.nodes.colwise().maxCoeff();
@@ -120,8 +122,10 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
         for (std::size_t b = 0; b < first_set.size(); ++b) first_set[b] = selector->select(static_cast<int>(b), 0.5, Eigen::Vector2d::Zero());
         meshes.push_back(make_mesh("learned", model, model.law, theta, Eigen::Vector2d::Zero()));
     }
+    Point beside = Point::Zero(dimension());
+    beside[0] = o.place_m;
     if (o.heuristic_mesh)
-        meshes.push_back(make_mesh("heuristic", model, model.law, model.heuristic_a.transpose(), {o.place_m, 0}));
+        meshes.push_back(make_mesh("heuristic", model, model.law, model.heuristic_a.transpose(), beside));
     const auto springs = std::find_if(meshes.begin(), meshes.end(), [](const auto& mesh) { return !mesh->law; });
     if (springs != meshes.end())
         stiffness = std::make_unique<ContactStiffness>((*springs)->springs, first_set, (*springs)->theta_of_set);
@@ -136,11 +140,12 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
 Simulation::Simulation(const HapticModel& model) : model_(model), safety_(model.options.safety) {
     for (const auto& mesh : model.meshes) {
         states_.emplace_back(mesh->springs, mesh->theta_of_set.col(0));
-        outlines_.emplace_back(static_cast<int>(mesh->springs.outline().size()));
+        surfaces_.push_back(make_moving_surface(model.mesh));
         dynamics_.push_back(make_dynamics(mesh->dynamics, mesh->springs,
                                           {model.options.dt_s, mesh->damping_1_s, mesh->substeps, mesh->law.get()}));
     }
-    place_outlines();
+    record_.master_m = record_.proxy_m = record_.contact_displacement_m = record_.coupling_N = Point::Zero(model.dimension());
+    place_surfaces();
 }
 
 void Simulation::reset() noexcept {
@@ -150,7 +155,7 @@ void Simulation::reset() noexcept {
         state.acceleration.setZero();
         state.theta_changed = true;
     }
-    place_outlines();
+    place_surfaces();
     contact_ = {};
     touched_ = -1;
     armed_ = false;
@@ -162,6 +167,7 @@ Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) n
     const TickRecord last = record_;
     ++counters_.ticks;
     record_ = {};
+    record_.proxy_m = record_.contact_displacement_m = record_.coupling_N = Point::Zero(model_.dimension());
     record_.time_s = last.time_s + o.dt_s;
     record_.device_m = sample.position_m.allFinite() ? sample.position_m : last.device_m;
     record_.master_m = last.master_m;
@@ -170,11 +176,11 @@ Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) n
 
     // device position
     if (!safety_.admit(sample, elapsed_s > 0 ? elapsed_s : o.dt_s)) return stop(true);
-    const Eigen::Vector2d master = o.map.to_plane(sample.position_m);
+    const Point master = o.map.to_tissue(sample.position_m);
     record_.master_m = master;
 
     // 4.2 collision detection
-    if (lost || !move_outlines()) return stop(false);
+    if (lost || !move_surfaces()) return stop(false);
     if (!find_contact(master)) return stop(false);
 
     // 4.3 selection of mesh constants, and their moving average (18)-(19)
@@ -182,7 +188,7 @@ Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) n
     if (!model_.is_law()) average_stiffness();
 
     // 4.1 deformation, with the coupling force of 4.2 on the segment's end nodes, on every mesh alike (4.4)
-    const Eigen::Vector2d on_tissue = step_meshes(master);
+    const Point on_tissue = step_meshes(master);
     record_.coupling_N = -on_tissue;
 
     // safety, device force
@@ -195,15 +201,11 @@ Eigen::Vector3d Simulation::stand_still() noexcept {
     return record_.device_N = safety_.stop();
 }
 
-/// Outlines to where the meshes are.
-void Simulation::place_outlines() noexcept {
+/// Surfaces to where the meshes are.
+void Simulation::place_surfaces() noexcept {
     for (std::size_t m = 0; m < states_.size(); ++m) {
         const HapticMesh& mesh = *model_.meshes[m];
-        const std::vector<int>& nodes = mesh.springs.outline();
-        for (std::size_t b = 0; b < nodes.size(); ++b)
-            outlines_[m].set(static_cast<int>(b), mesh.place_m + (mesh.springs.rest().row(nodes[b]) +
-                                                                  states_[m].displacement.row(nodes[b])).transpose());
-        outlines_[m].refresh();
+        surfaces_[m]->move(mesh.place_m, mesh.springs.rest(), states_[m].displacement);
     }
 }
 
@@ -228,12 +230,12 @@ bool Simulation::put_to_rest() noexcept {
     return true;
 }
 
-/// Outlines to where the meshes are, and false when there is no inside: an outline crosses itself.
-bool Simulation::move_outlines() noexcept {
-    place_outlines();
+/// Surfaces to where the meshes are, and false when there is no inside: a surface crosses itself.
+bool Simulation::move_surfaces() noexcept {
+    place_surfaces();
     bool sound = true;
-    for (MovingOutline& outline : outlines_)
-        if (!outline.simple()) {
+    for (const auto& surface : surfaces_)
+        if (!surface->simple()) {
             ++counters_.folded;
             sound = false;
         }
@@ -242,16 +244,16 @@ bool Simulation::move_outlines() noexcept {
 
 /// The proxy of 4.2 against the mesh in contact, or against each while there is none. Before the master has once been
 /// outside there is no contact. False when two meshes lie in one place and both hold the proxy.
-bool Simulation::find_contact(const Eigen::Vector2d& master_m) noexcept {
+bool Simulation::find_contact(const Point& master_m) noexcept {
     if (!armed_) {
         wait_for_outside(master_m);
     } else if (touched_ >= 0) {
         const int left = touched_;
         ContactState from = contact_;
         if (model_.meshes[static_cast<std::size_t>(left)]->law)
-            hold_patch(master_m);
-        else if (update_contact(outlines_[static_cast<std::size_t>(left)], master_m, contact_) == ContactRow::swallowed_release)
-            begin_contact(left, master_m);  // at another place of the same outline
+            hold_tool(master_m);
+        else if (update_contact(*surfaces_[static_cast<std::size_t>(left)], master_m, contact_) == ContactRow::swallowed_release)
+            begin_contact(left, master_m);  // at another place of the same surface
         from.contact = false;
         if (!contact_.contact) look_for_contact(from, left, master_m);
     } else {
@@ -259,8 +261,8 @@ bool Simulation::find_contact(const Eigen::Vector2d& master_m) noexcept {
         look_for_contact(from, -1, master_m);
     }
     if (!contact_.contact) touched_ = -1;
-    for (std::size_t m = 0; m < outlines_.size() && (contact_.contact || !armed_); ++m)
-        if (static_cast<int>(m) != touched_ && outlines_[m].contains_strictly(contact_.proxy_m, 1e-9)) {
+    for (std::size_t m = 0; m < surfaces_.size() && (contact_.contact || !armed_); ++m)
+        if (static_cast<int>(m) != touched_ && surfaces_[m]->contains_strictly(contact_.proxy_m, 1e-9)) {
             ++counters_.folded;
             return false;
         }
@@ -268,66 +270,61 @@ bool Simulation::find_contact(const Eigen::Vector2d& master_m) noexcept {
 }
 
 /// A contact at a new place: it has its own stiffness, or patch.
-void Simulation::begin_contact(int mesh, const Eigen::Vector2d& master_m) noexcept {
+void Simulation::begin_contact(int mesh, const Point& master_m) noexcept {
     touched_ = mesh;
     const HapticMesh& pressed = *model_.meshes[static_cast<std::size_t>(mesh)];
-    const std::vector<int>& outline = pressed.springs.outline();
-    const auto b = static_cast<std::size_t>(contact_.where.segment);
-    const double w = contact_.where.w;
-    touched_m_ = (1 - w) * pressed.springs.rest().row(outline[b]) + w * pressed.springs.rest().row(outline[(b + 1) % outline.size()]);
-    if (model_.is_law()) patch_ = model_.meshes[0]->law->contact(contact_.where.segment, w);
+    touched_m_ = pressed.springs.rest_place(contact_.where.facet, contact_.where.weight);
+    if (model_.is_law()) model_.meshes[0]->law->contact(contact_.where.facet, contact_.where.weight, tool_);
     if (pressed.law)
-        contact_.pressing = patch_pushes(master_m);
+        contact_.pressing = tool_pushes(master_m);
     else
-        coupling_N_m_ = model_.options.coupling_ratio * model_.stiffness->at(contact_.where.segment, w);
+        coupling_N_m_ = model_.options.coupling_ratio * model_.stiffness->at(contact_.where.facet, contact_.where.weight[1]);
 }
 
 /// Whether the tool, held where it is, pushes the law's tissue in: its force has a part along the rest's inward normal.
-bool Simulation::patch_pushes(const Eigen::Vector2d& master_m) const noexcept {
+bool Simulation::tool_pushes(const Point& master_m) const noexcept {
     const auto m = static_cast<std::size_t>(touched_);
-    Eigen::Vector2d at[ContactPatch::size];
-    gather(patch_->patch, states_[m].displacement, at);
-    const Eigen::Vector2d push = master_m - model_.meshes[m]->place_m - touched_m_;
-    return patch_->load(push, at).hand_N.dot(patch_->patch.normal) > 0;
+    const Point push = master_m - model_.meshes[m]->place_m - touched_m_;
+    return tool_.hand_N(push, states_[m].displacement).dot(tool_.inward()) > 0;
 }
 
-/// A law's contact keeps its place, and presses while its patch pushes the tool out. The outline does not say whether:
+/// A law's contact keeps its place, and presses while it pushes the tool out. The surface does not say whether:
 /// the patch's spline is smoother, and the tool may lie on either side of it. Contact ends when the patch does not push and the
-/// tool is out of the outline, or when it is farther out of it than the surface's nodes lie apart, which no patch explains.
-void Simulation::hold_patch(const Eigen::Vector2d& master_m) noexcept {
+/// tool is out of the surface, or when it is farther out of it than the surface's nodes lie apart, which no patch explains.
+void Simulation::hold_tool(const Point& master_m) noexcept {
     const auto m = static_cast<std::size_t>(touched_);
-    const MovingOutline& outline = outlines_[m];
-    contact_.pressing = patch_pushes(master_m);
-    if (!outline.contains(master_m) &&
-        (!contact_.pressing || outline.nearest(master_m).distance_m > model_.meshes[m]->law->spacing_m())) {
+    const MovingSurface& surface = *surfaces_[m];
+    contact_.pressing = tool_pushes(master_m);
+    if (!surface.contains(master_m) &&
+        (!contact_.pressing || surface.nearest(master_m).distance_m > model_.meshes[m]->law->spacing_m())) {
         contact_.contact = contact_.pressing = false;
         contact_.proxy_m = master_m;
         return;
     }
-    contact_.where.position_m = outline.at(contact_.where.segment, contact_.where.w);
+    contact_.where.position_m = surface.at(contact_.where.facet, contact_.where.weight);
     contact_.where.distance_m = (master_m - contact_.where.position_m).norm();
     contact_.proxy_m = contact_.where.position_m;
 }
 
 /// A free proxy, on its way from where it was to the master, against every mesh but the one it has just left.
-void Simulation::look_for_contact(const ContactState& from, int left, const Eigen::Vector2d& master_m) noexcept {
-    for (std::size_t m = 0; m < outlines_.size(); ++m) {
+void Simulation::look_for_contact(const ContactState& from, int left, const Point& master_m) noexcept {
+    for (std::size_t m = 0; m < surfaces_.size(); ++m) {
         if (static_cast<int>(m) == left) continue;
         contact_ = from;
-        update_contact(outlines_[m], master_m, contact_);
+        update_contact(*surfaces_[m], master_m, contact_);
         if (!contact_.contact) continue;
         return begin_contact(static_cast<int>(m), master_m);
     }
 }
 
 /// No contact yet: the proxy is the master's, or while that is inside, the nearest place on the surface.
-void Simulation::wait_for_outside(const Eigen::Vector2d& master_m) noexcept {
+void Simulation::wait_for_outside(const Point& master_m) noexcept {
     contact_ = {};
     contact_.proxy_m = master_m;
-    for (const MovingOutline& outline : outlines_)
-        if (outline.contains(master_m)) {
+    for (const auto& surface : surfaces_)
+        if (surface->contains(master_m)) {
             ++counters_.unarmed;
-            contact_.proxy_m = outline.nearest(master_m).position_m;
+            contact_.proxy_m = surface->nearest(master_m).position_m;
             return;
         }
     armed_ = true;
@@ -335,16 +332,25 @@ void Simulation::wait_for_outside(const Eigen::Vector2d& master_m) noexcept {
 }
 
 /// 4.3: from where the contact is and how far the learned mesh gave way there, or from the force on it a tick ago.
-void Simulation::select_set(const Eigen::Vector2d& on_tissue_N) noexcept {
-    const RealtimeMesh& springs = model_.meshes[0]->springs;
-    const auto b = static_cast<std::size_t>(contact_.where.segment);
-    const double w = contact_.where.w;
-    const int i = springs.outline()[b], j = springs.outline()[(b + 1) % springs.outline().size()];
-    const Eigen::Vector2d displacement =
-        (1 - w) * states_[0].displacement.row(i) + w * states_[0].displacement.row(j);
+void Simulation::select_set(const Point& on_tissue_N) noexcept {
+    const Cells& facets = model_.meshes[0]->springs.facets();
+    const double w = contact_.where.weight[1];
+    const int i = facets(contact_.where.facet, 0), j = facets(contact_.where.facet, 1);
+    const Eigen::Vector2d displacement = (1 - w) * states_[0].displacement.row(i) + w * states_[0].displacement.row(j);
     const bool by_force = model_.options.select_by == SelectBy::force;
-    set_ = model_.selector->select(contact_.where.segment, w, by_force ? on_tissue_N : displacement);
+    set_ = model_.selector->select(contact_.where.facet, w, by_force ? Eigen::Vector2d(on_tissue_N) : displacement);
     record_.contact_displacement_m = displacement;
+}
+
+Point Simulation::displacement_at_contact(std::size_t mesh) const noexcept {
+    if (record_.mesh < 0) return Point::Zero(model_.dimension());
+    const HapticMesh& asked = *model_.meshes[mesh];
+    const NodeColumns& u = states_[mesh].displacement;
+    if (asked.law) return static_cast<int>(mesh) == record_.mesh ? Point(record_.master_m - asked.place_m - touched_m_) : tool_.push_at(-record_.coupling_N, u);
+    const Cells& facets = asked.springs.facets();
+    Point sum = Point::Zero(model_.dimension());
+    for (Eigen::Index k = 0; k < facets.cols(); ++k) sum += record_.weight[k] * u.row(facets(record_.facet, k)).transpose();
+    return sum;
 }
 
 /// (19): K^t = gamma K_l + (1 - gamma) K^{t-1}, on theta, in which K is linear. The heuristic mesh has one set.
@@ -357,36 +363,37 @@ void Simulation::average_stiffness() noexcept {
 
 /// One step of every mesh. The touched one goes first: its coupling, or patch, gives the force that the others get as well.
 /// Returns the force of the tool on the tissue [N].
-Eigen::Vector2d Simulation::step_meshes(const Eigen::Vector2d& master_m) noexcept {
+Point Simulation::step_meshes(const Point& master_m) noexcept {
     const auto touched = static_cast<std::size_t>(std::max(touched_, 0));
     record_.proxy_m = contact_.proxy_m;
     record_.set = model_.is_law() ? -1 : set_;
     untouched_ = contact_.pressing ? 0 : untouched_ + 1;
     if (!contact_.pressing) {
         for (std::size_t m = 0; m < states_.size(); ++m) dynamics_[m]->step(states_[m], {});
-        return Eigen::Vector2d::Zero();
+        return Point::Zero(model_.dimension());
     }
     record_.mesh = touched_;
-    record_.segment = contact_.where.segment;
-    record_.w = contact_.where.w;
+    record_.facet = contact_.where.facet;
+    record_.weight = contact_.where.weight;
 
-    // on springs the ends of the segment, on a law the patch: held by the master, then given the force
-    const std::vector<int>& outline = model_.meshes[touched]->springs.outline();
-    const auto b = static_cast<std::size_t>(contact_.where.segment);
+    // on springs the ends of the segment, on a law its own contact: held by the master, then given the force
     ContactLoad load;
-    load.node[0] = outline[b];
-    load.node[1] = outline[(b + 1) % outline.size()];
-    load.weight[0] = 1 - contact_.where.w;
-    load.weight[1] = contact_.where.w;
     const auto step = [&](std::size_t m) {
-        load.patch = model_.meshes[m]->law ? &*patch_ : nullptr;
-        if (load.patch) record_.contact_displacement_m = load.patch_push(states_[m].displacement);
+        load.tool = model_.meshes[m]->law ? &tool_ : nullptr;
+        if (load.tool && m == 0) record_.contact_displacement_m = load.tool_push(states_[m].displacement);
         return dynamics_[m]->step(states_[m], load);
     };
-    load.master_m = master_m - model_.meshes[touched]->place_m;
+    const Point master = master_m - model_.meshes[touched]->place_m;
+    if (!model_.is_solid()) {
+        for (int end : {0, 1}) {
+            load.node[end] = model_.meshes[touched]->springs.facets()(contact_.where.facet, end);
+            load.weight[end] = contact_.where.weight[end];
+        }
+        load.master_m = master;
+    }
     load.coupling_N_m = coupling_N_m_;
-    load.push_m = load.master_m - touched_m_;
-    const Eigen::Vector2d force = step(touched);
+    load.push_m = Point(master - touched_m_);
+    const Point force = step(touched);
     load.coupling_N_m = 0;
     load.push_m.reset();
     load.given_N = force;

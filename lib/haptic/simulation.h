@@ -39,7 +39,7 @@ struct HapticMesh {
     RealtimeMesh springs;
     Eigen::MatrixXd theta_of_set;      ///< by slot, one column a set [N/m] (P x C); of a law its springs', one column
     std::unique_ptr<RealtimeLaw> law;  ///< nothing where springs alone hold the mesh together
-    Eigen::Vector2d place_m;           ///< of its origin in the plane
+    Point place_m;                     ///< of its origin (D)
     std::string dynamics;              ///< which step runs
     int substeps;                      ///< that divide dt
     double largest_eigenvalue_1_s2;    ///< of M^-1 K: over all its sets, the coupling's k_C on its node included; of a law as law_spectrum has it
@@ -64,9 +64,13 @@ struct HapticModel {
     std::vector<std::unique_ptr<HapticMesh>> meshes;  ///< the learned one first
     std::unique_ptr<Selector> selector;               ///< of the learned mesh; a law has none
     std::unique_ptr<ContactStiffness> stiffness;      ///< of the first mesh of springs; every one uses it. Nothing where there is none
-    Eigen::Vector2d low_m, high_m;                    ///< box of the learned mesh at rest
+    Point low_m, high_m;                              ///< box of the learned mesh at rest (D)
+
+    SpringMesh mesh;                                  ///< at rest
 
     bool is_law() const { return meshes.front()->law != nullptr; }
+    int dimension() const { return mesh.dimension(); }
+    bool is_solid() const { return mesh.is_solid(); }
 };
 
 /// What a tick leaves behind, for the recorder, the page and the tests. Nothing in it is older than the tick, but where
@@ -75,20 +79,20 @@ struct TickRecord {
     double time_s = 0;
     Eigen::Vector3d device_m = Eigen::Vector3d::Zero();  ///< as the device gave it; where not finite, the last that was
     Eigen::Vector3d device_N = Eigen::Vector3d::Zero();
-    Eigen::Vector2d master_m = Eigen::Vector2d::Zero();  ///< of the last position that was not refused
-    Eigen::Vector2d proxy_m = Eigen::Vector2d::Zero();   ///< the master where there is no contact
-    Eigen::Vector2d contact_displacement_m = Eigen::Vector2d::Zero();  ///< x_p - X_p of the learned mesh; of a law the tool's own, x_m - X_p
-    Eigen::Vector2d coupling_N = Eigen::Vector2d::Zero();              ///< f = k_C (x_p - x_m), or the patch's, before safety
+    Point master_m;                ///< of the last position that was not refused (D)
+    Point proxy_m;                 ///< the master where there is no contact
+    Point contact_displacement_m;  ///< x_p - X_p of the learned mesh; of a law the tool's own, x_m - X_p
+    Point coupling_N;              ///< f = k_C (x_p - x_m), or the tool's on a law, before safety
     int mesh = -1;                ///< pressed mesh, -1 none
-    int segment = -1;
-    double w = 0;
+    int facet = -1;               ///< of its boundary,
+    Eigen::Vector3d weight = Eigen::Vector3d::Zero();  ///< and of the facet's nodes there
     int set = -1;                 ///< that serves; -1 of a law
     bool fault = false;
 };
 
 struct HapticCounters {
     long long ticks = 0;
-    long long folded = 0;         ///< outline not simple, or two meshes over each other: no inside, no force
+    long long folded = 0;         ///< surface not simple, or two meshes over each other: no inside, no force
     long long unstable = 0;       ///< a node not finite, or 1 km away; or a law that nothing touches and that does not come back: meshes put to rest
     long long unarmed = 0;        ///< inside tissue, but the master has not been outside since the start or a fault
 };
@@ -111,40 +115,42 @@ class Simulation {
     const HapticModel& model() const { return model_; }
     const MeshState& state(std::size_t mesh) const { return states_[mesh]; }
     MeshState& state(std::size_t mesh) { return states_[mesh]; }  ///< to start from another state, between ticks
-    const MovingOutline& outline(std::size_t mesh) const { return outlines_[mesh]; }
+    const MovingSurface& surface(std::size_t mesh) const { return *surfaces_[mesh]; }
     const ContactState& contact() const { return contact_; }
     int set() const { return set_; }                                                 ///< (18)'s l
-    const std::optional<PatchSpring>& patch() const { return patch_; }  ///< of a law, where the tool touches it or the other mesh
+    /// x_p - X_p of one mesh; of a law how far the tool has pushed it. 0 where nothing is pressed (D).
+    Point displacement_at_contact(std::size_t mesh) const noexcept;
+    const ToolSpring& tool() const { return tool_; }  ///< of a law, where the tool touches it or the other mesh
 
     /// Puts every mesh to rest; the master must be outside once before there is force again.
     void reset() noexcept;
 
    private:
-    void place_outlines() noexcept;
-    bool move_outlines() noexcept;
+    void place_surfaces() noexcept;
+    bool move_surfaces() noexcept;
     bool come_to_rest_elsewhere() const noexcept;
     bool put_to_rest() noexcept;
-    bool find_contact(const Eigen::Vector2d& master_m) noexcept;
-    void begin_contact(int mesh, const Eigen::Vector2d& master_m) noexcept;
-    void hold_patch(const Eigen::Vector2d& master_m) noexcept;
-    bool patch_pushes(const Eigen::Vector2d& master_m) const noexcept;
-    void look_for_contact(const ContactState& from, int left, const Eigen::Vector2d& master_m) noexcept;
-    void wait_for_outside(const Eigen::Vector2d& master_m) noexcept;
-    void select_set(const Eigen::Vector2d& on_tissue_N) noexcept;
+    bool find_contact(const Point& master_m) noexcept;
+    void begin_contact(int mesh, const Point& master_m) noexcept;
+    void hold_tool(const Point& master_m) noexcept;
+    bool tool_pushes(const Point& master_m) const noexcept;
+    void look_for_contact(const ContactState& from, int left, const Point& master_m) noexcept;
+    void wait_for_outside(const Point& master_m) noexcept;
+    void select_set(const Point& on_tissue_N) noexcept;
     void average_stiffness() noexcept;
-    Eigen::Vector2d step_meshes(const Eigen::Vector2d& master_m) noexcept;
+    Point step_meshes(const Point& master_m) noexcept;
     Eigen::Vector3d stop(bool fault) noexcept;
 
     const HapticModel& model_;
     Safety safety_;
     std::vector<MeshState> states_;
-    std::vector<MovingOutline> outlines_;
+    std::vector<std::unique_ptr<MovingSurface>> surfaces_;
     std::vector<std::unique_ptr<Dynamics>> dynamics_;
     ContactState contact_;
     int touched_ = -1;            ///< mesh in contact
     double coupling_N_m_ = 0;     ///< k_C of this contact
-    std::optional<PatchSpring> patch_;                          ///< of this contact, where the learned mesh is a law
-    Eigen::Vector2d touched_m_ = Eigen::Vector2d::Zero();  ///< X_p of this contact, in the mesh's own coordinates
+    ToolSpring tool_;             ///< of this contact, where the learned mesh is a law
+    Point touched_m_;             ///< X_p of this contact, in the mesh's own coordinates
     bool armed_ = false;          ///< the master has been outside
     long long untouched_ = 0;     ///< ticks since a tool or its force was on the meshes
     int set_ = 0;                 ///< (19)'s K_l

@@ -8,8 +8,8 @@ TickState empty_state(const HapticModel& model) {
     TickState state;
     std::size_t nodes = 0;
     for (const auto& mesh : model.meshes) nodes += static_cast<std::size_t>(mesh->springs.node_count());
-    state.contact_displacement_m.assign(model.meshes.size(), Eigen::Vector2d::Zero());
-    state.nodes_m.assign(2 * nodes, 0);
+    state.contact_displacement_m.assign(model.meshes.size(), Point(Point::Zero(model.dimension())));
+    state.nodes_m.assign(static_cast<std::size_t>(model.dimension()) * nodes, 0);
     return state;
 }
 
@@ -24,18 +24,8 @@ void copy(const Simulation& simulation, const TickBooks& books, TickState& state
         const HapticMesh& mesh = *simulation.model().meshes[m];
         const NodeColumns &rest = mesh.springs.rest(), &u = simulation.state(m).displacement;
         for (int n = 0; n < mesh.springs.node_count(); ++n)
-            for (int axis : {0, 1}) *out++ = static_cast<float>(mesh.place_m[axis] + rest(n, axis) + u(n, axis));
-        Eigen::Vector2d& at_contact = state.contact_displacement_m[m];
-        at_contact.setZero();
-        if (record.mesh < 0) continue;
-        if (mesh.law) {
-            at_contact = record.contact_displacement_m;
-            continue;
-        }
-        const std::vector<int>& outline = mesh.springs.outline();
-        const auto b = static_cast<std::size_t>(record.segment);
-        const int i = outline[b], j = outline[(b + 1) % outline.size()];
-        at_contact = (1 - record.w) * u.row(i) + record.w * u.row(j);
+            for (int axis = 0; axis < mesh.springs.dimension(); ++axis) *out++ = static_cast<float>(mesh.place_m[axis] + rest(n, axis) + u(n, axis));
+        state.contact_displacement_m[m] = simulation.displacement_at_contact(m);
     }
 }
 

@@ -15,8 +15,8 @@ struct TickState {
     TickBooks books;
     SafetyCounters safety;
     HapticCounters counters;
-    std::vector<Eigen::Vector2d> contact_displacement_m;  ///< of each mesh at the contact, of a law the tool's own; 0 without one
-    std::vector<float> nodes_m;                           ///< x, y of every node in the plane, mesh after mesh
+    std::vector<Point> contact_displacement_m;  ///< of each mesh at the contact, of a law the tool's own; 0 without one
+    std::vector<float> nodes_m;                           ///< place of every node, D numbers each, mesh after mesh
 };
 
 /// Between the tick and one other thread: states and times out, pause and reset in. Neither side locks or waits, and

@@ -28,16 +28,16 @@ class SymplecticDynamics final : public Dynamics {
           keep_(1 / (1 + h_ * options.damping_1_s)), gain_(h_ * keep_ * mesh.inverse_mass()) {}
     std::string name() const override { return symplectic_dynamics.name; }
 
-    Eigen::Vector2d step(MeshState& s, const ContactLoad& load) noexcept override {
+    Point step(MeshState& s, const ContactLoad& load) noexcept override {
         const int N = mesh_.node_count();
-        Eigen::Vector2d tool = Eigen::Vector2d::Zero();
+        Point tool = Point::Zero(mesh_.dimension());
         for (int k = 0; k < substeps_; ++k) {
             if (law_)
                 law_->force(s.displacement, s.force);
             else
                 mesh_.force(s.theta, s.displacement, s.force);
             tool += load.put_on(mesh_, s.displacement, s.force) / substeps_;
-            for (int axis = 0; axis < 2; ++axis)
+            for (int axis = 0; axis < mesh_.dimension(); ++axis)
                 kernel::symplectic_axis(N, gain_.data(), keep_, h_, s.force.data() + axis * N, s.velocity.data() + axis * N,
                                         s.displacement.data() + axis * N);
         }

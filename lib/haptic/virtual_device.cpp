@@ -43,8 +43,9 @@ struct Ring {
 std::vector<Waypoint> poke(const MotionOptions& o) {
     std::mt19937_64 random(o.seed);
     const Eigen::Vector2d margin = Eigen::Vector2d::Constant(ring_m);
-    const Ring box{o.low_m, o.high_m}, ring{o.low_m - margin, o.high_m + margin};
-    const double w = (o.high_m - o.low_m).x(), h = (o.high_m - o.low_m).y();
+    const Eigen::Vector2d low = o.low_m, high = o.high_m;
+    const Ring box{low, high}, ring{low - margin, high + margin};
+    const double w = (high - low).x(), h = (high - low).y();
     std::vector<Waypoint> motion;
     double time = 0, ring_at = -1;
     while (time < o.seconds) {
@@ -87,9 +88,9 @@ std::vector<Waypoint> poke(const MotionOptions& o) {
 
 }  // namespace
 
-std::vector<Waypoint> press_motion(const Eigen::Vector2d& contact_m, const Eigen::Vector2d& inward,
-                                   const Eigen::Vector2d& push_m, double seconds, double inset_m) {
-    const Eigen::Vector2d touch = contact_m + inset_m * inward;
+std::vector<Waypoint> press_motion(const Point& contact_m, const Point& inward,
+                                   const Point& push_m, double seconds, double inset_m) {
+    const Point touch = contact_m + inset_m * inward;
     return {{0, contact_m - clearance_m * inward}, {0.25 * seconds, touch}, {seconds, touch + push_m}};
 }
 
@@ -105,24 +106,26 @@ std::vector<Waypoint> press(const MotionOptions& o) {
     return press_motion(middle_of_top(o), down, o.depth_m * down, 1, 0);
 }
 
+Waypoint stop(double seconds, double x, double y) { return {seconds, Eigen::Vector2d(x, y)}; }
+
 /// From above the middle of the top through the stops, each a time and a place from there, over and over.
 std::vector<Waypoint> round(const MotionOptions& o, const std::vector<Waypoint>& stops) {
     const Eigen::Vector2d top = middle_of_top(o);
     std::vector<Waypoint> motion = {{0, top + Eigen::Vector2d(0, clearance_m)}};
     while (motion.back().time_s < o.seconds)
-        for (const Waypoint& stop : stops) motion.push_back({motion.back().time_s + stop.time_s, top + stop.point_m});
+        for (const Waypoint& stop : stops) motion.push_back({motion.back().time_s + stop.time_s, Eigen::Vector2d(top + stop.point_m)});
     return motion;
 }
 
 /// Into the middle of the top, then along it and back.
 std::vector<Waypoint> slide(const MotionOptions& o) {
     const double side = 0.2 * (o.high_m - o.low_m).x();
-    return round(o, {{0.5, {0, -o.depth_m}}, {1.0, {side, -o.depth_m}}, {1.0, {-side, -o.depth_m}}, {0.5, {0, clearance_m}}});
+    return round(o, {stop(0.5, 0, -o.depth_m), stop(1, side, -o.depth_m), stop(1, -side, -o.depth_m), stop(0.5, 0, clearance_m)});
 }
 
 /// In and out of the middle of the top at 1 Hz.
 std::vector<Waypoint> sine(const MotionOptions& o) {
-    return round(o, {{0.5, {0, -o.depth_m}}, {0.5, {0, clearance_m}}});
+    return round(o, {stop(0.5, 0, -o.depth_m), stop(0.5, 0, clearance_m)});
 }
 
 struct Motion {
@@ -179,7 +182,7 @@ DeviceSample VirtualDevice::read(double time_s) noexcept {
     while (next_ < motion_.size() && motion_[next_].time_s <= time_s) ++next_;
     DeviceSample sample;
     const Waypoint& before = motion_[next_ - 1];
-    Eigen::Vector2d point = before.point_m;
+    Point point = before.point_m;
     if (next_ < motion_.size()) {
         const Waypoint& after = motion_[next_];
         const double t = std::max(0.0, (time_s - before.time_s) / (after.time_s - before.time_s));

@@ -7,10 +7,10 @@
 
 namespace tissue {
 
-/// Where the hand is at a time, in the plane of the tissue; it goes smoothly from one to the next and stays at the last.
+/// Where the hand is at a time, in the tissue's space; it goes smoothly from one to the next and stays at the last.
 struct Waypoint {
     double time_s;
-    Eigen::Vector2d point_m;
+    Point point_m;
 };
 
 /// Names of the motions, in the order in which messages list them; what each does stands beside it in the .cpp.
@@ -21,7 +21,7 @@ struct MotionOptions {
     double seconds = 10;                 ///< to be filled
     double depth_m = 0.010;              ///< of the tool below the surface at rest: the paper's smaller magnitude
     unsigned long seed = 2008;           ///< of poke
-    Eigen::Vector2d low_m{0, 0}, high_m{0.1, 0.1};  ///< box of the tissue at rest
+    Point low_m = Eigen::Vector2d(0, 0), high_m = Eigen::Vector2d(0.1, 0.1);  ///< box of the tissue at rest
 };
 
 /// A motion that starts outside the tissue. Throws MismatchError for an unknown name, or a depth or time that is not
@@ -31,8 +31,8 @@ std::vector<Waypoint> make_motion(const MotionOptions& options);
 /// A press at one contact: from outside it to the surface, then `push_m` beyond it within `seconds` and on staying there.
 /// inward: unit vector into the tissue. The tool touches `inset_m` inside the surface, so that a push along the
 /// surface does not leave it.
-std::vector<Waypoint> press_motion(const Eigen::Vector2d& contact_m, const Eigen::Vector2d& inward,
-                                   const Eigen::Vector2d& push_m, double seconds, double inset_m);
+std::vector<Waypoint> press_motion(const Point& contact_m, const Point& inward,
+                                   const Point& push_m, double seconds, double inset_m);
 
 /// A hand without a body: it follows the waypoints whatever force comes.
 class VirtualDevice final : public Device {

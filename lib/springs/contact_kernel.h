@@ -4,8 +4,11 @@
 #include <vector>
 
 #include "field.h"
+#include "springs/tool_spring.h"
 
 namespace tissue {
+
+struct PatchLaw;
 
 /// Where a contact lies: what its rows take of the push d and of the displacements of a few nodes, e = push d - pull u, and
 /// which of the law's stiffnesses each of them has.
@@ -25,6 +28,9 @@ class ContactKernel {
     virtual ~ContactKernel() = default;
 
     virtual ContactRows rows_at(const Point& contact_m) const = 0;
+    /// The same contact as the tick holds it, at weights of the nodes of a boundary facet (SpringMesh::facets). On a held facet,
+    /// which is no part of the free surface, a wall as stiff as the contact nearby. Allocates nothing.
+    virtual void tool_at(int facet, const Eigen::Vector3d& weight, const PatchLaw& law, ToolSpring& tool) const noexcept = 0;
     /// Node pairs that contacts anywhere couple, where they are few; else none, and each contact brings its own.
     virtual std::vector<std::pair<int, int>> coupled() const { return {}; }
     virtual double spacing_m() const = 0;  ///< of the surface's nodes

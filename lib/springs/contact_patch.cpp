@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace tissue {
 namespace {
@@ -39,6 +40,22 @@ ContactSurface::ContactSurface(const SpringMesh& mesh) : outline_(mesh) {
     rest_m_.push_back(2 * rest_m_[rest_m_.size() - 1] - rest_m_[rest_m_.size() - 2]);
     node_.insert(node_.begin(), node_.front());
     node_.push_back(node_.back());
+    std::map<std::pair<int, int>, std::size_t> on_line;
+    const std::vector<int>& line = outline_.nodes();
+    for (std::size_t s = 0; s + 1 < line.size(); ++s) on_line[{line[s], line[s + 1]}] = s;
+    for (Eigen::Index b = 0; b < mesh.facets.rows(); ++b) {
+        const int i = mesh.facets(b, 0), j = mesh.facets(b, 1);
+        Segment segment{0, 0, {i, j}, (mesh.nodes.row(j) - mesh.nodes.row(i)).normalized().transpose()};
+        const auto found = on_line.find({i, j});
+        if (found != on_line.end()) {
+            segment.first = outline_.arcs()[found->second];
+            segment.last = outline_.arcs()[found->second + 1];
+        } else {
+            const auto off = [&](int end) { return (mesh.nodes.row(i) - mesh.nodes.row(end)).norm(); };
+            segment.first = segment.last = off(line.front()) < off(line.back()) ? 0 : outline_.arcs().back();
+        }
+        segment_.push_back(segment);
+    }
     for (std::size_t i = 1; i + 1 < arc_.size(); ++i) knot_.push_back((arc_[i - 1] + 4 * arc_[i] + arc_[i + 1]) / 6);
 }
 
@@ -86,6 +103,28 @@ ContactPatch ContactSurface::at(double arc_m) const noexcept {
     patch.tangent = along.normalized();
     patch.normal << -patch.tangent.y(), patch.tangent.x();  // counter-clockwise: the tissue lies to the left
     return patch;
+}
+
+void ContactSurface::tool_at(int facet, const Eigen::Vector3d& weight, const PatchLaw& law, ToolSpring& tool) const noexcept {
+    const Segment& segment = segment_[static_cast<std::size_t>(facet)];
+    ContactPatch patch = at(segment.first + weight[1] * (segment.last - segment.first));
+    PatchStiffness k = law.at(patch);
+    if (segment.first == segment.last) {
+        for (int i = 0; i < ContactPatch::size; ++i) {
+            patch.node[i] = segment.node[i % 2];
+            patch.weight[i] = i < 2 ? weight[i] : 0;
+            patch.slope[i] = 0;
+        }
+        patch.tangent = segment.tangent;
+        patch.normal << -patch.tangent.y(), patch.tangent.x();
+        k.tangent = k.normal;
+    }
+    const PatchSpring spring(patch, k);
+    tool.begin(2, patch.normal);
+    tool.add_group(Eigen::Matrix2d::Identity(), spring.gap_N_m);
+    for (int i = 0; i < ContactPatch::size; ++i) tool.add_node(patch.node[i], patch.weight[i]);
+    tool.add_group(Eigen::Matrix2d::Zero(), spring.turn_N_m);
+    for (int i = 0; i < ContactPatch::size; ++i) tool.add_node(patch.node[i], patch.slope[i]);
 }
 
 Eigen::Vector4d PatchLaw::factors_at(const ContactPatch& patch) noexcept {

@@ -29,6 +29,7 @@ class ContactSurface final : public ContactKernel {
     explicit ContactSurface(const SpringMesh& mesh);
 
     ContactRows rows_at(const Point& contact_m) const override;  ///< at the surface's point nearest to that
+    void tool_at(int facet, const Eigen::Vector3d& weight, const PatchLaw& law, ToolSpring& tool) const noexcept override;
     std::vector<std::pair<int, int>> coupled() const override;   ///< four nodes that follow each other
     double spacing_m() const override { return outline_.length() / static_cast<double>(outline_.nodes().size() - 1); }
 
@@ -40,7 +41,14 @@ class ContactSurface final : public ContactKernel {
    private:
     double arc_at(int segment, double fraction) const noexcept;
 
+    struct Segment {
+        double first, last;  ///< arcs of its ends; equal where it is held
+        int node[2];
+        Eigen::Vector2d tangent;
+    };
+
     Outline outline_;
+    std::vector<Segment> segment_;  ///< of the boundary, which is closed and begins anywhere (B)
     // with one more at either end, mirrored in the last node: where the spline ends at rest
     std::vector<int> node_;
     std::vector<double> arc_;

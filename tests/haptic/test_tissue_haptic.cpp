@@ -168,7 +168,7 @@ TEST_CASE("a full ring drops samples and counts them, and the recording says so"
     CHECK(recorder.dropped() > 0);
     CHECK(in.number_attribute("/", "dropped_samples") == static_cast<double>(recorder.dropped()));
     CHECK(in.vector("/time").size() + recorder.dropped() == 100000);
-    refusal<FileError>([&] { Recorder(folder.file("no/such/folder.h5"), {"test", 1, {}}); });
+    refusal<FileError>([&] { Recorder(folder.file("no/such/folder.h5"), 2, {"test", 1, {}}); });
 }
 
 TEST_CASE("a recording is written as it goes: memory does not grow with the session, and the file appears at its end", "[recorder]") {

@@ -1,0 +1,147 @@
+#include "springs/tool_spring.h"
+
+#include <Eigen/LU>
+
+namespace tissue {
+
+void ToolSpring::begin(int dimension, const Point& inward) noexcept {
+    dimension_ = dimension;
+    groups_ = nodes_ = 0;
+    inward_ = in_space(inward);
+    hardening_1_J_ = saturation_1_J_ = coupling_N_m2_ = 0;
+}
+
+bool ToolSpring::add_group(const Eigen::Ref<const Eigen::MatrixXd>& target, const Eigen::Ref<const Eigen::MatrixXd>& stiffness_N_m) noexcept {
+    if (groups_ > most_nodes) return false;
+    Group& group = group_[groups_++];
+    group.target.setZero();
+    group.stiffness.setZero();
+    group.target.topLeftCorner(dimension_, dimension_) = target;
+    group.stiffness.topLeftCorner(dimension_, dimension_) = stiffness_N_m;
+    group.begin = group.end = nodes_;
+    return true;
+}
+
+bool ToolSpring::add_node(int node, double weight) noexcept {
+    if (nodes_ >= 2 * most_nodes) return false;
+    node_[nodes_] = node;
+    weight_[nodes_] = weight;
+    group_[groups_ - 1].end = ++nodes_;
+    return true;
+}
+
+void ToolSpring::harden(double hardening_1_J, double saturation_1_J, double coupling_N_m2) noexcept {
+    hardening_1_J_ = hardening_1_J;
+    saturation_1_J_ = saturation_1_J;
+    coupling_N_m2_ = coupling_N_m2;
+}
+
+Eigen::Vector3d ToolSpring::in_space(const Point& p) const noexcept {
+    Eigen::Vector3d v = Eigen::Vector3d::Zero();
+    v.head(dimension_) = p;
+    return v;
+}
+
+Eigen::Vector3d ToolSpring::tissue(const Group& group, const NodeColumns& u) const noexcept {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int k = group.begin; k < group.end; ++k)
+        for (int axis = 0; axis < dimension_; ++axis) sum[axis] += weight_[k] * u(node_[k], axis);
+    return sum;
+}
+
+Eigen::Vector3d ToolSpring::gap(const Group& group, const Eigen::Vector3d& push, const NodeColumns& u) const noexcept {
+    return group.target * push - tissue(group, u);
+}
+
+/// Of the first group's gap: as ContactSpring's State.
+ToolSpring::Hardening ToolSpring::hardened(const Eigen::Vector3d& gap) const noexcept {
+    Hardening h{};
+    h.pull = group_[0].stiffness * gap;
+    h.s = h.pull.dot(gap) / 2;
+    const double room = 1 + saturation_1_J_ * h.s;
+    h.rise = hardening_1_J_ * (h.s + saturation_1_J_ * h.s * h.s / 2) / (room * room);
+    h.bend = hardening_1_J_ / (room * room * room);
+    const double in = inward_.dot(gap);
+    const Eigen::Vector3d across = gap - in * inward_;
+    h.slope = h.rise * h.pull + coupling_N_m2_ * (across.squaredNorm() / 2 * inward_ + in * across);
+    return h;
+}
+
+Point ToolSpring::hand_N(const Point& push_m, const NodeColumns& u) const noexcept {
+    const Eigen::Vector3d push = in_space(push_m);
+    Eigen::Vector3d hand = Eigen::Vector3d::Zero();
+    for (int g = 0; g < groups_; ++g) {
+        const Eigen::Vector3d e = gap(group_[g], push, u);
+        Eigen::Vector3d q = group_[g].stiffness * e;
+        if (g == 0) q += hardened(e).slope;
+        hand += group_[g].target.transpose() * q;
+    }
+    return hand.head(dimension_);
+}
+
+Point ToolSpring::put_on(const Point& push_m, const NodeColumns& u, NodeColumns& f) const noexcept {
+    const Eigen::Vector3d push = in_space(push_m);
+    Eigen::Vector3d hand = Eigen::Vector3d::Zero();
+    for (int g = 0; g < groups_; ++g) {
+        const Group& group = group_[g];
+        const Eigen::Vector3d e = gap(group, push, u);
+        Eigen::Vector3d q = group.stiffness * e;
+        if (g == 0) q += hardened(e).slope;
+        hand += group.target.transpose() * q;
+        for (int k = group.begin; k < group.end; ++k)
+            for (int axis = 0; axis < dimension_; ++axis) f(node_[k], axis) -= weight_[k] * q[axis];
+    }
+    return hand.head(dimension_);
+}
+
+double ToolSpring::energy_J(const Point& push_m, const NodeColumns& u) const noexcept {
+    const Eigen::Vector3d push = in_space(push_m);
+    double energy = 0;
+    for (int g = 0; g < groups_; ++g) {
+        const Eigen::Vector3d e = gap(group_[g], push, u);
+        energy += e.dot(group_[g].stiffness * e) / 2;
+        if (g > 0) continue;
+        const Hardening h = hardened(e);
+        const double in = inward_.dot(e);
+        energy += hardening_1_J_ * h.s * h.s / (2 * (1 + saturation_1_J_ * h.s)) + coupling_N_m2_ * in * (e - in * inward_).squaredNorm() / 2;
+    }
+    return energy;
+}
+
+Eigen::Matrix3d ToolSpring::curvature(const Eigen::Vector3d& push, const NodeColumns& u) const noexcept {
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    for (int g = 0; g < groups_; ++g) {
+        Eigen::Matrix3d k = group_[g].stiffness;
+        if (g == 0) {
+            const Eigen::Vector3d e = gap(group_[g], push, u);
+            const Hardening h = hardened(e);
+            const double in = inward_.dot(e);
+            const Eigen::Vector3d across = e - in * inward_;
+            k += h.rise * k + h.bend * h.pull * h.pull.transpose();
+            k += coupling_N_m2_ * (inward_ * across.transpose() + across * inward_.transpose() +
+                                   in * (Eigen::Matrix3d::Identity() - inward_ * inward_.transpose()));
+        }
+        sum += group_[g].target.transpose() * k * group_[g].target;
+    }
+    return sum;
+}
+
+Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3> ToolSpring::stiffness_N_m(const Point& push_m, const NodeColumns& u) const noexcept {
+    return curvature(in_space(push_m), u).topLeftCorner(dimension_, dimension_);
+}
+
+Point ToolSpring::push_at(const Point& hand_N_asked, const NodeColumns& u) const noexcept {
+    constexpr int most_steps = 8;
+    const Eigen::Vector3d asked = in_space(hand_N_asked);
+    Eigen::Vector3d push = tissue(group_[0], u);
+    for (int step = 0; step < most_steps; ++step) {
+        const Eigen::Vector3d off = asked - in_space(hand_N(push.head(dimension_), u));
+        if (!(off.norm() > 1e-12 * asked.norm())) break;
+        Eigen::Matrix3d k = curvature(push, u);
+        if (dimension_ == 2) k(2, 2) = 1;
+        push += k.inverse() * off;
+    }
+    return push.head(dimension_);
+}
+
+}  // namespace tissue
