@@ -17,13 +17,17 @@
     DO(controls, "/controls.js", "controls.js", javascript) \
     DO(faces, "/faces.js", "faces.js", javascript)          \
     DO(hand, "/hand.js", "hand.js", javascript)             \
+    DO(legend, "/legend.js", "legend.js", javascript)       \
     DO(numbers, "/numbers.js", "numbers.js", javascript)    \
     DO(places, "/places.js", "places.js", javascript)       \
     DO(plane, "/plane.js", "plane.js", javascript)          \
     DO(plane_hand, "/plane_hand.js", "plane_hand.js", javascript) \
     DO(plots, "/plots.js", "plots.js", javascript)          \
     DO(scale, "/scale.js", "scale.js", javascript)          \
+    DO(space, "/space.js", "space.js", javascript)          \
+    DO(space_hand, "/space_hand.js", "space_hand.js", javascript) \
     DO(state, "/state.js", "state.js", javascript)          \
+    DO(surface, "/surface.js", "surface.js", javascript)    \
     DO(transport, "/transport.js", "transport.js", javascript) \
     DO(vectors, "/vectors.js", "vectors.js", javascript)    \
     DO(words, "/words.js", "words.js", javascript)

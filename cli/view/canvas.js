@@ -18,6 +18,7 @@ export function read_colours() {
   const style = getComputedStyle(document.documentElement);
   for (const name of ["paper", "ink", "soft", "line", "grid", "learned", "heuristic", "fe"])
     colours[name] = style.getPropertyValue(`--${name}`).trim();
+  colours.fe_surface = style.getPropertyValue("--fe-surface").trim();
   colours.font = style.getPropertyValue("--sans");
 }
 export const font = (px, weight = "") => `${weight} ${px}px ${colours.font}`;

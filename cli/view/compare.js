@@ -1,6 +1,6 @@
 // Model against finite elements, under the push of now.
-import { model, state, near, samples, IN, LEARNED, pair } from "./state.js";
-import { add, dot, norm } from "./vectors.js";
+import { model, state, near, samples, IN, LEARNED, vector, is_solid } from "./state.js";
+import { add, angle_between, dot, norm } from "./vectors.js";
 import { millimetres } from "./words.js";
 
 const NEAR = 0.002, ASKEW = 5;    // m and degrees: from here on a contact is another one, in the evaluation too
@@ -30,13 +30,14 @@ export const apart = m => add(model.meshes[m].nodes_m[0], model.meshes[0].nodes_
 /** The contact of now on the learned mesh at rest: the tool is where the pressed mesh's contact has gone. */
 export function contact_at_rest() {
   const pressed = state.v[IN.pressed];
-  return add(add(pair(IN.proxy), pair(IN.moved + 2 * pressed), -1), apart(pressed), -1);
+  return add(add(vector(IN.proxy), vector(IN.moved + 2 * pressed), -1), apart(pressed), -1);
 }
 
 /** FE's curve [[depth, force], both along the push] for a push u at the contact of place k: by lines over the angle between
  *  two known pushes, else that of a push at most ASKEW off; null when there is neither. Force along the push turns with
- *  the push: 5 degrees are 3 per cent, which is more than a good mesh is wrong. */
+ *  the push: 5 degrees are 3 per cent, which is more than a good mesh is wrong. In space nothing is drawn between pushes. */
 export function fe_curve(k, u) {
+  if (is_solid()) return angle_between(model.places[k].direction, u) <= ASKEW ? model.places[k].curve : null;
   const fan = model.fans.get(k), angle = turn(fan.from, u);
   const at = fan.pushes.findIndex(push => push.angle >= angle), [a, b] = [fan.pushes[at - 1], fan.pushes[at]];
   if (a && b && b.angle - a.angle <= BETWEEN) {
@@ -47,7 +48,7 @@ export function fe_curve(k, u) {
   return close ? model.places[close.place].curve : null;
 }
 
-/** From direction a to direction b, degrees, counter-clockwise. */
+/** In the plane, from direction a to direction b, degrees, counter-clockwise. */
 export const turn = (a, b) => 180 / Math.PI * Math.atan2(a[0] * b[1] - a[1] * b[0], dot(a, b));
 
 /** Depth and force along the push of one mesh, in a sample. */
@@ -60,9 +61,9 @@ export const pushed = (sample, mesh) => {
  *  their force is. null where the server has none, and where contact or push is another than what was solved. */
 export function fe_outline() {
   if (!state || state.v[IN.pressed] < 0 || !near || near.place !== state.v[IN.place]) return null;
-  const place = model.places[near.place], u = pair(IN.moved);
+  const place = model.places[near.place], u = vector(IN.moved);
   if (!place || norm(u) < SHALLOW || norm(add(place.contact_m, contact_at_rest(), -1)) > NEAR) return null;
-  const at = Math.abs(turn(place.direction, u)) <= ASKEW ? between(near.outline, dot(u, place.direction)) : null;
+  const at = angle_between(place.direction, u) <= ASKEW ? between(near.outline, dot(u, place.direction)) : null;
   const mesh = model.meshes[LEARNED];
   return at && mesh.outline.map((i, b) => add(add(mesh.nodes_m[i], at.a[b], 1 - at.w), at.b[b], at.w));
 }
@@ -72,9 +73,9 @@ export function comparison() {
   if (!state || state.v[IN.pressed] < 0) return { why: "idle" };
   const k = state.v[IN.place], place = model.places[k];
   if (!place) return { why: "No known contact is near, so there is nothing to compare with." };
-  const distance = norm(add(place.contact_m, contact_at_rest(), -1)), moved = pair(IN.moved);
-  const deep = norm(moved) >= SHALLOW, askew = Math.abs(turn(place.direction, moved));
-  const basis = { place: k, distance, askew: deep ? askew : NaN };
+  const distance = norm(add(place.contact_m, contact_at_rest(), -1)), moved = vector(IN.moved);
+  const deep = norm(moved) >= SHALLOW, askew = deep ? angle_between(place.direction, moved) : NaN;
+  const basis = { place: k, distance, askew };
   if (!place.curve.length) return { ...basis, why: "This model carries no finite-element curves to compare with." };
   if (!deep) return { ...basis, why: "Press a little deeper: below 1 mm there is nothing to compare." };
   if (!(distance <= NEAR)) return { ...basis, why: `The nearest known contact is ${millimetres(distance)} away: too far to compare with.` };

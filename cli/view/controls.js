@@ -1,6 +1,6 @@
 // The row of controls, and the line under it.
 import { title, way_of } from "./places.js";
-import { control, model } from "./state.js";
+import { control, is_solid, model } from "./state.js";
 import { is_open, socket, tell } from "./transport.js";
 import { dot } from "./vectors.js";
 import { $, say } from "./words.js";
@@ -21,7 +21,7 @@ export function list_models() {
 
 /** Contacts by side, then the directions in which the chosen one is pushed. */
 export function list_places() {
-  const groups = ["left side", "top", "right side", "elsewhere"].map(side => {
+  const groups = (is_solid() ? ["top", "left side", "right side", "front", "back", "elsewhere"] : ["left side", "top", "right side", "elsewhere"]).map(side => {
     const group = document.createElement("optgroup");
     group.label = side;
     model.contacts.forEach((contact, k) => { if (contact.side === side) group.append(option(k, `${side}, ${contact.text}`)); });
@@ -30,11 +30,14 @@ export function list_places() {
   $("contact").replaceChildren(option(-1, "all, one after another"), ...groups.filter(group => group.children.length));
   list_ways();
 }
+const straight = k => dot(model.places[k].direction, model.places[k].inward);
 function list_ways() {
   const contact = model.contacts[Number($("contact").value)], tilt = k => model.places[k].direction;
-  const places = contact ? [...contact.places].sort((a, b) => Math.atan2(...tilt(a)) - Math.atan2(...tilt(b))) : [];
-  $("way").replaceChildren(...places.length ? places.map(k => option(k, way_of(tilt(k)))) : [option(-1, "each")]);
+  const by_angle = is_solid() ? (a, b) => straight(b) - straight(a) : (a, b) => Math.atan2(...tilt(a)) - Math.atan2(...tilt(b));
+  const places = contact ? [...contact.places].sort(by_angle) : [];
+  $("way").replaceChildren(...places.length ? places.map(k => option(k, way_of(model.places[k]))) : [option(-1, "each")]);
   // begin with the push that is closest to straight in
+  if (is_solid()) return;   // it stands first
   const into = contact && { "left side": [1, 0], "right side": [-1, 0] }[contact.side] || [0, -1];
   if (places.length) $("way").value = places.reduce((best, k) => dot(tilt(k), into) > dot(tilt(best), into) ? k : best);
 }
@@ -55,7 +58,7 @@ export function show_controls() {
   else if (control.paused) text = "Paused: time stands still.";
   else if (other) [kind, text] = ["held", "Another visitor holds the tissue. You are watching; it is yours as soon as they let go."];
   else if (control.holder === "demo")
-    text = `Demo${model.places[control.place] ? `: ${title(control.place)}` : ""}. Drag into a mesh to take over.` +
+    text = `Demo${model.places[control.place] ? `: ${title(control.place)}` : ""}. ${is_solid() ? "Press a solid" : "Drag into a mesh"} to take over.` +
       (calm() ? " Your system asks for little motion, so it is drawn once a second; Play demo shows all of it." : "");
   else if (control.holder === "you") text = "You hold the tissue.";
   $("notice").dataset.kind = kind;

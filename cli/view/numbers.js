@@ -1,7 +1,7 @@
 // What the visitor is told in words and numbers.
 import { comparison, fe_curve, on_curve } from "./compare.js";
 import { title } from "./places.js";
-import { HEURISTIC, IN, LEARNED, model, pair, state } from "./state.js";
+import { HEURISTIC, IN, LEARNED, is_solid, model, vector, state } from "./state.js";
 import { is_open } from "./transport.js";
 import { norm } from "./vectors.js";
 import { $, millimetres, newtons, percent, say } from "./words.js";
@@ -22,7 +22,7 @@ export function judge() {
   };
   verdict.classList.toggle("idle", !c.errors || c.moves);
   if (!state) say_words(is_open() ? "Waiting for the tissue." : "No tissue yet.");
-  else if (c.why === "idle") say_words("Nothing touches the tissue. Drag into a mesh, or let the demo press.");
+  else if (c.why === "idle") say_words(`Nothing touches the tissue. ${is_solid() ? "Press a solid" : "Drag into a mesh"}, or let the demo press.`);
   else if (c.why) say_words(c.why);
   else {
     const of = mesh => Number.isFinite(c.errors[mesh])
@@ -47,11 +47,11 @@ export function judge() {
 
 export function show_numbers(known) {
   if (!state) return;
-  const v = state.v, force = norm(pair(IN.force)), pressed = v[IN.pressed] >= 0, moved = pair(IN.moved);
-  const depth = mesh => pressed ? millimetres(norm(pair(IN.moved + 2 * mesh))) : "–";
+  const v = state.v, force = norm(vector(IN.force)), pressed = v[IN.pressed] >= 0, moved = vector(IN.moved);
+  const depth = mesh => pressed ? millimetres(norm(vector(IN.moved + 2 * mesh))) : "–";
   const curve = known && pressed && v[IN.place] >= 0 ? fe_curve(v[IN.place], moved) : null;
   say("force", newtons(force));
-  say("device_force", newtons(norm(pair(IN.device))));
+  say("device_force", newtons(norm(vector(IN.device))));
   say("learned_depth", depth(LEARNED));
   say("heuristic_depth", model.meshes[HEURISTIC] ? depth(HEURISTIC) : "–");
   say("fe_force", curve ? newtons(on_curve(curve, norm(moved))) : "–");
@@ -68,9 +68,9 @@ export function show_numbers(known) {
 let spoken = "";
 export function speak(c) {
   if (!state) return;
-  const depth = mesh => millimetres(norm(pair(IN.moved + 2 * mesh)));
+  const depth = mesh => millimetres(norm(vector(IN.moved + 2 * mesh)));
   const text = state.v[IN.pressed] < 0 ? "Nothing touches the tissue."
-    : `Force ${newtons(norm(pair(IN.force)))}: ${model.meshes.map((mesh, m) => `${mesh.name} mesh ${depth(m)} deep` +
+    : `Force ${newtons(norm(vector(IN.force)))}: ${model.meshes.map((mesh, m) => `${mesh.name} mesh ${depth(m)} deep` +
       (c.errors && Number.isFinite(c.errors[m]) ? `, ${percent(Math.abs(c.errors[m]))} off finite elements` : "")).join("; ")}.`;
   if (text === spoken) return;
   say("spoken", spoken = text);

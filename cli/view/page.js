@@ -9,7 +9,7 @@ import { group_places } from "./places.js";
 import { draw_stage, fit, prepare_plane, stage, to_screen } from "./plane.js";
 import "./plane_hand.js";
 import { draw_depth_plot, draw_time_plot } from "./plots.js";
-import { IN, LEARNED, control, hand, look, model, node, pair, state, states, take_control, take_model, take_near, take_state } from "./state.js";
+import { IN, LEARNED, control, hand, is_solid, look, model, node, state, states, take_control, take_model, take_near, take_state, vector, work } from "./state.js";
 import { connect, is_open, socket } from "./transport.js";
 import { add, norm } from "./vectors.js";
 import { $, say } from "./words.js";
@@ -29,23 +29,59 @@ function heard(message) {
 function show_model(message) {
   take_model(message);
   group_places();
-  prepare_plane();
+  show_stage();
   $("spring_set").parentElement.hidden = model.law;
   list_models();
   list_places();
   document.title = `${model.study} – tissuectl`;
-  say("about", `Study ${model.study}: ${model.meshes[0].nodes_m.length} nodes and ${model.meshes[0].springs.length} springs a mesh, ` +
+  say("about", `Study ${model.study}: ${model.node_count} nodes and ${model.spring_count} springs a mesh, ` +
       `step ${1e3 * model.dt_s} ms, dynamics ${[...new Set(Object.values(model.dynamics))].join(" and ")}; the hand feels ${model.force_scale === 1 ? "" : `${model.force_scale} times `}` +
-      `the tissue's force, ${model.force_max_N} N at most. Line width: stiffness (its root${model.law ? "" : ", mean over spring sets"}). Colour: displacement.`);
-  fit();
+      `the tissue's force, ${model.force_max_N} N at most. ${is_solid() ? "" : `Line width: stiffness (its root${model.law ? "" : ", mean over spring sets"}). `}Colour: displacement.`);
+  fit_stage();
+}
+
+// ---- the stage: of the plane, or of space, whose parts are fetched when the first model in space comes
+
+let space = null;   // null: not there yet
+
+function show_stage() {
+  for (const [id, wanted] of [["stage", !is_solid()], ["help", !is_solid()], ["space_stage", is_solid()], ["help_space", is_solid()]])
+    $(id).hidden = !wanted;
+  if (!is_solid()) prepare_plane();
+  else if (space) prepare();
+  else fetch_space();
+}
+async function fetch_space() {
+  try {
+    space = { ...await import("./space.js"), ...await import("./space_hand.js") };
+  } catch (error) {
+    return say("space_fault", `This browser cannot draw solids: ${error.message}`);
+  }
+  if (!is_solid()) return;
+  prepare();
+  fit_stage();
+}
+function prepare() {
+  space.prepare_space();
+  space.show_depth();
+}
+function fit_stage() {
+  if (!is_solid()) fit();
+  else if (space) space.fit_space();
+}
+function draw() {
+  if (!is_solid()) draw_stage();
+  else if (space) space.draw_space(comparable);
 }
 
 // ---- once a frame
 
-let drawn = -1, drawings = 0, words = 0, talk = 0, calmly = 0, comparable = false;
+let drawn = -1, drawings = 0, words = 0, talk = 0, calmly = 0, comparable = false, before = 0;
 
 function frame(now) {
   requestAnimationFrame(frame);
+  if (space && is_solid()) space.lead(now, before);
+  before = now;
   move_hand(now);
   if (now - words > 200) {   // five times a second: numbers that can be read
     words = now;
@@ -61,13 +97,13 @@ function frame(now) {
   const fresh = states !== drawn && (!calm() || now - calmly > 1000);
   if (!fresh && !look.stale) return;
   [look.stale, drawn, calmly] = [false, states, fresh ? now : calmly];
-  draw_stage();
+  draw();
   drawings++;
   draw_depth_plot(comparable);
   draw_time_plot();
 }
 
-const restyle = () => { read_colours(); fit(); look.stale = true; };
+const restyle = () => { read_colours(); fit_stage(); look.stale = true; };
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", restyle);
 still.addEventListener("change", show_controls);
 addEventListener("resize", restyle);
@@ -88,9 +124,9 @@ Object.defineProperty(window, "tissue", { value: Object.freeze({
   get control() { return { ...control }; },
   get states() { return states; },                            // received since the page was opened
   get time_s() { return state ? state.v[IN.time] : NaN; },
-  get force_N() { return state ? pair(IN.force) : null; },    // of the tool on the tissue
+  get force_N() { return state ? vector(IN.force) : null; },    // of the tool on the tissue
   get pressed() { return state ? state.v[IN.pressed] : -1; },
-  get contact_moved_m() { return state ? [pair(IN.moved), pair(IN.moved + 2)] : null; },
+  get contact_moved_m() { return state ? [vector(IN.moved), vector(IN.moved + 2)] : null; },
   get largest_displacement_m() {                              // of any node, a mesh
     return state ? model.meshes.map((mesh, m) => Math.max(...mesh.nodes_m.map((p, i) => norm(add(node(m, i), p, -1))))) : null;
   },
@@ -100,13 +136,19 @@ Object.defineProperty(window, "tissue", { value: Object.freeze({
   get fe_N() { return state ? state.v[IN.fe] : NaN; },        // FE force at the learned mesh's depth, the server's
   get fe_outline_m() { return fe_outline(); },                // FE's surface as it is drawn, in the plane; null without
   get outline() { return model ? [...model.meshes[LEARNED].outline] : []; },   // its nodes
-  get springs() { return model ? model.meshes[LEARNED].springs.length : 0; },
+  get springs() { return model ? model.spring_count : 0; },
+  get dimension() { return model ? model.dimension : 0; },
+  get work() { return { ...work }; },                         // nodes told in space, and what the last state took to decode and to follow
+  get solids() { return space && is_solid() ? model.meshes.map((_, m) => space.drawn_points(m)) : null; },   // null: not drawn yet
+  get view() { return space && { ...space.view }; },          // degrees; zoom
+  get pressing() { return space && space.pressing(); },       // the visitor's push, in space
+  get fe_shown_m() { return space && space.fe_shown(); },     // FE's surface as it is drawn in space
   get hand_m() { return hand.at && [...hand.at]; },
   get drawn() { return drawings; },                           // times the stage was drawn
   get colours() { return { ...colours }; },
   get off_FE() { return comparison().errors || null; },       // learned, heuristic; relative
-  on_screen(p) {                                              // of a point of the plane: CSS pixels in the window
-    const box = stage.getBoundingClientRect(), q = to_screen(p);
+  on_screen(p) {                                              // of a point, CSS pixels in the window
+    const box = (is_solid() ? space.stage : stage).getBoundingClientRect(), q = is_solid() ? space.space_to_screen(p) : to_screen(p);
     return [box.left + q[0], box.top + q[1]];
   },
   place(k) { return model ? structuredClone(model.places[k]) : null; },

@@ -2,10 +2,10 @@
 import { arrow, begin, colours, font, shade, trace } from "./canvas.js";
 import { apart, contact_at_rest, fe_outline } from "./compare.js";
 import { faces } from "./faces.js";
-import { nice } from "./scale.js";
-import { IN, hand, look, model, node, pair, samples, state } from "./state.js";
+import { arrow_scale, draw_fe_outline, draw_legend } from "./legend.js";
+import { IN, hand, look, model, node, state, vector } from "./state.js";
 import { add, clamp, dot, norm } from "./vectors.js";
-import { $, unit_of } from "./words.js";
+import { $ } from "./words.js";
 
 export const stage = $("stage");
 export const view = { low: [0, 0], high: [1, 1], scale: 1, left: 0, top: 0, legend: 54, head: 26 };
@@ -54,7 +54,7 @@ export function draw_stage() {
   draw_marks(c);
   if (state) draw_forces(c);
   draw_diamond(c);
-  draw_legend(c, width, height, narrow, fe !== null);
+  draw_legend(c, width, height, view.scale, fe !== null);
 }
 
 function draw_mesh(c, mesh, m, narrow) {
@@ -136,15 +136,6 @@ function draw_mesh(c, mesh, m, narrow) {
   c.fillText(mesh.name, middle, 17);
 }
 
-function draw_fe_outline(c, points, closed = true) {
-  c.setLineDash([5, 5]);
-  c.strokeStyle = colours.fe;
-  c.lineWidth = 1.6;
-  trace(c, points, closed);
-  c.stroke();
-  c.setLineDash([]);
-}
-
 /** Contacts that FE have solved, as dots on both outlines at rest; the closer they lie, the smaller. */
 function draw_marks(c) {
   const gap = model.apart_m * view.scale, radius = clamp(gap / 7, 0.6, 2);
@@ -160,16 +151,10 @@ function draw_marks(c) {
 
 /** Where the contact is on each mesh now, in the plane; null without one. */
 export const contacts = () => state.v[IN.pressed] < 0 ? null
-  : model.meshes.map((_, m) => add(add(contact_at_rest(), apart(m)), pair(IN.moved + 2 * m)));
-
-/** Newtons that one metre of arrow stands for: the strongest known push is as long as a quarter of the tissue is high. */
-function arrow_scale() {
-  const most = model.strongest_N || Math.max(1e-3, ...samples.map(s => norm(s.force)));
-  return most / (0.25 * (model.high_m[1] - model.low_m[1]));
-}
+  : model.meshes.map((_, m) => add(add(contact_at_rest(), apart(m)), vector(IN.moved + 2 * m)));
 
 function draw_forces(c) {
-  const at = contacts(), force = pair(IN.force);
+  const at = contacts(), force = vector(IN.force);
   if (!at || !Number.isFinite(norm(force))) return;
   at.forEach((p, m) => {
     const back = m === state.v[IN.pressed] ? 10 / view.scale / norm(force) : 0;   // its head stops at the diamond
@@ -192,7 +177,7 @@ function draw_diamond(c) {
     c.stroke();
   };
   if (state) {
-    const master = pair(IN.master), proxy = pressed ? pair(IN.proxy) : master;
+    const master = vector(IN.master), proxy = pressed ? vector(IN.proxy) : master;
     if (pressed) {   // the hand, a little deeper than the tool: the spring between them is the force
       const [a, b] = [to_screen(proxy), to_screen(master)];
       c.strokeStyle = "#ffffff";
@@ -207,36 +192,4 @@ function draw_diamond(c) {
     if (proxy.every(Number.isFinite)) diamond(proxy, 7, pressed);
   }
   if (document.activeElement === stage && hand.at && !hand.down && stage.matches(":focus-visible")) diamond(hand.at, 5.5, false);
-}
-
-function draw_legend(c, width, height, narrow, with_fe) {
-  const y = height - 34, bar = Math.min(narrow ? 150 : 240, 0.42 * width), x = width - bar - (narrow ? 22 : 24), deepest = 1e3 * model.deepest_m;
-  for (let k = 0; k < bar; k++) {
-    c.fillStyle = shade(k / (bar - 1));
-    c.fillRect(x + k, y, 1.5, 10);
-  }
-  c.font = font(12);
-  c.fillStyle = colours.soft;
-  c.textBaseline = "alphabetic";
-  const { step } = nice(deepest, narrow ? 3 : 5);
-  c.textAlign = "center";
-  for (let mm = 0; mm <= deepest + 1e-9; mm += step) {
-    const at = x + bar * mm / deepest;
-    c.fillRect(at - 0.5, y + 10, 1, 4);
-    c.fillText(`${+mm.toFixed(1)}${mm + step > deepest + 1e-9 ? " mm" : ""}`, at, y + 27);
-  }
-  c.textAlign = "right";
-  c.fillText(narrow ? "displaced" : "displacement", x - 8, y + 10);
-
-  // a force of round size as an arrow
-  const per_m = arrow_scale(), round = nice(per_m * 0.02, 1), length = round.top / per_m * view.scale;
-  const left = narrow ? 12 : 20;
-  arrow(c, [left, y + 5], [left + length, y + 5], colours.ink);
-  c.textAlign = "left";
-  c.fillStyle = colours.soft;
-  const unit = unit_of(round.top);
-  c.fillText(`${+(round.top * unit.scale).toPrecision(2)} ${unit.name}${narrow ? "" : ", force of the tool"}`, left + length + 9, y + 10);
-  if (!with_fe) return;
-  draw_fe_outline(c, [[left, y + 23], [left + 25, y + 23]], false);
-  c.fillText("FE", left + 34, y + 27);
 }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "../../cli/serve/frame.h"
 #include "../../cli/serve/metrics.h"
 #include "../../cli/serve/page.h"
 #include "../../cli/serve/show.h"
@@ -58,7 +59,7 @@ Cases cases_of(const TissueModel& tissue) {
     return cases;
 }
 
-bool in_tissue(const Scene& scene, const Eigen::Vector2d& p, double margin = 0) {
+bool in_tissue(const Scene& scene, const Point& p, double margin = 0) {
     for (const auto& [low, high] : scene.boxes())
         if ((p.array() > low.array() - margin).all() && (p.array() < high.array() + margin).all()) return true;
     return false;
@@ -133,8 +134,8 @@ TEST_CASE("the nearest place is the one at the contact whose push is most like o
     const auto at = [&](double x, double y, const Eigen::Vector2d& push) {
         state.record.mesh = 0;
         for (std::size_t b = 0; b < outline.size(); ++b)
-            if ((s.model.meshes[0]->springs.rest().row(outline[b]) - Eigen::RowVector2d(x, y)).norm() < 1e-9) state.record.segment = static_cast<int>(b);
-        state.record.w = 0;
+            if ((s.model.meshes[0]->springs.rest().row(outline[b]) - Eigen::RowVector2d(x, y)).norm() < 1e-9) state.record.facet = static_cast<int>(b);
+        state.record.weight = {1, 0, 0};
         state.contact_displacement_m[0] = push;
         return s.scene.near(state);
     };
@@ -153,7 +154,7 @@ TEST_CASE("the nearest place is the one at the contact whose push is most like o
     TickSummary summary;
     summary.ticks = 42;
     summary.clients = 3;
-    const std::string bytes = encode_state(state, s.model, top, summary);
+    const std::string bytes = FrameCoder().encode(make_frame(state, s.scene, top, summary));
     REQUIRE(bytes.size() == 256 + 2 * 2 * 121 * 4);
     double head[32];
     std::memcpy(head, bytes.data(), sizeof head);
@@ -169,12 +170,12 @@ TEST_CASE("on its way the hand goes round the tissue; to a point inside it comes
     Draw draw(4);
     for (int k = 0; k < 300; ++k) {
         const auto& boxes = s.scene.boxes();
-        const Eigen::Vector2d from = outside(boxes, {draw(-0.05, 0.3), draw(-0.05, 0.15)}, 0.01),
-                              to = outside(boxes, {draw(-0.05, 0.3), draw(-0.05, 0.15)}, 0.01);
+        const Point from = outside(boxes, Eigen::Vector2d(draw(-0.05, 0.3), draw(-0.05, 0.15)), 0.01),
+                    to = outside(boxes, Eigen::Vector2d(draw(-0.05, 0.3), draw(-0.05, 0.15)), 0.01);
         CHECK_FALSE(in_tissue(s.scene, from, 0.0099));
-        Eigen::Vector2d at = from;
+        Point at = from;
         double length = 0;
-        for (const Eigen::Vector2d& p : way_round(boxes, from, to, 0.01)) {
+        for (const Point& p : way_round(boxes, from, to, 0.01)) {
             for (int i = 0; i <= 50; ++i) REQUIRE_FALSE(in_tissue(s.scene, at + (p - at) * i / 50, 0.0088));
             length += (p - at).norm();
             at = p;
@@ -183,15 +184,15 @@ TEST_CASE("on its way the hand goes round the tissue; to a point inside it comes
         CHECK(length < (to - from).norm() + 0.6);
     }
     Hand hand(s.scene);
-    hand.follow({0.09, 0.05});   // inside, near the right side; the hand is above the middle
+    hand.follow(Eigen::Vector2d(0.09, 0.05));   // inside, near the right side; the hand is above the middle
     for (int k = 0; k < 200; ++k) hand.step(0.016);
     CHECK((hand.at() - Eigen::Vector2d(0.09, 0.05)).norm() < 1e-12);
-    hand.follow({0.07, 0.03});   // now it is led
+    hand.follow(Eigen::Vector2d(0.07, 0.03));   // now it is led
     CHECK((hand.step(0.016) - Eigen::Vector2d(0.07, 0.03)).norm() < 1e-12);
     hand.let_go();
     for (int k = 0; k < 100; ++k) hand.step(0.016);
     CHECK((hand.at() - Eigen::Vector2d(0.11, 0.05)).norm() < 1e-9);   // out where it came in
-    hand.follow({1e300, -1e300});
+    hand.follow(Eigen::Vector2d(1e300, -1e300));
     for (int k = 0; k < 1000; ++k) hand.step(0.016);
     CHECK(hand.at().norm() < 2);
 }
@@ -274,7 +275,7 @@ TEST_CASE("models change on the running stage, counts go on, and a pause lasts",
         });
     };
     CHECK(wait([&] { return s.stage->counts().ticks > 200; }));
-    CHECK_FALSE(s.show->frame().empty());
+    CHECK_FALSE(s.show->frame().nodes_m.empty());
     CHECK_FALSE(s.show->hear(1, R"({"type":"pause","on":true})", s.now_s));
     CHECK(s.heard[1].back()["paused"] == true);
     CHECK_FALSE(s.show->hear(1, R"({"type":"model","model":1})", s.now_s));

@@ -50,7 +50,7 @@ void Listener::accept() {
 
 void Listener::step() {
     if (show.step(now_s())) {
-        const auto frame = std::make_shared<const std::string>(show.frame());
+        const auto frame = std::make_shared<const Frame>(show.frame());
         for (const auto& [client, page] : pages) page->offer(frame);
     }
     std::vector<std::shared_ptr<PageSocket>> all;

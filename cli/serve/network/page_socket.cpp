@@ -41,7 +41,7 @@ void PageSocket::tell(const std::string& text) {
     write();
 }
 
-void PageSocket::offer(const Text& state) {
+void PageSocket::offer(const std::shared_ptr<const Frame>& state) {
     if (!open_ || closing_) return;
     if (state_) ++server_.traffic.frames_dropped;
     state_ = state;
@@ -107,7 +107,7 @@ void PageSocket::write() {
     } else if (bye_) {
         return close({websocket::close_code::going_away, "the program ends"});
     } else if (state_) {
-        next = std::move(state_);
+        next = std::make_shared<const std::string>(coder_.encode(*state_));
         state_.reset();
         socket_.binary(true);
         ++server_.traffic.frames;

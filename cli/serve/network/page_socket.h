@@ -21,10 +21,13 @@ class PageSocket : public std::enable_shared_from_this<PageSocket> {
 
     void start(const http::request<http::empty_body>& request);
     void tell(const std::string& text);
-    void offer(const Text& state);
+    void offer(const std::shared_ptr<const Frame>& state);
 
     /// States of a model that runs no more are worth nothing.
-    void forget_state() { state_.reset(); }
+    void forget_state() {
+        state_.reset();
+        coder_.forget();
+    }
 
     void check_speed();
 
@@ -52,7 +55,8 @@ class PageSocket : public std::enable_shared_from_this<PageSocket> {
     Show::Client client_;
     beast::flat_buffer buffer_;
     std::deque<Text> texts_;
-    Text state_;
+    std::shared_ptr<const Frame> state_;   ///< the newest that has not been sent
+    FrameCoder coder_;
     std::optional<websocket::close_reason> farewell_;
     Allowance allowance_;
     Clock::time_point writing_since_;
