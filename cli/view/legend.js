@@ -59,5 +59,5 @@ export function draw_legend(c, width, height, pixels_m, with_fe) {
     trace(c, [[left, y + 27], [left + 24, y + 27]], false);
     c.stroke();
   } else draw_fe_outline(c, [[left, y + 23], [left + 25, y + 23]], false);
-  c.fillText(is_solid() ? "surface by FE, at the learned depth" : "FE", left + 34, y + 27);
+  c.fillText(is_solid() ? narrow ? "FE" : "surface by FE, at the learned depth" : "FE", left + 34, y + 27);
 }

@@ -27,6 +27,7 @@ function heard(message) {
 }
 
 function show_model(message) {
+  let_go(false);   // what was held is another tissue
   take_model(message);
   group_places();
   show_stage();
@@ -47,6 +48,7 @@ let space = null;   // null: not there yet
 function show_stage() {
   for (const [id, wanted] of [["stage", !is_solid()], ["help", !is_solid()], ["space_stage", is_solid()], ["help_space", is_solid()]])
     $(id).hidden = !wanted;
+  say("space_fault", "");
   if (!is_solid()) prepare_plane();
   else if (space) prepare();
   else fetch_space();

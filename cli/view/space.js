@@ -257,11 +257,10 @@ function place_fe(w, points) {
 
 function colour(w) {
   const strong = contrast.matches, of = name => new THREE.Color(colours[name]);
-  w.wire.material.opacity = strong ? 0.45 : 0.2;
+  w.wire.material.opacity = strong ? 0.45 : w.fe_wire.visible ? 0.12 : 0.2;
   w.rest.material.color = of(strong ? "ink" : "soft");
   for (const part of [w.held, w.idle]) part.material.color = of("ink");
   w.fe_wire.material.color = of("fe_surface");
-  w.wire.visible = !w.fe_wire.visible || strong;   // two nets at once are none
   w.force.children.forEach(part => { part.material.color = of(w.mesh.name in colours ? w.mesh.name : "ink"); });
   w.fe_force.children.forEach(part => { part.material.color = of("fe"); });
 }
