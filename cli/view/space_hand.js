@@ -160,7 +160,7 @@ stage.addEventListener("keydown", event => {
   look.stale = true;
   if (arrow && event.shiftKey) {
     if (press) press.direction = tilted(press.direction, 5 / TILT * arrow[0], 5 / TILT * arrow[1]);
-  } else if (arrow) turn(-5 * arrow[0], -5 * arrow[1]);
+  } else if (arrow) turn(5 * arrow[0], 5 * arrow[1]);
   else if (event.key === "+" || event.key === "=") zoom(1.15);
   else if (event.key === "-") zoom(1 / 1.15);
   else if (event.key === "Home") Object.assign(view, { azimuth: -62, elevation: 30, zoom: 1 });

@@ -93,7 +93,7 @@ def pressing(page, block):
     take_over(page, block)
     page.js("document.getElementById('reset').click()")
     page.until(f"{free} && Math.max(...{moved}) < 2e-4")
-    spot = block.top(0.5, 0.33)
+    spot = block.top(0.5, 0.4)
     before = colour(page, spot)
     set_depth(page, 4)
     page.mouse("Pressed", *block.top(0.5, 0.5))
@@ -117,7 +117,7 @@ def pressing(page, block):
     page.after(20)
     after = colour(page, spot)
     check("at rest the solid has the colour of no displacement, purple, and another one beside the tool",
-          before[2] > before[1] + 30 and numpy.abs(before - after).sum() > 25, [before, after])
+          before[2] > before[1] + 30 and after[1] > before[1] + 25, [before, after])
     aside = page.js("tissue.pressing.direction")
     for k in range(1, 9):
         page.mouse_at("Moved", x + 8 * k, y)

@@ -262,6 +262,22 @@ TEST_CASE("the first to put the pointer down holds the tissue until it lets go, 
     CHECK(s.show->hear(2, "x", s.now_s)->reason == "not JSON");
 }
 
+TEST_CASE("a pointer of another dimension is refused, but not while it may have crossed the news of another model", "[serve]") {
+    Stand s;
+    s.show->join(1);
+    const char* in_space = R"({"type":"pointer","x":0.05,"y":0.05,"z":0.05,"down":true})";
+    const auto refused = s.show->hear(1, in_space, s.now_s);
+    REQUIRE(refused);
+    CHECK(refused->kind == std::string("message"));
+    CHECK(refused->reason == "'z' is of models in space, and this one is in the plane");
+    CHECK(s.last_holder(1) == "demo");
+    CHECK_FALSE(s.show->hear(1, R"({"type":"model","model":1})", s.now_s));
+    CHECK_FALSE(s.show->hear(1, in_space, s.now_s + 1.9));
+    CHECK(s.last_holder(1) != "you");
+    CHECK(s.show->hear(1, in_space, s.now_s + 2.1));
+    s.stage->stop();
+}
+
 TEST_CASE("models change on the running stage, counts go on, and a pause lasts", "[serve]") {
     Stand s;
     CHECK(s.stage->names() == std::vector<std::string>{"example", "example (2)"});
