@@ -94,7 +94,7 @@ void check(const Options& o, const TissueModel& tissue, const HapticModel& model
 }
 
 void run(const Options& o, Provenance provenance) {
-    const TissueModel tissue = read_model_in_plane(o.model);
+    const TissueModel tissue = read_model(o.model);
     const HapticModel model(tissue, o.choices.haptic);
     if (!o.check.empty()) return check(o, tissue, model);
 
@@ -107,7 +107,7 @@ void run(const Options& o, Provenance provenance) {
     }
     // the device last: nothing is open while anything else can fail
     const std::unique_ptr<Device> device =
-        make_device(o.device, o.device_values, {o.seconds, o.seed, model.low_m, model.high_m, model.options.map});
+        make_device(o.device, o.device_values, {o.seconds, o.seed, &model.rest, model.options.map});
     std::cerr << cli::describe("tissue-haptic", model, *device);
     LoopOptions loop;
     loop.seconds = o.seconds;

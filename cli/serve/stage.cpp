@@ -36,7 +36,7 @@ std::string name_for(const std::string& study, const std::vector<std::string>& t
 
 Stage::Stage(const std::vector<std::string>& files, const StageOptions& options) : options_(options) {
     for (const std::string& file : files) {
-        const TissueModel tissue = read_model_in_plane(file);
+        const TissueModel tissue = read_model(file);
         const FeCases fe = read_fe_cases(file, tissue);
         if (!fe.warning.empty()) warnings_.push_back(fe.warning);
         Served served;

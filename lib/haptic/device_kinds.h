@@ -7,6 +7,7 @@
 
 #include "haptic/device.h"
 #include "haptic/device_map.h"
+#include "mesh/spring_mesh.h"
 #include "registry.h"
 
 namespace tissue {
@@ -22,7 +23,7 @@ struct DeviceOption {
 struct DeviceContext {
     double seconds = 10;                            ///< 0: no end
     unsigned long seed = 2008;                      ///< of what is drawn
-    Point low_m = Eigen::Vector2d(0, 0), high_m = Eigen::Vector2d(0.1, 0.1);  ///< box of the tissue at rest
+    const SpringMesh* rest = nullptr;               ///< the tissue; what it is for must outlive make()
     DeviceMap map;
 };
 

@@ -1,21 +1,74 @@
 #include "haptic/law_spectrum.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <limits>
 
 #include "error.h"
 #include "haptic/spectrum.h"
+#include "mesh/free_surface.h"
+#include "springs/law_kernel.h"
 #include "springs/press.h"
 
 namespace tissue {
 namespace {
 
-Eigen::SparseMatrix<double> with_contact(const Eigen::SparseMatrix<double>& tissue, const PatchSpring& contact) {
+/// A contact, and ways to push there, unit vectors.
+struct Place {
+    ContactSpring contact;
+    std::vector<Point> ways;
+};
+
+/// In the plane: corners and eight places more, straight in and 45 degrees to either side.
+std::vector<Place> places_along(const ContactSurface& surface, const PatchLaw& law) {
+    constexpr int evenly = 8;
+    constexpr double slant = 0.7853981633974483;
+    const Outline& outline = surface.outline();
+    std::vector<double> arcs = outline.corners();
+    for (int k = 0; k < evenly; ++k) arcs.push_back((k + 0.5) / evenly * outline.length());
+    std::vector<Place> places;
+    for (double arc : arcs) {
+        const ContactPatch patch = surface.at(arc);
+        places.push_back({ContactSpring(PatchSpring(patch, law.at(patch))), {}});
+        for (double angle : {-slant, 0.0, slant}) places.back().ways.push_back(outline.direction(arc, angle));
+    }
+    return places;
+}
+
+/// In space: few places, each farthest from those before, straight in and 30 degrees off.
+std::vector<Place> places_over(const SpringMesh& mesh, const ContactKernel& kernel, const PatchLaw& law) {
+    constexpr std::size_t few = 4;
+    constexpr double slant = 0.5235987755982988;
+    const FreeSurface surface(mesh);
+    const std::vector<Point> points = surface.points(1);
+    std::vector<double> away(points.size(), std::numeric_limits<double>::infinity());
+    std::vector<Place> places;
+    Point middle = Point::Zero(3);
+    for (const Point& point : points) middle += point / static_cast<double>(points.size());
+    // begins where the surface is farthest from its middle
+    std::size_t next = 0;
+    for (std::size_t k = 0; k < points.size(); ++k)
+        if ((points[k] - middle).norm() > (points[next] - middle).norm()) next = k;
+    while (places.size() < std::min(few, points.size())) {
+        const FreeSurface::Place at = surface.nearest(points[next]);
+        const Eigen::Vector3d inward = at.inward;
+        const Eigen::Vector3d along = inward.unitOrthogonal();
+        places.push_back({ContactSpring(kernel.rows_at(at.point_m), law), {inward, std::cos(slant) * inward + std::sin(slant) * along}});
+        for (std::size_t k = 0; k < points.size(); ++k) away[k] = std::min(away[k], (points[k] - points[next]).norm());
+        next = static_cast<std::size_t>(std::max_element(away.begin(), away.end()) - away.begin());
+    }
+    return places;
+}
+
+/// The tangent of tissue and contact.
+Eigen::SparseMatrix<double> pressed(const TissueEnergy& energy, const Eigen::VectorXd& constants, const ContactSpring& contact, const PressState& state) {
+    const int D = energy.dimension();
+    const Eigen::MatrixXd own = contact.tangent(state.push_m, contact.gather(state.displacement));
+    const auto dof = [&](Eigen::Index k) { return D * contact.rows.nodes[static_cast<std::size_t>(k / D)] + static_cast<int>(k % D); };
     std::vector<Eigen::Triplet<double>> entries;
-    for (int i = 0; i < ContactPatch::size; ++i)
-        for (int j = 0; j < ContactPatch::size; ++j)
-            for (int a = 0; a < 2; ++a)
-                for (int b = 0; b < 2; ++b)
-                    entries.emplace_back(2 * contact.patch.node[i] + a, 2 * contact.patch.node[j] + b, contact.tangent(i, j)(a, b));
+    for (Eigen::Index a = 0; a < own.rows(); ++a)
+        for (Eigen::Index b = 0; b < own.cols(); ++b) entries.emplace_back(dof(a), dof(b), own(a, b));
+    const Eigen::SparseMatrix<double> tissue = energy.tangent(constants, state.displacement);
     Eigen::SparseMatrix<double> added(tissue.rows(), tissue.cols());
     added.setFromTriplets(entries.begin(), entries.end());
     return tissue + added;
@@ -25,26 +78,22 @@ Eigen::SparseMatrix<double> with_contact(const Eigen::SparseMatrix<double>& tiss
 
 LawSpectrum law_spectrum(const TissueModel& model, const RealtimeMesh& springs) {
     if (!model.energy_law) throw MismatchError("the model's stiffness is no law");
-    constexpr int places = 8;
-    constexpr double slant = 0.7853981633974483;  // 45 degrees
     const LawModel& law = *model.energy_law;
     const TissueEnergy energy(model.mesh, law.incompressible);
-    const ContactSurface surface(model.mesh);
-    const Eigen::SparseMatrix<double> at_rest = energy.tangent(law.constants, NodeField::Zero(model.mesh.node_count(), 2));
+    const auto kernel = make_contact_kernel(model.mesh, law.disc_radius_m, law.ground);
+    const Eigen::SparseMatrix<double> at_rest = energy.tangent(law.constants, NodeField::Zero(model.mesh.node_count(), model.mesh.dimension()));
     LawSpectrum spectrum{smallest_eigenvalue(springs, at_rest), largest_eigenvalue(springs, at_rest)};
 
-    std::vector<double> arcs = surface.outline().corners();
-    for (int k = 0; k < places; ++k) arcs.push_back((k + 0.5) / places * surface.outline().length());
     const double depth_m = model.case_count() > 0 ? model.magnitude_m.maxCoeff() : 0;
-    PressSolver solver(energy, surface);
-    for (double arc : arcs)
-        for (double angle : {-slant, 0.0, slant}) {
-            const ContactPatch patch = surface.at(arc);
-            const PatchSpring contact(patch, law.patch.at(patch));
-            const PressState state = solver.press(law.constants, contact, depth_m * surface.outline().direction(arc, angle));
+    PressOptions options;
+    if (model.mesh.is_solid()) options.tolerance = 1e-4;  // for a thousandth of the frequency
+    PressSolver solver(energy, *kernel, options);
+    for (const Place& place : model.mesh.is_solid() ? places_over(model.mesh, *kernel, law.patch)
+                                                    : places_along(static_cast<const ContactSurface&>(*kernel), law.patch))
+        for (const Point& way : place.ways) {
+            const PressState state = solver.press(law.constants, place.contact, depth_m * way);
             if (state.status == PressStatus::lost) continue;
-            const Eigen::SparseMatrix<double> pressed = with_contact(energy.tangent(law.constants, state.displacement), contact);
-            spectrum.largest = std::max(spectrum.largest, largest_eigenvalue(springs, pressed));
+            spectrum.largest = std::max(spectrum.largest, largest_eigenvalue(springs, pressed(energy, law.constants, place.contact, state)));
         }
     return spectrum;
 }

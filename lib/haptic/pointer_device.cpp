@@ -18,6 +18,7 @@ PointerDevice::PointerDevice(const Point& start_m, const DeviceMap& map, double 
                              const PointerOptions& options)
     : map_(map), speed_m_s_(std::min(options.speed_m_s, 0.9 * safe_speed_m_s * map.scale)), settle_s_(options.settle_s),
       target_(start_m), point_m_(start_m), velocity_m_s_(Point::Zero(start_m.size())) {
+    map_.fit(static_cast<int>(start_m.size()));
     if (!(speed_m_s_ > 0) || !(settle_s_ > 0) || !start_m.allFinite())
         throw MismatchError("a pointer needs a place to start, a speed and a settling time that are positive");
 }

@@ -1,19 +1,23 @@
 #include "haptic/realtime_law.h"
 
+#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "error.h"
 #include "hot_loop.h"
+#include "mesh/topology.h"
 #include "springs/law_kernel.h"
 #include "springs/region_area.h"
+#include "springs/region_volume.h"
 
 namespace tissue {
 namespace {
 
-constexpr int chunk = 256;  ///< squares at a time: their forces stay in the first-level cache
+constexpr int chunk = 128;  ///< cells at a time: their forces stay in the first-level cache
 
 const LawModel& law_of(const TissueModel& model) {
     if (!model.energy_law) throw MismatchError("the model's stiffness is no law");
@@ -45,6 +49,84 @@ TISSUE_HOT void squares(int n, const double* __restrict px, const double* __rest
     }
 }
 
+/// f_i -= g, f_j += g: pulls on either end of diagonals, where ends lie in a row.
+TISSUE_HOT void add_pair(int n, const double* __restrict g, double* f_i, double* f_j) {
+    for (int k = 0; k < n; ++k) f_i[k] -= g[k];
+    for (int k = 0; k < n; ++k) f_j[k] += g[k];
+}
+
+struct Vector {
+    double x, y, z;
+};
+inline Vector operator+(const Vector& a, const Vector& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline double dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Vector cross(const Vector& a, const Vector& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+
+/// What det (A B C) gains when p, q, r are added to its columns, in which nothing cancels, and its derivatives by them.
+struct Gained {
+    double by;
+    Vector by_p, by_q, by_r;
+};
+inline Gained gained(const Vector& A, const Vector& B, const Vector& C, const Vector& p, const Vector& q, const Vector& r) {
+    const Vector a = A + p, b = B + q, c = C + r, before = cross(B, C), more = cross(q, C) + cross(b, r);
+    return {dot(p, before) + dot(a, more), before + more, cross(c, a), cross(a, b)};
+}
+
+/// A box by its diagonals from corners 0, 1, 2, 4 to 7, 6, 5, 3: g gets what pulls at their ends, 3 x 4 arrays of `chunk`. ux, uy, uz:
+/// of corner 0.
+inline void box(int k, const Vector& A, const Vector& B, const Vector& C, double gain, const double* __restrict ux, const double* __restrict uy,
+                const double* __restrict uz, int up, int in, int far, double* __restrict g) {
+    const Vector s = {ux[far + 1 + k] - ux[k], uy[far + 1 + k] - uy[k], uz[far + 1 + k] - uz[k]};
+    const Vector x = {ux[far + k] - ux[1 + k], uy[far + k] - uy[1 + k], uz[far + k] - uz[1 + k]};
+    const Vector y = {ux[in + 1 + k] - ux[up + k], uy[in + 1 + k] - uy[up + k], uz[in + 1 + k] - uz[up + k]};
+    const Vector z = {ux[up + 1 + k] - ux[in + k], uy[up + 1 + k] - uy[in + k], uz[up + 1 + k] - uz[in + k]};
+    const Gained now = gained(A, B, C, {s.x - x.x + y.x + z.x, s.y - x.y + y.y + z.y, s.z - x.z + y.z + z.z},
+                              {s.x + x.x - y.x + z.x, s.y + x.y - y.y + z.y, s.z + x.z - y.z + z.z},
+                              {s.x + x.x + y.x - z.x, s.y + x.y + y.y - z.y, s.z + x.z + y.z - z.z});
+    const double t = gain * now.by;
+    const double p[3] = {t * now.by_p.x, t * now.by_p.y, t * now.by_p.z}, q[3] = {t * now.by_q.x, t * now.by_q.y, t * now.by_q.z},
+                 r[3] = {t * now.by_r.x, t * now.by_r.y, t * now.by_r.z};
+    for (int d = 0; d < 3; ++d) {
+        g[(4 * d + 0) * chunk + k] = p[d] + q[d] + r[d];
+        g[(4 * d + 1) * chunk + k] = q[d] + r[d] - p[d];
+        g[(4 * d + 2) * chunk + k] = p[d] + r[d] - q[d];
+        g[(4 * d + 3) * chunk + k] = p[d] + q[d] - r[d];
+    }
+}
+
+/// up, in, far: nodes from corner 0 to 2, 4 and 6; 1, 3, 5 and 7 lie one behind 0, 2, 4 and 6. e: edges, one after the other.
+TISSUE_HOT void boxes(int n, const double* const* e, const double* __restrict gain, const double* __restrict ux, const double* __restrict uy,
+                      const double* __restrict uz, int up, int in, int far, double* __restrict g) {
+    for (int k = 0; k < n; ++k)
+        box(k, {e[0][k], e[1][k], e[2][k]}, {e[3][k], e[4][k], e[5][k]}, {e[6][k], e[7][k], e[8][k]}, gain[k], ux, uy, uz, up, in, far, g);
+}
+
+TISSUE_HOT void boxes_alike(int n, const Vector& A, const Vector& B, const Vector& C, const double* __restrict gain, const double* __restrict ux,
+                            const double* __restrict uy, const double* __restrict uz, int up, int in, int far, double* __restrict g) {
+    const Vector a = A, b = B, c = C;
+    for (int k = 0; k < n; ++k) box(k, a, b, c, gain[k], ux, uy, uz, up, in, far, g);
+}
+
+/// Tetrahedra by their edges from the first node: v, what has been added to those, e as they were. six: of what the volume has
+/// gained; kept: its derivatives by the edges. v, kept: 9 arrays of `chunk`.
+TISSUE_HOT void tetrahedra(int n, const double* const* e, const double* __restrict v, double* __restrict six, double* __restrict kept) {
+    for (int k = 0; k < n; ++k) {
+        const Gained now = gained({e[0][k], e[1][k], e[2][k]}, {e[3][k], e[4][k], e[5][k]}, {e[6][k], e[7][k], e[8][k]},
+                                  {v[k], v[chunk + k], v[2 * chunk + k]}, {v[3 * chunk + k], v[4 * chunk + k], v[5 * chunk + k]},
+                                  {v[6 * chunk + k], v[7 * chunk + k], v[8 * chunk + k]});
+        six[k] = now.by;
+        kept[k] = now.by_p.x;
+        kept[chunk + k] = now.by_p.y;
+        kept[2 * chunk + k] = now.by_p.z;
+        kept[3 * chunk + k] = now.by_q.x;
+        kept[4 * chunk + k] = now.by_q.y;
+        kept[5 * chunk + k] = now.by_q.z;
+        kept[6 * chunk + k] = now.by_r.x;
+        kept[7 * chunk + k] = now.by_r.y;
+        kept[8 * chunk + k] = now.by_r.z;
+    }
+}
+
 }  // namespace kernel
 
 RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) : springs_(springs), kernel_(make_contact_kernel(model.mesh, law_of(model).disc_radius_m, law_of(model).ground)) {
@@ -55,21 +137,31 @@ RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) 
     if (law.constants.size() != energy.constant_count()) throw MismatchError("the law's constants are not those of the mesh");
     patch_ = law.patch;
 
-    for (std::size_t k = 0; k < energy.kinds().size(); ++k) {
+    theta_ = springs.to_slots(law.constants.head(energy.kinds().front()->count()));
+    if (model.mesh.is_solid() && !on_lattice(model.mesh)) {
+        add_tetrahedra(model, energy);
+        return;
+    }
+    for (std::size_t k = 1; k < energy.kinds().size(); ++k) {
         const Elements& kind = *energy.kinds()[k];
         const Eigen::VectorXd constants = law.constants.segment(energy.first_of(k), kind.count());
-        if (kind.kind() == "spring") {
-            theta_ = springs.to_slots(constants);
-        } else if (kind.kind() == "region") {
+        if (model.mesh.is_solid())
+            add_boxes(kind, constants);
+        else
+            add_plane_cells(kind, constants);
+    }
+}
+
+void RealtimeLaw::add_plane_cells(const Elements& kind, const Eigen::VectorXd& constants) {
+    if (kind.kind() == "region") {
+        std::vector<std::array<int, 2>> edges;
+        for (const auto& [i, j] : static_cast<const RegionArea&>(kind).edges()) edges.push_back({kind.nodes()(0, i), kind.nodes()(0, j)});
+        add_region(edges, constants[0]);
+    } else if (!add_squares(kind, constants)) {
+        for (int e = 0; e < kind.count(); ++e) {
             std::vector<std::array<int, 2>> edges;
-            for (const auto& [i, j] : static_cast<const RegionArea&>(kind).edges()) edges.push_back({kind.nodes()(0, i), kind.nodes()(0, j)});
-            add_region(edges, constants[0]);
-        } else if (!add_squares(kind, constants)) {
-            for (int e = 0; e < kind.count(); ++e) {
-                std::vector<std::array<int, 2>> edges;
-                for (Eigen::Index c = 0, n = kind.nodes().cols(); c < n; ++c) edges.push_back({kind.nodes()(e, c), kind.nodes()(e, (c + 1) % n)});
-                add_region(edges, constants[e]);
-            }
+            for (Eigen::Index c = 0, n = kind.nodes().cols(); c < n; ++c) edges.push_back({kind.nodes()(e, c), kind.nodes()(e, (c + 1) % n)});
+            add_region(edges, constants[e]);
         }
     }
 }
@@ -126,7 +218,63 @@ void RealtimeLaw::add_region(const std::vector<std::array<int, 2>>& edges, doubl
     regions_.push_back({begin, static_cast<int>(walk_.size()), constant / (2 * twice_area)});
 }
 
-void RealtimeLaw::force(const NodeColumns& u, NodeColumns& f) const noexcept {
+void RealtimeLaw::add_boxes(const Elements& cells, const Eigen::VectorXd& constants) {
+    const Cells& nodes = cells.nodes();
+    boxes_.first = nodes.col(0).minCoeff();
+    boxes_.count = nodes.col(0).maxCoeff() - boxes_.first + 1;
+    for (int c = 0; c < 8; ++c) boxes_.corner[c] = nodes(0, c) - nodes(0, 0);
+    const auto n = static_cast<std::size_t>(boxes_.count);
+    std::vector<bool> taken(n, false);
+    for (int e = 0; e < cells.count(); ++e) {
+        const auto k = static_cast<std::size_t>(nodes(e, 0) - boxes_.first);
+        bool alike = !taken[k];
+        taken[k] = true;
+        for (int c = 0; c < 8; ++c)
+            alike = alike && nodes(e, c) - nodes(e, 0) == boxes_.corner[c] && boxes_.corner[c | 1] == boxes_.corner[c & 6] + 1;
+        if (!alike) throw MismatchError(fmt::format("box {} does not lie from node to node as a lattice's boxes do", e));
+    }
+
+    for (std::vector<double>& list : boxes_.edge) list.assign(n, 0);
+    boxes_.gain.assign(n, 0);
+    const NodeColumns& rest = springs_.rest();
+    Eigen::Matrix3d first;
+    for (int e = 0; e < cells.count(); ++e) {
+        const auto k = static_cast<std::size_t>(nodes(e, 0) - boxes_.first);
+        Eigen::Matrix3d edges = Eigen::Matrix3d::Zero();
+        for (int c = 0; c < 8; ++c)
+            for (int a = 0; a < 3; ++a) edges.col(a) += ((c >> a & 1) ? 1.0 : -1.0) * rest.row(nodes(e, c)).transpose();
+        for (int i = 0; i < 9; ++i) boxes_.edge[i][k] = edges.data()[i];
+        boxes_.gain[k] = constants[e] / (64 * edges.determinant());
+        if (e == 0) first = edges;
+        boxes_.alike = boxes_.alike && (edges - first).norm() < 1e-14 * first.norm();
+    }
+    for (std::size_t k = 0; k < n; ++k)  // where there is none, the first one's edges: a run begins with a box
+        for (int i = 0; i < 9 && !taken[k]; ++i) boxes_.edge[i][k] = boxes_.edge[i][0];
+}
+
+void RealtimeLaw::add_tetrahedra(const TissueModel& model, const TissueEnergy& energy) {
+    const Cells& nodes = model.mesh.simplices;
+    tetrahedra_.count = nodes.rows();
+    for (int c = 0; c < 4; ++c) tetrahedra_.node[c].assign(nodes.col(c).begin(), nodes.col(c).end());
+    for (int i = 0; i < 9; ++i) {
+        std::vector<double>& list = tetrahedra_.edge[i];
+        for (Eigen::Index t = 0; t < nodes.rows(); ++t)
+            list.push_back(model.mesh.nodes(nodes(t, 1 + i / 3), i % 3) - model.mesh.nodes(nodes(t, 0), i % 3));
+    }
+    tetrahedra_.node_gain.resize(model.mesh.node_count());
+    for (int node = 0; node < model.mesh.node_count(); ++node) {
+        const auto kind = static_cast<std::size_t>(1 + node);
+        const auto& around = static_cast<const RegionVolume&>(*energy.kinds()[kind]);
+        tetrahedra_.node_gain[node] = model.energy_law->constants[energy.first_of(kind)] / (36 * around.volume_m3());
+    }
+}
+
+/// By node, then of every `chunk` tetrahedra what the kernel keeps.
+Eigen::Index RealtimeLaw::scratch_size() const {
+    return tetrahedra_.node_gain.size() + 9 * ((tetrahedra_.count + chunk - 1) / chunk) * chunk;
+}
+
+void RealtimeLaw::force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch) const noexcept {
     springs_.force(theta_, u, f);
     squares_force(u, f);
     for (const Region& region : regions_) {
@@ -136,6 +284,84 @@ void RealtimeLaw::force(const NodeColumns& u, NodeColumns& f) const noexcept {
             f(step.node, 0) += pull * (step.y + u(step.after, 1) - u(step.before, 1));
             f(step.node, 1) -= pull * (step.x + u(step.after, 0) - u(step.before, 0));
         }
+    }
+    boxes_force(u, f);
+    if (tetrahedra_.count > 0) tetrahedra_force(u, f, scratch);
+}
+
+void RealtimeLaw::boxes_force(const NodeColumns& u, NodeColumns& f) const noexcept {
+    alignas(64) double g[12 * chunk];
+    const Eigen::Index N = u.rows();
+    const auto edge = [this](int axis, std::size_t k) {
+        return kernel::Vector{boxes_.edge[3 * axis][k], boxes_.edge[3 * axis + 1][k], boxes_.edge[3 * axis + 2][k]};
+    };
+    for (int done = 0; done < boxes_.count; done += chunk) {
+        const int n = std::min(chunk, boxes_.count - done);
+        const double *u0 = u.data() + boxes_.first + done, *gain = boxes_.gain.data() + done;
+        const int* corner = boxes_.corner;
+        if (boxes_.alike) {
+            kernel::boxes_alike(n, edge(0, 0), edge(1, 0), edge(2, 0), gain, u0, u0 + N, u0 + 2 * N, corner[2], corner[4], corner[6], g);
+        } else {
+            const double* e[9];
+            for (int i = 0; i < 9; ++i) e[i] = boxes_.edge[i].data() + done;
+            kernel::boxes(n, e, gain, u0, u0 + N, u0 + 2 * N, corner[2], corner[4], corner[6], g);
+        }
+        for (int d = 0; d < 3; ++d) {
+            double* f0 = f.data() + d * N + boxes_.first + done;
+            kernel::add_pair(n, g + (4 * d + 0) * chunk, f0, f0 + corner[7]);
+            kernel::add_pair(n, g + (4 * d + 1) * chunk, f0 + corner[1], f0 + corner[6]);
+            kernel::add_pair(n, g + (4 * d + 2) * chunk, f0 + corner[2], f0 + corner[5]);
+            kernel::add_pair(n, g + (4 * d + 3) * chunk, f0 + corner[4], f0 + corner[3]);
+        }
+    }
+}
+
+/// Into scratch: by node six times what the volume about it has gained [m3], and then each tetrahedron's derivatives.
+void RealtimeLaw::tetrahedra_growth(const NodeColumns& u, Eigen::VectorXd& scratch) const noexcept {
+    alignas(64) double v[9 * chunk], six[chunk];
+    const Eigen::Index N = u.rows();
+    scratch.head(N).setZero();
+    for (Eigen::Index done = 0; done < tetrahedra_.count; done += chunk) {
+        const int n = static_cast<int>(std::min<Eigen::Index>(chunk, tetrahedra_.count - done));
+        const int* node[4];
+        for (int c = 0; c < 4; ++c) node[c] = tetrahedra_.node[c].data() + done;
+        for (int d = 0; d < 3; ++d) {
+            const double* from = u.data() + d * N;
+            for (int k = 0; k < n; ++k) {
+                const double first = from[node[0][k]];
+                for (int c = 0; c < 3; ++c) v[(3 * c + d) * chunk + k] = from[node[1 + c][k]] - first;
+            }
+        }
+        const double* e[9];
+        for (int i = 0; i < 9; ++i) e[i] = tetrahedra_.edge[i].data() + done;
+        kernel::tetrahedra(n, e, v, six, scratch.data() + N + 9 * done);
+        for (int k = 0; k < n; ++k)
+            for (int c = 0; c < 4; ++c) scratch[node[c][k]] += six[k];
+    }
+}
+
+void RealtimeLaw::tetrahedra_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch) const noexcept {
+    tetrahedra_growth(u, scratch);
+    const Eigen::Index N = u.rows(), T = tetrahedra_.count;
+    scratch.head(N).array() *= tetrahedra_.node_gain.array();
+    const double *pull = scratch.data(), *kept = pull + N;
+    double *fx = f.data(), *fy = fx + N, *fz = fy + N;
+    for (Eigen::Index t = 0; t < T; ++t) {
+        const auto k = static_cast<std::size_t>(t);
+        const int at = tetrahedra_.node[0][k], to[3] = {tetrahedra_.node[1][k], tetrahedra_.node[2][k], tetrahedra_.node[3][k]};
+        const double* derivative = kept + 9 * (t - t % chunk) + t % chunk;
+        const double together = pull[at] + pull[to[0]] + pull[to[1]] + pull[to[2]];
+        kernel::Vector sum = {0, 0, 0};
+        for (int c = 0; c < 3; ++c, derivative += 3 * chunk) {
+            const kernel::Vector g = {together * derivative[0], together * derivative[chunk], together * derivative[2 * chunk]};
+            fx[to[c]] += g.x;
+            fy[to[c]] += g.y;
+            fz[to[c]] += g.z;
+            sum = sum + g;
+        }
+        fx[at] -= sum.x;
+        fy[at] -= sum.y;
+        fz[at] -= sum.z;
     }
 }
 
@@ -166,7 +392,7 @@ void RealtimeLaw::squares_force(const NodeColumns& u, NodeColumns& f) const noex
     }
 }
 
-double RealtimeLaw::energy(const NodeColumns& u) const noexcept {
+double RealtimeLaw::energy(const NodeColumns& u) const {
     double energy = springs_.potential_energy(theta_, u);
     for (int k = 0; k < squares_.count; ++k) {
         const auto i = static_cast<std::size_t>(k);
@@ -179,6 +405,25 @@ double RealtimeLaw::energy(const NodeColumns& u) const noexcept {
     for (const Region& region : regions_) {
         const double twice = twice_growth(region, u);
         energy += region.gain * twice * twice / 2;
+    }
+    for (int k = 0; k < boxes_.count; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        if (boxes_.gain[i] == 0) continue;
+        kernel::Vector add[3] = {};
+        for (int c = 0; c < 8; ++c)
+            for (int a = 0; a < 3; ++a) {
+                const int node = boxes_.first + k + boxes_.corner[c];
+                const double sign = (c >> a & 1) ? 1 : -1;
+                add[a] = add[a] + kernel::Vector{sign * u(node, 0), sign * u(node, 1), sign * u(node, 2)};
+            }
+        const auto edge = [&](int a) { return kernel::Vector{boxes_.edge[3 * a][i], boxes_.edge[3 * a + 1][i], boxes_.edge[3 * a + 2][i]}; };
+        const double by = kernel::gained(edge(0), edge(1), edge(2), add[0], add[1], add[2]).by;
+        energy += boxes_.gain[i] * by * by / 2;
+    }
+    if (tetrahedra_.count > 0) {
+        Eigen::VectorXd scratch(scratch_size());
+        tetrahedra_growth(u, scratch);
+        energy += tetrahedra_.node_gain.dot(scratch.head(u.rows()).cwiseAbs2()) / 2;
     }
     return energy;
 }

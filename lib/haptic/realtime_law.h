@@ -14,17 +14,22 @@ namespace tissue {
 /// A model's law laid out for the tick: the forces of a TissueEnergy, of constants that never change, and its contacts.
 /// Constants only. Springs are the bands of a RealtimeMesh. A lattice's squares lie in one run, one a node, as a band's
 /// springs do: the area between a square's diagonals pulls at their ends. Every other region is a walk round its outline.
+/// In space a lattice's boxes lie in one such run: the three mean edges of a box follow from its four diagonals, at whose ends it
+/// pulls. A shape's regions are all tetrahedra about a node each: a node adds up what they have grown by, and a tetrahedron pulls
+/// with what its four nodes' sums make together, so that each is computed once and not with every region that has it.
 class RealtimeLaw {
    public:
     /// springs: of the model's mesh, with the law `geometric`, which is a law's own (springs/turning_springs.h); it must outlive this.
     /// Throws MismatchError for a model without a law, and for springs of another law.
     RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs);
 
-    /// dW/du: what holds u [N]. Fixed nodes get theirs too. No allocation; cost in proportion to springs and outlines.
-    void force(const NodeColumns& u, NodeColumns& f) const noexcept;
+    /// dW/du: what holds u [N]. Fixed nodes get theirs too. scratch: of the caller, of scratch_size(); what is in it means nothing.
+    /// No allocation; cost in proportion to springs, outlines and cells.
+    void force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch) const noexcept;
+    Eigen::Index scratch_size() const;
 
-    /// W without a contact's [J]. No allocation.
-    double energy(const NodeColumns& u) const noexcept;
+    /// W without a contact's [J].
+    double energy(const NodeColumns& u) const;
 
     /// The contact at a place of the mesh's boundary, as training and evaluation have it (ContactKernel::tool_at). No allocation.
     void contact(int facet, const Eigen::Vector3d& weight, ToolSpring& tool) const noexcept { kernel_->tool_at(facet, weight, patch_, tool); }
@@ -47,16 +52,41 @@ class RealtimeLaw {
         int node, before, after;
         double x, y;  ///< after's rest place from before's [m]
     };
+    /// Boxes whose corners are first + k + corner[c]: one a node; where there is none, gain is 0. Edges: the sums of a box's four
+    /// along each axis at rest [m], of one axis after the other.
+    struct Boxes {
+        int first = 0, count = 0;
+        int corner[8] = {};                ///< corner[1] is 1, and every odd one follows the even one before
+        bool alike = true;                 ///< all have the first one's edges
+        std::vector<double> edge[9];
+        std::vector<double> gain;          ///< A / (4096 V) [N/m5]: of A V (J - 1)^2 / 2, with J - 1 a determinant of sums of four
+    };
+    /// A shape's tetrahedra, T of them: edges from its first node to the others at rest.
+    struct Tetrahedra {
+        Eigen::Index count = 0;
+        std::vector<int> node[4];
+        std::vector<double> edge[9];       ///< [m]
+        Eigen::VectorXd node_gain;         ///< A / (36 V) of what lies around a node [N/m5] (N): of six times what it has grown by
+    };
+
+    void add_plane_cells(const Elements& cells, const Eigen::VectorXd& constants);
     bool add_squares(const Elements& cells, const Eigen::VectorXd& constants);
     void add_region(const std::vector<std::array<int, 2>>& edges, double constant);
+    void add_boxes(const Elements& cells, const Eigen::VectorXd& constants);
+    void add_tetrahedra(const TissueModel& model, const TissueEnergy& energy);
     double twice_growth(const Region& region, const NodeColumns& u) const noexcept;
     void squares_force(const NodeColumns& u, NodeColumns& f) const noexcept;
+    void boxes_force(const NodeColumns& u, NodeColumns& f) const noexcept;
+    void tetrahedra_growth(const NodeColumns& u, Eigen::VectorXd& scratch) const noexcept;
+    void tetrahedra_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch) const noexcept;
 
     const RealtimeMesh& springs_;
     Eigen::VectorXd theta_;  ///< by slot (P)
     Squares squares_;
     std::vector<Region> regions_;
     std::vector<Step> walk_;
+    Boxes boxes_;
+    Tetrahedra tetrahedra_;
     std::unique_ptr<ContactKernel> kernel_;
     PatchLaw patch_;
 };

@@ -12,26 +12,26 @@
 namespace tissue {
 namespace {
 
-constexpr int chunk = 256;          ///< springs at a time: their forces stay in the first-level cache
+constexpr int chunk = 256;  ///< nodes, or loose springs, at a time: their forces stay in the first-level cache
 
 }  // namespace
 
 namespace kernel {
 
-TISSUE_HOT void add_pair(int n, const double* __restrict g, double* f_i, double* f_j) {
-    for (int k = 0; k < n; ++k) f_i[k] -= g[k];
-    for (int k = 0; k < n; ++k) f_j[k] += g[k];
+/// f += g, one axis.
+TISSUE_HOT void add(int n, const double* __restrict g, double* __restrict f) {
+    for (int k = 0; k < n; ++k) f[k] += g[k];
 }
 
 }  // namespace kernel
 
 RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const Eigen::VectorXd& node_mass_kg) {
     const int N = mesh.node_count(), S = mesh.spring_count();
-    if (mesh.dimension() != 2)
-        throw MismatchError(fmt::format("the realtime core is two-dimensional; this mesh has {} axes", mesh.dimension()));
     if (node_mass_kg.size() != N || !(node_mass_kg.minCoeff() > 0) || !node_mass_kg.allFinite())
         throw MismatchError("every node of the spring mesh must have a positive mass");
     law_ = make_spring_law(law);
+    if (mesh.is_solid() && !law_->plays_in_space())
+        throw MismatchError(fmt::format("in space the tick knows springs that turn, 'geometric', and not '{}'", law));
     rest_ = mesh.nodes;
     mass_ = node_mass_kg;
     inverse_mass_ = mass_.cwiseInverse();
@@ -68,7 +68,7 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const
         }
         for (int s : springs)
             slot_of_spring_[static_cast<std::size_t>(s)] = before + mesh.springs.row(s).minCoeff() - low;
-        bands_.push_back({low, offset, before, span, false, 0, 0});
+        bands_.push_back({low, offset, before, span, true, true, {}, {}, 0});
         slots += span;
     }
     loose_slot_ = slots;
@@ -76,8 +76,8 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const
 
     first_.assign(static_cast<std::size_t>(slots), 0);
     second_.assign(static_cast<std::size_t>(slots), 0);
-    axis_ = NodeColumns::Zero(slots, 2);
-    rest_span_ = NodeColumns::Zero(slots, 2);
+    axis_ = NodeColumns::Zero(slots, mesh.dimension());
+    rest_span_ = NodeColumns::Zero(slots, mesh.dimension());
     rest_length_ = Eigen::VectorXd::Zero(slots);
     for (int s = 0; s < S; ++s) {
         const int slot = slot_of_spring_[static_cast<std::size_t>(s)];
@@ -90,13 +90,16 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const
             throw MismatchError(fmt::format("spring {} of the mesh has no length", s));
         axis_.row(slot) = rest_span_.row(slot) / rest_length_[slot];
     }
-    for (Band& band : bands_) {
-        const Eigen::RowVector2d axis = axis_.row(band.first_slot);  // a band starts with a spring
-        band.nx = axis.x();
-        band.ny = axis.y();
-        band.parallel = true;
-        for (int slot = band.first_slot; slot < band.first_slot + band.count; ++slot)
-            band.parallel = band.parallel && (rest_length_[slot] == 0 || (axis_.row(slot) - axis).norm() < 1e-14);
+    for (Band& band : bands_) {  // a band starts with a spring
+        const Eigen::RowVectorXd axis = axis_.row(band.first_slot), span = rest_span_.row(band.first_slot);
+        std::copy(axis.begin(), axis.end(), band.axis);
+        std::copy(span.begin(), span.end(), band.span);
+        band.length = rest_length_[band.first_slot];
+        for (int slot = band.first_slot; slot < band.first_slot + band.count; ++slot) {
+            if (rest_length_[slot] == 0) continue;
+            band.parallel = band.parallel && (axis_.row(slot) - axis).norm() < 1e-14;
+            band.alike = band.alike && (rest_span_.row(slot) - span).norm() < 1e-14 * band.length;
+        }
     }
 }
 
@@ -116,68 +119,79 @@ Eigen::VectorXd RealtimeMesh::to_slots(const Eigen::Ref<const Eigen::VectorXd>& 
 
 void RealtimeMesh::force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f) const noexcept {
     std::fill(f.data(), f.data() + f.size(), 0.0);
-    for (const Band& band : bands_) band_force(band, theta, u, f);
+    bands_force(theta, u, f);
     loose_force(theta, u, f);
 }
 
-/// What the law sees of the springs from one slot on, but for the displacement of their ends.
+/// What the law sees of the springs from one slot on, but for the displacement of their ends and the force on them.
 SpringRun RealtimeMesh::run_at(int slot, const Eigen::VectorXd& theta) const noexcept {
     SpringRun run{};
+    run.dimension = dimension();
     run.theta = theta.data() + slot;
-    run.nx = axis_.col(0).data() + slot;
-    run.ny = axis_.col(1).data() + slot;
-    run.sx = rest_span_.col(0).data() + slot;
-    run.sy = rest_span_.col(1).data() + slot;
     run.length = rest_length_.data() + slot;
+    for (int d = 0; d < dimension(); ++d) {
+        run.axis[d] = axis_.col(d).data() + slot;
+        run.span[d] = rest_span_.col(d).data() + slot;
+    }
     return run;
 }
 
-void RealtimeMesh::band_force(const Band& band, const Eigen::VectorXd& theta, const NodeColumns& u,
-                              NodeColumns& f) const noexcept {
-    alignas(64) double gx[chunk], gy[chunk];
-    const Eigen::Index N = u.rows();
-    const double *ux = u.data(), *uy = u.data() + N;
-    double *fx = f.data(), *fy = f.data() + N;
-    for (int done = 0; done < band.count; done += chunk) {
-        const int n = std::min(chunk, band.count - done);
-        const int i = band.first_node + done, j = i + band.offset;
-        SpringRun run = run_at(band.first_slot + done, theta);
-        run.ux_i = ux + i;
-        run.uy_i = uy + i;
-        run.ux_j = ux + j;
-        run.uy_j = uy + j;
-        run.parallel = band.parallel;
-        run.axis_x = band.nx;
-        run.axis_y = band.ny;
-        law_->pull(run, n, gx, gy);
-        kernel::add_pair(n, gx, fx + i, fx + j);
-        kernel::add_pair(n, gy, fy + i, fy + j);
+/// All bands of a few nodes, then the next: what they read and write is still near. Forces on the first ends gather in an
+/// array of their own, so that no run overlaps itself.
+void RealtimeMesh::bands_force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f) const noexcept {
+    alignas(64) double own[3][chunk];
+    const int D = dimension(), N = node_count();
+    for (int first = 0; first < N && !bands_.empty(); first += chunk) {
+        const int last = std::min(first + chunk, N);
+        for (int d = 0; d < D; ++d) std::fill(own[d], own[d] + (last - first), 0.0);
+        for (const Band& band : bands_) {
+            const int i = std::max(first, band.first_node), n = std::min(last, band.first_node + band.count) - i, j = i + band.offset;
+            if (n <= 0) continue;
+            SpringRun run = run_at(band.first_slot + i - band.first_node, theta);
+            run.parallel = band.parallel;
+            run.alike = band.alike;
+            run.one_length = band.length;
+            for (int d = 0; d < D; ++d) {
+                run.one_axis[d] = band.axis[d];
+                run.one_span[d] = band.span[d];
+                run.u_i[d] = u.col(d).data() + i;
+                run.u_j[d] = u.col(d).data() + j;
+                run.f_i[d] = own[d] + i - first;
+                run.f_j[d] = f.col(d).data() + j;
+            }
+            law_->pull(run, n);
+        }
+        for (int d = 0; d < D; ++d) kernel::add(last - first, own[d], f.col(d).data() + first);
     }
 }
 
 /// The ends of loose springs lie anywhere: they are gathered, and their forces scattered.
 void RealtimeMesh::loose_force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f) const noexcept {
-    alignas(64) double gx[chunk], gy[chunk], ux_i[chunk], uy_i[chunk], ux_j[chunk], uy_j[chunk];
+    alignas(64) double u_i[3][chunk], u_j[3][chunk], f_i[3][chunk], f_j[3][chunk];
+    const int D = dimension();
     for (int first = loose_slot_; first < slot_count(); first += chunk) {
         const int n = std::min(chunk, slot_count() - first);
         const int *i = first_.data() + first, *j = second_.data() + first;
-        for (int k = 0; k < n; ++k) {
-            ux_i[k] = u(i[k], 0);
-            uy_i[k] = u(i[k], 1);
-            ux_j[k] = u(j[k], 0);
-            uy_j[k] = u(j[k], 1);
-        }
         SpringRun run = run_at(first, theta);
-        run.ux_i = ux_i;
-        run.uy_i = uy_i;
-        run.ux_j = ux_j;
-        run.uy_j = uy_j;
-        law_->pull(run, n, gx, gy);
-        for (int k = 0; k < n; ++k) {
-            f(i[k], 0) -= gx[k];
-            f(i[k], 1) -= gy[k];
-            f(j[k], 0) += gx[k];
-            f(j[k], 1) += gy[k];
+        for (int d = 0; d < D; ++d) {
+            const double* from = u.col(d).data();
+            for (int k = 0; k < n; ++k) {
+                u_i[d][k] = from[i[k]];
+                u_j[d][k] = from[j[k]];
+                f_i[d][k] = f_j[d][k] = 0;
+            }
+            run.u_i[d] = u_i[d];
+            run.u_j[d] = u_j[d];
+            run.f_i[d] = f_i[d];
+            run.f_j[d] = f_j[d];
+        }
+        law_->pull(run, n);
+        for (int d = 0; d < D; ++d) {
+            double* to = f.col(d).data();
+            for (int k = 0; k < n; ++k) {
+                to[i[k]] += f_i[d][k];
+                to[j[k]] += f_j[d][k];
+            }
         }
     }
 }
@@ -186,14 +200,35 @@ double RealtimeMesh::potential_energy(const Eigen::VectorXd& theta, const NodeCo
     double energy = 0;
     for (int slot : slot_of_spring_) {
         const Eigen::Vector2i ends = nodes_of_slot(slot);
-        energy += theta[slot] * law_->unit_energy(rest_span_.row(slot), u.row(ends[1]) - u.row(ends[0]));
+        energy += theta[slot] * law_->unit_energy(rest_span_.row(slot).transpose(), (u.row(ends[1]) - u.row(ends[0])).transpose());
     }
     return energy;
 }
 
 Eigen::Matrix2d RealtimeMesh::unit_stiffness(int slot, const NodeColumns& u, bool convex) const noexcept {
     const Eigen::Vector2i ends = nodes_of_slot(slot);
-    return law_->unit_stiffness(rest_span_.row(slot), u.row(ends[1]) - u.row(ends[0]), convex);
+    const Eigen::Vector2d rest = rest_span_.row(slot), relative = u.row(ends[1]) - u.row(ends[0]);
+    return law_->unit_stiffness(rest, relative, convex);
+}
+
+SparseMatrix RealtimeMesh::stiffness_at_rest(const Eigen::VectorXd& theta) const {
+    const int D = dimension();
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(static_cast<std::size_t>(4 * D * D * spring_count()));
+    for (int slot : slot_of_spring_) {
+        const Eigen::Vector2i ends = nodes_of_slot(slot);
+        const Point span = rest_span_.row(slot).transpose();
+        Eigen::MatrixXd k;
+        if (D == 2) k = law_->unit_stiffness(Eigen::Vector2d(span), Eigen::Vector2d::Zero(), false);
+        else k = law_->unit_stiffness(Eigen::Vector3d(span), Eigen::Vector3d::Zero(), false);
+        for (int p : {0, 1})
+            for (int q : {0, 1})
+                for (int a = 0; a < D; ++a)
+                    for (int b = 0; b < D; ++b) entries.emplace_back(D * ends[p] + a, D * ends[q] + b, (p == q ? theta[slot] : -theta[slot]) * k(a, b));
+    }
+    SparseMatrix K(D * node_count(), D * node_count());
+    K.setFromTriplets(entries.begin(), entries.end());
+    return K;
 }
 
 }  // namespace tissue

@@ -9,36 +9,30 @@
 
 namespace tissue {
 
-namespace kernel {
-
-/// f_i -= g, f_j += g (n each): pulls of springs on either end, where ends lie in a row.
-void add_pair(int n, const double* g, double* f_i, double* f_j);
-
-}  // namespace kernel
-
-/// The spring mesh of Sec. 4 laid out for the tick: constants only, nothing here changes while it runs. The realtime
-/// core is two-dimensional, as Sec. 4 is.
+/// The spring mesh of Sec. 4 laid out for the tick: constants only, nothing here changes while it runs. In space, D = 3, only
+/// springs that turn play (SpringLaw::plays_in_space).
 ///
 /// Springs live in slots. Springs that join node i to node i + offset, for one offset, form a band: one run of slots,
 /// one a node, so that force is a few sums over contiguous arrays instead of a walk through pairs of nodes. Slots of a
-/// band that hold no spring have theta = 0. Springs of rare offsets (meshes that are no lattice) are loose: pairs.
+/// band that hold no spring have theta = 0. A lattice has four bands in the plane, in space thirteen. Springs of rare offsets
+/// (meshes that are no lattice) are loose: pairs.
 class RealtimeMesh {
    public:
     struct Band {
         int first_node, offset, first_slot, count;  ///< slot first_slot + k joins first_node + k and that + offset
-        bool parallel;                              ///< all its springs have one axis, as on a lattice
-        double nx, ny;                              ///< that axis
+        bool parallel, alike;                       ///< all its springs have one axis; and one length, as on a lattice
+        double axis[3], span[3], length;            ///< these [m]
     };
 
     /// node_mass_kg (N), all positive. law: a name of spring_laws().
-    /// Throws MismatchError when sizes do not fit or the mesh is not two-dimensional.
+    /// Throws MismatchError when sizes do not fit, and in space for springs that do not turn.
     RealtimeMesh(const SpringMesh& mesh, const std::string& law, const Eigen::VectorXd& node_mass_kg);
 
     int node_count() const { return static_cast<int>(rest_.rows()); }
     int slot_count() const { return static_cast<int>(axis_.rows()); }
     int spring_count() const { return static_cast<int>(slot_of_spring_.size()); }
     const SpringLaw& law() const { return *law_; }
-    const NodeColumns& rest() const { return rest_; }                    ///< [m] (N x 2)
+    const NodeColumns& rest() const { return rest_; }                    ///< [m] (N x D)
     const Eigen::VectorXd& mass() const { return mass_; }                ///< [kg] (N)
     const Eigen::VectorXd& inverse_mass() const { return inverse_mass_; }  ///< [1/kg] (N), 0 where a node is fixed
     bool fixed(int node) const { return inverse_mass_[node] == 0; }
@@ -60,12 +54,15 @@ class RealtimeMesh {
     /// Energy in the springs [J]. No allocation.
     double potential_energy(const Eigen::VectorXd& theta, const NodeColumns& u) const noexcept;
 
-    /// The 2 x 2 block k = d f_i / d u_i of one slot per unit theta at u (the block of i, j is -k). `convex` keeps it
+    /// In the plane, the block k = d f_i / d u_i of one slot per unit theta at u (the block of i, j is -k). `convex` keeps it
     /// positive semi-definite where a compressed spring that turns would buckle.
     Eigen::Matrix2d unit_stiffness(int slot, const NodeColumns& u, bool convex) const noexcept;
 
+    /// K(theta) at rest [N/m] (N*D x N*D), degrees of freedom D * node + axis. theta by slot.
+    SparseMatrix stiffness_at_rest(const Eigen::VectorXd& theta) const;
+
    private:
-    void band_force(const Band& band, const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f) const noexcept;
+    void bands_force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f) const noexcept;
     void loose_force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f) const noexcept;
     SpringRun run_at(int slot, const Eigen::VectorXd& theta) const noexcept;
 
@@ -78,8 +75,8 @@ class RealtimeMesh {
     int loose_slot_ = 0;                ///< slots from here on are loose springs
     std::vector<int> slot_of_spring_;   ///< (S)
     std::vector<int> first_, second_;   ///< nodes of each slot (P); equal where there is no spring
-    NodeColumns axis_;                  ///< rest direction of each slot, a unit vector (P x 2)
-    NodeColumns rest_span_;             ///< X_j - X_i of each slot [m] (P x 2)
+    NodeColumns axis_;                  ///< rest direction of each slot, a unit vector (P x D)
+    NodeColumns rest_span_;             ///< X_j - X_i of each slot [m] (P x D)
     Eigen::VectorXd rest_length_;       ///< [m] (P)
 };
 

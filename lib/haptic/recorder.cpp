@@ -24,14 +24,16 @@ struct Integers {
     int (*value)(const RecordedTick&);
 };
 
+double axis(const Point& p, int a) { return a < p.size() ? p[a] : 0; }
+
 const Numbers numbers[] = {
     {"/time", 0, "s", "of each tick on the schedule", [](const RecordedTick& k, int) { return k.tick.time_s; }},
     {"/device_position", 3, "m", "as the device gave it", [](const RecordedTick& k, int a) { return k.tick.device_m[a]; }},
     {"/device_force", 3, "N", "as the device got it", [](const RecordedTick& k, int a) { return k.tick.device_N[a]; }},
-    {"/master", of_tissue, "m", "device position in the tissue's space", [](const RecordedTick& k, int a) { return k.tick.master_m[a]; }},
-    {"/proxy", of_tissue, "m", "on the surface while in contact", [](const RecordedTick& k, int a) { return k.tick.proxy_m[a]; }},
-    {"/contact_displacement", of_tissue, "m", "x_p - X_p of the learned mesh", [](const RecordedTick& k, int a) { return k.tick.contact_displacement_m[a]; }},
-    {"/coupling_force", of_tissue, "N", "k_C (x_p - x_m), before safety and force scale", [](const RecordedTick& k, int a) { return k.tick.coupling_N[a]; }},
+    {"/master", of_tissue, "m", "device position in the tissue's space", [](const RecordedTick& k, int a) { return axis(k.tick.master_m, a); }},
+    {"/proxy", of_tissue, "m", "on the surface while in contact", [](const RecordedTick& k, int a) { return axis(k.tick.proxy_m, a); }},
+    {"/contact_displacement", of_tissue, "m", "x_p - X_p of the learned mesh", [](const RecordedTick& k, int a) { return axis(k.tick.contact_displacement_m, a); }},
+    {"/coupling_force", of_tissue, "N", "k_C (x_p - x_m), before safety and force scale", [](const RecordedTick& k, int a) { return axis(k.tick.coupling_N, a); }},
     {"/weight", 3, "1", "of the facet's nodes at the contact; of a segment the third is 0", [](const RecordedTick& k, int a) { return k.tick.weight[a]; }},
     {"/tick_us", 0, "us", "work of the tick", [](const RecordedTick& k, int) { return k.tick_us; }},
     {"/lateness_us", 0, "us", "start of the tick after its place on the schedule", [](const RecordedTick& k, int) { return k.lateness_us; }},

@@ -25,11 +25,6 @@ namespace {
 
 constexpr double turn = 2 * 3.14159265358979323846;
 
-/// Everything from here to the tick counts on two coordinates.
-void check_in_plane(const TissueModel& model, const std::string& subject) {
-    if (model.mesh.is_solid()) throw MismatchError(subject + "is a model in space; the realtime core plays models in the plane");
-}
-
 std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel& model, const std::string& law,
                                       const Eigen::Ref<const NodeField>& theta, const Point& place_m) {
     if (!theta.allFinite() || !(theta.minCoeff() > 0))
@@ -41,11 +36,21 @@ std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel
     return mesh;
 }
 
-std::unique_ptr<HapticMesh> make_law_mesh(const TissueModel& model) {
+std::unique_ptr<HapticMesh> make_law_mesh(const std::string& name, const TissueModel& model, const Point& place_m) {
     const NodeField theta = model.energy_law->constants.head(model.mesh.spring_count()).transpose();
-    auto mesh = make_mesh("learned", model, "geometric", theta, Point::Zero(model.mesh.dimension()));
+    auto mesh = make_mesh(name, model, "geometric", theta, place_m);
     mesh->law = std::make_unique<RealtimeLaw>(model, mesh->springs);
     return mesh;
+}
+
+/// In space: Van Gelder's springs as they are, without cells, under the learned law's contact. A point load on a lattice in space
+/// has no stiffness of its own, so that springs under a virtual coupling would say nothing (in the plane they do).
+TissueModel untrained(const TissueModel& model) {
+    TissueModel heuristic = model;
+    Eigen::VectorXd& constants = heuristic.energy_law->constants;
+    constants.setZero();
+    constants.head(model.mesh.spring_count()) = model.heuristic_a;
+    return heuristic;
 }
 
 /// Which step runs, and with how much damping: from the spectrum.
@@ -77,15 +82,9 @@ void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double coupling_N
 
 }  // namespace
 
-TissueModel read_model_in_plane(const std::string& file) {
-    TissueModel model = read_model(file);
-    check_in_plane(model, file + ": ");
-    return model;
-}
-
 HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
-    : study(model.study), options(given), set_names(model.case_names), mesh(model.mesh) {
-    check_in_plane(model, "this ");
+    : study(model.study), options(given), set_names(model.case_names), rest(model.mesh) {
+    if (model.mesh.is_solid() && !model.energy_law) throw MismatchError("a model in space is a law; this one has none");
     HapticOptions& o = options;
     if (!(o.dt_s > 0)) throw MismatchError("dt must be positive");
     if (!(o.innovation > 0 && o.innovation <= 1)) throw MismatchError("the innovation gamma must lie in (0, 1]");
@@ -114,7 +113,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
         if (!o.sets.empty()) throw MismatchError(fmt::format("spring sets '{}': the model is a law, and has none", o.sets));
         if (o.select_by != SelectBy::displacement) throw MismatchError("the model is a law: there is nothing to select by force");
         set_names.clear();
-        meshes.push_back(make_law_mesh(model));
+        meshes.push_back(make_law_mesh("learned", model, Point::Zero(dimension())));
     } else {
         const NodeField& theta = sets_of(model, o.sets);
         if (o.sets.empty()) o.sets = model.trained.front().optimizer;
@@ -124,14 +123,16 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     }
     Point beside = Point::Zero(dimension());
     beside[0] = o.place_m;
-    if (o.heuristic_mesh)
+    if (o.heuristic_mesh && is_solid())
+        meshes.push_back(make_law_mesh("heuristic", untrained(model), beside));
+    else if (o.heuristic_mesh)
         meshes.push_back(make_mesh("heuristic", model, model.law, model.heuristic_a.transpose(), beside));
     const auto springs = std::find_if(meshes.begin(), meshes.end(), [](const auto& mesh) { return !mesh->law; });
     if (springs != meshes.end())
         stiffness = std::make_unique<ContactStiffness>((*springs)->springs, first_set, (*springs)->theta_of_set);
     for (auto& mesh : meshes) {
         if (mesh->law)
-            choose_law_dynamics(model, *mesh, o);
+            choose_law_dynamics(mesh->name == "learned" ? model : untrained(model), *mesh, o);
         else
             choose_dynamics(*mesh, o, o.coupling_ratio * stiffness->largest());
     }
@@ -140,7 +141,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
 Simulation::Simulation(const HapticModel& model) : model_(model), safety_(model.options.safety) {
     for (const auto& mesh : model.meshes) {
         states_.emplace_back(mesh->springs, mesh->theta_of_set.col(0));
-        surfaces_.push_back(make_moving_surface(model.mesh));
+        surfaces_.push_back(make_moving_surface(model.rest));
         dynamics_.push_back(make_dynamics(mesh->dynamics, mesh->springs,
                                           {model.options.dt_s, mesh->damping_1_s, mesh->substeps, mesh->law.get()}));
     }

@@ -47,13 +47,9 @@ struct HapticMesh {
     double damping_1_s;                ///< B = damping M
 };
 
-/// What plays, out of a model.h5. Throws FileError, and MismatchError with the file's name for a model in space.
-TissueModel read_model_in_plane(const std::string& file);
-
 /// Everything that is the same in every tick.
 struct HapticModel {
-    /// Throws MismatchError for a model in space, and for options that the model does not know, such as those of sets where
-    /// it is a law.
+    /// Throws MismatchError for options that the model does not know, such as those of sets where it is a law.
     HapticModel(const TissueModel& model, const HapticOptions& options);
     HapticModel(const HapticModel&) = delete;
     HapticModel& operator=(const HapticModel&) = delete;
@@ -66,11 +62,11 @@ struct HapticModel {
     std::unique_ptr<ContactStiffness> stiffness;      ///< of the first mesh of springs; every one uses it. Nothing where there is none
     Point low_m, high_m;                              ///< box of the learned mesh at rest (D)
 
-    SpringMesh mesh;                                  ///< at rest
+    SpringMesh rest;                                  ///< nodes and boundary of every one of them, at rest
 
     bool is_law() const { return meshes.front()->law != nullptr; }
-    int dimension() const { return mesh.dimension(); }
-    bool is_solid() const { return mesh.is_solid(); }
+    int dimension() const { return rest.dimension(); }
+    bool is_solid() const { return rest.is_solid(); }
 };
 
 /// What a tick leaves behind, for the recorder, the page and the tests. Nothing in it is older than the tick, but where

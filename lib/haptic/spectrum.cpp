@@ -12,7 +12,7 @@ namespace {
 class ScaledStiffness {
    public:
     ScaledStiffness(const RealtimeMesh& mesh, const Eigen::VectorXd& theta)
-        : mesh_(mesh), theta_(theta), root_(mesh.inverse_mass().cwiseSqrt()), force_(mesh.node_count(), 2) {}
+        : mesh_(mesh), theta_(theta), root_(mesh.inverse_mass().cwiseSqrt()), force_(mesh.node_count(), mesh.dimension()) {}
 
     NodeColumns operator()(const NodeColumns& x) {
         NodeColumns y = root_.asDiagonal() * x;
@@ -22,7 +22,7 @@ class ScaledStiffness {
             force_.setZero();
             for (int slot : mesh_.slot_of_spring()) {
                 const Eigen::Vector2i ends = mesh_.nodes_of_slot(slot);
-                const Eigen::RowVector2d pull = theta_[slot] * (y.row(ends[0]) - y.row(ends[1]));
+                const Eigen::RowVectorXd pull = theta_[slot] * (y.row(ends[0]) - y.row(ends[1]));
                 force_.row(ends[0]) += pull;
                 force_.row(ends[1]) -= pull;
             }
@@ -45,7 +45,7 @@ class ScaledTangent {
 
     NodeColumns operator()(const NodeColumns& x) const {
         const NodeField y = root_.asDiagonal() * x;
-        NodeField f(x.rows(), 2);
+        NodeField f(x.rows(), x.cols());
         Eigen::Map<Eigen::VectorXd>(f.data(), f.size()) = tangent_ * Eigen::Map<const Eigen::VectorXd>(y.data(), y.size());
         return root_.asDiagonal() * f;
     }
@@ -57,7 +57,7 @@ class ScaledTangent {
 
 /// A start without symmetry, the same every time.
 NodeColumns scattered_start(const RealtimeMesh& mesh) {
-    NodeColumns x(mesh.node_count(), 2);
+    NodeColumns x(mesh.node_count(), mesh.dimension());
     for (Eigen::Index i = 0; i < x.size(); ++i) x.data()[i] = std::sin(12.9898 * static_cast<double>(i + 1) + 1.0);
     for (int node = 0; node < mesh.node_count(); ++node)
         if (mesh.fixed(node)) x.row(node).setZero();
@@ -68,7 +68,7 @@ NodeColumns scattered_start(const RealtimeMesh& mesh) {
 template <class Apply>
 double largest_of(const RealtimeMesh& mesh, Apply apply) {
     constexpr int steps = 30;
-    NodeColumns q = scattered_start(mesh), before = NodeColumns::Zero(mesh.node_count(), 2);
+    NodeColumns q = scattered_start(mesh), before = NodeColumns::Zero(mesh.node_count(), mesh.dimension());
     if (!(q.norm() > 0)) return 0;
     q /= q.norm();
     std::vector<double> alpha, beta;
@@ -122,11 +122,12 @@ double largest_eigenvalue(const RealtimeMesh& mesh, const Eigen::SparseMatrix<do
 }
 
 double smallest_eigenvalue(const RealtimeMesh& mesh, const Eigen::SparseMatrix<double>& tangent) {
+    const int D = mesh.dimension();
     std::vector<int> number(static_cast<std::size_t>(tangent.rows()), -1);
     std::vector<double> mass;
     for (int node = 0; node < mesh.node_count(); ++node)
-        for (int axis = 0; axis < 2 && !mesh.fixed(node); ++axis) {
-            number[static_cast<std::size_t>(2 * node + axis)] = static_cast<int>(mass.size());
+        for (int axis = 0; axis < D && !mesh.fixed(node); ++axis) {
+            number[static_cast<std::size_t>(D * node + axis)] = static_cast<int>(mass.size());
             mass.push_back(mesh.mass()[node]);
         }
     std::vector<Eigen::Triplet<double>> entries;
@@ -144,6 +145,7 @@ double smallest_eigenvalue(const RealtimeMesh& mesh, const Eigen::SparseMatrix<d
 }
 
 double smallest_eigenvalue(const RealtimeMesh& mesh, const Eigen::VectorXd& theta) {
+    if (mesh.dimension() == 3) return smallest_eigenvalue(mesh, mesh.stiffness_at_rest(theta));  // its band would be wide
     const FreeNumbering numbering(mesh);
     if (BandCholesky::bytes(numbering.order, numbering.half_bandwidth) > 1e9) return 0;
     BandCholesky K(numbering.order, numbering.half_bandwidth);

@@ -14,7 +14,7 @@ namespace tissue {
 /// taken for it.
 double largest_eigenvalue(const RealtimeMesh& mesh, const Eigen::VectorXd& theta);
 
-/// The same of a tangent, as TissueEnergy::tangent lays it out [N/m] (2 N x 2 N).
+/// The same of a tangent, as TissueEnergy::tangent lays it out [N/m] (N*D x N*D).
 double largest_eigenvalue(const RealtimeMesh& mesh, const Eigen::SparseMatrix<double>& tangent);
 
 /// The smallest of that [1/s^2], 0 where it is not positive definite.

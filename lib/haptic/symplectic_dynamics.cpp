@@ -25,7 +25,7 @@ class SymplecticDynamics final : public Dynamics {
    public:
     SymplecticDynamics(const RealtimeMesh& mesh, const DynamicsOptions& options)
         : mesh_(mesh), law_(options.law), substeps_(options.substeps), h_(options.dt_s / options.substeps),
-          keep_(1 / (1 + h_ * options.damping_1_s)), gain_(h_ * keep_ * mesh.inverse_mass()) {}
+          keep_(1 / (1 + h_ * options.damping_1_s)), gain_(h_ * keep_ * mesh.inverse_mass()), scratch_(options.law ? options.law->scratch_size() : 0) {}
     std::string name() const override { return symplectic_dynamics.name; }
 
     Point step(MeshState& s, const ContactLoad& load) noexcept override {
@@ -33,7 +33,7 @@ class SymplecticDynamics final : public Dynamics {
         Point tool = Point::Zero(mesh_.dimension());
         for (int k = 0; k < substeps_; ++k) {
             if (law_)
-                law_->force(s.displacement, s.force);
+                law_->force(s.displacement, s.force, scratch_);
             else
                 mesh_.force(s.theta, s.displacement, s.force);
             tool += load.put_on(mesh_, s.displacement, s.force) / substeps_;
@@ -52,6 +52,7 @@ class SymplecticDynamics final : public Dynamics {
     double h_;  ///< [s]
     double keep_;
     Eigen::VectorXd gain_;
+    Eigen::VectorXd scratch_;  ///< of the law
 };
 
 }  // namespace

@@ -3,17 +3,23 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <random>
 
+#include <Eigen/Geometry>
+
 #include "error.h"
+#include "mesh/facet.h"
+#include "mesh/free_surface.h"
 
 namespace tissue {
 namespace {
 
 constexpr double clearance_m = 0.005;    ///< how far outside the surface a motion starts
-constexpr double ring_m = 0.015;         ///< how far outside it goes round the tissue
+constexpr double ring_m = 0.015;         ///< how far outside it goes round the tissue, at least
+constexpr double pi = 3.14159265358979323846;
 constexpr double travel_m_s = 0.2;
 
 /// Uniform in [0, 1), the same on every machine (std::uniform_real_distribution is not).
@@ -21,66 +27,122 @@ double uniform(std::mt19937_64& random) {
     return static_cast<double>(random() >> 11) * 0x1.0p-53;
 }
 
-/// Counter-clockwise round a box, from its low corner: the point at `along`, and the inward normal there.
-struct Ring {
-    Eigen::Vector2d low, high;
-    double length() const { return 2 * (high - low).sum(); }
-    Eigen::Vector2d at(double along, Eigen::Vector2d* inward = nullptr) const {
-        const double w = (high - low).x(), h = (high - low).y();
-        double s = std::fmod(along, length());
-        if (s < 0) s += length();
-        Eigen::Vector2d p, n;
-        if (s < w) p = low + Eigen::Vector2d(s, 0), n = {0, 1};
-        else if ((s -= w) < h) p = low + Eigen::Vector2d(w, s), n = {-1, 0};
-        else if ((s -= h) < w) p = high - Eigen::Vector2d(s, 0), n = {0, -1};
-        else p = high - Eigen::Vector2d(w, s - w), n = {1, 0};
-        if (inward) *inward = n;
-        return p;
-    }
+/// A place of the free surface, and the way into the tissue there.
+struct Aim {
+    Point place_m, inward;
 };
 
-/// In and out at places of the free outline drawn by seed.
-std::vector<Waypoint> poke(const MotionOptions& o) {
-    std::mt19937_64 random(o.seed);
-    const Eigen::Vector2d margin = Eigen::Vector2d::Constant(ring_m);
-    const Eigen::Vector2d low = o.low_m, high = o.high_m;
-    const Ring box{low, high}, ring{low - margin, high + margin};
-    const double w = (high - low).x(), h = (high - low).y();
-    std::vector<Waypoint> motion;
-    double time = 0, ring_at = -1;
-    while (time < o.seconds) {
-        // a place on the right, top or left side, not at its ends
-        const double along = w + 0.1 * h + uniform(random) * (2 * h + w - 0.2 * h);
-        Eigen::Vector2d inward;
-        const Eigen::Vector2d place = box.at(along, &inward), outside = place - ring_m * inward;
-        // round the tissue to it
-        const auto ring_along = [&](const Eigen::Vector2d& p) {
-            double best = 0, distance = 1e9;
-            for (int k = 0; k < 400; ++k) {
-                const double s = ring.length() * k / 400, d = (ring.at(s) - p).norm();
-                if (d < distance) distance = d, best = s;
-            }
-            return best;
-        };
-        const double target = ring_along(outside);
-        if (ring_at < 0) {
-            motion.push_back({time, ring.at(target)});
-        } else {
-            const int steps = std::max(1, static_cast<int>(std::abs(target - ring_at) / 0.01));
-            const double from = ring_at;
-            for (int k = 0; k <= steps; ++k) {
-                const Eigen::Vector2d p = ring.at(from + (target - from) * k / steps);
-                time += (p - motion.back().point_m).norm() / travel_m_s + 1e-3;
-                motion.push_back({time, p});
-            }
+/// Uniform over the free surface but near its creases and ends, where the way out of the tissue meets it nowhere again: by the
+/// measure of facets, in a facet by its corners.
+class Aims {
+   public:
+    Aims(const SpringMesh& mesh, unsigned long seed)
+        : surface_(mesh), random_(seed), centre_m_((low(mesh) + high(mesh)) / 2), radius_m_((high(mesh) - low(mesh)).norm() / 2 + ring_m),
+          clear_m_(0.1 * (high(mesh) - low(mesh)).minCoeff()), nodes_(mesh.nodes), facets_(mesh.facets) {}
+
+    static Point low(const SpringMesh& mesh) { return mesh.nodes.colwise().minCoeff().transpose(); }
+    static Point high(const SpringMesh& mesh) { return mesh.nodes.colwise().maxCoeff().transpose(); }
+    double uniform() { return tissue::uniform(random_); }
+
+    Aim draw() {
+        constexpr int most_tries = 1000;
+        Aim aim;
+        for (int tries = 0; tries < most_tries; ++tries) {
+            double share = uniform() * surface_.measure().sum();
+            Eigen::Index facet = 0;
+            while (facet + 1 < surface_.facets().rows() && (share -= surface_.measure()[facet]) > 0) ++facet;
+            double a = uniform(), b = surface_.facets().cols() == 3 ? uniform() : 0;
+            if (a + b > 1) a = 1 - a, b = 1 - b;
+            const FreeSurface::Place place = surface_.nearest(surface_.at(facet, {1 - a - b, a, b}));
+            aim = {place.point_m, place.inward};
+            if (surface_.to_crease_m(aim.place_m) > clear_m_ && goes_out(aim)) break;
         }
-        ring_at = target;
-        const double depth = o.depth_m * (0.2 + 0.8 * uniform(random)), slant = 0.5 * (2 * uniform(random) - 1);
-        const Eigen::Vector2d aim = place + depth * (inward + slant * Eigen::Vector2d(-inward.y(), inward.x()));
-        const double in = 0.15 + 0.35 * uniform(random);
+        return aim;
+    }
+
+    /// Where the way out of the tissue leaves the circle, or sphere, round it.
+    Point exit(const Aim& aim) const {
+        const Point from = aim.place_m - centre_m_;
+        const double along = -from.dot(aim.inward), off = from.squaredNorm() - radius_m_ * radius_m_;
+        return aim.place_m - (along + std::sqrt(along * along - off)) * aim.inward;
+    }
+
+    /// Round the tissue from one such place to another; the last one is the end itself.
+    std::vector<Point> round(const Point& from, const Point& to) const {
+        constexpr double step = 0.1;  // rad
+        const Point a = (from - centre_m_) / radius_m_, b = (to - centre_m_) / radius_m_;
+        const double angle = std::acos(std::clamp(a.dot(b), -1.0, 1.0));
+        Point across = b - a.dot(b) * a;
+        if (across.norm() < 1e-6) {  // opposite: over the top
+            across = Point::Unit(a.size(), a.size() - 1);
+            across -= a.dot(across) * a;
+        }
+        across.normalize();
+        std::vector<Point> way;
+        const int steps = std::max(1, static_cast<int>(angle / step));
+        for (int k = 1; k <= steps; ++k) way.push_back(centre_m_ + radius_m_ * (std::cos(angle * k / steps) * a + std::sin(angle * k / steps) * across));
+        return way;
+    }
+
+   private:
+    /// No point of the way out, but where it begins, is nearer to the surface than half of how far it has come.
+    bool goes_out(const Aim& aim) const {
+        const Point end = exit(aim);
+        const double length = (end - aim.place_m).norm();
+        for (double at = 2 * clearance_m; at < length; at += clearance_m)
+            for (Eigen::Index f = 0; f < facets_.rows(); ++f)
+                if (nearest_on_facet(nodes_, facets_, f, aim.place_m - at * aim.inward).distance_m < std::min(at / 2, clearance_m)) return false;
+        return true;
+    }
+
+    FreeSurface surface_;
+    std::mt19937_64 random_;
+    Point centre_m_;
+    double radius_m_, clear_m_;
+    NodeField nodes_;
+    Cells facets_;
+};
+
+/// Two unit vectors across one, or one in the plane: the first as near to the first axis as can be.
+Point sideways(const Point& inward) {
+    Point along = Point::Unit(inward.size(), std::abs(inward[0]) < 0.9 ? 0 : inward.size() - 1);
+    along -= along.dot(inward) * inward;
+    return along.normalized();
+}
+
+/// In and out at places of the free surface drawn by seed, up to 27 degrees off its normal.
+std::vector<Waypoint> poke(const MotionOptions& o) {
+    Aims aims(*o.rest, o.seed);
+    std::vector<Waypoint> motion;
+    double time = 0;
+    Point exit;
+    const auto travel = [&](const Point& to) {
+        time += (to - motion.back().point_m).norm() / travel_m_s + 1e-3;
+        motion.push_back({time, to});
+    };
+    while (time < o.seconds) {
+        const Aim aim = aims.draw();
+        const Point outside = aim.place_m - ring_m * aim.inward;
+        if (motion.empty()) {
+            motion.push_back({time, outside});
+        } else {
+            travel(exit);
+            for (const Point& point : aims.round(exit, aims.exit(aim))) travel(point);
+            travel(outside);
+        }
+        exit = aims.exit(aim);
+        const double depth = o.depth_m * (0.2 + 0.8 * aims.uniform()), slant = 0.5 * (2 * aims.uniform() - 1);
+        Point across = sideways(aim.inward);
+        if (across.size() == 3) {
+            const Eigen::Vector3d in = aim.inward, first = across;
+            const double turned = 2 * pi * aims.uniform();
+            across = std::cos(turned) * first + std::sin(turned) * in.cross(first);
+        }
+        const Point deepest = aim.place_m + depth * (aim.inward + slant * across);
+        const double in = 0.15 + 0.35 * aims.uniform();
         motion.push_back({time += 0.1, outside});
-        motion.push_back({time += in, aim});
-        motion.push_back({time += 0.2 * uniform(random) + 0.05, aim});
+        motion.push_back({time += in, deepest});
+        motion.push_back({time += 0.2 * aims.uniform() + 0.05, deepest});
         motion.push_back({time += in, outside});
     }
     return motion;
@@ -96,36 +158,45 @@ std::vector<Waypoint> press_motion(const Point& contact_m, const Point& inward,
 
 namespace {
 
-Eigen::Vector2d middle_of_top(const MotionOptions& o) {
-    return {0.5 * (o.low_m.x() + o.high_m.x()), o.high_m.y()};
+/// Of the surface nearest to the middle of the box's top.
+Aim middle_of_top(const MotionOptions& o) {
+    Point top = (Aims::low(*o.rest) + Aims::high(*o.rest)) / 2;
+    top[top.size() - 1] = Aims::high(*o.rest)[top.size() - 1];
+    const FreeSurface::Place place = FreeSurface(*o.rest).nearest(top);
+    return {place.point_m, place.inward};
 }
 
 /// Into the middle of the top, and stay.
 std::vector<Waypoint> press(const MotionOptions& o) {
-    const Eigen::Vector2d down(0, -1);
-    return press_motion(middle_of_top(o), down, o.depth_m * down, 1, 0);
+    const Aim top = middle_of_top(o);
+    return press_motion(top.place_m, top.inward, o.depth_m * top.inward, 1, 0);
 }
 
-Waypoint stop(double seconds, double x, double y) { return {seconds, Eigen::Vector2d(x, y)}; }
+/// Where to be how much later: sideways, and into the tissue.
+struct Stop {
+    double seconds, along_m, in_m;
+};
 
-/// From above the middle of the top through the stops, each a time and a place from there, over and over.
-std::vector<Waypoint> round(const MotionOptions& o, const std::vector<Waypoint>& stops) {
-    const Eigen::Vector2d top = middle_of_top(o);
-    std::vector<Waypoint> motion = {{0, top + Eigen::Vector2d(0, clearance_m)}};
+/// From above the middle of the top through the stops, over and over.
+std::vector<Waypoint> round(const MotionOptions& o, const std::vector<Stop>& stops) {
+    const Aim top = middle_of_top(o);
+    const Point along = sideways(top.inward);
+    std::vector<Waypoint> motion = {{0, top.place_m - clearance_m * top.inward}};
     while (motion.back().time_s < o.seconds)
-        for (const Waypoint& stop : stops) motion.push_back({motion.back().time_s + stop.time_s, Eigen::Vector2d(top + stop.point_m)});
+        for (const Stop& stop : stops)
+            motion.push_back({motion.back().time_s + stop.seconds, top.place_m + stop.along_m * along + stop.in_m * top.inward});
     return motion;
 }
 
 /// Into the middle of the top, then along it and back.
 std::vector<Waypoint> slide(const MotionOptions& o) {
-    const double side = 0.2 * (o.high_m - o.low_m).x();
-    return round(o, {stop(0.5, 0, -o.depth_m), stop(1, side, -o.depth_m), stop(1, -side, -o.depth_m), stop(0.5, 0, clearance_m)});
+    const double side = 0.2 * (Aims::high(*o.rest) - Aims::low(*o.rest))[0];
+    return round(o, {{0.5, 0, o.depth_m}, {1.0, side, o.depth_m}, {1.0, -side, o.depth_m}, {0.5, 0, -clearance_m}});
 }
 
 /// In and out of the middle of the top at 1 Hz.
 std::vector<Waypoint> sine(const MotionOptions& o) {
-    return round(o, {stop(0.5, 0, -o.depth_m), stop(0.5, 0, clearance_m)});
+    return round(o, {{0.5, 0, o.depth_m}, {0.5, 0, -clearance_m}});
 }
 
 struct Motion {
@@ -159,6 +230,7 @@ const std::vector<std::string>& motion_names() {
 
 std::vector<Waypoint> make_motion(const MotionOptions& o) {
     if (!(o.depth_m > 0) || !(o.seconds > 0)) throw MismatchError("a motion needs a positive depth and time");
+    if (!o.rest) throw MismatchError("a motion needs a tissue");
     for (const Motion& motion : motions)
         if (o.name == motion.name) return motion.make(o);
     throw MismatchError(not_a_motion(o.name));
@@ -170,12 +242,13 @@ const DeviceKind VirtualDevice::kind = {
      {"depth", "m", "0.01", "of the virtual device below the surface", false, not_a_depth}},
     [](const DeviceValues& v, const DeviceContext& c) -> std::unique_ptr<Device> {
         constexpr double endless_s = 3600;
-        const MotionOptions motion{v.at("motion"), c.seconds > 0 ? c.seconds : endless_s, std::stod(v.at("depth")), c.seed, c.low_m, c.high_m};
+        const MotionOptions motion{v.at("motion"), c.seconds > 0 ? c.seconds : endless_s, std::stod(v.at("depth")), c.seed, c.rest};
         return std::make_unique<VirtualDevice>(make_motion(motion), c.map);
     }};
 
 VirtualDevice::VirtualDevice(std::vector<Waypoint> motion, const DeviceMap& map) : motion_(std::move(motion)), map_(map) {
     if (motion_.empty()) throw MismatchError("a motion without waypoints");
+    map_.fit(static_cast<int>(motion_.front().point_m.size()));
 }
 
 DeviceSample VirtualDevice::read(double time_s) noexcept {

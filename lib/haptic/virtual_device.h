@@ -21,7 +21,7 @@ struct MotionOptions {
     double seconds = 10;                 ///< to be filled
     double depth_m = 0.010;              ///< of the tool below the surface at rest: the paper's smaller magnitude
     unsigned long seed = 2008;           ///< of poke
-    Point low_m = Eigen::Vector2d(0, 0), high_m = Eigen::Vector2d(0.1, 0.1);  ///< box of the tissue at rest
+    const SpringMesh* rest = nullptr;    ///< the tissue
 };
 
 /// A motion that starts outside the tissue. Throws MismatchError for an unknown name, or a depth or time that is not

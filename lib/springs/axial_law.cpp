@@ -4,22 +4,27 @@
 namespace tissue {
 namespace kernel {
 
-TISSUE_HOT void axial(const SpringRun& r, int n, double* __restrict gx, double* __restrict gy) {
+TISSUE_HOT void axial(const SpringRun& r, int n, double* __restrict fx_i, double* __restrict fy_i, double* __restrict fx_j,
+                      double* __restrict fy_j) {
     for (int k = 0; k < n; ++k) {
-        const double pull =
-            r.theta[k] * (r.nx[k] * (r.ux_j[k] - r.ux_i[k]) + r.ny[k] * (r.uy_j[k] - r.uy_i[k]));
-        gx[k] = pull * r.nx[k];
-        gy[k] = pull * r.ny[k];
+        const double nx = r.axis[0][k], ny = r.axis[1][k];
+        const double pull = r.theta[k] * (nx * (r.u_j[0][k] - r.u_i[0][k]) + ny * (r.u_j[1][k] - r.u_i[1][k]));
+        fx_i[k] -= pull * nx;
+        fy_i[k] -= pull * ny;
+        fx_j[k] += pull * nx;
+        fy_j[k] += pull * ny;
     }
 }
 
 /// Springs of one direction: the axis is not read from memory, which is what large meshes wait for.
-TISSUE_HOT void axial_parallel(const SpringRun& r, int n, double nx, double ny, double* __restrict gx,
-                               double* __restrict gy) {
+TISSUE_HOT void axial_parallel(const SpringRun& r, int n, double nx, double ny, double* __restrict fx_i, double* __restrict fy_i,
+                               double* __restrict fx_j, double* __restrict fy_j) {
     for (int k = 0; k < n; ++k) {
-        const double pull = r.theta[k] * (nx * (r.ux_j[k] - r.ux_i[k]) + ny * (r.uy_j[k] - r.uy_i[k]));
-        gx[k] = pull * nx;
-        gy[k] = pull * ny;
+        const double pull = r.theta[k] * (nx * (r.u_j[0][k] - r.u_i[0][k]) + ny * (r.u_j[1][k] - r.u_i[1][k]));
+        fx_i[k] -= pull * nx;
+        fy_i[k] -= pull * ny;
+        fx_j[k] += pull * nx;
+        fy_j[k] += pull * ny;
     }
 }
 
@@ -30,7 +35,7 @@ namespace {
 /// theta times the elongation along the rest direction: the spring of linear elasticity.
 struct Axial {
     static constexpr const char* name = "axial";
-    static constexpr bool linear = true, axes_apart = false;
+    static constexpr bool linear = true, axes_apart = false, in_space = false;
 
     template <class Vector>
     static Vector force(const Vector& rest, const Vector& relative) {
@@ -45,9 +50,11 @@ struct Axial {
         const double along = rest.dot(relative);
         return along * along / (2 * rest.squaredNorm());
     }
-    static void pull(const SpringRun& run, int n, double* gx, double* gy) noexcept {
-        if (run.parallel) kernel::axial_parallel(run, n, run.axis_x, run.axis_y, gx, gy);
-        else kernel::axial(run, n, gx, gy);
+    static void pull(const SpringRun& run, int n) noexcept {
+        if (run.parallel)
+            kernel::axial_parallel(run, n, run.one_axis[0], run.one_axis[1], run.f_i[0], run.f_i[1], run.f_j[0], run.f_j[1]);
+        else
+            kernel::axial(run, n, run.f_i[0], run.f_i[1], run.f_j[0], run.f_j[1]);
     }
 };
 

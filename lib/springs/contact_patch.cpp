@@ -119,11 +119,14 @@ void ContactSurface::tool_at(int facet, const Eigen::Vector3d& weight, const Pat
         patch.normal << -patch.tangent.y(), patch.tangent.x();
         k.tangent = k.normal;
     }
-    const PatchSpring spring(patch, k);
+    PatchSpring(patch, k).lay_out(tool);
+}
+
+void PatchSpring::lay_out(ToolSpring& tool) const noexcept {
     tool.begin(2, patch.normal);
-    tool.add_group(Eigen::Matrix2d::Identity(), spring.gap_N_m);
+    tool.add_group(Eigen::Matrix2d::Identity(), gap_N_m);
     for (int i = 0; i < ContactPatch::size; ++i) tool.add_node(patch.node[i], patch.weight[i]);
-    tool.add_group(Eigen::Matrix2d::Zero(), spring.turn_N_m);
+    tool.add_group(Eigen::Matrix2d::Zero(), turn_N_m);
     for (int i = 0; i < ContactPatch::size; ++i) tool.add_node(patch.node[i], patch.slope[i]);
 }
 

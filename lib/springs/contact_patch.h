@@ -81,7 +81,7 @@ struct PatchLaw {
     PatchStiffness at(const ContactPatch& patch) const noexcept;  ///< In the plane. No allocation.
 };
 
-/// One contact's energy, for training, evaluation, page and tick:
+/// One contact's energy in the plane:
 ///   gap = d - sum w_i u_i,  turn = sum slope_i u_i
 ///   E = (k_n (n.gap)^2 + k_t (t.gap)^2 + k_r (n.turn)^2 + k_s (t.turn)^2) / 2
 struct PatchSpring {
@@ -90,6 +90,7 @@ struct PatchSpring {
     Eigen::Matrix2d gap_N_m, turn_N_m;  ///< k_n n n' + k_t t t', k_r n n' + k_s t t'
 
     PatchSpring(const ContactPatch& where, const PatchStiffness& k) noexcept;
+    void lay_out(ToolSpring& tool) const noexcept;  ///< as the tick holds it
 
     struct Load {
         double energy_J;

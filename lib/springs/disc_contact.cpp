@@ -141,4 +141,6 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
     return rows;
 }
 
+void DiscContact::tool_at(int, const Eigen::Vector3d&, const PatchLaw&, ToolSpring&) const noexcept {}
+
 }  // namespace tissue

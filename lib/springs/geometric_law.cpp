@@ -13,7 +13,7 @@ constexpr double no_length_m = 1e-12;  ///< two nodes on one spot have no direct
 /// theta (|x_i - x_j| - L0) along the current direction: Hooke's spring, turning with the tissue.
 struct Hookean {
     static constexpr const char* name = "geometric";
-    static constexpr bool linear = false, axes_apart = false;
+    static constexpr bool linear = false, axes_apart = false, in_space = true;
 
     /// Force over current length: the force is that times (x_i - x_j).
     static double secant(double rest, double length) noexcept { return 1 - rest / length; }
@@ -38,7 +38,7 @@ struct Hookean {
         const double by = (rest + relative).norm() - rest.norm();
         return by * by / 2;
     }
-    static void pull(const SpringRun& run, int n, double* gx, double* gy) noexcept;
+    static void pull(const SpringRun& run, int n) noexcept;
 };
 
 }  // namespace
@@ -60,19 +60,81 @@ inline double inverse_root(double x) {
     return y + y * e * (0.5 + e * 0.375);
 }
 
-/// Hookean::force of many springs, by inverse length.
-TISSUE_HOT void geometric(const SpringRun& r, int n, double* __restrict gx, double* __restrict gy) {
+/// Hookean::secant, times theta, by the squared length.
+inline double secant(double theta, double rest, double squared) {
+    return theta * (1 - rest * inverse_root(std::max(squared, no_length_m * no_length_m)));
+}
+
+/// Hookean::force of many springs, in the plane.
+TISSUE_HOT void geometric(const SpringRun& r, int n, double* __restrict fx_i, double* __restrict fy_i, double* __restrict fx_j,
+                          double* __restrict fy_j) {
     for (int k = 0; k < n; ++k) {
-        const double x = r.sx[k] + (r.ux_j[k] - r.ux_i[k]), y = r.sy[k] + (r.uy_j[k] - r.uy_i[k]);
-        const double pull = r.theta[k] * (1 - r.length[k] * inverse_root(std::max(x * x + y * y, no_length_m * no_length_m)));
-        gx[k] = pull * x;
-        gy[k] = pull * y;
+        const double x = r.span[0][k] + (r.u_j[0][k] - r.u_i[0][k]), y = r.span[1][k] + (r.u_j[1][k] - r.u_i[1][k]);
+        const double pull = secant(r.theta[k], r.length[k], x * x + y * y);
+        fx_i[k] -= pull * x;
+        fy_i[k] -= pull * y;
+        fx_j[k] += pull * x;
+        fy_j[k] += pull * y;
+    }
+}
+
+/// Of springs that are alike at rest: nothing of that is read from memory.
+TISSUE_HOT void geometric_alike(const SpringRun& r, int n, double sx, double sy, double length, double* __restrict fx_i,
+                                double* __restrict fy_i, double* __restrict fx_j, double* __restrict fy_j) {
+    for (int k = 0; k < n; ++k) {
+        const double x = sx + (r.u_j[0][k] - r.u_i[0][k]), y = sy + (r.u_j[1][k] - r.u_i[1][k]);
+        const double pull = secant(r.theta[k], length, x * x + y * y);
+        fx_i[k] -= pull * x;
+        fy_i[k] -= pull * y;
+        fx_j[k] += pull * x;
+        fy_j[k] += pull * y;
+    }
+}
+
+/// Both in space.
+TISSUE_HOT void geometric_solid(const SpringRun& r, int n, double* __restrict fx_i, double* __restrict fy_i, double* __restrict fz_i,
+                                double* __restrict fx_j, double* __restrict fy_j, double* __restrict fz_j) {
+    for (int k = 0; k < n; ++k) {
+        const double x = r.span[0][k] + (r.u_j[0][k] - r.u_i[0][k]), y = r.span[1][k] + (r.u_j[1][k] - r.u_i[1][k]),
+                     z = r.span[2][k] + (r.u_j[2][k] - r.u_i[2][k]);
+        const double pull = secant(r.theta[k], r.length[k], x * x + y * y + z * z);
+        fx_i[k] -= pull * x;
+        fy_i[k] -= pull * y;
+        fz_i[k] -= pull * z;
+        fx_j[k] += pull * x;
+        fy_j[k] += pull * y;
+        fz_j[k] += pull * z;
+    }
+}
+
+TISSUE_HOT void geometric_solid_alike(const SpringRun& r, int n, double sx, double sy, double sz, double length, double* __restrict fx_i,
+                                      double* __restrict fy_i, double* __restrict fz_i, double* __restrict fx_j, double* __restrict fy_j,
+                                      double* __restrict fz_j) {
+    for (int k = 0; k < n; ++k) {
+        const double x = sx + (r.u_j[0][k] - r.u_i[0][k]), y = sy + (r.u_j[1][k] - r.u_i[1][k]), z = sz + (r.u_j[2][k] - r.u_i[2][k]);
+        const double pull = secant(r.theta[k], length, x * x + y * y + z * z);
+        fx_i[k] -= pull * x;
+        fy_i[k] -= pull * y;
+        fz_i[k] -= pull * z;
+        fx_j[k] += pull * x;
+        fy_j[k] += pull * y;
+        fz_j[k] += pull * z;
     }
 }
 
 }  // namespace kernel
 
-void Hookean::pull(const SpringRun& run, int n, double* gx, double* gy) noexcept { kernel::geometric(run, n, gx, gy); }
+void Hookean::pull(const SpringRun& r, int n) noexcept {
+    if (r.dimension == 2 && r.alike)
+        kernel::geometric_alike(r, n, r.one_span[0], r.one_span[1], r.one_length, r.f_i[0], r.f_i[1], r.f_j[0], r.f_j[1]);
+    else if (r.dimension == 2)
+        kernel::geometric(r, n, r.f_i[0], r.f_i[1], r.f_j[0], r.f_j[1]);
+    else if (r.alike)
+        kernel::geometric_solid_alike(r, n, r.one_span[0], r.one_span[1], r.one_span[2], r.one_length, r.f_i[0], r.f_i[1], r.f_i[2], r.f_j[0],
+                                      r.f_j[1], r.f_j[2]);
+    else
+        kernel::geometric_solid(r, n, r.f_i[0], r.f_i[1], r.f_i[2], r.f_j[0], r.f_j[1], r.f_j[2]);
+}
 
 std::unique_ptr<SpringLaw> make_geometric_law() { return std::make_unique<TwoNodeLaw<Hookean>>(); }
 

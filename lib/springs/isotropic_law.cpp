@@ -4,10 +4,12 @@
 namespace tissue {
 namespace kernel {
 
-TISSUE_HOT void isotropic(const SpringRun& r, int n, double* __restrict gx, double* __restrict gy) {
+TISSUE_HOT void isotropic(int n, const double* __restrict theta, const double* __restrict u_i, const double* __restrict u_j, double* __restrict f_i,
+                          double* __restrict f_j) {
     for (int k = 0; k < n; ++k) {
-        gx[k] = r.theta[k] * (r.ux_j[k] - r.ux_i[k]);
-        gy[k] = r.theta[k] * (r.uy_j[k] - r.uy_i[k]);
+        const double pull = theta[k] * (u_j[k] - u_i[k]);
+        f_i[k] -= pull;
+        f_j[k] += pull;
     }
 }
 
@@ -18,7 +20,7 @@ namespace {
 /// theta (u_i - u_j): the same in every direction, so no 4-connected row can slide for nothing.
 struct Isotropic {
     static constexpr const char* name = "isotropic";
-    static constexpr bool linear = true, axes_apart = true;
+    static constexpr bool linear = true, axes_apart = true, in_space = false;
 
     template <class Vector>
     static Vector force(const Vector&, const Vector& relative) {
@@ -32,7 +34,9 @@ struct Isotropic {
     static double energy(const Vector&, const Vector& relative) {
         return relative.squaredNorm() / 2;
     }
-    static void pull(const SpringRun& run, int n, double* gx, double* gy) noexcept { kernel::isotropic(run, n, gx, gy); }
+    static void pull(const SpringRun& run, int n) noexcept {
+        for (int d = 0; d < run.dimension; ++d) kernel::isotropic(n, run.theta, run.u_i[d], run.u_j[d], run.f_i[d], run.f_j[d]);
+    }
 };
 
 }  // namespace

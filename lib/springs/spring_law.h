@@ -12,15 +12,19 @@ namespace tissue {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-/// Springs that lie behind one another in memory, in the plane, as the tick wants them: element k of each array is of
-/// spring k. An element without a spring has theta = 0.
+/// Springs that lie behind one another in memory, as the tick wants them: element k of each array is of spring k, one array an
+/// axis, two in the plane and three in space. An element without a spring has theta = 0.
 struct SpringRun {
-    const double* theta;                       ///< [N/m]
-    const double *ux_i, *uy_i, *ux_j, *uy_j;   ///< displacement of both ends [m]
-    const double *nx, *ny;                     ///< rest direction, a unit vector
-    const double *sx, *sy, *length;            ///< rest span X_j - X_i and its length [m]
-    bool parallel = false;                     ///< all springs have one rest direction:
-    double axis_x = 0, axis_y = 0;             ///< this one
+    int dimension;
+    const double* theta;                ///< [N/m]
+    const double *u_i[3], *u_j[3];      ///< displacement of both ends [m]
+    const double* span[3];              ///< rest span X_j - X_i [m]
+    const double* length;               ///< and its length [m]
+    const double* axis[3];              ///< and its direction, a unit vector
+    bool parallel = false;              ///< all springs have one rest direction,
+    bool alike = false;                 ///< and one rest length: a lattice's
+    double one_axis[3], one_span[3], one_length;  ///< these; where they do, the arrays are not read
+    double *f_i[3], *f_j[3];            ///< the external force that holds each end [N]: the springs' is added. No array meets another
 };
 
 /// How a spring turns displacement into force, the paper's (10): f = A(u) theta, always linear in the stiffness
@@ -44,19 +48,23 @@ class SpringLaw {
     /// K = df/du at u [N/m] (N*D x N*D), symmetric.
     virtual SparseMatrix stiffness(const SpringMesh& mesh, const Eigen::VectorXd& theta, const NodeField& u) const = 0;
 
-    // The tick's own, in the plane; none allocates.
+    // The tick's own; none allocates.
 
-    /// g_k = theta_k times the pull of spring k on its first end [N], for k = 0 .. n-1: the external force that holds
-    /// the first end is -g, the second's is g.
-    virtual void pull(const SpringRun& run, int n, double* gx, double* gy) const noexcept = 0;
+    /// Whether pull() plays in space too.
+    virtual bool plays_in_space() const = 0;
+
+    /// With g_k = theta_k times the pull of spring k on its first end [N], for k = 0 .. n-1: f_i -= g, f_j += g.
+    virtual void pull(const SpringRun& run, int n) const noexcept = 0;
 
     /// d f_i / d u_i of one spring per unit theta (the block of i, j is its opposite). `convex` keeps it positive
     /// semi-definite where a compressed spring that turns would buckle.
     virtual Eigen::Matrix2d unit_stiffness(const Eigen::Vector2d& rest, const Eigen::Vector2d& relative,
                                            bool convex) const noexcept = 0;
+    virtual Eigen::Matrix3d unit_stiffness(const Eigen::Vector3d& rest, const Eigen::Vector3d& relative,
+                                           bool convex) const noexcept = 0;
 
     /// Energy of one spring per unit theta [m^2], 0 at rest.
-    virtual double unit_energy(const Eigen::Vector2d& rest, const Eigen::Vector2d& relative) const noexcept = 0;
+    virtual double unit_energy(const Point& rest, const Point& relative) const noexcept = 0;
 };
 
 using MakeSpringLaw = std::unique_ptr<SpringLaw> (*)();

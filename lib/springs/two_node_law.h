@@ -12,7 +12,8 @@ namespace tissue {
 ///   force(rest, relative)                on the first end per unit stiffness; the second gets the opposite
 ///   stiffness(rest, relative, convex)    d force / d relative
 ///   energy(rest, relative)
-///   pull(run, n, gx, gy)                 the same force for many springs at once
+///   in_space                             whether pull() plays in space
+///   pull(run, n)                         the same force for many springs at once
 /// Vectors have two or three entries; none of these allocates.
 template <class Kind>
 class TwoNodeLaw final : public SpringLaw {
@@ -58,14 +59,19 @@ class TwoNodeLaw final : public SpringLaw {
         return K;
     }
 
-    void pull(const SpringRun& run, int n, double* gx, double* gy) const noexcept override { Kind::pull(run, n, gx, gy); }
+    bool plays_in_space() const override { return Kind::in_space; }
+    void pull(const SpringRun& run, int n) const noexcept override { Kind::pull(run, n); }
 
     Eigen::Matrix2d unit_stiffness(const Eigen::Vector2d& rest, const Eigen::Vector2d& relative,
                                    bool convex) const noexcept override {
         return Kind::stiffness(rest, relative, convex);
     }
+    Eigen::Matrix3d unit_stiffness(const Eigen::Vector3d& rest, const Eigen::Vector3d& relative,
+                                   bool convex) const noexcept override {
+        return Kind::stiffness(rest, relative, convex);
+    }
 
-    double unit_energy(const Eigen::Vector2d& rest, const Eigen::Vector2d& relative) const noexcept override {
+    double unit_energy(const Point& rest, const Point& relative) const noexcept override {
         return Kind::energy(rest, relative);
     }
 

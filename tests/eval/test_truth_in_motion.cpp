@@ -43,7 +43,7 @@ TEST_CASE("a press is judged by FE where it stands as deep as FE does, and at FE
     const HapticModel model(tissue, {});
     const auto law = make_spring_law(tissue.law);
     // "FE" that is this very model at rest: all that is left is what motion does to it
-    PressTruth truth{"top", {0.047, 0.1}, Eigen::Vector2d(0.3, -1).normalized(), 0.012, {}};
+    PressTruth truth{"top", Eigen::Vector2d(0.047, 0.1), Eigen::Vector2d(0.3, -1).normalized(), 0.012, {}};
     const SurfacePoint point = locate_on_surface(tissue.mesh, truth.contact_m);
     const std::vector<int> loop = tissue.mesh.loop();
     const int segment = static_cast<int>(std::find(loop.begin(), loop.end(), point.node[0]) - loop.begin());

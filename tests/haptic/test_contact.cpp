@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "haptic/contact.h"
+#include "haptic/moving_outline.h"
 #include "haptic_example.h"
 
 using namespace tissue;
@@ -24,7 +25,7 @@ MovingOutline square(double low_x, double low_y, double size, int per_side = 1) 
 
 ContactState proxy_at(double x, double y) {
     ContactState state;
-    state.proxy_m = {x, y};
+    state.proxy_m = Eigen::Vector2d(x, y);
     state.has_proxy = true;
     return state;
 }
@@ -32,8 +33,8 @@ ContactState proxy_at(double x, double y) {
 ContactState in_contact(int segment, double w, const Eigen::Vector2d& proxy) {
     ContactState state = proxy_at(proxy.x(), proxy.y());
     state.contact = true;
-    state.where.segment = segment;
-    state.where.w = w;
+    state.where.facet = segment;
+    state.where.weight << 1 - w, w, 0;
     return state;
 }
 
@@ -42,7 +43,7 @@ ContactState in_contact(int segment, double w, const Eigen::Vector2d& proxy) {
 TEST_CASE("no contact, master out, proxy out: the proxy follows the master and there is no force", "[contact]") {
     const MovingOutline outline = square(0, 0, 1);
     ContactState state = proxy_at(-0.5, 0.5);
-    CHECK(update_contact(outline, {-0.2, 0.7}, state) == ContactRow::free);
+    CHECK(update_contact(outline, Eigen::Vector2d(-0.2, 0.7), state) == ContactRow::free);
     CHECK_FALSE(state.contact);
     CHECK_FALSE(state.pressing);
     CHECK(state.proxy_m == Eigen::Vector2d(-0.2, 0.7));
@@ -51,34 +52,34 @@ TEST_CASE("no contact, master out, proxy out: the proxy follows the master and t
 TEST_CASE("no contact, both out, but the way crosses the tissue: the proxy stays where it entered, without force", "[contact]") {
     const MovingOutline outline = square(0, 0, 1);
     ContactState state = proxy_at(-0.5, 0.4);
-    CHECK(update_contact(outline, {1.5, 0.4}, state) == ContactRow::free);
+    CHECK(update_contact(outline, Eigen::Vector2d(1.5, 0.4), state) == ContactRow::free);
     CHECK(state.contact);
     CHECK_FALSE(state.pressing);
-    CHECK(state.where.segment == 3);  // left side: the crossing farthest from the master
+    CHECK(state.where.facet == 3);  // left side: the crossing farthest from the master
     CHECK((state.proxy_m - Eigen::Vector2d(0, 0.4)).norm() < 1e-12);
-    CHECK(update_contact(outline, {1.5, 0.4}, state) == ContactRow::release);
+    CHECK(update_contact(outline, Eigen::Vector2d(1.5, 0.4), state) == ContactRow::release);
     CHECK_FALSE(state.contact);
 }
 
 TEST_CASE("no contact, master out, proxy swallowed: the proxy is projected, and an outside master feels nothing", "[contact]") {
     const MovingOutline outline = square(0, 0, 1);
     ContactState state = proxy_at(0.1, 0.5);
-    CHECK(update_contact(outline, {-0.3, 0.5}, state) == ContactRow::swallowed_left);
+    CHECK(update_contact(outline, Eigen::Vector2d(-0.3, 0.5), state) == ContactRow::swallowed_left);
     CHECK((state.proxy_m - Eigen::Vector2d(0, 0.5)).norm() < 1e-15);
     CHECK_FALSE(state.pressing);
-    CHECK(update_contact(outline, {-0.3, 0.5}, state) == ContactRow::release);
+    CHECK(update_contact(outline, Eigen::Vector2d(-0.3, 0.5), state) == ContactRow::release);
     CHECK(state.proxy_m == Eigen::Vector2d(-0.3, 0.5));
 }
 
 TEST_CASE("no contact, master in, proxy out: the proxy stops at the crossing of deepest penetration", "[contact]") {
     const MovingOutline outline = square(0, 0, 1);
     ContactState state = proxy_at(-0.5, 0.25);
-    CHECK(update_contact(outline, {0.3, 0.25}, state) == ContactRow::touch);
+    CHECK(update_contact(outline, Eigen::Vector2d(0.3, 0.25), state) == ContactRow::touch);
     CHECK(state.contact);
     CHECK(state.pressing);
-    CHECK(state.where.segment == 3);
-    CHECK(state.where.w == Approx(0.75));  // the left side runs downwards
-    CHECK((state.proxy_m - outline.at(3, state.where.w)).norm() == 0);
+    CHECK(state.where.facet == 3);
+    CHECK(state.where.weight[1] == Approx(0.75));  // the left side runs downwards
+    CHECK((state.proxy_m - outline.at(3, state.where.weight[1])).norm() == 0);
     CHECK((state.proxy_m - Eigen::Vector2d(0, 0.25)).norm() < 1e-15);
 
     // a bay: the way enters, leaves and enters again; the first entry penetrates deepest
@@ -87,23 +88,23 @@ TEST_CASE("no contact, master in, proxy out: the proxy stops at the crossing of 
     for (int b = 0; b < 8; ++b) bay.set(b, {x[b], y[b]});
     bay.refresh();
     ContactState across = proxy_at(-1, 1.5);
-    CHECK(update_contact(bay, {2.5, 1.5}, across) == ContactRow::touch);
+    CHECK(update_contact(bay, Eigen::Vector2d(2.5, 1.5), across) == ContactRow::touch);
     CHECK((across.proxy_m - Eigen::Vector2d(0, 1.5)).norm() < 1e-15);
 }
 
 TEST_CASE("no contact, the mesh swallows master and proxy: contact at the nearest surface", "[contact]") {
     const MovingOutline outline = square(0, 0, 1);
     ContactState state = proxy_at(0.2, 0.9);
-    CHECK(update_contact(outline, {0.25, 0.8}, state) == ContactRow::swallowed);
+    CHECK(update_contact(outline, Eigen::Vector2d(0.25, 0.8), state) == ContactRow::swallowed);
     CHECK(state.pressing);
-    CHECK(state.where.segment == 2);
+    CHECK(state.where.facet == 2);
     CHECK((state.proxy_m - Eigen::Vector2d(0.2, 1.0)).norm() < 1e-15);
 }
 
 TEST_CASE("contact, master out: released, and the proxy goes to the master", "[contact]") {
     const MovingOutline outline = square(0, 0, 1);
     ContactState state = in_contact(3, 0.5, {0, 0.5});
-    CHECK(update_contact(outline, {-0.01, 0.5}, state) == ContactRow::release);
+    CHECK(update_contact(outline, Eigen::Vector2d(-0.01, 0.5), state) == ContactRow::release);
     CHECK_FALSE(state.contact);
     CHECK_FALSE(state.pressing);
     CHECK(state.proxy_m == Eigen::Vector2d(-0.01, 0.5));
@@ -112,30 +113,30 @@ TEST_CASE("contact, master out: released, and the proxy goes to the master", "[c
 TEST_CASE("contact, master out, proxy swallowed: projected without force, released in the next tick", "[contact]") {
     const MovingOutline outline = square(-0.1, 0, 1);  // has moved left over the proxy
     ContactState state = in_contact(3, 0.5, {0, 0.5});
-    CHECK(update_contact(outline, {-0.2, 0.5}, state) == ContactRow::swallowed_release);
+    CHECK(update_contact(outline, Eigen::Vector2d(-0.2, 0.5), state) == ContactRow::swallowed_release);
     CHECK((state.proxy_m - Eigen::Vector2d(-0.1, 0.5)).norm() < 1e-15);
     CHECK_FALSE(state.pressing);
-    CHECK(update_contact(outline, {-0.2, 0.5}, state) == ContactRow::release);
+    CHECK(update_contact(outline, Eigen::Vector2d(-0.2, 0.5), state) == ContactRow::release);
 }
 
 TEST_CASE("contact, master in: the proxy keeps its place on the surface, wherever the master slides", "[contact]") {
     MovingOutline outline = square(0, 0, 1);
     ContactState state = in_contact(3, 0.25, {0, 0.75});
-    CHECK(update_contact(outline, {0.2, 0.1}, state) == ContactRow::hold);
+    CHECK(update_contact(outline, Eigen::Vector2d(0.2, 0.1), state) == ContactRow::hold);
     CHECK(state.proxy_m == Eigen::Vector2d(0, 0.75));
     outline = square(0.05, 0.1, 1);  // yields to the right: the old proxy is outside
-    CHECK(update_contact(outline, {0.2, 0.15}, state) == ContactRow::hold);
+    CHECK(update_contact(outline, Eigen::Vector2d(0.2, 0.15), state) == ContactRow::hold);
     CHECK((state.proxy_m - Eigen::Vector2d(0.05, 0.85)).norm() < 1e-15);
-    CHECK(state.where.segment == 3);
-    CHECK(state.where.w == 0.25);
+    CHECK(state.where.facet == 3);
+    CHECK(state.where.weight[1] == 0.25);
 }
 
 TEST_CASE("contact, master in, proxy swallowed: the same place on the surface is kept", "[contact]") {
     const MovingOutline outline = square(-0.1, 0, 1);
     ContactState state = in_contact(3, 0.5, {0, 0.5});
-    CHECK(update_contact(outline, {0.2, 0.5}, state) == ContactRow::hold_swallowed);
+    CHECK(update_contact(outline, Eigen::Vector2d(0.2, 0.5), state) == ContactRow::hold_swallowed);
     CHECK((state.proxy_m - Eigen::Vector2d(-0.1, 0.5)).norm() < 1e-15);
-    CHECK(state.where.w == 0.5);
+    CHECK(state.where.weight[1] == 0.5);
     CHECK(state.pressing);
 }
 
@@ -214,8 +215,8 @@ TEST_CASE("a proxy is never inside a simple outline that shakes, whatever the ma
         if (!state.has_proxy && outline.contains(master)) continue;
         ++row[static_cast<int>(update_contact(outline, master, state))];
         inside += outline.contains_strictly(state.proxy_m, 1e-9);
-        bad_weight += state.contact && !(state.where.w >= 0 && state.where.w <= 1);
-        off_surface += state.contact && (outline.at(state.where.segment, state.where.w) - state.proxy_m).norm() > 1e-15;
+        bad_weight += state.contact && !(state.where.weight[1] >= 0 && state.where.weight[1] <= 1);
+        off_surface += state.contact && (outline.at(state.where.facet, state.where.weight[1]) - state.proxy_m).norm() > 1e-15;
         REQUIRE(state.proxy_m.allFinite());
         REQUIRE((!state.pressing || outline.contains(master)));
     }

@@ -206,7 +206,7 @@ TEST_CASE("the implicit step is stable at 1 ms for springs a thousand times too 
         const auto dynamics = make_dynamics("implicit", s.mesh, {1e-3, 1});
         MeshState state(s.mesh, s.slots);
         const int node = s.mesh.outline()[25];
-        ContactLoad load{{node, node}, {1, 0}, 1e5, s.mesh.rest().row(node).transpose() + Eigen::Vector2d(0.002, -0.01), {0, 0}};
+        ContactLoad load{{node, node}, {1, 0}, 1e5, s.mesh.rest().row(node).transpose() + Eigen::Vector2d(0.002, -0.01), Eigen::Vector2d(0, 0)};
         Eigen::Vector2d force = Eigen::Vector2d::Zero(), before = force;
         for (int k = 0; k < 4000; ++k) {
             before = force;
@@ -223,7 +223,7 @@ TEST_CASE("implicit and explicit coupling agree as dt goes to nothing", "[dynami
     for (const std::string law : {"isotropic", "axial"}) {
         const Small s(law);
         const std::vector<int>& outline = s.mesh.outline();
-        const ContactLoad load{{outline[5], outline[6]}, {0.3, 0.7}, 5, {0.05, 0.08}, {1e-3, 2e-3}};
+        const ContactLoad load{{outline[5], outline[6]}, {0.3, 0.7}, 5, {0.05, 0.08}, Eigen::Vector2d(1e-3, 2e-3)};
         MeshState a(s.mesh, s.slots), b = a;
         const auto one = make_dynamics("symplectic", s.mesh, {1e-6, 1}), two = make_dynamics("implicit", s.mesh, {1e-6, 1});
         Eigen::Vector2d fa = Eigen::Vector2d::Zero(), fb = fa;
@@ -243,7 +243,7 @@ TEST_CASE("the tool's force on the end nodes has the force, the moment and the p
         // from rest the nodes' momentum after one step is what was put on them
         const auto dynamics = make_dynamics("symplectic", s.mesh, {1e-3, 0});
         MeshState state(s.mesh, s.slots);
-        const ContactLoad load{{outline[4], outline[5]}, {1 - w, w}, 3, {0.07, 0.05}, {0, 0}};
+        const ContactLoad load{{outline[4], outline[5]}, {1 - w, w}, 3, {0.07, 0.05}, Eigen::Vector2d(0, 0)};
         const Eigen::Vector2d proxy = load.proxy(s.mesh, state.displacement);
         const Eigen::Vector2d f = 3 * (proxy - load.master_m);  // on the hand
         const Eigen::Vector2d returned = dynamics->step(state, load);
@@ -267,7 +267,7 @@ TEST_CASE("the implicit step balances momentum at its end, with the force that i
         const Small s(law);
         const double dt = 1e-3, damping = 3;
         const std::vector<int>& outline = s.mesh.outline();
-        const ContactLoad load{{outline[5], outline[6]}, {0.3, 0.7}, 50, {0.05, 0.08}, {1e-3, 2e-3}};
+        const ContactLoad load{{outline[5], outline[6]}, {0.3, 0.7}, 50, {0.05, 0.08}, Eigen::Vector2d(1e-3, 2e-3)};
         const auto dynamics = make_dynamics("implicit", s.mesh, {dt, damping});
         MeshState state(s.mesh, s.slots);
         state.displacement = with_fixed_at_rest(s.mesh, scattered_columns(s.mesh, 1e-3));

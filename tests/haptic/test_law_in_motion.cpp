@@ -19,20 +19,20 @@ struct Held {
         : arc(arc_m), surface(tissue.mesh), springs(tissue.mesh, "geometric", tissue.node_mass_kg), law(tissue, springs),
           patch(surface.at(arc), tissue.energy_law->patch.at(surface.at(arc))),
           dynamics(make_dynamics("symplectic", springs, {dt, damping_1_s, 2, &law})),
-          state(springs, Eigen::VectorXd::Zero(springs.slot_count())) {}
+          state(springs, Eigen::VectorXd::Zero(springs.slot_count())) {
+        patch.lay_out(tool);
+    }
 
     Eigen::Vector2d step(const Eigen::Vector2d& push_m) {
         ContactLoad load;
-        load.patch = &patch;
+        load.tool = &tool;
         load.push_m = push_m;
         return dynamics->step(state, load);
     }
     double energy(const Eigen::Vector2d& push_m) const {
-        Eigen::Vector2d at[ContactPatch::size];
-        gather(patch.patch, state.displacement, at);
         double motion = 0;
         for (int node = 0; node < springs.node_count(); ++node) motion += springs.mass()[node] * state.velocity.row(node).squaredNorm() / 2;
-        return motion + law.energy(state.displacement) + patch.load(push_m, at).energy_J;
+        return motion + law.energy(state.displacement) + tool.energy_J(push_m, state.displacement);
     }
     /// Of a tool that jumps by this much: what a spring takes or gives beyond the force before the jump.
     double sampled(const Eigen::Vector2d& jump_m) const { return jump_m.dot(patch.gap_N_m * jump_m) / 2; }
@@ -44,6 +44,7 @@ struct Held {
     RealtimeMesh springs;
     RealtimeLaw law;
     PatchSpring patch;
+    ToolSpring tool;
     std::unique_ptr<Dynamics> dynamics;
     MeshState state;
 };
@@ -170,7 +171,7 @@ TEST_CASE("a hand that taps its way along the tissue and round its corner gets n
             ended += !s.contact().contact && before;
             before = s.contact().contact;
             most = std::max(most, s.safety().observed_J());
-            if (s.record().mesh == 0) pulled += s.patch()->patch.normal.dot(-s.record().coupling_N) < -0.05 * s.record().coupling_N.norm();
+            if (s.record().mesh == 0) pulled += s.tool().inward().dot(-s.record().coupling_N) < -0.05 * s.record().coupling_N.norm();
         }
         const double taps = taps_Hz * 1e-3 * ticks;
         INFO(taps_Hz << " Hz: " << begun << " contacts, given " << s.safety().counters().energy_given_J << " J, observer at most " << most);
@@ -195,12 +196,12 @@ TEST_CASE("a law's contact keeps its place while the patch pushes, wherever the 
     };
     go(0.047, 0.093, 1000);
     REQUIRE(s.record().mesh == 0);
-    const int segment = s.contact().where.segment;
-    const double w = s.contact().where.w;
+    const int facet = s.contact().where.facet;
+    const double w = s.contact().where.weight[1];
     go(0.052, 0.092, 1000);
     go(0.052, 0.092, 8000);
-    CHECK(s.contact().where.segment == segment);
-    CHECK(s.contact().where.w == w);
+    CHECK(s.contact().where.facet == facet);
+    CHECK(s.contact().where.weight[1] == w);
     const Eigen::Vector2d touched(0.047, 0.1), push = Eigen::Vector2d(0.052, 0.092) - touched;
     CHECK((s.record().contact_displacement_m - push).norm() < 1e-12);
     const Equilibrium rest = press.at(touched, push);
@@ -272,7 +273,7 @@ TEST_CASE("a force in place of the tool may let 20 mm deep tissue snap to a rest
         for (int node = 0; node < held.springs.node_count(); ++node)
             if (!held.springs.fixed(node)) held.state.displacement.row(node) += 1e-6 * Eigen::RowVector2d(std::sin(node), std::cos(3 * node));
         ContactLoad load;
-        load.patch = &held.patch;
+        load.tool = &held.tool;
         load.given_N = rest.contact_force;
         for (int k = 0; k < 8000; ++k) held.dynamics->step(held.state, load);
         REQUIRE(held.state.displacement.allFinite());

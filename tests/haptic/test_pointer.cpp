@@ -75,14 +75,14 @@ TEST_CASE("the newest value passes between two threads whole and in order", "[po
 TEST_CASE("a mouse that speaks 60 times a second is no fault, and its hand moves smoothly", "[pointer]") {
     DeviceMap map;
     map.scale = 0.5;  // 2 mm of device a millimetre of tissue: the limit is the device's
-    PointerDevice pointer({0.05, 0.12}, map, safe);
+    PointerDevice pointer(Eigen::Vector2d(0.05, 0.12), map, safe);
     Safety safety{SafetyOptions{}};
     Draw draw(3);
     Eigen::Vector3d before = pointer.read(0).position_m, step_before = Eigen::Vector3d::Zero();
-    CHECK((map.to_plane(before) - Eigen::Vector2d(0.05, 0.12)).norm() < 1e-15);
+    CHECK((map.to_tissue(before) - Eigen::Vector2d(0.05, 0.12)).norm() < 1e-15);
     double fastest = 0, hardest = 0;
     for (int k = 1; k < 20000; ++k) {
-        if (k % 17 == 0) pointer.aim({draw(-0.1, 0.3), draw(-0.1, 0.2)});  // anywhere: 20 cm in a frame
+        if (k % 17 == 0) pointer.aim(Eigen::Vector2d(draw(-0.1, 0.3), draw(-0.1, 0.2)));  // anywhere: 20 cm in a frame
         const DeviceSample sample = pointer.read(k * 1e-3);
         REQUIRE(safety.admit(sample, 1e-3));
         const Eigen::Vector3d step = sample.position_m - before;
@@ -99,8 +99,8 @@ TEST_CASE("a mouse that speaks 60 times a second is no fault, and its hand moves
 
 TEST_CASE("the pointer arrives without overshoot, whatever the ticks that were missed", "[pointer]") {
     for (int every : {1, 3, 50}) {
-        PointerDevice pointer({0, 0}, {}, safe);
-        pointer.aim({0.03, 0});
+        PointerDevice pointer(Eigen::Vector2d(0, 0), {}, safe);
+        pointer.aim(Eigen::Vector2d(0.03, 0));
         double x = 0;
         for (int k = 0; k < 1500; k += every) {
             const double now = pointer.read(k * 1e-3).position_m.x();
@@ -113,8 +113,8 @@ TEST_CASE("the pointer arrives without overshoot, whatever the ticks that were m
 }
 
 TEST_CASE("after a pause, or with a clock that starts again, the pointer goes on from where it was", "[pointer]") {
-    PointerDevice pointer({0, 0}, {}, safe);
-    pointer.aim({1, 0});
+    PointerDevice pointer(Eigen::Vector2d(0, 0), {}, safe);
+    pointer.aim(Eigen::Vector2d(1, 0));
     Eigen::Vector3d at = pointer.read(0).position_m;
     for (int k = 1; k < 100; ++k) at = pointer.read(k * 1e-3).position_m;
     const Eigen::Vector3d after = pointer.read(60).position_m;   // a minute later
@@ -125,21 +125,21 @@ TEST_CASE("after a pause, or with a clock that starts again, the pointer goes on
 }
 
 TEST_CASE("targets that are not finite are left out and counted; limits that are none are refused", "[pointer]") {
-    PointerDevice pointer({0.01, 0.02}, {}, safe);
+    PointerDevice pointer(Eigen::Vector2d(0.01, 0.02), {}, safe);
     const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
-    pointer.aim({nan, 0});
-    pointer.aim({0, inf});
+    pointer.aim(Eigen::Vector2d(nan, 0));
+    pointer.aim(Eigen::Vector2d(0, inf));
     for (int k = 0; k < 100; ++k) REQUIRE(pointer.read(k * 1e-3).position_m == Eigen::Vector3d(0.01, 0.02, 0));
     CHECK(pointer.ledger() == std::vector<std::pair<std::string, double>>{{"targets", 0}, {"refused_targets", 2}});
-    refusal<MismatchError>([] { PointerDevice({0, 0}, {}, 0); });
-    refusal<MismatchError>([] { PointerDevice({0, 0}, {}, safe, {1, 0}); });
-    refusal<MismatchError>([&] { PointerDevice({nan, 0}, {}, safe); });
+    refusal<MismatchError>([] { PointerDevice(Eigen::Vector2d(0, 0), {}, 0); });
+    refusal<MismatchError>([] { PointerDevice(Eigen::Vector2d(0, 0), {}, safe, {1, 0}); });
+    refusal<MismatchError>([&] { PointerDevice(Eigen::Vector2d(nan, 0), {}, safe); });
 }
 
 TEST_CASE("a target however far off is a direction, and the pointer comes back from it", "[pointer]") {
     for (double far : {1e9, 1e300, 1.7e308}) {
-        PointerDevice pointer({0.01, 0.02}, {}, safe);
-        pointer.aim({far, -far});
+        PointerDevice pointer(Eigen::Vector2d(0.01, 0.02), {}, safe);
+        pointer.aim(Eigen::Vector2d(far, -far));
         Eigen::Vector3d before = pointer.read(0).position_m;
         for (int k = 1; k < 300; ++k) {
             const Eigen::Vector3d now = pointer.read(k * 1e-3).position_m;
@@ -149,7 +149,7 @@ TEST_CASE("a target however far off is a direction, and the pointer comes back f
         }
         CHECK(before.x() - 0.01 == Approx(0.02 - before.y()));
         CHECK(before.x() > 0.1);
-        pointer.aim({0.01, 0.02});
+        pointer.aim(Eigen::Vector2d(0.01, 0.02));
         for (int k = 300; k < 1500; ++k) before = pointer.read(k * 1e-3).position_m;
         CHECK((before - Eigen::Vector3d(0.01, 0.02, 0)).norm() < 1e-6);
     }
@@ -196,10 +196,10 @@ TEST_CASE("paused, nothing moves and no force goes out; afterwards the same cont
     const TemporaryFolder folder;
     const HapticModel model(haptic_example(), {});
     Simulation s(model);
-    PointerDevice pointer({0.05, 0.11}, model.options.map, safe);
+    PointerDevice pointer(Eigen::Vector2d(0.05, 0.11), model.options.map, safe);
     StateChannel channel(model, 5);
-    Recorder recorder(folder.file("s.h5"), {"test", 1, {}});
-    pointer.aim({0.05, 0.092});
+    Recorder recorder(folder.file("s.h5"), 2, {"test", 1, {}});
+    pointer.aim(Eigen::Vector2d(0.05, 0.092));
     std::atomic<bool> stop{false};
     LoopOptions loop;
     loop.seconds = 0;
@@ -216,11 +216,11 @@ TEST_CASE("paused, nothing moves and no force goes out; afterwards the same cont
     CHECK(next([](const TickState& t) { return t.books.left_out; }));
     const TickState held = channel.state();
     CHECK(held.record.device_N.norm() == 0);
-    pointer.aim({0.05, 0.2});
+    pointer.aim(Eigen::Vector2d(0.05, 0.2));
     CHECK(next([&](const TickState& t) { return t.books.left_out && t.books.time_s > held.books.time_s + 0.05; }));
     CHECK(channel.state().nodes_m == held.nodes_m);
     CHECK(channel.state().books.ticks == held.books.ticks);
-    pointer.aim({0.05, 0.092});
+    pointer.aim(Eigen::Vector2d(0.05, 0.092));
     channel.pause(false);
     CHECK(next([&](const TickState& t) { return !t.books.left_out && t.record.mesh == 0 && t.books.ticks > held.books.ticks + 100; }));
     channel.reset();

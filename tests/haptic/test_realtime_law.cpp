@@ -70,24 +70,32 @@ TEST_CASE("the tick's contact is the one that was trained, at every point of the
             for (double w : {0.0, 0.3, 0.99}) {
                 const int i = mesh.loop()[b], j = mesh.loop()[(b + 1) % M];
                 const Eigen::Vector2d place = (1 - w) * mesh.nodes.row(i) + w * mesh.nodes.row(j);
-                const PatchSpring now = law.contact(static_cast<int>(b), w);
-                double sum = 0;
-                for (double weight : now.patch.weight) sum += weight;
-                CHECK(sum == Approx(1));
+                ToolSpring now;
+                law.contact(static_cast<int>(b), {1 - w, w, 0}, now);
+                const NodeColumns u = scattered(mesh, 1e-3);
+                const Eigen::Vector2d push(0.002, -0.001);
+                NodeColumns asked = NodeColumns::Zero(u.rows(), 2);
+                const Point hand = now.put_on(push, u, asked);
+                CHECK((now.hand_N(push, u) - hand).norm() == 0);
+                CHECK((now.hand_N(now.push_at(hand, u), u) - hand).norm() <= 1e-12 * hand.norm());
                 if (springs.fixed(i) && springs.fixed(j)) {
                     ++held;
-                    CHECK(now.gap_N_m.isDiagonal(1e-9 * now.gap_N_m.norm()));
-                    for (int k = 0; k < ContactPatch::size; ++k) CHECK(springs.fixed(now.patch.node[k]));
+                    const Eigen::MatrixXd wall = now.stiffness_N_m(push, u);
+                    CHECK(wall.isDiagonal(1e-9 * wall.norm()));
+                    CHECK(wall(0, 0) == Approx(wall(1, 1)));
+                    for (int node = 0; node < mesh.node_count(); ++node) CHECK((springs.fixed(node) || asked.row(node).isZero(0)));
                     continue;
                 }
                 const ContactPatch patch = surface.at(surface.outline().arc_of(place));
                 const PatchSpring expected(patch, model.energy_law->patch.at(patch));
-                CHECK((now.gap_N_m - expected.gap_N_m).norm() <= 1e-9 * expected.gap_N_m.norm());
-                CHECK((now.turn_N_m - expected.turn_N_m).norm() <= 1e-9 * expected.turn_N_m.norm());
-                for (int k = 0; k < ContactPatch::size; ++k) {
-                    CHECK(now.patch.node[k] == patch.node[k]);
-                    CHECK(now.patch.weight[k] == Approx(patch.weight[k]).margin(1e-9));
-                }
+                Eigen::Vector2d at[ContactPatch::size];
+                gather(patch, u, at);
+                const PatchSpring::Load load = expected.load(push, at);
+                NodeColumns by_node = NodeColumns::Zero(u.rows(), 2);
+                for (int k = 0; k < ContactPatch::size; ++k) by_node.row(patch.node[k]) += load.node_N[k].transpose();
+                CHECK((hand - load.hand_N).norm() <= 1e-9 * load.hand_N.norm());
+                CHECK((asked - by_node).norm() <= 1e-9 * by_node.norm());
+                CHECK(now.energy_J(push, u) == Approx(load.energy_J).epsilon(1e-9));
             }
         CHECK(held > 0);
     }

@@ -44,7 +44,7 @@ class WildHand {
         Eigen::Vector2d to = aim_;
         if (mode_ == 1) to = {0.0, 0.1};                               // onto a corner exactly
         if (mode_ == 2) to = s.contact().proxy_m + Eigen::Vector2d(draw_(-1e-3, 1e-3), draw_(-1e-3, 1e-3));
-        if (mode_ == 3) to = s.outline(0).node(draw_.below(s.outline(0).segments()));
+        if (mode_ == 3) to = s.surface(0).at(draw_.below(static_cast<int>(s.model().rest.facets.rows())), {1, 0, 0});
         if (mode_ == 4) to = x_ + 0.01 * Eigen::Vector2d(draw_(-1, 1), draw_(-1, 1));
         const Eigen::Vector2d step = to - x_;
         x_ += step * std::min(1.0, step.norm() > 0 ? speed_ * std::max(1.0, 1e3 * elapsed_s) / step.norm() : 0.0);
@@ -130,9 +130,9 @@ TEST_CASE("adversarial ticks, late, early and in bursts: force finite and within
             else REQUIRE(change <= o.safety.slew_N_s * o.dt_s * (1 + 1e-9));
             faults += fault;
             REQUIRE(s.state(0).displacement.allFinite());
-            REQUIRE((s.contact().where.w >= 0 && s.contact().where.w <= 1));
+            REQUIRE((s.contact().where.weight[1] >= 0 && s.contact().where.weight[1] <= 1));
             if (!fault && !lost) {
-                for (std::size_t m : {0u, 1u}) inside += s.outline(m).contains_strictly(s.contact().proxy_m, 1e-9);
+                for (std::size_t m : {0u, 1u}) inside += s.surface(m).contains_strictly(s.contact().proxy_m, 1e-9);
             }
             pressed += s.contact().pressing;
         }
@@ -201,7 +201,7 @@ TEST_CASE("a mesh may lie anywhere; what flies apart is put to rest once", "[sim
         tissue.mesh.nodes.array() += far;
         tissue.contact_m.array() += far;
         HapticOptions o;
-        o.map.offset_m = {far, far};
+        o.map.offset_m = Eigen::Vector2d(far, far);
         o.place_m = 0.15;
         const HapticModel model(tissue, o);
         Simulation s(model);
@@ -231,7 +231,7 @@ TEST_CASE("after a release, a fault and a fold the record holds nothing of the c
         for (long k = 0; k < 1000; ++k) s.tick(pressing(k));
         REQUIRE(s.record().mesh == 0);
         REQUIRE(s.record().contact_displacement_m.norm() > 1e-3);
-        REQUIRE(s.record().w > 0);
+        REQUIRE(s.record().weight[1] > 0);
         DeviceSample next = sample_at(0.047, 0.0925);
         if (kind == 0)
             for (int k = 0; k < 100; ++k) s.tick(next = sample_at(0.047, 0.092 + 2e-4 * k));
@@ -242,8 +242,8 @@ TEST_CASE("after a release, a fault and a fold the record holds nothing of the c
         INFO("kind " << kind);
         CHECK(r.fault == (kind == 1));
         CHECK(r.mesh == -1);
-        CHECK(r.segment == -1);
-        CHECK(r.w == 0);
+        CHECK(r.facet == -1);
+        CHECK(r.weight == Eigen::Vector3d::Zero());
         CHECK(r.contact_displacement_m == Eigen::Vector2d::Zero());
         CHECK(r.coupling_N == Eigen::Vector2d::Zero());
         CHECK(r.device_m == next.position_m);
@@ -260,19 +260,19 @@ TEST_CASE("a contact that the mesh carries to another segment has that segment's
         Simulation s(model);
         for (long k = 0; k < 1000; ++k) s.tick(pressing(k, 0.001));
         REQUIRE(s.contact().pressing);
-        const int before = s.contact().where.segment;
+        const int before = s.contact().where.facet;
         // the mesh slides along by some segments and back up over the proxy, while the master leaves
         for (int n = 0; n < model.meshes[0]->springs.node_count(); ++n)
             if (!model.meshes[0]->springs.fixed(n)) s.state(0).displacement.row(n) << 0.01 * shift, 0;
         s.state(0).velocity.setZero();
         s.tick(sample_at(0.047, 0.1008));
         REQUIRE((s.contact().contact && !s.contact().pressing));
-        REQUIRE(s.contact().where.segment != before);
+        REQUIRE(s.contact().where.facet != before);
         s.tick(sample_at(0.047, 0.0989));
         REQUIRE(s.contact().pressing);
         // a symplectic step takes the force at its old positions, which are the record's
         const double distance = (s.record().proxy_m - s.record().master_m).norm();
-        const double stiffness = model.stiffness->at(s.contact().where.segment, s.contact().where.w);
+        const double stiffness = model.stiffness->at(s.contact().where.facet, s.contact().where.weight[1]);
         CHECK(s.record().coupling_N.norm() == Approx(o.coupling_ratio * stiffness * distance).epsilon(1e-6));
     }
 }
@@ -371,7 +371,7 @@ TEST_CASE("the hook under allocations sees those of vectors, of Eigen's arrays a
 TEST_CASE("a tick led by a pointer and watched from another thread allocates nothing", "[simulation]") {
     const HapticModel model(haptic_example(), {});
     Simulation s(model);
-    PointerDevice pointer({0.05, 0.13}, model.options.map, model.options.safety.speed_max_m_s);
+    PointerDevice pointer(Eigen::Vector2d(0.05, 0.13), model.options.map, model.options.safety.speed_max_m_s);
     StateChannel channel(model, 3, 64);
     std::atomic<bool> done{false};
     std::atomic<long> fetched{0};
@@ -379,7 +379,7 @@ TEST_CASE("a tick led by a pointer and watched from another thread allocates not
         Draw draw(8);
         double us;
         while (!done.load()) {
-            pointer.aim({draw(-0.03, 0.29), draw(0.02, 0.13)});
+            pointer.aim(Eigen::Vector2d(draw(-0.03, 0.29), draw(0.02, 0.13)));
             if (draw.below(50) == 0) channel.pause(draw.below(4) == 0);
             if (draw.below(500) == 0) channel.reset();
             fetched += channel.fetch();
@@ -411,19 +411,19 @@ TEST_CASE("a tick led by a pointer and watched from another thread allocates not
     CHECK(s.safety().counters().jump == 0);
 }
 
-TEST_CASE("device space maps to the plane by scale, axes and offset, and power is conserved", "[simulation]") {
+TEST_CASE("device space maps to the tissue's by scale, axes and offset, and power is conserved", "[simulation]") {
     DeviceMap map;
     map.axes = parse_axes("-z,x");
     map.scale = 2;
-    map.offset_m = {0.05, 0.1};
+    map.offset_m = Eigen::Vector2d(0.05, 0.1);
     map.force_scale = 2;
     const Eigen::Vector3d p(0.01, 0.5, -0.02), v(1, 2, 3);
-    CHECK((map.to_plane(p) - Eigen::Vector2d(0.05 + 0.04, 0.1 + 0.02)).norm() < 1e-15);
-    CHECK((map.to_plane(map.to_device({0.03, 0.07})) - Eigen::Vector2d(0.03, 0.07)).norm() < 1e-15);
+    CHECK((map.to_tissue(p) - Eigen::Vector2d(0.05 + 0.04, 0.1 + 0.02)).norm() < 1e-15);
+    CHECK((map.to_tissue(map.to_device(Eigen::Vector2d(0.03, 0.07))) - Eigen::Vector2d(0.03, 0.07)).norm() < 1e-15);
     const Eigen::Vector2d f(3, 5);
-    CHECK(map.force_to_device(f).dot(v) == Approx(f.dot(map.to_plane(p + v) - map.to_plane(p))));
+    CHECK(map.force_to_device(f).dot(v) == Approx(f.dot(map.to_tissue(p + v) - map.to_tissue(p))));
     CHECK(map.force_to_device(f).y() == 0);
-    for (const char* bad : {"x", "x,x", "x,w", "x,-x", "", "xy,z"}) refusal<MismatchError>([&] { parse_axes(bad); });
+    for (const char* bad : {"x", "x,x", "x,w", "x,-x", "", "xy,z", "x,y,z,x", "x,y,x"}) refusal<MismatchError>([&] { parse_axes(bad); });
 }
 
 TEST_CASE("options that make no sense are refused", "[simulation]") {
@@ -468,7 +468,7 @@ TEST_CASE("a master that leaves one mesh into the other is stopped at its surfac
             x += part * (to_x - x);
             y += part * (to_y - y);
             s.tick(sample_at(x, y));
-            for (std::size_t m : {0u, 1u}) REQUIRE_FALSE(s.outline(m).contains_strictly(s.contact().proxy_m, 1e-9));
+            for (std::size_t m : {0u, 1u}) REQUIRE_FALSE(s.surface(m).contains_strictly(s.contact().proxy_m, 1e-9));
         }
     };
     go(0.0995, 0.0985);

@@ -126,7 +126,7 @@ TEST_CASE("a recorded session replays to the same forces, bit for bit", "[record
         // in simulated time: every tick on its place
         Simulation simulation(model);
         VirtualDevice hand(make_motion({"poke", 2, 0.01, 4, model.low_m, model.high_m}), o.map);
-        Recorder recorder(folder.file("a.h5"), {"test", 4, {}});
+        Recorder recorder(folder.file("a.h5"), 2, {"test", 4, {}});
         for (int k = 0; k < 2000; ++k) {
             simulation.tick(hand.read(k * 1e-3));
             RecordedTick row{simulation.record(), 1, 2};
@@ -157,7 +157,7 @@ TEST_CASE("a recorded session replays to the same forces, bit for bit", "[record
 TEST_CASE("a full ring drops samples and counts them, and the recording says so", "[recorder]") {
     const TemporaryFolder folder;
     const HapticModel model(haptic_example(), {});
-    Recorder recorder(folder.file("a.h5"), {"test", 1, {}}, 16);
+    Recorder recorder(folder.file("a.h5"), 2, {"test", 1, {}}, 16);
     for (int k = 0; k < 100000; ++k) {
         RecordedTick row;
         row.tick.time_s = k;
@@ -180,7 +180,7 @@ TEST_CASE("a recording is written as it goes: memory does not grow with the sess
         return static_cast<double>(pages) * static_cast<double>(::sysconf(_SC_PAGESIZE));
     };
     constexpr int batches = 40, batch = 4000;
-    Recorder recorder(folder.file("a.h5"), {"test", 1, {}});
+    Recorder recorder(folder.file("a.h5"), 2, {"test", 1, {}});
     double begin = 0;
     for (int k = 0; k < batches * batch; ++k) {
         RecordedTick row;
@@ -208,7 +208,7 @@ TEST_CASE("a recording given up leaves nothing, and keeps the one before it", "[
     const TemporaryFolder folder;
     const std::string file = folder.file("a.h5", "an earlier session");
     {
-        Recorder recorder(file, {"test", 1, {}});
+        Recorder recorder(file, 2, {"test", 1, {}});
         for (int k = 0; k < 3000; ++k) recorder.push({});
     }
     CHECK(read_file(file) == "an earlier session");
