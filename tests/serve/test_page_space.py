@@ -284,6 +284,9 @@ def touching(page, block):
     before = page.js(place)
     page.touch("Start", *block.top(0.5, 0.5))
     check("a finger presses", page.until(f"tissue.pressed === 0 && {force} > 0"), page.js("tissue.control"))
+    for k in range(1, 7):
+        page.cdp("Input.dispatchTouchEvent", type="touchMove", touchPoints=[{"x": a[0], "y": a[1] - 12 * k}])   # as one would scroll
+    check("dragged, it tilts the push", page.until("tissue.pressing && tissue.pressing.direction[2] > -0.98"), page.js("tissue.pressing"))
     page.touch("End")
     check("lifting it lets go", page.until(free), page.js("tissue.control"))
     zoom = page.js("tissue.view.zoom")
