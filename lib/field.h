@@ -15,6 +15,9 @@ using Point = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 3, 1>;
 /// and f [N] (N x D).
 using NodeColumns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
 
+/// What turns one Point into another (D x D). Allocates nothing.
+using PointMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3, 3>;
+
 /// Node numbers, one row a piece: springs, cells, simplices, facets.
 using Cells = Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 

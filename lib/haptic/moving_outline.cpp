@@ -153,6 +153,4 @@ bool MovingOutline::simple() noexcept {
     return true;
 }
 
-std::unique_ptr<MovingSurface> make_moving_surface(const SpringMesh& mesh) { return std::make_unique<MovingOutline>(mesh); }
-
 }  // namespace tissue

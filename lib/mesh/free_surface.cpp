@@ -30,8 +30,10 @@ FreeSurface::FreeSurface(const SpringMesh& mesh) : rest_(mesh.nodes), around_(st
         const bool all_held = std::all_of(row.begin(), row.end(), [&](int node) {
             return std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), node);
         });
+        free_of_.push_back(all_held ? -1 : static_cast<Eigen::Index>(free.size()));
         (all_held ? held : free).push_back(f);
     }
+    facet_of_ = free;
     facets_ = chosen(mesh.facets, free);
     held_facets_ = chosen(mesh.facets, held);
     measure_.resize(facets_.rows());
@@ -65,6 +67,31 @@ FreeSurface::FreeSurface(const SpringMesh& mesh) : rest_(mesh.nodes), around_(st
                 turns |= inward_[static_cast<std::size_t>(f)].dot(inward_[static_cast<std::size_t>(g)]) < crease;
         if (turns) creases_.push_back(node);
     }
+    for (const std::vector<Eigen::Index>& here : around_) {
+        Point sum = Point::Zero(rest_.cols());
+        for (Eigen::Index f : here) sum += measure_[f] * inward_[static_cast<std::size_t>(f)];
+        facing_.push_back(sum.normalized());
+    }
+    for (Eigen::Index f = 0; f < facets_.rows(); ++f)
+        for (int node : facets_.row(f)) corner_inward_.push_back(node_inward(node, inward_[static_cast<std::size_t>(f)]));
+    join_facets();
+}
+
+/// Which free facet is beside which: over a segment's ends, over a triangle's edges.
+void FreeSurface::join_facets() {
+    const Eigen::Index corners = facets_.cols();
+    std::map<std::array<int, 2>, std::vector<Eigen::Index>> sides;  // of each, 2 or 3 times its facet and which of its sides
+    const auto side = [&](Eigen::Index f, Eigen::Index k) {
+        const int from = facets_(f, k), to = corners == 2 ? from : facets_(f, (k + 1) % corners);
+        return std::array<int, 2>{std::min(from, to), std::max(from, to)};
+    };
+    for (Eigen::Index f = 0; f < facets_.rows(); ++f)
+        for (Eigen::Index k = 0; k < corners; ++k) sides[side(f, k)].push_back(f);
+    for (Eigen::Index f = 0; f < facets_.rows(); ++f)
+        for (Eigen::Index k = 0; k < corners; ++k) {
+            const std::vector<Eigen::Index>& on = sides[side(f, k)];
+            beside_.push_back(on.size() != 2 ? -1 : on[0] == f ? on[1] : on[0]);
+        }
 }
 
 Point FreeSurface::node_inward(int node, const Point& facet_inward) const {
@@ -86,14 +113,103 @@ FreeSurface::Place FreeSurface::nearest(const Point& position_m) const {
         place.distance_m = here.distance_m;
         best = here;
     }
-    place.point_m = place.inward = Point::Zero(rest_.cols());
+    const double distance_m = place.distance_m;
+    place = this->place(place.facet, best.weight);
+    place.distance_m = distance_m;
+    return place;
+}
+
+FreeSurface::Place FreeSurface::place(Eigen::Index facet, const Eigen::Vector3d& weight) const noexcept {
+    Place place{facet, Point::Zero(rest_.cols()), Point::Zero(rest_.cols()), 0};
     for (Eigen::Index k = 0; k < facets_.cols(); ++k) {
-        const int node = facets_(place.facet, k);
-        place.point_m += best.weight[k] * rest_.row(node).transpose();
-        place.inward += best.weight[k] * node_inward(node, inward_[static_cast<std::size_t>(place.facet)]);
+        place.point_m += weight[k] * rest_.row(facets_(facet, k)).transpose();
+        place.inward += weight[k] * corner_inward_[static_cast<std::size_t>(facets_.cols() * facet + k)];
     }
     place.inward.normalize();
     return place;
+}
+
+FreeSurface::Walk FreeSurface::walk(int facet, const Eigen::Vector3d& weight, const Point& along_m) const noexcept {
+    constexpr int most_facets = 1000;
+    constexpr double on_border = 1e-12;  // of the way: what is left of it by rounding
+    Walk walk{facet, weight, along_m, 0, false};
+    Eigen::Index f = free_of_[static_cast<std::size_t>(facet)];
+    if (f < 0) {
+        walk.at_border = true;
+        return walk;
+    }
+    const Eigen::Index D = rest_.cols(), corners = facets_.cols();
+    const auto in_space = [&](const auto& p) {
+        Eigen::Vector3d v = Eigen::Vector3d::Zero();
+        for (Eigen::Index axis = 0; axis < D; ++axis) v[axis] = p[axis];
+        return v;
+    };
+    const auto corner = [&](Eigen::Index g, Eigen::Index k) { return in_space(rest_.row(facets_(g, k % corners))); };
+    const auto inward = [&](Eigen::Index g) { return in_space(inward_[static_cast<std::size_t>(g)]); };
+    Eigen::Vector3d way = in_space(along_m), w = weight;
+    way -= way.dot(inward(f)) * inward(f);
+    const double whole_m = way.norm();
+    double left = 1;  // part of the way
+    for (int step = 0; step < most_facets && whole_m > 0 && left > on_border; ++step) {
+        // how the weights change along the whole way
+        Eigen::Vector3d change = Eigen::Vector3d::Zero();
+        const Eigen::Vector3d a = corner(f, 1) - corner(f, 0);
+        if (corners == 2) {
+            change[1] = way.dot(a) / a.squaredNorm();
+        } else {
+            const Eigen::Vector3d b = corner(f, 2) - corner(f, 0);
+            const double aa = a.dot(a), ab = a.dot(b), bb = b.dot(b), wa = way.dot(a), wb = way.dot(b), squared = aa * bb - ab * ab;
+            change[1] = (bb * wa - ab * wb) / squared;
+            change[2] = (aa * wb - ab * wa) / squared;
+        }
+        change[0] = -change[1] - change[2];
+        double part = left;
+        Eigen::Index out = -1;  // the node whose weight ends first
+        for (Eigen::Index k = 0; k < corners; ++k)
+            if (change[k] < 0 && w[k] < -change[k] * part) {
+                part = std::max(0.0, w[k] / -change[k]);
+                out = k;
+            }
+        w += part * change;
+        w = w.cwiseMax(0.0);
+        w /= w.sum();
+        left -= part;
+        if (out < 0) break;
+        w[out] = 0;
+        w /= w.sum();
+        // over the end or edge that does not have that node
+        const Eigen::Index side = (out + 1) % corners, next = beside_[static_cast<std::size_t>(corners * f + side)];
+        if (next < 0) {
+            walk.at_border = true;
+            break;
+        }
+        Eigen::Vector3d w_next = Eigen::Vector3d::Zero(), edge = Eigen::Vector3d::Zero();
+        Eigen::Index apart = 0;
+        for (Eigen::Index k = 0; k < corners; ++k) {
+            bool shared = false;
+            for (Eigen::Index l = 0; l < corners; ++l)
+                if (l != out && facets_(f, l) == facets_(next, k)) {
+                    w_next[k] = w[l];
+                    shared = true;
+                }
+            if (!shared) apart = k;
+        }
+        const Eigen::Vector3d hinge = corner(f, side);
+        if (corners == 3) edge = (corner(f, side + 1) - hinge).normalized();
+        const auto across = [&](const Eigen::Vector3d& to) {
+            const Eigen::Vector3d ray = to - hinge;
+            return Eigen::Vector3d((ray - ray.dot(edge) * edge).normalized());
+        };
+        const Eigen::Vector3d into = across(corner(next, apart)), from = -across(corner(f, out));
+        way = way.dot(edge) * edge + way.dot(from) * into;
+        f = next;
+        w = w_next;
+    }
+    walk.facet = static_cast<int>(facet_of_[static_cast<std::size_t>(f)]);
+    walk.weight = w;
+    walk.along_m = way.head(D);
+    walk.walked_m = (1 - std::max(left, 0.0)) * whole_m;
+    return walk;
 }
 
 Point FreeSurface::at(Eigen::Index facet, const Eigen::Vector3d& weight) const {
@@ -120,16 +236,14 @@ std::vector<Point> FreeSurface::points(int parts) const {
     return middles;
 }
 
-double FreeSurface::to_crease_m(const Point& position_m) const {
-    double least = std::numeric_limits<double>::infinity();
-    for (int node : creases_) least = std::min(least, (rest_.row(node).transpose() - position_m).norm());
-    return least;
+double FreeSurface::to_crease_m(const Point& position_m) const noexcept {
+    double least2 = std::numeric_limits<double>::infinity();
+    for (int node : creases_) least2 = std::min(least2, (rest_.row(node).transpose() - position_m).squaredNorm());
+    return std::sqrt(least2);
 }
 
-bool FreeSurface::faces(int node, const Point& inward) const {
-    Point sum = Point::Zero(rest_.cols());
-    for (Eigen::Index f : around_[static_cast<std::size_t>(node)]) sum += measure_[f] * inward_[static_cast<std::size_t>(f)];
-    return sum.normalized().dot(inward) >= same_side;
+bool FreeSurface::faces(int node, const Point& inward) const noexcept {
+    return facing_[static_cast<std::size_t>(node)].dot(inward) >= same_side;
 }
 
 std::vector<int> seen_nodes(const SpringMesh& mesh) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "error.h"
+#include "mesh/facet.h"
 #include "mesh/topology.h"
 #include "springs/contact_patch.h"
 
@@ -15,6 +16,7 @@ constexpr double pi = 3.14159265358979323846;
 constexpr double imprint = 2.5;             // its reach, in radii
 constexpr double under = 1.2, stuck = 4;    // how far the disc itself holds the tissue, in radii, and how much more stiffly
 constexpr double reach = 1.6;  // of the mean's weights, in spacings: at least four nodes of a square lattice
+constexpr double farther = 1.25 * 1.25;  // where too few are there; a place that needs still more looks at the whole surface
 
 constexpr double width = 0.35;  // of the bells whose sum says where between the nodes a contact stands, in spacings
 
@@ -47,8 +49,8 @@ double DiscContact::ground_at(const Eigen::Vector3d& contact_m, const Eigen::Vec
     double sum = 0;
     for (Eigen::Index g = 0; g < ground_.rows(); ++g) {
         const Eigen::Vector3d ray = ground_.row(g).head<3>().transpose() - contact_m;
-        const double depth = std::max(0.0, ray.dot(inward));
-        sum += ground_(g, 3) * depth * depth / std::pow(squared + ray.squaredNorm(), 3);
+        const double depth = std::max(0.0, ray.dot(inward)), away = squared + ray.squaredNorm();
+        sum += ground_(g, 3) * depth * depth / (away * away * away);
     }
     return 8 * radius_m_ / (pi * pi) * sum;
 }
@@ -58,89 +60,175 @@ DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, NodeField grou
     if (!mesh.is_solid()) throw MismatchError("a disc needs a surface in space");
     if (!(radius_m > 0)) throw MismatchError("a disc needs a radius > 0");
     carried_ = Eigen::VectorXd::Ones(mesh.node_count());
-    if (on_lattice(mesh)) return;
-    carried_.setZero();
-    const double square_m2 = surface_.spacing_m() * surface_.spacing_m();
-    for (Eigen::Index f = 0; f < surface_.facets().rows(); ++f)
-        for (int node : surface_.facets().row(f)) carried_[node] += surface_.measure()[f] / (3 * square_m2);
+    if (!on_lattice(mesh)) {
+        carried_.setZero();
+        const double square_m2 = surface_.spacing_m() * surface_.spacing_m();
+        for (Eigen::Index f = 0; f < surface_.facets().rows(); ++f)
+            for (int node : surface_.facets().row(f)) carried_[node] += surface_.measure()[f] / (3 * square_m2);
+    }
+
+    near_m_ = std::max(farther * reach * surface_.spacing_m(), imprint * radius_m_);
+    for (Eigen::Index f = 0; f < surface_.facets().rows(); ++f) {
+        const Eigen::Vector3d middle = surface_.at(f, Eigen::Vector3d::Constant(1.0 / 3));
+        double size_m = 0;
+        for (int node : surface_.facets().row(f)) size_m = std::max(size_m, (rest_.row(node).transpose() - middle).norm());
+        near_.emplace_back();
+        int in_reach = 0;
+        for (int node : surface_.nodes()) {
+            const double away_m = (rest_.row(node).transpose() - middle).norm();
+            if (away_m < 1.000001 * (near_m_ + size_m)) near_.back().push_back(node);
+            in_reach += away_m < std::max(reach * surface_.spacing_m(), imprint * radius_m_) + size_m;
+        }
+        most_nodes_ = std::max(most_nodes_, in_reach);
+    }
+    for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
+        walls_.emplace_back();
+        if (surface_.free_of()[static_cast<std::size_t>(f)] >= 0) continue;
+        Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+        for (int node : mesh.facets.row(f)) middle += mesh.nodes.row(node).transpose() / 3;
+        Wall& wall = walls_.back();
+        wall.inward = -facet_normal(mesh.nodes, mesh.facets, f);
+        wall.facet = surface_.nearest(middle).facet;
+        wall.weight = nearest_on_facet(rest_, surface_.facets(), wall.facet, middle).weight;
+    }
+}
+
+DiscContact::Disc DiscContact::disc_at(const FreeSurface::Place& place, Node* nodes, std::size_t room) const noexcept {
+    const Eigen::Vector3d centre = place.point_m, normal = place.inward;
+    const Eigen::Matrix<double, 3, 2> tangents = tangents_of(normal);
+    const double h = surface_.spacing_m(), imprint_m = imprint * radius_m_;
+    Disc disc{normal, {}, 0};
+
+    // nodes of the mean, and of the imprint; both from what faces the disc. Where the surface's mesh is so coarse there that
+    // fewer than four are near, the mean reaches farther.
+    double reach_m = reach * h;
+    for (int tries = 0; tries < 10; ++tries, reach_m *= 1.25) {
+        disc.nodes = 0;
+        int in_reach = 0;
+        const double most_m = std::max(reach_m, imprint_m);
+        const std::vector<int>& candidates = most_m <= near_m_ ? near_[static_cast<std::size_t>(place.facet)] : surface_.nodes();
+        for (int node : candidates) {
+            const double* x = &rest_(node, 0);
+            const double r = Eigen::Vector3d(x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]).norm();
+            if (r >= most_m || !surface_.faces(node, place.inward)) continue;
+            in_reach += r < 0.95 * reach_m;
+            if (disc.nodes < room) {
+                nodes[disc.nodes].node = node;
+                nodes[disc.nodes++].away_m = r;
+                continue;
+            }
+            Node* farthest = std::max_element(nodes, nodes + room, [](const Node& a, const Node& b) { return a.away_m < b.away_m; });
+            if (r < farthest->away_m) {
+                farthest->node = node;
+                farthest->away_m = r;
+            }
+        }
+        if (in_reach >= 4) break;
+    }
+    if (disc.nodes < 3) {
+        disc.nodes = 0;
+        return disc;
+    }
+
+    // moving least squares in the tangent plane, lengths in spacings
+    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+    const auto basis = [&](const Node& at) {
+        const Eigen::Vector2d across = tangents.transpose() * (rest_.row(at.node).transpose() - centre) / h;
+        return Eigen::Vector3d(1, across[0], across[1]);
+    };
+    for (Node* at = nodes; at != nodes + disc.nodes; ++at) {
+        const double weight = bell(at->away_m / reach_m);
+        if (weight > 0) moments += weight * basis(*at) * basis(*at).transpose();
+    }
+    const Eigen::Vector3d solved = moments.ldlt().solve(Eigen::Vector3d::UnitX());
+    const Eigen::Matrix3d along = Eigen::Matrix3d::Identity() - normal * normal.transpose();
+    double crowd = 0;
+    for (Node* at = nodes; at != nodes + disc.nodes; ++at) {
+        const double r = at->away_m, x = r / (width * h);
+        at->mean = r < reach_m ? bell(r / reach_m) * basis(*at).dot(solved) : 0;
+        crowd += carried_[at->node] * std::exp(-x * x / 2) / (2 * pi * width * width);
+        at->pressed = r < imprint_m;
+        if (!at->pressed) continue;
+        // how far the tissue goes along the surface where it is pushed that way: the same all round on average
+        at->target.setIdentity();
+        if (r > radius_m_) {
+            const Eigen::Vector3d out = (rest_.row(at->node).transpose() - centre) / r;
+            const double far = 1 - radius_m_ * radius_m_ / (r * r);
+            const Eigen::Vector3d out_along = out - out.dot(normal) * normal;
+            at->target += far / 3 * (2 * out * out_along.transpose() - along);
+        }
+        at->target *= profile(r / radius_m_);
+        at->share = bell(r / imprint_m) + stuck * bell(r / (under * radius_m_));
+    }
+    const double phase = (crowd - 1) / (4 * std::exp(-2 * pi * pi * width * width));
+    disc.factors << 1, phase, ground_at(centre, normal), std::exp(-surface_.to_crease_m(place.point_m) / h);
+    return disc;
 }
 
 ContactRows DiscContact::rows_at(const Point& contact_m) const {
     const FreeSurface::Place place = surface_.nearest(contact_m);
-    const Eigen::Vector3d centre = place.point_m, normal = place.inward;
-    const Eigen::Matrix<double, 3, 2> tangents = tangents_of(normal);
-    const double h = surface_.spacing_m(), imprint_m = imprint * radius_m_;
+    std::vector<Node> near(surface_.nodes().size());
+    const Disc disc = disc_at(place, near.data(), near.size());
+    near.resize(disc.nodes);
+    if (near.empty()) throw MismatchError("the surface's mesh has no nodes near the contact");
 
-    // nodes of the mean, and of the imprint; both from what faces the disc. Where the surface's mesh is so coarse there that
-    // fewer than four are near, the mean reaches farther.
-    std::vector<int> near;
-    const auto away_m = [&](int node) { return (rest_.row(node).transpose() - centre).norm(); };
-    double reach_m = reach * h;
-    for (int tries = 0; tries < 10; ++tries, reach_m *= 1.25) {
-        near.clear();
-        int in_reach = 0;
-        for (int node : surface_.nodes()) {
-            const double r = away_m(node);
-            if (r >= std::max(reach_m, imprint_m) || !surface_.faces(node, normal)) continue;
-            near.push_back(node);
-            in_reach += r < 0.95 * reach_m;
-        }
-        if (in_reach >= 4) break;
-    }
-    if (near.size() < 3) throw MismatchError("the surface's mesh has no nodes near the contact");
-
-    // moving least squares in the tangent plane, lengths in spacings
-    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
-    const auto basis = [&](int node) {
-        const Eigen::Vector2d across = tangents.transpose() * (rest_.row(node).transpose() - centre) / h;
-        return Eigen::Vector3d(1, across[0], across[1]);
-    };
-    for (int node : near) moments += bell(away_m(node) / reach_m) * basis(node) * basis(node).transpose();
-    const Eigen::Vector3d solved = moments.ldlt().solve(Eigen::Vector3d::UnitX());
-
-    std::vector<int> pressed;
-    for (int node : near)
-        if (away_m(node) < imprint_m) pressed.push_back(node);
+    const auto K = static_cast<Eigen::Index>(near.size());
+    const Eigen::Index R = 3 + 3 * std::count_if(near.begin(), near.end(), [](const Node& at) { return at.pressed; });
     ContactRows rows;
-    const auto K = static_cast<Eigen::Index>(near.size()), R = static_cast<Eigen::Index>(3 + 3 * pressed.size());
-    rows.nodes = near;
     rows.push.setZero(R, 3);
     rows.pull.setZero(R, 3 * K);
     rows.share.setOnes(R);
+    rows.factors = disc.factors;
     Eigen::Matrix3d axes;
-    axes << normal, tangents;
-    for (int a = 0; a < 3; ++a) {
-        rows.push.row(a) = axes.col(a).transpose();
-        for (Eigen::Index i = 0; i < K; ++i) {
-            const int node = near[static_cast<std::size_t>(i)];
-            rows.pull.block<1, 3>(a, 3 * i) = bell(away_m(node) / reach_m) * basis(node).dot(solved) * axes.col(a).transpose();
-        }
-        rows.law_row.push_back(a == 0 ? 0 : 1);
-    }
+    axes << disc.normal, tangents_of(disc.normal);
+    rows.push.topRows<3>() = axes.transpose();
+    rows.law_row = {0, 1, 1};
     Eigen::Index row = 3;
-    for (int node : pressed) {
-        const double r = away_m(node);
-        const Eigen::Index i = std::find(near.begin(), near.end(), node) - near.begin();
-        // how far the tissue goes along the surface where it is pushed that way: the same all round on average
-        const Eigen::Vector3d out = (rest_.row(node).transpose() - centre) / std::max(r, 1e-9 * radius_m_);
-        const double far = r > radius_m_ ? 1 - radius_m_ * radius_m_ / (r * r) : 0;
-        Eigen::Matrix3d follows = Eigen::Matrix3d::Identity();
-        follows += far * ((2 * out * out.transpose() - Eigen::Matrix3d::Identity()) / 3) *
-                   (Eigen::Matrix3d::Identity() - normal * normal.transpose());
-        for (int a = 0; a < 3; ++a, ++row) {
-            rows.push.row(row) = profile(r / radius_m_) * axes.col(a).transpose() * follows;
-            rows.pull.block<1, 3>(row, 3 * i) = axes.col(a).transpose();
-            rows.share[row] = bell(r / imprint_m) + stuck * bell(r / (under * radius_m_));
-            rows.law_row.push_back(a == 0 ? 2 : 3);
-        }
+    for (Eigen::Index i = 0; i < K; ++i) {
+        const Node& at = near[static_cast<std::size_t>(i)];
+        rows.nodes.push_back(at.node);
+        rows.pull.block<3, 3>(0, 3 * i) = at.mean * axes.transpose();
+        if (!at.pressed) continue;
+        rows.push.middleRows<3>(row) = axes.transpose() * at.target;
+        rows.pull.block<3, 3>(row, 3 * i) = axes.transpose();
+        rows.share.segment<3>(row).setConstant(at.share);
+        rows.law_row.insert(rows.law_row.end(), {2, 3, 3});
+        row += 3;
     }
-    double crowd = 0;
-    for (int node : near) crowd += carried_[node] * std::exp(-std::pow(away_m(node) / (width * h), 2) / 2) / (2 * pi * width * width);
-    const double phase = (crowd - 1) / (4 * std::exp(-2 * pi * pi * width * width));
-    rows.factors << 1, phase, ground_at(centre, normal), std::exp(-surface_.to_crease_m(place.point_m) / h);
     return rows;
 }
 
-void DiscContact::tool_at(int, const Eigen::Vector3d&, const PatchLaw&, ToolSpring&) const noexcept {}
+void DiscContact::tool_at(int facet, const Eigen::Vector3d& weight, const PatchLaw& law, ToolSpring& tool) const noexcept {
+    const Eigen::Index free = surface_.free_of()[static_cast<std::size_t>(facet)];
+    const Wall& wall = walls_[static_cast<std::size_t>(facet)];
+    Node nodes[ToolSpring::most_nodes];
+    const Disc disc = disc_at(free >= 0 ? surface_.place(free, weight) : surface_.place(wall.facet, wall.weight), nodes, ToolSpring::most_nodes);
+    double k[PatchLaw::disc_rows] = {};
+    for (Eigen::Index m = 0; m < std::min<Eigen::Index>(PatchLaw::disc_rows, law.log_N_m.rows()); ++m) k[m] = std::exp(law.log_N_m.row(m).dot(disc.factors));
+    const Eigen::Matrix3d nn = disc.normal * disc.normal.transpose(), along = Eigen::Matrix3d::Identity() - nn;
+    Eigen::Matrix3d stiffness = k[0] * nn + k[1] * along;
+    if (free < 0 || disc.nodes == 0) {
+        // the tool meets nothing that gives way: as stiff as where all nodes stand still
+        for (std::size_t i = 0; i < disc.nodes; ++i)
+            if (nodes[i].pressed) stiffness += nodes[i].share * nodes[i].target.transpose() * (k[2] * nn + k[3] * along) * nodes[i].target;
+        const double size_N_m = disc.normal.dot(stiffness * disc.normal);
+        stiffness = size_N_m * Eigen::Matrix3d::Identity();
+        tool.begin(3, free < 0 ? wall.inward : disc.normal);
+        tool.add_group(Eigen::Matrix3d::Identity(), stiffness);
+        return;
+    }
+    tool.begin(3, disc.normal);
+    const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
+    tool.add_group(identity, stiffness);
+    for (std::size_t i = 0; i < disc.nodes; ++i)
+        if (nodes[i].mean != 0) tool.add_node(nodes[i].node, nodes[i].mean);
+    for (std::size_t i = 0; i < disc.nodes; ++i) {
+        if (!nodes[i].pressed) continue;
+        const Eigen::Matrix3d held = nodes[i].share * (k[2] * nn + k[3] * along);
+        tool.add_group(nodes[i].target, held);
+        tool.add_node(nodes[i].node, 1);
+    }
+    if (law.hardens()) tool.harden(k[PatchLaw::hardening_row], k[PatchLaw::saturation_row], k[PatchLaw::coupling_row]);
+}
 
 }  // namespace tissue

@@ -25,6 +25,8 @@ namespace tissue {
 /// rays alone, as z / r^3 (Boussinesq; Johnson, (3.19)), so that the weight is z^2 / r^6, with R for what is nearer:
 ///   ground = sum_g (8 R / pi^2) z_g^2 / (R^2 + r_g^2)^3 weight_g, 1 for a half space with log E / E_block = 1 everywhere
 /// Nodes round a crease do not belong to it.
+/// The tick's contact has room for ToolSpring::most_nodes: where more are in reach it keeps the nearest. most_nodes() says how many
+/// there can be; whoever plays a model refuses one that has more.
 class DiscContact final : public ContactKernel {
    public:
     /// ground: what is of other stiffness than the block, as points (G x 4): place [m], volume times log(E / E_block) [m3];
@@ -35,14 +37,44 @@ class DiscContact final : public ContactKernel {
     void tool_at(int facet, const Eigen::Vector3d& weight, const PatchLaw& law, ToolSpring& tool) const noexcept override;
     double spacing_m() const override { return surface_.spacing_m(); }
 
+    /// Nodes that the widest contact has at the most: of one with its middle anywhere on a free facet.
+    int most_nodes() const { return most_nodes_; }
+
     /// phi at r / R.
     static double profile(double x);
     /// `ground` of a contact there, `inward` into the tissue.
     double ground_at(const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const;
 
    private:
+    /// What a contact takes of one node.
+    struct Node {
+        int node;
+        double away_m, mean;  ///< mean: w
+        bool pressed;         ///< in the imprint's reach: then also
+        double share;         ///< of the imprint's stiffness
+        Eigen::Matrix3d target;  ///< how far it goes there, by d
+    };
+    struct Disc {
+        Eigen::Vector3d normal;
+        Eigen::Vector4d factors;
+        std::size_t nodes;    ///< 0 where too few are near
+    };
+    /// The contact at a place of the surface; fills `nodes`, which has room for so many. Where more are in reach the nearest stay.
+    Disc disc_at(const FreeSurface::Place& place, Node* nodes, std::size_t room) const noexcept;
+
+    /// A held facet: the free place nearest to its middle.
+    struct Wall {
+        Eigen::Index facet = 0;
+        Eigen::Vector3d weight{1, 0, 0};
+        Eigen::Vector3d inward = Eigen::Vector3d::Zero();
+    };
+
     FreeSurface surface_;
     NodeField rest_;
+    std::vector<Wall> walls_;              ///< of each facet of the mesh; of free ones as made
+    std::vector<std::vector<int>> near_;   ///< of each free facet: surface nodes in near_m_ of it, ascending
+    double near_m_ = 0;
+    int most_nodes_ = 0;
     double radius_m_;
     NodeField ground_;
     Eigen::VectorXd carried_;  ///< part of the free surface that a node carries, in squared spacings: 1 on a lattice (N)

@@ -11,7 +11,7 @@ void ToolSpring::begin(int dimension, const Point& inward) noexcept {
     hardening_1_J_ = saturation_1_J_ = coupling_N_m2_ = 0;
 }
 
-bool ToolSpring::add_group(const Eigen::Ref<const Eigen::MatrixXd>& target, const Eigen::Ref<const Eigen::MatrixXd>& stiffness_N_m) noexcept {
+bool ToolSpring::add_group(const PointMatrix& target, const PointMatrix& stiffness_N_m) noexcept {
     if (groups_ > most_nodes) return false;
     Group& group = group_[groups_++];
     group.target.setZero();
@@ -126,7 +126,7 @@ Eigen::Matrix3d ToolSpring::curvature(const Eigen::Vector3d& push, const NodeCol
     return sum;
 }
 
-Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3> ToolSpring::stiffness_N_m(const Point& push_m, const NodeColumns& u) const noexcept {
+PointMatrix ToolSpring::stiffness_N_m(const Point& push_m, const NodeColumns& u) const noexcept {
     return curvature(in_space(push_m), u).topLeftCorner(dimension_, dimension_);
 }
 

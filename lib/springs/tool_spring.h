@@ -19,7 +19,7 @@ class ToolSpring {
     void begin(int dimension, const Point& inward) noexcept;
 
     /// The next group. target, stiffness: (D x D). False when there is no room.
-    bool add_group(const Eigen::Ref<const Eigen::MatrixXd>& target, const Eigen::Ref<const Eigen::MatrixXd>& stiffness_N_m) noexcept;
+    bool add_group(const PointMatrix& target, const PointMatrix& stiffness_N_m) noexcept;
     bool add_node(int node, double weight) noexcept;  ///< of the last group; one may come twice
     void harden(double hardening_1_J, double saturation_1_J, double coupling_N_m2) noexcept;
 
@@ -32,7 +32,7 @@ class ToolSpring {
     Point put_on(const Point& push_m, const NodeColumns& u, NodeColumns& f) const noexcept;
     double energy_J(const Point& push_m, const NodeColumns& u) const noexcept;
     /// Second derivative of E by d, nodes held [N/m] (D x D).
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3> stiffness_N_m(const Point& push_m, const NodeColumns& u) const noexcept;
+    PointMatrix stiffness_N_m(const Point& push_m, const NodeColumns& u) const noexcept;
 
     /// The push at which the tool's force is this one: Newton from where the first group alone would have it.
     Point push_at(const Point& hand_N, const NodeColumns& u) const noexcept;

@@ -297,7 +297,7 @@ std::vector<double> time_ticks(const TissueModel& tissue, const std::string& dyn
     o.heuristic_mesh = heuristic_mesh;
     const HapticModel model(tissue, o);
     Simulation simulation(model);
-    VirtualDevice hand(make_motion({"slide", 20, 0.01, 1, model.low_m, model.high_m}), o.map);
+    VirtualDevice hand(make_motion({"slide", 20, 0.01, 1, &model.rest}), o.map);
     std::vector<double> times;
     for (int k = 0; k < 20000; ++k) {
         const DeviceSample sample = hand.read(k * 1e-3);

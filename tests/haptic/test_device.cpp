@@ -106,9 +106,11 @@ class StandIn {
 }  // namespace
 
 TEST_CASE("the virtual hand starts outside, stays below the speed limit, and does the same each time", "[device]") {
+    const SpringMesh block = make_lattice("grid8", 10, 10, 0.1, 0.1);
     for (const std::string& name : motion_names())
         for (unsigned long seed : {1ul, 2ul}) {
             MotionOptions o;
+            o.rest = &block;
             o.name = name;
             o.seed = seed;
             VirtualDevice hand(make_motion(o), {}), again(make_motion(o), {});
@@ -130,9 +132,12 @@ TEST_CASE("the virtual hand starts outside, stays below the speed limit, and doe
             CHECK(deepest < 0.0101);
         }
     MotionOptions o;
+    o.rest = &block;
     o.name = "stab";
     CHECK(refusal<MismatchError>([&] { make_motion(o); }).find("press, slide, poke, sine") != std::string::npos);
     o = {};
+    CHECK(refusal<MismatchError>([&] { make_motion(o); }) == "a motion needs a tissue");
+    o.rest = &block;
     o.depth_m = 0;
     refusal<MismatchError>([&] { make_motion(o); });
     refusal<MismatchError>([&] { VirtualDevice({}, {}); });

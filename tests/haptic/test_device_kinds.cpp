@@ -25,7 +25,9 @@ TEST_CASE("every kind of device has a name and options of its own, and its initi
 }
 
 TEST_CASE("a device is made by its name, from its initial values where none are given", "[device]") {
+    const SpringMesh block = make_lattice("grid8", 10, 10, 0.1, 0.1);
     DeviceContext context;
+    context.rest = &block;
     const auto device = make_device("virtual", {}, context), again = make_device("virtual", {{"motion", "press"}, {"depth", "0.01"}}, context);
     CHECK(device->name() == "virtual");
     for (double t : {0.0, 0.3, 0.9, 2.0}) CHECK(device->read(t).position_m == again->read(t).position_m);

@@ -74,6 +74,7 @@ TEST_CASE("the newest value passes between two threads whole and in order", "[po
 
 TEST_CASE("a mouse that speaks 60 times a second is no fault, and its hand moves smoothly", "[pointer]") {
     DeviceMap map;
+    map.fit(2);
     map.scale = 0.5;  // 2 mm of device a millimetre of tissue: the limit is the device's
     PointerDevice pointer(Eigen::Vector2d(0.05, 0.12), map, safe);
     Safety safety{SafetyOptions{}};

@@ -125,7 +125,7 @@ TEST_CASE("a recorded session replays to the same forces, bit for bit", "[record
     {
         // in simulated time: every tick on its place
         Simulation simulation(model);
-        VirtualDevice hand(make_motion({"poke", 2, 0.01, 4, model.low_m, model.high_m}), o.map);
+        VirtualDevice hand(make_motion({"poke", 2, 0.01, 4, &model.rest}), o.map);
         Recorder recorder(folder.file("a.h5"), 2, {"test", 4, {}});
         for (int k = 0; k < 2000; ++k) {
             simulation.tick(hand.read(k * 1e-3));
