@@ -34,20 +34,21 @@ std::string mesh_arguments(const Study& s, int refine) {
                        s.geometry.width_m, s.geometry.height_m, s.cells[0] * refine, s.cells[1] * refine);
 }
 
+/// A law's parameters for FreeFEM. ending: "" of the base material, "_11" of the elements labelled so.
+std::string parameter_arguments(const Study::LawParameters& p, const std::string& ending) {
+    if (p.alpha.empty()) return fmt::format("-C1{2} {0} -C2{2} {1}", p.C1_Pa, p.C2_Pa, ending);
+    std::string text;
+    for (std::size_t k = 0; k < p.alpha.size(); ++k)
+        text += fmt::format("{4}-mu{0}{3} {1} -alpha{0}{3} {2}", k + 1, p.mu_Pa[k], p.alpha[k], ending, k ? " " : "");
+    return text;
+}
+
 /// The law and its parameters for FreeFEM; those of the named regions after the base material's.
 std::string law_arguments(const Study::Material& m) {
-    const bool ogden = m.law == "ogden";
-    const auto parameters = [ogden](const Study::LawParameters& p, const std::string& ending) {
-        if (!ogden) return fmt::format("-C1{2} {0} -C2{2} {1}", p.C1_Pa, p.C2_Pa, ending);
-        std::string text;
-        for (std::size_t k = 0; k < p.alpha.size(); ++k)
-            text += fmt::format("{4}-mu{0}{3} {1} -alpha{0}{3} {2}", k + 1, p.mu_Pa[k], p.alpha[k], ending, k ? " " : "");
-        return text;
-    };
-    std::string text = parameters(m, "");
-    if (ogden) text = fmt::format("-law ogden -terms {} ", m.alpha.size()) + text;
+    std::string text = parameter_arguments(m, "");
+    if (m.law == "ogden") text = fmt::format("-law ogden -terms {} ", m.alpha.size()) + text;
     int label = 10;
-    for (const Study::Region& r : m.regions) text += " " + parameters(r, fmt::format("_{}", ++label));
+    for (const Study::Region& r : m.regions) text += " " + parameter_arguments(r, fmt::format("_{}", ++label));
     return text;
 }
 
@@ -60,9 +61,8 @@ std::string solid_arguments(const Study& s, const PlannedPath& path) {
         g.width_m, g.length_m, g.height_m, s.cells[0], s.cells[1], s.cells[2], path.sizes_m[0], path.sizes_m[1],
         law_arguments(s.material));
     if (s.nodule)
-        text += fmt::format(" -nodule_x {} -nodule_y {} -nodule_z {} -nodule_radius {} -C1_{} {} -C2_{} {}", s.nodule->centre_m[0],
-                            s.nodule->centre_m[1], s.nodule->centre_m[2], s.nodule->radius_m, nodule_label, s.nodule->C1_Pa, nodule_label,
-                            s.nodule->C2_Pa);
+        text += fmt::format(" -nodule_x {} -nodule_y {} -nodule_z {} -nodule_radius {} {}", s.nodule->centre_m[0], s.nodule->centre_m[1],
+                            s.nodule->centre_m[2], s.nodule->radius_m, parameter_arguments(*s.nodule, fmt::format("_{}", nodule_label)));
     return text + fmt::format(
         " -contact_x {} -contact_y {} -contact_z {} -direction_x {} -direction_y {} -direction_z {} -disc_radius {} -depth {} "
         "-records {} -tolerance {} -max_newton {} -allow_lost 1",

@@ -36,7 +36,7 @@ Study::Nodule read_nodule(TomlReader in, const Study& study) {
     const Study::Geometry& g = study.geometry;
     const std::vector<double> centre = in.numbers("centre_m", 3);
     const double radius_m = in.number("radius_m", positive);
-    Study::Nodule nodule{read_law_parameters(in, study.material.law), Eigen::Vector3d(centre[0], centre[1], centre[2]), radius_m};
+    Study::Nodule nodule{read_law_parameters(in, study.material.law, study.material.alpha.size()), Eigen::Vector3d(centre[0], centre[1], centre[2]), radius_m};
     const double least_m = radius_m + study.sizes_m[0] / 2;
     double wall_m = std::numeric_limits<double>::infinity();
     for (const auto& [place_m, size_m] :

@@ -198,8 +198,6 @@ void apply_preset(toml::table& table, const std::string& file) {
 Study::Material read_material(TomlReader in, const Study::Geometry& geometry) {
     Study::Material m;
     m.law = in.choice("law", {"mooney-rivlin", "neo-Hookean", "ogden"});
-    if (geometry.is_solid() && m.law == "ogden")
-        in.refuse("law", fmt::format("'ogden' is for the plane alone; a solid {} has mooney-rivlin or neo-Hookean", geometry.is_block() ? "block" : "shape"));
     static_cast<Study::LawParameters&>(m) = read_law_parameters(in, m.law);
     m.density_kg_m3 = in.number("density_kg_m3", positive);
     if (geometry.is_solid()) {

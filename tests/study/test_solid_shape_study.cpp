@@ -94,7 +94,7 @@ TEST_CASE("keys that a solid shape has not, or must have, are refused by name", 
     CHECK_THAT(said("edges3", "edges", "springs.topology"), Contains("allowed: edges3"));
     CHECK_THAT(said("stiffness = \"law\"\nterms = [\"spring.all\", \"cell.all\"]", "law = \"axial\"", "springs.stiffness"), Contains("solid shape"));
     CHECK_THAT(said("kind = \"disc\"", "kind = \"patch\"", "indenter.kind"), Contains("solid shape"));
-    CHECK_THAT(said("law = \"mooney-rivlin\"\nC1_Pa = 263.0\nC2_Pa = 491.0", "law = \"ogden\"\nmu_Pa = [100]\nalpha = [2]", "material.law"), Contains("solid shape"));
+    CHECK_THAT(said("law = \"mooney-rivlin\"\nC1_Pa = 263.0\nC2_Pa = 491.0", "law = \"gent\"", "material.law"), Contains("ogden"));
     CHECK_THAT(said("density_kg_m3 = 1000.0", "density_kg_m3 = 1000.0\nformulation = \"plane-strain\"", "material.formulation"), Contains("plane"));
     CHECK_THAT(said("[springs]", "[nodule]\nradius_m = 0.01\n[springs]", "nodule"), Contains("geometry.length_m"));
     CHECK_THAT(said("[springs]", "[data]\nfile = \"x.csv\"\n[springs]", "data"), Contains("finite elements"));
