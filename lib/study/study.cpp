@@ -497,8 +497,8 @@ Study read_study(const std::string& file) {
 
     if (in.has("data") && !block) in.refuse("data", "is measured on the block; a shape has finite elements");
     if (in.has("data") && solid) in.refuse("data", "is measured in the plane; a solid block has finite elements");
-    for (const char* key : {"nodule", "map"})
-        if (in.has(key) && (!solid || !block)) in.refuse(key, "needs a solid block, one with geometry.length_m");
+    if (in.has("nodule") && !solid) in.refuse("nodule", "needs a solid, one with geometry.length_m or geometry.solid");
+    if (in.has("map") && (!solid || !block)) in.refuse("map", "needs a solid block, one with geometry.length_m");
     if (in.has("data"))
         read_data(in, study);
     else if (solid)

@@ -122,7 +122,7 @@ TEST_CASE("a nodule stiffens springs and cells by what of it lies in them, and i
     const SpringMesh mesh = study_mesh(solid(), {}, "grid26");
     const Cells cells = mesh_cells(mesh);
     const double E = 6 * 754.0, volume_m3 = 0.02 * 0.02 * 0.05 / 3;
-    const Eigen::VectorXd moduli = solid_moduli(solid(), mesh, cells);
+    const Eigen::VectorXd moduli = solid_moduli(solid(), {}, mesh, cells);
     CHECK(moduli.minCoeff() == Approx(E));
     CHECK(((moduli.array() / E - 1) / (18000 / E - 1)).sum() * volume_m3 == Approx(4.0 / 3 * 3.14159265 * std::pow(0.008, 3)).epsilon(0.3));  // by 64 points a cell
     const NodeField points = nodule_points(solid());
@@ -137,7 +137,7 @@ TEST_CASE("a nodule stiffens springs and cells by what of it lies in them, and i
     const Eigen::VectorXd before = law.constants(p);
     p << 1, 0, 0;
     const Eigen::VectorXd ratio = law.constants(p).cwiseQuotient(before).head(mesh.spring_count());
-    CHECK((ratio - solid_moduli(solid(), mesh, mesh.springs) / E).norm() < 1e-9);  // exp(1 log(E / E_block))
+    CHECK((ratio - solid_moduli(solid(), {}, mesh, mesh.springs) / E).norm() < 1e-9);  // exp(1 log(E / E_block))
     CHECK(law.ground() == points);
     other.nodule.reset();
     for (const char* term : {"spring.nodule", "cell.nodule", "contact.hardening.ground"}) {
