@@ -25,18 +25,19 @@ Eigen::VectorXd triangle_moduli(const Study& study, const std::optional<Shape>& 
 
 namespace {
 
-/// Weights of a piece's corners at points spread evenly over it (P x K): 4 along a spring, 64 in a lattice's cell, 120 in a
-/// tetrahedron.
+/// Weights of a tetrahedron's corners at points spread evenly over it, `along` of them along a side (P x 4).
+Eigen::MatrixXd even_in_tetrahedron(int along) {
+    Eigen::MatrixXd weights(along * (along + 1) * (along + 2) / 6, 4);
+    Eigen::Index p = 0;
+    for (int i = 0; i < along; ++i)
+        for (int j = 0; i + j < along; ++j)
+            for (int k = 0; i + j + k < along; ++k) weights.row(p++) << i + 0.25, j + 0.25, k + 0.25, along - 1 - i - j - k + 0.25;
+    return weights / along;
+}
+
+/// The same of any piece (P x K): 4 along a spring, 64 in a lattice's cell, 120 in a tetrahedron.
 Eigen::MatrixXd even_points(Eigen::Index corners) {
-    if (corners == 4) {
-        constexpr int along = 8;
-        Eigen::MatrixXd weights(along * (along + 1) * (along + 2) / 6, 4);
-        Eigen::Index p = 0;
-        for (int i = 0; i < along; ++i)
-            for (int j = 0; i + j < along; ++j)
-                for (int k = 0; i + j + k < along; ++k) weights.row(p++) << i + 0.25, j + 0.25, k + 0.25, along - 1 - i - j - k + 0.25;
-        return weights / along;
-    }
+    if (corners == 4) return even_in_tetrahedron(8);
     constexpr int along = 4;
     int axes = 0;  // a spring's ends, or a cell's corners bit by bit
     while ((1 << axes) < corners) ++axes;
@@ -52,13 +53,17 @@ Eigen::MatrixXd even_points(Eigen::Index corners) {
     return weights;
 }
 
+double volume_of(const SpringMesh& mesh, Eigen::Index tetrahedron) {
+    const auto at = [&](int k) { return Eigen::RowVector3d(mesh.nodes.row(mesh.simplices(tetrahedron, k))); };
+    return (at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0)) / 6;
+}
+
 /// Mean of a value of the tetrahedra (T), by their volumes, over those that have all nodes of a row of `pieces`.
 Eigen::VectorXd mean_about(const SpringMesh& mesh, const Eigen::VectorXd& value, const Cells& pieces) {
     std::map<std::vector<int>, std::pair<double, double>> sums;  // of value times volume, and of volume
     const Eigen::Index size = pieces.cols();
     for (Eigen::Index t = 0; t < mesh.simplices.rows(); ++t) {
-        const auto at = [&](int k) { return Eigen::RowVector3d(mesh.nodes.row(mesh.simplices(t, k))); };
-        const double volume = (at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0)) / 6;
+        const double volume = volume_of(mesh, t);
         for (int a = 0; a < 4; ++a)
             for (int b = 0; b < (size == 1 ? 1 : a); ++b) {
                 std::vector<int> key{mesh.simplices(t, a)};
@@ -125,6 +130,25 @@ NodeField nodule_points(const Study& study) {
     return points;
 }
 
+NodeField region_points(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh) {
+    const Eigen::MatrixXd weights = even_in_tetrahedron(2);
+    const double E = study.material.youngs_modulus_Pa();
+    const Eigen::VectorXd own = triangle_moduli(study, shape, mesh, E);
+    std::vector<Eigen::RowVector4d> points;
+    for (Eigen::Index t = 0; t < own.size(); ++t) {
+        if (shape->region[static_cast<std::size_t>(t)] == 0) continue;
+        Eigen::Matrix<double, 4, 3> corners;
+        for (int k = 0; k < 4; ++k) corners.row(k) = mesh.nodes.row(mesh.simplices(t, k));
+        const Eigen::MatrixXd at = weights * corners;
+        const double part_m3 = volume_of(mesh, t) / static_cast<double>(at.rows());
+        for (Eigen::Index p = 0; p < at.rows(); ++p)
+            points.emplace_back(at(p, 0), at(p, 1), at(p, 2), part_m3 * std::log(own[t] / E));
+    }
+    NodeField field(static_cast<Eigen::Index>(points.size()), 4);
+    for (std::size_t g = 0; g < points.size(); ++g) field.row(static_cast<Eigen::Index>(g)) = points[g];
+    return field;
+}
+
 namespace {
 
 /// The law of a solid: of what is of other stiffness than its base material springs, cells and contacts know.
@@ -133,10 +157,10 @@ EnergyLaw solid_law(const Study& study, const std::optional<Shape>& shape, const
     const Eigen::VectorXd springs = factor * solid_moduli(study, shape, mesh, mesh.springs),
                           cells = factor * solid_moduli(study, shape, mesh, on_lattice(mesh) ? mesh_cells(mesh) : nodes_of(mesh));
     LawHeuristic heuristic = solid_heuristic(mesh, springs, cells, E, study.springs.area_cap_E2, study.indenter.radius_m);
-    if (study.nodule) {
+    if (study.nodule || !study.material.regions.empty()) {
         heuristic.stiffer.resize(springs.size() + cells.size());
         heuristic.stiffer << (springs / E).array().log(), (cells / E).array().log();
-        heuristic.ground = nodule_points(study);
+        heuristic.ground = study.nodule ? nodule_points(study) : region_points(study, shape, mesh);
     }
     return {mesh, heuristic, study.springs.terms};
 }

@@ -19,6 +19,9 @@ Eigen::VectorXd solid_moduli(const Study& study, const std::optional<Shape>& sha
 /// The study's nodule as points that fill it evenly, 8 across (G x 4): place [m], volume times log(E / E_block) [m3].
 NodeField nodule_points(const Study& study);
 
+/// The study's regions of a solid shape likewise, four points a tetrahedron.
+NodeField region_points(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh);
+
 /// Part of each row's pieces that lies in a ball, by points spread evenly over it: 4 along a spring, 64 in a
 /// lattice's cell, 120 in a tetrahedron.
 Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, const Point& centre_m, double radius_m);

@@ -203,7 +203,7 @@ Study::Material read_material(TomlReader in, const Study::Geometry& geometry) {
     if (geometry.is_solid()) {
         if (in.has("formulation")) in.refuse("formulation", fmt::format("belongs to the plane; a solid {} is incompressible", geometry.is_block() ? "block" : "shape"));
         if (in.has("regions") && geometry.is_block()) in.refuse("regions", "needs a geometry.shape whose file names them; a solid block has [nodule]");
-        if (in.has("regions")) in.refuse("regions", "belongs to the plane: finite elements of a solid shape have one material");
+        if (in.has("regions") && ends_with(geometry.shape, ".stl")) in.refuse("regions", "are physical volumes, and an .stl has a surface alone");
         m.formulation = "incompressible";
     } else {
         m.formulation = in.choice("formulation", {"plane-stress", "plane-strain"});
@@ -498,6 +498,7 @@ Study read_study(const std::string& file) {
     if (in.has("data") && !block) in.refuse("data", "is measured on the block; a shape has finite elements");
     if (in.has("data") && solid) in.refuse("data", "is measured in the plane; a solid block has finite elements");
     if (in.has("nodule") && !solid) in.refuse("nodule", "needs a solid, one with geometry.length_m or geometry.solid");
+    if (in.has("nodule") && !study.material.regions.empty()) in.refuse("nodule", "cannot stand beside material.regions");
     if (in.has("map") && (!solid || !block)) in.refuse("map", "needs a solid block, one with geometry.length_m");
     if (in.has("data"))
         read_data(in, study);

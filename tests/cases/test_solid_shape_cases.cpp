@@ -1,4 +1,4 @@
-#include <Eigen/LU>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -14,6 +14,7 @@
 #include "cases/study_mesh.h"
 #include "cases/sweep.h"
 #include "error.h"
+#include "train/untrained_model.h"
 #include "../mutations.h"
 #include "../refusal.h"
 #include "../solid_shape_study.h"
@@ -216,6 +217,25 @@ TEST_CASE("regions of a solid shape stiffen springs and cells about them", "[sol
     CHECK(ratio.minCoeff() == Approx(1).epsilon(tolerance::rounding));
     CHECK(ratio.maxCoeff() == Approx(10).epsilon(tolerance::rounding));
     CHECK((ratio.array() > 1.01 && ratio.array() < 9.99).any());
+    double volume_m3 = 0;
+    Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < stony->region.size() / 2; ++i) {
+        Eigen::Matrix<double, 4, 3> corners;
+        for (int k = 0; k < 4; ++k) corners.row(k) = mesh.nodes.row(mesh.simplices(static_cast<Eigen::Index>(i), k));
+        const double own = (corners.bottomRows<3>().rowwise() - corners.row(0)).determinant() / 6;
+        volume_m3 += own;
+        moment += own * corners.colwise().mean().transpose();
+    }
+    const NodeField ground = region_points(s, stony, mesh);
+    CHECK(ground.col(3).sum() == Approx(std::log(10.0) * volume_m3).epsilon(tolerance::rounding));
+    CHECK((ground.leftCols(3).transpose() * ground.col(3) / std::log(10.0) - moment).norm() < 1e-9 * moment.norm());
+    s.springs.terms = {"spring.nodule", "contact.normal.ground"};
+    CHECK(study_law(s, stony, mesh).ground() == ground);
+    s.springs.terms = study().springs.terms;
+    Cases cases = dome_cases();
+    cases.shape = stony;
+    const Eigen::VectorXd own = untrained_model(s, cases, {}).heuristic_a, even = untrained_model(study(), dome_cases(), {}).heuristic_a;
+    CHECK((own.cwiseQuotient(even) - ratio.head(mesh.spring_count())).norm() < 1e-9 * own.size());  // Van Gelder's
     stony->region.assign(stony->region.size(), 1);
     CHECK((study_law(s, stony, mesh).constants(none) - 10 * soft).norm() < 1e-9 * soft.norm());
 }

@@ -148,6 +148,35 @@ wrong "a nodule outside" 's/^centre_m.*/centre_m = [0.020, 0.0, 0.040]/' "stone.
 wrong "a nodule at the surface" 's/^radius_m.*/radius_m = 0.0125/' "stone.toml: key 'nodule.radius_m': .* mm from the surface of fem/dome.geo; a nodule of 12.5 mm needs 15.375 mm"
 rm "$work/$stone"
 
+# ---- the same ball as a volume of the user's own
+sed 's/^Physical Volume.*/Sphere(9) = {20, 0, 16, 8}; BooleanFragments{ Volume{3}; Delete; }{ Volume{9}; Delete; }\nPhysical Volume("stone") = {9};\nrest[] = Volume{:}; rest[] -= {9}; Physical Volume("flesh") = {rest[]};/
+  /^bed/d; s/^Physical Surface.*//' "$work/fem/dome.geo" >"$work/fem/pit.geo"
+cat >>"$work/fem/pit.geo" <<'GEO'
+bed[] = Surface In BoundingBox{-60, -60, -0.01, 60, 60, 0.01};
+Physical Surface("table") = {bed[]};
+GEO
+pit=fem/studies/pit.toml
+sed -e 's|^\[nodule\]|[geometry]\nshape = "../pit.geo"\n[lattice]\nsize_m = 0.014\n[material.regions.stone]|' -e '/^centre_m/d' -e '/^radius_m/d' "$scratch/stone.toml" >"$work/$pit"
+run make PYTHON="$PYTHON" STUDY=pit eval
+check "a solid shape with a region of its own goes from mesh to evaluation" exited 0
+check "a ball as a named volume is felt as the nodule is" "$PYTHON" - "$work/results/pit" "$work/results/stone" <<'PY'
+import sys
+import h5py
+import numpy as np
+def forces(folder):
+    with h5py.File(folder + "/cases.h5") as c:
+        return {n: np.linalg.norm(c["paths"][n]["contact_force"][()], axis=1)[-1] for n in c["path_names"].asstr() if n.startswith("c0")}
+pit, stone = forces(sys.argv[1]), forces(sys.argv[2])
+assert sorted(pit) == sorted(stone) and len(pit) == 3, (pit, stone)
+off = {n: pit[n] / stone[n] - 1 for n in pit}
+print(off)
+assert max(map(abs, off.values())) < 0.03, off
+PY
+sed -i 's/regions.stone/regions.peach/' "$work/$pit"
+run make PYTHON="$PYTHON" STUDY=pit mesh
+check "a region that the shape has not: one line says so" one_line "fem/pit.geo: has no physical volume 'peach'; it has: .*stone"
+rm "$work/$pit"
+
 # ---- the same tissue as a mesh of tetrahedra, and as an .stl
 cp -p "$work/$study" "$scratch/geo.toml"
 (cd "$work/fem" && gmsh -v 1 -3 -clmin 14 -clmax 14 -format msh41 dome.geo -o dome.msh >/dev/null 2>&1)
