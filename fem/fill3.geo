@@ -1,14 +1,14 @@
 // Fills a closed surface with tetrahedra for a disc that presses on it: finely about the disc, as `tissuectl rim` has divided
 // the surface already. The surface's triangles stay as they are: held 1, free 2, under the disc 3. The tissue is 10, a nodule
-// inside it, 11, between which no element lies in both.
+// inside it 11, along whose sphere elements end.
 //
 // Parameters, set with gmsh -setnumber [m]: contact_x, contact_y, contact_z, disc_radius, size_near, size_far, nodule_x,
-// nodule_y, nodule_z, nodule_radius (0: none), as block3.geo
+// nodule_y, nodule_z, nodule_radius (0: none), as block3.geo; better: gmsh works on tetrahedra of less than this quality
 // Sample run (one line): gmsh -3 -format msh22 -setnumber contact_x 0.04 -setnumber contact_y 0.045
 //   -setnumber contact_z 0.055 surface.msh fem/fill3.geo -o path.msh
 
 DefineConstant[ contact_x = 0, contact_y = 0, contact_z = 0, disc_radius = 0.007, size_near = 0.0035, size_far = 0.015,
-                nodule_x = 0, nodule_y = 0, nodule_z = 0, nodule_radius = 0 ];
+                nodule_x = 0, nodule_y = 0, nodule_z = 0, nodule_radius = 0, better = 0.6 ];
 
 all[] = Surface{:};
 Surface Loop(1) = {all[]};
@@ -74,5 +74,5 @@ Mesh.MeshSizeFromPoints = 0;
 Mesh.MeshSizeFromCurvature = 0;
 Mesh.Algorithm3D = 1;   // Delaunay
 Mesh.Optimize = 1;
-Mesh.OptimizeThreshold = 0.6;
+Mesh.OptimizeThreshold = better;
 General.NumThreads = 1;

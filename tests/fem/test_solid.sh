@@ -397,7 +397,16 @@ over_refused low $? 'organ3.geo: the disc of radius 0.007 m about .* overlaps th
 organ name beds 0.04 0.045 0.0545
 over_refused name $? "organ3.geo: has no surface 'beds' to hold; it has bed" "a held surface that is not there is refused with those there are"
 over regions "$fem/organ3.geo" "$work/organ-springs.msh" bed 0.0045 0.002 1 0.04 0.045 0.0545 0 0 -1 -regions lump
-over_refused regions $? 'regions of their own material (lump) are not supported' "regions in a shape in space are refused"
+over_refused regions $? "organ3.geo: has no physical volume 'lump'; it has: tissue" "a region that a shape in space has not is refused"
+# a nodule in it: of the same material it changes the mesh alone, a stiff one is felt
+ball="-nodule_x 0.04 -nodule_y 0.045 -nodule_z 0.041 -nodule_radius 0.008"
+organ even bed 0.04 0.045 0.0545
+# shellcheck disable=SC2086
+over same "$fem/organ3.geo" "$work/organ-springs.msh" bed 0.0045 0.002 1 0.04 0.045 0.0545 0 0 -1 $ball -C1_11 263 -C2_11 491
+close_to "$(along same 1 0 0 -1)" "$(along even 1 0 0 -1)" 0.01 "a nodule of the same material in a shape is none, within the mesh's error"
+# shellcheck disable=SC2086
+over stiff "$fem/organ3.geo" "$work/organ-springs.msh" bed 0.0045 0.002 1 0.04 0.045 0.0545 0 0 -1 $ball -C1_11 1052 -C2_11 1964
+close_to "$(along stiff 1 0 0 -1)" "$(awk "BEGIN { print 1.26 * $(along even 1 0 0 -1) }")" 0.03 "a nodule four times as stiff in a shape is felt as on finer meshes, by 26 %"
 awk '/^solid rest/ { rest = 1 } rest && /^facet/ && !cut { cut = 1; skip = 1 } !skip { print } /^endfacet/ { skip = 0 }' "$work/box.stl" > "$work/open.stl"
 over open "$work/open.stl" "$work/box-springs.msh" bottom 0.0045 0.002 1 0.043 0.05 0.05 0 0 -1
 over_refused open $? 'open.stl: the surface does not close: it has a border at' "an STL that does not close is refused with the place"
