@@ -98,7 +98,7 @@ TEST_CASE("terms for places serve a solid shape, but for those of a lattice", "[
                              "spring.across.layer", "spring.upright", "spring.top", "cell.bottom", "spring.z", "cell.z2", "spring.x2", "contact.normal.phase"})
         CHECK_NOTHROW(law_on(mesh, {term}));
     for (const char* term : {"spring.wall", "cell.wall", "spring.face", "spring.body", "spring.vertical"})
-        CHECK_THROWS_WITH(law_on(mesh, {term}), Contains("is not possible here; allowed: all, surface, layer, held, top, bottom, x2"));
+        CHECK_THROWS_WITH(law_on(mesh, {term}), Contains("is not possible here; allowed: all, surface, layer, held, top, bottom, nodule, x2"));
 }
 
 TEST_CASE("a pressed dome rests in balance, and its derivatives are those of its rest", "[solid_shape]") {
