@@ -14,8 +14,9 @@ namespace {
 constexpr double pi = 3.14159265358979323846;
 constexpr double imprint = 2.5;             // its reach, in radii
 constexpr double under = 1.2, stuck = 4;    // how far the disc itself holds the tissue, in radii, and how much more stiffly
-constexpr double reach = 1.6;  // of the mean's weights, in spacings: at least four nodes of a square lattice
+constexpr double reach = 1.6, shape_reach = 2;  // of the mean's weights, in spacings: at least four nodes of a square lattice
 
+constexpr double curved_reach = 2.2;  // of the nodes that say how curved the surface is, in spacings
 constexpr double width = 0.35;  // of the bells whose sum says where between the nodes a contact stands, in spacings
 
 /// (1 - x^2)^2, nothing beyond 1.
@@ -53,12 +54,37 @@ double DiscContact::ground_at(const Eigen::Vector3d& contact_m, const Eigen::Vec
     return 8 * radius_m_ / (pi * pi) * sum;
 }
 
+double DiscContact::curved_at(const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const {
+    const Eigen::Matrix<double, 3, 2> tangents = tangents_of(inward);
+    constexpr std::size_t enough = 8;  // six numbers of the surface, and two to even out
+    std::vector<int> near;
+    double reach_m = curved_reach * surface_.spacing_m();
+    for (int tries = 0; tries < 10 && near.size() < enough; ++tries, reach_m *= 1.15) {
+        near.clear();
+        for (int node : surface_.nodes())
+            if ((rest_.row(node).transpose() - contact_m).norm() < reach_m && surface_.faces(node, inward)) near.push_back(node);
+        if (near.size() >= enough) break;
+    }
+    Eigen::MatrixXd terms(static_cast<Eigen::Index>(near.size()), 6);
+    Eigen::VectorXd below(terms.rows());
+    for (Eigen::Index i = 0; i < terms.rows(); ++i) {
+        const Eigen::Vector3d from = rest_.row(near[static_cast<std::size_t>(i)]).transpose() - contact_m;
+        const Eigen::Vector2d along = tangents.transpose() * from / radius_m_;
+        const double weight = 1 - from.squaredNorm() / (reach_m * reach_m);
+        terms.row(i) << 1, along[0], along[1], along[0] * along[0] / 2, along[0] * along[1], along[1] * along[1] / 2;
+        terms.row(i) *= weight;
+        below[i] = weight * from.dot(inward) / radius_m_;
+    }
+    const Eigen::VectorXd fitted = terms.completeOrthogonalDecomposition().solve(below);
+    return (fitted[3] + fitted[5]) / 2;
+}
+
 DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, NodeField ground)
-    : surface_(mesh), rest_(mesh.nodes), radius_m_(radius_m), ground_(std::move(ground)) {
+    : surface_(mesh), rest_(mesh.nodes), radius_m_(radius_m), ground_(std::move(ground)), on_lattice_(on_lattice(mesh)) {
     if (!mesh.is_solid()) throw MismatchError("a disc needs a surface in space");
     if (!(radius_m > 0)) throw MismatchError("a disc needs a radius > 0");
     carried_ = Eigen::VectorXd::Ones(mesh.node_count());
-    if (on_lattice(mesh)) return;
+    if (on_lattice_) return;
     carried_.setZero();
     const double square_m2 = surface_.spacing_m() * surface_.spacing_m();
     for (Eigen::Index f = 0; f < surface_.facets().rows(); ++f)
@@ -75,7 +101,7 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
     // fewer than four are near, the mean reaches farther.
     std::vector<int> near;
     const auto away_m = [&](int node) { return (rest_.row(node).transpose() - centre).norm(); };
-    double reach_m = reach * h;
+    double reach_m = (on_lattice_ ? reach : shape_reach) * h;
     for (int tries = 0; tries < 10; ++tries, reach_m *= 1.25) {
         near.clear();
         int in_reach = 0;
@@ -95,7 +121,8 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
         const Eigen::Vector2d across = tangents.transpose() * (rest_.row(node).transpose() - centre) / h;
         return Eigen::Vector3d(1, across[0], across[1]);
     };
-    for (int node : near) moments += bell(away_m(node) / reach_m) * basis(node) * basis(node).transpose();
+    const auto weight = [&](int node) { return carried_[node] * bell(away_m(node) / reach_m); };
+    for (int node : near) moments += weight(node) * basis(node) * basis(node).transpose();
     const Eigen::Vector3d solved = moments.ldlt().solve(Eigen::Vector3d::UnitX());
 
     std::vector<int> pressed;
@@ -113,7 +140,7 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
         rows.push.row(a) = axes.col(a).transpose();
         for (Eigen::Index i = 0; i < K; ++i) {
             const int node = near[static_cast<std::size_t>(i)];
-            rows.pull.block<1, 3>(a, 3 * i) = bell(away_m(node) / reach_m) * basis(node).dot(solved) * axes.col(a).transpose();
+            rows.pull.block<1, 3>(a, 3 * i) = weight(node) * basis(node).dot(solved) * axes.col(a).transpose();
         }
         rows.law_row.push_back(a == 0 ? 0 : 1);
     }
@@ -130,14 +157,22 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
         for (int a = 0; a < 3; ++a, ++row) {
             rows.push.row(row) = profile(r / radius_m_) * axes.col(a).transpose() * follows;
             rows.pull.block<1, 3>(row, 3 * i) = axes.col(a).transpose();
-            rows.share[row] = bell(r / imprint_m) + stuck * bell(r / (under * radius_m_));
+            rows.share[row] = carried_[node] * (bell(r / imprint_m) + stuck * bell(r / (under * radius_m_)));
             rows.law_row.push_back(a == 0 ? 2 : 3);
         }
     }
     double crowd = 0;
     for (int node : near) crowd += carried_[node] * std::exp(-std::pow(away_m(node) / (width * h), 2) / 2) / (2 * pi * width * width);
     const double phase = (crowd - 1) / (4 * std::exp(-2 * pi * pi * width * width));
-    rows.factors << 1, phase, ground_at(centre, normal), std::exp(-surface_.to_crease_m(place.point_m) / h);
+    rows.factors.resize(on_lattice_ ? PatchLaw::factors : PatchLaw::shape_factors);
+    rows.factors.head<PatchLaw::factors>() << 1, phase, ground_at(centre, normal), std::exp(-surface_.to_crease_m(place.point_m) / h);
+    if (on_lattice_) return rows;
+    double nodes = 0, carried = 0;
+    for (int node : near) {
+        nodes += bell(away_m(node) / reach_m);
+        carried += weight(node);
+    }
+    rows.factors.tail<2>() << curved_at(centre, normal), std::log(nodes / carried);
     return rows;
 }
 
