@@ -51,6 +51,9 @@ LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spri
 LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triangle_modulus_N_m,
                            const std::string& formulation, double area_cap);
 
+/// Whether terms say that a disc's contact softens, and do not harden.
+bool softens(const std::vector<std::string>& terms);
+
 /// The constants of a tissue energy from few coefficients p (P), each of a named term of the rest mesh:
 ///   theta_s = heuristic_s exp(sum_t p_t term_t(s)),  k_m(place) = heuristic_m exp(...) likewise,
 ///   A_c = cap / (1 + (cap / heuristic_c - 1) exp(-sum_t p_t term_t(c))): the same, bending below the cap.
@@ -67,7 +70,8 @@ LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triang
 ///                   z z2 z3 z4, and of x and y the even powers; spring alone horizontal vertical face body
 ///                   nodule      log(E / E_base), E in proportion to what of it lies in the nodule, or in named regions of a shape
 ///   contact.normal contact.tangent contact.rotation contact.stretch, alone or with one of: phase corner edge (PatchLaw)
-///   of a disc normal tangent imprint_normal imprint_tangent hardening saturation coupling, with one of: phase ground edge (DiscContact)
+///   of a disc normal tangent imprint_normal imprint_tangent hardening saturation coupling, with one of: phase ground edge, on a
+///                   shape curved crowd (DiscContact); softening in place of hardening and saturation (ContactSpring)
 class EnergyLaw {
    public:
     /// Throws MismatchError for a term that is not known, does not fit the mesh, is zero everywhere or stands twice.
@@ -83,7 +87,7 @@ class EnergyLaw {
     Eigen::MatrixXd constants_by(const Eigen::VectorXd& p) const;  ///< their derivative (E x P)
     PatchLaw patch(const Eigen::VectorXd& p) const;
     /// Derivative of PatchLaw::values_at a place of these factors (K x P).
-    Eigen::MatrixXd stiffness_by(const Eigen::VectorXd& p, const Eigen::Vector4d& factors) const;
+    Eigen::MatrixXd stiffness_by(const Eigen::VectorXd& p, const ContactFactors& factors) const;
 
    private:
     std::vector<std::string> terms_;
@@ -91,6 +95,7 @@ class EnergyLaw {
     int springs_;                                ///< first constant of the cells
     Eigen::MatrixXd value_;                      ///< of each term at each element (E x P)
     std::vector<std::pair<int, int>> on_patch_;  ///< row and factor of PatchLaw, or -1
+    bool softens_ = false;                       ///< of a disc: whether terms say softening, not hardening
 };
 
 }  // namespace tissue
