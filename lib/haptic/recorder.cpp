@@ -43,6 +43,7 @@ const Integers integers[] = {
     {"/mesh", "pressed mesh, -1 none", [](const RecordedTick& k) { return k.tick.mesh; }},
     {"/facet", "of the boundary, -1 none", [](const RecordedTick& k) { return k.tick.facet; }},
     {"/set", "spring set with the largest share", [](const RecordedTick& k) { return k.tick.set; }},
+    {"/slipping", "1 where the contact went along the surface", [](const RecordedTick& k) { return k.tick.slipping ? 1 : 0; }},
     {"/fault", "1 where the input was refused", [](const RecordedTick& k) { return k.tick.fault ? 1 : 0; }},
 };
 
