@@ -105,9 +105,10 @@ class Aims {
 
 /// Two unit vectors across one, or one in the plane: the first as near to the first axis as can be.
 Point sideways(const Point& inward) {
-    Point along = Point::Unit(inward.size(), std::abs(inward[0]) < 0.9 ? 0 : inward.size() - 1);
-    along -= along.dot(inward) * inward;
-    return along.normalized();
+    Eigen::Vector3d along = Eigen::Vector3d::Zero(), in = Eigen::Vector3d::Zero();
+    in.head(inward.size()) = inward;
+    along[std::abs(inward[0]) < 0.9 ? 0 : inward.size() - 1] = 1;
+    return (along - along.dot(in) * in).normalized().head(inward.size());
 }
 
 /// In and out at places of the free surface drawn by seed, up to 27 degrees off its normal.
