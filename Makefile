@@ -145,9 +145,9 @@ LIB_SOURCES := $(call files,lib/*/*.cpp)
 # what both programs use: arguments, help, options of the realtime core, its ledger
 SHARED_SOURCES := cli/command.cpp cli/generate.cpp cli/haptic_options.cpp cli/haptic_report.cpp
 HAPTIC_SOURCES := cli/tissue_haptic.cpp $(SHARED_SOURCES)
-# the page's server: what knows Boost is one file, so that tests can do without it
-SERVE_SOURCES := $(filter-out cli/serve/server.cpp,$(call files,cli/serve/*.cpp))
-CLI_SOURCES := $(filter-out cli/tissue_haptic.cpp,$(call files,cli/*.cpp)) $(call files,cli/serve/*.cpp)
+# the page's server: what knows Boost is one folder, so that tests can do without it
+SERVE_SOURCES := $(call files,cli/serve/*.cpp)
+CLI_SOURCES := $(filter-out cli/tissue_haptic.cpp,$(call files,cli/*.cpp)) $(SERVE_SOURCES) $(call files,cli/serve/network/*.cpp)
 TEST_SOURCES := $(filter-out tests/bench/%,$(call files,tests/*.cpp tests/*/*.cpp))
 BENCH_SOURCES := $(call files,tests/bench/bench_*.cpp)
 objects = $(patsubst %.cpp,$(BUILD)/%.o,$(1))
@@ -196,8 +196,11 @@ $(BENCHES): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(BUILD)/libtissue.a
 	@$(call link) && mv $@.tmp $@
 endif
 
-# the page is part of the program
-$(BUILD)/cli/serve/page.o: $(call files,cli/view/*.html cli/view/*.css cli/view/*.js)
+# the page is part of the program, and so is the library that draws it in space
+THREE := /usr/share/javascript/three/three.module.js
+$(BUILD)/cli/serve/page.o: $(call files,cli/view/*.html cli/view/*.css cli/view/*.js) $(THREE)
+$(THREE): | build/deps
+	@[ -r $@ ] || { echo "make: there is no $@, of Debian's package libjs-three: the page cannot be built" >&2; exit 1; }
 
 -include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) $(CLI_SOURCES) $(HAPTIC_SOURCES) $(TEST_SOURCES) $(BENCH_SOURCES) scripts/gains_probe.cpp))
 

@@ -6,18 +6,24 @@
 #include "error.h"
 #include "io/atomic_file.h"
 #include "mesh/disc_rim.h"
+#include "mesh/region_lookup.h"
 
 namespace tissue::cli {
 namespace {
 
 struct Options {
-    std::string mesh, out;
-    std::vector<std::string> fixed{"fixed"};
+    std::string mesh, out, filled;
+    std::vector<std::string> fixed{"fixed"}, regions;
     std::vector<double> contact_m;
     double unit_m = 1, radius_m = 0.007, near_m = 0.003, far_m = 0.015;
 };
 
 void run(const Options& o) {
+    if (!o.filled.empty()) {
+        const MshFile mesh = read_msh(o.mesh, true);
+        return write_file(o.out, to_msh(read_msh(o.filled, true), RegionLookup(mesh, o.regions, o.unit_m)));
+    }
+    if (o.contact_m.empty()) throw CLI::RequiredError("--contact");
     const Surface surface = make_surface(read_msh(o.mesh, true), o.fixed, o.unit_m);
     try {
         const RimmedSurface made = with_rim(surface, {{o.contact_m[0], o.contact_m[1], o.contact_m[2]}, o.radius_m, o.near_m, o.far_m});
@@ -37,10 +43,12 @@ void add_rim(CLI::App& app, const Invocation&) {
     command->add_option("--mesh", o->mesh, "the shape as gmsh saved it, MSH 2.2")->required()->type_name("FILE");
     command->add_option("--fixed", o->fixed, "surfaces that are held")->delimiter(',')->type_name("NAME,..")->capture_default_str();
     command->add_option("--unit", o->unit_m, "the mesh's unit of length")->type_name("m")->capture_default_str();
-    command->add_option("--contact", o->contact_m, "about which the disc presses")->required()->expected(3)->type_name("m m m");
+    command->add_option("--contact", o->contact_m, "about which the disc presses")->expected(3)->type_name("m m m");
     command->add_option("--radius", o->radius_m, "of the disc")->type_name("m")->capture_default_str();
     command->add_option("--size_near", o->near_m, "sides of triangles near the disc")->type_name("m")->capture_default_str();
     command->add_option("--size_far", o->far_m, "and far away")->type_name("m")->capture_default_str();
+    CLI::Option* regions = command->add_option("--regions", o->regions, "volumes of the shape with a material of their own")->delimiter(',')->type_name("NAME,..");
+    command->add_option("--filled", o->filled, "that surface, filled with tetrahedra: label them by --regions instead")->needs(regions)->type_name("FILE");
     command->add_option("--out", o->out, "surface to write: fixed 1, free 2, disc 3")->required()->type_name("FILE");
     command->callback([o] { run(*o); });
 }

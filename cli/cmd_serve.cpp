@@ -9,7 +9,7 @@
 #include "haptic_report.h"
 #include "io/atomic_file.h"
 #include "serve/access.h"
-#include "serve/server.h"
+#include "serve/network/server.h"
 
 namespace tissue::cli {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <iostream>
 
+#include "cases/study_mesh.h"
 #include "command.h"
 #include "error.h"
 #include "io/atomic_file.h"
@@ -42,6 +43,7 @@ void run(const Options& o) {
     const auto make = g.is_solid() ? make_solid_shape : make_shape;
     const std::vector<std::string> of_ours{"fixed"};
     const Shape shape = o.filled ? make_solid_shape(mesh, of_ours, {}, 1, &notes) : make(mesh, g.fixed, study.material.region_names(), g.unit_m, &notes);
+    refuse_nodule_outside(study, shape);
     if (notes.turned > 0)
         std::cerr << fmt::format("shape: {} {} of {} {} and were turned\n", notes.turned, g.is_solid() ? "tetrahedra" : "triangles", g.shape,
                                  g.is_solid() ? "were inside out" : "ran clockwise");

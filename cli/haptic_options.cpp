@@ -32,6 +32,9 @@ void add_haptic_options(CLI::App& app, HapticChoices& c) {
     number("--coupling", h.coupling_ratio, "1", "k_C over the contact's own stiffness")->check(quiet(CLI::PositiveNumber));
     app.add_option("--damping", h.damping_ratio, "of critical, at the lowest mode; of a law 0.17")
         ->type_name("1")->default_str("0.05")->check(quiet(CLI::NonNegativeNumber));
+    app.add_option("--friction", h.friction.stick, "static mu between tool and tissue; without it the tool never slips")
+        ->type_name("1")->check(quiet(CLI::NonNegativeNumber));
+    app.add_option("--friction-slip", h.friction.slip, "kinetic mu; the static one")->type_name("1")->check(quiet(CLI::NonNegativeNumber));
     app.add_flag("--no-heuristic", c.no_heuristic, "only the learned mesh, not Van Gelder's beside it");
     number("--force-max", h.safety.force_max_N, "N", "no force above it goes out")->check(quiet(CLI::PositiveNumber));
     number("--slew", h.safety.slew_N_s, "N/s", "fastest change of force")->check(quiet(CLI::PositiveNumber));

@@ -10,7 +10,7 @@ namespace tissue::serve {
 /// FE's surface at one load case.
 struct FeOutline {
     double depth_m;
-    NodeField displacement_m;  ///< of the outline's nodes, in its order (B x D)
+    NodeField displacement_m;  ///< of the outline's nodes in its order, in space of Scene::shown() (B x D)
 };
 
 /// What FE say inside the tissue at each load case of a model.

@@ -11,6 +11,7 @@ namespace {
 constexpr double clearance_m = 0.01;    ///< kept from the tissue at rest while on the way; it bulges by less
 constexpr double travel_m_s = 0.5, approach_m_s = 0.08, press_m_s = 0.02, leave_m_s = 0.15;
 constexpr double rest_s = 0.8, pause_s = 0.4;
+constexpr double same_touch_m = 0.004;  ///< a person who presses deeper has not gone elsewhere
 constexpr double inset_m = 0.0003;      ///< a push along the surface must stay inside it
 
 /// From one place of a tour to the next: all are visited, and of many, neighbours not one after the other.
@@ -21,14 +22,14 @@ int stride(int count) {
     return step;
 }
 
-bool within(const Hand::Box& box, const Eigen::Vector2d& p, double margin) {
+bool within(const Hand::Box& box, const Point& p, double margin) {
     return (p.array() > box.first.array() - margin).all() && (p.array() < box.second.array() + margin).all();
 }
 
 /// Whether the way from a to b comes closer to a box than this.
-bool hits(const Hand::Box& box, const Eigen::Vector2d& a, const Eigen::Vector2d& b, double margin) {
+bool hits(const Hand::Box& box, const Point& a, const Point& b, double margin) {
     double from = 0, to = 1;
-    for (int axis : {0, 1}) {
+    for (Eigen::Index axis = 0; axis < a.size(); ++axis) {
         const double low = box.first[axis] - margin, high = box.second[axis] + margin, d = b[axis] - a[axis];
         if (std::abs(d) < 1e-12) {
             if (a[axis] <= low || a[axis] >= high) return false;
@@ -41,36 +42,60 @@ bool hits(const Hand::Box& box, const Eigen::Vector2d& a, const Eigen::Vector2d&
     return from < to;
 }
 
-bool clear(const std::vector<Hand::Box>& boxes, const Eigen::Vector2d& a, const Eigen::Vector2d& b, double margin) {
+bool clear(const std::vector<Hand::Box>& boxes, const Point& a, const Point& b, double margin) {
     return std::none_of(boxes.begin(), boxes.end(), [&](const Hand::Box& box) { return hits(box, a, b, margin); });
+}
+
+/// Where a way may turn: in the plane at the boxes' corners, in space at the upper ones and above its two ends.
+std::vector<Point> turns(const std::vector<Hand::Box>& boxes, const Point& from, const Point& to, double clearance) {
+    const Eigen::Index d = from.size(), up = d - 1;
+    std::vector<Point> points;
+    double top = -std::numeric_limits<double>::infinity();
+    for (const Hand::Box& box : boxes) {
+        top = std::max(top, box.second[up] + clearance);
+        for (int corner = 0; corner < (1 << d); ++corner) {
+            Point p(d);
+            for (Eigen::Index axis = 0; axis < d; ++axis)
+                p[axis] = corner >> axis & 1 ? box.second[axis] + clearance : box.first[axis] - clearance;
+            if (d == 2 || p[up] > box.second[up]) points.push_back(p);
+        }
+    }
+    for (const Point* end : {&from, &to}) {
+        if (d == 2) break;
+        points.push_back(*end);
+        points.back()[up] = std::max(top, (*end)[up]);
+    }
+    return points;
 }
 
 }  // namespace
 
-Eigen::Vector2d outside(const std::vector<Hand::Box>& boxes, const Eigen::Vector2d& p, double clearance) {
-    Eigen::Vector2d out = p;
+Point outside(const std::vector<Hand::Box>& boxes, const Point& p, double clearance) {
+    const Eigen::Index up = p.size() - 1;
+    Point out = p;
     for (const Hand::Box& box : boxes) {
         if (!within(box, out, clearance)) continue;
-        const Eigen::Vector2d low = box.first.array() - clearance, high = box.second.array() + clearance;
-        const Eigen::Vector2d sides[] = {{low.x(), out.y()}, {high.x(), out.y()}, {out.x(), high.y()}, {out.x(), low.y()}};
-        // the lower side is the held one: only from outside
-        const int count = p.y() < box.first.y() ? 4 : 3;
-        out = *std::min_element(sides, sides + count, [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-            return (a - out).norm() < (b - out).norm();
-        });
+        Point nearest = out;
+        double least = std::numeric_limits<double>::infinity();
+        for (Eigen::Index axis = 0; axis <= up; ++axis)
+            for (bool high : {false, true}) {
+                // the lower side is the held one: only from outside
+                if (axis == up && !high && !(p[up] < box.first[up])) continue;
+                const double side = high ? box.second[axis] + clearance : box.first[axis] - clearance, way = std::abs(side - out[axis]);
+                if (!(way < least)) continue;
+                least = way;
+                nearest = out;
+                nearest[axis] = side;
+            }
+        out = nearest;
     }
     return out;
 }
 
-std::vector<Eigen::Vector2d> way_round(const std::vector<Hand::Box>& boxes, const Eigen::Vector2d& from,
-                                       const Eigen::Vector2d& to, double clearance) {
+std::vector<Point> way_round(const std::vector<Hand::Box>& boxes, const Point& from, const Point& to, double clearance) {
     const double margin = 0.9 * clearance;
-    std::vector<Eigen::Vector2d> points = {from, to};
-    for (const Hand::Box& box : boxes) {
-        const Eigen::Vector2d low = box.first.array() - clearance, high = box.second.array() + clearance;
-        for (const Eigen::Vector2d& p : {low, Eigen::Vector2d(high.x(), low.y()), high, Eigen::Vector2d(low.x(), high.y())})
-            points.push_back(p);
-    }
+    std::vector<Point> points = {from, to};
+    for (const Point& p : turns(boxes, from, to, clearance)) points.push_back(p);
     // Dijkstra over what sees each other
     const std::size_t n = points.size();
     std::vector<double> distance(n, std::numeric_limits<double>::infinity());
@@ -91,7 +116,7 @@ std::vector<Eigen::Vector2d> way_round(const std::vector<Hand::Box>& boxes, cons
             }
         }
     }
-    std::vector<Eigen::Vector2d> way = {to};
+    std::vector<Point> way = {to};
     if (!std::isfinite(distance[1])) return way;
     for (std::size_t k = before[1]; k != 0; k = before[k]) way.insert(way.begin(), points[k]);
     return way;
@@ -107,24 +132,48 @@ void Hand::show(const Scene& scene) {
     way_.clear();
     inside_ = false;
     place_ = scene.first_place();
+    touch_.resize(0);
     const auto& [low, high] = scene.boxes().front();
-    at_ = entry_ = wanted_ = {0.5 * (low.x() + high.x()), high.y() + 3 * clearance_m};
+    at_ = 0.5 * (low + high);
+    at_[at_.size() - 1] = high[at_.size() - 1] + 3 * clearance_m;
+    entry_ = wanted_ = at_;
 }
 
-void Hand::follow(const Eigen::Vector2d& point_m) {
+void Hand::follow(const Point& point_m) {
     // nothing is farther away than three times what there is to touch
     const auto& boxes = scene_->boxes();
-    const Eigen::Vector2d size = boxes.back().second - boxes.front().first;
+    const Point size = boxes.back().second - boxes.front().first;
     wanted_ = point_m.cwiseMax(boxes.front().first - 3 * size).cwiseMin(boxes.back().second + 3 * size);
+    const Eigen::Index up = wanted_.size() - 1;
+    if (scene_->dimension() == 3) wanted_[up] = std::max(wanted_[up], boxes.front().first[up]);   // what it stands on
     if (mode_ != Mode::led) {
         // from the demo's press first out of the tissue again
         way_.clear();
         inside_ = false;
+        touch_.resize(0);
         mode_ = Mode::led;
     }
     if (inside_) return;
+    if (scene_->dimension() == 3) return approach();
     way_.clear();
     go_round(outside(boxes, wanted_, clearance_m));
+}
+
+/// In space: to the surface along its normal and on to where the person is, or to a point that is not at the tissue.
+void Hand::approach() {
+    const Touch touch = scene_->nearest(wanted_);
+    if (touch_.size() > 0 && (touch.contact_m - touch_).norm() < same_touch_m) {   // on its way there already
+        way_.back().to_m = wanted_;
+        return;
+    }
+    way_.clear();
+    touch_.resize(0);
+    const Point clear_of_all = outside(scene_->boxes(), touch.contact_m - 1.2 * clearance_m * touch.inward, clearance_m);
+    if ((wanted_ - touch.contact_m).dot(touch.inward) < -clearance_m) return go_round(outside(scene_->boxes(), wanted_, clearance_m));
+    go_round(clear_of_all);
+    touch_ = touch.contact_m;
+    way_.push_back({touch_, approach_m_s});
+    way_.push_back({wanted_, approach_m_s});
 }
 
 void Hand::let_go() {
@@ -146,23 +195,23 @@ void Hand::demonstrate(int place) {
 }
 
 /// Adds the way round the tissue from where the hand will be then.
-void Hand::go_round(const Eigen::Vector2d& to_m) {
+void Hand::go_round(const Point& to_m) {
     const auto& boxes = scene_->boxes();
-    Eigen::Vector2d from = way_.empty() ? at_ : way_.back().to_m;
+    Point from = way_.empty() ? at_ : way_.back().to_m;
     const bool clear_here = std::none_of(boxes.begin(), boxes.end(), [&](const Box& b) { return within(b, from, 0.9 * clearance_m); });
     if (!clear_here) {
         from = outside(boxes, within(boxes.front(), from, 0) || within(boxes.back(), from, 0) ? entry_ : from, clearance_m);
         way_.push_back({from, travel_m_s});
     }
-    for (const Eigen::Vector2d& p : way_round(boxes, from, to_m, clearance_m)) way_.push_back({p, travel_m_s});
+    for (const Point& p : way_round(boxes, from, to_m, clearance_m)) way_.push_back({p, travel_m_s});
 }
 
 /// Adds one press at the demo's place, and back out.
 void Hand::press() {
     const Place& place = scene_->places()[static_cast<std::size_t>(place_)];
     const double sink = scene_->model().is_law() ? 1 : 1 + 1 / scene_->model().options.coupling_ratio;
-    const Eigen::Vector2d touch = place.contact_m + inset_m * place.inward;
-    const Eigen::Vector2d away = outside(scene_->boxes(), place.contact_m - 1.2 * clearance_m * place.inward, clearance_m);
+    const Point touch = place.contact_m + inset_m * place.inward;
+    const Point away = outside(scene_->boxes(), place.contact_m - 1.2 * clearance_m * place.inward, clearance_m);
     go_round(away);
     way_.push_back({touch, approach_m_s});
     way_.push_back({touch + sink * place.depth_m * place.direction, press_m_s, rest_s});
@@ -170,7 +219,7 @@ void Hand::press() {
     way_.push_back({away, leave_m_s, pause_s});
 }
 
-Eigen::Vector2d Hand::step(double elapsed_s) {
+Point Hand::step(double elapsed_s) {
     double left = elapsed_s;
     while (left > 0 && !way_.empty()) {
         Leg& leg = way_.front();

@@ -25,6 +25,10 @@ class Keys {
         if (!std::isfinite(x)) throw Wrong{fmt::format("'{}' must be a finite number", key)};
         return x;
     }
+    std::optional<double> number_if_there(const char* key) {
+        if (!j_.contains(key)) return {};
+        return number(key);
+    }
     int integer(const char* key, int low) {
         const Json& value = at(key);
         if (!value.is_number_integer() || value.get<double>() < low || value.get<double>() > 1e6)
@@ -59,7 +63,8 @@ Message read(const Json& j) {
     Message message;
     if (*type == "pointer") {
         const double x = keys.number("x"), y = keys.number("y");
-        message = PointerMessage{x, y, keys.flag("down")};
+        const std::optional<double> z = keys.number_if_there("z");
+        message = PointerMessage{x, y, z, keys.flag("down")};
     } else if (*type == "pause") {
         message = PauseMessage{keys.flag("on")};
     } else if (*type == "reset") {
@@ -96,7 +101,11 @@ std::string near_message(int place, double distance_m, const std::vector<FeOutli
     Json outline = Json::array();
     for (const FeOutline& o : outlines) {
         Json moved = Json::array();
-        for (const auto& u : o.displacement_m.rowwise()) moved.push_back({rounded(u.x()), rounded(u.y())});
+        for (const auto& u : o.displacement_m.rowwise()) {
+            Json node = Json::array();
+            for (double along : u) node.push_back(rounded(along));
+            moved.push_back(node);
+        }
         outline.push_back({o.depth_m, moved});
     }
     return Json{{"type", "near"}, {"place", place}, {"distance_m", distance_m}, {"outline", outline}}.dump();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -10,7 +11,7 @@
 namespace tissue::serve {
 
 /// What a page can say (cli/view/PROTOCOL.md).
-struct PointerMessage { double x_m, y_m; bool down; };
+struct PointerMessage { double x_m, y_m; std::optional<double> z_m; bool down; };  ///< z of models in space
 struct PauseMessage { bool on; };
 struct ResetMessage {};
 struct DemoMessage { int place; };

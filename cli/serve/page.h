@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 namespace tissue::serve {
 
@@ -8,6 +9,9 @@ namespace tissue::serve {
 struct PageFile {
     std::string_view path, type, text;
 };
+
+/// All of them.
+const std::vector<PageFile>& page_files();
 
 /// By the path of a request; nullptr when there is none.
 const PageFile* page_file(std::string_view path);

@@ -1,11 +1,11 @@
 #include "scene.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <optional>
 
 #include "mesh/outline.h"
 
@@ -16,8 +16,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-Json pair(const Eigen::Vector2d& v) {
-    return Json::array({v.x(), v.y()});
+Json numbers(const Point& v) {
+    return std::vector<double>(v.data(), v.data() + v.size());
 }
 
 /// "left-10mm" -> "left": what the cases of one place have in common.
@@ -25,11 +25,6 @@ std::string without_depth(const std::string& name) {
     const std::size_t dash = name.rfind('-');
     const bool depth = dash != std::string::npos && name.size() > dash + 2 && name.compare(name.size() - 2, 2, "mm") == 0;
     return depth ? name.substr(0, dash) : name;
-}
-
-/// Where the contact is on the learned mesh at rest.
-Eigen::Vector2d contact_at_rest(const TickRecord& record, const HapticModel& model) {
-    return model.meshes[0]->springs.rest_place(record.facet, record.weight);
 }
 
 double at_depth(const std::vector<std::pair<double, double>>& curve, double depth_m) {
@@ -44,37 +39,51 @@ double at_depth(const std::vector<std::pair<double, double>>& curve, double dept
 }  // namespace
 
 Scene::Scene(const TissueModel& tissue, const HapticModel& model, const std::vector<NodeField>& fe_displacement_m)
-    : model_(model), fixed_(tissue.mesh.fixed), springs_(tissue.mesh.springs) {
-    for (const auto& mesh : model.meshes) boxes_.emplace_back(Eigen::Vector2d(mesh->place_m + model.low_m), Eigen::Vector2d(mesh->place_m + model.high_m));
-    const Outline outline(tissue.mesh);
-    const std::vector<int>& nodes = model.meshes[0]->springs.outline();
+    : model_(model), mesh_(tissue.mesh), surface_(tissue.mesh),
+      disc_radius_m_(tissue.energy_law ? tissue.energy_law->disc_radius_m : 0) {
+    for (const auto& mesh : model.meshes) boxes_.emplace_back(mesh->place_m + model.low_m, mesh->place_m + model.high_m);
+    if (mesh_.is_solid()) {
+        shown_.assign(mesh_.facets.data(), mesh_.facets.data() + mesh_.facets.size());
+        std::sort(shown_.begin(), shown_.end());
+        shown_.erase(std::unique(shown_.begin(), shown_.end()), shown_.end());
+    } else {
+        shown_.resize(static_cast<std::size_t>(mesh_.node_count()));
+        std::iota(shown_.begin(), shown_.end(), 0);
+    }
+    const std::vector<int> surface = mesh_.is_solid() ? shown_ : mesh_.loop();   // whose displacement by FE is told
+    std::optional<Outline> outline;
+    if (!mesh_.is_solid()) outline.emplace(mesh_);
+    const auto inward = [&](const Point& contact) -> Point {
+        if (outline) return outline->inward_normal(outline->arc_of(contact));
+        return surface_.nearest(contact).inward;
+    };
     const bool forces = tissue.contact_force_N.rows() > 0;
     for (int c = 0; c < tissue.case_count(); ++c) {
-        const Eigen::Vector2d contact = tissue.contact_m.row(c), direction = tissue.direction.row(c);
+        const Point contact = tissue.contact_m.row(c), direction = tissue.direction.row(c);
         std::size_t k = 0;
         while (k < places_.size() && ((places_[k].contact_m - contact).norm() > 1e-9 || (places_[k].direction - direction).norm() > 1e-9))
             ++k;
         if (k == places_.size())
-            places_.push_back({without_depth(tissue.case_names[static_cast<std::size_t>(c)]), contact, direction,
-                               outline.inward_normal(outline.arc_of(contact)), 0, {}, {}});
+            places_.push_back({without_depth(tissue.case_names[static_cast<std::size_t>(c)]), contact, direction, inward(contact), 0, {}, {}});
         Place& place = places_[k];
         place.depth_m = std::max(place.depth_m, tissue.magnitude_m[c]);
         if (forces) place.curve.emplace_back(tissue.magnitude_m[c], tissue.contact_force_N.row(c).dot(direction));
         if (!fe_displacement_m.empty())
             place.outlines.push_back(
-                {tissue.magnitude_m[c], fe_displacement_m[static_cast<std::size_t>(c)](nodes, Eigen::all)});
+                {tissue.magnitude_m[c], fe_displacement_m[static_cast<std::size_t>(c)](surface, Eigen::all)});
     }
     for (Place& place : places_) {
         if (!place.outlines.empty())
-            place.outlines.push_back({0, NodeField::Zero(static_cast<Eigen::Index>(nodes.size()), 2)});
+            place.outlines.push_back({0, NodeField::Zero(static_cast<Eigen::Index>(surface.size()), dimension())});
         std::sort(place.outlines.begin(), place.outlines.end(),
                   [](const FeOutline& a, const FeOutline& b) { return a.depth_m < b.depth_m; });
         if (place.curve.empty()) continue;
         place.curve.emplace_back(0, 0);
         std::sort(place.curve.begin(), place.curve.end());
     }
-    const Eigen::Vector2d top(0.5 * (model.low_m.x() + model.high_m.x()), model.high_m.y());
-    const double width = model.high_m.x() - model.low_m.x();
+    Point top = 0.5 * (model.low_m + model.high_m);
+    top[dimension() - 1] = model.high_m[dimension() - 1];
+    const double width = model.high_m[0] - model.low_m[0];
     double best = -1e9;
     for (std::size_t k = 0; k < places_.size(); ++k) {
         const double merit = places_[k].direction.dot(places_[k].inward) - (places_[k].contact_m - top).norm() / width;
@@ -82,11 +91,23 @@ Scene::Scene(const TissueModel& tissue, const HapticModel& model, const std::vec
     }
 }
 
+Touch Scene::nearest(const Point& p) const {
+    Touch touch;
+    double best = std::numeric_limits<double>::infinity();
+    for (const auto& mesh : model_.meshes) {
+        const FreeSurface::Place here = surface_.nearest(p - mesh->place_m);
+        if (!(here.distance_m < best)) continue;
+        best = here.distance_m;
+        touch = {mesh->place_m + here.point_m, here.inward};
+    }
+    return touch;
+}
+
 Near Scene::near(const TickState& state) const {
     Near near{-1, 0, unknown};
     if (state.record.mesh < 0) return near;
-    const Eigen::Vector2d contact = contact_at_rest(state.record, model_);
-    const Eigen::Vector2d push = state.contact_displacement_m[0];
+    const Point contact = model_.meshes[0]->springs.rest_place(state.record.facet, state.record.weight);
+    const Point push = state.contact_displacement_m[0];
     double best = 1e9, best_along = -1e9;
     for (std::size_t k = 0; k < places_.size(); ++k) {
         const double distance = (places_[k].contact_m - contact).norm(), along = places_[k].direction.dot(push);
@@ -101,56 +122,54 @@ Near Scene::near(const TickState& state) const {
 
 std::string Scene::message(const std::vector<std::string>& names, int index) const {
     const HapticOptions& o = model_.options;
-    Json j = {{"type", "model"}, {"study", model_.study}, {"models", names}, {"model", index}, {"law", model_.is_law()}, {"dt_s", o.dt_s},
-              {"force_max_N", o.safety.force_max_N}, {"force_scale", o.map.force_scale}};
-    Eigen::Vector2d low = boxes_[0].first, high = boxes_[0].second;
+    Json j = {{"type", "model"}, {"study", model_.study}, {"models", names}, {"model", index}, {"dimension", dimension()},
+              {"law", model_.is_law()}, {"dt_s", o.dt_s}, {"force_max_N", o.safety.force_max_N}, {"force_scale", o.map.force_scale},
+              {"node_count", mesh_.node_count()}, {"spring_count", mesh_.spring_count()}};
+    Point low = boxes_[0].first, high = boxes_[0].second;
     for (const auto& [box_low, box_high] : boxes_) low = low.cwiseMin(box_low), high = high.cwiseMax(box_high);
+    const auto shown_as = [&](int node) { return std::lower_bound(shown_.begin(), shown_.end(), node) - shown_.begin(); };
+    Json fixed = Json::array(), facets = Json::array();
+    for (int node : mesh_.fixed)
+        if (std::binary_search(shown_.begin(), shown_.end(), node)) fixed.push_back(shown_as(node));
+    if (mesh_.is_solid())
+        for (const auto& facet : mesh_.facets.rowwise()) facets.push_back({shown_as(facet[0]), shown_as(facet[1]), shown_as(facet[2])});
     Json meshes = Json::array();
     for (const auto& mesh : model_.meshes) {
         j["dynamics"][mesh->name] = mesh->dynamics;
-        Json nodes = Json::array(), springs = Json::array(), stiffness = Json::array();
-        for (int n = 0; n < mesh->springs.node_count(); ++n)
-            nodes.push_back(pair(Eigen::Vector2d(mesh->place_m + mesh->springs.rest().row(n).transpose())));
-        const Eigen::VectorXd mean = mesh->theta_of_set.rowwise().mean();
-        for (Eigen::Index s = 0; s < springs_.rows(); ++s) {
-            springs.push_back({springs_(s, 0), springs_(s, 1)});
-            stiffness.push_back(mean[mesh->springs.slot_of_spring()[static_cast<std::size_t>(s)]]);
+        Json nodes = Json::array();
+        for (int n : shown_) nodes.push_back(numbers(mesh->place_m + mesh->springs.rest().row(n).transpose()));
+        Json m = {{"name", mesh->name}, {"nodes_m", nodes}, {"fixed", fixed}};
+        if (mesh_.is_solid()) {
+            m["facets"] = facets;
+        } else {
+            Json springs = Json::array(), stiffness = Json::array();
+            const Eigen::VectorXd mean = mesh->theta_of_set.rowwise().mean();
+            for (Eigen::Index s = 0; s < mesh_.springs.rows(); ++s) {
+                springs.push_back({mesh_.springs(s, 0), mesh_.springs(s, 1)});
+                stiffness.push_back(mean[mesh->springs.slot_of_spring()[static_cast<std::size_t>(s)]]);
+            }
+            m["springs"] = springs;
+            m["stiffness_N_m"] = stiffness;
+            m["outline"] = mesh_.loop();
         }
-        meshes.push_back({{"name", mesh->name}, {"nodes_m", nodes}, {"fixed", fixed_}, {"springs", springs},
-                          {"stiffness_N_m", stiffness}, {"outline", mesh->springs.outline()}});
+        meshes.push_back(m);
     }
-    j["low_m"] = pair(low);
-    j["high_m"] = pair(high);
+    j["low_m"] = numbers(low);
+    j["high_m"] = numbers(high);
     j["meshes"] = meshes;
+    if (mesh_.is_solid()) j["disc_radius_m"] = disc_radius_m_;
     Json places = Json::array();
     for (const Place& p : places_) {
         Json curve = Json::array();
         for (const auto& [depth, force] : p.curve) curve.push_back({depth, force});
-        places.push_back({{"name", p.name}, {"contact_m", pair(p.contact_m)}, {"direction", pair(p.direction)},
-                          {"depth_m", p.depth_m}, {"curve", curve}});
+        Json place = {{"name", p.name}, {"contact_m", numbers(p.contact_m)}, {"direction", numbers(p.direction)},
+                      {"depth_m", p.depth_m}, {"curve", curve}};
+        if (mesh_.is_solid()) place["inward"] = numbers(p.inward);
+        places.push_back(place);
     }
     j["places"] = places;
     j["demo"] = first_;
     return j.dump();
-}
-
-std::string encode_state(const TickState& s, const HapticModel& model, const Near& near, const TickSummary& sum) {
-    static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the page reads little-endian");
-    const TickRecord& r = s.record;
-    const auto number = [](long long n) { return static_cast<double>(n); };
-    const Eigen::Vector2d port = model.options.map.axes * r.device_N;
-    const Eigen::Vector2d heuristic = s.contact_displacement_m.size() > 1 ? Eigen::Vector2d(s.contact_displacement_m[1]) : Eigen::Vector2d::Zero();
-    const std::array<double, 32> head = {
-        r.time_s, number(sum.ticks), number(sum.misses), number(sum.misses_program), number(sum.clamped),
-        number(sum.faults), sum.ticks_a_second, sum.p50_us, sum.p99_us,
-        r.master_m.x(), r.master_m.y(), r.proxy_m.x(), r.proxy_m.y(), number(r.mesh),
-        s.contact_displacement_m[0].x(), s.contact_displacement_m[0].y(), heuristic.x(), heuristic.y(),
-        -r.coupling_N.x(), -r.coupling_N.y(), port.x(), port.y(),
-        number(near.place), near.force_N, number(r.set), r.fault ? 1.0 : 0.0, number(sum.clients), 0, 0, 0, 0, 0};
-    std::string bytes(sizeof head + sizeof(float) * s.nodes_m.size(), '\0');
-    std::memcpy(bytes.data(), head.data(), sizeof head);
-    std::memcpy(bytes.data() + sizeof head, s.nodes_m.data(), sizeof(float) * s.nodes_m.size());
-    return bytes;
 }
 
 }  // namespace tissue::serve

@@ -6,6 +6,7 @@
 
 #include "fe_outline.h"
 #include "haptic/state_channel.h"
+#include "mesh/free_surface.h"
 #include "springs/tissue_model.h"
 
 namespace tissue::serve {
@@ -13,7 +14,7 @@ namespace tissue::serve {
 /// One place where the model knows finite elements' answer: its load cases with one contact and one direction.
 struct Place {
     std::string name;
-    Eigen::Vector2d contact_m, direction, inward;  ///< learned mesh at rest; unit vectors
+    Point contact_m, direction, inward;            ///< learned mesh at rest; unit vectors (D)
     double depth_m = 0;                            ///< deepest case
     std::vector<std::pair<double, double>> curve;  ///< depth [m], FE force along the push [N], from 0; or empty
     std::vector<FeOutline> outlines;               ///< FE's surface by depth, from rest; or empty
@@ -26,18 +27,32 @@ struct Near {
     double force_N;         ///< FE's at the learned mesh's depth, along the push; NaN when unknown
 };
 
-/// What a model looks like to a page, and to the hand that presses it. Constants only.
+/// A point of a mesh's free surface at rest, and the unit normal into the tissue there (D).
+struct Touch {
+    Point contact_m, inward;
+};
+
+/// What a model looks like to a page, and to the hand that presses it, in the plane or in space. Constants only.
 class Scene {
    public:
+    using Box = std::pair<Point, Point>;   ///< low, high (D)
+
     /// fe_displacement_m: FE's, of every node at each load case (C) of (N x D), or empty.
     Scene(const TissueModel& tissue, const HapticModel& model, const std::vector<NodeField>& fe_displacement_m = {});
 
     const std::vector<Place>& places() const { return places_; }
     int first_place() const { return first_; }     ///< where the demo begins: the middle of the top, straight in
     const HapticModel& model() const { return model_; }
+    int dimension() const { return model_.dimension(); }
 
-    /// Boxes [low, high] of every mesh at rest, in the plane.
-    const std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>>& boxes() const { return boxes_; }
+    /// Boxes of every mesh at rest.
+    const std::vector<Box>& boxes() const { return boxes_; }
+
+    /// Nodes that a page draws, ascending: in the plane all, in space those of the boundary.
+    const std::vector<int>& shown() const { return shown_; }
+
+    /// Where the free surface of any mesh at rest is nearest to a point.
+    Touch nearest(const Point& p) const;
 
     Near near(const TickState& state) const;
 
@@ -46,19 +61,13 @@ class Scene {
 
    private:
     const HapticModel& model_;
-    std::vector<int> fixed_;
-    Eigen::Matrix<int, Eigen::Dynamic, 2> springs_;
+    SpringMesh mesh_;
+    FreeSurface surface_;
+    double disc_radius_m_;    ///< of the tool in space
+    std::vector<int> shown_;
     std::vector<Place> places_;
-    std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> boxes_;
+    std::vector<Box> boxes_;
     int first_ = 0;
 };
-
-/// One state as the page gets it (cli/view/PROTOCOL.md): 32 float64 and the nodes' float32, little-endian.
-struct TickSummary {
-    double ticks_a_second = 0, p50_us = 0, p99_us = 0;
-    long long faults = 0, clients = 0;
-    long long ticks = 0, misses = 0, misses_program = 0, clamped = 0;
-};
-std::string encode_state(const TickState& state, const HapticModel& model, const Near& near, const TickSummary& summary);
 
 }  // namespace tissue::serve

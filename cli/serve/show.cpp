@@ -7,6 +7,7 @@ namespace {
 
 constexpr double silent_s = 2;      ///< a holder who says nothing for this long has let go
 constexpr double turn_s = 0.5;      ///< between two changes of model: each stops the ticks for a moment
+constexpr double crossed_s = 2;     ///< after a change of model a page may still speak of the one before
 constexpr double idle_s = 3;        ///< without a holder until the demo begins by itself
 
 }  // namespace
@@ -36,6 +37,11 @@ std::optional<Refusal> Show::hear(Client client, std::string_view text, double n
     const Message& message = std::get<Message>(parsed);
     if (const ModelMessage* m = std::get_if<ModelMessage>(&message); m && m->model >= static_cast<int>(stage_.names().size()))
         return Refusal{"message", "no such model"};
+    if (const PointerMessage* m = std::get_if<PointerMessage>(&message); m && m->z_m.has_value() != stage_.model().is_solid()) {
+        // said of the model before: it crossed the news of another one
+        if (now_s - turned_s_ < crossed_s) return {};
+        return Refusal{"message", m->z_m ? "'z' is of models in space, and this one is in the plane" : "'z' is missing: this model is in space"};
+    }
     if (held_by_other(client)) return {};
     std::visit([&](const auto& m) { act(client, m, now_s); }, message);
     tell_control();
@@ -46,7 +52,10 @@ void Show::act(Client client, const PointerMessage& m, double now_s) {
     if (m.down) {
         holder_ = client;
         heard_s_ = now_s;
-        hand_.follow({m.x_m, m.y_m});
+        Point at(m.z_m ? 3 : 2);
+        at.head<2>() << m.x_m, m.y_m;
+        if (m.z_m) at[2] = *m.z_m;
+        hand_.follow(at);
     } else if (holder_ == client)
         release(now_s);
 }
@@ -127,7 +136,7 @@ bool Show::step(double now_s) {
     summary_.clamped = counts.clamped;
     summary_.faults = counts.faults();
     summary_.clients = static_cast<long long>(clients_.size());
-    frame_ = encode_state(state, stage_.model(), near_, summary_);
+    frame_ = make_frame(state, stage_.scene(), near_, summary_);
     return true;
 }
 

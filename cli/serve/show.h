@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "frame.h"
 #include "hand.h"
 #include "haptic/histogram.h"
 #include "messages.h"
@@ -30,7 +31,7 @@ class Show {
 
     /// 60 times a second: moves the hand, looks at the newest state. True when frame() is a new one.
     bool step(double now_s);
-    const std::string& frame() const { return frame_; }
+    const Frame& frame() const { return frame_; }
 
     const Stage& stage() const { return stage_; }
     const Histogram& tick_us() const { return tick_us_; }
@@ -58,7 +59,7 @@ class Show {
     Client holder_ = nobody;
     double heard_s_ = 0, idle_since_s_ = 0, turned_s_ = -1e9, before_s_ = -1;
     Near near_;
-    std::string frame_;
+    Frame frame_;
     Histogram tick_us_;                       ///< since the start
     double tick_us_sum_ = 0;
     double second_s_ = -1;                    ///< when the figures over the last second were made

@@ -49,11 +49,17 @@ Stage::Stage(const std::vector<std::string>& files, const StageOptions& options)
         names_.push_back(name_for(tissue.study, names_));
         served_.push_back(std::move(served));
     }
-    const auto& [low, high] = scene().boxes().front();
-    pointer_ = std::make_unique<PointerDevice>(Eigen::Vector2d(0.5 * (low.x() + high.x()), high.y() + 0.03),
-                                               options_.haptic.map, options_.haptic.safety.speed_max_m_s);
+    take_pointer();
     simulation_ = std::make_unique<Simulation>(model());
     channel_ = std::make_unique<StateChannel>(model());
+}
+
+/// A pointer in the model's own space, above its middle.
+void Stage::take_pointer() {
+    const auto& [low, high] = scene().boxes().front();
+    Point start = 0.5 * (low + high);
+    start[start.size() - 1] = high[start.size() - 1] + 0.03;
+    pointer_ = std::make_unique<PointerDevice>(start, model().options.map, options_.haptic.safety.speed_max_m_s);
 }
 
 Stage::~Stage() {
@@ -94,7 +100,9 @@ void Stage::stop() {
 
 void Stage::turn_to(int model_index) {
     stop();
+    const int dimension = model().dimension();
     index_ = model_index;
+    if (model().dimension() != dimension) take_pointer();
     simulation_ = std::make_unique<Simulation>(model());
     channel_ = std::make_unique<StateChannel>(model());
     start(recorder_);

@@ -65,6 +65,7 @@ class Stage {
         std::unique_ptr<Scene> scene;
     };
     void run();
+    void take_pointer();
 
     StageOptions options_;
     std::vector<std::string> names_, warnings_;

@@ -34,40 +34,42 @@ std::string mesh_arguments(const Study& s, int refine) {
                        s.geometry.width_m, s.geometry.height_m, s.cells[0] * refine, s.cells[1] * refine);
 }
 
+/// A law's parameters for FreeFEM. ending: "" of the base material, "_11" of the elements labelled so.
+std::string parameter_arguments(const Study::LawParameters& p, const std::string& ending) {
+    if (p.alpha.empty()) return fmt::format("-C1{2} {0} -C2{2} {1}", p.C1_Pa, p.C2_Pa, ending);
+    std::string text;
+    for (std::size_t k = 0; k < p.alpha.size(); ++k)
+        text += fmt::format("{4}-mu{0}{3} {1} -alpha{0}{3} {2}", k + 1, p.mu_Pa[k], p.alpha[k], ending, k ? " " : "");
+    return text;
+}
+
 /// The law and its parameters for FreeFEM; those of the named regions after the base material's.
 std::string law_arguments(const Study::Material& m) {
-    const bool ogden = m.law == "ogden";
-    const auto parameters = [ogden](const Study::LawParameters& p, const std::string& ending) {
-        if (!ogden) return fmt::format("-C1{2} {0} -C2{2} {1}", p.C1_Pa, p.C2_Pa, ending);
-        std::string text;
-        for (std::size_t k = 0; k < p.alpha.size(); ++k)
-            text += fmt::format("{4}-mu{0}{3} {1} -alpha{0}{3} {2}", k + 1, p.mu_Pa[k], p.alpha[k], ending, k ? " " : "");
-        return text;
-    };
-    std::string text = parameters(m, "");
-    if (ogden) text = fmt::format("-law ogden -terms {} ", m.alpha.size()) + text;
+    std::string text = parameter_arguments(m, "");
+    if (m.law == "ogden") text = fmt::format("-law ogden -terms {} ", m.alpha.size()) + text;
     int label = 10;
-    for (const Study::Region& r : m.regions) text += " " + parameters(r, fmt::format("_{}", ++label));
+    for (const Study::Region& r : m.regions) text += " " + parameter_arguments(r, fmt::format("_{}", ++label));
     return text;
+}
+
+/// The nodule's place for gmsh and its material for FreeFEM; nothing where there is none.
+std::string nodule_arguments(const Study& s) {
+    if (!s.nodule) return "";
+    return fmt::format(" -nodule_x {} -nodule_y {} -nodule_z {} -nodule_radius {} {}", s.nodule->centre_m[0], s.nodule->centre_m[1],
+                       s.nodule->centre_m[2], s.nodule->radius_m, parameter_arguments(*s.nodule, fmt::format("_{}", nodule_label)));
 }
 
 /// For scripts/solve_path, which shares them between gmsh and fem/solve_solid.edp.
 std::string solid_arguments(const Study& s, const PlannedPath& path) {
     const Study::Geometry& g = s.geometry;
     const StudyPath& p = path.push;
-    std::string text = fmt::format(
-        "-geo {} -width {} -length {} -height {} -cells_x {} -cells_y {} -cells_z {} -size_near {} -size_far {} {}", solid_geo,
-        g.width_m, g.length_m, g.height_m, s.cells[0], s.cells[1], s.cells[2], path.sizes_m[0], path.sizes_m[1],
-        law_arguments(s.material));
-    if (s.nodule)
-        text += fmt::format(" -nodule_x {} -nodule_y {} -nodule_z {} -nodule_radius {} -C1_{} {} -C2_{} {}", s.nodule->centre_m[0],
-                            s.nodule->centre_m[1], s.nodule->centre_m[2], s.nodule->radius_m, nodule_label, s.nodule->C1_Pa, nodule_label,
-                            s.nodule->C2_Pa);
-    return text + fmt::format(
-        " -contact_x {} -contact_y {} -contact_z {} -direction_x {} -direction_y {} -direction_z {} -disc_radius {} -depth {} "
-        "-records {} -tolerance {} -max_newton {} -allow_lost 1",
-        p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1], p.direction[2], s.indenter.radius_m,
-        path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton);
+    return fmt::format(
+        "-geo {} -width {} -length {} -height {} -cells_x {} -cells_y {} -cells_z {} -size_near {} -size_far {} {}{} -contact_x {} "
+        "-contact_y {} -contact_z {} -direction_x {} -direction_y {} -direction_z {} -disc_radius {} -depth {} -records {} -tolerance {} "
+        "-max_newton {} -allow_lost 1",
+        solid_geo, g.width_m, g.length_m, g.height_m, s.cells[0], s.cells[1], s.cells[2], path.sizes_m[0], path.sizes_m[1],
+        law_arguments(s.material), nodule_arguments(s), p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1],
+        p.direction[2], s.indenter.radius_m, path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton);
 }
 
 /// For scripts/solve_path, of a solid shape. springs: the mesh whose nodes are asked for.
@@ -75,12 +77,12 @@ std::string solid_shape_arguments(const Study& s, const PlannedPath& path, const
     const StudyPath& p = path.push;
     const std::vector<std::string> regions = s.material.region_names();
     return fmt::format(
-        "-shape {} -unit_m {} -fixed {}{} -springs {} -size_near {} -size_far {} {} -contact_x {} -contact_y {} -contact_z {} "
+        "-shape {} -unit_m {} -fixed {}{} -springs {} -size_near {} -size_far {} {}{} -contact_x {} -contact_y {} -contact_z {} "
         "-direction_x {} -direction_y {} -direction_z {} -disc_radius {} -depth {} -records {} -tolerance {} -max_newton {} -allow_lost 1",
         s.geometry.shape, s.geometry.unit_m, fmt::join(s.geometry.fixed, ","),
         regions.empty() ? "" : fmt::format(" -regions {}", fmt::join(regions, ",")), springs, path.sizes_m[0], path.sizes_m[1],
-        law_arguments(s.material), p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1], p.direction[2],
-        s.indenter.radius_m, path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton);
+        law_arguments(s.material), nodule_arguments(s), p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1],
+        p.direction[2], s.indenter.radius_m, path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton);
 }
 
 /// For FreeFEM, fem/solve_path.edp. Numbers are written so that they read back to the same bits.
@@ -216,7 +218,7 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         for (const std::string& name : study.geometry.fixed) for_make(study, "geometry.fixed", name);
         for (const std::string& name : study.material.region_names()) for_make(study, "material.regions", name);
         for (const PlannedPath& path : paths)  // tissuectl rim divides its surface
-            solves(path, solid_shape_arguments(study, path, "$(R)/mesh.msh"), "$(R)/mesh.msh $(BUILD)/stage/rim " + study.geometry.shape,
+            solves(path, solid_shape_arguments(study, path, "$(R)/mesh.msh"), "$(R)/mesh.msh $(BUILD)/stage/rim fem/fill3.geo " + study.geometry.shape,
                    solid_shape_arguments(study, path, "mesh.msh"));
         return plan;
     }

@@ -23,63 +23,47 @@ Eigen::VectorXd triangle_moduli(const Study& study, const std::optional<Shape>& 
     return modulus;
 }
 
-Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, const Point& centre_m, double radius_m) {
+namespace {
+
+/// Weights of a tetrahedron's corners at points spread evenly over it, `along` of them along a side (P x 4).
+Eigen::MatrixXd even_in_tetrahedron(int along) {
+    Eigen::MatrixXd weights(along * (along + 1) * (along + 2) / 6, 4);
+    Eigen::Index p = 0;
+    for (int i = 0; i < along; ++i)
+        for (int j = 0; i + j < along; ++j)
+            for (int k = 0; i + j + k < along; ++k) weights.row(p++) << i + 0.25, j + 0.25, k + 0.25, along - 1 - i - j - k + 0.25;
+    return weights / along;
+}
+
+/// The same of any piece (P x K): 4 along a spring, 64 in a lattice's cell, 120 in a tetrahedron.
+Eigen::MatrixXd even_points(Eigen::Index corners) {
+    if (corners == 4) return even_in_tetrahedron(8);
     constexpr int along = 4;
-    Eigen::VectorXd part = Eigen::VectorXd::Zero(pieces.rows());
     int axes = 0;  // a spring's ends, or a cell's corners bit by bit
-    while ((1 << axes) < pieces.cols()) ++axes;
+    while ((1 << axes) < corners) ++axes;
     int points = 1;
     for (int a = 0; a < axes; ++a) points *= along;
-    for (Eigen::Index e = 0; e < pieces.rows(); ++e) {
-        for (int p = 0; p < points; ++p) {
-            Point at = Point::Zero(mesh.dimension());
-            for (Eigen::Index k = 0; k < pieces.cols(); ++k) {
-                double weight = 1;
-                for (int a = 0, rest = p; a < axes; ++a, rest /= along) {
-                    const double w = (rest % along + 0.5) / along;
-                    weight *= (k >> a & 1) ? w : 1 - w;
-                }
-                at += weight * mesh.nodes.row(pieces(e, k)).transpose();
+    Eigen::MatrixXd weights = Eigen::MatrixXd::Ones(points, corners);
+    for (int p = 0; p < points; ++p)
+        for (Eigen::Index k = 0; k < corners; ++k)
+            for (int a = 0, rest = p; a < axes; ++a, rest /= along) {
+                const double w = (rest % along + 0.5) / along;
+                weights(p, k) *= (k >> a & 1) ? w : 1 - w;
             }
-            part[e] += (at - centre_m).norm() < radius_m ? 1.0 / points : 0.0;
-        }
-    }
-    return part;
+    return weights;
 }
 
-Eigen::VectorXd solid_moduli(const Study& study, const SpringMesh& mesh, const Cells& pieces) {
-    const double E = study.material.youngs_modulus_Pa();
-    Eigen::VectorXd own = Eigen::VectorXd::Constant(pieces.rows(), E);
-    if (study.nodule)
-        own += (study.nodule->youngs_modulus_Pa() - E) * fraction_inside(mesh, pieces, study.nodule->centre_m, study.nodule->radius_m);
-    return own;
+double volume_of(const SpringMesh& mesh, Eigen::Index tetrahedron) {
+    const auto at = [&](int k) { return Eigen::RowVector3d(mesh.nodes.row(mesh.simplices(tetrahedron, k))); };
+    return (at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0)) / 6;
 }
-
-NodeField nodule_points(const Study& study) {
-    constexpr int across = 8;
-    const Study::Nodule& nodule = *study.nodule;
-    std::vector<Eigen::Vector3d> places;
-    for (int i = 0; i < across * across * across; ++i) {
-        const Eigen::Vector3d at = (2 * Eigen::Vector3d(i % across, i / across % across, i / across / across).array() + 1) / across - 1;
-        if (at.norm() < 1) places.emplace_back(nodule.centre_m + nodule.radius_m * at);
-    }
-    const double volume_m3 = 4 * 3.14159265358979323846 / 3 * std::pow(nodule.radius_m, 3);
-    NodeField points(static_cast<Eigen::Index>(places.size()), 4);
-    for (Eigen::Index g = 0; g < points.rows(); ++g)
-        points.row(g) << places[static_cast<std::size_t>(g)].transpose(),
-            volume_m3 / static_cast<double>(places.size()) * std::log(nodule.youngs_modulus_Pa() / study.material.youngs_modulus_Pa());
-    return points;
-}
-
-namespace {
 
 /// Mean of a value of the tetrahedra (T), by their volumes, over those that have all nodes of a row of `pieces`.
 Eigen::VectorXd mean_about(const SpringMesh& mesh, const Eigen::VectorXd& value, const Cells& pieces) {
     std::map<std::vector<int>, std::pair<double, double>> sums;  // of value times volume, and of volume
     const Eigen::Index size = pieces.cols();
     for (Eigen::Index t = 0; t < mesh.simplices.rows(); ++t) {
-        const auto at = [&](int k) { return Eigen::RowVector3d(mesh.nodes.row(mesh.simplices(t, k))); };
-        const double volume = (at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0)) / 6;
+        const double volume = volume_of(mesh, t);
         for (int a = 0; a < 4; ++a)
             for (int b = 0; b < (size == 1 ? 1 : a); ++b) {
                 std::vector<int> key{mesh.simplices(t, a)};
@@ -105,22 +89,78 @@ Cells nodes_of(const SpringMesh& mesh) {
     return nodes;
 }
 
-/// E of springs and cells in space [Pa]: of the block, and in proportion to what of them lies in the nodule; on a shape means
-/// over the tetrahedra about them.
+}  // namespace
+
+Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, const Point& centre_m, double radius_m) {
+    const Eigen::MatrixXd weights = even_points(pieces.cols());
+    Eigen::VectorXd part = Eigen::VectorXd::Zero(pieces.rows());
+    for (Eigen::Index e = 0; e < pieces.rows(); ++e) {
+        NodeField corners(pieces.cols(), mesh.dimension());
+        for (Eigen::Index k = 0; k < pieces.cols(); ++k) corners.row(k) = mesh.nodes.row(pieces(e, k));
+        const Eigen::MatrixXd at = weights * corners;
+        for (Eigen::Index p = 0; p < at.rows(); ++p)
+            part[e] += (at.row(p).transpose() - centre_m).norm() < radius_m ? 1.0 / static_cast<double>(at.rows()) : 0.0;
+    }
+    return part;
+}
+
+Eigen::VectorXd solid_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, const Cells& pieces) {
+    const double E = study.material.youngs_modulus_Pa();
+    const bool lattice = on_lattice(mesh);
+    const Cells& filled = lattice ? pieces : mesh.simplices;
+    Eigen::VectorXd own = lattice ? Eigen::VectorXd::Constant(filled.rows(), E) : triangle_moduli(study, shape, mesh, E);
+    if (study.nodule)
+        own += (study.nodule->youngs_modulus_Pa() - E) * fraction_inside(mesh, filled, study.nodule->centre_m, study.nodule->radius_m);
+    return lattice ? own : mean_about(mesh, own, pieces);
+}
+
+NodeField nodule_points(const Study& study) {
+    constexpr int across = 8;
+    const Study::Nodule& nodule = *study.nodule;
+    std::vector<Eigen::Vector3d> places;
+    for (int i = 0; i < across * across * across; ++i) {
+        const Eigen::Vector3d at = (2 * Eigen::Vector3d(i % across, i / across % across, i / across / across).array() + 1) / across - 1;
+        if (at.norm() < 1) places.emplace_back(nodule.centre_m + nodule.radius_m * at);
+    }
+    const double volume_m3 = 4 * 3.14159265358979323846 / 3 * std::pow(nodule.radius_m, 3);
+    NodeField points(static_cast<Eigen::Index>(places.size()), 4);
+    for (Eigen::Index g = 0; g < points.rows(); ++g)
+        points.row(g) << places[static_cast<std::size_t>(g)].transpose(),
+            volume_m3 / static_cast<double>(places.size()) * std::log(nodule.youngs_modulus_Pa() / study.material.youngs_modulus_Pa());
+    return points;
+}
+
+NodeField region_points(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh) {
+    const Eigen::MatrixXd weights = even_in_tetrahedron(2);
+    const double E = study.material.youngs_modulus_Pa();
+    const Eigen::VectorXd own = triangle_moduli(study, shape, mesh, E);
+    std::vector<Eigen::RowVector4d> points;
+    for (Eigen::Index t = 0; t < own.size(); ++t) {
+        if (shape->region[static_cast<std::size_t>(t)] == 0) continue;
+        Eigen::Matrix<double, 4, 3> corners;
+        for (int k = 0; k < 4; ++k) corners.row(k) = mesh.nodes.row(mesh.simplices(t, k));
+        const Eigen::MatrixXd at = weights * corners;
+        const double part_m3 = volume_of(mesh, t) / static_cast<double>(at.rows());
+        for (Eigen::Index p = 0; p < at.rows(); ++p)
+            points.emplace_back(at(p, 0), at(p, 1), at(p, 2), part_m3 * std::log(own[t] / E));
+    }
+    NodeField field(static_cast<Eigen::Index>(points.size()), 4);
+    for (std::size_t g = 0; g < points.size(); ++g) field.row(static_cast<Eigen::Index>(g)) = points[g];
+    return field;
+}
+
+namespace {
+
+/// The law of a solid: of what is of other stiffness than its base material springs, cells and contacts know.
 EnergyLaw solid_law(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double factor) {
     const double E = factor * study.material.youngs_modulus_Pa();
-    if (!on_lattice(mesh)) {
-        const Eigen::VectorXd modulus = triangle_moduli(study, shape, mesh, E);
-        const LawHeuristic heuristic = solid_heuristic(mesh, mean_about(mesh, modulus, mesh.springs), mean_about(mesh, modulus, nodes_of(mesh)), E,
-                                                       study.springs.area_cap_E2, study.indenter.radius_m);
-        return {mesh, heuristic, study.springs.terms};
-    }
-    const Eigen::VectorXd springs = factor * solid_moduli(study, mesh, mesh.springs), cells = factor * solid_moduli(study, mesh, mesh_cells(mesh));
+    const Eigen::VectorXd springs = factor * solid_moduli(study, shape, mesh, mesh.springs),
+                          cells = factor * solid_moduli(study, shape, mesh, on_lattice(mesh) ? mesh_cells(mesh) : nodes_of(mesh));
     LawHeuristic heuristic = solid_heuristic(mesh, springs, cells, E, study.springs.area_cap_E2, study.indenter.radius_m);
-    if (study.nodule) {
+    if (study.nodule || !study.material.regions.empty()) {
         heuristic.stiffer.resize(springs.size() + cells.size());
         heuristic.stiffer << (springs / E).array().log(), (cells / E).array().log();
-        heuristic.ground = nodule_points(study);
+        heuristic.ground = study.nodule ? nodule_points(study) : region_points(study, shape, mesh);
     }
     return {mesh, heuristic, study.springs.terms};
 }

@@ -12,13 +12,18 @@ namespace tissue {
 /// of its own, in proportion to its E.
 Eigen::VectorXd triangle_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_N_m);
 
-/// E of each row of springs or cells in space [Pa]: of the block, and in proportion to what of it lies in the nodule.
-Eigen::VectorXd solid_moduli(const Study& study, const SpringMesh& mesh, const Cells& pieces);
+/// E of each row of springs or cells in space [Pa]: of the base material, and in proportion to what of it lies in the nodule. On a
+/// shape, of springs or of nodes (one column): means, by volume, over the tetrahedra about them, as in Van Gelder's sum.
+Eigen::VectorXd solid_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, const Cells& pieces);
 
 /// The study's nodule as points that fill it evenly, 8 across (G x 4): place [m], volume times log(E / E_block) [m3].
 NodeField nodule_points(const Study& study);
 
-/// Part of each row's pieces that lies in a ball, by points spread evenly over it: 4 along a spring, 64 in a cell.
+/// The study's regions of a solid shape likewise, four points a tetrahedron.
+NodeField region_points(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh);
+
+/// Part of each row's pieces that lies in a ball, by points spread evenly over it: 4 along a spring, 64 in a
+/// lattice's cell, 120 in a tetrahedron.
 Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, const Point& centre_m, double radius_m);
 
 /// The study's terms on its mesh, over the heuristic of its material, E2 taken `factor` times as large (train_law.h's

@@ -16,7 +16,11 @@ SpringMesh study_mesh(const Study& study, const std::optional<Shape>& shape, con
 NodeField study_nodes(const Study& study, const std::optional<Shape>& shape);
 
 /// The shape of a study that has one, from the mesh file that tissuectl shape wrote; nothing for the block.
-/// Throws MismatchError when the file is needed and its name is empty; FileError.
+/// Throws MismatchError when the file is needed and its name is empty; FileError; as refuse_nodule_outside.
 std::optional<Shape> study_shape(const Study& study, const std::string& mesh_file);
+
+/// Throws StudyError where the study's nodule does not lie in the shape, half an element from its surface: there the mesh of a
+/// path has slivers.
+void refuse_nodule_outside(const Study& study, const Shape& shape);
 
 }  // namespace tissue

@@ -77,7 +77,8 @@ std::string terms_csv(const LawModel& law) {
 }
 
 std::string contact_csv(const PatchLaw& patch, const std::vector<std::string>& rows) {
-    std::string contact = fmt::format("row,log_k_N_m,phase,{},edge\n", patch.hardens() ? "ground" : "corner");
+    std::string contact = fmt::format("row,log_k_N_m,phase,{},edge{}\n", patch.hardens() ? "ground" : "corner",
+                                      patch.log_N_m.cols() > PatchLaw::factors ? ",curved,crowd" : "");
     for (std::size_t m = 0; m < rows.size(); ++m)
         contact += fmt::format("{},{}\n", rows[m], values(patch.log_N_m.row(static_cast<Eigen::Index>(m))));
     return contact;

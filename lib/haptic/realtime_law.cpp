@@ -10,6 +10,7 @@
 #include "error.h"
 #include "hot_loop.h"
 #include "mesh/topology.h"
+#include "springs/disc_contact.h"
 #include "springs/law_kernel.h"
 #include "springs/region_area.h"
 #include "springs/region_volume.h"
@@ -17,7 +18,7 @@
 namespace tissue {
 namespace {
 
-constexpr int chunk = 128;  ///< cells at a time: their forces stay in the first-level cache
+constexpr int chunk = 256;  ///< cells at a time: their forces stay in the first-level cache
 
 const LawModel& law_of(const TissueModel& model) {
     if (!model.energy_law) throw MismatchError("the model's stiffness is no law");
@@ -136,6 +137,8 @@ RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) 
     const TissueEnergy energy(model.mesh, law.incompressible);
     if (law.constants.size() != energy.constant_count()) throw MismatchError("the law's constants are not those of the mesh");
     patch_ = law.patch;
+    if (const auto* disc = dynamic_cast<const DiscContact*>(kernel_.get()); disc && disc->most_nodes() > ToolSpring::most_nodes)
+        throw MismatchError(fmt::format("{} nodes lie under a disc of {:g} mm; the tick has room for {}", disc->most_nodes(), 1e3 * law.disc_radius_m, ToolSpring::most_nodes));
 
     theta_ = springs.to_slots(law.constants.head(energy.kinds().front()->count()));
     if (model.mesh.is_solid() && !on_lattice(model.mesh)) {

@@ -13,6 +13,7 @@ namespace tissue {
 namespace {
 
 constexpr int chunk = 256;  ///< nodes, or loose springs, at a time: their forces stay in the first-level cache
+constexpr int fewest = 8;   ///< springs of a band
 
 }  // namespace
 
@@ -39,7 +40,7 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const
     if (!mesh.is_solid()) outline_ = mesh.loop();
     facets_ = mesh.facets;
 
-    // bands: offsets that fill at least half of the run they span
+    // bands: offsets that fill at least half of the run they span, and are worth a run of their own
     std::map<int, std::vector<int>> by_offset;
     for (int s = 0; s < S; ++s) by_offset[std::abs(mesh.springs(s, 1) - mesh.springs(s, 0))].push_back(s);
     slot_of_spring_.assign(static_cast<std::size_t>(S), -1);
@@ -53,7 +54,7 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const
         }
         const int span = high - low + 1;
         const int before = slots;
-        bool distinct = 2 * static_cast<int>(springs.size()) >= span;
+        bool distinct = 2 * static_cast<int>(springs.size()) >= span && static_cast<int>(springs.size()) >= fewest;
         if (distinct) {
             std::vector<bool> taken(static_cast<std::size_t>(span), false);
             for (int s : springs) {

@@ -83,7 +83,8 @@ void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double coupling_N
 }  // namespace
 
 HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
-    : study(model.study), options(given), set_names(model.case_names), rest(model.mesh) {
+    : study(model.study), options(given), set_names(model.case_names), surface(model.mesh), rest(model.mesh) {
+    Friction{given.friction};  // throws, if at all
     if (model.mesh.is_solid() && !model.energy_law) throw MismatchError("a model in space is a law; this one has none");
     HapticOptions& o = options;
     if (!(o.dt_s > 0)) throw MismatchError("dt must be positive");
@@ -138,7 +139,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     }
 }
 
-Simulation::Simulation(const HapticModel& model) : model_(model), safety_(model.options.safety) {
+Simulation::Simulation(const HapticModel& model) : model_(model), safety_(model.options.safety), friction_(model.options.friction) {
     for (const auto& mesh : model.meshes) {
         states_.emplace_back(mesh->springs, mesh->theta_of_set.col(0));
         surfaces_.push_back(make_moving_surface(model.rest));
@@ -183,6 +184,9 @@ Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) n
     // 4.2 collision detection
     if (lost || !move_surfaces()) return stop(false);
     if (!find_contact(master)) return stop(false);
+
+    // Coulomb: the contact goes along the surface
+    if (contact_.pressing) slide(master);
 
     // 4.3 selection of mesh constants, and their moving average (18)-(19)
     if (contact_.pressing && !model_.is_law()) select_set(-last.coupling_N);
@@ -273,6 +277,7 @@ bool Simulation::find_contact(const Point& master_m) noexcept {
 /// A contact at a new place: it has its own stiffness, or patch.
 void Simulation::begin_contact(int mesh, const Point& master_m) noexcept {
     touched_ = mesh;
+    friction_.begin();
     const HapticMesh& pressed = *model_.meshes[static_cast<std::size_t>(mesh)];
     touched_m_ = pressed.springs.rest_place(contact_.where.facet, contact_.where.weight);
     if (model_.is_law()) model_.meshes[0]->law->contact(contact_.where.facet, contact_.where.weight, tool_);
@@ -305,6 +310,20 @@ void Simulation::hold_tool(const Point& master_m) noexcept {
     contact_.where.position_m = surface.at(contact_.where.facet, contact_.where.weight);
     contact_.where.distance_m = (master_m - contact_.where.position_m).norm();
     contact_.proxy_m = contact_.where.position_m;
+}
+
+void Simulation::slide(const Point& master_m) noexcept {
+    const auto m = static_cast<std::size_t>(touched_);
+    const HapticMesh& mesh = *model_.meshes[m];
+    const MovingSurface& now = *surfaces_[m];
+    if (mesh.law) {
+        friction_.slide(model_.surface, mesh.springs, *mesh.law, states_[m].displacement, master_m - mesh.place_m, contact_.where, touched_m_, tool_);
+        contact_.where.position_m = now.at(contact_.where.facet, contact_.where.weight);
+    } else {
+        friction_.slide(model_.surface, mesh.springs, now, coupling_N_m_, master_m, contact_.where);
+    }
+    contact_.proxy_m = contact_.where.position_m;
+    record_.slipping = friction_.slipping();
 }
 
 /// A free proxy, on its way from where it was to the master, against every mesh but the one it has just left.

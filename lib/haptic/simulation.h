@@ -11,6 +11,7 @@
 #include "haptic/device.h"
 #include "haptic/device_map.h"
 #include "haptic/dynamics.h"
+#include "haptic/friction.h"
 #include "haptic/safety.h"
 #include "haptic/selector.h"
 #include "springs/tissue_model.h"
@@ -29,6 +30,7 @@ struct HapticOptions {
     bool heuristic_mesh = true;       ///< Sec. 4.4: a second mesh, Van Gelder's, beside the learned one
     double place_m = 0;               ///< where the second mesh stands along x; 0: one and a half widths to the right
     SelectBy select_by = SelectBy::displacement;
+    FrictionOptions friction;                                            ///< of the tool on the tissue
     SafetyOptions safety;             ///< its dt is taken from here
     DeviceMap map;
 };
@@ -62,6 +64,7 @@ struct HapticModel {
     std::unique_ptr<ContactStiffness> stiffness;      ///< of the first mesh of springs; every one uses it. Nothing where there is none
     Point low_m, high_m;                              ///< box of the learned mesh at rest (D)
 
+    FreeSurface surface;                              ///< at rest
     SpringMesh rest;                                  ///< nodes and boundary of every one of them, at rest
 
     bool is_law() const { return meshes.front()->law != nullptr; }
@@ -83,6 +86,7 @@ struct TickRecord {
     int facet = -1;               ///< of its boundary,
     Eigen::Vector3d weight = Eigen::Vector3d::Zero();  ///< and of the facet's nodes there
     int set = -1;                 ///< that serves; -1 of a law
+    bool slipping = false;        ///< the contact went along the surface in this tick
     bool fault = false;
 };
 
@@ -107,6 +111,7 @@ class Simulation {
 
     const TickRecord& record() const { return record_; }
     const HapticCounters& counters() const { return counters_; }
+    const Friction& friction() const { return friction_; }
     const Safety& safety() const { return safety_; }
     const HapticModel& model() const { return model_; }
     const MeshState& state(std::size_t mesh) const { return states_[mesh]; }
@@ -128,6 +133,7 @@ class Simulation {
     bool put_to_rest() noexcept;
     bool find_contact(const Point& master_m) noexcept;
     void begin_contact(int mesh, const Point& master_m) noexcept;
+    void slide(const Point& master_m) noexcept;
     void hold_tool(const Point& master_m) noexcept;
     bool tool_pushes(const Point& master_m) const noexcept;
     void look_for_contact(const ContactState& from, int left, const Point& master_m) noexcept;
@@ -147,6 +153,7 @@ class Simulation {
     double coupling_N_m_ = 0;     ///< k_C of this contact
     ToolSpring tool_;             ///< of this contact, where the learned mesh is a law
     Point touched_m_;             ///< X_p of this contact, in the mesh's own coordinates
+    Friction friction_;
     bool armed_ = false;          ///< the master has been outside
     long long untouched_ = 0;     ///< ticks since a tool or its force was on the meshes
     int set_ = 0;                 ///< (19)'s K_l

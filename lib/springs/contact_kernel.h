@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,9 @@ namespace tissue {
 
 struct PatchLaw;
 
+/// Factors of a contact's place that its stiffnesses depend on (PatchLaw): four, of a disc on a shape six. No allocation.
+using ContactFactors = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
+
 /// Where a contact lies: what its rows take of the push d and of the displacements of a few nodes, e = push d - pull u, and
 /// which of the law's stiffnesses each of them has.
 struct ContactRows {
@@ -18,7 +22,7 @@ struct ContactRows {
     Eigen::MatrixXd pull;        ///< (R x D*K), columns D * node + axis
     std::vector<int> law_row;    ///< of PatchLaw, for each row (R)
     Eigen::VectorXd share;       ///< of that stiffness (R)
-    Eigen::Vector4d factors;     ///< of the place: PatchLaw's
+    ContactFactors factors;      ///< of the place: PatchLaw's
 };
 
 /// Makes contacts of one kind on the surface of one mesh: the patch in the plane (springs/contact_patch.h), the disc in

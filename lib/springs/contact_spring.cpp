@@ -49,6 +49,11 @@ ContactSpring::ContactSpring(ContactRows where, const PatchLaw& law) : rows(std:
     if (!law.hardens()) return;
     hardening_1_J = values[PatchLaw::hardening_row];
     saturation_1_J = values[PatchLaw::saturation_row];
+    softens = law.softens;
+    if (softens) {
+        saturation_1_J = hardening_1_J;
+        hardening_1_J = -saturation_1_J;
+    }
     coupling_N_m2 = values[PatchLaw::coupling_row];
 }
 
@@ -125,12 +130,14 @@ ContactSpring::Load ContactSpring::by_law_row(int m, const Point& push_m, const 
     const double s = at.s, sat = saturation_1_J;
     Eigen::VectorXd slope;  // derivative of the energy's slope by e
     double energy = 0;
-    if (m == PatchLaw::hardening_row) {
-        energy = s * s / (2 * at.room);
-        slope = (s + sat * s * s / 2) / (at.room * at.room) * at.mean;
-    } else if (m == PatchLaw::saturation_row) {
-        energy = -hardening_1_J * s * s * s / (2 * at.room * at.room);
-        slope = -hardening_1_J * (1.5 * s * s + sat * s * s * s / 2) / (at.room * at.room * at.room) * at.mean;
+    if (m == PatchLaw::hardening_row || m == PatchLaw::saturation_row) {
+        const double harder = s * s / (2 * at.room), saturated = -hardening_1_J * s * s * s / (2 * at.room * at.room);
+        const double harder_rise = (s + sat * s * s / 2) / (at.room * at.room);
+        const double saturated_rise = -hardening_1_J * (1.5 * s * s + sat * s * s * s / 2) / (at.room * at.room * at.room);
+        const double by_hardening = m == PatchLaw::saturation_row ? 0 : softens ? -1 : 1;  // of what the law's row changes
+        const double by_saturation = softens == (m == PatchLaw::hardening_row) ? 1 : 0;
+        energy = by_hardening * harder + by_saturation * saturated;
+        slope = (by_hardening * harder_rise + by_saturation * saturated_rise) * at.mean;
     } else if (m == PatchLaw::coupling_row) {
         energy = at.e[0] * at.across();
         slope = at.coupling_slope();

@@ -7,13 +7,16 @@ namespace tissue {
 /// One contact's energy, for training and evaluation. With k_r = share_r times the law's stiffness,
 ///   E = sum_r k_r e_r^2 / 2 + hardening s^2 / (2 (1 + saturation s)) + coupling e_0 (e_1^2 + e_2^2) / 2
 /// of a disc, s the part of the sum that its mean rows have (0 to 2). They harden by their energy, whatever the direction: what
-/// lies between tool and mesh stiffens as it is pressed together, the less the further it has gone. The imprint does not: at
+/// lies between tool and mesh stiffens as it is pressed together, the less the further it has gone. Where the mesh stiffens more than the
+/// tissue does the contact softens instead, hardening -v and saturation v: to half its stiffness at most, (1 + v s + (v s)^2 / 2) /
+/// (1 + v s)^2 of it, so that more energy always takes more push. The imprint does not: at
 /// any depth it is the disc's own shape. Dragged sideways (mean rows 1 and 2) it presses back (mean row 0): in a
 /// sheared rubber normal stress goes with the square of the shear (Poynting).
 struct ContactSpring {
     ContactRows rows;
     Eigen::VectorXd k_N_m;        ///< (R)
     double hardening_1_J = 0, saturation_1_J = 0, coupling_N_m2 = 0;
+    bool softens = false;         ///< hardening is minus saturation, and both are the law's row hardening
 
     ContactSpring(ContactRows where, const PatchLaw& law);
     ContactSpring(const PatchSpring& patch);  ///< the same energy as the tick has it

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "error.h"
 #include "mesh/facet.h"
@@ -15,9 +16,10 @@ namespace {
 constexpr double pi = 3.14159265358979323846;
 constexpr double imprint = 2.5;             // its reach, in radii
 constexpr double under = 1.2, stuck = 4;    // how far the disc itself holds the tissue, in radii, and how much more stiffly
-constexpr double reach = 1.6;  // of the mean's weights, in spacings: at least four nodes of a square lattice
+constexpr double reach = 1.6, shape_reach = 2;  // of the mean's weights, in spacings: at least four nodes of a square lattice
 constexpr double farther = 1.25 * 1.25;  // where too few are there; a place that needs still more looks at the whole surface
 
+constexpr double curved_reach = 2.2;  // of the nodes that say how curved the surface is, in spacings
 constexpr double width = 0.35;  // of the bells whose sum says where between the nodes a contact stands, in spacings
 
 /// (1 - x^2)^2, nothing beyond 1.
@@ -55,19 +57,53 @@ double DiscContact::ground_at(const Eigen::Vector3d& contact_m, const Eigen::Vec
     return 8 * radius_m_ / (pi * pi) * sum;
 }
 
+double DiscContact::curved_at(const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept {
+    return curved_among(surface_.nodes(), std::numeric_limits<double>::infinity(), contact_m, inward);
+}
+
+/// nodes: all that are within so far of the contact at least; where the fit needs farther ones, all of the surface.
+double DiscContact::curved_among(const std::vector<int>& nodes, double within_m, const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept {
+    using Terms = Eigen::Matrix<double, 6, 1>;
+    constexpr int enough = 8;  // six numbers of the surface, and two to even out
+    const Eigen::Matrix<double, 3, 2> tangents = tangents_of(inward);
+    const Point in = inward;
+    Eigen::Matrix<double, 6, 6> moments;
+    Terms below;
+    double reach_m = curved_reach * surface_.spacing_m();
+    for (int tries = 0, found = 0; tries < 10 && found < enough; ++tries, reach_m *= 1.15) {
+        moments.setZero();
+        below.setZero();
+        found = 0;
+        for (int node : reach_m <= within_m ? nodes : surface_.nodes()) {
+            const Eigen::Vector3d from = rest_.row(node).transpose() - contact_m;
+            const double weight = 1 - from.squaredNorm() / (reach_m * reach_m);
+            if (!(weight > 0) || !surface_.faces(node, in)) continue;
+            ++found;
+            const Eigen::Vector2d along = tangents.transpose() * from / radius_m_;
+            const Terms terms = (Terms() << 1, along[0], along[1], along[0] * along[0] / 2, along[0] * along[1], along[1] * along[1] / 2).finished();
+            moments += weight * weight * terms * terms.transpose();
+            below += weight * weight * from.dot(inward) / radius_m_ * terms;
+        }
+    }
+    // nodes on one line leave a bend open: none, then
+    moments.diagonal().array() += 1e-10 * moments.trace();
+    const Terms fitted = moments.ldlt().solve(below);
+    return (fitted[3] + fitted[5]) / 2;
+}
+
 DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, NodeField ground)
-    : surface_(mesh), rest_(mesh.nodes), radius_m_(radius_m), ground_(std::move(ground)) {
+    : surface_(mesh), rest_(mesh.nodes), radius_m_(radius_m), ground_(std::move(ground)), on_lattice_(on_lattice(mesh)) {
     if (!mesh.is_solid()) throw MismatchError("a disc needs a surface in space");
     if (!(radius_m > 0)) throw MismatchError("a disc needs a radius > 0");
     carried_ = Eigen::VectorXd::Ones(mesh.node_count());
-    if (!on_lattice(mesh)) {
+    if (!on_lattice_) {
         carried_.setZero();
         const double square_m2 = surface_.spacing_m() * surface_.spacing_m();
         for (Eigen::Index f = 0; f < surface_.facets().rows(); ++f)
             for (int node : surface_.facets().row(f)) carried_[node] += surface_.measure()[f] / (3 * square_m2);
     }
 
-    near_m_ = std::max(farther * reach * surface_.spacing_m(), imprint * radius_m_);
+    near_m_ = std::max(farther * own_reach_m(), imprint * radius_m_);
     for (Eigen::Index f = 0; f < surface_.facets().rows(); ++f) {
         const Eigen::Vector3d middle = surface_.at(f, Eigen::Vector3d::Constant(1.0 / 3));
         double size_m = 0;
@@ -77,7 +113,7 @@ DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, NodeField grou
         for (int node : surface_.nodes()) {
             const double away_m = (rest_.row(node).transpose() - middle).norm();
             if (away_m < 1.000001 * (near_m_ + size_m)) near_.back().push_back(node);
-            in_reach += away_m < std::max(reach * surface_.spacing_m(), imprint * radius_m_) + size_m;
+            in_reach += away_m < std::max(own_reach_m(), imprint * radius_m_) + size_m;
         }
         most_nodes_ = std::max(most_nodes_, in_reach);
     }
@@ -93,6 +129,8 @@ DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, NodeField grou
     }
 }
 
+double DiscContact::own_reach_m() const noexcept { return (on_lattice_ ? reach : shape_reach) * surface_.spacing_m(); }
+
 DiscContact::Disc DiscContact::disc_at(const FreeSurface::Place& place, Node* nodes, std::size_t room) const noexcept {
     const Eigen::Vector3d centre = place.point_m, normal = place.inward;
     const Eigen::Matrix<double, 3, 2> tangents = tangents_of(normal);
@@ -101,7 +139,7 @@ DiscContact::Disc DiscContact::disc_at(const FreeSurface::Place& place, Node* no
 
     // nodes of the mean, and of the imprint; both from what faces the disc. Where the surface's mesh is so coarse there that
     // fewer than four are near, the mean reaches farther.
-    double reach_m = reach * h;
+    double reach_m = own_reach_m();
     for (int tries = 0; tries < 10; ++tries, reach_m *= 1.25) {
         disc.nodes = 0;
         int in_reach = 0;
@@ -137,15 +175,18 @@ DiscContact::Disc DiscContact::disc_at(const FreeSurface::Place& place, Node* no
         return Eigen::Vector3d(1, across[0], across[1]);
     };
     for (Node* at = nodes; at != nodes + disc.nodes; ++at) {
-        const double weight = bell(at->away_m / reach_m);
+        const double weight = carried_[at->node] * bell(at->away_m / reach_m);
         if (weight > 0) moments += weight * basis(*at) * basis(*at).transpose();
     }
     const Eigen::Vector3d solved = moments.ldlt().solve(Eigen::Vector3d::UnitX());
     const Eigen::Matrix3d along = Eigen::Matrix3d::Identity() - normal * normal.transpose();
-    double crowd = 0;
+    double crowd = 0, counted = 0, carried = 0;
     for (Node* at = nodes; at != nodes + disc.nodes; ++at) {
         const double r = at->away_m, x = r / (width * h);
-        at->mean = r < reach_m ? bell(r / reach_m) * basis(*at).dot(solved) : 0;
+        const double bare = r < reach_m ? bell(r / reach_m) : 0;
+        counted += bare;
+        carried += carried_[at->node] * bare;
+        at->mean = carried_[at->node] * bare * basis(*at).dot(solved);
         crowd += carried_[at->node] * std::exp(-x * x / 2) / (2 * pi * width * width);
         at->pressed = r < imprint_m;
         if (!at->pressed) continue;
@@ -158,10 +199,13 @@ DiscContact::Disc DiscContact::disc_at(const FreeSurface::Place& place, Node* no
             at->target += far / 3 * (2 * out * out_along.transpose() - along);
         }
         at->target *= profile(r / radius_m_);
-        at->share = bell(r / imprint_m) + stuck * bell(r / (under * radius_m_));
+        at->share = carried_[at->node] * (bell(r / imprint_m) + stuck * bell(r / (under * radius_m_)));
     }
     const double phase = (crowd - 1) / (4 * std::exp(-2 * pi * pi * width * width));
-    disc.factors << 1, phase, ground_at(centre, normal), std::exp(-surface_.to_crease_m(place.point_m) / h);
+    disc.factors.resize(on_lattice_ ? PatchLaw::factors : PatchLaw::shape_factors);
+    disc.factors.head<PatchLaw::factors>() << 1, phase, ground_at(centre, normal), std::exp(-surface_.to_crease_m(place.point_m) / h);
+    if (!on_lattice_)
+        disc.factors.tail<2>() << curved_among(near_[static_cast<std::size_t>(place.facet)], near_m_, centre, normal), std::log(counted / carried);
     return disc;
 }
 
@@ -204,7 +248,7 @@ void DiscContact::tool_at(int facet, const Eigen::Vector3d& weight, const PatchL
     Node nodes[ToolSpring::most_nodes];
     const Disc disc = disc_at(free >= 0 ? surface_.place(free, weight) : surface_.place(wall.facet, wall.weight), nodes, ToolSpring::most_nodes);
     double k[PatchLaw::disc_rows] = {};
-    for (Eigen::Index m = 0; m < std::min<Eigen::Index>(PatchLaw::disc_rows, law.log_N_m.rows()); ++m) k[m] = std::exp(law.log_N_m.row(m).dot(disc.factors));
+    for (Eigen::Index m = 0; m < std::min<Eigen::Index>(PatchLaw::disc_rows, law.log_N_m.rows()); ++m) k[m] = std::exp(law.log_N_m.row(m).transpose().dot(disc.factors));
     const Eigen::Matrix3d nn = disc.normal * disc.normal.transpose(), along = Eigen::Matrix3d::Identity() - nn;
     Eigen::Matrix3d stiffness = k[0] * nn + k[1] * along;
     if (free < 0 || disc.nodes == 0) {
@@ -228,7 +272,9 @@ void DiscContact::tool_at(int facet, const Eigen::Vector3d& weight, const PatchL
         tool.add_group(nodes[i].target, held);
         tool.add_node(nodes[i].node, 1);
     }
-    if (law.hardens()) tool.harden(k[PatchLaw::hardening_row], k[PatchLaw::saturation_row], k[PatchLaw::coupling_row]);
+    if (!law.hardens()) return;
+    const double hardening = k[PatchLaw::hardening_row];
+    tool.harden(law.softens ? -hardening : hardening, law.softens ? hardening : k[PatchLaw::saturation_row], k[PatchLaw::coupling_row]);
 }
 
 }  // namespace tissue

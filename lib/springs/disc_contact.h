@@ -8,7 +8,7 @@ namespace tissue {
 /// Contact of a tapered disc on a surface in space: under it the tissue follows phi(r) d, phi = 1 - (r / R)^2 / 2 within its
 /// radius R, without slip; the force that a hand feels is the one conjugate to d. Rows, all along the surface's inward
 /// normal at the contact and along two tangents:
-///   mean     d - sum_i w_i u_i, w the moving-least-squares weights of the surface's nodes within 1.6 spacings, which
+///   mean     d - sum_i w_i u_i, w the moving-least-squares weights of the surface's nodes within 1.6 spacings, on a shape 2, which
 ///            sum to 1 and reproduce linear fields whatever the surface's mesh (Lancaster and Salkauskas 1981, Mathematics
 ///            of Computation 37: 141-158)
 ///   imprint  phi(r_i) d - u_i of every node within 2.5 R, times (1 - (r_i / 2.5 R)^2)^2: the shape that the disc presses in;
@@ -19,7 +19,11 @@ namespace tissue {
 ///            (3.75)), and the imprint goes over to that with 1 - (R / r)^2
 /// Where between the nodes it stands is `phase`: how far the nodes crowd there, as a sum of Gaussian bells of 0.35 spacings
 /// about them, over its mean; scaled so that on a square lattice it is cos 2 pi x + cos 2 pi y over 2, to a tenth. On a shape, whose
-/// nodes do not lie equally dense, each counts as the part of the surface that it carries.
+/// nodes do not lie equally dense, each counts as the part of the surface that it carries, here as in the rows above. What that leaves of
+/// it is `crowd`, log of the nodes in a squared spacing, within the mean's reach and as it weighs them: 0 on a square lattice. How the
+/// surface bends there is `curved`: R times its mean curvature, of a quadratic in the tangent plane fitted to the nodes within 2.2
+/// spacings; above 0 where it is convex, R / radius on a sphere, below 0 in a valley, where more of the tissue stands round the disc.
+/// Both are of shapes alone.
 /// What of the ground under it is of other stiffness is `ground`: to first order in log E / E_block the force changes by exp of
 /// its mean, weighted with the energy that the disc stores there. Under a force on incompressible ground the stress is along
 /// rays alone, as z / r^3 (Boussinesq; Johnson, (3.19)), so that the weight is z^2 / r^6, with R for what is nearer:
@@ -45,6 +49,9 @@ class DiscContact final : public ContactKernel {
     /// `ground` of a contact there, `inward` into the tissue.
     double ground_at(const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const;
 
+    /// `curved` of a contact there.
+    double curved_at(const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept;
+
    private:
     /// What a contact takes of one node.
     struct Node {
@@ -56,11 +63,14 @@ class DiscContact final : public ContactKernel {
     };
     struct Disc {
         Eigen::Vector3d normal;
-        Eigen::Vector4d factors;
+        ContactFactors factors;
         std::size_t nodes;    ///< 0 where too few are near
     };
     /// The contact at a place of the surface; fills `nodes`, which has room for so many. Where more are in reach the nearest stay.
     Disc disc_at(const FreeSurface::Place& place, Node* nodes, std::size_t room) const noexcept;
+
+    double curved_among(const std::vector<int>& nodes, double within_m, const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept;
+    double own_reach_m() const noexcept;  ///< of the mean's weights
 
     /// A held facet: the free place nearest to its middle.
     struct Wall {
@@ -77,6 +87,7 @@ class DiscContact final : public ContactKernel {
     int most_nodes_ = 0;
     double radius_m_;
     NodeField ground_;
+    bool on_lattice_;
     Eigen::VectorXd carried_;  ///< part of the free surface that a node carries, in squared spacings: 1 on a lattice (N)
 };
 

@@ -17,7 +17,9 @@ namespace {
 
 const std::vector<std::string> patch_rows = {"normal", "tangent", "rotation", "stretch"};
 const std::vector<std::string> disc_rows = {"normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"};
-constexpr std::array<const char*, 4> patch_factors = {"", "phase", "corner", "edge"}, disc_factors = {"", "phase", "ground", "edge"};
+const std::string softening = "softening";  // in the place of hardening
+const std::vector<std::string> patch_factors = {"", "phase", "corner", "edge"}, disc_factors = {"", "phase", "ground", "edge"},
+                               shape_factors = {"", "phase", "ground", "edge", "curved", "crowd"};
 
 std::vector<std::string> split(const std::string& text) {
     std::vector<std::string> parts{""};
@@ -31,14 +33,17 @@ std::vector<std::string> split(const std::string& text) {
 }
 
 /// Row and factor of a contact's term.
-std::pair<int, int> patch_term(const std::string& term, const std::vector<std::string>& parts, bool solid) {
-    const std::vector<std::string>& rows = solid ? disc_rows : patch_rows;
-    const auto& factors = solid ? disc_factors : patch_factors;
-    const auto row = std::find(rows.begin(), rows.end(), parts.size() > 1 ? parts[1] : "");
+std::pair<int, int> patch_term(const std::string& term, const std::vector<std::string>& parts, const SpringMesh& mesh) {
+    std::vector<std::string> rows = mesh.is_solid() ? disc_rows : patch_rows;
+    const std::vector<std::string>& factors = !mesh.is_solid() ? patch_factors : on_lattice(mesh) ? disc_factors : shape_factors;
+    const std::string name = parts.size() > 1 ? parts[1] : "";
+    if (mesh.is_solid()) rows.push_back(softening);
+    auto row = std::find(rows.begin(), rows.end(), name);
     const auto factor = parts.size() == 2 ? factors.begin() : std::find(factors.begin() + 1, factors.end(), parts.size() == 3 ? parts[2] : "");
     if (row == rows.end() || factor == factors.end())
         throw MismatchError(fmt::format("term '{}' is not known; allowed: contact. and one of {}, then nothing or one of .{}", term,
                                         fmt::join(rows, ", "), fmt::join(factors.begin() + 1, factors.end(), ", .")));
+    if (name == softening) row = rows.begin() + PatchLaw::hardening_row;
     return {static_cast<int>(row - rows.begin()), static_cast<int>(factor - factors.begin())};
 }
 
@@ -104,10 +109,17 @@ LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spri
         5 * mesh.node_measure.sum() / mesh.incident_measure.sum() * unit.cwiseProduct(spring_modulus_Pa);
     h.constants.tail(h.cap.size()) = 0.95 * h.cap;
     const double E = surface_modulus_Pa, stiffness = std::log(4 * E * radius_m);
-    h.patch.log_N_m.setZero(PatchLaw::disc_rows, 4);
+    h.patch.log_N_m.setZero(PatchLaw::disc_rows, on_lattice(mesh) ? PatchLaw::factors : PatchLaw::shape_factors);
     h.patch.log_N_m.col(0) << stiffness, stiffness, stiffness - std::log(10), stiffness - std::log(10),
         std::log(0.2 / (E * radius_m * radius_m * radius_m)), std::log(0.1 / (E * radius_m * radius_m * radius_m)), std::log(E);
     return h;
+}
+
+bool softens(const std::vector<std::string>& terms) {
+    return std::any_of(terms.begin(), terms.end(), [](const std::string& term) {
+        const std::vector<std::string> parts = split(term);
+        return parts.size() > 1 && parts[0] == "contact" && parts[1] == softening;
+    });
 }
 
 EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, const std::vector<std::string>& terms)
@@ -121,6 +133,7 @@ EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, cons
     }
     if (heuristic.constants.size() != energy(mesh).constant_count() || heuristic.cap.size() != cells.rows())
         throw MismatchError("the heuristic's constants are not those of the mesh");
+    bool hardens = false;
     for (std::size_t t = 0; t < terms.size(); ++t) {
         if (std::count(terms.begin(), terms.end(), terms[t]) > 1)
             throw MismatchError(fmt::format("term '{}' stands twice", terms[t]));
@@ -128,7 +141,12 @@ EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, cons
         const auto column = static_cast<Eigen::Index>(t);
         on_patch_.emplace_back(-1, -1);
         if (parts[0] == "contact") {
-            on_patch_.back() = patch_term(terms[t], parts, mesh.is_solid());
+            on_patch_.back() = patch_term(terms[t], parts, mesh);
+            const bool softer = mesh.is_solid() && parts[1] == softening;
+            if (softer ? hardens : softens_ && (parts[1] == "hardening" || parts[1] == "saturation"))
+                throw MismatchError(fmt::format("term '{}': a contact hardens and saturates, or it softens", terms[t]));
+            softens_ = softens_ || softer;
+            hardens = hardens || (mesh.is_solid() && (parts[1] == "hardening" || parts[1] == "saturation"));
             if (mesh.is_solid() && on_patch_.back().second == PatchLaw::ground_factor && heuristic.ground.rows() == 0)
                 throw MismatchError(fmt::format("term '{}' is zero everywhere", terms[t]));
             continue;
@@ -173,12 +191,13 @@ Eigen::MatrixXd EnergyLaw::constants_by(const Eigen::VectorXd& p) const {
 
 PatchLaw EnergyLaw::patch(const Eigen::VectorXd& p) const {
     PatchLaw law = heuristic_.patch;
+    law.softens = softens_;
     for (std::size_t t = 0; t < on_patch_.size(); ++t)
         if (on_patch_[t].first >= 0) law.log_N_m(on_patch_[t].first, on_patch_[t].second) += p[static_cast<Eigen::Index>(t)];
     return law;
 }
 
-Eigen::MatrixXd EnergyLaw::stiffness_by(const Eigen::VectorXd& p, const Eigen::Vector4d& factors) const {
+Eigen::MatrixXd EnergyLaw::stiffness_by(const Eigen::VectorXd& p, const ContactFactors& factors) const {
     const Eigen::VectorXd stiffness = patch(p).values_at(factors);
     Eigen::MatrixXd by = Eigen::MatrixXd::Zero(stiffness.size(), size());
     for (std::size_t t = 0; t < on_patch_.size(); ++t)

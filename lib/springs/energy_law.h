@@ -20,7 +20,7 @@ namespace tissue {
 ///                 at 12 E2 the fastest mode of a 10 mm lattice stays below 1.9e3 rad/s, under the 2 / dt of 1 ms
 /// In space E takes the place of E2, and springs store E V_e (n.strain n)^2 / 2, of which the mean over directions is (tr^2 + 2
 /// strain:strain) / 15: lambda = mu = E / 15 sum V_e / V, with all diagonals 2/5 E, so springs are 5/6 of Van Gelder's for mu =
-/// E / 3. Cells have A up to the cap, as in plane strain; there are no regions.
+/// E / 3. Cells have A up to the cap, as in plane strain.
 /// Contact: between a rigid patch of half width b and the spline on nodes h apart lies the compliance
 /// 3 / (2 pi E2) ln(r_spline / (b / 2)), r_spline = 0.43 h, of a half plane's logarithmic dent (Johnson, Contact
 /// Mechanics, 2.3: both kernels' mean logarithm): 1 / (4 E2) for b = h / 2, the start for normal and tangent; a tenth
@@ -32,8 +32,8 @@ struct LawHeuristic {
     Eigen::VectorXd constants;   ///< of a TissueEnergy [N/m] (E)
     Eigen::VectorXd cap;         ///< that cells stay below [N/m] (C)
     PatchLaw patch;              ///< the same everywhere
-    Eigen::VectorXd stiffer = {};  ///< of a solid with a nodule: log of springs' and cells' E over the block's (S + C)
-    NodeField ground = {};         ///< and the nodule as points (springs/disc_contact.h)
+    Eigen::VectorXd stiffer = {};  ///< of a solid with a nodule or regions: log of springs' and cells' E over the base material's (S + C)
+    NodeField ground = {};         ///< and these as points (springs/disc_contact.h)
 };
 
 /// formulation: plane-stress or plane-strain. area_cap: of cells, over E2; plane strain starts 5 % below it.
@@ -51,6 +51,9 @@ LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spri
 LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triangle_modulus_N_m,
                            const std::string& formulation, double area_cap);
 
+/// Whether terms say that a disc's contact softens, and do not harden.
+bool softens(const std::vector<std::string>& terms);
+
 /// The constants of a tissue energy from few coefficients p (P), each of a named term of the rest mesh:
 ///   theta_s = heuristic_s exp(sum_t p_t term_t(s)),  k_m(place) = heuristic_m exp(...) likewise,
 ///   A_c = cap / (1 + (cap / heuristic_c - 1) exp(-sum_t p_t term_t(c))): the same, bending below the cap.
@@ -65,9 +68,10 @@ LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triang
 ///                   horizontal vertical diagonal   1 for these springs of a lattice
 ///   in space        top bottom wall   exp(-distance / spacing) from the highest and the lowest place, from a block's sides
 ///                   z z2 z3 z4, and of x and y the even powers; spring alone horizontal vertical face body
-///                   nodule      log(E / E_block), E in proportion to what of it lies in the nodule
+///                   nodule      log(E / E_base), E in proportion to what of it lies in the nodule, or in named regions of a shape
 ///   contact.normal contact.tangent contact.rotation contact.stretch, alone or with one of: phase corner edge (PatchLaw)
-///   of a disc normal tangent imprint_normal imprint_tangent hardening saturation coupling, with one of: phase ground edge (DiscContact)
+///   of a disc normal tangent imprint_normal imprint_tangent hardening saturation coupling, with one of: phase ground edge, on a
+///                   shape curved crowd (DiscContact); softening in place of hardening and saturation (ContactSpring)
 class EnergyLaw {
    public:
     /// Throws MismatchError for a term that is not known, does not fit the mesh, is zero everywhere or stands twice.
@@ -83,7 +87,7 @@ class EnergyLaw {
     Eigen::MatrixXd constants_by(const Eigen::VectorXd& p) const;  ///< their derivative (E x P)
     PatchLaw patch(const Eigen::VectorXd& p) const;
     /// Derivative of PatchLaw::values_at a place of these factors (K x P).
-    Eigen::MatrixXd stiffness_by(const Eigen::VectorXd& p, const Eigen::Vector4d& factors) const;
+    Eigen::MatrixXd stiffness_by(const Eigen::VectorXd& p, const ContactFactors& factors) const;
 
    private:
     std::vector<std::string> terms_;
@@ -91,6 +95,7 @@ class EnergyLaw {
     int springs_;                                ///< first constant of the cells
     Eigen::MatrixXd value_;                      ///< of each term at each element (E x P)
     std::vector<std::pair<int, int>> on_patch_;  ///< row and factor of PatchLaw, or -1
+    bool softens_ = false;                       ///< of a disc: whether terms say softening, not hardening
 };
 
 }  // namespace tissue

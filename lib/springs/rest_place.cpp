@@ -141,7 +141,7 @@ Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) 
             });
     }
     throw MismatchError(fmt::format("factor '{}' is not possible here; allowed: all, surface, layer, held, {}{}{}{}", name,
-                                    up < 2 ? "" : lattice ? "top, bottom, wall, nodule, " : "top, bottom, ",
+                                    up < 2 ? "" : lattice ? "top, bottom, wall, nodule, " : "top, bottom, nodule, ",
                                     up == 2 ? "x2, x4, y2, y4, z, z2, z3, z4" : "x2, x4, y, y2, y3, y4",
                                     springs ? ", along, across, upright" : "",
                                     !springs || !lattice ? "" : up == 2 ? ", horizontal, vertical, face, body" : ", horizontal, vertical, diagonal"));

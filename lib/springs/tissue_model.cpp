@@ -6,6 +6,8 @@
 
 #include "error.h"
 #include "mesh/mesh_fault.h"
+#include "mesh/topology.h"
+#include "springs/energy_law.h"
 #include "springs/spring_law.h"
 #include "springs/tissue_energy.h"
 #include "springs/tissue_table.h"
@@ -80,9 +82,9 @@ const DatasetTable& law_table(bool solid) {
         {"/law/terms", "P", Values::names(), "text", "terms of the rest mesh"},
         {"/law/coefficients", "P", Values::logarithm(), "1", "coefficient of each term"},
         {"/law/constants", "E", Values::positive(), "N/m", "theta of the springs, then A of cells and regions, in space Pa"},
-        {"/law/patch_log", "K x 4", Values::logarithm(), "log(N/m)",
+        {"/law/patch_log", "K x F", Values::logarithm(), "log(N/m)",
          "contact: normal, tangent, rotation, stretch, of a disc normal, tangent, imprint_normal, imprint_tangent, hardening, saturation, coupling; "
-         "by 1, phase, corner (of a disc ground), edge"},
+         "by 1, phase, corner (of a disc ground), edge, on a shape in space curved, crowd"},
     };
     static const DatasetTable space = joined(plane, {
         {"/law/ground", "G x 4", Values::place(), "m, m3", "what under a disc is of other stiffness: place, volume times log(E / E_block)", Rows::any, true},
@@ -133,7 +135,10 @@ LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
     const NodeField patch = in.field("/law/patch_log");
     const Eigen::Index rows = mesh.is_solid() ? PatchLaw::disc_rows : PatchLaw::hardening_row;
     if (patch.rows() != rows) in.refuse("/law/patch_log", fmt::format("has {} rows, wanted {}", patch.rows(), rows));
+    const Eigen::Index factors = mesh.is_solid() && !on_lattice(mesh) ? PatchLaw::shape_factors : PatchLaw::factors;
+    if (patch.cols() != factors) in.refuse("/law/patch_log", fmt::format("has {} columns, wanted {}", patch.cols(), factors));
     law.patch.log_N_m = patch;
+    law.patch.softens = softens(law.terms);
     if (mesh.is_solid()) {
         if (in.has("/law/ground")) law.ground = in.field("/law/ground");
         law.disc_radius_m = file.number_attribute("/law", "disc_radius_m");

@@ -31,12 +31,17 @@ void name_paths(std::vector<StudyPath>& paths, const std::vector<std::array<doub
     }
 }
 
-/// A ball well inside the block: half an element from every wall, or the mesh has slivers.
+/// A ball well inside the block: half an element from every wall, or the mesh has slivers. Of a shape the surface is known once it
+/// is meshed: cases/study_mesh.h.
 Study::Nodule read_nodule(TomlReader in, const Study& study) {
     const Study::Geometry& g = study.geometry;
     const std::vector<double> centre = in.numbers("centre_m", 3);
     const double radius_m = in.number("radius_m", positive);
-    Study::Nodule nodule{read_law_parameters(in, study.material.law), Eigen::Vector3d(centre[0], centre[1], centre[2]), radius_m};
+    Study::Nodule nodule{read_law_parameters(in, study.material.law, study.material.alpha.size()), Eigen::Vector3d(centre[0], centre[1], centre[2]), radius_m};
+    if (!g.is_block()) {
+        in.refuse_the_rest();
+        return nodule;
+    }
     const double least_m = radius_m + study.sizes_m[0] / 2;
     double wall_m = std::numeric_limits<double>::infinity();
     for (const auto& [place_m, size_m] :

@@ -198,14 +198,12 @@ void apply_preset(toml::table& table, const std::string& file) {
 Study::Material read_material(TomlReader in, const Study::Geometry& geometry) {
     Study::Material m;
     m.law = in.choice("law", {"mooney-rivlin", "neo-Hookean", "ogden"});
-    if (geometry.is_solid() && m.law == "ogden")
-        in.refuse("law", fmt::format("'ogden' is for the plane alone; a solid {} has mooney-rivlin or neo-Hookean", geometry.is_block() ? "block" : "shape"));
     static_cast<Study::LawParameters&>(m) = read_law_parameters(in, m.law);
     m.density_kg_m3 = in.number("density_kg_m3", positive);
     if (geometry.is_solid()) {
         if (in.has("formulation")) in.refuse("formulation", fmt::format("belongs to the plane; a solid {} is incompressible", geometry.is_block() ? "block" : "shape"));
         if (in.has("regions") && geometry.is_block()) in.refuse("regions", "needs a geometry.shape whose file names them; a solid block has [nodule]");
-        if (in.has("regions")) in.refuse("regions", "belongs to the plane: finite elements of a solid shape have one material");
+        if (in.has("regions") && ends_with(geometry.shape, ".stl")) in.refuse("regions", "are physical volumes, and an .stl has a surface alone");
         m.formulation = "incompressible";
     } else {
         m.formulation = in.choice("formulation", {"plane-stress", "plane-strain"});
@@ -499,8 +497,9 @@ Study read_study(const std::string& file) {
 
     if (in.has("data") && !block) in.refuse("data", "is measured on the block; a shape has finite elements");
     if (in.has("data") && solid) in.refuse("data", "is measured in the plane; a solid block has finite elements");
-    for (const char* key : {"nodule", "map"})
-        if (in.has(key) && (!solid || !block)) in.refuse(key, "needs a solid block, one with geometry.length_m");
+    if (in.has("nodule") && !solid) in.refuse("nodule", "needs a solid, one with geometry.length_m or geometry.solid");
+    if (in.has("nodule") && !study.material.regions.empty()) in.refuse("nodule", "cannot stand beside material.regions");
+    if (in.has("map") && (!solid || !block)) in.refuse("map", "needs a solid block, one with geometry.length_m");
     if (in.has("data"))
         read_data(in, study);
     else if (solid)

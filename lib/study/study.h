@@ -55,7 +55,7 @@ struct Study {
         std::vector<std::string> region_names() const;
     } material;
 
-    /// A ball of other material inside a solid block.
+    /// A ball of other material inside a solid.
     struct Nodule : LawParameters {
         Point centre_m;  ///< (3)
         double radius_m;

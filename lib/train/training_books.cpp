@@ -63,10 +63,12 @@ void write_law_book(Hdf5Writer& file, const LawBook& book) {
 /// law: of the same file, whose lengths the book shares.
 LawBook read_law_book(const Hdf5Reader& file, const LawModel& law) {
     TableReader in(file, law_books_table(), {{"E", static_cast<std::size_t>(law.constants.size())},
-                                             {"K", static_cast<std::size_t>(law.patch.log_N_m.rows())}});
+                                             {"K", static_cast<std::size_t>(law.patch.log_N_m.rows())},
+                                             {"F", static_cast<std::size_t>(law.patch.log_N_m.cols())}});
     LawBook book;
     book.untrained_constants = in.vector("/law/untrained_constants");
     book.untrained_patch.log_N_m = in.field("/law/untrained_patch_log");
+    book.untrained_patch.softens = law.patch.softens;
     book.status = in.texts("/law/start_status");
     book.start_objective = in.vector("/law/start_objective");
     book.gradient = in.vector("/law/start_gradient");
@@ -95,7 +97,7 @@ LawBook read_law_book(const Hdf5Reader& file, const LawModel& law) {
 const DatasetTable& law_books_table() {
     static const DatasetTable table = {
         {"/law/untrained_constants", "E", Values::positive(), "N/m", "the heuristic's constants, before anything is learned"},
-        {"/law/untrained_patch_log", "K x 4", Values::logarithm(), "log(N/m)", "and its contact, as /law/patch_log"},
+        {"/law/untrained_patch_log", "K x F", Values::logarithm(), "log(N/m)", "and its contact, as /law/patch_log"},
         {"/law/start_status", "R", Values::text(), "text", "why the fit of each start stopped"},
         {"/law/start_objective", "R", Values::not_negative(), "1", "objective that it ended with"},
         {"/law/start_gradient", "R", Values::not_negative(), "1", "largest derivative of half of it by a coefficient"},

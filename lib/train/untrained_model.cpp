@@ -21,8 +21,8 @@ namespace {
 
 /// (7) with this E2 for the base material; where regions or a nodule have a material of their own, in proportion to their E.
 Eigen::VectorXd study_heuristic(const Study& study, const Cases& cases, const SpringMesh& mesh, double modulus_N_m) {
-    if (study.nodule)
-        return heuristic_stiffness(mesh, modulus_N_m / study.modulus_N_m()).cwiseProduct(solid_moduli(study, mesh, mesh.springs));
+    if (mesh.is_solid() && (study.nodule || !study.material.regions.empty()))
+        return heuristic_stiffness(mesh, modulus_N_m / study.modulus_N_m()).cwiseProduct(solid_moduli(study, cases.shape, mesh, mesh.springs));
     if (study.material.regions.empty()) return heuristic_stiffness(mesh, modulus_N_m);
     return heuristic_stiffness(mesh, triangle_moduli(study, cases.shape, mesh, modulus_N_m));
 }

@@ -122,7 +122,7 @@ TEST_CASE("a nodule stiffens springs and cells by what of it lies in them, and i
     const SpringMesh mesh = study_mesh(solid(), {}, "grid26");
     const Cells cells = mesh_cells(mesh);
     const double E = 6 * 754.0, volume_m3 = 0.02 * 0.02 * 0.05 / 3;
-    const Eigen::VectorXd moduli = solid_moduli(solid(), mesh, cells);
+    const Eigen::VectorXd moduli = solid_moduli(solid(), {}, mesh, cells);
     CHECK(moduli.minCoeff() == Approx(E));
     CHECK(((moduli.array() / E - 1) / (18000 / E - 1)).sum() * volume_m3 == Approx(4.0 / 3 * 3.14159265 * std::pow(0.008, 3)).epsilon(0.3));  // by 64 points a cell
     const NodeField points = nodule_points(solid());
@@ -137,13 +137,28 @@ TEST_CASE("a nodule stiffens springs and cells by what of it lies in them, and i
     const Eigen::VectorXd before = law.constants(p);
     p << 1, 0, 0;
     const Eigen::VectorXd ratio = law.constants(p).cwiseQuotient(before).head(mesh.spring_count());
-    CHECK((ratio - solid_moduli(solid(), mesh, mesh.springs) / E).norm() < 1e-9);  // exp(1 log(E / E_block))
+    CHECK((ratio - solid_moduli(solid(), {}, mesh, mesh.springs) / E).norm() < 1e-9);  // exp(1 log(E / E_block))
     CHECK(law.ground() == points);
     other.nodule.reset();
     for (const char* term : {"spring.nodule", "cell.nodule", "contact.hardening.ground"}) {
         other.springs.terms = {"spring.all", term};
         CHECK_THAT(refusal<MismatchError>([&] { study_law(other, {}, mesh); }), Contains(std::string("term '") + term + "' is zero everywhere"));
     }
+}
+
+TEST_CASE("of two solids with one shear modulus, Ogden's has the springs of Mooney-Rivlin's, and finite elements get its terms") {
+    const std::string mooney = "law = \"mooney-rivlin\"\nC1_Pa = 263.0\nC2_Pa = 491.0", own = "C1_Pa = 1000.0\nC2_Pa = 2000.0";
+    const Study ogden = example_study(with(with(solid_study_text(), mooney, "law = \"ogden\"\nmu_Pa = [400, -227]\nalpha = [4, -6.23788546255507]"), own,
+                                           "mu_Pa = [1500, -2000]\nalpha = [4, -3]"));
+    REQUIRE(ogden.material.youngs_modulus_Pa() == Approx(6 * 754));
+    REQUIRE(ogden.nodule->youngs_modulus_Pa() == Approx(18000));
+    const SpringMesh mesh = study_mesh(solid(), {}, "grid26");
+    const Eigen::VectorXd theirs = study_law(solid(), {}, mesh).constants(Eigen::VectorXd::Zero(2));
+    CHECK((study_law(ogden, {}, mesh).constants(Eigen::VectorXd::Zero(2)) - theirs).norm() < 1e-9 * theirs.norm());
+    const std::string part = make_plan(ogden).parts.at("path-" + ogden.loads.paths[0].name);
+    CHECK_THAT(part, Contains(" -law ogden -terms 2 -mu1 400 -alpha1 4 -mu2 -227 -alpha2 -6.2") &&
+                         Contains(" -mu1_11 1500 -alpha1_11 4 -mu2_11 -2000 -alpha2_11 -3 "));
+    CHECK(part.find("-C1") == std::string::npos);
 }
 
 TEST_CASE("a solid's drawn contacts lie on the top as far from the walls as their role says, pushed as it says") {

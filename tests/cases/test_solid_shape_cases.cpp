@@ -1,3 +1,4 @@
+#include <Eigen/Dense>
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -13,6 +14,7 @@
 #include "cases/study_mesh.h"
 #include "cases/sweep.h"
 #include "error.h"
+#include "train/untrained_model.h"
 #include "../mutations.h"
 #include "../refusal.h"
 #include "../solid_shape_study.h"
@@ -189,7 +191,7 @@ TEST_CASE("a solid shape's paths have their arguments in order, to the bit", "[s
                               "-disc_radius 0.007 -depth 0.008 -records 4 -tolerance 1e-09 -max_newton 12 -allow_lost 1\n",
                               p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1], p.direction[2]));
     CHECK_THAT(plan.fragment, Contains("$(R)/cases/" + p.name + ".csv: PATH_ARGUMENTS = -shape fem/dome.geo ") && Contains(" -springs $(R)/mesh.msh ") &&
-                                  Contains("$(R)/cases/" + p.name + ".csv: $(R)/plan/path-" + p.name + " $(R)/mesh.msh $(BUILD)/stage/rim fem/dome.geo\n") &&
+                                  Contains("$(R)/cases/" + p.name + ".csv: $(R)/plan/path-" + p.name + " $(R)/mesh.msh $(BUILD)/stage/rim fem/fill3.geo fem/dome.geo\n") &&
                                   Contains("FIGURES := held_out held_out_force shape solid\n"));
     CHECK(plan.fragment.find("SOLID") == std::string::npos);
     CHECK(plan.fragment.find("PATHS +=") == std::string::npos);  // every path stands once in the list
@@ -215,8 +217,89 @@ TEST_CASE("regions of a solid shape stiffen springs and cells about them", "[sol
     CHECK(ratio.minCoeff() == Approx(1).epsilon(tolerance::rounding));
     CHECK(ratio.maxCoeff() == Approx(10).epsilon(tolerance::rounding));
     CHECK((ratio.array() > 1.01 && ratio.array() < 9.99).any());
+    double volume_m3 = 0;
+    Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < stony->region.size() / 2; ++i) {
+        Eigen::Matrix<double, 4, 3> corners;
+        for (int k = 0; k < 4; ++k) corners.row(k) = mesh.nodes.row(mesh.simplices(static_cast<Eigen::Index>(i), k));
+        const double own = (corners.bottomRows<3>().rowwise() - corners.row(0)).determinant() / 6;
+        volume_m3 += own;
+        moment += own * corners.colwise().mean().transpose();
+    }
+    const NodeField ground = region_points(s, stony, mesh);
+    CHECK(ground.col(3).sum() == Approx(std::log(10.0) * volume_m3).epsilon(tolerance::rounding));
+    CHECK((ground.leftCols(3).transpose() * ground.col(3) / std::log(10.0) - moment).norm() < 1e-9 * moment.norm());
+    s.springs.terms = {"spring.nodule", "contact.normal.ground"};
+    CHECK(study_law(s, stony, mesh).ground() == ground);
+    s.springs.terms = study().springs.terms;
+    Cases cases = dome_cases();
+    cases.shape = stony;
+    const Eigen::VectorXd own = untrained_model(s, cases, {}).heuristic_a, even = untrained_model(study(), dome_cases(), {}).heuristic_a;
+    CHECK((own.cwiseQuotient(even) - ratio.head(mesh.spring_count())).norm() < 1e-9 * own.size());  // Van Gelder's
     stony->region.assign(stony->region.size(), 1);
     CHECK((study_law(s, stony, mesh).constants(none) - 10 * soft).norm() < 1e-9 * soft.norm());
+}
+
+TEST_CASE("a nodule in a solid shape stiffens springs and cells by what of the tetrahedra about them lies in it, and the contacts above", "[solid_shape]") {
+    Study s = study();
+    Study::Nodule stone{};
+    stone.C1_Pa = 4 * (263 + 491);
+    stone.centre_m = Eigen::Vector3d(0.01, 0.0, 0.03);
+    stone.radius_m = 0.009;
+    s.nodule = stone;
+    const SpringMesh mesh = study_mesh(s, shape(), "edges3");
+    Eigen::VectorXd volume(mesh.simplices.rows());
+    for (Eigen::Index t = 0; t < volume.size(); ++t) {
+        Eigen::Matrix3d sides;
+        for (int k = 0; k < 3; ++k) sides.col(k) = (mesh.nodes.row(mesh.simplices(t, k + 1)) - mesh.nodes.row(mesh.simplices(t, 0))).transpose();
+        volume[t] = sides.determinant() / 6;
+    }
+    const Eigen::VectorXd inside = fraction_inside(mesh, mesh.simplices, stone.centre_m, stone.radius_m);
+    const double ball_m3 = 4.0 / 3 * 3.14159265358979 * std::pow(0.009, 3);
+    CHECK(inside.dot(volume) == Approx(ball_m3).epsilon(0.02));  // by 120 points a tetrahedron
+    // Van Gelder's sum of E_t V_t over an edge's tetrahedra is the mean E times their volume
+    const double E = 6 * 754.0;
+    CHECK(solid_moduli(s, shape(), mesh, mesh.springs).dot(mesh.incident_measure) ==
+          Approx(E * (mesh.incident_measure.sum() + 6 * 3 * inside.dot(volume))).epsilon(tolerance::rounding));
+    s.springs.terms = {"spring.nodule", "cell.nodule", "contact.normal.ground"};
+    const EnergyLaw law = study_law(s, shape(), mesh);
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(3), plain = study_law(study(), shape(), mesh).constants(Eigen::VectorXd::Zero(2));
+    const Eigen::VectorXd ratio = law.constants(none).cwiseQuotient(plain);
+    CHECK(ratio.minCoeff() == Approx(1).epsilon(tolerance::rounding));
+    CHECK(ratio.maxCoeff() > 2);
+    CHECK(ratio.maxCoeff() < 4);
+    Eigen::VectorXd one = none;
+    one << 1, 0, 0;  // a power of E / E of the base material: exp(1 log of it)
+    const Eigen::VectorXd more = law.constants(one).cwiseQuotient(law.constants(none)).head(mesh.spring_count());
+    CHECK((more - ratio.head(mesh.spring_count())).norm() < 1e-9 * more.norm());
+    CHECK(law.ground() == nodule_points(s));
+    CHECK(law.ground().col(3).sum() == Approx(std::log(4.0) * ball_m3).epsilon(1e-6));
+    // with the plan's words for gmsh and FreeFEM
+    s.geometry.shape = "fem/dome.geo";
+    s.name = "dome";
+    CHECK_THAT(make_plan(s, shape()).parts.at("path-" + solid_training(s, shape())[0].name),
+               Contains(" -nodule_x 0.01 -nodule_y 0 -nodule_z 0.03 -nodule_radius 0.009 -C1_11 3016 -C2_11 0 -contact_x "));
+}
+
+TEST_CASE("a nodule that is not well inside its shape is refused by key and place", "[solid_shape]") {
+    Study s = study();
+    s.file = "dome.toml";
+    s.geometry.shape = "dome.geo";
+    s.nodule = Study::Nodule{};
+    const auto said = [&](const Eigen::Vector3d& centre_m, double radius_m) {
+        s.nodule->centre_m = centre_m;
+        s.nodule->radius_m = radius_m;
+        return refusal<StudyError>([&] { refuse_nodule_outside(s, *shape()); });
+    };
+    CHECK_THAT(said({0, 0, 0.06}, 0.005), StartsWith("dome.toml: key 'nodule.centre_m': (0, 0, 0.06) m is not inside dome.geo"));
+    CHECK_THAT(said({0, 0, -0.001}, 0.005), Contains("is not inside"));
+    CHECK_THAT(said({0, 0, 0.009}, 0.009), StartsWith("dome.toml: key 'nodule.radius_m': (0, 0, 0.009) m is 9 mm from the surface of dome.geo") &&
+                                               Contains("needs 11.77 mm"));  // 1.03 x 9 + 5 / 2
+    CHECK_THAT(said({0, 0, 0.0117}, 0.009), Contains("key 'nodule.radius_m'"));
+    s.nodule->centre_m = Eigen::Vector3d(0, 0, 0.0118);
+    refuse_nodule_outside(s, *shape());
+    s.nodule.reset();
+    refuse_nodule_outside(s, *shape());
 }
 
 TEST_CASE("cases of a solid shape read back the same, in any dataset changed in any way are refused in one line or well", "[solid_shape]") {

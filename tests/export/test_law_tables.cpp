@@ -108,6 +108,16 @@ TEST_CASE("the tables of a law in space hold all its energy, the contact's too",
     CHECK(contact_table(model, {0, 1}).hardening.row(1) == table.hardening.row(0));
 }
 
+TEST_CASE("a contact that softens comes back from its file as one", "[export][solid]") {
+    const TemporaryFolder folder;
+    TissueModel model = solid_example();
+    model.energy_law->terms.back() = "contact.softening";
+    model.energy_law->patch.softens = true;
+    write_model(folder.file("model.h5"), model, {"tissuectl test", 0, {}});
+    CHECK(read_model(folder.file("model.h5")).energy_law->patch.softens);
+    CHECK(contact_table(model, {1}).hardening(0, 0) == -contact_table(model, {1}).hardening(0, 1));
+}
+
 TEST_CASE("a law in space comes back from its file with its ground, and one without has none", "[export][solid]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("model.h5");

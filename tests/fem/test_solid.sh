@@ -36,8 +36,9 @@ mesh() { # NAME NEAR FAR [-setnumber ...]
 solve() {
   name=$1 msh=$2 depth=$3 records=$4 x=$5 y=$6 dx=$7 dy=$8 dz=$9
   shift 9
+  # shellcheck disable=SC2086  # arguments have no blanks
   FreeFem++-nw -nw -v 0 "$fem/solve_solid.edp" -mesh "$work/$msh.msh" -out "$work/$name.csv" -width 0.1 -length 0.1 -height 0.05 \
-    -C1 263 -C2 491 -cells_x 10 -cells_y 10 -cells_z 5 -contact_x "$x" -contact_y "$y" -contact_z 0.05 -direction_x "$dx" \
+    ${material:--C1 263 -C2 491} -cells_x 10 -cells_y 10 -cells_z 5 -contact_x "$x" -contact_y "$y" -contact_z 0.05 -direction_x "$dx" \
     -direction_y "$dy" -direction_z "$dz" -disc_radius 0.007 -depth "$depth" -records "$records" -tolerance 1e-10 -max_newton 12 "$@" \
     > "$work/$name.log" 2> "$work/$name.err"
 }
@@ -49,6 +50,7 @@ refused() {  # NAME STATUS WANTED-CODE WORDS SENTENCE
   else say "not ok - $5: exit $2, $lines lines, '$(head -c 200 "$work/$1.err")' vs exit $3 and one line with '$4'"; fi
 }
 tilt="0.5 0 -0.86602540378443865"
+as_mooney="-law ogden -terms 2 -mu1 526 -alpha1 2 -mu2 -982 -alpha2 -2"  # of -C1 263 -C2 491
 mesh off 0.005 0.02 -setnumber contact_x 0.043
 
 # ---- closed forms, derivatives, balance: the scripts' own checks
@@ -56,6 +58,12 @@ if group scripts; then
   script solid_homogeneous.edp "-state uniaxial"
   script solid_homogeneous.edp "-state shear"
   script solid_tangent.edp
+  ogden="-law ogden -terms 2 -mu1 900 -alpha1 3.7 -mu2 -300 -alpha2 -9.3"
+  script solid_homogeneous.edp "-state uniaxial $ogden"
+  script solid_homogeneous.edp "-state shear $ogden"
+  script solid_tangent.edp "$ogden"
+  script solid_tangent.edp "-state equal $ogden"
+  script solid_ogden.edp "$as_mooney"
   script solid_balance.edp "-mesh $work/off.msh -contact_x 0.043 -contact_y 0.05 -direction_x 0 -direction_y 0 -direction_z -1"
   script solid_balance.edp "-mesh $work/off.msh -contact_x 0.043 -contact_y 0.05 -direction_x 0.3 -direction_y -0.4 -direction_z -0.86602540378443865"
 fi
@@ -112,6 +120,23 @@ if group paths; then
       if (least > 0) print "ok - J stays positive in a push of 10 mm at 30 degrees"
       else print "not ok - J stays positive in a push of 10 mm at 30 degrees: " least " vs > 0"
     }' "$work/a.csv" | tee -a "$results"
+  # the same solid in the principal stretches
+  solve short off 0.004 2 0.043 0.05 $tilt
+  material=$as_mooney solve ogden off 0.004 2 0.043 0.05 $tilt
+  awk -F, '
+    function size(a) { return a < 0 ? -a : a }
+    $1 == "step" || $1 == "node" {
+      for (i = 4; i <= 10; ++i) {
+        if (FNR == NR) { a[FNR, i] = $i; continue }
+        e = size($i - a[FNR, i]); k = ($1 == "step") ? (i == 4) : 2 + (i < 8); if (e > worst[k]) worst[k] = e; if (size($i) > most[k]) most[k] = size($i)
+      }
+      if (FNR != NR) ++rows
+    }
+    END {
+      for (k = 0; k < 4; ++k) { e = (most[k] > 0) ? worst[k] / most[k] : 1; if (e > off) off = e }
+      if (rows == 3 * 727 && off < 1e-8) printf "ok - a path of Ogden with alpha = 2, -2 is that of Mooney-Rivlin in three dimensions: relative difference %.1e\n", off
+      else print "not ok - a path of Ogden with alpha = 2, -2 is that of Mooney-Rivlin in three dimensions: " rows + 0 " rows, relative difference " off " vs 2181 and 1e-8"
+    }' "$work/short.csv" "$work/ogden.csv" | tee -a "$results"
   # a nodule: of the same material it is none, a stiff one is felt
   mesh nodule 0.005 0.02 -setnumber contact_x 0.043 -setnumber nodule_x 0.05 -setnumber nodule_y 0.05 -setnumber nodule_z 0.03 -setnumber nodule_radius 0.008
   solve n nodule 0.002 1 0.043 0.05 0 0 -1
@@ -119,6 +144,16 @@ if group paths; then
   solve stiff nodule 0.002 1 0.043 0.05 0 0 -1 -C1_11 2630 -C2_11 4910
   if cmp -s "$work/n.csv" "$work/same.csv"; then say "ok - a nodule of the same material changes no bit"
   else say "not ok - a nodule of the same material changes no bit: $(cmp "$work/n.csv" "$work/same.csv" 2>&1) vs none"; fi
+  material="-law ogden -terms 1 -mu1 502.7 -alpha1 3"
+  material=$material solve n-ogden nodule 0.002 1 0.043 0.05 0 0 -1
+  material="$material -mu1_11 502.7 -alpha1_11 3" solve same-ogden nodule 0.002 1 0.043 0.05 0 0 -1
+  material="$material -mu1_11 -5027 -alpha1_11 -3" solve stiff-ogden nodule 0.002 1 0.043 0.05 0 0 -1
+  material=
+  if cmp -s "$work/n-ogden.csv" "$work/same-ogden.csv"; then say "ok - a nodule of the same Ogden material changes no bit"
+  else say "not ok - a nodule of the same Ogden material changes no bit: $(cmp "$work/n-ogden.csv" "$work/same-ogden.csv" 2>&1) vs none"; fi
+  ratio=$(echo "$(step stiff-ogden 1 7) $(step n-ogden 1 7)" | awk '{ print ($2 != 0) ? $1 / $2 : 0 }')
+  if awk "BEGIN { exit !($ratio > 1.01 && $ratio < 2) }"; then say "ok - a nodule of Ogden's other sign, ten times as stiff, is felt"
+  else say "not ok - a nodule of Ogden's other sign, ten times as stiff, is felt: force times $ratio vs 1.01 to 2"; fi
   ratio=$(echo "$(step stiff 1 7) $(step n 1 7)" | awk '{ print ($2 != 0) ? $1 / $2 : 0 }')
   if awk "BEGIN { exit !($ratio > 1.01 && $ratio < 2) }"; then say "ok - a nodule ten times as stiff is felt"
   else say "not ok - a nodule ten times as stiff is felt: force times $ratio vs 1.01 to 2"; fi
@@ -180,8 +215,12 @@ solve wall off 0.002 1 0.005 0.05 0 0 -1
 refused wall $? 1 "does not fit on the top face" "a disc that hangs over the edge is refused"
 solve long off 0.002 1 0.043 0.05 0 1 -1
 refused long $? 2 "unit vector" "a direction in space that is no unit vector is refused"
-solve law off 0.002 1 0.043 0.05 0 0 -1 -law ogden
-refused law $? 2 "-law must be mooney-rivlin" "a law that is not there in three dimensions is refused"
+solve law off 0.002 1 0.043 0.05 0 0 -1 -law gent
+refused law $? 2 "-law must be mooney-rivlin or ogden" "a law that is not there in three dimensions is refused"
+solve terms off 0.002 1 0.043 0.05 0 0 -1 -law ogden -mu1 500 -alpha1 3
+refused terms $? 2 "-terms is missing" "an Ogden law without its number of terms is refused"
+solve unread off 0.002 1 0.043 0.05 0 0 -1 -law ogden -terms 1 -mu1 500 -alpha1 3
+refused unread $? 2 "-C1 is not known" "parameters of another law than Ogden's are refused"
 solve unknown off 0.002 1 0.043 0.05 0 0 -1 -patch_half_width 0.005
 refused unknown $? 2 "-patch_half_width is not known" "an argument nobody reads is refused"
 solve points off 0.002 1 0.043 0.05 0 0 -1 -quadrature 5
@@ -358,7 +397,16 @@ over_refused low $? 'organ3.geo: the disc of radius 0.007 m about .* overlaps th
 organ name beds 0.04 0.045 0.0545
 over_refused name $? "organ3.geo: has no surface 'beds' to hold; it has bed" "a held surface that is not there is refused with those there are"
 over regions "$fem/organ3.geo" "$work/organ-springs.msh" bed 0.0045 0.002 1 0.04 0.045 0.0545 0 0 -1 -regions lump
-over_refused regions $? 'regions of their own material (lump) are not supported' "regions in a shape in space are refused"
+over_refused regions $? "organ3.geo: has no physical volume 'lump'; it has: tissue" "a region that a shape in space has not is refused"
+# a nodule in it: of the same material it changes the mesh alone, a stiff one is felt
+ball="-nodule_x 0.04 -nodule_y 0.045 -nodule_z 0.041 -nodule_radius 0.008"
+organ even bed 0.04 0.045 0.0545
+# shellcheck disable=SC2086
+over same "$fem/organ3.geo" "$work/organ-springs.msh" bed 0.0045 0.002 1 0.04 0.045 0.0545 0 0 -1 $ball -C1_11 263 -C2_11 491
+close_to "$(along same 1 0 0 -1)" "$(along even 1 0 0 -1)" 0.01 "a nodule of the same material in a shape is none, within the mesh's error"
+# shellcheck disable=SC2086
+over stiff "$fem/organ3.geo" "$work/organ-springs.msh" bed 0.0045 0.002 1 0.04 0.045 0.0545 0 0 -1 $ball -C1_11 1052 -C2_11 1964
+close_to "$(along stiff 1 0 0 -1)" "$(awk "BEGIN { print 1.26 * $(along even 1 0 0 -1) }")" 0.03 "a nodule four times as stiff in a shape is felt as on finer meshes, by 26 %"
 awk '/^solid rest/ { rest = 1 } rest && /^facet/ && !cut { cut = 1; skip = 1 } !skip { print } /^endfacet/ { skip = 0 }' "$work/box.stl" > "$work/open.stl"
 over open "$work/open.stl" "$work/box-springs.msh" bottom 0.0045 0.002 1 0.043 0.05 0.05 0 0 -1
 over_refused open $? 'open.stl: the surface does not close: it has a border at' "an STL that does not close is refused with the place"

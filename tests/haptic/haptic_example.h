@@ -57,7 +57,31 @@ class Pace {
 /// How many adversarial ticks a test runs: `usual`, or TISSUE_ADVERSARIAL_TICKS where that is set (10^7 in the issue).
 long long adversarial_ticks(long long usual);
 
+/// Watches the device's port while it ticks: what goes out is finite and within its limits, zero at once on a fault, and what the
+/// hand is given, by its own book, stays below the bound.
+class Port {
+   public:
+    explicit Port(Simulation& simulation) : s_(simulation), o_(simulation.model().options), longest_s_(o_.dt_s) {}
+
+    /// Ticks, and checks. False where there may be no force: a fault, or a mesh without an inside.
+    bool tick(const DeviceSample& sample, double elapsed_s);
+
+    double worst_J() const { return worst_J_; }   ///< most that the hand had been given
+    double bound_J() const { return longest_s_ / o_.dt_s * s_.safety().bound_J(); }
+    long long faults() const { return faults_; }
+
+   private:
+    Simulation& s_;
+    const HapticOptions& o_;
+    Eigen::Vector3d force_N_ = Eigen::Vector3d::Zero(), last_m_ = Eigen::Vector3d::Zero();
+    double given_J_ = 0, worst_J_ = 0, longest_s_;
+    long long faults_ = 0;
+    bool known_ = false;
+};
+
 /// Sample at a point of the plane, for the default map.
 DeviceSample sample_at(double x_m, double y_m);
+/// In space.
+DeviceSample sample_at(const Eigen::Vector3d& place_m);
 
 }  // namespace tissue

@@ -91,10 +91,8 @@ TEST_CASE("adversarial ticks, late, early and in bursts: force finite and within
         WildHand hand(42);
         Draw kick(43);
         Pace pace(44);
-        Eigen::Vector3d force = Eigen::Vector3d::Zero(), last = Eigen::Vector3d::Zero();
-        double given = 0, worst = 0, longest = o.dt_s;
-        long long inside = 0, pressed = 0, faults = 0;
-        bool known = false;
+        Port port(s);
+        long long inside = 0, pressed = 0;
         const long long ticks = adversarial_ticks(kind.usual);
         for (long long k = 0; k < ticks; ++k) {
             if (kick.below(500) == 0) {  // the mesh itself jumps over the proxy
@@ -103,45 +101,20 @@ TEST_CASE("adversarial ticks, late, early and in bursts: force finite and within
                 if (!model.meshes[0]->springs.fixed(node)) v.row(node) += Eigen::RowVector2d(kick(-3, 3), kick(-3, 3));
             }
             const double elapsed = kind.on_time ? o.dt_s : pace.next(o.dt_s);
-            const DeviceSample sample = hand.next(s, elapsed);
-            const SafetyCounters before = s.safety().counters();
-            const long long no_inside = s.counters().folded + s.counters().unstable;
-            const Eigen::Vector3d x = sample.position_m;
-            const Eigen::Vector3d now = s.tick(sample, elapsed);
-            const SafetyCounters& after = s.safety().counters();
-            const bool fault = after.bad_input + after.jump + after.stale > before.bad_input + before.jump + before.stale;
-            // the port, with the force that was held while the hand came here, or until the device let go of it
-            if (elapsed > force_held_s / 2) {
-                given += force.norm() * o.safety.speed_max_m_s * std::min(elapsed, force_held_s);
-                force.setZero();
-            }
-            longest = std::max(longest, std::min(elapsed, force_held_s));
-            if (!fault && known) given += force.dot(x - last);
-            worst = std::max(worst, given);
-            known = true;
-            if (after.jump > before.jump || !fault) last = x;
-            const double change = (now - force).norm();
-            force = now;
-
-            REQUIRE(now.allFinite());
-            REQUIRE(now.norm() <= o.safety.force_max_N * (1 + 1e-12));
-            const bool lost = s.counters().folded + s.counters().unstable > no_inside;
-            if (fault || lost) REQUIRE(now == Eigen::Vector3d::Zero());
-            else REQUIRE(change <= o.safety.slew_N_s * o.dt_s * (1 + 1e-9));
-            faults += fault;
+            const bool force_may = port.tick(hand.next(s, elapsed), elapsed);
             REQUIRE(s.state(0).displacement.allFinite());
             REQUIRE((s.contact().where.weight[1] >= 0 && s.contact().where.weight[1] <= 1));
-            if (!fault && !lost) {
+            if (force_may) {
                 for (std::size_t m : {0u, 1u}) inside += s.surface(m).contains_strictly(s.contact().proxy_m, 1e-9);
             }
             pressed += s.contact().pressing;
         }
         INFO(kind.law << " " << kind.dynamics << ": folded " << s.counters().folded << ", unstable " << s.counters().unstable
-                      << ", damped " << s.safety().counters().damped << ", worst energy " << worst << " J");
+                      << ", damped " << s.safety().counters().damped << ", worst energy " << port.worst_J() << " J");
         CHECK(inside == 0);
-        CHECK(worst <= longest / o.dt_s * s.safety().bound_J() * (1 + 1e-9));
+        CHECK(port.worst_J() <= port.bound_J() * (1 + 1e-9));
         CHECK(pressed > 0);
-        CHECK(faults > 0);
+        CHECK(port.faults() > 0);
         // a law drawn through itself is put to rest; springs of sets never need it
         if (kind.law != std::string("law")) CHECK((kind.dynamics == std::string("paper")) == (s.counters().unstable > 0));
     }

@@ -65,20 +65,33 @@ std::string model_file(const TemporaryFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("a model in space is refused in one line that names the file, before anything else", "[tissue-haptic][solid]") {
-    const TissueModel solid = solid_example();
-    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(solid, {}); }), Catch::Contains("is a model in space"));
+TEST_CASE("a model in space plays: its ledger, its recording along three axes, and that recording again", "[tissue-haptic][solid]") {
     const TemporaryFolder folder;
-    write_model(folder.file("solid.h5"), solid, {"test", 1, {}});
-    const std::string line = "tissue-haptic: " + folder.file("solid.h5") + ": is a model in space; the realtime core plays models in the plane\n";
-    const std::string ways[] = {" --seconds 0.1 --no-realtime --record " + folder.file("record.h5"), " --sets optimum",
-                                " --check " + folder.file("solid.h5") + " --out " + folder.file("realtime.json")};
-    for (const std::string& way : ways) {
-        const Ended ended = run(folder, folder.file("solid.h5") + way);
-        CHECK(ended.status == 1);
-        CHECK(ended.err == line);
+    write_model(folder.file("solid.h5"), solid_example(), {"test", 1, {}});
+    const std::string play = folder.file("solid.h5") + " --no-realtime --json --seconds 1.5";
+    const Ended ended = run(folder, play + " --motion press --depth 0.005 --record " + folder.file("record.h5"));
+    CHECK(ended.err.find("substep") != std::string::npos);
+    REQUIRE(ended.status == 0);
+    const auto ledger = nlohmann::json::parse(ended.out);
+    CHECK(ledger["force_max_N"].get<double>() > 0.05);
+    CHECK(ledger["bad_input"] == 0);
+    {
+        const Hdf5Reader in(folder.file("record.h5"), "recording");
+        const NodeField master = in.field("/master"), force = in.field("/coupling_force"), weight = in.field("/weight");
+        REQUIRE(master.cols() == 3);
+        REQUIRE(weight.cols() == 3);
+        CHECK(master(master.rows() - 1, 2) == Approx(0.045).margin(1e-4));
+        CHECK(force(force.rows() - 1, 2) > 0.05);
+        CHECK(weight.row(weight.rows() - 1).sum() == Approx(1));
     }
-    CHECK(folder.names() == std::vector<std::string>{"err", "out", "solid.h5"});
+    const Ended again = run(folder, play + " --device replay --trajectory " + folder.file("record.h5"));
+    REQUIRE(again.status == 0);
+    CHECK(nlohmann::json::parse(again.out)["force_max_N"].get<double>() == Approx(ledger["force_max_N"].get<double>()).epsilon(1e-6));
+    for (const std::string& wrong : {std::string(" --sets optimum"), std::string(" --axes x,y"), std::string(" --offset 0 0")}) {
+        const Ended refused = run(folder, play + wrong);
+        CHECK(refused.status == 1);
+        CHECK(std::count(refused.err.begin(), refused.err.end(), '\n') == 1);
+    }
 }
 
 TEST_CASE("a ring keeps order between two threads, and drops only what does not fit", "[recorder]") {

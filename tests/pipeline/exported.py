@@ -341,7 +341,7 @@ def solid_law_csv(export, h5):
     same("terms", [row["term"] for row in read["terms"]], [name.decode() for name in h5["law/terms"]])
     same("coefficients", column(read["terms"], "coefficient")[:, 0], h5["law/coefficients"][:])
     same("rows", [row["row"] for row in read["contact"]], ["normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"])
-    same("contact", column(read["contact"], "log_k_N_m", "phase", "ground", "edge"), h5["law/patch_log"][:])
+    same("contact", column(read["contact"], "log_k_N_m", "phase", "ground", "edge", *(["curved", "crowd"] if shape else [])), h5["law/patch_log"][:])
     hardening = {row["case"]: [float(row[c]) for c in ("hardening_1_J", "saturation_1_J", "coupling_N_m2")] for row in read["contact_hardening"]}
     case = np.array([names.index(row["case"]) for row in read["contact_rows"]])
     law = SolidLaw(column(read["nodes"], "x_m", "y_m", "z_m"), column(read["springs"], "node_i", "node_j"),

@@ -75,12 +75,17 @@ refused() { # SENTENCE WORDS COMMAND...
     check "$sentence: one line says so" one_line "$words"
 }
 model=results/solid/model.h5 T=build/release/tissuectl
-plane='model.h5: is a model in space; .* plays models in the plane'
-refused "a model in space on a device" "tissue-haptic: .*$plane" "$TISSUE_HAPTIC" $model --seconds 0.1 --no-realtime --record "$out/record.h5"
-refused "a model in space under --check" "tissue-haptic: .*$plane" "$TISSUE_HAPTIC" $model --check results/solid/cases.h5 --out "$out/realtime.json"
-refused "a model in space on the page" "$plane" $T serve $model --port 0
+check "a model in space plays on a device and pushes back" "$PYTHON" -c "import json, subprocess, sys
+words = sys.argv[1:] + '--seconds 1 --no-realtime --motion press --depth 0.005 --json'.split()
+ledger = json.loads(subprocess.run(words, stdout=subprocess.PIPE, check=True, timeout=120).stdout)
+assert ledger['force_max_N'] > 0.01, ledger" "$TISSUE_HAPTIC" "$R/model.h5"
+run timeout 300 "$TISSUE_HAPTIC" $model --check results/solid/cases.h5 --out "$work/realtime.json"
+check "its held-out contacts pressed in motion" exited 0
+check "rest, and where the static answer is" "$PYTHON" -c "import json, sys
+j = json.load(open(sys.argv[1]))
+assert all(p['rested'] for p in j['presses']) and j['static_error']['max'] < 1e-3, j['static_error']" "$work/realtime.json"
 refused "a SOFA scene of a model in space" "model.h5: is a law, and SOFA has no force field" $T export $model --to sofa --out "$out/x.scn"
-check "no file was begun" absent "$out/record.h5" "$out/realtime.json" "$out/x.scn"
+check "no file was begun" absent "$out/x.scn"
 refused "cases in space for a study in the plane" "144 nodes that are not the 11 x 11 lattice" \
     $T train --study fem/studies/surface-quick.toml --cases results/solid/cases.h5 --out results/solid/model.h5
 refused "variants of such a study" "144 nodes that are not the 11 x 11 lattice" \

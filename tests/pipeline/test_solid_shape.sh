@@ -98,6 +98,85 @@ check "forces of tissue and hand, worked out from the law's tables, are the mode
 check "and from the NumPy arrays" exported law-numpy "$out/model-numpy" "$R/model.h5" "$out/model-csv"
 check "VTK reads springs and tetrahedra of the pressed law" exported law-vtu "$out/model-vtu" "$R/model.h5" "$out/model-csv"
 
+# ---- a nodule in it: contacts over it and at the mirror image, where there is none
+stone=fem/studies/stone.toml
+cat >"$work/$stone" <<'TOML'
+based_on = "dome"
+
+[nodule]
+centre_m = [0.020, 0.0, 0.016]
+radius_m = 0.008
+C1_Pa = 4000.0
+
+[loads]
+magnitudes_m = [0.002, 0.004]
+contacts = [
+  { at_m = [0.020, 0.0, 0.032], pushes_deg = [[0, 0]] },
+  { at_m = [-0.020, 0.0, 0.032], pushes_deg = [[0, 0]] },
+  { at_m = [0.008, 0.008, 0.034], pushes_deg = [[0, 0]] },
+]
+
+[springs]
+terms = ["spring.all", "cell.all", "spring.nodule", "contact.normal", "contact.imprint_normal", "contact.hardening", "contact.normal.ground"]
+TOML
+run make PYTHON="$PYTHON" STUDY=stone eval
+check "a solid shape with a nodule goes from mesh to evaluation" exited 0
+tissuectl export results/stone/model.h5 --to csv --out "$out/stone"
+check "the force over a nodule is larger than at the mirror image, in finite elements and in the law" "$PYTHON" - "$work/results/stone" "$out/stone/presses.csv" <<'PY'
+import csv, json, sys
+import h5py
+import numpy as np
+with h5py.File(sys.argv[1] + "/cases.h5") as c:
+    fe = {name: np.linalg.norm(c["paths"][name]["contact_force"][()], axis=1) for name in c["path_names"].asstr()}
+over, beside = (max(v[-1] for k, v in fe.items() if k.startswith(p)) for p in ("c01", "c02"))
+law = {row["case"]: np.linalg.norm([float(row["force_%s_N" % a]) for a in "xyz"]) for row in csv.DictReader(open(sys.argv[2]))}
+law_over, law_beside = (max(v for k, v in law.items() if k.startswith(p)) for p in ("c01", "c02"))
+learned = json.load(open(sys.argv[1] + "/eval.json"))["closed_loop"]
+print("over / beside: finite elements %.3f, law %.3f; held out %s" % (over / beside, law_over / law_beside, learned["held_out"]["learned"]))
+assert over / beside > 1.1, (over, beside)
+assert law_over / law_beside > 1 + 0.5 * (over / beside - 1), (law_over, law_beside, over / beside)
+assert learned["trained"]["learned"]["max"] < 0.1, learned["trained"]["learned"]
+PY
+cp -p "$work/$stone" "$scratch/stone.toml"
+wrong() { # SENTENCE SED LINE-PATTERN
+    sed "$2" "$scratch/stone.toml" >"$work/$stone"
+    run make PYTHON="$PYTHON" STUDY=stone mesh
+    check "$1: make fails" failed
+    check "$1: one line says so" one_line "$3"
+}
+wrong "a nodule outside" 's/^centre_m.*/centre_m = [0.020, 0.0, 0.040]/' "stone.toml: key 'nodule.centre_m': (0.02, 0, 0.04) m is not inside fem/dome.geo"
+wrong "a nodule at the surface" 's/^radius_m.*/radius_m = 0.0125/' "stone.toml: key 'nodule.radius_m': .* mm from the surface of fem/dome.geo; a nodule of 12.5 mm needs 15.375 mm"
+rm "$work/$stone"
+
+# ---- the same ball as a volume of the user's own
+sed 's/^Physical Volume.*/Sphere(9) = {20, 0, 16, 8}; BooleanFragments{ Volume{3}; Delete; }{ Volume{9}; Delete; }\nPhysical Volume("stone") = {9};\nrest[] = Volume{:}; rest[] -= {9}; Physical Volume("flesh") = {rest[]};/
+  /^bed/d; s/^Physical Surface.*//' "$work/fem/dome.geo" >"$work/fem/pit.geo"
+cat >>"$work/fem/pit.geo" <<'GEO'
+bed[] = Surface In BoundingBox{-60, -60, -0.01, 60, 60, 0.01};
+Physical Surface("table") = {bed[]};
+GEO
+pit=fem/studies/pit.toml
+sed -e 's|^\[nodule\]|[geometry]\nshape = "../pit.geo"\n[lattice]\nsize_m = 0.014\n[material.regions.stone]|' -e '/^centre_m/d' -e '/^radius_m/d' "$scratch/stone.toml" >"$work/$pit"
+run make PYTHON="$PYTHON" STUDY=pit eval
+check "a solid shape with a region of its own goes from mesh to evaluation" exited 0
+check "a ball as a named volume is felt as the nodule is" "$PYTHON" - "$work/results/pit" "$work/results/stone" <<'PY'
+import sys
+import h5py
+import numpy as np
+def forces(folder):
+    with h5py.File(folder + "/cases.h5") as c:
+        return {n: np.linalg.norm(c["paths"][n]["contact_force"][()], axis=1)[-1] for n in c["path_names"].asstr() if n.startswith("c0")}
+pit, stone = forces(sys.argv[1]), forces(sys.argv[2])
+assert sorted(pit) == sorted(stone) and len(pit) == 3, (pit, stone)
+off = {n: pit[n] / stone[n] - 1 for n in pit}
+print(off)
+assert max(map(abs, off.values())) < 0.03, off
+PY
+sed -i 's/regions.stone/regions.peach/' "$work/$pit"
+run make PYTHON="$PYTHON" STUDY=pit mesh
+check "a region that the shape has not: one line says so" one_line "fem/pit.geo: has no physical volume 'peach'; it has: .*stone"
+rm "$work/$pit"
+
 # ---- the same tissue as a mesh of tetrahedra, and as an .stl
 cp -p "$work/$study" "$scratch/geo.toml"
 (cd "$work/fem" && gmsh -v 1 -3 -clmin 14 -clmax 14 -format msh41 dome.geo -o dome.msh >/dev/null 2>&1)

@@ -6,8 +6,9 @@ import tempfile
 import time
 from pathlib import Path
 
-FLAGS = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-background-networking",
+FLAGS = ["--headless=new", "--no-sandbox", "--disable-background-networking",
          "--disable-component-update", "--disable-sync", "--no-first-run", "--hide-scrollbars"]
+FLAT, SOLID = ["--disable-gpu"], ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]   # SOLID: WebGL, in software
 
 
 PATIENCE_S = 120  # what is waited for comes in less than a few; only a test that fails, or a busy machine, waits longer
@@ -52,7 +53,7 @@ class Server:
 class Browser:
     """One Chromium with a profile of its own. Lengths in CSS pixels, times in seconds."""
 
-    def __init__(self, width=1360, height=900, scale=1, mobile=False, **media):
+    def __init__(self, width=1360, height=900, scale=1, mobile=False, flags=FLAT, **media):
         try:
             from selenium import webdriver
             from selenium.webdriver.chrome.service import Service
@@ -65,7 +66,7 @@ class Browser:
         self.profile = tempfile.mkdtemp()
         options = webdriver.ChromeOptions()
         options.binary_location = programs[0]
-        for flag in [*FLAGS, f"--user-data-dir={self.profile}", f"--window-size={width},{height}"]:
+        for flag in [*FLAGS, *flags, f"--user-data-dir={self.profile}", f"--window-size={width},{height}"]:
             options.add_argument(flag)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         self.driver = webdriver.Chrome(options=options, service=Service(programs[1]))
@@ -139,18 +140,21 @@ class Browser:
         """An option of a <select>, by its value."""
         self.driver.find_element("css selector", f"#{name} option[value='{value}']").click()
 
-    def on_screen(self, x_m, y_m):
-        """A point of the plane, scrolled into view."""
-        point = "tissue.on_screen([arguments[0], arguments[1]])"
-        x, y = self.js(point, x_m, y_m)
+    def on_screen(self, *point_m):
+        """A point of the plane or of space, scrolled into view: CSS pixels."""
+        point = "tissue.on_screen([...arguments])"
+        x, y = self.js(point, *point_m)
         if not self.js("arguments[0] > 0 && arguments[0] < innerWidth && arguments[1] > 0 && arguments[1] < innerHeight", x, y):
-            self.js("document.getElementById('stage').scrollIntoView({block: 'center'})")
-            x, y = self.js(point, x_m, y_m)
+            self.js("document.querySelector('#stage:not([hidden]), #space_stage:not([hidden])').scrollIntoView({block: 'center'})")
+            x, y = self.js(point, *point_m)
         return x, y
 
-    def mouse(self, kind, x_m, y_m):
-        """kind: Pressed, Moved, Released, at a point of the plane."""
-        x, y = self.on_screen(x_m, y_m)
+    def mouse(self, kind, *point_m):
+        """kind: Pressed, Moved, Released, at a point of the plane or of space."""
+        self.mouse_at(kind, *self.on_screen(*point_m))
+
+    def mouse_at(self, kind, x, y):
+        """The same, in CSS pixels."""
         down = kind != "Released"
         self.cdp("Input.dispatchMouseEvent", type=f"mouse{kind}", x=x, y=y, button="left", buttons=int(down), clickCount=1)
 
@@ -170,7 +174,7 @@ class Browser:
         code = {"Space": " "}.get(name, name)
         text = {"text": " "} if name == "Space" else {"text": "\r"} if name == "Enter" else {}
         number = {"Tab": 9, "Enter": 13, "Escape": 27, "Space": 32, "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39,
-                  "ArrowDown": 40}[name]
+                  "ArrowDown": 40, "PageUp": 33, "PageDown": 34, "Home": 36, "+": 187, "-": 189}[name]
         for _ in range(times):
             for kind in ("keyDown", "keyUp"):
                 self.cdp("Input.dispatchKeyEvent", type=kind, key=code, code=name, modifiers=8 if shift else 0,

@@ -60,7 +60,7 @@ def http(port):
 
     def fetched():
         began = time.monotonic()
-        pages.update((path, get(port, path)) for path in ("/", "/page.css", "/page.js"))
+        pages.update((path, get(port, path)) for path in ("/", "/page.css", "/page.js", "/three.module.js"))
         took.append(time.monotonic() - began)
         return took[-1] < 1
 
@@ -70,7 +70,8 @@ def http(port):
     check("the page has a strict policy: nothing but its own", policy and "default-src 'none'" in policy[1]
           and "unsafe" not in policy[1] and "script-src 'self'" in policy[1] and "*" not in policy[1], policy)
     check("types are said and not guessed", "text/html" in pages["/"][1] and "text/css" in pages["/page.css"][1]
-          and "text/javascript" in pages["/page.js"][1] and all("nosniff" in p[1] for p in pages.values()))
+          and "text/javascript" in pages["/page.js"][1] and all("nosniff" in p[1] for p in pages.values())
+          and "text/javascript" in pages["/three.module.js"][1])
     status, head, body = get(port, "/page.js", "HEAD")
     check("HEAD is GET without the body", status == 200 and body == b"" and f"Content-Length: {len(pages['/page.js'][2])}" in head, head)
     answers = [get(port, "/", method) for method in ("POST", "PUT", "DELETE", "OPTIONS", "BREW")]
@@ -145,6 +146,7 @@ def misbehaviour(port):
     for sentence, text, reason in (("not JSON", "{", "not JSON"), ("an unknown type", '{"type":"fly"}', "a type that is none of"),
                                    ("an unknown key", '{"type":"reset","x":1}', "a key that"),
                                    ("a number that is none", '{"type":"pointer","x":1e999,"y":0,"down":true}', "not JSON"),
+                                   ("a pointer of space in the plane", '{"type":"pointer","x":0,"y":0,"z":0,"down":true}', "'z' is of models in space"),
                                    ("a model that is not there", '{"type":"model","model":7}', "no such model")):
         end = ends(port, lambda c: c.send(text))
         check(f"{sentence}: 1008 and the reason", end and end[0] == 1008 and end[1].startswith(reason), end)

@@ -1,34 +1,44 @@
-"""Takes results/reference/serve.png: screenshot.py TISSUECTL MODEL OUT.png [dark], MODEL that of the study `surface`.
-Presses the learned mesh with the mouse, straight in at its left side and between two nodes, holds until the tissue
-rests, and takes the page as it stands."""
+"""Takes results/reference/serve.png and serve-space.png: screenshot.py TISSUECTL MODEL OUT.png [dark], MODEL that of the
+study `surface`, or of one in space. Presses the learned mesh with the mouse, in the plane straight in at its left side and between
+two nodes, in space where the demo begins; holds until the tissue rests, and takes the page as it stands."""
 import sys
 import tempfile
 
-from browser import Browser, Server
+from browser import SOLID, Browser, Server
 
 Y = 0.0665       # m above the fixed edge
 DEPTH = 0.0095   # m, of the hand
 
 
+def press(page, solid):
+    if solid:
+        page.until("tissue.solids !== null")
+        page.js("document.getElementById('space').focus()")
+        page.js("document.getElementById('depth').value = 7")
+        page.key("Space")
+        page.until("tissue.pressing !== null && tissue.pressing.depth_m > 0.00699")
+        return
+    page.drag([-0.02, Y], [-0.015, Y])
+    page.until("tissue.control.holder === 'you' && Math.max(...tissue.largest_displacement_m) < 1e-5", 20)
+    page.drag([-0.015, Y], [DEPTH, Y], steps=120)
+
+
 def main():
     program, model, out, *night = sys.argv[1:]
-    page = Browser(1280, 700, 1, prefers_color_scheme="dark" if night else "light")
+    page = Browser(1280, 700, 1, flags=SOLID, prefers_color_scheme="dark" if night else "light")
     with tempfile.TemporaryDirectory() as folder:
         server = Server(program, [model], folder)
         try:
             page.open(server.url)
             page.until("tissue.connected && tissue.states > 0")
-            page.drag([-0.02, Y], [-0.015, Y])
-            page.until("tissue.control.holder === 'you' && Math.max(...tissue.largest_displacement_m) < 1e-5", 20)
-            page.drag([-0.015, Y], [DEPTH, Y], steps=120)
+            press(page, page.js("tissue.dimension === 3"))
             page.until("tissue.pressed === 0")
             for _ in range(30):
-                moved = [seen[1][0] for seen in page.watch("tissue.contact_moved_m", 0.5)]
+                moved = page.watch("Math.hypot(...tissue.contact_moved_m[1])", 0.5)
                 if max(moved) - min(moved) < 0.002 * max(moved):
                     break
             page.driver.save_screenshot(out)
             print(page.text("verdict"), page.text("basis"), sep="\n")
-            page.mouse("Released", DEPTH, Y)
         finally:
             page.end()
             server.end()

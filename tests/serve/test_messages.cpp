@@ -33,6 +33,10 @@ TEST_CASE("each message of a page is read as it was meant", "[serve]") {
     const auto whole = parse_message(R"({"down":false,"y":0,"x":1,"type":"pointer"})");  // in any order, integers too
     REQUIRE(as<PointerMessage>(whole));
     CHECK((as<PointerMessage>(whole)->x_m == 1 && !as<PointerMessage>(whole)->down));
+    CHECK_FALSE(as<PointerMessage>(whole)->z_m);
+    const auto in_space = parse_message(R"({"type":"pointer","x":1,"y":2,"z":-0.5,"down":true})");
+    REQUIRE(as<PointerMessage>(in_space));
+    CHECK(as<PointerMessage>(in_space)->z_m == -0.5);
     CHECK(as<PauseMessage>(parse_message(R"({"type":"pause","on":true})")));
     CHECK(as<ResetMessage>(parse_message(R"( {"type" : "reset"} )")));
     const auto demo = parse_message(R"({"type":"demo","place":-1})"), model = parse_message(R"({"type":"model","model":2})");
@@ -51,7 +55,8 @@ TEST_CASE("what is no message is refused in a sentence that says why", "[serve]"
     CHECK(refused(R"({"type":"pointer","x":0,"down":true})") == "'y' is missing");
     CHECK(refused(R"({"type":"pointer","x":"0","y":0,"down":true})") == "'x' must be a finite number");
     CHECK(refused(R"({"type":"pointer","x":0,"y":0,"down":1})") == "'down' must be true or false");
-    CHECK(refused(R"({"type":"pointer","x":0,"y":0,"down":true,"z":0})").find("a key that") != std::string::npos);
+    CHECK(refused(R"({"type":"pointer","x":0,"y":0,"down":true,"w":0})").find("a key that") != std::string::npos);
+    CHECK(refused(R"({"type":"pointer","x":0,"y":0,"down":true,"z":"0"})") == "'z' must be a finite number");
     CHECK(refused(R"({"type":"reset","x":0})").find("a key that") != std::string::npos);
     for (const char* k : {"-2", "0.5", "1e9", "99999999999999999999", "18446744073709551615", "null"})
         CHECK(refused(R"({"type":"demo","place":)" + std::string(k) + "}").find("'place' must be an integer") == 0);
@@ -82,7 +87,7 @@ TEST_CASE("whatever comes in, it is a message or a refusal: 20000 mutated and ra
         if (draw.below(10) == 0)
             for (char& c : text) c = static_cast<char>(draw.below(256));
         const auto parsed = parse_message(text);
-        if (const PointerMessage* p = as<PointerMessage>(parsed)) REQUIRE((std::isfinite(p->x_m) && std::isfinite(p->y_m)));
+        if (const PointerMessage* p = as<PointerMessage>(parsed)) REQUIRE((std::isfinite(p->x_m) && std::isfinite(p->y_m) && std::isfinite(p->z_m.value_or(0))));
         if (const DemoMessage* d = as<DemoMessage>(parsed)) REQUIRE(d->place >= -1);
         if (const ModelMessage* m = as<ModelMessage>(parsed)) REQUIRE(m->model >= 0);
         if (const Refusal* r = std::get_if<Refusal>(&parsed)) {

@@ -48,6 +48,7 @@ def opening(page, server):
     foreign = page.js("performance.getEntriesByType('resource').filter(e => !e.name.startsWith(location.origin) && "
                       "!e.name.startsWith('data:')).map(e => e.name)")
     check("nothing is fetched from elsewhere", foreign == [], foreign)
+    check("and nothing that draws in space", page.js("performance.getEntriesByType('resource').filter(e => e.name.includes('three')).length") == 0)
     check("the title names the study", "tiny" in page.js("document.title"), page.js("document.title"))
     check("the demo plays until someone takes over", page.js("tissue.control.holder") == "demo" and
           page.until("tissue.pressed === 0 && Math.min(...tissue.largest_displacement_m) > 1e-3"), page.js("tissue.control"))

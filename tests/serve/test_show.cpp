@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "../../cli/serve/frame.h"
 #include "../../cli/serve/metrics.h"
 #include "../../cli/serve/page.h"
 #include "../../cli/serve/show.h"
@@ -58,7 +59,7 @@ Cases cases_of(const TissueModel& tissue) {
     return cases;
 }
 
-bool in_tissue(const Scene& scene, const Eigen::Vector2d& p, double margin = 0) {
+bool in_tissue(const Scene& scene, const Point& p, double margin = 0) {
     for (const auto& [low, high] : scene.boxes())
         if ((p.array() > low.array() - margin).all() && (p.array() < high.array() + margin).all()) return true;
     return false;
@@ -153,7 +154,7 @@ TEST_CASE("the nearest place is the one at the contact whose push is most like o
     TickSummary summary;
     summary.ticks = 42;
     summary.clients = 3;
-    const std::string bytes = encode_state(state, s.model, top, summary);
+    const std::string bytes = FrameCoder().encode(make_frame(state, s.scene, top, summary));
     REQUIRE(bytes.size() == 256 + 2 * 2 * 121 * 4);
     double head[32];
     std::memcpy(head, bytes.data(), sizeof head);
@@ -169,12 +170,12 @@ TEST_CASE("on its way the hand goes round the tissue; to a point inside it comes
     Draw draw(4);
     for (int k = 0; k < 300; ++k) {
         const auto& boxes = s.scene.boxes();
-        const Eigen::Vector2d from = outside(boxes, {draw(-0.05, 0.3), draw(-0.05, 0.15)}, 0.01),
-                              to = outside(boxes, {draw(-0.05, 0.3), draw(-0.05, 0.15)}, 0.01);
+        const Point from = outside(boxes, Eigen::Vector2d(draw(-0.05, 0.3), draw(-0.05, 0.15)), 0.01),
+                    to = outside(boxes, Eigen::Vector2d(draw(-0.05, 0.3), draw(-0.05, 0.15)), 0.01);
         CHECK_FALSE(in_tissue(s.scene, from, 0.0099));
-        Eigen::Vector2d at = from;
+        Point at = from;
         double length = 0;
-        for (const Eigen::Vector2d& p : way_round(boxes, from, to, 0.01)) {
+        for (const Point& p : way_round(boxes, from, to, 0.01)) {
             for (int i = 0; i <= 50; ++i) REQUIRE_FALSE(in_tissue(s.scene, at + (p - at) * i / 50, 0.0088));
             length += (p - at).norm();
             at = p;
@@ -183,15 +184,15 @@ TEST_CASE("on its way the hand goes round the tissue; to a point inside it comes
         CHECK(length < (to - from).norm() + 0.6);
     }
     Hand hand(s.scene);
-    hand.follow({0.09, 0.05});   // inside, near the right side; the hand is above the middle
+    hand.follow(Eigen::Vector2d(0.09, 0.05));   // inside, near the right side; the hand is above the middle
     for (int k = 0; k < 200; ++k) hand.step(0.016);
     CHECK((hand.at() - Eigen::Vector2d(0.09, 0.05)).norm() < 1e-12);
-    hand.follow({0.07, 0.03});   // now it is led
+    hand.follow(Eigen::Vector2d(0.07, 0.03));   // now it is led
     CHECK((hand.step(0.016) - Eigen::Vector2d(0.07, 0.03)).norm() < 1e-12);
     hand.let_go();
     for (int k = 0; k < 100; ++k) hand.step(0.016);
     CHECK((hand.at() - Eigen::Vector2d(0.11, 0.05)).norm() < 1e-9);   // out where it came in
-    hand.follow({1e300, -1e300});
+    hand.follow(Eigen::Vector2d(1e300, -1e300));
     for (int k = 0; k < 1000; ++k) hand.step(0.016);
     CHECK(hand.at().norm() < 2);
 }
@@ -261,6 +262,22 @@ TEST_CASE("the first to put the pointer down holds the tissue until it lets go, 
     CHECK(s.show->hear(2, "x", s.now_s)->reason == "not JSON");
 }
 
+TEST_CASE("a pointer of another dimension is refused, but not while it may have crossed the news of another model", "[serve]") {
+    Stand s;
+    s.show->join(1);
+    const char* in_space = R"({"type":"pointer","x":0.05,"y":0.05,"z":0.05,"down":true})";
+    const auto refused = s.show->hear(1, in_space, s.now_s);
+    REQUIRE(refused);
+    CHECK(refused->kind == std::string("message"));
+    CHECK(refused->reason == "'z' is of models in space, and this one is in the plane");
+    CHECK(s.last_holder(1) == "demo");
+    CHECK_FALSE(s.show->hear(1, R"({"type":"model","model":1})", s.now_s));
+    CHECK_FALSE(s.show->hear(1, in_space, s.now_s + 1.9));
+    CHECK(s.last_holder(1) != "you");
+    CHECK(s.show->hear(1, in_space, s.now_s + 2.1));
+    s.stage->stop();
+}
+
 TEST_CASE("models change on the running stage, counts go on, and a pause lasts", "[serve]") {
     Stand s;
     CHECK(s.stage->names() == std::vector<std::string>{"example", "example (2)"});
@@ -274,7 +291,7 @@ TEST_CASE("models change on the running stage, counts go on, and a pause lasts",
         });
     };
     CHECK(wait([&] { return s.stage->counts().ticks > 200; }));
-    CHECK_FALSE(s.show->frame().empty());
+    CHECK_FALSE(s.show->frame().nodes_m.empty());
     CHECK_FALSE(s.show->hear(1, R"({"type":"pause","on":true})", s.now_s));
     CHECK(s.heard[1].back()["paused"] == true);
     CHECK_FALSE(s.show->hear(1, R"({"type":"model","model":1})", s.now_s));
@@ -404,11 +421,20 @@ TEST_CASE("without cases.h5 there is no FE surface and no word of it; a foreign 
 }
 
 TEST_CASE("the page is in the program, whole, and asks for nothing from elsewhere", "[serve]") {
-    for (const char* path : {"/", "/page.css", "/page.js"}) {
-        const PageFile* file = page_file(path);
-        REQUIRE(file);
-        CHECK(file->text.size() > 200);
-        CHECK(file->text.find("https://") == std::string_view::npos);
+    CHECK(page_file("/page.css"));
+    CHECK(page_file("/page.js"));
+    for (const PageFile& file : page_files()) {
+        INFO(file.path);
+        CHECK(file.text.size() > 200);
+        CHECK(page_file(file.path)->text == file.text);
+        if (file.path != "/three.module.js") CHECK(file.text.find("https://") == std::string_view::npos);
+        const std::string_view from = " from \"./";   // every module that another one needs is there
+        for (std::size_t at = 0; (at = file.text.find(from, at)) != std::string_view::npos;) {
+            at += from.size() - 1;
+            const std::string needed(file.text.substr(at, file.text.find('"', at) - at));
+            INFO(needed);
+            CHECK(page_file(needed));
+        }
     }
     CHECK(page_file("/")->text.find("</html>") != std::string_view::npos);
     CHECK(page_file("/")->text.find("<script>") == std::string_view::npos);   // the policy allows files alone

@@ -186,7 +186,8 @@ def hostile_frames(port, count, seed=1):
                 sent += 1
                 kind = draw.randrange(8)
                 if kind < 3:   # well-formed, but what no hand does
-                    client.say(type="pointer", x=draw.uniform(-1e6, 1e6), y=draw.choice([1e300, -1e300, draw.uniform(0, .1)]), down=True)
+                    client.say(type="pointer", x=draw.uniform(-1e6, 1e6), y=draw.choice([1e300, -1e300, draw.uniform(0, .1)]), down=True,
+                               **draw.choice([{}, {}, {"z": draw.choice([1e300, draw.uniform(0, .1)])}]))
                 elif kind == 3:
                     client.send(os.urandom(draw.randrange(200)), kind=draw.choice([TEXT, BINARY, PING, PONG]))
                 elif kind == 4:

@@ -198,6 +198,14 @@ TEST_CASE("a contact that hardens derives from its energy, and its derivatives a
     }
 }
 
+TEST_CASE("how a surface bends and its nodes crowd is no factor of a lattice", "[solid]") {
+    const SpringMesh mesh = block(3, 3, 2);
+    for (const char* term : {"contact.normal.curved", "contact.tangent.crowd"})
+        CHECK_THROWS_WITH(law_on(mesh, {term}), Contains("is not known"));
+    CHECK_NOTHROW(law_on(mesh, {"contact.softening"}));
+    CHECK(DiscContact(mesh, 0.007).rows_at(Eigen::Vector3d(0.015, 0.015, 0.02)).factors.size() == 4);
+}
+
 TEST_CASE("a pressed solid rests in balance, harder the deeper, and its derivatives are those of its rest", "[solid]") {
     const SpringMesh mesh = block(6, 6, 3);
     const EnergyLaw law = law_on(mesh, some_terms);

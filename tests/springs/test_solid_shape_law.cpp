@@ -95,15 +95,86 @@ TEST_CASE("springs of a solid shape's heuristic have the shear modulus of incomp
 TEST_CASE("terms for places serve a solid shape, but for those of a lattice", "[solid_shape]") {
     const SpringMesh mesh = edge_mesh(dome(6));
     for (const char* term : {"spring.all", "cell.all", "spring.layer", "cell.layer", "spring.surface", "cell.surface", "spring.held", "spring.along",
-                             "spring.across.layer", "spring.upright", "spring.top", "cell.bottom", "spring.z", "cell.z2", "spring.x2", "contact.normal.phase"})
+                             "spring.across.layer", "spring.upright", "spring.top", "cell.bottom", "spring.z", "cell.z2", "spring.x2", "contact.normal.phase", "contact.normal.curved", "contact.softening.crowd"})
         CHECK_NOTHROW(law_on(mesh, {term}));
     for (const char* term : {"spring.wall", "cell.wall", "spring.face", "spring.body", "spring.vertical"})
-        CHECK_THROWS_WITH(law_on(mesh, {term}), Contains("is not possible here; allowed: all, surface, layer, held, top, bottom, x2"));
+        CHECK_THROWS_WITH(law_on(mesh, {term}), Contains("is not possible here; allowed: all, surface, layer, held, top, bottom, nodule, x2"));
+}
+
+/// A slab as a shape, 80 x 80 x 20 mm by boxes of 10 mm, after its nodes have been moved.
+template <class Move>
+SpringMesh slab(const Move& move) {
+    Shape shape = shape_of(make_lattice("grid26", Lattice{{8, 8, 2}, {0.08, 0.08, 0.02}}));
+    for (Eigen::Index i = 0; i < shape.nodes.rows(); ++i) shape.nodes.row(i) = move(Eigen::Vector3d(shape.nodes.row(i).transpose())).transpose();
+    return edge_mesh(shape);
+}
+
+TEST_CASE("a disc on a shape knows how its surface bends: R over the radius on a cap, less than nothing in a valley, nothing on a saddle", "[solid_shape]") {
+    const double R = 0.007, radius_m = 0.1;
+    const auto bent = [&](double along_x, double along_y) {
+        const SpringMesh mesh = slab([&](Eigen::Vector3d x) {
+            x[2] -= x[2] / 0.02 * (along_x * std::pow(x[0] - 0.04, 2) + along_y * std::pow(x[1] - 0.04, 2)) / (2 * radius_m);
+            return x;
+        });
+        return DiscContact(mesh, R).rows_at(Eigen::Vector3d(0.04, 0.04, 0.02)).factors[4];
+    };
+    CHECK(bent(0, 0) == Approx(0).margin(1e-12));
+    CHECK(bent(1, 1) == Approx(R / radius_m).epsilon(0.02));
+    CHECK(bent(-1, -1) == Approx(-R / radius_m).epsilon(0.02));
+    CHECK(bent(1, 0) == Approx(R / radius_m / 2).epsilon(0.02));
+    CHECK(bent(1, -1) == Approx(0).margin(0.02 * R / radius_m));
+}
+
+TEST_CASE("a disc on a shape knows how its nodes crowd: 0 as on a square lattice, log 2 where twice as many lie, and its mean stays exact", "[solid_shape]") {
+    const Eigen::Vector3d left(0.022, 0.041, 0.02);
+    const SpringMesh even = slab([](const Eigen::Vector3d& x) { return x; });
+    CHECK(DiscContact(even, 0.007).rows_at(Eigen::Vector3d(0.041, 0.038, 0.02)).factors[5] == Approx(0).margin(1e-9));
+    const SpringMesh uneven = slab([](Eigen::Vector3d x) {  // five strips of 5 mm, then three of 55 / 3
+        x[0] = x[0] < 0.0501 ? x[0] / 2 : 0.025 + (x[0] - 0.05) * 5.5 / 3;
+        return x;
+    });
+    const ContactRows rows = DiscContact(uneven, 0.007).rows_at(Eigen::Vector3d(0.004, 0.041, 0.02));
+    const double spacing_m = FreeSurface(uneven).spacing_m();
+    CHECK(rows.factors[5] == Approx(std::log(2 * spacing_m * spacing_m / 1e-4)).margin(0.25));
+    for (const Eigen::Vector3d& at : {left, Eigen::Vector3d(0.013, 0.033, 0.02)}) {
+        const ContactRows here = DiscContact(uneven, 0.007).rows_at(at);
+        Eigen::VectorXd place(3 * here.nodes.size());
+        for (std::size_t i = 0; i < here.nodes.size(); ++i) place.segment<3>(3 * static_cast<Eigen::Index>(i)) = uneven.nodes.row(here.nodes[i]).transpose();
+        CHECK((here.pull.topRows(3) * place - here.push.topRows(3) * at).norm() < 1e-14);
+    }
+}
+
+TEST_CASE("a contact that softens gives way to half its stiffness, and hardens in no term beside", "[solid_shape]") {
+    const SpringMesh mesh = edge_mesh(dome(6));
+    const EnergyLaw law = law_on(mesh, {"contact.softening"});
+    const ContactRows rows = DiscContact(mesh, 0.007).rows_at(Eigen::Vector3d(0, 0, 0.05));
+    const Eigen::VectorXd rest = Eigen::VectorXd::Zero(3 * rows.nodes.size());
+    ContactRows mean = rows;  // without the imprint, which does not soften
+    mean.push.conservativeResize(3, 3);
+    mean.pull.conservativeResize(3, rows.pull.cols());
+    mean.share.conservativeResize(3);
+    mean.law_row.resize(3);
+    const auto stiffness = [&](double depth_m, double coefficient) {
+        ContactSpring spring(mean, law.patch(Eigen::VectorXd::Constant(1, coefficient)));
+        spring.coupling_N_m2 = 0;
+        return spring.load(rows.push.row(0).transpose() * depth_m, rest).hand_N.norm() / depth_m;
+    };
+    const double k = stiffness(1e-9, 0);
+    CHECK(k == Approx(4 * 4524 * 0.007).epsilon(1e-6));
+    CHECK(stiffness(1, 0) == Approx(k / 2).epsilon(0.01));
+    const double v = 0.2 / (4524 * std::pow(0.007, 3)), s = k * 25e-6 / 2;
+    CHECK(stiffness(5e-3, 0) == Approx(k * (1 + v * s + v * v * s * s / 2) / std::pow(1 + v * s, 2)).epsilon(1e-9));
+    CHECK(stiffness(5e-3, 1) < stiffness(5e-3, 0));
+    for (const char* term : {"contact.hardening", "contact.saturation", "contact.hardening.phase"}) {
+        CHECK_THROWS_WITH(law_on(mesh, {"contact.softening", term}), Contains("hardens and saturates, or it softens"));
+        CHECK_THROWS_WITH(law_on(mesh, {term, "contact.softening.phase"}), Contains("hardens and saturates, or it softens"));
+    }
 }
 
 TEST_CASE("a pressed dome rests in balance, and its derivatives are those of its rest", "[solid_shape]") {
     const SpringMesh mesh = edge_mesh(dome(8));
-    const EnergyLaw law = law_on(mesh, {"spring.all", "cell.layer", "spring.along.layer", "contact.normal", "contact.normal.phase", "contact.imprint_normal"});
+    const EnergyLaw law = law_on(mesh, {"spring.all", "cell.layer", "spring.along.layer", "contact.normal", "contact.normal.phase", "contact.imprint_normal", "contact.softening", "contact.normal.curved",
+                                       "contact.tangent.crowd", "contact.softening.crowd"});
     const TissueEnergy energy = law.energy(mesh);
     const DiscContact kernel(mesh, 0.007);
     PressSolver solver(energy, kernel);

@@ -94,12 +94,26 @@ TEST_CASE("keys that a solid shape has not, or must have, are refused by name", 
     CHECK_THAT(said("edges3", "edges", "springs.topology"), Contains("allowed: edges3"));
     CHECK_THAT(said("stiffness = \"law\"\nterms = [\"spring.all\", \"cell.all\"]", "law = \"axial\"", "springs.stiffness"), Contains("solid shape"));
     CHECK_THAT(said("kind = \"disc\"", "kind = \"patch\"", "indenter.kind"), Contains("solid shape"));
-    CHECK_THAT(said("law = \"mooney-rivlin\"\nC1_Pa = 263.0\nC2_Pa = 491.0", "law = \"ogden\"\nmu_Pa = [100]\nalpha = [2]", "material.law"), Contains("solid shape"));
+    CHECK_THAT(said("law = \"mooney-rivlin\"\nC1_Pa = 263.0\nC2_Pa = 491.0", "law = \"gent\"", "material.law"), Contains("ogden"));
     CHECK_THAT(said("density_kg_m3 = 1000.0", "density_kg_m3 = 1000.0\nformulation = \"plane-strain\"", "material.formulation"), Contains("plane"));
-    CHECK_THAT(said("[springs]", "[nodule]\nradius_m = 0.01\n[springs]", "nodule"), Contains("geometry.length_m"));
+    CHECK_THAT(said("[springs]", "[nodule]\nradius_m = 0.01\n[springs]", "nodule.centre_m"), Contains("missing"));
+    CHECK_THAT(said("[springs]", "[nodule]\ncentre_m = [0, 0, 0.03]\nradius_m = 0.01\nC1_Pa = 1\nC2_Pa = 1\nat_m = 1\n[springs]", "nodule.at_m"), Contains("not known"));
+    CHECK_THAT(said("[springs]", "[map]\ndepth_m = 0.004\n[springs]", "map"), Contains("geometry.length_m"));
     CHECK_THAT(said("[springs]", "[data]\nfile = \"x.csv\"\n[springs]", "data"), Contains("finite elements"));
     CHECK_THAT(said("sizes_m = [0.005, 0.02]", "sizes_m = [0.0071, 0.02]", "mesh.sizes_m"), Contains("indenter.radius_m"));
-    CHECK_THAT(said("density_kg_m3 = 1000.0", "density_kg_m3 = 1000.0\nregions.stone = { C1_Pa = 1, C2_Pa = 2 }", "material.regions"), Contains("one material"));
+    const std::string stone = "density_kg_m3 = 1000.0\nregions.stone = { C1_Pa = 1, C2_Pa = 2 }";
+    CHECK(shape_study(with(shape_study_text(), "density_kg_m3 = 1000.0", stone)).material.region_names() == std::vector<std::string>{"stone"});
+    CHECK_THAT(refusal<StudyError>([&] {
+                   shape_study(with(with(shape_study_text(), "density_kg_m3 = 1000.0", stone), "[springs]",
+                                    "[nodule]\ncentre_m = [0, 0, 0.03]\nradius_m = 0.01\nC1_Pa = 1\nC2_Pa = 1\n[springs]"));
+               }),
+               Contains("key 'nodule': cannot stand beside material.regions"));
+    const TemporaryFolder folder;
+    folder.file("dome.stl", "");
+    CHECK_THAT(refusal<StudyError>([&] {
+                   read_study(folder.file("a.toml", with(with(shape_study_text(), "density_kg_m3 = 1000.0", stone), "dome.geo", "dome.stl")));
+               }),
+               Contains("key 'material.regions': are physical volumes"));
 }
 
 TEST_CASE("contacts of a solid shape are listed or spread, one of the two, and each checked", "[solid_shape]") {

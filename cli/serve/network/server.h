@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "stage.h"
+#include "../stage.h"
 
 namespace tissue::serve {
 
@@ -15,7 +15,9 @@ struct ServerOptions {
     double seconds = 0;               ///< 0: until a signal
 };
 
-/// HTTP and WebSocket about one stage, in the calling thread. The one file that knows Boost.
+class Listener;
+
+/// HTTP and WebSocket about one stage, in the calling thread.
 class Server {
    public:
     /// Listens from here on. Throws Error when the address or the port cannot be had.
@@ -28,10 +30,8 @@ class Server {
     /// Serves until SIGINT, SIGTERM, or the time is up. The stage has stopped before the clients are told.
     void run();
 
-    struct Impl;   ///< server.cpp's
-
    private:
-    std::unique_ptr<Impl> impl_;
+    std::unique_ptr<Listener> listener_;
 };
 
 /// Whether an address is this machine's own, which nobody else can reach. Throws Error when it is no address.

@@ -1,0 +1,108 @@
+#include "frame.h"
+
+#include <cstdint>
+#include <cstring>
+
+namespace tissue::serve {
+namespace {
+
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the page reads little-endian");
+
+constexpr float still_m = 1e-6F;                  ///< a node that has moved by less stays where the page has it
+constexpr std::size_t in_plane = 32, in_space = 40;
+constexpr std::size_t moved_nodes = 38;           ///< index of how many nodes a frame carries, a mesh
+
+double number(long long n) {
+    return static_cast<double>(n);
+}
+
+template <class Number>
+void append(std::string& bytes, const std::vector<Number>& numbers) {
+    bytes.append(reinterpret_cast<const char*>(numbers.data()), sizeof(Number) * numbers.size());
+}
+
+bool far(const float* a, const float* b) {
+    const float x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+    return !(x * x + y * y + z * z <= still_m * still_m);   // not finite: far
+}
+
+}  // namespace
+
+Frame make_frame(const TickState& s, const Scene& scene, const Near& near, const TickSummary& sum) {
+    const HapticModel& model = scene.model();
+    const TickRecord& r = s.record;
+    Frame frame;
+    frame.dimension = model.dimension();
+    frame.head.assign(model.is_solid() ? in_space : in_plane, 0);
+    std::vector<double>& head = frame.head;
+    // x and y stand side by side; in space z of all of them follows behind
+    std::size_t z = in_plane;
+    const auto put = [&](std::size_t at, const Point& p) {
+        head[at] = p[0];
+        head[at + 1] = p[1];
+        if (model.is_solid()) head[z++] = p[2];
+    };
+    const Point nothing = Point::Zero(model.dimension());
+    head[0] = r.time_s;
+    head[1] = number(sum.ticks);
+    head[2] = number(sum.misses);
+    head[3] = number(sum.misses_program);
+    head[4] = number(sum.clamped);
+    head[5] = number(sum.faults);
+    head[6] = sum.ticks_a_second;
+    head[7] = sum.p50_us;
+    head[8] = sum.p99_us;
+    put(9, r.master_m);
+    put(11, r.proxy_m);
+    head[13] = number(r.mesh);
+    put(14, s.contact_displacement_m[0]);
+    put(16, s.contact_displacement_m.size() > 1 ? s.contact_displacement_m[1] : nothing);
+    put(18, -r.coupling_N);
+    put(20, model.options.map.axes * r.device_N);
+    head[22] = number(near.place);
+    head[23] = near.force_N;
+    head[24] = number(r.set);
+    head[25] = r.fault ? 1 : 0;
+    head[26] = number(sum.clients);
+
+    const auto d = static_cast<std::size_t>(frame.dimension);
+    const float* first = s.nodes_m.data();
+    for (const auto& mesh : model.meshes) {
+        std::vector<float> nodes;
+        nodes.reserve(d * scene.shown().size());
+        for (int n : scene.shown()) nodes.insert(nodes.end(), first + d * static_cast<std::size_t>(n), first + d * static_cast<std::size_t>(n + 1));
+        frame.nodes_m.push_back(std::move(nodes));
+        first += d * static_cast<std::size_t>(mesh->springs.node_count());
+    }
+    return frame;
+}
+
+std::string FrameCoder::encode(const Frame& frame) {
+    std::string bytes;
+    append(bytes, frame.head);
+    if (frame.dimension == 2) {
+        for (const std::vector<float>& nodes : frame.nodes_m) append(bytes, nodes);
+        return bytes;
+    }
+    bool all = has_.size() != frame.nodes_m.size();
+    for (std::size_t m = 0; m < has_.size() && !all; ++m) all = has_[m].size() != frame.nodes_m[m].size();
+    if (all) has_ = frame.nodes_m;
+    for (std::size_t m = 0; m < frame.nodes_m.size(); ++m) {
+        const std::vector<float>& nodes = frame.nodes_m[m];
+        std::vector<std::uint32_t> moved;
+        std::vector<float> places;
+        for (std::size_t k = 0; k < nodes.size(); k += 3) {
+            if (!all && !far(&nodes[k], &has_[m][k])) continue;
+            moved.push_back(static_cast<std::uint32_t>(k / 3));
+            places.insert(places.end(), &nodes[k], &nodes[k] + 3);
+            std::copy_n(&nodes[k], 3, &has_[m][k]);
+        }
+        const auto count = static_cast<double>(moved.size());
+        std::memcpy(bytes.data() + sizeof(double) * (moved_nodes + m), &count, sizeof count);
+        append(bytes, moved);
+        append(bytes, places);
+    }
+    return bytes;
+}
+
+}  // namespace tissue::serve

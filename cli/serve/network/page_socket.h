@@ -1,0 +1,67 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+
+#include "../show.h"
+#include "beast.h"
+#include "limits.h"
+
+namespace tissue::serve {
+
+class Listener;
+
+using Text = std::shared_ptr<const std::string>;
+
+/// One page: a WebSocket.
+class PageSocket : public std::enable_shared_from_this<PageSocket> {
+   public:
+    PageSocket(Listener& server, Seat seat, beast::tcp_stream stream, Show::Client client)
+        : server_(server), seat_(std::move(seat)), socket_(std::move(stream)), client_(client) {}
+
+    void start(const http::request<http::empty_body>& request);
+    void tell(const std::string& text);
+    void offer(const std::shared_ptr<const Frame>& state);
+
+    /// States of a model that runs no more are worth nothing.
+    void forget_state() {
+        state_.reset();
+        coder_.forget();
+    }
+
+    void check_speed();
+
+    /// Says why, closes, and waits for the other side only as long as the timeouts allow.
+    void close(const websocket::close_reason& reason);
+    void say_bye(const std::string& reason);
+
+   private:
+    void read();
+    void have_read(Code error);
+
+    void refuse_flood() { refuse(websocket::close_code::policy_error, {"rate", "too many messages a second"}); }
+
+    void refuse(websocket::close_code code, const Refusal& refusal);
+    void write();
+
+    /// Without a word: it would not be read.
+    void drop(const char* kind);
+    void leave();
+    void gone();
+
+    Listener& server_;
+    Seat seat_;
+    websocket::stream<beast::tcp_stream> socket_;
+    Show::Client client_;
+    beast::flat_buffer buffer_;
+    std::deque<Text> texts_;
+    std::shared_ptr<const Frame> state_;   ///< the newest that has not been sent
+    FrameCoder coder_;
+    std::optional<websocket::close_reason> farewell_;
+    Allowance allowance_;
+    Clock::time_point writing_since_;
+    bool open_ = false, writing_ = false, closing_ = false, left_ = false, bye_ = false,
+         flooded_ = false, too_slow_ = false;
+};
+
+}  // namespace tissue::serve

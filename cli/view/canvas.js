@@ -1,0 +1,60 @@
+// Drawing in two dimensions: colours, canvases as sharp as the screen, lines and arrows.
+import { add, clamp, norm } from "./vectors.js";
+
+export const VIRIDIS = ["#440154", "#481567", "#482677", "#453781", "#404788", "#39568c", "#33638d", "#2d708e", "#287d8e",
+                 "#238a8d", "#1f968b", "#20a387", "#29af7f", "#3cbb75", "#55c667", "#73d055", "#95d840", "#b8de29",
+                 "#dce319", "#fde725"];   // van der Walt and Smith, matplotlib: even steps, for every colour vision
+const SHADES = (() => {
+  const rgb = VIRIDIS.map(hex => [1, 3, 5].map(k => parseInt(hex.slice(k, k + 2), 16)));
+  return Array.from({ length: 256 }, (_, k) => {
+    const x = k / 255 * (rgb.length - 1), i = Math.min(Math.floor(x), rgb.length - 2);
+    return `rgb(${rgb[i].map((c, d) => Math.round(c + (rgb[i + 1][d] - c) * (x - i))).join()})`;
+  });
+})();
+export const shade = x => SHADES[clamp(Math.round(255 * x), 0, 255)];
+
+export const colours = {};
+export function read_colours() {
+  const style = getComputedStyle(document.documentElement);
+  for (const name of ["paper", "ink", "soft", "line", "grid", "learned", "heuristic", "fe"])
+    colours[name] = style.getPropertyValue(`--${name}`).trim();
+  colours.fe_surface = style.getPropertyValue("--fe-surface").trim();
+  colours.font = style.getPropertyValue("--sans");
+}
+export const font = (px, weight = "") => `${weight} ${px}px ${colours.font}`;
+
+/** A canvas as sharp as the screen; drawing is in CSS pixels. */
+export function begin(canvas) {
+  const ratio = devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
+  if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
+    canvas.width = Math.round(width * ratio);
+    canvas.height = Math.round(height * ratio);
+  }
+  const c = canvas.getContext("2d");
+  c.setTransform(ratio, 0, 0, ratio, 0, 0);
+  c.clearRect(0, 0, width, height);
+  c.lineJoin = c.lineCap = "round";
+  return { c, width, height };
+}
+
+export function trace(c, points, closed = true) {
+  c.beginPath();
+  points.forEach((p, k) => k ? c.lineTo(p[0], p[1]) : c.moveTo(p[0], p[1]));
+  if (closed) c.closePath();
+}
+
+export function arrow(c, from, to, colour) {
+  const d = add(to, from, -1), length = norm(d);
+  if (length < 2) return;
+  const t = [d[0] / length, d[1] / length], n = [-t[1], t[0]], head = Math.min(11, 0.6 * length);
+  const neck = add(to, t, -head);
+  for (const [width, stroke] of [[6, colours.paper], [2.6, colour]]) {
+    c.strokeStyle = c.fillStyle = stroke;
+    c.lineWidth = width;
+    trace(c, [from, neck], false);
+    c.stroke();
+    trace(c, [to, add(neck, n, head * 0.42), add(neck, n, -head * 0.42)]);
+    c.fill();
+    if (width > 3) { c.lineWidth = 3.4; c.stroke(); }
+  }
+}

@@ -1,0 +1,93 @@
+// Model against finite elements, under the push of now.
+import { model, state, near, samples, IN, LEARNED, vector, is_solid } from "./state.js";
+import { add, angle_between, dot, norm } from "./vectors.js";
+import { millimetres } from "./words.js";
+
+const NEAR = 0.002, ASKEW = 5;    // m and degrees: from here on a contact is another one, in the evaluation too
+const BETWEEN = 30;               // degrees: known pushes this close to each other say what is between them
+const MOTION = 0.1;               // change of depth within half a second: FE are of tissue at rest
+const SHALLOW = 0.001;            // m: less depth makes a percentage of next to nothing
+
+/** FE force at a depth [N], by lines between what was solved, and a twentieth beyond the deepest; else NaN. */
+export function on_curve(curve, depth) {
+  const at = between(curve, depth);
+  return at ? at.a + (at.b - at.a) * at.w : NaN;
+}
+
+/** The rows [depth, what FE say there] on either side of a depth, what they say as a and b, and how far it is from a to b;
+ *  null where nothing was solved. */
+function between(rows, depth) {
+  for (let k = 1; k < rows.length; k++) {
+    const [d0, a] = rows[k - 1], [d1, b] = rows[k], reach = k + 1 === rows.length ? 1.05 * d1 : d1;
+    if (depth <= reach && depth >= d0) return { a, b, w: (depth - d0) / (d1 - d0) };
+  }
+  return null;
+}
+
+/** From the learned mesh to mesh m, at rest: both have the same nodes. */
+export const apart = m => add(model.meshes[m].nodes_m[0], model.meshes[0].nodes_m[0], -1);
+
+/** The contact of now on the learned mesh at rest: the tool is where the pressed mesh's contact has gone. */
+export function contact_at_rest() {
+  const pressed = state.v[IN.pressed];
+  return add(add(vector(IN.proxy), vector(IN.moved + 2 * pressed), -1), apart(pressed), -1);
+}
+
+/** FE's curve [[depth, force], both along the push] for a push u at the contact of place k: by lines over the angle between
+ *  two known pushes, else that of a push at most ASKEW off; null when there is neither. Force along the push turns with
+ *  the push: 5 degrees are 3 per cent, which is more than a good mesh is wrong. In space nothing is drawn between pushes. */
+export function fe_curve(k, u) {
+  if (is_solid()) return angle_between(model.places[k].direction, u) <= ASKEW ? model.places[k].curve : null;
+  const fan = model.fans.get(k), angle = turn(fan.from, u);
+  const at = fan.pushes.findIndex(push => push.angle >= angle), [a, b] = [fan.pushes[at - 1], fan.pushes[at]];
+  if (a && b && b.angle - a.angle <= BETWEEN) {
+    const w = (angle - a.angle) / (b.angle - a.angle), [ca, cb] = [a, b].map(push => model.places[push.place].curve);
+    return (ca.length < cb.length ? ca : cb).map(([depth]) => [depth, (1 - w) * on_curve(ca, depth) + w * on_curve(cb, depth)]);
+  }
+  const close = fan.pushes.find(push => Math.abs(push.angle - angle) <= ASKEW);
+  return close ? model.places[close.place].curve : null;
+}
+
+/** In the plane, from direction a to direction b, degrees, counter-clockwise. */
+export const turn = (a, b) => 180 / Math.PI * Math.atan2(a[0] * b[1] - a[1] * b[0], dot(a, b));
+
+/** Depth and force along the push of one mesh, in a sample. */
+export const pushed = (sample, mesh) => {
+  const u = sample.moved[mesh], depth = norm(u);
+  return [depth, depth > 0 ? dot(sample.force, u) / depth : 0];
+};
+
+/** FE's surface under the push of now, in the plane, by the nodes of the learned mesh's outline; at the learned mesh's depth, as
+ *  their force is. null where the server has none, and where contact or push is another than what was solved. */
+export function fe_outline() {
+  if (!state || state.v[IN.pressed] < 0 || !near || near.place !== state.v[IN.place]) return null;
+  const place = model.places[near.place], u = vector(IN.moved);
+  if (!place || norm(u) < SHALLOW || norm(add(place.contact_m, contact_at_rest(), -1)) > NEAR) return null;
+  const at = angle_between(place.direction, u) <= ASKEW ? between(near.outline, dot(u, place.direction)) : null;
+  const mesh = model.meshes[LEARNED];
+  return at && mesh.outline.map((i, b) => add(add(mesh.nodes_m[i], at.a[b], 1 - at.w), at.b[b], at.w));
+}
+
+/** How each mesh compares with FE now: {why} when it cannot be said, else {errors: [learned, heuristic], place, ...}. */
+export function comparison() {
+  if (!state || state.v[IN.pressed] < 0) return { why: "idle" };
+  const k = state.v[IN.place], place = model.places[k];
+  if (!place) return { why: "No known contact is near, so there is nothing to compare with." };
+  const distance = norm(add(place.contact_m, contact_at_rest(), -1)), moved = vector(IN.moved);
+  const deep = norm(moved) >= SHALLOW, askew = deep ? angle_between(place.direction, moved) : NaN;
+  const basis = { place: k, distance, askew };
+  if (!place.curve.length) return { ...basis, why: "This model carries no finite-element curves to compare with." };
+  if (!deep) return { ...basis, why: "Press a little deeper: below 1 mm there is nothing to compare." };
+  if (!(distance <= NEAR)) return { ...basis, why: `The nearest known contact is ${millimetres(distance)} away: too far to compare with.` };
+  if (!fe_curve(k, moved)) return { ...basis, why: `This push is ${Math.round(askew)}° off the nearest known one: too far to compare with.` };
+  // over the last half second, so that a ripple is not read as an error
+  const now = state.v[IN.time], errors = model.meshes.map(() => 0);
+  let n = 0, least = Infinity, most = 0;
+  for (let s = samples.length - 1; s >= 0 && samples[s].pressed && samples[s].time > now - 0.5; s--, n++)
+    errors.forEach((_, mesh) => {
+      const [depth, force] = pushed(samples[s], mesh), curve = fe_curve(k, samples[s].moved[mesh]);
+      errors[mesh] += curve ? force / on_curve(curve, depth) - 1 : NaN;
+      if (mesh === LEARNED) [least, most] = [Math.min(least, depth), Math.max(most, depth)];
+    });
+  return { ...basis, errors: errors.map(e => e / n), moves: most - least > MOTION * most };
+}

@@ -1,0 +1,82 @@
+// The row of controls, and the line under it.
+import { title, way_of } from "./places.js";
+import { control, is_solid, model } from "./state.js";
+import { is_open, socket, tell } from "./transport.js";
+import { dot } from "./vectors.js";
+import { $, say } from "./words.js";
+
+export const still = matchMedia("(prefers-reduced-motion: reduce)");
+
+const option = (value, text) => {
+  const o = document.createElement("option");
+  o.value = value;
+  o.textContent = text;
+  return o;
+};
+
+export function list_models() {
+  $("model").replaceChildren(...model.models.map((name, k) => option(k, name)));
+  $("model").value = model.model;
+}
+
+/** Contacts by side, then the directions in which the chosen one is pushed. */
+export function list_places() {
+  const groups = (is_solid() ? ["top", "left side", "right side", "front", "back", "elsewhere"] : ["left side", "top", "right side", "elsewhere"]).map(side => {
+    const group = document.createElement("optgroup");
+    group.label = side;
+    model.contacts.forEach((contact, k) => { if (contact.side === side) group.append(option(k, `${side}, ${contact.text}`)); });
+    return group;
+  });
+  $("contact").replaceChildren(option(-1, "all, one after another"), ...groups.filter(group => group.children.length));
+  list_ways();
+}
+const straight = k => dot(model.places[k].direction, model.places[k].inward);
+function list_ways() {
+  const contact = model.contacts[Number($("contact").value)], tilt = k => model.places[k].direction;
+  const by_angle = is_solid() ? (a, b) => straight(b) - straight(a) : (a, b) => Math.atan2(...tilt(a)) - Math.atan2(...tilt(b));
+  const places = contact ? [...contact.places].sort(by_angle) : [];
+  $("way").replaceChildren(...places.length ? places.map(k => option(k, way_of(model.places[k]))) : [option(-1, "each")]);
+  // begin with the push that is closest to straight in
+  if (is_solid()) return;   // it stands first
+  const into = contact && { "left side": [1, 0], "right side": [-1, 0] }[contact.side] || [0, -1];
+  if (places.length) $("way").value = places.reduce((best, k) => dot(tilt(k), into) > dot(tilt(best), into) ? k : best);
+}
+
+export function show_controls() {
+  const open = is_open(), other = control.holder === "other";
+  const line = $("connection");
+  line.dataset.state = open ? "open" : socket.at ? "waiting" : "lost";
+  say("connection", open ? "connected" : socket.at ? "connecting" : "no connection");
+  for (const id of ["model", "contact", "way", "demo", "pause", "reset"]) $(id).disabled = !open || other;
+  $("pause").setAttribute("aria-pressed", String(control.paused));
+  say("pause", control.paused ? "Continue" : "Pause");
+  $("demo").setAttribute("aria-pressed", String(control.holder === "demo"));
+  let kind = "", text = "";
+  if (!open && socket.reason) [kind, text] = ["bad", `The server said: ${socket.reason}. Trying again.`];
+  else if (!open && socket.tries > 0) [kind, text] = ["bad", "The server does not answer. Trying again."];
+  else if (!open) text = "";
+  else if (control.paused) text = "Paused: time stands still.";
+  else if (other) [kind, text] = ["held", "Another visitor holds the tissue. You are watching; it is yours as soon as they let go."];
+  else if (control.holder === "demo")
+    text = `Demo${model.places[control.place] ? `: ${title(control.place)}` : ""}. ${is_solid() ? "Press a solid" : "Drag into a mesh"} to take over.` +
+      (calm() ? " Your system asks for little motion, so it is drawn once a second; Play demo shows all of it." : "");
+  else if (control.holder === "you") text = "You hold the tissue.";
+  $("notice").dataset.kind = kind;
+  say("notice", text);
+}
+
+/** A demo that nobody asked for, before a visitor who wants little motion. */
+let asked = false;
+export const calm = () => still.matches && control.holder === "demo" && !asked;
+
+$("controls").addEventListener("submit", event => event.preventDefault());
+$("model").addEventListener("change", () => tell({ type: "model", model: Number($("model").value) }));
+const play = () => {
+  asked = true;
+  tell({ type: "demo", place: Number($("way").value) });
+};
+$("contact").addEventListener("change", () => { list_ways(); play(); });
+$("way").addEventListener("change", play);
+$("demo").addEventListener("click", play);
+$("pause").addEventListener("click", () => tell({ type: "pause", on: !control.paused }));
+$("reset").addEventListener("click", () => tell({ type: "reset" }));

@@ -1,0 +1,63 @@
+// What colours, arrows and lines mean.
+import { arrow, colours, font, shade, trace } from "./canvas.js";
+import { nice } from "./scale.js";
+import { is_solid, model, samples } from "./state.js";
+import { norm } from "./vectors.js";
+import { unit_of } from "./words.js";
+
+/** Newtons that one metre of arrow stands for: the strongest known push is as long as a quarter of the tissue is high, in space more. */
+export function arrow_scale() {
+  const most = model.strongest_N || Math.max(1e-3, ...samples.map(s => norm(s.force)));
+  const height = model.high_m[model.dimension - 1] - model.low_m[model.dimension - 1];
+  return most / ((is_solid() ? 0.7 : 0.25) * height);   // in space it is seen from above, and shorter
+}
+
+export function draw_fe_outline(c, points, closed = true) {
+  c.setLineDash([5, 5]);
+  c.strokeStyle = colours.fe;
+  c.lineWidth = 1.6;
+  trace(c, points, closed);
+  c.stroke();
+  c.setLineDash([]);
+}
+
+/** Along the lower edge of a canvas, of pixels_m pixels a metre: displacement as colour, a force of round size as an arrow, FE's line. */
+export function draw_legend(c, width, height, pixels_m, with_fe) {
+  const narrow = width < 520;
+  const y = height - 34, bar = Math.min(narrow ? 150 : 240, 0.42 * width), x = width - bar - (narrow ? 22 : 24), deepest = 1e3 * model.deepest_m;
+  for (let k = 0; k < bar; k++) {
+    c.fillStyle = shade(k / (bar - 1));
+    c.fillRect(x + k, y, 1.5, 10);
+  }
+  c.font = font(12);
+  c.fillStyle = colours.soft;
+  c.textBaseline = "alphabetic";
+  const { step } = nice(deepest, narrow ? 3 : 5);
+  c.textAlign = "center";
+  for (let mm = 0; mm <= deepest + 1e-9; mm += step) {
+    const at = x + bar * mm / deepest;
+    c.fillRect(at - 0.5, y + 10, 1, 4);
+    c.fillText(`${+mm.toFixed(1)}${mm + step > deepest + 1e-9 ? " mm" : ""}`, at, y + 27);
+  }
+  c.textAlign = "right";
+  c.fillText(narrow ? "displaced" : "displacement", x - 8, y + 10);
+
+  // a force of round size as an arrow
+  const per_m = arrow_scale(), round = nice(per_m * 0.02, 1), length = round.top / per_m * pixels_m;
+  const left = narrow ? 12 : 20;
+  arrow(c, [left, y + 5], [left + length, y + 5], colours.ink);
+  c.textAlign = "left";
+  c.fillStyle = colours.soft;
+  const unit = unit_of(round.top);
+  c.fillText(`${+(round.top * unit.scale).toPrecision(2)} ${unit.name}${narrow ? "" : ", force of the tool"}`, left + length + 9, y + 10);
+  if (!with_fe) return;
+  if (is_solid()) {   // a wire
+    c.strokeStyle = colours.fe_surface;
+    c.lineWidth = 1.4;
+    trace(c, [[left, y + 27], [left + 8, y + 19], [left + 16, y + 27], [left + 24, y + 19]], false);
+    c.stroke();
+    trace(c, [[left, y + 27], [left + 24, y + 27]], false);
+    c.stroke();
+  } else draw_fe_outline(c, [[left, y + 23], [left + 25, y + 23]], false);
+  c.fillText(is_solid() ? narrow ? "FE" : "surface by FE, at the learned depth" : "FE", left + 34, y + 27);
+}

@@ -1,0 +1,195 @@
+// The stage of a plane model: both meshes, the diamond, the arrows, the legend.
+import { arrow, begin, colours, font, shade, trace } from "./canvas.js";
+import { apart, contact_at_rest, fe_outline } from "./compare.js";
+import { faces } from "./faces.js";
+import { arrow_scale, draw_fe_outline, draw_legend } from "./legend.js";
+import { IN, hand, look, model, node, state, vector } from "./state.js";
+import { add, clamp, dot, norm } from "./vectors.js";
+import { $ } from "./words.js";
+
+export const stage = $("stage");
+export const view = { low: [0, 0], high: [1, 1], scale: 1, left: 0, top: 0, legend: 54, head: 26 };
+export const to_screen = p => [view.left + view.scale * (p[0] - view.low[0]), view.top + view.scale * (view.high[1] - p[1])];
+export const to_plane = q => [view.low[0] + (q[0] - view.left) / view.scale, view.high[1] - (q[1] - view.top) / view.scale];
+
+/** Scale of the plane, and the stage's height for it. */
+export function fit() {
+  if (!model) return;
+  const margin = 0.022, foot = 0.008;
+  view.low = [model.low_m[0] - margin, model.low_m[1] - foot];
+  view.high = [model.high_m[0] + margin, model.high_m[1] + margin * 0.7];
+  const width = stage.clientWidth, size = add(view.high, view.low, -1);
+  view.scale = Math.min(width / size[0], Math.max(240, 0.6 * innerHeight) / size[1]);
+  view.left = (width - view.scale * size[0]) / 2;
+  view.top = view.head;
+  stage.style.height = `${Math.round(view.head + view.scale * size[1] + view.legend)}px`;
+  look.stale = true;
+}
+
+/** What drawing needs beside what was sent. */
+export function prepare_plane() {
+  for (const mesh of model.meshes) {
+    mesh.faces = faces(mesh);
+    mesh.is_fixed = new Set(mesh.fixed);
+  }
+  // lines as wide as the root of stiffness; where the median spring is 1 px, sorted into a few widths
+  const all = model.meshes.flatMap(mesh => mesh.stiffness_N_m).sort((a, b) => a - b), median = all[all.length >> 1] || 1;
+  for (const mesh of model.meshes) {
+    mesh.widths = new Map();
+    mesh.springs.forEach((spring, s) => {
+      const width = clamp(Math.round(4 * Math.sqrt(mesh.stiffness_N_m[s] / median)) / 4, 0.5, 2.5);
+      if (!mesh.widths.has(width)) mesh.widths.set(width, []);
+      mesh.widths.get(width).push(spring);
+    });
+  }
+}
+
+export function draw_stage() {
+  const { c, width, height } = begin(stage);
+  if (!model) return;
+  const narrow = width < 520;
+  model.meshes.forEach((mesh, m) => draw_mesh(c, mesh, m, narrow));
+  const fe = fe_outline();
+  if (fe) draw_fe_outline(c, fe.map(to_screen));
+  draw_marks(c);
+  if (state) draw_forces(c);
+  draw_diamond(c);
+  draw_legend(c, width, height, view.scale, fe !== null);
+}
+
+function draw_mesh(c, mesh, m, narrow) {
+  const rest = mesh.nodes_m.map(to_screen);
+  const at = state ? mesh.nodes_m.map((_, i) => to_screen(node(m, i))) : rest;
+  const moved = at.map((p, i) => Math.hypot(p[0] - rest[i][0], p[1] - rest[i][1]) / view.scale / model.deepest_m);
+
+  // displacement is linear over a triangle, so is its colour along the gradient
+  c.lineWidth = 0.7;
+  for (const [i, j, k] of mesh.faces) {
+    trace(c, [at[i], at[j], at[k]]);
+    const low = Math.min(moved[i], moved[j], moved[k]), high = Math.max(moved[i], moved[j], moved[k]);
+    let fill = shade((low + high) / 2);
+    if (high - low > 0.006) {
+      const a = add(at[j], at[i], -1), b = add(at[k], at[i], -1), det = a[0] * b[1] - a[1] * b[0];
+      const da = moved[j] - moved[i], db = moved[k] - moved[i];
+      const g = [(da * b[1] - db * a[1]) / det, (db * a[0] - da * b[0]) / det], gg = dot(g, g);
+      if (Math.abs(det) > 1e-3 && gg > 1e-12) {
+        const from = add(at[i], g, (low - moved[i]) / gg), to = add(at[i], g, (high - moved[i]) / gg);
+        fill = c.createLinearGradient(from[0], from[1], to[0], to[1]);
+        const stops = 1 + Math.ceil(16 * (high - low));
+        for (let s = 0; s <= stops; s++) fill.addColorStop(s / stops, shade(low + (high - low) * s / stops));
+      }
+    }
+    c.fillStyle = c.strokeStyle = fill;
+    c.fill();
+    c.stroke();   // closes the hairline between neighbours
+  }
+
+  c.strokeStyle = "rgba(255, 255, 255, 0.5)";
+  for (const [width, springs] of mesh.widths) {
+    c.lineWidth = width * clamp(view.scale / 2600, 0.45, 1);
+    c.beginPath();
+    for (const [i, j] of springs) {
+      c.moveTo(at[i][0], at[i][1]);
+      c.lineTo(at[j][0], at[j][1]);
+    }
+    c.stroke();
+  }
+
+  // rest, dashed; the outline now, in the mesh's own colour
+  c.setLineDash([4, 3]);
+  c.strokeStyle = colours.soft;
+  c.lineWidth = 1;
+  trace(c, mesh.outline.map(i => rest[i]));
+  c.stroke();
+  c.setLineDash([]);
+  c.strokeStyle = colours[mesh.name] || colours.ink;
+  c.lineWidth = 2.2;
+  trace(c, mesh.outline.map(i => at[i]));
+  c.stroke();
+
+  // what is held: a bar, hatched on the side away from the tissue
+  c.strokeStyle = colours.ink;
+  mesh.outline.forEach((i, k) => {
+    const j = mesh.outline[(k + 1) % mesh.outline.length];
+    if (!mesh.is_fixed.has(i) || !mesh.is_fixed.has(j)) return;
+    const a = rest[i], ab = add(rest[j], a, -1), length = norm(ab), t = [ab[0] / length, ab[1] / length];
+    const out = [-t[1], t[0]];   // screen y is down, and the outline counter-clockwise in the plane
+    c.lineWidth = 2;
+    trace(c, [a, rest[j]], false);
+    c.stroke();
+    c.lineWidth = 1;
+    c.beginPath();
+    const gap = narrow ? 5 : 7;
+    for (let s = gap / 2; s < length; s += gap) {
+      const p = add(a, t, s), q = add(add(p, out, gap), t, -gap);
+      c.moveTo(p[0], p[1]);
+      c.lineTo(q[0], q[1]);
+    }
+    c.stroke();
+  });
+
+  const middle = (Math.min(...rest.map(p => p[0])) + Math.max(...rest.map(p => p[0]))) / 2;
+  c.fillStyle = colours[mesh.name] || colours.ink;
+  c.textAlign = "center";
+  c.textBaseline = "alphabetic";
+  c.font = font(narrow ? 14 : 16, "600");
+  c.fillText(mesh.name, middle, 17);
+}
+
+/** Contacts that FE have solved, as dots on both outlines at rest; the closer they lie, the smaller. */
+function draw_marks(c) {
+  const gap = model.apart_m * view.scale, radius = clamp(gap / 7, 0.6, 2);
+  c.fillStyle = gap < 14 ? colours.soft : colours.ink;
+  for (const contact of model.contacts)
+    for (const m of model.meshes.keys()) {
+      const p = to_screen(add(model.places[contact.places[0]].contact_m, apart(m)));
+      c.beginPath();
+      c.arc(p[0], p[1], radius, 0, 2 * Math.PI);
+      c.fill();
+    }
+}
+
+/** Where the contact is on each mesh now, in the plane; null without one. */
+export const contacts = () => state.v[IN.pressed] < 0 ? null
+  : model.meshes.map((_, m) => add(add(contact_at_rest(), apart(m)), vector(IN.moved + 2 * m)));
+
+function draw_forces(c) {
+  const at = contacts(), force = vector(IN.force);
+  if (!at || !Number.isFinite(norm(force))) return;
+  at.forEach((p, m) => {
+    const back = m === state.v[IN.pressed] ? 10 / view.scale / norm(force) : 0;   // its head stops at the diamond
+    arrow(c, to_screen(add(p, force, -1 / arrow_scale() - back)), to_screen(add(p, force, -back)), colours.ink);
+  });
+}
+
+function draw_diamond(c) {
+  const pressed = state && state.v[IN.pressed] >= 0;
+  const diamond = (p, size, filled) => {
+    const [x, y] = to_screen(p);
+    trace(c, [[x, y - size], [x + size, y], [x, y + size], [x - size, y]]);
+    c.lineWidth = 4.5;
+    c.strokeStyle = colours.paper;
+    c.stroke();
+    c.fillStyle = filled ? colours.ink : colours.paper;
+    c.fill();
+    c.lineWidth = 1.8;
+    c.strokeStyle = colours.ink;
+    c.stroke();
+  };
+  if (state) {
+    const master = vector(IN.master), proxy = pressed ? vector(IN.proxy) : master;
+    if (pressed) {   // the hand, a little deeper than the tool: the spring between them is the force
+      const [a, b] = [to_screen(proxy), to_screen(master)];
+      c.strokeStyle = "#ffffff";
+      c.lineWidth = 1.5;
+      trace(c, [a, b], false);
+      c.stroke();
+      c.beginPath();
+      c.arc(b[0], b[1], 2, 0, 2 * Math.PI);
+      c.fillStyle = "#ffffff";
+      c.fill();
+    }
+    if (proxy.every(Number.isFinite)) diamond(proxy, 7, pressed);
+  }
+  if (document.activeElement === stage && hand.at && !hand.down && stage.matches(":focus-visible")) diamond(hand.at, 5.5, false);
+}

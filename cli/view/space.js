@@ -1,0 +1,334 @@
+// The stage of a model in space, drawn by WebGL: each mesh in its own window of one canvas, all seen from the same side.
+import * as THREE from "./three.module.js";
+import { begin, colours, VIRIDIS } from "./canvas.js";
+import { apart, contact_at_rest, fe_curve, fe_outline, on_curve } from "./compare.js";
+import { arrow_scale, draw_legend } from "./legend.js";
+import { IN, LEARNED, look, model, moved, state, vector, work } from "./state.js";
+import { Surface } from "./surface.js";
+import { add, clamp, norm, unit } from "./vectors.js";
+import { $ } from "./words.js";
+
+export const stage = $("space");
+const FIELD = 26;                                    // degrees, of view
+const SEEN = 0.03;                                   // of the scale of colours: FE's surface is drawn where it has moved by more
+export const view = { azimuth: -62, elevation: 30, zoom: 1 };
+export const aim = { mesh: 0, at: null, inward: null };   // where the visitor points at the surface, at rest in the page's space
+
+const renderer = new THREE.WebGLRenderer({ canvas: stage, antialias: true, alpha: true });
+renderer.autoClear = false;
+renderer.setClearColor(0x000000, 0);
+const camera = new THREE.PerspectiveCamera(FIELD, 1, 0.001, 10);
+camera.up.set(0, 0, 1);
+const contrast = matchMedia("(prefers-contrast: more)");
+const ray = new THREE.Raycaster();
+let windows = [];                                    // one a mesh
+let lost = false;
+
+stage.addEventListener("webglcontextlost", event => { event.preventDefault(); lost = true; });
+stage.addEventListener("webglcontextrestored", () => { lost = false; look.stale = true; });
+contrast.addEventListener("change", () => look.stale = true);
+
+/** The scale of colours as a texture of one row. */
+const scale = (() => {
+  const rgb = VIRIDIS.map(hex => [1, 3, 5].map(k => parseInt(hex.slice(k, k + 2), 16)));
+  const data = new Uint8Array(3 * 256);
+  for (let k = 0; k < 256; k++) {
+    const x = k / 255 * (rgb.length - 1), i = Math.min(Math.floor(x), rgb.length - 2);
+    rgb[i].forEach((c, d) => { data[3 * k + d] = Math.round(c + (rgb[i + 1][d] - c) * (x - i)); });
+  }
+  const texture = new THREE.DataTexture(data, 256, 1, THREE.RGBFormat);
+  texture.magFilter = texture.minFilter = THREE.LinearFilter;
+  texture.needsUpdate = true;
+  return texture;
+})();
+
+const lines = (pairs, places, material) => {
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(6 * pairs.length), 3));
+  const drawn = new THREE.LineSegments(geometry, material);
+  drawn.frustumCulled = false;
+  move_lines(drawn, pairs, places);
+  return drawn;
+};
+function move_lines(drawn, pairs, places) {
+  const { array } = drawn.geometry.attributes.position;
+  pairs.forEach(([i, j], k) => {
+    for (let a = 0; a < 3; a++) {
+      array[6 * k + a] = places[3 * i + a];
+      array[6 * k + 3 + a] = places[3 * j + a];
+    }
+  });
+  drawn.geometry.attributes.position.needsUpdate = true;
+}
+const flat = (opacity = 1, more = {}) => new THREE.LineBasicMaterial({ transparent: opacity < 1, opacity, ...more });
+const plain = (opacity = 1, more = {}) => new THREE.MeshBasicMaterial({ transparent: opacity < 1, opacity, ...more });
+
+function arrow_of(material) {
+  const group = new THREE.Group();
+  group.shaft = new THREE.Mesh(new THREE.CylinderBufferGeometry(1, 1, 1, 16), material);
+  group.head = new THREE.Mesh(new THREE.ConeBufferGeometry(1, 1, 20), material);
+  group.add(group.shaft, group.head);
+  group.traverse(part => { part.renderOrder = 5; });
+  group.visible = false;
+  return group;
+}
+/** From where it begins to where it points; nothing when that is next to nothing. */
+function set_arrow(arrow, from, to, size) {
+  const along = new THREE.Vector3(...add(to, from, -1)), length = along.length();
+  arrow.visible = Number.isFinite(length) && length > 0.01 * size;
+  if (!arrow.visible) return;
+  const head = Math.min(0.09 * size, 0.6 * length);
+  arrow.position.set(...from);
+  arrow.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), along.divideScalar(length));
+  arrow.shaft.scale.set(0.012 * size, length - head, 0.012 * size);
+  arrow.shaft.position.set(0, (length - head) / 2, 0);
+  arrow.head.scale.set(0.034 * size, head, 0.034 * size);
+  arrow.head.position.set(0, length - head / 2, 0);
+}
+
+/** What is held: the rim of its facets as a band below it. */
+function band_of(surface, size) {
+  const places = [], depth = 0.035 * size, out = surface.normals.filter((_, f) => surface.held[f]).reduce((a, n) => add(a, n), [0, 0, 0]);
+  const down = norm(out) > 0 ? unit(out) : [0, 0, -1];
+  const at = i => [...surface.rest.subarray(3 * i, 3 * i + 3)];
+  for (const [i, j] of surface.rim) {
+    const [a, b, c, d] = [at(i), at(j), add(at(j), down, depth), add(at(i), down, depth)];
+    places.push(...a, ...b, ...c, ...a, ...c, ...d);
+  }
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute("position", new THREE.BufferAttribute(Float32Array.from(places), 3));
+  return geometry;
+}
+
+function make_window(mesh, m) {
+  const surface = new Surface(mesh, model.deepest_m), scene = new THREE.Scene(), root = new THREE.Group();
+  const low = model.box.low, high = model.box.high, middle = add(add(low, high).map(x => x / 2), apart(m));
+  const size = norm(add(high, low, -1)) / 2;                 // radius of what is drawn
+  root.position.set(-middle[0], -middle[1], -middle[2]);
+  scene.add(root);
+  const sun = new THREE.DirectionalLight(0xffffff, 0.5);
+  scene.add(new THREE.AmbientLight(0xffffff, 0.66), sun);
+
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute("position", new THREE.BufferAttribute(surface.position, 3));
+  geometry.setAttribute("normal", new THREE.BufferAttribute(surface.normal, 3));
+  geometry.setAttribute("uv", new THREE.BufferAttribute(surface.shade, 2));
+  geometry.setIndex(new THREE.BufferAttribute(surface.corners, 1));
+  geometry.boundingSphere = new THREE.Sphere(new THREE.Vector3(...middle), 3 * size);
+  const solid = new THREE.Mesh(geometry, new THREE.MeshLambertMaterial({ map: scale, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
+  solid.frustumCulled = false;
+  const wire = lines(surface.edges, surface.rest, flat(0.2, { color: 0xffffff }));
+  const rest_edges = surface.creases.length >= 8 ? surface.creases : surface.edges;
+  const rest = lines(rest_edges, surface.rest, new THREE.LineDashedMaterial({ dashSize: 0.03 * size, gapSize: 0.022 * size, transparent: true,
+    opacity: rest_edges === surface.edges ? 0.25 : 0.9 }));
+  rest.computeLineDistances();
+  const held = new THREE.Mesh(band_of(surface, size), plain(1, { side: THREE.DoubleSide }));
+
+  const fe_wire = lines(surface.edges, surface.rest, flat(0.85));   // FE's surface
+
+  const marks = new THREE.BufferGeometry();
+  marks.setAttribute("position", new THREE.BufferAttribute(Float32Array.from(model.contacts.flatMap(contact => {
+    const place = model.places[contact.places[0]];
+    return add(add(place.contact_m, apart(m)), place.inward, -0.006 * size);
+  })), 3));
+  const dots = new THREE.Points(marks, new THREE.PointsMaterial({ size: 4, sizeAttenuation: false, color: 0xffffff }));
+  dots.frustumCulled = false;
+
+  const force = arrow_of(plain(0.96, { depthTest: false })), fe_force = arrow_of(plain(0.96, { depthTest: false }));
+  const radius = model.disc_radius_m || 0.05 * size, thick = 0.5 * radius;
+  const tool = new THREE.Mesh(new THREE.CylinderBufferGeometry(radius, radius, thick, 40), plain(0.45, { depthWrite: false, color: 0xffffff }));
+  const tool_rim = new THREE.LineSegments(new THREE.EdgesGeometry(tool.geometry, 40), flat(1, { color: 0xffffff }));
+  tool.add(tool_rim);
+  const idle = new THREE.Mesh(new THREE.OctahedronBufferGeometry(0.045 * size), plain(1));
+  const ring = new THREE.Mesh(new THREE.RingBufferGeometry(0.9 * radius, radius, 40), plain(0.9, { side: THREE.DoubleSide, depthTest: false, color: 0xffffff }));
+  tool.renderOrder = 4;
+  ring.renderOrder = 4;
+  root.add(solid, wire, rest, held, fe_wire, dots, force, fe_force, tool, idle, ring);
+  return { m, mesh, surface, scene, root, sun, middle, size, thick, solid, wire, rest, held, fe_wire, dots, force, fe_force, tool, tool_rim,
+           idle, ring, box: { left: 0, top: 0, width: 1, height: 1 }, contact: null, inward: null };
+}
+
+/** Another model. */
+export function prepare_space() {
+  for (const w of windows)
+    w.scene.traverse(part => {
+      if (part.geometry) part.geometry.dispose();
+      if (part.material) part.material.dispose();
+    });
+  windows = model.meshes.map(make_window);
+  $("space_names").replaceChildren(...model.meshes.map(mesh => {
+    const name = document.createElement("span");
+    name.className = mesh.name;
+    name.textContent = mesh.name;
+    return name;
+  }));
+  Object.assign(view, { azimuth: -62, elevation: 30, zoom: 1 });
+  Object.assign(aim, { mesh: 0, at: null, inward: null });
+}
+
+export const narrow = () => stage.clientWidth < 520;
+
+/** Side by side, on a phone one below the other; and the canvas's height for it. */
+export function fit_space() {
+  const width = stage.parentElement.clientWidth, count = windows.length || 1, stacked = width < 520;
+  const each = stacked ? width : width / count;
+  const height = Math.round(stacked ? Math.min(0.72 * each, 0.42 * innerHeight) : clamp(0.86 * each, 240, Math.max(260, 0.58 * innerHeight)));
+  stage.style.height = `${stacked ? count * height : height}px`;
+  windows.forEach((w, k) => { w.box = { left: stacked ? 0 : k * each, top: stacked ? k * height : 0, width: each, height }; });
+  [...$("space_names").children].forEach((name, k) => {
+    if (!windows[k]) return;
+    name.style.left = `${windows[k].box.left + windows[k].box.width / 2}px`;
+    name.style.top = `${windows[k].box.top + 4}px`;
+  });
+  look.stale = true;
+}
+
+function look_at(w) {
+  const a = view.azimuth * Math.PI / 180, e = view.elevation * Math.PI / 180, aspect = w.box.width / w.box.height;
+  const half = Math.atan(Math.tan(FIELD * Math.PI / 360) * Math.min(1, aspect)), distance = 0.95 * w.size / Math.sin(half) / view.zoom;
+  camera.aspect = aspect;
+  camera.near = Math.max(0.02 * distance, distance - 4 * w.size);
+  camera.far = distance + 4 * w.size;
+  camera.position.set(distance * Math.cos(e) * Math.cos(a), distance * Math.cos(e) * Math.sin(a), distance * Math.sin(e));
+  camera.lookAt(0, 0, 0);
+  camera.updateProjectionMatrix();
+  camera.updateMatrixWorld();
+  const side = new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, 0), up = new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, 1);
+  w.sun.position.copy(camera.position).normalize().addScaledVector(up, 0.9).addScaledVector(side, -0.6);
+}
+
+/** Right and up on the screen, where the tissue is. */
+export function screen_axes() {
+  look_at(windows[0]);
+  return [0, 1].map(k => new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, k).toArray());
+}
+
+/** What moves with the tissue. */
+function follow_tissue(w) {
+  if (!moved[w.m]) return;
+  moved[w.m] = false;
+  w.surface.update(state ? state.nodes[w.m] : w.surface.rest);
+  for (const name of ["position", "normal", "uv"]) w.solid.geometry.attributes[name].needsUpdate = true;
+  move_lines(w.wire, w.surface.edges, state ? state.nodes[w.m] : w.surface.rest);
+}
+
+function place_tool(w) {
+  const pressed = state ? state.v[IN.pressed] : -1, here = pressed === w.m;
+  w.tool.visible = here;
+  const master = state ? vector(IN.master) : null;
+  const nearest = master && windows.reduce((best, o) => norm(add(master, o.middle, -1)) < norm(add(master, best.middle, -1)) ? o : best) === w;
+  w.idle.visible = pressed < 0 && nearest && master.every(Number.isFinite);
+  if (w.idle.visible) w.idle.position.set(...master);
+  if (here) {
+    const contact = add(contact_at_rest(), apart(w.m));
+    if (!w.contact || norm(add(contact, w.contact, -1)) > 1e-4) Object.assign(w, { contact, inward: w.surface.inward_at(contact) });
+    const tip = vector(IN.proxy);
+    w.tool.position.set(...add(tip, w.inward, -w.thick / 2));
+    w.tool.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...w.inward));
+  }
+  w.ring.visible = pressed < 0 && aim.at !== null && aim.mesh === w.m;
+  if (w.ring.visible) {
+    w.ring.position.set(...aim.at);
+    w.ring.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, -1), new THREE.Vector3(...aim.inward));
+  }
+}
+
+/** The tool's force on each mesh, and beside the learned one's what FE say it is there. */
+function place_forces(w, comparable) {
+  const pressed = state ? state.v[IN.pressed] : -1;
+  w.force.visible = w.fe_force.visible = false;
+  if (pressed < 0) return;
+  const force = vector(IN.force), u = vector(IN.moved + 2 * w.m), at = add(add(contact_at_rest(), apart(w.m)), u);
+  if (!force.every(Number.isFinite) || !at.every(Number.isFinite)) return;
+  set_arrow(w.force, add(at, force, -1 / arrow_scale()), at, w.size);
+  const curve = comparable && w.m === LEARNED && norm(u) > 0 ? fe_curve(state.v[IN.place], u) : null;
+  const known = curve ? on_curve(curve, norm(u)) : NaN;
+  if (!Number.isFinite(known)) return;
+  const beside = add(at, screen_axes()[0], 0.13 * w.size);
+  set_arrow(w.fe_force, add(beside, unit(u), -known / arrow_scale()), beside, w.size);
+}
+
+function place_fe(w, points) {
+  w.fe_wire.visible = points !== null;
+  if (!points) return;
+  const seen = points.map((p, i) => norm(add(p, w.mesh.nodes_m[i], -1)) > SEEN * model.deepest_m);
+  move_lines(w.fe_wire, w.surface.edges.map(([i, j]) => seen[i] || seen[j] ? [i, j] : [i, i]), points.flat());
+}
+
+function colour(w) {
+  const strong = contrast.matches, of = name => new THREE.Color(colours[name]);
+  w.wire.material.opacity = strong ? 0.45 : w.fe_wire.visible ? 0.12 : 0.2;
+  w.rest.material.color = of(strong ? "ink" : "soft");
+  for (const part of [w.held, w.idle]) part.material.color = of("ink");
+  w.fe_wire.material.color = of("fe_surface");
+  w.force.children.forEach(part => { part.material.color = of(w.mesh.name in colours ? w.mesh.name : "ink"); });
+  w.fe_force.children.forEach(part => { part.material.color = of("fe"); });
+}
+
+let fe_drawn = null;
+/** FE's surface as it is drawn, in the page's space; null without, or when the visitor wants none of it. */
+export const fe_shown = () => fe_drawn;
+
+export function draw_space(comparable) {
+  if (lost || windows.length === 0) return;
+  const ratio = Math.min(devicePixelRatio || 1, 2), width = stage.clientWidth, height = stage.clientHeight;
+  if (width === 0) return;
+  if (stage.width !== Math.floor(width * ratio) || stage.height !== Math.floor(height * ratio)) {
+    renderer.setPixelRatio(ratio);
+    renderer.setSize(width, height, false);
+  }
+  const began = performance.now();
+  fe_drawn = $("fe_wanted").checked ? fe_outline() : null;
+  for (const w of windows) {
+    follow_tissue(w);
+    place_tool(w);
+    place_forces(w, comparable);
+    place_fe(w, w.m === LEARNED ? fe_drawn : null);
+    colour(w);
+  }
+  work.update_ms = performance.now() - began;
+  renderer.setScissorTest(false);
+  renderer.clear();
+  renderer.setScissorTest(true);
+  for (const w of windows) {
+    const bottom = height - w.box.top - w.box.height;
+    renderer.setViewport(w.box.left, bottom, w.box.width, w.box.height);
+    renderer.setScissor(w.box.left, bottom, w.box.width, w.box.height);
+    look_at(w);
+    renderer.render(w.scene, camera);
+  }
+  const { c, width: wide, height: high } = begin($("space_legend"));
+  draw_legend(c, wide, high + 0, pixels_a_metre(), fe_drawn !== null);
+}
+
+const pixels_a_metre = () => windows[0].box.height / (1.9 * windows[0].size) * view.zoom;
+
+const window_at = (x, y) => windows.find(({ box }) => x >= box.left && x < box.left + box.width && y >= box.top && y < box.top + box.height);
+const in_window = ({ box }, x, y) => new THREE.Vector2(2 * (x - box.left) / box.width - 1, 1 - 2 * (y - box.top) / box.height);
+
+/** Where a pointer touches a solid: {mesh, at: on the surface at rest, inward}, in the page's space; null beside them. */
+export function touched(x, y) {
+  const w = window_at(x, y);
+  if (!w) return null;
+  look_at(w);
+  w.root.updateMatrixWorld(true);
+  ray.setFromCamera(in_window(w, x, y), camera);
+  const hit = ray.intersectObject(w.solid)[0];
+  if (!hit || w.surface.held[hit.faceIndex]) return null;
+  const p = new THREE.Vector3(...add(hit.point.toArray(), w.middle)), weight = new THREE.Vector3();
+  const nodes = [hit.face.a, hit.face.b, hit.face.c], corner = k => new THREE.Vector3().fromArray(w.surface.position, 3 * nodes[k]);
+  new THREE.Triangle(corner(0), corner(1), corner(2)).getBarycoord(p, weight);
+  const rest = nodes.map(n => [...w.surface.rest.subarray(3 * w.surface.node_of[n], 3 * w.surface.node_of[n] + 3)]);
+  const at = weight.toArray().reduce((sum, share, k) => add(sum, rest[k], share), [0, 0, 0]);
+  return { mesh: w.m, at, inward: w.surface.normals[hit.faceIndex].map(x => -x) };
+}
+
+/** Of a point near one of the meshes: pixels in the canvas. */
+export function space_to_screen(point) {
+  const w = windows.reduce((best, o) => norm(add(point, o.middle, -1)) < norm(add(point, best.middle, -1)) ? o : best);
+  look_at(w);
+  const p = new THREE.Vector3(...add(point, w.middle, -1)).project(camera);
+  return [w.box.left + (p.x + 1) / 2 * w.box.width, w.box.top + (1 - p.y) / 2 * w.box.height];
+}
+
+export const drawn_points = m => windows[m] ? { points: windows[m].surface.node_of.length, facets: windows[m].surface.facets.length } : null;

@@ -1,0 +1,102 @@
+// What is known: written by what the server says and by the hand, read by everything else. PROTOCOL.md says what server
+// and page tell each other. Inside: metres, newtons, seconds. mm, mN and percent only where people read.
+import { nice } from "./scale.js";
+
+export let model = null;        // the last "model" message, with what take_model() and others add
+export let state = null;        // the last state: {v: its numbers, nodes: [Float32Array of the learned mesh's nodes, of the heuristic's]}
+export let near = null;         // the last "near" message
+export let control = { holder: "nobody", paused: false, place: -1 };
+export const samples = [];      // what the plots show, oldest first
+export let states = 0;          // since the page was opened
+export const hand = { at: null, down: false, by: null };   // the visitor's, where the tissue is
+export const moved = [true, true];     // in space, whether nodes of a mesh have moved since it was drawn; who draws makes it false
+export const work = { nodes: 0, decode_ms: 0, update_ms: 0 };   // nodes told in space since the page was opened; of the last state
+export const look = { stale: true };   // something but the state has changed: draw anew
+
+export const IN = { time: 0, ticks: 1, misses: 2, misses_program: 3, clamped: 4, faults: 5, rate: 6, p50: 7, p99: 8, master: 9,
+             proxy: 11, pressed: 13, moved: 14, force: 18, device: 20, place: 22, fe: 23, set: 24, fault: 25, clients: 26 };
+export const LEARNED = 0, HEURISTIC = 1;   // meshes; the second may be missing (--no-heuristic)
+export const WINDOW = 10;                // s, of the plot over time
+
+const HEAD = [0, 0, 32, 40];         // numbers at the head of a state, by dimension
+const MOVED_NODES = 38;              // in space: how many nodes a state carries, a mesh
+const Z = { 9: 32, 11: 33, 14: 34, 16: 35, 18: 36, 20: 37 };   // in space: where z stands of what begins there
+
+export const is_solid = () => model !== null && model.dimension === 3;
+export const vector = i => is_solid() ? [state.v[i], state.v[i + 1], state.v[Z[i]]] : [state.v[i], state.v[i + 1]];
+export function node(mesh, i) {
+  const d = model.dimension;
+  return Array.from(state.nodes[mesh].subarray(d * i, d * i + d));
+}
+
+/** A state of the server, as bytes. */
+export function take_state(buffer) {
+  if (!model) return;
+  const began = performance.now(), nodes = is_solid() ? nodes_in_space(buffer) : nodes_in_plane(buffer);
+  if (!nodes) return;   // of the model before
+  state = { v: new Float64Array(buffer, 0, HEAD[model.dimension]), nodes };
+  states++;
+  remember();
+  work.decode_ms = performance.now() - began;
+}
+
+function nodes_in_plane(buffer) {
+  const lengths = model.meshes.map(mesh => 2 * mesh.nodes_m.length);
+  if (buffer.byteLength !== 8 * HEAD[2] + 4 * lengths.reduce((a, b) => a + b)) return null;
+  const nodes = [];
+  let from = 8 * HEAD[2];
+  for (const length of lengths) {
+    nodes.push(new Float32Array(buffer, from, length));
+    from += 4 * length;
+  }
+  return nodes;
+}
+
+/** Only nodes that have moved come; the others stay where they are. */
+function nodes_in_space(buffer) {
+  if (buffer.byteLength < 8 * HEAD[3]) return null;
+  const counts = [...new Float64Array(buffer, 8 * MOVED_NODES, 2)].slice(0, model.meshes.length);
+  if (buffer.byteLength !== 8 * HEAD[3] + 16 * counts.reduce((a, b) => a + b)) return null;
+  const nodes = state ? state.nodes : model.meshes.map(mesh => Float32Array.from(mesh.nodes_m.flat()));
+  let from = 8 * HEAD[3];
+  counts.forEach((count, m) => {
+    const which = new Uint32Array(buffer, from, count), places = new Float32Array(buffer, from + 4 * count, 3 * count), to = nodes[m];
+    for (let k = 0; k < count; k++) {
+      to[3 * which[k]] = places[3 * k];
+      to[3 * which[k] + 1] = places[3 * k + 1];
+      to[3 * which[k] + 2] = places[3 * k + 2];
+    }
+    if (count > 0) moved[m] = true;
+    work.nodes += count;
+    from += 16 * count;
+  });
+  return nodes;
+}
+
+/** One sample of the plots. Samples are in order of time: a clock that was set back starts them anew. */
+function remember() {
+  const time = state.v[IN.time], last = samples[samples.length - 1];
+  if (last && time < last.time) samples.length = 0;
+  else if (last && time === last.time) samples.pop();   // paused
+  const pressed = state.v[IN.pressed] >= 0;
+  samples.push({ time, pressed, starts: pressed && !(last && last.pressed), force: vector(IN.force),
+                 moved: [vector(IN.moved), vector(IN.moved + 2)], place: state.v[IN.place], fe: state.v[IN.fe] });
+  while (samples[0].time < time - 2 * WINDOW) samples.shift();
+}
+
+/** Another model: what was known of the one before is forgotten. */
+export function take_model(message) {
+  model = message;
+  state = near = null;
+  samples.length = 0;
+  hand.at = null;
+  model.deepest_m = nice(Math.max(0.005, ...model.places.map(place => place.depth_m)) * 1e3).top * 1e-3;
+  model.strongest_N = Math.max(0, ...model.places.flatMap(place => place.curve.map(point => point[1])));
+  const of = axis => model.meshes[LEARNED].nodes_m.map(p => p[axis]);
+  const axes = [...Array(model.dimension).keys()];
+  model.box = { low: axes.map(axis => Math.min(...of(axis))), high: axes.map(axis => Math.max(...of(axis))) };
+  if (is_solid()) for (const mesh of model.meshes) mesh.outline = mesh.nodes_m.map((_, i) => i);   // of which FE's displacement is told
+  moved.fill(true);
+}
+export const take_near = message => { near = message; };
+export const take_control = message => { control = message; };

@@ -1,0 +1,105 @@
+// The closed surface of a mesh in space as it is drawn: nodes part at creases, so that it is smooth between them alone.
+import { clamp, cross, dot, norm } from "./vectors.js";
+
+const CREASE = Math.cos(40 * Math.PI / 180);   // facets that turn by more do not share a normal
+
+const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+
+export class Surface {
+  /** mesh: nodes_m [[x, y, z]] at rest, facets [[i, j, k]] with their normals out, fixed [node]. */
+  constructor(mesh, deepest_m) {
+    this.deepest_m = deepest_m;
+    this.rest = Float32Array.from(mesh.nodes_m.flat());
+    this.facets = mesh.facets;
+    const fixed = new Set(mesh.fixed), at = mesh.nodes_m;
+    this.normals = mesh.facets.map(([i, j, k]) => {
+      const n = cross(minus(at[j], at[i]), minus(at[k], at[i])), length = norm(n) || 1;
+      return n.map(x => x / length);
+    });
+    this.held = mesh.facets.map(facet => facet.every(i => fixed.has(i)));
+    this.part_nodes();
+    this.find_edges();
+    this.position = new Float32Array(3 * this.node_of.length);
+    this.normal = new Float32Array(3 * this.node_of.length);
+    this.shade = new Float32Array(2 * this.node_of.length);   // where its colour is on the scale, as a texture's u, v
+    this.update(this.rest);
+  }
+
+  /** node_of: the node of each point that is drawn; corners: three points a facet. */
+  part_nodes() {
+    const around = Array.from({ length: this.rest.length / 3 }, () => []);
+    this.facets.forEach((facet, f) => facet.forEach(i => around[i].push(f)));
+    this.node_of = [];
+    this.corners = new Uint32Array(3 * this.facets.length);
+    around.forEach((here, i) => {
+      const left = new Set(here);
+      while (left.size) {
+        const group = [left.values().next().value];
+        left.delete(group[0]);
+        for (const f of group)
+          for (const g of left)
+            if (dot(this.normals[f], this.normals[g]) > CREASE) { group.push(g); left.delete(g); }
+        for (const f of group) this.corners[3 * f + this.facets[f].indexOf(i)] = this.node_of.length;
+        this.node_of.push(i);
+      }
+    });
+  }
+
+  /** Node pairs: all sides of facets, those at creases, those around what is held. */
+  find_edges() {
+    const sides = new Map();
+    this.facets.forEach((facet, f) => facet.forEach((i, k) => {
+      const j = facet[(k + 1) % 3], key = i < j ? `${i} ${j}` : `${j} ${i}`;
+      if (!sides.has(key)) sides.set(key, { pair: [i, j], facets: [] });
+      sides.get(key).facets.push(f);
+    }));
+    const all = [...sides.values()];
+    this.edges = all.map(side => side.pair);
+    this.creases = all.filter(({ facets: [f, g] }) => g === undefined || dot(this.normals[f], this.normals[g]) < CREASE).map(side => side.pair);
+    this.rim = all.filter(({ facets: [f, g] }) => g !== undefined && this.held[f] !== this.held[g]).map(side => side.pair);
+  }
+
+  /** nodes: x, y, z of every node now. Points, normals and colours follow. */
+  update(nodes) {
+    const { position, normal, shade, node_of, corners, rest } = this;
+    for (let p = 0; p < node_of.length; p++) {
+      const i = 3 * node_of[p], x = nodes[i], y = nodes[i + 1], z = nodes[i + 2];
+      position[3 * p] = x;
+      position[3 * p + 1] = y;
+      position[3 * p + 2] = z;
+      shade[2 * p] = clamp(Math.hypot(x - rest[i], y - rest[i + 1], z - rest[i + 2]) / this.deepest_m, 0.002, 0.998);
+      shade[2 * p + 1] = 0.5;
+    }
+    normal.fill(0);
+    for (let c = 0; c < corners.length; c += 3) {
+      const i = 3 * corners[c], j = 3 * corners[c + 1], k = 3 * corners[c + 2];
+      const ax = position[j] - position[i], ay = position[j + 1] - position[i + 1], az = position[j + 2] - position[i + 2];
+      const bx = position[k] - position[i], by = position[k + 1] - position[i + 1], bz = position[k + 2] - position[i + 2];
+      const nx = ay * bz - az * by, ny = az * bx - ax * bz, nz = ax * by - ay * bx;   // as long as the facet is large
+      for (const p of [i, j, k]) {
+        normal[p] += nx;
+        normal[p + 1] += ny;
+        normal[p + 2] += nz;
+      }
+    }
+    for (let p = 0; p < normal.length; p += 3) {
+      const length = Math.hypot(normal[p], normal[p + 1], normal[p + 2]) || 1;
+      normal[p] /= length;
+      normal[p + 1] /= length;
+      normal[p + 2] /= length;
+    }
+  }
+
+  /** Unit normal into the tissue at rest, at a point of the surface at rest: of the nearest facet. */
+  inward_at(point) {
+    let best = Infinity, inward = [0, 0, -1];
+    this.facets.forEach(([i, j, k], f) => {
+      if (this.held[f]) return;
+      const at = a => (this.rest[3 * i + a] + this.rest[3 * j + a] + this.rest[3 * k + a]) / 3 - point[a];
+      const n = this.normals[f], off = at(0) * n[0] + at(1) * n[1] + at(2) * n[2];
+      const distance = at(0) ** 2 + at(1) ** 2 + at(2) ** 2 + 8 * off ** 2;   // one that it does not lie in is farther away
+      if (distance < best) [best, inward] = [distance, n.map(x => -x)];
+    });
+    return inward;
+  }
+}

@@ -1,0 +1,14 @@
+// Small vectors, [x, y] or [x, y, z].
+
+export const add = (a, b, s = 1) => a.length === 2 ? [a[0] + s * b[0], a[1] + s * b[1]] : [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]];
+export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + (a.length === 2 ? 0 : a[2] * b[2]);
+export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+export const norm = a => Math.hypot(...a);
+export const unit = a => a.map(x => x / norm(a));
+export const clamp = (x, low, high) => Math.min(Math.max(x, low), high);
+
+/** Between two directions, degrees. */
+export function angle_between(a, b) {
+  const u = unit(a), v = unit(b);
+  return 360 / Math.PI * Math.atan2(norm(add(u, v, -1)), norm(add(u, v)));
+}

@@ -1,0 +1,94 @@
+#include "haptic/friction.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "error.h"
+
+namespace tissue {
+namespace {
+
+constexpr int most_steps = 4, most_halvings = 6;  // of one tick
+constexpr double on_cone = 1e-3;                  // of the cone's own size: nearer is on it
+constexpr double longest = 0.5;                   // step, in spacings of the surface's nodes: the contact's rows change little
+
+}  // namespace
+
+Friction::Friction(const FrictionOptions& options) : stick_(options.stick), slip_(options.slip < 0 ? options.stick : options.slip) {
+    if (!(stick_ >= 0)) throw MismatchError(fmt::format("friction {} must not be negative", options.stick));
+    if (!(slip_ <= stick_)) throw MismatchError(fmt::format("kinetic friction {} must not be above the static {}", options.slip, options.stick));
+}
+
+void Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const RealtimeLaw& law, const NodeColumns& u, const Point& tool_m,
+                     SurfacePlace& where, Point& touched_m, ToolSpring& tool) noexcept {
+    if (std::isinf(stick_)) return;
+    bool slips = false;
+    for (int step = 0; step < most_steps; ++step) {
+        const Point push = tool_m - touched_m, hand = tool.hand_N(push, u), inward = tool.inward();
+        const double pressed = std::max(0.0, hand.dot(inward));
+        const Point along = hand - hand.dot(inward) * inward;
+        const double drag = along.norm(), bound = (slips ? slip_ : cone()) * pressed;
+        if (!(drag > bound + on_cone * (bound + 1e-6 * drag))) break;
+        slips = true;
+        slipping_ = true;
+        const Point direction = along / drag;
+        const double stiffness = direction.dot(tool.stiffness_N_m(push, u) * direction);
+        if (!(stiffness > 0)) break;
+        double way_m = std::min((drag - slip_ * pressed) / stiffness, longest * surface.spacing_m());
+        const double before_J = tool.energy_J(push, u);
+        bool falls = false;
+        for (int half = 0; half < most_halvings && !falls; ++half, way_m /= 2) {
+            const FreeSurface::Walk walk = surface.walk(where.facet, where.weight, way_m * direction);
+            if (!(walk.walked_m > 0)) break;
+            law.contact(walk.facet, walk.weight, next_);
+            const Point place = mesh.rest_place(walk.facet, walk.weight);
+            const double after_J = next_.energy_J(tool_m - place, u);
+            if (!(after_J <= before_J)) continue;
+            falls = true;
+            burnt_J_ += before_J - after_J;
+            where.facet = walk.facet;
+            where.weight = walk.weight;
+            touched_m = place;
+            tool = next_;
+        }
+        if (!falls) break;
+    }
+    slipping_ = slips;
+}
+
+void Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const MovingSurface& now, double coupling_N_m, const Point& tool_m,
+                     SurfacePlace& where) noexcept {
+    if (std::isinf(stick_)) return;
+    // the segment as it stands; in the plane, where springs alone are played
+    const Eigen::Vector2d from = now.at(where.facet, {1, 0, 0}), to = now.at(where.facet, {0, 1, 0});
+    const double length = (to - from).norm();
+    if (!(length > 0)) return;
+    const Eigen::Vector2d tangent = (to - from) / length, inward(-tangent.y(), tangent.x());
+    const Eigen::Vector2d gap = tool_m - where.position_m;
+    const double pressed = std::max(0.0, coupling_N_m * gap.dot(inward)), drag = coupling_N_m * gap.dot(tangent);
+    const bool slips = std::abs(drag) > cone() * pressed * (1 + on_cone);
+    slipping_ = slips;
+    if (!slips) return;
+    const Eigen::Vector2d rest_from = mesh.rest_place(where.facet, {1, 0, 0}), rest_to = mesh.rest_place(where.facet, {0, 1, 0});
+    double way_m = (std::abs(drag) - slip_ * pressed) / coupling_N_m;
+    way_m = std::min(way_m, longest * surface.spacing_m()) * (rest_to - rest_from).norm() / length;
+    const double before_J = coupling_N_m * gap.squaredNorm() / 2;
+    for (int half = 0; half < most_halvings; ++half, way_m /= 2) {
+        const Point along = std::copysign(way_m, drag) * (rest_to - rest_from).normalized();
+        const FreeSurface::Walk walk = surface.walk(where.facet, where.weight, along);
+        if (!(walk.walked_m > 0)) return;
+        const Point place = now.at(walk.facet, walk.weight);
+        const double after_J = coupling_N_m * (tool_m - place).squaredNorm() / 2;
+        if (!(after_J <= before_J)) continue;
+        burnt_J_ += before_J - after_J;
+        where.facet = walk.facet;
+        where.weight = walk.weight;
+        where.position_m = place;
+        where.distance_m = (tool_m - place).norm();
+        return;
+    }
+}
+
+}  // namespace tissue

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <limits>
+
+#include "haptic/moving_surface.h"
+#include "haptic/realtime_law.h"
+#include "mesh/free_surface.h"
+
+namespace tissue {
+
+struct FrictionOptions {
+    double stick = std::numeric_limits<double>::infinity();  ///< static mu; without end, as the paper has it: a contact keeps its place
+    double slip = -1;                                        ///< kinetic mu, at most the static one; negative: the same
+};
+
+/// Coulomb's friction between tool and tissue. A contact keeps its place while the tool's force lies in the cone
+/// |f_t| <= mu f_n about the surface's inward normal there; outside, the place goes along the surface at rest, the way that the tool
+/// drags, as far as brings the force back onto the cone of the kinetic mu. It sticks again when the force is inside that.
+///
+/// It never gives energy: tool, nodes and their velocities stay where they are in that moment, so that what is stored changes by
+/// the contact's energy alone, and the place goes only as far as that falls. Allocates nothing.
+class Friction {
+   public:
+    /// Throws MismatchError for a mu that is negative or not a number, or a kinetic one above the static.
+    explicit Friction(const FrictionOptions& options);
+
+    void begin() noexcept { slipping_ = false; }  ///< of a contact
+    bool slipping() const { return slipping_; }   ///< in the last call
+    double burnt_J() const { return burnt_J_; }   ///< so far
+
+    /// A law's contact, while the tool presses. tool_m: in the mesh's own coordinates. where, touched_m, tool: its place, that place
+    /// at rest and its energy there; they change as it slips.
+    void slide(const FreeSurface& surface, const RealtimeMesh& mesh, const RealtimeLaw& law, const NodeColumns& u, const Point& tool_m,
+               SurfacePlace& where, Point& touched_m, ToolSpring& tool) noexcept;
+
+    /// A contact of springs, with a coupling between the tool and the proxy where.position_m on the surface as it stands. All places
+    /// as the surface has them.
+    void slide(const FreeSurface& surface, const RealtimeMesh& mesh, const MovingSurface& now, double coupling_N_m, const Point& tool_m, SurfacePlace& where) noexcept;
+
+   private:
+    double cone() const { return slipping_ ? slip_ : stick_; }
+
+    double stick_, slip_;
+    bool slipping_ = false;
+    double burnt_J_ = 0;
+    ToolSpring next_;
+};
+
+}  // namespace tissue

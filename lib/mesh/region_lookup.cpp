@@ -1,0 +1,88 @@
+#include "mesh/region_lookup.h"
+
+#include <Eigen/LU>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "error.h"
+#include "mesh/shape.h"
+
+namespace tissue {
+
+RegionLookup::RegionLookup(const MshFile& mesh, const std::vector<std::string>& regions, double unit_m) {
+    if (mesh.tetrahedra.empty()) throw FileError(mesh.file + ": has no tetrahedra, and so no regions");
+    const std::vector<int> tags = group_tags(regions, mesh.tetrahedron_names, "volume", mesh.file);
+    for (const MshFile::Tetrahedron& e : mesh.tetrahedra) {
+        const auto corner = [&](int k) {
+            const MshFile::Point& p = mesh.points[static_cast<std::size_t>(e.node[k])];
+            return Eigen::Vector3d(Eigen::Vector3d(p.x, p.y, p.z) * unit_m);
+        };
+        Tetrahedron t;
+        t.origin_m = t.low_m = t.high_m = corner(0);
+        Eigen::Matrix3d sides;
+        for (int k = 1; k < 4; ++k) {
+            t.low_m = t.low_m.cwiseMin(corner(k));
+            t.high_m = t.high_m.cwiseMax(corner(k));
+            sides.col(k - 1) = corner(k) - t.origin_m;
+        }
+        if (!(std::abs(sides.determinant()) > 0)) continue;  // flat: nothing lies in it
+        const Eigen::Matrix3d weights = sides.inverse();  // rows: slopes of the corners' weights
+        t.inward << -weights.colwise().sum(), weights;
+        t.far_m = 1 / t.inward.row(0).norm();
+        t.inward.rowwise().normalize();
+        const auto tag = std::find(tags.begin(), tags.end(), e.physical);
+        t.region = tag == tags.end() ? 0 : static_cast<int>(tag - tags.begin()) + 1;
+        longest_m_ = std::max(longest_m_, t.high_m.x() - t.low_m.x());
+        tetrahedra_.push_back(t);
+    }
+    // one that stands twice, in a region and in the whole, counts as the region's
+    std::stable_sort(tetrahedra_.begin(), tetrahedra_.end(), [](const Tetrahedron& a, const Tetrahedron& b) {
+        return a.low_m.x() != b.low_m.x() ? a.low_m.x() < b.low_m.x() : a.region > b.region;
+    });
+}
+
+int RegionLookup::at(const Eigen::Vector3d& position_m) const {
+    constexpr double rounding_m = 1e-12;
+    const auto out_of_m = [&](const Tetrahedron& t) {  // 0 inside
+        Eigen::Vector4d into = t.inward * (position_m - t.origin_m);
+        into[0] += t.far_m;
+        return std::max(0.0, -into.minCoeff() - rounding_m);
+    };
+    const auto first = std::lower_bound(tetrahedra_.begin(), tetrahedra_.end(), position_m.x() - longest_m_,
+                                        [](const Tetrahedron& t, double x) { return t.low_m.x() < x; });
+    for (auto t = first; t != tetrahedra_.end() && t->low_m.x() <= position_m.x(); ++t)
+        if ((position_m.array() >= t->low_m.array()).all() && (position_m.array() <= t->high_m.array()).all() && out_of_m(*t) == 0) return t->region;
+    double least_m = std::numeric_limits<double>::infinity();
+    int region = 0;
+    for (const Tetrahedron& t : tetrahedra_)
+        if (const double out = out_of_m(t); out < least_m) {
+            least_m = out;
+            region = t.region;
+        }
+    return region;
+}
+
+std::string to_msh(const MshFile& mesh, const RegionLookup& regions) {
+    constexpr int tissue_label = 10;
+    std::string text = fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n", mesh.points.size());
+    for (std::size_t i = 0; i < mesh.points.size(); ++i)
+        text += fmt::format("{} {} {} {}\n", i + 1, mesh.points[i].x, mesh.points[i].y, mesh.points[i].z);
+    text += fmt::format("$EndNodes\n$Elements\n{}\n", mesh.triangles.size() + mesh.tetrahedra.size());
+    long number = 0;
+    for (const MshFile::Element& e : mesh.triangles)
+        text += fmt::format("{} 2 2 {} {} {} {} {}\n", ++number, e.physical, e.physical, e.node[0] + 1, e.node[1] + 1, e.node[2] + 1);
+    for (const MshFile::Tetrahedron& e : mesh.tetrahedra) {
+        Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
+        for (int node : e.node) {
+            const MshFile::Point& p = mesh.points[static_cast<std::size_t>(node)];
+            middle_m += Eigen::Vector3d(p.x, p.y, p.z) / 4;
+        }
+        const int label = tissue_label + regions.at(middle_m);
+        text += fmt::format("{} 4 2 {} {} {} {} {} {}\n", ++number, label, label, e.node[0] + 1, e.node[1] + 1, e.node[2] + 1, e.node[3] + 1);
+    }
+    return text + "$EndElements\n";
+}
+
+}  // namespace tissue

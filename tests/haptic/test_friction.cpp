@@ -1,0 +1,150 @@
+#include "haptic/friction.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "../example.h"
+#include "../mesh/disc.h"
+#include "../refusal.h"
+#include "error.h"
+#include "haptic_example.h"
+#include "mesh/outline.h"
+
+using namespace tissue;
+
+namespace {
+
+HapticOptions with_friction(double stick, double slip = -1) {
+    HapticOptions o;
+    o.friction = {stick, slip};
+    o.safety.passivity = false;
+    o.heuristic_mesh = false;
+    return o;
+}
+
+/// Presses the middle of the top by this depth, then drags along the first axis at 10 mm/s.
+struct Drag {
+    Drag(const TissueModel& tissue, const HapticOptions& options, double depth_m = 0.004) : model(tissue, options), s(model), depth(depth_m) {
+        at = model.rest.dimension() == 3 ? Eigen::Vector3d(0.04, 0.05, 0.05) : Eigen::Vector3d(0.04, 0.1, 0);
+        up = model.rest.dimension() == 3 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
+        for (int k = 0; k <= 500; ++k) s.tick(sample_at(at + up * (0.002 - (depth + 0.002) * std::min(1.0, k / 300.0))));
+        for (int k = 0; k < 1000; ++k) s.tick(sample_at(at - depth * up));
+    }
+    void by(double way_m) {
+        const int ticks = std::max(1, static_cast<int>(std::abs(way_m) / 1e-5));
+        for (int k = 1; k <= ticks; ++k) {
+            at.x() += way_m / ticks;
+            s.tick(sample_at(at - depth * up));
+        }
+    }
+    double normal_N() const { return model.rest.dimension() == 3 ? s.record().coupling_N[2] : s.record().coupling_N[1]; }
+    double drag_N() const { return -s.record().coupling_N[0]; }
+    Point place_m() const { return model.meshes[0]->springs.rest_place(s.contact().where.facet, s.contact().where.weight); }
+
+    HapticModel model;
+    Simulation s;
+    double depth;
+    Eigen::Vector3d at, up;
+};
+
+std::vector<TissueModel> tissues() { return {law_example(), solid_example(), haptic_example({"grid8", "axial"})}; }
+
+}  // namespace
+
+TEST_CASE("a tool dragged along a flat surface feels mu times what it presses with", "[friction]") {
+    for (const TissueModel& tissue : tissues())
+        for (double mu : {0.1, 0.3}) {
+            Drag drag(tissue, with_friction(mu));
+            const Point from = drag.place_m();
+            drag.by(0.008);
+            double ratio = 0;
+            for (int k = 0; k < 40; ++k) {
+                drag.by(1e-4);
+                ratio += drag.drag_N() / drag.normal_N() / 40;
+            }
+            INFO(tissue.study << " mu " << mu << ": " << ratio << ", burnt " << drag.s.friction().burnt_J() << " J");
+            CHECK(ratio == Approx(mu).epsilon(0.03));
+            CHECK((drag.place_m() - from)[0] > 0.003);
+            CHECK(drag.s.friction().burnt_J() > 0);
+        }
+}
+
+TEST_CASE("inside the cone a contact sticks, and without friction's end it always does", "[friction]") {
+    for (const TissueModel& tissue : tissues())
+        for (double mu : {0.8, std::numeric_limits<double>::infinity()}) {
+            Drag drag(tissue, with_friction(mu));
+            const Point from = drag.place_m();
+            const double way_m = std::isinf(mu) ? 0.006 : 0.0005;
+            drag.by(way_m);
+            CHECK(drag.place_m() == from);
+            CHECK_FALSE(drag.s.record().slipping);
+            drag.by(-way_m);
+            CHECK(drag.place_m() == from);
+            CHECK(drag.s.friction().burnt_J() == 0);
+        }
+}
+
+TEST_CASE("a contact that slips feels the kinetic mu, and needs the static one to begin", "[friction]") {
+    for (const TissueModel& tissue : {law_example(), solid_example()}) {
+        Drag drag(tissue, with_friction(0.4, 0.2));
+        double most = 0, last = 0;
+        for (int k = 0; k < 100; ++k) {
+            drag.by(1e-4);
+            last = drag.drag_N() / drag.normal_N();
+            most = std::max(most, last);
+        }
+        INFO(tissue.study << " most " << most << ", last " << last);
+        CHECK(most == Approx(0.4).epsilon(0.1));
+        CHECK(last < 0.42);
+        CHECK(drag.s.friction().burnt_J() > 0);
+    }
+}
+
+TEST_CASE("there and back with friction the hand loses what it burns, and is given nothing", "[friction]") {
+    for (const TissueModel& tissue : {law_example(), solid_example()}) {
+        Drag drag(tissue, with_friction(0.2));
+        drag.by(0.004);
+        const double before = drag.s.safety().counters().energy_given_J;
+        for (int loop = 0; loop < 3; ++loop) {
+            drag.by(0.008);
+            drag.by(-0.008);
+        }
+        const double given = drag.s.safety().counters().energy_given_J - before;
+        INFO(tissue.study << " given " << given << ", burnt " << drag.s.friction().burnt_J());
+        CHECK(given < 0);
+        CHECK(-given < 3 * drag.s.friction().burnt_J());
+    }
+}
+
+TEST_CASE("along a curved surface a tool slips on past nodes and edges", "[friction]") {
+    TissueModel tissue = law_example(edge_mesh(disc(24)));
+    const HapticModel model(tissue, with_friction(0.1));
+    Simulation s(model);
+    const Outline outline(tissue.mesh);
+    const double from = 0.3 * outline.length(), way = 0.3 * outline.length();
+    const auto go = [&](double arc, double depth) {
+        const Eigen::Vector2d at = outline.position(arc) + depth * outline.inward_normal(arc);
+        s.tick(sample_at(at.x(), at.y()));
+    };
+    for (int k = 0; k <= 500; ++k) go(from, -0.002 + 0.005 * k / 500);
+    REQUIRE(s.contact().pressing);
+    long stood = 0, longest = 0;
+    for (int k = 1; k <= 4000; ++k) {
+        const Point before = model.meshes[0]->springs.rest_place(s.contact().where.facet, s.contact().where.weight);
+        go(from + way * k / 4000, 0.003);
+        REQUIRE(s.contact().contact);
+        const Point now = model.meshes[0]->springs.rest_place(s.contact().where.facet, s.contact().where.weight);
+        stood = (now - before).norm() > 0 ? 0 : stood + 1;
+        if (k > 1500) longest = std::max(longest, stood);
+    }
+    const Point end = model.meshes[0]->springs.rest_place(s.contact().where.facet, s.contact().where.weight);
+    INFO("stood for " << longest << " ticks at most");
+    CHECK(longest < 200);
+    CHECK((end - outline.position(from + way)).norm() < 0.01);
+}
+
+TEST_CASE("friction that is negative, and kinetic friction above the static, are refused", "[friction]") {
+    CHECK(refusal<MismatchError>([] { Friction({-0.1, -1}); }) == "friction -0.1 must not be negative");
+    CHECK(refusal<MismatchError>([] { Friction({0.1, 0.2}); }) == "kinetic friction 0.2 must not be above the static 0.1");
+    CHECK_FALSE(refusal<MismatchError>([] { HapticModel(law_example(), with_friction(std::nan(""))); }).empty());
+}

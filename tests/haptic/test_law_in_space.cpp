@@ -1,0 +1,212 @@
+// The tick of a law in space: its forces, its energy in motion, how fast it can swing.
+#include <Eigen/Eigenvalues>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include "../allocations.h"
+#include "../example.h"
+#include "../mesh/dome.h"
+#include "../refusal.h"
+#include "error.h"
+#include "haptic/dynamics.h"
+#include "haptic/law_spectrum.h"
+#include "haptic/realtime_law.h"
+#include "haptic/spectrum.h"
+#include "mesh/free_surface.h"
+#include "springs/energy_law.h"
+#include "springs/heuristic.h"
+#include "springs/law_kernel.h"
+#include "springs/press.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// A lattice of bricks, the same with its nodes moved so that no two springs or boxes are alike, and a shape.
+std::vector<SpringMesh> meshes() {
+    const SpringMesh bricks = make_lattice("grid26", Lattice{{5, 4, 3}, {0.05, 0.06, 0.02}});
+    SpringMesh bent = bricks;
+    bent.nodes += scattered(bent, 1e-3);
+    return {bricks, bent, edge_mesh(dome(6))};
+}
+
+/// A law whose constants differ from element to element, so that none can stand in for another.
+TissueModel uneven(const SpringMesh& mesh) {
+    constexpr double modulus_Pa = 4524, radius_m = 0.007;
+    TissueModel m;
+    m.study = "space";
+    m.law = "geometric";
+    m.mesh = mesh;
+    m.modulus_N_m = modulus_Pa;
+    m.node_mass_kg = node_masses(mesh, 1000, 1);
+    const TissueEnergy energy(mesh, false);
+    const auto cells = energy.constant_count() - mesh.spring_count();
+    const EnergyLaw law(mesh, solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), modulus_Pa), Eigen::VectorXd::Constant(cells, modulus_Pa), modulus_Pa, 12, radius_m),
+                        {"spring.all"});
+    const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);
+    m.energy_law = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible(), radius_m};
+    for (Eigen::Index e = 0; e < m.energy_law->constants.size(); ++e)
+        m.energy_law->constants[e] *= 1 + 0.3 * std::sin(1.7 * static_cast<double>(e));
+    m.case_names = {"deepest"};
+    m.magnitude_m = Eigen::VectorXd::Constant(1, 0.006);
+    return m;
+}
+
+RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, "geometric", model.node_mass_kg}; }
+
+/// Squared angular frequencies of the free nodes, ascending [1/s2].
+Eigen::VectorXd eigenvalues(const RealtimeMesh& mesh, const Eigen::MatrixXd& K) {
+    std::vector<int> free;
+    for (int node = 0; node < mesh.node_count(); ++node)
+        for (int axis = 0; axis < 3 && !mesh.fixed(node); ++axis) free.push_back(3 * node + axis);
+    Eigen::MatrixXd A = K(free, free);
+    for (std::size_t i = 0; i < free.size(); ++i)
+        for (std::size_t j = 0; j < free.size(); ++j)
+            A(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) *= std::sqrt(mesh.inverse_mass()[free[i] / 3] * mesh.inverse_mass()[free[j] / 3]);
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+}  // namespace
+
+TEST_CASE("in space the tick's law asks for the forces of the energy that was trained, and stores it", "[solid][law]") {
+    for (const SpringMesh& mesh : meshes())
+        for (double size : {1e-6, 1e-3, 3e-3}) {
+            const TissueModel model = uneven(mesh);
+            const RealtimeMesh springs = springs_of(model);
+            const RealtimeLaw law(model, springs);
+            const TissueEnergy energy(mesh, false);
+            const NodeField u = scattered(mesh, size);
+            const NodeField expected = energy.force(model.energy_law->constants, u);
+            NodeColumns f = NodeColumns::Ones(mesh.node_count(), 3);
+            Eigen::VectorXd scratch = Eigen::VectorXd::Ones(law.scratch_size());
+            long allocations = 0;
+            {
+                const NodeColumns columns = u;
+                const Allocations none;
+                law.force(columns, f, scratch);
+                allocations = Allocations::count();
+            }
+            INFO(mesh.topology << " " << size);
+            CHECK((f - NodeColumns(expected)).norm() <= (size < 1e-5 ? 1e-9 : 1e-12) * expected.norm());  // l - L cancels in the tick's springs
+            CHECK(law.energy(u) == Approx(energy.energy(model.energy_law->constants, u)).epsilon(1e-9));
+            CHECK(allocations == 0);
+        }
+}
+
+TEST_CASE("in space every spring of the tick pulls as its law says, in a lattice's thirteen bands and where node numbers have no order", "[solid][dynamics]") {
+    const SpringMesh lattice = make_lattice("grid26", Lattice{{5, 4, 3}, {0.05, 0.06, 0.02}});
+    for (const bool shuffled : {false, true}) {
+        SpringMesh mesh = lattice;
+        const int N = mesh.node_count();
+        if (shuffled) {
+            std::vector<int> order(static_cast<std::size_t>(N));
+            std::iota(order.begin(), order.end(), 0);
+            std::mt19937 random(7);
+            for (int n = N - 1; n > 0; --n) std::swap(order[static_cast<std::size_t>(n)], order[random() % static_cast<unsigned>(n + 1)]);
+            const auto to = [&](int node) { return order[static_cast<std::size_t>(node)]; };
+            for (int n = 0; n < N; ++n) mesh.nodes.row(to(n)) = lattice.nodes.row(n);
+            for (int& n : mesh.springs.reshaped()) n = to(n);
+            for (int& n : mesh.facets.reshaped()) n = to(n);
+            for (int& n : mesh.fixed) n = to(n);
+        }
+        const RealtimeMesh springs(mesh, "geometric", Eigen::VectorXd::Ones(N));
+        CHECK(springs.bands().size() == (shuffled ? 0 : 13));
+        for (const RealtimeMesh::Band& band : springs.bands()) CHECK(band.alike);
+        Eigen::VectorXd theta = mesh.incident_measure * 1e6;
+        for (Eigen::Index s = 0; s < theta.size(); ++s) theta[s] *= 1 + 0.3 * std::sin(1.7 * static_cast<double>(s));
+        const NodeField u = scattered(mesh, 3e-3);
+        const Eigen::VectorXd expected = make_spring_law("geometric")->force_matrix(mesh, u) * theta;
+        NodeColumns f(N, 3);
+        springs.force(springs.to_slots(theta), u, f);
+        const NodeField rows = f;
+        CHECK((as_vector(rows) - expected).norm() < 1e-13 * expected.norm());
+
+        const SparseMatrix K = make_spring_law("geometric")->stiffness(mesh, theta, NodeField::Zero(N, 3));
+        CHECK((springs.stiffness_at_rest(springs.to_slots(theta)) - K).norm() < 1e-13 * K.norm());
+        const Eigen::VectorXd exact = eigenvalues(springs, K);
+        CHECK(smallest_eigenvalue(springs, springs.to_slots(theta)) == Approx(exact[0]).epsilon(1e-4));
+        CHECK(largest_eigenvalue(springs, springs.to_slots(theta)) >= exact[exact.size() - 1]);  // the isotropic bound
+    }
+}
+
+TEST_CASE("in space a law's undamped step keeps its energy within a band, without drift", "[solid][law]") {
+    for (const SpringMesh& mesh : meshes()) {
+        const TissueModel model = uneven(mesh);
+        const RealtimeMesh springs = springs_of(model);
+        const RealtimeLaw law(model, springs);
+        const double fastest = std::sqrt(largest_eigenvalue(springs, TissueEnergy(mesh, false).tangent(model.energy_law->constants, NodeField::Zero(mesh.node_count(), 3))));
+        const int substeps = law_substeps(fastest * fastest, 1e-3);
+        const auto dynamics = make_dynamics("symplectic", springs, {1e-3, 0, substeps, &law});
+        MeshState state(springs, Eigen::VectorXd::Zero(springs.slot_count()));
+        state.velocity = scattered(mesh, 0.1);
+        for (int node : mesh.fixed) state.velocity.row(node).setZero();
+        const auto total = [&] { return (springs.mass().asDiagonal() * state.velocity.cwiseAbs2()).sum() / 2 + law.energy(state.displacement); };
+        const double start = total();
+        std::vector<double> mean(4, 0);
+        for (std::size_t part = 0; part < mean.size(); ++part)
+            for (int k = 0; k < 2000; ++k) {
+                dynamics->step(state, {});
+                const double now = total();
+                REQUIRE(now > 0.5 * start);
+                REQUIRE(now < 1.5 * start);
+                mean[part] += now / 2000;
+            }
+        INFO(mesh.topology << ": " << substeps << " substeps, energy over the first " << mean[1] / mean[0] << " " << mean[2] / mean[0] << " " << mean[3] / mean[0]);
+        CHECK(mean[3] == Approx(mean[0]).epsilon(0.01));
+        CHECK(state.displacement.norm() > 1e-4);
+    }
+}
+
+TEST_CASE("in space a law's spectrum is that of its tangents, at rest and pressed with its disc", "[solid][law]") {
+    const TissueModel model = solid_example();
+    const SpringMesh& mesh = model.mesh;
+    const RealtimeMesh springs = springs_of(model);
+    const LawSpectrum spectrum = law_spectrum(model, springs);
+    const LawModel& law = *model.energy_law;
+    const TissueEnergy energy(mesh, false);
+    const Eigen::VectorXd rest = eigenvalues(springs, energy.tangent(law.constants, NodeField::Zero(mesh.node_count(), 3)));
+    CHECK(spectrum.smallest == Approx(rest[0]).epsilon(1e-4));
+    CHECK(spectrum.largest >= rest[rest.size() - 1]);
+
+    // presses at places of its own choice, as deep as the deepest load case
+    const auto kernel = make_contact_kernel(mesh, law.disc_radius_m, law.ground);
+    const FreeSurface surface(mesh);
+    PressSolver solver(energy, *kernel);
+    double stiffest = 0;
+    for (const Point& point : surface.points(1)) {
+        const FreeSurface::Place place = surface.nearest(point);
+        const ContactSpring contact(kernel->rows_at(place.point_m), law.patch);
+        const PressState state = solver.press(law.constants, contact, model.magnitude_m.maxCoeff() * place.inward);
+        if (state.status == PressStatus::lost) continue;
+        Eigen::MatrixXd K = energy.tangent(law.constants, state.displacement);
+        const Eigen::MatrixXd own = contact.tangent(state.push_m, contact.gather(state.displacement));
+        for (std::size_t i = 0; i < contact.rows.nodes.size(); ++i)
+            for (std::size_t j = 0; j < contact.rows.nodes.size(); ++j)
+                K.block<3, 3>(3 * contact.rows.nodes[i], 3 * contact.rows.nodes[j]) += own.block<3, 3>(static_cast<Eigen::Index>(3 * i), static_cast<Eigen::Index>(3 * j));
+        stiffest = std::max(stiffest, eigenvalues(springs, K).maxCoeff());
+    }
+    INFO("rest " << std::sqrt(rest[rest.size() - 1]) << ", pressed " << std::sqrt(stiffest) << ", said " << std::sqrt(spectrum.largest));
+    CHECK(stiffest > 1.01 * rest[rest.size() - 1]);
+    CHECK(spectrum.largest > 0.9 * stiffest);
+    CHECK(spectrum.largest < 1.2 * stiffest);
+}
+
+TEST_CASE("in space springs that do not turn are refused, and boxes that no lattice has", "[solid][law]") {
+    const TissueModel model = uneven(meshes().front());
+    for (const char* law : {"axial", "isotropic"})
+        CHECK_THAT(refusal<MismatchError>([&] { RealtimeMesh(model.mesh, law, model.node_mass_kg); }), Contains("geometric"));
+    const RealtimeMesh springs = springs_of(model);
+    for (const char* name : {"implicit", "paper"})
+        CHECK_THAT(refusal<MismatchError>([&] { const RealtimeLaw law(model, springs); make_dynamics(name, springs, {1e-3, 1, 1, &law}); }), Contains(name));
+
+    TissueModel other = model;  // nodes 30 and 31 have changed their numbers
+    const auto swapped = [](int node) { return node == 30 ? 31 : node == 31 ? 30 : node; };
+    other.mesh.nodes.row(30).swap(other.mesh.nodes.row(31));
+    for (int& n : other.mesh.simplices.reshaped()) n = swapped(n);
+    for (int& n : other.mesh.springs.reshaped()) n = swapped(n);
+    const RealtimeMesh elsewhere = springs_of(other);
+    CHECK_THAT(refusal<MismatchError>([&] { RealtimeLaw(other, elsewhere); }), Contains("box"));
+}

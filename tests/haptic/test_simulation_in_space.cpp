@@ -1,0 +1,202 @@
+// The tick of a law in space: contact, force and safety as in the plane (test_simulation.cpp), along three axes.
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "../allocations.h"
+#include "../example.h"
+#include "../refusal.h"
+#include "error.h"
+#include "haptic/virtual_device.h"
+#include "haptic_example.h"
+#include "springs/law_press.h"
+
+using namespace tissue;
+
+namespace {
+
+const HapticModel& solid() {
+    static const HapticModel model(solid_example(), {});
+    return model;
+}
+
+/// Goes from where the hand is to a place, and stays.
+class Way {
+   public:
+    Way(Simulation& s, const Eigen::Vector3d& from_m) : s_(s), at_m_(from_m) {}
+    void to(const Eigen::Vector3d& place_m, int ticks, int stay = 0) {
+        const Eigen::Vector3d from = at_m_;
+        for (int k = 1; k <= ticks + stay; ++k) {
+            at_m_ = from + (place_m - from) * std::min(1.0, static_cast<double>(k) / ticks);
+            s_.tick(sample_at(at_m_));
+        }
+    }
+
+   private:
+    Simulation& s_;
+    Eigen::Vector3d at_m_;
+};
+
+/// A hand in space that does what no hand should: onto nodes and edges exactly, at full speed, through the tissue, and wrong words.
+class WildHand {
+   public:
+    explicit WildHand(unsigned long seed) : draw_(seed) {}
+    DeviceSample next(const Simulation& s, double elapsed_s) {
+        const Eigen::Vector3d low = s.model().low_m, high = s.model().high_m;
+        if (--left_ <= 0) {
+            mode_ = draw_.below(5);
+            left_ = 1 + draw_.below(200);
+            for (int axis = 0; axis < 3; ++axis) aim_[axis] = draw_(low[axis] - 0.03, high[axis] + 0.03);
+            if (draw_.below(3) == 0) aim_.z() = draw_(0.8 * high.z(), high.z());
+            speed_ = draw_.below(2) ? 2e-3 * (1 - 1e-9) : draw_(1e-5, 2e-3);
+        }
+        Eigen::Vector3d to = aim_;
+        const int facet = draw_.below(static_cast<int>(s.model().rest.facets.rows()));
+        if (mode_ == 1) to = s.surface(0).at(facet, {1, 0, 0});      // onto a node exactly
+        if (mode_ == 2) to = s.surface(0).at(facet, {0.5, 0.5, 0});  // onto an edge
+        if (mode_ == 3) to = s.contact().proxy_m + 1e-3 * Eigen::Vector3d(draw_(-1, 1), draw_(-1, 1), draw_(-1, 1));
+        if (mode_ == 4) to = x_ + 0.01 * Eigen::Vector3d(draw_(-1, 1), draw_(-1, 1), draw_(-1, 1));
+        const Eigen::Vector3d step = to - x_;
+        x_ += step * std::min(1.0, step.norm() > 0 ? speed_ * std::max(1.0, 1e3 * elapsed_s) / step.norm() : 0.0);
+        DeviceSample sample = sample_at(x_);
+        if (draw_.below(2000) == 0) sample.position_m[draw_.below(3)] = draw_.below(2) ? std::nan("") : 1e300;
+        if (draw_.below(2000) == 0) sample.age_s = 1;
+        if (draw_.below(2000) == 0) sample.valid = false;
+        return sample;
+    }
+
+   private:
+    Draw draw_;
+    Eigen::Vector3d x_{-0.02, 0.05, 0.03}, aim_{0.05, 0.05, 0.05};
+    int mode_ = 0, left_ = 0;
+    double speed_ = 1e-3;
+};
+
+}  // namespace
+
+TEST_CASE("a solid that is pressed in motion comes to rest where its energy is smallest, and so does the mesh beside it", "[simulation][solid]") {
+    const TissueModel tissue = solid_example();
+    const LawPress press(tissue);
+    Simulation s(solid());
+    const Eigen::Vector3d contact(0.043, 0.056, 0.05), push(0.001, -0.002, -0.005);
+    Way way(s, contact + Eigen::Vector3d(0, 0, 0.005));
+    way.to(contact, 100);
+    way.to(contact + push, 500, 6000);
+    const TickRecord& r = s.record();
+    REQUIRE(r.mesh == 0);
+    const Point touched = s.model().meshes[0]->springs.rest_place(r.facet, r.weight);
+    CHECK((touched - contact).norm() < 1e-3);
+    CHECK((r.contact_displacement_m - (contact + push - touched)).norm() < 1e-12);
+    const Equilibrium rest = press.at(touched, r.contact_displacement_m);
+    REQUIRE(rest);
+    CHECK((r.coupling_N + rest.contact_force).norm() < 1e-3 * rest.contact_force.norm());
+    CHECK((s.state(0).displacement - NodeColumns(rest.displacement)).norm() < 1e-3 * rest.displacement.norm());
+    CHECK(r.device_N.dot(push) < 0);
+    CHECK(r.device_N.z() > 0);
+
+    // the other mesh got the same force, and is softer
+    CHECK(s.displacement_at_contact(1).norm() > r.contact_displacement_m.norm());
+    CHECK((s.tool().hand_N(s.displacement_at_contact(1), s.state(1).displacement) + r.coupling_N).norm() < 0.02 * r.coupling_N.norm());
+    CHECK(s.surface(1).at(0, {1, 0, 0})[0] - s.surface(0).at(0, {1, 0, 0})[0] == Approx(s.model().options.place_m).margin(0.02));
+}
+
+TEST_CASE("a tick in space allocates nothing", "[simulation][solid]") {
+    HapticOptions o;
+    o.friction.stick = 0.4;
+    const HapticModel model(solid_example(), o);
+    Simulation s(model);
+    VirtualDevice hand(make_motion({"poke", 2, 0.01, 3, &model.rest}), model.options.map);
+    long pressed = 0, allocations = 0;
+    for (int k = 0; k < 2000; ++k) {
+        const DeviceSample sample = hand.read(k * 1e-3);
+        const Allocations none;
+        s.tick(sample);
+        allocations += Allocations::count();
+        pressed += s.contact().pressing;
+    }
+    CHECK(allocations == 0);
+    CHECK(pressed > 100);
+}
+
+TEST_CASE("adversarial ticks in space: force finite and within its limits, the proxy outside, the port passive", "[simulation][solid][adversarial]") {
+    struct Kind { double force_scale, stick; bool on_time; };
+    for (const Kind& kind : {Kind{1, std::numeric_limits<double>::infinity(), true}, Kind{10, std::numeric_limits<double>::infinity(), false}, Kind{10, 0.3, false}}) {
+        HapticOptions o;
+        o.map.force_scale = kind.force_scale;
+        o.friction.stick = kind.stick;
+        const HapticModel model(solid_example(), o);
+        Simulation s(model);
+        WildHand hand(42);
+        Draw kick(43);
+        Pace pace(44);
+        Port port(s);
+        long long inside = 0, pressed = 0;
+        const long long ticks = adversarial_ticks(15000);
+        for (long long k = 0; k < ticks; ++k) {
+            if (kick.below(500) == 0) {
+                const int node = kick.below(model.rest.node_count());
+                if (!model.meshes[0]->springs.fixed(node)) s.state(0).velocity.row(node) += Eigen::RowVector3d(kick(-2, 2), kick(-2, 2), kick(-2, 2));
+            }
+            const double elapsed = kind.on_time ? o.dt_s : pace.next(o.dt_s);
+            const bool force_may = port.tick(hand.next(s, elapsed), elapsed);
+            REQUIRE(s.state(0).displacement.allFinite());
+            REQUIRE(s.contact().where.weight.minCoeff() >= 0);
+            for (std::size_t m = 0; m < 2 && force_may; ++m) inside += s.surface(m).contains_strictly(s.contact().proxy_m, 1e-9);
+            pressed += s.contact().pressing;
+        }
+        INFO("folded " << s.counters().folded << ", unstable " << s.counters().unstable << ", worst energy " << port.worst_J() << " J");
+        CHECK(inside == 0);
+        CHECK(port.worst_J() <= port.bound_J() * (1 + 1e-9));
+        CHECK(pressed > 0);
+        CHECK(port.faults() > 0);
+    }
+}
+
+TEST_CASE("a tool at full speed through the tissue never comes out of it untouched", "[simulation][solid]") {
+    Simulation s(solid());
+    Draw draw(7);
+    for (int shot = 0; shot < 60; ++shot) {
+        s.reset();
+        const Eigen::Vector3d through(draw(0.005, 0.095), draw(0.005, 0.095), draw(0.02, 0.045));
+        const Eigen::Vector3d way = Eigen::Vector3d(draw(-1, 1), draw(-1, 1), draw(-1, -0.2)).normalized(), from = through - 0.12 * way;
+        bool touched = false;
+        for (int k = 0; k < 140 && !touched; ++k) {
+            s.tick(sample_at(from + 0.0019 * k * way));
+            touched = s.contact().contact;
+        }
+        INFO("shot " << shot);
+        CHECK(touched);
+    }
+}
+
+TEST_CASE("loops of the tool over depth and direction give the hand nothing", "[simulation][solid]") {
+    HapticOptions o;
+    o.safety.passivity = false;
+    o.heuristic_mesh = false;
+    const HapticModel model(solid_example(), o);
+    Simulation s(model);
+    const Eigen::Vector3d contact(0.05, 0.05, 0.05);
+    Way way(s, contact + Eigen::Vector3d(0, 0, 0.005));
+    way.to(contact + Eigen::Vector3d(0, 0, -0.004), 400, 1500);
+    const double before = s.safety().counters().energy_given_J;
+    double least = before, most = before;
+    for (int loop = 0; loop < 4; ++loop)
+        for (int k = 1; k <= 2000; ++k) {
+            const double t = 2 * 3.14159265358979 * k / 2000, turn = loop % 2 ? -t : t;
+            s.tick(sample_at(contact + Eigen::Vector3d(0.003 * std::sin(turn), 0.002 * (1 - std::cos(turn)), -0.004 - 0.003 * std::sin(2 * t))));
+            least = std::min(least, s.safety().counters().energy_given_J);
+            most = std::max(most, s.safety().counters().energy_given_J);
+        }
+    const double swung = most - least;
+    CHECK(swung > 1e-5);
+    CHECK(s.safety().counters().energy_given_J - before <= 1e-3 * swung);
+}
+
+TEST_CASE("a model in space without a law, and options of another dimension, are refused", "[simulation][solid]") {
+    TissueModel none = solid_example();
+    none.energy_law.reset();
+    CHECK(refusal<MismatchError>([&] { HapticModel(none, {}); }) == "a model in space is a law; this one has none");
+    HapticOptions plane;
+    plane.map.axes = parse_axes("x,y");
+    CHECK(refusal<MismatchError>([&] { HapticModel(solid_example(), plane); }) == "2 device axes for a tissue of 3");
+}

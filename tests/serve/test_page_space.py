@@ -1,0 +1,401 @@
+"""The page of `tissuectl serve` with a model in space, in a real browser that draws WebGL in software:
+test_page_space.py TISSUECTL MODEL PLANE_MODEL. MODEL is of a solid block with a cases.h5 beside it, PLANE_MODEL of the plane.
+Prints "ok - sentence" or "not ok - sentence: seen", and "# " before what was measured; exits 1 if any failed.
+
+What the page knows is read from window.tissue, what it shows from the document and from pictures of it."""
+import base64
+import io
+import math
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import h5py
+import matplotlib.image
+import numpy
+from browser import FLAT, SOLID, Browser, Missing, Server
+
+failed = 0
+force = "Math.hypot(...tissue.force_N || [0])"
+moved = "(tissue.largest_displacement_m || [0])"
+depth = "Math.hypot(...(tissue.contact_moved_m || [[0, 0, 0]])[0])"
+free = f"tissue.pressed === -1 && {force} === 0"
+
+
+def check(sentence, holds, seen=""):
+    global failed
+    failed += not holds
+    print(f"ok - {sentence}" if holds else f"not ok - {sentence}: {seen}", flush=True)
+
+
+class Block:
+    """What the model's files say."""
+
+    def __init__(self, model):
+        with h5py.File(model) as f:
+            self.nodes, self.facets = f["mesh/nodes"][:], f["mesh/facets"][:]
+        self.shown = numpy.unique(self.facets)
+        self.low, self.high = self.nodes.min(0), self.nodes.max(0)
+        self.beside = numpy.array([1.5 * (self.high[0] - self.low[0]), 0, 0])   # where the second mesh stands
+        self.cases = Path(model).with_name("cases.h5")
+
+    def top(self, x, y, mesh=0):
+        """A point of the top, as shares of its size."""
+        return [*(self.low[:2] + (self.high - self.low)[:2] * (x, y) + mesh * self.beside[:2]), self.high[2]]
+
+
+def colour(page, point):
+    """RGB of the picture at a point, 0 to 255: the middle of 3 x 3 pixels."""
+    x, y = page.on_screen(*point)
+    data = page.cdp("Page.captureScreenshot", format="png")["data"]
+    picture = matplotlib.image.imread(io.BytesIO(base64.b64decode(data)))
+    return numpy.median(255 * picture[int(y) - 1:int(y) + 2, int(x) - 1:int(x) + 2, :3].reshape(-1, 3), axis=0)
+
+
+def wheel(page, x, y, by):
+    page.cdp("Input.dispatchMouseEvent", type="mouseWheel", x=x, y=y, deltaX=0, deltaY=by)
+
+
+def set_depth(page, mm):
+    page.js("(e => { e.value = arguments[0]; e.dispatchEvent(new Event('input')); })(document.getElementById('depth'))", mm)
+
+
+def beside(page):
+    """CSS pixels of the canvas where no solid is: its lower left corner."""
+    return page.js("(b => [b.left + 6, b.bottom - 6])(document.getElementById('space').getBoundingClientRect())")
+
+
+def opening(page, server, block):
+    page.open(server.url)
+    check("it connects, and what it plays is in space", page.until("tissue.connected") and page.js("tissue.dimension") == 3)
+    check("the solids are drawn, and the plane's stage is not there", page.until("tissue.solids !== null && tissue.drawn > 2") and page.js(
+        "document.getElementById('stage').hidden && !document.getElementById('space_stage').hidden && !document.getElementById('help_space').hidden"),
+        page.text("space_fault"))
+    check("of the mesh the page has the surface alone", page.js("tissue.outline.length") == len(block.shown) and
+          page.js("tissue.solids[0].facets") == len(block.facets), page.js("tissue.solids"))
+    foreign = page.js("performance.getEntriesByType('resource').filter(e => !e.name.startsWith(location.origin) && "
+                      "!e.name.startsWith('data:')).map(e => e.name)")
+    check("nothing is fetched from elsewhere", foreign == [], foreign)
+    check("the demo plays until someone takes over", page.until(f"tissue.control.holder === 'demo' && tissue.pressed === 0 && {moved}[0] > 1e-3"),
+          [page.js("tissue.control"), page.js(moved)])
+
+
+def take_over(page, block):
+    """Ends the demo, with the tissue at rest; the mouse is up after it."""
+    page.mouse("Pressed", *block.top(0.5, 0.5))
+    page.until("tissue.control.holder === 'you'")
+    page.mouse("Released", *block.top(0.5, 0.5))
+    page.until(free)
+
+
+def pressing(page, block):
+    take_over(page, block)
+    page.js("document.getElementById('reset').click()")
+    page.until(f"{free} && Math.max(...{moved}) < 2e-4")
+    spot = block.top(0.5, 0.4)
+    before = colour(page, spot)
+    set_depth(page, 4)
+    page.mouse("Pressed", *block.top(0.5, 0.5))
+    check("a press on the learned solid takes hold and comes down on it", page.until("tissue.control.holder === 'you' && tissue.pressed === 0"),
+          [page.js("tissue.control"), page.js("tissue.pressed")])
+    check("the page says so", "You hold" in page.text("notice"), page.text("notice"))
+    page.until("tissue.pressing.depth_m > 0.00399")
+    shallow = page.rests(force)
+    push = page.js("tissue.contact_moved_m[0]")
+    check("the tool goes straight in, as deep as the slider says", abs(math.hypot(*push) - 0.0043) < 6e-4 and -push[2] > 0.95 * math.hypot(*push), push)
+    set_depth(page, 8)
+    page.until("tissue.pressing.depth_m > 0.00799")
+    deep = page.rests(force)
+    check("the deeper, the greater the force", deep > 1.3 * shallow > 0, [shallow, deep])
+    check("both solids have moved", page.js(f"Math.min(...{moved})") > 1e-3, page.js(moved))
+    x, y = page.on_screen(*block.top(0.5, 0.5))
+    wheel(page, x, y, 100)
+    check("the wheel takes half a millimetre off", page.until("document.getElementById('depth').value === '7.5'"), page.js("document.getElementById('depth').value"))
+    check("numbers stand there with their units", all(page.text(name).endswith(unit) for name, unit in
+          (("force", "N"), ("learned_depth", "\xa0mm"), ("heuristic_depth", "\xa0mm"), ("tick_rate", " Hz"), ("depth_now", "\xa0mm"))))
+    page.after(20)
+    after = colour(page, spot)
+    check("at rest the solid has the colour of no displacement, purple, and another one beside the tool",
+          before[2] > before[1] + 30 and after[1] > before[1] + 25, [before, after])
+    aside = page.js("tissue.pressing.direction")
+    for k in range(1, 9):
+        page.mouse_at("Moved", x + 8 * k, y)
+    page.after(30)
+    tilted, push = page.js("tissue.pressing.direction"), page.js("tissue.contact_moved_m[0]")
+    angle = math.degrees(math.acos(max(-1, min(1, sum(a * b for a, b in zip(aside, tilted))))))
+    check("dragging tilts the push, to the side that it is dragged to", 10 < angle < 40 and tilted[0] > 0.1 and push[0] > 1e-3, [angle, tilted, push])
+    page.mouse_at("Released", x + 64, y)
+    check("letting go ends contact and force", page.until(free), page.js(force))
+    page.mouse("Pressed", *block.top(0.5, 0.5, 1))
+    check("a press on the heuristic solid moves both", page.until(f"tissue.pressed === 1 && {force} > 0 && Math.min(...{moved}) > 5e-4"), page.js(moved))
+    page.mouse("Released", *block.top(0.5, 0.5, 1))
+    page.until(free)
+
+
+def turning(page, block):
+    first = page.js("tissue.view")
+    x, y = beside(page)
+    page.mouse_at("Pressed", x, y)
+    page.mouse_at("Moved", x + 50, y - 20)
+    page.mouse_at("Released", x + 50, y - 20)
+    second = page.js("tissue.view")
+    check("a drag beside the solids turns them and takes no hold", abs(first["azimuth"] - second["azimuth"] - 20) < 1 and
+          abs(first["elevation"] - second["elevation"] - 8) < 1 and page.js("tissue.control.holder") != "you", [first, second])
+    wheel(page, x, y, -100)
+    check("the wheel zooms", page.until("tissue.view.zoom > 1.1"), page.js("tissue.view"))
+    page.mouse("Pressed", *block.top(0.4, 0.5))
+    check("turned and zoomed, a press is where the pointer touches", page.until("tissue.pressing !== null") and
+          numpy.abs(numpy.array(page.js("tissue.pressing.contact_m")) - block.top(0.4, 0.5)).max() < 0.004, page.js("tissue.pressing"))
+    page.mouse("Released", *block.top(0.4, 0.5))
+    page.until(free)
+    page.js("document.getElementById('space').focus()")
+    page.key("Home")
+    check("Home turns back", page.js("[tissue.view.azimuth, tissue.view.elevation, tissue.view.zoom]") == [-62, 30, 1], page.js("tissue.view"))
+    page.mouse_at("Pressed", x, y)
+    page.mouse_at("Moved", x, y + 200)
+    page.mouse_at("Released", x, y + 200)
+    check("nobody gets under what it stands on, nor over the top", page.js("tissue.view.elevation") <= 89)
+    page.key("Home")
+
+
+def keyboard(page, block):
+    page.js("document.activeElement.blur()")
+    page.js("document.getElementById('reset').focus()")
+    page.key("Tab")
+    check("Tab reaches the solids, and focus can be seen", page.js("document.activeElement.id") == "space" and
+          page.js("getComputedStyle(document.activeElement).outlineStyle") == "solid", page.js("document.activeElement.id"))
+    page.key("ArrowLeft")
+    page.key("+")
+    check("arrow keys turn, + zooms", page.js("tissue.view.azimuth === -57 && tissue.view.zoom > 1.1"), page.js("tissue.view"))
+    page.key("Home")
+    set_depth(page, 5)
+    page.choose("contact", 0)
+    page.until("tissue.control.holder === 'demo' && tissue.control.place >= 0")
+    place = page.js("tissue.place(Number(document.getElementById('way').value))")
+    page.js("document.getElementById('space').focus()")
+    page.key("Space")
+    check("Space presses at the contact that is chosen", page.until("tissue.control.holder === 'you' && tissue.pressed === 0") and
+          numpy.abs(numpy.array(page.js("tissue.pressing.contact_m")) - place["contact_m"]).max() < 1e-9, page.js("tissue.pressing"))
+    page.key("PageDown", 2)
+    check("Page Down goes deeper by half a millimetre", page.js("document.getElementById('depth').value") == "6", page.js("document.getElementById('depth').value"))
+    page.until("tissue.pressing.depth_m > 0.00599")
+    before = page.js("tissue.pressing.direction")
+    page.key("ArrowRight", 2, shift=True)
+    after = page.js("tissue.pressing.direction")
+    angle = math.degrees(math.acos(min(1, sum(a * b for a, b in zip(before, after)))))
+    check("Shift with arrow keys tilts the push", 8 < angle < 12, [angle, before, after])
+    page.key("Escape")
+    check("Escape lets go", page.until(f"tissue.control.holder !== 'you' && {force} === 0"), page.js("tissue.control"))
+    names = page.js("""[...document.querySelectorAll('select, button, canvas, input')].filter(e => !(e.getAttribute('aria-label')
+        || e.textContent.trim() && e.tagName === 'BUTTON' || e.closest('label'))).map(e => e.id)""")
+    check("every control and canvas has a name", names == [], names)
+
+
+def finite_elements(page, block):
+    """Holds a contact that FE have solved, straight in, until the tissue rests."""
+    k = page.js("[...document.querySelectorAll('#contact option')].map(o => o.value).find(v => v >= 0)")
+    page.choose("contact", k)
+    place_k = page.js("Number(document.getElementById('way').value)")
+    place = page.js("tissue.place(arguments[0])", place_k)
+    set_depth(page, 0.75e3 * place["depth_m"])
+    page.js("document.getElementById('space').focus()")
+    page.key("Space")
+    page.until("tissue.pressing && tissue.pressed === 0")
+    page.after(60)
+    page.rests(force)
+    known = page.until("tissue.off_FE !== null && tissue.fe_shown_m !== null")
+    check("held at a contact that FE have solved, the page compares and draws FE's surface", known, [page.text("verdict"), page.text("basis")])
+    page.click("pause")
+    page.until("tissue.control.paused")
+    page.after(10)
+    drawn, outline, push = page.js("[tissue.fe_outline_m, tissue.outline, tissue.contact_moved_m[0]]")
+    along = sum(a * b for a, b in zip(push, place["direction"]))
+    with h5py.File(block.cases) as f:
+        path = f[f"paths/{place['name']}"]
+        known = {0.0: 0 * block.nodes} | {d: path["displacement"][abs(path["magnitude"][:] - d).argmin()] for d, _ in place["curve"][1:]}
+    depths = sorted(known)
+    at = next((i for i in range(1, len(depths)) if along <= depths[i]), len(depths) - 1)
+    w = (along - depths[at - 1]) / (depths[at] - depths[at - 1])
+    fe = (block.nodes + known[depths[at - 1]] + w * (known[depths[at]] - known[depths[at - 1]]))[block.shown]
+    off = numpy.abs(fe[outline] - drawn).max() if drawn is not None else math.inf
+    check("FE's surface is cases.h5's, at the learned mesh's depth, node by node", off < 2e-7, [off, along])
+    a, b = place["curve"][at - 1], place["curve"][at]
+    fe_N = a[1] + (b[1] - a[1]) * w
+    ours = page.js(force)
+    check("FE's force is cases.h5's there, and stands beside ours", abs(page.js("tissue.fe_N") - fe_N) < 1e-3 * fe_N and page.text("fe_force") != "–",
+          [page.js("tissue.fe_N"), fe_N, page.text("fe_force")])
+    print(f"# at {1e3 * along:.2f} mm: learned {ours:.4f} N, FE {fe_N:.4f} N; off {page.js('tissue.off_FE')}")
+    page.click("fe_wanted")
+    page.after(5)
+    check("who does not want it sees none", page.until("tissue.fe_shown_m === null"))
+    page.click("fe_wanted")
+    page.click("pause")
+    page.until("!tissue.control.paused")
+    page.key("Escape")
+    page.until(free)
+
+
+def standing_still(page, block):
+    page.mouse("Pressed", *block.top(0.5, 0.5))
+    page.until(f"tissue.pressed === 0 && {moved}[0] > 1e-3")
+    page.js("document.getElementById('pause').click()")
+    page.until("tissue.control.paused")
+    page.after(10)
+    first = page.js("[tissue.time_s, tissue.work.nodes]")
+    page.after(30)
+    second = page.js("[tissue.time_s, tissue.work.nodes]")
+    check("pause freezes time, and not one node is told again", first == second and page.js(f"{moved}[0]") > 1e-3, [first, second])
+    page.js("document.getElementById('pause').click()")
+    check("and it goes on", page.until(f"tissue.time_s > {first[0]} && !tissue.control.paused"))
+    page.js("document.getElementById('reset').click()")
+    check("reset puts both solids to rest", page.until(f"Math.max(...{moved}) < 2e-4"), page.js(moved))
+    page.mouse("Released", *block.top(0.5, 0.5))
+    page.until(free)
+
+
+def budget(page, block):
+    """What a state costs the page before anything is drawn, while all of the tissue moves."""
+    page.choose("contact", -1)
+    page.until(f"tissue.control.holder === 'demo' && {moved}[0] > 1e-3")
+    before = page.js("[tissue.work.nodes, tissue.states]")
+    seen = page.watch("({decode: tissue.work.decode_ms, update: tissue.work.update_ms})", 6)
+    after = page.js("[tissue.work.nodes, tissue.states]")
+    nodes, states = after[0] - before[0], after[1] - before[1]
+    each = nodes / max(1, states)
+    check("a state carries what has moved, at most the surfaces of both", 0 < each <= 2 * len(block.shown), [nodes, states])
+    total = sorted(s["decode"] + s["update"] for s in seen)
+    print(f"# {states} states of {each:.0f} nodes of {2 * len(block.shown)}; decoding and following: median {total[len(total) // 2]:.2f} ms, "
+          f"p99 {total[int(0.99 * (len(total) - 1))]:.2f} ms of 4")
+
+
+def touching(page, block):
+    page.resize(360, 780, 2, True)
+    page.cdp("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=2)
+    page.until("innerWidth === 360")
+    page.until("(c => c.width === 2 * c.clientWidth)(document.getElementById('space'))")
+    wide = page.js("[document.documentElement.scrollWidth, ...[...document.querySelectorAll('body *')].filter(e => !e.classList.contains('unseen'))"
+                   ".map(e => Math.ceil(e.getBoundingClientRect().right))]")
+    check("360 px: nothing is wider than the screen", max(wide) <= 360, max(wide))
+    a, b = page.on_screen(*block.top(0.5, 0.5)), page.on_screen(*block.top(0.5, 0.5, 1))
+    a = page.on_screen(*block.top(0.5, 0.5))
+    check("360 px: one solid below the other", b[1] - a[1] > 100 and abs(a[0] - b[0]) < 40, [a, b])
+    place = "[scrollY, document.getElementById('space').getBoundingClientRect().top]"
+    before = page.js(place)
+    page.touch("Start", *block.top(0.5, 0.5))
+    check("a finger presses", page.until(f"tissue.pressed === 0 && {force} > 0"), page.js("tissue.control"))
+    for k in range(1, 7):
+        page.cdp("Input.dispatchTouchEvent", type="touchMove", touchPoints=[{"x": a[0], "y": a[1] - 12 * k}])   # as one would scroll
+    check("dragged, it tilts the push", page.until("tissue.pressing && tissue.pressing.direction[2] > -0.98"), page.js("tissue.pressing"))
+    page.touch("End")
+    check("lifting it lets go", page.until(free), page.js("tissue.control"))
+    zoom = page.js("tissue.view.zoom")
+    x, y = page.on_screen(*block.top(0.5, 0.5))
+    fingers = [[{"x": x - s, "y": y, "id": 0}, {"x": x + s, "y": y, "id": 1}] for s in (30, 45, 60)]
+    page.cdp("Input.dispatchTouchEvent", type="touchStart", touchPoints=fingers[0])
+    for points in fingers[1:]:
+        page.cdp("Input.dispatchTouchEvent", type="touchMove", touchPoints=points)
+    page.cdp("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+    check("two fingers zoom, and press nothing", page.until(f"tissue.view.zoom > 1.5 * {zoom}") and page.until("tissue.control.holder !== 'you'"),
+          page.js("[tissue.view, tissue.control]"))
+    check("and the page neither scrolls nor shifts under them", page.js(place) == before, [before, page.js(place)])
+    page.cdp("Emulation.setTouchEmulationEnabled", enabled=False)
+    page.resize(1360, 900)
+    page.until("innerWidth === 1360")
+
+
+def media(page):
+    name = "getComputedStyle(document.documentElement).getPropertyValue('--soft').trim()"
+    soft = page.js(name)
+    page.media(prefers_contrast="more")
+    check("who wants more contrast gets it", page.until(f"{name} !== '{soft}'"), page.js(name))
+    page.media(prefers_reduced_motion="reduce")
+    page.open(page.js("location.href"))
+    page.until("tissue.connected && tissue.solids !== null && tissue.control.holder === 'demo' && tissue.states > 0")
+    begun = "[tissue.drawn, tissue.states, performance.now() / 1000]"
+    first = page.js(begun)
+    page.after(120)
+    drawn, _, seconds = (b - a for a, b in zip(first, page.js(begun)))
+    check("who wants little motion sees the demo once a second", 0 < drawn <= 2 + seconds, [drawn, seconds])
+    page.media()
+    page.open(page.js("location.href"))
+    check("reloaded, the solids are there again", page.until("tissue.connected && tissue.solids !== null && tissue.states > 2"))
+
+
+def switching(page):
+    page.choose("model", 1)
+    check("a model of the plane is drawn as before", page.until("tissue.dimension === 2 && tissue.states > 5") and page.js(
+        "!document.getElementById('stage').hidden && document.getElementById('space_stage').hidden") and
+        page.until(f"tissue.pressed === 0 && Math.min(...{moved}) > 1e-3"), page.js("tissue.dimension"))
+    page.choose("model", 0)
+    check("and the solids come back", page.until("tissue.dimension === 3 && tissue.solids !== null") and
+          page.until(f"tissue.pressed === 0 && {moved}[0] > 1e-3"), page.js(moved))
+
+
+def without_webgl(server):
+    other = Browser(900, 700, flags=[*FLAT, "--disable-3d-apis"])
+    try:
+        other.open(server.url)
+        check("a browser that cannot draw solids says so, and tells the numbers all the same", other.until(
+            "document.getElementById('space_fault').textContent.startsWith('This browser cannot draw solids: ')") and
+            other.until("tissue.states > 10 && document.getElementById('tick_rate').textContent.endsWith('Hz')"), other.text("space_fault"))
+        other.choose("model", 1)
+        check("and draws a model of the plane", other.until("tissue.dimension === 2 && document.getElementById('space_fault').textContent === ''"))
+        other.choose("model", 0)
+        other.until("tissue.dimension === 3")
+    finally:
+        other.end()
+
+
+def ending(page, program, models, folder, server, block):
+    check("no complaint in the console", (seen := [c for c in dict.fromkeys(page.complaints())
+          if "GPU stall" not in c]) == [], seen[:5])   # of taking pictures, with WebGL in software
+    page.mouse("Pressed", *block.top(0.5, 0.5))
+    page.until(f"tissue.control.holder === 'you' && {force} > 0")
+    server.end()
+    check("when the server ends, the page says so and lets go", page.until("document.getElementById('connection').dataset.state !== 'open'") and
+          page.until("document.getElementById('notice').textContent === 'The server said: the program ends. Trying again.'") and
+          page.until("tissue.pressing === null"), [page.text("connection"), page.text("notice")])
+    page.mouse("Released", *block.top(0.5, 0.5))
+    again = Server(program, models, folder, port=server.port)
+    try:
+        states = page.js("tissue.states")
+        check("it comes back by itself, whole", page.until(f"tissue.connected && tissue.states > {states + 3}") and
+              page.until(f"tissue.pressed === 0 && {moved}[0] > 1e-3"), page.text("connection"))
+    finally:
+        again.end()
+
+
+def main():
+    program, *models = sys.argv[1:]
+    block = Block(models[0])
+    try:
+        page = Browser(flags=SOLID)
+    except Missing as package:
+        check("a browser can be driven", False, f"missing package {package}; scripts/install_deps names it")
+        return 1
+    with tempfile.TemporaryDirectory() as folder:
+        server = None
+        try:
+            server = Server(program, models, folder)
+            opening(page, server, block)
+            pressing(page, block)
+            turning(page, block)
+            keyboard(page, block)
+            finite_elements(page, block)
+            standing_still(page, block)
+            budget(page, block)
+            touching(page, block)
+            media(page)
+            switching(page)
+            without_webgl(server)
+            ending(page, program, models, folder, server, block)
+        finally:
+            page.end()
+            if server:
+                server.end()
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
