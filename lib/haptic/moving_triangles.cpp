@@ -9,15 +9,59 @@
 #include <string>
 
 #include "error.h"
+#include "hot_loop.h"
 
 namespace tissue {
+namespace kernel {
+
+/// Boxes of some groups of nodes: x four numbers a node, box eight.
+TISSUE_HOT void boxes_of(std::size_t groups, const int* __restrict begin, const int* __restrict nodes, const double* __restrict x, double* __restrict box) {
+    for (std::size_t g = 0; g < groups; ++g) {
+        double low[4], high[4];
+        const double* first = x + 4 * nodes[begin[g]];
+        for (int a = 0; a < 4; ++a) low[a] = high[a] = first[a];
+        for (int i = begin[g] + 1; i < begin[g + 1]; ++i) {
+            const double* p = x + 4 * nodes[i];
+            for (int a = 0; a < 4; ++a) low[a] = p[a] < low[a] ? p[a] : low[a];
+            for (int a = 0; a < 4; ++a) high[a] = p[a] > high[a] ? p[a] : high[a];
+        }
+        for (int a = 0; a < 4; ++a) box[8 * g + static_cast<std::size_t>(a)] = low[a];
+        for (int a = 0; a < 4; ++a) box[8 * g + static_cast<std::size_t>(a) + 4] = high[a];
+    }
+}
+
+/// Boxes 1 to count - 1 of a tree whose box i holds 2 i and 2 i + 1.
+TISSUE_HOT void boxes_above(std::size_t count, double* box) {
+    for (std::size_t b = count - 1; b > 0; --b) {
+        const double *one = box + 16 * b, *other = one + 8;
+        double* both = box + 8 * b;
+        for (int a = 0; a < 4; ++a) both[a] = one[a] < other[a] ? one[a] : other[a];
+        for (int a = 4; a < 8; ++a) both[a] = one[a] > other[a] ? one[a] : other[a];
+    }
+}
+
+/// Six times the volume within triangles: what flows out through them of a field along z that grows with it. From their first node
+/// on, so that little is rounded of a surface far away.
+TISSUE_HOT double six_volumes(int count, const int* __restrict i, const int* __restrict j, const int* __restrict k, const double* __restrict x) {
+    double sum = 0;
+    const double from = 3 * x[2];
+    for (int t = 0; t < count; ++t) {
+        const double *a = x + 4 * i[t], *b = x + 4 * j[t], *c = x + 4 * k[t];
+        sum += (a[2] + b[2] + c[2] - from) * ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]));
+    }
+    return sum;
+}
+
+}  // namespace kernel
+
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t most_in_leaf = 4;
 constexpr int deepest = 64;            // of the stack: the tree's depth is a logarithm
-constexpr int least_looked_at = 8, ticks_of_a_round = 128;
+constexpr int least_looked_at = 6, ticks_of_a_round = 256;
 constexpr double on_surface_m = 1e-14;  // what is rounded of a place that lies on the surface
+constexpr double on_edge = 1e-9;         // what is rounded of a triangle's part, as part of its area
 constexpr double folded = 5e-9;         // 1 - cos of 1e-4 rad
 
 /// Point of a triangle nearest to p, as weights (Ericson, Real-Time Collision Detection, 5.1.5: by the regions of its features).
@@ -103,6 +147,7 @@ MovingTriangles::MovingTriangles(const SpringMesh& mesh) {
                 nodes_.push_back(n);
             }
             corners_[t][static_cast<std::size_t>(k)] = here;
+            corner_[k].push_back(here);
         }
     }
     x_.assign(4 * nodes_.size(), 0.0);
@@ -151,26 +196,8 @@ void MovingTriangles::move(const Point& place_m, const NodeColumns& rest, const 
 }
 
 void MovingTriangles::refit() noexcept {
-    for (std::size_t leaf = 0; leaf < leaves_; ++leaf) {
-        Eigen::Array4d low = Eigen::Array4d::Constant(infinity), high = -low;
-        for (int i = leaf_begin_[leaf]; i < leaf_begin_[leaf + 1]; ++i) {
-            const Eigen::Array4d x = Eigen::Map<const Eigen::Array4d>(node(leaf_nodes_[static_cast<std::size_t>(i)]));
-            low = low.min(x);
-            high = high.max(x);
-        }
-        Box& box = boxes_[leaves_ + leaf];
-        for (int axis = 0; axis < 3; ++axis) {
-            box.low[axis] = low[axis];
-            box.high[axis] = high[axis];
-        }
-    }
-    for (std::size_t b = leaves_ - 1; b > 0; --b) {
-        const Box &one = boxes_[2 * b], &other = boxes_[2 * b + 1];
-        for (int axis = 0; axis < 3; ++axis) {
-            boxes_[b].low[axis] = std::min(one.low[axis], other.low[axis]);
-            boxes_[b].high[axis] = std::max(one.high[axis], other.high[axis]);
-        }
-    }
+    kernel::boxes_of(leaves_, leaf_begin_.data(), leaf_nodes_.data(), x_.data(), boxes_[leaves_].low);
+    kernel::boxes_above(leaves_, boxes_[0].low);
 }
 
 Point MovingTriangles::at(int facet, const Eigen::Vector3d& weight) const noexcept {
@@ -331,89 +358,96 @@ std::optional<SurfacePlace> MovingTriangles::first_crossing(const Point& from, c
     return best;
 }
 
-MovingTriangles::Box MovingTriangles::box_of(int triangle) const noexcept {
-    const Corners& c = corners_[static_cast<std::size_t>(triangle)];
-    const double *a = node(c[0]), *b = node(c[1]), *d = node(c[2]);
-    Box box;
-    for (int axis = 0; axis < 3; ++axis) {
-        box.low[axis] = std::min({a[axis], b[axis], d[axis]});
-        box.high[axis] = std::max({a[axis], b[axis], d[axis]});
-    }
-    return box;
-}
+/// One triangle that others are held against.
+struct MovingTriangles::Plane {
+    const Corners& nodes;
+    Eigen::Vector3d corner[3], normal;
+};
 
 /// Whether two triangles have more in common than the nodes they share. Two that lie in one plane and share at most a node do not
 /// count: a third then crosses one of them, or they lie side by side as at rest.
-bool MovingTriangles::meet(int a, int b) const noexcept {
-    const Corners &ca = corners_[static_cast<std::size_t>(a)], &cb = corners_[static_cast<std::size_t>(b)];
+bool MovingTriangles::meet(const Plane& a, int triangle) const noexcept {
+    const Corners& nodes = corners_[static_cast<std::size_t>(triangle)];
+    const Eigen::Vector3d b[3] = {place(nodes[0]), place(nodes[1]), place(nodes[2])};
     int shared = 0;
-    bool is_shared_a[3] = {}, is_shared_b[3] = {};
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-            if (ca[static_cast<std::size_t>(i)] == cb[static_cast<std::size_t>(j)]) {
-                ++shared;
-                is_shared_a[i] = is_shared_b[j] = true;
-            }
-    const Eigen::Vector3d A[3] = {place(ca[0]), place(ca[1]), place(ca[2])}, B[3] = {place(cb[0]), place(cb[1]), place(cb[2])};
-    const Eigen::Vector3d na = (A[1] - A[0]).cross(A[2] - A[0]), nb = (B[1] - B[0]).cross(B[2] - B[0]);
-    if (shared >= 2) {
-        const double cosine = na.dot(nb) / std::sqrt(na.squaredNorm() * nb.squaredNorm());
-        return !(cosine > -1 + folded);
-    }
-    const auto sides = [&](const Eigen::Vector3d& normal, const Eigen::Vector3d& on, const Eigen::Vector3d (&corner)[3], const bool (&on_it)[3], double (&side)[3]) {
-        bool above = false, below = false;
-        for (int k = 0; k < 3; ++k) {
-            side[k] = on_it[k] ? 0 : normal.dot(corner[k] - on);
-            above |= side[k] > 0;
-            below |= side[k] < 0;
+    bool in_a[3], in_b[3] = {};
+    for (std::size_t i = 0; i < 3; ++i) {
+        in_a[i] = false;
+        for (std::size_t j = 0; j < 3; ++j) {
+            const bool same = a.nodes[i] == nodes[j];
+            in_a[i] |= same;
+            in_b[j] |= same;
+            shared += same;
         }
-        return above && below;
+    }
+    if (shared >= 2) {
+        const Eigen::Vector3d normal = (b[1] - b[0]).cross(b[2] - b[0]);
+        const double cosine = a.normal.dot(normal);
+        if (cosine > 0) return false;
+        return !(cosine > (folded - 1) * std::sqrt(a.normal.squaredNorm() * normal.squaredNorm()));
+    }
+    // corners that both have lie in both planes, whatever is rounded
+    const auto parted = [](const Eigen::Vector3d& normal, const Eigen::Vector3d& on, const Eigen::Vector3d (&corner)[3], const bool (&on_it)[3],
+                           double (&side)[3]) {
+        for (int k = 0; k < 3; ++k) side[k] = on_it[k] ? 0 : normal.dot(corner[k] - on);
+        return std::max({side[0], side[1], side[2]}) > 0 && std::min({side[0], side[1], side[2]}) < 0;
     };
     double side_b[3], side_a[3];
-    if (!sides(na, A[0], B, is_shared_b, side_b) || !sides(nb, B[0], A, is_shared_a, side_a)) return false;
-    // an edge of one goes through the other
-    const auto pierces = [](const Eigen::Vector3d (&edge_of)[3], const double (&side)[3], const bool (&on_it)[3], const Eigen::Vector3d (&through)[3],
-                            const Eigen::Vector3d& normal) {
+    if (!parted(a.normal, a.corner[0], b, in_b, side_b)) return false;
+    const Eigen::Vector3d normal = (b[1] - b[0]).cross(b[2] - b[0]);
+    if (!parted(normal, b[0], a.corner, in_a, side_a)) return false;
+    // an edge of one goes through the other, or through an edge of it
+    const auto pierces = [](const Eigen::Vector3d (&edge_of)[3], const double (&side)[3], const Eigen::Vector3d (&through)[3],
+                            const Eigen::Vector3d& across) {
         for (int k = 0; k < 3; ++k) {
             const int l = (k + 1) % 3;
-            if (on_it[k] || on_it[l] || !((side[k] > 0 && side[l] < 0) || (side[k] < 0 && side[l] > 0))) continue;
+            if (!((side[k] > 0 && side[l] < 0) || (side[k] < 0 && side[l] > 0))) continue;
             const Eigen::Vector3d x = edge_of[k] + side[k] / (side[k] - side[l]) * (edge_of[l] - edge_of[k]);
             bool in = true;
-            for (int e = 0; e < 3 && in; ++e) in = (through[(e + 1) % 3] - through[e]).cross(x - through[e]).dot(normal) >= 0;
+            for (int e = 0; e < 3 && in; ++e) in = (through[(e + 1) % 3] - through[e]).cross(x - through[e]).dot(across) >= -on_edge * across.squaredNorm();
             if (in) return true;
         }
         return false;
     };
-    return pierces(A, side_a, is_shared_a, B, nb) || pierces(B, side_b, is_shared_b, A, na);
+    return pierces(a.corner, side_a, b, normal) || pierces(b, side_b, a.corner, a.normal);
 }
 
-bool MovingTriangles::meets_another(int triangle) const noexcept {
-    const Box own = box_of(triangle);
-    std::size_t stack[deepest] = {1};
+/// Of a pair it is the earlier one that is looked at.
+bool MovingTriangles::meets_a_later_one(int triangle) const noexcept {
+    const Corners& c = corners_[static_cast<std::size_t>(triangle)];
+    Plane own{c, {place(c[0]), place(c[1]), place(c[2])}, {}};
+    own.normal = (own.corner[1] - own.corner[0]).cross(own.corner[2] - own.corner[0]);
+    const Eigen::Vector3d low = own.corner[0].cwiseMin(own.corner[1]).cwiseMin(own.corner[2]);
+    const Eigen::Vector3d high = own.corner[0].cwiseMax(own.corner[1]).cwiseMax(own.corner[2]);
+    struct Waiting {
+        std::size_t box, leaves, end;  ///< how many leaves, and what is behind the last
+    } stack[deepest];
+    stack[0] = {1, leaves_, leaves_};
     int waiting = 1;
     while (waiting > 0) {
-        const std::size_t b = stack[--waiting];
-        const Box& box = boxes_[b];
-        if (!((box.low[0] <= own.high[0]) & (box.high[0] >= own.low[0]) & (box.low[1] <= own.high[1]) & (box.high[1] >= own.low[1]) &
-              (box.low[2] <= own.high[2]) & (box.high[2] >= own.low[2])))
+        const Waiting next = stack[--waiting];
+        if (first_of(next.end) <= triangle + 1) continue;
+        const Box& box = boxes_[next.box];
+        if (!((box.low[0] <= high[0]) & (box.high[0] >= low[0]) & (box.low[1] <= high[1]) & (box.high[1] >= low[1]) & (box.low[2] <= high[2]) &
+              (box.high[2] >= low[2])))
             continue;
-        if (b < leaves_) {
-            stack[waiting++] = 2 * b;
-            stack[waiting++] = 2 * b + 1;
+        if (next.box < leaves_) {
+            const std::size_t half = next.leaves / 2;
+            stack[waiting++] = {2 * next.box, half, next.end - half};
+            stack[waiting++] = {2 * next.box + 1, half, next.end};
             continue;
         }
-        for (int t = first_of(b - leaves_); t < first_of(b - leaves_ + 1); ++t)
-            if (t != triangle && meet(triangle, t)) return true;
+        for (int t = std::max(triangle + 1, first_of(next.end - 1)); t < first_of(next.end); ++t)
+            if (meet(own, t)) return true;
     }
     return false;
 }
 
-bool MovingTriangles::look_at(int triangle) noexcept {
-    const bool crossed = meets_another(triangle);
+void MovingTriangles::look_at(int triangle) noexcept {
+    const bool crossed = meets_a_later_one(triangle);
     char& known = crossed_[static_cast<std::size_t>(triangle)];
     crossings_ += static_cast<int>(crossed) - known;
     known = static_cast<char>(crossed);
-    return crossed;
 }
 
 bool MovingTriangles::simple() noexcept {
@@ -421,14 +455,7 @@ bool MovingTriangles::simple() noexcept {
         look_at(next_);
         if (++next_ == triangles()) next_ = 0;
     }
-    // what flows out through it of a field that grows with the last axis
-    const double from = node(0)[2], at_x = node(0)[0], at_y = node(0)[1];
-    double volume = 0;
-    for (const Corners& c : corners_) {
-        const double *a = node(c[0]), *b = node(c[1]), *d = node(c[2]);
-        const double ax = a[0] - at_x, ay = a[1] - at_y, bx = b[0] - at_x, by = b[1] - at_y, dx = d[0] - at_x, dy = d[1] - at_y;
-        volume += ((a[2] - from) + (b[2] - from) + (d[2] - from)) * ((bx - ax) * (dy - ay) - (dx - ax) * (by - ay));
-    }
+    const double volume = kernel::six_volumes(triangles(), corner_[0].data(), corner_[1].data(), corner_[2].data(), x_.data());
     return volume > 0 && crossings_ == 0;
 }
 

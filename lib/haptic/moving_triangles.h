@@ -16,9 +16,8 @@ namespace tissue {
 /// edge or a node, whatever is rounded.
 ///
 /// simple() finds in every call a surface turned inside out, as its volume is not positive. For crossings it looks at a part of the
-/// triangles in each call, at each against all others, and at all of them within ticks_to_look() calls: a crossing that stays is
-/// found within as many calls of having begun, and one found counts until its triangle is looked at again, as many calls later at
-/// the most. A surface that crosses itself at rest is known as such from the beginning.
+/// triangles in each call, and at all pairs within ticks_to_look() calls: a crossing that stays is found within as many calls of
+/// having begun, and one found counts until its triangle is looked at again, as many calls later at the most. A surface that crosses itself at rest is known as such from the beginning.
 /// Two triangles with a common edge cross when one lies folded back on the other, to 1e-4 rad.
 class MovingTriangles final : public MovingSurface {
    public:
@@ -37,7 +36,7 @@ class MovingTriangles final : public MovingSurface {
    private:
     using Corners = std::array<int, 3>;
     struct Box {
-        double low[3], high[3];
+        double low[4], high[4];  ///< the fourth of no meaning
     };
     struct Line;
     struct Crossing {
@@ -50,21 +49,22 @@ class MovingTriangles final : public MovingSurface {
     int first_of(std::size_t leaf) const { return static_cast<int>(leaf * corners_.size() / leaves_); }
     void divide(std::vector<int>& order, const std::vector<Eigen::Vector3d>& middles, std::size_t leaf, std::size_t leaves);
     void refit() noexcept;
-    Box box_of(int triangle) const noexcept;
     bool crossed_by(const Line& line, int triangle, Crossing& crossing) const noexcept;
-    bool meet(int a, int b) const noexcept;
-    bool meets_another(int triangle) const noexcept;
-    bool look_at(int triangle) noexcept;
+    struct Plane;
+    bool meet(const Plane& a, int b) const noexcept;
+    bool meets_a_later_one(int triangle) const noexcept;
+    void look_at(int triangle) noexcept;
 
     // triangles in the order of the tree's leaves
     std::vector<Corners> corners_;              ///< node numbers here
+    std::vector<int> corner_[3];                ///< the same, one after the other
     std::vector<int> facet_, triangle_of_;      ///< facet of the mesh of each triangle, and the other way round
     std::vector<int> nodes_;                    ///< of the mesh
     std::vector<double> x_;                     ///< places, four numbers each: the last of them is 0
     std::size_t leaves_ = 1;                    ///< a power of two
     std::vector<Box> boxes_;                    ///< children of i are 2 i and 2 i + 1, the root is 1
     std::vector<int> leaf_begin_, leaf_nodes_;  ///< each leaf's nodes, none twice
-    std::vector<char> crossed_;                 ///< each triangle, when it was looked at last
+    std::vector<char> crossed_;                 ///< whether each triangle met a later one, when it was looked at last
     int crossings_ = 0;                         ///< how many of them
     int looked_at_ = 0, next_ = 0;
 };

@@ -14,8 +14,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "haptic/moving_triangles.h"
 #include "haptic/simulation.h"
 #include "haptic/virtual_device.h"
+#include "mesh/facet.h"
 #include "springs/energy_law.h"
 #include "springs/heuristic.h"
 #include "springs/region_area.h"
@@ -309,6 +311,41 @@ std::vector<double> time_ticks(const TissueModel& tissue, const std::string& dyn
     return times;
 }
 
+/// A tick's use of a surface in space as the simulation has it, over a press that comes and goes; beside it the same question asked
+/// of every triangle one by one.
+StepTimes time_triangles() {
+    const SpringMesh mesh = make_lattice("grid26", Lattice{{15, 15, 9}, {0.1, 0.1, 0.05}});
+    MovingTriangles surface(mesh);
+    const NodeColumns rest = mesh.nodes;
+    NodeColumns u = NodeColumns::Zero(rest.rows(), 3);
+    const Point place = Point::Zero(3);
+    StepTimes times;
+    times.springs = surface.triangles();
+    for (int tick = 0; tick < 20000; ++tick) {
+        const double depth_m = 0.008 * std::abs(std::sin(0.01 * tick)), x = 0.05 + 0.01 * std::sin(0.1 * tick);
+        for (Eigen::Index n = 0; n < rest.rows(); ++n)
+            u(n, 2) = -depth_m * std::exp(-(rest.row(n) - Eigen::RowVector3d(0.05, 0.05, 0.05)).squaredNorm() / 2e-4);
+        const Point above = Eigen::Vector3d(x, 0.05, 0.0501), below = Eigen::Vector3d(x, 0.051, 0.035);
+        int used = 0;
+        const auto start = Clock::now();
+        surface.move(place, rest, u);
+        used += surface.simple();
+        used += surface.contains(below) + surface.contains_strictly(above, 1e-9);
+        used += surface.nearest(below).facet;
+        used += surface.first_crossing(above, below).has_value();
+        const auto end = Clock::now();
+        if (tick >= 100) times.ours.push_back(microseconds(end - start));
+        if (tick % 100 > 0) continue;
+        const NodeField now = rest + u;
+        double least = 1;
+        const auto plain = Clock::now();
+        for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) least = std::min(least, nearest_on_facet(now, mesh.facets, f, below).distance_m);
+        times.peer.push_back(microseconds(Clock::now() - plain));
+        if (used < 0 || least < 0) throw std::logic_error("no distance is below 0");
+    }
+    return times;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -319,6 +356,11 @@ int main(int argc, char** argv) {
         const TissueModel law = made_up_law();
         const StepTimes law_step = time_law_steps(law, 3000);
         list.push_back(entry("haptic: mesh step, 11 x 11 grid8 law, 420 springs, 100 cells, 5 regions", "us", law_step.ours, law_step.peer));
+        const StepTimes triangles = time_triangles();
+        list.push_back(entry("haptic: surface of " + std::to_string(triangles.springs) + " triangles, a tick's use", "us", triangles.ours, triangles.peer));
+        list.back()["peer"] = "nearest point alone, triangle by triangle";
+        list.push_back(entry("haptic: surface of " + std::to_string(triangles.springs) + " triangles, a tick's use, p99", "us", {rank(triangles.ours, 0.99)}));
+        list.back()["n"] = triangles.ours.size();
         std::vector<std::pair<std::string, TissueModel>> models = {{"grid8 axial", made_up()}, {"grid8 law", law}};
         if (argc > 1) {
             models.emplace_back("", read_model(std::string(argv[1]) + "/model.h5"));

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <utility>
 
 #include "mesh/facet.h"
 #include "mesh/mesh_fault.h"
@@ -63,4 +65,86 @@ TEST_CASE("a solid's mesh with a fault says which part is wrong", "[solid]") {
     mesh = block();
     mesh.fixed.resize(2);
     CHECK(part(mesh) == "fixed");
+}
+
+namespace {
+
+/// A facet of the mesh and weights at a point of the free surface.
+std::pair<int, Eigen::Vector3d> place_at(const SpringMesh& mesh, const FreeSurface& surface, const Point& point_m) {
+    const Eigen::Index free = surface.nearest(point_m).facet;
+    const auto facet = std::find(surface.free_of().begin(), surface.free_of().end(), free) - surface.free_of().begin();
+    return {static_cast<int>(facet), nearest_on_facet(mesh.nodes, mesh.facets, facet, point_m).weight};
+}
+
+Point point_of(const SpringMesh& mesh, const FreeSurface::Walk& walk) {
+    Point x = Point::Zero(mesh.dimension());
+    for (Eigen::Index k = 0; k < mesh.facets.cols(); ++k) x += walk.weight[k] * mesh.nodes.row(mesh.facets(walk.facet, k)).transpose();
+    return x;
+}
+
+}  // namespace
+
+TEST_CASE("a walk on a flat face ends its length away, straight on", "[solid]") {
+    const SpringMesh mesh = block();
+    const FreeSurface surface(mesh);
+    for (const Eigen::Vector3d& way : {Eigen::Vector3d(0.017, 0.011, 0), {-0.01, 0.013, 0}, {0.02, 0, 0}, {0.01, 0.01, 0}, {-1e-5, 0, 0}}) {
+        const Eigen::Vector3d from(0.0131, 0.0112, 0.02);
+        const auto [facet, weight] = place_at(mesh, surface, from);
+        const FreeSurface::Walk walk = surface.walk(facet, weight, way);
+        CHECK_FALSE(walk.at_border);
+        CHECK(walk.walked_m == Approx(way.norm()).epsilon(1e-12));
+        CHECK((point_of(mesh, walk) - (from + way)).norm() < 1e-15);
+        CHECK((walk.along_m - way).norm() < 1e-15);
+    }
+    // through nodes, and of a way that leads off the surface the part along it
+    const auto [facet, weight] = place_at(mesh, surface, Eigen::Vector3d(0.01, 0.01, 0.02));
+    CHECK((point_of(mesh, surface.walk(facet, weight, Eigen::Vector3d(0.02, 0.01, 0.5))) - Eigen::Vector3d(0.03, 0.02, 0.02)).norm() < 1e-15);
+    const FreeSurface::Walk none = surface.walk(facet, weight, Eigen::Vector3d(0, 0, 0.5));
+    CHECK(none.walked_m == 0);
+    CHECK((point_of(mesh, none) - Eigen::Vector3d(0.01, 0.01, 0.02)).norm() < 1e-15);
+}
+
+TEST_CASE("a walk round an edge keeps its length and goes on down the side; it stops where the tissue is held", "[solid]") {
+    const SpringMesh mesh = block();
+    const FreeSurface surface(mesh);
+    const auto [facet, weight] = place_at(mesh, surface, Eigen::Vector3d(0.033, 0.0112, 0.02));
+    const FreeSurface::Walk over = surface.walk(facet, weight, Eigen::Vector3d(0.015, 0.003, 0));
+    CHECK((point_of(mesh, over) - Eigen::Vector3d(0.04, 0.0142, 0.012)).norm() < 1e-15);
+    CHECK((over.along_m - Eigen::Vector3d(0, 0.003, -0.015)).norm() < 1e-15);
+    CHECK_FALSE(over.at_border);
+    const FreeSurface::Walk held = surface.walk(facet, weight, Eigen::Vector3d(0.05, 0, 0));
+    CHECK(held.at_border);
+    CHECK(held.walked_m == Approx(0.027));
+    CHECK((point_of(mesh, held) - Eigen::Vector3d(0.04, 0.0112, 0)).norm() < 1e-15);
+    const auto bottom = std::find(surface.free_of().begin(), surface.free_of().end(), -1) - surface.free_of().begin();
+    const FreeSurface::Walk stuck = surface.walk(static_cast<int>(bottom), {0.2, 0.3, 0.5}, Eigen::Vector3d(0.01, 0, 0));
+    CHECK(stuck.at_border);
+    CHECK(stuck.walked_m == 0);
+    CHECK(stuck.facet == bottom);
+}
+
+TEST_CASE("a walk goes back the way it came, never leaves the surface, and walks in parts as in one", "[solid]") {
+    for (const SpringMesh& mesh : {block(), make_lattice("grid8", 4, 3, 0.04, 0.03)}) {
+        const FreeSurface surface(mesh);
+        const bool solid = mesh.is_solid();
+        int far = 0;
+        for (int i = 0; i < 300; ++i) {
+            const int facet = i % static_cast<int>(mesh.facets.rows());
+            if (surface.free_of()[static_cast<std::size_t>(facet)] < 0) continue;
+            Eigen::Vector3d weight(0.2 + 0.001 * i, 0.3, solid ? 0.4 : 0);
+            weight /= weight.sum();
+            const Point along = solid ? Point(0.02 * Eigen::Vector3d(std::sin(1.0 * i), std::cos(1.0 * i), std::sin(2.3 * i))) : Point(0.02 * Eigen::Vector2d(std::sin(1.0 * i), std::cos(1.0 * i)));
+            const FreeSurface::Walk there = surface.walk(facet, weight, along);
+            CHECK(there.weight.minCoeff() >= 0);
+            CHECK(there.weight.sum() == Approx(1).epsilon(tolerance::rounding));
+            CHECK(surface.nearest(point_of(mesh, there)).distance_m < 1e-12);
+            if (there.at_border) continue;
+            far += there.walked_m > 0.01;
+            const FreeSurface::Walk back = surface.walk(there.facet, there.weight, Point(-there.along_m));
+            CHECK((point_of(mesh, back) - point_of(mesh, {facet, weight, along, 0, false})).norm() < 1e-12);
+            const FreeSurface::Walk half = surface.walk(facet, weight, Point(along / 2));
+            CHECK((point_of(mesh, surface.walk(half.facet, half.weight, half.along_m)) - point_of(mesh, there)).norm() < 1e-12);
+        }
+        CHECK(far > 40);
+    }
 }

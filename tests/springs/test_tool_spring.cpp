@@ -1,0 +1,228 @@
+#include "springs/tool_spring.h"
+
+#include <catch2/catch.hpp>
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "../allocations.h"
+#include "../haptic/haptic_example.h"
+#include "../tolerances.h"
+#include "springs/contact_patch.h"
+#include "springs/contact_spring.h"
+#include "springs/disc_contact.h"
+
+using namespace tissue;
+
+namespace {
+
+SpringMesh solid(int x, int y, int z) { return make_lattice("grid26", Lattice{{x, y, z}, {0.01 * x, 0.01 * y, 0.01 * z}}); }
+
+/// Of a disc as block3 learns one: hardens, and depends on the place.
+PatchLaw disc_law() {
+    PatchLaw law;
+    law.log_N_m.setZero(PatchLaw::disc_rows, 4);
+    law.log_N_m.col(0) << 3.2, 2.7, 1.1, 0.6, 4, 5, 7;
+    law.log_N_m.col(1) << 0.1, -0.2, 0.1, 0.05, 0.1, 0, 0.2;
+    law.log_N_m.col(2) << 0.5, 0.3, 0.2, 0.4, 0, 0, 0;
+    law.log_N_m.col(3) << -0.3, 0.2, 0.1, -0.1, 0.3, 0, 0;
+    return law;
+}
+
+PatchLaw plane_law() {
+    PatchLaw law;
+    law.log_N_m.col(0) << 3.2, 2.7, 1.1, 0.6;
+    law.log_N_m.col(1) << 0.1, -0.2, 0.1, 0.05;
+    return law;
+}
+
+NodeField some_ground() {
+    NodeField ground(2, 4);
+    ground << 0.02, 0.02, 0.01, 2e-7, 0.03, 0.025, 0.015, 3e-7;
+    return ground;
+}
+
+NodeColumns some_displacement(const SpringMesh& mesh, Draw& draw) {
+    NodeColumns u(mesh.node_count(), mesh.dimension());
+    for (Eigen::Index i = 0; i < u.size(); ++i) u.data()[i] = draw(-2e-3, 2e-3);
+    return u;
+}
+
+Eigen::Vector3d some_weight(Draw& draw, int corners) {
+    Eigen::Vector3d w(draw(0, 1), draw(0, 1), corners == 3 ? draw(0, 1) : 0);
+    return w / w.sum();
+}
+
+Point some_push(Draw& draw, int dimension) {
+    Point push(dimension);
+    for (int axis = 0; axis < dimension; ++axis) push[axis] = draw(-6e-3, 6e-3);
+    return push;
+}
+
+/// The tool's energy, hand and forces are those of the contact that trains.
+void check_same(const ToolSpring& tool, const ContactSpring& spring, const NodeColumns& u, const Point& push) {
+    const ContactSpring::Load load = spring.load(push, spring.gather(u));
+    CHECK(tool.energy_J(push, u) == Approx(load.energy_J).epsilon(tolerance::rounding));
+    NodeColumns f = NodeColumns::Zero(u.rows(), u.cols());
+    const Point hand = tool.put_on(push, u, f);
+    const double size = load.hand_N.norm() + load.node_N.norm();
+    CHECK((hand - load.hand_N).norm() < tolerance::rounding * size);
+    CHECK((tool.hand_N(push, u) - hand).norm() < tolerance::rounding * size);
+    CHECK((spring.gather(f) - load.node_N).norm() < tolerance::rounding * size);
+    CHECK(std::abs(f.norm() - load.node_N.norm()) < tolerance::rounding * size);  // and none on other nodes
+}
+
+/// Hand and stiffness are derivatives of the energy, forces on nodes too; the push of a force is where it is that force.
+void check_derivatives(const ToolSpring& tool, const NodeColumns& u, const Point& push) {
+    const double h = 1e-7;
+    const Point hand = tool.hand_N(push, u);
+    const auto stiffness = tool.stiffness_N_m(push, u);
+    for (Eigen::Index axis = 0; axis < push.size(); ++axis) {
+        Point more = push, less = push;
+        more[axis] += h;
+        less[axis] -= h;
+        CHECK((tool.energy_J(more, u) - tool.energy_J(less, u)) / (2 * h) == Approx(hand[axis]).margin(1e-5 * hand.norm()));
+        CHECK(((tool.hand_N(more, u) - tool.hand_N(less, u)) / (2 * h) - stiffness.col(axis)).norm() < 1e-5 * stiffness.norm());
+    }
+    NodeColumns f = NodeColumns::Zero(u.rows(), u.cols());
+    tool.put_on(push, u, f);
+    Eigen::Index node = 0, axis = 0;
+    f.cwiseAbs().maxCoeff(&node, &axis);
+    NodeColumns more = u, less = u;
+    more(node, axis) += h;
+    less(node, axis) -= h;
+    CHECK((tool.energy_J(push, more) - tool.energy_J(push, less)) / (2 * h) == Approx(f(node, axis)).epsilon(1e-5));
+}
+
+}  // namespace
+
+TEST_CASE("a disc's contact in the tick is the one that trains: same energy, same force of the hand, same forces on nodes", "[solid]") {
+    const SpringMesh mesh = solid(6, 5, 3);
+    const DiscContact kernel(mesh, 0.007, some_ground());
+    const FreeSurface surface(mesh);
+    const PatchLaw law = disc_law();
+    Draw draw(1);
+    ToolSpring tool;
+    int free = 0;
+    for (int i = 0; i < 400; ++i) {
+        const int facet = draw.below(static_cast<int>(mesh.facets.rows()));
+        if (surface.free_of()[static_cast<std::size_t>(facet)] < 0) continue;
+        ++free;
+        const Eigen::Vector3d weight = some_weight(draw, 3);
+        Eigen::Vector3d place = Eigen::Vector3d::Zero();
+        for (int k = 0; k < 3; ++k) place += weight[k] * mesh.nodes.row(mesh.facets(facet, k)).transpose();
+        kernel.tool_at(facet, weight, law, tool);
+        const ContactSpring spring(kernel.rows_at(place), law);
+        const NodeColumns u = some_displacement(mesh, draw);
+        const Point push = some_push(draw, 3);
+        check_same(tool, spring, u, push);
+        if (i < 20) check_derivatives(tool, u, push);
+    }
+    CHECK(free > 200);
+}
+
+TEST_CASE("a patch's contact in the tick is the one that trains", "[tool]") {
+    const SpringMesh mesh = make_lattice("grid8", 10, 10, 0.1, 0.1);
+    const ContactSurface kernel(mesh);
+    const FreeSurface surface(mesh);
+    Draw draw(2);
+    ToolSpring tool;
+    for (int i = 0; i < 200; ++i) {
+        const int facet = draw.below(static_cast<int>(mesh.facets.rows()));
+        if (surface.free_of()[static_cast<std::size_t>(facet)] < 0) continue;
+        const Eigen::Vector3d weight = some_weight(draw, 2);
+        const Point place = weight[0] * mesh.nodes.row(mesh.facets(facet, 0)).transpose() + weight[1] * mesh.nodes.row(mesh.facets(facet, 1)).transpose();
+        kernel.tool_at(facet, weight, plane_law(), tool);
+        const NodeColumns u = some_displacement(mesh, draw);
+        const Point push = some_push(draw, 2);
+        check_same(tool, ContactSpring(kernel.rows_at(place), plane_law()), u, push);
+        if (i < 20) check_derivatives(tool, u, push);
+    }
+}
+
+TEST_CASE("the push of a force is where the tool's force is that one, hardened or not", "[tool]") {
+    const SpringMesh mesh = solid(6, 5, 3);
+    const DiscContact kernel(mesh, 0.007);
+    Draw draw(3);
+    ToolSpring tool;
+    for (int i = 0; i < 100; ++i) {
+        kernel.tool_at(draw.below(static_cast<int>(mesh.facets.rows())), some_weight(draw, 3), disc_law(), tool);
+        const NodeColumns u = some_displacement(mesh, draw);
+        // pushed in: there the coupling stiffens, and the force has one push
+        const Point push = 5e-3 * (tool.inward() + 0.2 * Eigen::Vector3d(some_push(draw, 3) / 6e-3));
+        const Point hand = tool.hand_N(push, u);
+        CHECK((tool.hand_N(tool.push_at(hand, u), u) - hand).norm() < 1e-9 * hand.norm());
+    }
+}
+
+TEST_CASE("a tool on a held facet meets a wall as stiff as the contact nearest to it, that moves no node", "[solid]") {
+    const SpringMesh mesh = solid(6, 5, 3);
+    const DiscContact kernel(mesh, 0.007);
+    const FreeSurface surface(mesh);
+    ToolSpring tool, beside;
+    int held = 0;
+    const NodeColumns u = NodeColumns::Zero(mesh.node_count(), 3);
+    for (int facet = 0; facet < mesh.facets.rows(); ++facet) {
+        if (surface.free_of()[static_cast<std::size_t>(facet)] >= 0) continue;
+        ++held;
+        kernel.tool_at(facet, {0.2, 0.3, 0.5}, disc_law(), tool);
+        CHECK((tool.inward() - Eigen::Vector3d(0, 0, 1)).norm() < 1e-12);
+        NodeColumns f = u;
+        const Point hand = tool.put_on(Eigen::Vector3d(1e-3, 0, 2e-3), u, f);
+        CHECK(f.isZero(0));
+        CHECK(hand[2] == Approx(2 * hand[0]));
+        const double k = tool.stiffness_N_m(Point::Zero(3), u)(2, 2);
+        CHECK(k > 10);
+        CHECK(k < 1000);
+    }
+    CHECK(held == 60);
+}
+
+TEST_CASE("a contact with more nodes in reach than the tick has room for keeps the nearest", "[solid]") {
+    const SpringMesh mesh = make_lattice("grid26", Lattice{{16, 16, 2}, {0.016, 0.016, 0.002}});
+    const DiscContact wide(mesh, 0.004), narrow(mesh, 0.0015);
+    CHECK(wide.most_nodes() > ToolSpring::most_nodes);
+    CHECK(narrow.most_nodes() <= ToolSpring::most_nodes);
+    const FreeSurface surface(mesh);
+    const int facet = static_cast<int>(std::find(surface.free_of().begin(), surface.free_of().end(), surface.nearest(Eigen::Vector3d(0.0081, 0.0083, 0.002)).facet) - surface.free_of().begin());
+    ToolSpring tool;
+    PatchLaw law = disc_law();
+    law.log_N_m.topRightCorner(PatchLaw::disc_rows, 3).setZero();
+    wide.tool_at(facet, {0.3, 0.3, 0.4}, law, tool);
+    NodeColumns u = NodeColumns::Zero(mesh.node_count(), 3), f = u;
+    tool.put_on(Eigen::Vector3d(0, 0, -1e-3), u, f);
+    const Eigen::Vector3d at = surface.place(surface.free_of()[static_cast<std::size_t>(facet)], {0.3, 0.3, 0.4}).point_m;
+    double farthest = 0, nearest_left = 1;
+    int moved = 0;
+    for (int node : surface.nodes()) {
+        if (!surface.faces(node, Eigen::Vector3d(0, 0, -1))) continue;
+        const double away = (mesh.nodes.row(node).transpose() - at).norm();
+        if (f.row(node).norm() > 0) {
+            ++moved;
+            farthest = std::max(farthest, away);
+        } else {
+            nearest_left = std::min(nearest_left, away);
+        }
+    }
+    CHECK(moved == ToolSpring::most_nodes);
+    CHECK(farthest <= nearest_left);
+}
+
+TEST_CASE("a contact of the tick is made and used without allocation", "[solid]") {
+    const SpringMesh mesh = solid(6, 5, 3);
+    const DiscContact kernel(mesh, 0.007, some_ground());
+    const PatchLaw law = disc_law();
+    const FreeSurface surface(mesh);
+    ToolSpring tool;
+    const NodeColumns u = NodeColumns::Zero(mesh.node_count(), 3);
+    NodeColumns f = u;
+    const Point push = Eigen::Vector3d(1e-3, 0, -2e-3);
+    double sum = 0;
+    const Allocations counted;
+    for (int facet = 0; facet < mesh.facets.rows(); ++facet) {
+        kernel.tool_at(facet, {0.2, 0.3, 0.5}, law, tool);
+        sum += tool.put_on(push, u, f).norm() + tool.push_at(push, u).norm() + tool.stiffness_N_m(push, u).norm() + tool.energy_J(push, u);
+        sum += surface.walk(facet, {0.2, 0.3, 0.5}, push).walked_m;
+    }
+    CHECK(Allocations::count() == 0);
+    CHECK(sum > 0);
+}
