@@ -2,7 +2,7 @@
 //
 //   bench_haptic [results/STUDY]     full ticks of an 11 x 11 grid8 lattice with made-up sets, and of that study's model
 //
-// The peer is a plain explicit step, a loop over a vector of springs, of a law over its cells and regions too, timed beside ours in the same run: batches of
+// The peer is a plain explicit step in double precision, a loop over a vector of springs, of a law over its cells and regions too, timed beside ours in the same run: batches of
 // both take turns. CHAI3D's GEL needs about 1.15 us for 220 springs; it is not built here.
 #include <algorithm>
 #include <chrono>
@@ -206,21 +206,110 @@ struct PlainLaw {
     }
 };
 
+/// The same in space: springs that turn, and boxes by their corners.
+struct PlainSolid {
+    struct Spring { int i, j; double k, length; };
+    struct Box { int corner[8]; double k, volume; };
+    struct Node { double x, y, z, vx, vy, vz, fx, fy, fz, inverse_mass; };
+    std::vector<Spring> springs;
+    std::vector<Box> boxes;
+    std::vector<Node> nodes;
+
+    explicit PlainSolid(const TissueModel& m) {
+        const Eigen::VectorXd& constants = m.energy_law->constants;
+        const NodeField& x = m.mesh.nodes;
+        for (int s = 0; s < m.mesh.spring_count(); ++s)
+            springs.push_back({m.mesh.springs(s, 0), m.mesh.springs(s, 1), constants[s], m.mesh.rest_length(s)});
+        for (int n = 0; n < m.mesh.node_count(); ++n) nodes.push_back({x(n, 0), x(n, 1), x(n, 2), 0, 0, 0, 0, 0, 0, 1 / m.node_mass_kg[n]});
+        for (int n : m.mesh.fixed) nodes[static_cast<std::size_t>(n)].inverse_mass = 0;
+        const Cells cells = mesh_cells(m.mesh);
+        for (int e = 0; e < cells.rows(); ++e) {
+            Box box{{}, constants[m.mesh.spring_count() + e], 0};
+            for (int c = 0; c < 8; ++c) box.corner[c] = cells(e, c);
+            double edge[9];
+            box.volume = volume(box, edge);
+            boxes.push_back(box);
+        }
+    }
+
+    /// From the mean edges along each axis.
+    double volume(const Box& box, double* edge) const {
+        for (int a = 0; a < 3; ++a) {
+            double x = 0, y = 0, z = 0;
+            for (int c = 0; c < 8; ++c) {
+                const Node& n = nodes[static_cast<std::size_t>(box.corner[c])];
+                const double sign = (c >> a & 1) ? 0.25 : -0.25;
+                x += sign * n.x;
+                y += sign * n.y;
+                z += sign * n.z;
+            }
+            edge[3 * a] = x;
+            edge[3 * a + 1] = y;
+            edge[3 * a + 2] = z;
+        }
+        const double *p = edge, *q = edge + 3, *r = edge + 6;
+        return p[0] * (q[1] * r[2] - q[2] * r[1]) + p[1] * (q[2] * r[0] - q[0] * r[2]) + p[2] * (q[0] * r[1] - q[1] * r[0]);
+    }
+
+    void step(double dt, double damping) {
+        for (Node& n : nodes) n.fx = n.fy = n.fz = 0;
+        for (const Spring& s : springs) {
+            Node &a = nodes[static_cast<std::size_t>(s.i)], &b = nodes[static_cast<std::size_t>(s.j)];
+            const double x = b.x - a.x, y = b.y - a.y, z = b.z - a.z, length = std::sqrt(x * x + y * y + z * z), pull = s.k * (length - s.length) / length;
+            a.fx += pull * x;
+            a.fy += pull * y;
+            a.fz += pull * z;
+            b.fx -= pull * x;
+            b.fy -= pull * y;
+            b.fz -= pull * z;
+        }
+        for (const Box& box : boxes) {
+            double edge[9], f[9];
+            const double push = box.k * (volume(box, edge) / box.volume - 1) / 4;
+            for (int a = 0; a < 3; ++a) {
+                const double *q = edge + 3 * ((a + 1) % 3), *r = edge + 3 * ((a + 2) % 3);
+                f[3 * a] = push * (q[1] * r[2] - q[2] * r[1]);
+                f[3 * a + 1] = push * (q[2] * r[0] - q[0] * r[2]);
+                f[3 * a + 2] = push * (q[0] * r[1] - q[1] * r[0]);
+            }
+            for (int c = 0; c < 8; ++c) {
+                Node& n = nodes[static_cast<std::size_t>(box.corner[c])];
+                for (int a = 0; a < 3; ++a) {
+                    const double sign = (c >> a & 1) ? 1 : -1;
+                    n.fx -= sign * f[3 * a];
+                    n.fy -= sign * f[3 * a + 1];
+                    n.fz -= sign * f[3 * a + 2];
+                }
+            }
+        }
+        for (Node& n : nodes) {
+            if (n.inverse_mass == 0) continue;
+            n.vx += dt * (n.inverse_mass * n.fx - damping * n.vx);
+            n.vy += dt * (n.inverse_mass * n.fy - damping * n.vy);
+            n.vz += dt * (n.inverse_mass * n.fz - damping * n.vz);
+            n.x += dt * n.vx;
+            n.y += dt * n.vy;
+            n.z += dt * n.vz;
+        }
+    }
+};
+
 /// One step of a law's mesh, ours and the peer's, from the same displacements.
+template <class Plain>
 StepTimes time_law_steps(const TissueModel& m, int batches) {
     const RealtimeMesh springs(m.mesh, "geometric", m.node_mass_kg);
     const RealtimeLaw law(m, springs);
     constexpr double dt = 5e-4;
     const auto dynamics = make_dynamics("symplectic", springs, {dt, 1, 1, &law});
     MeshState state(springs, Eigen::VectorXd::Zero(springs.slot_count()));
-    PlainLaw plain(m);
+    Plain plain(m);
     for (int n = 0; n < m.mesh.node_count(); ++n) {
         if (springs.fixed(n)) continue;
-        state.displacement.row(n) << 1e-3 * std::sin(0.3 * n), 1e-3 * std::cos(0.7 * n);
+        state.displacement.row(n).head<2>() << 1e-3 * std::sin(0.3 * n), 1e-3 * std::cos(0.7 * n);
         plain.nodes[static_cast<std::size_t>(n)].x += state.displacement(n, 0);
         plain.nodes[static_cast<std::size_t>(n)].y += state.displacement(n, 1);
     }
-    const int repeat = std::max(1, 40000 / m.mesh.spring_count());
+    const int repeat = m.mesh.spring_count() > 5000 ? 1 : 40000 / m.mesh.spring_count();  // so that a large mesh has a p99 of its own
     StepTimes times{{}, {}, m.mesh.spring_count()};
     for (int batch = 0; batch < batches + 3; ++batch) {
         const auto start = Clock::now();
@@ -259,6 +348,29 @@ TissueModel made_up_law() {
     m.contact_m << 0.05, 0.1;
     m.direction << 0, -1;
     m.magnitude_m = Eigen::VectorXd::Constant(1, 0.015);
+    m.case_names = {"top"};
+    return m;
+}
+
+/// A law on a block in space of so many cells along its sides, 5 from its bed up, with a disc of 7 mm: about `block3` at 10.
+TissueModel made_up_solid(int cells) {
+    constexpr double modulus_Pa = 4524, radius_m = 0.007;
+    TissueModel m;
+    m.study = "bench";
+    m.law = "geometric";
+    m.mesh = make_lattice("grid26", Lattice{{cells, cells, 5}, {0.1, 0.1, 0.05}});
+    m.modulus_N_m = modulus_Pa;
+    m.node_mass_kg = node_masses(m.mesh, 1040, 1);
+    m.heuristic_a = heuristic_stiffness(m.mesh, modulus_Pa);
+    const EnergyLaw law(m.mesh, solid_heuristic(m.mesh, Eigen::VectorXd::Constant(m.mesh.spring_count(), modulus_Pa),
+                                                Eigen::VectorXd::Constant(5 * cells * cells, modulus_Pa), modulus_Pa, 12, radius_m), {"spring.all"});
+    const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);
+    m.energy_law = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible(), radius_m};
+    m.contact_m.resize(1, 3);
+    m.direction.resize(1, 3);
+    m.contact_m << 0.05, 0.05, 0.05;
+    m.direction << 0, 0, -1;
+    m.magnitude_m = Eigen::VectorXd::Constant(1, 0.01);
     m.case_names = {"top"};
     return m;
 }
@@ -354,14 +466,22 @@ int main(int argc, char** argv) {
         const StepTimes small = time_steps(11, 3000);
         list.push_back(entry("haptic: mesh step, 11 x 11 grid8 axial, 420 springs", "us", small.ours, small.peer));
         const TissueModel law = made_up_law();
-        const StepTimes law_step = time_law_steps(law, 3000);
+        const StepTimes law_step = time_law_steps<PlainLaw>(law, 3000);
         list.push_back(entry("haptic: mesh step, 11 x 11 grid8 law, 420 springs, 100 cells, 5 regions", "us", law_step.ours, law_step.peer));
         const StepTimes triangles = time_triangles();
         list.push_back(entry("haptic: surface of " + std::to_string(triangles.springs) + " triangles, a tick's use", "us", triangles.ours, triangles.peer));
         list.back()["peer"] = "nearest point alone, triangle by triangle";
         list.push_back(entry("haptic: surface of " + std::to_string(triangles.springs) + " triangles, a tick's use, p99", "us", {rank(triangles.ours, 0.99)}));
         list.back()["n"] = triangles.ours.size();
-        std::vector<std::pair<std::string, TissueModel>> models = {{"grid8 axial", made_up()}, {"grid8 law", law}};
+        for (const int cells : {10, 20}) {
+            const TissueModel solid = made_up_solid(cells);
+            const StepTimes step = time_law_steps<PlainSolid>(solid, 3000);
+            const std::string name = "haptic: mesh step, " + std::to_string(cells + 1) + " x " + std::to_string(cells + 1) + " x 6 grid26 law in space, " +
+                                     std::to_string(step.springs) + " springs, " + std::to_string(5 * cells * cells) + " volumes";
+            list.push_back(entry(name, "us", step.ours, step.peer));
+            list.push_back(entry(name + ", p99", "us", {rank(step.ours, 0.99)}));
+        }
+        std::vector<std::pair<std::string, TissueModel>> models = {{"grid8 axial", made_up()}, {"grid8 law", law}, {"grid26 law in space", made_up_solid(10)}};
         if (argc > 1) {
             models.emplace_back("", read_model(std::string(argv[1]) + "/model.h5"));
             models.back().first = "study " + models.back().second.study;

@@ -169,7 +169,7 @@ TEST_CASE("in space a law's spectrum is that of its tangents, at rest and presse
     const TissueEnergy energy(mesh, false);
     const Eigen::VectorXd rest = eigenvalues(springs, energy.tangent(law.constants, NodeField::Zero(mesh.node_count(), 3)));
     CHECK(spectrum.smallest == Approx(rest[0]).epsilon(1e-4));
-    CHECK(spectrum.largest >= rest[rest.size() - 1]);
+    CHECK(spectrum.largest > 1.005 * rest[rest.size() - 1]);
 
     // presses at places of its own choice, as deep as the deepest load case
     const auto kernel = make_contact_kernel(mesh, law.disc_radius_m, law.ground);
@@ -190,7 +190,7 @@ TEST_CASE("in space a law's spectrum is that of its tangents, at rest and presse
     }
     INFO("rest " << std::sqrt(rest[rest.size() - 1]) << ", pressed " << std::sqrt(stiffest) << ", said " << std::sqrt(spectrum.largest));
     CHECK(stiffest > 1.01 * rest[rest.size() - 1]);
-    CHECK(spectrum.largest > 0.9 * stiffest);
+    CHECK(spectrum.largest > 0.985 * stiffest);
     CHECK(spectrum.largest < 1.2 * stiffest);
 }
 
