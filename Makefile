@@ -199,6 +199,8 @@ endif
 # the page is part of the program, and so is the library that draws it in space
 THREE := /usr/share/javascript/three/three.module.js
 $(BUILD)/cli/serve/page.o: $(call files,cli/view/*.html cli/view/*.css cli/view/*.js) $(THREE)
+# ccache does not see what the assembler takes in
+$(BUILD)/cli/serve/page.o: export CCACHE_DISABLE := 1
 $(THREE): | build/deps
 	@[ -r $@ ] || { echo "make: there is no $@, of Debian's package libjs-three: the page cannot be built" >&2; exit 1; }
 

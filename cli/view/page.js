@@ -143,7 +143,7 @@ Object.defineProperty(window, "tissue", { value: Object.freeze({
   get work() { return { ...work }; },                         // nodes told in space, and what the last state took to decode and to follow
   get solids() { return space && is_solid() ? model.meshes.map((_, m) => space.drawn_points(m)) : null; },   // null: not drawn yet
   get view() { return space && { ...space.view }; },          // degrees; zoom
-  get pressing() { return space && space.pressing(); },       // the visitor's push, in space
+  get pressing() { return space && space.pressing() || null; },       // the visitor's push, in space
   get fe_shown_m() { return space && space.fe_shown(); },     // FE's surface as it is drawn in space
   get hand_m() { return hand.at && [...hand.at]; },
   get drawn() { return drawings; },                           // times the stage was drawn

@@ -117,7 +117,7 @@ stage.addEventListener("pointermove", event => {
     const now = pinch();
     if (spread > 0 && now > 0) zoom(now / spread);
     spread = now;
-  } else if (press && hand.by === event.pointerId) {
+  } else if (press && hand.down && hand.by === event.pointerId) {
     press.from.direction = press.from.direction || press.direction;
     press.direction = tilted(press.from.direction, at[0] - press.from.at[0], at[1] - press.from.at[1]);
   } else if (turning && turning.by === event.pointerId) {
@@ -159,7 +159,7 @@ stage.addEventListener("keydown", event => {
   const arrow = ARROWS[event.key];
   look.stale = true;
   if (arrow && event.shiftKey) {
-    if (press) press.direction = tilted(press.direction, 5 / TILT * arrow[0], 5 / TILT * arrow[1]);
+    if (press && hand.down) press.direction = tilted(press.direction, 5 / TILT * arrow[0], 5 / TILT * arrow[1]);
   } else if (arrow) turn(5 * arrow[0], 5 * arrow[1]);
   else if (event.key === "+" || event.key === "=") zoom(1.15);
   else if (event.key === "-") zoom(1 / 1.15);
@@ -182,4 +182,4 @@ stage.addEventListener("keydown", event => {
 });
 
 /** The push as it stands: for those who look on. */
-export const pressing = () => press && { contact_m: [...press.contact], direction: [...press.direction], inward: [...press.inward], depth_m: press.depth };
+export const pressing = () => press && hand.down && { contact_m: [...press.contact], direction: [...press.direction], inward: [...press.inward], depth_m: press.depth };

@@ -14,7 +14,7 @@ def press(page, solid):
     if solid:
         page.until("tissue.solids !== null")
         page.js("document.getElementById('space').focus()")
-        page.js("document.getElementById('depth').value = 7")
+        page.js("(e => { e.value = 7; e.dispatchEvent(new Event('input')); })(document.getElementById('depth'))")
         page.key("Space")
         page.until("tissue.pressing !== null && tissue.pressing.depth_m > 0.00699")
         return

@@ -139,6 +139,7 @@ def turning(page, block):
     page.mouse_at("Pressed", x, y)
     page.mouse_at("Moved", x + 50, y - 20)
     page.mouse_at("Released", x + 50, y - 20)
+    page.until(f"tissue.view.azimuth !== {first['azimuth']}")
     second = page.js("tissue.view")
     check("a drag beside the solids turns them and takes no hold", abs(first["azimuth"] - second["azimuth"] - 20) < 1 and
           abs(first["elevation"] - second["elevation"] - 8) < 1 and page.js("tissue.control.holder") != "you", [first, second])
@@ -151,11 +152,12 @@ def turning(page, block):
     page.until(free)
     page.js("document.getElementById('space').focus()")
     page.key("Home")
-    check("Home turns back", page.js("[tissue.view.azimuth, tissue.view.elevation, tissue.view.zoom]") == [-62, 30, 1], page.js("tissue.view"))
+    check("Home turns back", page.until("tissue.view.azimuth === -62 && tissue.view.elevation === 30 && tissue.view.zoom === 1"), page.js("tissue.view"))
     page.mouse_at("Pressed", x, y)
     page.mouse_at("Moved", x, y + 200)
     page.mouse_at("Released", x, y + 200)
-    check("nobody gets under what it stands on, nor over the top", page.js("tissue.view.elevation") <= 89)
+    page.until("tissue.view.elevation > 31")
+    check("nobody gets over the top", page.js("tissue.view.elevation") == 89, page.js("tissue.view"))
     page.key("Home")
 
 
@@ -167,7 +169,7 @@ def keyboard(page, block):
           page.js("getComputedStyle(document.activeElement).outlineStyle") == "solid", page.js("document.activeElement.id"))
     page.key("ArrowLeft")
     page.key("+")
-    check("arrow keys turn, + zooms", page.js("tissue.view.azimuth === -57 && tissue.view.zoom > 1.1"), page.js("tissue.view"))
+    check("arrow keys turn, + zooms", page.until("tissue.view.azimuth === -57 && tissue.view.zoom > 1.1"), page.js("tissue.view"))
     page.key("Home")
     set_depth(page, 5)
     page.choose("contact", 0)
