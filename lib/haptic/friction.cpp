@@ -61,22 +61,17 @@ void Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const
 void Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const MovingSurface& now, double coupling_N_m, const Point& tool_m,
                      SurfacePlace& where) noexcept {
     if (std::isinf(stick_)) return;
-    // the segment as it stands; in the plane, where springs alone are played
-    const Eigen::Vector2d from = now.at(where.facet, {1, 0, 0}), to = now.at(where.facet, {0, 1, 0});
-    const double length = (to - from).norm();
-    if (!(length > 0)) return;
-    const Eigen::Vector2d tangent = (to - from) / length, inward(-tangent.y(), tangent.x());
+    // in the plane, where springs alone are played: along the segment at rest, as its nodes go up and down while the tool passes
+    const Eigen::Vector2d from = mesh.rest_place(where.facet, {1, 0, 0}), to = mesh.rest_place(where.facet, {0, 1, 0});
+    const Eigen::Vector2d tangent = (to - from).normalized(), inward(-tangent.y(), tangent.x());
     const Eigen::Vector2d gap = tool_m - where.position_m;
     const double pressed = std::max(0.0, coupling_N_m * gap.dot(inward)), drag = coupling_N_m * gap.dot(tangent);
-    const bool slips = std::abs(drag) > cone() * pressed * (1 + on_cone);
-    slipping_ = slips;
-    if (!slips) return;
-    const Eigen::Vector2d rest_from = mesh.rest_place(where.facet, {1, 0, 0}), rest_to = mesh.rest_place(where.facet, {0, 1, 0});
-    double way_m = (std::abs(drag) - slip_ * pressed) / coupling_N_m;
-    way_m = std::min(way_m, longest * surface.spacing_m()) * (rest_to - rest_from).norm() / length;
+    slipping_ = std::abs(drag) > cone() * pressed * (1 + on_cone);
+    if (!slipping_) return;
+    double way_m = std::min((std::abs(drag) - slip_ * pressed) / coupling_N_m, longest * surface.spacing_m());
     const double before_J = coupling_N_m * gap.squaredNorm() / 2;
     for (int half = 0; half < most_halvings; ++half, way_m /= 2) {
-        const Point along = std::copysign(way_m, drag) * (rest_to - rest_from).normalized();
+        const Point along = std::copysign(way_m, drag) * tangent;
         const FreeSurface::Walk walk = surface.walk(where.facet, where.weight, along);
         if (!(walk.walked_m > 0)) return;
         const Point place = now.at(walk.facet, walk.weight);

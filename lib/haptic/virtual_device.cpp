@@ -63,7 +63,7 @@ class Aims {
     /// Where the way out of the tissue leaves the circle, or sphere, round it.
     Point exit(const Aim& aim) const {
         const Point from = aim.place_m - centre_m_;
-        const double along = -from.dot(aim.inward), off = from.squaredNorm() - radius_m_ * radius_m_;
+        const double along = from.dot(aim.inward), off = from.squaredNorm() - radius_m_ * radius_m_;
         return aim.place_m - (along + std::sqrt(along * along - off)) * aim.inward;
     }
 
