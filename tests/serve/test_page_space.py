@@ -197,8 +197,10 @@ def keyboard(page, block):
 
 def finite_elements(page, block):
     """Holds a contact that FE have solved, straight in, until the tissue rests."""
-    k = page.js("[...document.querySelectorAll('#contact option')].map(o => o.value).find(v => v >= 0)")
-    page.choose("contact", k)
+    for k in page.js("[...document.querySelectorAll('#contact option')].map(o => o.value).filter(v => v >= 0)"):
+        page.choose("contact", k)
+        if page.js("document.querySelector('#way option:checked').textContent === 'straight in'"):
+            break
     place_k = page.js("Number(document.getElementById('way').value)")
     place = page.js("tissue.place(arguments[0])", place_k)
     set_depth(page, 0.75e3 * place["depth_m"])
