@@ -95,23 +95,24 @@ def pressing(page, block):
     page.until(f"{free} && Math.max(...{moved}) < 2e-4")
     spot = block.top(0.5, 0.4)
     before = colour(page, spot)
-    set_depth(page, 4)
+    set_depth(page, 3)
     page.mouse("Pressed", *block.top(0.5, 0.5))
     check("a press on the learned solid takes hold and comes down on it", page.until("tissue.control.holder === 'you' && tissue.pressed === 0"),
           [page.js("tissue.control"), page.js("tissue.pressed")])
     check("the page says so", "You hold" in page.text("notice"), page.text("notice"))
-    page.until("tissue.pressing.depth_m > 0.00399")
+    page.until("tissue.pressing.depth_m > 0.00299")
     shallow = page.rests(force)
     push = page.js("tissue.contact_moved_m[0]")
-    check("the tool goes straight in, as deep as the slider says", abs(math.hypot(*push) - 0.0043) < 6e-4 and -push[2] > 0.95 * math.hypot(*push), push)
-    set_depth(page, 8)
-    page.until("tissue.pressing.depth_m > 0.00799")
+    check("the tool goes straight in, as deep as the slider says", abs(math.hypot(*push) - 0.0033) < 6e-4 and -push[2] > 0.95 * math.hypot(*push), push)
+    deepest = page.js("Number(document.getElementById('depth').max)")
+    set_depth(page, deepest)
+    page.until(f"tissue.pressing.depth_m > {1e-3 * deepest - 1e-5}")
     deep = page.rests(force)
     check("the deeper, the greater the force", deep > 1.3 * shallow > 0, [shallow, deep])
     check("both solids have moved", page.js(f"Math.min(...{moved})") > 1e-3, page.js(moved))
     x, y = page.on_screen(*block.top(0.5, 0.5))
     wheel(page, x, y, 100)
-    check("the wheel takes half a millimetre off", page.until("document.getElementById('depth').value === '7.5'"), page.js("document.getElementById('depth').value"))
+    check("the wheel takes half a millimetre off", page.until(f"Number(document.getElementById('depth').value) === {deepest - 0.5}"), page.js("document.getElementById('depth').value"))
     check("numbers stand there with their units", all(page.text(name).endswith(unit) for name, unit in
           (("force", "N"), ("learned_depth", "\xa0mm"), ("heuristic_depth", "\xa0mm"), ("tick_rate", " Hz"), ("depth_now", "\xa0mm"))))
     page.after(20)
@@ -196,8 +197,10 @@ def keyboard(page, block):
 
 def finite_elements(page, block):
     """Holds a contact that FE have solved, straight in, until the tissue rests."""
-    k = page.js("[...document.querySelectorAll('#contact option')].map(o => o.value).find(v => v >= 0)")
-    page.choose("contact", k)
+    for k in page.js("[...document.querySelectorAll('#contact option')].map(o => o.value).filter(v => v >= 0)"):
+        page.choose("contact", k)
+        if page.js("document.querySelector('#way option:checked').textContent === 'straight in'"):
+            break
     place_k = page.js("Number(document.getElementById('way').value)")
     place = page.js("tissue.place(arguments[0])", place_k)
     set_depth(page, 0.75e3 * place["depth_m"])
