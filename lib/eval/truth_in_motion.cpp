@@ -5,6 +5,7 @@
 
 #include "haptic/virtual_device.h"
 #include "mesh/free_surface.h"
+#include "mesh/outline.h"
 #include "springs/equilibrium.h"
 #include "springs/law_press.h"
 
@@ -29,6 +30,13 @@ class StaticAnswer {
     std::optional<LawPress> law_;
 };
 
+/// In the plane half way between both sides at a corner, where contacts of the paper are.
+Point inward_at(const SpringMesh& mesh, const Point& contact_m) {
+    if (mesh.is_solid()) return FreeSurface(mesh).nearest(contact_m).inward;
+    const Outline outline(mesh);
+    return outline.inward_normal(outline.arc_of(contact_m));
+}
+
 /// Stiffness in use, by spring.
 Eigen::VectorXd theta_in_use(const RealtimeMesh& mesh, const MeshState& state) {
     Eigen::VectorXd theta(mesh.spring_count());
@@ -46,7 +54,7 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
     const double creep_1_s = model.is_law() ? 10 : 0.3;
     PressResult result;
     result.name = truth.name;
-    const Point inward = FreeSurface(tissue.mesh).nearest(truth.contact_m).inward;
+    const Point inward = inward_at(tissue.mesh, truth.contact_m);
     const double dt = model.options.dt_s;
 
     Simulation simulation(model);
