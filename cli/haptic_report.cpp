@@ -26,9 +26,7 @@ long long refused(const SafetyCounters& c) {
     return c.bad_input + c.jump + c.stale;
 }
 
-Json pair(const Eigen::Vector2d& v) {
-    return Json::array({v.x(), v.y()});
-}
+Json numbers(const Point& p) { return std::vector<double>(p.data(), p.data() + p.size()); }
 
 Json statistics(std::vector<double> values) {
     if (values.empty()) return nullptr;
@@ -147,9 +145,9 @@ std::string realtime_json(const HapticModel& model, const std::vector<PressResul
             entry["reason"] = p.reason;
         }
         entry["off_contact_m"] = p.off_contact_m;
-        entry["displacement_m"] = pair(p.displacement_m);
-        entry["force_N"] = pair(p.force_N);
-        entry["static_N"] = pair(p.static_N);
+        entry["displacement_m"] = numbers(p.displacement_m);
+        entry["force_N"] = numbers(p.force_N);
+        entry["static_N"] = numbers(p.static_N);
         entry["energy_given_J"] = p.energy_given_J;
         entry["curve"] = {{"time_s", p.time_s}, {"depth_m", p.depth_m}, {"force_N", p.curve_N}};
         list.push_back(entry);

@@ -54,6 +54,7 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
     const double creep_1_s = model.is_law() ? 10 : 0.3;
     PressResult result;
     result.name = truth.name;
+    result.displacement_m = result.force_N = result.static_N = Point::Zero(tissue.mesh.dimension());
     const Point inward = inward_at(tissue.mesh, truth.contact_m);
     const double dt = model.options.dt_s;
 
