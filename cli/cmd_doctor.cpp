@@ -74,7 +74,7 @@ const std::vector<Tool>& tools() {
         {"Boost", "libboost1.81-dev",
          "echo '#include <boost/version.hpp>\nBOOST_LIB_VERSION' | g++ -E -P -x c++ - | tail -n 1 | tr _ .", true,
          "tissuectl serve"},
-        {"three.js", "libjs-three", "sed -n \"s/^var REVISION = '\\(.*\\)';/\\1/p\" /usr/share/javascript/three/three.module.js | grep .", true,
+        {"three.js", "libjs-three", "sed -n \"s/^var REVISION = '\\(.*\\)';/0.\\1/p\" /usr/share/javascript/three/three.module.js | grep .", true,
          "the page, in space"},
         {"VTK", "python3-vtk9",
          "$PYTHON -c 'from vtkmodules.vtkCommonCore import vtkVersion; print(vtkVersion.GetVTKVersion())'", false,

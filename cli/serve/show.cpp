@@ -1,6 +1,7 @@
 #include "show.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tissue::serve {
 namespace {
@@ -83,6 +84,7 @@ void Show::act(Client, const ModelMessage& m, double now_s) {
     hand_.show(stage_.scene());
     idle_since_s_ = now_s;
     near_ = {-1, 0, 0};
+    told_m_ = 0;
     for (const auto& [other, heard] : clients_) {
         tell_model(other);
         tell_(other, near_text());
@@ -123,9 +125,12 @@ bool Show::step(double now_s) {
     if (!channel.fetch()) return false;
     const TickState& state = channel.state();
     const Near near = stage_.scene().near(state);
-    const bool another = near.place != near_.place;
+    // a contact that is lost and found again between two states, or slips, is another one at the same place
+    constexpr double same_m = 5e-4;
+    const bool another = near.place != near_.place || std::abs(near.distance_m - told_m_) > same_m;
     near_ = near;
     if (another) {
+        told_m_ = near.distance_m;
         const std::string text = near_text();
         for (const auto& [client, heard] : clients_) tell_(client, text);
     }

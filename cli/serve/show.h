@@ -59,6 +59,7 @@ class Show {
     Client holder_ = nobody;
     double heard_s_ = 0, idle_since_s_ = 0, turned_s_ = -1e9, before_s_ = -1;
     Near near_;
+    double told_m_ = 0;                       ///< distance that everyone has heard last
     Frame frame_;
     Histogram tick_us_;                       ///< since the start
     double tick_us_sum_ = 0;

@@ -27,10 +27,10 @@ function between(rows, depth) {
 /** From the learned mesh to mesh m, at rest: both have the same nodes. */
 export const apart = m => add(model.meshes[m].nodes_m[0], model.meshes[0].nodes_m[0], -1);
 
-/** The contact of now on the learned mesh at rest: the tool is where the pressed mesh's contact has gone. */
+/** The contact of now on the learned mesh at rest: what has moved is the tool where the pressed mesh is a law, else the proxy. */
 export function contact_at_rest() {
-  const pressed = state.v[IN.pressed];
-  return add(add(vector(IN.proxy), vector(IN.moved + 2 * pressed), -1), apart(pressed), -1);
+  const pressed = state.v[IN.pressed], law = model.law && (is_solid() || pressed === LEARNED);
+  return add(add(vector(law ? IN.master : IN.proxy), vector(IN.moved + 2 * pressed), -1), apart(pressed), -1);
 }
 
 /** FE's curve [[depth, force], both along the push] for a push u at the contact of place k: by lines over the angle between

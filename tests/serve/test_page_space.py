@@ -205,6 +205,11 @@ def finite_elements(page, block):
     place = page.js("tissue.place(arguments[0])", place_k)
     set_depth(page, 0.75e3 * place["depth_m"])
     page.js("document.getElementById('space').focus()")
+    # choosing a contact has made the demo press there: first the tissue shall rest again, or the tool comes down on another point
+    page.key("Space")
+    page.until("tissue.control.holder === 'you'")
+    page.key("Escape")
+    page.until(f"{free} && Math.max(...{moved}) < 2e-4")
     page.key("Space")
     page.until("tissue.pressing && tissue.pressed === 0")
     page.after(60)
