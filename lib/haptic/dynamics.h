@@ -77,7 +77,7 @@ std::unique_ptr<Dynamics> make_dynamics(const std::string& name, const RealtimeM
 /// to 1.8 (its limit is 2; the rest is margin), else `implicit`. largest_eigenvalue_1_s2: with the coupling's stiffness on it.
 std::string stable_dynamics(double largest_eigenvalue_1_s2, double dt_s);
 
-/// Into how many steps `symplectic` divides dt for a law: omega h <= 1, half of the limit. Springs of a set are never stiffer than
+/// Into how many steps `symplectic` divides dt for a law: omega h <= 1, well below the limit of 1.63. Springs of a set are never stiffer than
 /// at the bound; a law pressed deeper or drawn out farther than any load case is, its areas by the square of the stretch.
 int law_substeps(double largest_eigenvalue_1_s2, double dt_s);
 

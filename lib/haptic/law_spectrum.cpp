@@ -35,20 +35,35 @@ std::vector<Place> places_along(const ContactSurface& surface, const PatchLaw& l
     return places;
 }
 
-/// In space: few places, each farthest from those before, straight in and 30 degrees off.
-std::vector<Place> places_over(const SpringMesh& mesh, const ContactKernel& kernel, const PatchLaw& law) {
+/// How fast the nodes a contact holds swing on it alone [1/s^2]: never less than its fastest swing.
+double swing(const RealtimeMesh& springs, const ContactSpring& contact) {
+    const Eigen::Index n = contact.rows.pull.cols(), D = contact.rows.push.cols();
+    Eigen::MatrixXd own = contact.tangent(Point::Zero(D), Eigen::VectorXd::Zero(n));
+    for (Eigen::Index k = 0; k < n; ++k) {
+        const double by_mass = std::sqrt(springs.inverse_mass()[contact.rows.nodes[static_cast<std::size_t>(k / D)]]);
+        own.row(k) *= by_mass;
+        own.col(k) *= by_mass;
+    }
+    return own.norm();
+}
+
+/// In space: few places, first where the contact swings fastest, then each farthest from those before; straight in and 30 degrees off.
+std::vector<Place> places_over(const SpringMesh& mesh, const RealtimeMesh& springs, const ContactKernel& kernel, const PatchLaw& law) {
     const std::size_t few = mesh.node_count() > 1500 ? 1 : 4;
     constexpr double slant = 0.5235987755982988;
     const FreeSurface surface(mesh);
-    const std::vector<Point> points = surface.points(1);
+    const std::vector<Point> points = surface.points(2);
     std::vector<double> away(points.size(), std::numeric_limits<double>::infinity());
     std::vector<Place> places;
-    Point middle = Point::Zero(3);
-    for (const Point& point : points) middle += point / static_cast<double>(points.size());
-    // begins where the surface is farthest from its middle
     std::size_t next = 0;
-    for (std::size_t k = 0; k < points.size(); ++k)
-        if ((points[k] - middle).norm() > (points[next] - middle).norm()) next = k;
+    double fastest = 0;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        const double here = swing(springs, ContactSpring(kernel.rows_at(points[k]), law));
+        if (here > fastest) {
+            fastest = here;
+            next = k;
+        }
+    }
     while (places.size() < std::min(few, points.size())) {
         const FreeSurface::Place at = surface.nearest(points[next]);
         const Eigen::Vector3d inward = at.inward;
@@ -88,7 +103,7 @@ LawSpectrum law_spectrum(const TissueModel& model, const RealtimeMesh& springs) 
     PressOptions options;
     if (model.mesh.is_solid()) options.tolerance = 1e-4;  // for a thousandth of the frequency
     PressSolver solver(energy, *kernel, options);
-    for (const Place& place : model.mesh.is_solid() ? places_over(model.mesh, *kernel, law.patch)
+    for (const Place& place : model.mesh.is_solid() ? places_over(model.mesh, springs, *kernel, law.patch)
                                                     : places_along(static_cast<const ContactSurface&>(*kernel), law.patch))
         for (const Point& way : place.ways) {
             const PressState state = solver.press(law.constants, place.contact, depth_m * way);

@@ -287,11 +287,13 @@ void Simulation::begin_contact(int mesh, const Point& master_m) noexcept {
         coupling_N_m_ = model_.options.coupling_ratio * model_.stiffness->at(contact_.where.facet, contact_.where.weight[1]);
 }
 
-/// Whether the tool, held where it is, pushes the law's tissue in: its force has a part along the rest's inward normal.
+/// Whether the tool, held where it is, pushes the law's tissue in: its force has a part along the rest's inward normal, whole or
+/// without the imprint on single nodes. That swings fast where it is stiff; a contact let go at each swing would be pumped up by them.
 bool Simulation::tool_pushes(const Point& master_m) const noexcept {
     const auto m = static_cast<std::size_t>(touched_);
     const Point push = master_m - model_.meshes[m]->place_m - touched_m_;
-    return tool_.hand_N(push, states_[m].displacement).dot(tool_.inward()) > 0;
+    const NodeColumns& u = states_[m].displacement;
+    return tool_.mean_N(push, u).dot(tool_.inward()) > 0 || tool_.hand_N(push, u).dot(tool_.inward()) > 0;
 }
 
 /// A law's contact keeps its place, and presses while it pushes the tool out. The surface does not say whether:

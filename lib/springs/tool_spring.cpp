@@ -79,6 +79,13 @@ Point ToolSpring::hand_N(const Point& push_m, const NodeColumns& u) const noexce
     return hand.head(dimension_);
 }
 
+Point ToolSpring::mean_N(const Point& push_m, const NodeColumns& u) const noexcept {
+    if (groups_ == 0) return Point::Zero(dimension_);
+    const Eigen::Vector3d e = gap(group_[0], in_space(push_m), u);
+    const Eigen::Vector3d q = group_[0].stiffness * e + hardened(e).slope;
+    return (group_[0].target.transpose() * q).head(dimension_);
+}
+
 Point ToolSpring::put_on(const Point& push_m, const NodeColumns& u, NodeColumns& f) const noexcept {
     const Eigen::Vector3d push = in_space(push_m);
     Eigen::Vector3d hand = Eigen::Vector3d::Zero();

@@ -28,7 +28,9 @@ class ToolSpring {
 
     /// dE/dd: the force of the tool on the tissue [N] (D), at a push d (D) and displacements u (N x D) [m].
     Point hand_N(const Point& push_m, const NodeColumns& u) const noexcept;
-    /// The same. Adds dE/du, what the contact asks of the rest to hold u, to f (N x D).
+    /// The first group's part of it, without the imprint.
+    Point mean_N(const Point& push_m, const NodeColumns& u) const noexcept;
+    /// The same as hand_N. Adds dE/du, what the contact asks of the rest to hold u, to f (N x D).
     Point put_on(const Point& push_m, const NodeColumns& u, NodeColumns& f) const noexcept;
     double energy_J(const Point& push_m, const NodeColumns& u) const noexcept;
     /// Second derivative of E by d, nodes held [N/m] (D x D).

@@ -1,4 +1,5 @@
 // The tick of a law in space: contact, force and safety as in the plane (test_simulation.cpp), along three axes.
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -9,6 +10,8 @@
 #include "error.h"
 #include "haptic/virtual_device.h"
 #include "haptic_example.h"
+#include "springs/contact_spring.h"
+#include "springs/law_kernel.h"
 #include "springs/law_press.h"
 
 using namespace tissue;
@@ -72,6 +75,19 @@ class WildHand {
     double speed_ = 1e-3;
 };
 
+/// Of the fastest swing of the nodes under a tool there, on it alone [Hz].
+double frequency(const TissueModel& tissue, const Eigen::Vector3d& contact_m) {
+    const ContactSpring contact(make_contact_kernel(tissue.mesh, tissue.energy_law->disc_radius_m, tissue.energy_law->ground)->rows_at(contact_m),
+                                tissue.energy_law->patch);
+    Eigen::MatrixXd K = contact.tangent(Eigen::Vector3d::Zero(), Eigen::VectorXd::Zero(contact.rows.pull.cols()));
+    for (Eigen::Index k = 0; k < K.rows(); ++k) {
+        const double mass = tissue.node_mass_kg[contact.rows.nodes[static_cast<std::size_t>(k / 3)]];
+        K.row(k) /= std::sqrt(mass);
+        K.col(k) /= std::sqrt(mass);
+    }
+    return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues().maxCoeff()) / 6.283185307179586;
+}
+
 }  // namespace
 
 TEST_CASE("a solid that is pressed in motion comes to rest where its energy is smallest, and so does the mesh beside it", "[simulation][solid]") {
@@ -98,6 +114,37 @@ TEST_CASE("a solid that is pressed in motion comes to rest where its energy is s
     CHECK(s.displacement_at_contact(1).norm() > 0.5 * r.contact_displacement_m.norm());
     CHECK((s.tool().hand_N(s.displacement_at_contact(1), s.state(1).displacement) + r.coupling_N).norm() < 0.02 * r.coupling_N.norm());
     CHECK(s.surface(1).at(0, {1, 0, 0})[0] - s.surface(0).at(0, {1, 0, 0})[0] == Approx(s.model().options.place_m).margin(0.02));
+}
+
+TEST_CASE("a contact that swings faster than the hand moves is neither driven by its ticks nor pumped up by letting go", "[simulation][solid]") {
+    const Eigen::Vector3d contact(0.043, 0.056, 0.05), down(0, 0, -8e-6);  // 8 mm/s, to a light touch
+    const auto stiffer = [](double by) {
+        TissueModel tissue = solid_example();
+        tissue.energy_law->patch.log_N_m(2, 0) += by;
+        return tissue;
+    };
+    for (double by : {5.0, 6 - 2 * std::log(1e-3 * frequency(stiffer(6), contact)), 7.0}) {
+        const TissueModel tissue = stiffer(by);
+        HapticOptions o;
+        o.heuristic_mesh = false;
+        const HapticModel model(tissue, o);
+        Simulation s(model);
+        Way way(s, contact - 250 * down);
+        double farthest_m = 0, force_max_N = 0;
+        for (int k = 0; k < 3000; ++k) {
+            way.to(contact + std::min(k - 250, 50) * down, 1);
+            farthest_m = std::max(farthest_m, s.state(0).displacement.cwiseAbs().maxCoeff());
+            force_max_N = std::max(force_max_N, s.record().coupling_N.norm());
+        }
+        const TickRecord& r = s.record();
+        INFO("by " << by << ": swings " << 1e-3 * frequency(tissue, contact) << " times a tick, force " << r.coupling_N.norm() << ", at most " << force_max_N);
+        CHECK(farthest_m < 4.5e-4);
+        CHECK(force_max_N < 0.2);
+        REQUIRE(r.mesh == 0);
+        const Equilibrium rest = LawPress(tissue).at(model.meshes[0]->springs.rest_place(r.facet, r.weight), r.contact_displacement_m);
+        REQUIRE(rest);
+        CHECK((r.coupling_N + rest.contact_force).norm() < 1e-3 * rest.contact_force.norm());
+    }
 }
 
 TEST_CASE("a tick in space allocates nothing", "[simulation][solid]") {
