@@ -52,9 +52,9 @@ std::string describe(const std::string& program, const HapticModel& model, const
         model.is_law() ? "a law" : fmt::format("sets {} (nearest, by {})", o.sets, o.select_by == SelectBy::force ? "force" : "displacement");
     std::string text = fmt::format("{}: study '{}', {}, device {}\n", program, model.study, stiffness, device.name());
     for (const auto& mesh : model.meshes)
-        text += fmt::format("  {:<10} {} step{}: omega dt = {:.3f} (symplectic up to 1.8 a step), lowest mode {:.3g} Hz, damping {:.3g}/s\n",
+        text += fmt::format("  {:<10} {} step{}: omega dt = {:.3f} (symplectic up to {:g} a step), lowest mode {:.3g} Hz, damping {:.3g}/s\n",
                             mesh->name, mesh->dynamics, mesh->substeps > 1 ? fmt::format(", {} a tick", mesh->substeps) : "",
-                            std::sqrt(mesh->largest_eigenvalue_1_s2) * o.dt_s, mesh->lowest_frequency_Hz, mesh->damping_1_s);
+                            std::sqrt(mesh->largest_eigenvalue_1_s2) * o.dt_s, mesh->law ? 1.6 : 1.8, mesh->lowest_frequency_Hz, mesh->damping_1_s);
     if (model.stiffness && model.stiffness->floppy() > 0)
         text += fmt::format("  the {} mesh can move for nothing: its shape at rest is not determined\n", model.is_law() ? "heuristic" : "learned");
     text += fmt::format("  coupling {}, force scale {:g}, position scale {:g}, at most {:g} N, {:g} N/s, {:g} m/s\n",

@@ -247,6 +247,7 @@ def finite_elements(page, block):
 
 
 def standing_still(page, block):
+    set_depth(page, 5)
     page.mouse("Pressed", *block.top(0.5, 0.5))
     page.until(f"tissue.pressed === 0 && {moved}[0] > 1e-3")
     page.js("document.getElementById('pause').click()")
