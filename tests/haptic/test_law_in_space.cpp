@@ -176,7 +176,7 @@ TEST_CASE("in space a law's spectrum is that of its tangents, at rest and presse
     const FreeSurface surface(mesh);
     PressSolver solver(energy, *kernel);
     double stiffest = 0;
-    for (const Point& point : surface.points(1)) {
+    for (const Point& point : surface.points(2)) {
         const FreeSurface::Place place = surface.nearest(point);
         const ContactSpring contact(kernel->rows_at(place.point_m), law.patch);
         const PressState state = solver.press(law.constants, contact, model.magnitude_m.maxCoeff() * place.inward);
