@@ -7,6 +7,8 @@ Equations: div P = 0, P = 2 C1 F + 2 C2 (I1 F - F C) + (p + p0) J F^-T in three 
            on the nodes of the mesh file that FreeFEM reads, twice: with FreeFEM's own triangles (P2/P1) and with
            quadrilaterals (Q2 displacement, Q1 pressure: another discretisation). Assembly, kinematics and linear solver are
            felupe's; the stress is a formula of tensors in 3-D, where ours is in T and J.
+           Two histories of tissue that relaxes: P = F ((1 - sum g) S0 + sum Q_k) + p J F^-T, S0 = F^-1 P at p = 0 of the above,
+           Q_k' + Q_k / tau_k = g_k S0', all nine entries of them, where ours has the plane's three.
 Boundary:  u = 0 at y = 0; u = d on the boundary nodes within the patch's half-width of the contact.
 
 Prints one line per push, "ok - sentence" or "not ok - sentence: measured vs wanted"; exits 1 if any failed.
@@ -102,6 +104,57 @@ class IncompressibleOgden:
                 d_FF[:, :, k, l] = (self.stress(F + step) - self.stress(F - step)) / (2 * h)
         d_FF += (p + self.p0) * J * (dya(iFT, iFT) - cdya_il(iFT, iFT))
         return [d_FF, J * iFT, None]
+
+
+class Relaxing(IncompressibleMooneyRivlin):
+    """The same with branches that remember: (share, time [s]) of each. A step's end is told by remember()."""
+
+    def __init__(self, branches=((0.45, 0.5), (0.365, 50.0))):
+        super().__init__()
+        self.branches = branches
+        self.past = None  # S0 at the step's beginning, and Q of each branch
+        self.begin(0.0)
+
+    def begin(self, dt):
+        self.decay = [np.exp(-dt / tau) for _, tau in self.branches]
+        self.mean = [(1 - e) * tau / dt if dt > 0 else 1.0 for e, (_, tau) in zip(self.decay, self.branches)]
+        self.share = 1 - sum(g * (1 - c) for (g, _), c in zip(self.branches, self.mean))
+        if self.past:
+            before, Q = self.past
+            self.H = sum(e * q - g * c * before for e, c, q, (g, _) in zip(self.decay, self.mean, Q, self.branches))
+
+    def elastic(self, F):
+        return super().gradient([F, np.zeros((1,) + F.shape[2:]), None])[0]
+
+    def remember(self, F):
+        S0 = dot(inv(F), self.elastic(F))
+        before, Q = self.past or (np.zeros_like(S0), [np.zeros_like(S0) for _ in self.branches])
+        self.past = S0, [e * q + g * c * (S0 - before) for e, c, q, (g, _) in zip(self.decay, self.mean, Q, self.branches)]
+
+    def gradient(self, x):
+        F, p, state = x[0], x[1], x[-1]
+        J = det(F)
+        H = self.H if self.past else np.zeros_like(F)
+        return [self.share * self.elastic(F) + dot(F, H) + p * J * transpose(inv(F)), J - 1 + 0 * p, state]
+
+    def hessian(self, x):
+        F, p = x[0], x[1]
+        J, iFT, one = det(F), transpose(inv(F)), identity(F)
+        H = self.H if self.past else np.zeros_like(F)
+        d_FF = (self.share * super().hessian([F, 0 * p])[0] + cdya_ik(np.broadcast_to(one, F.shape), H)
+                + p * J * (dya(iFT, iFT) - cdya_il(iFT, iFT)))
+        return [d_FF, J * iFT, None]
+
+
+def histories():
+    """Name, contact [m], rows of time [s] and displacement [m] (T x 3) from rest: a ramp that is held, and a poke whose direction
+    wanders and that lets go."""
+    t = np.r_[0, np.linspace(0.02, 0.1, 5), 0.1 + np.geomspace(0.05, 10, 8)]
+    yield "ramp and hold", (0.05, 0.1), np.c_[t, 0 * t, -0.01 * np.minimum(t / 0.1, 1)]
+    t = np.linspace(0, 1.5, 25)
+    depth = 0.009 * np.sin(np.pi * t / 1.5) ** 2 * (1 + 0.3 * np.sin(9 * t))
+    tilt = 0.5 * np.sin(4 * t)
+    yield "poke with a wandering direction", (0.043, 0.1), np.c_[t, depth * np.sin(tilt), -depth * np.cos(tilt)]
 
 
 LAWS = {  # what FreeFEM is told of each
@@ -212,6 +265,42 @@ def fields_on_quads(points, triangles):
     return u, p, nodes
 
 
+def felupe_history(fields, msh, contact, rows):
+    """Contact force [N] (T x 2) along a history."""
+    u, p, nodes = fields(*read_msh(msh))
+    field, law = fem.FieldContainer([u, p]), Relaxing()
+    solid = fem.SolidBody(law, field)
+    place = outline_position(nodes)
+    held = np.nan_to_num(np.abs(place - outline_position(np.array([contact]))[0]), nan=np.inf) <= HALF_WIDTH + 1e-8
+    fixed = np.abs(nodes[:, 1]) < 1e-8
+    law.remember(field.extract()[0])
+    forces = [np.zeros(2)]
+    for before, row in zip(rows, rows[1:]):
+        law.begin(row[0] - before[0])
+        bounds = {
+            "fixed": fem.Boundary(u, mask=fixed),
+            "x": fem.Boundary(u, mask=held, skip=(0, 1), value=row[1]),
+            "y": fem.Boundary(u, mask=held, skip=(1, 0), value=row[2]),
+        }
+        dof0, dof1 = fem.dof.partition(field, bounds)
+        dof1 = np.setdiff1d(np.arange(sum(f.values.size for f in field.fields)), dof0)
+        ext0 = fem.dof.apply(field, bounds, dof0)
+        fem.newtonraphson(items=[solid], x0=field, dof0=dof0, dof1=dof1, ext0=ext0, tol=1e-9, maxiter=25, verbose=False)
+        forces.append(THICKNESS * solid.assemble.vector(field).toarray()[:nodes.size].reshape(-1, 2)[held].sum(axis=0))
+        law.remember(field.extract()[0])
+    return np.array(forces)
+
+
+def freefem_history(msh, contact, rows, work):
+    """Contact force [N] (T x 2) along a history."""
+    history = os.path.join(work, "history.txt")
+    np.savetxt(history, np.c_[rows, np.zeros(len(rows))], fmt="%.17g")
+    more = {"history": history, "branches": len(Relaxing().branches)}
+    for k, (g, tau) in enumerate(Relaxing().branches):
+        more |= {f"g{k + 1}": g, f"tau{k + 1}": tau}
+    return np.array([[float(w) for w in row[5:7]] for row in freefem_steps("Mooney-Rivlin", msh, contact, (0.0, -1.0), 0.01, 1, work, more)])
+
+
 def felupe_force(law, fields, msh, contact, direction, depth, steps):
     """Contact force [N], (2), at the end of the push."""
     u, p, nodes = fields(*read_msh(msh))
@@ -239,13 +328,18 @@ def felupe_force(law, fields, msh, contact, direction, depth, steps):
 
 def freefem_force(law, msh, contact, direction, depth, steps, work):
     """Contact force [N], (2), at the end of the push."""
+    return np.array([float(w) for w in freefem_steps(law, msh, contact, direction, depth, steps, work)[-1][4:6]])
+
+
+def freefem_steps(law, msh, contact, direction, depth, steps, work, more=()):
+    """The fields of every step's row."""
     out = os.path.join(work, "path.csv")
     arguments = {
         "mesh": msh, "out": out, "width": WIDTH, "height": HEIGHT, "thickness": THICKNESS, **LAWS[law][1],
         "cells_x": 10, "cells_y": 10, "contact_x": contact[0], "contact_y": contact[1],
         "direction_x": repr(float(direction[0])), "direction_y": repr(float(direction[1])), "depth": depth,
         "records": steps, "tolerance": 1e-10, "max_newton": 12, "formulation": "plane-strain", "indenter": "patch",
-        "patch_half_width": HALF_WIDTH,
+        "patch_half_width": HALF_WIDTH, **dict(more),
     }
     command = ["FreeFem++-nw", "-nw", "-v", "0", os.path.join(FEM, "solve_path.edp")]
     for key, value in arguments.items():
@@ -253,8 +347,18 @@ def freefem_force(law, msh, contact, direction, depth, steps, work):
     run = subprocess.run(command, capture_output=True, text=True)
     if run.returncode != 0:
         raise RuntimeError(run.stderr.strip() or run.stdout.strip()[-300:])
-    last = [line.split(",") for line in open(out) if line.startswith("step,")][-1]
-    return np.array([float(last[4]), float(last[5])])
+    return [line.split(",") for line in open(out) if line.startswith("step,")]
+
+
+def mesh_of_patch(contact, options, work):
+    """Path of the mesh file."""
+    msh = os.path.join(work, "patch.msh")
+    command = ["gmsh", "-v", "1", "-2", "-format", "msh22", os.path.join(FEM, "block_graded.geo"), "-o", msh]
+    for key, value in {"contact_x": contact[0], "contact_y": contact[1], "patch_half_width": HALF_WIDTH,
+                       "end_size": options.end_size_m, "surface_size": options.surface_size_m}.items():
+        command += ["-setnumber", key, str(value)]
+    subprocess.run(command, check=True, capture_output=True)
+    return msh
 
 
 def main():
@@ -268,12 +372,7 @@ def main():
     for law, (name, contact, direction) in [("Mooney-Rivlin", push) for push in PUSHES] + [("Ogden", PUSHES[0])]:
         name = f"{law}, {name}"
         with tempfile.TemporaryDirectory() as work:
-            msh = os.path.join(work, "patch.msh")
-            command = ["gmsh", "-v", "1", "-2", "-format", "msh22", os.path.join(FEM, "block_graded.geo"), "-o", msh]
-            for key, value in {"contact_x": contact[0], "contact_y": contact[1], "patch_half_width": HALF_WIDTH,
-                               "end_size": options.end_size_m, "surface_size": options.surface_size_m}.items():
-                command += ["-setnumber", key, str(value)]
-            subprocess.run(command, check=True, capture_output=True)
+            msh = mesh_of_patch(contact, options, work)
             try:
                 t0 = time.perf_counter()
                 ours = freefem_force(law, msh, contact, direction, options.depth_m, options.steps, work)
@@ -295,6 +394,24 @@ def main():
                         failed += 1
             except Exception as error:  # either program may fail on a mesh: say on which push, and go on
                 print(f"not ok - {name}: {error} vs two forces")
+                failed += 1
+    for name, contact, rows in histories():
+        with tempfile.TemporaryDirectory() as work:
+            try:
+                msh = mesh_of_patch(contact, options, work)
+                ours = freefem_history(msh, contact, rows, work)
+                theirs = felupe_history(fields_on_triangles, msh, contact, rows)
+                largest = np.linalg.norm(theirs, axis=1).max()
+                difference = np.linalg.norm(ours - theirs, axis=1).max() / largest
+                sentence = f"relaxing, {name}, {len(rows) - 1} steps: felupe P2/P1 has the same contact force all along"
+                if difference <= FORCE_TOLERANCE:
+                    print(f"ok - {sentence}, largest difference {difference:.1e} of {1e3 * largest:.4f} mN; it ends at "
+                          f"{1e3 * np.linalg.norm(ours[-1]):.4f} and {1e3 * np.linalg.norm(theirs[-1]):.4f} mN")
+                else:
+                    print(f"not ok - {sentence}: {difference:.1e} vs {FORCE_TOLERANCE}")
+                    failed += 1
+            except Exception as error:
+                print(f"not ok - relaxing, {name}: {error} vs two histories")
                 failed += 1
     return 1 if failed else 0
 

@@ -3,7 +3,7 @@
 # Exits 0 when every check passed. Needs FreeFem++-nw and gmsh; takes under a minute.
 #
 # Sample runs: tests/fem/test_fem.sh
-#              tests/fem/test_fem.sh scripts|laws|shapes|orders|mirror|patch|refusals      one group alone
+#              tests/fem/test_fem.sh scripts|laws|shapes|orders|mirror|patch|memory|refusals      one group alone
 here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
 fem=$here/../../fem
 only=${1:-all}
@@ -194,6 +194,62 @@ if group patch; then for f in plane-stress plane-strain; do
       }' "$work/p10.csv" "$work/p20.csv" "$work/p40.csv" | tee -a "$results"
   done
 done; fi
+
+# ---- tissue that relaxes: closed forms, and histories of a patch
+if group memory; then
+branches="-branches 2 -g1 0.45 -tau1 0.5 -g2 0.365 -tau2 50"
+script memory.edp "-formulation plane-strain $branches -state uniaxial"
+script memory.edp "-formulation plane-strain $branches -state shear"
+script memory.edp "-formulation plane-strain -branches 3 -g1 0.3 -tau1 0.05 -g2 0.25 -tau2 1 -g3 0.2 -tau3 10 -state uniaxial"
+relax() { # NAME MORE: a patch of the top follows $work/NAME.history
+  name=$1
+  shift
+  solve "$name" 10 0.01 1 0.05 0.1 0 -1 -formulation plane-strain -indenter patch -history "$work/$name.history" "$@"
+}
+awk 'BEGIN { for (n = 0; n <= 10; ++n) print n / 100, 0, -n / 1000, n == 10; for (n = 1; n <= 6; ++n) print 0.1 + n * n / 4, 0, -0.01, 0 }' > "$work/hold.history"
+cp "$work/hold.history" "$work/elastic.history"
+relax hold $branches
+relax elastic
+solve push 10 0.01 10 0.05 0.1 0 -1 -formulation plane-strain -indenter patch
+awk -F, 'FNR == NR { if ($1 == "step" && $2 == 10) { x = $5; y = $6 } else if ($1 == "node" && n < 1e9) node[++n] = $0; next }
+  $1 == "step" && $2 == 10 { e = sqrt(($6 - x) ^ 2 + ($7 - y) ^ 2) / sqrt(x * x + y * y); seen = 1 } $1 == "node" { ++nodes }
+  END { if (seen && e <= 1e-8 && nodes == 121) print "ok - without branches a history ends where the load path does, to " e
+        else print "not ok - without branches a history ends where the load path does: " e ", " nodes + 0 " nodes vs 1e-8, 121" }' \
+  "$work/push.csv" "$work/elastic.csv" | tee -a "$results"
+awk -F, 'FNR == NR { if ($1 == "step") whole = $7; next } $1 == "step" { share = $7 / whole; if (n++ > 10 && share >= last) bad = 1; last = share }
+  END { wanted = 1 - 0.45 * (1 - exp(-9 / 0.5)) - 0.365 * (1 - exp(-9 / 50))
+        if (n == 17 && !bad && last > wanted - 0.02 && last < wanted + 0.02) print "ok - held for 9 s a patch relaxes step by step, to " last " of the elastic force"
+        else print "not ok - held for 9 s a patch relaxes step by step: " n + 0 " steps, " last " vs about " wanted }' \
+  "$work/elastic.csv" "$work/hold.csv" | tee -a "$results"
+# half the step, a quarter of the distance; a step that is cut because it fails is one of them
+for parts in 6 12 24; do
+  awk -v n=$parts 'BEGIN { for (k = 0; k <= n; ++k) { s = k / n; print 0.6 * s, 0.004 * sin(2 * s), -0.008 * s * (1.6 - s), 0 } }' > "$work/wander$parts.history"
+  relax wander$parts $branches
+done
+awk -F, 'FNR == 1 { ++file } $1 == "step" { x[file] = $6; y[file] = $7 }
+  END { a = sqrt((x[1] - x[2]) ^ 2 + (y[1] - y[2]) ^ 2); b = sqrt((x[2] - x[3]) ^ 2 + (y[2] - y[3]) ^ 2); rate = (b > 0) ? log(a / b) / log(2) : 0
+        if (rate > 1.6 && rate < 2.4) printf "ok - a history converges with the second order of its step, measured %.2f\n", rate
+        else printf "not ok - a history converges with the second order of its step: %.2f vs 2\n", rate }' \
+  "$work/wander6.csv" "$work/wander12.csv" "$work/wander24.csv" | tee -a "$results"
+printf '0 0 0 0\n0.5 0.05 -0.08 0\n' > "$work/leap.history"
+relax leap $branches
+leap=$?
+refused leap $leap 1 "at 0.5 s; the contact (0.05, 0.1) m" "a history that FE cannot follow is refused with its time and place"
+printf '0 0 0 0\n0.5 0 -0.001 0\n0.5 0 -0.002 0\n' > "$work/late.history"
+relax late $branches
+refused late $? 1 "line 3 of the history is not later" "a history that goes back in time is refused"
+printf '0.1 0 0 0\n0.5 0 -0.001 0\n' > "$work/early.history"
+relax early $branches
+refused early $? 1 "does not begin at time 0 and at rest" "a history that begins elsewhere is refused"
+relax nowhere $branches
+refused nowhere $? 1 "cannot read a history" "a history that is not there is refused"
+relax hold -branches 2 -g1 0.6 -tau1 0.5 -g2 0.4 -tau2 50
+refused hold $? 2 "sum to less than 1" "shares that leave nothing are refused"
+relax hold -branches 1 -g1 0.6 -tau1 -1
+refused hold $? 2 "must be positive" "a branch without a time is refused"
+solve sheet 10 0.01 1 0.05 0.1 0 -1 $branches
+refused sheet $? 2 "needs -formulation plane-strain" "branches in plane stress are refused"
+fi
 
 # ---- refusals
 if group refusals; then
