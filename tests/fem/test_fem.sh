@@ -248,7 +248,7 @@ refused hold $? 2 "sum to less than 1" "shares that leave nothing are refused"
 relax hold -branches 1 -g1 0.6 -tau1 -1
 refused hold $? 2 "must be positive" "a branch without a time is refused"
 solve sheet 10 0.01 1 0.05 0.1 0 -1 $branches
-refused sheet $? 2 "needs -formulation plane-strain" "branches in plane stress are refused"
+refused sheet $? 2 "needs a solid, or -formulation plane-strain" "branches in plane stress are refused"
 fi
 
 # ---- refusals

@@ -3,7 +3,7 @@
 # wanted". Exits 0 when every check passed. Needs FreeFem++-nw and gmsh; takes two minutes.
 #
 # Sample runs: tests/fem/test_solid.sh
-#              tests/fem/test_solid.sh scripts|orders|paths|mirror|refine|refusals|shape|count      one group alone
+#              tests/fem/test_solid.sh scripts|orders|paths|mirror|refine|memory|refusals|shape|count      one group alone
 #              TISSUECTL=build/release/tissuectl tests/fem/test_solid.sh shape
 here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
 root=$here/../..
@@ -58,6 +58,10 @@ if group scripts; then
   script solid_homogeneous.edp "-state uniaxial"
   script solid_homogeneous.edp "-state shear"
   script solid_tangent.edp
+  branches="-branches 2 -g1 0.45 -tau1 0.5 -g2 0.365 -tau2 50"
+  script solid_memory.edp "-state uniaxial $branches"
+  script solid_memory.edp "-state shear $branches"
+  script solid_tangent.edp "$branches"
   ogden="-law ogden -terms 2 -mu1 900 -alpha1 3.7 -mu2 -300 -alpha2 -9.3"
   script solid_homogeneous.edp "-state uniaxial $ogden"
   script solid_homogeneous.edp "-state shear $ogden"
@@ -207,6 +211,30 @@ if group refine; then
       if (n == 4 && b > 0 && b < a && last < 0.01 * force[4]) printf "ok - the disc'"'"'s force settles under refinement, rate %.2f: %s\n", 2 * log(a / b) / log(2), line
       else printf "not ok - the disc'"'"'s force settles under refinement: %s vs shrinking differences\n", line
     }' | tee -a "$results"
+fi
+
+# ---- a solid that relaxes follows a history
+if group memory; then
+branches="-branches 2 -g1 0.45 -tau1 0.5 -g2 0.365 -tau2 50"
+mesh relaxing 0.004 0.02 -setnumber contact_x 0.043 -setnumber contact_y 0.05
+awk 'BEGIN { for (n = 0; n <= 4; ++n) print n / 40, n / 8000, 0, -n / 1000, n == 4; print 2.1, 0.0005, 0, -0.004, 0; print 9.1, 0.0005, 0, -0.004, 0 }' > "$work/held.history"
+cp "$work/held.history" "$work/slack.history"
+for name in slack held; do
+  solve $name relaxing 0.004 1 0.043 0.05 0 0 -1 -history "$work/$name.history" $([ $name = slack ] || echo $branches)
+done
+solve straight relaxing 0.0040311288741492748 4 0.043 0.05 0.1240347346 0 -0.9922778767
+awk -F, 'FNR == 1 { ++file } file == 1 && $1 == "step" && $2 == 4 { for (j = 0; j < 3; ++j) want[j] = $(5 + j) }
+  file == 2 && $1 == "step" && $2 == 4 { for (j = 0; j < 3; ++j) { e += ($(7 + j) - want[j]) ^ 2; l += want[j] ^ 2 } seen = 1 }
+  file == 2 && $1 == "step" { whole = $9 } file == 2 && $1 == "node" { ++nodes }
+  file == 3 && $1 == "step" { share[++n] = $9 / whole }
+  END { if (seen && e <= 1e-16 * l && nodes == 726) print "ok - without branches a history in space ends where the load path does"
+        else print "not ok - without branches a history in space ends where the load path does: relative square " e / (l + 1e-300) ", " nodes + 0 " nodes vs 1e-16, 726"
+        wanted = 1 - 0.45 * (1 - exp(-9 / 0.5)) - 0.365 * (1 - exp(-9 / 50))
+        if (n == 7 && share[6] < share[5] && share[7] < share[6] && share[7] > wanted - 0.02 && share[7] < wanted + 0.02) print "ok - held for 9 s a solid under the disc relaxes to " share[7] " of the elastic force"
+        else print "not ok - held for 9 s a solid under the disc relaxes: " n + 0 " steps, " share[7] " vs about " wanted }' \
+  "$work/straight.csv" "$work/slack.csv" "$work/held.csv" | tee -a "$results"
+solve sheer relaxing 0.004 1 0.043 0.05 0 0 -1 $branches -law ogden -terms 1 -mu1 500 -alpha1 3 -history "$work/held.history"
+refused sheer $? 2 "-C1 is not known\|needs -law mooney-rivlin" "a solid of another law that relaxes is refused"
 fi
 
 # ---- refusals
