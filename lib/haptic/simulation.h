@@ -141,6 +141,7 @@ class Simulation {
     void select_set(const Point& on_tissue_N) noexcept;
     void average_stiffness() noexcept;
     Point step_meshes(const Point& master_m) noexcept;
+    void remember_contact(const Point& master_m) noexcept;
     Eigen::Vector3d stop(bool fault) noexcept;
 
     const HapticModel& model_;
@@ -152,6 +153,7 @@ class Simulation {
     int touched_ = -1;            ///< mesh in contact
     double coupling_N_m_ = 0;     ///< k_C of this contact
     ToolSpring tool_;             ///< of this contact, where the learned mesh is a law
+    std::vector<ToolMemory> tool_memory_;  ///< of it on each mesh
     Point touched_m_;             ///< X_p of this contact, in the mesh's own coordinates
     Friction friction_;
     bool armed_ = false;          ///< the master has been outside
