@@ -10,7 +10,6 @@ inline constexpr const char* version = "0.1.0";
 inline constexpr int format_version = 1;
 inline constexpr int law_format_version = 2;
 inline constexpr int solid_format_version = 4;  ///< 3 was of solids whose discs had another energy: refused
-inline constexpr int history_format_version = 5;
-inline constexpr int latest_format_version = history_format_version;
+inline constexpr int time_format_version = 5;   ///< of a model that relaxes, and of cases with histories
 
 }  // namespace tissue

@@ -67,7 +67,7 @@ struct Cases {
     std::vector<double> magnitudes_m;   ///< those that are load cases, ascending; measured: none, every record is one
     std::vector<LoadPath> paths;
     std::optional<Measurement> measurement = {};  ///< absent when FE said it
-    std::vector<History> histories = {};  ///< the tool in time, in the study's order
+    std::vector<History> histories = {};          ///< the tool held along a course in time; nothing is trained on most
 };
 
 /// One state to train on: a path at one of the magnitudes.

@@ -17,7 +17,7 @@ Eigen::Vector2d ContactLoad::proxy(const RealtimeMesh& mesh, const NodeColumns& 
 }
 
 Point ContactLoad::put_on(const RealtimeMesh& mesh, const NodeColumns& u, NodeColumns& f) const noexcept {
-    if (tool) return tool->put_on(tool_push(u), u, f);
+    if (tool) return tool->put_on(tool_push(u), u, f, memory);
     if (weight[0] == 0 && weight[1] == 0) return Point::Zero(mesh.dimension());  // a free mesh
     const Eigen::Vector2d force = given_N + coupling_N_m * (master_m - proxy(mesh, u));
     for (int end : {0, 1}) f.row(node[end]) -= weight[end] * force.transpose();

@@ -22,6 +22,7 @@ struct MeshState {
     NodeColumns velocity;      ///< [m/s] (N x D)
     NodeColumns acceleration;  ///< of the step before, `paper` alone [m/s^2] (N x D)
     NodeColumns force;         ///< K u, scratch [N] (N x D)
+    BranchMemory memory;       ///< of a law that relaxes (RealtimeLaw::memory); else empty
     Eigen::VectorXd theta;     ///< stiffness in use, by slot [N/m] (P); of a law its springs', which stay
     bool theta_changed = true; ///< since the last step: whoever keeps a factor of K must make it again
 };
@@ -36,13 +37,14 @@ struct ContactLoad {
     Eigen::Vector2d master_m = Eigen::Vector2d::Zero();    ///< in the mesh's own coordinates
     Point given_N = Eigen::Vector2d::Zero();               ///< force on the mesh (D)
     const ToolSpring* tool = nullptr;                      ///< of a law
+    ToolMemory* memory = nullptr;                          ///< of the contact on this mesh, where it relaxes; it goes on with every substep
     std::optional<Point> push_m = {};                      ///< of the tool that is held; nothing: it pushes with given_N
 
     /// Proxy at the given displacement [m]. On springs, in the plane.
     Eigen::Vector2d proxy(const RealtimeMesh& mesh, const NodeColumns& u) const noexcept;
 
     /// How far the tool has pushed a law's tissue [m]: push_m, or as far as given_N takes it at u.
-    Point tool_push(const NodeColumns& u) const noexcept { return push_m ? *push_m : tool->push_at(given_N, u); }
+    Point tool_push(const NodeColumns& u) const noexcept { return push_m ? *push_m : tool->push_at(given_N, u, memory); }
 
     /// Takes the tool's share off f, the force that holds u [N]. Returns the force of the tool on the mesh [N]; nothing where there is no tool.
     Point put_on(const RealtimeMesh& mesh, const NodeColumns& u, NodeColumns& f) const noexcept;

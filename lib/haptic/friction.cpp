@@ -22,11 +22,11 @@ Friction::Friction(const FrictionOptions& options) : stick_(options.stick), slip
 }
 
 void Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const RealtimeLaw& law, const NodeColumns& u, const Point& tool_m,
-                     SurfacePlace& where, Point& touched_m, ToolSpring& tool) noexcept {
+                     SurfacePlace& where, Point& touched_m, ToolSpring& tool, ToolMemory& memory) noexcept {
     if (std::isinf(stick_)) return;
     bool slips = false;
     for (int step = 0; step < most_steps; ++step) {
-        const Point push = tool_m - touched_m, hand = tool.hand_N(push, u), inward = tool.inward();
+        const Point push = tool_m - touched_m, hand = tool.hand_N(push, u, &memory), inward = tool.inward();
         const double pressed = std::max(0.0, hand.dot(inward));
         const Point along = hand - hand.dot(inward) * inward;
         const double drag = along.norm(), bound = (slips ? slip_ : cone()) * pressed;
@@ -34,17 +34,19 @@ void Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const
         slips = true;
         slipping_ = true;
         const Point direction = along / drag;
-        const double stiffness = direction.dot(tool.stiffness_N_m(push, u) * direction);
+        const double stiffness = direction.dot(tool.stiffness_N_m(push, u, &memory) * direction);
         if (!(stiffness > 0)) break;
         double way_m = std::min((drag - slip_ * pressed) / stiffness, longest * surface.spacing_m());
-        const double before_J = tool.energy_J(push, u);
+        const double before_J = tool.energy_J(push, u, &memory);
         bool falls = false;
         for (int half = 0; half < most_halvings && !falls; ++half, way_m /= 2) {
             const FreeSurface::Walk walk = surface.walk(where.facet, where.weight, way_m * direction);
             if (!(walk.walked_m > 0)) break;
             law.contact(walk.facet, walk.weight, next_);
             const Point place = mesh.rest_place(walk.facet, walk.weight);
-            const double after_J = next_.energy_J(tool_m - place, u);
+            next_memory_ = memory;
+            next_memory_.follow(tool, next_);
+            const double after_J = next_.energy_J(tool_m - place, u, &next_memory_);
             if (!(after_J <= before_J)) continue;
             falls = true;
             burnt_J_ += before_J - after_J;
@@ -52,6 +54,7 @@ void Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const
             where.weight = walk.weight;
             touched_m = place;
             tool = next_;
+            memory = next_memory_;
         }
         if (!falls) break;
     }

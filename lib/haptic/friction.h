@@ -29,9 +29,9 @@ class Friction {
     double burnt_J() const { return burnt_J_; }   ///< so far
 
     /// A law's contact, while the tool presses. tool_m: in the mesh's own coordinates. where, touched_m, tool: its place, that place
-    /// at rest and its energy there; they change as it slips.
+    /// at rest and its energy there; they change as it slips. memory: of the contact; it goes along.
     void slide(const FreeSurface& surface, const RealtimeMesh& mesh, const RealtimeLaw& law, const NodeColumns& u, const Point& tool_m,
-               SurfacePlace& where, Point& touched_m, ToolSpring& tool) noexcept;
+               SurfacePlace& where, Point& touched_m, ToolSpring& tool, ToolMemory& memory) noexcept;
 
     /// A contact of springs, with a coupling between the tool and the proxy where.position_m on the surface as it stands. All places
     /// as the surface has them.
@@ -44,6 +44,7 @@ class Friction {
     bool slipping_ = false;
     double burnt_J_ = 0;
     ToolSpring next_;
+    ToolMemory next_memory_;
 };
 
 }  // namespace tissue

@@ -50,6 +50,29 @@ TISSUE_HOT void squares(int n, const double* __restrict px, const double* __rest
     }
 }
 
+/// The same in two parts, for squares that relax: how far each has grown, twice, with both diagonals as they are now; then what pulls.
+TISSUE_HOT void squares_grown(int n, const double* __restrict px, const double* __restrict py, const double* __restrict qx,
+                              const double* __restrict qy, const double* __restrict ax, const double* __restrict ay, const double* __restrict bx,
+                              const double* __restrict by, const double* __restrict cx, const double* __restrict cy, const double* __restrict dx,
+                              const double* __restrict dy, double* __restrict gx, double* __restrict gy, double* __restrict hx, double* __restrict hy,
+                              double* __restrict grown) {
+    for (int k = 0; k < n; ++k) {
+        const double ux = cx[k] - ax[k], uy = cy[k] - ay[k], vx = dx[k] - bx[k], vy = dy[k] - by[k];
+        const double x = qx[k] + vx, y = qy[k] + vy;
+        grown[k] = (px[k] * vy - py[k] * vx) + (ux * y - uy * x);
+        gx[k] = y;
+        gy[k] = -x;
+        hx[k] = -(py[k] + uy);
+        hy[k] = px[k] + ux;
+    }
+}
+
+/// each of the arrays of `chunk` times gain y.
+TISSUE_HOT void times(int n, const double* __restrict gain, const double* __restrict y, int arrays, double* __restrict g) {
+    for (int a = 0; a < arrays; ++a, g += chunk)
+        for (int k = 0; k < n; ++k) g[k] *= gain[k] * y[k];
+}
+
 /// f_i -= g, f_j += g: pulls on either end of diagonals, where ends lie in a row.
 TISSUE_HOT void add_pair(int n, const double* __restrict g, double* f_i, double* f_j) {
     for (int k = 0; k < n; ++k) f_i[k] -= g[k];
@@ -73,10 +96,11 @@ inline Gained gained(const Vector& A, const Vector& B, const Vector& C, const Ve
     return {dot(p, before) + dot(a, more), before + more, cross(c, a), cross(a, b)};
 }
 
-/// A box by its diagonals from corners 0, 1, 2, 4 to 7, 6, 5, 3: g gets what pulls at their ends, 3 x 4 arrays of `chunk`. ux, uy, uz:
-/// of corner 0.
-inline void box(int k, const Vector& A, const Vector& B, const Vector& C, double gain, const double* __restrict ux, const double* __restrict uy,
-                const double* __restrict uz, int up, int in, int far, double* __restrict g) {
+/// A box by its diagonals from corners 0, 1, 2, 4 to 7, 6, 5, 3: g gets what pulls at their ends, by unit pull or `pulled`, 3 x 4 arrays of `chunk`.
+/// ux, uy, uz: of corner 0. Returns what it has grown by.
+template <bool pulled>
+inline double box(int k, const Vector& A, const Vector& B, const Vector& C, double gain, const double* __restrict ux, const double* __restrict uy,
+                  const double* __restrict uz, int up, int in, int far, double* __restrict g) {
     const Vector s = {ux[far + 1 + k] - ux[k], uy[far + 1 + k] - uy[k], uz[far + 1 + k] - uz[k]};
     const Vector x = {ux[far + k] - ux[1 + k], uy[far + k] - uy[1 + k], uz[far + k] - uz[1 + k]};
     const Vector y = {ux[in + 1 + k] - ux[up + k], uy[in + 1 + k] - uy[up + k], uz[in + 1 + k] - uz[up + k]};
@@ -84,7 +108,7 @@ inline void box(int k, const Vector& A, const Vector& B, const Vector& C, double
     const Gained now = gained(A, B, C, {s.x - x.x + y.x + z.x, s.y - x.y + y.y + z.y, s.z - x.z + y.z + z.z},
                               {s.x + x.x - y.x + z.x, s.y + x.y - y.y + z.y, s.z + x.z - y.z + z.z},
                               {s.x + x.x + y.x - z.x, s.y + x.y + y.y - z.y, s.z + x.z + y.z - z.z});
-    const double t = gain * now.by;
+    const double t = pulled ? gain * now.by : 1;
     const double p[3] = {t * now.by_p.x, t * now.by_p.y, t * now.by_p.z}, q[3] = {t * now.by_q.x, t * now.by_q.y, t * now.by_q.z},
                  r[3] = {t * now.by_r.x, t * now.by_r.y, t * now.by_r.z};
     for (int d = 0; d < 3; ++d) {
@@ -93,19 +117,27 @@ inline void box(int k, const Vector& A, const Vector& B, const Vector& C, double
         g[(4 * d + 2) * chunk + k] = p[d] + r[d] - q[d];
         g[(4 * d + 3) * chunk + k] = p[d] + q[d] - r[d];
     }
+    return now.by;
 }
 
 /// up, in, far: nodes from corner 0 to 2, 4 and 6; 1, 3, 5 and 7 lie one behind 0, 2, 4 and 6. e: edges, one after the other.
 TISSUE_HOT void boxes(int n, const double* const* e, const double* __restrict gain, const double* __restrict ux, const double* __restrict uy,
                       const double* __restrict uz, int up, int in, int far, double* __restrict g) {
     for (int k = 0; k < n; ++k)
-        box(k, {e[0][k], e[1][k], e[2][k]}, {e[3][k], e[4][k], e[5][k]}, {e[6][k], e[7][k], e[8][k]}, gain[k], ux, uy, uz, up, in, far, g);
+        box<true>(k, {e[0][k], e[1][k], e[2][k]}, {e[3][k], e[4][k], e[5][k]}, {e[6][k], e[7][k], e[8][k]}, gain[k], ux, uy, uz, up, in, far, g);
+}
+
+/// Of boxes that relax: how far each has grown, and g by unit pull.
+TISSUE_HOT void boxes_grown(int n, const double* const* e, const double* __restrict ux, const double* __restrict uy, const double* __restrict uz, int up,
+                            int in, int far, double* __restrict g, double* __restrict grown) {
+    for (int k = 0; k < n; ++k)
+        grown[k] = box<false>(k, {e[0][k], e[1][k], e[2][k]}, {e[3][k], e[4][k], e[5][k]}, {e[6][k], e[7][k], e[8][k]}, 1, ux, uy, uz, up, in, far, g);
 }
 
 TISSUE_HOT void boxes_alike(int n, const Vector& A, const Vector& B, const Vector& C, const double* __restrict gain, const double* __restrict ux,
                             const double* __restrict uy, const double* __restrict uz, int up, int in, int far, double* __restrict g) {
     const Vector a = A, b = B, c = C;
-    for (int k = 0; k < n; ++k) box(k, a, b, c, gain[k], ux, uy, uz, up, in, far, g);
+    for (int k = 0; k < n; ++k) box<true>(k, a, b, c, gain[k], ux, uy, uz, up, in, far, g);
 }
 
 /// Tetrahedra by their edges from the first node: v, what has been added to those, e as they were. six: of what the volume has
@@ -141,36 +173,63 @@ RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) 
         throw MismatchError(fmt::format("{} nodes lie under a disc of {:g} mm; the tick has room for {}", disc->most_nodes(), 1e3 * law.disc_radius_m, ToolSpring::most_nodes));
 
     theta_ = springs.to_slots(law.constants.head(energy.kinds().front()->count()));
+    spring_of_slot_.assign(static_cast<std::size_t>(springs.slot_count()), -1);
+    for (std::size_t s = 0; s < springs.slot_of_spring().size(); ++s) spring_of_slot_[static_cast<std::size_t>(springs.slot_of_spring()[s])] = static_cast<Eigen::Index>(s);
     if (model.mesh.is_solid() && !on_lattice(model.mesh)) {
         add_tetrahedra(model, energy);
-        return;
+    } else {
+        for (std::size_t k = 1; k < energy.kinds().size(); ++k) {
+            const Elements& kind = *energy.kinds()[k];
+            const Eigen::VectorXd constants = law.constants.segment(energy.first_of(k), kind.count());
+            if (model.mesh.is_solid())
+                add_boxes(kind, constants, energy.first_of(k));
+            else
+                add_plane_cells(kind, constants, energy.first_of(k));
+        }
     }
-    for (std::size_t k = 1; k < energy.kinds().size(); ++k) {
-        const Elements& kind = *energy.kinds()[k];
-        const Eigen::VectorXd constants = law.constants.segment(energy.first_of(k), kind.count());
-        if (model.mesh.is_solid())
-            add_boxes(kind, constants);
-        else
-            add_plane_cells(kind, constants);
-    }
+    relaxation_ = law.relaxation;
+    if (!relaxation_.empty() && (relaxation_.share.rows() != law.constants.size() || relaxation_.share.cols() != relaxation_.branches() ||
+                                 relaxation_.contact_share.size() != relaxation_.branches()))
+        throw MismatchError("the law's shares are not those of its constants");
+    first_square_ = springs.slot_count();
+    first_region_ = first_square_ + squares_.count;
+    first_box_ = first_region_ + static_cast<int>(regions_.size());
+    first_node_ = first_box_ + boxes_.count;
 }
 
-void RealtimeLaw::add_plane_cells(const Elements& kind, const Eigen::VectorXd& constants) {
+BranchMemory RealtimeLaw::memory(double dt_s) const {
+    if (relaxation_.empty()) return {};
+    std::vector<Eigen::Index> constant = spring_of_slot_;
+    constant.insert(constant.end(), squares_.constant.begin(), squares_.constant.end());
+    for (const Region& region : regions_) constant.push_back(region.constant);
+    constant.insert(constant.end(), boxes_.constant.begin(), boxes_.constant.end());
+    constant.insert(constant.end(), tetrahedra_.constant.begin(), tetrahedra_.constant.end());
+    Eigen::MatrixXd share(static_cast<Eigen::Index>(constant.size()), relaxation_.branches());
+    for (std::size_t i = 0; i < constant.size(); ++i)  // where there is nothing, as the first one's
+        share.row(static_cast<Eigen::Index>(i)) = relaxation_.share.row(std::max<Eigen::Index>(constant[i], 0));
+    return {relaxation_.tau_s, share, dt_s};
+}
+
+ToolMemory RealtimeLaw::tool_memory(double dt_s) const {
+    return {relaxation_.tau_s, relaxation_.contact_share, dt_s};
+}
+
+void RealtimeLaw::add_plane_cells(const Elements& kind, const Eigen::VectorXd& constants, Eigen::Index first) {
     if (kind.kind() == "region") {
         std::vector<std::array<int, 2>> edges;
         for (const auto& [i, j] : static_cast<const RegionArea&>(kind).edges()) edges.push_back({kind.nodes()(0, i), kind.nodes()(0, j)});
-        add_region(edges, constants[0]);
-    } else if (!add_squares(kind, constants)) {
+        add_region(edges, constants[0], first);
+    } else if (!add_squares(kind, constants, first)) {
         for (int e = 0; e < kind.count(); ++e) {
             std::vector<std::array<int, 2>> edges;
             for (Eigen::Index c = 0, n = kind.nodes().cols(); c < n; ++c) edges.push_back({kind.nodes()(e, c), kind.nodes()(e, (c + 1) % n)});
-            add_region(edges, constants[e]);
+            add_region(edges, constants[e], first + e);
         }
     }
 }
 
 /// False when the cells are no squares that lie from node to node as a lattice's do.
-bool RealtimeLaw::add_squares(const Elements& cells, const Eigen::VectorXd& constants) {
+bool RealtimeLaw::add_squares(const Elements& cells, const Eigen::VectorXd& constants, Eigen::Index first_constant) {
     const Cells& nodes = cells.nodes();
     if (nodes.rows() == 0 || nodes.cols() != 4) return false;
     const int first = nodes.col(0).minCoeff(), count = nodes.col(0).maxCoeff() - first + 1;
@@ -183,7 +242,8 @@ bool RealtimeLaw::add_squares(const Elements& cells, const Eigen::VectorXd& cons
         taken[k] = true;
     }
     const auto n = static_cast<std::size_t>(count);
-    squares_ = {first, count, nodes(0, 1) - nodes(0, 0), nodes(0, 2) - nodes(0, 0), nodes(0, 3) - nodes(0, 0), {}, {}, {}, {}, {}};
+    squares_ = {first, count, nodes(0, 1) - nodes(0, 0), nodes(0, 2) - nodes(0, 0), nodes(0, 3) - nodes(0, 0), {}, {}, {}, {}, {}, {}};
+    squares_.constant.assign(n, -1);
     for (std::vector<double>* list : {&squares_.px, &squares_.py, &squares_.qx, &squares_.qy, &squares_.gain}) list->assign(n, 0);
     for (int e = 0; e < cells.count(); ++e) {
         const auto k = static_cast<std::size_t>(nodes(e, 0) - first);
@@ -193,12 +253,13 @@ bool RealtimeLaw::add_squares(const Elements& cells, const Eigen::VectorXd& cons
         squares_.py[k] = p.y();
         squares_.qx[k] = q.x();
         squares_.qy[k] = q.y();
+        squares_.constant[k] = first_constant + e;
         squares_.gain[k] = constants[e] / (2 * (p.x() * q.y() - p.y() * q.x()));
     }
     return true;
 }
 
-void RealtimeLaw::add_region(const std::vector<std::array<int, 2>>& edges, double constant) {
+void RealtimeLaw::add_region(const std::vector<std::array<int, 2>>& edges, double constant, Eigen::Index index) {
     std::multimap<int, int> next;
     for (const auto& [i, j] : edges) next.emplace(i, j);
     const NodeColumns& rest = springs_.rest();
@@ -218,10 +279,10 @@ void RealtimeLaw::add_region(const std::vector<std::array<int, 2>>& edges, doubl
             twice_area += (from.x() * span.y() - from.y() * span.x()) / 2;
         }
     }
-    regions_.push_back({begin, static_cast<int>(walk_.size()), constant / (2 * twice_area)});
+    regions_.push_back({begin, static_cast<int>(walk_.size()), constant / (2 * twice_area), index});
 }
 
-void RealtimeLaw::add_boxes(const Elements& cells, const Eigen::VectorXd& constants) {
+void RealtimeLaw::add_boxes(const Elements& cells, const Eigen::VectorXd& constants, Eigen::Index first_constant) {
     const Cells& nodes = cells.nodes();
     boxes_.first = nodes.col(0).minCoeff();
     boxes_.count = nodes.col(0).maxCoeff() - boxes_.first + 1;
@@ -239,6 +300,7 @@ void RealtimeLaw::add_boxes(const Elements& cells, const Eigen::VectorXd& consta
 
     for (std::vector<double>& list : boxes_.edge) list.assign(n, 0);
     boxes_.gain.assign(n, 0);
+    boxes_.constant.assign(n, -1);
     const NodeColumns& rest = springs_.rest();
     Eigen::Matrix3d first;
     for (int e = 0; e < cells.count(); ++e) {
@@ -247,6 +309,7 @@ void RealtimeLaw::add_boxes(const Elements& cells, const Eigen::VectorXd& consta
         for (int c = 0; c < 8; ++c)
             for (int a = 0; a < 3; ++a) edges.col(a) += ((c >> a & 1) ? 1.0 : -1.0) * rest.row(nodes(e, c)).transpose();
         for (int i = 0; i < 9; ++i) boxes_.edge[i][k] = edges.data()[i];
+        boxes_.constant[k] = first_constant + e;
         boxes_.gain[k] = constants[e] / (64 * edges.determinant());
         if (e == 0) first = edges;
         boxes_.alike = boxes_.alike && (edges - first).norm() < 1e-14 * first.norm();
@@ -268,6 +331,7 @@ void RealtimeLaw::add_tetrahedra(const TissueModel& model, const TissueEnergy& e
     for (int node = 0; node < model.mesh.node_count(); ++node) {
         const auto kind = static_cast<std::size_t>(1 + node);
         const auto& around = static_cast<const RegionVolume&>(*energy.kinds()[kind]);
+        tetrahedra_.constant.push_back(energy.first_of(kind));
         tetrahedra_.node_gain[node] = model.energy_law->constants[energy.first_of(kind)] / (36 * around.volume_m3());
     }
 }
@@ -278,22 +342,40 @@ Eigen::Index RealtimeLaw::scratch_size() const {
 }
 
 void RealtimeLaw::force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch) const noexcept {
-    springs_.force(theta_, u, f);
-    squares_force(u, f);
+    all_force(u, f, scratch, nullptr);
+}
+
+void RealtimeLaw::force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch, BranchMemory& memory) const noexcept {
+    all_force(u, f, scratch, memory.empty() ? nullptr : &memory);
+}
+
+void RealtimeLaw::all_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch, BranchMemory* memory) const noexcept {
+    springs_.force(theta_, u, f, memory);
+    squares_force(u, f, memory);
+    regions_force(u, f, memory);
+    boxes_force(u, f, memory);
+    if (tetrahedra_.count > 0) tetrahedra_force(u, f, scratch, memory);
+}
+
+void RealtimeLaw::regions_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept {
+    int element = first_region_;
     for (const Region& region : regions_) {
-        const double pull = region.gain * twice_growth(region, u);
+        double grown = twice_growth(region, u);
+        if (memory) {
+            const double now = grown;
+            memory->step(element++, 1, &now, &grown);
+        }
+        const double pull = region.gain * grown;
         for (int k = region.begin; k < region.end; ++k) {
             const Step& step = walk_[static_cast<std::size_t>(k)];
             f(step.node, 0) += pull * (step.y + u(step.after, 1) - u(step.before, 1));
             f(step.node, 1) -= pull * (step.x + u(step.after, 0) - u(step.before, 0));
         }
     }
-    boxes_force(u, f);
-    if (tetrahedra_.count > 0) tetrahedra_force(u, f, scratch);
 }
 
-void RealtimeLaw::boxes_force(const NodeColumns& u, NodeColumns& f) const noexcept {
-    alignas(64) double g[12 * chunk];
+void RealtimeLaw::boxes_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept {
+    alignas(64) double g[12 * chunk], grown[chunk], felt[chunk];
     const Eigen::Index N = u.rows();
     const auto edge = [this](int axis, std::size_t k) {
         return kernel::Vector{boxes_.edge[3 * axis][k], boxes_.edge[3 * axis + 1][k], boxes_.edge[3 * axis + 2][k]};
@@ -302,7 +384,13 @@ void RealtimeLaw::boxes_force(const NodeColumns& u, NodeColumns& f) const noexce
         const int n = std::min(chunk, boxes_.count - done);
         const double *u0 = u.data() + boxes_.first + done, *gain = boxes_.gain.data() + done;
         const int* corner = boxes_.corner;
-        if (boxes_.alike) {
+        if (memory) {
+            const double* e[9];
+            for (int i = 0; i < 9; ++i) e[i] = boxes_.edge[i].data() + done;
+            kernel::boxes_grown(n, e, u0, u0 + N, u0 + 2 * N, corner[2], corner[4], corner[6], g, grown);
+            memory->step(first_box_ + done, n, grown, felt);
+            kernel::times(n, gain, felt, 12, g);
+        } else if (boxes_.alike) {
             kernel::boxes_alike(n, edge(0, 0), edge(1, 0), edge(2, 0), gain, u0, u0 + N, u0 + 2 * N, corner[2], corner[4], corner[6], g);
         } else {
             const double* e[9];
@@ -343,9 +431,15 @@ void RealtimeLaw::tetrahedra_growth(const NodeColumns& u, Eigen::VectorXd& scrat
     }
 }
 
-void RealtimeLaw::tetrahedra_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch) const noexcept {
+void RealtimeLaw::tetrahedra_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch, BranchMemory* memory) const noexcept {
     tetrahedra_growth(u, scratch);
     const Eigen::Index N = u.rows(), T = tetrahedra_.count;
+    alignas(64) double grown[chunk];
+    for (int done = 0; memory && done < N; done += chunk) {
+        const int n = static_cast<int>(std::min<Eigen::Index>(chunk, N - done));
+        std::copy(scratch.data() + done, scratch.data() + done + n, grown);
+        memory->step(first_node_ + done, n, grown, scratch.data() + done);
+    }
     scratch.head(N).array() *= tetrahedra_.node_gain.array();
     const double *pull = scratch.data(), *kept = pull + N;
     double *fx = f.data(), *fy = fx + N, *fz = fy + N;
@@ -378,21 +472,44 @@ double RealtimeLaw::twice_growth(const Region& region, const NodeColumns& u) con
     return twice;
 }
 
-void RealtimeLaw::squares_force(const NodeColumns& u, NodeColumns& f) const noexcept {
-    alignas(64) double gx[chunk], gy[chunk], hx[chunk], hy[chunk];
+void RealtimeLaw::squares_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept {
+    alignas(64) double g[4 * chunk], grown[chunk], felt[chunk];
+    double *gx = g, *gy = g + chunk, *hx = g + 2 * chunk, *hy = g + 3 * chunk;
     const Eigen::Index N = u.rows();
     for (int done = 0; done < squares_.count; done += chunk) {
         const int n = std::min(chunk, squares_.count - done), a = squares_.first + done;
         const double *ux = u.data() + a, *uy = ux + N;
         double *fx = f.data() + a, *fy = fx + N;
         const auto [b, c, d] = std::array{squares_.b, squares_.c, squares_.d};
-        kernel::squares(n, squares_.px.data() + done, squares_.py.data() + done, squares_.qx.data() + done, squares_.qy.data() + done,
-                        squares_.gain.data() + done, ux, uy, ux + b, uy + b, ux + c, uy + c, ux + d, uy + d, gx, gy, hx, hy);
+        const double *px = squares_.px.data() + done, *py = squares_.py.data() + done, *qx = squares_.qx.data() + done, *qy = squares_.qy.data() + done,
+                     *gain = squares_.gain.data() + done;
+        if (memory) {
+            kernel::squares_grown(n, px, py, qx, qy, ux, uy, ux + b, uy + b, ux + c, uy + c, ux + d, uy + d, gx, gy, hx, hy, grown);
+            memory->step(first_square_ + done, n, grown, felt);
+            kernel::times(n, gain, felt, 4, g);
+        } else {
+            kernel::squares(n, px, py, qx, qy, gain, ux, uy, ux + b, uy + b, ux + c, uy + c, ux + d, uy + d, gx, gy, hx, hy);
+        }
         kernel::add_pair(n, gx, fx, fx + c);
         kernel::add_pair(n, gy, fy, fy + c);
         kernel::add_pair(n, hx, fx + b, fx + d);
         kernel::add_pair(n, hy, fy + b, fy + d);
     }
+}
+
+double RealtimeLaw::energy(const NodeColumns& u, BranchMemory memory) const {
+    if (memory.empty()) return energy(u);
+    NodeColumns f(u.rows(), u.cols());
+    Eigen::VectorXd scratch(scratch_size());
+    force(u, f, scratch, memory);
+    double twice = 0;
+    for (int slot : springs_.slot_of_spring()) twice += theta_[slot] * memory.stored(slot);
+    for (int k = 0; k < squares_.count; ++k) twice += squares_.gain[static_cast<std::size_t>(k)] * memory.stored(first_square_ + k);
+    for (std::size_t r = 0; r < regions_.size(); ++r) twice += regions_[r].gain * memory.stored(first_region_ + static_cast<int>(r));
+    for (int k = 0; k < boxes_.count; ++k) twice += boxes_.gain[static_cast<std::size_t>(k)] * memory.stored(first_box_ + k);
+    for (Eigen::Index node = 0; node < tetrahedra_.node_gain.size(); ++node)
+        twice += tetrahedra_.node_gain[node] * memory.stored(first_node_ + static_cast<int>(node));
+    return twice / 2;
 }
 
 double RealtimeLaw::energy(const NodeColumns& u) const {

@@ -24,12 +24,21 @@ class RealtimeLaw {
     RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs);
 
     /// dW/du: what holds u [N]. Fixed nodes get theirs too. scratch: of the caller, of scratch_size(); what is in it means nothing.
+    /// memory: of a law that relaxes, made by memory(); empty, it is the instantaneous one. It goes on by a step, to u.
     /// No allocation; cost in proportion to springs, outlines and cells.
-    void force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch) const noexcept;
+    void force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch, BranchMemory& memory) const noexcept;
+    void force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch) const noexcept;  ///< of the instantaneous law
     Eigen::Index scratch_size() const;
 
-    /// W without a contact's [J].
+    /// At rest from all time, for steps of this length; empty where the law does not relax.
+    BranchMemory memory(double dt_s) const;
+    ToolMemory tool_memory(double dt_s) const;
+    double slowest_s() const { return relaxation_.empty() ? 0 : relaxation_.tau_s.maxCoeff(); }  ///< 0 where it does not relax
+
+    /// W without a contact's [J], of the instantaneous law.
     double energy(const NodeColumns& u) const;
+    /// What springs, cells and their branches store [J] at u, a step after what memory has seen.
+    double energy(const NodeColumns& u, BranchMemory memory) const;
 
     /// The contact at a place of the mesh's boundary, as training and evaluation have it (ContactKernel::tool_at). No allocation.
     void contact(int facet, const Eigen::Vector3d& weight, ToolSpring& tool) const noexcept { kernel_->tool_at(facet, weight, patch_, tool); }
@@ -42,11 +51,13 @@ class RealtimeLaw {
         int first = 0, count = 0, b = 0, c = 0, d = 0;
         std::vector<double> px, py, qx, qy;  ///< rest diagonals, first to third and second to fourth corner [m]
         std::vector<double> gain;            ///< A / (4 a) [N/m3]: half of A (area - a) / a over area - a, and a cross product's half
+        std::vector<Eigen::Index> constant;  ///< which of the law's it has, -1 where there is no square
     };
     /// A region: nodes of its outline in order, in walks that close. steps [begin, end) of walk_.
     struct Region {
         int begin, end;
         double gain;  ///< A / (4 a) [N/m3]
+        Eigen::Index constant;
     };
     struct Step {
         int node, before, after;
@@ -60,6 +71,7 @@ class RealtimeLaw {
         bool alike = true;                 ///< all have the first one's edges
         std::vector<double> edge[9];
         std::vector<double> gain;          ///< A / (4096 V) [N/m5]: of A V (J - 1)^2 / 2, with J - 1 a determinant of sums of four
+        std::vector<Eigen::Index> constant;
     };
     /// A shape's tetrahedra, T of them: edges from its first node to the others at rest.
     struct Tetrahedra {
@@ -67,21 +79,28 @@ class RealtimeLaw {
         std::vector<int> node[4];
         std::vector<double> edge[9];       ///< [m]
         Eigen::VectorXd node_gain;         ///< A / (36 V) of what lies around a node [N/m5] (N): of six times what it has grown by
+        std::vector<Eigen::Index> constant;  ///< (N)
     };
 
-    void add_plane_cells(const Elements& cells, const Eigen::VectorXd& constants);
-    bool add_squares(const Elements& cells, const Eigen::VectorXd& constants);
-    void add_region(const std::vector<std::array<int, 2>>& edges, double constant);
-    void add_boxes(const Elements& cells, const Eigen::VectorXd& constants);
+    // first: of the kind's constants among the law's
+    void add_plane_cells(const Elements& cells, const Eigen::VectorXd& constants, Eigen::Index first);
+    bool add_squares(const Elements& cells, const Eigen::VectorXd& constants, Eigen::Index first);
+    void add_region(const std::vector<std::array<int, 2>>& edges, double constant, Eigen::Index index);
+    void add_boxes(const Elements& cells, const Eigen::VectorXd& constants, Eigen::Index first);
     void add_tetrahedra(const TissueModel& model, const TissueEnergy& energy);
     double twice_growth(const Region& region, const NodeColumns& u) const noexcept;
-    void squares_force(const NodeColumns& u, NodeColumns& f) const noexcept;
-    void boxes_force(const NodeColumns& u, NodeColumns& f) const noexcept;
+    void squares_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
+    void regions_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
+    void boxes_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
     void tetrahedra_growth(const NodeColumns& u, Eigen::VectorXd& scratch) const noexcept;
-    void tetrahedra_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch) const noexcept;
+    void tetrahedra_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch, BranchMemory* memory) const noexcept;
+    void all_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch, BranchMemory* memory) const noexcept;
 
     const RealtimeMesh& springs_;
     Eigen::VectorXd theta_;  ///< by slot (P)
+    Relaxation relaxation_;
+    int first_square_ = 0, first_region_ = 0, first_box_ = 0, first_node_ = 0;  ///< in a memory, after the springs' slots
+    std::vector<Eigen::Index> spring_of_slot_;                                   ///< (P), -1 where there is none
     Squares squares_;
     std::vector<Region> regions_;
     std::vector<Step> walk_;

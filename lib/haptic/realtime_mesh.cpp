@@ -118,10 +118,10 @@ Eigen::VectorXd RealtimeMesh::to_slots(const Eigen::Ref<const Eigen::VectorXd>& 
     return by_slot;
 }
 
-void RealtimeMesh::force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f) const noexcept {
+void RealtimeMesh::force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept {
     std::fill(f.data(), f.data() + f.size(), 0.0);
-    bands_force(theta, u, f);
-    loose_force(theta, u, f);
+    bands_force(theta, u, f, memory);
+    loose_force(theta, u, f, memory);
 }
 
 /// What the law sees of the springs from one slot on, but for the displacement of their ends and the force on them.
@@ -139,7 +139,7 @@ SpringRun RealtimeMesh::run_at(int slot, const Eigen::VectorXd& theta) const noe
 
 /// All bands of a few nodes, then the next: what they read and write is still near. Forces on the first ends gather in an
 /// array of their own, so that no run overlaps itself.
-void RealtimeMesh::bands_force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f) const noexcept {
+void RealtimeMesh::bands_force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept {
     alignas(64) double own[3][chunk];
     const int D = dimension(), N = node_count();
     for (int first = 0; first < N && !bands_.empty(); first += chunk) {
@@ -149,6 +149,8 @@ void RealtimeMesh::bands_force(const Eigen::VectorXd& theta, const NodeColumns& 
             const int i = std::max(first, band.first_node), n = std::min(last, band.first_node + band.count) - i, j = i + band.offset;
             if (n <= 0) continue;
             SpringRun run = run_at(band.first_slot + i - band.first_node, theta);
+            run.memory = memory;
+            run.first = band.first_slot + i - band.first_node;
             run.parallel = band.parallel;
             run.alike = band.alike;
             run.one_length = band.length;
@@ -167,13 +169,15 @@ void RealtimeMesh::bands_force(const Eigen::VectorXd& theta, const NodeColumns& 
 }
 
 /// The ends of loose springs lie anywhere: they are gathered, and their forces scattered.
-void RealtimeMesh::loose_force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f) const noexcept {
+void RealtimeMesh::loose_force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept {
     alignas(64) double u_i[3][chunk], u_j[3][chunk], f_i[3][chunk], f_j[3][chunk];
     const int D = dimension();
     for (int first = loose_slot_; first < slot_count(); first += chunk) {
         const int n = std::min(chunk, slot_count() - first);
         const int *i = first_.data() + first, *j = second_.data() + first;
         SpringRun run = run_at(first, theta);
+        run.memory = memory;
+        run.first = first;
         for (int d = 0; d < D; ++d) {
             const double* from = u.col(d).data();
             for (int k = 0; k < n; ++k) {

@@ -49,7 +49,8 @@ class RealtimeMesh {
 
     /// f = K(theta) u, (10): the external nodal force [N] that holds u. theta by slot. Fixed nodes get theirs too.
     /// No allocation; cost in proportion to the springs.
-    void force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f) const noexcept;
+    /// memory: of the elongation of springs that turn and relax, by slot; null where they do not. It goes on by a step.
+    void force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f, BranchMemory* memory = nullptr) const noexcept;
 
     /// Energy in the springs [J]. No allocation.
     double potential_energy(const Eigen::VectorXd& theta, const NodeColumns& u) const noexcept;
@@ -62,8 +63,8 @@ class RealtimeMesh {
     SparseMatrix stiffness_at_rest(const Eigen::VectorXd& theta) const;
 
    private:
-    void bands_force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f) const noexcept;
-    void loose_force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f) const noexcept;
+    void bands_force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
+    void loose_force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
     SpringRun run_at(int slot, const Eigen::VectorXd& theta) const noexcept;
 
     std::shared_ptr<const SpringLaw> law_;

@@ -53,7 +53,13 @@ TissueModel untrained(const TissueModel& model) {
     return heuristic;
 }
 
-/// Which step runs, and with how much damping: from the spectrum.
+/// In the plane Van Gelder's springs remember nothing: beside a law that relaxes they are what is left of them after long.
+Eigen::VectorXd left_of_heuristic(const TissueModel& model) {
+    if (!model.energy_law || model.energy_law->relaxation.empty()) return model.heuristic_a;
+    return model.heuristic_a.array() * (1 - model.energy_law->relaxation.share.topRows(model.mesh.spring_count()).rowwise().sum().array());
+}
+
+/// Which step runs, and with how much damping: from the spectrum, of the instantaneous stiffness.
 void choose_law_dynamics(const TissueModel& model, HapticMesh& mesh, const HapticOptions& o) {
     const LawSpectrum spectrum = law_spectrum(model, mesh.springs);
     const double lowest = std::sqrt(spectrum.smallest);
@@ -90,7 +96,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     if (!(o.dt_s > 0)) throw MismatchError("dt must be positive");
     if (!(o.innovation > 0 && o.innovation <= 1)) throw MismatchError("the innovation gamma must lie in (0, 1]");
     if (!(o.coupling_ratio > 0)) throw MismatchError("the coupling ratio must be positive");
-    if (!o.damping_ratio) o.damping_ratio = model.energy_law ? 0.17 : 0.05;
+    if (!o.damping_ratio) o.damping_ratio = !model.energy_law ? 0.05 : model.energy_law->relaxation.empty() ? 0.17 : 0.01;
     if (!(*o.damping_ratio >= 0)) throw MismatchError("the damping ratio must not be negative");
     if (!(o.safety.force_max_N > 0) || !(o.safety.slew_N_s > 0) || !(o.safety.speed_max_m_s > 0))
         throw MismatchError("the limits of force, slew and speed must be positive");
@@ -127,7 +133,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     if (o.heuristic_mesh && is_solid())
         meshes.push_back(make_law_mesh("heuristic", untrained(model), beside));
     else if (o.heuristic_mesh)
-        meshes.push_back(make_mesh("heuristic", model, model.law, model.heuristic_a.transpose(), beside));
+        meshes.push_back(make_mesh("heuristic", model, model.law, left_of_heuristic(model).transpose(), beside));
     const auto springs = std::find_if(meshes.begin(), meshes.end(), [](const auto& mesh) { return !mesh->law; });
     if (springs != meshes.end())
         stiffness = std::make_unique<ContactStiffness>((*springs)->springs, first_set, (*springs)->theta_of_set);
@@ -145,6 +151,11 @@ Simulation::Simulation(const HapticModel& model) : model_(model), safety_(model.
         surfaces_.push_back(make_moving_surface(model.rest));
         dynamics_.push_back(make_dynamics(mesh->dynamics, mesh->springs,
                                           {model.options.dt_s, mesh->damping_1_s, mesh->substeps, mesh->law.get()}));
+        tool_memory_.emplace_back();
+        if (!mesh->law) continue;
+        const double step_s = model.options.dt_s / mesh->substeps;
+        states_.back().memory = mesh->law->memory(step_s);
+        tool_memory_.back() = mesh->law->tool_memory(step_s);
     }
     record_.master_m = record_.proxy_m = record_.contact_displacement_m = record_.coupling_N = Point::Zero(model.dimension());
     place_surfaces();
@@ -155,6 +166,7 @@ void Simulation::reset() noexcept {
         state.displacement.setZero();
         state.velocity.setZero();
         state.acceleration.setZero();
+        state.memory.forget();
         state.theta_changed = true;
     }
     place_surfaces();
@@ -218,8 +230,9 @@ void Simulation::place_surfaces() noexcept {
 /// long that damping has left e^-5 of any swing, and it still is a tenth of the nodes' distance away.
 bool Simulation::come_to_rest_elsewhere() const noexcept {
     const HapticMesh& learned = *model_.meshes[0];
-    const double settled_s = 10 / learned.damping_1_s;
-    return learned.law && static_cast<double>(untouched_) * model_.options.dt_s > settled_s &&
+    if (!learned.law) return false;
+    const double settled_s = 10 / learned.damping_1_s + 10 * learned.law->slowest_s();
+    return static_cast<double>(untouched_) * model_.options.dt_s > settled_s &&
            states_[0].displacement.cwiseAbs().maxCoeff() > 0.1 * learned.law->spacing_m();
 }
 
@@ -281,6 +294,7 @@ void Simulation::begin_contact(int mesh, const Point& master_m) noexcept {
     const HapticMesh& pressed = *model_.meshes[static_cast<std::size_t>(mesh)];
     touched_m_ = pressed.springs.rest_place(contact_.where.facet, contact_.where.weight);
     if (model_.is_law()) model_.meshes[0]->law->contact(contact_.where.facet, contact_.where.weight, tool_);
+    for (ToolMemory& memory : tool_memory_) memory.forget();
     if (pressed.law)
         contact_.pressing = tool_pushes(master_m);
     else
@@ -293,7 +307,8 @@ bool Simulation::tool_pushes(const Point& master_m) const noexcept {
     const auto m = static_cast<std::size_t>(touched_);
     const Point push = master_m - model_.meshes[m]->place_m - touched_m_;
     const NodeColumns& u = states_[m].displacement;
-    return tool_.mean_N(push, u).dot(tool_.inward()) > 0 || tool_.hand_N(push, u).dot(tool_.inward()) > 0;
+    const ToolMemory& memory = tool_memory_[m];
+    return tool_.mean_N(push, u, &memory).dot(tool_.inward()) > 0 || tool_.hand_N(push, u, &memory).dot(tool_.inward()) > 0;
 }
 
 /// A law's contact keeps its place, and presses while it pushes the tool out. The surface does not say whether:
@@ -319,7 +334,8 @@ void Simulation::slide(const Point& master_m) noexcept {
     const HapticMesh& mesh = *model_.meshes[m];
     const MovingSurface& now = *surfaces_[m];
     if (mesh.law) {
-        friction_.slide(model_.surface, mesh.springs, *mesh.law, states_[m].displacement, master_m - mesh.place_m, contact_.where, touched_m_, tool_);
+        friction_.slide(model_.surface, mesh.springs, *mesh.law, states_[m].displacement, master_m - mesh.place_m, contact_.where, touched_m_, tool_,
+                        tool_memory_[m]);
         contact_.where.position_m = now.at(contact_.where.facet, contact_.where.weight);
     } else {
         friction_.slide(model_.surface, mesh.springs, now, coupling_N_m_, master_m, contact_.where);
@@ -368,7 +384,7 @@ Point Simulation::displacement_at_contact(std::size_t mesh) const noexcept {
     if (record_.mesh < 0) return Point::Zero(model_.dimension());
     const HapticMesh& asked = *model_.meshes[mesh];
     const NodeColumns& u = states_[mesh].displacement;
-    if (asked.law) return static_cast<int>(mesh) == record_.mesh ? Point(record_.master_m - asked.place_m - touched_m_) : tool_.push_at(-record_.coupling_N, u);
+    if (asked.law) return static_cast<int>(mesh) == record_.mesh ? Point(record_.master_m - asked.place_m - touched_m_) : tool_.push_at(-record_.coupling_N, u, &tool_memory_[mesh]);
     const Cells& facets = asked.springs.facets();
     Point sum = Point::Zero(model_.dimension());
     for (Eigen::Index k = 0; k < facets.cols(); ++k) sum += record_.weight[k] * u.row(facets(record_.facet, k)).transpose();
@@ -392,6 +408,7 @@ Point Simulation::step_meshes(const Point& master_m) noexcept {
     untouched_ = contact_.pressing ? 0 : untouched_ + 1;
     if (!contact_.pressing) {
         for (std::size_t m = 0; m < states_.size(); ++m) dynamics_[m]->step(states_[m], {});
+        if (contact_.contact) remember_contact(master_m);
         return Point::Zero(model_.dimension());
     }
     record_.mesh = touched_;
@@ -402,6 +419,7 @@ Point Simulation::step_meshes(const Point& master_m) noexcept {
     ContactLoad load;
     const auto step = [&](std::size_t m) {
         load.tool = model_.meshes[m]->law ? &tool_ : nullptr;
+        load.memory = tool_memory_[m].empty() ? nullptr : &tool_memory_[m];
         if (load.tool && m == 0) record_.contact_displacement_m = load.tool_push(states_[m].displacement);
         return dynamics_[m]->step(states_[m], load);
     };
@@ -422,6 +440,14 @@ Point Simulation::step_meshes(const Point& master_m) noexcept {
     for (std::size_t m = 0; m < states_.size(); ++m)
         if (m != touched) step(m);
     return force;
+}
+
+/// A law's contact that does not press for a while forgets as time goes by: its gap goes on.
+void Simulation::remember_contact(const Point& master_m) noexcept {
+    const auto m = static_cast<std::size_t>(touched_);
+    if (tool_memory_[m].empty()) return;
+    const HapticMesh& mesh = *model_.meshes[m];
+    for (int k = 0; k < mesh.substeps; ++k) tool_.remember(master_m - mesh.place_m - touched_m_, states_[m].displacement, tool_memory_[m]);
 }
 
 /// No force in this tick, whatever slew says, and none until the master has been outside. Meshes go on by themselves.

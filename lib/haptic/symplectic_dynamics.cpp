@@ -38,7 +38,7 @@ class SymplecticDynamics final : public Dynamics {
         Point tool = Point::Zero(mesh_.dimension());
         for (int k = 0; k < substeps_; ++k) {
             if (law_)
-                law_->force(s.displacement, s.force, scratch_);
+                law_->force(s.displacement, s.force, scratch_, s.memory);
             else
                 mesh_.force(s.theta, s.displacement, s.force);
             if (load.tool) held_ = s.displacement + ahead_s_ * s.velocity;

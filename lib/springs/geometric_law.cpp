@@ -122,9 +122,93 @@ TISSUE_HOT void geometric_solid_alike(const SpringRun& r, int n, double sx, doub
     }
 }
 
+/// Current spans and one over their lengths, and how far springs are drawn out. In the plane.
+TISSUE_HOT void drawn_out(const SpringRun& r, int n, double* __restrict x, double* __restrict y, double* __restrict inverse, double* __restrict by) {
+    for (int k = 0; k < n; ++k) {
+        x[k] = r.span[0][k] + (r.u_j[0][k] - r.u_i[0][k]);
+        y[k] = r.span[1][k] + (r.u_j[1][k] - r.u_i[1][k]);
+        const double squared = std::max(x[k] * x[k] + y[k] * y[k], no_length_m * no_length_m);
+        inverse[k] = inverse_root(squared);
+        by[k] = squared * inverse[k] - r.length[k];
+    }
+}
+
+TISSUE_HOT void drawn_out_alike(const SpringRun& r, int n, double sx, double sy, double length, double* __restrict x, double* __restrict y,
+                                double* __restrict inverse, double* __restrict by) {
+    for (int k = 0; k < n; ++k) {
+        x[k] = sx + (r.u_j[0][k] - r.u_i[0][k]);
+        y[k] = sy + (r.u_j[1][k] - r.u_i[1][k]);
+        const double squared = std::max(x[k] * x[k] + y[k] * y[k], no_length_m * no_length_m);
+        inverse[k] = inverse_root(squared);
+        by[k] = squared * inverse[k] - length;
+    }
+}
+
+/// Both in space.
+TISSUE_HOT void drawn_out_solid(const SpringRun& r, int n, double* __restrict x, double* __restrict y, double* __restrict z, double* __restrict inverse,
+                                double* __restrict by) {
+    for (int k = 0; k < n; ++k) {
+        x[k] = r.span[0][k] + (r.u_j[0][k] - r.u_i[0][k]);
+        y[k] = r.span[1][k] + (r.u_j[1][k] - r.u_i[1][k]);
+        z[k] = r.span[2][k] + (r.u_j[2][k] - r.u_i[2][k]);
+        const double squared = std::max(x[k] * x[k] + y[k] * y[k] + z[k] * z[k], no_length_m * no_length_m);
+        inverse[k] = inverse_root(squared);
+        by[k] = squared * inverse[k] - r.length[k];
+    }
+}
+
+TISSUE_HOT void drawn_out_solid_alike(const SpringRun& r, int n, double sx, double sy, double sz, double length, double* __restrict x,
+                                      double* __restrict y, double* __restrict z, double* __restrict inverse, double* __restrict by) {
+    for (int k = 0; k < n; ++k) {
+        x[k] = sx + (r.u_j[0][k] - r.u_i[0][k]);
+        y[k] = sy + (r.u_j[1][k] - r.u_i[1][k]);
+        z[k] = sz + (r.u_j[2][k] - r.u_i[2][k]);
+        const double squared = std::max(x[k] * x[k] + y[k] * y[k] + z[k] * z[k], no_length_m * no_length_m);
+        inverse[k] = inverse_root(squared);
+        by[k] = squared * inverse[k] - length;
+    }
+}
+
+/// pull = theta inverse by, in place of inverse.
+TISSUE_HOT void pull_of(int n, const double* __restrict theta, const double* __restrict by, double* __restrict inverse) {
+    for (int k = 0; k < n; ++k) inverse[k] *= theta[k] * by[k];
+}
+
+/// f_i -= pull x, f_j += pull x, one axis.
+TISSUE_HOT void put_on_ends(int n, const double* __restrict pull, const double* __restrict x, double* __restrict f_i, double* __restrict f_j) {
+    for (int k = 0; k < n; ++k) {
+        const double g = pull[k] * x[k];
+        f_i[k] -= g;
+        f_j[k] += g;
+    }
+}
+
 }  // namespace kernel
 
+namespace {
+
+constexpr int chunk = 256;
+
+/// Springs that relax pull with what their memory makes of how far they are drawn out.
+void pull_with_memory(const SpringRun& r, int n) noexcept {
+    alignas(64) double span[3][chunk], inverse[chunk], by[chunk], felt[chunk];
+    if (r.dimension == 2 && r.alike)
+        kernel::drawn_out_alike(r, n, r.one_span[0], r.one_span[1], r.one_length, span[0], span[1], inverse, by);
+    else if (r.dimension == 2)
+        kernel::drawn_out(r, n, span[0], span[1], inverse, by);
+    else if (r.alike)
+        kernel::drawn_out_solid_alike(r, n, r.one_span[0], r.one_span[1], r.one_span[2], r.one_length, span[0], span[1], span[2], inverse, by);
+    else
+        kernel::drawn_out_solid(r, n, span[0], span[1], span[2], inverse, by);
+    r.memory->step(r.first, n, by, felt);
+    kernel::pull_of(n, r.theta, felt, inverse);
+    for (int d = 0; d < r.dimension; ++d) kernel::put_on_ends(n, inverse, span[d], r.f_i[d], r.f_j[d]);
+}
+
+}  // namespace
+
 void Hookean::pull(const SpringRun& r, int n) noexcept {
+    if (r.memory) return pull_with_memory(r, n);
     if (r.dimension == 2 && r.alike)
         kernel::geometric_alike(r, n, r.one_span[0], r.one_span[1], r.one_length, r.f_i[0], r.f_i[1], r.f_j[0], r.f_j[1]);
     else if (r.dimension == 2)

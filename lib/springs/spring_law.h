@@ -7,6 +7,7 @@
 
 #include "mesh/spring_mesh.h"
 #include "registry.h"
+#include "springs/branch_memory.h"
 
 namespace tissue {
 
@@ -25,6 +26,8 @@ struct SpringRun {
     bool alike = false;                 ///< and one rest length: a lattice's
     double one_axis[3], one_span[3], one_length;  ///< these; where they do, the arrays are not read
     double *f_i[3], *f_j[3];            ///< the external force that holds each end [N]: the springs' is added. No array meets another
+    BranchMemory* memory = nullptr;     ///< of springs that turn and relax: of elongations [m],
+    int first = 0;                      ///< in which element k of the run is this one + k
 };
 
 /// How a spring turns displacement into force, the paper's (10): f = A(u) theta, always linear in the stiffness

@@ -11,6 +11,7 @@
 #include "springs/spring_law.h"
 #include "springs/tissue_energy.h"
 #include "springs/tissue_table.h"
+#include "springs/tool_spring.h"
 #include "version.h"
 
 namespace tissue {
@@ -85,6 +86,9 @@ const DatasetTable& law_table(bool solid) {
         {"/law/patch_log", "K x F", Values::logarithm(), "log(N/m)",
          "contact: normal, tangent, rotation, stretch, of a disc normal, tangent, imprint_normal, imprint_tangent, hardening, saturation, coupling; "
          "by 1, phase, corner (of a disc ground), edge, on a shape in space curved, crowd"},
+        {"/law/relaxation_time", "B", Values::positive(), "s", "of each branch; absent where the law does not relax", Rows::ascending, true},
+        {"/law/share", "E x B", Values::not_negative(), "1", "of each of the constants, sums below 1", Rows::any, true},
+        {"/law/contact_share", "B", Values::not_negative(), "1", "and of the contact", Rows::any, true},
     };
     static const DatasetTable space = joined(plane, {
         {"/law/ground", "G x 4", Values::place(), "m, m3", "what under a disc is of other stiffness: place, volume times log(E / E_block)", Rows::any, true},
@@ -115,6 +119,10 @@ void write_law(Hdf5Writer& file, const LawModel& law) {
     file.attribute("/law", "incompressible", law.incompressible ? 1.0 : 0.0);
     if (law.ground.rows() > 0) out.write("/law/ground", law.ground);
     if (law.patch.hardens()) file.attribute("/law", "disc_radius_m", law.disc_radius_m);
+    if (law.relaxation.empty()) return;
+    out.write("/law/relaxation_time", law.relaxation.tau_s);
+    out.write("/law/share", law.relaxation.share);
+    out.write("/law/contact_share", law.relaxation.contact_share);
 }
 
 /// in: of the mesh, with its lengths.
@@ -149,6 +157,13 @@ LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
     if (incompressible != 0 && incompressible != 1)
         in.refuse("/law", fmt::format("attribute 'incompressible' is {}, must be 0 or 1", incompressible));
     law.incompressible = incompressible == 1;
+    if (in.has("/law/relaxation_time")) {
+        law.relaxation = {in.vector("/law/relaxation_time"), in.field("/law/share"), in.vector("/law/contact_share")};
+        if (law.relaxation.branches() > ToolMemory::most_branches)
+            in.refuse("/law/relaxation_time", fmt::format("are {}, more than {}", law.relaxation.branches(), ToolMemory::most_branches));
+        if (!(law.relaxation.share.rowwise().sum().maxCoeff() < 1)) in.refuse("/law/share", "sum to 1 or more in a row");
+        if (!(law.relaxation.contact_share.sum() < 1)) in.refuse("/law/contact_share", "sum to 1 or more");
+    }
     try {
         const int wanted = TissueEnergy(mesh, law.incompressible).constant_count();
         if (law.constants.size() != wanted)
@@ -195,6 +210,7 @@ void write_tissue(Hdf5Writer& file, const TissueModel& model) {
 }
 
 int format_of(const TissueModel& model) {
+    if (model.energy_law && !model.energy_law->relaxation.empty()) return time_format_version;
     if (model.mesh.is_solid()) return solid_format_version;
     return model.energy_law ? law_format_version : format_version;
 }

@@ -7,6 +7,7 @@
 #include "io/hdf5_store.h"
 #include "mesh/spring_mesh.h"
 #include "springs/contact_patch.h"
+#include "springs/relaxation.h"
 
 namespace tissue {
 
@@ -25,6 +26,7 @@ struct LawModel {
     bool incompressible = false;           ///< whether regions keep their area too (TissueEnergy)
     double disc_radius_m = 0;              ///< in space: of the disc that presses,
     NodeField ground = {};                 ///< and what under it is of other stiffness (G x 4, springs/disc_contact.h); often no rows
+    Relaxation relaxation = {};            ///< of constants and contact, which are the instantaneous ones; often none
 };
 
 /// What plays: everything that the realtime core, the exports and the page need. What training wrote down beside it is

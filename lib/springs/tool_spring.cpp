@@ -1,8 +1,62 @@
 #include "springs/tool_spring.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/LU>
+#include <cmath>
+
+#include "error.h"
 
 namespace tissue {
+
+ToolMemory::ToolMemory(const Eigen::VectorXd& tau_s, const Eigen::VectorXd& share, double dt_s) : branches_(static_cast<int>(tau_s.size())) {
+    static_assert(most_groups == ToolSpring::most_nodes + 1);
+    if (branches_ > most_branches) throw MismatchError(fmt::format("a contact of {} branches; the tick has room for {}", branches_, most_branches));
+    for (int k = 0; k < branches_; ++k) {
+        decay_[k] = std::exp(-dt_s / tau_s[k]);
+        const double mean = -std::expm1(-dt_s / tau_s[k]) * tau_s[k] / dt_s;
+        risen_[k] = share[k] * mean;
+        left_ -= share[k] * (1 - mean);
+    }
+    forget();
+}
+
+void ToolMemory::forget() noexcept {
+    for (int g = 0; g < most_groups; ++g) {
+        before_[g].setZero();
+        known_[g].setZero();
+        for (int k = 0; k < branches_; ++k) part_[k][g].setZero();
+    }
+}
+
+void ToolMemory::know(int group) noexcept {
+    known_[group].setZero();
+    for (int k = 0; k < branches_; ++k) known_[group] += decay_[k] * part_[k][group] - risen_[k] * before_[group];
+}
+
+void ToolMemory::step(int group, const Eigen::Vector3d& now_N) noexcept {
+    const Eigen::Vector3d by = now_N - before_[group];
+    for (int k = 0; k < branches_; ++k) part_[k][group] = decay_[k] * part_[k][group] + risen_[k] * by;
+    before_[group] = now_N;
+    know(group);
+}
+
+void ToolMemory::follow(const ToolSpring& from, const ToolSpring& to) noexcept {
+    if (branches_ == 0) return;
+    Eigen::Vector3d before[most_groups], part[most_branches][most_groups];
+    for (int g = 0; g < to.group_count(); ++g) {
+        int old = 0;
+        while (old < from.group_count() && from.group_key(old) != to.group_key(g)) ++old;
+        const bool had = old < from.group_count();
+        before[g] = had ? before_[old] : Eigen::Vector3d(Eigen::Vector3d::Zero());
+        for (int k = 0; k < branches_; ++k) part[k][g] = had ? part_[k][old] : Eigen::Vector3d(Eigen::Vector3d::Zero());
+    }
+    for (int g = 0; g < to.group_count(); ++g) {
+        before_[g] = before[g];
+        for (int k = 0; k < branches_; ++k) part_[k][g] = part[k][g];
+        know(g);
+    }
+}
 
 void ToolSpring::begin(int dimension, const Point& inward) noexcept {
     dimension_ = dimension;
@@ -67,33 +121,46 @@ ToolSpring::Hardening ToolSpring::hardened(const Eigen::Vector3d& gap) const noe
     return h;
 }
 
-Point ToolSpring::hand_N(const Point& push_m, const NodeColumns& u) const noexcept {
+/// T0 = dE/de of a group.
+Eigen::Vector3d ToolSpring::now_N(int group, const Eigen::Vector3d& e) const noexcept {
+    Eigen::Vector3d q = group_[group].stiffness * e;
+    if (group == 0) q += hardened(e).slope;
+    return q;
+}
+
+Eigen::Vector3d ToolSpring::felt_N(int group, const Eigen::Vector3d& e, const ToolMemory* memory) const noexcept {
+    return memory ? memory->felt_N(group, now_N(group, e)) : now_N(group, e);
+}
+
+int ToolSpring::group_key(int group) const noexcept {
+    const Group& g = group_[group];
+    return g.end - g.begin == 1 ? node_[g.begin] : -1 - group;
+}
+
+Point ToolSpring::hand_N(const Point& push_m, const NodeColumns& u, const ToolMemory* memory) const noexcept {
     const Eigen::Vector3d push = in_space(push_m);
     Eigen::Vector3d hand = Eigen::Vector3d::Zero();
-    for (int g = 0; g < groups_; ++g) {
-        const Eigen::Vector3d e = gap(group_[g], push, u);
-        Eigen::Vector3d q = group_[g].stiffness * e;
-        if (g == 0) q += hardened(e).slope;
-        hand += group_[g].target.transpose() * q;
-    }
+    for (int g = 0; g < groups_; ++g) hand += group_[g].target.transpose() * felt_N(g, gap(group_[g], push, u), memory);
     return hand.head(dimension_);
 }
 
-Point ToolSpring::mean_N(const Point& push_m, const NodeColumns& u) const noexcept {
+Point ToolSpring::mean_N(const Point& push_m, const NodeColumns& u, const ToolMemory* memory) const noexcept {
     if (groups_ == 0) return Point::Zero(dimension_);
-    const Eigen::Vector3d e = gap(group_[0], in_space(push_m), u);
-    const Eigen::Vector3d q = group_[0].stiffness * e + hardened(e).slope;
+    const Eigen::Vector3d q = felt_N(0, gap(group_[0], in_space(push_m), u), memory);
     return (group_[0].target.transpose() * q).head(dimension_);
 }
 
-Point ToolSpring::put_on(const Point& push_m, const NodeColumns& u, NodeColumns& f) const noexcept {
+Point ToolSpring::put_on(const Point& push_m, const NodeColumns& u, NodeColumns& f, ToolMemory* memory) const noexcept {
     const Eigen::Vector3d push = in_space(push_m);
     Eigen::Vector3d hand = Eigen::Vector3d::Zero();
     for (int g = 0; g < groups_; ++g) {
         const Group& group = group_[g];
-        const Eigen::Vector3d e = gap(group, push, u);
-        Eigen::Vector3d q = group.stiffness * e;
-        if (g == 0) q += hardened(e).slope;
+        Eigen::Vector3d q = now_N(g, gap(group, push, u));
+        if (memory) {
+            const Eigen::Vector3d now = q;
+            q = memory->felt_N(g, now);
+            memory->step(g, now);
+        }
         hand += group.target.transpose() * q;
         for (int k = group.begin; k < group.end; ++k)
             for (int axis = 0; axis < dimension_; ++axis) f(node_[k], axis) -= weight_[k] * q[axis];
@@ -101,18 +168,24 @@ Point ToolSpring::put_on(const Point& push_m, const NodeColumns& u, NodeColumns&
     return hand.head(dimension_);
 }
 
-double ToolSpring::energy_J(const Point& push_m, const NodeColumns& u) const noexcept {
+void ToolSpring::remember(const Point& push_m, const NodeColumns& u, ToolMemory& memory) const noexcept {
     const Eigen::Vector3d push = in_space(push_m);
-    double energy = 0;
+    for (int g = 0; g < groups_; ++g) memory.step(g, now_N(g, gap(group_[g], push, u)));
+}
+
+double ToolSpring::energy_J(const Point& push_m, const NodeColumns& u, const ToolMemory* memory) const noexcept {
+    const Eigen::Vector3d push = in_space(push_m);
+    double energy = 0, past = 0;
     for (int g = 0; g < groups_; ++g) {
         const Eigen::Vector3d e = gap(group_[g], push, u);
         energy += e.dot(group_[g].stiffness * e) / 2;
+        if (memory) past += memory->known_N(g).dot(e);
         if (g > 0) continue;
         const Hardening h = hardened(e);
         const double in = inward_.dot(e);
         energy += hardening_1_J_ * h.s * h.s / (2 * (1 + saturation_1_J_ * h.s)) + coupling_N_m2_ * in * (e - in * inward_).squaredNorm() / 2;
     }
-    return energy;
+    return memory ? memory->left() * energy + past : energy;
 }
 
 Eigen::Matrix3d ToolSpring::curvature(const Eigen::Vector3d& push, const NodeColumns& u) const noexcept {
@@ -133,18 +206,18 @@ Eigen::Matrix3d ToolSpring::curvature(const Eigen::Vector3d& push, const NodeCol
     return sum;
 }
 
-PointMatrix ToolSpring::stiffness_N_m(const Point& push_m, const NodeColumns& u) const noexcept {
-    return curvature(in_space(push_m), u).topLeftCorner(dimension_, dimension_);
+PointMatrix ToolSpring::stiffness_N_m(const Point& push_m, const NodeColumns& u, const ToolMemory* memory) const noexcept {
+    return (memory ? memory->left() : 1.0) * curvature(in_space(push_m), u).topLeftCorner(dimension_, dimension_);
 }
 
-Point ToolSpring::push_at(const Point& hand_N_asked, const NodeColumns& u) const noexcept {
+Point ToolSpring::push_at(const Point& hand_N_asked, const NodeColumns& u, const ToolMemory* memory) const noexcept {
     constexpr int most_steps = 8;
     const Eigen::Vector3d asked = in_space(hand_N_asked);
     Eigen::Vector3d push = tissue(group_[0], u);
     for (int step = 0; step < most_steps; ++step) {
-        const Eigen::Vector3d off = asked - in_space(hand_N(push.head(dimension_), u));
+        const Eigen::Vector3d off = asked - in_space(hand_N(push.head(dimension_), u, memory));
         if (!(off.norm() > 1e-12 * asked.norm())) break;
-        Eigen::Matrix3d k = curvature(push, u);
+        Eigen::Matrix3d k = (memory ? memory->left() : 1.0) * curvature(push, u);
         if (dimension_ == 2) k(2, 2) = 1;
         push += k.inverse() * off;
     }

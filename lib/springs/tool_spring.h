@@ -6,6 +6,48 @@
 
 namespace tissue {
 
+class ToolSpring;
+
+/// What a contact remembers while it moves in steps of one length, where it relaxes (springs/relaxation.h): of each of its groups the
+/// force T0 = dE/de that its gap e had a step ago, and of each branch Q_k,
+///   T = (1 - sum g_k) T0 + sum Q_k,   Q_k <- e_k Q_k + g_k c_k (T0 - T0_before)
+/// in the gap's own axes, exact where T0 goes straight. Passive for every convex E and every dt / tau: what is stored,
+///   (1 - sum g_k) E(e) + sum g_k (E(e) - E(v_k) - T0(v_k) (e - v_k)) with T0(v_k) = T0(e) - Q_k / g_k,
+/// grows by the work of T at a step's end at most, since T0(v_k) is then a mean of T0(e), T0(e_before) and T0(v_k) before, weights 1 - c_k,
+/// c_k - e_k and e_k. Storage of its own: nothing allocates.
+class ToolMemory {
+   public:
+    static constexpr int most_branches = 8, most_groups = 129;
+
+    ToolMemory() { forget(); }  ///< of a contact that does not relax
+    /// Throws MismatchError for more than most_branches.
+    ToolMemory(const Eigen::VectorXd& tau_s, const Eigen::VectorXd& share, double dt_s);
+
+    bool empty() const { return branches_ == 0; }
+
+    /// A contact that begins: it has felt nothing.
+    void forget() noexcept;
+    /// The contact has gone along the surface, and is another: groups keep what is theirs.
+    void follow(const ToolSpring& from, const ToolSpring& to) noexcept;
+
+    /// T of a group at T0, within the step that comes.
+    Eigen::Vector3d felt_N(int group, const Eigen::Vector3d& now_N) const noexcept { return branches_ == 0 ? now_N : Eigen::Vector3d(left_ * now_N + known_[group]); }
+    double left() const { return left_; }  ///< dT / dT0 within a step
+    const Eigen::Vector3d& known_N(int group) const { return known_[group]; }
+
+    /// The step ends at T0.
+    void step(int group, const Eigen::Vector3d& now_N) noexcept;
+
+   private:
+    void know(int group) noexcept;
+
+    int branches_ = 0;
+    double left_ = 1;
+    double decay_[most_branches] = {}, risen_[most_branches] = {};  ///< e, g c
+    Eigen::Vector3d before_[most_groups], known_[most_groups];      ///< T0 a step ago, and T of the step that comes at T0 = 0
+    Eigen::Vector3d part_[most_branches][most_groups];              ///< Q
+};
+
 /// One contact's energy (springs/contact_spring.h) as the tick holds it: the same rows, those along the axes of one place taken
 /// together, in storage of its own. With gap_g = target_g d - sum_i weight_gi u_i and K_g the rows' stiffness,
 ///   E = sum_g gap_g' K_g gap_g / 2 + hardening s^2 / (2 (1 + saturation s)) + coupling e_n |e_t|^2 / 2
@@ -26,18 +68,28 @@ class ToolSpring {
     int dimension() const { return dimension_; }
     Point inward() const { return inward_.head(dimension_); }
 
+    // memory: of a contact that relaxes; without one, or with an empty one, the instantaneous contact. What is asked of E is then, within
+    // the step that comes, of (1 - sum g (1 - c)) E plus what the past adds, linear in the gaps: as convex as E.
+
     /// dE/dd: the force of the tool on the tissue [N] (D), at a push d (D) and displacements u (N x D) [m].
-    Point hand_N(const Point& push_m, const NodeColumns& u) const noexcept;
+    Point hand_N(const Point& push_m, const NodeColumns& u, const ToolMemory* memory = nullptr) const noexcept;
     /// The first group's part of it, without the imprint.
-    Point mean_N(const Point& push_m, const NodeColumns& u) const noexcept;
-    /// The same as hand_N. Adds dE/du, what the contact asks of the rest to hold u, to f (N x D).
-    Point put_on(const Point& push_m, const NodeColumns& u, NodeColumns& f) const noexcept;
-    double energy_J(const Point& push_m, const NodeColumns& u) const noexcept;
+    Point mean_N(const Point& push_m, const NodeColumns& u, const ToolMemory* memory = nullptr) const noexcept;
+    /// The same as hand_N. Adds dE/du, what the contact asks of the rest to hold u, to f (N x D). memory goes on by a step.
+    Point put_on(const Point& push_m, const NodeColumns& u, NodeColumns& f, ToolMemory* memory = nullptr) const noexcept;
+    /// A step of memory alone, while the tool puts nothing on the tissue.
+    void remember(const Point& push_m, const NodeColumns& u, ToolMemory& memory) const noexcept;
+    double energy_J(const Point& push_m, const NodeColumns& u, const ToolMemory* memory = nullptr) const noexcept;
     /// Second derivative of E by d, nodes held [N/m] (D x D).
-    PointMatrix stiffness_N_m(const Point& push_m, const NodeColumns& u) const noexcept;
+    PointMatrix stiffness_N_m(const Point& push_m, const NodeColumns& u, const ToolMemory* memory = nullptr) const noexcept;
 
     /// The push at which the tool's force is this one: Newton from where the first group alone would have it.
-    Point push_at(const Point& hand_N, const NodeColumns& u) const noexcept;
+    Point push_at(const Point& hand_N, const NodeColumns& u, const ToolMemory* memory = nullptr) const noexcept;
+
+    int group_count() const { return groups_; }
+    /// What tells a group from the contact's others, wherever along the surface the contact is: of an imprint's its node, of the others
+    /// -1, -2, ..., the first at the front.
+    int group_key(int group) const noexcept;
 
    private:
     struct Group {
@@ -49,6 +101,8 @@ class ToolSpring {
         Eigen::Vector3d pull, slope;  ///< K gap of the first group, and what is added to it
     };
     Eigen::Vector3d gap(const Group& group, const Eigen::Vector3d& push, const NodeColumns& u) const noexcept;
+    Eigen::Vector3d now_N(int group, const Eigen::Vector3d& gap) const noexcept;
+    Eigen::Vector3d felt_N(int group, const Eigen::Vector3d& gap, const ToolMemory* memory) const noexcept;
     Eigen::Vector3d tissue(const Group& group, const NodeColumns& u) const noexcept;
     Hardening hardened(const Eigen::Vector3d& gap) const noexcept;
     Eigen::Matrix3d curvature(const Eigen::Vector3d& push, const NodeColumns& u) const noexcept;

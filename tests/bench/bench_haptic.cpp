@@ -330,6 +330,36 @@ StepTimes time_law_steps(const TissueModel& m, int batches) {
     return times;
 }
 
+/// One step of a law with three branches in every element and one of the same law without, turn by turn.
+std::pair<std::vector<double>, std::vector<double>> time_relaxing_steps(const TissueModel& elastic, int batches) {
+    TissueModel relaxing = elastic;
+    Relaxation& r = relaxing.energy_law->relaxation;
+    r.tau_s = Eigen::Vector3d(0.05, 1, 10);
+    r.contact_share = Eigen::Vector3d(0.30, 0.25, 0.20);
+    r.share = r.contact_share.transpose().replicate(elastic.energy_law->constants.size(), 1);
+    constexpr double dt = 5e-4;
+    const RealtimeMesh springs(elastic.mesh, "geometric", elastic.node_mass_kg);
+    std::vector<double> times[2];
+    const RealtimeLaw laws[2] = {RealtimeLaw(relaxing, springs), RealtimeLaw(elastic, springs)};
+    std::unique_ptr<Dynamics> dynamics[2];
+    std::vector<MeshState> states;
+    for (int which : {0, 1}) {
+        dynamics[which] = make_dynamics("symplectic", springs, {dt, 1, 1, &laws[which]});
+        states.emplace_back(springs, Eigen::VectorXd::Zero(springs.slot_count()));
+        states.back().memory = laws[which].memory(dt);
+        for (Eigen::Index i = 0; i < states.back().displacement.size(); ++i)
+            states.back().displacement.data()[i] = 1e-5 * std::sin(static_cast<double>(i));
+    }
+    constexpr int steps = 100;
+    for (int batch = 0; batch < batches + 3; ++batch)
+        for (int which : {0, 1}) {
+            const auto start = Clock::now();
+            for (int k = 0; k < steps; ++k) dynamics[which]->step(states[static_cast<std::size_t>(which)], {});
+            if (batch >= 3) times[which].push_back(microseconds(Clock::now() - start) / steps);
+        }
+    return {times[0], times[1]};
+}
+
 /// A law on the lattice of `surface`: the heuristic's constants, two steps a tick.
 TissueModel made_up_law() {
     constexpr double thickness_m = 0.1;
@@ -468,6 +498,8 @@ int main(int argc, char** argv) {
         const TissueModel law = made_up_law();
         const StepTimes law_step = time_law_steps<PlainLaw>(law, 3000);
         list.push_back(entry("haptic: mesh step, 11 x 11 grid8 law, 420 springs, 100 cells, 5 regions", "us", law_step.ours, law_step.peer));
+        const auto [relaxing, elastic] = time_relaxing_steps(law, 3000);
+        list.push_back(entry("haptic: the same with three branches, beside it without", "us", relaxing, elastic));
         const StepTimes triangles = time_triangles();
         list.push_back(entry("haptic: surface of " + std::to_string(triangles.springs) + " triangles, a tick's use", "us", triangles.ours, triangles.peer));
         list.back()["peer"] = "nearest point alone, triangle by triangle";

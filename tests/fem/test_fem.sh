@@ -3,7 +3,7 @@
 # Exits 0 when every check passed. Needs FreeFem++-nw and gmsh; takes under a minute.
 #
 # Sample runs: tests/fem/test_fem.sh
-#              tests/fem/test_fem.sh scripts|laws|shapes|orders|mirror|patch|memory|refusals      one group alone
+#              tests/fem/test_fem.sh scripts|laws|shapes|orders|mirror|patch|inertia|memory|refusals      one group alone
 here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
 fem=$here/../../fem
 only=${1:-all}
@@ -196,10 +196,43 @@ if group patch; then for f in plane-stress plane-strain; do
 done; fi
 
 # ---- tissue that relaxes: closed forms, and histories of a patch
+if group inertia; then
+script inertia.edp "-formulation plane-strain -density 1040"
+poke() { # NAME MORE: a patch of the top follows $work/poke.history
+  name=$1
+  shift
+  solve "$name" 10 0.01 1 0.05 0.1 0 -1 -formulation plane-strain -indenter patch -history "$work/$name.history" "$@"
+}
+for t in 40 0.1; do
+  awk -v T=$t 'BEGIN { for (n = 0; n <= 75; ++n) { s = n / 50; if (s > 1) s = 1; print n * T / 50, 0, -0.01 * s * s * s * (10 - 15 * s + 6 * s * s), 0 } }' > "$work/still$t.history"
+  cp "$work/still$t.history" "$work/moving$t.history"
+  poke still$t
+  poke moving$t -density 1040
+done
+# far FROM TO: largest distance of forces, relative to the largest force
+far() {
+  awk -F, 'FNR == NR { if ($1 == "step") f[$2] = $7; next } $1 == "step" { d = $7 - f[$2]; if (d < 0) d = -d; if (d > e) e = d; if (-f[$2] > m) m = -f[$2]; ++n }
+    END { print (n == 76 ? e / m : "nothing") }' "$work/$1.csv" "$work/$2.csv"
+}
+slow=$(far still40 moving40) quick=$(far still0.1 moving0.1)
+awk -v a="$slow" -v b="$quick" 'BEGIN { if (a + 0 > 0 && a < 1e-4) print "ok - a slow poke does not feel the mass, to " a; else print "not ok - a slow poke does not feel the mass: " a " vs 1e-4"
+  if (b + 0 > 0.1 && b < 1) print "ok - a quick one does, by " b " of its force"; else print "not ok - a quick one does: " b " vs 0.1 .. 1" }' | tee -a "$results"
+# what contact and bed do not balance is the mass's: of a slow poke nothing
+awk -F, '$1 == "step" { e = $7 + $9; if (e < 0) e = -e; if (FNR == NR) { if (e > slow) slow = e } else if (e > quick) quick = e }
+  END { if (slow < 1e-5 && quick > 0.01) print "ok - what contact and bed do not balance is the mass'"'"'s: " quick " N of a quick poke, " slow " of a slow one"
+        else print "not ok - what contact and bed do not balance is the mass'"'"'s: " quick " N of a quick poke, " slow " of a slow one vs > 0.01, < 1e-5" }' \
+  "$work/moving40.csv" "$work/moving0.1.csv" | tee -a "$results"
+refused() { # WHAT ARGUMENT VALUE
+  if solve bad 10 0.01 1 0.05 0.1 0 -1 -formulation plane-strain -indenter patch -history "$work/still0.1.history" "$2" "$3" >/dev/null 2>&1; then say "not ok - $1 is refused: it was not"; else say "ok - $1 is refused"; fi
+}
+refused "a density that is not positive" -density 0
+fi
+
 if group memory; then
 branches="-branches 2 -g1 0.45 -tau1 0.5 -g2 0.365 -tau2 50"
 script memory.edp "-formulation plane-strain $branches -state uniaxial"
 script memory.edp "-formulation plane-strain $branches -state shear"
+script memory.edp "-formulation plane-strain $branches -g1_11 0.1 -g2_11 0 -state uniaxial"
 script memory.edp "-formulation plane-strain -branches 3 -g1 0.3 -tau1 0.05 -g2 0.25 -tau2 1 -g3 0.2 -tau3 10 -state uniaxial"
 relax() { # NAME MORE: a patch of the top follows $work/NAME.history
   name=$1

@@ -74,6 +74,14 @@ TissueModel law_example(const SpringMesh& mesh) {
     return m;
 }
 
+TissueModel relaxing(TissueModel law) {
+    Relaxation& r = law.energy_law->relaxation;
+    r.tau_s = Eigen::Vector3d(0.05, 1, 10);
+    r.contact_share = Eigen::Vector3d(0.30, 0.25, 0.20);
+    r.share = r.contact_share.transpose().replicate(law.energy_law->constants.size(), 1);
+    return law;
+}
+
 long long adversarial_ticks(long long usual) {
     const char* asked = std::getenv("TISSUE_ADVERSARIAL_TICKS");
     return asked ? std::atoll(asked) : usual;

@@ -23,6 +23,9 @@ TissueModel haptic_example(const ExampleModel& e = {});
 /// A law in memory, on any mesh: near what `surface-quick` learns, 0.1 m thick, with load cases 5 and 10 mm deep. No FE in it.
 TissueModel law_example(const SpringMesh& mesh = make_lattice("grid8", 10, 10, 0.1, 0.1));
 
+/// The same law with three branches, 75 % of every constant in them; the contact's too.
+TissueModel relaxing(TissueModel law);
+
 /// Uniform numbers that are the same on every machine.
 class Draw {
    public:

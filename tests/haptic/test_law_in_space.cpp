@@ -9,6 +9,7 @@
 #include "../example.h"
 #include "../mesh/dome.h"
 #include "../refusal.h"
+#include "../solid_law_example.h"
 #include "error.h"
 #include "haptic/dynamics.h"
 #include "haptic/law_spectrum.h"
@@ -33,28 +34,6 @@ std::vector<SpringMesh> meshes() {
     return {bricks, bent, edge_mesh(dome(6))};
 }
 
-/// A law whose constants differ from element to element, so that none can stand in for another.
-TissueModel uneven(const SpringMesh& mesh) {
-    constexpr double modulus_Pa = 4524, radius_m = 0.007;
-    TissueModel m;
-    m.study = "space";
-    m.law = "geometric";
-    m.mesh = mesh;
-    m.modulus_N_m = modulus_Pa;
-    m.node_mass_kg = node_masses(mesh, 1000, 1);
-    const TissueEnergy energy(mesh, false);
-    const auto cells = energy.constant_count() - mesh.spring_count();
-    const EnergyLaw law(mesh, solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), modulus_Pa), Eigen::VectorXd::Constant(cells, modulus_Pa), modulus_Pa, 12, radius_m),
-                        {"spring.all"});
-    const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);
-    m.energy_law = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible(), radius_m};
-    for (Eigen::Index e = 0; e < m.energy_law->constants.size(); ++e)
-        m.energy_law->constants[e] *= 1 + 0.3 * std::sin(1.7 * static_cast<double>(e));
-    m.case_names = {"deepest"};
-    m.magnitude_m = Eigen::VectorXd::Constant(1, 0.006);
-    return m;
-}
-
 RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, "geometric", model.node_mass_kg}; }
 
 /// Squared angular frequencies of the free nodes, ascending [1/s2].
@@ -74,7 +53,7 @@ Eigen::VectorXd eigenvalues(const RealtimeMesh& mesh, const Eigen::MatrixXd& K) 
 TEST_CASE("in space the tick's law asks for the forces of the energy that was trained, and stores it", "[solid][law]") {
     for (const SpringMesh& mesh : meshes())
         for (double size : {1e-6, 1e-3, 3e-3}) {
-            const TissueModel model = uneven(mesh);
+            const TissueModel model = solid_law_example(mesh);
             const RealtimeMesh springs = springs_of(model);
             const RealtimeLaw law(model, springs);
             const TissueEnergy energy(mesh, false);
@@ -134,7 +113,7 @@ TEST_CASE("in space every spring of the tick pulls as its law says, in a lattice
 
 TEST_CASE("in space a law's undamped step keeps its energy within a band, without drift", "[solid][law]") {
     for (const SpringMesh& mesh : meshes()) {
-        const TissueModel model = uneven(mesh);
+        const TissueModel model = solid_law_example(mesh);
         const RealtimeMesh springs = springs_of(model);
         const RealtimeLaw law(model, springs);
         const double fastest = std::sqrt(largest_eigenvalue(springs, TissueEnergy(mesh, false).tangent(model.energy_law->constants, NodeField::Zero(mesh.node_count(), 3))));
@@ -199,7 +178,7 @@ TEST_CASE("in space a law's spectrum is that of its tangents, at rest and presse
 }
 
 TEST_CASE("in space springs that do not turn are refused, and boxes that no lattice has", "[solid][law]") {
-    const TissueModel model = uneven(meshes().front());
+    const TissueModel model = solid_law_example(meshes().front());
     for (const char* law : {"axial", "isotropic"})
         CHECK_THAT(refusal<MismatchError>([&] { RealtimeMesh(model.mesh, law, model.node_mass_kg); }), Contains("geometric"));
     const RealtimeMesh springs = springs_of(model);

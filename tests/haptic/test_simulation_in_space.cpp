@@ -166,12 +166,13 @@ TEST_CASE("a tick in space allocates nothing", "[simulation][solid]") {
 }
 
 TEST_CASE("adversarial ticks in space: force finite and within its limits, the proxy outside, the port passive", "[simulation][solid][adversarial]") {
-    struct Kind { double force_scale, stick; bool on_time; };
-    for (const Kind& kind : {Kind{1, std::numeric_limits<double>::infinity(), true}, Kind{10, std::numeric_limits<double>::infinity(), false}, Kind{10, 0.3, false}}) {
+    constexpr double sticks = std::numeric_limits<double>::infinity();
+    struct Kind { double force_scale, stick; bool on_time, relaxes; };
+    for (const Kind& kind : {Kind{1, sticks, true, false}, Kind{10, sticks, false, false}, Kind{10, 0.3, false, false}, Kind{1, sticks, true, true}, Kind{10, 0.3, false, true}}) {
         HapticOptions o;
         o.map.force_scale = kind.force_scale;
         o.friction.stick = kind.stick;
-        const HapticModel model(solid_example(), o);
+        const HapticModel model(kind.relaxes ? relaxing(solid_example()) : solid_example(), o);
         Simulation s(model);
         WildHand hand(42);
         Draw kick(43);

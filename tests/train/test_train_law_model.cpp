@@ -83,6 +83,22 @@ const std::string& law_file() {
     return file;
 }
 
+/// The same law, in three branches.
+const std::string& relaxing_file() {
+    static const TemporaryFolder folder;
+    static const std::string file = [] {
+        TrainedModel model = read_trained_model(law_file());
+        Relaxation& r = model.energy_law->relaxation;
+        r.tau_s = Eigen::Vector3d(0.05, 1, 10);
+        r.contact_share = Eigen::Vector3d(0.30, 0.25, 0.20);
+        r.share = NodeField::Constant(model.energy_law->constants.size(), 3, 0.1);
+        r.share(7, 1) = 0;
+        write_trained_model(folder.file("model.h5"), model, {"tissuectl test", 11, {}});
+        return folder.file("model.h5");
+    }();
+    return file;
+}
+
 }  // namespace
 
 TEST_CASE("a study's law is trained back to the coefficients that made its cases, and mirror images count once", "[law]") {
@@ -165,6 +181,32 @@ TEST_CASE("a model whose stiffness is a law comes back from its file as it was, 
     CHECK(law_format_version > format_version);
 }
 
+TEST_CASE("a law that relaxes comes back from its file as it was, in a format that earlier programs refuse", "[law][memory]") {
+    const LawModel law = *read_model(relaxing_file()).energy_law;
+    CHECK(law.relaxation.tau_s == Eigen::Vector3d(0.05, 1, 10));
+    CHECK(law.relaxation.share.rows() == law.constants.size());
+    CHECK(law.relaxation.share(7, 1) == 0);
+    CHECK(law.relaxation.share(7, 2) == 0.1);
+    CHECK(law.relaxation.contact_share == Eigen::Vector3d(0.30, 0.25, 0.20));
+    CHECK(read_model(law_file()).energy_law->relaxation.empty());
+    CHECK(Hdf5Reader(relaxing_file(), "model").number_attribute("/", "format_version") == time_format_version);
+    CHECK(time_format_version > solid_format_version);
+
+    TrainedModel model = read_trained_model(relaxing_file());
+    const TemporaryFolder folder;
+    const auto refused = [&](const std::string& what) {
+        write_trained_model(folder.file("m.h5"), model, {"tissuectl test", 11, {}});
+        CHECK_THAT(refusal<FileError>([&] { read_model(folder.file("m.h5")); }), Contains(what));
+        model = read_trained_model(relaxing_file());
+    };
+    model.energy_law->relaxation.share(3, 0) = 0.9;
+    refused("/law/share: sum to 1 or more");
+    model.energy_law->relaxation.contact_share[0] = 0.6;
+    refused("/law/contact_share: sum to 1 or more");
+    model.energy_law->relaxation.tau_s = Eigen::Vector3d(1, 0.05, 10);
+    refused("/law/relaxation_time");
+}
+
 TEST_CASE("what plays a law needs none of training's books", "[law]") {
     const TissueModel model = read_model(law_file());
     REQUIRE(model.energy_law);
@@ -177,11 +219,11 @@ TEST_CASE("every dataset of a law has its rule, and changed in any way is refuse
     const std::string file = folder.file("model.h5");
     int refused = 0;
     for (const DatasetTable* table : {&law_table(), &law_books_table()}) {
-        CHECK(datasets_of(law_file(), *table).size() == table->size());
-        for (const auto& [dataset, rule] : datasets_of(law_file(), *table))
-            for (const Mutation& mutation : mutations(law_file(), dataset, *table)) {
+        CHECK(datasets_of(relaxing_file(), *table).size() == table->size());
+        for (const auto& [dataset, rule] : datasets_of(relaxing_file(), *table))
+            for (const Mutation& mutation : mutations(relaxing_file(), dataset, *table)) {
                 INFO(dataset << ": " << mutation.name);
-                std::filesystem::copy_file(law_file(), file, std::filesystem::copy_options::overwrite_existing);
+                std::filesystem::copy_file(relaxing_file(), file, std::filesystem::copy_options::overwrite_existing);
                 mutation.apply(file);
                 try {
                     read_trained_model(file);

@@ -1,4 +1,4 @@
-#include "cases/history_table.h"
+#include "cases/histories_file.h"
 
 #include <fmt/format.h>
 
@@ -46,7 +46,7 @@ NodeField joined_of(const std::vector<History>& histories, Eigen::Index D, Eigen
 
 }  // namespace
 
-const DatasetTable& history_table() {
+const DatasetTable& histories_table() {
     static const DatasetTable table = {
         {"/histories/name", "H", Values::names(), "text", "courses of the tool in time, in the study's order"},
         {"/histories/group", "H", Values::text(), "text", "the study's group of each"},

@@ -8,7 +8,7 @@
 namespace tissue {
 
 /// Group /histories of cases.h5: H histories, one after the other in K rows.
-const DatasetTable& history_table();
+const DatasetTable& histories_table();
 
 void write_histories(TableWriter& out, const std::vector<History>& histories, Eigen::Index dimension);
 

@@ -1,0 +1,265 @@
+#include "eval/history_table.h"
+
+#include <Eigen/Dense>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "error.h"
+#include "mesh/facet.h"
+#include "parallel.h"
+
+namespace tissue {
+namespace {
+
+/// Weights of the trapezoidal rule (T).
+Eigen::VectorXd over_time(const Eigen::VectorXd& time_s) {
+    const Eigen::Index T = time_s.size();
+    Eigen::VectorXd weight = Eigen::VectorXd::Zero(T);
+    for (Eigen::Index n = 1; n < T; ++n) {
+        weight[n - 1] += (time_s[n] - time_s[n - 1]) / 2;
+        weight[n] += (time_s[n] - time_s[n - 1]) / 2;
+    }
+    return weight;
+}
+
+double square_over_time(const Eigen::VectorXd& time_s, const NodeField& f) { return over_time(time_s).dot(f.rowwise().squaredNorm()); }
+
+/// Row of a field at a time, straight between its times.
+Point row_at(const Eigen::VectorXd& time_s, const NodeField& field, double t) {
+    const double* begin = time_s.data();
+    const auto n = std::clamp<Eigen::Index>(std::upper_bound(begin, begin + time_s.size(), t) - begin, 1, time_s.size() - 1);
+    const double w = std::clamp((t - time_s[n - 1]) / (time_s[n] - time_s[n - 1]), 0.0, 1.0);
+    return ((1 - w) * field.row(n - 1) + w * field.row(n)).transpose();
+}
+
+/// dF/dt, straight through the neighbours (T x D).
+NodeField rate(const Eigen::VectorXd& time_s, const NodeField& f) {
+    NodeField out = NodeField::Zero(f.rows(), f.cols());
+    const Eigen::Index T = f.rows();
+    for (Eigen::Index n = 0; n < T; ++n) {
+        const Eigen::Index a = std::max<Eigen::Index>(n - 1, 0), b = std::min(n + 1, T - 1);
+        if (b > a) out.row(n) = (f.row(b) - f.row(a)) / (time_s[b] - time_s[a]);
+    }
+    return out;
+}
+
+/// Where the tool is on the mesh.
+struct Touch {
+    int facet;
+    Eigen::Vector3d weight;
+};
+Touch touch_at(const SpringMesh& mesh, const Point& contact_m) {
+    Touch best{-1, Eigen::Vector3d::Zero()};
+    double nearest = std::numeric_limits<double>::infinity();
+    for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
+        const FacetPoint at = nearest_on_facet(mesh.nodes, mesh.facets, f, contact_m);
+        if (at.distance_m < nearest) {
+            nearest = at.distance_m;
+            best = {static_cast<int>(f), at.weight};
+        }
+    }
+    return best;
+}
+
+/// Sums of a linear least-squares fit of columns to FE's force, all histories of the same weight.
+struct Fit {
+    explicit Fit(Eigen::Index columns) : A(Eigen::MatrixXd::Zero(columns, columns)), b(Eigen::VectorXd::Zero(columns)) {}
+    void add(const Eigen::VectorXd& time_s, const NodeField& truth, const std::vector<NodeField>& columns) {
+        const Eigen::VectorXd w = over_time(time_s) / square_over_time(time_s, truth);
+        for (Eigen::Index i = 0; i < b.size(); ++i) {
+            const NodeField weighted = w.asDiagonal() * columns[static_cast<std::size_t>(i)];
+            b[i] += weighted.cwiseProduct(truth).sum();
+            for (Eigen::Index j = 0; j < b.size(); ++j) A(i, j) += weighted.cwiseProduct(columns[static_cast<std::size_t>(j)]).sum();
+        }
+        square += 1;
+    }
+    Eigen::VectorXd best() const { return A.ldlt().solve(b); }
+    double left() const { return square - b.dot(best()); }
+
+    Eigen::MatrixXd A;
+    Eigen::VectorXd b;
+    double square = 0;
+};
+
+TissueModel with_law(TissueModel model, LawModel law) {
+    model.energy_law = std::move(law);
+    return model;
+}
+
+}  // namespace
+
+HistoryError history_error(const Eigen::VectorXd& time_s, const NodeField& truth_N, const NodeField& answer_N) {
+    const NodeField off = answer_N - truth_N;
+    return {std::sqrt(square_over_time(time_s, off) / square_over_time(time_s, truth_N)),
+            std::sqrt(off.rowwise().squaredNorm().maxCoeff() / truth_N.rowwise().squaredNorm().maxCoeff())};
+}
+
+NodeField relaxed(const Eigen::VectorXd& time_s, const NodeField& force_N, const Eigen::VectorXd& tau_s, const Eigen::VectorXd& share) {
+    NodeField out = (1 - share.sum()) * force_N;
+    for (Eigen::Index k = 0; k < tau_s.size(); ++k) {
+        Eigen::RowVectorXd part = Eigen::RowVectorXd::Zero(force_N.cols());
+        for (Eigen::Index n = 1; n < force_N.rows(); ++n) {
+            const double x = (time_s[n] - time_s[n - 1]) / tau_s[k];
+            part = std::exp(-x) * part - std::expm1(-x) / x * (force_N.row(n) - force_N.row(n - 1));
+            out.row(n) += share[k] * part;
+        }
+    }
+    return out;
+}
+
+NodeField play_history(const HapticModel& model, const History& history) {
+    const HapticMesh& mesh = *model.meshes.front();
+    if (!mesh.law) throw MismatchError("histories are played by a law; this model has none");
+    const double dt = model.options.dt_s, step_s = dt / mesh.substeps;
+    const auto dynamics = make_dynamics(mesh.dynamics, mesh.springs, {dt, mesh.damping_1_s, mesh.substeps, mesh.law.get()});
+    MeshState state(mesh.springs, mesh.theta_of_set.col(0));
+    state.memory = mesh.law->memory(step_s);
+    ToolMemory memory = mesh.law->tool_memory(step_s);
+    const Touch places[2] = {touch_at(model.rest, history.contact_m), touch_at(model.rest, history.second_contact_m.value_or(history.contact_m))};
+    ToolSpring tool;
+    ContactLoad load;
+    load.memory = memory.empty() ? nullptr : &memory;
+
+    const Eigen::Index T = history.time_s.size();
+    NodeField answer = NodeField::Zero(T, model.dimension());
+    Point last = Point::Zero(model.dimension());
+    int touching = 0;
+    Eigen::Index next = 1;
+    for (long long tick = 1; next < T; ++tick) {
+        const double t = static_cast<double>(tick) * dt;
+        // between FE's steps the contact is that of the step's end
+        const auto step = static_cast<std::size_t>(std::min<Eigen::Index>(std::upper_bound(history.time_s.data(), history.time_s.data() + T, t - 1e-9) - history.time_s.data(), T - 1));
+        if (const int now = history.contact[step]; now != touching) {
+            touching = now;
+            memory.forget();
+            if (now > 0) mesh.law->contact(places[now - 1].facet, places[now - 1].weight, tool);
+        }
+        load.tool = touching > 0 ? &tool : nullptr;
+        load.push_m = row_at(history.time_s, history.push_m, t);
+        Point force = Point::Zero(model.dimension());
+        if (touching > 0)
+            force = dynamics->step(state, load);
+        else
+            dynamics->step(state, {});
+        for (; next < T && history.time_s[next] <= t + 1e-12; ++next) {
+            const double w = std::clamp((history.time_s[next] - (t - dt)) / dt, 0.0, 1.0);
+            answer.row(next) = ((1 - w) * last + w * force).transpose();
+        }
+        last = force;
+        if (!force.allFinite()) {
+            answer.bottomRows(T - std::min(next, T - 1)).setConstant(std::numeric_limits<double>::quiet_NaN());
+            break;
+        }
+    }
+    return answer;
+}
+
+std::vector<std::string> HistoryTable::groups() const {
+    std::vector<std::string> names;
+    for (const HistoryAnswer& a : answers)
+        if (std::find(names.begin(), names.end(), a.group) == names.end()) names.push_back(a.group);
+    return names;
+}
+
+Statistics HistoryTable::rms(std::size_t model, const std::string& group) const {
+    std::vector<double> sample;
+    for (const HistoryAnswer& a : answers)
+        if (group.empty() || a.group == group) sample.push_back(a.error[model].rms);
+    return statistics_of(sample);
+}
+
+Statistics HistoryTable::peak(std::size_t model, const std::string& group) const {
+    std::vector<double> sample;
+    for (const HistoryAnswer& a : answers)
+        if (group.empty() || a.group == group) sample.push_back(a.error[model].peak);
+    return statistics_of(sample);
+}
+
+Statistics HistoryTable::elastic_rms(const std::string& group) const {
+    std::vector<double> sample;
+    for (const HistoryAnswer& a : answers)
+        if ((group.empty() || a.group == group) && !std::isnan(a.elastic.rms)) sample.push_back(a.elastic.rms);
+    return statistics_of(sample);
+}
+
+HistoryTable evaluate_histories(const TissueModel& model, const std::vector<History>& all, const std::string& role, int threads) {
+    HistoryTable table;
+    std::vector<const History*> histories;
+    for (const History& h : all) {
+        if (h.role != role) continue;
+        if (h.lost.empty())
+            histories.push_back(&h);
+        else
+            table.lost.push_back(h.name + ": " + h.lost);
+    }
+    if (histories.empty()) return table;
+    if (!model.energy_law) throw MismatchError("histories are played by a law; this model has none");
+    table.models = {"learned", "long_term", "instantaneous", "best_factor", "kelvin_voigt", "one_branch", "prony"};
+    const LawModel& law = *model.energy_law;
+    HapticOptions options;
+    options.heuristic_mesh = false;
+    const HapticModel learned(model, options);
+    options.damping_ratio = learned.options.damping_ratio;
+    const HapticModel at_once(with_law(model, instantaneous(law)), options), after_long(with_law(model, long_term(law)), options);
+
+    const std::size_t H = histories.size();
+    std::vector<std::vector<NodeField>> answer(H, std::vector<NodeField>(3));
+    const HapticModel* players[3] = {&learned, &after_long, &at_once};
+    parallel_for(static_cast<int>(3 * H), threads, [&](int i) {
+        const auto h = static_cast<std::size_t>(i) / 3, m = static_cast<std::size_t>(i) % 3;
+        answer[h][m] = play_history(*players[m], *histories[h]);
+    });
+
+    // the best that springs without the law's branches can be on these very histories
+    Fit factor(1), voigt(2);
+    for (std::size_t h = 0; h < H; ++h) {
+        const NodeField& now = answer[h][2];
+        if (!now.allFinite()) continue;
+        factor.add(histories[h]->time_s, histories[h]->force_N, {now});
+        voigt.add(histories[h]->time_s, histories[h]->force_N, {now, rate(histories[h]->time_s, now)});
+    }
+    table.factor = factor.best()[0];
+    const Eigen::Vector2d ab = voigt.best();
+    table.kelvin_voigt[0] = ab[0];
+    table.kelvin_voigt[1] = ab[1];
+    double least = std::numeric_limits<double>::infinity();
+    Eigen::Vector2d branch = Eigen::Vector2d::Zero();  // of F, and of what relaxes
+    for (double tau_s = 0.01; tau_s < 40; tau_s *= std::pow(10, 0.05)) {
+        Fit one(2);
+        for (std::size_t h = 0; h < H; ++h)
+            if (answer[h][2].allFinite())
+                one.add(histories[h]->time_s, histories[h]->force_N,
+                        {answer[h][2], relaxed(histories[h]->time_s, answer[h][2], Eigen::VectorXd::Constant(1, tau_s), Eigen::VectorXd::Ones(1))});
+        if (one.left() >= least) continue;
+        least = one.left();
+        branch = one.best();
+        table.branch[0] = branch[1] / branch.sum();
+        table.branch[1] = tau_s;
+    }
+
+    for (std::size_t h = 0; h < H; ++h) {
+        const History& history = *histories[h];
+        const Eigen::VectorXd& t = history.time_s;
+        HistoryAnswer row{history.name, history.group, history.kind, history.role, {t.begin(), t.end()}, {}, {}, {}, {}, {}};
+        const Eigen::VectorXd fe = history.force_N * history.direction, own = answer[h][0] * history.direction, springs = table.factor * (answer[h][2] * history.direction);
+        row.fe_N.assign(fe.begin(), fe.end());
+        row.learned_N.assign(own.begin(), own.end());
+        row.elastic_N.assign(springs.begin(), springs.end());
+        const double nothing = std::numeric_limits<double>::quiet_NaN();
+        const bool elastic = history.elastic_N.rows() == t.size();
+        row.elastic = elastic ? history_error(t, history.elastic_N, answer[h][2]) : HistoryError{nothing, nothing};
+        const NodeField& now = answer[h][2];
+        for (const NodeField& force : {answer[h][0], answer[h][1], now, NodeField(table.factor * now), NodeField(ab[0] * now + ab[1] * rate(t, now)),
+                                       NodeField(branch[0] * now + branch[1] * relaxed(t, now, Eigen::VectorXd::Constant(1, table.branch[1]), Eigen::VectorXd::Ones(1)))})
+            row.error.push_back(history_error(t, history.force_N, force));
+        row.error.push_back(elastic ? history_error(t, history.force_N, relaxed(t, history.elastic_N, law.relaxation.tau_s, law.relaxation.contact_share))
+                                    : HistoryError{nothing, nothing});
+        table.answers.push_back(std::move(row));
+    }
+    return table;
+}
+
+}  // namespace tissue

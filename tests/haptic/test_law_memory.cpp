@@ -1,0 +1,241 @@
+// The tick of a law that relaxes: element by element, at once and after long, in the plane and in space.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "../allocations.h"
+#include "../example.h"
+#include "../mesh/disc.h"
+#include "../mesh/dome.h"
+#include "../solid_law_example.h"
+#include "haptic/realtime_law.h"
+#include "haptic/simulation.h"
+#include "haptic_example.h"
+#include "mesh/free_surface.h"
+#include "springs/law_press.h"
+#include "springs/tissue_energy.h"
+
+using namespace tissue;
+
+namespace {
+
+const Eigen::Vector3d branch_times(0.004, 0.05, 2);
+
+/// Every element with constants and shares of its own.
+TissueModel unevenly_relaxing(TissueModel model) {
+    Relaxation& r = model.energy_law->relaxation;
+    const Eigen::Index E = model.energy_law->constants.size();
+    r.tau_s = branch_times;
+    r.share.resize(E, 3);
+    for (Eigen::Index e = 0; e < E; ++e) {
+        model.energy_law->constants[e] *= 1 + 0.2 * std::sin(1.3 * static_cast<double>(e));
+        for (int k = 0; k < 3; ++k) r.share(e, k) = 0.2 + 0.1 * std::sin(0.7 * static_cast<double>(e) + k);
+    }
+    r.contact_share = Eigen::Vector3d(0.3, 0.2, 0.1);
+    return model;
+}
+
+/// Lattices and shapes, in the plane and in space.
+std::vector<TissueModel> models() {
+    std::vector<TissueModel> all;
+    for (const SpringMesh& mesh : {make_lattice("grid8", 10, 10, 0.1, 0.1), make_lattice("grid8", 4, 7, 0.06, 0.1), edge_mesh(disc(24))})
+        all.push_back(unevenly_relaxing(law_example(mesh)));
+    const SpringMesh bricks = make_lattice("grid26", Lattice{{5, 4, 3}, {0.05, 0.06, 0.02}});
+    SpringMesh bent = bricks;
+    bent.nodes += scattered(bent, 1e-3);
+    for (const SpringMesh& mesh : {bricks, bent, edge_mesh(dome(6))}) all.push_back(unevenly_relaxing(solid_law_example(mesh)));
+    return all;
+}
+
+RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, "geometric", model.node_mass_kg}; }
+
+}  // namespace
+
+TEST_CASE("each element of a law that relaxes pulls with what its own branches make of its own measure", "[law][memory]") {
+    for (const TissueModel& model : models()) {
+        const int D = model.mesh.dimension();
+        const RealtimeMesh springs = springs_of(model);
+        const RealtimeLaw law(model, springs);
+        const TissueEnergy energy(model.mesh, model.energy_law->incompressible);
+        const Eigen::Index E = energy.constant_count();
+        const NodeField shape = scattered(model.mesh, 1e-4);
+        const double dt = 0.002;
+        BranchMemory memory = law.memory(dt);
+        CHECK(memory.size() >= E);
+        NodeColumns f(model.mesh.node_count(), D);
+        Eigen::VectorXd scratch(law.scratch_size());
+        // with all of a field growing and shrinking together, a measure is the root of its own energy
+        Eigen::VectorXd before = Eigen::VectorXd::Zero(E);
+        Eigen::MatrixXd part = Eigen::MatrixXd::Zero(E, 3);
+        NodeField expected;
+        double stored = 0;
+        for (int n = 1; n <= 12; ++n) {
+            const NodeField u = (0.6 + 0.4 * std::sin(0.9 * n)) * shape;
+            law.force(NodeColumns(u), f, scratch, memory);
+            Eigen::VectorXd scale(E);
+            stored = 0;
+            for (Eigen::Index e = 0; e < E; ++e) {
+                const Eigen::VectorXd one = Eigen::VectorXd::Unit(E, e) * model.energy_law->constants[e];
+                const double x = std::sqrt(2 * std::max(0.0, energy.energy(one, u)));
+                double y = x * (1 - model.energy_law->relaxation.share.row(e).sum()), twice = y * x;
+                for (int k = 0; k < 3; ++k) {
+                    const double tau = branch_times[k], decay = std::exp(-dt / tau), g = model.energy_law->relaxation.share(e, k);
+                    part(e, k) = decay * part(e, k) + (1 - decay) * tau / dt * (x - before[e]);
+                    y += g * part(e, k);
+                    twice += g * part(e, k) * part(e, k);
+                }
+                before[e] = x;
+                scale[e] = x > 0 ? y / x : 0;
+                stored += twice / 2;
+            }
+            expected = energy.force(model.energy_law->constants.cwiseProduct(scale), u);
+        }
+        INFO(model.mesh.topology << ", " << E << " elements");
+        CHECK((f - NodeColumns(expected)).norm() <= 5e-5 * expected.norm());  // an element here and there shrinks first, and grows then
+        // a step on from what memory has seen, to the same place: what is stored has only relaxed
+        BranchMemory still = memory;
+        const double later = law.energy(NodeColumns((0.6 + 0.4 * std::sin(0.9 * 12)) * shape), still);
+        CHECK(later < stored * (1 + 1e-9));
+        CHECK(later > 0.7 * stored);
+        long allocations = 0;
+        {
+            const NodeColumns columns = shape;
+            const Allocations none;
+            law.force(columns, f, scratch, memory);
+            allocations = Allocations::count();
+        }
+        CHECK(allocations == 0);
+    }
+}
+
+TEST_CASE("a law that relaxes is its instantaneous self at once, and its long-term self after long", "[law][memory]") {
+    for (const TissueModel& model : models()) {
+        const RealtimeMesh springs = springs_of(model);
+        const RealtimeLaw law(model, springs);
+        TissueModel later = model;
+        later.energy_law = long_term(*model.energy_law);
+        const RealtimeLaw rest(later, springs);
+        CHECK(later.energy_law->relaxation.empty());
+        CHECK(law.slowest_s() == 2);
+        CHECK(rest.slowest_s() == 0);
+        const NodeColumns u = scattered(model.mesh, 2e-3);
+        NodeColumns f(u.rows(), u.cols()), now = f;
+        Eigen::VectorXd scratch(law.scratch_size());
+        law.force(u, now, scratch);
+        BranchMemory quick = law.memory(1e-9);
+        law.force(u, f, scratch, quick);
+        INFO(model.mesh.topology);
+        CHECK((f - now).norm() < 1e-6 * now.norm());
+        BranchMemory memory = law.memory(1);
+        for (int n = 0; n < 60; ++n) law.force(u, f, scratch, memory);
+        rest.force(u, now, scratch);
+        CHECK((f - now).norm() < 1e-10 * now.norm());
+        CHECK(law.energy(u, memory) == Approx(rest.energy(u)).epsilon(1e-9));
+        // so does its contact
+        ToolSpring tool, left;
+        law.contact(0, Eigen::Vector3d(0.5, 0.5, 0), tool);
+        rest.contact(0, Eigen::Vector3d(0.5, 0.5, 0), left);
+        ToolMemory of_tool = law.tool_memory(1);
+        Point push = 0.002 * tool.inward();
+        push[0] += 0.001;
+        for (int n = 0; n < 60; ++n) tool.remember(push, u, of_tool);
+        CHECK((tool.hand_N(push, u, &of_tool) - left.hand_N(push, u)).norm() < 1e-10 * left.hand_N(push, u).norm());
+    }
+}
+
+namespace {
+
+/// A model's learned mesh under a tool that is held where it is told to be.
+struct HeldTool {
+    explicit HeldTool(const TissueModel& model, double damping_1_s = 0)
+        : springs(springs_of(model)), law(model, springs), dynamics(make_dynamics("symplectic", springs, {dt, damping_1_s, substeps, &law})),
+          state(springs, Eigen::VectorXd::Zero(springs.slot_count())), memory(law.tool_memory(dt / substeps)) {
+        state.memory = law.memory(dt / substeps);
+    }
+    Point step(const Point& push_m) {
+        ContactLoad load;
+        load.tool = &tool;
+        load.memory = &memory;
+        load.push_m = push_m;
+        return dynamics->step(state, load);
+    }
+
+    static constexpr double dt = 1e-3;
+    static constexpr int substeps = 3;
+    RealtimeMesh springs;
+    RealtimeLaw law;
+    std::unique_ptr<Dynamics> dynamics;
+    MeshState state;
+    ToolSpring tool;
+    ToolMemory memory;
+};
+
+}  // namespace
+
+TEST_CASE("tissue that relaxes never gives the hand more than it was given, but for the sampled coupling, and keeps a good part", "[law][memory]") {
+    for (const bool solid : {false, true}) {
+        const TissueModel model = relaxing(solid ? solid_law_example(make_lattice("grid26", Lattice{{5, 4, 3}, {0.05, 0.06, 0.02}})) : law_example());
+        const FreeSurface surface(model.mesh);
+        HeldTool held(model);
+        const FreeSurface::Place place = surface.nearest(solid ? Point(Eigen::Vector3d(0.026, 0.031, 0.02)) : Point(Eigen::Vector2d(0.052, 0.1)));
+        Eigen::Index facet = 0;
+        for (Eigen::Index b = 0; b < model.mesh.facets.rows(); ++b)
+            if ((held.springs.rest_place(static_cast<int>(b), Eigen::Vector3d::Constant(1.0 / 3)) - place.point_m).norm() <
+                (held.springs.rest_place(static_cast<int>(facet), Eigen::Vector3d::Constant(1.0 / 3)) - place.point_m).norm())
+                facet = b;
+        held.law.contact(static_cast<int>(facet), solid ? Eigen::Vector3d(0.3, 0.3, 0.4) : Eigen::Vector3d(0.4, 0.6, 0), held.tool);
+        const Point inward = held.tool.inward();
+        Point across = Point::Zero(inward.size());
+        across[0] = 1;
+        across -= across.dot(inward) * inward;
+        const double depth = solid ? 0.004 : 0.01;
+        const auto smooth = [](double x) { return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x); };
+        const auto push = [&](double t) {
+            const double in = smooth(t / 0.4) * smooth((3 - t) / 0.4) * depth * (1 + 0.3 * std::sin(19 * t));
+            return Point(in * (std::cos(0.4 * std::sin(7 * t)) * inward + std::sin(0.4 * std::sin(7 * t)) * across));
+        };
+        double work = 0, sampled = 0, most = 0, least = 0;
+        for (int k = 0; k < 3000; ++k) {
+            const Point now = push(k * held.dt), next = push((k + 1) * held.dt), jump = next - now;
+            work += held.step(now).dot(jump);
+            sampled += jump.dot(held.tool.stiffness_N_m(now, held.state.displacement) * jump) / 2;
+            most = std::max(most, work);
+            least = std::min(least, work + sampled);
+        }
+        INFO((solid ? "solid" : "plane") << ": given " << 1e3 * most << " mJ at most, kept " << 1e3 * work << ", sampled " << 1e3 * sampled);
+        CHECK(most > 1e-4);
+        CHECK(least >= 0);
+        CHECK(work > 0.2 * most);
+        CHECK(work < most);
+    }
+}
+
+TEST_CASE("pressed and held, tissue that relaxes comes to rest at its long-term answer, and its imprint goes once the tool is away", "[law][memory]") {
+    const TissueModel model = relaxing(law_example());
+    TissueModel later = model;
+    later.energy_law = long_term(*model.energy_law);
+    HapticOptions o;
+    o.heuristic_mesh = false;
+    const HapticModel haptic(model, o);
+    Simulation s(haptic);
+    double first = 0;
+    for (int k = 0; k < 100000; ++k) {
+        s.tick(sample_at(0.047, 0.103 - 0.009 * std::min(1.0, k / 200.0)));
+        if (k == 200) first = s.record().coupling_N.norm();
+    }
+    REQUIRE(s.record().mesh == 0);
+    const Equilibrium rest = LawPress(later).at(Eigen::Vector2d(0.047, 0.1), Eigen::Vector2d(0, -0.006));
+    REQUIRE(rest);
+    const Eigen::Vector2d force = -s.record().coupling_N;
+    INFO("after 0.2 s " << first << " N, after 100 s " << force.norm());
+    CHECK((Eigen::Vector2d(rest.contact_force) - force).norm() < 1e-4 * force.norm());
+    CHECK(first > 1.8 * force.norm());
+
+    const double imprint = s.state(0).displacement.cwiseAbs().maxCoeff();
+    for (int k = 0; k < 200; ++k) s.tick(sample_at(0.047, 0.094 + 0.015 * k / 200));
+    CHECK(s.record().mesh == -1);
+    const double soon = s.state(0).displacement.cwiseAbs().maxCoeff();
+    for (int k = 0; k < 100000; ++k) s.tick(sample_at(0.047, 0.109));
+    CHECK(soon > 0.2 * imprint);  // it takes time
+    CHECK(s.state(0).displacement.cwiseAbs().maxCoeff() < 0.01 * imprint);  // creep is slower than relaxation: 0.2 % are left
+    CHECK(s.counters().unstable == 0);
+}

@@ -1,0 +1,32 @@
+#include "solid_law_example.h"
+
+#include <cmath>
+
+#include "springs/energy_law.h"
+#include "springs/heuristic.h"
+#include "springs/tissue_energy.h"
+
+namespace tissue {
+
+TissueModel solid_law_example(const SpringMesh& mesh) {
+    constexpr double modulus_Pa = 4524, radius_m = 0.007;
+    TissueModel m;
+    m.study = "space";
+    m.law = "geometric";
+    m.mesh = mesh;
+    m.modulus_N_m = modulus_Pa;
+    m.node_mass_kg = node_masses(mesh, 1000, 1);
+    const TissueEnergy energy(mesh, false);
+    const auto cells = energy.constant_count() - mesh.spring_count();
+    const EnergyLaw law(mesh, solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), modulus_Pa), Eigen::VectorXd::Constant(cells, modulus_Pa), modulus_Pa, 12, radius_m),
+                        {"spring.all"});
+    const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);
+    m.energy_law = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible(), radius_m};
+    for (Eigen::Index e = 0; e < m.energy_law->constants.size(); ++e)
+        m.energy_law->constants[e] *= 1 + 0.3 * std::sin(1.7 * static_cast<double>(e));
+    m.case_names = {"deepest"};
+    m.magnitude_m = Eigen::VectorXd::Constant(1, 0.006);
+    return m;
+}
+
+}  // namespace tissue
