@@ -58,9 +58,9 @@ void run(const Options& o, Provenance provenance) {
         }
     }
     for (const PlannedHistory& planned : planned_histories(study, cases.shape)) {
-        cases.histories.push_back(read_planned_history(planned, o.paths, study.material.relaxes()));
+        cases.histories.push_back(read_planned_history(planned, o.paths, planned.has_elastic(study)));
         hashes += file_hash(o.paths + "/" + planned.push.name + ".csv");
-        if (study.material.relaxes()) hashes += file_hash(o.paths + "/" + planned.elastic_name() + ".csv");
+        if (planned.has_elastic(study)) hashes += file_hash(o.paths + "/" + planned.elastic_name() + ".csv");
     }
     say_lost(cases.histories);
     provenance.inputs["cases/*.csv"] = text_hash(hashes);

@@ -22,8 +22,8 @@ struct Course {
 /// How finely finite elements follow a course: what moves is smooth within a step, and tissue that is let swing, at some 5 to 20 Hz,
 /// swings in steps that resolve it.
 namespace course_steps {
-constexpr int least_of_stroke = 24;                ///< steps of a stroke at least,
-constexpr double longest_of_stroke_s = 0.010;      ///< and none longer
+constexpr int least_of_stroke = 40;                ///< steps of a stroke at least,
+constexpr double longest_of_stroke_s = 0.020;      ///< and none longer
 constexpr double growth = 1.04, longest_s = 0.020; ///< after a stroke the first is as within it, each next so much longer, up to this
 constexpr double let_go_s = 0.002;                 ///< the first at most, after the tool has let go at once
 constexpr int least_of_period = 60;                ///< steps of a period of a sine at least,

@@ -71,7 +71,7 @@ History read_history_csv(const std::string& file, Eigen::Index dimension) {
     return history;
 }
 
-History read_planned_history(const PlannedHistory& planned, const std::string& folder, bool relaxes) {
+History read_planned_history(const PlannedHistory& planned, const std::string& folder, bool has_elastic) {
     const Eigen::Index D = planned.push.contact_m.size();
     History history = read_history_csv(folder + "/" + planned.push.name + ".csv", D);
     history.name = planned.push.name;
@@ -81,7 +81,7 @@ History read_planned_history(const PlannedHistory& planned, const std::string& f
     history.contact_m = planned.push.contact_m;
     history.direction = planned.push.direction;
     history.second_contact_m = planned.second_contact_m;
-    if (!relaxes) return history;
+    if (!has_elastic) return history;
     const std::string file = folder + "/" + planned.elastic_name() + ".csv";
     const History elastic = read_history_csv(file, D);
     const Eigen::Index T = history.time_s.size(), both = std::min(T, elastic.time_s.size());

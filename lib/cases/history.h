@@ -31,8 +31,8 @@ struct History {
 /// ascend from 0.
 History read_history_csv(const std::string& file, Eigen::Index dimension);
 
-/// A planned history as FE's CSVs in a folder say it, with the elastic one beside it where `relaxes`. Throws FileError as
+/// A planned history as FE's CSVs in a folder say it, with the elastic one beside it where it `has_elastic`. Throws FileError as
 /// read_history_csv, and where the elastic tool went another way.
-History read_planned_history(const PlannedHistory& planned, const std::string& folder, bool relaxes);
+History read_planned_history(const PlannedHistory& planned, const std::string& folder, bool has_elastic);
 
 }  // namespace tissue

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,7 +18,12 @@ struct PlannedHistory {
     std::optional<Point> second_contact_m;  ///< where the tool touches again, where that is another place
     Course course;
 
-    /// Name of the same course on tissue that does not relax.
+    /// Whether the same course is solved on elastic tissue too: where tissue relaxes, but not of a tool that lands again, which takes
+    /// the surface as the tissue has left it and so goes another way.
+    bool has_elastic(const Study& study) const {
+        return study.material.relaxes() && std::find(course.contact.begin(), course.contact.end(), 0) == course.contact.end();
+    }
+    /// Name of that course.
     std::string elastic_name() const { return push.name + "-elastic"; }
 };
 

@@ -220,7 +220,7 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
                 throw StudyError(one_line(fmt::format("{}: key 'histories': '{}' of group '{}' is also the name of a load path, and they would share one file",
                                                       study.file, history.push.name, history.group)));
         names += " " + history.push.name;
-        if (study.material.relaxes()) names += " " + history.elastic_name();
+        if (history.has_elastic(study)) names += " " + history.elastic_name();
     }
     plan.fragment += fmt::format(
         "$(R)/cases.h5: CASES_COMMAND = {}\n"
@@ -228,7 +228,7 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         "$(R)/cases.h5: $(BUILD)/stage/{}\n"
         "$(R)/model.h5: $(R)/plan/train\n"
         "PATHS :={}\n"
-        "FIGURES := {}\n",
+        "FIGURES := {}{}\n",
         study.data ? "import " + for_make(study, "data.file", study.data->file) : "collect --paths $(R)/cases",
         study.data ? "import" : "collect", names,
         solid                    ? std::string(study.draws.empty() ? "" : "held_out held_out_force shape solid") + (study.map ? " map" : "")
@@ -236,7 +236,8 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
                                  : study.draws.empty() ? "contours"
                                                        : "held_out held_out_force shape contours"
         : study.loads.sweep ? "held_out held_out_force shape contours springs"
-                            : "contours force learning springs errors character");
+                            : "contours force learning springs errors character",
+        std::any_of(histories.begin(), histories.end(), [](const PlannedHistory& h) { return h.role == "held_out"; }) ? " histories" : "");
     plan.parts["collect"] = collect_part(study, paths, histories);
     plan.parts["train"] = train_part(study);
     if (study.data) {
@@ -288,7 +289,7 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         const std::string course = "history-" + history.push.name;
         plan.parts[course] = course_text(history.course);
         for (const bool elastic : {false, true}) {
-            if (elastic && !study.material.relaxes()) continue;
+            if (elastic && !history.has_elastic(study)) continue;
             const PlannedPath path = path_of(study, history, elastic);
             const Solve solve = solve_of(path);
             const bool relaxes = study.material.relaxes() && !elastic;
