@@ -19,7 +19,8 @@ int steps_of(double time_s, double longest_s) {
 
 std::vector<double> even_steps(double time_s, int count) {
     std::vector<double> ends;
-    for (int k = 1; k <= count; ++k) ends.push_back(time_s * k / count);
+    for (int k = 1; k < count; ++k) ends.push_back(time_s * k / count);
+    ends.push_back(time_s);
     return ends;
 }
 

@@ -88,9 +88,8 @@ History read_planned_history(const PlannedHistory& planned, const std::string& f
     if (history.lost.empty() && elastic.lost.empty() && elastic.time_s.size() != T)
         throw FileError(fmt::format("{}: has {} steps, {} has {}", file, elastic.time_s.size(), history.name, T));
     for (Eigen::Index t = 0; t < both; ++t)
-        if (elastic.time_s[t] != history.time_s[t] || elastic.push_m.row(t) != history.push_m.row(t) ||
-            elastic.contact[static_cast<std::size_t>(t)] != history.contact[static_cast<std::size_t>(t)])
-            throw FileError(fmt::format("{}: step {} is another than that of {}: they must follow one course", file, t, history.name));
+        if (elastic.time_s[t] != history.time_s[t] || elastic.contact[static_cast<std::size_t>(t)] != history.contact[static_cast<std::size_t>(t)])
+            throw FileError(fmt::format("{}: step {} is at another time, or contact, than that of {}: they must follow one course", file, t, history.name));
     if (elastic.lost.empty() && both == T) history.elastic_N = elastic.force_N.topRows(T);
     return history;
 }

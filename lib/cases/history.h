@@ -19,7 +19,8 @@ struct History {
     Point direction;                  ///< unit vector of the first stroke (D)
     std::optional<Point> second_contact_m;  ///< where the tool touches again (D), where that is another place
     Eigen::VectorXd time_s;           ///< (T), ascending
-    NodeField push_m;                 ///< displacement of the tool from the contact that it touches, at rest (T x D); 0 while it is away
+    NodeField push_m;                 ///< displacement of the tool from the contact that it touches, at rest (T x D), as FE had it: where
+                                      ///< it lands on tissue that still swings or creeps, not quite the course's; 0 while it is away
     NodeField force_N;                ///< of the tool on the tissue (T x D)
     NodeField elastic_N;              ///< the same on tissue that does not relax (T x D); 0 rows where FE lost that, or none was asked for
     std::vector<int> contact;         ///< (T) 0: the tool is away; 1: at its contact; 2: at the second one
@@ -32,7 +33,7 @@ struct History {
 History read_history_csv(const std::string& file, Eigen::Index dimension);
 
 /// A planned history as FE's CSVs in a folder say it, with the elastic one beside it where it `has_elastic`. Throws FileError as
-/// read_history_csv, and where the elastic tool went another way.
+/// read_history_csv, and where the elastic one has other times or contacts.
 History read_planned_history(const PlannedHistory& planned, const std::string& folder, bool has_elastic);
 
 }  // namespace tissue

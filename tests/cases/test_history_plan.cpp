@@ -1,0 +1,259 @@
+#include "cases/history_plan.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "cases/plan.h"
+#include "cases/sweep.h"
+#include "error.h"
+#include "mesh/outline.h"
+#include "../example.h"
+#include "../refusal.h"
+#include "../solid_example.h"
+#include "../tolerances.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr double degree = 3.14159265358979323846 / 180;
+
+Study mini() {
+    return read_study("fem/studies/relax-mini.toml");
+}
+
+/// The committed study with more courses of each group.
+Study many() {
+    Study study = mini();
+    for (Study::Histories& group : study.histories) group.count = 40;
+    return study;
+}
+
+Outline outline() {
+    return Outline(make_lattice("grid4", 10, 10, 0.1, 0.1));
+}
+
+const Study::Histories& group_of(const Study& study, const PlannedHistory& history) {
+    for (const Study::Histories& group : study.histories)
+        if (group.name == history.group) return group;
+    throw std::logic_error("no such group");
+}
+
+/// The solid example, that relaxes, with two ramps and two pokes.
+Study solid() {
+    const std::string place = "count = 2\ndepth_m = [0.001, 0.002]\ntilt_deg = [0, 30]\nclearance_m = [0.02, 0.04]\nrise_s = [0.05, 0.5]\n";
+    return example_study(with(solid_study_text(), "C2_Pa = 491.0", "C2_Pa = 491.0\nviscosity = [{ g = 0.4, tau_s = 0.5 }]\nmoduli = \"instantaneous\"") +
+                         "viscosity = [{ g = 0.1, tau_s = 0.5 }]\n" + "[[histories]]\nname = \"ramp\"\nkind = \"ramp\"\nseed = 991\nhold_s = 0.1\n" + place +
+                         "[[histories]]\nname = \"poke\"\nkind = \"poke\"\nseed = 992\nduration_s = 2\nwander_deg = 25\n" + place);
+}
+
+}  // namespace
+
+TEST_CASE("every course has a name, a contact on the surface and times that ascend from rest", "[histories]") {
+    const Study study = many();
+    const auto histories = planned_histories(study);
+    REQUIRE(histories.size() == 40 * study.histories.size());
+    std::set<std::string> names;
+    for (const PlannedHistory& h : histories) {
+        INFO(h.push.name);
+        CHECK(names.insert(h.push.name).second);
+        const double arc = outline().arc_of(h.push.contact_m);
+        CHECK((outline().position(arc) - h.push.contact_m).norm() < tolerance::rounding);
+        CHECK(h.push.direction.norm() == Approx(1).epsilon(tolerance::rounding));
+        const Course& c = h.course;
+        REQUIRE(c.push_m.rows() == c.time_s.size());
+        CHECK(c.time_s[0] == 0);
+        CHECK(c.push_m.row(0).norm() == 0);
+        for (Eigen::Index t = 1; t < c.time_s.size(); ++t) CHECK(c.time_s[t] > c.time_s[t - 1]);
+        CHECK(c.depth_m() == h.push.depth_m);
+        const Study::Histories& group = group_of(study, h);
+        CHECK(h.push.depth_m <= group.depth_m[1]);
+        CHECK(h.role == group.role);
+        CHECK(h.kind == group.kind);
+    }
+    CHECK(names.count("ramp-0001") == 1);
+    CHECK(names.count("again-0040") == 1);
+}
+
+TEST_CASE("contacts of histories are at least 2 mm or 5 degrees from every training contact", "[histories]") {
+    const Study study = many();
+    std::vector<StudyPath> trained;
+    for (const PlannedPath& p : planned_paths(study))
+        if (p.role == "train") {
+            trained.push_back(p.push);
+            trained.push_back({"", Eigen::Vector2d(0.1 - p.push.contact_m.x(), p.push.contact_m.y()), Eigen::Vector2d(-p.push.direction.x(), p.push.direction.y())});
+        }
+    const auto apart = [&](const Point& contact_m, const Point& direction) {
+        const double arc = outline().arc_of(contact_m);
+        for (const StudyPath& t : trained) {
+            const double other = outline().arc_of(t.contact_m);
+            if (std::abs(arc - other) < 0.002 - 1e-9 && std::acos(std::clamp(direction.dot(t.direction), -1.0, 1.0)) < 5 * degree - 1e-6) return false;
+        }
+        return true;
+    };
+    for (const PlannedHistory& h : planned_histories(study)) {
+        INFO(h.push.name);
+        CHECK(apart(h.push.contact_m, h.push.direction));
+        const Eigen::Index last = h.course.time_s.size() - 1;
+        if (h.second_contact_m) CHECK(apart(*h.second_contact_m, h.course.push_m.row(last).transpose().normalized()));
+    }
+}
+
+TEST_CASE("courses are drawn by their group's seed, whatever other groups draw", "[histories]") {
+    const Study study = mini();
+    Study other = study, more = study;
+    other.histories[0].seed += 1000;
+    more.histories[1].count = 5;
+    const auto a = planned_histories(study), b = planned_histories(study), c = planned_histories(other), d = planned_histories(more);
+    const auto same = [](const PlannedHistory& x, const PlannedHistory& y) {
+        return x.push.name == y.push.name && x.push.contact_m == y.push.contact_m && x.course.time_s == y.course.time_s && x.course.push_m == y.course.push_m;
+    };
+    REQUIRE(a.size() == c.size());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        CHECK(same(a[i], b[i]));
+        CHECK(same(a[i], c[i]) == (a[i].group != study.histories[0].name));
+        const auto again = std::find_if(d.begin(), d.end(), [&](const PlannedHistory& h) { return h.push.name == a[i].push.name; });
+        CHECK(same(a[i], *again));
+    }
+}
+
+TEST_CASE("a ramp goes in and stays; a release comes back in the time it took to go in", "[histories]") {
+    const Study study = many();
+    for (const PlannedHistory& h : planned_histories(study)) {
+        if (h.kind != "ramp" && h.kind != "release") continue;
+        INFO(h.push.name);
+        const Study::Histories& group = group_of(study, h);
+        const double end_s = h.course.time_s[h.course.time_s.size() - 1], strokes = h.kind == "ramp" ? 1 : 2, rise_s = end_s / strokes - group.hold_s;
+        CHECK(rise_s >= group.rise_s[0] - 1e-9);
+        CHECK(rise_s <= group.rise_s[1] + 1e-9);
+        for (Eigen::Index t = 0; t < h.course.time_s.size(); ++t) {
+            const double at = h.course.time_s[t], back = at - rise_s - group.hold_s;
+            double part = minimum_jerk(std::min(at / rise_s, 1.0));
+            if (h.kind == "release" && back > 0) part = 1 - minimum_jerk(std::min(back / rise_s, 1.0));
+            CHECK((h.course.push_m.row(t).transpose() - part * h.push.depth_m * h.push.direction).norm() < 1e-12);
+        }
+        CHECK(h.course.contact == std::vector<int>(h.course.contact.size(), 1));
+    }
+}
+
+TEST_CASE("pokes go on without rest until their time is over, each stroke its own way within the wander", "[histories]") {
+    const Study study = many();
+    for (const PlannedHistory& h : planned_histories(study)) {
+        if (h.kind != "poke") continue;
+        INFO(h.push.name);
+        const Study::Histories& group = group_of(study, h);
+        const double end_s = h.course.time_s[h.course.time_s.size() - 1];
+        CHECK(end_s >= group.duration_s);
+        CHECK(end_s < group.duration_s + group.rise_s[1]);
+        // a stroke's end: the turns of the way there, where it stands for an instant
+        for (Eigen::Index t = 0; t + 1 < h.course.time_s.size(); ++t) CHECK(h.course.push_m.row(t) != h.course.push_m.row(t + 1));
+        const Point last = h.course.push_m.row(h.course.time_s.size() - 1).transpose();
+        CHECK(std::acos(std::clamp(last.normalized().dot(h.push.direction), -1.0, 1.0)) <= group.wander_deg * degree + 1e-9);
+        CHECK(last.norm() >= group.depth_m[0] - 1e-12);
+    }
+}
+
+TEST_CASE("a second touch is where it should be, after a tenth of a second away; or where the first was", "[histories]") {
+    Study study = many();
+    const auto check = [&](bool elsewhere) {
+        for (const PlannedHistory& h : planned_histories(study)) {
+            if (h.kind != "again") continue;
+            INFO(h.push.name);
+            const Study::Histories& group = group_of(study, h);
+            REQUIRE(h.second_contact_m.has_value() == elsewhere);
+            if (elsewhere) CHECK(std::abs(outline().arc_of(*h.second_contact_m) - outline().arc_of(h.push.contact_m)) == Approx(group.apart_m).epsilon(1e-9));
+            double left = 0, landed = 0;
+            for (Eigen::Index t = 1; t < h.course.time_s.size(); ++t) {
+                const int before = h.course.contact[static_cast<std::size_t>(t - 1)], now = h.course.contact[static_cast<std::size_t>(t)];
+                if (before == 1 && now == 0) left = h.course.time_s[t - 1];
+                if (before == 0 && now != 0) landed = h.course.time_s[t - 1];
+            }
+            CHECK(landed - left == Approx(0.1).epsilon(1e-9));
+            CHECK(h.course.contact.back() == (elsewhere ? 2 : 1));
+            CHECK(h.course.push_m.row(h.course.time_s.size() - 1).norm() == Approx(h.push.depth_m).epsilon(1e-9));
+        }
+    };
+    check(true);
+    study.histories.back().apart_m = 0;
+    check(false);
+    study.histories.back().apart_m = 0.9;
+    CHECK_THAT(refusal<MismatchError>([&] { planned_histories(study); }), Contains("histories 'again'") && Contains("no room"));
+}
+
+TEST_CASE("the plan solves every course on tissue that relaxes and on tissue that does not, from one file", "[histories]") {
+    const Study study = mini();
+    const Plan plan = make_plan(study);
+    const std::string& relaxes = plan.parts.at("path-again-0001");
+    const std::string& elastic = plan.parts.at("path-again-0001-elastic");
+    for (const std::string& part : {relaxes, elastic})
+        for (const char* argument : {" -history history-again-0001", " -density 1040", " -second_x ", " -second_y ", " -C1 263", " -records 1 ", " -allow_lost 1"})
+            CHECK_THAT(part, Contains(argument));
+    CHECK_THAT(relaxes, Contains(" -branches 3 -g1 0.3 -tau1 0.05 -g2 0.25 -tau2 1 -g3 0.2 -tau3 10"));
+    CHECK_THAT(elastic, !Contains("-branches"));
+    CHECK_THAT(plan.parts.at("path-ramp-0001"), !Contains("-second_x"));
+    CHECK_THAT(plan.parts.at("path-s0150-p000"), !Contains("-branches") && !Contains("-history") && !Contains("-density"));
+    for (const char* name : {"ramp-0001", "ramp-0001-elastic"})
+        CHECK_THAT(plan.fragment, Contains(std::string("$(R)/cases/") + name + ".csv: $(R)/plan/path-" + name + " $(R)/plan/history-ramp-0001 $(R)/mesh.msh"));
+    CHECK_THAT(plan.fragment, Contains(" -history $(R)/plan/history-ramp-0001 ") && Contains(" ramp-0001 ramp-0001-elastic "));
+    const std::string& course = plan.parts.at("history-ramp-0001");
+    CHECK(course.substr(0, course.find('\n')) == "0 0 0 0 1");
+    CHECK_THAT(plan.parts.at("collect"), Contains("history ramp held_out ramp-0001\n") && Contains("history poke validation poke-0001\n"));
+}
+
+TEST_CASE("tissue that does not relax moves once, and a study without histories has the plan it had", "[histories]") {
+    Study study = mini();
+    study.material.viscosity.clear();
+    study.material.share.clear();
+    const Plan plan = make_plan(study);
+    CHECK(plan.parts.count("path-ramp-0001") == 1);
+    CHECK(plan.parts.count("path-ramp-0001-elastic") == 0);
+    CHECK_THAT(plan.parts.at("path-ramp-0001"), !Contains("-branches"));
+    for (const auto& [name, text] : make_plan(read_study("fem/studies/surface-quick.toml")).parts) CHECK_THAT(text, !Contains("histor") && !Contains("relaxes"));
+}
+
+TEST_CASE("a group whose courses are named as load paths is refused when it is planned", "[histories]") {
+    Study study = mini();
+    study.histories[0].name = "held-out";
+    CHECK_THAT(refusal<StudyError>([&] { make_plan(study); }), Contains("relax-mini.toml: key 'histories': 'held-out-0001'"));
+}
+
+TEST_CASE("courses in space are drawn as pushes there are, and a nodule relaxes by its own shares", "[histories]") {
+    const Study study = solid();
+    const auto histories = planned_histories(study);
+    REQUIRE(histories.size() == 4);
+    for (const PlannedHistory& h : histories) {
+        INFO(h.push.name);
+        REQUIRE(h.course.push_m.cols() == 3);
+        CHECK(h.push.contact_m[2] == 0.05);
+        CHECK(-h.push.direction[2] >= std::cos(30 * degree) - 1e-9);
+        const double wall = std::min({h.push.contact_m[0], 0.1 - h.push.contact_m[0], h.push.contact_m[1], 0.08 - h.push.contact_m[1]});
+        CHECK(wall >= 0.02 - 1e-12);
+        const Point last = h.course.push_m.row(h.course.time_s.size() - 1).transpose();
+        const double off = std::acos(std::clamp(last.normalized().dot(h.push.direction), -1.0, 1.0)) / degree;
+        CHECK(off <= (h.kind == "poke" ? 25 + 1e-6 : 1e-5));
+    }
+    const Plan plan = make_plan(study);
+    CHECK_THAT(plan.parts.at("path-poke-0001"), Contains(" -history history-poke-0001 -density 1000 -branches 1 -g1 0.4 -tau1 0.5 -g1_11 0.1"));
+    CHECK_THAT(plan.parts.at("path-poke-0001-elastic"), !Contains("-branches"));
+    CHECK_THAT(plan.fragment, Contains("poke-0001.csv: $(R)/plan/path-poke-0001 $(R)/plan/history-poke-0001 fem/block3.geo"));
+}
+
+TEST_CASE("a course of one's own is planned at its contact, towards its deepest place, and planned anew when its file changes", "[histories]") {
+    const TemporaryFolder folder;
+    folder.file("hand.csv", "time_s,x_m,y_m\n0,0,0\n0.05,0,-0.002\n0.1,0.003,-0.004\n0.2,0,0\n");
+    const std::string text = "based_on = \"" + (std::filesystem::current_path() / "fem/studies/surface-quick").string() +
+                             "\"\n[[histories]]\nname = \"hand\"\nkind = \"file\"\nfile = \"hand.csv\"\ncontact_m = [0.05, 0.1]\n";
+    const Study study = read_study(folder.file("s.toml", text));
+    const auto histories = planned_histories(study);
+    REQUIRE(histories.size() == 1);
+    CHECK(histories[0].push.name == "hand-0001");
+    CHECK(histories[0].push.contact_m == Eigen::Vector2d(0.05, 0.1));
+    CHECK(histories[0].push.depth_m == Approx(0.005).epsilon(tolerance::rounding));
+    CHECK((histories[0].push.direction - Eigen::Vector2d(0.6, -0.8)).norm() < tolerance::rounding);
+    CHECK_THAT(make_plan(study).fragment, Contains("$(R)/plan.mk: $(wildcard " + folder.file("hand.csv") + ")"));
+    folder.file("hand.csv", "time_s,x_m,y_m\n0,0,0\n");
+    CHECK_THAT(refusal<FileError>([&] { make_plan(study); }), Contains("hand.csv:2: "));
+}
