@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "cases/history.h"
 #include "field.h"
 #include "io/hdf5_store.h"
 #include "mesh/shape.h"
@@ -66,6 +67,7 @@ struct Cases {
     std::vector<double> magnitudes_m;   ///< those that are load cases, ascending; measured: none, every record is one
     std::vector<LoadPath> paths;
     std::optional<Measurement> measurement = {};  ///< absent when FE said it
+    std::vector<History> histories = {};          ///< the tool held along a course in time; nothing is trained on most
 };
 
 /// One state to train on: a path at one of the magnitudes.

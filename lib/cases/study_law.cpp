@@ -167,6 +167,56 @@ EnergyLaw solid_law(const Study& study, const std::optional<Shape>& shape, const
 
 }  // namespace
 
+namespace {
+
+/// Of each of the law's constants, in whatever unit: linear in the moduli of a study with regions or a nodule.
+Eigen::VectorXd stiffness_of(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh) {
+    if (!mesh.is_solid())
+        return law_heuristic(mesh, triangle_moduli(study, shape, mesh, study.modulus_N_m()), study.material.formulation, study.springs.area_cap_E2).constants;
+    const Eigen::VectorXd springs = solid_moduli(study, shape, mesh, mesh.springs),
+                          cells = solid_moduli(study, shape, mesh, on_lattice(mesh) ? mesh_cells(mesh) : nodes_of(mesh));
+    Eigen::VectorXd all(springs.size() + cells.size());
+    all << springs, cells;
+    return all;
+}
+
+/// The same material with only a share of each modulus.
+void take_share(Study::LawParameters& p, double share) {
+    p.C1_Pa *= share;
+    p.C2_Pa *= share;
+    for (double& mu : p.mu_Pa) mu *= share;
+}
+
+}  // namespace
+
+Relaxation study_relaxation(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, const EnergyLaw& law) {
+    Relaxation r;
+    if (!study.material.relaxes()) return r;
+    const auto K = static_cast<Eigen::Index>(study.material.viscosity.size());
+    r.tau_s.resize(K);
+    r.contact_share.resize(K);
+    r.share.resize(law.energy(mesh).constant_count(), K);
+    for (Eigen::Index k = 0; k < K; ++k) {
+        const auto b = static_cast<std::size_t>(k);
+        r.tau_s[k] = study.material.viscosity[b].tau_s;
+        r.contact_share[k] = study.material.viscosity[b].share;
+        const auto has_own = [&](const Study::LawParameters& p) { return p.share[b] != study.material.viscosity[b].share; };
+        bool uniform = !study.nodule || !has_own(*study.nodule);
+        for (const Study::Region& region : study.material.regions) uniform = uniform && !has_own(region);
+        if (uniform) {
+            r.share.col(k).setConstant(r.contact_share[k]);
+            continue;
+        }
+        Study part = study;  // of whose moduli only this branch is left; a base of share 0 keeps a trace, since moduli are ratios to it
+        const double least = 1e-12;
+        take_share(part.material, std::max(study.material.viscosity[b].share, least));
+        for (Study::Region& region : part.material.regions) take_share(region, std::max(region.share[b], least));
+        if (part.nodule) take_share(*part.nodule, std::max(part.nodule->share[b], least));
+        r.share.col(k) = stiffness_of(part, shape, mesh).cwiseQuotient(stiffness_of(study, shape, mesh));
+    }
+    return r;
+}
+
 EnergyLaw study_law(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double factor) {
     if (mesh.is_solid()) return solid_law(study, shape, mesh, factor);
     const double modulus_N_m = factor * study.modulus_N_m(), cap = study.springs.area_cap_E2;

@@ -4,6 +4,7 @@
 
 #include "mesh/shape.h"
 #include "springs/energy_law.h"
+#include "springs/relaxation.h"
 #include "study/study.h"
 
 namespace tissue {
@@ -29,5 +30,9 @@ Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, con
 /// The study's terms on its mesh, over the heuristic of its material, E2 taken `factor` times as large (train_law.h's
 /// heuristic_factor, where the material is a guess). Throws MismatchError for terms that are not possible there.
 EnergyLaw study_law(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double factor = 1);
+
+/// How the study's tissue relaxes, for a law of its terms on its mesh: a constant's share of a branch is the mean of what its element lies
+/// in, each part as stiff as it is, from the material's own; the contact's is the base material's. Empty where nothing relaxes.
+Relaxation study_relaxation(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, const EnergyLaw& law);
 
 }  // namespace tissue

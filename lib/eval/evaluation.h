@@ -9,6 +9,7 @@
 #include "eval/force_error.h"
 #include "eval/force_map.h"
 #include "eval/held_out.h"
+#include "eval/history_answers.h"
 #include "eval/spring_character.h"
 #include "train/training_books.h"
 
@@ -57,6 +58,7 @@ struct Evaluation {
     TruthCheck truth;                                            ///< of FE itself, on the finer mesh
     HeldOut held_out;                                            ///< empty where the study draws no contacts
     ForceMap map;                                                ///< empty where the study has none
+    HistoryTable histories;                                      ///< those held out; empty where the cases have none
     std::optional<Measurement> measurement;                      ///< of measured cases
     bool listed = true;                                          ///< with curves, front and the springs' character
     std::vector<FrontPoint> front;                               ///< loss against distance from the heuristic

@@ -71,6 +71,28 @@ Json training(const LawModel& law, const LawBook& book) {
     return j;
 }
 
+Json histories(const HistoryTable& h) {
+    Json j = {{"lost", h.lost},
+              {"fitted", {{"best_factor", h.factor}, {"kelvin_voigt", {{"factor", h.kelvin_voigt[0]}, {"damper_s", h.kelvin_voigt[1]}}}, {"one_branch", {{"g", h.branch[0]}, {"tau_s", h.branch[1]}}}}}};
+    std::vector<std::string> groups = h.groups();
+    groups.push_back("");
+    for (const std::string& group : groups) {
+        Json& entry = j["groups"][group.empty() ? "all" : group];
+        entry["elastic"] = to_value(h.elastic_rms(group));
+        for (std::size_t m = 0; m < h.models.size(); ++m) entry[h.models[m]] = {{"rms", to_value(h.rms(m, group))}, {"peak", to_value(h.peak(m, group))}};
+    }
+    for (const HistoryAnswer& a : h.answers) {
+        Json row = {{"name", a.name}, {"group", a.group}, {"kind", a.kind}, {"elastic", or_null(a.elastic.rms)}};
+        for (std::size_t m = 0; m < h.models.size(); ++m) row["error"][h.models[m]] = {{"rms", or_null(a.error[m].rms)}, {"peak", or_null(a.error[m].peak)}};
+        row["time_s"] = a.time_s;
+        row["fe_N"] = a.fe_N;
+        row["learned_N"] = a.learned_N;
+        row["best_factor_N"] = a.elastic_N;
+        j["each"].push_back(std::move(row));
+    }
+    return j;
+}
+
 }  // namespace
 
 std::string to_json(const Evaluation& evaluation, unsigned long seed) {
@@ -145,6 +167,7 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
         if (const auto& c = map.contrast)
             j["map"]["contrast"] = {{"over_m", c->over_m}, {"far_m", c->far_m}, {"fe", c->fe}, {"learned", or_null(c->learned)}};
     }
+    if (const HistoryTable& h = evaluation.histories; !h.empty()) j["histories"] = histories(h);
     if (!evaluation.truth.empty()) {
         j["truth_check"] = to_value(evaluation.truth.difference);
         j["truth_check"]["lost"] = evaluation.truth.lost;

@@ -182,6 +182,36 @@ std::string map_markdown(const ForceMap& map) {
     return out + "\n\n";
 }
 
+std::string histories_markdown(const HistoryTable& h) {
+    if (h.empty()) return "";
+    const auto three = [](const Statistics& s) { return s.n == 0 ? std::string("none") : fmt::format("{} / {} / {}", percent(s.median), percent(s.p95), percent(s.max)); };
+    std::string out =
+        "## Force over time\n\nHistories at contacts that nothing was trained on: the tool is held where the history has it, and the model plays tick by "
+        "tick, with the mass of its nodes, beside finite elements that relax and have mass. *rms*: of the force's error over time, over that of the "
+        "force. *peak*: the largest error over the largest force. Median / p95 / max.\n\n"
+        "| histories | n | learned, rms | learned, peak | the law's own: without relaxation, beside FE without, rms |\n|---|---|---|---|---|\n";
+    std::vector<std::string> groups = h.groups();
+    if (groups.size() > 1) groups.emplace_back();
+    for (const std::string& group : groups)
+        out += fmt::format("| {} | {} | {} | {} | {} |\n", group.empty() ? "all" : group, h.rms(0, group).n, three(h.rms(0, group)), three(h.peak(0, group)),
+                           three(h.elastic_rms(group)));
+    out += fmt::format(
+        "\nWhat else there could be, rms, median / p95 / max. `long_term` and `instantaneous`: the law without branches, as it is after long and at once; "
+        "`best_factor`: {:.3g} times the latter, the elastic springs that come nearest; `kelvin_voigt`: {:.3g} F + {:.3g} s dF/dt of it; `one_branch`: a "
+        "share of {:.3g} that relaxes in {:.3g} s. These three are fitted to these very histories, which flatters them. `prony`: no springs but the finite "
+        "elements' own force without relaxation, through the material's branches.\n\n| histories |", h.factor, h.kelvin_voigt[0], h.kelvin_voigt[1], h.branch[0], h.branch[1]);
+    for (const std::string& model : h.models) out += fmt::format(" {} |", model);
+    out += "\n|---|";
+    for (std::size_t m = 0; m < h.models.size(); ++m) out += "---|";
+    for (const std::string& group : groups) {
+        out += fmt::format("\n| {} |", group.empty() ? "all" : group);
+        for (std::size_t m = 0; m < h.models.size(); ++m) out += fmt::format(" {} |", three(h.rms(m, group)));
+    }
+    if (!h.lost.empty()) out += fmt::format("\n\nFE lost {}:\n", h.lost.size());
+    for (const std::string& lost : h.lost) out += "\n- " + lost;
+    return out + "\n\n";
+}
+
 std::string figures_markdown(const std::vector<const char*>& figures) {
     std::string out = "\n## Figures\n\n";
     for (const char* figure : figures) out += fmt::format("![{0}](figures/{0}.png)\n\n", figure);
@@ -214,10 +244,14 @@ std::string law_markdown(const LawModel& law, const LawBook& book, bool measured
     return out;
 }
 
-std::string solid_figures(const Evaluation& e) {
+/// Of a law, as the plan asks for them (cases/plan.cpp).
+std::string law_figures(const Evaluation& e, bool solid) {
     std::vector<const char*> figures;
-    if (!e.held_out.empty()) figures = {"held_out", "held_out_force", "shape", "solid"};
+    if (e.measurement) figures = {"held_out"};
+    else if (!e.held_out.empty()) figures = {"held_out", "held_out_force", "shape", solid ? "solid" : "contours"};
+    else if (!solid) figures = {"contours"};
     if (!e.map.empty()) figures.push_back("map");
+    if (!e.histories.empty()) figures.push_back("histories");
     return figures.empty() ? "" : figures_markdown(figures);
 }
 
@@ -253,7 +287,7 @@ std::string to_markdown(const Evaluation& e) {
         version);
     }
 
-    out += broken_markdown(e) + measurement_markdown(e) + held_out_markdown(e.held_out, e.measurement.has_value(), solid) + map_markdown(e.map) + truth_markdown(e.truth);
+    out += broken_markdown(e) + measurement_markdown(e) + held_out_markdown(e.held_out, e.measurement.has_value(), solid) + map_markdown(e.map) + histories_markdown(e.histories) + truth_markdown(e.truth);
     out += "## Errors at the trained contacts: median / p95 / max\n\n";
     if (!e.open_loop()) {
         out += "| model | closed loop | n |\n|---|---|---|\n";
@@ -282,11 +316,7 @@ std::string to_markdown(const Evaluation& e) {
     }
 
     if (e.law_book)
-        return out + law_markdown(*e.energy_law, *e.law_book, e.measurement.has_value()) +
-               (solid                ? solid_figures(e)
-                : e.measurement      ? figures_markdown({"held_out"})
-                : e.held_out.empty() ? figures_markdown({"contours"})
-                                     : figures_markdown({"held_out", "held_out_force", "shape", "contours"}));
+        return out + law_markdown(*e.energy_law, *e.law_book, e.measurement.has_value()) + law_figures(e, solid);
     out +=
         "\n## Training\n\n| optimiser | sets | iterations | restarts (sets that restarted) | ended | median loss over start at "
         "1,000 | at 5,000 | at the end | gap median / max | seconds |\n|---|---|---|---|---|---|---|---|---|---|\n";

@@ -9,6 +9,10 @@ bool is_multiple(double value, double step) {
     return std::abs(value / step - std::round(value / step)) < 1e-9 * value / step;
 }
 
+bool is_plain_name(const std::string& name) {
+    return !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == std::string::npos;
+}
+
 Study::LawParameters read_law_parameters(TomlReader& in, const std::string& law, std::size_t terms) {
     Study::LawParameters p;
     if (law == "ogden") {

@@ -15,6 +15,9 @@ constexpr Range not_negative{0};
 
 bool is_multiple(double value, double step);
 
+/// Lower-case letters, digits and '-', one at least.
+bool is_plain_name(const std::string& name);
+
 /// terms: of an Ogden law that the entries must be as many as; 0: any number.
 Study::LawParameters read_law_parameters(TomlReader& in, const std::string& law, std::size_t terms = 0);
 

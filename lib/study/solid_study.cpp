@@ -9,6 +9,7 @@
 
 #include "study/read_parts.h"
 #include "study/solid_push.h"
+#include "study/viscosity.h"
 
 namespace tissue {
 namespace {
@@ -38,6 +39,7 @@ Study::Nodule read_nodule(TomlReader in, const Study& study) {
     const std::vector<double> centre = in.numbers("centre_m", 3);
     const double radius_m = in.number("radius_m", positive);
     Study::Nodule nodule{read_law_parameters(in, study.material.law, study.material.alpha.size()), Eigen::Vector3d(centre[0], centre[1], centre[2]), radius_m};
+    read_own_viscosity(in, study.material, nodule);
     if (!g.is_block()) {
         in.refuse_the_rest();
         return nodule;
@@ -181,8 +183,22 @@ bool is_role(const std::string& role) {
 
 }  // namespace
 
-void read_solid_draws(TomlReader in, Study& study) {
+void read_solid_place(TomlReader& draw, const Study& study, Study::Draws& d) {
     const Study::Geometry& g = study.geometry;
+    const std::vector<double> tilt = draw.numbers("tilt_deg", 2, {0, 90}), clearance = draw.numbers("clearance_m", 2, positive);
+    if (tilt[0] > tilt[1]) draw.refuse("tilt_deg", "must be [smallest, largest]");
+    if (!(clearance[0] < clearance[1])) draw.refuse("clearance_m", "must be [smallest, largest], not the same");
+    if (clearance[0] < study.indenter.clearance_m() - tiny_m)
+        draw.refuse("clearance_m", fmt::format("a disc of radius {:g} mm needs {:g} mm {}", 1e3 * study.indenter.radius_m,
+                                               1e3 * study.indenter.clearance_m(),
+                                               g.is_block() ? "from every wall" : "to where the surface ends or turns"));
+    if (g.is_block() && !(clearance[0] < std::min(g.width_m, g.length_m) / 2))
+        draw.refuse("clearance_m", fmt::format("no place of the {:g} x {:g} m top is so far from every wall", g.width_m, g.length_m));
+    std::copy(tilt.begin(), tilt.end(), d.tilt_deg);
+    std::copy(clearance.begin(), clearance.end(), d.clearance_m);
+}
+
+void read_solid_draws(TomlReader in, Study& study) {
     std::vector<std::string> roles = {"validation", "held_out"};
     for (const std::string& role : in.keys())
         if (!is_role(role)) in.refuse(role, "is not a role; allowed: validation, held_out, held_out_WORD of lower-case letters and '_'");
@@ -194,17 +210,7 @@ void read_solid_draws(TomlReader in, Study& study) {
         d.role = role;
         read_seed_and_count(draw, d);
         read_depth(draw, study, d);
-        const std::vector<double> tilt = draw.numbers("tilt_deg", 2, {0, 90}), clearance = draw.numbers("clearance_m", 2, positive);
-        if (tilt[0] > tilt[1]) draw.refuse("tilt_deg", "must be [smallest, largest]");
-        if (!(clearance[0] < clearance[1])) draw.refuse("clearance_m", "must be [smallest, largest], not the same");
-        if (clearance[0] < study.indenter.clearance_m() - tiny_m)
-            draw.refuse("clearance_m", fmt::format("a disc of radius {:g} mm needs {:g} mm {}", 1e3 * study.indenter.radius_m,
-                                                   1e3 * study.indenter.clearance_m(),
-                                                   g.is_block() ? "from every wall" : "to where the surface ends or turns"));
-        if (g.is_block() && !(clearance[0] < std::min(g.width_m, g.length_m) / 2))
-            draw.refuse("clearance_m", fmt::format("no place of the {:g} x {:g} m top is so far from every wall", g.width_m, g.length_m));
-        std::copy(tilt.begin(), tilt.end(), d.tilt_deg);
-        std::copy(clearance.begin(), clearance.end(), d.clearance_m);
+        read_solid_place(draw, study, d);
         add_draws(draw, d, study);
     }
     in.refuse_the_rest();

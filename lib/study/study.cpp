@@ -11,11 +11,13 @@
 #include "io/atomic_file.h"
 #include "mesh/topology.h"
 #include "springs/spring_law.h"
+#include "study/histories.h"
 #include "study/kinds.h"
 #include "study/one_line.h"
 #include "study/read_parts.h"
 #include "study/solid_study.h"
 #include "study/toml_reader.h"
+#include "study/viscosity.h"
 
 namespace tissue {
 namespace {
@@ -50,12 +52,20 @@ void erase_replaced(toml::table& base, const toml::table& changes) {
         base.erase("nodule");
     }
     if (changes["material"]["preset"])
-        erase_from(base, "material", {"law", "C1_Pa", "C2_Pa", "mu_Pa", "alpha", "density_kg_m3", "regions"});
+        erase_from(base, "material", {"law", "C1_Pa", "C2_Pa", "mu_Pa", "alpha", "density_kg_m3", "regions", "viscosity", "moduli"});
     if (const auto law = changes["material"]["law"].value<std::string>()) {
-        erase_from(base, "material", {"preset", "regions"});
+        erase_from(base, "material", {"preset", "regions", "viscosity", "moduli"});
         if (*law == "ogden") erase_from(base, "material", {"C1_Pa", "C2_Pa"});
         else erase_from(base, "material", {"mu_Pa", "alpha"});
     }
+    const toml::node_view<const toml::node> viscosity = changes["material"]["viscosity"];
+    if (changes["material"]["preset"] || changes["material"]["law"] || viscosity) {
+        erase_from(base, "nodule", {"viscosity"});  // of other times
+        if (toml::table* regions = base["material"]["regions"].as_table())
+            for (auto&& [name, region] : *regions)
+                if (region.is_table()) region.as_table()->erase("viscosity");
+    }
+    if (viscosity.is_array() && viscosity.as_array()->empty()) erase_from(base, "material", {"moduli"});  // elastic
     if (const auto stiffness = changes["springs"]["stiffness"].value<std::string>()) {
         const bool law = *stiffness == "law";
         if (law)
@@ -103,10 +113,6 @@ toml::table parse_with_base(const std::string& file, int depth = 0) {
     erase_replaced(merged, table);
     overlay(merged, std::move(table));
     return merged;
-}
-
-bool is_plain_name(const std::string& name) {
-    return !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == std::string::npos;
 }
 
 std::vector<std::string> topologies_of(const Study::Geometry& geometry) {
@@ -195,7 +201,8 @@ void apply_preset(toml::table& table, const std::string& file) {
     table.insert_or_assign("material", std::move(preset));
 }
 
-Study::Material read_material(TomlReader in, const Study::Geometry& geometry) {
+/// measured: there are no finite elements.
+Study::Material read_material(TomlReader in, const Study::Geometry& geometry, bool measured) {
     Study::Material m;
     m.law = in.choice("law", {"mooney-rivlin", "neo-Hookean", "ogden"});
     static_cast<Study::LawParameters&>(m) = read_law_parameters(in, m.law);
@@ -208,12 +215,14 @@ Study::Material read_material(TomlReader in, const Study::Geometry& geometry) {
     } else {
         m.formulation = in.choice("formulation", {"plane-stress", "plane-strain"});
     }
+    read_viscosity(in, m, !measured);
     if (in.has("regions")) {
         if (geometry.is_block()) in.refuse("regions", "needs a geometry.shape whose file names them");
         TomlReader regions = in.table("regions");
         for (const std::string& name : regions.keys()) {
             TomlReader region = regions.table(name);
             m.regions.push_back({read_law_parameters(region, m.law, m.alpha.size()), name});
+            read_own_viscosity(region, m, m.regions.back());
             region.refuse_the_rest();
         }
     }
@@ -394,7 +403,7 @@ void read_fe(TomlReader& in, Study& study) {
 
 /// Measured contacts, in place of all that.
 void read_data(TomlReader& in, Study& study) {
-    for (const char* key : {"mesh", "indenter", "solver", "loads", "draws", "variants"})
+    for (const char* key : {"mesh", "indenter", "solver", "loads", "draws", "variants", "histories"})
         if (in.has(key)) in.refuse(key, "belongs to finite elements; a study with [data] has none");
     TomlReader data = in.table("data");
     Study::Data d;
@@ -478,7 +487,7 @@ Study read_study(const std::string& file) {
     study.name = std::filesystem::path(file).stem().string();
 
     study.geometry = read_geometry(in.table("geometry"), table, file);
-    study.material = read_material(in.table("material"), study.geometry);
+    study.material = read_material(in.table("material"), study.geometry, in.has("data"));
     const bool block = study.geometry.is_block(), solid = study.geometry.is_solid();
     if (block) {
         TomlReader lattice = in.table("lattice");
@@ -509,6 +518,7 @@ Study read_study(const std::string& file) {
 
     study.springs = read_springs(in.table("springs"), study.geometry, study.data.has_value());
     const bool law = study.springs.is_law();
+    if (!law && study.material.relaxes()) in.table("material").refuse("viscosity", "needs springs.stiffness = \"law\": sets do not relax");
     const toml::table nothing;  // a law has a default for every key
     if (law) {
         const TomlReader training = in.has("training") ? in.table("training") : TomlReader(nothing, file, "training");
@@ -520,6 +530,7 @@ Study read_study(const std::string& file) {
         if (solid) read_solid_draws(in.table("draws"), study);
         else read_draws(in.table("draws"), study);
     }
+    if (in.has("histories")) read_histories(in, study);
     if (in.has("variants")) {
         if (!law) in.refuse("variants", "are of a law; this study's stiffness is sets");
         if (!solid && !study.loads.sweep) in.refuse("variants", "needs a study with loads.sweep");

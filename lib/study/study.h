@@ -18,6 +18,12 @@ struct StudyPath {
     double depth_m = 0;         ///< how deep it goes; 0: to the largest magnitude
 };
 
+/// A part of the instantaneous modulus that goes with time, as exp(-t / tau).
+struct Branch {
+    double share;  ///< of the instantaneous modulus
+    double tau_s;
+};
+
 /// Everything a study file (fem/studies/NAME.toml) says. Every key is listed in results/FORMATS.md.
 struct Study {
     std::string name;  ///< the file's name without its ending
@@ -35,10 +41,11 @@ struct Study {
         bool is_solid() const { return length_m > 0 || solid; }
     } geometry;
 
-    /// What a law needs to know, of the base material or of a region.
+    /// What a law needs to know, of the base material or of a region. Moduli are instantaneous, whatever the file says.
     struct LawParameters {
         double C1_Pa = 0, C2_Pa = 0;       ///< Mooney-Rivlin
         std::vector<double> mu_Pa, alpha;  ///< Ogden, one entry a term
+        std::vector<double> share = {};    ///< of the instantaneous modulus, one entry a branch of the material; empty: elastic
 
         /// Small-strain Young's modulus [Pa]: E = 6 (C1 + C2), or E = 3 mu with 2 mu = sum mu_k alpha_k.
         double youngs_modulus_Pa() const;
@@ -51,8 +58,11 @@ struct Study {
         double density_kg_m3;
         std::string formulation;  ///< plane-stress or plane-strain; of a solid incompressible
         std::vector<Region> regions;  ///< of the same law, in alphabetical order
+        std::vector<Branch> viscosity;  ///< ascending tau; `share` of regions and the nodule is of the same taus; empty: elastic
+        bool long_term = false;         ///< whether the file's moduli are what is left after all time
 
         std::vector<std::string> region_names() const;
+        bool relaxes() const { return !viscosity.empty(); }
     } material;
 
     /// A ball of other material inside a solid.
@@ -159,6 +169,22 @@ struct Study {
         double clearance_m[2] = {0, 0};    ///< and of the distance from the nearest wall
     };
     std::vector<Draws> draws;
+
+    /// Courses of the tool in time, each on a contact drawn as above; nothing of the law is trained on them. Every stroke, from rest to
+    /// rest, is a minimum-jerk polynomial (cases/course.h). Of a kind that has no such thing a field is 0.
+    struct Histories : Draws {             ///< role: validation, held_out or train; max_angle_deg and so on as there
+        std::string name;                  ///< its courses are NAME-0001, ...
+        std::string kind;                  ///< ramp, release, sine, poke, again or file
+        double rise_s[2];                  ///< range of a stroke's time, drawn log-uniformly: ramp, release, poke, again
+        double hold_s;                     ///< at the end of a stroke: ramp, release, again
+        double frequency_Hz[2];            ///< range, drawn log-uniformly: sine
+        double duration_s;                 ///< sine, poke
+        double wander_deg;                 ///< poke: how far a stroke's direction strays from the first's
+        double apart_m;                    ///< again, in the plane: along the surface, from the first touch to the second
+        std::string file;                  ///< of the course, CSV (results/FORMATS.md): file
+        Point contact_m;                   ///< (D): file
+    };
+    std::vector<Histories> histories;
     double check_fraction = 0;             ///< of listed paths, or of held_out contacts, solved again on a finer mesh
     int check_refine = 0;                  ///< that mesh's `refine`; 0: none
     std::array<double, 2> check_sizes_m{};  ///< of a solid: that mesh's `sizes_m`; 0: none

@@ -61,12 +61,17 @@ toml::table parse_toml(const std::string& text, const std::string& file) {
 TomlReader::TomlReader(const toml::table& table, std::string file, std::string path)
     : table_(&table), file_(std::move(file)), path_(std::move(path)) {}
 
+std::string TomlReader::file_of(const std::string& key) const {
+    const toml::node* node = table_->get(key);
+    const toml::source_region& source = node ? node->source() : table_->source();
+    return source.path ? *source.path : file_;
+}
+
 void TomlReader::refuse(const std::string& key, const std::string& why) const {
     const toml::node* node = table_->get(key);
     const toml::source_region& source = node ? node->source() : table_->source();
-    const std::string& file = source.path ? *source.path : file_;  // a base study's keys stand in its own file
     const std::string name = path_.empty() ? key : path_ + "." + key;
-    throw StudyError(one_line(fmt::format("{}:{}: key '{}': {}", file, source.begin.line, name, why)));
+    throw StudyError(one_line(fmt::format("{}:{}: key '{}': {}", file_of(key), source.begin.line, name, why)));
 }
 
 const toml::node& TomlReader::require(const std::string& key) {

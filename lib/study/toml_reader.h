@@ -46,6 +46,9 @@ class TomlReader {
     std::vector<std::string> keys() const;  ///< in alphabetical order
     bool has(const std::string& key) const { return table_->contains(key); }
 
+    /// The file in which a key stands: a base study's, where it comes from there.
+    std::string file_of(const std::string& key) const;
+
     /// For a list that another key stands in for.
     void refuse_unless_empty(const std::string& key, const std::string& why);
 

@@ -377,3 +377,31 @@ TEST_CASE("cases in space, changed in any one dataset in any way, are refused in
         }
     CHECK(refused > 50);
 }
+
+TEST_CASE("a law's shares are its material's, and in a nodule's springs and cells the mean of both, each as stiff as it is") {
+    Study s = solid();
+    REQUIRE(s.nodule);
+    const SpringMesh mesh = study_mesh(s, {}, s.springs.topology);
+    CHECK(study_relaxation(s, {}, mesh, study_law(s, {}, mesh)).empty());
+    s.material.viscosity = {{0.3, 0.05}, {0.2, 1}};
+    s.material.share = {0.3, 0.2};
+    s.nodule->share = s.material.share;
+    const EnergyLaw law = study_law(s, {}, mesh);
+    const Relaxation even = study_relaxation(s, {}, mesh, law);
+    CHECK(even.tau_s == Eigen::Vector2d(0.05, 1));
+    CHECK(even.contact_share == Eigen::Vector2d(0.3, 0.2));
+    CHECK(even.share.rows() == law.energy(mesh).constant_count());
+    CHECK((even.share.col(0).array() == 0.3).all());
+
+    s.nodule->share = {0.1, 0.2};
+    const Relaxation own = study_relaxation(s, {}, mesh, law);
+    CHECK((own.share.col(1).array() == 0.2).all());
+    const Eigen::VectorXd inside = fraction_inside(mesh, mesh.springs, s.nodule->centre_m, s.nodule->radius_m);
+    CHECK(inside.maxCoeff() > 0.3);
+    const double E = s.material.youngs_modulus_Pa(), hard = s.nodule->youngs_modulus_Pa();
+    for (Eigen::Index i = 0; i < inside.size(); ++i) {
+        const double in = inside[i] * hard, out = (1 - inside[i]) * E;
+        REQUIRE(own.share(i, 0) == Approx((0.1 * in + 0.3 * out) / (in + out)).epsilon(1e-9));
+    }
+    CHECK(own.contact_share == even.contact_share);
+}

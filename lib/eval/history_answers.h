@@ -28,7 +28,7 @@ NodeField relaxed(const Eigen::VectorXd& time_s, const NodeField& force_N, const
 /// What models say of one history.
 struct HistoryAnswer {
     std::string name, group, kind, role;
-    std::vector<double> time_s, fe_N, learned_N;  ///< force along the push's direction
+    std::vector<double> time_s, fe_N, learned_N, elastic_N;  ///< force along the push's direction; elastic: of best_factor
     HistoryError elastic;                         ///< of the instantaneous law against FE that does not relax: what the law itself is off; NaN where FE has none
     std::vector<HistoryError> error;              ///< of each model
 };

@@ -1,4 +1,4 @@
-#include "eval/history_table.h"
+#include "eval/history_answers.h"
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
@@ -201,7 +201,9 @@ HistoryTable evaluate_histories(const TissueModel& model, const std::vector<Hist
     const LawModel& law = *model.energy_law;
     HapticOptions options;
     options.heuristic_mesh = false;
-    const HapticModel learned(model, options), at_once(with_law(model, instantaneous(law)), options), after_long(with_law(model, long_term(law)), options);
+    const HapticModel learned(model, options);
+    options.damping_ratio = learned.options.damping_ratio;
+    const HapticModel at_once(with_law(model, instantaneous(law)), options), after_long(with_law(model, long_term(law)), options);
 
     const std::size_t H = histories.size();
     std::vector<std::vector<NodeField>> answer(H, std::vector<NodeField>(3));
@@ -241,10 +243,11 @@ HistoryTable evaluate_histories(const TissueModel& model, const std::vector<Hist
     for (std::size_t h = 0; h < H; ++h) {
         const History& history = *histories[h];
         const Eigen::VectorXd& t = history.time_s;
-        HistoryAnswer row{history.name, history.group, history.kind, history.role, {t.begin(), t.end()}, {}, {}, {}, {}};
-        const Eigen::VectorXd fe = history.force_N * history.direction, own = answer[h][0] * history.direction;
+        HistoryAnswer row{history.name, history.group, history.kind, history.role, {t.begin(), t.end()}, {}, {}, {}, {}, {}};
+        const Eigen::VectorXd fe = history.force_N * history.direction, own = answer[h][0] * history.direction, springs = table.factor * (answer[h][2] * history.direction);
         row.fe_N.assign(fe.begin(), fe.end());
         row.learned_N.assign(own.begin(), own.end());
+        row.elastic_N.assign(springs.begin(), springs.end());
         const double nothing = std::numeric_limits<double>::quiet_NaN();
         const bool elastic = history.elastic_N.rows() == t.size();
         row.elastic = elastic ? history_error(t, history.elastic_N, answer[h][2]) : HistoryError{nothing, nothing};

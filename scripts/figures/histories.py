@@ -1,0 +1,35 @@
+"""Force over time: of each group the history with the median error, finite elements, the learned law, elastic springs."""
+import matplotlib.pyplot as plt
+import numpy as np
+
+from results import COLOURS
+
+
+def draw(results):
+    histories = results.evaluation["histories"]
+    groups = [group for group in histories["groups"] if group != "all"]
+    columns = min(2, len(groups))
+    rows = -(-len(groups) // columns)
+    figure, axes = plt.subplots(rows, columns, figsize=(5.6 * columns, 2.7 * rows), squeeze=False, layout="constrained")
+    for axis, group in zip(axes.flat, groups):
+        history = middle([h for h in histories["each"] if h["group"] == group])
+        t = np.array(history["time_s"])
+        axis.plot(t, history["fe_N"], color=COLOURS["fe"], linewidth=2.4, label="finite elements")
+        axis.plot(t, history["best_factor_N"], ":", color=COLOURS["uniform"], linewidth=1.8, label="elastic, best factor")
+        axis.plot(t, history["learned_N"], color=COLOURS["learned"], linewidth=1.2, label="learned law")
+        axis.axhline(0, color="0.8", linewidth=0.8, zorder=0)
+        axis.set_title(f"{group}: {history['name']}, off by {100 * history['error']['learned']['rms']:.1f} %", fontsize=9)
+        axis.set_xlim(0, t[-1])
+        axis.set_xlabel("time (s)")
+        axis.set_ylabel("force along the push (N)")
+    for axis in axes.flat[len(groups):]:
+        axis.set_visible(False)
+    axes[0, 0].legend(frameon=False, fontsize=8)
+    figure.suptitle("Histories that nothing was trained on; of each group the one with the median error")
+    return figure
+
+
+def middle(histories):
+    """The one with the median error; of an even number the better of the two."""
+    ordered = sorted(histories, key=lambda h: h["error"]["learned"]["rms"])
+    return ordered[(len(ordered) - 1) // 2]

@@ -1,0 +1,155 @@
+#include "eval/history_answers.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "../haptic/haptic_example.h"
+#include "../refusal.h"
+#include "error.h"
+#include "springs/law_press.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+double smooth(double s) { return s <= 0 ? 0 : s >= 1 ? 1 : s * s * s * (10 - 15 * s + 6 * s * s); }
+
+/// In within `rise` and held, in steps of 5 ms.
+History ramp(double depth_m, double rise_s, double duration_s) {
+    History h;
+    h.name = "ramp-0001";
+    h.group = h.kind = "ramp";
+    h.role = "held_out";
+    h.contact_m = Eigen::Vector2d(0.047, 0.1);
+    h.direction = Eigen::Vector2d(0, -1);
+    const auto T = static_cast<Eigen::Index>(std::lround(duration_s / 0.005)) + 1;
+    h.time_s = Eigen::VectorXd::LinSpaced(T, 0, duration_s);
+    h.push_m.resize(T, 2);
+    for (Eigen::Index n = 0; n < T; ++n) h.push_m.row(n) << 0, -depth_m * smooth(h.time_s[n] / rise_s);
+    h.contact.assign(static_cast<std::size_t>(T), 1);
+    h.force_N = NodeField::Zero(T, 2);
+    return h;
+}
+
+HapticOptions alone() {
+    HapticOptions o;
+    o.heuristic_mesh = false;
+    return o;
+}
+
+}  // namespace
+
+TEST_CASE("errors of a force over time weigh time, not steps, and the peak is of the largest force", "[histories]") {
+    Eigen::VectorXd t(5);
+    t << 0, 1, 1.5, 2, 4;
+    NodeField truth(5, 2), answer(5, 2);
+    truth << 3, 4, 3, 4, 3, 4, 3, 4, 3, 4;
+    answer = truth;
+    answer.row(4) << 3, 6;
+    const HistoryError e = history_error(t, truth, answer);
+    CHECK(e.rms == Approx(std::sqrt(4.0 * 1 / (25.0 * 4))));
+    CHECK(e.peak == Approx(2.0 / 5));
+}
+
+TEST_CASE("a force through branches relaxes by the closed form, however unequal the steps", "[histories]") {
+    Eigen::VectorXd t(6);
+    t << 0, 0.1, 0.15, 0.5, 3, 10;
+    NodeField force(6, 1);
+    for (Eigen::Index n = 0; n < 6; ++n) force(n, 0) = 2 * std::min(1.0, t[n] / 0.5);
+    const Eigen::Vector2d tau(0.3, 7), g(0.5, 0.2);
+    const NodeField out = relaxed(t, force, tau, g);
+    for (Eigen::Index n = 3; n < 6; ++n) {
+        double expected = 2 * 0.3;
+        for (int k = 0; k < 2; ++k) expected += 2 * g[k] * tau[k] / 0.5 * (1 - std::exp(-0.5 / tau[k])) * std::exp(-(t[n] - 0.5) / tau[k]);
+        CHECK(out(n, 0) == Approx(expected).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("held in the tick, a model that relaxes says its static force through its branches", "[histories]") {
+    const TissueModel model = relaxing(law_example());
+    const HapticModel haptic(model, alone());
+    const History h = ramp(0.008, 2, 6);
+    const NodeField answer = play_history(haptic, h);
+    const LawPress press(model);  // of the instantaneous law
+    NodeField statics(h.time_s.size(), 2);
+    for (Eigen::Index n = 0; n < statics.rows(); ++n) statics.row(n) = press.at(h.contact_m, h.push_m.row(n).transpose()).contact_force.transpose();
+    const NodeField expected = relaxed(h.time_s, statics, model.energy_law->relaxation.tau_s, model.energy_law->relaxation.contact_share);
+    CHECK(history_error(h.time_s, expected, answer).rms < 0.01);  // areas hold while springs relax, so that shapes go on a little
+    CHECK(history_error(h.time_s, statics, answer).rms > 0.3);
+}
+
+TEST_CASE("while the tool is away nothing holds the tissue, and a second touch finds it as the first has left it", "[histories]") {
+    const TissueModel model = relaxing(law_example());
+    const HapticModel haptic(model, alone());
+    History h = ramp(0.008, 0.3, 2);
+    for (std::size_t n = 150; n < 250; ++n) h.contact[n] = 0;
+    h.second_contact_m = h.contact_m;
+    for (std::size_t n = 250; n < h.contact.size(); ++n) {
+        h.contact[n] = 2;
+        h.push_m.row(static_cast<Eigen::Index>(n)) << 0, -0.008 * smooth((h.time_s[static_cast<Eigen::Index>(n)] - 1.25) / 0.3);
+    }
+    const NodeField answer = play_history(haptic, h);
+    CHECK(answer(140, 1) < -0.5);
+    for (Eigen::Index n = 152; n < 249; ++n) REQUIRE(answer.row(n).norm() == 0);
+    History fresh = ramp(0.008, 0.3, 0.75);
+    fresh.contact_m = *h.second_contact_m;
+    const NodeField first = play_history(haptic, fresh), second = answer.bottomRows(151);
+    CHECK(second(150, 1) < -0.5);
+    const double less = std::abs(second(150, 1) / first(150, 1));
+    CHECK(less < 0.97);  // it has not forgotten
+    CHECK(less > 0.6);
+    History beside = h;
+    beside.second_contact_m = Eigen::Vector2d(0.067, 0.1);
+    CHECK(std::abs(play_history(haptic, beside)(400, 1) / answer(400, 1)) > 1.02);  // less so 20 mm away
+}
+
+TEST_CASE("of models beside the learned one each is what it says: the truth is played, and they are as far from it as they must be", "[histories]") {
+    const TissueModel model = relaxing(law_example());
+    HapticOptions still = alone();
+    const HapticModel haptic(model, still);
+    still.damping_ratio = haptic.options.damping_ratio;
+    TissueModel elastic = model;
+    elastic.energy_law = instantaneous(*model.energy_law);
+    const HapticModel at_once(elastic, still);
+    std::vector<History> histories;
+    for (double depth : {0.004, 0.008}) {
+        histories.push_back(ramp(depth, depth * 100, 4));
+        histories.back().name = "ramp-000" + std::to_string(histories.size());
+        histories.back().force_N = play_history(haptic, histories.back());
+        histories.back().elastic_N = play_history(at_once, histories.back());
+    }
+    histories.push_back(histories.front());
+    histories.back().name = "gone";
+    histories.back().lost = "no equilibrium";
+    histories.push_back(histories.front());
+    histories.back().role = "train";
+    const HistoryTable table = evaluate_histories(model, histories, "held_out", 2);
+    REQUIRE(table.answers.size() == 2);
+    CHECK(table.lost == std::vector<std::string>{"gone: no equilibrium"});
+    CHECK(table.groups() == std::vector<std::string>{"ramp"});
+    const auto rms = [&](const std::string& name) {
+        const auto m = static_cast<std::size_t>(std::find(table.models.begin(), table.models.end(), name) - table.models.begin());
+        REQUIRE(m < table.models.size());
+        return table.rms(m, "").max;
+    };
+    CHECK(rms("learned") == 0);
+    CHECK(table.elastic_rms("").max == 0);
+    CHECK(rms("prony") < 0.02);
+    CHECK(rms("instantaneous") > 0.5);
+    CHECK(rms("long_term") > 0.3);
+    CHECK(rms("best_factor") < rms("instantaneous"));
+    CHECK(rms("kelvin_voigt") < 1.05 * rms("best_factor"));
+    CHECK(rms("one_branch") < 0.5 * rms("best_factor"));
+    CHECK(table.factor > 0.25);
+    CHECK(table.factor < 1);
+
+    // a truth of one branch is found
+    for (History& h : histories) h.force_N = relaxed(h.time_s, h.elastic_N, Eigen::VectorXd::Constant(1, 0.5), Eigen::VectorXd::Constant(1, 0.6));
+    const HistoryTable one = evaluate_histories(model, histories, "held_out", 1);
+    CHECK(one.branch[0] == Approx(0.6).epsilon(0.02));
+    CHECK(one.branch[1] == Approx(0.5).epsilon(0.06));
+    CHECK(evaluate_histories(model, histories, "validation", 1).empty());
+    TissueModel sets = haptic_example();
+    CHECK_THAT(refusal<MismatchError>([&] { evaluate_histories(sets, histories, "held_out", 1); }), Contains("law"));
+}
