@@ -1,3 +1,8 @@
+#include <fmt/format.h>
+
+#include <iostream>
+
+#include "cases/history_plan.h"
 #include "cases/load_path.h"
 #include "cases/study_mesh.h"
 #include "cases/sweep.h"
@@ -12,6 +17,19 @@ namespace {
 struct Options {
     std::string study, paths, mesh, out;
 };
+
+/// One line, where FE did not come to the end of every history.
+void say_lost(const std::vector<History>& histories) {
+    std::size_t lost = 0;
+    const History* first = nullptr;
+    for (const History& h : histories) {
+        if (h.lost.empty()) continue;
+        if (++lost == 1) first = &h;
+    }
+    if (first)
+        std::cout << fmt::format("histories: {} of {} lost before their end; the first, {}, after {} steps: {}\n", lost, histories.size(), first->name,
+                                 first->time_s.size(), first->lost);
+}
 
 void run(const Options& o, Provenance provenance) {
     const Study study = read_study(o.study);
@@ -39,6 +57,12 @@ void run(const Options& o, Provenance provenance) {
             if (!itself) cases.paths.push_back(std::move(image));
         }
     }
+    for (const PlannedHistory& planned : planned_histories(study, cases.shape)) {
+        cases.histories.push_back(read_planned_history(planned, o.paths, study.material.relaxes()));
+        hashes += file_hash(o.paths + "/" + planned.push.name + ".csv");
+        if (study.material.relaxes()) hashes += file_hash(o.paths + "/" + planned.elastic_name() + ".csv");
+    }
+    say_lost(cases.histories);
     provenance.inputs["cases/*.csv"] = text_hash(hashes);
     load_cases(cases);  // refuses a path without a record at a magnitude
     write_cases(o.out, cases, provenance);

@@ -5,7 +5,7 @@ namespace tissue {
 /// Of the whole project; CHANGELOG.md says what each one brought.
 inline constexpr const char* version = "0.1.0";
 
-/// Of every file format in results/FORMATS.md, but of a model.h5 whose stiffness is a law, and of whatever is in space:
+/// Of every file format in results/FORMATS.md, but of a model.h5 whose stiffness is a law, of whatever is in space, and of cases with histories:
 /// earlier programs must refuse them. Readers refuse a later one.
 inline constexpr int format_version = 1;
 inline constexpr int law_format_version = 2;

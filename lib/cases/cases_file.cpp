@@ -4,6 +4,7 @@
 #include <set>
 
 #include "cases/cases_table.h"
+#include "cases/histories_file.h"
 #include "cases/load_path.h"
 #include "error.h"
 #include "mesh/mesh_fault.h"
@@ -228,7 +229,8 @@ const DatasetTable& cases_table(bool measured) {
 void write_cases(const std::string& file, const Cases& cases, const Provenance& provenance) {
     const bool measured = cases.measurement.has_value();
     const bool solid = cases.nodes.cols() == 3;
-    Hdf5Writer hdf5(file, "cases", provenance, solid ? solid_format_version : format_version);
+    const int version_of_format = !cases.histories.empty() ? time_format_version : solid ? solid_format_version : format_version;
+    Hdf5Writer hdf5(file, "cases", provenance, version_of_format);
     hdf5.attribute("/", "study", cases.study);
     if (solid) hdf5.attribute("/", "dimension", 3);
     TableWriter out(hdf5, cases_table(measured));
@@ -243,6 +245,8 @@ void write_cases(const std::string& file, const Cases& cases, const Provenance& 
         hdf5.attribute("/measurement", "noise_source", cases.measurement->noise_source);
     }
     for (const LoadPath& path : cases.paths) write_path(out, path, cases.nodes, measured);
+    TableWriter in_time(hdf5, histories_table());
+    if (!cases.histories.empty()) write_histories(in_time, cases.histories, cases.nodes.cols());
     hdf5.commit();
 }
 
@@ -274,6 +278,10 @@ Cases read_cases(const std::string& name) {
     if (measured) cases.measurement = read_measurement(file, in);
     for (const std::string& path : in.texts("/path_names"))
         cases.paths.push_back(read_path(in, path, cases.nodes, measured));
+    if (file.has("/histories")) {
+        TableReader in_time(file, histories_table(), {{"D", D}});
+        cases.histories = read_histories(in_time);
+    }
     return cases;
 }
 

@@ -6,47 +6,14 @@
 #include <cmath>
 #include <set>
 
+#include "cases/path_lines.h"
 #include "error.h"
-#include "io/csv_lines.h"
 
 namespace tissue {
 namespace {
 
 constexpr int csv_version = 1;
 constexpr double same_magnitude = 1e-9;  // relative
-
-/// FreeFEM's rows: the first field is the kind of row.
-class PathLines : public CsvLines {
-   public:
-    using CsvLines::CsvLines;
-
-    const std::string& kind() const {
-        static const std::string none;
-        return size() == 0 ? none : field(0);
-    }
-
-    void want(std::size_t count) const {
-        if (size() != count) refuse(fmt::format("has {} fields, a '{}' row has {}", size(), kind(), count));
-    }
-
-    void want_at_least(std::size_t count) const {
-        if (size() < count) refuse("has too few fields");
-    }
-
-    /// A last field that may hold commas of its own.
-    std::string text_from(std::size_t i) const {
-        std::size_t start = 0;
-        for (; i > 0; --i) start = text().find(',', start) + 1;
-        return text().substr(start);
-    }
-};
-
-/// D numbers of a row, from a field on.
-Point read_point(const PathLines& line, std::size_t from, std::size_t D) {
-    Point p(static_cast<Eigen::Index>(D));
-    for (std::size_t d = 0; d < D; ++d) p[static_cast<Eigen::Index>(d)] = line.number(from + d);
-    return p;
-}
 
 /// nodes: the lattice's (N x D).
 PathRecord read_step(const PathLines& line, const NodeField& nodes) {
@@ -55,8 +22,8 @@ PathRecord read_step(const PathLines& line, const NodeField& nodes) {
     PathRecord r;
     r.magnitude_m = line.number(2);
     r.energy_J = line.number(3);
-    r.contact_force_N = read_point(line, 4, D);
-    r.support_force_N = read_point(line, 4 + D, D);
+    r.contact_force_N = line.point(4, D);
+    r.support_force_N = line.point(4 + D, D);
     r.smallest_J = line.number(4 + 2 * D);
     r.newton_iterations = static_cast<int>(line.number(5 + 2 * D));
     r.newton_residual = line.number(6 + 2 * D);
@@ -70,13 +37,13 @@ void read_node(const PathLines& line, const SpringMesh& mesh, PathRecord& r) {
     line.want(1 + 3 * D);
     int node = 0;
     try {
-        node = node_at(mesh, read_point(line, 1, D));
+        node = node_at(mesh, line.point(1, D));
     } catch (const MismatchError& e) {
         line.refuse(e.what());
     }
     if (!std::isnan(r.displacement(node, 0))) line.refuse("the node stands twice in its record");
-    r.displacement.row(node) = read_point(line, 1 + D, D).transpose();
-    r.force.row(node) = read_point(line, 1 + 2 * D, D).transpose();
+    r.displacement.row(node) = line.point(1 + D, D).transpose();
+    r.force.row(node) = line.point(1 + 2 * D, D).transpose();
 }
 
 }  // namespace

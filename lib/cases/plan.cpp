@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cstring>
 
+#include "cases/history_plan.h"
 #include "cases/study_law.h"
 #include "cases/study_mesh.h"
 #include "cases/sweep.h"
@@ -18,6 +19,7 @@ namespace {
 
 constexpr const char* solid_geo = "fem/block3.geo";  ///< of which scripts/solve_path makes a mesh a path
 constexpr int nodule_label = 11;                     ///< of its elements there
+constexpr const char* history_role = "history";      ///< of a path that is solved along a course
 
 /// Words that a person wrote, as they stand in the fragment. make and the shell would take others apart, or run them.
 /// key: where they stand in the study; "" is the name of its file.
@@ -50,6 +52,33 @@ std::string law_arguments(const Study::Material& m) {
     int label = 10;
     for (const Study::Region& r : m.regions) text += " " + parameter_arguments(r, fmt::format("_{}", ++label));
     return text;
+}
+
+/// The branches of one material for FreeFEM.
+std::string branch_arguments(const Study::LawParameters& p, const std::vector<Branch>& branches, const std::string& ending) {
+    std::string text;
+    for (std::size_t k = 0; k < branches.size(); ++k) {
+        text += fmt::format(" -g{}{} {}", k + 1, ending, p.share[k]);
+        if (ending.empty()) text += fmt::format(" -tau{} {}", k + 1, branches[k].tau_s);
+    }
+    return text;
+}
+
+/// How the tissue relaxes, for FreeFEM: times and shares of the base material, then shares of the regions or the nodule.
+std::string viscosity_arguments(const Study& s) {
+    const std::vector<Branch>& branches = s.material.viscosity;
+    std::string text = fmt::format(" -branches {}", branches.size()) + branch_arguments(s.material, branches, "");
+    int label = 10;
+    for (const Study::Region& r : s.material.regions) text += branch_arguments(r, branches, fmt::format("_{}", ++label));
+    if (s.nodule) text += branch_arguments(*s.nodule, branches, fmt::format("_{}", nodule_label));
+    return text;
+}
+
+/// What a history needs beside the arguments of a path. file: of its course.
+std::string history_arguments(const Study& s, const PlannedHistory& history, const std::string& file, bool relaxes) {
+    std::string text = fmt::format(" -history {} -density {}", file, s.material.density_kg_m3);
+    if (history.second_contact_m) text += fmt::format(" -second_x {} -second_y {}", history.second_contact_m->x(), history.second_contact_m->y());
+    return relaxes ? text + viscosity_arguments(s) : text;
 }
 
 /// The nodule's place for gmsh and its material for FreeFEM; nothing where there is none.
@@ -98,10 +127,10 @@ std::string path_arguments(const Study& s, const PlannedPath& path) {
         "-indenter {} -patch_half_width {} -allow_lost {}",
         size, g.thickness_m, law_arguments(s.material), lattice, p.contact_m.x(), p.contact_m.y(), p.direction.x(),
         p.direction.y(), path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton, s.material.formulation,
-        s.indenter.kind, s.indenter.half_width_m, s.loads.sweep || path.role == "check" ? 1 : 0);
+        s.indenter.kind, s.indenter.half_width_m, s.loads.sweep || path.role == "check" || path.role == history_role ? 1 : 0);
 }
 
-std::string collect_part(const Study& s, const std::vector<PlannedPath>& paths) {
+std::string collect_part(const Study& s, const std::vector<PlannedPath>& paths, const std::vector<PlannedHistory>& histories) {
     if (s.data)
         return fmt::format("cells {} {}\nsize {} {}\nfile {}\nseed {}\nparts {} {}\ntolerance {}\nnoise {}\n", s.cells[0],
                            s.cells[1], s.geometry.width_m, s.geometry.height_m, s.data->file, s.data->seed,
@@ -116,6 +145,8 @@ std::string collect_part(const Study& s, const std::vector<PlannedPath>& paths) 
                                          s.geometry.width_m, s.geometry.height_m, fmt::join(s.loads.magnitudes_m, " "))
                            : fmt::format("shape {}\nmagnitudes {}\n", s.geometry.shape, fmt::join(s.loads.magnitudes_m, " "));
     for (const PlannedPath& p : paths) text += p.role + " " + p.push.name + "\n";
+    for (const PlannedHistory& h : histories) text += fmt::format("history {} {} {}\n", h.kind, h.role, h.push.name);
+    if (!histories.empty()) text += fmt::format("relaxes {}\n", s.material.relaxes() ? 1 : 0);
     return text;
 }
 
@@ -138,6 +169,13 @@ std::string train_part(const Study& s) {
         s.springs.topology, s.springs.law, t.objective, t.ridge, s.modulus_N_m(), s.material.density_kg_m3,
         s.geometry.thickness_m, t.optimizer, fmt::join(t.also, " "), t.seed, t.iterations, optional(t.max_seconds), optional(t.target_rel_loss),
         t.k_min_E2, t.k_max_E2, t.weight_near[0], t.weight_near[1], t.weight_far[0], t.weight_far[1]);
+}
+
+/// A history as a path that is solved. elastic: on tissue that does not relax.
+PlannedPath path_of(const Study& s, const PlannedHistory& history, bool elastic) {
+    PlannedPath path{history.push, history_role, history.push.depth_m, 1, s.refine, s.sizes_m};
+    if (elastic) path.push.name = history.elastic_name();
+    return path;
 }
 
 /// How gmsh makes the shape's triangles or tetrahedra: an outline or a surface is filled, a mesh is converted.
@@ -173,8 +211,17 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
             throw StudyError(one_line(fmt::format("{}: key 'springs.terms': {}", study.file, e.what())));
         }
     const std::vector<PlannedPath> paths = study.data ? std::vector<PlannedPath>() : planned_paths(study, shape);
+    const std::vector<PlannedHistory> histories = study.data ? std::vector<PlannedHistory>() : planned_histories(study, shape);
     std::string names;  // all at once: make copies the whole list for every name that is added to it
     for (const PlannedPath& path : paths) names += " " + path.push.name;
+    for (const PlannedHistory& history : histories) {
+        for (const PlannedPath& path : paths)
+            if (path.push.name == history.push.name)
+                throw StudyError(one_line(fmt::format("{}: key 'histories': '{}' of group '{}' is also the name of a load path, and they would share one file",
+                                                      study.file, history.push.name, history.group)));
+        names += " " + history.push.name;
+        if (study.material.relaxes()) names += " " + history.elastic_name();
+    }
     plan.fragment += fmt::format(
         "$(R)/cases.h5: CASES_COMMAND = {}\n"
         "$(R)/cases.h5: $(R)/plan/collect\n"
@@ -190,7 +237,7 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
                                                        : "held_out held_out_force shape contours"
         : study.loads.sweep ? "held_out held_out_force shape contours springs"
                             : "contours force learning springs errors character");
-    plan.parts["collect"] = collect_part(study, paths);
+    plan.parts["collect"] = collect_part(study, paths, histories);
     plan.parts["train"] = train_part(study);
     if (study.data) {
         plan.fragment += fmt::format("$(R)/cases.h5: $(wildcard {})\n", study.data->file);
@@ -214,26 +261,40 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
                                      arguments, made_of);
         plan.parts["path-" + path.push.name] = part + "\n";
     };
+    /// The arguments of a path, what they are made of, and what its part says of them.
+    struct Solve {
+        std::string arguments, made_of, part;
+    };
+    const auto solve_of = [&](const PlannedPath& path) -> Solve {
+        if (solid && shaped)  // tissuectl rim divides its surface
+            return {solid_shape_arguments(study, path, "$(R)/mesh.msh"), "$(R)/mesh.msh $(BUILD)/stage/rim fem/fill3.geo " + study.geometry.shape,
+                    solid_shape_arguments(study, path, "mesh.msh")};
+        if (solid) return {solid_arguments(study, path), solid_geo, solid_arguments(study, path)};
+        const std::string arguments = path_arguments(study, path), mesh = !block || path.refine == study.refine ? "mesh.msh" : "mesh-fine.msh";
+        return {"-mesh $(R)/" + mesh + " " + arguments, "$(R)/" + mesh, mesh + " " + arguments};
+    };
     if (solid && shaped) {
         for (const std::string& name : study.geometry.fixed) for_make(study, "geometry.fixed", name);
         for (const std::string& name : study.material.region_names()) for_make(study, "material.regions", name);
-        for (const PlannedPath& path : paths)  // tissuectl rim divides its surface
-            solves(path, solid_shape_arguments(study, path, "$(R)/mesh.msh"), "$(R)/mesh.msh $(BUILD)/stage/rim fem/fill3.geo " + study.geometry.shape,
-                   solid_shape_arguments(study, path, "mesh.msh"));
-        return plan;
     }
-    if (solid) {
-        plan.fragment += fmt::format("SOLID := {}\n", solid_geo);
-        for (const PlannedPath& path : paths) {
-            const std::string arguments = solid_arguments(study, path);
-            solves(path, arguments, solid_geo, arguments);
-        }
-        return plan;
-    }
+    if (solid && !shaped) plan.fragment += fmt::format("SOLID := {}\n", solid_geo);
     for (const PlannedPath& path : paths) {
-        const std::string arguments = path_arguments(study, path),
-                          mesh = !block || path.refine == study.refine ? "mesh.msh" : "mesh-fine.msh";
-        solves(path, "-mesh $(R)/" + mesh + " " + arguments, "$(R)/" + mesh, mesh + " " + arguments);
+        const Solve solve = solve_of(path);
+        solves(path, solve.arguments, solve.made_of, solve.part);
+    }
+    for (const Study::Histories& group : study.histories)  // another course in it is another plan
+        if (!group.file.empty()) plan.fragment += "\n$(R)/plan.mk: $(wildcard " + for_make(study, "histories.file", group.file) + ")\n";
+    for (const PlannedHistory& history : histories) {
+        const std::string course = "history-" + history.push.name;
+        plan.parts[course] = course_text(history.course);
+        for (const bool elastic : {false, true}) {
+            if (elastic && !study.material.relaxes()) continue;
+            const PlannedPath path = path_of(study, history, elastic);
+            const Solve solve = solve_of(path);
+            const bool relaxes = study.material.relaxes() && !elastic;
+            solves(path, solve.arguments + history_arguments(study, history, "$(R)/plan/" + course, relaxes), "$(R)/plan/" + course + " " + solve.made_of,
+                   solve.part + history_arguments(study, history, course, relaxes));
+        }
     }
     return plan;
 }

@@ -27,7 +27,7 @@ struct PlannedPath {
 /// another's check.
 std::vector<PlannedPath> planned_paths(const Study& study, const std::optional<Shape>& shape = {});
 
-/// The cases with only those training paths and magnitudes that a variant keeps; drawn contacts stay.
+/// The cases with only those training paths and magnitudes that a variant keeps; drawn contacts and histories stay.
 Cases thinned(const Study& study, const Cases& cases, const Study::Variant& variant);
 
 }  // namespace tissue

@@ -1,0 +1,84 @@
+#include "cases/solid_draws.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "error.h"
+#include "study/solid_push.h"
+
+namespace tissue {
+namespace {
+
+constexpr double degree = 3.14159265358979323846 / 180;
+constexpr double least_distance_m = 0.002, least_angle_deg = 5;  // what "held out" means, beside the seed
+
+/// Whether a push is far enough from another, in place or direction, not to be the same contact.
+bool apart(const StudyPath& a, const StudyPath& b) {
+    const double cosine = std::clamp(a.direction.dot(b.direction), -1.0, 1.0);
+    return (a.contact_m - b.contact_m).norm() >= least_distance_m || std::acos(cosine) >= least_angle_deg * degree;
+}
+
+}  // namespace
+
+SolidDraws::SolidDraws(const Study& study, const Study::Draws& draws, const std::vector<StudyPath>& trained, const FreeSurface* surface,
+                       const std::string& key)
+    : study_(study), draws_(draws), trained_(trained), surface_(surface), key_(key), rng_(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free), tries_(1000L * draws.count) {
+    gsl_rng_set(rng_.get(), draws.seed);
+}
+
+StudyPath SolidDraws::push() {
+    StudyPath push;
+    do {
+        push.contact_m = surface_ ? place_on_surface() : place();
+        push.direction = direction(push.contact_m);
+    } while (!is_apart(push));
+    push.depth_m = uniform(draws_.depth_m[0], draws_.depth_m[1]);
+    return push;
+}
+
+void SolidDraws::count_a_try() {
+    if (--tries_ < 0)
+        throw MismatchError(key_ + ": clearance_m and the training contacts leave no room for contacts 2 mm or 5 degrees away from all of them");
+}
+
+Point SolidDraws::place() {
+    const Study::Geometry& g = study_.geometry;
+    const double low = draws_.clearance_m[0];
+    while (true) {
+        count_a_try();
+        const double x = uniform(low, g.width_m - low), y = uniform(low, g.length_m - low);
+        if (std::min({x, g.width_m - x, y, g.length_m - y}) <= draws_.clearance_m[1]) return Eigen::Vector3d(x, y, g.height_m);
+    }
+}
+
+/// Uniform by area: a facet by its area, then a point of it.
+Point SolidDraws::place_on_surface() {
+    const Eigen::VectorXd& area = surface_->measure();
+    while (true) {
+        count_a_try();
+        double left = uniform(0, area.sum());
+        Eigen::Index f = 0;
+        while (f + 1 < area.size() && left >= area[f]) left -= area[f++];
+        double a = uniform(0, 1), b = uniform(0, 1);
+        if (a + b > 1) {
+            a = 1 - a;
+            b = 1 - b;
+        }
+        const Point place = surface_->at(f, {1 - a - b, a, b});
+        const double clearance_m = surface_->clearance_m(place);
+        if (clearance_m >= draws_.clearance_m[0] && clearance_m <= draws_.clearance_m[1]) return place;
+    }
+}
+
+Point SolidDraws::direction(const Point& place) {
+    const double high = std::cos(draws_.tilt_deg[0] * degree), low = std::cos(draws_.tilt_deg[1] * degree);
+    const double tilt_deg = std::acos(uniform(low, high)) / degree, azimuth_deg = uniform(0, 360);
+    const double tilt = std::clamp(tilt_deg, draws_.tilt_deg[0], draws_.tilt_deg[1]);
+    return surface_ ? surface_push(surface_->nearest(place).inward, tilt, azimuth_deg) : solid_push(tilt, azimuth_deg);
+}
+
+bool SolidDraws::is_apart(const StudyPath& push) const {
+    return std::all_of(trained_.begin(), trained_.end(), [&](const StudyPath& t) { return apart(push, t); });
+}
+
+}  // namespace tissue

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <gsl/gsl_rng.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mesh/free_surface.h"
+#include "study/study.h"
+
+namespace tissue {
+
+/// Pushes in space, drawn by a stream of their own, 2 mm or 5 degrees from every training push (cases/solid_sweep.h).
+class SolidDraws {
+   public:
+    /// surface: of a shape; null for a block. key: of the study, which refusals name. What is given must outlive this.
+    SolidDraws(const Study& study, const Study::Draws& draws, const std::vector<StudyPath>& trained, const FreeSurface* surface, const std::string& key);
+
+    /// Contact, direction and depth; no name. Throws MismatchError when there is no such contact, as far as a thousand tries a
+    /// contact can tell.
+    StudyPath push();
+
+    double uniform(double low, double high) { return low + (high - low) * gsl_rng_uniform(rng_.get()); }
+
+   private:
+    void count_a_try();
+    Point place();
+    Point place_on_surface();
+    Point direction(const Point& place);
+    bool is_apart(const StudyPath& push) const;
+
+    const Study& study_;
+    const Study::Draws& draws_;
+    const std::vector<StudyPath>& trained_;
+    const FreeSurface* surface_;
+    std::string key_;
+    std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng_;
+    long tries_;
+};
+
+}  // namespace tissue

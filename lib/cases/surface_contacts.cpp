@@ -1,0 +1,122 @@
+#include "cases/surface_contacts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "error.h"
+
+namespace tissue {
+namespace {
+
+constexpr double degree = 3.14159265358979323846 / 180;
+constexpr double least_arc_m = 0.002, least_angle = 5 * degree;  // what "held out" means, beside the seed
+constexpr double tiny_arc_m = 1e-9;
+
+/// Angles of a training position: at a corner of the outline those of both sides, so that neighbours on either side
+/// find their own pushes there.
+std::vector<double> angles_at(const Outline& outline, double arc, const std::vector<double>& angles_deg) {
+    const std::vector<double> corners = outline.corners();
+    const bool corner = std::any_of(corners.begin(), corners.end(), [&](double c) { return std::abs(c - arc) < tiny_arc_m; });
+    const double step = 1e-6;  // [m] to either side
+    std::set<long> micro_degrees;
+    for (double side : {-step, step}) {
+        const double turn = corner ? outline.angle(arc, outline.inward_normal(arc + side)) : 0;
+        for (double a : angles_deg) micro_degrees.insert(std::lround((a * degree + turn) / degree * 1e6));
+    }
+    std::vector<double> angles;
+    for (long a : micro_degrees) {  // two sides' pushes within a degree of each other are one
+        const double angle = static_cast<double>(a) * 1e-6 * degree;
+        if (!corner || angles.empty() || angle - angles.back() > degree) angles.push_back(angle);
+    }
+    return angles;
+}
+
+/// The study's own list; mirrors: with the places in the other half that they stand for.
+std::vector<double> listed_arcs(const Outline& outline, const Study::Loads::Sweep& sweep, bool mirrors) {
+    std::vector<double> arcs;
+    const auto add = [&](double arc) {
+        if (std::none_of(arcs.begin(), arcs.end(), [&](double a) { return std::abs(a - arc) < tiny_arc_m; })) arcs.push_back(arc);
+    };
+    for (double arc : sweep.arcs_m) {
+        if (arc < sweep.clearance_m - tiny_arc_m || arc > outline.length() - sweep.clearance_m + tiny_arc_m)
+            throw MismatchError(fmt::format("loads.sweep.arcs_m: {:g} is not between clearance_m = {:g} and {:g}, as far from the "
+                                            "surface's other end", arc, sweep.clearance_m, outline.length() - sweep.clearance_m));
+        add(arc);
+        if (mirrors) add(outline.length() - arc);
+    }
+    std::sort(arcs.begin(), arcs.end());
+    return arcs;
+}
+
+}  // namespace
+
+std::vector<SurfaceContact> training_contacts(const Outline& outline, const Study::Loads::Sweep& sweep, bool mirrors) {
+    std::vector<SurfaceContact> contacts;
+    if (!sweep.arcs_m.empty()) {
+        for (double arc : listed_arcs(outline, sweep, mirrors))
+            for (double angle : angles_at(outline, arc, sweep.angles_deg)) contacts.push_back({arc, angle});
+        return contacts;
+    }
+    const int count = static_cast<int>(std::floor((outline.length() - 2 * sweep.clearance_m) / sweep.spacing_m + 1e-9));
+    std::vector<double> arcs;
+    for (int i = 0; i <= count; ++i) arcs.push_back(sweep.clearance_m + i * sweep.spacing_m);
+    // corners always: directions jump there
+    for (double corner : outline.corners())
+        if (std::none_of(arcs.begin(), arcs.end(), [&](double a) { return std::abs(a - corner) < tiny_arc_m; }))
+            arcs.push_back(corner);
+    std::sort(arcs.begin(), arcs.end());
+    for (double arc : arcs) {
+        for (double angle : angles_at(outline, arc, sweep.angles_deg)) contacts.push_back({arc, angle});
+    }
+    return contacts;
+}
+
+ContactDraws::ContactDraws(const Study& study, const Study::Draws& draws, const Outline& outline,
+                           const std::vector<SurfaceContact>& trained, const std::string& key)
+    : draws_(draws), outline_(outline), trained_(trained), key_(key), clearance_m_(study.loads.sweep->clearance_m),
+      rng_(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free), tries_(1000L * draws.count) {
+    gsl_rng_set(rng_.get(), draws.seed);
+}
+
+double ContactDraws::uniform(double low, double high) {
+    return low + (high - low) * gsl_rng_uniform(rng_.get());
+}
+
+void ContactDraws::count_a_try() {
+    if (--tries_ < 0)
+        throw MismatchError(key_ + ": the training contacts leave no room for contacts 2 mm or 5 degrees away from all of them");
+}
+
+SurfaceContact ContactDraws::contact() {
+    while (true) {
+        count_a_try();
+        SurfaceContact c{};
+        c.arc = uniform(clearance_m_, outline_.length() - clearance_m_);
+        c.angle = uniform(-draws_.max_angle_deg, draws_.max_angle_deg) * degree;
+        if (is_apart(c)) return c;
+    }
+}
+
+bool ContactDraws::is_apart(const SurfaceContact& c) const {
+    const Eigen::Vector2d push = outline_.direction(c.arc, c.angle);
+    return std::none_of(trained_.begin(), trained_.end(), [&](const SurfaceContact& t) {
+        return std::abs(t.arc - c.arc) < least_arc_m && std::abs(outline_.angle(t.arc, push) - t.angle) < least_angle;
+    });
+}
+
+std::array<SurfaceContact, 2> ContactDraws::pair(double apart_m) {
+    while (true) {
+        const SurfaceContact first = contact();
+        const double sign = uniform(0, 1) < 0.5 ? 1 : -1;
+        for (const double way : {sign, -sign}) {
+            const SurfaceContact second{first.arc + way * apart_m, first.angle};
+            const bool there = second.arc >= clearance_m_ && second.arc <= outline_.length() - clearance_m_;
+            if (there && is_apart(second)) return {first, second};
+        }
+    }
+}
+
+}  // namespace tissue
