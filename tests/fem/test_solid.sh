@@ -63,6 +63,7 @@ if group scripts; then
   script solid_memory.edp "-state shear $branches"
   script solid_tangent.edp "$branches"
   script solid_inertia.edp "-density 1040"
+  script solid_layers.edp "-C1 754 -C2 0 $branches -g1_11 0.1 -g2_11 0"
   ogden="-law ogden -terms 2 -mu1 900 -alpha1 3.7 -mu2 -300 -alpha2 -9.3"
   script solid_homogeneous.edp "-state uniaxial $ogden"
   script solid_homogeneous.edp "-state shear $ogden"
