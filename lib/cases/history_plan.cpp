@@ -17,7 +17,7 @@ namespace tissue {
 namespace {
 
 constexpr double degree = 3.14159265358979323846 / 180;
-constexpr double away_s = 0.1;  // between the two touches of kind "again"
+constexpr double away_s = 0.8;  // between the two touches of kind "again": by then what let go has swung out, of the imprint a good part is left
 
 /// Drawn for one course: where it begins, and how its numbers and directions go on. In the plane and in space.
 class Begun {

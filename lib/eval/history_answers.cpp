@@ -117,9 +117,9 @@ NodeField play_history(const HapticModel& model, const History& history) {
     Eigen::Index next = 1;
     for (long long tick = 1; next < T; ++tick) {
         const double t = static_cast<double>(tick) * dt;
-        // between FE's steps the contact is that of the step's end
-        const auto step = static_cast<std::size_t>(std::min<Eigen::Index>(std::upper_bound(history.time_s.data(), history.time_s.data() + T, t - 1e-9) - history.time_s.data(), T - 1));
-        if (const int now = history.contact[step]; now != touching) {
+        // a tool that lands is there at the end of FE's step, one that leaves is gone within it
+        const auto after = static_cast<std::size_t>(std::min<Eigen::Index>(std::upper_bound(history.time_s.data(), history.time_s.data() + T, t + 1e-9) - history.time_s.data(), T - 1));
+        if (const int now = history.contact[after - 1] == history.contact[after] ? history.contact[after] : t + 1e-9 >= history.time_s[T - 1] ? history.contact[after] : 0; now != touching) {
             touching = now;
             memory.forget();
             if (now > 0) mesh.law->contact(places[now - 1].facet, places[now - 1].weight, tool);
