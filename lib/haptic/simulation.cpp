@@ -174,6 +174,7 @@ void Simulation::reset() noexcept {
     touched_ = -1;
     armed_ = false;
     untouched_ = 0;
+    rested_s_ = record_.time_s;
 }
 
 Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) noexcept {

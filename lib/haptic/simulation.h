@@ -126,6 +126,7 @@ class Simulation {
 
     /// Puts every mesh to rest; the master must be outside once before there is force again.
     void reset() noexcept;
+    double rested_s() const { return rested_s_; }  ///< when they were last put to rest, and remembered nothing
 
    private:
     void place_surfaces() noexcept;
@@ -158,6 +159,7 @@ class Simulation {
     Point touched_m_;             ///< X_p of this contact, in the mesh's own coordinates
     Friction friction_;
     bool armed_ = false;          ///< the master has been outside
+    double rested_s_ = 0;
     long long untouched_ = 0;     ///< ticks since a tool or its force was on the meshes
     int set_ = 0;                 ///< (19)'s K_l
     HapticCounters counters_;
