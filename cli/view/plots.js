@@ -3,7 +3,6 @@ import { begin, colours, font, trace } from "./canvas.js";
 import { fe_curve, pushed } from "./compare.js";
 import { nice } from "./scale.js";
 import { IN, LEARNED, WINDOW, model, relaxes, samples, state } from "./state.js";
-import { norm } from "./vectors.js";
 import { $, unit_of } from "./words.js";
 
 /** Frame, grid, ticks and labels; returns the map of a plot's units to pixels. */
@@ -147,9 +146,10 @@ export function draw_time_plot() {
   const { c, width, height } = begin($("time_plot"));
   if (!model) return;
   const now = state ? state.v[IN.time] : 0, shown = samples.filter(s => s.time >= now - WINDOW);
-  const most = Math.max(0.3 * model.strongest_N, 1e-4, ...shown.map(s => norm(s.force)), ...shown.map(s => s.fe_N[LEARNED] || 0));
+  const along = s => s.pressed ? pushed(s, LEARNED)[1] : 0;   // the push: as finite elements' is
+  const most = Math.max(0.3 * model.strongest_N, 1e-4, ...shown.map(along), ...shown.map(s => s.fe_N[LEARNED] || 0));
   const { X, Y, box } = axes(c, width, height, { low: -WINDOW, high: 0, step: 2, scale: 1, label: "time (s)" }, force_axis(most * 1.04));
-  const lines = [["finite elements, along the push", colours.fe, 3, s => s.fe_N[LEARNED]], ["model", colours.learned, 1.8, s => norm(s.force)]];
+  const lines = [["finite elements", colours.fe, 3, s => s.fe_N[LEARNED]], ["learned", colours.learned, 1.8, along]];
   c.font = font(12);
   c.textAlign = "left";
   c.textBaseline = "middle";
