@@ -400,7 +400,7 @@ def relaxes(page, program, model, folder):
         page.until("Math.abs(tissue.fe_felt_N[0]) < 0.75 * tissue.fe_N")
         page.after(60)
         later = page.js("tissue.off_FE[0]")
-        check("and what it says does not drift while both forces fade", abs(later - first) < 0.02, [first, later])
+        check("and what it says does not drift while both forces fade", None not in (first, later) and abs(later - first) < 0.02, [first, later])
         seen = page.js("window.seen")
         curve = numpy.array(page.js("tissue.place(arguments[0])", seen[-1][4])["curve"])
         q, now, before, off = numpy.zeros(3), 0, seen[0][0], []
