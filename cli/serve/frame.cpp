@@ -64,6 +64,7 @@ Frame make_frame(const TickState& s, const Scene& scene, const Near& near, const
     head[24] = number(r.set);
     head[25] = r.fault ? 1 : 0;
     head[26] = number(sum.clients);
+    head[27] = s.rested_s;
 
     const auto d = static_cast<std::size_t>(frame.dimension);
     const float* first = s.nodes_m.data();

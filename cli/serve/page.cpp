@@ -12,10 +12,12 @@
     DO(index, "/", "index.html", html)                      \
     DO(style, "/page.css", "page.css", css)                 \
     DO(page, "/page.js", "page.js", javascript)             \
+    DO(branches, "/branches.js", "branches.js", javascript) \
     DO(canvas, "/canvas.js", "canvas.js", javascript)       \
     DO(compare, "/compare.js", "compare.js", javascript)    \
     DO(controls, "/controls.js", "controls.js", javascript) \
     DO(faces, "/faces.js", "faces.js", javascript)          \
+    DO(follow, "/follow.js", "follow.js", javascript)       \
     DO(hand, "/hand.js", "hand.js", javascript)             \
     DO(legend, "/legend.js", "legend.js", javascript)       \
     DO(numbers, "/numbers.js", "numbers.js", javascript)    \

@@ -64,6 +64,7 @@ class Scene {
     SpringMesh mesh_;
     FreeSurface surface_;
     double disc_radius_m_;    ///< of the tool in space
+    Eigen::VectorXd tau_s_, contact_share_;   ///< how the law relaxes under the tool (K); often none
     std::vector<int> shown_;
     std::vector<Place> places_;
     std::vector<Box> boxes_;

@@ -1,12 +1,12 @@
 // Model against finite elements, under the push of now.
-import { model, state, near, samples, IN, LEARNED, vector, is_solid } from "./state.js";
+import { model, state, near, samples, relaxes, IN, LEARNED, vector, is_solid } from "./state.js";
 import { add, angle_between, dot, norm } from "./vectors.js";
 import { millimetres } from "./words.js";
 
-const NEAR = 0.002, ASKEW = 5;    // m and degrees: from here on a contact is another one, in the evaluation too
+export const NEAR = 0.002, ASKEW = 5;    // m and degrees: from here on a contact is another one, in the evaluation too
 const BETWEEN = 30;               // degrees: known pushes this close to each other say what is between them
 const MOTION = 0.1;               // change of depth within half a second: FE are of tissue at rest
-const SHALLOW = 0.001;            // m: less depth makes a percentage of next to nothing
+export const SHALLOW = 0.001;            // m: less depth makes a percentage of next to nothing
 
 /** FE force at a depth [N], by lines between what was solved, and a twentieth beyond the deepest; else NaN. */
 export function on_curve(curve, depth) {
@@ -80,13 +80,17 @@ export function comparison() {
   if (!deep) return { ...basis, why: "Press a little deeper: below 1 mm there is nothing to compare." };
   if (!(distance <= NEAR)) return { ...basis, why: `The nearest known contact is ${millimetres(distance)} away: too far to compare with.` };
   if (!fe_curve(k, moved)) return { ...basis, why: `This push is ${Math.round(askew)}° off the nearest known one: too far to compare with.` };
+  if (relaxes() && samples[samples.length - 1].remembers[LEARNED])
+    return { ...basis, why: "The tissue still remembers an earlier press, and finite elements do not: wait a while, or press Reset." };
   // over the last half second, so that a ripple is not read as an error
   const now = state.v[IN.time], errors = model.meshes.map(() => 0);
   let n = 0, least = Infinity, most = 0;
-  for (let s = samples.length - 1; s >= 0 && samples[s].pressed && samples[s].time > now - 0.5; s--, n++)
+  const counts = s => s.pressed && s.time > now - 0.5 && !(relaxes() && s.remembers[LEARNED]);
+  for (let s = samples.length - 1; s >= 0 && counts(samples[s]); s--, n++)
     errors.forEach((_, mesh) => {
-      const [depth, force] = pushed(samples[s], mesh), curve = fe_curve(k, samples[s].moved[mesh]);
-      errors[mesh] += curve ? force / on_curve(curve, depth) - 1 : NaN;
+      const [depth, force] = pushed(samples[s], mesh), curve = relaxes() ? null : fe_curve(k, samples[s].moved[mesh]);
+      const fe_N = relaxes() ? samples[s].fe_N[mesh] : curve ? on_curve(curve, depth) : NaN;
+      errors[mesh] += force / fe_N - 1;
       if (mesh === LEARNED) [least, most] = [Math.min(least, depth), Math.max(most, depth)];
     });
   return { ...basis, errors: errors.map(e => e / n), moves: most - least > MOTION * most };

@@ -1,7 +1,7 @@
 // What the visitor is told in words and numbers.
 import { comparison, fe_curve, on_curve } from "./compare.js";
 import { title } from "./places.js";
-import { HEURISTIC, IN, LEARNED, is_solid, model, vector, state } from "./state.js";
+import { HEURISTIC, IN, LEARNED, is_solid, model, relaxes, samples, vector, state } from "./state.js";
 import { is_open } from "./transport.js";
 import { norm } from "./vectors.js";
 import { $, millimetres, newtons, percent, say } from "./words.js";
@@ -40,7 +40,7 @@ export function judge() {
   if (c.place === undefined) say("basis", "");
   else {
     const push = Number.isFinite(c.askew) ? `, ${Math.round(c.askew)}° from its direction` : "";
-    say("basis", `Nearest known contact: ${title(c.place)}; ${millimetres(c.distance)} away${push}. Per cent: force along the push over FE's at the same depth, less one.`);
+    say("basis", `Nearest known contact: ${title(c.place)}; ${millimetres(c.distance)} away${push}. Per cent: force along the push over ${relaxes() ? "that of finite elements without relaxation, through the material's branches," : "FE's"} at the same depth, less one.`);
   }
   return c;
 }
@@ -54,7 +54,7 @@ export function show_numbers(known) {
   say("device_force", newtons(norm(vector(IN.device))));
   say("learned_depth", depth(LEARNED));
   say("heuristic_depth", model.meshes[HEURISTIC] ? depth(HEURISTIC) : "–");
-  say("fe_force", curve ? newtons(on_curve(curve, norm(moved))) : "–");
+  say("fe_force", !curve ? "–" : newtons(relaxes() ? samples[samples.length - 1].fe_N[LEARNED] : on_curve(curve, norm(moved))));
   say("spring_set", pressed && v[IN.set] >= 0 ? `${v[IN.set] + 1}` : "–");
   say("tick_rate", `${Math.round(v[IN.rate])} Hz`);
   say("tick_time", `${v[IN.p50].toFixed(1)} / ${v[IN.p99].toFixed(1)} µs`);

@@ -3,16 +3,17 @@
 import { colours, read_colours } from "./canvas.js";
 import { comparison, fe_outline } from "./compare.js";
 import { calm, list_models, list_places, show_controls, still } from "./controls.js";
+import { follow } from "./follow.js";
 import { let_go, move_hand } from "./hand.js";
 import { judge, show_numbers, speak } from "./numbers.js";
 import { group_places } from "./places.js";
 import { draw_stage, fit, prepare_plane, stage, to_screen } from "./plane.js";
 import "./plane_hand.js";
 import { draw_depth_plot, draw_time_plot } from "./plots.js";
-import { IN, LEARNED, control, hand, is_solid, look, model, node, state, states, take_control, take_model, take_near, take_state, vector, work } from "./state.js";
+import { IN, LEARNED, control, hand, is_solid, look, model, node, relaxes, samples, state, states, take_control, take_model, take_near, take_state, vector, work } from "./state.js";
 import { connect, is_open, socket } from "./transport.js";
 import { add, norm } from "./vectors.js";
-import { $, say } from "./words.js";
+import { $, relaxing, say } from "./words.js";
 
 function heard(message) {
   if (message.type === "model") {
@@ -37,7 +38,7 @@ function show_model(message) {
   document.title = `${model.study} – tissuectl`;
   say("about", `Study ${model.study}: ${model.node_count} nodes and ${model.spring_count} springs a mesh, ` +
       `step ${1e3 * model.dt_s} ms, dynamics ${[...new Set(Object.values(model.dynamics))].join(" and ")}; the hand feels ${model.force_scale === 1 ? "" : `${model.force_scale} times `}` +
-      `the tissue's force, ${model.force_max_N} N at most. ${is_solid() ? "" : `Line width: stiffness (its root${model.law ? "" : ", mean over spring sets"}). `}Colour: displacement.`);
+      `the tissue's force, ${model.force_max_N} N at most. ${relaxes() ? `It relaxes: ${relaxing()}. ` : ""}${is_solid() ? "" : `Line width: stiffness (its root${model.law ? "" : ", mean over spring sets"}). `}Colour: displacement.`);
   fit_stage();
 }
 
@@ -112,7 +113,10 @@ addEventListener("resize", restyle);
 restyle();
 connect({
   text: heard,
-  state: take_state,
+  state(buffer) {
+    take_state(buffer);
+    follow();
+  },
   lost() { let_go(false); },
   changed: show_controls,
 });
@@ -136,6 +140,8 @@ Object.defineProperty(window, "tissue", { value: Object.freeze({
   get nearest() { return state ? state.v[IN.place] : -1; },   // known contact, index of places
   get distance_m() { return state && state.v[IN.place] >= 0 ? comparison().distance : NaN; },   // to it
   get fe_N() { return state ? state.v[IN.fe] : NaN; },        // FE force at the learned mesh's depth, the server's
+  get fe_felt_N() { return samples.length ? [...samples[samples.length - 1].fe_N] : null; },   // the same at each mesh's depth, through the branches
+  get relaxation() { return model && structuredClone(model.relaxation); },
   get fe_outline_m() { return fe_outline(); },                // FE's surface as it is drawn, in the plane; null without
   get outline() { return model ? [...model.meshes[LEARNED].outline] : []; },   // its nodes
   get springs() { return model ? model.spring_count : 0; },

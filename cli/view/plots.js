@@ -2,8 +2,7 @@
 import { begin, colours, font, trace } from "./canvas.js";
 import { fe_curve, pushed } from "./compare.js";
 import { nice } from "./scale.js";
-import { IN, LEARNED, WINDOW, model, samples, state } from "./state.js";
-import { norm } from "./vectors.js";
+import { IN, LEARNED, WINDOW, model, relaxes, samples, state } from "./state.js";
 import { $, unit_of } from "./words.js";
 
 /** Frame, grid, ticks and labels; returns the map of a plot's units to pixels. */
@@ -125,7 +124,7 @@ export function draw_depth_plot(comparable) {
   }
   c.restore();
   // key
-  const names = [...model.meshes.map(mesh => mesh.name), "finite elements"];
+  const names = [...model.meshes.map(mesh => mesh.name), relaxes() ? "finite elements, at once" : "finite elements"];
   c.font = font(12);
   c.textAlign = "left";
   c.textBaseline = "middle";
@@ -147,9 +146,22 @@ export function draw_time_plot() {
   const { c, width, height } = begin($("time_plot"));
   if (!model) return;
   const now = state ? state.v[IN.time] : 0, shown = samples.filter(s => s.time >= now - WINDOW);
-  const most = Math.max(0.3 * model.strongest_N, 1e-4, ...shown.map(s => norm(s.force)));
-  const { X, Y } = axes(c, width, height, { low: -WINDOW, high: 0, step: 2, scale: 1, label: "time (s)" }, force_axis(most * 1.04));
-  c.strokeStyle = colours.ink;
-  c.lineWidth = 1.8;
-  line(c, shown.map(s => [X(s.time - now), Y(norm(s.force))]));
+  const along = s => s.pressed ? pushed(s, LEARNED)[1] : 0;   // the push: as finite elements' is
+  const most = Math.max(0.3 * model.strongest_N, 1e-4, ...shown.map(along), ...shown.map(s => s.fe_N[LEARNED] || 0));
+  const { X, Y, box } = axes(c, width, height, { low: -WINDOW, high: 0, step: 2, scale: 1, label: "time (s)" }, force_axis(most * 1.04));
+  const lines = [["finite elements", colours.fe, 3, s => s.fe_N[LEARNED]], ["learned", colours.learned, 1.8, along]];
+  c.font = font(12);
+  c.textAlign = "left";
+  c.textBaseline = "middle";
+  let x = box.right - lines.reduce((sum, [name]) => sum + 36 + c.measureText(name).width, -14);
+  for (const [name, colour, width_px, force] of lines) {
+    c.strokeStyle = colour;
+    c.lineWidth = width_px;
+    line(c, shown.map(s => [X(s.time - now), Y(force(s))]));
+    trace(c, [[x, 8], [x + 17, 8]], false);
+    c.stroke();
+    c.fillStyle = colours.ink;
+    c.fillText(name, x + 22, 8.5);
+    x += 36 + c.measureText(name).width;
+  }
 }

@@ -14,7 +14,7 @@ export const work = { nodes: 0, decode_ms: 0, update_ms: 0 };   // nodes told in
 export const look = { stale: true };   // something but the state has changed: draw anew
 
 export const IN = { time: 0, ticks: 1, misses: 2, misses_program: 3, clamped: 4, faults: 5, rate: 6, p50: 7, p99: 8, master: 9,
-             proxy: 11, pressed: 13, moved: 14, force: 18, device: 20, place: 22, fe: 23, set: 24, fault: 25, clients: 26 };
+             proxy: 11, pressed: 13, moved: 14, force: 18, device: 20, place: 22, fe: 23, set: 24, fault: 25, clients: 26, rested: 27 };
 export const LEARNED = 0, HEURISTIC = 1;   // meshes; the second may be missing (--no-heuristic)
 export const WINDOW = 10;                // s, of the plot over time
 
@@ -22,6 +22,8 @@ const HEAD = [0, 0, 32, 40];         // numbers at the head of a state, by dimen
 const MOVED_NODES = 38;              // in space: how many nodes a state carries, a mesh
 const Z = { 9: 32, 11: 33, 14: 34, 16: 35, 18: 36, 20: 37 };   // in space: where z stands of what begins there
 
+/** Whether the model's force fades while it is held. */
+export const relaxes = () => model !== null && model.relaxation.tau_s.length > 0;
 export const is_solid = () => model !== null && model.dimension === 3;
 export const vector = i => is_solid() ? [state.v[i], state.v[i + 1], state.v[Z[i]]] : [state.v[i], state.v[i + 1]];
 export function node(mesh, i) {
@@ -73,7 +75,7 @@ function nodes_in_space(buffer) {
   return nodes;
 }
 
-/** One sample of the plots. Samples are in order of time: a clock that was set back starts them anew. */
+/** One sample of the plots; follow.js adds what finite elements say. Samples are in order of time: a clock that was set back starts them anew. */
 function remember() {
   const time = state.v[IN.time], last = samples[samples.length - 1];
   if (last && time < last.time) samples.length = 0;
@@ -90,6 +92,7 @@ export function take_model(message) {
   state = near = null;
   samples.length = 0;
   hand.at = null;
+  model.relaxation ??= { tau_s: [], share: [] };
   model.deepest_m = nice(Math.max(0.005, ...model.places.map(place => place.depth_m)) * 1e3).top * 1e-3;
   model.strongest_N = Math.max(0, ...model.places.flatMap(place => place.curve.map(point => point[1])));
   const of = axis => model.meshes[LEARNED].nodes_m.map(p => p[axis]);

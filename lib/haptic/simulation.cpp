@@ -23,6 +23,7 @@ TISSUE_HOT void average(int n, double gamma, const double* __restrict set, doubl
 
 namespace {
 
+constexpr double elastic_law_damping_ratio = 0.17, relaxing_damping_ratio = 0.01;
 constexpr double turn = 2 * 3.14159265358979323846;
 
 std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel& model, const std::string& law,
@@ -53,12 +54,6 @@ TissueModel untrained(const TissueModel& model) {
     return heuristic;
 }
 
-/// In the plane Van Gelder's springs remember nothing: beside a law that relaxes they are what is left of them after long.
-Eigen::VectorXd left_of_heuristic(const TissueModel& model) {
-    if (!model.energy_law || model.energy_law->relaxation.empty()) return model.heuristic_a;
-    return model.heuristic_a.array() * (1 - model.energy_law->relaxation.share.topRows(model.mesh.spring_count()).rowwise().sum().array());
-}
-
 /// Which step runs, and with how much damping: from the spectrum, of the instantaneous stiffness.
 void choose_law_dynamics(const TissueModel& model, HapticMesh& mesh, const HapticOptions& o) {
     const LawSpectrum spectrum = law_spectrum(model, mesh.springs);
@@ -71,7 +66,7 @@ void choose_law_dynamics(const TissueModel& model, HapticMesh& mesh, const Hapti
     make_dynamics(mesh.dynamics, mesh.springs, {o.dt_s, mesh.damping_1_s, mesh.substeps, mesh.law.get()});  // throws here, if at all
 }
 
-void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double coupling_N_m) {
+void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double damping_ratio, double coupling_N_m) {
     double bare = 0;
     for (Eigen::Index c = 0; c < mesh.theta_of_set.cols(); ++c)
         bare = std::max(bare, largest_eigenvalue(mesh.springs, mesh.theta_of_set.col(c)));
@@ -83,7 +78,7 @@ void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double coupling_N
     const double lowest = std::sqrt(smallest_eigenvalue(mesh.springs, mean));
     mesh.lowest_frequency_Hz = lowest / turn;
     // a mesh that can move for nothing has no lowest mode: a hundredth of its highest stands in
-    mesh.damping_1_s = 2 * *o.damping_ratio * (lowest > 0 ? lowest : 0.01 * std::sqrt(bare));
+    mesh.damping_1_s = 2 * damping_ratio * (lowest > 0 ? lowest : 0.01 * std::sqrt(bare));
 }
 
 }  // namespace
@@ -96,7 +91,8 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     if (!(o.dt_s > 0)) throw MismatchError("dt must be positive");
     if (!(o.innovation > 0 && o.innovation <= 1)) throw MismatchError("the innovation gamma must lie in (0, 1]");
     if (!(o.coupling_ratio > 0)) throw MismatchError("the coupling ratio must be positive");
-    if (!o.damping_ratio) o.damping_ratio = !model.energy_law ? 0.05 : model.energy_law->relaxation.empty() ? 0.17 : relaxing_damping_ratio;
+    const bool damping_asked = o.damping_ratio.has_value();
+    if (!o.damping_ratio) o.damping_ratio = !model.energy_law ? 0.05 : model.energy_law->relaxation.empty() ? elastic_law_damping_ratio : relaxing_damping_ratio;
     if (!(*o.damping_ratio >= 0)) throw MismatchError("the damping ratio must not be negative");
     if (!(o.safety.force_max_N > 0) || !(o.safety.slew_N_s > 0) || !(o.safety.speed_max_m_s > 0))
         throw MismatchError("the limits of force, slew and speed must be positive");
@@ -133,7 +129,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     if (o.heuristic_mesh && is_solid())
         meshes.push_back(make_law_mesh("heuristic", untrained(model), beside));
     else if (o.heuristic_mesh)
-        meshes.push_back(make_mesh("heuristic", model, model.law, left_of_heuristic(model).transpose(), beside));
+        meshes.push_back(make_mesh("heuristic", model, model.law, model.heuristic_a.transpose(), beside));  // of the instantaneous E: it remembers nothing
     const auto springs = std::find_if(meshes.begin(), meshes.end(), [](const auto& mesh) { return !mesh->law; });
     if (springs != meshes.end())
         stiffness = std::make_unique<ContactStiffness>((*springs)->springs, first_set, (*springs)->theta_of_set);
@@ -141,7 +137,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
         if (mesh->law)
             choose_law_dynamics(mesh->name == "learned" ? model : untrained(model), *mesh, o);
         else
-            choose_dynamics(*mesh, o, o.coupling_ratio * stiffness->largest());
+            choose_dynamics(*mesh, o, damping_asked || !model.energy_law ? *o.damping_ratio : elastic_law_damping_ratio, o.coupling_ratio * stiffness->largest());
     }
 }
 
@@ -174,6 +170,7 @@ void Simulation::reset() noexcept {
     touched_ = -1;
     armed_ = false;
     untouched_ = 0;
+    rested_s_ = record_.time_s;
 }
 
 Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) noexcept {

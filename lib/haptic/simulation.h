@@ -18,14 +18,12 @@
 
 namespace tissue {
 
-constexpr double relaxing_damping_ratio = 0.01;  ///< of a law that relaxes, below
-
 struct HapticOptions {
     double dt_s = 1e-3;               ///< 1 kHz, the paper's rate
     double innovation = 0.05;         ///< gamma of (19): a new set takes over within about 60 ms
     /// Of critical, at the lowest mode. Nothing: 0.05 for sets, the paper's "very small values"; 0.17 for a law, 5 1/s on the
-    /// tissue of `surface`, with which a press comes to rest in the time that a hand takes to notice; relaxing_damping_ratio for a law that relaxes, whose
-    /// branches damp: more makes quick pokes wrong (0.17: 5 % in place of 2.5 % for one of 0.1 s, README).
+    /// tissue of `surface`, with which a press comes to rest in the time that a hand takes to notice; 0.01 for a law that relaxes, whose
+    /// branches damp (springs in the plane beside it keep 0.17): more makes quick pokes wrong (0.17: 5 % in place of 2.5 % for one of 0.1 s, README).
     std::optional<double> damping_ratio = {};
     double coupling_ratio = 10;       ///< k_C over the contact's own stiffness: the tool sinks in by a tenth more
     std::string dynamics = "auto";    ///< or a name of dynamics_kinds()
@@ -128,6 +126,7 @@ class Simulation {
 
     /// Puts every mesh to rest; the master must be outside once before there is force again.
     void reset() noexcept;
+    double rested_s() const { return rested_s_; }  ///< when they were last put to rest, and remembered nothing
 
    private:
     void place_surfaces() noexcept;
@@ -160,6 +159,7 @@ class Simulation {
     Point touched_m_;             ///< X_p of this contact, in the mesh's own coordinates
     Friction friction_;
     bool armed_ = false;          ///< the master has been outside
+    double rested_s_ = 0;
     long long untouched_ = 0;     ///< ticks since a tool or its force was on the meshes
     int set_ = 0;                 ///< (19)'s K_l
     HapticCounters counters_;

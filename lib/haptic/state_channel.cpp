@@ -19,6 +19,7 @@ void copy(const Simulation& simulation, const TickBooks& books, TickState& state
     state.books = books;
     state.safety = simulation.safety().counters();
     state.counters = simulation.counters();
+    state.rested_s = simulation.rested_s();
     float* out = state.nodes_m.data();
     for (std::size_t m = 0; m < state.contact_displacement_m.size(); ++m) {
         const HapticMesh& mesh = *simulation.model().meshes[m];

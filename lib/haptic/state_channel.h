@@ -15,6 +15,7 @@ struct TickState {
     TickBooks books;
     SafetyCounters safety;
     HapticCounters counters;
+    double rested_s = 0;                                  ///< when every mesh was last put to rest
     std::vector<Point> contact_displacement_m;  ///< of each mesh at the contact, of a law the tool's own; 0 without one
     std::vector<float> nodes_m;                           ///< place of every node, D numbers each, mesh after mesh
 };

@@ -55,6 +55,28 @@ def opening(page, server):
     check("the page says that it is the demo", page.text("notice").startswith("Demo"), page.text("notice"))
 
 
+def branches(page):
+    """Ramp from 1 s on within 0.5 s to 2 N, and hold, in uneven steps."""
+    tau, share, top, ramp = [0.05, 1, 10], [0.30, 0.25, 0.20], 2, 0.5
+    times = [0.5, 1, 1.013, 1.1, 1.4, 1.5, 1.6, 2, 4, 30]
+    seen = page.driver.execute_async_script("""
+        const [relaxation, times, at_once, done] = arguments;
+        import("./branches.js").then(b => {
+            let felt = b.nothing_felt(relaxation), before = 0;
+            done(times.map((t, k) => {
+                felt = b.later(relaxation, felt, t - before, at_once[k]);
+                before = t;
+                return b.force_of(relaxation, felt);
+            }));
+        });""", {"tau_s": tau, "share": share}, times, [top * min(1, max(0, t - 1) / ramp) for t in times])
+
+    def closed(t):
+        since, rise = max(0, t - 1), min(max(0, t - 1), ramp)
+        return top / ramp * ((1 - sum(share)) * rise + sum(g * k * (math.exp(-(since - rise) / k) - math.exp(-since / k)) for g, k in zip(share, tau)))
+
+    check("through the branches a ramp and hold is its closed form", all(abs(a - closed(t)) < 1e-12 for a, t in zip(seen, times)), [seen, [closed(t) for t in times]])
+
+
 def drawing(page):
     colour = """((x, y) => {
         const stage = document.getElementById('stage'), box = stage.getBoundingClientRect(), r = stage.width / box.width;
@@ -437,6 +459,7 @@ def main():
             server = Server(program, models, folder, "--clients", "2")
             page.cdp("Page.addScriptToEvaluateOnNewDocument", source=COUNT_POINTERS)
             opening(page, server)
+            branches(page)
             drawing(page)
             dragging(page)
             telling_seldom(page)

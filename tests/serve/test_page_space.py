@@ -6,6 +6,7 @@ What the page knows is read from window.tissue, what it shows from the document 
 import base64
 import io
 import math
+import shutil
 import sys
 import tempfile
 import time
@@ -358,6 +359,67 @@ def without_webgl(server):
         other.end()
 
 
+def relaxes(page, program, model, folder):
+    """The same block with branches: what finite elements feel through them is reckoned anew from what the page has seen."""
+    tau, share = numpy.array([0.1, 1, 5]), numpy.array([0.30, 0.25, 0.20])
+    with h5py.File(shutil.copy(model, Path(folder) / "relaxes.h5"), "r+") as f:
+        f["law/relaxation_time"], f["law/contact_share"] = tau, share
+        f["law/share"] = numpy.tile(share, (len(f["law/constants"]), 1))
+        f.attrs["format_version"] = 5.0
+    server = Server(program, [Path(folder) / "relaxes.h5"], folder)
+    try:
+        page.open(server.url)
+        page.until("tissue.solids !== null && tissue.states > 0")
+        check("a model that relaxes says so, and with which times", "It relaxes: 30\xa0% of the force with a time of 0.1\xa0s, 25\xa0% with a time of 1\xa0s" in
+              page.text("about"), page.text("about"))
+        deepest = page.js("tissue.place(0).depth_m")
+        set_depth(page, 900 * deepest)
+        page.js("document.getElementById('space').focus()")
+        page.key("Space")
+        page.until("tissue.pressed === 0")
+        remembered = "tissue.pressed === 0 && tissue.off_FE === null && document.getElementById('verdict').textContent.includes('still remembers an earlier press')"
+        page.key("Space")
+        page.until(free)
+        page.key("Space")
+        check("a second press that the tissue feels as such is not compared, and the page says what to do", page.until(remembered) and
+              page.text("verdict").endswith("wait a while, or press Reset.") and page.js("Number.isNaN(tissue.fe_felt_N[0])"),
+              [page.text("verdict"), page.js("tissue.fe_felt_N")])
+        page.key("Space")
+        page.until(free)
+        page.js("document.getElementById('reset').click()")
+        page.until(f"{free} && Math.max(...{moved}) < 1e-6")
+        page.js("""window.seen = [], (function look(before) {
+            if (tissue.states !== before) window.seen.push([tissue.time_s, tissue.pressed, tissue.contact_moved_m[0], tissue.fe_felt_N[0], tissue.nearest]);
+            setTimeout(look, 2, tissue.states);
+        })()""")
+        page.key("Space")
+        page.until("tissue.pressed === 0 && tissue.off_FE !== null && document.getElementById('verdict').textContent.startsWith('Against')")
+        check("after Reset it compares, with finite elements through the branches", "finite elements without relaxation, through the material's branches"
+              in page.text("basis"), page.text("basis"))
+        first = page.js("tissue.off_FE[0]")
+        page.until("Math.abs(tissue.fe_felt_N[0]) < 0.75 * tissue.fe_N")
+        page.after(60)
+        later = page.js("tissue.off_FE[0]")
+        check("and what it says does not drift while both forces fade", None not in (first, later) and abs(later - first) < 0.02, [first, later])
+        seen = page.js("window.seen")
+        curve = numpy.array(page.js("tissue.place(arguments[0])", seen[-1][4])["curve"])
+        q, now, before, off = numpy.zeros(3), 0, seen[0][0], []
+        for time_s, pressed, push, felt, _ in seen[1:]:
+            dt, at_once = time_s - before, numpy.interp(math.hypot(*push), *curve.T) if pressed == 0 else 0
+            before = time_s
+            if dt == 0:
+                continue
+            left = numpy.exp(-dt / tau)
+            q = left * q + share * (1 - left) * tau / dt * (at_once - now)
+            now = at_once
+            off.append(abs(felt - (1 - sum(share)) * now - sum(q)))
+        check("finite elements' force is their force at the learned depth through the branches, from the moment the press began",
+              len(off) > 60 and max(off) < 0.02 * curve[-1, 1], [len(off), max(off), curve.tolist()])
+        page.key("Space")
+    finally:
+        server.end()
+
+
 def ending(page, program, models, folder, server, block):
     check("no complaint in the console", (seen := [c for c in dict.fromkeys(page.complaints())
           if "GPU stall" not in c]) == [], seen[:5])   # of taking pictures, with WebGL in software
@@ -401,6 +463,7 @@ def main():
             switching(page)
             without_webgl(server)
             ending(page, program, models, folder, server, block)
+            relaxes(page, program, models[0], folder)
         finally:
             page.end()
             if server:

@@ -473,3 +473,37 @@ TEST_CASE("a law has a scene too: its springs, its places and what FE says there
     }
     CHECK(compared > 500);
 }
+
+TEST_CASE("a law that relaxes says how the force under its tool does; other models say nothing of it", "[serve]") {
+    const auto told = [](const TissueModel& tissue) {
+        const HapticModel model(tissue, {});
+        return Json::parse(Scene(tissue, model).message({"a"}, 0));
+    };
+    TissueModel tissue = relaxing(law_example());
+    tissue.energy_law->relaxation.share *= 0.5;   // what is told is the contact's
+    const Json relaxation = told(tissue)["relaxation"];
+    CHECK(relaxation == Json({{"tau_s", {0.05, 1.0, 10.0}}, {"share", {0.30, 0.25, 0.20}}}));
+    CHECK(told(law_example()).count("relaxation") == 0);
+    CHECK(told(with_forces()).count("relaxation") == 0);
+}
+
+TEST_CASE("a state says when the tissue was last put to rest: at the beginning, or when someone asked for it", "[serve]") {
+    const TissueModel tissue = relaxing(law_example());
+    const HapticModel model(tissue, {});
+    const Scene scene(tissue, model);
+    Simulation simulation(model);
+    StateChannel channel(model, 1);
+    const auto rested_s = [&](int ticks) {
+        for (int k = 0; k < ticks; ++k) {
+            REQUIRE(channel.before(simulation));
+            simulation.tick(sample_at(0.05, 0.2));
+            channel.after(simulation, {});
+        }
+        REQUIRE(channel.fetch());
+        return make_frame(channel.state(), scene, scene.near(channel.state()), {}).head[27];
+    };
+    CHECK(rested_s(5) == 0);
+    channel.reset();
+    CHECK(rested_s(7) == Approx(5 * model.options.dt_s));
+    CHECK(rested_s(7) == Approx(5 * model.options.dt_s));
+}
