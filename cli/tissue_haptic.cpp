@@ -69,6 +69,8 @@ std::vector<PressTruth> press_truths(const Cases& cases) {
 
 /// The study in motion, and the switches between the magnitudes of its first contacts.
 void check(const Options& o, const TissueModel& tissue, const HapticModel& model) {
+    if (tissue.energy_law && !tissue.energy_law->relaxation.empty())
+        throw MismatchError(o.model + ": --check presses until the tissue rests, and this model relaxes; tissuectl eval plays its histories");
     const Cases cases = read_cases(o.check);
     std::vector<PressResult> presses;
     for (const PressTruth& truth : press_truths(cases)) {

@@ -9,7 +9,7 @@
 #include "eval/force_error.h"
 #include "eval/force_map.h"
 #include "eval/held_out.h"
-#include "eval/history_table.h"
+#include "eval/history_answers.h"
 #include "eval/spring_character.h"
 #include "train/training_books.h"
 

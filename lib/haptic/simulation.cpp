@@ -96,7 +96,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     if (!(o.dt_s > 0)) throw MismatchError("dt must be positive");
     if (!(o.innovation > 0 && o.innovation <= 1)) throw MismatchError("the innovation gamma must lie in (0, 1]");
     if (!(o.coupling_ratio > 0)) throw MismatchError("the coupling ratio must be positive");
-    if (!o.damping_ratio) o.damping_ratio = !model.energy_law ? 0.05 : model.energy_law->relaxation.empty() ? 0.17 : 0.01;
+    if (!o.damping_ratio) o.damping_ratio = !model.energy_law ? 0.05 : model.energy_law->relaxation.empty() ? 0.17 : relaxing_damping_ratio;
     if (!(*o.damping_ratio >= 0)) throw MismatchError("the damping ratio must not be negative");
     if (!(o.safety.force_max_N > 0) || !(o.safety.slew_N_s > 0) || !(o.safety.speed_max_m_s > 0))
         throw MismatchError("the limits of force, slew and speed must be positive");

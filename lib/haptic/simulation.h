@@ -18,11 +18,13 @@
 
 namespace tissue {
 
+constexpr double relaxing_damping_ratio = 0.01;  ///< of a law that relaxes, below
+
 struct HapticOptions {
     double dt_s = 1e-3;               ///< 1 kHz, the paper's rate
     double innovation = 0.05;         ///< gamma of (19): a new set takes over within about 60 ms
     /// Of critical, at the lowest mode. Nothing: 0.05 for sets, the paper's "very small values"; 0.17 for a law, 5 1/s on the
-    /// tissue of `surface`, with which a press comes to rest in the time that a hand takes to notice; 0.01 for a law that relaxes, whose
+    /// tissue of `surface`, with which a press comes to rest in the time that a hand takes to notice; relaxing_damping_ratio for a law that relaxes, whose
     /// branches damp: more makes quick pokes wrong (0.17: 5 % in place of 2.5 % for one of 0.1 s, README).
     std::optional<double> damping_ratio = {};
     double coupling_ratio = 10;       ///< k_C over the contact's own stiffness: the tool sinks in by a tenth more

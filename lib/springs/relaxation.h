@@ -23,6 +23,9 @@ struct Relaxation {
     Eigen::Index branches() const { return tau_s.size(); }
 };
 
+/// A force through such branches: (1 - sum g) F + sum Q, F straight between its times (T x D). time_s (T), ascending.
+NodeField relaxed(const Eigen::VectorXd& time_s, const NodeField& force_N, const Eigen::VectorXd& tau_s, const Eigen::VectorXd& share);
+
 /// What the law is after long: every constant times 1 - sum g, and nothing that relaxes.
 LawModel long_term(const LawModel& law);
 

@@ -298,7 +298,7 @@ def freefem_history(msh, contact, rows, work):
     more = {"history": history, "branches": len(Relaxing().branches)}
     for k, (g, tau) in enumerate(Relaxing().branches):
         more |= {f"g{k + 1}": g, f"tau{k + 1}": tau}
-    return np.array([[float(w) for w in row[5:7]] for row in freefem_steps("Mooney-Rivlin", msh, contact, (0.0, -1.0), 0.01, 1, work, more)])
+    return np.array([[float(w) for w in row[6:8]] for row in freefem_steps("Mooney-Rivlin", msh, contact, (0.0, -1.0), 0.01, 1, work, more)])
 
 
 def felupe_force(law, fields, msh, contact, direction, depth, steps):

@@ -3,7 +3,7 @@
 # Exits 0 when every check passed. Needs FreeFem++-nw and gmsh; takes under a minute.
 #
 # Sample runs: tests/fem/test_fem.sh
-#              tests/fem/test_fem.sh scripts|laws|shapes|orders|mirror|patch|inertia|memory|refusals      one group alone
+#              tests/fem/test_fem.sh scripts|laws|shapes|orders|mirror|patch|inertia|memory|touch|refusals      one group alone
 here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
 fem=$here/../../fem
 only=${1:-all}
@@ -40,7 +40,7 @@ mesh 10; mesh 20; mesh 40
 # paths that must be refused: exit 1 (2 for arguments), one line on stderr, no end line
 refused() {  # NAME STATUS WANTED-CODE WORDS SENTENCE
   lines=$(wc -l < "$work/$1.err")
-  if [ "$2" = "$3" ] && [ "$lines" = 1 ] && grep -q "$4" "$work/$1.err" && ! { [ -f "$work/$1.csv" ] && grep -q '^end' "$work/$1.csv"; }
+  if [ "$2" = "$3" ] && [ "$lines" = 1 ] && grep -q -e "$4" "$work/$1.err" && ! { [ -f "$work/$1.csv" ] && grep -q '^end' "$work/$1.csv"; }
   then say "ok - $5"
   else say "not ok - $5: exit $2, $lines lines, '$(head -c 200 "$work/$1.err")' vs exit $3 and one line with '$4'"; fi
 }
@@ -211,21 +211,20 @@ for t in 40 0.1; do
 done
 # far FROM TO: largest distance of forces, relative to the largest force
 far() {
-  awk -F, 'FNR == NR { if ($1 == "step") f[$2] = $7; next } $1 == "step" { d = $7 - f[$2]; if (d < 0) d = -d; if (d > e) e = d; if (-f[$2] > m) m = -f[$2]; ++n }
+  awk -F, 'FNR == NR { if ($1 == "step") f[$2] = $8; next } $1 == "step" { d = $8 - f[$2]; if (d < 0) d = -d; if (d > e) e = d; if (-f[$2] > m) m = -f[$2]; ++n }
     END { print (n == 76 ? e / m : "nothing") }' "$work/$1.csv" "$work/$2.csv"
 }
 slow=$(far still40 moving40) quick=$(far still0.1 moving0.1)
 awk -v a="$slow" -v b="$quick" 'BEGIN { if (a + 0 > 0 && a < 1e-4) print "ok - a slow poke does not feel the mass, to " a; else print "not ok - a slow poke does not feel the mass: " a " vs 1e-4"
   if (b + 0 > 0.1 && b < 1) print "ok - a quick one does, by " b " of its force"; else print "not ok - a quick one does: " b " vs 0.1 .. 1" }' | tee -a "$results"
 # what contact and bed do not balance is the mass's: of a slow poke nothing
-awk -F, '$1 == "step" { e = $7 + $9; if (e < 0) e = -e; if (FNR == NR) { if (e > slow) slow = e } else if (e > quick) quick = e }
+awk -F, '$1 == "step" { e = $8 + $10; if (e < 0) e = -e; if (FNR == NR) { if (e > slow) slow = e } else if (e > quick) quick = e }
   END { if (slow < 1e-5 && quick > 0.01) print "ok - what contact and bed do not balance is the mass'"'"'s: " quick " N of a quick poke, " slow " of a slow one"
         else print "not ok - what contact and bed do not balance is the mass'"'"'s: " quick " N of a quick poke, " slow " of a slow one vs > 0.01, < 1e-5" }' \
   "$work/moving40.csv" "$work/moving0.1.csv" | tee -a "$results"
-refused() { # WHAT ARGUMENT VALUE
-  if solve bad 10 0.01 1 0.05 0.1 0 -1 -formulation plane-strain -indenter patch -history "$work/still0.1.history" "$2" "$3" >/dev/null 2>&1; then say "not ok - $1 is refused: it was not"; else say "ok - $1 is refused"; fi
-}
-refused "a density that is not positive" -density 0
+cp "$work/still0.1.history" "$work/light.history"
+poke light -density 0
+refused light $? 2 "-density must be positive" "a density that is not positive is refused"
 fi
 
 if group memory; then
@@ -245,11 +244,11 @@ relax hold $branches
 relax elastic
 solve push 10 0.01 10 0.05 0.1 0 -1 -formulation plane-strain -indenter patch
 awk -F, 'FNR == NR { if ($1 == "step" && $2 == 10) { x = $5; y = $6 } else if ($1 == "node" && n < 1e9) node[++n] = $0; next }
-  $1 == "step" && $2 == 10 { e = sqrt(($6 - x) ^ 2 + ($7 - y) ^ 2) / sqrt(x * x + y * y); seen = 1 } $1 == "node" { ++nodes }
+  $1 == "step" && $2 == 10 { e = sqrt(($7 - x) ^ 2 + ($8 - y) ^ 2) / sqrt(x * x + y * y); seen = 1 } $1 == "node" { ++nodes }
   END { if (seen && e <= 1e-8 && nodes == 121) print "ok - without branches a history ends where the load path does, to " e
         else print "not ok - without branches a history ends where the load path does: " e ", " nodes + 0 " nodes vs 1e-8, 121" }' \
   "$work/push.csv" "$work/elastic.csv" | tee -a "$results"
-awk -F, 'FNR == NR { if ($1 == "step") whole = $7; next } $1 == "step" { share = $7 / whole; if (n++ > 10 && share >= last) bad = 1; last = share }
+awk -F, 'FNR == NR { if ($1 == "step") whole = $8; next } $1 == "step" { share = $8 / whole; if (n++ > 10 && share >= last) bad = 1; last = share }
   END { wanted = 1 - 0.45 * (1 - exp(-9 / 0.5)) - 0.365 * (1 - exp(-9 / 50))
         if (n == 17 && !bad && last > wanted - 0.02 && last < wanted + 0.02) print "ok - held for 9 s a patch relaxes step by step, to " last " of the elastic force"
         else print "not ok - held for 9 s a patch relaxes step by step: " n + 0 " steps, " last " vs about " wanted }' \
@@ -259,7 +258,7 @@ for parts in 6 12 24; do
   awk -v n=$parts 'BEGIN { for (k = 0; k <= n; ++k) { s = k / n; print 0.6 * s, 0.004 * sin(2 * s), -0.008 * s * (1.6 - s), 0 } }' > "$work/wander$parts.history"
   relax wander$parts $branches
 done
-awk -F, 'FNR == 1 { ++file } $1 == "step" { x[file] = $6; y[file] = $7 }
+awk -F, 'FNR == 1 { ++file } $1 == "step" { x[file] = $7; y[file] = $8 }
   END { a = sqrt((x[1] - x[2]) ^ 2 + (y[1] - y[2]) ^ 2); b = sqrt((x[2] - x[3]) ^ 2 + (y[2] - y[3]) ^ 2); rate = (b > 0) ? log(a / b) / log(2) : 0
         if (rate > 1.6 && rate < 2.4) printf "ok - a history converges with the second order of its step, measured %.2f\n", rate
         else printf "not ok - a history converges with the second order of its step: %.2f vs 2\n", rate }' \
@@ -282,6 +281,82 @@ relax hold -branches 1 -g1 0.6 -tau1 -1
 refused hold $? 2 "must be positive" "a branch without a time is refused"
 solve sheet 10 0.01 1 0.05 0.1 0 -1 $branches
 refused sheet $? 2 "needs a solid, or -formulation plane-strain" "branches in plane stress are refused"
+fi
+
+# ---- a tool that leaves and lands again, at its contact or at the other
+if group touch; then
+touch() { # NAME MESH MORE: a tool at (0.03, 0.1) and, across the middle, at (0.07, 0.1) follows $work/NAME.history
+  name=$1 cells=$2
+  shift 2
+  solve "$name" $cells 0.01 1 0.03 0.1 0 -1 -formulation plane-strain -second_x 0.07 -second_y 0.1 -history "$work/$name.history" "$@"
+}
+# of a branch of 0.5 s: 8 mm in 0.2 s, held 0.8 s, away for 20 of its times, and the same at the same contact, then at the other
+awk 'function press(c,   n) { for (n = 1; n <= 8; ++n) print t + n / 40, 0.0005 * n, -0.001 * n, 0, c; for (n = 1; n <= 4; ++n) print t + 0.2 + n / 5, 0.004, -0.008, 0, c; t += 1 }
+  function leave(   n) { for (n = 1; n <= 20; ++n) print t + n * n / 40, 0, 0.001, n == 2, 0; t += 10 }
+  BEGIN { print 0, 0, 0, 0, 1; press(1); leave(); press(1); leave(); press(2) }' > "$work/again.history"
+touch again 20 -indenter patch -branches 1 -g1 0.3 -tau1 0.5
+awk -F, '$1 == "step" { d[$2, 0] = $4; d[$2, 1] = $5; c[$2] = $6; f[$2, 0] = $7; f[$2, 1] = $8; if ($6 == 0 && ($4 != 0 || $5 != 0 || $7 != 0 || $8 != 0)) pulls = 1 }
+  function size(a) { return a < 0 ? -a : a }
+  END { for (n = 1; n <= 12; ++n) {
+          if (size(f[n, 1]) > m) m = size(f[n, 1])
+          for (j = 0; j < 2; ++j) { e = size(f[n + 32, j] - f[n, j]); if (e > same) same = e }
+        }
+        if (c[12] == 1 && c[13] == 0 && c[33] == 1 && c[65] == 2 && c[76] == 2 && d[8, 1] == -0.008 && !pulls) print "ok - a tool that is away has no displacement and no force"
+        else print "not ok - a tool that is away has no displacement and no force: contacts " c[12] c[13] c[33] c[65] c[76] ", " d[8, 1] " m, pulls " pulls + 0 " vs 10122, -0.008, 0"
+        if (m > 0 && same <= 1e-6 * m) print "ok - after 20 relaxation times without it the tool finds what it first found, to " same / m
+        else print "not ok - after 20 relaxation times without it the tool finds what it first found: " same " of " m " N vs 1e-6" }' "$work/again.csv" | tee -a "$results"
+# the second contact alone, as the first of a run of its own
+awk 'BEGIN { print 0, 0, 0, 0, 0; print 0.1, 0, 0, 0, 0; for (n = 1; n <= 8; ++n) print 0.1 + n / 40, 0.0005 * n, -0.001 * n, 0, 2 }' > "$work/other.history"
+sed 's/ 2$/ 1/' "$work/other.history" > "$work/alone.history"
+touch other 20 -indenter patch -branches 1 -g1 0.3 -tau1 0.5
+solve alone 20 0.01 1 0.07 0.1 0 -1 -formulation plane-strain -indenter patch -history "$work/alone.history" -branches 1 -g1 0.3 -tau1 0.5
+awk -F, 'FNR == NR { if ($1 == "step") for (j = 0; j < 2; ++j) f[$2, j] = $(7 + j); next } $1 == "step" { for (j = 0; j < 2; ++j) { d = $(7 + j) - f[$2, j]; e += d * d; m += f[$2, j] ^ 2 } ++n }
+  END { if (n == 10 && m > 0 && e <= 1e-16 * m) print "ok - the second contact is the first one elsewhere"
+        else print "not ok - the second contact is the first one elsewhere: " n + 0 " steps, relative square " e / (m + 1e-300) " vs 10, 1e-16" }' "$work/alone.csv" "$work/other.csv" | tee -a "$results"
+# patches between nodes: the second one's ends leave the first one's where they are
+printf '0 0 0 0 1\n0.1 0.002 -0.004 0 1\n' > "$work/pinned.history"
+cp "$work/pinned.history" "$work/only.history"
+for name in only pinned; do
+  solve $name 20 0.01 1 0.043 0.1 0 -1 -formulation plane-strain -indenter patch -history "$work/$name.history" $([ $name = only ] || echo -second_x 0.056 -second_y 0.1)
+done
+awk -F, '$1 == "step" && $2 == 1 { f = sqrt($7 * $7 + $8 * $8); if (FNR == NR) only = f }
+  END { e = f / (only + 1e-300) - 1; if (e < 0) e = -e
+        if (f > 0 && e < 2e-3) print "ok - nodes at the ends of a second patch leave those of the first, whose force is the same to " e
+        else print "not ok - nodes at the ends of a second patch leave those of the first: its force differs by " e " vs 2e-3" }' "$work/only.csv" "$work/pinned.csv" | tee -a "$results"
+# taken up in its imprint: a node that is touched where it is, carries next to nothing, and goes from there to where it is told
+awk 'BEGIN { print 0, 0, 0, 0, 1; for (n = 1; n <= 8; ++n) print n / 40, 0.0002 * n, -0.0005 * n, 0, 1; print 2, 0.0016, -0.004, 0, 1; print 2.001, 0, 0, 0, 0; print 2.1, 0, 0, 1, 0
+  print 2.1001, 0, 0, 1, 1; for (n = 1; n <= 4; ++n) print 2.1 + n / 40, 0, -0.001 * n, 0, 1 }' > "$work/imprint.history"
+touch imprint 10 -indenter point -branches 2 -g1 0.45 -tau1 0.5 -g2 0.365 -tau2 50
+awk -F, '$1 == "step" { n = $2; x[n] = $4; y[n] = $5; f[n] = sqrt($7 * $7 + $8 * $8) } $1 == "node" && $2 == 0.03 && $3 == 0.1 { u[n] = $4; v[n] = $5 }
+  END { e = sqrt((x[12] - u[11]) ^ 2 + (y[12] - v[11]) ^ 2) / sqrt(u[11] ^ 2 + v[11] ^ 2 + 1e-300)
+        half = sqrt((x[14] - u[11] / 2) ^ 2 + (y[14] + 0.002 - v[11] / 2) ^ 2) / 0.002
+        if (v[11] < -2e-4 && v[11] > -3e-3 && u[11] > 1e-5 && e < 1e-9 && f[12] < 1e-3 * f[9] && half < 1e-9 && x[16] == 0 && y[16] == -0.004 && f[16] > f[12])
+          print "ok - a tool that lands in its imprint takes it as it is, " 1e3 * v[11] " mm deep, and goes on from there"
+        else print "not ok - a tool that lands in its imprint takes it as it is and goes on from there: (" u[11] ", " v[11] ") m, off by " e ", " f[12] " of " f[9] " N, halfway off by " half ", ends at (" x[16] ", " y[16] ")" }' \
+  "$work/imprint.csv" | tee -a "$results"
+# let go of a deep push, from which Newton's method alone goes elsewhere
+awk 'BEGIN { for (n = 0; n <= 15; ++n) print n / 100, 0, -n / 1000, 0, 1; print 0.151, 0, 0, 1, 0; print 0.152, 0, 0, 0, 0 }' > "$work/deep.history"
+touch deep 10 -indenter patch
+awk -F, '$1 == "step" { n = $2; if (n == 15) held = -$8; if (n > 15 && ($8 != 0 || $10 > 1e-9 * held || -$10 > 1e-9 * held)) off = 1 } $1 == "node" { ++nodes; for (i = 4; i <= 5; ++i) if ($i > 1e-9 || $i < -1e-9) ++moved }
+  END { if (n == 17 && nodes == 121 && !moved && !off) print "ok - let go of 15 mm at once, elastic tissue is at rest"
+        else print "not ok - let go of 15 mm at once, elastic tissue is at rest: " n + 0 " steps, " moved + 0 " of " nodes + 0 " nodes moved, forces off " off + 0 }' "$work/deep.csv" | tee -a "$results"
+printf '0 0 0 0 1\n0.1 0 -0.001 0 1\n0.2 0 -0.001 0 2\n' > "$work/jump.history"
+touch jump 10 -indenter patch
+refused jump $? 1 "line 3 of the history goes to another contact; the tool must be away" "a tool that jumps between contacts is refused"
+printf '0 0 0 0 1\n0.1 0 -0.001 0 3\n' > "$work/third.history"
+touch third 10 -indenter patch
+refused third $? 1 "line 2 of the history has the contact 3, which is not there" "a contact that is not there is refused"
+printf '0 0 0 0\n0.1 0 -0.001 0 1\n' > "$work/uneven.history"
+touch uneven 10 -indenter patch
+refused uneven $? 1 "line 2 of the history has not as many numbers as the first" "lines of several lengths are refused"
+printf '0 0 0\n0.1 0 0\n' > "$work/narrow.history"
+touch narrow 10 -indenter patch
+refused narrow $? 1 "a line of the history has 3 numbers, not 4, or 5 with the contact" "lines that are too short are refused"
+solve bare 10 0.01 1 0.03 0.1 0 -1 -formulation plane-strain -indenter patch -second_x 0.07 -second_y 0.1
+refused bare $? 2 "a second contact .* needs a -history" "a second contact without a history is refused"
+cp "$work/deep.history" "$work/low.history"
+solve low 10 0.01 1 0.03 0.1 0 -1 -formulation plane-strain -indenter patch -second_x 0 -second_y 0.012 -history "$work/low.history"
+refused low $? 1 "the contact (0, 0.012) m is 12 mm along the surface from the fixed edge" "a second patch too near to the fixed edge is refused"
 fi
 
 # ---- refusals

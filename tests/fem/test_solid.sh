@@ -224,9 +224,9 @@ for name in slack held; do
 done
 solve straight relaxing 0.0040311288741492748 4 0.043 0.05 0.1240347346 0 -0.9922778767
 awk -F, 'FNR == 1 { ++file } file == 1 && $1 == "step" && $2 == 4 { for (j = 0; j < 3; ++j) want[j] = $(5 + j) }
-  file == 2 && $1 == "step" && $2 == 4 { for (j = 0; j < 3; ++j) { e += ($(7 + j) - want[j]) ^ 2; l += want[j] ^ 2 } seen = 1 }
-  file == 2 && $1 == "step" { whole = $9 } file == 2 && $1 == "node" { ++nodes }
-  file == 3 && $1 == "step" { share[++n] = $9 / whole }
+  file == 2 && $1 == "step" && $2 == 4 { for (j = 0; j < 3; ++j) { e += ($(8 + j) - want[j]) ^ 2; l += want[j] ^ 2 } seen = 1 }
+  file == 2 && $1 == "step" { whole = $10 } file == 2 && $1 == "node" { ++nodes }
+  file == 3 && $1 == "step" { share[++n] = $10 / whole }
   END { if (seen && e <= 1e-16 * l && nodes == 726) print "ok - without branches a history in space ends where the load path does"
         else print "not ok - without branches a history in space ends where the load path does: relative square " e / (l + 1e-300) ", " nodes + 0 " nodes vs 1e-16, 726"
         wanted = 1 - 0.45 * (1 - exp(-9 / 0.5)) - 0.365 * (1 - exp(-9 / 50))

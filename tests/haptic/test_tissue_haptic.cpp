@@ -313,6 +313,20 @@ TEST_CASE("tissue-haptic: a law plays, is recorded and replayed, and knows no se
     }
 }
 
+TEST_CASE("tissue-haptic: a law that relaxes plays, and is not pressed until it rests", "[program][memory]") {
+    const TemporaryFolder folder;
+    const std::string model = folder.file("law.h5");
+    write_model(model, relaxing(law_example()), {"test", 1, {}});
+    const Ended ended = run(folder, model + " --seconds 1 --motion press --json");
+    INFO(ended.err);
+    REQUIRE(ended.status == 0);
+    CHECK(nlohmann::json::parse(ended.out)["force_max_N"] > 0.1);
+    const Ended refused = run(folder, model + " --check " + model + " --out " + folder.file("r.json"));
+    CHECK(refused.status == 1);
+    CHECK(std::count(refused.err.begin(), refused.err.end(), '\n') == 1);
+    CHECK(refused.err.find("this model relaxes") != std::string::npos);
+}
+
 TEST_CASE("tissue-haptic: SIGINT, SIGTERM and SIGHUP end it with a ledger and a closed file", "[program]") {
     // under nohup the program ignores a hangup, as it should; here it shall not inherit that
     struct Hangup {

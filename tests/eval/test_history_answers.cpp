@@ -1,4 +1,4 @@
-#include "eval/history_table.h"
+#include "eval/history_answers.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -22,9 +22,6 @@ HistoryError history_error(const Eigen::VectorXd& time_s, const NodeField& truth
 /// the history has it: it pushes and draws, as the finite elements' contact does. NaN from where the mesh flies apart.
 NodeField play_history(const HapticModel& model, const History& history);
 
-/// A force through Maxwell branches: (1 - sum g) F + sum Q (springs/relaxation.h), F straight between its times (T x D).
-NodeField relaxed(const Eigen::VectorXd& time_s, const NodeField& force_N, const Eigen::VectorXd& tau_s, const Eigen::VectorXd& share);
-
 /// What models say of one history.
 struct HistoryAnswer {
     std::string name, group, kind, role;

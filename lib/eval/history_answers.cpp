@@ -1,4 +1,4 @@
-#include "eval/history_table.h"
+#include "eval/history_answers.h"
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
@@ -95,19 +95,6 @@ HistoryError history_error(const Eigen::VectorXd& time_s, const NodeField& truth
     const NodeField off = answer_N - truth_N;
     return {std::sqrt(square_over_time(time_s, off) / square_over_time(time_s, truth_N)),
             std::sqrt(off.rowwise().squaredNorm().maxCoeff() / truth_N.rowwise().squaredNorm().maxCoeff())};
-}
-
-NodeField relaxed(const Eigen::VectorXd& time_s, const NodeField& force_N, const Eigen::VectorXd& tau_s, const Eigen::VectorXd& share) {
-    NodeField out = (1 - share.sum()) * force_N;
-    for (Eigen::Index k = 0; k < tau_s.size(); ++k) {
-        Eigen::RowVectorXd part = Eigen::RowVectorXd::Zero(force_N.cols());
-        for (Eigen::Index n = 1; n < force_N.rows(); ++n) {
-            const double x = (time_s[n] - time_s[n - 1]) / tau_s[k];
-            part = std::exp(-x) * part - std::expm1(-x) / x * (force_N.row(n) - force_N.row(n - 1));
-            out.row(n) += share[k] * part;
-        }
-    }
-    return out;
 }
 
 NodeField play_history(const HapticModel& model, const History& history) {

@@ -1,0 +1,83 @@
+#include "train/fit_shares.h"
+
+#include <fmt/format.h>
+
+#include <string>
+
+#include "error.h"
+#include "parallel.h"
+#include "springs/law_press.h"
+#include "train/bounded_lsq.h"
+#include "train/certificate.h"
+
+namespace tissue {
+namespace {
+
+constexpr double most_share = 0.98;  ///< of one branch, so that something is left
+
+}  // namespace
+
+FittedShares fit_shares(const TissueModel& model, const std::vector<History>& histories, const std::string& role, const Eigen::VectorXd& tau_s, int threads) {
+    if (!model.energy_law) throw MismatchError("histories are played by a law; this model has none");
+    std::vector<const History*> used;
+    for (const History& h : histories)
+        if (h.role == role && h.lost.empty() && h.force_N.squaredNorm() > 0) used.push_back(&h);
+    if (used.empty()) throw MismatchError("there is no history to fit the shares of branches to");
+    TissueModel at_once = model;
+    at_once.energy_law = instantaneous(*model.energy_law);
+    const LawPress press(at_once);
+    std::vector<NodeField> now(used.size());
+    std::vector<std::string> lost(used.size());
+    parallel_for(static_cast<int>(used.size()), threads, [&](int i) {
+        const auto k = static_cast<std::size_t>(i);
+        const History& h = *used[k];
+        now[k] = NodeField::Zero(h.force_N.rows(), h.force_N.cols());
+        for (Eigen::Index n = 0; n < now[k].rows() && lost[k].empty(); ++n) {
+            if (h.contact[static_cast<std::size_t>(n)] == 0 || h.push_m.row(n).squaredNorm() == 0) continue;
+            const Point& at = h.contact[static_cast<std::size_t>(n)] == 2 ? *h.second_contact_m : h.contact_m;
+            const Equilibrium answer = press.at(at, h.push_m.row(n).transpose());
+            if (answer)
+                now[k].row(n) = answer.contact_force.transpose();
+            else
+                lost[k] = fmt::format("history '{}' at {:g} s: {}", h.name, h.time_s[n], reason_of(answer.status));
+        }
+    });
+    for (const std::string& why : lost)
+        if (!why.empty()) throw MismatchError(why);
+
+    const Eigen::Index K = tau_s.size();
+    Eigen::Index rows = 0;
+    for (const History* h : used) rows += h->force_N.size();
+    Eigen::MatrixXd A(rows, K);
+    Eigen::VectorXd wanted(rows), weight(rows);
+    Eigen::Index at = 0;
+    for (std::size_t i = 0; i < used.size(); ++i) {
+        const History& h = *used[i];
+        const Eigen::Index T = h.force_N.rows(), D = h.force_N.cols(), n = T * D;
+        const NodeField off = h.force_N - now[i];
+        wanted.segment(at, n) = Eigen::Map<const Eigen::VectorXd>(off.data(), n);
+        for (Eigen::Index k = 0; k < K; ++k) {
+            const NodeField column = relaxed(h.time_s, now[i], tau_s.segment(k, 1), Eigen::VectorXd::Ones(1)) - now[i];
+            A.col(k).segment(at, n) = Eigen::Map<const Eigen::VectorXd>(column.data(), n);
+        }
+        for (Eigen::Index t = 0; t < T; ++t) {
+            const double span = ((t + 1 < T ? h.time_s[t + 1] : h.time_s[t]) - (t > 0 ? h.time_s[t - 1] : h.time_s[t])) / 2;
+            weight.segment(at + t * D, D).setConstant(span);
+        }
+        const double square = weight.segment(at, n).dot(Eigen::Map<const Eigen::VectorXd>(h.force_N.data(), n).cwiseAbs2());
+        weight.segment(at, n) /= square * static_cast<double>(used.size());
+        at += n;
+    }
+    const ForceLoss loss(A.sparseView(0, 0), wanted, weight);
+    const Box box{Eigen::VectorXd::Zero(K), Eigen::VectorXd::Constant(K, most_share)};
+    const BoundedLsqSummary best = solve_bounded_lsq(loss, Eigen::VectorXd::Constant(K, 0.5 / static_cast<double>(K)), box);
+    FittedShares fitted{best.theta, best.kkt_residual, best.residual_norm, to_string(train_status(best.status))};
+    if (const double sum = fitted.share.sum(); sum > most_share) {  // of a tissue that flows: what the branches cannot be
+        fitted.share *= most_share / sum;
+        fitted.misfit = loss(fitted.share);
+        fitted.status = "bounded";
+    }
+    return fitted;
+}
+
+}  // namespace tissue
