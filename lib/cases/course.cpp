@@ -37,10 +37,11 @@ std::vector<double> stroke_steps(double time_s) {
 std::vector<double> rest_steps(double first_s, double time_s) {
     std::vector<double> ends;
     if (!(time_s > 0)) return ends;
-    double step_s = std::min(first_s, course_steps::longest_s), end_s = 0;
+    const double longest_s = std::clamp(course_steps::widest * first_s, course_steps::swinging_s, course_steps::longest_s);
+    double step_s = std::min(first_s, longest_s), end_s = 0;
     while (end_s < time_s * (1 - tiny)) {
         ends.push_back(end_s += step_s);
-        step_s = std::min(step_s * course_steps::growth, course_steps::longest_s);
+        step_s = std::min(step_s * course_steps::growth, longest_s);
     }
     for (double& end : ends) end *= std::min(1.0, time_s / end_s);
     ends.back() = time_s;

@@ -24,7 +24,8 @@ struct Course {
 namespace course_steps {
 constexpr int least_of_stroke = 40;                ///< steps of a stroke at least,
 constexpr double longest_of_stroke_s = 0.020;      ///< and none longer
-constexpr double growth = 1.04, longest_s = 0.020; ///< after a stroke the first is as within it, each next so much longer, up to this
+constexpr double growth = 1.04, longest_s = 0.020; ///< after a stroke the first is as within it, each next so much longer, up to this;
+constexpr double swinging_s = 0.004, widest = 1.6; ///< after a quick one, which leaves tissue swinging, up to so many firsts, this at least
 constexpr double let_go_s = 0.002;                 ///< the first at most, after the tool has let go at once
 constexpr int least_of_period = 60;                ///< steps of a period of a sine at least,
 constexpr double longest_of_period_s = 0.010;      ///< and none longer
