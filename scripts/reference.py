@@ -37,7 +37,7 @@ DRAWN = {  # studies judged on drawn contacts, and what README calls their model
 }
 SHOWN = [("surface", "shape", "shape"), ("surface", "held_out", "held_out"), ("surface", "ablation", "ablation"),
          ("organ", "shape", "organ"), ("block3", "solid", "block3-solid"),
-         ("block3", "held_out", "block3-held_out"), ("nodule3", "map", "nodule3-map"), ("organ3", "solid", "organ3-solid"),
+         ("block3", "held_out", "block3-held_out"), ("relax", "histories", "relax"), ("nodule3", "map", "nodule3-map"), ("organ3", "solid", "organ3-solid"),
          *(("paper", figure, figure) for figure in FIGURES)]  # study, figure, its name beside README
 SPACE = {  # models of solids, and what README calls them
     ("block3", "learned"): "**learned law**, {numbers} numbers, {paths} FE paths (`block3`)",
@@ -48,6 +48,11 @@ SPACE = {  # models of solids, and what README calls them
     ("block3", "force_table"): "FE force table",
     ("block3", "heuristic_a_patch"): "heuristic, E2 = E, without cells, under the untrained law's contact",
     ("block3", "uniform_patch"): "one stiffness, likewise",
+}
+RELAXING = {  # studies judged on histories, and what README calls them
+    "relax": "the block (`relax`)",
+    "nodule-relax": "an inclusion that relaxes a quarter as much (`nodule-relax`)",
+    "block3-relax": "in space (`block3-relax`)",
 }
 SPACE_ROLES = ["held_out", "held_out_near", "held_out_sideways"]
 STUDIES = {
@@ -170,6 +175,23 @@ def nodule_table(e):
             f"| contrast | {contrast['fe']:.3f} | {contrast['learned']:.3f} |"]
 
 
+def relaxing_table(evaluations):
+    """Each group of histories of the studies that relax: what the law is off, and what else there could be."""
+    rows = ["| histories | n | learned law, rms | largest error | without relaxation, beside FE without | long-term | instantaneous | best factor | "
+            "Kelvin-Voigt | one branch | FE's own, through the branches |", "|---|---|---|---|---|---|---|---|---|---|---|"]
+    for study, name in RELAXING.items():
+        if study not in evaluations:
+            continue
+        groups = evaluations[study]["histories"]["groups"]
+        for group, models in groups.items():
+            learned = models["learned"]
+            others = [three(models[m]["rms"]) if models[m]["rms"]["n"] and models[m]["rms"]["median"] is not None else "" for m in
+                      ("long_term", "instantaneous", "best_factor", "kelvin_voigt", "one_branch", "prony")]
+            own = three(models["elastic"]) if models["elastic"]["n"] else ""
+            rows.append(f"| {name}: {group} | {learned['rms']['n']} | {three(learned['rms'])} | {three(learned['peak'])} | {own} | " + " | ".join(others) + " |")
+    return rows
+
+
 def ablation_table(variants, roles=("held_out", "held_out_full")):
     rows = ["| numbers | FE paths | training | " + " | ".join(f"{role}: force | {role}: shape" for role in roles) + " |",
             "|---|---|---|" + "---|---|" * len(roles)]
@@ -235,6 +257,7 @@ def main():
         ("space", ["block3", "block3-quick", "nodule3", "organ3"], lambda: space_table(evaluations)),
         ("nodule", ["nodule3"], lambda: nodule_table(evaluations["nodule3"])),
         ("space-ablation", ["block3"], lambda: ablation_table(variants("block3"), SPACE_ROLES)),
+        ("relaxing", ["relax", "nodule-relax"], lambda: relaxing_table(evaluations)),
         ("measured", ["measured"], lambda: measured_table(evaluations["measured"])),
     ]
     for marker, needs, rows in tables:
