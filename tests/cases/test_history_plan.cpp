@@ -156,7 +156,7 @@ TEST_CASE("pokes go on without rest until their time is over, each stroke its ow
     }
 }
 
-TEST_CASE("a second touch is where it should be, after a tenth of a second away; or where the first was", "[histories]") {
+TEST_CASE("a second touch is where it should be, after 0.8 s away; or where the first was", "[histories]") {
     Study study = many();
     const auto check = [&](bool elsewhere) {
         for (const PlannedHistory& h : planned_histories(study)) {
