@@ -54,6 +54,7 @@ RULES = [
     Rule(r"/(sets|n|floppy_sets|force_steps|force_falls)$", 0, 0, "number"),
     Rule(r"/springs/learned", 0.02, 1e-6, "number"),                     # [6e-4]; flat directions of the loss
     Rule(r"/learned[^/]*/(rel_loss)(/|$)", 1e-6, 1e-7, "number"),        # [6e-10]
+    Rule(r"/histories/", 1e-3, 1e-4, "number"),                          # tick after tick, from the first's last bits on
     Rule(r"/learned", 1e-3, 1e-4, "number"),                             # [1.3e-6]; force and shape errors of sets that iterate
     # [1e-13]; an equilibrium is found to 1e-10 of its forces, and where a mesh is soft its nodes move the more for that
     Rule(r"/(shape|shape_max_over_depth|closed_loop_shape)(/|$)", 1e-4, 1e-5, "number"),
