@@ -84,6 +84,8 @@ struct Fit {
     double square = 0;
 };
 
+constexpr double slow = 0.05;  ///< rms of `prony`'s error below which mass does not matter to a history
+
 TissueModel with_law(TissueModel model, LawModel law) {
     model.energy_law = std::move(law);
     return model;
@@ -113,7 +115,8 @@ NodeField play_history(const HapticModel& model, const History& history) {
     const Eigen::Index T = history.time_s.size();
     NodeField answer = NodeField::Zero(T, model.dimension());
     Point last = Point::Zero(model.dimension());
-    int touching = 0;
+    int touching = history.contact[0], before = touching;
+    if (touching > 0) mesh.law->contact(places[touching - 1].facet, places[touching - 1].weight, tool);
     Eigen::Index next = 1;
     for (long long tick = 1; next < T; ++tick) {
         const double t = static_cast<double>(tick) * dt;
@@ -133,9 +136,13 @@ NodeField play_history(const HapticModel& model, const History& history) {
             dynamics->step(state, {});
         for (; next < T && history.time_s[next] <= t + 1e-12; ++next) {
             const double w = std::clamp((history.time_s[next] - (t - dt)) / dt, 0.0, 1.0);
-            answer.row(next) = ((1 - w) * last + w * force).transpose();
+            if (touching == before)
+                answer.row(next) = ((1 - w) * last + w * force).transpose();
+            else  // nothing is half way between a tool that holds and one that is away
+                answer.row(next) = (history.contact[static_cast<std::size_t>(next)] == before ? last : force).transpose();
         }
         last = force;
+        before = touching;
         if (!force.allFinite()) {
             answer.bottomRows(T - std::min(next, T - 1)).setConstant(std::numeric_limits<double>::quiet_NaN());
             break;
@@ -154,14 +161,14 @@ std::vector<std::string> HistoryTable::groups() const {
 Statistics HistoryTable::rms(std::size_t model, const std::string& group) const {
     std::vector<double> sample;
     for (const HistoryAnswer& a : answers)
-        if (group.empty() || a.group == group) sample.push_back(a.error[model].rms);
+        if ((group.empty() || a.group == group) && !std::isnan(a.error[model].rms)) sample.push_back(a.error[model].rms);
     return statistics_of(sample);
 }
 
 Statistics HistoryTable::peak(std::size_t model, const std::string& group) const {
     std::vector<double> sample;
     for (const HistoryAnswer& a : answers)
-        if (group.empty() || a.group == group) sample.push_back(a.error[model].peak);
+        if ((group.empty() || a.group == group) && !std::isnan(a.error[model].peak)) sample.push_back(a.error[model].peak);
     return statistics_of(sample);
 }
 
@@ -202,9 +209,19 @@ HistoryTable evaluate_histories(const TissueModel& model, const std::vector<Hist
 
     // the best that springs without the law's branches can be on these very histories
     Fit factor(1), voigt(2);
+    std::vector<NodeField> prony(H);  // 0 rows where FE has no elastic run
+    std::vector<bool> fits(H);
+    for (std::size_t h = 0; h < H; ++h) {
+        const History& history = *histories[h];
+        if (history.elastic_N.rows() == history.time_s.size())
+            prony[h] = relaxed(history.time_s, history.elastic_N, law.relaxation.tau_s, law.relaxation.contact_share);
+        fits[h] = answer[h][2].allFinite() && prony[h].rows() > 0 && history_error(history.time_s, history.force_N, prony[h]).rms < slow;
+    }
+    if (std::find(fits.begin(), fits.end(), true) == fits.end())
+        for (std::size_t h = 0; h < H; ++h) fits[h] = answer[h][2].allFinite();
     for (std::size_t h = 0; h < H; ++h) {
         const NodeField& now = answer[h][2];
-        if (!now.allFinite()) continue;
+        if (!fits[h]) continue;
         factor.add(histories[h]->time_s, histories[h]->force_N, {now});
         voigt.add(histories[h]->time_s, histories[h]->force_N, {now, rate(histories[h]->time_s, now)});
     }
@@ -217,7 +234,7 @@ HistoryTable evaluate_histories(const TissueModel& model, const std::vector<Hist
     for (double tau_s = 0.01; tau_s < 40; tau_s *= std::pow(10, 0.05)) {
         Fit one(2);
         for (std::size_t h = 0; h < H; ++h)
-            if (answer[h][2].allFinite())
+            if (fits[h])
                 one.add(histories[h]->time_s, histories[h]->force_N,
                         {answer[h][2], relaxed(histories[h]->time_s, answer[h][2], Eigen::VectorXd::Constant(1, tau_s), Eigen::VectorXd::Ones(1))});
         if (one.left() >= least) continue;
@@ -236,14 +253,13 @@ HistoryTable evaluate_histories(const TissueModel& model, const std::vector<Hist
         row.learned_N.assign(own.begin(), own.end());
         row.elastic_N.assign(springs.begin(), springs.end());
         const double nothing = std::numeric_limits<double>::quiet_NaN();
-        const bool elastic = history.elastic_N.rows() == t.size();
+        const bool elastic = prony[h].rows() > 0;
         row.elastic = elastic ? history_error(t, history.elastic_N, answer[h][2]) : HistoryError{nothing, nothing};
         const NodeField& now = answer[h][2];
         for (const NodeField& force : {answer[h][0], answer[h][1], now, NodeField(table.factor * now), NodeField(ab[0] * now + ab[1] * rate(t, now)),
                                        NodeField(branch[0] * now + branch[1] * relaxed(t, now, Eigen::VectorXd::Constant(1, table.branch[1]), Eigen::VectorXd::Ones(1)))})
             row.error.push_back(history_error(t, history.force_N, force));
-        row.error.push_back(elastic ? history_error(t, history.force_N, relaxed(t, history.elastic_N, law.relaxation.tau_s, law.relaxation.contact_share))
-                                    : HistoryError{nothing, nothing});
+        row.error.push_back(elastic ? history_error(t, history.force_N, prony[h]) : HistoryError{nothing, nothing});
         table.answers.push_back(std::move(row));
     }
     return table;

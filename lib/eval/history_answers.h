@@ -38,7 +38,8 @@ struct HistoryAnswer {
 ///   kelvin_voigt    a F + b dF/dt of it, a and b the best: dampers beside the springs, in proportion to them
 ///   one_branch      the instantaneous one through one branch, its share and time the best
 ///   prony           no springs: FE's own force without relaxation, through the material's branches
-/// Those in between are fitted to the very histories that judge them, which flatters them.
+/// Those in between are fitted to those of the very histories that judge them in which mass does not matter (prony within 5 %), all the same
+/// weight, which flatters them.
 struct HistoryTable {
     std::vector<std::string> models;
     std::vector<HistoryAnswer> answers;
@@ -49,7 +50,7 @@ struct HistoryTable {
 
     bool empty() const { return answers.empty() && lost.empty(); }
     std::vector<std::string> groups() const;  ///< in the order of the histories
-    /// rms or peak of a model's errors over a group; "" is all of them.
+    /// rms or peak of a model's errors over a group, of those histories that have them; "" is all of them.
     Statistics rms(std::size_t model, const std::string& group) const;
     Statistics peak(std::size_t model, const std::string& group) const;
     Statistics elastic_rms(const std::string& group) const;

@@ -198,7 +198,7 @@ std::string histories_markdown(const HistoryTable& h) {
     out += fmt::format(
         "\nWhat else there could be, rms, median / p95 / max. `long_term` and `instantaneous`: the law without branches, as it is after long and at once; "
         "`best_factor`: {:.3g} times the latter, the elastic springs that come nearest; `kelvin_voigt`: {:.3g} F + {:.3g} s dF/dt of it; `one_branch`: a "
-        "share of {:.3g} that relaxes in {:.3g} s. These three are fitted to these very histories, which flatters them. `prony`: no springs but the finite "
+        "share of {:.3g} that relaxes in {:.3g} s. These three are fitted to those of these very histories in which mass does not matter, which flatters them. `prony`: no springs but the finite "
         "elements' own force without relaxation, through the material's branches.\n\n| histories |", h.factor, h.kelvin_voigt[0], h.kelvin_voigt[1], h.branch[0], h.branch[1]);
     for (const std::string& model : h.models) out += fmt::format(" {} |", model);
     out += "\n|---|";

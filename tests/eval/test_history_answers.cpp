@@ -153,3 +153,16 @@ TEST_CASE("of models beside the learned one each is what it says: the truth is p
     TissueModel sets = haptic_example();
     CHECK_THAT(refusal<MismatchError>([&] { evaluate_histories(sets, histories, "held_out", 1); }), Contains("law"));
 }
+
+TEST_CASE("at the time at which a tool leaves, or lands, it holds the tissue with all of its force, or with none", "[histories]") {
+    const TissueModel model = relaxing(law_example());
+    const HapticModel haptic(model, alone());
+    History h = ramp(0.008, 0.3, 1.2);
+    for (Eigen::Index n = 0; n < h.time_s.size(); ++n) h.time_s[n] += 0.0004 * (n > 0);  // between ticks
+    for (std::size_t n = 150; n < 200; ++n) h.contact[n] = 0;
+    const NodeField answer = play_history(haptic, h);
+    CHECK(answer.row(149).norm() == Approx(answer.row(148).norm()).epsilon(0.02));  // the last at which it is there
+    CHECK(answer.row(150).norm() == 0);
+    CHECK(answer.row(199).norm() == 0);
+    CHECK(answer.row(200).norm() > 0.1);
+}
