@@ -176,19 +176,24 @@ def nodule_table(e):
 
 
 def relaxing_table(evaluations):
-    """Each group of histories of the studies that relax: what the law is off, and what else there could be."""
-    rows = ["| histories | n | learned law, rms | largest error | without relaxation, beside FE without | long-term | instantaneous | best factor | "
-            "Kelvin-Voigt | one branch | FE's own, through the branches |", "|---|---|---|---|---|---|---|---|---|---|---|"]
+    """Each group of histories of the studies that relax: what the law is off, and what else there could be, in the median."""
+    others = {"long_term": "long-term", "instantaneous": "instantaneous", "best_factor": "best factor", "kelvin_voigt": "Kelvin-Voigt",
+              "one_branch": "one branch", "prony": "FE's elastic force through the branches"}
+    rows = ["| histories | n | learned law, rms | largest error | its own, elastic beside elastic FE | " + " | ".join(others.values()) + " |",
+            "|---|---|---|---|---|" + "---|" * len(others)]
+
+    def cells(statistics):
+        return " / ".join(percent(statistics[key]) for key in ("median", "p95", "max")) if statistics["n"] else ""
+
     for study, name in RELAXING.items():
         if study not in evaluations:
             continue
-        groups = evaluations[study]["histories"]["groups"]
-        for group, models in groups.items():
-            learned = models["learned"]
-            others = [three(models[m]["rms"]) if models[m]["rms"]["n"] and models[m]["rms"]["median"] is not None else "" for m in
-                      ("long_term", "instantaneous", "best_factor", "kelvin_voigt", "one_branch", "prony")]
-            own = three(models["elastic"]) if models["elastic"]["n"] else ""
-            rows.append(f"| {name}: {group} | {learned['rms']['n']} | {three(learned['rms'])} | {three(learned['peak'])} | {own} | " + " | ".join(others) + " |")
+        for group, models in evaluations[study]["histories"]["groups"].items():
+            if group == "all":
+                continue
+            medians = [percent(models[m]["rms"]["median"]) if models[m]["rms"]["n"] else "" for m in others]
+            rows.append(f"| {name}: {group} | {models['learned']['rms']['n']} | {cells(models['learned']['rms'])} | "
+                        f"{cells(models['learned']['peak'])} | {cells(models['elastic'])} | " + " | ".join(medians) + " |")
     return rows
 
 

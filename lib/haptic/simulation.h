@@ -23,7 +23,7 @@ struct HapticOptions {
     double innovation = 0.05;         ///< gamma of (19): a new set takes over within about 60 ms
     /// Of critical, at the lowest mode. Nothing: 0.05 for sets, the paper's "very small values"; 0.17 for a law, 5 1/s on the
     /// tissue of `surface`, with which a press comes to rest in the time that a hand takes to notice; 0.01 for a law that relaxes, whose
-    /// branches damp (springs in the plane beside it keep 0.17): more makes quick pokes wrong (0.17: 5 % in place of 2.5 % for one of 0.1 s, README).
+    /// branches damp (springs in the plane beside it keep 0.17): more makes quick pokes wrong (0.17: twice as wrong, of 0.1 s).
     std::optional<double> damping_ratio = {};
     double coupling_ratio = 10;       ///< k_C over the contact's own stiffness: the tool sinks in by a tenth more
     std::string dynamics = "auto";    ///< or a name of dynamics_kinds()
