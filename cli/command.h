@@ -26,6 +26,7 @@ void add_collect(CLI::App& app, const Invocation& invocation);
 void add_import(CLI::App& app, const Invocation& invocation);
 void add_train(CLI::App& app, const Invocation& invocation);
 void add_eval(CLI::App& app, const Invocation& invocation);
+void add_adapt(CLI::App& app, const Invocation& invocation);
 void add_ablate(CLI::App& app, const Invocation& invocation);
 void add_serve(CLI::App& app, const Invocation& invocation);
 void add_info(CLI::App& app, const Invocation& invocation);

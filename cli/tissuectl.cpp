@@ -41,6 +41,7 @@ int main(int argc, char** argv) {
     add_train(app, invocation);
     add_eval(app, invocation);
     add_ablate(app, invocation);
+    add_adapt(app, invocation);
     add_serve(app, invocation);
     add_info(app, invocation);
     add_export(app, invocation);

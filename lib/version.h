@@ -11,5 +11,6 @@ inline constexpr int format_version = 1;
 inline constexpr int law_format_version = 2;
 inline constexpr int solid_format_version = 4;  ///< 3 was of solids whose discs had another energy: refused
 inline constexpr int time_format_version = 5;   ///< of a model that relaxes, and of cases with histories
+inline constexpr int adapted_format_version = 6;  ///< of a model that has learned from pokes
 
 }  // namespace tissue

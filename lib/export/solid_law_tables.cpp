@@ -38,7 +38,7 @@ SolidLawTables solid_law_tables(const TissueModel& model) {
 ContactTable contact_table(const TissueModel& model, const std::vector<int>& load_cases) {
     constexpr const char* kinds[] = {"normal", "tangent", "imprint_normal", "imprint_tangent"};
     const LawModel& law = *model.energy_law;
-    const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(model.mesh, law.disc_radius_m, law.ground);
+    const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(model.mesh, law);
     ContactTable table;
     std::vector<std::array<double, 3>> push, pull, hardening;
     for (const int c : load_cases) try {

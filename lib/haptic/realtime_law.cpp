@@ -162,7 +162,7 @@ TISSUE_HOT void tetrahedra(int n, const double* const* e, const double* __restri
 
 }  // namespace kernel
 
-RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) : springs_(springs), kernel_(make_contact_kernel(model.mesh, law_of(model).disc_radius_m, law_of(model).ground)) {
+RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) : springs_(springs), kernel_(make_contact_kernel(model.mesh, law_of(model))) {
     const LawModel& law = law_of(model);
     if (springs.law().name() != "geometric")
         throw MismatchError(fmt::format("a law's springs are geometric, not {}", springs.law().name()));

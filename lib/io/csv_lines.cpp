@@ -10,10 +10,10 @@
 
 namespace tissue {
 
-CsvLines::CsvLines(const std::string& file) : file_(file), in_(read_file(file)) {}
+CsvLines::CsvLines(const std::string& file) : file_(file), read_(read_file(file)) {}
 
 bool CsvLines::next() {
-    if (!std::getline(in_, text_)) return false;
+    if (!std::getline(*in_, text_)) return false;
     if (!text_.empty() && text_.back() == '\r') text_.pop_back();
     ++number_;
     fields_.clear();

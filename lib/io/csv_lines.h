@@ -9,8 +9,13 @@ namespace tissue {
 /// The comma-separated fields of one file, line by line, with refusals that name the place. Knows no quotes.
 class CsvLines {
    public:
+    CsvLines(const CsvLines&) = delete;
+    CsvLines& operator=(const CsvLines&) = delete;
+
     /// Throws FileError when the file cannot be read.
     explicit CsvLines(const std::string& file);
+    /// Lines as they come; `name` stands for the file. The stream must outlive it.
+    CsvLines(std::istream& in, std::string name) : file_(std::move(name)), in_(&in) {}
 
     /// To the next line; false at the end. Line ends of any system.
     bool next();
@@ -28,7 +33,8 @@ class CsvLines {
 
    private:
     std::string file_, text_;
-    std::istringstream in_;
+    std::istringstream read_;
+    std::istream* in_ = &read_;
     std::vector<std::string> fields_;
     int number_ = 0;
 };

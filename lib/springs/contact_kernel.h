@@ -23,6 +23,8 @@ struct ContactRows {
     std::vector<int> law_row;    ///< of PatchLaw, for each row (R)
     Eigen::VectorXd share;       ///< of that stiffness (R)
     ContactFactors factors;      ///< of the place: PatchLaw's
+    Eigen::VectorXd mean;        ///< weight of each node in what is between tool and surface (K), sum 1
+    double log_scale = 0;        ///< of the law's stiffnesses there (ContactKernel::scale)
 };
 
 /// Makes contacts of one kind on the surface of one mesh: the patch in the plane (springs/contact_patch.h), the disc in
@@ -38,6 +40,16 @@ class ContactKernel {
     /// Node pairs that contacts anywhere couple, where they are few; else none, and each contact brings its own.
     virtual std::vector<std::pair<int, int>> coupled() const { return {}; }
     virtual double spacing_m() const = 0;  ///< of the surface's nodes
+
+    /// Contacts become exp(.) as stiff, by node (N) and with a contact's own mean between them: where the tissue itself is stiffer or softer
+    /// than what the law knows of the place (adapt/unknowns.h). Of no rows: as the law says.
+    void scale(const Eigen::VectorXd& log_scale) { log_scale_ = log_scale; }
+
+   protected:
+    double log_scale_of(int node) const noexcept { return log_scale_.size() > 0 ? log_scale_[node] : 0; }
+
+   private:
+    Eigen::VectorXd log_scale_;
 };
 
 }  // namespace tissue

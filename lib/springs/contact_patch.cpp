@@ -99,6 +99,8 @@ ContactPatch ContactSurface::at(double arc_m) const noexcept {
     }
     constexpr double right_angle = 0.29289321881345254;  // 1 - cos 45: the spline halves the turn at a corner's node
     patch.corner = std::max(0.0, 1 - along.norm() / spacing) / right_angle;
+    patch.log_scale = 0;
+    for (int i = 0; i < ContactPatch::size; ++i) patch.log_scale += patch.weight[i] * log_scale_of(patch.node[i]);
     patch.edge = std::exp(-std::min(patch.place, static_cast<double>(knot_.size() - 1) - patch.place));
     patch.tangent = along.normalized();
     patch.normal << -patch.tangent.y(), patch.tangent.x();  // counter-clockwise: the tissue lies to the left
@@ -136,7 +138,7 @@ Eigen::Vector4d PatchLaw::factors_at(const ContactPatch& patch) noexcept {
 }
 
 PatchStiffness PatchLaw::at(const ContactPatch& patch) const noexcept {
-    const Eigen::Vector4d log_k = log_N_m.topLeftCorner<4, 4>() * factors_at(patch);
+    const Eigen::Vector4d log_k = (log_N_m.topLeftCorner<4, 4>() * factors_at(patch)).array() + patch.log_scale;
     return {std::exp(log_k[0]), std::exp(log_k[1]), std::exp(log_k[2]), std::exp(log_k[3])};
 }
 

@@ -18,6 +18,7 @@ struct ContactPatch {
     double place;           ///< along the surface, in nodes; its fraction says where between them
     double corner;          ///< 0 where the surface is straight, 1 at a right angle
     double edge;            ///< exp(-distance / spacing) from the nearer held end of the surface, counted in nodes
+    double log_scale;       ///< of its stiffnesses (ContactKernel::scale)
     Eigen::Vector2d normal, tangent;  ///< of the spline at rest, unit vectors: into the tissue, and along increasing arc
 };
 
@@ -78,9 +79,12 @@ struct PatchLaw {
 
     bool hardens() const { return log_N_m.rows() > hardening_row; }
     Eigen::VectorXd values_at(const ContactFactors& factors) const;  ///< of every row (K)
+    /// What the row m is of a contact whose tissue is `scale` times as stiff, over what it is of this: energies scale, and what is counted
+    /// in them goes the other way.
+    static double scaled(Eigen::Index m, double scale) noexcept { return m == hardening_row || m == saturation_row ? 1 / scale : scale; }
 
     static Eigen::Vector4d factors_at(const ContactPatch& patch) noexcept;
-    PatchStiffness at(const ContactPatch& patch) const noexcept;  ///< In the plane. No allocation.
+    PatchStiffness at(const ContactPatch& patch) const noexcept;  ///< In the plane, scaled. No allocation.
 };
 
 /// One contact's energy in the plane:

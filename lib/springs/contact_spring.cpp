@@ -24,6 +24,10 @@ ContactRows rows_of(const ContactPatch& patch) {
         rows.pull.block<1, 2>(2, 2 * at) += patch.slope[i] * patch.normal.transpose();
         rows.pull.block<1, 2>(3, 2 * at) += patch.slope[i] * patch.tangent.transpose();
     }
+    rows.mean = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(rows.nodes.size()));
+    for (int i = 0; i < ContactPatch::size; ++i)
+        rows.mean[std::find(rows.nodes.begin(), rows.nodes.end(), patch.node[i]) - rows.nodes.begin()] += patch.weight[i];
+    rows.log_scale = patch.log_scale;
     rows.pull.conservativeResize(4, static_cast<Eigen::Index>(2 * rows.nodes.size()));
     rows.law_row = {0, 1, 2, 3};
     rows.share = Eigen::VectorXd::Ones(4);
@@ -44,17 +48,18 @@ std::vector<std::pair<int, int>> ContactSurface::coupled() const {
 }
 
 ContactSpring::ContactSpring(ContactRows where, const PatchLaw& law) : rows(std::move(where)), k_N_m(rows.share.size()) {
-    const Eigen::VectorXd values = law.values_at(rows.factors);
-    for (Eigen::Index r = 0; r < k_N_m.size(); ++r) k_N_m[r] = rows.share[r] * values[rows.law_row[static_cast<std::size_t>(r)]];
+    law_value = law.values_at(rows.factors);
+    for (Eigen::Index m = 0; m < law_value.size(); ++m) law_value[m] *= PatchLaw::scaled(m, std::exp(rows.log_scale));
+    for (Eigen::Index r = 0; r < k_N_m.size(); ++r) k_N_m[r] = rows.share[r] * law_value[rows.law_row[static_cast<std::size_t>(r)]];
     if (!law.hardens()) return;
-    hardening_1_J = values[PatchLaw::hardening_row];
-    saturation_1_J = values[PatchLaw::saturation_row];
+    hardening_1_J = law_value[PatchLaw::hardening_row];
+    saturation_1_J = law_value[PatchLaw::saturation_row];
     softens = law.softens;
     if (softens) {
         saturation_1_J = hardening_1_J;
         hardening_1_J = -saturation_1_J;
     }
-    coupling_N_m2 = values[PatchLaw::coupling_row];
+    coupling_N_m2 = law_value[PatchLaw::coupling_row];
 }
 
 ContactSpring::ContactSpring(const PatchSpring& patch) : rows(rows_of(patch.patch)), k_N_m(4) {

@@ -14,6 +14,7 @@ namespace tissue {
 /// sheared rubber normal stress goes with the square of the shear (Poynting).
 struct ContactSpring {
     ContactRows rows;
+    Eigen::VectorXd law_value;    ///< of each of the law's rows, scaled (K); empty of the tick's
     Eigen::VectorXd k_N_m;        ///< (R)
     double hardening_1_J = 0, saturation_1_J = 0, coupling_N_m2 = 0;
     bool softens = false;         ///< hardening is minus saturation, and both are the law's row hardening
@@ -31,7 +32,7 @@ struct ContactSpring {
 
     Eigen::MatrixXd tangent(const Point& push_m, const Eigen::VectorXd& u) const;        ///< d node / du (D*K x D*K)
     Eigen::MatrixXd hand_by_nodes(const Point& push_m, const Eigen::VectorXd& u) const;  ///< d hand / du (D x D*K)
-    /// Derivatives of all three by the value of the law's row m.
+    /// Derivatives of all three by law_value m.
     Load by_law_row(int m, const Point& push_m, const Eigen::VectorXd& u) const;
 
     /// Size of the stiffness against d with the nodes held [N/m].

@@ -135,7 +135,7 @@ DiscContact::Disc DiscContact::disc_at(const FreeSurface::Place& place, Node* no
     const Eigen::Vector3d centre = place.point_m, normal = place.inward;
     const Eigen::Matrix<double, 3, 2> tangents = tangents_of(normal);
     const double h = surface_.spacing_m(), imprint_m = imprint * radius_m_;
-    Disc disc{normal, {}, 0};
+    Disc disc{normal, {}, 0, 0};
 
     // nodes of the mean, and of the imprint; both from what faces the disc. Where the surface's mesh is so coarse there that
     // fewer than four are near, the mean reaches farther.
@@ -201,6 +201,7 @@ DiscContact::Disc DiscContact::disc_at(const FreeSurface::Place& place, Node* no
         at->target *= profile(r / radius_m_);
         at->share = carried_[at->node] * (bell(r / imprint_m) + stuck * bell(r / (under * radius_m_)));
     }
+    for (std::size_t i = 0; i < disc.nodes; ++i) disc.log_scale += nodes[i].mean * log_scale_of(nodes[i].node);
     const double phase = (crowd - 1) / (4 * std::exp(-2 * pi * pi * width * width));
     disc.factors.resize(on_lattice_ ? PatchLaw::factors : PatchLaw::shape_factors);
     disc.factors.head<PatchLaw::factors>() << 1, phase, ground_at(centre, normal), std::exp(-surface_.to_crease_m(place.point_m) / h);
@@ -223,6 +224,9 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
     rows.pull.setZero(R, 3 * K);
     rows.share.setOnes(R);
     rows.factors = disc.factors;
+    rows.log_scale = disc.log_scale;
+    rows.mean.resize(K);
+    for (Eigen::Index i = 0; i < K; ++i) rows.mean[i] = near[static_cast<std::size_t>(i)].mean;
     Eigen::Matrix3d axes;
     axes << disc.normal, tangents_of(disc.normal);
     rows.push.topRows<3>() = axes.transpose();
@@ -248,7 +252,7 @@ void DiscContact::tool_at(int facet, const Eigen::Vector3d& weight, const PatchL
     Node nodes[ToolSpring::most_nodes];
     const Disc disc = disc_at(free >= 0 ? surface_.place(free, weight) : surface_.place(wall.facet, wall.weight), nodes, ToolSpring::most_nodes);
     double k[PatchLaw::disc_rows] = {};
-    for (Eigen::Index m = 0; m < std::min<Eigen::Index>(PatchLaw::disc_rows, law.log_N_m.rows()); ++m) k[m] = std::exp(law.log_N_m.row(m).transpose().dot(disc.factors));
+    for (Eigen::Index m = 0; m < std::min<Eigen::Index>(PatchLaw::disc_rows, law.log_N_m.rows()); ++m) k[m] = std::exp(law.log_N_m.row(m).transpose().dot(disc.factors)) * PatchLaw::scaled(m, std::exp(disc.log_scale));
     const Eigen::Matrix3d nn = disc.normal * disc.normal.transpose(), along = Eigen::Matrix3d::Identity() - nn;
     Eigen::Matrix3d stiffness = k[0] * nn + k[1] * along;
     if (free < 0 || disc.nodes == 0) {

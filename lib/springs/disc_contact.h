@@ -64,6 +64,7 @@ class DiscContact final : public ContactKernel {
     struct Disc {
         Eigen::Vector3d normal;
         ContactFactors factors;
+        double log_scale = 0;
         std::size_t nodes;    ///< 0 where too few are near
     };
     /// The contact at a place of the surface; fills `nodes`, which has room for so many. Where more are in reach the nearest stay.

@@ -10,4 +10,10 @@ std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, doubl
     return std::make_unique<ContactSurface>(mesh);
 }
 
+std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, const LawModel& law) {
+    std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, law.disc_radius_m, law.ground);
+    kernel->scale(law.contact_log_scale);
+    return kernel;
+}
+
 }  // namespace tissue

@@ -4,10 +4,13 @@
 
 #include "mesh/spring_mesh.h"
 #include "springs/contact_kernel.h"
+#include "springs/tissue_model.h"
 
 namespace tissue {
 
 /// Contacts of a law on a mesh: the patch in the plane; in space a disc of that radius [m] on that ground (springs/disc_contact.h).
 std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, double disc_radius_m, const NodeField& ground = NodeField());
+/// Those of a model's law, with its contact_log_scale.
+std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, const LawModel& law);
 
 }  // namespace tissue

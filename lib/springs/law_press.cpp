@@ -23,7 +23,7 @@ EquilibriumStatus status_of(PressStatus status) {
 }  // namespace
 
 LawPress::LawPress(const SpringMesh& mesh, LawModel law)
-    : law_(std::move(law)), energy_(mesh, law_.incompressible), kernel_(make_contact_kernel(mesh, law_.disc_radius_m, law_.ground)) {}
+    : law_(std::move(law)), energy_(mesh, law_.incompressible), kernel_(make_contact_kernel(mesh, law_)) {}
 
 std::unique_ptr<PressSolver> LawPress::take() const {
     {

@@ -230,4 +230,38 @@ PressDerivative PressSolver::derivative(const Eigen::MatrixXd& constants_by, con
     return by;
 }
 
+ForceDerivative PressSolver::force_derivative() const {
+    const int D = energy_.dimension();
+    const std::vector<int>& nodes = contact_->rows.nodes;
+    const Eigen::VectorXd at = contact_->gather(u_);
+    const Eigen::MatrixXd hand_by = contact_->hand_by_nodes(push_m_, at);
+    Eigen::MatrixXd pulled = Eigen::MatrixXd::Zero(free_, D);
+    for (Eigen::Index a = 0; a < hand_by.cols(); ++a) {
+        const int row = number_[static_cast<std::size_t>(D * nodes[static_cast<std::size_t>(a / D)] + a % D)];
+        if (row >= 0) pulled.row(row) += hand_by.col(a).transpose();
+    }
+    const Eigen::MatrixXd solved = factor_.solve(pulled);
+    NodeField by_force = NodeField::Zero(static_cast<Eigen::Index>(number_.size()), D);  // d hand / d(what holds u)
+    for (std::size_t i = 0; i < number_.size(); ++i)
+        if (number_[i] >= 0) by_force.row(static_cast<Eigen::Index>(i)) = -solved.row(number_[i]);
+
+    ForceDerivative by{Eigen::MatrixXd::Zero(D, energy_.constant_count()), Eigen::MatrixXd::Zero(D, contact_->law_value.size())};
+    ElementVector unit;
+    for (std::size_t k = 0; k < energy_.kinds().size(); ++k) {
+        const Elements& kind = *energy_.kinds()[k];
+        for (int e = 0; e < kind.count(); ++e) {
+            kind.force(e, u_, unit);
+            auto column = by.by_constant.col(energy_.first_of(k) + e);
+            for (Eigen::Index a = 0; a < unit.size(); ++a) column += unit[a] * by_force.row(kind.nodes()(e, a / D) * D + a % D).transpose();
+        }
+    }
+    for (Eigen::Index m = 0; m < by.by_law_row.cols(); ++m) {
+        const ContactSpring::Load load = contact_->by_law_row(static_cast<int>(m), push_m_, at);
+        by.by_law_row.col(m) = load.hand_N;
+        for (Eigen::Index a = 0; a < load.node_N.size(); ++a)
+            by.by_law_row.col(m) += load.node_N[a] * by_force.row(D * nodes[static_cast<std::size_t>(a / D)] + a % D).transpose();
+    }
+    return by;
+}
+
 }  // namespace tissue

@@ -45,6 +45,12 @@ struct PressDerivative {
     Eigen::MatrixXd contact_force;  ///< [N] (D x P)
 };
 
+/// What a PressState's contact force alone changes by, of everything that makes it, at a held push.
+struct ForceDerivative {
+    Eigen::MatrixXd by_constant;  ///< of the energy [m] (D x E)
+    Eigen::MatrixXd by_law_row;   ///< by ContactSpring::law_value (D x K)
+};
+
 /// Finds the displacement that makes tissue and contact energy smallest, contact by contact: Newton with load steps,
 /// each from the equilibrium before, halved when lost; sparse LDL'. The pattern is made once where the kernel knows what its
 /// contacts couple, else once for every contact that follows another. One object a thread.
@@ -62,6 +68,9 @@ class PressSolver {
     /// stiffness_by (K x P: the rows of PatchLaw) say how the constants depend on p. Implicit
     /// function theorem; no tangent is solved for again.
     PressDerivative derivative(const Eigen::MatrixXd& constants_by, const Eigen::MatrixXd& stiffness_by) const;
+
+    /// The force's part of it, of all constants at once: the adjoint of the same, D solves whatever their number.
+    ForceDerivative force_derivative() const;
 
    private:
     bool balance(const Eigen::VectorXd& constants, const ContactSpring& contact, const Point& push_m, NodeField& u,

@@ -86,6 +86,7 @@ const DatasetTable& law_table(bool solid) {
         {"/law/patch_log", "K x F", Values::logarithm(), "log(N/m)",
          "contact: normal, tangent, rotation, stretch, of a disc normal, tangent, imprint_normal, imprint_tangent, hardening, saturation, coupling; "
          "by 1, phase, corner (of a disc ground), edge, on a shape in space curved, crowd"},
+        {"/law/contact_log_scale", "N", Values::logarithm(), "1", "of contacts by node, where the law has learned from pokes", Rows::any, true},
         {"/law/relaxation_time", "B", Values::positive(), "s", "of each branch; absent where the law does not relax", Rows::ascending, true},
         {"/law/share", "E x B", Values::not_negative(), "1", "of each of the constants, sums below 1", Rows::any, true},
         {"/law/contact_share", "B", Values::not_negative(), "1", "and of the contact", Rows::any, true},
@@ -119,6 +120,7 @@ void write_law(Hdf5Writer& file, const LawModel& law) {
     file.attribute("/law", "incompressible", law.incompressible ? 1.0 : 0.0);
     if (law.ground.rows() > 0) out.write("/law/ground", law.ground);
     if (law.patch.hardens()) file.attribute("/law", "disc_radius_m", law.disc_radius_m);
+    if (law.contact_log_scale.size() > 0) out.write("/law/contact_log_scale", law.contact_log_scale);
     if (law.relaxation.empty()) return;
     out.write("/law/relaxation_time", law.relaxation.tau_s);
     out.write("/law/share", law.relaxation.share);
@@ -135,7 +137,7 @@ void read_sets(TableReader in, TissueModel& model) {
 }
 
 LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
-    TableReader in(file, law_table(mesh.is_solid()));
+    TableReader in(file, law_table(mesh.is_solid()), {{"N", static_cast<std::size_t>(mesh.node_count())}});
     LawModel law;
     law.terms = in.texts("/law/terms");
     law.coefficients = in.vector("/law/coefficients");
@@ -157,6 +159,7 @@ LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
     if (incompressible != 0 && incompressible != 1)
         in.refuse("/law", fmt::format("attribute 'incompressible' is {}, must be 0 or 1", incompressible));
     law.incompressible = incompressible == 1;
+    if (in.has("/law/contact_log_scale")) law.contact_log_scale = in.vector("/law/contact_log_scale");
     if (in.has("/law/relaxation_time")) {
         law.relaxation = {in.vector("/law/relaxation_time"), in.field("/law/share"), in.vector("/law/contact_share")};
         if (law.relaxation.branches() > ToolMemory::most_branches)
@@ -210,6 +213,7 @@ void write_tissue(Hdf5Writer& file, const TissueModel& model) {
 }
 
 int format_of(const TissueModel& model) {
+    if (model.energy_law && model.energy_law->contact_log_scale.size() > 0) return adapted_format_version;
     if (model.energy_law && !model.energy_law->relaxation.empty()) return time_format_version;
     if (model.mesh.is_solid()) return solid_format_version;
     return model.energy_law ? law_format_version : format_version;

@@ -26,6 +26,7 @@ struct LawModel {
     bool incompressible = false;           ///< whether regions keep their area too (TissueEnergy)
     double disc_radius_m = 0;              ///< in space: of the disc that presses,
     NodeField ground = {};                 ///< and what under it is of other stiffness (G x 4, springs/disc_contact.h); often no rows
+    Eigen::VectorXd contact_log_scale = {};  ///< of contacts by node (N), ContactKernel::scale; often none
     Relaxation relaxation = {};            ///< of constants and contact, which are the instantaneous ones; often none
 };
 

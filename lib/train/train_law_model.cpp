@@ -29,7 +29,7 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     const EnergyLaw law = study_law(study, kept.shape, model.mesh, factor);
     const TrainedLaw trained = train_law(model.mesh, law, paths, options);
     model.energy_law = {law.terms(), trained.coefficients, law.constants(trained.coefficients), law.patch(trained.coefficients),
-                        law.incompressible(), options.disc_radius_m, law.ground(),
+                        law.incompressible(), options.disc_radius_m, law.ground(), {},
                         study_relaxation(study, kept.shape, model.mesh, law)};
 
     LawBook& book = model.books.law.emplace();

@@ -1,0 +1,183 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "adapt/adapted_model.h"
+#include "adapt/next_poke.h"
+#include "adapt/pokes_csv.h"
+#include "command.h"
+#include "error.h"
+#include "eval/force_error.h"
+#include "io/atomic_file.h"
+#include "springs/law_press.h"
+
+namespace tissue::cli {
+namespace {
+
+struct Options {
+    std::string model, data, out, held_out;
+    AdaptOptions adapt;
+    double force_noise_percent = 2, model_error_percent = 3, place_error_mm = 0, next_depth_mm = 6;
+    int first = 0, next = 0;
+    bool stream = false, forget = false, json = false;
+};
+
+/// |model - reading| / |reading| over pokes that nothing is learned from; a lost one counts as 1.
+Statistics held_out_error(const TissueModel& model, const std::vector<Poke>& pokes) {
+    const LawPress press(model);
+    std::vector<double> sample;
+    for (const Poke& poke : pokes) {
+        const Equilibrium answer = press.at(poke.contact_m, poke.push_m);
+        sample.push_back(answer ? (answer.contact_force - poke.force_N).norm() / poke.force_N.norm() : 1);
+    }
+    return statistics_of(sample);
+}
+
+std::string millimetres(const Point& p) {
+    std::string text;
+    for (double v : p) text += fmt::format("{}{:.1f}", text.empty() ? "" : ", ", 1e3 * v);
+    return text;
+}
+
+std::vector<double> listed(const Point& p) { return {p.begin(), p.end()}; }
+
+/// One line a poke: for people on standard error, for machines on standard output.
+class Lines {
+   public:
+    Lines(const Options& o, int dimension) : o_(o) {
+        if (!o.held_out.empty()) held_out_ = read_pokes(o.held_out, dimension);
+    }
+
+    void begin(const Adaptation& adaptation) {
+        if (held_out_.empty()) return;
+        const Statistics error = held_out_error(adaptation.model(), held_out_);
+        std::cerr << fmt::format("adapt: before the first poke: held out {:.1f} / {:.1f} % (median / p95, n = {})\n", 100 * error.median, 100 * error.p95, error.n);
+    }
+
+    void poke(int line, const Poke& poke, const PokeAnswer& answer, const Adaptation& adaptation) {
+        const Adaptation::State& state = adaptation.state();
+        nlohmann::ordered_json j = {{"line", line},
+                                    {"status", to_string(answer.status)},
+                                    {"why", answer.why},
+                                    {"contact_m", listed(poke.contact_m)},
+                                    {"push_m", listed(poke.push_m)},
+                                    {"force_N", listed(poke.force_N)},
+                                    {"expected_N", listed(answer.expected_N)},
+                                    {"expected_sd", answer.expected_sd},
+                                    {"chi2", answer.chi2},
+                                    {"gate", answer.gate},
+                                    {"error_before", answer.error_before},
+                                    {"error_after", answer.error_after},
+                                    {"learned", state.learned},
+                                    {"warning", answer.warning}};
+        std::string line_text = fmt::format("adapt {}: at {} mm by {} mm: {}", line, millimetres(poke.contact_m), millimetres(poke.push_m), to_string(answer.status));
+        if (answer.status == PokeStatus::learned)
+            line_text += fmt::format(", read {:.3g} N, expected {:.3g} N +- {:.2g} %, chi2 {:.2g}", poke.force_N.norm(), answer.expected_N.norm(), 100 * answer.expected_sd, answer.chi2);
+        else
+            line_text += ": " + answer.why;
+        if (!held_out_.empty() && answer.status == PokeStatus::learned) {
+            const Statistics error = held_out_error(adaptation.model(), held_out_);
+            j["held_out"] = {{"median", error.median}, {"p95", error.p95}, {"n", error.n}};
+            line_text += fmt::format("; held out {:.1f} / {:.1f} %", 100 * error.median, 100 * error.p95);
+        }
+        say(line_text, j);
+        if (!answer.warning.empty()) std::cerr << "adapt: " << answer.warning << '\n';
+    }
+
+    void fault(int line, const std::string& why) { say("adapt: " + why, {{"line", line}, {"status", "refused"}, {"why", why}}); }
+
+    void next(Adaptation& adaptation) {
+        if (o_.next == 0) return;
+        const std::vector<Push> pushes =
+            pushes_over(adaptation.surface(), adaptation.base().mesh, 1e-3 * o_.next_depth_mm, adaptation.surface().spacing_m());
+        const std::vector<PokeWorth> worth = rank_pokes(adaptation, pushes, pushes);
+        for (std::size_t i = 0; i < worth.size() && i < static_cast<std::size_t>(o_.next); ++i) {
+            const Push& push = pushes[worth[i].push];
+            say(fmt::format("adapt next: at {} mm by {} mm: not known to {:.2g} %; takes {:.0f} % of the surface's variance away", millimetres(push.contact_m),
+                            millimetres(push.push_m), 100 * worth[i].sd_before, 100 * worth[i].gain),
+                {{"next", i + 1}, {"contact_m", listed(push.contact_m)}, {"push_m", listed(push.push_m)}, {"sd", worth[i].sd_before}, {"gain", worth[i].gain}});
+        }
+    }
+
+   private:
+    void say(const std::string& line, const nlohmann::ordered_json& j) {
+        std::cerr << line << '\n';
+        if (o_.json) std::cout << j.dump() << std::endl;  // a line at once: who reads a stream waits for it
+    }
+
+    const Options& o_;
+    std::vector<Poke> held_out_;
+};
+
+void run(const Options& o, Provenance provenance) {
+    provenance.inputs[std::filesystem::path(o.model).filename().string()] = file_hash(o.model);
+    if (!o.stream) provenance.inputs[std::filesystem::path(o.data).filename().string()] = file_hash(o.data);
+    const std::unique_ptr<Adaptation> adaptation = read_adaptation(o.model, o.adapt);
+    if (o.forget) adaptation->forget();
+    const int D = adaptation->base().mesh.dimension();
+    Lines lines(o, D);
+    lines.begin(*adaptation);
+    const bool standard_input = o.data == "-";
+    auto rows = standard_input ? std::make_unique<PokeLines>(std::cin, "standard input", D) : std::make_unique<PokeLines>(o.data, D);
+    // a file is read to its end before anything is learned from it: one with a bad line is refused as a whole
+    std::vector<PokeLines::Row> whole;
+    while (!o.stream) {
+        auto row = rows->next();
+        if (!row) break;
+        if (!row->fault.empty()) throw FileError(row->fault);
+        whole.push_back(std::move(*row));
+    }
+    int read = 0;
+    while (o.first == 0 || read < o.first) {
+        const auto row = o.stream ? rows->next() : read < static_cast<int>(whole.size()) ? std::optional(whole[static_cast<std::size_t>(read)]) : std::nullopt;
+        if (!row) break;
+        ++read;
+        if (!row->fault.empty()) {
+            lines.fault(row->line, row->fault);
+            continue;
+        }
+        const PokeAnswer answer = adaptation->learn(row->poke);
+        lines.poke(row->line, row->poke, answer, *adaptation);
+        if (!o.stream) continue;
+        if (answer.status == PokeStatus::learned) write_adapted_model(o.out, *adaptation, provenance);
+        lines.next(*adaptation);
+    }
+    if (read == 0) throw FileError(fmt::format("{}: has no rows", standard_input ? "standard input" : o.data));
+    write_adapted_model(o.out, *adaptation, provenance);
+    if (!o.stream) lines.next(*adaptation);
+    const Adaptation::State& state = adaptation->state();
+    std::cerr << fmt::format("adapt: {} learned, {} not believed, {} refused: {}\n", state.learned, state.gated, state.refused, o.out);
+}
+
+}  // namespace
+
+void add_adapt(CLI::App& app, const Invocation& invocation) {
+    auto o = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand(
+        "adapt", "Learn from pokes of a tissue that is not the one trained on, one by one: a model that has become it, and how well it knows it.");
+    command->add_option("model", o->model, "model.h5 whose stiffness is a law; one that has learned goes on learning")->required()->type_name("FILE");
+    command->add_option("--data", o->data, "pokes, CSV as of measured contacts; - is standard input")->required()->type_name("FILE");
+    command->add_option("--out", o->out, "model.h5 to write, whole or not at all")->required()->type_name("FILE");
+    command->add_flag("--stream", o->stream, "learn from lines as they come: a bad one is refused and told, the model written after every poke");
+    command->add_option("--held-out", o->held_out, "pokes to try it on after each, never to learn from")->type_name("FILE");
+    command->add_option("--first", o->first, "learn from so many rows alone; 0: all")->type_name("count")->capture_default_str()->check(CLI::Range(0, 100000000));
+    command->add_flag("--forget", o->forget, "begin with the law as it was trained");
+    command->add_option("--next", o->next, "name so many places where to poke next, worth most first")->type_name("count")->capture_default_str()->check(CLI::Range(0, 1000));
+    command->add_option("--next_depth", o->next_depth_mm, "of those pushes")->type_name("mm")->capture_default_str()->check(CLI::Range(0.1, 1000.0));
+    command->add_option("--unknowns", o->adapt.unknowns, "what may be another: scale, terms, field or elements")->type_name("NAME")->capture_default_str()->check(CLI::IsMember(unknown_kinds()));
+    command->add_option("--noise", o->force_noise_percent, "standard deviation of a component of force, over the force")->type_name("%")->capture_default_str()->check(CLI::Range(0.0, 100.0));
+    command->add_option("--model_error", o->model_error_percent, "what the law is off where it knows the tissue, likewise")->type_name("%")->capture_default_str()->check(CLI::Range(0.1, 100.0));
+    command->add_option("--place_error", o->place_error_mm, "standard deviation of a contact's place along the surface")->type_name("mm")->capture_default_str()->check(CLI::Range(0.0, 100.0));
+    command->add_flag("--json", o->json, "a line of JSON a poke on standard output");
+    command->callback([o, command, &invocation] {
+        echo_options(*command);
+        o->adapt.force_noise = o->force_noise_percent / 100;
+        o->adapt.model_error = o->model_error_percent / 100;
+        o->adapt.place_error_m = o->place_error_mm / 1e3;
+        run(*o, {invocation.command, 0, {}});
+    });
+}
+
+}  // namespace tissue::cli

@@ -1,0 +1,253 @@
+#include "adapt/adaptation.h"
+
+#include <Eigen/Dense>
+#include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "error.h"
+#include "springs/law_kernel.h"
+
+namespace tissue {
+namespace {
+
+constexpr std::size_t window = 10;        // readings whose chi2 is watched
+constexpr double suspicious = 3;          // mean chi2 over D of them: three times what noise explains
+constexpr int another_tissue = 4;         // gated in a row
+constexpr double straight = 0.03;         // a step in log stiffness over which force is a line: the next one would be a thousandth
+
+/// Angle from one direction to another as a vector across the first; one that points the other way has none.
+Point turn(const Point& from, const Point& to) {
+    const Point a = from.normalized(), b = to.normalized();
+    const Point across = b - a.dot(b) * a;
+    const double sine = across.norm();
+    return sine > 0 ? Point(across * (std::atan2(sine, a.dot(b)) / sine)) : Point(Point::Zero(from.size()));
+}
+
+/// r: how far a force is from what was expected, over its size.
+Point off(const Point& expected_N, const Point& force_N) {
+    return expected_N.normalized() * std::log(force_N.norm() / expected_N.norm()) + turn(expected_N, force_N);
+}
+
+/// A reading is noise to per cents: no force is wanted to 1e-10 of it, at once rather than in short steps.
+PressOptions quick() {
+    PressOptions options;
+    options.load_step = 2;
+    options.tolerance = 1e-6;
+    return options;
+}
+
+}  // namespace
+
+const char* to_string(PokeStatus status) {
+    switch (status) {
+        case PokeStatus::learned:
+            return "learned";
+        case PokeStatus::gated:
+            return "gated";
+        case PokeStatus::refused:
+            return "refused";
+    }
+    return "unknown";
+}
+
+Adaptation::Adaptation(const TissueModel& base, const AdaptOptions& options)
+    : base_(base), options_(options), unknowns_(make_unknowns(base_, options.unknowns, options.prior)), surface_(base_.mesh),
+      energy_(base_.mesh, base_.energy_law->incompressible), kernel_(make_contact_kernel(base_.mesh, *base_.energy_law)),
+      solver_(energy_, *kernel_, quick()), gate_(gsl_cdf_chisq_Pinv(options.gate, base_.mesh.dimension())) {
+    forget();
+}
+
+void Adaptation::forget() {
+    state_ = State();
+    state_.x = Eigen::VectorXd::Zero(unknowns_.size());
+    state_.P = unknowns_.prior;
+}
+
+void Adaptation::restore(State state) {
+    if (state.x.size() != unknowns_.size() || state.P.rows() != unknowns_.size() || state.P.cols() != unknowns_.size())
+        throw MismatchError(fmt::format("what was learned has {} unknowns, unknowns '{}' of this model are {}", state.x.size(), unknowns_.kind, unknowns_.size()));
+    state_ = std::move(state);
+}
+
+TissueModel Adaptation::model() const {
+    TissueModel now = base_;
+    now.energy_law = law();
+    // the heuristic beside it is (7) with E2 as it has become, or it would give way under the same force as nothing there does
+    const Eigen::ArrayXd stiffer = (unknowns_.by_constant.topRows(now.mesh.spring_count()) * state_.x).array().exp();
+    now.heuristic_a.array() *= stiffer;
+    now.heuristic_b.array() *= stiffer;
+    return now;
+}
+
+Adaptation::Linear Adaptation::linearise(const Point& contact_m, const Point& push_m, const Eigen::VectorXd& x, const PressState* from) {
+    const LawModel now = with_unknowns(*base_.energy_law, unknowns_, x);
+    kernel_->scale(now.contact_log_scale);
+    const ContactSpring contact(kernel_->rows_at(contact_m), now.patch);
+    Linear linear{solver_.press(now.constants, contact, push_m, from), {}};
+    if (linear.rest.status == PressStatus::lost) return linear;
+    const ForceDerivative by = solver_.force_derivative();
+    linear.by_x = (by.by_constant * now.constants.asDiagonal()) * unknowns_.by_constant;
+    const ContactRows& rows = contact.rows;
+    Eigen::RowVectorXd scale = Eigen::RowVectorXd::Zero(unknowns_.size());
+    for (std::size_t i = 0; i < rows.nodes.size(); ++i) scale += rows.mean[static_cast<Eigen::Index>(i)] * unknowns_.by_node.row(rows.nodes[i]);
+    const Eigen::Index near = std::min<Eigen::Index>(rows.factors.size(), now.patch.log_N_m.cols());
+    for (Eigen::Index m = 0; m < by.by_law_row.cols(); ++m) {
+        const Point force = by.by_law_row.col(m) * contact.law_value[m];
+        linear.by_x += (PatchLaw::scaled(m, 2) > 1 ? 1 : -1) * force * scale;
+        for (std::size_t p = 0; p < unknowns_.by_patch.size(); ++p)
+            linear.by_x.col(static_cast<Eigen::Index>(p)) += force * unknowns_.by_patch[p].row(m).head(near).dot(rows.factors.head(near));
+    }
+    return linear;
+}
+
+Expected Adaptation::expect(const Point& contact_m, const Point& push_m) {
+    const Linear linear = linearise(contact_m, push_m, state_.x, nullptr);
+    const double size = linear.rest.contact_force_N.norm();
+    return {linear.rest.contact_force_N, linear.by_x / size, size > 0 ? linear.rest.status : PressStatus::lost};
+}
+
+Eigen::MatrixXd Adaptation::covariance(const Expected& expected, bool with_model) const {
+    const Eigen::Index D = expected.by_x.rows();
+    Eigen::MatrixXd S = expected.by_x * state_.P * expected.by_x.transpose();
+    if (with_model) S += options_.model_error * options_.model_error * Eigen::MatrixXd::Identity(D, D);
+    return S;
+}
+
+/// R.
+Eigen::MatrixXd Adaptation::noise(const Poke& poke, const Point& expected_N) {
+    const Eigen::Index D = expected_N.size();
+    const double own = options_.force_noise * options_.force_noise + options_.model_error * options_.model_error;
+    Eigen::MatrixXd R = own * Eigen::MatrixXd::Identity(D, D);
+    if (!(options_.place_error_m > 0)) return R;
+    const FreeSurface::Place at = surface_.nearest(poke.contact_m);
+    for (Eigen::Index axis = 0; axis + 1 < D; ++axis) {
+        Point along = Point::Zero(D);
+        if (D == 2) {
+            along << -at.inward[1], at.inward[0];
+        } else {
+            Eigen::Index least = 0;
+            at.inward.cwiseAbs().minCoeff(&least);
+            const Eigen::Vector3d in = at.inward, first = in.cross(Eigen::Vector3d::Unit(least)).normalized();
+            along = axis == 0 ? first : Eigen::Vector3d(in.cross(first));
+        }
+        Point differs = Point::Zero(D);
+        int sides = 0;
+        for (double side : {-1.0, 1.0}) {
+            const Linear there = linearise(at.point_m + side * options_.place_error_m * along, poke.push_m, state_.x, nullptr);
+            if (there.rest.status == PressStatus::lost) continue;
+            differs += side * off(expected_N, there.rest.contact_force_N);
+            ++sides;
+        }
+        if (sides > 0) R += differs * differs.transpose() / (sides * sides);
+    }
+    return R;
+}
+
+std::string Adaptation::refusal(const Poke& poke) const {
+    const Eigen::Index D = base_.mesh.dimension();
+    if (poke.contact_m.size() != D || poke.push_m.size() != D || poke.force_N.size() != D) return fmt::format("is not of {} axes", D);
+    if (!poke.contact_m.allFinite() || !poke.push_m.allFinite() || !poke.force_N.allFinite()) return "has a number that is none";
+    if (!(poke.push_m.norm() >= options_.least_push_m)) return fmt::format("pushes by {:.3g} mm, less than {:g} mm says nothing", 1e3 * poke.push_m.norm(), 1e3 * options_.least_push_m);
+    if (!(poke.force_N.norm() > 0)) return "has no force: the sensor may be dead";
+    const FreeSurface::Place at = surface_.nearest(poke.contact_m);
+    if (at.distance_m > options_.off_surface_m) return fmt::format("is {:.3g} mm off the surface, more than {:g} mm", 1e3 * at.distance_m, 1e3 * options_.off_surface_m);
+    const double size_m = (base_.mesh.nodes.colwise().maxCoeff() - base_.mesh.nodes.colwise().minCoeff()).maxCoeff();
+    if (poke.push_m.norm() > size_m / 2) return fmt::format("pushes by {:.3g} mm, more than half of the tissue's {:.3g} mm", 1e3 * poke.push_m.norm(), 1e3 * size_m);
+    if (!(poke.push_m.dot(at.inward) > 0)) return "pulls, or slides along the surface: the push must go into the tissue";
+    if (!(poke.force_N.dot(poke.push_m) > 0)) return "has a force against its push";
+    if (state_.last.push_m.size() == D && state_.last.force_N == poke.force_N) {
+        if (state_.last.contact_m == poke.contact_m && state_.last.push_m == poke.push_m) return "is the reading before it once more";
+        return "has the force of the reading before it to the last digit: the sensor may stand still";
+    }
+    return "";
+}
+
+std::string Adaptation::warning() const {
+    if (state_.gated_in_a_row >= another_tissue)
+        return fmt::format("{} readings in a row are not believed: another tissue, or a sensor that drifts; begin anew with --forget", state_.gated_in_a_row);
+    if (state_.recent.size() < window) return "";
+    const double mean = std::accumulate(state_.recent.begin(), state_.recent.end(), 0.0) / static_cast<double>(window);
+    if (mean < suspicious) return "";
+    return fmt::format("the last {} readings disagree {:.1f} times as much as noise explains: the sensor may drift, or the tissue change", window, mean);
+}
+
+PokeAnswer Adaptation::learn(const Poke& poke) {
+    PokeAnswer answer;
+    answer.gate = gate_;
+    const Eigen::Index D = base_.mesh.dimension();
+    answer.expected_N = Point::Zero(D);
+    const auto refuse = [&](std::string why) {
+        answer.why = std::move(why);
+        ++state_.refused;
+        return answer;
+    };
+    if (std::string why = refusal(poke); !why.empty()) {
+        const bool read = poke.push_m.size() == D && poke.force_N.size() == D && poke.contact_m.size() == D;
+        if (read) state_.last = poke;
+        return refuse(std::move(why));
+    }
+    state_.last = poke;
+    const Point at_m = surface_.nearest(poke.contact_m).point_m;
+    Linear linear;
+    try {
+        linear = linearise(at_m, poke.push_m, state_.x, nullptr);
+    } catch (const MismatchError& e) {
+        return refuse(e.what());
+    }
+    if (linear.rest.status != PressStatus::held) return refuse(fmt::format("the model has no rest there: {}", to_string(linear.rest.status)));
+    answer.expected_N = linear.rest.contact_force_N;
+    answer.error_before = (answer.expected_N - poke.force_N).norm() / poke.force_N.norm();
+
+    const Eigen::MatrixXd R = noise(poke, answer.expected_N);
+    Eigen::MatrixXd H = linear.by_x / answer.expected_N.norm(), PH = state_.P * H.transpose();
+    Eigen::MatrixXd S = H * PH + R;
+    const Point r = off(answer.expected_N, poke.force_N);
+    answer.expected_sd = std::sqrt((S.trace() - R.trace()) / static_cast<double>(D) + options_.model_error * options_.model_error);
+    answer.chi2 = r.dot(S.ldlt().solve(r));
+    if (!(answer.chi2 < gate_)) {
+        ++state_.gated;
+        ++state_.gated_in_a_row;
+        answer.status = PokeStatus::gated;
+        answer.why = fmt::format("chi2 {:.3g} is above {:.3g}: read {:.3g} N, expected {:.3g} N +- {:.2g} %", answer.chi2, gate_, poke.force_N.norm(),
+                                 answer.expected_N.norm(), 100 * answer.expected_sd);
+        answer.warning = warning();
+        return answer;
+    }
+
+    // where what was known before and the reading agree, of the model as it is there
+    Eigen::VectorXd x = state_.x;
+    Point innovation = r;
+    for (int round = 1;; ++round) {
+        const Eigen::VectorXd next = (state_.x + PH * S.ldlt().solve(innovation)).cwiseMax(-options_.largest).cwiseMin(options_.largest);
+        const double moved = (next - x).lpNorm<Eigen::Infinity>();
+        answer.error_after = (innovation - H * (next - state_.x)).norm();
+        if (round >= options_.rounds || moved < straight) {
+            x = next;
+            break;
+        }
+        const Linear there = linearise(at_m, poke.push_m, next, &linear.rest);
+        if (there.rest.status != PressStatus::held) return refuse(fmt::format("the model would have no rest there: {}", to_string(there.rest.status)));
+        x = next;
+        const Point& model_N = there.rest.contact_force_N;
+        H = there.by_x / model_N.norm();
+        PH = state_.P * H.transpose();
+        S = H * PH + R;
+        innovation = off(model_N, poke.force_N) + H * (x - state_.x);
+    }
+    state_.x = x;
+    state_.P -= PH * S.ldlt().solve(PH.transpose());
+    state_.P = 0.5 * (state_.P + state_.P.transpose().eval());
+    answer.status = PokeStatus::learned;
+    ++state_.learned;
+    state_.gated_in_a_row = 0;
+    state_.recent.push_back(answer.chi2 / static_cast<double>(D));
+    if (state_.recent.size() > window) state_.recent.erase(state_.recent.begin());
+    answer.warning = warning();
+    return answer;
+}
+
+}  // namespace tissue

@@ -1,0 +1,145 @@
+#include "adapt/adapted_model.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "error.h"
+
+namespace tissue {
+namespace {
+
+constexpr const char* group = "/adaptation";
+
+/// What of the options a file keeps, by name.
+template <class Options, class Visit>
+void each_number(Options& o, Visit&& visit) {
+    visit("prior_common", o.prior.common);
+    visit("prior_local", o.prior.local);
+    visit("prior_length_m", o.prior.length_m);
+    visit("prior_term", o.prior.term);
+    visit("force_noise", o.force_noise);
+    visit("model_error", o.model_error);
+    visit("place_error_m", o.place_error_m);
+    visit("gate", o.gate);
+    visit("off_surface_m", o.off_surface_m);
+    visit("least_push_m", o.least_push_m);
+    visit("largest", o.largest);
+}
+
+template <class State, class Visit>
+void each_count(State& s, Visit&& visit) {
+    visit("learned", s.learned);
+    visit("gated", s.gated);
+    visit("refused", s.refused);
+    visit("gated_in_a_row", s.gated_in_a_row);
+}
+
+AdaptOptions read_options(const Hdf5Reader& file) {
+    AdaptOptions options;
+    options.unknowns = file.text_attribute(group, "unknowns");
+    each_number(options, [&](const char* name, double& value) {
+        value = file.number_attribute(group, name);
+        if (!(value >= 0 && value < 1e3)) file.refuse(group, fmt::format("attribute '{}' is {}, must be a number from 0 on", name, value));
+    });
+    const double rounds = file.number_attribute(group, "rounds");
+    if (!(rounds >= 1 && rounds <= 100 && rounds == std::floor(rounds))) file.refuse(group, fmt::format("attribute 'rounds' is {}, must be a count", rounds));
+    options.rounds = static_cast<int>(rounds);
+    if (!(options.gate < 1)) file.refuse(group, "attribute 'gate' is not below 1");
+    return options;
+}
+
+}  // namespace
+
+const DatasetTable& adaptation_table() {
+    static const DatasetTable table = {
+        {"/adaptation/constants", "E", Values::positive(), "N/m", "the law's constants before the first poke; in space Pa"},
+        {"/adaptation/patch_log", "K x F", Values::logarithm(), "log(N/m)", "and its contact"},
+        {"/adaptation/contact_log_scale", "N", Values::logarithm(), "1", "and that of contacts, by node", Rows::any, true},
+        {"/adaptation/heuristic_a", "S", Values::positive(), "N/m", "and heuristic_a"},
+        {"/adaptation/heuristic_b", "S", Values::positive(), "N/m", "and heuristic_b"},
+        {"/adaptation/x", "P", Values::logarithm(), "1", "what was learned, of log stiffness each"},
+        {"/adaptation/covariance", "P x P", Values::finite(), "1", "and what is not known of it"},
+        {"/adaptation/recent", "R", Values::not_negative(), "1", "chi2 over axes of the pokes learned last", Rows::any, true},
+        {"/adaptation/last", "3 x D", Values::finite(), "m, N", "the last reading: contact, push, force", Rows::any, true},
+    };
+    return table;
+}
+
+void write_adapted_model(const std::string& file, const Adaptation& adaptation, const Provenance& provenance) {
+    const TissueModel model = adaptation.model();
+    Hdf5Writer out(file, "model", provenance, format_of(model));
+    write_tissue(out, model);
+    TableWriter table(out, adaptation_table());
+    const LawModel& base = *adaptation.base().energy_law;
+    const Adaptation::State& state = adaptation.state();
+    table.write("/adaptation/constants", base.constants);
+    table.write("/adaptation/patch_log", NodeField(base.patch.log_N_m));
+    if (base.contact_log_scale.size() > 0) table.write("/adaptation/contact_log_scale", base.contact_log_scale);
+    table.write("/adaptation/heuristic_a", adaptation.base().heuristic_a);
+    table.write("/adaptation/heuristic_b", adaptation.base().heuristic_b);
+    table.write("/adaptation/x", state.x);
+    table.write("/adaptation/covariance", NodeField(state.P));
+    if (!state.recent.empty()) table.write("/adaptation/recent", Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(state.recent.data(), static_cast<Eigen::Index>(state.recent.size()))));
+    if (state.last.push_m.size() > 0 && state.last.contact_m.allFinite() && state.last.push_m.allFinite() && state.last.force_N.allFinite()) {
+        NodeField last(3, state.last.push_m.size());
+        last << state.last.contact_m.transpose(), state.last.push_m.transpose(), state.last.force_N.transpose();
+        table.write("/adaptation/last", last);
+    }
+    out.attribute(group, "unknowns", adaptation.options().unknowns);
+    each_number(adaptation.options(), [&](const char* name, double value) { out.attribute(group, name, value); });
+    out.attribute(group, "rounds", static_cast<double>(adaptation.options().rounds));
+    each_count(state, [&](const char* name, int count) { out.attribute(group, name, static_cast<double>(count)); });
+    out.commit();
+}
+
+std::optional<AdaptOptions> adapted_options(const std::string& file) {
+    const Hdf5Reader in(file, "model");
+    if (!in.has(group)) return std::nullopt;
+    return read_options(in);
+}
+
+std::unique_ptr<Adaptation> read_adaptation(const std::string& file, const AdaptOptions& fresh) {
+    const Hdf5Reader in(file, "model");
+    TissueModel model = read_model(in);
+    if (!in.has(group)) return std::make_unique<Adaptation>(model, fresh);
+    if (!model.energy_law) in.refuse(group, "there is no law that could have learned");
+    TableReader table(in, adaptation_table(), {{"D", static_cast<std::size_t>(model.mesh.dimension())},
+                                               {"N", static_cast<std::size_t>(model.mesh.node_count())},
+                                               {"S", static_cast<std::size_t>(model.mesh.spring_count())},
+                                               {"E", static_cast<std::size_t>(model.energy_law->constants.size())}});
+    LawModel& law = *model.energy_law;
+    const Eigen::VectorXd constants = table.vector("/adaptation/constants");
+    const NodeField patch = table.field("/adaptation/patch_log");
+    if (patch.rows() != law.patch.log_N_m.rows() || patch.cols() != law.patch.log_N_m.cols()) table.refuse("/adaptation/patch_log", "is not of the shape of /law/patch_log");
+    law.constants = constants;
+    law.patch.log_N_m = patch;
+    law.contact_log_scale = table.has("/adaptation/contact_log_scale") ? table.vector("/adaptation/contact_log_scale") : Eigen::VectorXd();
+    model.heuristic_a = table.vector("/adaptation/heuristic_a");
+    model.heuristic_b = table.vector("/adaptation/heuristic_b");
+    Adaptation::State state;
+    state.x = table.vector("/adaptation/x");
+    state.P = table.field("/adaptation/covariance");
+    if (table.has("/adaptation/recent")) {
+        const Eigen::VectorXd recent = table.vector("/adaptation/recent");
+        state.recent.assign(recent.begin(), recent.end());
+    }
+    if (table.has("/adaptation/last")) {
+        const NodeField last = table.field("/adaptation/last");
+        state.last = {last.row(0).transpose(), last.row(1).transpose(), last.row(2).transpose()};
+    }
+    each_count(state, [&](const char* name, int& count) {
+        const double value = in.number_attribute(group, name);
+        if (!(value >= 0 && value < 1e9 && value == std::floor(value))) in.refuse(group, fmt::format("attribute '{}' is {}, must be a count", name, value));
+        count = static_cast<int>(value);
+    });
+    try {
+        auto adaptation = std::make_unique<Adaptation>(model, read_options(in));
+        adaptation->restore(std::move(state));
+        return adaptation;
+    } catch (const MismatchError& e) {
+        in.refuse(group, e.what());
+    }
+}
+
+}  // namespace tissue

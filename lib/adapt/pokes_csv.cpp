@@ -1,0 +1,55 @@
+#include "adapt/pokes_csv.h"
+
+#include <fmt/format.h>
+
+#include "error.h"
+
+namespace tissue {
+namespace {
+
+std::vector<CsvColumn> columns_of(int D) {
+    std::vector<CsvColumn> known;
+    for (const char* what : {"contact", "displacement", "force"})
+        for (int d = 0; d < D; ++d) known.push_back({fmt::format("{}_{}", what, "xyz"[d]), what[0] == 'f' ? &force_units() : &length_units(), true});
+    for (const char* text : {"push", "repeat", "role"}) known.push_back({text, nullptr, false});
+    return known;
+}
+
+}  // namespace
+
+std::optional<PokeLines::Row> PokeLines::next() {
+    while (lines_.next()) {
+        if (trimmed(lines_.text()).empty() || lines_.text()[0] == '#') continue;
+        if (columns_.empty()) {
+            columns_ = CsvColumns(lines_, columns_of(D_));
+            continue;
+        }
+        Row row{lines_.number(), {}, ""};
+        try {
+            columns_.check(lines_);
+            const auto vector = [&](const std::string& what) {
+                Point p(D_);
+                for (int d = 0; d < D_; ++d) p[d] = columns_.number(lines_, fmt::format("{}_{}", what, "xyz"[d]));
+                return p;
+            };
+            row.poke = {vector("contact"), vector("displacement"), vector("force")};
+        } catch (const FileError& e) {
+            row.fault = e.what();
+        }
+        return row;
+    }
+    return std::nullopt;
+}
+
+std::vector<Poke> read_pokes(const std::string& file, int D) {
+    PokeLines lines(file, D);
+    std::vector<Poke> pokes;
+    while (const auto row = lines.next()) {
+        if (!row->fault.empty()) throw FileError(row->fault);
+        pokes.push_back(row->poke);
+    }
+    if (pokes.empty()) throw FileError(fmt::format("{}: has no rows", file));
+    return pokes;
+}
+
+}  // namespace tissue

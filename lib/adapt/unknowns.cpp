@@ -1,0 +1,114 @@
+#include "adapt/unknowns.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "error.h"
+#include "mesh/free_surface.h"
+#include "mesh/topology.h"
+#include "springs/energy_law.h"
+
+namespace tissue {
+namespace {
+
+/// Weight of each node in each of the law's elements (E x N): the mean of its nodes.
+Eigen::MatrixXd element_means(const TissueEnergy& energy) {
+    Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(energy.constant_count(), energy.node_count());
+    for (std::size_t k = 0; k < energy.kinds().size(); ++k) {
+        const Cells& nodes = energy.kinds()[k]->nodes();
+        for (Eigen::Index e = 0; e < nodes.rows(); ++e)
+            for (int node : nodes.row(e)) mean(energy.first_of(k) + e, node) += 1.0 / static_cast<double>(nodes.cols());
+    }
+    return mean;
+}
+
+Eigen::MatrixXd covariance(const TissueModel& model, const NodeField& place_m, const PriorOptions& options) {
+    const double length_m = options.length_m > 0 ? options.length_m : 2 * FreeSurface(model.mesh).spacing_m();
+    const Eigen::Index P = place_m.rows();
+    Eigen::MatrixXd prior(P, P);
+    for (Eigen::Index i = 0; i < P; ++i)
+        for (Eigen::Index j = 0; j < P; ++j) {
+            const double away = (place_m.row(i) - place_m.row(j)).squaredNorm() / (2 * length_m * length_m);
+            prior(i, j) = options.common * options.common + options.local * options.local * std::exp(-away);
+        }
+    return prior;
+}
+
+/// Of the law's terms, over the constants that it has now.
+void add_terms(const TissueModel& model, Unknowns& u, const PriorOptions& options) {
+    const LawModel& law = *model.energy_law;
+    LawHeuristic now;
+    now.incompressible = law.incompressible;
+    now.constants = law.constants;
+    now.cap = 1e6 * law.constants.segment(model.mesh.springs.rows(), on_lattice(model.mesh) ? mesh_cells(model.mesh).rows() : model.mesh.node_count());
+    now.patch = law.patch;
+    for (const std::string& term : law.terms)
+        if (term.find("nodule") != std::string::npos || term.find("ground") != std::string::npos)
+            throw MismatchError(fmt::format("unknowns 'terms' do not know what term '{}' is of, which a study says; use 'field'", term));
+    const EnergyLaw terms(model.mesh, now, law.terms);
+    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(terms.size());
+    const Eigen::Index P = terms.size() + 1;
+    u.terms = law.terms;
+    u.terms.insert(u.terms.begin(), "scale");
+    u.by_constant = Eigen::MatrixXd::Ones(law.constants.size(), P);
+    u.by_constant.rightCols(P - 1) = law.constants.cwiseInverse().asDiagonal() * terms.constants_by(zero);
+    u.by_node = Eigen::MatrixXd::Zero(model.mesh.node_count(), P);
+    u.by_node.col(0).setOnes();
+    for (Eigen::Index p = 0; p < P; ++p) {
+        Eigen::MatrixXd by = Eigen::MatrixXd::Zero(law.patch.log_N_m.rows(), law.patch.log_N_m.cols());
+        if (p > 0) by = terms.patch(Eigen::VectorXd::Unit(P - 1, p - 1)).log_N_m - law.patch.log_N_m;
+        u.by_patch.push_back(by);
+    }
+    u.prior = Eigen::MatrixXd::Identity(P, P) * options.term * options.term;
+    u.prior(0, 0) = options.common * options.common;
+}
+
+}  // namespace
+
+const std::vector<std::string>& unknown_kinds() {
+    static const std::vector<std::string> kinds = {"scale", "terms", "field", "elements"};
+    return kinds;
+}
+
+Unknowns make_unknowns(const TissueModel& model, const std::string& kind, const PriorOptions& options) {
+    if (!model.energy_law) throw MismatchError("only a law learns from pokes; the stiffness of this model is sets");
+    const LawModel& law = *model.energy_law;
+    const Eigen::Index E = law.constants.size(), N = model.mesh.node_count();
+    Unknowns u;
+    u.kind = kind;
+    if (kind == "scale") {
+        u.by_constant = Eigen::MatrixXd::Ones(E, 1);
+        u.by_node = Eigen::MatrixXd::Ones(N, 1);
+        u.prior = Eigen::MatrixXd::Constant(1, 1, options.common * options.common + options.local * options.local);
+    } else if (kind == "terms") {
+        add_terms(model, u, options);
+    } else if (kind == "field") {
+        u.place_m = model.mesh.nodes;
+        u.by_constant = element_means(TissueEnergy(model.mesh, law.incompressible));
+        u.by_node = Eigen::MatrixXd::Identity(N, N);
+        u.prior = covariance(model, u.place_m, options);
+    } else if (kind == "elements") {
+        u.place_m.resize(E + N, model.mesh.dimension());
+        u.place_m << element_means(TissueEnergy(model.mesh, law.incompressible)) * model.mesh.nodes, model.mesh.nodes;
+        u.by_constant = Eigen::MatrixXd::Identity(E, E + N);
+        u.by_node = Eigen::MatrixXd::Zero(N, E + N);
+        u.by_node.rightCols(N).setIdentity();
+        u.prior = covariance(model, u.place_m, options);
+    } else {
+        throw MismatchError(fmt::format("unknowns '{}' are not known; allowed: {}", kind, fmt::join(unknown_kinds(), ", ")));
+    }
+    return u;
+}
+
+LawModel with_unknowns(const LawModel& law, const Unknowns& unknowns, const Eigen::VectorXd& x) {
+    LawModel now = law;
+    now.constants = law.constants.array() * (unknowns.by_constant * x).array().exp();
+    now.contact_log_scale = unknowns.by_node * x;
+    if (law.contact_log_scale.size() > 0) now.contact_log_scale += law.contact_log_scale;
+    for (std::size_t p = 0; p < unknowns.by_patch.size(); ++p) now.patch.log_N_m += x[static_cast<Eigen::Index>(p)] * unknowns.by_patch[p];
+    return now;
+}
+
+}  // namespace tissue

@@ -1,0 +1,234 @@
+#include "adapt/adaptation.h"
+
+#include <Eigen/Cholesky>
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <limits>
+
+#include "adapt_example.h"
+#include "error.h"
+#include "../haptic/haptic_example.h"
+#include "springs/law_press.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+AdaptOptions options(const std::string& unknowns = "field") {
+    AdaptOptions o;
+    o.unknowns = unknowns;
+    return o;
+}
+
+/// A law whose left half is four times as stiff.
+TissueModel half_stiff() {
+    const TissueModel law = law_example();
+    const Unknowns field = make_unknowns(law, "field");
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(law.mesh.node_count());
+    for (int n = 0; n < law.mesh.node_count(); ++n)
+        if (law.mesh.nodes(n, 0) < 0.045) x[n] = std::log(4.0);
+    TissueModel truth = law;
+    truth.energy_law = with_unknowns(*law.energy_law, field, x);
+    return truth;
+}
+
+}  // namespace
+
+TEST_CASE("a tissue that is the same everywhere but stiffer is known after one poke", "[adapt]") {
+    const TissueModel law = law_example(), truth = stiffer(law, std::log(1.5));
+    const std::vector<Poke> pokes = pokes_of(truth, 12);
+    for (const std::string kind : {"scale", "terms", "field", "elements"}) {
+        Adaptation adaptation(law, options(kind));
+        CHECK(worst_error(adaptation.model(), pokes) > 0.3);
+        const PokeAnswer answer = adaptation.learn(pokes[0]);
+        CHECK(answer.status == PokeStatus::learned);
+        CHECK(answer.error_before == Approx(1 / 3.0).epsilon(1e-4));
+        CHECK(answer.error_after < 0.03);
+        CHECK(worst_error(adaptation.model(), {pokes.begin(), pokes.begin() + 1}) < 0.03);
+        if (kind == "scale") CHECK(worst_error(adaptation.model(), pokes) < 0.01);
+        if (kind == "scale") CHECK(adaptation.state().x[0] == Approx(std::log(1.5)).epsilon(0.01));
+    }
+}
+
+TEST_CASE("forces of an unknown that scales everything are its exponential, contacts included", "[adapt]") {
+    const TissueModel law = law_example();
+    const std::vector<Poke> pokes = pokes_of(law, 4);
+    for (const std::string kind : {"scale", "field", "elements"}) {
+        const Unknowns u = make_unknowns(law, kind);
+        TissueModel twice = law;
+        twice.energy_law = with_unknowns(*law.energy_law, u, Eigen::VectorXd::Constant(u.size(), std::log(2.0)));
+        for (const Poke& poke : pokes) CHECK((LawPress(twice).at(poke.contact_m, poke.push_m).contact_force - 2 * poke.force_N).norm() < 1e-8 * poke.force_N.norm());
+    }
+}
+
+TEST_CASE("the derivative of an expected force is that of differences, for every kind of unknown", "[adapt]") {
+    const TissueModel law = half_stiff();
+    const std::vector<Poke> pokes = pokes_of(law, 3, 5);
+    for (const std::string& kind : unknown_kinds()) {
+        Adaptation adaptation(law, options(kind));
+        const Eigen::Index P = adaptation.unknowns().size();
+        for (const Poke& poke : pokes) {
+            const Expected at = adaptation.expect(poke.contact_m, poke.push_m);
+            REQUIRE(at.status == PressStatus::held);
+            Draw draw(3);
+            Eigen::VectorXd way(P);
+            for (double& w : way) w = draw(-1, 1);
+            constexpr double h = 1e-4;
+            const auto force = [&](double step) {
+                TissueModel there = law;
+                there.energy_law = with_unknowns(*law.energy_law, adaptation.unknowns(), step * way);
+                return Point(LawPress(there).at(poke.contact_m, poke.push_m).contact_force);
+            };
+            const Point by_differences = (force(h) - force(-h)) / (2 * h);
+            CHECK((at.by_x * way * at.force_N.norm() - by_differences).norm() < 1e-5 * at.force_N.norm());
+        }
+    }
+}
+
+TEST_CASE("pokes find a half that is stiffer, and where they have been the model is surer", "[adapt]") {
+    const TissueModel law = law_example(), truth = half_stiff();
+    const std::vector<Poke> pokes = pokes_of(truth, 40), held_out = pokes_of(truth, 20, 77);
+    Adaptation adaptation(law, options());
+    const double before = worst_error(law, held_out);
+    double variance = adaptation.state().P.trace();
+    for (const Poke& poke : pokes) {
+        CHECK(adaptation.learn(poke).status == PokeStatus::learned);
+        CHECK(adaptation.state().P.trace() < variance);
+        variance = adaptation.state().P.trace();
+    }
+    CHECK(worst_error(adaptation.model(), held_out) < 0.2 * before);
+    const Expected known = adaptation.expect(pokes[0].contact_m, pokes[0].push_m);
+    CHECK(std::sqrt(adaptation.covariance(known, false).trace() / 2) < 0.03);
+    // P stays a covariance
+    CHECK(adaptation.state().P.diagonal().minCoeff() > 0);
+    CHECK(adaptation.state().P == adaptation.state().P.transpose());
+}
+
+TEST_CASE("what cannot be a reading is refused, and leaves the model to the last bit as it was", "[adapt]") {
+    const TissueModel law = law_example(), truth = stiffer(law, 0.3);
+    const std::vector<Poke> pokes = pokes_of(truth, 6);
+    Adaptation adaptation(law, options());
+    adaptation.learn(pokes[0]);
+    const Eigen::VectorXd x = adaptation.state().x;
+    const Eigen::MatrixXd P = adaptation.state().P;
+    const auto refused = [&](Poke poke, const std::string& why) {
+        const PokeAnswer answer = adaptation.learn(poke);
+        CHECK(answer.status == PokeStatus::refused);
+        CHECK_THAT(answer.why, Contains(why));
+        CHECK(adaptation.state().x == x);
+        CHECK(adaptation.state().P == P);
+    };
+    refused(pokes[0], "once more");
+    Poke poke = pokes[1];
+    poke.force_N = pokes[0].force_N;
+    refused(poke, "to the last digit");
+    poke = pokes[1];
+    poke.force_N[0] = std::numeric_limits<double>::quiet_NaN();
+    refused(poke, "number that is none");
+    poke = pokes[1];
+    poke.contact_m = Eigen::Vector2d(0.05, 0.05);
+    refused(poke, "off the surface");
+    poke = pokes[1];
+    poke.push_m *= 1e-3;
+    refused(poke, "says nothing");
+    poke.push_m = pokes[1].push_m * 1e3;  // millimetres taken for metres
+    refused(poke, "half of the tissue's");
+    poke.push_m = -pokes[1].push_m;
+    refused(poke, "must go into the tissue");
+    poke = pokes[1];
+    poke.force_N *= -1;
+    refused(poke, "against its push");
+    poke.force_N.setZero();
+    refused(poke, "may be dead");
+    poke = pokes[1];
+    poke.contact_m = Point::Zero(3);
+    refused(poke, "2 axes");
+    CHECK(adaptation.learn(pokes[1]).status == PokeStatus::learned);
+    CHECK(adaptation.state().refused == 10);
+}
+
+TEST_CASE("a reading ten times too large is not believed, and many in a row say that the tissue is another", "[adapt]") {
+    const TissueModel law = law_example();
+    const std::vector<Poke> pokes = pokes_of(law, 10);
+    Adaptation adaptation(law, options());
+    for (int i = 0; i < 4; ++i) adaptation.learn(pokes[static_cast<std::size_t>(i)]);
+    const Eigen::VectorXd x = adaptation.state().x;
+    for (int i = 4; i < 8; ++i) {
+        Poke poke = pokes[static_cast<std::size_t>(i)];
+        poke.force_N *= 10;
+        const PokeAnswer answer = adaptation.learn(poke);
+        CHECK(answer.status == PokeStatus::gated);
+        CHECK(answer.chi2 > answer.gate);
+        CHECK(adaptation.state().x == x);
+        CHECK(answer.warning.empty() == (i < 7));
+    }
+    CHECK(adaptation.state().gated == 4);
+    // units taken for one another: a thousand times too small
+    Poke poke = pokes[8];
+    poke.force_N *= 1e-3;
+    CHECK(adaptation.learn(poke).status == PokeStatus::gated);
+    CHECK(adaptation.learn(pokes[9]).status == PokeStatus::learned);
+    CHECK(adaptation.state().gated_in_a_row == 0);
+}
+
+TEST_CASE("a sensor that drifts is told before it is believed for long", "[adapt]") {
+    const TissueModel law = law_example();
+    const std::vector<Poke> pokes = pokes_of(law, 40);
+    Adaptation adaptation(law, options("scale"));
+    bool warned = false;
+    for (std::size_t i = 0; i < pokes.size(); ++i) {
+        Poke poke = pokes[i];
+        poke.force_N *= 1 + 0.03 * static_cast<double>(i);
+        warned = warned || !adaptation.learn(poke).warning.empty();
+    }
+    CHECK(warned);
+    // without drift there is nothing to tell
+    Adaptation steady(law, options("scale"));
+    for (const Poke& poke : pokes) CHECK(steady.learn(poke).warning.empty());
+}
+
+TEST_CASE("what the model says it does not know is what it is off, over many tissues", "[adapt]") {
+    const TissueModel law = law_example();
+    AdaptOptions o = options();
+    o.model_error = 0.005;  // the truths are laws of the same mesh
+    int inside = 0, all = 0;
+    for (unsigned long seed = 1; seed <= 6; ++seed) {
+        // tissues drawn from the prior
+        const Unknowns u = make_unknowns(law, "field", o.prior);
+        const Eigen::LLT<Eigen::MatrixXd> root(u.prior + 1e-9 * Eigen::MatrixXd::Identity(u.size(), u.size()));
+        Draw draw(seed);
+        Eigen::VectorXd z(u.size());
+        for (double& value : z) value = std::sqrt(-2 * std::log(draw(1e-12, 1))) * std::cos(6.283185307179586 * draw(0, 1));
+        TissueModel truth = law;
+        truth.energy_law = with_unknowns(*law.energy_law, u, (root.matrixL() * z).eval());
+        Adaptation adaptation(law, o);
+        for (const Poke& poke : pokes_of(truth, 8, seed)) adaptation.learn(poke);
+        for (const Poke& poke : pokes_of(truth, 15, 100 + seed)) {
+            const Expected e = adaptation.expect(poke.contact_m, poke.push_m);
+            const Point off = (poke.force_N - e.force_N) / e.force_N.norm();
+            const Eigen::MatrixXd S = adaptation.covariance(e);
+            inside += off.dot(S.ldlt().solve(off)) < 5.991;  // 95 % of two axes
+            ++all;
+        }
+    }
+    CHECK(inside >= 0.85 * all);
+}
+
+TEST_CASE("a contact that may stand elsewhere is believed less", "[adapt]") {
+    const TissueModel law = law_example(), truth = stiffer(law, 0.4);
+    const Poke poke = pokes_of(truth, 1, 4)[0];
+    AdaptOptions o = options("scale");
+    Adaptation sure(law, o);
+    o.place_error_m = 0.003;
+    Adaptation unsure(law, o);
+    sure.learn(poke);
+    unsure.learn(poke);
+    CHECK(unsure.state().P(0, 0) > sure.state().P(0, 0));
+}
+
+TEST_CASE("only a law learns, and unknowns have names", "[adapt]") {
+    CHECK_THROWS_WITH(Adaptation(haptic_example()), Contains("only a law learns"));
+    CHECK_THROWS_WITH(Adaptation(law_example(), options("colour")), Contains("'colour'") && Contains("field"));
+}

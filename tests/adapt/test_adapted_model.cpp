@@ -1,0 +1,144 @@
+#include "adapt/adapted_model.h"
+
+#include <catch2/catch.hpp>
+
+#include "adapt_example.h"
+#include "adapt/next_poke.h"
+#include "adapt/pokes_csv.h"
+#include "error.h"
+#include "../example.h"
+#include "../haptic/haptic_example.h"
+#include "springs/tissue_table.h"
+#include "version.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+TEST_CASE("a model learns on from its file, to the last bit as if it had gone all the way at once", "[adapt]") {
+    const TemporaryFolder folder;
+    const TissueModel law = law_example();
+    const std::vector<Poke> pokes = pokes_of(stiffer(law, 0.5), 12);
+    for (const std::string& kind : unknown_kinds()) {
+        AdaptOptions options;
+        options.unknowns = kind;
+        options.place_error_m = 0.001;
+        const std::string base = folder.file(kind + "0.h5"), half = folder.file(kind + "1.h5");
+        write_model(base, law, {"test", 0, {}});
+        CHECK_FALSE(adapted_options(base));
+        const std::unique_ptr<Adaptation> first = read_adaptation(base, options);
+        Adaptation whole(law, options);
+        for (std::size_t i = 0; i < 6; ++i) {
+            first->learn(pokes[i]);
+            whole.learn(pokes[i]);
+        }
+        first->learn(pokes[5]);  // refused, and counted
+        whole.learn(pokes[5]);
+        write_adapted_model(half, *first, {"test", 0, {}});
+        CHECK(adapted_options(half)->unknowns == kind);
+        const std::unique_ptr<Adaptation> then = read_adaptation(half, AdaptOptions());
+        for (std::size_t i = 6; i < 12; ++i) {
+            then->learn(pokes[i]);
+            whole.learn(pokes[i]);
+        }
+        CHECK(then->state().x == whole.state().x);
+        CHECK(then->state().P == whole.state().P);
+        CHECK(then->state().refused == 1);
+        CHECK(then->law().constants == whole.law().constants);
+        CHECK(then->model().heuristic_a == whole.model().heuristic_a);
+        then->forget();
+        CHECK(then->law().constants == law.energy_law->constants);
+    }
+}
+
+TEST_CASE("a model that has learned plays as it has learned to, and earlier programs refuse it", "[adapt]") {
+    const TemporaryFolder folder;
+    const TissueModel law = law_example();
+    const std::vector<Poke> pokes = pokes_of(stiffer(law, 0.7), 8);
+    Adaptation adaptation(law);
+    for (const Poke& poke : pokes) adaptation.learn(poke);
+    const std::string file = folder.file("model.h5");
+    write_adapted_model(file, adaptation, {"test", 0, {}});
+    const TissueModel read = read_model(file);
+    CHECK(read.energy_law->contact_log_scale == adaptation.law().contact_log_scale);
+    CHECK(worst_error(read, pokes) == worst_error(adaptation.model(), pokes));
+    CHECK(Hdf5Reader(file, "model").number_attribute("/", "format_version") == adapted_format_version);
+    CHECK(adapted_format_version > time_format_version);
+    // the tick has the contact that evaluation has
+    HapticOptions options;
+    options.heuristic_mesh = false;
+    const HapticModel plays(read, options), was(law, options);
+    ToolSpring stiff, soft;
+    plays.meshes.front()->law->contact(25, {0.5, 0.5, 0}, stiff);
+    was.meshes.front()->law->contact(25, {0.5, 0.5, 0}, soft);
+    const Point push = Eigen::Vector2d(0.001, -0.003);
+    const NodeColumns still = NodeColumns::Zero(law.mesh.node_count(), 2);
+    CHECK(stiff.hand_N(push, still).norm() / soft.hand_N(push, still).norm() == Approx(std::exp(0.7)).epsilon(0.2));
+}
+
+TEST_CASE("every dataset of what was learned is checked", "[adapt]") {
+    const TemporaryFolder folder;
+    Adaptation adaptation(law_example());
+    adaptation.learn(pokes_of(law_example(), 1)[0]);
+    for (const DatasetRule& rule : adaptation_table()) {
+        if (rule.optional) continue;
+        const std::string file = folder.file("model.h5");
+        write_adapted_model(file, adaptation, {"test", 0, {}});
+        replace_dataset(file, rule.name);
+        CHECK_THROWS_WITH(read_adaptation(file, {}), Contains(rule.name));
+        write_adapted_model(file, adaptation, {"test", 0, {}});
+        replace_dataset(file, rule.name, {1});
+        CHECK_THROWS_AS(read_adaptation(file, {}), FileError);
+    }
+}
+
+TEST_CASE("the next poke goes where least is known", "[adapt]") {
+    const TissueModel law = law_example();
+    Adaptation adaptation(law);
+    const std::vector<Push> pushes = pushes_over(adaptation.surface(), law.mesh, 0.005, 0.01);
+    CHECK(pushes.size() > 20);
+    for (const Push& push : pushes) {
+        CHECK(adaptation.surface().nearest(push.contact_m).distance_m < 1e-12);
+        CHECK(push.push_m.norm() == Approx(0.005));
+    }
+    // all pokes on the left: what is worth most lies on the right
+    for (const Poke& poke : pokes_of(law, 30))
+        if (poke.contact_m[0] < 0.05) adaptation.learn(poke);
+    const std::vector<PokeWorth> worth = rank_pokes(adaptation, pushes, pushes);
+    REQUIRE(worth.size() == pushes.size());
+    CHECK(pushes[worth.front().push].contact_m[0] > 0.05);
+    for (std::size_t i = 1; i < worth.size(); ++i) CHECK(worth[i - 1].gain >= worth[i].gain);
+    // the gain is the variance that learning there does take away
+    const auto variance = [&] {
+        double sum = 0;
+        for (const Push& push : pushes) sum += adaptation.covariance(adaptation.expect(push.contact_m, push.push_m), false).trace();
+        return sum;
+    };
+    const double before = variance();
+    const Push& best = pushes[worth.front().push];
+    const Expected expected = adaptation.expect(best.contact_m, best.push_m);
+    REQUIRE(adaptation.learn({best.contact_m, best.push_m, expected.force_N}).status == PokeStatus::learned);
+    CHECK(1 - variance() / before == Approx(worth.front().gain).epsilon(0.02));
+}
+
+TEST_CASE("pokes come out of lines one by one, a bad one with its place", "[adapt]") {
+    const std::string header = "contact_x [mm],contact_y [mm],displacement_x [mm],displacement_y [mm],force_x [mN],force_y [N]\n";
+    std::istringstream in("# a robot\n" + header + "10,100,0,-5,20,-1.5\n10,100,0,-5,nan,-1.5\n\n10,100,0\n20,100,0,-4,0,-1\n");
+    PokeLines lines(in, "pipe", 2);
+    const auto first = lines.next();
+    REQUIRE(first);
+    CHECK(first->fault.empty());
+    CHECK(first->line == 3);
+    CHECK(first->poke.contact_m.isApprox(Eigen::Vector2d(0.01, 0.1)));
+    CHECK(first->poke.force_N.isApprox(Eigen::Vector2d(0.02, -1.5)));
+    CHECK_THAT(lines.next()->fault, Contains("pipe:4: column 'force_x' is 'nan'"));
+    CHECK_THAT(lines.next()->fault, Contains("pipe:6: has 3 fields, the header 6 columns"));
+    CHECK(lines.next()->fault.empty());
+    CHECK_FALSE(lines.next());
+    std::istringstream wrong("contact_x [inch]\n1\n");
+    PokeLines none(wrong, "pipe", 2);
+    CHECK_THROWS_WITH(none.next(), Contains("pipe:1") && Contains("'inch'"));
+    const TemporaryFolder folder;
+    CHECK_THROWS_WITH(read_pokes(folder.file("a.csv", header + "1,2\n"), 2), Contains("a.csv:2"));
+    CHECK_THROWS_WITH(read_pokes(folder.file("b.csv", header), 2), Contains("has no rows"));
+    CHECK_THROWS_WITH(read_pokes(folder.file("c.csv", header + "1,2,3,4,5,6\n"), 3), Contains("'contact_z' is missing"));
+}
