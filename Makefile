@@ -70,7 +70,7 @@ FORCE:
 
 # ---- front door
 
-.PHONY: felupe realtime ablation all mesh cases train eval figures report reference regress regress-proof trust gains test sanitize bench benches deps help clean build install uninstall doctor
+.PHONY: felupe realtime ablation all mesh cases train eval figures report reference regress regress-proof trust gains patient test sanitize bench benches deps help clean build install uninstall doctor
 
 ## all: the whole study, from mesh to report
 all: figures eval report
@@ -187,7 +187,8 @@ $(TISSUE_HAPTIC): $(call objects,$(HAPTIC_SOURCES)) $(BUILD)/libtissue.a $(BUILD
 $(BUILD)/test_tissue: $(call objects,$(TEST_SOURCES) $(SERVE_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/test_tissue.list
 	@$(call link) && mv $@.tmp $@
 
-$(BUILD)/gains_probe: $(call objects,scripts/gains_probe.cpp) $(BUILD)/libtissue.a
+PROBES := $(BUILD)/gains_probe $(BUILD)/adapt_probe
+$(PROBES): $(BUILD)/%: $(BUILD)/scripts/%.o $(BUILD)/libtissue.a
 	@$(call link) && mv $@.tmp $@
 
 BENCHES := $(BENCH_SOURCES:tests/bench/%.cpp=$(BUILD)/bench/%)
@@ -204,13 +205,13 @@ $(BUILD)/cli/serve/page.o: export CCACHE_DISABLE := 1
 $(THREE): | build/deps
 	@[ -r $@ ] || { echo "make: there is no $@, of Debian's package libjs-three: the page cannot be built" >&2; exit 1; }
 
--include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) $(CLI_SOURCES) $(HAPTIC_SOURCES) $(TEST_SOURCES) $(BENCH_SOURCES) scripts/gains_probe.cpp))
+-include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) $(CLI_SOURCES) $(HAPTIC_SOURCES) $(TEST_SOURCES) $(BENCH_SOURCES) scripts/gains_probe.cpp scripts/adapt_probe.cpp))
 
 # ---- stages: one rule per kind of file
 
 # The plan says which load paths there are and with which arguments; its parts say what each stage depends on, and
 # keep their time stamp while their text stays the same.
-ifneq (,$(filter-out help clean deps build install uninstall doctor reference regress regress-proof trust felupe gains test sanitize bench benches $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
+ifneq (,$(filter-out help clean deps build install uninstall doctor reference regress regress-proof trust felupe gains patient test sanitize bench benches $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
 include $(R)/plan.mk
 endif
 # A shape has no surface to plan contacts on until it is meshed: its first plan says where it comes from, SHAPE and
@@ -311,6 +312,13 @@ gains: $(TISSUECTL) $(BUILD)/gains_probe
 	@for nodes in 6 11 21 41; do $(MAKE) cases STUDY=lattice-$$nodes || exit 1; done
 	@$(PYTHON) scripts/gains_study.py $(BUILD)/gains_probe results/reference/gains
 
+PATIENTS := stiff soft ogden lump layers
+## patient: what a model that learns from pokes is off on tissues it was not trained on, as results/reference/patient.md
+patient: $(TISSUECTL) $(BUILD)/adapt_probe
+	@$(MAKE) train STUDY=surface-quick
+	@for patient in $(PATIENTS); do $(MAKE) cases STUDY=patient-$$patient || exit 1; done
+	@$(PYTHON) scripts/patient_study.py $(BUILD)/adapt_probe results/reference/patient $(PATIENTS)
+
 # ---- tests and benches
 
 ## test: library, FE and pipeline tests; the last line counts them
@@ -327,8 +335,8 @@ sanitize:
 regress-proof: $(TISSUECTL)
 	@PROOF=paper PYTHON=$(PYTHON) TISSUECTL=$(TISSUECTL) tests/pipeline/test_regress.sh
 
-## benches: the programs of bench and gains, without running them
-benches: $(BENCHES) $(BUILD)/gains_probe
+## benches: the programs of bench, gains and patient, without running them
+benches: $(BENCHES) $(PROBES)
 
 ## bench: our speed beside that of others, as results/bench.json
 bench: $(TISSUECTL) $(TISSUE_HAPTIC) $(BENCHES) | build/deps-test

@@ -5,22 +5,28 @@
 //   tissue-haptic results/paper/model.h5 --motion poke --seconds 2 --record session.h5 --json
 //   tissue-haptic results/paper/model.h5 --device replay --trajectory session.h5
 //   tissue-haptic results/paper/model.h5 --check results/paper/cases.h5 --out realtime.json
+//   tissue-haptic results/surface-quick/model.h5 --motion probe --hidden patient.h5 --learn learned.h5
 // Exit status: 0 done (SIGINT, SIGTERM and SIGHUP too), 1 the work failed, 2 the command line was wrong.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <memory>
 
+#include "adapt/adapted_model.h"
 #include "cases/load_path.h"
 #include "command.h"
 #include "error.h"
 #include "generate.h"
 #include "haptic/device_kinds.h"
+#include "haptic/hidden_tissue.h"
+#include "haptic/learner.h"
 #include "haptic/realtime_loop.h"
 #include "haptic/recorder.h"
 #include "eval/truth_in_motion.h"
@@ -41,7 +47,8 @@ void on_signal(int) {
 }
 
 struct Options {
-    std::string model, device = device_kinds().names().front(), record, check, out;
+    std::string model, device = device_kinds().names().front(), record, check, out, learn, journal, hidden;
+    bool forget = false;
     DeviceValues device_values;
     std::string axes;
     std::vector<double> offset_m;
@@ -95,9 +102,56 @@ void check(const Options& o, const TissueModel& tissue, const HapticModel& model
     write_file(o.out, cli::realtime_json(model, presses, jumps));
 }
 
+/// What a session learned, line by line: for people, and as a CSV that `tissuectl adapt` learns the same from.
+class Journal {
+   public:
+    Journal(const std::string& file, int D) {
+        if (file.empty()) return;
+        out_.open(file, std::ios::trunc);
+        for (const char* what : {"contact", "displacement", "force"})
+            for (int d = 0; d < D; ++d) out_ << fmt::format("{}{}_{} [{}]", d == 0 && what[0] == 'c' ? "" : ",", what, "xyz"[d], what[0] == 'f' ? "N" : "m");
+        out_ << std::endl;
+        if (!out_) throw FileError(file + ": cannot be written");
+    }
+    void add(const Learner::Line& line) {
+        const PokeAnswer& a = line.answer;
+        std::cerr << fmt::format("tissue-haptic {:.1f} s: {}{}\n", line.time_s, to_string(a.status),
+                                 a.status == PokeStatus::learned ? fmt::format(", felt {:.3g} N, expected {:.3g} N +- {:.2g} %", line.poke.force_N.norm(), a.expected_N.norm(), 100 * a.expected_sd)
+                                                                 : ": " + a.why);
+        if (!a.warning.empty()) std::cerr << "tissue-haptic: " << a.warning << '\n';
+        if (!out_.is_open()) return;
+        std::string row;
+        for (const Point& p : {line.poke.contact_m, line.poke.push_m, line.poke.force_N})
+            for (double v : p) row += fmt::format("{}{}", row.empty() ? "" : ",", v);  // reads back to the same bits
+        out_ << row << std::endl;
+    }
+
+   private:
+    std::ofstream out_;
+};
+
+/// The session's hidden truth, its learner and what they write.
+struct Learning {
+    std::unique_ptr<Adaptation> adaptation;
+    std::unique_ptr<Journal> journal;
+    std::unique_ptr<Learner> learner;
+};
+
+constexpr double learned_at_most = 1.5;  ///< of log stiffness while it plays: steps are for 4.5 times the stiffness
+
 void run(const Options& o, Provenance provenance) {
-    const TissueModel tissue = read_model(o.model);
-    const HapticModel model(tissue, o.choices.haptic);
+    TissueModel tissue = read_model(o.model);
+    HapticOptions haptic = o.choices.haptic;
+    Learning learning;
+    if (!o.learn.empty()) {
+        learning.adaptation = read_adaptation(o.model, {});
+        if (o.forget) learning.adaptation->forget();
+        learning.adaptation->bound(learned_at_most);
+        tissue = learning.adaptation->base();
+        haptic.stiffest = std::exp(learned_at_most);
+        haptic.heuristic_mesh = false;  // it does not learn, and under a stiffer tissue's force it would fold
+    }
+    HapticModel model(tissue, haptic);
     if (!o.check.empty()) return check(o, tissue, model);
 
     Simulation simulation(model);
@@ -108,15 +162,29 @@ void run(const Options& o, Provenance provenance) {
         recorder = std::make_unique<Recorder>(o.record, model.dimension(), provenance);
     }
     // the device last: nothing is open while anything else can fail
-    const std::unique_ptr<Device> device =
-        make_device(o.device, o.device_values, {o.seconds, o.seed, &model.rest, model.options.map});
+    std::unique_ptr<Device> device = make_device(o.device, o.device_values, {o.seconds, o.seed, &model.rest, model.options.map});
+    if (!o.hidden.empty()) device = std::make_unique<HiddenTissue>(std::move(device), read_model(o.hidden), o.choices.haptic);
     std::cerr << cli::describe("tissue-haptic", model, *device);
     LoopOptions loop;
     loop.seconds = o.seconds;
     loop.stop = &stop;
     loop.realtime = !o.choices.no_realtime;
     if (recorder) loop.hooks.push_back(recorder.get());
+    if (learning.adaptation) {
+        learning.journal = std::make_unique<Journal>(o.journal, model.dimension());
+        learning.learner = std::make_unique<Learner>(model, *learning.adaptation);
+        learning.learner->on_line([](const Learner::Line& line, const Adaptation&, void* with) { static_cast<Journal*>(with)->add(line); }, learning.journal.get());
+        loop.hooks.push_back(learning.learner.get());
+    }
     const LoopReport report = run_loop(simulation, *device, loop);
+    if (learning.learner) {
+        learning.learner->stop();
+        provenance.seed = o.seed;
+        write_adapted_model(o.learn, *learning.adaptation, provenance);
+        const Adaptation::State& state = learning.adaptation->state();
+        std::cerr << fmt::format("tissue-haptic: {} readings, {} learned, {} not believed, {} refused, {} dropped: {}\n", learning.learner->readings(), state.learned, state.gated,
+                                 state.refused, learning.learner->dropped(), o.learn);
+    }
     for (const std::string& notice : report.notices) std::cerr << "tissue-haptic: " << notice << '\n';
     if (recorder) recorder->close(model);
     const std::string model_file = std::filesystem::path(o.model).filename().string();
@@ -146,6 +214,10 @@ void add_options(CLI::App& app, Options& o) {
     app.add_option("--axes", o.axes, "device axes of the tissue's, as in x,-z in the plane and x,-z,y in space; the first ones")->type_name("A,A[,A]");
     app.add_option("--offset", o.offset_m, "of the device's origin in the tissue's space; none")
         ->type_name("m m [m]")->expected(2, 3);
+    CLI::Option* learn = app.add_option("--learn", o.learn, "learn from a device that feels force, and write the model here at the end; of a law")->type_name("FILE");
+    app.add_option("--journal", o.journal, "pokes learned from, CSV: tissuectl adapt makes the same model of it, or of its first rows")->type_name("FILE")->needs(learn);
+    app.add_flag("--forget", o.forget, "learn from the law as it was trained")->needs(learn);
+    app.add_option("--hidden", o.hidden, "model.h5 of another tissue that the device touches, and whose force it feels: to try --learn")->type_name("FILE");
     CLI::Option* check = app.add_option("--check", o.check, "press the held-out contacts, or else the cases, of this file; no device, no clock")->type_name("FILE");
     CLI::Option* out = app.add_option("--out", o.out, "of --check: realtime.json to write")->type_name("FILE");
     check->needs(out);

@@ -136,12 +136,13 @@ Eigen::MatrixXd Adaptation::noise(const Poke& poke, const Point& expected_N) {
         }
         Point differs = Point::Zero(D);
         int sides = 0;
-        for (double side : {-1.0, 1.0}) {
-            const Linear there = linearise(at.point_m + side * options_.place_error_m * along, poke.push_m, state_.x, nullptr);
-            if (there.rest.status == PressStatus::lost) continue;
-            differs += side * off(expected_N, there.rest.contact_force_N);
-            ++sides;
-        }
+        for (double side : {-1.0, 1.0}) try {
+                const Linear there = linearise(at.point_m + side * options_.place_error_m * along, poke.push_m, state_.x, nullptr);
+                if (there.rest.status == PressStatus::lost) continue;
+                differs += side * off(expected_N, there.rest.contact_force_N);
+                ++sides;
+            } catch (const MismatchError&) {  // on what is held
+            }
         if (sides > 0) R += differs * differs.transpose() / (sides * sides);
     }
     return R;

@@ -91,6 +91,7 @@ class Adaptation {
     const State& state() const { return state_; }
     void restore(State state);  ///< of this model with these options. Throws MismatchError for one of another size
     void forget();              ///< as before the first poke
+    void bound(double largest) { options_.largest = largest; }  ///< |x| at the most from now on
 
     const FreeSurface& surface() const { return surface_; }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +13,8 @@ struct DeviceSample {
     Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
     bool valid = true;   ///< false: the device reports an error, or has not spoken yet
     double age_s = 0;    ///< since the device measured it
+    /// What a force sensor in the tool feels of the tissue that it touches in the world [N], as the tool pushes; NaN where there is none.
+    Eigen::Vector3d measured_N = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
 };
 
 /// The longest that a force stays on the hand without a new write(). A device with motors makes them zero by itself,

@@ -20,6 +20,8 @@ struct DeviceMap {
 
     Point to_tissue(const Eigen::Vector3d& position_m) const noexcept { return scale * (axes * position_m) + offset_m; }
     Eigen::Vector3d force_to_device(const Point& force_N) const noexcept { return force_scale * (axes.transpose() * force_N); }
+    /// A force in the device's axes as one on a tissue of that size: newtons are newtons.
+    Point force_to_tissue(const Eigen::Vector3d& force_N) const noexcept { return axes * force_N; }
     /// A device position that maps to this point.
     Eigen::Vector3d to_device(const Point& point_m) const noexcept { return axes.transpose() * (point_m - offset_m) / scale; }
 };

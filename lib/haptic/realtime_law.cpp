@@ -168,7 +168,8 @@ RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) 
         throw MismatchError(fmt::format("a law's springs are geometric, not {}", springs.law().name()));
     const TissueEnergy energy(model.mesh, law.incompressible);
     if (law.constants.size() != energy.constant_count()) throw MismatchError("the law's constants are not those of the mesh");
-    patch_ = law.patch;
+    now_ = {law.constants, law.patch, law.contact_log_scale.size() > 0 ? law.contact_log_scale : Eigen::VectorXd::Zero(model.mesh.node_count())};
+    kernel_->scale(now_.contact_log_scale);
     if (const auto* disc = dynamic_cast<const DiscContact*>(kernel_.get()); disc && disc->most_nodes() > ToolSpring::most_nodes)
         throw MismatchError(fmt::format("{} nodes lie under a disc of {:g} mm; the tick has room for {}", disc->most_nodes(), 1e3 * law.disc_radius_m, ToolSpring::most_nodes));
 
@@ -195,6 +196,23 @@ RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) 
     first_region_ = first_square_ + squares_.count;
     first_box_ = first_region_ + static_cast<int>(regions_.size());
     first_node_ = first_box_ + boxes_.count;
+}
+
+void RealtimeLaw::become(const LawStiffness& stiffness) noexcept {
+    const auto grown = [&](Eigen::Index c) { return stiffness.constants[c] / now_.constants[c]; };
+    for (std::size_t slot = 0; slot < spring_of_slot_.size(); ++slot)
+        if (spring_of_slot_[slot] >= 0) theta_[static_cast<Eigen::Index>(slot)] = stiffness.constants[spring_of_slot_[slot]];
+    for (std::size_t k = 0; k < squares_.constant.size(); ++k)
+        if (squares_.constant[k] >= 0) squares_.gain[k] *= grown(squares_.constant[k]);
+    for (Region& region : regions_) region.gain *= grown(region.constant);
+    for (std::size_t k = 0; k < boxes_.constant.size(); ++k)
+        if (boxes_.constant[k] >= 0) boxes_.gain[k] *= grown(boxes_.constant[k]);
+    for (std::size_t node = 0; node < tetrahedra_.constant.size(); ++node)
+        tetrahedra_.node_gain[static_cast<Eigen::Index>(node)] *= grown(tetrahedra_.constant[node]);
+    now_.constants = stiffness.constants;
+    now_.patch = stiffness.patch;
+    now_.contact_log_scale = stiffness.contact_log_scale;
+    kernel_->scale(now_.contact_log_scale);
 }
 
 BranchMemory RealtimeLaw::memory(double dt_s) const {

@@ -11,8 +11,14 @@
 
 namespace tissue {
 
-/// A model's law laid out for the tick: the forces of a TissueEnergy, of constants that never change, and its contacts.
-/// Constants only. Springs are the bands of a RealtimeMesh. A lattice's squares lie in one run, one a node, as a band's
+/// What of a law may become another while it plays.
+struct LawStiffness {
+    Eigen::VectorXd constants;          ///< of a TissueEnergy [N/m] (E), all > 0
+    PatchLaw patch;                     ///< of as many rows and columns
+    Eigen::VectorXd contact_log_scale;  ///< (N)
+};
+
+/// A model's law laid out for the tick: the forces of a TissueEnergy and its contacts. Constants only. Springs are the bands of a RealtimeMesh. A lattice's squares lie in one run, one a node, as a band's
 /// springs do: the area between a square's diagonals pulls at their ends. Every other region is a walk round its outline.
 /// In space a lattice's boxes lie in one such run: the three mean edges of a box follow from its four diagonals, at whose ends it
 /// pulls. A shape's regions are all tetrahedra about a node each: a node adds up what they have grown by, and a tetrahedron pulls
@@ -41,9 +47,13 @@ class RealtimeLaw {
     double energy(const NodeColumns& u, BranchMemory memory) const;
 
     /// The contact at a place of the mesh's boundary, as training and evaluation have it (ContactKernel::tool_at). No allocation.
-    void contact(int facet, const Eigen::Vector3d& weight, ToolSpring& tool) const noexcept { kernel_->tool_at(facet, weight, patch_, tool); }
+    void contact(int facet, const Eigen::Vector3d& weight, ToolSpring& tool) const noexcept { kernel_->tool_at(facet, weight, now_.patch, tool); }
 
     double spacing_m() const { return kernel_->spacing_m(); }  ///< mean, of the free surface's nodes
+
+    const LawStiffness& stiffness() const { return now_; }
+    /// Another one of the same sizes from now on, between ticks; memory stays what it is. No allocation.
+    void become(const LawStiffness& stiffness) noexcept;
 
    private:
     /// Squares whose corners are first + k, + b, + c, + d: one a node; where there is none, gain is 0.
@@ -97,6 +107,7 @@ class RealtimeLaw {
     void all_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch, BranchMemory* memory) const noexcept;
 
     const RealtimeMesh& springs_;
+    LawStiffness now_;
     Eigen::VectorXd theta_;  ///< by slot (P)
     Relaxation relaxation_;
     int first_square_ = 0, first_region_ = 0, first_box_ = 0, first_node_ = 0;  ///< in a memory, after the springs' slots
@@ -107,7 +118,6 @@ class RealtimeLaw {
     Boxes boxes_;
     Tetrahedra tetrahedra_;
     std::unique_ptr<ContactKernel> kernel_;
-    PatchLaw patch_;
 };
 
 }  // namespace tissue

@@ -48,14 +48,16 @@ RemoteDevice::~RemoteDevice() {
 
 DeviceSample RemoteDevice::read(double time_s) noexcept {
     time_s_ = time_s;
-    PositionDatagram in;
+    SensorDatagram datagram;
+    const PositionDatagram& in = datagram.position;
     sockaddr_in from{};
     constexpr int most = 64;  // a flood must not hold up the tick
     for (int k = 0; k < most; ++k) {
         socklen_t length = sizeof from;
-        const ssize_t size = ::recvfrom(socket_, &in, sizeof in, MSG_TRUNC, reinterpret_cast<sockaddr*>(&from), &length);
+        const ssize_t size = ::recvfrom(socket_, &datagram, sizeof datagram, MSG_TRUNC, reinterpret_cast<sockaddr*>(&from), &length);
         if (size < 0) break;
-        if (size != sizeof in || std::memcmp(in.magic, "TSP1", 4) != 0) {
+        const bool sensor = size == sizeof datagram && std::memcmp(in.magic, "TSP2", 4) == 0;
+        if (!sensor && (size != sizeof in || std::memcmp(in.magic, "TSP1", 4) != 0)) {
             ++foreign_;
             continue;
         }
@@ -72,10 +74,12 @@ DeviceSample RemoteDevice::read(double time_s) noexcept {
         sequence_ = in.sequence;
         received_s_ = time_s;
         position_m_ = Eigen::Vector3d(in.position_m[0], in.position_m[1], in.position_m[2]);
+        measured_N_ = sensor ? Eigen::Vector3d(datagram.measured_N[0], datagram.measured_N[1], datagram.measured_N[2]) : DeviceSample().measured_N;
     }
     if (!has_peer_) ++waiting_;
     DeviceSample sample;
     sample.position_m = position_m_;
+    sample.measured_N = measured_N_;
     sample.valid = has_peer_;
     sample.age_s = time_s - received_s_;
     return sample;

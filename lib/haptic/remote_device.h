@@ -11,6 +11,7 @@ namespace tissue {
 
 /// A device in another process on this machine, over UDP on the loopback address alone. All little-endian:
 ///   in,  48 bytes: char magic[4] "TSP1", uint32 sequence, float64 time_s, float64 position_m[3], float64 reserved
+///   or   72 bytes: "TSP2", the same, and float64 measured_N[3] of a force sensor in the tool
 ///   out, 48 bytes: char magic[4] "TSF1", uint32 sequence of the newest position used, float64 age_s of it,
 ///                  float64 force_N[3], float64 tick
 /// A force goes back in every tick to whoever sent last. Sequence numbers ascend by one from any start; older ones
@@ -21,12 +22,16 @@ struct PositionDatagram {
     std::uint32_t sequence;
     double time_s, position_m[3], reserved;
 };
+struct SensorDatagram {
+    PositionDatagram position;
+    double measured_N[3];
+};
 struct ForceDatagram {
     char magic[4];
     std::uint32_t sequence;
     double age_s, force_N[3], tick;
 };
-static_assert(sizeof(PositionDatagram) == 48 && sizeof(ForceDatagram) == 48, "datagrams have no padding");
+static_assert(sizeof(PositionDatagram) == 48 && sizeof(SensorDatagram) == 72 && sizeof(ForceDatagram) == 48, "datagrams have no padding");
 
 class RemoteDevice final : public Device {
    public:
@@ -51,7 +56,7 @@ class RemoteDevice final : public Device {
     bool has_peer_ = false;
     std::uint32_t sequence_ = 0;
     double received_s_ = 0, time_s_ = 0;   ///< schedule time of the newest position, and now
-    Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero();
+    Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero(), measured_N_ = DeviceSample().measured_N;
     long long received_ = 0, late_ = 0, lost_ = 0, foreign_ = 0, sent_ = 0, waiting_ = 0;
 };
 

@@ -98,14 +98,20 @@ DeviceSample ReplayDevice::read(double time_s) noexcept {
         if (share_ * (time_s_[next_] - time_s_[next_ - 1]) < same_s) share_ = 0;
         sample.position_m += share_ * (position_m_[next_] - position_m_[next_ - 1]);
     }
+    if (!reference_N_.empty()) sample.measured_N = -reference_now();
     finished_ = next_ == time_s_.size();
     return sample;
 }
 
-void ReplayDevice::write(const Eigen::Vector3d& force_N) noexcept {
-    if (reference_N_.empty()) return;
+Eigen::Vector3d ReplayDevice::reference_now() const noexcept {
     Eigen::Vector3d reference = reference_N_[next_ - 1];
     if (share_ > 0) reference += share_ * (reference_N_[next_] - reference);
+    return reference;
+}
+
+void ReplayDevice::write(const Eigen::Vector3d& force_N) noexcept {
+    if (reference_N_.empty()) return;
+    const Eigen::Vector3d reference = reference_now();
     const double error = (force_N - reference).norm();
     squared_error_ += error * error;
     squared_reference_ += reference.squaredNorm();

@@ -9,7 +9,8 @@ namespace tissue {
 
 /// Plays a recorded trajectory: a CSV with the header time_s,x_m,y_m[,z_m][,fx_N,fy_N[,fz_N]], ascending times, or a
 /// recording of tissue-haptic (.h5). Between rows the hand moves on a straight line. Where the file has forces they
-/// are the reference: the ledger says how far ours are from them.
+/// are the reference: the ledger says how far ours are from them. They are what went to the hand, so that the tool's own, which a sensor
+/// would have read, are their opposite.
 class ReplayDevice final : public Device {
    public:
     static const DeviceKind kind;
@@ -26,6 +27,7 @@ class ReplayDevice final : public Device {
     std::size_t size() const { return time_s_.size(); }
 
    private:
+    Eigen::Vector3d reference_now() const noexcept;
     void read_csv(const std::string& file);
     void read_recording(const std::string& file);
 

@@ -60,7 +60,7 @@ void choose_law_dynamics(const TissueModel& model, HapticMesh& mesh, const Hapti
     const double lowest = std::sqrt(spectrum.smallest);
     mesh.largest_eigenvalue_1_s2 = spectrum.largest;
     mesh.dynamics = o.dynamics == "auto" ? "symplectic" : o.dynamics;
-    mesh.substeps = law_substeps(spectrum.largest, o.dt_s);
+    mesh.substeps = law_substeps(o.stiffest * spectrum.largest, o.dt_s);
     mesh.lowest_frequency_Hz = lowest / turn;
     mesh.damping_1_s = 2 * *o.damping_ratio * lowest;
     make_dynamics(mesh.dynamics, mesh.springs, {o.dt_s, mesh.damping_1_s, mesh.substeps, mesh.law.get()});  // throws here, if at all
@@ -93,6 +93,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     if (!(o.coupling_ratio > 0)) throw MismatchError("the coupling ratio must be positive");
     const bool damping_asked = o.damping_ratio.has_value();
     if (!o.damping_ratio) o.damping_ratio = !model.energy_law ? 0.05 : model.energy_law->relaxation.empty() ? elastic_law_damping_ratio : relaxing_damping_ratio;
+    if (!(o.stiffest >= 1)) throw MismatchError("a law may become stiffer by a factor of 1 or more");
     if (!(*o.damping_ratio >= 0)) throw MismatchError("the damping ratio must not be negative");
     if (!(o.safety.force_max_N > 0) || !(o.safety.slew_N_s > 0) || !(o.safety.speed_max_m_s > 0))
         throw MismatchError("the limits of force, slew and speed must be positive");
@@ -153,8 +154,12 @@ Simulation::Simulation(const HapticModel& model) : model_(model), safety_(model.
         states_.back().memory = mesh->law->memory(step_s);
         tool_memory_.back() = mesh->law->tool_memory(step_s);
     }
-    record_.master_m = record_.proxy_m = record_.contact_displacement_m = record_.coupling_N = Point::Zero(model.dimension());
+    record_.master_m = record_.proxy_m = record_.contact_displacement_m = record_.coupling_N = record_.measured_N = Point::Zero(model.dimension());
     place_surfaces();
+}
+
+void Simulation::law_changed() noexcept {
+    if (touched_ >= 0 && model_.is_law()) model_.meshes[0]->law->contact(contact_.where.facet, contact_.where.weight, tool_);
 }
 
 void Simulation::reset() noexcept {
@@ -179,6 +184,7 @@ Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) n
     ++counters_.ticks;
     record_ = {};
     record_.proxy_m = record_.contact_displacement_m = record_.coupling_N = Point::Zero(model_.dimension());
+    record_.measured_N = o.map.force_to_tissue(sample.measured_N);
     record_.time_s = last.time_s + o.dt_s;
     record_.device_m = sample.position_m.allFinite() ? sample.position_m : last.device_m;
     record_.master_m = last.master_m;

@@ -29,6 +29,7 @@ struct HapticOptions {
     std::string dynamics = "auto";    ///< or a name of dynamics_kinds()
     std::string sets;                 ///< of the learned mesh: an optimiser of the model, `optimum`; "" is its first. A law has none
     bool heuristic_mesh = true;       ///< Sec. 4.4: a second mesh, Van Gelder's, beside the learned one
+    double stiffest = 1;              ///< of a law that learns while it plays: so many times as stiff as it is it may become
     double place_m = 0;               ///< where the second mesh stands along x; 0: one and a half widths to the right
     SelectBy select_by = SelectBy::displacement;
     FrictionOptions friction;                                            ///< of the tool on the tissue
@@ -83,6 +84,7 @@ struct TickRecord {
     Point proxy_m;                 ///< the master where there is no contact
     Point contact_displacement_m;  ///< x_p - X_p of the learned mesh; of a law the tool's own, x_m - X_p
     Point coupling_N;              ///< f = k_C (x_p - x_m), or the tool's on a law, before safety
+    Point measured_N;              ///< the device's own force sensor, of its tool on a tissue (D); NaN where it has none
     int mesh = -1;                ///< pressed mesh, -1 none
     int facet = -1;               ///< of its boundary,
     Eigen::Vector3d weight = Eigen::Vector3d::Zero();  ///< and of the facet's nodes there
@@ -123,6 +125,9 @@ class Simulation {
     /// x_p - X_p of one mesh; of a law how far the tool has pushed it. 0 where nothing is pressed (D).
     Point displacement_at_contact(std::size_t mesh) const noexcept;
     const ToolSpring& tool() const { return tool_; }  ///< of a law, where the tool touches it or the other mesh
+
+    /// The learned law has become another (RealtimeLaw::become): a contact that lasts has its stiffness from now on.
+    void law_changed() noexcept;
 
     /// Puts every mesh to rest; the master must be outside once before there is force again.
     void reset() noexcept;

@@ -111,8 +111,8 @@ Point sideways(const Point& inward) {
     return (along - along.dot(in) * in).normalized().head(inward.size());
 }
 
-/// In and out at places of the free surface drawn by seed, up to 27 degrees off its normal.
-std::vector<Waypoint> poke(const MotionOptions& o) {
+/// In and out at places of the free surface drawn by seed, up to 27 degrees off its normal, staying at the deepest so long at least.
+std::vector<Waypoint> pokes(const MotionOptions& o, double stay_s) {
     Aims aims(*o.rest, o.seed);
     std::vector<Waypoint> motion;
     double time = 0;
@@ -143,11 +143,15 @@ std::vector<Waypoint> poke(const MotionOptions& o) {
         const double in = 0.15 + 0.35 * aims.uniform();
         motion.push_back({time += 0.1, outside});
         motion.push_back({time += in, deepest});
-        motion.push_back({time += 0.2 * aims.uniform() + 0.05, deepest});
+        motion.push_back({time += 0.2 * aims.uniform() + stay_s, deepest});
         motion.push_back({time += in, outside});
     }
     return motion;
 }
+
+std::vector<Waypoint> poke(const MotionOptions& o) { return pokes(o, 0.05); }
+/// As one pokes who reads a force: it waits until the tissue is still.
+std::vector<Waypoint> probe(const MotionOptions& o) { return pokes(o, 1); }
 
 }  // namespace
 
@@ -204,7 +208,7 @@ struct Motion {
     const char* name;
     std::vector<Waypoint> (*make)(const MotionOptions&);
 };
-constexpr Motion motions[] = {{"press", press}, {"slide", slide}, {"poke", poke}, {"sine", sine}};
+constexpr Motion motions[] = {{"press", press}, {"slide", slide}, {"poke", poke}, {"probe", probe}, {"sine", sine}};
 
 std::string not_a_motion(const std::string& name) {
     for (const Motion& motion : motions)

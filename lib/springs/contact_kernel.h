@@ -42,7 +42,7 @@ class ContactKernel {
     virtual double spacing_m() const = 0;  ///< of the surface's nodes
 
     /// Contacts become exp(.) as stiff, by node (N) and with a contact's own mean between them: where the tissue itself is stiffer or softer
-    /// than what the law knows of the place (adapt/unknowns.h). Of no rows: as the law says.
+    /// than what the law knows of the place (adapt/unknowns.h). Of no rows: as the law says. Of as many rows as before: no allocation.
     void scale(const Eigen::VectorXd& log_scale) { log_scale_ = log_scale; }
 
    protected:

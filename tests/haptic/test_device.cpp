@@ -191,6 +191,15 @@ TEST_CASE("the remote device takes the newest position and counts what is late, 
     CHECK(ledger(device, "lost") == 2);
     CHECK(ledger(device, "late") == 1);
     CHECK(ledger(device, "foreign") == 2);
+    CHECK(std::isnan(device.read(0.1).measured_N.x()));
+    const SensorDatagram felt{{{'T', 'S', 'P', '2'}, 14, 0, {0.4, 0, 0}, 0}, {0.1, -1.5, 0.2}};
+    client.send(&felt, sizeof felt);
+    CHECK(wait_for([&] { return device.read(0.15).position_m.x() == 0.4; }));
+    CHECK(device.read(0.15).measured_N == Eigen::Vector3d(0.1, -1.5, 0.2));
+    client.send(&felt, sizeof felt - 8);  // of neither size
+    const SensorDatagram first{{{'T', 'S', 'P', '1'}, 15, 0, {0.5, 0, 0}, 0}, {1, 1, 1}};
+    client.send(&first, sizeof first);  // of the one's magic and the other's size
+    CHECK(wait_for([&] { return device.read(0.16).position_m.x() == 0.4 && ledger(device, "foreign") == 4; }));
     Client second(device.port());  // another client, from another start
     second.send(1, 0.7, 0);
     CHECK(wait_for([&] { return device.read(0.2).position_m.x() == 0.7; }));

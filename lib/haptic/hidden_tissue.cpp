@@ -1,0 +1,25 @@
+#include "haptic/hidden_tissue.h"
+
+namespace tissue {
+namespace {
+
+HapticOptions alone(HapticOptions options) {
+    options.heuristic_mesh = false;
+    options.stiffest = 1;
+    return options;
+}
+
+}  // namespace
+
+HiddenTissue::HiddenTissue(std::unique_ptr<Device> hand, const TissueModel& truth, HapticOptions options)
+    : hand_(std::move(hand)), model_(truth, alone(std::move(options))), simulation_(model_) {}
+
+DeviceSample HiddenTissue::read(double time_s) noexcept {
+    DeviceSample sample = hand_->read(time_s);
+    simulation_.tick(sample);
+    const TickRecord& tick = simulation_.record();
+    sample.measured_N = model_.options.map.axes.transpose() * (tick.mesh >= 0 ? Point(-tick.coupling_N) : Point(Point::Zero(model_.dimension())));
+    return sample;
+}
+
+}  // namespace tissue

@@ -1,0 +1,130 @@
+#include "haptic/learner.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "error.h"
+#include "haptic/realtime_law.h"
+
+namespace tissue {
+namespace {
+
+RealtimeLaw& law_of(HapticModel& model) {
+    if (!model.is_law()) throw MismatchError("only a law learns while it plays; the stiffness of this model is sets");
+    return *model.meshes.front()->law;
+}
+
+LawStiffness stiffness_of(const LawModel& law) { return {law.constants, law.patch, law.contact_log_scale}; }
+
+/// A number towards another by a part of itself at the most; true when it is there.
+bool step_towards(double& now, double goal, double most) noexcept {
+    const double way = goal - now;
+    if (std::abs(way) <= most) {
+        now = goal;
+        return true;
+    }
+    now += way > 0 ? most : -most;
+    return false;
+}
+
+}  // namespace
+
+Learner::Learner(HapticModel& model, Adaptation& adaptation, const LearnerOptions& options)
+    : model_(model), adaptation_(adaptation), options_(options), law_(law_of(model)), now_(law_.stiffness()), readings_to_learn_(64),
+      learned_(law_.stiffness()) {
+    const LawModel law = adaptation.law();
+    if (law.constants.size() != now_.constants.size() || law.patch.log_N_m.rows() != now_.patch.log_N_m.rows())
+        throw MismatchError("what learns is not of the model that plays");
+    if (adaptation.options().largest > std::log(model.options.stiffest) + 1e-12)
+        throw MismatchError(fmt::format("unknowns up to {:g} may become stiffer than {:g} times, which the model's steps are for", adaptation.options().largest, model.options.stiffest));
+    const Point nothing = Point::Zero(model.dimension());
+    held_m_ = sum_measured_N_ = sum_model_N_ = sum_push_m_ = nothing;
+    learned_.back() = stiffness_of(law);
+    learned_.publish();
+    thread_ = std::thread([this] { learn(); });
+}
+
+Learner::~Learner() { stop(); }
+
+void Learner::stop() {
+    stop_.store(true);
+    if (thread_.joinable()) thread_.join();
+}
+
+bool Learner::before(Simulation& simulation) {
+    if (learned_.fetch()) arrived_ = false;
+    if (arrived_) return true;
+    const LawStiffness& goal = learned_.front();
+    arrived_ = true;
+    for (Eigen::Index c = 0; c < now_.constants.size(); ++c) arrived_ &= step_towards(now_.constants[c], goal.constants[c], options_.step * now_.constants[c]);
+    for (Eigen::Index n = 0; n < now_.contact_log_scale.size(); ++n) arrived_ &= step_towards(now_.contact_log_scale[n], goal.contact_log_scale[n], options_.step);
+    for (Eigen::Index i = 0; i < now_.patch.log_N_m.size(); ++i) arrived_ &= step_towards(now_.patch.log_N_m.data()[i], goal.patch.log_N_m.data()[i], options_.step);
+    law_.become(now_);
+    simulation.law_changed();
+    return true;
+}
+
+void Learner::after(const Simulation& simulation, const TickBooks& books) {
+    const TickRecord& tick = simulation.record();
+    const bool feels = tick.mesh == 0 && !tick.fault && !tick.slipping && tick.measured_N.allFinite() && !books.left_out;
+    const bool same = feels && tick.facet == facet_ && tick.weight == weight_ && (tick.contact_displacement_m - held_m_).norm() < options_.still_m;
+    if (!same) {
+        facet_ = feels ? tick.facet : -1;
+        weight_ = tick.weight;
+        held_m_ = tick.contact_displacement_m;
+        held_ticks_ = summed_ = 0;
+        taken_ = false;
+        sum_measured_N_.setZero();
+        sum_model_N_.setZero();
+        sum_push_m_.setZero();
+        return;
+    }
+    if (taken_) return;
+    const int hold = static_cast<int>(options_.hold_s / model_.options.dt_s);
+    if (++held_ticks_ > hold / 2) {
+        sum_measured_N_ += tick.measured_N;
+        sum_model_N_ -= tick.coupling_N;
+        sum_push_m_ += tick.contact_displacement_m;
+        ++summed_;
+    }
+    if (held_ticks_ < hold) return;
+    taken_ = true;
+    const double n = summed_;
+    const Reading reading{books.time_s, model_.meshes.front()->springs.rest_place(facet_, weight_), sum_push_m_ / n, sum_measured_N_ / n, sum_model_N_ / n};
+    ++readings_;
+    if (!readings_to_learn_.push(reading)) ++dropped_;
+}
+
+void Learner::learn() {
+    for (;;) {
+        const bool last = stop_.load();
+        Reading reading;
+        bool any = false;
+        while (readings_to_learn_.pop(reading)) {
+            any = true;
+            learn_from(reading);
+        }
+        if (last) return;
+        if (!any) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+}
+
+void Learner::learn_from(const Reading& reading) {
+    Poke poke{reading.contact_m, reading.push_m, reading.measured_N};
+    const LawModel& base = *adaptation_.base().energy_law;
+    if (!base.relaxation.empty() && reading.model_N.norm() > 0) try {
+            const Expected now = adaptation_.expect(poke.contact_m, poke.push_m);
+            if (now.status == PressStatus::held) poke.force_N *= now.force_N.norm() / reading.model_N.norm();
+        } catch (const MismatchError&) {  // on what is held: learn() says so
+        }
+    const PokeAnswer answer = adaptation_.learn(poke);
+    if (answer.status == PokeStatus::learned) {
+        learned_.back() = stiffness_of(adaptation_.law());
+        learned_.publish();
+    }
+    if (tell_) tell_({reading.time_s, poke, answer}, adaptation_, with_);
+}
+
+}  // namespace tissue

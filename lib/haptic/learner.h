@@ -1,0 +1,88 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "adapt/adaptation.h"
+#include "haptic/latest.h"
+#include "haptic/spsc_ring.h"
+#include "haptic/tick_hook.h"
+
+namespace tissue {
+
+struct LearnerOptions {
+    double hold_s = 0.4;     ///< a hand that has been still so long gives a reading, the mean of the second half
+    double still_m = 2e-4;   ///< and still means within this
+    double step = 0.002;     ///< every stiffness goes a tick at the most by this part of itself towards what was learned
+};
+
+/// A law that learns while it plays, from a hand with a force sensor (DeviceSample::measured_N): whenever the hand holds still in the tissue
+/// what it feels becomes a poke, a thread of its own learns from it (adapt/adaptation.h), and the tick's law goes there step by step, so that
+/// in no tick force changes by more than `step` of it. Neither waits for the other. Of a law that relaxes the reading is taken as the law
+/// itself would have it at once: times its static force over what it has in this tick.
+///
+/// What goes to the hand is bounded by Safety's slew and its own book whatever becomes of the law. HapticOptions::stiffest says how stiff
+/// it may become; unknowns are kept below its logarithm.
+class Learner final : public TickHook {
+   public:
+    /// model: of the simulation that plays, with nobody else; it and the adaptation outlive this. Throws MismatchError where adaptation is
+    /// of another mesh or may become stiffer than the model's steps bear.
+    Learner(HapticModel& model, Adaptation& adaptation, const LearnerOptions& options = {});
+    ~Learner() override;
+
+    bool before(Simulation& simulation) override;
+    void after(const Simulation& simulation, const TickBooks& books) override;
+
+    /// What became of a poke that the hand gave.
+    struct Line {
+        double time_s;       ///< of the session
+        Poke poke;
+        PokeAnswer answer;
+    };
+    /// Called in the learner's thread, one at a time, after each. Set before the session.
+    void on_line(void (*tell)(const Line&, const Adaptation&, void*), void* with) { tell_ = tell, with_ = with; }
+
+    /// Waits until all that was read is learned, and ends the thread. Then the adaptation is the caller's again.
+    void stop();
+
+    long long readings() const { return readings_.load(); }
+    long long dropped() const { return dropped_.load(); }      ///< readings that came faster than they were learned
+    bool arrived() const { return arrived_; }                  ///< whether the tick's law is all that has been published
+
+   private:
+    struct Reading {
+        double time_s = 0;
+        Point contact_m, push_m, measured_N, model_N;
+    };
+    void learn();
+    void learn_from(const Reading& reading);
+
+    HapticModel& model_;
+    Adaptation& adaptation_;
+    LearnerOptions options_;
+    RealtimeLaw& law_;
+    // the tick's
+    LawStiffness now_;
+    bool arrived_ = true;
+    int facet_ = -1;
+    Eigen::Vector3d weight_ = Eigen::Vector3d::Zero();
+    Point held_m_;
+    Point sum_measured_N_, sum_model_N_, sum_push_m_;
+    int held_ticks_ = 0, summed_ = 0;
+    bool taken_ = false;
+    // between the two
+    SpscRing<Reading> readings_to_learn_;
+    Latest<LawStiffness> learned_;
+    std::atomic<long long> readings_{0}, dropped_{0};
+    std::atomic<bool> stop_{false};
+    // the thread's
+    void (*tell_)(const Line&, const Adaptation&, void*) = nullptr;
+    void* with_ = nullptr;
+    std::thread thread_;
+};
+
+}  // namespace tissue

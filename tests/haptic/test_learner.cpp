@@ -1,0 +1,227 @@
+#include "haptic/learner.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "../adapt/adapt_example.h"
+#include "../allocations.h"
+#include "../example.h"
+#include "../solid_law_example.h"
+#include "../solid_shape_study.h"
+#include "error.h"
+#include "haptic/hidden_tissue.h"
+#include "haptic/realtime_law.h"
+#include "haptic/virtual_device.h"
+#include "haptic_example.h"
+#include "springs/law_press.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr double most = 1.5;
+
+AdaptOptions live() {
+    AdaptOptions options;
+    options.largest = most;
+    return options;
+}
+
+HapticOptions options_for_learning() {
+    HapticOptions options;
+    options.heuristic_mesh = false;
+    options.stiffest = std::exp(most);
+    return options;
+}
+
+/// A session without a clock: a law that learns from a hand which probes a hidden tissue.
+struct Session {
+    TissueModel law;
+    HapticModel model;
+    Simulation simulation;
+    Adaptation adaptation;
+    Learner learner;
+    HiddenTissue device;
+    long long tick = 0;
+
+    Session(const TissueModel& base, const TissueModel& truth, double seconds, unsigned long seed = 3)
+        : law(base), model(law, options_for_learning()), simulation(model), adaptation(law, live()), learner(model, adaptation),
+          device(std::make_unique<VirtualDevice>(make_motion({"probe", seconds, 0.006, seed, &law.mesh}), model.options.map), truth, options_for_learning()) {}
+
+    /// One tick, as run_loop has it.
+    void step() {
+        learner.before(simulation);
+        const DeviceSample sample = device.read(1e-3 * static_cast<double>(tick));
+        device.write(simulation.tick(sample));
+        TickBooks books;
+        books.time_s = 1e-3 * static_cast<double>(tick++);
+        learner.after(simulation, books);
+    }
+    /// As much time for the learner as the clock would have given it.
+    void wait(long long lines) {
+        for (int k = 0; k < 20000 && adaptation_lines < lines; ++k) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    std::atomic<long long> adaptation_lines{0};
+    void count_lines() {
+        learner.on_line([](const Learner::Line&, const Adaptation&, void* with) { ++*static_cast<std::atomic<long long>*>(with); }, &adaptation_lines);
+    }
+};
+
+}  // namespace
+
+TEST_CASE("a law that becomes another has the forces of one that was made so, and allocates nothing", "[adapt][law]") {
+    SpringMesh shape = edge_mesh(dome(6));
+    for (const TissueModel& model : {law_example(), solid_law_example(make_lattice("grid26", Lattice{{5, 4, 3}, {0.05, 0.06, 0.02}})), solid_law_example(shape)}) {
+        Draw draw(5);
+        TissueModel other = model;
+        for (double& c : other.energy_law->constants) c *= draw(0.3, 3);
+        other.energy_law->contact_log_scale.resize(model.mesh.node_count());
+        for (double& s : other.energy_law->contact_log_scale) s = draw(-1, 1);
+        other.energy_law->patch.log_N_m(0, 0) += 0.3;
+        const RealtimeMesh springs(model.mesh, "geometric", model.node_mass_kg);
+        RealtimeLaw law(model, springs);
+        const RealtimeLaw wanted(other, springs);
+        {
+            const LawStiffness& stiffness = wanted.stiffness();
+            const Allocations none;
+            law.become(stiffness);
+            CHECK(Allocations::count() == 0);
+        }
+        const NodeColumns u = scattered(model.mesh, 1e-3);
+        NodeColumns f = u, g = u;
+        Eigen::VectorXd scratch(law.scratch_size());
+        law.force(u, f, scratch);
+        wanted.force(u, g, scratch);
+        CHECK((f - g).norm() < 1e-12 * g.norm());
+        ToolSpring a, b;
+        law.contact(3, Eigen::Vector3d::Constant(1.0 / 3), a);
+        wanted.contact(3, Eigen::Vector3d::Constant(1.0 / 3), b);
+        const Point push = Point::Constant(model.mesh.dimension(), 1e-3);
+        CHECK((a.hand_N(push, u) - b.hand_N(push, u)).norm() < 1e-12 * b.hand_N(push, u).norm());
+    }
+}
+
+TEST_CASE("while it plays a law becomes the tissue that the hand feels, and force never jumps", "[adapt]") {
+    const TissueModel law = law_example(), truth = stiffer(law, 0.5);
+    Session s(law, truth, 16);
+    s.count_lines();
+    Eigen::Vector3d last = Eigen::Vector3d::Zero();
+    double largest_jump = 0, largest_step = 0;
+    long long readings = 0;
+    for (int k = 0; k < 16000; ++k) {
+        const double before = s.model.meshes[0]->law->stiffness().constants[0];
+        s.step();
+        largest_step = std::max(largest_step, std::abs(s.model.meshes[0]->law->stiffness().constants[0] / before - 1));
+        largest_jump = std::max(largest_jump, (s.simulation.record().device_N - last).norm());
+        last = s.simulation.record().device_N;
+        CHECK_FALSE(!last.allFinite());
+        if (s.learner.readings() > readings) s.wait(++readings);
+    }
+    s.learner.stop();
+    CHECK(readings >= 4);
+    CHECK(s.adaptation.state().learned >= 4);
+    CHECK(largest_jump <= s.model.options.safety.slew_N_s * 1e-3 * (1 + 1e-9));
+    CHECK(largest_step <= LearnerOptions().step * (1 + 1e-9));
+    CHECK(largest_step > 0);
+    CHECK(s.learner.arrived());
+    // what plays is what was learned, and near the truth
+    CHECK((s.model.meshes[0]->law->stiffness().constants - s.adaptation.law().constants).norm() == 0);
+    const std::vector<Poke> held_out = pokes_of(truth, 20, 9);
+    CHECK(worst_error(law, held_out) > 0.35);
+    CHECK(worst_error(s.adaptation.model(), held_out) < 0.2);
+}
+
+TEST_CASE("a tick beside the learner allocates nothing", "[adapt]") {
+    const TissueModel law = law_example();
+    Session s(law, stiffer(law, 0.4), 4);
+    s.count_lines();
+    for (int k = 0; k < 2000; ++k) s.step();
+    s.wait(s.learner.readings());
+    REQUIRE(s.learner.readings() >= 1);
+    long allocated = 0;
+    {
+        const Allocations none;
+        for (int k = 0; k < 50; ++k) s.step();  // it is on its way to what was learned
+        allocated = Allocations::count();
+    }
+    CHECK(allocated == 0);
+}
+
+TEST_CASE("tissue that relaxes is read through its branches", "[adapt][memory]") {
+    const TissueModel law = relaxing(law_example());
+    TissueModel truth = law;
+    truth.energy_law->constants *= std::exp(0.4);
+    truth.energy_law->contact_log_scale = Eigen::VectorXd::Constant(law.mesh.node_count(), 0.4);
+    Session s(law, truth, 8);
+    s.count_lines();
+    long long readings = 0;
+    for (int k = 0; k < 8000; ++k) {
+        s.step();
+        if (s.learner.readings() > readings) s.wait(++readings);
+    }
+    s.learner.stop();
+    REQUIRE(s.adaptation.state().learned >= 2);
+    TissueModel at_once = s.adaptation.model(), wanted = truth;
+    at_once.energy_law = instantaneous(*at_once.energy_law);
+    wanted.energy_law = instantaneous(*wanted.energy_law);
+    const std::vector<Poke> held_out = pokes_of(wanted, 12, 9);
+    CHECK(worst_error(law, held_out) > 0.3);
+    CHECK(worst_error(at_once, held_out) < 0.15);
+}
+
+TEST_CASE("a hand without a sensor, one that moves and one that slips give no reading", "[adapt]") {
+    const TissueModel law = law_example();
+    HapticModel model(law, options_for_learning());
+    Adaptation adaptation(law, live());
+    Learner learner(model, adaptation);
+    Simulation simulation(model);
+    const auto run = [&](bool sensor, double wave_m) {
+        for (int k = 0; k < 4000; ++k) {  // in, there, and out
+            learner.before(simulation);
+            const double depth = std::clamp(1e-5 * std::min(k, 4000 - k) - 0.005, -0.005, 0.005) + wave_m * std::sin(0.05 * k);
+            DeviceSample sample = sample_at(0.05, 0.1 - depth);
+            if (sensor) sample.measured_N = Eigen::Vector3d(0, -1, 0);
+            simulation.tick(sample);
+            learner.after(simulation, {});
+        }
+    };
+    run(false, 0);
+    CHECK(learner.readings() == 0);
+    run(true, 1e-3);
+    CHECK(learner.readings() == 0);
+    run(true, 0);
+    CHECK(learner.readings() == 1);  // one a hold, however long
+    learner.stop();
+}
+
+TEST_CASE("what learns must be of the model that plays, and no stiffer than its steps bear", "[adapt]") {
+    const TissueModel law = law_example();
+    HapticModel model(law, options_for_learning());
+    Adaptation other(law_example(make_lattice("grid8", 6, 6, 0.1, 0.1)), live());
+    CHECK_THROWS_WITH(Learner(model, other), Contains("not of the model that plays"));
+    Adaptation bold(law);
+    CHECK_THROWS_WITH(Learner(model, bold), Contains("which the model's steps are for"));
+    HapticModel sets(haptic_example(), {});
+    CHECK_THROWS_WITH(Learner(sets, other), Contains("only a law"));
+}
+
+TEST_CASE("a law as stiff as it may become stays stable in its steps", "[adapt]") {
+    const TissueModel law = law_example();
+    HapticModel model(law, options_for_learning());
+    model.meshes[0]->law->become(RealtimeLaw(stiffer(law, most), model.meshes[0]->springs).stiffness());
+    Simulation simulation(model);
+    Port port(simulation);
+    Draw draw(2);
+    for (int k = 0; k < 3000; ++k) {
+        const double depth = std::max(0.0, 0.008 * std::sin(0.004 * k));
+        port.tick(sample_at(0.05 + 1e-4 * draw(-1, 1), 0.101 - depth), 1e-3);
+    }
+    CHECK(simulation.counters().unstable == 0);
+    CHECK(simulation.state(0).displacement.allFinite());
+    CHECK(simulation.record().device_N.norm() <= model.options.safety.force_max_N);
+}
