@@ -70,7 +70,7 @@ FORCE:
 
 # ---- front door
 
-.PHONY: felupe realtime ablation all mesh cases train eval figures report reference regress regress-proof trust gains patient test sanitize bench benches deps help clean build install uninstall doctor
+.PHONY: felupe realtime ablation all mesh cases train eval figures report reference regress regress-proof trust gains patient patient3 test sanitize bench benches deps help clean build install uninstall doctor
 
 ## all: the whole study, from mesh to report
 all: figures eval report
@@ -211,7 +211,7 @@ $(THREE): | build/deps
 
 # The plan says which load paths there are and with which arguments; its parts say what each stage depends on, and
 # keep their time stamp while their text stays the same.
-ifneq (,$(filter-out help clean deps build install uninstall doctor reference regress regress-proof trust felupe gains patient test sanitize bench benches $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
+ifneq (,$(filter-out help clean deps build install uninstall doctor reference regress regress-proof trust felupe gains patient patient3 test sanitize bench benches $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
 include $(R)/plan.mk
 endif
 # A shape has no surface to plan contacts on until it is meshed: its first plan says where it comes from, SHAPE and
@@ -318,6 +318,12 @@ patient: $(TISSUECTL) $(BUILD)/adapt_probe
 	@$(MAKE) train STUDY=surface-quick
 	@for patient in $(PATIENTS); do $(MAKE) cases STUDY=patient-$$patient || exit 1; done
 	@$(PYTHON) scripts/patient_study.py $(BUILD)/adapt_probe results/reference/patient $(PATIENTS)
+
+## patient3: the same in space, as results/reference/patient3.md
+patient3: $(TISSUECTL) $(BUILD)/adapt_probe
+	@$(MAKE) train STUDY=block3-quick
+	@$(MAKE) cases STUDY=nodule3
+	@$(PYTHON) scripts/patient_study.py $(BUILD)/adapt_probe results/reference/patient3 stiff3 nodule3
 
 # ---- tests and benches
 

@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 
 #include "cases/measured_cases.h"
+#include "cases/measured_histories.h"
 #include "command.h"
 #include "error.h"
 #include "io/atomic_file.h"
@@ -13,15 +15,17 @@ namespace tissue::cli {
 namespace {
 
 struct Options {
-    std::string data, study, out;
+    std::string data, study, out, histories;
 };
 
 void run(const Options& o, Provenance provenance) {
     const Study study = read_study(o.study);
     if (!study.data) throw StudyError(o.study + ": has no [data]; measured contacts have no place in it");
-    const Cases cases = measured_cases(study, read_measured_csv(o.data));
+    Cases cases = measured_cases(study, read_measured_csv(o.data));
+    if (!o.histories.empty()) cases.histories = read_measured_histories(study, o.histories);
     provenance.seed = study.data->seed;
     provenance.inputs[std::filesystem::path(o.data).filename().string()] = file_hash(o.data);
+    if (!o.histories.empty()) provenance.inputs[std::filesystem::path(o.histories).filename().string()] = file_hash(o.histories);
     write_cases(o.out, cases, provenance);
 
     const Measurement& m = *cases.measurement;
@@ -35,6 +39,11 @@ void run(const Options& o, Provenance provenance) {
                              "out\nimport {}: noise ({}): {:.2g} % of the force, {:.2g} mm, a component\n",
                              o.data, m.rows, m.contacts, sets, validation, held_out, o.data, m.noise_source,
                              100 * m.force_noise, 1e3 * m.displacement_noise_m);
+    if (!cases.histories.empty()) {
+        const auto count = [&](const char* role) { return std::count_if(cases.histories.begin(), cases.histories.end(), [&](const History& h) { return h.role == role; }); };
+        std::cerr << fmt::format("import {}: {} histories: {} to fit shares to, {} to choose with, {} held out\n", o.histories, cases.histories.size(), count("train"),
+                                 count("validation"), count("held_out"));
+    }
     for (const std::string& line : m.outliers) std::cerr << fmt::format("import {}: outlier, kept: {}\n", o.data, line);
 }
 
@@ -45,6 +54,7 @@ void add_import(CLI::App& app, const Invocation& invocation) {
     CLI::App* command = app.add_subcommand("import", "Take measured contact forces in place of finite elements.");
     command->add_option("data", o->data, "CSV: contact, displacement and force, units in its header")
         ->required()->type_name("FILE");
+    command->add_option("--histories", o->histories, "CSV of the tool in time: history, time, contact, displacement and force")->type_name("FILE");
     command->add_option("--study", o->study, "study file, with [data]")->required()->type_name("FILE");
     command->add_option("--out", o->out, "cases.h5 to write")->required()->type_name("FILE");
     command->callback([o, &invocation] { run(*o, {invocation.command, 0, {}}); });

@@ -77,7 +77,7 @@ TissueModel Adaptation::model() const {
     TissueModel now = base_;
     now.energy_law = law();
     // the heuristic beside it is (7) with E2 as it has become, or it would give way under the same force as nothing there does
-    const Eigen::ArrayXd stiffer = (unknowns_.by_constant.topRows(now.mesh.spring_count()) * state_.x).array().exp();
+    const Eigen::ArrayXd stiffer = Eigen::VectorXd(unknowns_.by_constant * state_.x).head(now.mesh.spring_count()).array().exp();
     now.heuristic_a.array() *= stiffer;
     now.heuristic_b.array() *= stiffer;
     return now;
@@ -90,7 +90,7 @@ Adaptation::Linear Adaptation::linearise(const Point& contact_m, const Point& pu
     Linear linear{solver_.press(now.constants, contact, push_m, from), {}};
     if (linear.rest.status == PressStatus::lost) return linear;
     const ForceDerivative by = solver_.force_derivative();
-    linear.by_x = (by.by_constant * now.constants.asDiagonal()) * unknowns_.by_constant;
+    linear.by_x = Eigen::MatrixXd(by.by_constant * now.constants.asDiagonal()) * unknowns_.by_constant;
     const ContactRows& rows = contact.rows;
     Eigen::RowVectorXd scale = Eigen::RowVectorXd::Zero(unknowns_.size());
     for (std::size_t i = 0; i < rows.nodes.size(); ++i) scale += rows.mean[static_cast<Eigen::Index>(i)] * unknowns_.by_node.row(rows.nodes[i]);

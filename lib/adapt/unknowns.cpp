@@ -14,13 +14,16 @@ namespace tissue {
 namespace {
 
 /// Weight of each node in each of the law's elements (E x N): the mean of its nodes.
-Eigen::MatrixXd element_means(const TissueEnergy& energy) {
-    Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(energy.constant_count(), energy.node_count());
+Unknowns::Rows element_means(const TissueEnergy& energy) {
+    std::vector<Eigen::Triplet<double>> entries;
     for (std::size_t k = 0; k < energy.kinds().size(); ++k) {
         const Cells& nodes = energy.kinds()[k]->nodes();
         for (Eigen::Index e = 0; e < nodes.rows(); ++e)
-            for (int node : nodes.row(e)) mean(energy.first_of(k) + e, node) += 1.0 / static_cast<double>(nodes.cols());
+            for (int node : nodes.row(e))
+                entries.emplace_back(static_cast<int>(energy.first_of(k) + e), node, 1.0 / static_cast<double>(nodes.cols()));
     }
+    Unknowns::Rows mean(energy.constant_count(), energy.node_count());
+    mean.setFromTriplets(entries.begin(), entries.end());
     return mean;
 }
 
@@ -34,6 +37,15 @@ Eigen::MatrixXd covariance(const TissueModel& model, const NodeField& place_m, c
             prior(i, j) = options.common * options.common + options.local * options.local * std::exp(-away);
         }
     return prior;
+}
+
+/// Row i is column first + i.
+Unknowns::Rows one_each(Eigen::Index rows, Eigen::Index columns, Eigen::Index first) {
+    Unknowns::Rows each(rows, columns);
+    each.reserve(Eigen::VectorXi::Ones(rows));
+    for (Eigen::Index i = 0; i < rows; ++i) each.insert(i, first + i) = 1;
+    each.makeCompressed();
+    return each;
 }
 
 /// Of the law's terms, over the constants that it has now.
@@ -52,10 +64,11 @@ void add_terms(const TissueModel& model, Unknowns& u, const PriorOptions& option
     const Eigen::Index P = terms.size() + 1;
     u.terms = law.terms;
     u.terms.insert(u.terms.begin(), "scale");
-    u.by_constant = Eigen::MatrixXd::Ones(law.constants.size(), P);
-    u.by_constant.rightCols(P - 1) = law.constants.cwiseInverse().asDiagonal() * terms.constants_by(zero);
-    u.by_node = Eigen::MatrixXd::Zero(model.mesh.node_count(), P);
-    u.by_node.col(0).setOnes();
+    Eigen::MatrixXd by_constant = Eigen::MatrixXd::Ones(law.constants.size(), P), by_node = Eigen::MatrixXd::Zero(model.mesh.node_count(), P);
+    by_constant.rightCols(P - 1) = law.constants.cwiseInverse().asDiagonal() * terms.constants_by(zero);
+    by_node.col(0).setOnes();
+    u.by_constant = by_constant.sparseView();
+    u.by_node = by_node.sparseView();
     for (Eigen::Index p = 0; p < P; ++p) {
         Eigen::MatrixXd by = Eigen::MatrixXd::Zero(law.patch.log_N_m.rows(), law.patch.log_N_m.cols());
         if (p > 0) by = terms.patch(Eigen::VectorXd::Unit(P - 1, p - 1)).log_N_m - law.patch.log_N_m;
@@ -79,22 +92,21 @@ Unknowns make_unknowns(const TissueModel& model, const std::string& kind, const 
     Unknowns u;
     u.kind = kind;
     if (kind == "scale") {
-        u.by_constant = Eigen::MatrixXd::Ones(E, 1);
-        u.by_node = Eigen::MatrixXd::Ones(N, 1);
+        u.by_constant = Eigen::MatrixXd::Ones(E, 1).sparseView();
+        u.by_node = Eigen::MatrixXd::Ones(N, 1).sparseView();
         u.prior = Eigen::MatrixXd::Constant(1, 1, options.common * options.common + options.local * options.local);
     } else if (kind == "terms") {
         add_terms(model, u, options);
     } else if (kind == "field") {
         u.place_m = model.mesh.nodes;
         u.by_constant = element_means(TissueEnergy(model.mesh, law.incompressible));
-        u.by_node = Eigen::MatrixXd::Identity(N, N);
+        u.by_node = one_each(N, N, 0);
         u.prior = covariance(model, u.place_m, options);
     } else if (kind == "elements") {
         u.place_m.resize(E + N, model.mesh.dimension());
-        u.place_m << element_means(TissueEnergy(model.mesh, law.incompressible)) * model.mesh.nodes, model.mesh.nodes;
-        u.by_constant = Eigen::MatrixXd::Identity(E, E + N);
-        u.by_node = Eigen::MatrixXd::Zero(N, E + N);
-        u.by_node.rightCols(N).setIdentity();
+        u.place_m << NodeField(element_means(TissueEnergy(model.mesh, law.incompressible)) * model.mesh.nodes), model.mesh.nodes;
+        u.by_constant = one_each(E, E + N, 0);
+        u.by_node = one_each(N, E + N, E);
         u.prior = covariance(model, u.place_m, options);
     } else {
         throw MismatchError(fmt::format("unknowns '{}' are not known; allowed: {}", kind, fmt::join(unknown_kinds(), ", ")));

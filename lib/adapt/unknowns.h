@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/SparseCore>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,9 @@ struct Unknowns {
     std::string kind;              ///< scale, terms, field, elements
     std::vector<std::string> terms;  ///< of `terms` (P); else none
     NodeField place_m;             ///< of `field`, of `elements`: where each lies (P x D); else no rows
-    Eigen::MatrixXd by_constant;   ///< d log constant / dx (E x P)
-    Eigen::MatrixXd by_node;       ///< d log scale of contacts at a node / dx (N x P)
+    using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+    Rows by_constant;              ///< d log constant / dx (E x P)
+    Rows by_node;                  ///< d log scale of contacts at a node / dx (N x P)
     std::vector<Eigen::MatrixXd> by_patch;  ///< of `terms`: d PatchLaw::log_N_m / dx (P of K x F); else none
     Eigen::MatrixXd prior;         ///< covariance of x before the first poke (P x P)
 

@@ -229,7 +229,7 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         "$(R)/model.h5: $(R)/plan/train\n"
         "PATHS :={}\n"
         "FIGURES := {}{}\n",
-        study.data ? "import " + for_make(study, "data.file", study.data->file) : "collect --paths $(R)/cases",
+        study.data ? "import " + for_make(study, "data.file", study.data->file) + (study.data->histories.empty() ? "" : " --histories " + for_make(study, "data.histories", study.data->histories)) : "collect --paths $(R)/cases",
         study.data ? "import" : "collect", names,
         solid                    ? std::string(study.draws.empty() ? "" : "held_out held_out_force shape solid") + (study.map ? " map" : "")
         : study.springs.is_law() ? study.data            ? "held_out"
@@ -237,11 +237,14 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
                                                        : "held_out held_out_force shape contours"
         : study.loads.sweep ? "held_out held_out_force shape contours springs"
                             : "contours force learning springs errors character",
-        std::any_of(histories.begin(), histories.end(), [](const PlannedHistory& h) { return h.role == "held_out"; }) ? " histories" : "");
+        (study.data && !study.data->histories.empty()) ||
+                std::any_of(histories.begin(), histories.end(), [](const PlannedHistory& h) { return h.role == "held_out"; })
+            ? " histories"
+            : "");
     plan.parts["collect"] = collect_part(study, paths, histories);
     plan.parts["train"] = train_part(study);
     if (study.data) {
-        plan.fragment += fmt::format("$(R)/cases.h5: $(wildcard {})\n", study.data->file);
+        plan.fragment += fmt::format("$(R)/cases.h5: $(wildcard {}{})\n", study.data->file, study.data->histories.empty() ? "" : " " + study.data->histories);
         return plan;
     }
     if (block) {

@@ -191,7 +191,7 @@ void take_share(Study::LawParameters& p, double share) {
 
 Relaxation study_relaxation(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, const EnergyLaw& law) {
     Relaxation r;
-    if (!study.material.relaxes()) return r;
+    if (!study.material.relaxes() || study.material.fits_shares) return r;
     const auto K = static_cast<Eigen::Index>(study.material.viscosity.size());
     r.tau_s.resize(K);
     r.contact_share.resize(K);

@@ -63,6 +63,11 @@ Json training(const LawModel& law, const LawBook& book) {
     Json j = {{"objective", book.objective}, {"paths", book.paths}, {"records", book.records}, {"seconds", book.seconds},
               {"factor", book.factor}, {"kept", book.kept}, {"lost", book.lost}};
     for (std::size_t t = 0; t < law.terms.size(); ++t) j["terms"][law.terms[t]] = law.coefficients[static_cast<Eigen::Index>(t)];
+    if (const auto& s = book.shares) {
+        j["shares"] = {{"histories", s->histories}, {"status", s->status}, {"kkt_residual", s->kkt_residual}, {"misfit", s->misfit}, {"grown", s->grown}};
+        for (int k = 0; k < law.relaxation.branches(); ++k)
+            j["shares"]["branches"].push_back({{"g", law.relaxation.contact_share[k]}, {"tau_s", law.relaxation.tau_s[k]}});
+    }
     for (std::size_t s = 0; s < book.status.size(); ++s) {
         const auto i = static_cast<Eigen::Index>(s);
         j["starts"].push_back({{"status", book.status[s]}, {"objective", book.start_objective[i]}, {"gradient", book.gradient[i]},

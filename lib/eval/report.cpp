@@ -182,30 +182,35 @@ std::string map_markdown(const ForceMap& map) {
     return out + "\n\n";
 }
 
-std::string histories_markdown(const HistoryTable& h) {
+std::string histories_markdown(const HistoryTable& h, bool measured) {
     if (h.empty()) return "";
+    const bool has_elastic = h.elastic_rms("").n > 0;
     const auto three = [](const Statistics& s) { return s.n == 0 ? std::string("none") : fmt::format("{} / {} / {}", percent(s.median), percent(s.p95), percent(s.max)); };
-    std::string out =
+    std::string out = fmt::format(
         "## Force over time\n\nHistories at contacts that nothing was trained on: the tool is held where the history has it, and the model plays tick by "
-        "tick, with the mass of its nodes, beside finite elements that relax and have mass. *rms*: of the force's error over time, over that of the "
+        "tick, with the mass of its nodes, beside {}. *rms*: of the force's error over time, over that of the "
         "force. *peak*: the largest error over the largest force. Median / p95 / max.\n\n"
-        "| histories | n | learned, rms | learned, peak | the law's own: without relaxation, beside FE without, rms |\n|---|---|---|---|---|\n";
+        "| histories | n | learned, rms | learned, peak |{}\n|---|---|---|---|{}\n",
+        measured ? "what was measured, its noise included" : "finite elements that relax and have mass",
+        has_elastic ? " the law's own: without relaxation, beside FE without, rms |" : "", has_elastic ? "---|" : "");
     std::vector<std::string> groups = h.groups();
     if (groups.size() > 1) groups.emplace_back();
     for (const std::string& group : groups)
-        out += fmt::format("| {} | {} | {} | {} | {} |\n", group.empty() ? "all" : group, h.rms(0, group).n, three(h.rms(0, group)), three(h.peak(0, group)),
-                           three(h.elastic_rms(group)));
+        out += fmt::format("| {} | {} | {} | {} |{}\n", group.empty() ? "all" : group, h.rms(0, group).n, three(h.rms(0, group)), three(h.peak(0, group)),
+                           has_elastic ? fmt::format(" {} |", three(h.elastic_rms(group))) : "");
     out += fmt::format(
         "\nWhat else there could be, rms, median / p95 / max. `long_term` and `instantaneous`: the law without branches, as it is after long and at once; "
         "`best_factor`: {:.3g} times the latter, the elastic springs that come nearest; `kelvin_voigt`: {:.3g} F + {:.3g} s dF/dt of it; `one_branch`: a "
-        "share of {:.3g} that relaxes in {:.3g} s. These three are fitted to those of these very histories in which mass does not matter, which flatters them. `prony`: no springs but the finite "
-        "elements' own force without relaxation, through the material's branches.\n\n| histories |", h.factor, h.kelvin_voigt[0], h.kelvin_voigt[1], h.branch[0], h.branch[1]);
-    for (const std::string& model : h.models) out += fmt::format(" {} |", model);
+        "share of {:.3g} that relaxes in {:.3g} s. These three are fitted to those of these very histories in which mass does not matter, which flatters them.{}\n\n| histories |",
+        h.factor, h.kelvin_voigt[0], h.kelvin_voigt[1], h.branch[0], h.branch[1],
+        has_elastic ? " `prony`: no springs but the finite elements' own force without relaxation, through the material's branches." : "");
+    const std::size_t models = h.models.size() - (has_elastic ? 0 : 1);  // prony, the last, has nothing to go by
+    for (std::size_t m = 0; m < models; ++m) out += fmt::format(" {} |", h.models[m]);
     out += "\n|---|";
-    for (std::size_t m = 0; m < h.models.size(); ++m) out += "---|";
+    for (std::size_t m = 0; m < models; ++m) out += "---|";
     for (const std::string& group : groups) {
         out += fmt::format("\n| {} |", group.empty() ? "all" : group);
-        for (std::size_t m = 0; m < h.models.size(); ++m) out += fmt::format(" {} |", three(h.rms(m, group)));
+        for (std::size_t m = 0; m < models; ++m) out += fmt::format(" {} |", three(h.rms(m, group)));
     }
     if (!h.lost.empty()) out += fmt::format("\n\nFE lost {}:\n", h.lost.size());
     for (const std::string& lost : h.lost) out += "\n- " + lost;
@@ -238,6 +243,13 @@ std::string law_markdown(const LawModel& law, const LawBook& book, bool measured
         out += fmt::format("| {}{} | {} | {:.4g} | {:.1e} | {} | {} |\n", s == 0 ? "the heuristic" : fmt::format("drawn {}", s),
                            static_cast<int>(s) == book.kept ? ", kept" : "", book.status[s], book.start_objective[i],
                            book.gradient[i], book.iterations[s], book.evaluations[s]);
+    }
+    if (book.shares) {
+        const LawBook::Shares& s = *book.shares;
+        out += fmt::format("\nBranches fitted to {} measured histories, {}: what is left of their force {} rms, noise included; KKT residual {:.1e}.{}\n", s.histories, s.status,
+                           percent(s.misfit), s.kkt_residual, s.grown > 1 ? fmt::format(" The pushes being of tissue at rest, the law at once is {:.3g} times theirs.", s.grown) : "");
+        out += "\n| share g | time |\n|---|---|\n";
+        for (int k = 0; k < law.relaxation.branches(); ++k) out += fmt::format("| {:.3f} | {:.3g} s |\n", law.relaxation.contact_share[k], law.relaxation.tau_s[k]);
     }
     if (!book.lost.empty()) out += "\nPushes trained on that are not held:\n\n";
     for (const std::string& lost : book.lost) out += "- " + lost + "\n";
@@ -287,7 +299,7 @@ std::string to_markdown(const Evaluation& e) {
         version);
     }
 
-    out += broken_markdown(e) + measurement_markdown(e) + held_out_markdown(e.held_out, e.measurement.has_value(), solid) + map_markdown(e.map) + histories_markdown(e.histories) + truth_markdown(e.truth);
+    out += broken_markdown(e) + measurement_markdown(e) + held_out_markdown(e.held_out, e.measurement.has_value(), solid) + map_markdown(e.map) + histories_markdown(e.histories, e.measurement.has_value()) + truth_markdown(e.truth);
     out += "## Errors at the trained contacts: median / p95 / max\n\n";
     if (!e.open_loop()) {
         out += "| model | closed loop | n |\n|---|---|---|\n";

@@ -17,6 +17,11 @@ const Units& force_units() {
     return units;
 }
 
+const Units& time_units() {
+    static const Units units = {{"s", 1}, {"ms", 1e-3}};
+    return units;
+}
+
 std::string trimmed(const std::string& text) {
     const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
     return first == std::string::npos ? "" : text.substr(first, last - first + 1);

@@ -12,6 +12,7 @@ namespace tissue {
 using Units = std::map<std::string, double>;
 const Units& length_units();  ///< m, mm
 const Units& force_units();   ///< N, mN
+const Units& time_units();    ///< s, ms
 
 /// A column that a kind of CSV knows.
 struct CsvColumn {

@@ -408,11 +408,15 @@ void read_data(TomlReader& in, Study& study) {
     TomlReader data = in.table("data");
     Study::Data d;
     d.file = (std::filesystem::path(study.file).parent_path() / data.text("file")).lexically_normal().string();
+    if (data.has("histories")) d.histories = (std::filesystem::path(study.file).parent_path() / data.text("histories")).lexically_normal().string();
     d.seed = static_cast<unsigned long>(data.integer("seed", 0, std::numeric_limits<int>::max()));
     d.validation_part = data.number("validation_part", {0, 0.5});
     d.held_out_part = data.number("held_out_part", {0, 0.5, true});
     d.surface_tolerance_m = data.optional_number("surface_tolerance_m", not_negative).value_or(0.0005);
     d.stated_force_noise = data.optional_number("stated_force_noise", not_negative);
+    if (study.material.fits_shares && d.histories.empty()) data.refuse("histories", "is missing: material.viscosity leaves its shares to them");
+    if (!d.histories.empty() && !study.material.relaxes())
+        data.refuse("histories", "belongs to tissue that relaxes; give material.viscosity = \"measured\", and moduli");
     data.refuse_the_rest();
     study.data = d;
 }

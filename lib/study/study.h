@@ -60,9 +60,10 @@ struct Study {
         std::vector<Region> regions;  ///< of the same law, in alphabetical order
         std::vector<Branch> viscosity;  ///< ascending tau; `share` of regions and the nodule is of the same taus; empty: elastic
         bool long_term = false;         ///< whether the file's moduli are what is left after all time
+        bool fits_shares = false;       ///< measured histories say the shares: those of viscosity are 0, and without taus there either is it empty
 
         std::vector<std::string> region_names() const;
-        bool relaxes() const { return !viscosity.empty(); }
+        bool relaxes() const { return fits_shares || !viscosity.empty(); }
     } material;
 
     /// A ball of other material inside a solid.
@@ -86,6 +87,7 @@ struct Study {
     /// Measured contact forces in place of finite elements.
     struct Data {
         std::string file;             ///< CSV (results/FORMATS.md), found from the study's folder
+        std::string histories;        ///< CSV of the tool in time, likewise; empty: none
         unsigned long seed;           ///< of the split, where the CSV makes none itself
         double validation_part, held_out_part;  ///< of the contacts
         double surface_tolerance_m;   ///< how far a contact may lie off the outline

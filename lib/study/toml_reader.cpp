@@ -129,6 +129,11 @@ bool TomlReader::flag(const std::string& key) {
     return node.as_boolean()->get();
 }
 
+bool TomlReader::is_text(const std::string& key) const {
+    const toml::node* node = table_->get(key);
+    return node && node->is_string();
+}
+
 std::string TomlReader::text(const std::string& key) {
     const toml::node& node = require(key);
     if (!node.is_string()) refuse(key, "must be a text");

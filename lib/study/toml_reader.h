@@ -37,6 +37,7 @@ class TomlReader {
     std::optional<long> optional_integer(const std::string& key, long low, long high);
     bool flag(const std::string& key);
     std::string text(const std::string& key);
+    bool is_text(const std::string& key) const;  ///< whether there is such a key, and it is a text
     std::string choice(const std::string& key, const std::vector<std::string>& allowed);
     std::vector<std::string> texts(const std::string& key);
     std::vector<double> numbers(const std::string& key, Range range = {});

@@ -14,12 +14,15 @@ namespace {
 constexpr std::size_t most_branches = 8;
 constexpr double least_left = 1e-9;  // of the instantaneous modulus, after all time
 
-/// A list of { g, tau_s }, ascending by tau_s.
-std::vector<Branch> read_branches(TomlReader& in, const Range& share) {
+/// A list of { g, tau_s }, ascending by tau_s. without: whether all may be without g; then it says whether they are.
+std::vector<Branch> read_branches(TomlReader& in, const Range& share, bool* without = nullptr) {
     std::vector<Branch> branches;
     double sum = 0;
-    for (TomlReader& branch : in.tables("viscosity")) {
-        branches.push_back({branch.number("g", share), branch.number("tau_s", positive)});
+    std::vector<TomlReader> listed = in.tables("viscosity");
+    const bool none = without && !listed.empty() && std::none_of(listed.begin(), listed.end(), [](const TomlReader& branch) { return branch.has("g"); });
+    if (without) *without = none;
+    for (TomlReader& branch : listed) {
+        branches.push_back({none ? 0 : branch.number("g", share), branch.number("tau_s", positive)});
         sum += branches.back().share;
         branch.refuse_the_rest();
     }
@@ -48,12 +51,18 @@ void make_instantaneous(Study::LawParameters& p) {
 }  // namespace
 
 void read_viscosity(TomlReader& in, Study::Material& material, bool fe) {
-    if (in.has("viscosity")) material.viscosity = read_branches(in, positive);
+    if (in.is_text("viscosity")) {
+        in.choice("viscosity", {"measured"});
+        if (fe) in.refuse("viscosity", "can only be \"measured\" beside data.histories");
+        material.fits_shares = true;
+    } else if (in.has("viscosity")) {
+        material.viscosity = read_branches(in, positive, fe ? nullptr : &material.fits_shares);
+    }
     if (!in.has("viscosity")) {
         if (in.has("moduli")) in.refuse("moduli", "belongs to material.viscosity, and there is none");
         return;
     }
-    if (material.viscosity.empty() && !in.has("moduli")) return;
+    if (!material.relaxes() && !in.has("moduli")) return;
     if (!in.has("moduli")) in.refuse("viscosity", "needs material.moduli beside it, which says whether C1_Pa and so on are \"instantaneous\" or \"long-term\"");
     material.long_term = in.choice("moduli", {"instantaneous", "long-term"}) == "long-term";
     if (fe && material.relaxes() && material.formulation == "plane-stress")

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "error.h"
@@ -17,7 +19,8 @@ constexpr double most_share = 0.98;  ///< of one branch, so that something is le
 
 }  // namespace
 
-FittedShares fit_shares(const TissueModel& model, const std::vector<History>& histories, const std::string& role, const Eigen::VectorXd& tau_s, int threads) {
+FittedShares fit_shares(const TissueModel& model, const std::vector<History>& histories, const std::string& role, const Eigen::VectorXd& tau_s, int threads,
+                        bool long_term) {
     if (!model.energy_law) throw MismatchError("histories are played by a law; this model has none");
     std::vector<const History*> used;
     for (const History& h : histories)
@@ -57,7 +60,8 @@ FittedShares fit_shares(const TissueModel& model, const std::vector<History>& hi
         const NodeField off = h.force_N - now[i];
         wanted.segment(at, n) = Eigen::Map<const Eigen::VectorXd>(off.data(), n);
         for (Eigen::Index k = 0; k < K; ++k) {
-            const NodeField column = relaxed(h.time_s, now[i], tau_s.segment(k, 1), Eigen::VectorXd::Ones(1)) - now[i];
+            NodeField column = relaxed(h.time_s, now[i], tau_s.segment(k, 1), Eigen::VectorXd::Ones(1));
+            if (!long_term) column -= now[i];
             A.col(k).segment(at, n) = Eigen::Map<const Eigen::VectorXd>(column.data(), n);
         }
         for (Eigen::Index t = 0; t < T; ++t) {
@@ -69,15 +73,37 @@ FittedShares fit_shares(const TissueModel& model, const std::vector<History>& hi
         at += n;
     }
     const ForceLoss loss(A.sparseView(0, 0), wanted, weight);
-    const Box box{Eigen::VectorXd::Zero(K), Eigen::VectorXd::Constant(K, most_share)};
+    const Box box{Eigen::VectorXd::Zero(K), Eigen::VectorXd::Constant(K, long_term ? most_share / (1 - most_share) : most_share)};
     const BoundedLsqSummary best = solve_bounded_lsq(loss, Eigen::VectorXd::Constant(K, 0.5 / static_cast<double>(K)), box);
-    FittedShares fitted{best.theta, best.kkt_residual, best.residual_norm, to_string(train_status(best.status))};
+    FittedShares fitted{best.theta, 1, best.kkt_residual, best.residual_norm, to_string(train_status(best.status))};
+    if (long_term) {
+        fitted.grown = 1 + best.theta.sum();
+        fitted.share = best.theta / fitted.grown;
+        return fitted;
+    }
     if (const double sum = fitted.share.sum(); sum > most_share) {  // of a tissue that flows: what the branches cannot be
         fitted.share *= most_share / sum;
         fitted.misfit = loss(fitted.share);
         fitted.status = "bounded";
     }
     return fitted;
+}
+
+Eigen::VectorXd time_ladder(const std::vector<History>& histories, const std::string& role) {
+    std::vector<double> steps;
+    double longest_s = 0;
+    for (const History& h : histories) {
+        if (h.role != role) continue;
+        for (Eigen::Index n = 1; n < h.time_s.size(); ++n) steps.push_back(h.time_s[n] - h.time_s[n - 1]);
+        longest_s = std::max(longest_s, h.time_s[h.time_s.size() - 1]);
+    }
+    if (steps.empty()) throw MismatchError("there is no history that times of branches could come from");
+    std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
+    const double first_s = std::min(2 * steps[steps.size() / 2], longest_s), decades = std::log10(longest_s / first_s);
+    const auto count = static_cast<Eigen::Index>(std::clamp(std::floor(2 * decades + 1e-9) + 1, 1.0, 8.0));
+    Eigen::VectorXd tau_s(count);
+    for (Eigen::Index k = 0; k < count; ++k) tau_s[k] = longest_s * std::pow(10, -(static_cast<double>(count - 1 - k)) * (count == 8 ? decades / 7 : 0.5));
+    return tau_s;
 }
 
 }  // namespace tissue

@@ -1,11 +1,40 @@
 #include "train/train_law_model.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "cases/study_law.h"
 #include "error.h"
 #include "mesh/free_surface.h"
+#include "train/fit_shares.h"
 #include "train/train_law.h"
 
 namespace tissue {
+namespace {
+
+/// The law's branches, as measured histories say; those that they have no use for are left out.
+LawBook::Shares fit_branches(const Study& study, const Cases& cases, TissueModel& model, int threads) {
+    LawModel& law = *model.energy_law;
+    Eigen::VectorXd tau_s(static_cast<Eigen::Index>(study.material.viscosity.size()));
+    for (Eigen::Index k = 0; k < tau_s.size(); ++k) tau_s[k] = study.material.viscosity[static_cast<std::size_t>(k)].tau_s;
+    if (tau_s.size() == 0) tau_s = time_ladder(cases.histories, "train");
+    const FittedShares fitted = fit_shares(model, cases.histories, "train", tau_s, threads, study.material.long_term);
+    law.constants *= fitted.grown;
+    law.patch.log_N_m.col(0).array() += std::log(fitted.grown);
+    constexpr double none = 1e-6;
+    std::vector<int> used;
+    for (Eigen::Index k = 0; k < tau_s.size(); ++k)
+        if (fitted.share[k] > none) used.push_back(static_cast<int>(k));
+    if (!used.empty()) {
+        law.relaxation.tau_s = tau_s(used);
+        law.relaxation.contact_share = fitted.share(used);
+        law.relaxation.share = Eigen::VectorXd::Ones(law.constants.size()) * law.relaxation.contact_share.transpose();
+    }
+    const auto count = std::count_if(cases.histories.begin(), cases.histories.end(), [](const History& h) { return h.role == "train"; });
+    return {static_cast<int>(count), fitted.kkt_residual, fitted.misfit, fitted.grown, fitted.status};
+}
+
+}  // namespace
 
 TrainedModel train_law_model(const Study& study, const Cases& cases, int threads) {
     if (!study.springs.is_law()) throw MismatchError("study '" + study.name + "' has no law: its stiffness is sets");
@@ -52,6 +81,7 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
         book.iterations.push_back(start.iterations);
         book.evaluations.push_back(start.evaluations);
     }
+    if (study.material.fits_shares) book.shares = fit_branches(study, cases, model, threads);
     book.lost = trained.lost;
     book.seconds = trained.seconds;
     return model;

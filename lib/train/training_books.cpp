@@ -58,6 +58,12 @@ void write_law_book(Hdf5Writer& file, const LawBook& book) {
     file.attribute("/law", "records", book.records);
     file.attribute("/law", "factor", book.factor);
     file.attribute("/law", "seconds", book.seconds);
+    if (!book.shares) return;
+    file.attribute("/law", "shares_histories", book.shares->histories);
+    file.attribute("/law", "shares_kkt_residual", book.shares->kkt_residual);
+    file.attribute("/law", "shares_misfit", book.shares->misfit);
+    file.attribute("/law", "shares_grown", book.shares->grown);
+    file.attribute("/law", "shares_status", book.shares->status);
 }
 
 /// law: of the same file, whose lengths the book shares.
@@ -89,6 +95,9 @@ LawBook read_law_book(const Hdf5Reader& file, const LawModel& law) {
         file.refuse("/law", fmt::format("attribute 'factor' is {}, must be a finite number > 0", book.factor));
     book.objective = file.number_attribute("/law", "objective");
     book.seconds = file.number_attribute("/law", "seconds");
+    if (file.has_attribute("/law", "shares_status"))
+        book.shares = {count("shares_histories", 1, 1e9), file.number_attribute("/law", "shares_kkt_residual"), file.number_attribute("/law", "shares_misfit"),
+                       file.number_attribute("/law", "shares_grown"), file.text_attribute("/law", "shares_status")};
     return book;
 }
 

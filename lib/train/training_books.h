@@ -49,6 +49,13 @@ struct LawBook {
     std::vector<int> iterations, evaluations;    ///< of each start (R)
     std::vector<std::string> lost;               ///< pushes trained on, not held at the end: where, how deep, as what
     double seconds = 0;                          ///< wall time; an attribute, not a dataset
+    /// How shares were fitted to measured histories (train/fit_shares.h); nothing where they are the material's.
+    struct Shares {
+        int histories = 0;                       ///< fitted to
+        double kkt_residual = 0, misfit = 0, grown = 1;
+        std::string status;
+    };
+    std::optional<Shares> shares = {};
 };
 
 /// Training's own books: what the evaluation needs beside the cases, and no hand that touches the tissue.

@@ -2,6 +2,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+#include <cmath>
+
 #include "../haptic/haptic_example.h"
 #include "../refusal.h"
 #include "error.h"
@@ -54,6 +57,63 @@ TEST_CASE("shares of branches are found from two ramps, to rounding without nois
     CHECK(noisy.misfit > 0.01);
     CHECK(noisy.misfit < 0.03);
     CHECK(noisy.kkt_residual < 1e-9);
+}
+
+TEST_CASE("of a law that is what is left after all time, shares are those of the law at once, and it grows to that", "[shares]") {
+    const TissueModel at_once = law_example();
+    const Eigen::VectorXd tau = Eigen::Vector3d(0.3, 1.5, 8), share = Eigen::Vector3d(0.35, 0, 0.25);
+    const std::vector<History> histories = {measured(at_once, 0.5, tau, share, 0, 1), measured(at_once, 5, tau, share, 0, 2)};
+    TissueModel left = at_once;
+    left.energy_law->constants *= 0.4;
+    left.energy_law->patch.log_N_m.col(0).array() += std::log(0.4);
+    const FittedShares fitted = fit_shares(left, histories, "train", tau, 2, true);
+    CHECK((fitted.share - share).norm() < 1e-8);
+    CHECK(fitted.grown == Approx(2.5).epsilon(1e-8));
+    CHECK(fitted.misfit < 1e-8);
+    CHECK(fitted.kkt_residual < 1e-9);
+}
+
+TEST_CASE("times of branches that nobody knows are half decades from the readings' step to the longest history", "[shares]") {
+    History h;
+    h.role = "train";
+    h.time_s = Eigen::VectorXd::LinSpaced(1001, 0, 10);  // 10 ms
+    const Eigen::VectorXd tau = time_ladder({h}, "train");
+    CHECK(tau.size() == 6);
+    CHECK(tau[5] == Approx(10));
+    CHECK(tau[0] >= 0.02);
+    for (int k = 1; k < 6; ++k) CHECK(tau[k] / tau[k - 1] == Approx(std::sqrt(10.0)));
+    h.time_s = Eigen::VectorXd::LinSpaced(100001, 0, 100);
+    CHECK(time_ladder({h}, "train").size() == 8);
+    CHECK(time_ladder({h}, "train")[0] == Approx(0.002));
+    CHECK_THAT(refusal<MismatchError>([&] { time_ladder({h}, "held_out"); }), Contains("no history"));
+}
+
+TEST_CASE("2 % of noise on two ramps leaves shares that are right to a per cent on another course, also where the times are not known", "[shares]") {
+    const TissueModel model = law_example();
+    const Eigen::VectorXd tau = Eigen::Vector3d(0.2, 1, 10), share = Eigen::Vector3d(0.3, 0.25, 0.2);
+    // another course: in, held, half out, held
+    const History other = measured(model, 2, tau, share, 0, 1);
+    NodeField now = NodeField::Zero(121, 2);
+    for (Eigen::Index n = 1; n < 121; ++n) {
+        const double t = other.time_s[n];
+        now(n, 1) = -(t < 0.4 ? t / 0.4 : t < 4 ? 1 : t < 5 ? 1 - 0.6 * (t - 4) : 0.4);
+    }
+    const NodeField truth = relaxed(other.time_s, now, tau, share);
+    const auto worst = [&](const Eigen::VectorXd& times) {
+        double most = 0;
+        for (unsigned long seed = 1; seed <= 4; ++seed) {
+            const std::vector<History> histories = {measured(model, 0.3, tau, share, 0.02, seed), measured(model, 5, tau, share, 0.02, 50 + seed)};
+            const FittedShares fitted = fit_shares(model, histories, "train", times, 2);
+            CHECK(fitted.kkt_residual < 1e-9);
+            most = std::max(most, (relaxed(other.time_s, now, times, fitted.share) - truth).norm() / truth.norm());
+        }
+        return most;
+    };
+    CHECK(worst(tau) < 0.01);
+    Eigen::VectorXd half_decades(6);
+    half_decades << 0.1, 0.316, 1, 3.16, 10, 31.6;
+    CHECK(worst(half_decades) < 0.015);
+    CHECK(worst(Eigen::Vector3d(0.1, 1, 10)) < 0.03);
 }
 
 TEST_CASE("without histories, or a law, there is nothing to fit shares to", "[shares]") {

@@ -1,0 +1,152 @@
+#include "cases/measured_histories.h"
+
+#include <fmt/format.h>
+#include <gsl/gsl_randist.h>
+#include <gsl/gsl_rng.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <set>
+
+#include "cases/study_mesh.h"
+#include "error.h"
+#include "io/csv_columns.h"
+#include "mesh/outline.h"
+
+namespace tissue {
+namespace {
+
+constexpr std::size_t least_rows = 8;
+constexpr double same_contact_m = 0.0002, apart_m = 0.002;
+constexpr double at_rest = 0.05;  // of its largest push, at most, where a history begins
+
+const std::vector<CsvColumn> known = {
+    {"history", nullptr, true},                {"time", &time_units(), true},             {"contact_x", &length_units(), true},
+    {"contact_y", &length_units(), true},      {"displacement_x", &length_units(), true}, {"displacement_y", &length_units(), true},
+    {"force_x", &force_units(), true},         {"force_y", &force_units(), true},         {"kind", nullptr, false},
+    {"role", nullptr, false}};
+
+struct Row {
+    double time_s;
+    Eigen::Vector2d push_m, force_N;
+};
+
+/// One history's rows while they are read.
+struct Rows {
+    int line;
+    Eigen::Vector2d contact_m;
+    std::string name, kind, role;
+    std::vector<Row> rows;
+};
+
+[[noreturn]] void refuse(const std::string& file, const Rows& h, const std::string& why) {
+    throw FileError(fmt::format("{}:{}: history '{}' {}", file, h.line, h.name, why));
+}
+
+std::vector<Rows> read_rows(const std::string& file) {
+    CsvLines line(file);
+    CsvColumns columns;
+    std::vector<Rows> all;
+    std::set<std::string> names;
+    while (line.next()) {
+        if (trimmed(line.text()).empty() || line.text()[0] == '#') continue;
+        if (columns.empty()) {
+            columns = CsvColumns(line, known);
+            continue;
+        }
+        columns.check(line);
+        const std::string name = columns.text(line, "history"), kind = columns.text(line, "kind"), role = columns.text(line, "role");
+        const Eigen::Vector2d contact(columns.number(line, "contact_x"), columns.number(line, "contact_y"));
+        if (name.empty()) line.refuse("column 'history' is empty");
+        if (columns.has("role") && role != "train" && role != "validation" && role != "held_out")
+            line.refuse(fmt::format("column 'role' is '{}'; allowed: train, validation, held_out", role));
+        if (all.empty() || all.back().name != name) {
+            if (!names.insert(name).second) line.refuse(fmt::format("history '{}' goes on here, after another one: its rows must stand together", name));
+            all.push_back({line.number(), contact, name, kind, role, {}});
+        }
+        Rows& h = all.back();
+        if ((contact - h.contact_m).norm() > same_contact_m) line.refuse(fmt::format("history '{}' has another contact than on line {}", name, h.line));
+        if (kind != h.kind || role != h.role) line.refuse(fmt::format("history '{}' has another kind or role than on line {}", name, h.line));
+        const double time_s = columns.number(line, "time");
+        if (!h.rows.empty() && !(time_s > h.rows.back().time_s))
+            line.refuse(fmt::format("column 'time': {:g} s does not come after {:g} s", time_s, h.rows.back().time_s));
+        h.rows.push_back({time_s, {columns.number(line, "displacement_x"), columns.number(line, "displacement_y")},
+                          {columns.number(line, "force_x"), columns.number(line, "force_y")}});
+    }
+    if (columns.empty()) throw FileError(fmt::format("{}: has no header", file));
+    if (all.empty()) throw FileError(fmt::format("{}: has no rows", file));
+    return all;
+}
+
+History history_of(const std::string& file, const Rows& h, const Outline& outline, double tolerance_m) {
+    const double arc = outline.arc_of(h.contact_m), off = (outline.position(arc) - h.contact_m).norm();
+    if (!(off <= tolerance_m)) refuse(file, h, fmt::format("has a contact {:.3g} mm off the free surface; allowed: {:g} mm", 1e3 * off, 1e3 * tolerance_m));
+    if (arc < apart_m || arc > outline.length() - apart_m) refuse(file, h, "has a contact within 2 mm of the fixed edge");
+    if (h.rows.size() < least_rows) refuse(file, h, fmt::format("has {} rows, {} are the least", h.rows.size(), least_rows));
+    History out;
+    out.name = h.name;
+    out.kind = h.kind.empty() ? "measured" : h.kind;
+    out.group = out.kind;
+    out.role = h.role;
+    out.contact_m = outline.position(arc);
+    const auto T = static_cast<Eigen::Index>(h.rows.size());
+    out.time_s.resize(T);
+    out.push_m.resize(T, 2);
+    out.force_N.resize(T, 2);
+    out.contact.assign(h.rows.size(), 1);
+    for (Eigen::Index n = 0; n < T; ++n) {
+        const Row& row = h.rows[static_cast<std::size_t>(n)];
+        out.time_s[n] = row.time_s - h.rows.front().time_s;
+        out.push_m.row(n) = row.push_m.transpose();
+        out.force_N.row(n) = row.force_N.transpose();
+    }
+    Eigen::Index deepest = 0;
+    const double depth_m = out.push_m.rowwise().norm().maxCoeff(&deepest);
+    if (!(depth_m > 0) || !(out.force_N.squaredNorm() > 0)) refuse(file, h, "has no push, or no force");
+    if (!(out.push_m.row(0).norm() <= at_rest * depth_m)) refuse(file, h, fmt::format("begins {:.3g} mm in the tissue: it must begin at rest", 1e3 * out.push_m.row(0).norm()));
+    out.push_m.row(0).setZero();
+    out.direction = out.push_m.row(deepest).transpose().normalized();
+    if (std::abs(outline.angle(arc, Eigen::Vector2d(out.direction))) >= 1.5707963267948966) refuse(file, h, "pushes out of the tissue");
+    if (!(out.force_N.row(deepest).dot(out.push_m.row(deepest)) > 0)) refuse(file, h, "has a force against its deepest push; wanted is the tool's force on the tissue");
+    return out;
+}
+
+/// What each history is for, by the study's seed: contacts less than 2 mm apart go together.
+void draw_roles(std::vector<History>& histories, const Outline& outline, const Study::Data& data, const std::string& file) {
+    std::vector<History*> sorted;
+    for (History& h : histories) sorted.push_back(&h);
+    const auto arc = [&](const History* h) { return outline.arc_of(Eigen::Vector2d(h->contact_m)); };
+    std::stable_sort(sorted.begin(), sorted.end(), [&](const History* a, const History* b) { return arc(a) < arc(b); });
+    std::vector<std::vector<History*>> contacts;
+    for (History* h : sorted) {
+        if (contacts.empty() || arc(h) - arc(contacts.back().back()) >= apart_m) contacts.emplace_back();
+        contacts.back().push_back(h);
+    }
+    if (contacts.size() < 2) throw FileError(fmt::format("{}: has histories at one contact alone: one more is needed to hold out, or a column 'role'", file));
+    const std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free);
+    gsl_rng_set(rng.get(), data.seed);
+    std::vector<std::size_t> order(contacts.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    gsl_ran_shuffle(rng.get(), order.data(), order.size(), sizeof order[0]);
+    const auto part = [&](double p) { return p > 0 ? static_cast<std::size_t>(std::max(1L, std::lround(p * static_cast<double>(contacts.size())))) : 0; };
+    const std::size_t proof = std::min(part(data.held_out_part), contacts.size() - 1), choice = std::min(part(data.validation_part), contacts.size() - 1 - proof);
+    for (std::size_t k = 0; k < contacts.size(); ++k)
+        for (History* h : contacts[order[k]]) h->role = k < proof ? "held_out" : k < proof + choice ? "validation" : "train";
+}
+
+}  // namespace
+
+std::vector<History> read_measured_histories(const Study& study, const std::string& file) {
+    const std::vector<Rows> read = read_rows(file);
+    const Outline outline(study_mesh(study, std::nullopt, study.springs.topology));
+    std::vector<History> histories;
+    for (const Rows& h : read) histories.push_back(history_of(file, h, outline, study.data->surface_tolerance_m));
+    if (read.front().role.empty()) draw_roles(histories, outline, *study.data, file);
+    if (std::none_of(histories.begin(), histories.end(), [](const History& h) { return h.role == "train"; }))
+        throw FileError(fmt::format("{}: has no history of role 'train' to fit shares to", file));
+    return histories;
+}
+
+}  // namespace tissue

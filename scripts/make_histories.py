@@ -1,0 +1,51 @@
+"""Writes a CSV of the tool in time as a robot with a force sensor might have measured it, out of FE results, with seeded noise.
+
+    scripts/make_histories.py results/relax/cases.h5 fem/data/block_histories.csv
+
+Of study `relax`: two ramps and a random poke to fit shares to, four of each kind that lasts to prove with, at other contacts, 50 readings a
+second. Noise: Gaussian, on each component of force 2 % of the history's largest.
+"""
+import sys
+
+import h5py
+import numpy as np
+
+SEED, NOISE, RATE_HZ = 20261123, 0.02, 50
+TRAIN, HELD_OUT = {"ramp": 2, "poke": 1}, {"ramp": 4, "release": 4, "sine": 4, "poke": 4}
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    rng = np.random.default_rng(SEED)
+    lines = ["# NOT A MEASUREMENT: finite elements of study `relax` (plane strain, a block of 0.1 m a side, a patch 10 mm wide,",
+             f"# branches of 0.30, 0.25, 0.20 at 0.05, 1, 10 s), {RATE_HZ} readings a second, with Gaussian noise of {100 * NOISE:g} % of a history's largest",
+             f"# force on each component, seed {SEED}. Written by scripts/make_histories.py.",
+             "history,kind,time [s],contact_x [mm],contact_y [mm],displacement_x [mm],displacement_y [mm],force_x [mN],force_y [mN],role"]
+    with h5py.File(sys.argv[1]) as cases:
+        h = cases["histories"]
+        names, kinds, lost = (h[key].asstr()[:] for key in ("name", "group", "lost"))
+        first = h["offset"][:]
+        used = {}
+        for i, name in enumerate(names):
+            kind = str(kinds[i])
+            count = used.get(kind, 0)
+            if lost[i] or count >= TRAIN.get(kind, 0) + HELD_OUT.get(kind, 0):
+                continue
+            used[kind] = count + 1
+            rows = slice(first[i], first[i + 1])
+            t, push, force = h["time"][rows], h["push"][rows], h["force"][rows]
+            at = np.arange(0, t[-1], 1 / RATE_HZ)
+            noise = NOISE * np.linalg.norm(force, axis=1).max()
+            x, y = 1e3 * h["contact_place"][i]
+            for s in at:
+                u = [1e3 * np.interp(s, t, push[:, a]) for a in (0, 1)]
+                f = [1e3 * (np.interp(s, t, force[:, a]) + noise * rng.standard_normal()) for a in (0, 1)]
+                role = "train" if count < TRAIN.get(kind, 0) else "held_out"
+                lines.append(f"{name},{kind},{s:.2f},{x:.3f},{y:.3f},{u[0]:.4f},{u[1]:.4f},{f[0]:.1f},{f[1]:.1f},{role}")
+    with open(sys.argv[2], "w") as out:
+        out.write("\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,138 @@
+#include "cases/measured_histories.h"
+
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <set>
+
+#include "../measured_example.h"
+#include "../refusal.h"
+#include "error.h"
+#include "mesh/outline.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::string header = "history,time [ms],contact_x [mm],contact_y [mm],displacement_x [mm],displacement_y [mm],force_x [mN],force_y [N]";
+
+/// A ramp of 4 mm down onto the top, at x mm.
+std::string ramp(const std::string& name, double x, const std::string& more = "", int rows = 10) {
+    std::string text;
+    for (int n = 0; n < rows; ++n) text += fmt::format("{},{},{},100,0,{},10,{}{}\n", name, 500 + 20 * n, x, -0.4 * n, -0.05 * n, more);
+    return text;
+}
+
+Study relaxing_study() {
+    std::string text = measured_study_text();
+    text = with(text, "file = \"../data/d.csv\"", "file = \"../data/d.csv\"\nhistories = \"../data/h.csv\"");
+    return example_study(with(text, "[material]\n", "[material]\nviscosity = \"measured\"\nmoduli = \"long-term\"\n"));
+}
+
+std::vector<History> read(const std::string& text) {
+    const TemporaryFolder folder;
+    return read_measured_histories(relaxing_study(), folder.file("h.csv", text));
+}
+
+std::string refused(const std::string& text) {
+    return refusal<FileError>([&] { read(text); });
+}
+
+}  // namespace
+
+TEST_CASE("measured histories come with their contact, times from 0, push and force in SI", "[histories][measured]") {
+    const std::vector<History> histories = read("# a robot\n" + header + ",kind,role\n" + ramp("a", 40, ",ramp,train") + "\n" + ramp("b", 60, ",press,held_out"));
+    REQUIRE(histories.size() == 2);
+    const History& h = histories[0];
+    CHECK(h.name == "a");
+    CHECK(h.kind == "ramp");
+    CHECK(h.group == "ramp");
+    CHECK(h.role == "train");
+    CHECK(histories[1].role == "held_out");
+    CHECK(h.contact_m.isApprox(Eigen::Vector2d(0.04, 0.1)));
+    CHECK(h.direction.isApprox(Eigen::Vector2d(0, -1)));
+    CHECK(h.time_s[0] == 0);
+    CHECK(h.time_s[9] == Approx(0.18));
+    CHECK(h.push_m(9, 1) == Approx(-0.0036));
+    CHECK(h.force_N(9, 0) == Approx(0.01));
+    CHECK(h.force_N(9, 1) == Approx(-0.45));
+    CHECK(h.elastic_N.rows() == 0);
+    CHECK(h.contact == std::vector<int>(10, 1));
+}
+
+TEST_CASE("histories are held out by seed and by contact, and one stays to fit to", "[histories][measured]") {
+    std::string text = header + "\n";
+    for (int i = 0; i < 10; ++i) text += ramp(fmt::format("a{}", i), 10 + 8 * i) + ramp(fmt::format("b{}", i), 10.5 + 8 * i);
+    const std::vector<History> histories = read(text), again = read(text);
+    std::map<std::string, int> count;
+    for (std::size_t i = 0; i < histories.size(); ++i) {
+        ++count[histories[i].role];
+        CHECK(histories[i].role == again[i].role);
+        CHECK(histories[i].role == histories[i ^ 1].role);  // half a millimetre apart
+    }
+    CHECK(count["held_out"] == 4);   // a fifth of ten contacts
+    CHECK(count["validation"] == 2);
+    CHECK(count["train"] == 14);
+    const std::vector<History> two = read(header + "\n" + ramp("a", 40) + ramp("b", 60));
+    CHECK(two[0].role != two[1].role);
+    CHECK_THAT(refused(header + "\n" + ramp("a", 40) + ramp("b", 40.5)), Contains("h.csv: has histories at one contact alone"));
+    CHECK_THAT(refused(header + ",role\n" + ramp("a", 40, ",held_out") + ramp("b", 60, ",validation")), Contains("no history of role 'train'"));
+}
+
+TEST_CASE("a history that is none is refused with its place", "[histories][measured]") {
+    const std::string good = ramp("b", 60);
+    const auto line = [&](const std::string& row) { return header + "\n" + ramp("a", 40) + row + "\n"; };
+    CHECK_THAT(refused(with(header, "time [ms]", "time") + "\n" + good), Contains("h.csv:1: column 'time' has no unit"));
+    CHECK_THAT(refused(with(header, "time [ms]", "time [min]") + "\n" + good), Contains("'min' is not known; allowed: ms, s"));
+    CHECK_THAT(refused(with(header, ",time [ms]", "") + "\n" + good), Contains("'time' is missing"));
+    CHECK_THAT(refused(line("a,700,40,100,0,-3.6,10,nan")), Contains("h.csv:12: column 'force_y' is 'nan'"));
+    CHECK_THAT(refused(line("a,680,40,100,0,-3.6,10,-1")), Contains("h.csv:12: column 'time': 0.68 s does not come after 0.68 s"));
+    CHECK_THAT(refused(line("a,700,42,100,0,-3.6,10,-1")), Contains("h.csv:12: history 'a' has another contact than on line 2"));
+    CHECK_THAT(refused(line("a,700,40,100,0,-3.6,10")), Contains("has 7 fields"));
+    CHECK_THAT(refused(line(",700,40,100,0,-3.6,10,-1")), Contains("'history' is empty"));
+    CHECK_THAT(refused(header + "\n" + ramp("a", 40) + good + ramp("a", 40)), Contains("h.csv:22: history 'a' goes on here"));
+    CHECK_THAT(refused(header + ",role\n" + ramp("a", 40, ",train") + ramp("b", 60, ",proof")), Contains("'role' is 'proof'"));
+    CHECK_THAT(refused(header + "\n" + good + ramp("c", 40, "", 7)), Contains("history 'c' has 7 rows, 8 are the least"));
+    std::string deep = header + "\n" + good;
+    for (int n = 0; n < 9; ++n) deep += fmt::format("d,{},40,100,0,{},0,-1\n", 20 * n, -3.0 - 0.1 * n);
+    CHECK_THAT(refused(deep), Contains("history 'd' begins 3 mm in the tissue"));
+    std::string out = header + "\n" + good;
+    for (int n = 0; n < 9; ++n) out += fmt::format("d,{},40,100,0,{},0,{}\n", 20 * n, 0.4 * n, 0.1 * n);
+    CHECK_THAT(refused(out), Contains("history 'd' pushes out of the tissue"));
+    std::string against = header + "\n" + good;
+    for (int n = 0; n < 9; ++n) against += fmt::format("d,{},40,100,0,{},0,{}\n", 20 * n, -0.4 * n, 0.1 * n);
+    CHECK_THAT(refused(against), Contains("history 'd' has a force against its deepest push"));
+    std::string still = header + "\n" + good;
+    for (int n = 0; n < 9; ++n) still += fmt::format("d,{},40,100,0,0,0,1\n", 20 * n);
+    CHECK_THAT(refused(still), Contains("history 'd' has no push"));
+    std::string inside = header + "\n" + good;
+    for (int n = 0; n < 9; ++n) inside += fmt::format("d,{},40,90,0,{},0,-1\n", 20 * n, -0.4 * n);
+    CHECK_THAT(refused(inside), Contains("history 'd' has a contact 10 mm off the free surface"));
+    CHECK_THAT(refused("# nothing\n"), Contains("has no header"));
+    CHECK_THAT(refused(header + "\n"), Contains("has no rows"));
+}
+
+TEST_CASE("a study leaves shares to measured histories only where it has them, and says what its pushes are", "[histories][measured]") {
+    const Study study = relaxing_study();
+    CHECK(study.material.fits_shares);
+    CHECK(study.material.long_term);
+    CHECK(study.material.viscosity.empty());
+    CHECK(study.material.relaxes());
+    const std::string data = "file = \"../data/d.csv\"", both = data + "\nhistories = \"../data/h.csv\"";
+    const auto asked = [&](const std::string& viscosity, const std::string& files) {
+        return with(with(measured_study_text(), data, files), "[material]\n", "[material]\n" + viscosity + "\n");
+    };
+    const Study times = example_study(asked("moduli = \"instantaneous\"\nviscosity = [{ tau_s = 10 }, { tau_s = 0.5 }]", both));
+    CHECK(times.material.fits_shares);
+    REQUIRE(times.material.viscosity.size() == 2);
+    CHECK(times.material.viscosity[0].tau_s == 0.5);
+    const auto refuse = [&](const std::string& viscosity, const std::string& files) { return refusal<StudyError>([&] { example_study(asked(viscosity, files)); }); };
+    CHECK_THAT(refuse("moduli = \"long-term\"\nviscosity = \"measured\"", data), Contains("histories") && Contains("is missing"));
+    CHECK_THAT(refuse("", both), Contains("histories") && Contains("tissue that relaxes"));
+    CHECK_THAT(refuse("viscosity = \"measured\"", both), Contains("moduli"));
+    CHECK_THAT(refuse("moduli = \"long-term\"\nviscosity = \"guessed\"", both), Contains("measured"));
+    CHECK_THAT(refuse("moduli = \"long-term\"\nviscosity = [{ tau_s = 10 }, { g = 0.1, tau_s = 0.5 }]", both), Contains(".g"));
+    CHECK_THAT(refusal<StudyError>([&] { example_study(with(example_study_text(), "[material]\n", "[material]\nmoduli = \"long-term\"\nviscosity = \"measured\"\n")); }),
+               Contains("viscosity") && Contains("data.histories"));
+}
