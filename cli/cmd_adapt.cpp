@@ -17,7 +17,7 @@ namespace tissue::cli {
 namespace {
 
 struct Options {
-    std::string model, data, out, held_out;
+    std::string model, data, out, held_out, readings = "long-term";
     AdaptOptions adapt;
     double force_noise_percent = 2, model_error_percent = 3, place_error_mm = 0, next_depth_mm = 6;
     int first = 0, next = 0;
@@ -33,6 +33,13 @@ Statistics held_out_error(const TissueModel& model, const std::vector<Poke>& pok
         sample.push_back(answer ? (answer.contact_force - poke.force_N).norm() / poke.force_N.norm() : 1);
     }
     return statistics_of(sample);
+}
+
+/// The model whose forces readings are.
+TissueModel as_read(const Adaptation& adaptation) {
+    TissueModel model = adaptation.model();
+    if (!model.energy_law->relaxation.empty()) model.energy_law = adaptation.options().at_rest ? long_term(*model.energy_law) : instantaneous(*model.energy_law);
+    return model;
 }
 
 std::string millimetres(const Point& p) {
@@ -52,7 +59,7 @@ class Lines {
 
     void begin(const Adaptation& adaptation) {
         if (held_out_.empty()) return;
-        const Statistics error = held_out_error(adaptation.model(), held_out_);
+        const Statistics error = held_out_error(as_read(adaptation), held_out_);
         std::cerr << fmt::format("adapt: before the first poke: held out {:.1f} / {:.1f} % (median / p95, n = {})\n", 100 * error.median, 100 * error.p95, error.n);
     }
 
@@ -78,7 +85,7 @@ class Lines {
         else
             line_text += ": " + answer.why;
         if (!held_out_.empty() && answer.status == PokeStatus::learned) {
-            const Statistics error = held_out_error(adaptation.model(), held_out_);
+            const Statistics error = held_out_error(as_read(adaptation), held_out_);
             j["held_out"] = {{"median", error.median}, {"p95", error.p95}, {"n", error.n}};
             line_text += fmt::format("; held out {:.1f} / {:.1f} %", 100 * error.median, 100 * error.p95);
         }
@@ -116,6 +123,7 @@ void run(const Options& o, Provenance provenance) {
     if (!o.stream) provenance.inputs[std::filesystem::path(o.data).filename().string()] = file_hash(o.data);
     const std::unique_ptr<Adaptation> adaptation = read_adaptation(o.model, o.adapt);
     if (o.forget) adaptation->forget();
+    adaptation->read_at_rest(o.readings == "long-term");
     const int D = adaptation->base().mesh.dimension();
     Lines lines(o, D);
     lines.begin(*adaptation);
@@ -169,6 +177,8 @@ void add_adapt(CLI::App& app, const Invocation& invocation) {
     command->add_option("--unknowns", o->adapt.unknowns, "what may be another: scale, terms, field or elements")->type_name("NAME")->capture_default_str()->check(CLI::IsMember(unknown_kinds()));
     command->add_option("--noise", o->force_noise_percent, "standard deviation of a component of force, over the force")->type_name("%")->capture_default_str()->check(CLI::Range(0.0, 100.0));
     command->add_option("--model_error", o->model_error_percent, "what the law is off where it knows the tissue, likewise")->type_name("%")->capture_default_str()->check(CLI::Range(0.1, 100.0));
+    command->add_option("--readings", o->readings, "of tissue that relaxes: long-term, when it had come to rest, or instantaneous, before it had relaxed")
+        ->type_name("WORD")->capture_default_str()->check(CLI::IsMember({"long-term", "instantaneous"}));
     command->add_option("--place_error", o->place_error_mm, "standard deviation of a contact's place along the surface")->type_name("mm")->capture_default_str()->check(CLI::Range(0.0, 100.0));
     command->add_flag("--json", o->json, "a line of JSON a poke on standard output");
     command->callback([o, command, &invocation] {

@@ -147,6 +147,7 @@ void run(const Options& o, Provenance provenance) {
         learning.adaptation = read_adaptation(o.model, {});
         if (o.forget) learning.adaptation->forget();
         learning.adaptation->bound(learned_at_most);
+        const Hdf5Writer can_be_written(o.learn, "model", provenance);  // or a session would be lost at its end
         tissue = learning.adaptation->base();
         haptic.stiffest = std::exp(learned_at_most);
         haptic.heuristic_mesh = false;  // it does not learn, and under a stiffer tissue's force it would fold

@@ -5,6 +5,7 @@
 
 Datagrams, little-endian, 48 bytes each way:
     out  "TSP1", uint32 sequence, float64 time_s, float64 position_m[3], float64 reserved
+         or "TSP2", the same, float64 measured_N[3] of a force sensor in the tool (tissue-haptic --learn)
     in   "TSF1", uint32 sequence of the position used, float64 age_s, float64 force_N[3], float64 tick
 A force counts until the next, and for 7.5 ms at most: then whoever has motors lets go.
 """

@@ -84,7 +84,8 @@ TissueModel Adaptation::model() const {
 }
 
 Adaptation::Linear Adaptation::linearise(const Point& contact_m, const Point& push_m, const Eigen::VectorXd& x, const PressState* from) {
-    const LawModel now = with_unknowns(*base_.energy_law, unknowns_, x);
+    LawModel now = with_unknowns(*base_.energy_law, unknowns_, x);
+    if (options_.at_rest && !now.relaxation.empty()) now = long_term(now);
     kernel_->scale(now.contact_log_scale);
     const ContactSpring contact(kernel_->rows_at(contact_m), now.patch);
     Linear linear{solver_.press(now.constants, contact, push_m, from), {}};

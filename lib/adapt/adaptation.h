@@ -25,6 +25,7 @@ struct AdaptOptions {
     double off_surface_m = 0.002;   ///< a contact farther off the surface is none
     double least_push_m = 1e-4;     ///< a shorter push says nothing
     double largest = 2.5;           ///< |x| at the most: a factor of 12
+    bool at_rest = true;            ///< of tissue that relaxes: readings are of what is left after all time; else of what it is at once
     int rounds = 2;                 ///< linearisations a poke at the most, the first at what was known before it
 };
 
@@ -91,7 +92,8 @@ class Adaptation {
     const State& state() const { return state_; }
     void restore(State state);  ///< of this model with these options. Throws MismatchError for one of another size
     void forget();              ///< as before the first poke
-    void bound(double largest) { options_.largest = largest; }  ///< |x| at the most from now on
+    void bound(double largest) { options_.largest = largest; }   ///< |x| at the most from now on
+    void read_at_rest(bool at_rest) { options_.at_rest = at_rest; }
 
     const FreeSurface& surface() const { return surface_; }
 

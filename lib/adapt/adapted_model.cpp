@@ -42,6 +42,7 @@ AdaptOptions read_options(const Hdf5Reader& file) {
         value = file.number_attribute(group, name);
         if (!(value >= 0 && value < 1e3)) file.refuse(group, fmt::format("attribute '{}' is {}, must be a number from 0 on", name, value));
     });
+    options.at_rest = file.number_attribute(group, "at_rest") != 0;
     const double rounds = file.number_attribute(group, "rounds");
     if (!(rounds >= 1 && rounds <= 100 && rounds == std::floor(rounds))) file.refuse(group, fmt::format("attribute 'rounds' is {}, must be a count", rounds));
     options.rounds = static_cast<int>(rounds);
@@ -88,6 +89,7 @@ void write_adapted_model(const std::string& file, const Adaptation& adaptation, 
     }
     out.attribute(group, "unknowns", adaptation.options().unknowns);
     each_number(adaptation.options(), [&](const char* name, double value) { out.attribute(group, name, value); });
+    out.attribute(group, "at_rest", adaptation.options().at_rest ? 1.0 : 0.0);
     out.attribute(group, "rounds", static_cast<double>(adaptation.options().rounds));
     each_count(state, [&](const char* name, int count) { out.attribute(group, name, static_cast<double>(count)); });
     out.commit();

@@ -135,7 +135,8 @@ std::string collect_part(const Study& s, const std::vector<PlannedPath>& paths, 
         return fmt::format("cells {} {}\nsize {} {}\nfile {}\nseed {}\nparts {} {}\ntolerance {}\nnoise {}\n", s.cells[0],
                            s.cells[1], s.geometry.width_m, s.geometry.height_m, s.data->file, s.data->seed,
                            s.data->validation_part, s.data->held_out_part, s.data->surface_tolerance_m,
-                           s.data->stated_force_noise.value_or(0));
+                           s.data->stated_force_noise.value_or(0)) +
+               (s.data->histories.empty() ? "" : fmt::format("histories {}\n", s.data->histories));
     const std::string magnitudes = fmt::format("magnitudes {}\n", fmt::join(s.loads.magnitudes_m, " "));
     std::string text = s.geometry.is_solid() && s.geometry.is_block()
                            ? fmt::format("cells {}\nsize {} {} {}\n", fmt::join(s.cells, " "), s.geometry.width_m, s.geometry.length_m,
@@ -158,6 +159,12 @@ std::string train_part(const Study& s) {
     if (s.nodule)
         regions += fmt::format("nodule {} {} {} {} {}\n", s.nodule->centre_m[0], s.nodule->centre_m[1], s.nodule->centre_m[2],
                                s.nodule->radius_m, s.nodule->youngs_modulus_Pa());
+    if (s.material.relaxes()) {  // which branches the law gets
+        regions += fmt::format("relaxes {}{}\n", s.material.fits_shares ? "as measured " : "", s.material.long_term ? "long-term" : "instantaneous");
+        for (const Branch& b : s.material.viscosity) regions += fmt::format("branch {} {}\n", b.share, b.tau_s);
+        for (const Study::Region& r : s.material.regions) regions += fmt::format("shares {} {}\n", r.name, fmt::join(r.share, " "));
+        if (s.nodule) regions += fmt::format("shares nodule {}\n", fmt::join(s.nodule->share, " "));
+    }
     if (s.springs.is_law())
         return regions + fmt::format("law {} cap {} {}\nterms {}\nmodulus {}\ndensity {}\nthickness {}\nscales {} {} ridge {}\nstarts {} seed {}\n",
                                      s.springs.topology, s.springs.area_cap_E2, s.material.formulation, fmt::join(s.springs.terms, " "),

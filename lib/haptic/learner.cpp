@@ -39,6 +39,7 @@ Learner::Learner(HapticModel& model, Adaptation& adaptation, const LearnerOption
         throw MismatchError("what learns is not of the model that plays");
     if (adaptation.options().largest > std::log(model.options.stiffest) + 1e-12)
         throw MismatchError(fmt::format("unknowns up to {:g} may become stiffer than {:g} times, which the model's steps are for", adaptation.options().largest, model.options.stiffest));
+    adaptation.read_at_rest(false);  // learn_from makes them so
     const Point nothing = Point::Zero(model.dimension());
     held_m_ = sum_measured_N_ = sum_model_N_ = sum_push_m_ = nothing;
     learned_.back() = stiffness_of(law);

@@ -12,6 +12,12 @@
 namespace tissue {
 namespace {
 
+/// All of a law in the plane so many times as stiff.
+void grow(LawModel& law, double factor) {
+    law.constants *= factor;
+    law.patch.log_N_m.col(0).array() += std::log(factor);
+}
+
 /// The law's branches, as measured histories say; those that they have no use for are left out.
 LawBook::Shares fit_branches(const Study& study, const Cases& cases, TissueModel& model, int threads) {
     LawModel& law = *model.energy_law;
@@ -19,8 +25,7 @@ LawBook::Shares fit_branches(const Study& study, const Cases& cases, TissueModel
     for (Eigen::Index k = 0; k < tau_s.size(); ++k) tau_s[k] = study.material.viscosity[static_cast<std::size_t>(k)].tau_s;
     if (tau_s.size() == 0) tau_s = time_ladder(cases.histories, "train");
     const FittedShares fitted = fit_shares(model, cases.histories, "train", tau_s, threads, study.material.long_term);
-    law.constants *= fitted.grown;
-    law.patch.log_N_m.col(0).array() += std::log(fitted.grown);
+    grow(law, fitted.grown);
     constexpr double none = 1e-6;
     std::vector<int> used;
     for (Eigen::Index k = 0; k < tau_s.size(); ++k)
@@ -81,6 +86,8 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
         book.iterations.push_back(start.iterations);
         book.evaluations.push_back(start.evaluations);
     }
+    // measured pushes of tissue that had come to rest: what they say is what is left of the law
+    if (cases.measurement && study.material.long_term && !study.material.fits_shares) grow(*model.energy_law, 1 / (1 - model.energy_law->relaxation.contact_share.sum()));
     if (study.material.fits_shares) book.shares = fit_branches(study, cases, model, threads);
     book.lost = trained.lost;
     book.seconds = trained.seconds;

@@ -228,6 +228,20 @@ TEST_CASE("a contact that may stand elsewhere is believed less", "[adapt]") {
     CHECK(unsure.state().P(0, 0) > sure.state().P(0, 0));
 }
 
+TEST_CASE("of tissue that relaxes a reading is of what is left of it, or of what it is at once, as one says", "[adapt][memory]") {
+    const TissueModel law = relaxing(law_example()), truth = relaxing(stiffer(law_example(), 0.4));
+    for (bool at_rest : {true, false}) {
+        TissueModel read = truth, known = law;
+        read.energy_law = at_rest ? long_term(*truth.energy_law) : instantaneous(*truth.energy_law);
+        AdaptOptions o = options("scale");
+        o.at_rest = at_rest;
+        Adaptation adaptation(law, o);
+        for (const Poke& poke : pokes_of(read, 3)) CHECK(adaptation.learn(poke).status == PokeStatus::learned);
+        CHECK(adaptation.state().x[0] == Approx(0.4).epsilon(0.02));
+        CHECK(adaptation.model().energy_law->relaxation.branches() == 3);
+    }
+}
+
 TEST_CASE("only a law learns, and unknowns have names", "[adapt]") {
     CHECK_THROWS_WITH(Adaptation(haptic_example()), Contains("only a law learns"));
     CHECK_THROWS_WITH(Adaptation(law_example(), options("colour")), Contains("'colour'") && Contains("field"));

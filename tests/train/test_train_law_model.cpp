@@ -157,6 +157,38 @@ TEST_CASE("from forces alone a law finds its constants again, whatever the mater
     CHECK_THAT(to_markdown(evaluation), Contains("measured paths") && Contains("times the study's E2, as the forces have it") && !Contains("shape"));
     CHECK_THAT(to_json(evaluation, 11), Contains("\"factor\"") && !Contains("shape"));  // nobody saw inside
 
+    // of tissue at rest the law at once is what was left of it times 1 / (1 - sum g), given or fitted
+    const auto relaxing = [&](const std::string& viscosity) {
+        std::string text = with(measured_study_text(), "[material]\n", "[material]\nmoduli = \"long-term\"\nviscosity = " + viscosity + "\n");
+        return example_study(with(text, "seed = 8\n", "seed = 8\nhistories = \"h.csv\"\n"));
+    };
+    const LawModel given = *train_law_model(relaxing("[{ g = 0.2, tau_s = 0.5 }, { g = 0.3, tau_s = 5 }]"), cases, 2).energy_law;
+    CHECK((given.constants - 2 * model.energy_law->constants).norm() < 1e-9 * given.constants.norm());
+    CHECK(given.relaxation.contact_share == Eigen::Vector2d(0.2, 0.3));
+    Cases in_time = cases;
+    History h;
+    h.name = "ramp", h.role = "train";
+    h.contact_m = outline.position(0.05);
+    h.direction = outline.direction(0.05, 0);
+    h.time_s = Eigen::VectorXd::LinSpaced(81, 0, 16);
+    h.push_m = NodeField::Zero(81, 2);
+    h.contact.assign(81, 1);
+    NodeField now = NodeField::Zero(81, 2);
+    for (Eigen::Index n = 1; n < 81; ++n) {
+        h.push_m.row(n) = std::min(0.006, 0.015 * h.time_s[n]) * h.direction.transpose();
+        now.row(n) = 2 * press.at(h.contact_m, h.push_m.row(n).transpose()).contact_force.transpose();
+    }
+    h.force_N = relaxed(h.time_s, now, Eigen::Vector2d(0.5, 5), Eigen::Vector2d(0.2, 0.3));
+    in_time.histories = {h};
+    const TrainedModel fitted = train_law_model(relaxing("[{ tau_s = 0.5 }, { tau_s = 5 }, { tau_s = 50 }]"), in_time, 2);
+    CHECK(fitted.energy_law->relaxation.branches() == 2);  // one had no use
+    CHECK((fitted.energy_law->relaxation.contact_share - Eigen::Vector2d(0.2, 0.3)).norm() < 1e-3);
+    CHECK((fitted.energy_law->constants - given.constants).norm() < 2e-3 * given.constants.norm());
+    CHECK(fitted.books.law->shares->histories == 1);
+    CHECK(fitted.books.law->shares->status == "converged");
+    in_time.histories.front().role = "held_out";
+    CHECK_THAT(to_markdown(evaluate(fitted, in_time, 0, 0, 1)), Contains("Branches fitted to 1 measured histories, converged") && Contains("beside what was measured, its noise included") && !Contains("prony"));
+
     Study sets = example_study();
     CHECK_THAT(refusal<MismatchError>([&] { train_sets(sets, cases, 1); }), Contains("measured") && Contains("'" + sets.name + "' has sets"));
     TrainedModel earlier = model;  // of sets, as earlier programs trained them on such cases
@@ -214,16 +246,29 @@ TEST_CASE("what plays a law needs none of training's books", "[law]") {
     CHECK(model.trained.empty());
 }
 
+/// That relaxes and has learned: all datasets that a law can have.
+const std::string& whole_file() {
+    static const TemporaryFolder folder;
+    static const std::string file = [] {
+        TrainedModel model = read_trained_model(relaxing_file());
+        model.energy_law->contact_log_scale = Eigen::VectorXd::Constant(model.mesh.node_count(), 0.2);
+        model.books.law->shares = {3, 1e-12, 0.04, 1.5, "converged"};
+        write_trained_model(folder.file("model.h5"), model, {"tissuectl test", 11, {}});
+        return folder.file("model.h5");
+    }();
+    return file;
+}
+
 TEST_CASE("every dataset of a law has its rule, and changed in any way is refused in one line", "[law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("model.h5");
     int refused = 0;
     for (const DatasetTable* table : {&law_table(), &law_books_table()}) {
-        CHECK(datasets_of(relaxing_file(), *table).size() == table->size());
-        for (const auto& [dataset, rule] : datasets_of(relaxing_file(), *table))
-            for (const Mutation& mutation : mutations(relaxing_file(), dataset, *table)) {
+        CHECK(datasets_of(whole_file(), *table).size() == table->size());
+        for (const auto& [dataset, rule] : datasets_of(whole_file(), *table))
+            for (const Mutation& mutation : mutations(whole_file(), dataset, *table)) {
                 INFO(dataset << ": " << mutation.name);
-                std::filesystem::copy_file(relaxing_file(), file, std::filesystem::copy_options::overwrite_existing);
+                std::filesystem::copy_file(whole_file(), file, std::filesystem::copy_options::overwrite_existing);
                 mutation.apply(file);
                 try {
                     read_trained_model(file);
@@ -236,6 +281,12 @@ TEST_CASE("every dataset of a law has its rule, and changed in any way is refuse
             }
     }
     CHECK(refused > 40);
+    const LawBook::Shares shares = *read_trained_model(whole_file()).books.law->shares;
+    CHECK(shares.histories == 3);
+    CHECK(shares.misfit == 0.04);
+    CHECK(shares.grown == 1.5);
+    CHECK(shares.status == "converged");
+    CHECK_FALSE(read_trained_model(relaxing_file()).books.law->shares);
 }
 
 TEST_CASE("a fit that ended short of its tolerances, or lost pushes, is a broken promise", "[law][endings]") {

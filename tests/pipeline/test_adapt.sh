@@ -1,0 +1,84 @@
+#!/bin/sh
+# A model that learns from pokes: files, streams, bad lines, resumption, and a hand that teaches while it plays.
+. "$(dirname "$0")/common"
+TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}")
+make_copy
+data=$work/fem/data/tiny.csv
+model=$scratch/model.h5
+pokes=$scratch/pokes.csv
+
+# A tissue of 50 N/m along the normal and 30 N/m across it, all round; a patient of half as much again on its left half.
+"$PYTHON" - "$data" "$pokes" <<'PY'
+import sys
+header = "contact_x [mm],contact_y [mm],displacement_x [mm],displacement_y [mm],force_x [mN],force_y [mN]"
+def rows(factor, shift):
+    for i in range(24):
+        x, y, n = [(100, 20 + 10 * i + shift, (-1, 0)), (100 - 10 * (i - 8) - shift, 100, (0, -1)), (0, 100 - 10 * (i - 16) - shift, (1, 0))][i // 8]
+        for across in (-2, 2):
+            u = [5 * n[0] - across * n[1], 5 * n[1] + across * n[0]]
+            f = [factor(x) * (250 * n[0] - 30 * across * n[1]), factor(x) * (250 * n[1] + 30 * across * n[0])]
+            yield f"{x},{y},{u[0]},{u[1]},{f[0]:.3f},{f[1]:.3f}"
+open(sys.argv[1], "w").write("\n".join([header, *rows(lambda x: 1, 0)]) + "\n")
+patient = list(rows(lambda x: 1.5 if x < 50 else 1, 3))
+open(sys.argv[2], "w").write("\n".join([header, *(patient[(7 * i) % len(patient)] for i in range(len(patient)))]) + "\n")
+PY
+sed -e 's/^cells = .*/cells = [6, 6]/' -e 's/block_measured/tiny/' -e 's/^thickness_m = .*/thickness_m = 0.005/' -e 's/^starts = .*/starts = 1/' \
+    "$root/fem/studies/measured.toml" >"$work/fem/studies/tiny.toml"
+(cd "$work" && "$TISSUECTL" import "$data" --study fem/studies/tiny.toml --out "$scratch/cases.h5" &&
+    "$TISSUECTL" train --study fem/studies/tiny.toml --cases "$scratch/cases.h5" --out "$model") >"$scratch/log" 2>&1 || cat "$scratch/log"
+
+adapt() { "$TISSUECTL" adapt "$@" >"$scratch/out" 2>"$scratch/log"; }
+same_learned() { # FILE FILE: every dataset that plays or learns
+    "$PYTHON" -c 'import h5py, sys
+a, b = (h5py.File(f) for f in sys.argv[1:])
+names = []
+a.visititems(lambda n, o: names.append(n) if isinstance(o, h5py.Dataset) else None)
+for n in names:
+    assert a[n].shape == b[n].shape and (a[n][()] == b[n][()]).all(), n' "$1" "$2"
+}
+
+# ---- a file
+check "a file of pokes is learned from" adapt "$model" --data "$pokes" --held-out "$pokes" --next 2 --json --out "$scratch/whole.h5"
+check "held-out errors before and after stand there, and fall" "$PYTHON" -c 'import json, re, sys
+log, out = open(sys.argv[1]).read(), [json.loads(line) for line in open(sys.argv[2])]
+before = float(re.search("before the first poke: held out ([0-9.]+)", log).group(1))
+learned = [r for r in out if r.get("status") == "learned"]
+after = 100 * learned[-1]["held_out"]["median"]
+assert len(learned) > 40 and after < 0.5 * before, (before, after, len(learned))
+assert [r["next"] for r in out if "next" in r] == [1, 2]' "$scratch/log" "$scratch/out"
+check "the model plays" "$TISSUE_HAPTIC" "$scratch/whole.h5" --seconds 0.2 --no-realtime
+check "info names what was learned" sh -c "'$TISSUECTL' info '$scratch/whole.h5' | grep -q adaptation/covariance"
+
+# ---- a stream, with bad lines in it
+sed '6a a robot says hello' "$pokes" >"$scratch/with_bad.csv"
+check "a stream goes on after a bad line, and tells" adapt "$model" --data - --stream --json --out "$scratch/stream.h5" <"$scratch/with_bad.csv"
+check "with the line's place and cause" grep -q '"line":7,"status":"refused","why":"standard input:7: has 1 fields' "$scratch/out"
+sed 's/refused/x/' "$scratch/log" >/dev/null
+check "what it learned is the file's to the last bit" same_learned "$scratch/whole.h5" "$scratch/stream.h5"
+check "a file with a bad line is refused" sh -c "! '$TISSUECTL' adapt '$model' --data '$scratch/with_bad.csv' --out '$scratch/none.h5' 2>'$scratch/log'"
+check "in one line with file, line and cause" grep -q "with_bad.csv:7: has 1 fields, the header 6 columns" "$scratch/log"
+check "and nothing is written" absent "$scratch/none.h5"
+
+# ---- half by half, back, and forgotten
+adapt "$model" --data "$pokes" --first 20 --out "$scratch/half.h5"
+{ head -n 1 "$pokes"; tail -n +22 "$pokes"; } >"$scratch/rest.csv"
+check "learning goes on from a model's file" adapt "$scratch/half.h5" --data "$scratch/rest.csv" --out "$scratch/then.h5"
+check "to the last bit as if it had gone all the way at once" same_learned "$scratch/whole.h5" "$scratch/then.h5"
+check "--forget begins with the law as it was trained" adapt "$scratch/whole.h5" --forget --data "$pokes" --first 20 --out "$scratch/again.h5"
+check "and comes to the same" same_learned "$scratch/half.h5" "$scratch/again.h5"
+sed 's/displacement_x \[mm\]/displacement_x [m]/' "$pokes" >"$scratch/metres.csv"
+check "displacements in another unit than they say are refused one by one" adapt "$model" --data "$scratch/metres.csv" --out "$scratch/metres.h5"
+check "and learned nothing from" grep -q 'adapt: 0 learned' "$scratch/log"
+
+# ---- while it plays
+check "a hand that probes a hidden tissue teaches the law" sh -c "'$TISSUE_HAPTIC' '$model' --motion probe --depth 0.004 --seconds 6 --no-realtime \
+    --hidden '$scratch/whole.h5' --learn '$scratch/live.h5' --journal '$scratch/live.csv' >'$scratch/out' 2>'$scratch/log'"
+check "it says what it read and learned" grep -q '[1-9][0-9]* readings, [1-9][0-9]* learned' "$scratch/log"
+check "the journal is pokes" adapt "$model" --data "$scratch/live.csv" --out "$scratch/replayed.h5"
+check "that make the same model" "$PYTHON" -c 'import h5py, sys
+a, b = (h5py.File(f) for f in sys.argv[1:])
+assert (a["adaptation/x"][:] == b["adaptation/x"][:]).all() and (a["law/constants"][:] == b["law/constants"][:]).all()' "$scratch/live.h5" "$scratch/replayed.h5"
+check "where the model cannot be written no session begins" sh -c "! '$TISSUE_HAPTIC' '$model' --motion probe --seconds 60 --learn '$scratch/no/where.h5' 2>'$scratch/log'"
+check "in one line" grep -q '^tissue-haptic: .*no/where.h5' "$scratch/log"
+check "a journal without --learn is refused" sh -c "! '$TISSUE_HAPTIC' '$model' --journal x.csv --seconds 0.1 2>/dev/null"
+finish
