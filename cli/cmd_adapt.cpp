@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -21,7 +22,7 @@ struct Options {
     AdaptOptions adapt;
     double force_noise_percent = 2, model_error_percent = 3, place_error_mm = 0, next_depth_mm = 6;
     int first = 0, next = 0;
-    bool stream = false, forget = false, json = false;
+    bool stream = false, forget = false, json = false, no_rival = false;
 };
 
 /// |model - reading| / |reading| over pokes that nothing is learned from; a lost one counts as 1.
@@ -78,6 +79,7 @@ class Lines {
                                     {"error_before", answer.error_before},
                                     {"error_after", answer.error_after},
                                     {"learned", state.learned},
+                                    {"one_scale_plays", adaptation.rival_plays()},
                                     {"warning", answer.warning}};
         std::string line_text = fmt::format("adapt {}: at {} mm by {} mm: {}", line, millimetres(poke.contact_m), millimetres(poke.push_m), to_string(answer.status));
         if (answer.status == PokeStatus::learned)
@@ -156,6 +158,7 @@ void run(const Options& o, Provenance provenance) {
     write_adapted_model(o.out, *adaptation, provenance);
     if (!o.stream) lines.next(*adaptation);
     const Adaptation::State& state = adaptation->state();
+    if (adaptation->rival_plays()) std::cerr << fmt::format("adapt: one scale explains what was read: {:.3g} times as stiff as trained\n", std::exp(state.scale));
     std::cerr << fmt::format("adapt: {} learned, {} not believed, {} refused: {}\n", state.learned, state.gated, state.refused, o.out);
 }
 
@@ -175,6 +178,7 @@ void add_adapt(CLI::App& app, const Invocation& invocation) {
     command->add_option("--next", o->next, "name so many places where to poke next, worth most first")->type_name("count")->capture_default_str()->check(CLI::Range(0, 1000));
     command->add_option("--next_depth", o->next_depth_mm, "of those pushes")->type_name("mm")->capture_default_str()->check(CLI::Range(0.1, 1000.0));
     command->add_option("--unknowns", o->adapt.unknowns, "what may be another: scale, terms, field or elements")->type_name("NAME")->capture_default_str()->check(CLI::IsMember(unknown_kinds()));
+    command->add_flag("--no-rival", o->no_rival, "of field and elements: without one scale of all the tissue beside them, which plays while it is the likelier");
     command->add_option("--noise", o->force_noise_percent, "standard deviation of a component of force, over the force")->type_name("%")->capture_default_str()->check(CLI::Range(0.0, 100.0));
     command->add_option("--model_error", o->model_error_percent, "what the law is off where it knows the tissue, likewise")->type_name("%")->capture_default_str()->check(CLI::Range(0.1, 100.0));
     command->add_option("--readings", o->readings, "of tissue that relaxes: long-term, when it had come to rest, or instantaneous, before it had relaxed")
@@ -183,6 +187,7 @@ void add_adapt(CLI::App& app, const Invocation& invocation) {
     command->add_flag("--json", o->json, "a line of JSON a poke on standard output");
     command->callback([o, command, &invocation] {
         echo_options(*command);
+        o->adapt.rival = !o->no_rival;
         o->adapt.force_noise = o->force_noise_percent / 100;
         o->adapt.model_error = o->model_error_percent / 100;
         o->adapt.place_error_m = o->place_error_mm / 1e3;

@@ -144,7 +144,9 @@ void run(const Options& o, Provenance provenance) {
     HapticOptions haptic = o.choices.haptic;
     Learning learning;
     if (!o.learn.empty()) {
-        learning.adaptation = read_adaptation(o.model, {});
+        AdaptOptions live;
+        live.place_error_m = 1e-3;  // tissue swings as it is touched: the model's contact is not quite where the hand's is
+        learning.adaptation = read_adaptation(o.model, live);
         if (o.forget) learning.adaptation->forget();
         learning.adaptation->bound(learned_at_most);
         const Hdf5Writer can_be_written(o.learn, "model", provenance);  // or a session would be lost at its end
@@ -216,7 +218,7 @@ void add_options(CLI::App& app, Options& o) {
     app.add_option("--offset", o.offset_m, "of the device's origin in the tissue's space; none")
         ->type_name("m m [m]")->expected(2, 3);
     CLI::Option* learn = app.add_option("--learn", o.learn, "learn from a device that feels force, and write the model here at the end; of a law")->type_name("FILE");
-    app.add_option("--journal", o.journal, "pokes learned from, CSV: tissuectl adapt makes the same model of it, or of its first rows")->type_name("FILE")->needs(learn);
+    app.add_option("--journal", o.journal, "pokes learned from, CSV: tissuectl adapt --place_error 1 makes the same model of it, or of its first rows")->type_name("FILE")->needs(learn);
     app.add_flag("--forget", o.forget, "learn from the law as it was trained")->needs(learn);
     app.add_option("--hidden", o.hidden, "model.h5 of another tissue that the device touches, and whose force it feels: to try --learn")->type_name("FILE");
     CLI::Option* check = app.add_option("--check", o.check, "press the held-out contacts, or else the cases, of this file; no device, no clock")->type_name("FILE");

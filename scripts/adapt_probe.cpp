@@ -1,5 +1,5 @@
 // What `make patient` measures on one patient: how far a model that learns from pokes is from contacts that it never learns from, poke by poke.
-//   adapt_probe --model FILE --cases FILE --role ROLE [--seed N] [--method NAME] [--told] [--place mm] [--outliers part]
+//   adapt_probe --model FILE --cases FILE --role ROLE [--seed N] [--method NAME] [--told] [--alone] [--place mm] [--outliers part]
 // Pokes are the cases' paths of role held_out_full, in an order of the seed's, with 2 % of Gaussian noise on each component of force. Methods:
 //   scale terms field elements   the filter (adapt/adaptation.h) on these unknowns
 //   gradient   normalised gradient steps on the field, half of the way a poke
@@ -32,7 +32,7 @@ using json = nlohmann::ordered_json;
 struct Options {
     std::string model, cases, role = "held_out", pokes = "held_out_full", method = "field";
     unsigned long seed = 1;
-    bool told = false;
+    bool told = false, alone = false;
     double place_mm = 0, outliers = 0, factor = 1;
     int most = 60;
 };
@@ -128,6 +128,7 @@ void run(const Options& o) {
     AdaptOptions options;
     options.unknowns = filter ? o.method : "field";
     options.place_error_m = o.place_mm / 1e3;
+    options.rival = filter && !o.alone;
     Adaptation adaptation(model, options);
     const std::vector<Push> judged = pushes_over(adaptation.surface(), model.mesh, 0.006, adaptation.surface().spacing_m());
 
@@ -212,6 +213,7 @@ int main(int argc, char** argv) {
     app.add_option("--method", o.method)->check(CLI::IsMember({"scale", "terms", "field", "elements", "gradient", "spsa", "refit"}));
     app.add_option("--seed", o.seed);
     app.add_flag("--told", o.told);
+    app.add_flag("--alone", o.alone, "without one scale as the field's rival");
     app.add_option("--place", o.place_mm, "mm");
     app.add_option("--outliers", o.outliers, "part");
     app.add_option("--factor", o.factor, "all forces times this: a tissue so much stiffer");

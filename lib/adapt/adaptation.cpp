@@ -17,6 +17,8 @@ namespace {
 constexpr std::size_t window = 10;        // readings whose chi2 is watched
 constexpr double suspicious = 3;          // mean chi2 over D of them: three times what noise explains
 constexpr int another_tissue = 4;         // gated in a row
+// of the field over its rival, log: one reading that a single scale cannot have made is enough for the field, however many agreed before
+constexpr double first_evidence = 1, least_evidence = -4, most_evidence = 10, most_of_one = 5;  // one poke says nothing of the rest of the tissue
 constexpr double straight = 0.03;         // a step in log stiffness over which force is a line: the next one would be a thousandth
 
 /// Angle from one direction to another as a vector across the first; one that points the other way has none.
@@ -65,6 +67,8 @@ void Adaptation::forget() {
     state_ = State();
     state_.x = Eigen::VectorXd::Zero(unknowns_.size());
     state_.P = unknowns_.prior;
+    state_.evidence = first_evidence;
+    state_.scale_variance = options_.prior.common * options_.prior.common + options_.prior.local * options_.prior.local;
 }
 
 void Adaptation::restore(State state) {
@@ -77,19 +81,29 @@ TissueModel Adaptation::model() const {
     TissueModel now = base_;
     now.energy_law = law();
     // the heuristic beside it is (7) with E2 as it has become, or it would give way under the same force as nothing there does
-    const Eigen::ArrayXd stiffer = Eigen::VectorXd(unknowns_.by_constant * state_.x).head(now.mesh.spring_count()).array().exp();
+    const Eigen::ArrayXd stiffer = Eigen::VectorXd(unknowns_.by_constant * x()).head(now.mesh.spring_count()).array().exp();
     now.heuristic_a.array() *= stiffer;
     now.heuristic_b.array() *= stiffer;
     return now;
 }
 
 Adaptation::Linear Adaptation::linearise(const Point& contact_m, const Point& push_m, const Eigen::VectorXd& x, const PressState* from) {
+    Linear linear;
+    press(contact_m, push_m, x, from, &linear);
+    return linear;
+}
+
+/// The rest at a push, and where one asks for it what it depends on.
+PressState Adaptation::press(const Point& contact_m, const Point& push_m, const Eigen::VectorXd& x, const PressState* from, Linear* wanted) {
     LawModel now = with_unknowns(*base_.energy_law, unknowns_, x);
     if (options_.at_rest && !now.relaxation.empty()) now = long_term(now);
     kernel_->scale(now.contact_log_scale);
     const ContactSpring contact(kernel_->rows_at(contact_m), now.patch);
-    Linear linear{solver_.press(now.constants, contact, push_m, from), {}};
-    if (linear.rest.status == PressStatus::lost) return linear;
+    const PressState rest = solver_.press(now.constants, contact, push_m, from);
+    if (!wanted) return rest;
+    Linear& linear = *wanted;
+    linear.rest = rest;
+    if (rest.status == PressStatus::lost) return rest;
     const ForceDerivative by = solver_.force_derivative();
     linear.by_x = Eigen::MatrixXd(by.by_constant * now.constants.asDiagonal()) * unknowns_.by_constant;
     const ContactRows& rows = contact.rows;
@@ -102,11 +116,11 @@ Adaptation::Linear Adaptation::linearise(const Point& contact_m, const Point& pu
         for (std::size_t p = 0; p < unknowns_.by_patch.size(); ++p)
             linear.by_x.col(static_cast<Eigen::Index>(p)) += force * unknowns_.by_patch[p].row(m).head(near).dot(rows.factors.head(near));
     }
-    return linear;
+    return rest;
 }
 
 Expected Adaptation::expect(const Point& contact_m, const Point& push_m) {
-    const Linear linear = linearise(contact_m, push_m, state_.x, nullptr);
+    const Linear linear = linearise(contact_m, push_m, x(), nullptr);
     const double size = linear.rest.contact_force_N.norm();
     return {linear.rest.contact_force_N, linear.by_x / size, size > 0 ? linear.rest.status : PressStatus::lost};
 }
@@ -114,6 +128,11 @@ Expected Adaptation::expect(const Point& contact_m, const Point& push_m) {
 Eigen::MatrixXd Adaptation::covariance(const Expected& expected, bool with_model) const {
     const Eigen::Index D = expected.by_x.rows();
     Eigen::MatrixXd S = expected.by_x * state_.P * expected.by_x.transpose();
+    if (has_rival()) {
+        const double field = 1 / (1 + std::exp(-state_.evidence));
+        const Point along = expected.force_N.normalized(), apart = expected.by_x * (state_.x.array() - state_.scale).matrix();
+        S = field * S + (1 - field) * state_.scale_variance * along * along.transpose() + field * (1 - field) * apart * apart.transpose();
+    }
     if (with_model) S += options_.model_error * options_.model_error * Eigen::MatrixXd::Identity(D, D);
     return S;
 }
@@ -147,6 +166,20 @@ Eigen::MatrixXd Adaptation::noise(const Poke& poke, const Point& expected_N) {
         if (sides > 0) R += differs * differs.transpose() / (sides * sides);
     }
     return R;
+}
+
+/// The rival learns, and the evidence moves. Its filter is a line. expected_N: by it; chi2, log_det: of the field's reading, before it was
+/// learned.
+void Adaptation::compare(const Point& expected_N, const Poke& poke, const Eigen::MatrixXd& R, double chi2, double log_det) {
+    const Point along = expected_N.normalized();
+    const Eigen::MatrixXd S = state_.scale_variance * along * along.transpose() + R;
+    const Eigen::LDLT<Eigen::MatrixXd> solver = S.ldlt();
+    const Point r = off(expected_N, poke.force_N), gain = state_.scale_variance * solver.solve(along);
+    const double own_chi2 = r.dot(solver.solve(r)), own_log_det = solver.vectorD().array().log().sum();
+    const double likelier = std::clamp((own_chi2 + own_log_det - chi2 - log_det) / 2, -most_of_one, most_of_one);
+    state_.evidence = std::clamp(state_.evidence + likelier, least_evidence, most_evidence);
+    state_.scale = std::clamp(state_.scale + gain.dot(r), -options_.largest, options_.largest);
+    state_.scale_variance *= 1 - gain.dot(along);
 }
 
 std::string Adaptation::refusal(const Poke& poke) const {
@@ -195,21 +228,30 @@ PokeAnswer Adaptation::learn(const Poke& poke) {
     state_.last = poke;
     const Point at_m = surface_.nearest(poke.contact_m).point_m;
     Linear linear;
+    Point rival_N;  // a tissue stiffer by a factor all over has that factor on every force of the law as it was trained; of no size: it has no rest
     try {
-        linear = linearise(at_m, poke.push_m, state_.x, nullptr);
+        PressState trained;
+        if (has_rival()) trained = press(at_m, poke.push_m, Eigen::VectorXd::Zero(unknowns_.size()));
+        const bool held = has_rival() && trained.status == PressStatus::held;
+        if (held) rival_N = std::exp(state_.scale) * trained.contact_force_N;
+        linear = linearise(at_m, poke.push_m, state_.x, held ? &trained : nullptr);
     } catch (const MismatchError& e) {
         return refuse(e.what());
     }
     if (linear.rest.status != PressStatus::held) return refuse(fmt::format("the model has no rest there: {}", to_string(linear.rest.status)));
     answer.expected_N = linear.rest.contact_force_N;
-    answer.error_before = (answer.expected_N - poke.force_N).norm() / poke.force_N.norm();
 
-    const Eigen::MatrixXd R = noise(poke, answer.expected_N);
-    Eigen::MatrixXd H = linear.by_x / answer.expected_N.norm(), PH = state_.P * H.transpose();
+    const Point field_N = answer.expected_N;
+    const Eigen::MatrixXd R = noise(poke, field_N);
+    Eigen::MatrixXd H = linear.by_x / field_N.norm(), PH = state_.P * H.transpose();
     Eigen::MatrixXd S = H * PH + R;
-    const Point r = off(answer.expected_N, poke.force_N);
-    answer.expected_sd = std::sqrt((S.trace() - R.trace()) / static_cast<double>(D) + options_.model_error * options_.model_error);
-    answer.chi2 = r.dot(S.ldlt().solve(r));
+    const Point r = off(field_N, poke.force_N);
+    const Eigen::LDLT<Eigen::MatrixXd> solver = S.ldlt();
+    answer.chi2 = r.dot(solver.solve(r));
+    const double log_det = solver.vectorD().array().log().sum();
+    if (rival_plays() && rival_N.size() > 0) answer.expected_N = rival_N;
+    answer.expected_sd = std::sqrt(covariance({answer.expected_N, H, PressStatus::held}).trace() / static_cast<double>(D));
+    answer.error_before = (answer.expected_N - poke.force_N).norm() / poke.force_N.norm();
     if (!(answer.chi2 < gate_)) {
         ++state_.gated;
         ++state_.gated_in_a_row;
@@ -240,6 +282,7 @@ PokeAnswer Adaptation::learn(const Poke& poke) {
         S = H * PH + R;
         innovation = off(model_N, poke.force_N) + H * (x - state_.x);
     }
+    if (rival_N.size() > 0) compare(rival_N, poke, R, answer.chi2, log_det);
     state_.x = x;
     state_.P -= PH * S.ldlt().solve(PH.transpose());
     state_.P = 0.5 * (state_.P + state_.P.transpose().eval());

@@ -25,6 +25,7 @@ struct AdaptOptions {
     double off_surface_m = 0.002;   ///< a contact farther off the surface is none
     double least_push_m = 1e-4;     ///< a shorter push says nothing
     double largest = 2.5;           ///< |x| at the most: a factor of 12
+    bool rival = true;              ///< beside unknowns that lie somewhere, one scale of all the tissue: the likelier of the two plays
     bool at_rest = true;            ///< of tissue that relaxes: readings are of what is left after all time; else of what it is at once
     int rounds = 2;                 ///< linearisations a poke at the most, the first at what was known before it
 };
@@ -58,7 +59,9 @@ struct Expected {
 /// A law that learns from pokes, one after the other: an extended Kalman filter on Unknowns. A reading is log of the force's size and the
 /// angle it has with what was expected, so that a tissue that is stiffer all over is a line and no curve:
 ///   r = f log(|F| / |F_model|) + angle,  H = dF_model/dx / |F_model|,  S = H P H' + R,  x += P H' S^-1 (r ...),  P -= P H' S^-1 H P
-/// relinearised `rounds` times (Bell and Cathey 1993, IEEE Trans. Automatic Control 38: 294-297). R: noise, the law's own error, and what
+/// relinearised `rounds` times (Bell and Cathey 1993, IEEE Trans. Automatic Control 38: 294-297). Beside a field, which after few pokes takes every difference for a place's own, goes one scale of all the tissue as
+/// its rival: both expect each reading, the log of how much likelier the field has made them adds up to its evidence, and until that is above
+/// 0 it is the rival that plays (multiple-model estimation: Magill 1965, IEEE Trans. Automatic Control 10: 434-439). R: noise, the law's own error, and what
 /// a contact that stands elsewhere would read. The same readings in the same order give the same model, to the last bit.
 class Adaptation {
    public:
@@ -68,6 +71,7 @@ class Adaptation {
         Eigen::MatrixXd P;
         int learned = 0, gated = 0, refused = 0;
         int gated_in_a_row = 0;
+        double scale = 0, scale_variance = 0, evidence = 0;  ///< the rival's x and its variance; log of the field's likelihood over the rival's
         std::vector<double> recent;  ///< chi2 over D of those learned last
         Poke last;                   ///< as it was read; of no size before the first
     };
@@ -79,11 +83,16 @@ class Adaptation {
 
     /// The model as it is now, Van Gelder's springs beside the law too.
     TissueModel model() const;
-    LawModel law() const { return with_unknowns(*base_.energy_law, unknowns_, state_.x); }
+    LawModel law() const { return with_unknowns(*base_.energy_law, unknowns_, x()); }
+    /// What plays: the field, or its rival as one.
+    Eigen::VectorXd x() const { return rival_plays() ? Eigen::VectorXd::Constant(unknowns_.size(), state_.scale) : state_.x; }
+    bool has_rival() const { return options_.rival && unknowns_.place_m.rows() > 0; }
+    bool rival_plays() const { return has_rival() && state_.evidence < 0; }
 
     /// What the model expects of a push, whatever it knows. Not const: it has one solver.
     Expected expect(const Point& contact_m, const Point& push_m);
-    /// Covariance of that force over its size, D x D: of what is not known of x, and with_model: of the law's own error.
+    /// Covariance of that force over its size, D x D: of what is not known of x, of which of two rivals is right, and with_model: of the law's
+    /// own error.
     Eigen::MatrixXd covariance(const Expected& expected, bool with_model = true) const;
 
     const TissueModel& base() const { return base_; }
@@ -102,8 +111,10 @@ class Adaptation {
         PressState rest;
         Eigen::MatrixXd by_x;  ///< dF/dx (D x P)
     };
+    PressState press(const Point& contact_m, const Point& push_m, const Eigen::VectorXd& x, const PressState* from = nullptr, Linear* linear = nullptr);
     Linear linearise(const Point& contact_m, const Point& push_m, const Eigen::VectorXd& x, const PressState* from);
     Eigen::MatrixXd noise(const Poke& poke, const Point& expected_N);
+    void compare(const Point& expected_N, const Poke& poke, const Eigen::MatrixXd& R, double chi2, double log_det);
     std::string refusal(const Poke& poke) const;
     std::string warning() const;
 

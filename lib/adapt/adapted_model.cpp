@@ -42,6 +42,7 @@ AdaptOptions read_options(const Hdf5Reader& file) {
         value = file.number_attribute(group, name);
         if (!(value >= 0 && value < 1e3)) file.refuse(group, fmt::format("attribute '{}' is {}, must be a number from 0 on", name, value));
     });
+    options.rival = file.number_attribute(group, "rival") != 0;
     options.at_rest = file.number_attribute(group, "at_rest") != 0;
     const double rounds = file.number_attribute(group, "rounds");
     if (!(rounds >= 1 && rounds <= 100 && rounds == std::floor(rounds))) file.refuse(group, fmt::format("attribute 'rounds' is {}, must be a count", rounds));
@@ -89,6 +90,10 @@ void write_adapted_model(const std::string& file, const Adaptation& adaptation, 
     }
     out.attribute(group, "unknowns", adaptation.options().unknowns);
     each_number(adaptation.options(), [&](const char* name, double value) { out.attribute(group, name, value); });
+    out.attribute(group, "rival", adaptation.options().rival ? 1.0 : 0.0);
+    out.attribute(group, "scale", state.scale);
+    out.attribute(group, "scale_variance", state.scale_variance);
+    out.attribute(group, "evidence", state.evidence);
     out.attribute(group, "at_rest", adaptation.options().at_rest ? 1.0 : 0.0);
     out.attribute(group, "rounds", static_cast<double>(adaptation.options().rounds));
     each_count(state, [&](const char* name, int count) { out.attribute(group, name, static_cast<double>(count)); });
@@ -129,6 +134,10 @@ std::unique_ptr<Adaptation> read_adaptation(const std::string& file, const Adapt
     if (table.has("/adaptation/last")) {
         const NodeField last = table.field("/adaptation/last");
         state.last = {last.row(0).transpose(), last.row(1).transpose(), last.row(2).transpose()};
+    }
+    for (const auto& [name, value] : {std::pair<const char*, double*>{"scale", &state.scale}, {"scale_variance", &state.scale_variance}, {"evidence", &state.evidence}}) {
+        *value = in.number_attribute(group, name);
+        if (!std::isfinite(*value)) in.refuse(group, fmt::format("attribute '{}' is no finite number", name));
     }
     each_count(state, [&](const char* name, int& count) {
         const double value = in.number_attribute(group, name);

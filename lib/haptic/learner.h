@@ -15,7 +15,7 @@
 namespace tissue {
 
 struct LearnerOptions {
-    double hold_s = 0.4;     ///< a hand that has been still so long gives a reading, the mean of the second half
+    double hold_s = 0.8;     ///< a hand that has been still so long gives a reading, the mean of the second half: a swing of soft tissue
     double still_m = 2e-4;   ///< and still means within this
     double step = 0.002;     ///< every stiffness goes a tick at the most by this part of itself towards what was learned
 };

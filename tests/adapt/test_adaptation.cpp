@@ -106,6 +106,39 @@ TEST_CASE("pokes find a half that is stiffer, and where they have been the model
     CHECK(adaptation.state().P == adaptation.state().P.transpose());
 }
 
+TEST_CASE("where one scale explains all readings it plays beside the field, and gives way to it at the first that it cannot have made", "[adapt]") {
+    const TissueModel law = law_example(), same = stiffer(law, 0.5);
+    AdaptOptions alone = options();
+    alone.rival = false;
+    Adaptation with_rival(law, options()), without(law, alone);
+    CHECK_FALSE(with_rival.rival_plays());
+    const std::vector<Poke> held_out = pokes_of(same, 20, 77);
+    for (const Poke& poke : pokes_of(same, 5)) {
+        with_rival.learn(poke);
+        without.learn(poke);
+    }
+    CHECK(with_rival.rival_plays());
+    CHECK_FALSE(without.rival_plays());
+    CHECK((with_rival.state().x - without.state().x).norm() < 1e-4);  // the field learns the same beside it
+    CHECK(with_rival.state().scale == Approx(0.5).epsilon(0.01));
+    CHECK(worst_error(with_rival.model(), held_out) < 0.01);
+    CHECK(worst_error(with_rival.model(), held_out) < 0.5 * worst_error(without.model(), held_out));
+    const Expected e = with_rival.expect(held_out[0].contact_m, held_out[0].push_m);
+    CHECK((e.force_N - held_out[0].force_N).norm() < 0.01 * e.force_N.norm());
+
+    // the tissue of another place is stiffer still
+    Poke poke = held_out[3];
+    poke.force_N *= 1.5;
+    const PokeAnswer answer = with_rival.learn(poke);
+    CHECK(answer.error_before == Approx(1 / 3.0).epsilon(0.03));
+    if (answer.status == PokeStatus::learned) CHECK_FALSE(with_rival.rival_plays());
+
+    Adaptation halves(law, options());
+    for (const Poke& p : pokes_of(half_stiff(), 12)) halves.learn(p);
+    CHECK_FALSE(halves.rival_plays());
+    for (const std::string kind : {"scale", "terms"}) CHECK_FALSE(Adaptation(law, options(kind)).has_rival());
+}
+
 TEST_CASE("what cannot be a reading is refused, and leaves the model to the last bit as it was", "[adapt]") {
     const TissueModel law = law_example(), truth = stiffer(law, 0.3);
     const std::vector<Poke> pokes = pokes_of(truth, 6);

@@ -60,6 +60,11 @@ TEST_CASE("a model that has learned plays as it has learned to, and earlier prog
     write_adapted_model(file, adaptation, {"test", 0, {}});
     const TissueModel read = read_model(file);
     CHECK(read.energy_law->contact_log_scale == adaptation.law().contact_log_scale);
+    CHECK(adaptation.rival_plays());
+    CHECK(read_adaptation(file, {})->rival_plays());
+    CHECK(read_adaptation(file, {})->state().scale == adaptation.state().scale);
+    CHECK(read_adaptation(file, {})->state().scale_variance == adaptation.state().scale_variance);
+    CHECK(read_adaptation(file, {})->state().evidence == adaptation.state().evidence);
     CHECK(worst_error(read, pokes) == worst_error(adaptation.model(), pokes));
     CHECK(Hdf5Reader(file, "model").number_attribute("/", "format_version") == adapted_format_version);
     CHECK(adapted_format_version > time_format_version);
@@ -93,7 +98,9 @@ TEST_CASE("every dataset of what was learned is checked", "[adapt]") {
 
 TEST_CASE("the next poke goes where least is known", "[adapt]") {
     const TissueModel law = law_example();
-    Adaptation adaptation(law);
+    AdaptOptions alone;
+    alone.rival = false;
+    Adaptation adaptation(law, alone);
     const std::vector<Push> pushes = pushes_over(adaptation.surface(), law.mesh, 0.005, 0.01);
     CHECK(pushes.size() > 20);
     for (const Push& push : pushes) {

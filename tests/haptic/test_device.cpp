@@ -134,7 +134,7 @@ TEST_CASE("the virtual hand starts outside, stays below the speed limit, and doe
     MotionOptions o;
     o.rest = &block;
     o.name = "stab";
-    CHECK(refusal<MismatchError>([&] { make_motion(o); }).find("press, slide, poke, sine") != std::string::npos);
+    CHECK(refusal<MismatchError>([&] { make_motion(o); }).find("press, slide, poke, probe, sine") != std::string::npos);
     o = {};
     CHECK(refusal<MismatchError>([&] { make_motion(o); }) == "a motion needs a tissue");
     o.rest = &block;

@@ -34,7 +34,7 @@ TEST_CASE("a device is made by its name, from its initial values where none are 
     CHECK(make_device("remote", {{"port", "0"}}, context)->name() == "remote");
     CHECK(refusal<MismatchError>([&] { make_device("mouse", {}, context); }).find("virtual, replay, remote, openhaptics") != std::string::npos);
     CHECK(refusal<MismatchError>([&] { make_device("replay", {}, context); }).find("--trajectory FILE") != std::string::npos);
-    CHECK(refusal<MismatchError>([&] { make_device("virtual", {{"motion", "stab"}}, context); }).find("press, slide, poke, sine") != std::string::npos);
+    CHECK(refusal<MismatchError>([&] { make_device("virtual", {{"motion", "stab"}}, context); }).find("press, slide, poke, probe, sine") != std::string::npos);
     for (const char* depth : {"", "0", "-1", "nan", "inf", "1 mm"}) refusal<MismatchError>([&] { make_device("virtual", {{"depth", depth}}, context); });
     for (const char* port : {"", "-1", "65536", "http"}) refusal<MismatchError>([&] { make_device("remote", {{"port", port}}, context); });
 }

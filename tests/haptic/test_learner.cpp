@@ -29,6 +29,7 @@ constexpr double most = 1.5;
 AdaptOptions live() {
     AdaptOptions options;
     options.largest = most;
+    options.place_error_m = 1e-3;  // both tissues swing as they are touched, and are not at the same place
     return options;
 }
 
@@ -132,6 +133,7 @@ TEST_CASE("while it plays a law becomes the tissue that the hand feels, and forc
     // what plays is what was learned, and near the truth
     CHECK((s.model.meshes[0]->law->stiffness().constants - s.adaptation.law().constants).norm() == 0);
     const std::vector<Poke> held_out = pokes_of(truth, 20, 9);
+    INFO("evidence " << s.adaptation.state().evidence << ", scale " << s.adaptation.state().scale << ", learned " << s.adaptation.state().learned);
     CHECK(worst_error(law, held_out) > 0.35);
     CHECK(worst_error(s.adaptation.model(), held_out) < 0.2);
 }
@@ -181,9 +183,9 @@ TEST_CASE("a hand without a sensor, one that moves and one that slips give no re
     Learner learner(model, adaptation);
     Simulation simulation(model);
     const auto run = [&](bool sensor, double wave_m) {
-        for (int k = 0; k < 4000; ++k) {  // in, there, and out
+        for (int k = 0; k < 5000; ++k) {  // in, there, and out
             learner.before(simulation);
-            const double depth = std::clamp(1e-5 * std::min(k, 4000 - k) - 0.005, -0.005, 0.005) + wave_m * std::sin(0.05 * k);
+            const double depth = std::clamp(1e-5 * std::min(k, 5000 - k) - 0.005, -0.005, 0.005) + wave_m * std::sin(0.05 * k);
             DeviceSample sample = sample_at(0.05, 0.1 - depth);
             if (sensor) sample.measured_N = Eigen::Vector3d(0, -1, 0);
             simulation.tick(sample);

@@ -361,7 +361,7 @@ TEST_CASE("tissue-haptic: 1 for work that fails, 2 for a wrong command line, eac
     ended("", 2);
     ended(model + " --device mouse", 2);
     CHECK(ended(model + " --device replay", 2).find("needs --trajectory FILE") != std::string::npos);
-    CHECK(ended(model + " --motion stab", 2).find("press, slide, poke, sine") != std::string::npos);
+    CHECK(ended(model + " --motion stab", 2).find("press, slide, poke, probe, sine") != std::string::npos);
     ended(model + " --depth 0", 2);
     ended(model + " --device remote --port 70000", 2);
     ended(model + " --force-max -1", 2);

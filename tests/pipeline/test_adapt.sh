@@ -74,7 +74,7 @@ check "and learned nothing from" grep -q 'adapt: 0 learned' "$scratch/log"
 check "a hand that probes a hidden tissue teaches the law" sh -c "'$TISSUE_HAPTIC' '$model' --motion probe --depth 0.004 --seconds 6 --no-realtime \
     --hidden '$scratch/whole.h5' --learn '$scratch/live.h5' --journal '$scratch/live.csv' >'$scratch/out' 2>'$scratch/log'"
 check "it says what it read and learned" grep -q '[1-9][0-9]* readings, [1-9][0-9]* learned' "$scratch/log"
-check "the journal is pokes" adapt "$model" --data "$scratch/live.csv" --out "$scratch/replayed.h5"
+check "the journal is pokes" adapt "$model" --data "$scratch/live.csv" --place_error 1 --out "$scratch/replayed.h5"
 check "that make the same model" "$PYTHON" -c 'import h5py, sys
 a, b = (h5py.File(f) for f in sys.argv[1:])
 assert (a["adaptation/x"][:] == b["adaptation/x"][:]).all() and (a["law/constants"][:] == b["law/constants"][:]).all()' "$scratch/live.h5" "$scratch/replayed.h5"
