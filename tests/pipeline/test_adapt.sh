@@ -49,6 +49,10 @@ assert [r["next"] for r in out if "next" in r] == [1, 2]' "$scratch/log" "$scrat
 check "the model plays" "$TISSUE_HAPTIC" "$scratch/whole.h5" --seconds 0.2 --no-realtime
 check "info names what was learned" sh -c "'$TISSUECTL' info '$scratch/whole.h5' | grep -q adaptation/covariance"
 
+check "what was learned is drawn" "$PYTHON" "$root/scripts/figures/learned.py" "$scratch/map.png" "$scratch/whole.h5" --truth 20 60 10
+check "into a picture" exist "$scratch/map.png"
+check "a model that has learned nothing is refused in one line" sh -c "! '$PYTHON' '$root/scripts/figures/learned.py' '$scratch/map.png' '$model' 2>'$scratch/log' && grep -q 'has learned no field' '$scratch/log'"
+
 # ---- a stream, with bad lines in it
 sed '6a a robot says hello' "$pokes" >"$scratch/with_bad.csv"
 check "a stream goes on after a bad line, and tells" adapt "$model" --data - --stream --json --out "$scratch/stream.h5" <"$scratch/with_bad.csv"

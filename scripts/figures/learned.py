@@ -1,0 +1,69 @@
+"""What a model has learned from pokes, over its plane: how much stiffer each place is than as trained, and how surely that is known.
+
+    scripts/figures/learned.py OUT.png MODEL.h5 [MODEL.h5 ...] [--truth X Y RADIUS]
+
+A column a model of `tissuectl adapt` (or `tissue-haptic --learn`) on unknowns `field`: above the factor, below its standard deviation. --truth: a
+circle in mm, where something is known to lie.
+"""
+import argparse
+import sys
+
+import h5py
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import LogNorm
+
+from save import save
+
+
+def learned(file):
+    """(nodes, triangles, factor at each node, its standard deviation in log, pokes learned)"""
+    with h5py.File(file) as model:
+        if "adaptation" not in model or model["adaptation"].attrs["unknowns"] not in ("field", b"field"):
+            sys.exit(f"learned.py: {file}: has learned no field")
+        if "mesh/triangles" not in model:
+            sys.exit(f"learned.py: {file}: is no model in the plane")
+        group = model["adaptation"]
+        x, sd = group["x"][:], np.sqrt(np.diag(group["covariance"][:]))
+        if group.attrs["rival"] and group.attrs["evidence"] < 0:  # one scale plays
+            x = np.full_like(x, group.attrs["scale"])
+        return model["mesh/nodes"][:], model["mesh/triangles"][:], np.exp(x), sd, int(group.attrs["learned"])
+
+
+def draw(files, truth=None):
+    models = [learned(file) for file in files]
+    figure, axes = plt.subplots(2, len(models), figsize=(2.9 * len(models) + 1, 5.4), squeeze=False, layout="constrained")
+    most = max(1.5, *(max(m[2].max(), 1 / m[2].min()) for m in models))
+    for column, (nodes, triangles, factor, sd, pokes) in enumerate(models):
+        above, below = axes[:, column]
+        stiffness = above.tripcolor(*(1e3 * nodes.T), triangles, factor, shading="gouraud", cmap="RdBu_r", norm=LogNorm(1 / most, most))
+        unsure = below.tripcolor(*(1e3 * nodes.T), triangles, sd, shading="gouraud", cmap="Greys", vmin=0, vmax=0.6)
+        above.set_title(f"{pokes} pokes", fontsize=10)
+        for axis in (above, below):
+            axis.set_aspect("equal")
+            axis.tick_params(labelsize=8)
+            if truth:
+                axis.add_patch(plt.Circle(truth[:2], truth[2], fill=False, linestyle="--", linewidth=1.2, color="0.15"))
+        below.set_xlabel("mm", fontsize=8)
+    ticks = [t for t in (0.2, 0.33, 0.5, 0.7, 1, 1.4, 2, 3, 5) if 1 / most <= t <= most]
+    bar = figure.colorbar(stiffness, ax=axes[0, :], label="times as stiff as trained")
+    bar.set_ticks(ticks, labels=[f"{t:g}" for t in ticks])
+    bar.minorticks_off()
+    figure.colorbar(unsure, ax=axes[1, :], label="sd of its logarithm")
+    return figure
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("out", metavar="OUT.png")
+    parser.add_argument("models", nargs="+", metavar="MODEL.h5")
+    parser.add_argument("--truth", nargs=3, type=float, metavar=("X", "Y", "RADIUS"), help="mm")
+    options = parser.parse_args()
+    save(draw(options.models, options.truth), options.out)
+
+
+if __name__ == "__main__":
+    main()
