@@ -38,9 +38,9 @@ double at_depth(const std::vector<std::pair<double, double>>& curve, double dept
 
 }  // namespace
 
-Scene::Scene(const TissueModel& tissue, const HapticModel& model, const std::vector<NodeField>& fe_displacement_m)
+Scene::Scene(const TissueModel& tissue, const HapticModel& model, const std::vector<NodeField>& fe_displacement_m, std::optional<LearnedField> learned)
     : model_(model), mesh_(tissue.mesh), surface_(tissue.mesh),
-      disc_radius_m_(tissue.energy_law ? tissue.energy_law->disc_radius_m : 0) {
+      disc_radius_m_(tissue.energy_law ? tissue.energy_law->disc_radius_m : 0), learned_(std::move(learned)) {
     if (tissue.energy_law) tau_s_ = tissue.energy_law->relaxation.tau_s, contact_share_ = tissue.energy_law->relaxation.contact_share;
     for (const auto& mesh : model.meshes) boxes_.emplace_back(mesh->place_m + model.low_m, mesh->place_m + model.high_m);
     if (mesh_.is_solid()) {
@@ -127,6 +127,11 @@ std::string Scene::message(const std::vector<std::string>& names, int index) con
               {"law", model_.is_law()}, {"dt_s", o.dt_s}, {"force_max_N", o.safety.force_max_N}, {"force_scale", o.map.force_scale},
               {"node_count", mesh_.node_count()}, {"spring_count", mesh_.spring_count()}};
     if (tau_s_.size() > 0) j["relaxation"] = {{"tau_s", numbers(tau_s_)}, {"share", numbers(contact_share_)}};
+    if (learned_) {
+        Json factor = Json::array(), sd = Json::array();
+        for (int n : shown_) factor.push_back(learned_->factor[n]), sd.push_back(learned_->sd[n]);
+        j["learned"] = {{"pokes", learned_->pokes}, {"factor", factor}, {"sd", sd}};
+    }
     Point low = boxes_[0].first, high = boxes_[0].second;
     for (const auto& [box_low, box_high] : boxes_) low = low.cwiseMin(box_low), high = high.cwiseMax(box_high);
     const auto shown_as = [&](int node) { return std::lower_bound(shown_.begin(), shown_.end(), node) - shown_.begin(); };

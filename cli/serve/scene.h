@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "adapt/adapted_model.h"
 #include "fe_outline.h"
 #include "haptic/state_channel.h"
 #include "mesh/free_surface.h"
@@ -38,7 +40,8 @@ class Scene {
     using Box = std::pair<Point, Point>;   ///< low, high (D)
 
     /// fe_displacement_m: FE's, of every node at each load case (C) of (N x D), or empty.
-    Scene(const TissueModel& tissue, const HapticModel& model, const std::vector<NodeField>& fe_displacement_m = {});
+    /// learned: of pokes, where the model has.
+    Scene(const TissueModel& tissue, const HapticModel& model, const std::vector<NodeField>& fe_displacement_m = {}, std::optional<LearnedField> learned = {});
 
     const std::vector<Place>& places() const { return places_; }
     int first_place() const { return first_; }     ///< where the demo begins: the middle of the top, straight in
@@ -65,6 +68,7 @@ class Scene {
     FreeSurface surface_;
     double disc_radius_m_;    ///< of the tool in space
     Eigen::VectorXd tau_s_, contact_share_;   ///< how the law relaxes under the tool (K); often none
+    std::optional<LearnedField> learned_;
     std::vector<int> shown_;
     std::vector<Place> places_;
     std::vector<Box> boxes_;

@@ -37,12 +37,13 @@ std::string name_for(const std::string& study, const std::vector<std::string>& t
 Stage::Stage(const std::vector<std::string>& files, const StageOptions& options) : options_(options) {
     for (const std::string& file : files) {
         const TissueModel tissue = read_model(file);
-        const FeCases fe = read_fe_cases(file, tissue);
+        const std::optional<LearnedField> learned = learned_field(file);
+        const FeCases fe = learned ? FeCases() : read_fe_cases(file, tissue);  // of another tissue than it has become
         if (!fe.warning.empty()) warnings_.push_back(fe.warning);
         Served served;
         try {
             served.model = std::make_unique<HapticModel>(tissue, options_.haptic);
-            served.scene = std::make_unique<Scene>(tissue, *served.model, fe.displacement_m);
+            served.scene = std::make_unique<Scene>(tissue, *served.model, fe.displacement_m, learned);
         } catch (const MismatchError& e) {
             throw MismatchError(file + ": " + e.what());
         }

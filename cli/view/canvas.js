@@ -13,6 +13,14 @@ const SHADES = (() => {
 })();
 export const shade = x => SHADES[clamp(Math.round(255 * x), 0, 255)];
 
+// blue, white, red by even steps of a logarithm: softer and stiffer (ColorBrewer's RdBu)
+const RD_BU = [[33, 102, 172], [103, 169, 207], [209, 229, 240], [247, 247, 247], [253, 219, 199], [239, 138, 98], [178, 24, 43]];
+/** x from -1 to 1. */
+export function warmth(x) {
+  const at = (clamp(x, -1, 1) + 1) / 2 * (RD_BU.length - 1), i = Math.min(Math.floor(at), RD_BU.length - 2);
+  return `rgb(${RD_BU[i].map((c, d) => Math.round(c + (RD_BU[i + 1][d] - c) * (at - i))).join()})`;
+}
+
 export const colours = {};
 export function read_colours() {
   const style = getComputedStyle(document.documentElement);

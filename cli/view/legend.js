@@ -1,5 +1,5 @@
 // What colours, arrows and lines mean.
-import { arrow, colours, font, shade, trace } from "./canvas.js";
+import { arrow, colours, font, shade, trace, warmth } from "./canvas.js";
 import { nice } from "./scale.js";
 import { is_solid, model, samples } from "./state.js";
 import { norm } from "./vectors.js";
@@ -21,12 +21,13 @@ export function draw_fe_outline(c, points, closed = true) {
   c.setLineDash([]);
 }
 
-/** Along the lower edge of a canvas, of pixels_m pixels a metre: displacement as colour, a force of round size as an arrow, FE's line. */
-export function draw_legend(c, width, height, pixels_m, with_fe) {
+/** Along the lower edge of a canvas, of pixels_m pixels a metre: displacement as colour, a force of round size as an arrow, FE's line. stiffest:
+ * in place of displacement stiffness, from 1 / stiffest to that; 0: displacement. */
+export function draw_legend(c, width, height, pixels_m, with_fe, stiffest = 0) {
   const narrow = width < 520;
   const y = height - 34, bar = Math.min(narrow ? 150 : 240, 0.42 * width), x = width - bar - (narrow ? 22 : 24), deepest = 1e3 * model.deepest_m;
   for (let k = 0; k < bar; k++) {
-    c.fillStyle = shade(k / (bar - 1));
+    c.fillStyle = stiffest ? warmth(2 * k / (bar - 1) - 1) : shade(k / (bar - 1));
     c.fillRect(x + k, y, 1.5, 10);
   }
   c.font = font(12);
@@ -34,13 +35,18 @@ export function draw_legend(c, width, height, pixels_m, with_fe) {
   c.textBaseline = "alphabetic";
   const { step } = nice(deepest, narrow ? 3 : 5);
   c.textAlign = "center";
-  for (let mm = 0; mm <= deepest + 1e-9; mm += step) {
+  if (stiffest)
+    for (const [part, text] of [[0, (1 / stiffest).toFixed(2)], [0.5, "1"], [1, stiffest.toFixed(2)]]) {
+      c.fillRect(x + bar * part - 0.5, y + 10, 1, 4);
+      c.fillText(text, x + bar * part, y + 27);
+    }
+  else for (let mm = 0; mm <= deepest + 1e-9; mm += step) {
     const at = x + bar * mm / deepest;
     c.fillRect(at - 0.5, y + 10, 1, 4);
     c.fillText(`${+mm.toFixed(1)}${mm + step > deepest + 1e-9 ? " mm" : ""}`, at, y + 27);
   }
   c.textAlign = "right";
-  c.fillText(narrow ? "displaced" : "displacement", x - 8, y + 10);
+  c.fillText(stiffest ? (narrow ? "stiffer" : "times as stiff") : narrow ? "displaced" : "displacement", x - 8, y + 10);
 
   // a force of round size as an arrow
   const per_m = arrow_scale(), round = nice(per_m * 0.02, 1), length = round.top / per_m * pixels_m;

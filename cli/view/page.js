@@ -38,7 +38,7 @@ function show_model(message) {
   document.title = `${model.study} – tissuectl`;
   say("about", `Study ${model.study}: ${model.node_count} nodes and ${model.spring_count} springs a mesh, ` +
       `step ${1e3 * model.dt_s} ms, dynamics ${[...new Set(Object.values(model.dynamics))].join(" and ")}; the hand feels ${model.force_scale === 1 ? "" : `${model.force_scale} times `}` +
-      `the tissue's force, ${model.force_max_N} N at most. ${relaxes() ? `It relaxes: ${relaxing()}. ` : ""}${is_solid() ? "" : `Line width: stiffness (its root${model.law ? "" : ", mean over spring sets"}). `}Colour: displacement.`);
+      `the tissue's force, ${model.force_max_N} N at most. ${relaxes() ? `It relaxes: ${relaxing()}. ` : ""}${is_solid() ? "" : `Line width: stiffness (its root${model.law ? "" : ", mean over spring sets"}). `}Colour: displacement${model.learned && !is_solid() ? ", or what has been learned from pokes" : ""}.`);
   fit_stage();
 }
 

@@ -1,11 +1,11 @@
 // The stage of a plane model: both meshes, the diamond, the arrows, the legend.
-import { arrow, begin, colours, font, shade, trace } from "./canvas.js";
+import { arrow, begin, colours, font, shade, trace, warmth } from "./canvas.js";
 import { apart, contact_at_rest, fe_outline } from "./compare.js";
 import { faces } from "./faces.js";
 import { arrow_scale, draw_fe_outline, draw_legend } from "./legend.js";
-import { IN, hand, look, model, node, state, vector } from "./state.js";
+import { IN, LEARNED, hand, look, model, node, state, vector } from "./state.js";
 import { add, clamp, dot, norm } from "./vectors.js";
-import { $ } from "./words.js";
+import { $, say } from "./words.js";
 
 export const stage = $("stage");
 export const view = { low: [0, 0], high: [1, 1], scale: 1, left: 0, top: 0, legend: 54, head: 26 };
@@ -28,6 +28,12 @@ export function fit() {
 
 /** What drawing needs beside what was sent. */
 export function prepare_plane() {
+  $("learned_row").hidden = !model.learned;
+  if (model.learned) {
+    const { factor, pokes } = model.learned, most = Math.max(...factor.map(f => Math.abs(Math.log(f))));
+    model.learned.span = Math.max(Math.log(1.5), most);
+    say("learned_text", `what ${pokes} pokes have found: ${Math.min(...factor).toFixed(2)} to ${Math.max(...factor).toFixed(2)} times as stiff as trained; a ring is as wide as that is unsure`);
+  }
   for (const mesh of model.meshes) {
     mesh.faces = faces(mesh);
     mesh.is_fixed = new Set(mesh.fixed);
@@ -54,7 +60,29 @@ export function draw_stage() {
   draw_marks(c);
   if (state) draw_forces(c);
   draw_diamond(c);
-  draw_legend(c, width, height, view.scale, fe !== null);
+  draw_legend(c, width, height, view.scale, fe !== null, shows_learned() ? Math.exp(model.learned.span) : 0);
+}
+
+/** Whether the learned mesh is coloured by what it has learned from pokes, not by displacement. */
+const shows_learned = () => Boolean(model.learned) && $("learned_wanted").checked;
+$("learned_wanted").addEventListener("change", () => { look.stale = true; });
+
+/** How stiff each place has turned out; a ring at a node is as large as that is unsure, a third of a spacing for a factor of e. */
+function draw_learned(c, mesh, at) {
+  const { factor, sd, span } = model.learned;
+  for (const [i, j, k] of mesh.faces) {
+    trace(c, [at[i], at[j], at[k]]);
+    c.fillStyle = c.strokeStyle = warmth(Math.log(factor[i] * factor[j] * factor[k]) / 3 / span);
+    c.fill();
+    c.stroke();
+  }
+  const spring = mesh.springs[0], spacing = norm(add(at[spring[1]], at[spring[0]], -1));
+  c.strokeStyle = colours.ink;
+  at.forEach((p, i) => {
+    c.beginPath();
+    c.arc(p[0], p[1], Math.min(1, sd[i]) * spacing / 3, 0, 2 * Math.PI);
+    c.stroke();
+  });
 }
 
 function draw_mesh(c, mesh, m, narrow) {
@@ -64,7 +92,8 @@ function draw_mesh(c, mesh, m, narrow) {
 
   // displacement is linear over a triangle, so is its colour along the gradient
   c.lineWidth = 0.7;
-  for (const [i, j, k] of mesh.faces) {
+  if (m === LEARNED && shows_learned()) draw_learned(c, mesh, at);
+  else for (const [i, j, k] of mesh.faces) {
     trace(c, [at[i], at[j], at[k]]);
     const low = Math.min(moved[i], moved[j], moved[k]), high = Math.max(moved[i], moved[j], moved[k]);
     let fill = shade((low + high) / 2);

@@ -80,6 +80,7 @@ void Adaptation::restore(State state) {
 TissueModel Adaptation::model() const {
     TissueModel now = base_;
     now.energy_law = law();
+    now.contact_force_N.resize(0, now.contact_force_N.cols());  // FE's, of the tissue that was trained on
     // the heuristic beside it is (7) with E2 as it has become, or it would give way under the same force as nothing there does
     const Eigen::ArrayXd stiffer = Eigen::VectorXd(unknowns_.by_constant * x()).head(now.mesh.spring_count()).array().exp();
     now.heuristic_a.array() *= stiffer;

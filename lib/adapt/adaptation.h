@@ -81,7 +81,7 @@ class Adaptation {
 
     PokeAnswer learn(const Poke& poke);
 
-    /// The model as it is now, Van Gelder's springs beside the law too.
+    /// The model as it is now, Van Gelder's springs beside the law too. What finite elements said of the tissue trained on it does not carry.
     TissueModel model() const;
     LawModel law() const { return with_unknowns(*base_.energy_law, unknowns_, x()); }
     /// What plays: the field, or its rival as one.

@@ -106,6 +106,17 @@ std::optional<AdaptOptions> adapted_options(const std::string& file) {
     return read_options(in);
 }
 
+std::optional<LearnedField> learned_field(const std::string& file) {
+    const std::optional<AdaptOptions> options = adapted_options(file);
+    if (!options || options->unknowns != "field") return std::nullopt;
+    const std::unique_ptr<Adaptation> adaptation = read_adaptation(file, {});
+    const Adaptation::State& state = adaptation->state();
+    const Eigen::Index N = adaptation->unknowns().size();
+    const bool one = adaptation->rival_plays();
+    return LearnedField{adaptation->x().array().exp(),
+                        one ? Eigen::VectorXd::Constant(N, std::sqrt(state.scale_variance)) : Eigen::VectorXd(state.P.diagonal().cwiseMax(0).cwiseSqrt()), state.learned};
+}
+
 std::unique_ptr<Adaptation> read_adaptation(const std::string& file, const AdaptOptions& fresh) {
     const Hdf5Reader in(file, "model");
     TissueModel model = read_model(in);

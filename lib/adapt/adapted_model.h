@@ -19,6 +19,15 @@ std::unique_ptr<Adaptation> read_adaptation(const std::string& file, const Adapt
 /// The options it was begun with; nothing where it has learned nothing.
 std::optional<AdaptOptions> adapted_options(const std::string& file);
 
+/// What such a file has learned of each node: how many times as stiff it is as trained, and the standard deviation of that number's logarithm (N).
+struct LearnedField {
+    Eigen::VectorXd factor, sd;
+    int pokes;
+};
+
+/// Nothing where it has learned nothing, or on other unknowns than `field`. Throws as read_adaptation.
+std::optional<LearnedField> learned_field(const std::string& file);
+
 /// What every dataset of it is and must be.
 const DatasetTable& adaptation_table();
 

@@ -66,6 +66,11 @@ TEST_CASE("a model that has learned plays as it has learned to, and earlier prog
     CHECK(read_adaptation(file, {})->state().scale_variance == adaptation.state().scale_variance);
     CHECK(read_adaptation(file, {})->state().evidence == adaptation.state().evidence);
     CHECK(worst_error(read, pokes) == worst_error(adaptation.model(), pokes));
+    CHECK(read.contact_force_N.rows() == 0);  // of the tissue that was trained on
+    const LearnedField learned = *learned_field(file);
+    CHECK(learned.pokes == 8);
+    CHECK((learned.factor.array() - std::exp(adaptation.state().scale)).abs().maxCoeff() < 1e-12);
+    CHECK((learned.sd.array() - std::sqrt(adaptation.state().scale_variance)).abs().maxCoeff() < 1e-12);
     CHECK(Hdf5Reader(file, "model").number_attribute("/", "format_version") == adapted_format_version);
     CHECK(adapted_format_version > time_format_version);
     // the tick has the contact that evaluation has
