@@ -8,7 +8,8 @@
 # PREFIX=PATH    where install puts programs, library, headers, man pages and completions (default /usr/local)
 # DESTDIR=PATH   put before PREFIX, for packagers
 # BENCH_OPTIONS=--quick  `make bench` without the whole study from clean and training in space, its longest parts
-# SANITIZE=1     build with address and undefined-behaviour sanitizers, in a folder of its own
+# -jN            that many jobs at a time (default: as many as there are cores)
+# SANITIZE=1     build with address and undefined-behaviour sanitizers, in a folder of its own; SANITIZE=thread: with the one for races
 
 # ---- names: make and the shell take others apart, or run them
 
@@ -43,9 +44,13 @@ endif
 RUN ?=
 PYTHON ?= /usr/bin/python3
 PREFIX ?= /usr/local
-BUILD := build/$(if $(SANITIZE),sanitize,release)
+BUILD := build/$(if $(SANITIZE),$(if $(filter thread,$(SANITIZE)),tsan,sanitize),release)
 TISSUECTL := $(BUILD)/tissuectl
 TISSUE_HAPTIC := $(BUILD)/tissue-haptic
+PYTHON_MODULE := $(BUILD)/python/tissue.so
+ifeq (0,$(MAKELEVEL))  # the makes that make starts have its jobs; and nproc would take OMP_NUM_THREADS for the cores
+MAKEFLAGS += -j$(shell env -u OMP_NUM_THREADS nproc 2>/dev/null || echo 1)
+endif
 MAKEFLAGS += --no-builtin-rules --no-print-directory
 # FE and figures run many at a time under -j; a BLAS with threads of its own would only get in the way, and change
 # the last bits of results from run to run
@@ -70,7 +75,7 @@ FORCE:
 
 # ---- front door
 
-.PHONY: felupe realtime ablation all mesh cases train eval figures report reference regress regress-proof trust gains patient patient3 test sanitize bench benches deps help clean build install uninstall doctor
+.PHONY: felupe realtime ablation all mesh cases train eval figures report reference regress regress-proof trust gains patient patient3 peers test sanitize tsan bench benches doors deps help clean build install uninstall doctor
 
 ## all: the whole study, from mesh to report
 all: figures eval report
@@ -96,12 +101,15 @@ report: $(R)/report.html
 ## build: the programs alone
 build: $(TISSUECTL) $(TISSUE_HAPTIC)
 
+## doors: the library for C, and the module for Python
+doors: $(BUILD)/libtissue.so.1 $(PYTHON_MODULE)
+
 ## deps: name and install missing packages
 deps: build/deps
 
-## install: programs, library, headers, pkg-config file, man pages and completions, under PREFIX
-install: build $(BUILD)/libtissue.a
-	@PREFIX='$(PREFIX)' DESTDIR='$(DESTDIR)' PACKAGES='$(PACKAGES)' CXX='$(CXX)' CXXFLAGS='$(filter -m% -DEIGEN_%,$(CXXFLAGS))' scripts/install $(BUILD)
+## install: programs, libraries, headers, pkg-config files, Python module, man pages and completions, under PREFIX
+install: build doors $(BUILD)/libtissue.a
+	@PREFIX='$(PREFIX)' DESTDIR='$(DESTDIR)' PACKAGES='$(PACKAGES)' PYTHON='$(PYTHON)' CXX='$(CXX)' CXXFLAGS='$(filter -m% -DEIGEN_%,$(CXXFLAGS))' scripts/install $(BUILD)
 
 ## uninstall: take away what install put under PREFIX
 uninstall:
@@ -114,7 +122,7 @@ doctor: $(TISSUECTL)
 ## help: this text
 help:
 	@sed -n 's/^## //p' $(MAKEFILE_LIST) | awk -F': ' '{ printf "  make %-13s %s\n", $$1, $$2 }'
-	@sed -n 's/^# \([A-Z_]*=.*\)/  \1/p' Makefile
+	@sed -n 's/^# \([A-Z_]*=.*\|-j.*\)/  \1/p' Makefile
 
 ## clean: remove everything that was built and every result, but the committed ones
 clean:
@@ -135,9 +143,9 @@ PACKAGES := hdf5 gsl fmt nlopt libxxhash lapacke openblas
 ASSERTIONS = $(if $(SANITIZE),-DEIGEN_RUNTIME_NO_MALLOC -D_GLIBCXX_ASSERTIONS,-DNDEBUG -DEIGEN_NO_DEBUG)
 # gcc 12 sees an overflow in fmt's own inlined parser that is not there, and under sanitizers uninitialised members in
 # its own <regex>
-CXXFLAGS = -std=c++17 -O3 -g1 -pthread -Wall -Wextra -Wpedantic -Wshadow -Werror -Wno-stringop-overflow $(ASSERTIONS) -MMD -MP \
+CXXFLAGS = -std=c++17 -O3 -g1 -pthread -fPIC -fvisibility=hidden -Wall -Wextra -Wpedantic -Wshadow -Werror -Wno-stringop-overflow $(ASSERTIONS) -MMD -MP \
   -Ilib -isystem /usr/include/eigen3 $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(PACKAGES))) \
-  $(if $(SANITIZE),-O1 -Wno-maybe-uninitialized -fsanitize=address$(comma)undefined -fno-sanitize-recover=all)
+  $(if $(SANITIZE),-O1 -Wno-maybe-uninitialized -fsanitize=$(if $(filter thread,$(SANITIZE)),thread,address$(comma)undefined) -fno-sanitize-recover=all)
 LDLIBS = $(shell pkg-config --libs $(PACKAGES)) -pthread
 comma := ,
 
@@ -162,13 +170,31 @@ $(eval $(call says,$(BUILD)/tissuectl.list,CLI_SOURCES))
 $(eval $(call says,$(BUILD)/tissue-haptic.list,HAPTIC_SOURCES))
 $(eval $(call says,$(BUILD)/test_tissue.list,TEST_SOURCES))
 
-$(BUILD)/%.o: %.cpp $(BUILD)/flags | build/deps
+# headers that most files include, parsed once. Not under sanitizers, so that what a file forgot to include is found.
+PRECOMPILED := $(if $(SANITIZE),,$(BUILD)/precompiled.h.gch)
+$(BUILD)/precompiled.h.gch: scripts/precompiled.h $(BUILD)/flags | build/deps
+	@$(call alone,$@.lock) && cp $< $(@:.gch=) && $(CXX) $(CXXFLAGS) -x c++-header $(@:.gch=) -MF $@.d -o $@.tmp && mv $@.tmp $@
+
+$(BUILD)/%.o: %.cpp $(BUILD)/flags | build/deps $(PRECOMPILED)
 	@mkdir -p $(@D)
 	@echo "c++   $<"
-	@exec 9<$< && flock 9 && $(CXX) $(CXXFLAGS) -MF $(@:.o=.d) -MT $@ -c $< -o $@.tmp && mv $@.tmp $@
+	@exec 9<$< && flock 9 && $(CXX) $(CXXFLAGS) $(if $(PRECOMPILED),-include $(BUILD)/precompiled.h) -MF $(@:.o=.d) -MT $@ -c $< -o $@.tmp && mv $@.tmp $@
 
 $(BUILD)/libtissue.a: $(call objects,$(LIB_SOURCES)) $(BUILD)/libtissue.list
 	@$(call alone,$@.lock) && rm -f $@.tmp && ar rcs $@.tmp $(filter %.o,$^) && mv $@.tmp $@
+
+# the door for C: the library's own symbols stay inside
+$(BUILD)/libtissue.so.1: $(BUILD)/lib/api/tissue.o $(BUILD)/libtissue.a lib/api/tissue.map
+	@$(call alone,$@.lock) && $(CXX) $(CXXFLAGS) -s -shared -Wl,-soname,libtissue.so.1 -Wl,--version-script=lib/api/tissue.map -Wl,-z,defs -Wl,--as-needed \
+	  $(filter %.o %.a,$^) $(LDLIBS) -ldl -o $@.tmp && mv $@.tmp $@
+
+# the door for Python
+# (gcc 12 sees uninitialised numbers in Eigen's where they come precompiled beside pybind11's)
+$(BUILD)/lib/api/python/%.o: private PRECOMPILED :=
+$(BUILD)/lib/api/python/%.o: private CXXFLAGS += $(patsubst -I%,-isystem %,$(shell $(PYTHON)-config --includes))
+$(PYTHON_MODULE): $(BUILD)/lib/api/python/tissue_module.o $(BUILD)/libtissue.a
+	@mkdir -p $(@D)
+	@$(call alone,$@.lock) && $(CXX) $(CXXFLAGS) -s -shared -Wl,--as-needed $(filter %.o %.a,$^) $(LDLIBS) -ldl -o $@.tmp && mv $@.tmp $@
 
 STAGES := rim collect import train eval
 link = $(call alone,$@.lock) && $(CXX) $(CXXFLAGS) $(1) $(filter %.o %.a,$^) $(LDLIBS) -ldl -o $@.tmp
@@ -200,18 +226,21 @@ endif
 # the page is part of the program, and so is the library that draws it in space
 THREE := /usr/share/javascript/three/three.module.js
 $(BUILD)/cli/serve/page.o: $(call files,cli/view/*.html cli/view/*.css cli/view/*.js) $(THREE)
+# files and command lines are read once, pages sent a few times a second: what does that compiles faster without the last bit of speed
+$(call objects,$(wildcard cli/*.cpp cli/serve/*.cpp cli/serve/network/*.cpp lib/io/*.cpp lib/study/*.cpp lib/cases/*.cpp lib/export/*.cpp \
+  lib/eval/report.cpp lib/eval/evaluation_json.cpp)): private CXXFLAGS += -O1
 # ccache does not see what the assembler takes in
 $(BUILD)/cli/serve/page.o: export CCACHE_DISABLE := 1
 $(THREE): | build/deps
 	@[ -r $@ ] || { echo "make: there is no $@, of Debian's package libjs-three: the page cannot be built" >&2; exit 1; }
 
--include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) $(CLI_SOURCES) $(HAPTIC_SOURCES) $(TEST_SOURCES) $(BENCH_SOURCES) scripts/gains_probe.cpp scripts/adapt_probe.cpp))
+-include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) lib/api/python/tissue_module.cpp $(CLI_SOURCES) $(HAPTIC_SOURCES) $(TEST_SOURCES) $(BENCH_SOURCES) scripts/gains_probe.cpp scripts/adapt_probe.cpp))
 
 # ---- stages: one rule per kind of file
 
 # The plan says which load paths there are and with which arguments; its parts say what each stage depends on, and
 # keep their time stamp while their text stays the same.
-ifneq (,$(filter-out help clean deps build install uninstall doctor reference regress regress-proof trust felupe gains patient patient3 test sanitize bench benches $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
+ifneq (,$(filter-out help clean deps build doors install uninstall doctor reference regress regress-proof trust felupe gains patient patient3 peers test sanitize tsan bench benches $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
 include $(R)/plan.mk
 endif
 # A shape has no surface to plan contacts on until it is meshed: its first plan says where it comes from, SHAPE and
@@ -271,7 +300,7 @@ $(R)/report.html: $(R)/report.md $(R)/eval.json $(R)/cases.h5 $(R)/model.h5 $(FI
 
 REFERENCE_STUDIES := paper paper-axial paper-grid8 paper-grid8-turning surface surface-quick surface-sets \
   surface-stress organ organ-lump measured measured-relax block3 block3-quick nodule3 organ3 relax nodule-relax block3-relax
-## reference: run the paper's studies, then write results/reference and README's tables anew
+## reference: run the paper's studies, then write results/reference and the tables of README and results/RESULTS.md anew
 reference:
 	@for study in $(REFERENCE_STUDIES); do $(MAKE) all STUDY=$$study || exit 1; done
 	@for study in $(filter surface block3,$(REFERENCE_STUDIES)); do $(MAKE) ablation STUDY=$$study || exit 1; done
@@ -312,6 +341,12 @@ gains: $(TISSUECTL) $(BUILD)/gains_probe
 	@for nodes in 6 11 21 41; do $(MAKE) cases STUDY=lattice-$$nodes || exit 1; done
 	@$(PYTHON) scripts/gains_study.py $(BUILD)/gains_probe results/reference/gains
 
+## peers: our block in space beside MuJoCo and felupe on the same lattice, as results/reference/peers.md
+peers: doors $(TISSUECTL)
+	@$(MAKE) train STUDY=block3-quick
+	@PYTHON=$(PYTHON) scripts/venv || echo "peers: goes on without them" >&2
+	@$(PYTHON) scripts/peers_study.py block3-quick results/reference/peers.md
+
 PATIENTS := stiff soft ogden lump layers
 ## patient: what a model that learns from pokes is off on tissues it was not trained on, as results/reference/patient.md
 patient: $(TISSUECTL) $(BUILD)/adapt_probe
@@ -332,7 +367,7 @@ patient3: $(TISSUECTL) $(BUILD)/adapt_probe
 # ---- tests and benches
 
 ## test: library, FE and pipeline tests; the last line counts them
-test: $(TISSUECTL) $(TISSUE_HAPTIC) $(BUILD)/test_tissue | build/deps-test
+test: $(TISSUECTL) $(TISSUE_HAPTIC) doors $(BUILD)/test_tissue | build/deps-test
 	@TISSUE_HAPTIC=$(TISSUE_HAPTIC) PYTHON=$(PYTHON) TISSUECTL=$(TISSUECTL) tests/run $(BUILD)/test_tissue
 
 ## sanitize: library tests and the server under address and undefined-behaviour sanitizers
@@ -340,6 +375,11 @@ sanitize:
 	@$(MAKE) SANITIZE=1 build/sanitize/tissue-haptic build/sanitize/tissuectl build/sanitize/test_tissue
 	@TISSUE_HAPTIC=build/sanitize/tissue-haptic build/sanitize/test_tissue
 	@TISSUECTL=build/sanitize/tissuectl PYTHON=$(PYTHON) tests/pipeline/test_serve.sh
+
+## tsan: what has threads (loop, recorder, devices, learning, page, parallel work) under the sanitizer for races
+tsan:
+	@$(MAKE) SANITIZE=thread build/tsan/test_tissue
+	@build/tsan/test_tissue -# '[loop],[recorder],[device],[pointer],[adapt],[serve],[api],[#test_parallel],[#test_law_press],[#test_atomic_file]'
 
 ## regress-proof: put five defects into a copy, one at a time; each must turn the regression of paper red
 regress-proof: $(TISSUECTL)

@@ -76,6 +76,8 @@ const std::vector<Tool>& tools() {
          "tissuectl serve"},
         {"three.js", "libjs-three", "sed -n \"s/^var REVISION = '\\(.*\\)';/0.\\1/p\" /usr/share/javascript/three/three.module.js | grep .", true,
          "the page, in space"},
+        {"pybind11", "pybind11-dev", "pkg-config --modversion pybind11", true, "import tissue"},
+        {"Python's headers", "python3-dev", "pkg-config --modversion python3", true, "import tissue"},
         {"VTK", "python3-vtk9",
          "$PYTHON -c 'from vtkmodules.vtkCommonCore import vtkVersion; print(vtkVersion.GetVTKVersion())'", false,
          "tests read exports back"},

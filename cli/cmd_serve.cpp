@@ -16,7 +16,7 @@ namespace {
 
 struct Options {
     std::vector<std::string> models;
-    std::string record;
+    std::string record, hidden, learn;
     bool json = false;
     HapticChoices choices;
     serve::ServerOptions server;
@@ -24,7 +24,8 @@ struct Options {
 
 void run(const Options& o, Provenance provenance) {
     std::unique_ptr<Recorder> recorder;  // outlives the tick that pushes into it
-    serve::Stage stage(o.models, {o.choices.haptic, !o.choices.no_realtime});
+    serve::Stage stage(o.models, {o.choices.haptic, !o.choices.no_realtime, o.hidden});
+    if (!o.learn.empty()) const Hdf5Writer can_be_written(o.learn, "model", provenance);  // or a session would be lost at its end
     serve::Server server(stage, o.server);
     for (const std::string& warning : stage.warnings()) std::cerr << "tissuectl serve: warning: " << warning << '\n';
     if (!o.record.empty()) {
@@ -39,6 +40,10 @@ void run(const Options& o, Provenance provenance) {
     stage.stop();
     for (const std::string& notice : stage.report().notices) std::cerr << "tissuectl serve: " << notice << '\n';
     if (recorder) recorder->close(stage.model());
+    if (!o.learn.empty()) {
+        write_adapted_model(o.learn, stage.lesson()->adaptation(), provenance);
+        std::cerr << fmt::format("tissuectl serve: {} readings learned: {}\n", stage.lesson()->adaptation().state().learned, o.learn);
+    }
     const std::string file = std::filesystem::path(o.models[static_cast<std::size_t>(stage.index())]).filename().string();
     const long long dropped = recorder ? recorder->dropped() : 0;
     std::cout << (o.json ? ledger_json(file, stage.pointer(), stage.simulation(), stage.report(), dropped)
@@ -50,6 +55,8 @@ void run(const Options& o, Provenance provenance) {
 void check(const Options& o) {
     if (!o.record.empty() && o.models.size() > 1)
         throw CLI::ValidationError("--record", "a recording is of one model");
+    if (!o.hidden.empty() && o.models.size() > 1)
+        throw CLI::ValidationError("--hidden", "one model learns, not one of several");
     if (!o.server.token.empty() && !serve::is_token(o.server.token))
         throw CLI::ValidationError("--token", "wanted 16 to 128 letters, digits, - and _");
     bool loopback = true;
@@ -80,6 +87,9 @@ void add_serve(CLI::App& app, const Invocation& invocation) {
     add_number(*command, "--seconds", o->server.seconds, "s", "how long; 0: until a signal comes")->check(quiet(CLI::NonNegativeNumber));
     command->add_flag("--json", o->json, "print the ledger as JSON");
     command->add_option("--record", o->record, "HDF5 file for every tick, of one model")->type_name("FILE");
+    CLI::Option* hidden = command->add_option("--hidden", o->hidden, "model.h5 of another tissue: the tool touches it too, unseen, and the model, a law, "
+                                                                    "learns from its force whenever the hand holds still")->type_name("FILE");
+    command->add_option("--learn", o->learn, "model.h5 to write at the end, as it has learned to be")->type_name("FILE")->needs(hidden);
     add_haptic_options(*command, o->choices);
     command->callback([o, &invocation] {
         check(*o);

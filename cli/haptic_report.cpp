@@ -74,6 +74,10 @@ std::string ledger_text(const std::string& model_file, const Device& device, con
     text += fmt::format("  dropped samples  {}\n", dropped_samples);
     text += fmt::format("  largest force    {:.4g} N, clamped {}, slewed {}, damped {}\n", s.force_max_N, s.clamped, s.slewed, s.damped);
     text += fmt::format("  energy given     {:.4g} J\n", s.energy_given_J);
+    if (simulation.model().options.energy_book) {
+        const BranchBook book = simulation.branches();
+        text += fmt::format("  branches         store {:.4g} J, have burnt {:.4g} J\n", book.stored_J, book.burnt_J);
+    }
     text += fmt::format("  refused input    {} (bad {}, jumps {}, stale {})\n", refused(s), s.bad_input, s.jump, s.stale);
     text += fmt::format("  no force         outline folded {}, mesh unstable {}, not yet outside {}, ticks too late {}\n", h.folded, h.unstable, h.unarmed, s.late);
     for (const auto& [name, value] : device.ledger()) text += fmt::format("  device {:<24} {:g}\n", name, value);
@@ -105,6 +109,10 @@ std::string ledger_json(const std::string& model_file, const Device& device, con
     details["force_scale"] = model.options.map.force_scale;
     details["slewed"] = s.slewed;
     details["damped"] = s.damped;
+    if (model.options.energy_book) {
+        const BranchBook book = simulation.branches();
+        details["branches"] = {{"stored_J", book.stored_J}, {"burnt_J", book.burnt_J}};
+    }
     details["not_finite"] = s.bad_input;
     details["jumps"] = s.jump;
     details["stale"] = s.stale;

@@ -137,22 +137,16 @@ struct Learning {
     std::unique_ptr<Learner> learner;
 };
 
-constexpr double learned_at_most = 1.5;  ///< of log stiffness while it plays: steps are for 4.5 times the stiffness
-
 void run(const Options& o, Provenance provenance) {
     TissueModel tissue = read_model(o.model);
     HapticOptions haptic = o.choices.haptic;
     Learning learning;
     if (!o.learn.empty()) {
-        AdaptOptions live;
-        live.place_error_m = 1e-3;  // tissue swings as it is touched: the model's contact is not quite where the hand's is
-        learning.adaptation = read_adaptation(o.model, live);
+        learning.adaptation = live_adaptation(o.model);
         if (o.forget) learning.adaptation->forget();
-        learning.adaptation->bound(learned_at_most);
         const Hdf5Writer can_be_written(o.learn, "model", provenance);  // or a session would be lost at its end
         tissue = learning.adaptation->base();
-        haptic.stiffest = std::exp(learned_at_most);
-        haptic.heuristic_mesh = false;  // it does not learn, and under a stiffer tissue's force it would fold
+        haptic = live_options(haptic);
     }
     HapticModel model(tissue, haptic);
     if (!o.check.empty()) return check(o, tissue, model);
@@ -204,6 +198,7 @@ void add_options(CLI::App& app, Options& o) {
     add_number(app, "--seconds", o.seconds, "s", "how long; 0: until the device ends or a signal comes")->check(quiet(CLI::NonNegativeNumber));
     app.add_flag("--json", o.json, "print the ledger as JSON");
     app.add_option("--record", o.record, "HDF5 file for every tick")->type_name("FILE");
+    app.add_flag("--energy-book", o.choices.haptic.energy_book, "of a model that relaxes: the ledger says what its branches store and have burnt");
     app.add_option("--seed", o.seed, "of poke")->type_name("integer")->capture_default_str();
     for (const DeviceKind* kind : device_kinds().kinds())
         for (const DeviceOption& option : kind->options) {

@@ -3,7 +3,7 @@
     scripts/patient_study.py PROBE OUT PATIENT...
 
 PROBE is scripts/adapt_probe.cpp, built; what TISSUES names must be there. Writes OUT.md and OUT.png, and in the plane
-README's table. Every figure is the median over three
+the rows of README.md and the table of results/RESULTS.md that reference.py makes of OUT.md. Every figure is the median over three
 seeds of order and noise.
 """
 import json
@@ -19,7 +19,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parent / "figures")]
-from reference import fill
+from reference import write_patients
 from save import save, written
 
 SEEDS = (11, 12, 13)
@@ -115,16 +115,6 @@ def table(measured):
     return "\n".join(lines)
 
 
-def readme(measured):
-    """README's table: the field, told where."""
-    shown = (0, 1, 5, 10, 20, 40)
-    lines = ["| patient | " + " | ".join("before" if n == 0 else f"{n} poke{'s' * (n > 1)}" for n in shown) + " |", "|---|" + "---|" * len(shown)]
-    for patient, ways in measured.items():
-        runs = ways["field, told where"]
-        lines.append(f"| {TISSUES[patient][0]} | " + " | ".join(f"{100 * at(runs, n, 'median'):.1f} / {100 * at(runs, n, 'p95'):.1f}" for n in shown) + " |")
-    return lines
-
-
 def figure(measured):
     fig, axes = plt.subplots(1, len(measured), figsize=(3.1 * len(measured), 3.3), sharey=True, squeeze=False, layout="constrained")
     shown = [n for n in SHOWN if n <= 40 or not all(patient.endswith("3") for patient in measured)]
@@ -153,8 +143,7 @@ def main():
     with written(f"{out}.md") as beside:
         Path(beside).write_text(table(measured))
     if any(not patient.endswith("3") for patient in measured):
-        page = Path(__file__).parent.parent / "README.md"
-        page.write_text(fill(page.read_text(), "patient", readme(measured)))
+        write_patients(Path(f"{out}.md"))
     save(figure(measured), f"{out}.png")
 
 

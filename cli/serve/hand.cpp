@@ -11,6 +11,7 @@ namespace {
 constexpr double clearance_m = 0.01;    ///< kept from the tissue at rest while on the way; it bulges by less
 constexpr double travel_m_s = 0.5, approach_m_s = 0.08, press_m_s = 0.02, leave_m_s = 0.15;
 constexpr double rest_s = 0.8, pause_s = 0.4;
+constexpr double reading_s = 2;         ///< a model that learns takes a reading of a hand that has been still for a while
 constexpr double same_touch_m = 0.004;  ///< a person who presses deeper has not gone elsewhere
 constexpr double inset_m = 0.0003;      ///< a push along the surface must stay inside it
 
@@ -213,14 +214,16 @@ void Hand::press() {
     const Point touch = place.contact_m + inset_m * place.inward;
     const Point away = outside(scene_->boxes(), place.contact_m - 1.2 * clearance_m * place.inward, clearance_m);
     go_round(away);
+    way_.back().begins_press = true;
     way_.push_back({touch, approach_m_s});
-    way_.push_back({touch + sink * place.depth_m * place.direction, press_m_s, rest_s});
+    way_.push_back({touch + sink * place.depth_m * place.direction, press_m_s, scene_->learns() ? reading_s : rest_s});
     way_.push_back({touch, 2 * press_m_s});
     way_.push_back({away, leave_m_s, pause_s});
 }
 
 Point Hand::step(double elapsed_s) {
     double left = elapsed_s;
+    begins_press_ = false;
     while (left > 0 && !way_.empty()) {
         Leg& leg = way_.front();
         const double distance = (leg.to_m - at_).norm(), needed = distance / leg.speed_m_s;
@@ -230,6 +233,7 @@ Point Hand::step(double elapsed_s) {
         }
         left -= needed;
         at_ = leg.to_m;
+        begins_press_ = begins_press_ || leg.begins_press;
         remember_way_out();
         if (leg.wait_s > left) {
             leg.wait_s -= left;

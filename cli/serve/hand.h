@@ -34,6 +34,7 @@ class Hand {
     Point step(double elapsed_s);
 
     const Point& at() const { return at_; }
+    bool begins_press() const { return begins_press_; }      ///< in the last step the demo came to where it presses from, outside the tissue
     int place() const { return mode_ == Mode::demo ? place_ : -1; }  ///< that the demo presses
 
    private:
@@ -42,6 +43,7 @@ class Hand {
         Point to_m;
         double speed_m_s;
         double wait_s = 0;   ///< there
+        bool begins_press = false;
     };
 
     void approach();
@@ -57,6 +59,7 @@ class Hand {
     Point entry_;            ///< where it was last outside
     bool inside_ = false;    ///< led straight, whatever is in between: it has arrived where the person is
     bool tour_ = true;
+    bool begins_press_ = false;
     int place_ = 0;
 };
 

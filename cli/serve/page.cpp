@@ -19,6 +19,7 @@
     DO(faces, "/faces.js", "faces.js", javascript)          \
     DO(follow, "/follow.js", "follow.js", javascript)       \
     DO(hand, "/hand.js", "hand.js", javascript)             \
+    DO(learned, "/learned.js", "learned.js", javascript)    \
     DO(legend, "/legend.js", "legend.js", javascript)       \
     DO(numbers, "/numbers.js", "numbers.js", javascript)    \
     DO(places, "/places.js", "places.js", javascript)       \

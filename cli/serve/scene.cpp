@@ -36,6 +36,12 @@ double at_depth(const std::vector<std::pair<double, double>>& curve, double dept
     return unknown;
 }
 
+Json learned_json(const LearnedField& learned, const std::vector<int>& shown) {
+    Json factor = Json::array(), sd = Json::array();
+    for (int n : shown) factor.push_back(learned.factor[n]), sd.push_back(learned.sd[n]);
+    return {{"pokes", learned.pokes}, {"factor", factor}, {"sd", sd}};
+}
+
 }  // namespace
 
 Scene::Scene(const TissueModel& tissue, const HapticModel& model, const std::vector<NodeField>& fe_displacement_m, std::optional<LearnedField> learned)
@@ -121,17 +127,23 @@ Near Scene::near(const TickState& state) const {
     return near;
 }
 
+std::string Scene::message(const Lesson::News& news) const {
+    Json j = {{"type", "learned"}};
+    if (learned_) j["learned"] = learned_json(*learned_, shown_);
+    if (news.poke) j["reading"] = {{"contact_m", numbers(news.poke->contact_m)}, {"push_m", numbers(news.poke->push_m)}, {"status", to_string(news.status)},
+                                   {"why", news.why}, {"warning", news.warning}};
+    if (news.next) j["next"] = {{"contact_m", numbers(news.next->contact_m)}, {"push_m", numbers(news.next->push_m)}};
+    return j.dump();
+}
+
 std::string Scene::message(const std::vector<std::string>& names, int index) const {
     const HapticOptions& o = model_.options;
     Json j = {{"type", "model"}, {"study", model_.study}, {"models", names}, {"model", index}, {"dimension", dimension()},
               {"law", model_.is_law()}, {"dt_s", o.dt_s}, {"force_max_N", o.safety.force_max_N}, {"force_scale", o.map.force_scale},
               {"node_count", mesh_.node_count()}, {"spring_count", mesh_.spring_count()}};
     if (tau_s_.size() > 0) j["relaxation"] = {{"tau_s", numbers(tau_s_)}, {"share", numbers(contact_share_)}};
-    if (learned_) {
-        Json factor = Json::array(), sd = Json::array();
-        for (int n : shown_) factor.push_back(learned_->factor[n]), sd.push_back(learned_->sd[n]);
-        j["learned"] = {{"pokes", learned_->pokes}, {"factor", factor}, {"sd", sd}};
-    }
+    if (learned_) j["learned"] = learned_json(*learned_, shown_);
+    if (learns()) j["learns"] = true;
     Point low = boxes_[0].first, high = boxes_[0].second;
     for (const auto& [box_low, box_high] : boxes_) low = low.cwiseMin(box_low), high = high.cwiseMax(box_high);
     const auto shown_as = [&](int node) { return std::lower_bound(shown_.begin(), shown_.end(), node) - shown_.begin(); };

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "adapt/adapted_model.h"
+#include "lesson.h"
 #include "fe_outline.h"
 #include "haptic/state_channel.h"
 #include "mesh/free_surface.h"
@@ -47,6 +47,8 @@ class Scene {
     int first_place() const { return first_; }     ///< where the demo begins: the middle of the top, straight in
     const HapticModel& model() const { return model_; }
     int dimension() const { return model_.dimension(); }
+    bool learns() const { return model_.options.stiffest > 1; }   ///< while it plays
+    bool relaxes() const { return tau_s_.size() > 0; }
 
     /// Boxes of every mesh at rest.
     const std::vector<Box>& boxes() const { return boxes_; }
@@ -58,6 +60,12 @@ class Scene {
     Touch nearest(const Point& p) const;
 
     Near near(const TickState& state) const;
+
+    /// Of a model that learns while it plays.
+    void learn(LearnedField field) { learned_ = std::move(field); }
+
+    /// The message of type `learned` (cli/view/PROTOCOL.md); of what learn() was told.
+    std::string message(const Lesson::News& news) const;
 
     /// The message of type `model` (cli/view/PROTOCOL.md). names: of all models served; index: of this one.
     std::string message(const std::vector<std::string>& names, int index) const;

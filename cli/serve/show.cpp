@@ -105,8 +105,13 @@ bool Show::step(double now_s) {
     if (holder_ != nobody && now_s - heard_s_ > silent_s) release(now_s);
     if (channel.paused()) idle_since_s_ = now_s;
     if (holder_ == nobody && hand_.place() < 0 && now_s - idle_since_s_ > idle_s) hand_.demonstrate(-1);
-    if (!channel.paused()) stage_.pointer().aim(hand_.step(elapsed));
+    if (!channel.paused()) {
+        stage_.pointer().aim(hand_.step(elapsed));
+        // what a press left behind in tissue that relaxes would be in the next one too, which nothing could be held against then
+        if (hand_.begins_press() && stage_.scene().relaxes()) channel.reset();
+    }
     tell_control();
+    tell_learned();
 
     for (double us = 0; channel.pop_time(us);) {
         tick_us_.add(us);
@@ -147,6 +152,17 @@ bool Show::step(double now_s) {
 
 void Show::tell_model(Client client) {
     tell_(client, stage_.scene().message(stage_.names(), stage_.index()));
+    if (!learned_text_.empty()) tell_(client, learned_text_);
+}
+
+/// What has become of a reading, to everyone.
+void Show::tell_learned() {
+    if (!stage_.lesson()) return;
+    const std::optional<Lesson::News> news = stage_.lesson()->news();
+    if (!news) return;
+    if (news->field) stage_.scene().learn(*news->field);
+    learned_text_ = stage_.scene().message(*news);
+    for (const auto& [client, heard] : clients_) tell_(client, learned_text_);
 }
 
 std::string Show::near_text() const {

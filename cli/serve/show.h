@@ -48,6 +48,7 @@ class Show {
     void release(double now_s);
     void tell_model(Client client);
     void tell_control();
+    void tell_learned();
     std::string near_text() const;
     std::string control_for(Client client) const;
 
@@ -60,6 +61,7 @@ class Show {
     double heard_s_ = 0, idle_since_s_ = 0, turned_s_ = -1e9, before_s_ = -1;
     Near near_;
     double told_m_ = 0;                       ///< distance that everyone has heard last
+    std::string learned_text_;                ///< the newest of a lesson
     Frame frame_;
     Histogram tick_us_;                       ///< since the start
     double tick_us_sum_ = 0;

@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "error.h"
+#include "haptic/hidden_tissue.h"
 
 namespace tissue::serve {
 namespace {
@@ -35,24 +36,40 @@ std::string name_for(const std::string& study, const std::vector<std::string>& t
 }  // namespace
 
 Stage::Stage(const std::vector<std::string>& files, const StageOptions& options) : options_(options) {
-    for (const std::string& file : files) {
-        const TissueModel tissue = read_model(file);
-        const std::optional<LearnedField> learned = learned_field(file);
-        const FeCases fe = learned ? FeCases() : read_fe_cases(file, tissue);  // of another tissue than it has become
-        if (!fe.warning.empty()) warnings_.push_back(fe.warning);
-        Served served;
-        try {
-            served.model = std::make_unique<HapticModel>(tissue, options_.haptic);
-            served.scene = std::make_unique<Scene>(tissue, *served.model, fe.displacement_m, learned);
-        } catch (const MismatchError& e) {
-            throw MismatchError(file + ": " + e.what());
+    if (!options_.hidden.empty()) {
+        if (files.size() != 1) throw MismatchError("one model learns, not one of several");
+        lesson_ = std::make_unique<Lesson>(files.front(), options_.hidden);
+        // finite elements knew the tissue it was trained on, not this one
+        TissueModel tissue = lesson_->adaptation().base();
+        tissue.contact_force_N.resize(0, tissue.contact_force_N.cols());
+        serve(files.front(), tissue, live_options(options_.haptic), {}, learned_field(lesson_->adaptation()));
+    } else
+        for (const std::string& file : files) {
+            const TissueModel tissue = read_model(file);
+            const std::optional<LearnedField> learned = learned_field(file);
+            const FeCases fe = learned ? FeCases() : read_fe_cases(file, tissue);  // of another tissue than it has become
+            if (!fe.warning.empty()) warnings_.push_back(fe.warning);
+            serve(file, tissue, options_.haptic, fe.displacement_m, learned);
         }
-        names_.push_back(name_for(tissue.study, names_));
-        served_.push_back(std::move(served));
-    }
     take_pointer();
     simulation_ = std::make_unique<Simulation>(model());
     channel_ = std::make_unique<StateChannel>(model());
+    if (!lesson_) return;
+    learner_ = std::make_unique<Learner>(*served_.front().model, lesson_->adaptation());
+    lesson_->listen(*learner_);
+}
+
+void Stage::serve(const std::string& file, const TissueModel& tissue, const HapticOptions& haptic, const std::vector<NodeField>& fe_displacement_m,
+                  std::optional<LearnedField> learned) {
+    Served served;
+    try {
+        served.model = std::make_unique<HapticModel>(tissue, haptic);
+        served.scene = std::make_unique<Scene>(tissue, *served.model, fe_displacement_m, std::move(learned));
+    } catch (const MismatchError& e) {
+        throw MismatchError(file + ": " + e.what());
+    }
+    names_.push_back(name_for(tissue.study, names_));
+    served_.push_back(std::move(served));
 }
 
 /// A pointer in the model's own space, above its middle.
@@ -60,7 +77,19 @@ void Stage::take_pointer() {
     const auto& [low, high] = scene().boxes().front();
     Point start = 0.5 * (low + high);
     start[start.size() - 1] = high[start.size() - 1] + 0.03;
-    pointer_ = std::make_unique<PointerDevice>(start, model().options.map, options_.haptic.safety.speed_max_m_s);
+    auto pointer = std::make_unique<PointerDevice>(start, model().options.map, options_.haptic.safety.speed_max_m_s);
+    pointer_ = pointer.get();
+    if (!lesson_) {
+        device_ = std::move(pointer);
+        return;
+    }
+    HapticOptions hand = options_.haptic;
+    hand.map = model().options.map;
+    try {
+        device_ = std::make_unique<HiddenTissue>(std::move(pointer), lesson_->hidden(), hand);
+    } catch (const MismatchError& e) {
+        throw MismatchError(options_.hidden + ": " + e.what());
+    }
 }
 
 Stage::~Stage() {
@@ -81,7 +110,8 @@ void Stage::run() {
         loop.realtime = options_.realtime;
         loop.hooks.push_back(channel_.get());
         if (recorder_) loop.hooks.push_back(recorder_);
-        report_ = run_loop(*simulation_, *pointer_, loop);
+        if (learner_) loop.hooks.push_back(learner_.get());
+        report_ = run_loop(*simulation_, *device_, loop);
     } catch (const std::exception& e) {
         std::cerr << "tissuectl serve: the tick has ended: " << e.what() << '\n';
         failed_.store(true);
@@ -96,6 +126,7 @@ void Stage::stop() {
     books.ticks = report_.ticks;
     books.misses = report_.misses;
     books.misses_program = report_.misses_program;
+    if (learner_) learner_->stop();
     add(before_, books, simulation_->safety().counters(), simulation_->counters());
 }
 

@@ -18,6 +18,7 @@ namespace tissue::serve {
 struct StageOptions {
     HapticOptions haptic;
     bool realtime = true;
+    std::string hidden = {};   ///< model.h5 of a tissue that the pointer touches in truth, and the one model learns from; often none
 };
 
 /// The counts of a session over all its models, as they only grow.
@@ -32,6 +33,7 @@ struct StageCounts {
 class Stage {
    public:
     /// Throws FileError, MismatchError.
+    /// With a hidden tissue there may be one file, of a law.
     Stage(const std::vector<std::string>& files, const StageOptions& options);
     ~Stage();
     Stage(const Stage&) = delete;
@@ -45,12 +47,16 @@ class Stage {
     int index() const { return index_; }
     const std::vector<std::string>& names() const { return names_; }
     const std::vector<std::string>& warnings() const { return warnings_; }  ///< of files beside the models that are not used
+    Scene& scene() { return *served_[static_cast<std::size_t>(index_)].scene; }
     const Scene& scene() const { return *served_[static_cast<std::size_t>(index_)].scene; }
     const HapticModel& model() const { return *served_[static_cast<std::size_t>(index_)].model; }
     StateChannel& channel() { return *channel_; }
     const StateChannel& channel() const { return *channel_; }
     PointerDevice& pointer() { return *pointer_; }
     const PointerDevice& pointer() const { return *pointer_; }
+
+    /// Nothing where no model learns.
+    Lesson* lesson() { return lesson_.get(); }
 
     /// What the running model and those before it have counted, up to the last state that was fetched.
     StageCounts counts() const;
@@ -64,6 +70,8 @@ class Stage {
         std::unique_ptr<HapticModel> model;
         std::unique_ptr<Scene> scene;
     };
+    void serve(const std::string& file, const TissueModel& tissue, const HapticOptions& haptic, const std::vector<NodeField>& fe_displacement_m,
+               std::optional<LearnedField> learned);
     void run();
     void take_pointer();
 
@@ -72,9 +80,12 @@ class Stage {
     std::vector<Served> served_;
     int index_ = 0;
     Recorder* recorder_ = nullptr;
-    std::unique_ptr<PointerDevice> pointer_;
+    std::unique_ptr<Lesson> lesson_;
+    std::unique_ptr<Device> device_;    ///< the pointer, or what has it
+    PointerDevice* pointer_ = nullptr;
     std::unique_ptr<StateChannel> channel_;
     std::unique_ptr<Simulation> simulation_;
+    std::unique_ptr<Learner> learner_;
     std::thread thread_;
     std::atomic<bool> stop_{false}, failed_{false};
     LoopReport report_;                 ///< of the last loop that has ended

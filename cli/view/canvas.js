@@ -1,7 +1,7 @@
 // Drawing in two dimensions: colours, canvases as sharp as the screen, lines and arrows.
 import { add, clamp, norm } from "./vectors.js";
 
-export const VIRIDIS = ["#440154", "#481567", "#482677", "#453781", "#404788", "#39568c", "#33638d", "#2d708e", "#287d8e",
+const VIRIDIS = ["#440154", "#481567", "#482677", "#453781", "#404788", "#39568c", "#33638d", "#2d708e", "#287d8e",
                  "#238a8d", "#1f968b", "#20a387", "#29af7f", "#3cbb75", "#55c667", "#73d055", "#95d840", "#b8de29",
                  "#dce319", "#fde725"];   // van der Walt and Smith, matplotlib: even steps, for every colour vision
 const SHADES = (() => {

@@ -1,6 +1,6 @@
 // The row of controls, and the line under it.
 import { title, way_of } from "./places.js";
-import { control, is_solid, model } from "./state.js";
+import { control, is_solid, model, relaxes } from "./state.js";
 import { is_open, socket, tell } from "./transport.js";
 import { dot } from "./vectors.js";
 import { $, say } from "./words.js";
@@ -59,6 +59,7 @@ export function show_controls() {
   else if (other) [kind, text] = ["held", "Another visitor holds the tissue. You are watching; it is yours as soon as they let go."];
   else if (control.holder === "demo")
     text = `Demo${model.places[control.place] ? `: ${title(control.place)}` : ""}. ${is_solid() ? "Press a solid" : "Drag into a mesh"} to take over.` +
+      (relaxes() ? " The tissue is put to rest before each press." : "") +
       (calm() ? " Your system asks for little motion, so it is drawn once a second; Play demo shows all of it." : "");
   else if (control.holder === "you") text = "You hold the tissue.";
   $("notice").dataset.kind = kind;

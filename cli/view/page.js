@@ -5,6 +5,7 @@ import { comparison, fe_outline } from "./compare.js";
 import { calm, list_models, list_places, show_controls, still } from "./controls.js";
 import { follow } from "./follow.js";
 import { let_go, move_hand } from "./hand.js";
+import { prepare_learned, take_learned } from "./learned.js";
 import { judge, show_numbers, speak } from "./numbers.js";
 import { group_places } from "./places.js";
 import { draw_stage, fit, prepare_plane, stage, to_screen } from "./plane.js";
@@ -22,7 +23,8 @@ function heard(message) {
   } else if (message.type === "control") {
     if (message.holder === "other" && control.holder === "you") let_go(false);
     take_control(message);
-  } else if (message.type === "near") take_near(message);
+  } else if (message.type === "learned") take_learned(message);
+  else if (message.type === "near") take_near(message);
   else if (message.type === "bye") socket.reason = message.reason;
   show_controls();
 }
@@ -31,6 +33,7 @@ function show_model(message) {
   let_go(false);   // what was held is another tissue
   take_model(message);
   group_places();
+  prepare_learned();
   show_stage();
   $("spring_set").parentElement.hidden = model.law;
   list_models();
@@ -38,7 +41,7 @@ function show_model(message) {
   document.title = `${model.study} – tissuectl`;
   say("about", `Study ${model.study}: ${model.node_count} nodes and ${model.spring_count} springs a mesh, ` +
       `step ${1e3 * model.dt_s} ms, dynamics ${[...new Set(Object.values(model.dynamics))].join(" and ")}; the hand feels ${model.force_scale === 1 ? "" : `${model.force_scale} times `}` +
-      `the tissue's force, ${model.force_max_N} N at most. ${relaxes() ? `It relaxes: ${relaxing()}. ` : ""}${is_solid() ? "" : `Line width: stiffness (its root${model.law ? "" : ", mean over spring sets"}). `}Colour: displacement${model.learned && !is_solid() ? ", or what has been learned from pokes" : ""}.`);
+      `the tissue's force, ${model.force_max_N} N at most. ${relaxes() ? `It relaxes: ${relaxing()}. ` : ""}${is_solid() ? "" : `Line width: stiffness (its root${model.law ? "" : ", mean over spring sets"}). `}Colour: displacement${model.learned ? ", or what has been learned from pokes" : ""}.`);
   fit_stage();
 }
 
@@ -141,6 +144,7 @@ Object.defineProperty(window, "tissue", { value: Object.freeze({
   get distance_m() { return state && state.v[IN.place] >= 0 ? comparison().distance : NaN; },   // to it
   get fe_N() { return state ? state.v[IN.fe] : NaN; },        // FE force at the learned mesh's depth, the server's
   get fe_felt_N() { return samples.length ? [...samples[samples.length - 1].fe_N] : null; },   // the same at each mesh's depth, through the branches
+  get next() { return model && model.next ? structuredClone(model.next) : null; },   // the push that would tell a model that learns most
   get relaxation() { return model && structuredClone(model.relaxation); },
   get fe_outline_m() { return fe_outline(); },                // FE's surface as it is drawn, in the plane; null without
   get outline() { return model ? [...model.meshes[LEARNED].outline] : []; },   // its nodes

@@ -3,9 +3,10 @@ import { arrow, begin, colours, font, shade, trace, warmth } from "./canvas.js";
 import { apart, contact_at_rest, fe_outline } from "./compare.js";
 import { faces } from "./faces.js";
 import { arrow_scale, draw_fe_outline, draw_legend } from "./legend.js";
+import { shows_learned } from "./learned.js";
 import { IN, LEARNED, hand, look, model, node, state, vector } from "./state.js";
 import { add, clamp, dot, norm } from "./vectors.js";
-import { $, say } from "./words.js";
+import { $ } from "./words.js";
 
 export const stage = $("stage");
 export const view = { low: [0, 0], high: [1, 1], scale: 1, left: 0, top: 0, legend: 54, head: 26 };
@@ -28,12 +29,6 @@ export function fit() {
 
 /** What drawing needs beside what was sent. */
 export function prepare_plane() {
-  $("learned_row").hidden = !model.learned;
-  if (model.learned) {
-    const { factor, pokes } = model.learned, most = Math.max(...factor.map(f => Math.abs(Math.log(f))));
-    model.learned.span = Math.max(Math.log(1.5), most);
-    say("learned_text", `what ${pokes} pokes have found: ${Math.min(...factor).toFixed(2)} to ${Math.max(...factor).toFixed(2)} times as stiff as trained; a ring is as wide as that is unsure`);
-  }
   for (const mesh of model.meshes) {
     mesh.faces = faces(mesh);
     mesh.is_fixed = new Set(mesh.fixed);
@@ -58,14 +53,11 @@ export function draw_stage() {
   const fe = fe_outline();
   if (fe) draw_fe_outline(c, fe.map(to_screen));
   draw_marks(c);
+  draw_next(c);
   if (state) draw_forces(c);
   draw_diamond(c);
   draw_legend(c, width, height, view.scale, fe !== null, shows_learned() ? Math.exp(model.learned.span) : 0);
 }
-
-/** Whether the learned mesh is coloured by what it has learned from pokes, not by displacement. */
-const shows_learned = () => Boolean(model.learned) && $("learned_wanted").checked;
-$("learned_wanted").addEventListener("change", () => { look.stale = true; });
 
 /** How stiff each place has turned out; a ring at a node is as large as that is unsure, a third of a spacing for a factor of e. */
 function draw_learned(c, mesh, at) {
@@ -176,6 +168,20 @@ function draw_marks(c) {
       c.arc(p[0], p[1], radius, 0, 2 * Math.PI);
       c.fill();
     }
+}
+
+/** The push that would tell a model that learns most: an open arrow onto its surface. */
+function draw_next(c) {
+  if (!model.next || !shows_learned()) return;
+  const { contact_m, push_m } = model.next, tip = to_screen(add(contact_m, apart(LEARNED))), back = norm(push_m);
+  const along = [push_m[0] / back, -push_m[1] / back], across = [-along[1], along[0]];
+  const at = (t, s) => [tip[0] + t * along[0] + s * across[0], tip[1] + t * along[1] + s * across[1]];
+  trace(c, [at(-2, 0), at(-12, 8), at(-12, 3), at(-26, 3), at(-26, -3), at(-12, -3), at(-12, -8)]);
+  c.fillStyle = colours.paper;
+  c.fill();
+  c.lineWidth = 1.8;
+  c.strokeStyle = colours.learned;
+  c.stroke();
 }
 
 /** Where the contact is on each mesh now, in the plane; null without one. */

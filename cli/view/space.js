@@ -1,7 +1,8 @@
 // The stage of a model in space, drawn by WebGL: each mesh in its own window of one canvas, all seen from the same side.
 import * as THREE from "./three.module.js";
-import { begin, colours, VIRIDIS } from "./canvas.js";
+import { begin, colours, shade, warmth } from "./canvas.js";
 import { apart, contact_at_rest, fe_curve, fe_outline, on_curve } from "./compare.js";
+import { shows_learned } from "./learned.js";
 import { arrow_scale, draw_legend } from "./legend.js";
 import { IN, LEARNED, look, model, moved, state, vector, work } from "./state.js";
 import { Surface } from "./surface.js";
@@ -28,15 +29,12 @@ stage.addEventListener("webglcontextlost", event => { event.preventDefault(); lo
 stage.addEventListener("webglcontextrestored", () => { lost = false; look.stale = true; });
 contrast.addEventListener("change", () => look.stale = true);
 
-/** The scale of colours as a texture of one row. */
+/** The scales of colours as a texture, a row each: of displacement, and of stiffness. */
 const scale = (() => {
-  const rgb = VIRIDIS.map(hex => [1, 3, 5].map(k => parseInt(hex.slice(k, k + 2), 16)));
-  const data = new Uint8Array(3 * 256);
-  for (let k = 0; k < 256; k++) {
-    const x = k / 255 * (rgb.length - 1), i = Math.min(Math.floor(x), rgb.length - 2);
-    rgb[i].forEach((c, d) => { data[3 * k + d] = Math.round(c + (rgb[i + 1][d] - c) * (x - i)); });
-  }
-  const texture = new THREE.DataTexture(data, 256, 1, THREE.RGBFormat);
+  const data = new Uint8Array(2 * 3 * 256);
+  for (let k = 0; k < 256; k++)
+    [shade(k / 255), warmth(2 * k / 255 - 1)].forEach((rgb, row) => data.set(rgb.match(/\d+/g).map(Number), 3 * (256 * row + k)));
+  const texture = new THREE.DataTexture(data, 256, 2, THREE.RGBFormat);
   texture.magFilter = texture.minFilter = THREE.LinearFilter;
   texture.needsUpdate = true;
   return texture;
@@ -207,7 +205,8 @@ export function screen_axes() {
 function follow_tissue(w) {
   if (!moved[w.m]) return;
   moved[w.m] = false;
-  w.surface.update(state ? state.nodes[w.m] : w.surface.rest);
+  const { factor, span } = model.learned || {};
+  w.surface.update(state ? state.nodes[w.m] : w.surface.rest, w.m === LEARNED && shows_learned() ? factor.map(f => Math.log(f) / span) : null);
   for (const name of ["position", "normal", "uv"]) w.solid.geometry.attributes[name].needsUpdate = true;
   move_lines(w.wire, w.surface.edges, state ? state.nodes[w.m] : w.surface.rest);
 }
@@ -298,7 +297,7 @@ export function draw_space(comparable) {
     renderer.render(w.scene, camera);
   }
   const { c, width: wide, height: high } = begin($("space_legend"));
-  draw_legend(c, wide, high + 0, pixels_a_metre(), fe_drawn !== null);
+  draw_legend(c, wide, high + 0, pixels_a_metre(), fe_drawn !== null, shows_learned() ? Math.exp(model.learned.span) : 0);
 }
 
 const pixels_a_metre = () => windows[0].box.height / (1.9 * windows[0].size) * view.zoom;

@@ -59,8 +59,9 @@ export class Surface {
     this.rim = all.filter(({ facets: [f, g] }) => g !== undefined && this.held[f] !== this.held[g]).map(side => side.pair);
   }
 
-  /** nodes: x, y, z of every node now. Points, normals and colours follow. */
-  update(nodes) {
+  /** nodes: x, y, z of every node now. Points, normals and colours follow: of displacement, the lower row of the scale; or of stiffness,
+   * from -1 to 1 a node, the upper one. */
+  update(nodes, stiffness = null) {
     const { position, normal, shade, node_of, corners, rest } = this;
     for (let p = 0; p < node_of.length; p++) {
       const i = 3 * node_of[p], x = nodes[i], y = nodes[i + 1], z = nodes[i + 2];
@@ -68,7 +69,8 @@ export class Surface {
       position[3 * p + 1] = y;
       position[3 * p + 2] = z;
       shade[2 * p] = clamp(Math.hypot(x - rest[i], y - rest[i + 1], z - rest[i + 2]) / this.deepest_m, 0.002, 0.998);
-      shade[2 * p + 1] = 0.5;
+      shade[2 * p + 1] = 0.25;
+      if (stiffness) [shade[2 * p], shade[2 * p + 1]] = [clamp((1 + stiffness[node_of[p]]) / 2, 0.002, 0.998), 0.75];
     }
     normal.fill(0);
     for (let c = 0; c < corners.length; c += 3) {

@@ -109,11 +109,15 @@ std::optional<AdaptOptions> adapted_options(const std::string& file) {
 std::optional<LearnedField> learned_field(const std::string& file) {
     const std::optional<AdaptOptions> options = adapted_options(file);
     if (!options || options->unknowns != "field") return std::nullopt;
-    const std::unique_ptr<Adaptation> adaptation = read_adaptation(file, {});
-    const Adaptation::State& state = adaptation->state();
-    const Eigen::Index N = adaptation->unknowns().size();
-    const bool one = adaptation->rival_plays();
-    return LearnedField{adaptation->x().array().exp(),
+    return learned_field(*read_adaptation(file, {}));
+}
+
+std::optional<LearnedField> learned_field(const Adaptation& adaptation) {
+    if (adaptation.options().unknowns != "field") return std::nullopt;
+    const Adaptation::State& state = adaptation.state();
+    const Eigen::Index N = adaptation.unknowns().size();
+    const bool one = adaptation.rival_plays();
+    return LearnedField{adaptation.x().array().exp(),
                         one ? Eigen::VectorXd::Constant(N, std::sqrt(state.scale_variance)) : Eigen::VectorXd(state.P.diagonal().cwiseMax(0).cwiseSqrt()), state.learned};
 }
 

@@ -25,6 +25,9 @@ struct LearnedField {
     int pokes;
 };
 
+/// Nothing where it learns other unknowns than `field`.
+std::optional<LearnedField> learned_field(const Adaptation& adaptation);
+
 /// Nothing where it has learned nothing, or on other unknowns than `field`. Throws as read_adaptation.
 std::optional<LearnedField> learned_field(const std::string& file);
 

@@ -15,6 +15,7 @@ struct DeviceSample {
     double age_s = 0;    ///< since the device measured it
     /// What a force sensor in the tool feels of the tissue that it touches in the world [N], as the tool pushes; NaN where there is none.
     Eigen::Vector3d measured_N = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+    bool reset = false;  ///< the session that a replay plays was put to rest before this tick
 };
 
 /// The longest that a force stays on the hand without a new write(). A device with motors makes them zero by itself,

@@ -31,6 +31,20 @@ bool step_towards(double& now, double goal, double most) noexcept {
 
 }  // namespace
 
+std::unique_ptr<Adaptation> live_adaptation(const std::string& file) {
+    AdaptOptions live;
+    live.place_error_m = 1e-3;
+    std::unique_ptr<Adaptation> adaptation = read_adaptation(file, live);
+    adaptation->bound(live_bound);
+    return adaptation;
+}
+
+HapticOptions live_options(HapticOptions options) {
+    options.stiffest = std::exp(live_bound);
+    options.heuristic_mesh = false;
+    return options;
+}
+
 Learner::Learner(HapticModel& model, Adaptation& adaptation, const LearnerOptions& options)
     : model_(model), adaptation_(adaptation), options_(options), law_(law_of(model)), now_(law_.stiffness()), readings_to_learn_(64),
       learned_(law_.stiffness()) {

@@ -7,12 +7,20 @@
 #include <thread>
 #include <vector>
 
-#include "adapt/adaptation.h"
+#include "adapt/adapted_model.h"
 #include "haptic/latest.h"
 #include "haptic/spsc_ring.h"
 #include "haptic/tick_hook.h"
 
 namespace tissue {
+
+/// What a model.h5 knows, to learn on while it plays: contacts are 1 mm unsure, for tissue swings as it is touched and the model's contact is not
+/// quite where the hand's is; unknowns stay below live_bound. Throws as read_adaptation.
+std::unique_ptr<Adaptation> live_adaptation(const std::string& file);
+constexpr double live_bound = 1.5;  ///< of log stiffness: the tick's steps are for 4.5 times the stiffness
+
+/// A session's options for it: steps that bear that, and no heuristic mesh, which does not learn and would fold under a stiffer tissue's force.
+HapticOptions live_options(HapticOptions options);
 
 struct LearnerOptions {
     double hold_s = 0.8;     ///< a hand that has been still so long gives a reading, the mean of the second half: a swing of soft tissue

@@ -515,19 +515,29 @@ void RealtimeLaw::squares_force(const NodeColumns& u, NodeColumns& f, BranchMemo
     }
 }
 
+/// Over the elements of a memory: their constant times what is said of each.
+template <class Of>
+double RealtimeLaw::sum_of_elements(const Of& of_element) const {
+    double sum = 0;
+    for (int slot : springs_.slot_of_spring()) sum += theta_[slot] * of_element(slot);
+    for (int k = 0; k < squares_.count; ++k) sum += squares_.gain[static_cast<std::size_t>(k)] * of_element(first_square_ + k);
+    for (std::size_t r = 0; r < regions_.size(); ++r) sum += regions_[r].gain * of_element(first_region_ + static_cast<int>(r));
+    for (int k = 0; k < boxes_.count; ++k) sum += boxes_.gain[static_cast<std::size_t>(k)] * of_element(first_box_ + k);
+    for (Eigen::Index node = 0; node < tetrahedra_.node_gain.size(); ++node) sum += tetrahedra_.node_gain[node] * of_element(first_node_ + static_cast<int>(node));
+    return sum;
+}
+
 double RealtimeLaw::energy(const NodeColumns& u, BranchMemory memory) const {
     if (memory.empty()) return energy(u);
     NodeColumns f(u.rows(), u.cols());
     Eigen::VectorXd scratch(scratch_size());
     force(u, f, scratch, memory);
-    double twice = 0;
-    for (int slot : springs_.slot_of_spring()) twice += theta_[slot] * memory.stored(slot);
-    for (int k = 0; k < squares_.count; ++k) twice += squares_.gain[static_cast<std::size_t>(k)] * memory.stored(first_square_ + k);
-    for (std::size_t r = 0; r < regions_.size(); ++r) twice += regions_[r].gain * memory.stored(first_region_ + static_cast<int>(r));
-    for (int k = 0; k < boxes_.count; ++k) twice += boxes_.gain[static_cast<std::size_t>(k)] * memory.stored(first_box_ + k);
-    for (Eigen::Index node = 0; node < tetrahedra_.node_gain.size(); ++node)
-        twice += tetrahedra_.node_gain[node] * memory.stored(first_node_ + static_cast<int>(node));
-    return twice / 2;
+    return sum_of_elements([&](int element) { return memory.stored(element) / 2; });
+}
+
+BranchBook RealtimeLaw::branches(const BranchMemory& memory) const {
+    if (memory.empty()) return {};
+    return {sum_of_elements([&](int element) { return memory.branches_stored(element); }), sum_of_elements([&](int element) { return memory.branches_burnt(element); })};
 }
 
 double RealtimeLaw::energy(const NodeColumns& u) const {

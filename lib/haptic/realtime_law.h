@@ -18,6 +18,11 @@ struct LawStiffness {
     Eigen::VectorXd contact_log_scale;  ///< (N)
 };
 
+/// What the branches of a law that relaxes hold and have turned into heat, its contact's left out.
+struct BranchBook {
+    double stored_J = 0, burnt_J = 0;
+};
+
 /// A model's law laid out for the tick: the forces of a TissueEnergy and its contacts. Constants only. Springs are the bands of a RealtimeMesh. A lattice's squares lie in one run, one a node, as a band's
 /// springs do: the area between a square's diagonals pulls at their ends. Every other region is a walk round its outline.
 /// In space a lattice's boxes lie in one such run: the three mean edges of a box follow from its four diagonals, at whose ends it
@@ -45,6 +50,9 @@ class RealtimeLaw {
     double energy(const NodeColumns& u) const;
     /// What springs, cells and their branches store [J] at u, a step after what memory has seen.
     double energy(const NodeColumns& u, BranchMemory memory) const;
+
+    /// Of a memory that is booked (BranchMemory::book); constants as they are now.
+    BranchBook branches(const BranchMemory& memory) const;
 
     /// The contact at a place of the mesh's boundary, as training and evaluation have it (ContactKernel::tool_at). No allocation.
     void contact(int facet, const Eigen::Vector3d& weight, ToolSpring& tool) const noexcept { kernel_->tool_at(facet, weight, now_.patch, tool); }
@@ -98,6 +106,8 @@ class RealtimeLaw {
     void add_region(const std::vector<std::array<int, 2>>& edges, double constant, Eigen::Index index);
     void add_boxes(const Elements& cells, const Eigen::VectorXd& constants, Eigen::Index first);
     void add_tetrahedra(const TissueModel& model, const TissueEnergy& energy);
+    template <class Of>
+    double sum_of_elements(const Of& of_element) const;
     double twice_growth(const Region& region, const NodeColumns& u) const noexcept;
     void squares_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
     void regions_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;

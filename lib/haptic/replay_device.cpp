@@ -78,11 +78,14 @@ void ReplayDevice::read_recording(const std::string& file) {
     const NodeField position = in.field("/device_position"), force = in.field("/device_force");
     if (position.rows() != time.size() || force.rows() != time.size() || position.cols() != 3 || force.cols() != 3)
         in.refuse("/device_position", "does not have one row a tick");
+    const std::vector<int> reset = in.has("/reset") ? in.integers("/reset") : std::vector<int>(static_cast<std::size_t>(time.size()), 0);  // earlier programs' have none
+    if (reset.size() != static_cast<std::size_t>(time.size())) in.refuse("/reset", "does not have one row a tick");
     for (Eigen::Index k = 0; k < time.size(); ++k) {
         if (k > 0 && !(time[k] > time[k - 1])) in.refuse("/time", "does not ascend");
         time_s_.push_back(time[k]);
         position_m_.push_back(position.row(k));
         reference_N_.push_back(force.row(k));
+        reset_.push_back(reset[static_cast<std::size_t>(k)] != 0);
     }
 }
 
@@ -92,6 +95,7 @@ DeviceSample ReplayDevice::read(double time_s) noexcept {
     while (next_ < time_s_.size() && time_s_[next_] <= time + same_s) ++next_;
     DeviceSample sample;
     sample.position_m = position_m_[next_ - 1];
+    for (; passed_ < next_; ++passed_) sample.reset = sample.reset || (passed_ < reset_.size() && reset_[passed_]);
     share_ = 0;
     if (next_ < time_s_.size()) {
         share_ = (time - time_s_[next_ - 1]) / (time_s_[next_] - time_s_[next_ - 1]);

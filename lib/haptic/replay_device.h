@@ -10,7 +10,8 @@ namespace tissue {
 /// Plays a recorded trajectory: a CSV with the header time_s,x_m,y_m[,z_m][,fx_N,fy_N[,fz_N]], ascending times, or a
 /// recording of tissue-haptic (.h5). Between rows the hand moves on a straight line. Where the file has forces they
 /// are the reference: the ledger says how far ours are from them. They are what went to the hand, so that the tool's own, which a sensor
-/// would have read, are their opposite.
+/// would have read, are their opposite. Where a recording was reset, the tissue is put to rest again: what relaxes remembers what it did
+/// then.
 class ReplayDevice final : public Device {
    public:
     static const DeviceKind kind;
@@ -33,7 +34,8 @@ class ReplayDevice final : public Device {
 
     std::vector<double> time_s_;
     std::vector<Eigen::Vector3d> position_m_, reference_N_;  ///< reference empty when the file has none
-    std::size_t next_ = 1;
+    std::vector<bool> reset_;  ///< before a row; empty when the file does not say
+    std::size_t next_ = 1, passed_ = 0;  ///< row ahead, and rows whose reset has been told
     double share_ = 0;       ///< between next_ - 1 and next_
     bool finished_ = false;
     double squared_error_ = 0, squared_reference_ = 0, largest_error_ = 0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "error.h"
 #include "haptic/law_spectrum.h"
@@ -152,6 +153,7 @@ Simulation::Simulation(const HapticModel& model) : model_(model), safety_(model.
         if (!mesh->law) continue;
         const double step_s = model.options.dt_s / mesh->substeps;
         states_.back().memory = mesh->law->memory(step_s);
+        if (model.options.energy_book) states_.back().memory.book();
         tool_memory_.back() = mesh->law->tool_memory(step_s);
     }
     record_.master_m = record_.proxy_m = record_.contact_displacement_m = record_.coupling_N = record_.measured_N = Point::Zero(model.dimension());
@@ -163,6 +165,11 @@ void Simulation::law_changed() noexcept {
 }
 
 void Simulation::reset() noexcept {
+    rest_meshes();
+    reset_ = true;
+}
+
+void Simulation::rest_meshes() noexcept {
     for (MeshState& state : states_) {
         state.displacement.setZero();
         state.velocity.setZero();
@@ -180,9 +187,11 @@ void Simulation::reset() noexcept {
 
 Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) noexcept {
     const HapticOptions& o = model_.options;
+    if (sample.reset) reset();
     const TickRecord last = record_;
     ++counters_.ticks;
     record_ = {};
+    record_.reset = std::exchange(reset_, false);
     record_.proxy_m = record_.contact_displacement_m = record_.coupling_N = Point::Zero(model_.dimension());
     record_.measured_N = o.map.force_to_tissue(sample.measured_N);
     record_.time_s = last.time_s + o.dt_s;
@@ -247,7 +256,7 @@ bool Simulation::put_to_rest() noexcept {
     for (const MeshState& state : states_) lost = lost || !(state.displacement.cwiseAbs().sum() < apart_m);
     if (!lost) return false;
     ++counters_.unstable;
-    reset();
+    rest_meshes();
     return true;
 }
 

@@ -30,6 +30,7 @@ struct HapticOptions {
     std::string sets;                 ///< of the learned mesh: an optimiser of the model, `optimum`; "" is its first. A law has none
     bool heuristic_mesh = true;       ///< Sec. 4.4: a second mesh, Van Gelder's, beside the learned one
     double stiffest = 1;              ///< of a law that learns while it plays: so many times as stiff as it is it may become
+    bool energy_book = false;         ///< of a law that relaxes: what its branches store and burn is booked; a step takes a little longer
     double place_m = 0;               ///< where the second mesh stands along x; 0: one and a half widths to the right
     SelectBy select_by = SelectBy::displacement;
     FrictionOptions friction;                                            ///< of the tool on the tissue
@@ -91,6 +92,7 @@ struct TickRecord {
     int set = -1;                 ///< that serves; -1 of a law
     bool slipping = false;        ///< the contact went along the surface in this tick
     bool fault = false;
+    bool reset = false;           ///< before this tick every mesh was put to rest, by someone outside (reset())
 };
 
 struct HapticCounters {
@@ -124,6 +126,8 @@ class Simulation {
     int set() const { return set_; }                                                 ///< (18)'s l
     /// x_p - X_p of one mesh; of a law how far the tool has pushed it. 0 where nothing is pressed (D).
     Point displacement_at_contact(std::size_t mesh) const noexcept;
+    /// Of the learned law, since the start; nothing unless HapticOptions::energy_book. Between ticks.
+    BranchBook branches() const { return model_.is_law() ? model_.meshes[0]->law->branches(states_[0].memory) : BranchBook{}; }
     const ToolSpring& tool() const { return tool_; }  ///< of a law, where the tool touches it or the other mesh
 
     /// The learned law has become another (RealtimeLaw::become): a contact that lasts has its stiffness from now on.
@@ -136,6 +140,7 @@ class Simulation {
    private:
     void place_surfaces() noexcept;
     bool move_surfaces() noexcept;
+    void rest_meshes() noexcept;
     bool come_to_rest_elsewhere() const noexcept;
     bool put_to_rest() noexcept;
     bool find_contact(const Point& master_m) noexcept;
@@ -165,6 +170,7 @@ class Simulation {
     Friction friction_;
     bool armed_ = false;          ///< the master has been outside
     double rested_s_ = 0;
+    bool reset_ = false;          ///< since the last tick
     long long untouched_ = 0;     ///< ticks since a tool or its force was on the meshes
     int set_ = 0;                 ///< (19)'s K_l
     HapticCounters counters_;

@@ -27,6 +27,17 @@ TISSUE_HOT void branch(int n, double e, double c, const double* __restrict g, co
     }
 }
 
+/// The same; burnt += g (s dx - the growth of s^2 / 2).
+TISSUE_HOT void branch_booked(int n, double e, double c, const double* __restrict g, const double* __restrict dx, double* __restrict s, double* __restrict y,
+                              double* __restrict burnt) {
+    for (int i = 0; i < n; ++i) {
+        const double now = e * s[i] + c * dx[i];
+        burnt[i] += g[i] * (now * dx[i] - (now - s[i]) * (now + s[i]) / 2);
+        s[i] = now;
+        y[i] += g[i] * now;
+    }
+}
+
 /// Of elements with one share.
 TISSUE_HOT void branch_alike(int n, double e, double c, double g, const double* __restrict dx, double* __restrict s, double* __restrict y) {
     for (int i = 0; i < n; ++i) {
@@ -71,7 +82,7 @@ BranchMemory::BranchMemory(const Eigen::VectorXd& tau_s, const Eigen::MatrixXd& 
 void BranchMemory::step(int first, int n, const double* x, double* y) noexcept {
     const Eigen::Index K = tau_s_.size(), N = before_.size();
     double *before = before_.data() + first, *s = part_.data() + first;
-    if (alike_ && K == 3) {
+    if (alike_ && K == 3 && !booked()) {
         const double g[3] = {share_(0, 0), share_(0, 1), share_(0, 2)};
         kernel::three_alike(n, left_[0], decay_.data(), risen_.data(), g, x, before, s, s + N, s + 2 * N, y);
         return;
@@ -79,7 +90,9 @@ void BranchMemory::step(int first, int n, const double* x, double* y) noexcept {
     alignas(64) double dx[chunk];
     kernel::begin(n, left_.data() + first, x, before, dx, y);
     for (Eigen::Index k = 0; k < K; ++k, s += N) {
-        if (alike_)
+        if (booked())
+            kernel::branch_booked(n, decay_[k], risen_[k], share_.data() + k * N + first, dx, s, y, burnt_.data() + first);
+        else if (alike_)
             kernel::branch_alike(n, decay_[k], risen_[k], share_(0, k), dx, s, y);
         else
             kernel::branch(n, decay_[k], risen_[k], share_.data() + k * N + first, dx, s, y);
@@ -91,10 +104,18 @@ void BranchMemory::forget() noexcept {
     before_.setZero();
 }
 
+void BranchMemory::book() {
+    if (!booked()) burnt_ = Eigen::VectorXd::Zero(before_.size());
+}
+
+double BranchMemory::branches_stored(int element) const noexcept {
+    double twice = 0;
+    for (Eigen::Index k = 0; k < tau_s_.size(); ++k) twice += share_(element, k) * part_(element, k) * part_(element, k);
+    return twice / 2;
+}
+
 double BranchMemory::stored(int element) const noexcept {
-    double sum = left_[element] * before_[element] * before_[element];
-    for (Eigen::Index k = 0; k < tau_s_.size(); ++k) sum += share_(element, k) * part_(element, k) * part_(element, k);
-    return sum;
+    return left_[element] * before_[element] * before_[element] + 2 * branches_stored(element);
 }
 
 }  // namespace tissue

@@ -28,6 +28,15 @@ class BranchMemory {
     /// At rest from all time.
     void forget() noexcept;
 
+    /// From now on the branches' own energy is booked; a step takes a little longer.
+    void book();
+    bool booked() const { return burnt_.size() > 0; }
+
+    /// What an element's branches store, sum g_k s_k^2 / 2, and what they have burnt since book(), forget() or not: the work of their
+    /// pulls over the steps less what they came to store. By unit constant.
+    double branches_stored(int element) const noexcept;
+    double branches_burnt(int element) const noexcept { return booked() ? burnt_[element] : 0; }
+
     /// (1 - sum g_k) x^2 + sum g_k s_k^2 of an element, as the last step left it: twice what it stores, by unit constant.
     double stored(int element) const noexcept;
 
@@ -35,6 +44,7 @@ class BranchMemory {
     Eigen::VectorXd tau_s_, decay_, risen_;  ///< e, c (K)
     Eigen::MatrixXd share_, part_;           ///< g, s (n x K)
     Eigen::VectorXd left_, before_;          ///< 1 - sum g, x a step ago (n)
+    Eigen::VectorXd burnt_;                  ///< (n), empty where nothing is booked
     bool alike_ = true;                      ///< all elements have the first one's shares
 };
 

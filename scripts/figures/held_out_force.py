@@ -2,7 +2,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from results import COLOURS, learned_label
+from results import COLOURS, learned_label, truth_label
 
 
 def draw(results):
@@ -13,7 +13,7 @@ def draw(results):
     figure, axes = plt.subplots(rows, columns, figsize=(3.7 * columns, 3 * rows), squeeze=False, layout="constrained")
     for axis, curve in zip(axes.flat, curves):
         x = np.array(curve["magnitude_m"]) * 1e3
-        axis.plot(x, curve["fe_N"], color=COLOURS["fe"], linewidth=2.4, label="finite elements")
+        axis.plot(x, curve["fe_N"], color=COLOURS["fe"], linewidth=2.4, label=truth_label(results))
         axis.plot(x, curve["models_N"]["learned"], "o--", color=COLOURS["learned"], markersize=4, label=learned_label(results))
         if "uniform" in curve["models_N"]:
             axis.plot(x, curve["models_N"]["uniform"], ":", color=COLOURS["uniform"], linewidth=1.8, label="one stiffness")

@@ -2,7 +2,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from results import COLOURS
+from results import COLOURS, truth_label
 
 
 def draw(results):
@@ -14,7 +14,7 @@ def draw(results):
     for axis, group in zip(axes.flat, groups):
         history = middle([h for h in histories["each"] if h["group"] == group])
         t = np.array(history["time_s"])
-        axis.plot(t, history["fe_N"], color=COLOURS["fe"], linewidth=2.4, label="measured" if results.evaluation.get("measurement") else "finite elements")
+        axis.plot(t, history["fe_N"], color=COLOURS["fe"], linewidth=2.4, label=truth_label(results))
         axis.plot(t, history["best_factor_N"], ":", color=COLOURS["uniform"], linewidth=1.8, label="elastic, best factor")
         axis.plot(t, history["learned_N"], color=COLOURS["learned"], linewidth=1.2, label="learned law")
         axis.axhline(0, color="0.8", linewidth=0.8, zorder=0)

@@ -31,6 +31,11 @@ LABELS = {
 }
 
 
+def truth_label(results):
+    """What the models are held against."""
+    return "measured" if results.evaluation.get("measurement") else LABELS["fe"]
+
+
 def model_name(results, optimizer):
     """An optimiser's column in eval.json: the study's own is "learned", the others "learned_NAME"."""
     own = optimizer == next(iter(results.trained))

@@ -98,7 +98,7 @@ def label(model, e):
              "heuristic_a_patch": "Van Gelder's springs alone, the law's contact",
              "heuristic_b_patch": "the same, E2 = (C1 + C2) t",
              "uniform_patch": "one stiffness alone, the law's contact",
-             "force_table": "finite elements' own forces, interpolated"}
+             "force_table": "the forces measured at the trained contacts, interpolated" if "measurement" in e else "finite elements' own forces, interpolated"}
     for training in [e["training"]] + e.get("training_also", []):
         if "terms" in training:
             words["learned"] = f"an energy with {len(training['terms'])} numbers"

@@ -57,7 +57,8 @@ class Pace {
     int mode_ = 0, left_ = 0;
 };
 
-/// How many adversarial ticks a test runs: `usual`, or TISSUE_ADVERSARIAL_TICKS where that is set (10^7 in the issue).
+/// How many adversarial ticks a test runs: `usual`, or TISSUE_ADVERSARIAL_TICKS where that is set (10^7 in the issue). Each kind is a
+/// section: `TISSUE_ADVERSARIAL_TICKS=10000000 test_tissue '[simulation][adversarial]' -c 'grid8 relaxing law auto, force times 1, on time'`.
 long long adversarial_ticks(long long usual);
 
 /// Watches the device's port while it ticks: what goes out is finite and within its limits, zero at once on a fault, and what the

@@ -19,6 +19,7 @@
 #include "haptic/realtime_loop.h"
 #include "haptic/recorder.h"
 #include "haptic/replay_device.h"
+#include "haptic/state_channel.h"
 #include "haptic/virtual_device.h"
 #include "haptic_example.h"
 #include "io/atomic_file.h"
@@ -164,6 +165,72 @@ TEST_CASE("a recorded session replays to the same forces, bit for bit", "[record
     CHECK(replay.finished());
     for (const auto& [name, value] : replay.ledger())
         if (name != "reference_rms_N") CHECK(value == 0);
+}
+
+TEST_CASE("a recording of tissue that relaxes, with resets in it, replays to the same forces, bit for bit", "[recorder][memory]") {
+    const bool solid = GENERATE(false, true);
+    const TemporaryFolder folder;
+    const HapticModel model(relaxing(solid ? solid_example() : law_example()), {});
+    {
+        Simulation simulation(model);
+        StateChannel page(model);
+        VirtualDevice hand(make_motion({"poke", 3, solid ? 0.003 : 0.01, 4, &model.rest}), model.options.map);
+        Recorder recorder(folder.file("a.h5"), model.dimension(), {"test", 4, {}});
+        for (int k = 0; k < 3000; ++k) {
+            if (k % 700 == 650) page.reset();
+            const bool paused = k % 700 == 651;  // a reset while time stands still
+            if (paused) page.reset();
+            page.before(simulation);
+            if (paused) continue;
+            simulation.tick(hand.read(k * 1e-3));
+            TickBooks books;
+            books.time_s = k * 1e-3;
+            recorder.after(simulation, books);
+        }
+        recorder.close(model);
+        REQUIRE(recorder.dropped() == 0);
+        CHECK(simulation.safety().counters().force_max_N > 0.05);
+    }
+    const Hdf5Reader in(folder.file("a.h5"), "recording");
+    const NodeField force = in.field("/device_force");
+    const std::vector<int> reset = in.integers("/reset");
+    const Eigen::VectorXd time = in.vector("/time");
+    CHECK(std::count(reset.begin(), reset.end(), 1) == 8);
+    for (bool forgetting : {true, false}) {  // and without its resets it is another session
+        Simulation again(model);
+        ReplayDevice replay(folder.file("a.h5"));
+        double off_N = 0;
+        for (Eigen::Index k = 0; k < time.size(); ++k) {
+            DeviceSample sample = replay.read(time[k]);
+            CHECK(sample.reset == (reset[static_cast<std::size_t>(k)] == 1));
+            sample.reset = sample.reset && forgetting;
+            off_N = std::max(off_N, (again.tick(sample) - force.row(k).transpose()).norm());
+        }
+        if (forgetting) CHECK(off_N == 0);
+        else CHECK(off_N > 1e-3);
+        CHECK(replay.finished());
+    }
+}
+
+TEST_CASE("a recording without a reset's column, of an earlier program, replays; one of another length is refused", "[recorder]") {
+    const TemporaryFolder folder;
+    const auto recording = [&](const std::string& name, int resets) {
+        Hdf5Writer out(folder.file(name), "recording", {"test", 1, {}});
+        out.write("/time", Eigen::VectorXd::LinSpaced(3, 0, 0.002).eval(), "s", "");
+        out.write("/device_position", NodeField(NodeField::Zero(3, 3)), "m", "");
+        out.write("/device_force", NodeField(NodeField::Zero(3, 3)), "N", "");
+        if (resets > 0) out.write_integers("/reset", {static_cast<std::size_t>(resets)}, std::vector<int>(static_cast<std::size_t>(resets), 1), "");
+        out.commit();
+        return folder.file(name);
+    };
+    ReplayDevice replay(recording("earlier.h5", 0));
+    CHECK_FALSE(replay.read(0).reset);
+    CHECK_FALSE(replay.read(0.002).reset);
+    ReplayDevice late(recording("late.h5", 3));
+    CHECK(late.read(0.002).reset);  // whichever rows a late tick passes over
+    CHECK_FALSE(late.read(0.002).reset);
+    const std::string why = refusal<FileError>([&] { ReplayDevice(recording("short.h5", 2)); });
+    CHECK(why.find("/reset") != std::string::npos);
 }
 
 TEST_CASE("a full ring drops samples and counts them, and the recording says so", "[recorder]") {
@@ -317,10 +384,16 @@ TEST_CASE("tissue-haptic: a law that relaxes plays, and is not pressed until it 
     const TemporaryFolder folder;
     const std::string model = folder.file("law.h5");
     write_model(model, relaxing(law_example()), {"test", 1, {}});
-    const Ended ended = run(folder, model + " --seconds 1 --motion press --json");
+    const Ended ended = run(folder, model + " --seconds 1 --motion press --json --energy-book");
     INFO(ended.err);
     REQUIRE(ended.status == 0);
-    CHECK(nlohmann::json::parse(ended.out)["force_max_N"] > 0.1);
+    const auto ledger = nlohmann::json::parse(ended.out);
+    CHECK(ledger["force_max_N"] > 0.1);
+    // the hand has pressed and holds: most of its work is in springs and branches, part of it heat
+    const double given_J = -ledger["energy_given_J"].get<double>(), stored_J = ledger["details"]["branches"]["stored_J"], burnt_J = ledger["details"]["branches"]["burnt_J"];
+    CHECK(stored_J > 0);
+    CHECK(burnt_J > 0);
+    CHECK(stored_J + burnt_J < given_J);
     const Ended refused = run(folder, model + " --check " + model + " --out " + folder.file("r.json"));
     CHECK(refused.status == 1);
     CHECK(std::count(refused.err.begin(), refused.err.end(), '\n') == 1);

@@ -53,7 +53,7 @@ check "what was learned is drawn" "$PYTHON" "$root/scripts/figures/learned.py" "
 check "into a picture" exist "$scratch/map.png"
 check "a model that has learned nothing is refused in one line" sh -c "! '$PYTHON' '$root/scripts/figures/learned.py' '$scratch/map.png' '$model' 2>'$scratch/log' && grep -q 'has learned no field' '$scratch/log'"
 
-"$PYTHON" -B "$root/tests/serve/test_page_learned.py" "$TISSUECTL" "$scratch/whole.h5" || failures=$((failures + 1))
+"$PYTHON" -B "$root/tests/serve/test_page_learned.py" "$TISSUECTL" "$scratch/whole.h5" "$model" || failures=$((failures + 1))
 
 # ---- a stream, with bad lines in it
 sed '6a a robot says hello' "$pokes" >"$scratch/with_bad.csv"

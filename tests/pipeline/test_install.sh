@@ -16,6 +16,7 @@ check "install: exit 0" exited 0
 check "install says nothing" silent
 check "programs, library, headers, pkg-config file, pages and completions are there" exist "$prefix/bin/tissuectl" \
     "$prefix/bin/tissue-haptic" "$prefix/lib/libtissue.a" "$prefix/include/tissue/haptic/device.h" \
+    "$prefix/lib/libtissue.so.1" "$prefix/lib/libtissue.so" "$prefix/include/tissue.h" "$prefix/lib/pkgconfig/tissue-c.pc" \
     "$prefix/lib/pkgconfig/tissue.pc" "$prefix/share/man/man1/tissuectl.1" "$prefix/share/man/man1/tissue-haptic.1" \
     "$prefix/share/bash-completion/completions/tissuectl" "$prefix/share/zsh/site-functions/_tissuectl" \
     "$prefix/share/fish/vendor_completions.d/tissue-haptic.fish"

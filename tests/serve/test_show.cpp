@@ -226,6 +226,35 @@ TEST_CASE("the demo presses every place of a tour as deep as its cases, and only
     CHECK(hand.place() == -1);
 }
 
+TEST_CASE("the demo finds tissue that relaxes at rest at every press, and leaves other tissue as it is", "[serve][memory]") {
+    for (const bool relaxes : {true, false}) {
+        const TemporaryFolder folder;
+        write_model(folder.file("law.h5"), relaxes ? relaxing(law_example()) : law_example(), {"test", 1, {}});
+        Stage stage({folder.file("law.h5")}, StageOptions{{}, false});
+        Show show(stage, [](int, const std::string&) {});
+        Simulation simulation(stage.model());
+        // both in simulated time: a step of the show every 16 ticks
+        int presses = 0, resets = 0;
+        int untouched = 1000;   // ticks; a contact may bounce
+        for (int k = 0; k < 20000; ++k) {
+            if (k % 16 == 0) show.step(100 + 1e-3 * k);
+            stage.channel().before(simulation);
+            simulation.tick(stage.pointer().read(1e-3 * k));
+            const bool first = simulation.contact().contact && untouched > 300;
+            untouched = simulation.contact().contact ? 0 : untouched + 1;
+            resets += simulation.record().reset;
+            if (simulation.record().reset) CHECK_FALSE(in_tissue(stage.scene(), simulation.record().master_m));
+            if (!first) continue;
+            if (relaxes) CHECK(simulation.rested_s() > simulation.record().time_s - 0.5);
+            ++presses;
+        }
+        INFO((relaxes ? "relaxing: " : "elastic: ") << presses << " presses, " << resets << " resets");
+        CHECK(presses >= 4);
+        if (!relaxes) CHECK(resets == 0);
+        else CHECK((resets >= presses && resets <= presses + 1));
+    }
+}
+
 TEST_CASE("the first to put the pointer down holds the tissue until it lets go, leaves or falls silent", "[serve]") {
     Stand s;
     s.show->join(1);
@@ -506,4 +535,51 @@ TEST_CASE("a state says when the tissue was last put to rest: at the beginning, 
     channel.reset();
     CHECK(rested_s(7) == Approx(5 * model.options.dt_s));
     CHECK(rested_s(7) == Approx(5 * model.options.dt_s));
+}
+
+TEST_CASE("a model that learns while it plays: everyone hears what became of each reading, and those who come later what is known", "[serve][adapt]") {
+    const TemporaryFolder folder;
+    TissueModel hidden = law_example();
+    for (double& constant : hidden.energy_law->constants) constant *= 1.5;
+    hidden.energy_law->patch.log_N_m.array() += std::log(1.5);
+    write_model(folder.file("law.h5"), law_example(), {"test", 1, {}});
+    write_model(folder.file("hidden.h5"), hidden, {"test", 1, {}});
+    write_model(folder.file("sets.h5"), haptic_example(), {"test", 1, {}});
+    StageOptions options;
+    options.realtime = false;
+    options.hidden = folder.file("hidden.h5");
+    CHECK_THROWS_AS(Stage({folder.file("law.h5"), folder.file("law.h5")}, options), MismatchError);
+    CHECK_THROWS_AS(Stage({folder.file("sets.h5")}, options), MismatchError);
+    Stage stage({folder.file("law.h5")}, options);
+    CHECK(stage.scene().learns());
+    std::map<int, std::vector<Json>> heard;
+    Show show(stage, [&](int client, const std::string& text) {
+        const Json j = Json::parse(text);
+        if (j["type"] == "learned") heard[client].push_back(j);
+        if (j["type"] == "model") CHECK(j["learns"] == true);
+    });
+    show.join(1);
+    show.step(100);
+    REQUIRE(heard[1].size() == 1);
+    CHECK(heard[1][0]["learned"]["pokes"] == 0);
+    CHECK_FALSE(heard[1][0].contains("reading"));
+    CHECK(heard[1][0]["next"]["push_m"].size() == 2);
+    stage.start(nullptr);
+    const auto began = std::chrono::steady_clock::now();
+    const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
+    while (heard[1].size() < 3 && seconds() < 60) {
+        show.step(100 + seconds());
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    stage.stop();
+    REQUIRE(heard[1].size() >= 3);
+    const Json& last = heard[1].back();
+    CHECK(last["reading"]["status"] == "learned");
+    const auto factor = last["learned"]["factor"].get<std::vector<double>>();
+    double mean = 0;
+    for (double f : factor) mean += f / static_cast<double>(factor.size());
+    CHECK(mean > 1.2);
+    show.join(2);
+    REQUIRE(heard[2].size() == 1);
+    CHECK(heard[2][0] == last);
 }

@@ -86,6 +86,39 @@ TEST_CASE("a branch never gives more than it was given, at any step, by the forc
     }
 }
 
+TEST_CASE("a booked memory pulls as one that is not, and its book closes: work in, less what is stored, is what was burnt", "[memory]") {
+    for (int branches : {1, 3, 4}) {
+        Eigen::VectorXd times(branches), shares(branches);
+        for (int k = 0; k < branches; ++k) {
+            times[k] = 0.01 * std::pow(9.0, k);
+            shares[k] = 0.15 + 0.02 * k;
+        }
+        BranchMemory plain(times, shares.transpose().replicate(20, 1), 0.002), booked = plain;
+        booked.book();
+        CHECK(booked.booked());
+        Draw draw(17);
+        Eigen::VectorXd x = Eigen::VectorXd::Zero(20), y(20), z(20), work = Eigen::VectorXd::Zero(20), burnt = work;
+        for (int n = 0; n < 3000; ++n) {
+            Eigen::VectorXd next = x;
+            for (int i = 0; i < 20; ++i) next[i] += draw(-0.1, 0.1);
+            plain.step(0, 20, next.data(), y.data());
+            booked.step(0, 20, next.data(), z.data());
+            REQUIRE((y - z).cwiseAbs().maxCoeff() <= 1e-13);
+            work += (z - (1 - shares.sum()) * next).cwiseProduct(next - x);
+            x = next;
+            for (int i = 0; i < 20; ++i) {
+                CHECK(booked.branches_burnt(i) >= burnt[i]);
+                burnt[i] = booked.branches_burnt(i);
+            }
+        }
+        for (int i = 0; i < 20; ++i) CHECK(booked.branches_stored(i) + booked.branches_burnt(i) == Approx(work[i]).epsilon(1e-10));
+        booked.forget();
+        CHECK(booked.branches_stored(3) == 0);
+        CHECK(booked.branches_burnt(3) == burnt[3]);
+        CHECK(plain.branches_burnt(3) == 0);
+    }
+}
+
 TEST_CASE("what was forgotten is forgotten, and a step allocates nothing", "[memory]") {
     BranchMemory memory(tau, g.transpose().replicate(256, 1), 0.001);
     Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(256, -1, 1), first(256), again(256);

@@ -1,0 +1,48 @@
+#include "lesson.h"
+
+#include "error.h"
+
+namespace tissue::serve {
+namespace {
+
+constexpr double next_depth_m = 0.006;  ///< of the push that is told, as tissuectl adapt has it
+
+}  // namespace
+
+Lesson::Lesson(const std::string& model_file, const std::string& hidden_file) : hidden_(read_model(hidden_file)), adaptation_(live_adaptation(model_file)) {
+    if (hidden_.mesh.dimension() != adaptation_->base().mesh.dimension())
+        throw MismatchError(hidden_file + ": the hidden tissue is of another dimension than " + model_file);
+    hear(nullptr);
+}
+
+void Lesson::listen(Learner& learner) {
+    learner.on_line([](const Learner::Line& line, const Adaptation&, void* with) { static_cast<Lesson*>(with)->hear(&line); }, this);
+}
+
+void Lesson::hear(const Learner::Line* line) {
+    News news;
+    if (line) {
+        news.poke = line->poke;
+        news.status = line->answer.status;
+        news.why = line->answer.why;
+        news.warning = line->answer.warning;
+    }
+    news.field = learned_field(*adaptation_);
+    // in space the ranking takes longer than a hand waits
+    if (const SpringMesh& mesh = adaptation_->base().mesh; !mesh.is_solid()) {
+        const std::vector<Push> pushes = pushes_over(adaptation_->surface(), mesh, next_depth_m, adaptation_->surface().spacing_m());
+        const std::vector<PokeWorth> worth = rank_pokes(*adaptation_, pushes, pushes);
+        if (!worth.empty()) news.next = pushes[worth.front().push];
+    }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    news_ = std::move(news);
+}
+
+std::optional<Lesson::News> Lesson::news() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    std::optional<News> taken;
+    taken.swap(news_);
+    return taken;
+}
+
+}  // namespace tissue::serve

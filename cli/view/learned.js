@@ -1,0 +1,49 @@
+// What has been learned from pokes: by the model that came, or while it plays from a tissue that the tool touches unseen.
+import { look, model, moved } from "./state.js";
+import { $, percent, say } from "./words.js";
+
+/** Whether the learned mesh is coloured by what it has learned from pokes, not by displacement. */
+export const shows_learned = () => Boolean(model.learned) && $("learned_wanted").checked;
+$("learned_wanted").addEventListener("change", recolour);
+
+function recolour() {
+  moved.fill(true);   // in space colours go with the places of nodes
+  look.stale = true;
+}
+
+/** A "learned" message: another reading. */
+export function take_learned(message) {
+  if (!model) return;
+  Object.assign(model, { learned: message.learned, reading: message.reading, next: message.next });
+  prepare_learned();
+  recolour();
+}
+
+const lead = { title: $("title").textContent, lead: $("lead").textContent };
+const learning = {
+  title: "Learning while touching",
+  lead: "The tool touches two tissues at once: this one, trained on finite elements, and another that stays hidden. Whenever the hand holds still, " +
+    "the hidden one\u2019s force is a reading, and this tissue becomes more like it, where that reading can know.",
+};
+
+/** The scale of its colours, and the line of words about it. */
+export function prepare_learned() {
+  $("learned_row").hidden = !model.learned;
+  $("reading_text").hidden = !model.learns;
+  for (const id of ["title", "lead"]) say(id, (model.learns ? learning : lead)[id]);
+  if (model.learns) say("reading_text", reading_words());
+  if (!model.learned) return;
+  const { factor, sd, pokes } = model.learned, least = Math.min(...factor), most = Math.max(...factor), ring = model.dimension === 2 ? "; a ring is as wide as that is unsure" : "";
+  model.learned.span = Math.max(Math.log(1.5), -Math.log(least), Math.log(most));
+  const unsure = [...sd].sort((a, b) => a - b)[sd.length >> 1];
+  say("learned_text", pokes === 0 ? `nothing found out yet: as stiff as trained, unsure by ${percent(Math.expm1(unsure))} in the median${ring}`
+    : `what ${pokes} ${pokes === 1 ? "poke has" : "pokes have"} found: ${least.toFixed(2)} to ${most.toFixed(2)} times as stiff as trained, unsure by ${percent(Math.expm1(unsure))} in the median${ring}`);
+}
+
+function reading_words() {
+  const next = model.next ? " The open arrow shows where a push would tell most." : "";
+  const r = model.reading;
+  if (!r) return `Press, and hold still for a second: that is a reading.${next}`;
+  const what = { learned: "The last reading was learned", gated: "The last reading was not believed", refused: "The last reading was of no use" }[r.status];
+  return `${what}${r.why ? `: ${r.why}` : ""}.${r.warning ? ` ${r.warning}.` : ""}${next}`;
+}

@@ -1,0 +1,35 @@
+/* Presses a tissue by a file of positions: press MODEL.h5 [NAME VALUE]... < POSITIONS
+ * Each line of standard input is x y z [m] of the device, a tick; each of standard output the force on the hand [N], in
+ * hexadecimal so that no bit is lost. Built by: cc press.c $(pkg-config --cflags --libs tissue-c) */
+#include <stdio.h>
+#include <stdlib.h>
+#include <tissue.h>
+
+static int fail(void) {
+    fprintf(stderr, "press: %s\n", tissue_error());
+    return EXIT_FAILURE;
+}
+
+int main(int count, char **argument) {
+    if (count < 2) {
+        fprintf(stderr, "usage: press MODEL.h5 [NAME VALUE]... < POSITIONS\n");
+        return 2;
+    }
+    tissue_session *tissue = NULL;
+    /* what main() is given ends with NULL, as a list of options does */
+    if (tissue_open(argument[1], (const char *const *)argument + 2, &tissue) != TISSUE_OK) return fail();
+
+    double position[3], force[3];
+    while (scanf("%lf %lf %lf", &position[0], &position[1], &position[2]) == 3) {
+        /* a refused position is no reason to stop: the force is zero then */
+        if (tissue_tick(tissue, position, 0, force) == TISSUE_FAULT) fprintf(stderr, "press: %s\n", tissue_error());
+        printf("%a %a %a\n", force[0], force[1], force[2]);
+    }
+
+    tissue_contact contact;
+    if (tissue_read_contact(tissue, &contact) != TISSUE_OK) return fail();
+    fprintf(stderr, "press: %s, %d nodes, pressed with %s: %s, %.3g J from the hand\n", tissue_study(tissue), tissue_node_count(tissue),
+            tissue_stiffness(tissue), contact.mesh < 0 ? "nothing" : "the tissue", -tissue_energy_given_J(tissue));
+    tissue_close(tissue);
+    return EXIT_SUCCESS;
+}

@@ -1,0 +1,303 @@
+// The door for Python: `import tissue`. help(tissue) is the documentation.
+#include <pybind11/eigen.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <thread>
+
+#include "adapt/adapted_model.h"
+#include "adapt/next_poke.h"
+#include "api/session_counts.h"
+#include "api/session_options.h"
+#include "cases/load_path.h"
+#include "error.h"
+#include "eval/closed_loop.h"
+#include "haptic/simulation.h"
+#include "parallel.h"
+#include "springs/law_press.h"
+#include "springs/set_grid.h"
+#include "version.h"
+
+namespace py = pybind11;
+using namespace tissue;
+
+namespace {
+
+/// Rows of points, as numpy gives them: any layout, any number type.
+using Rows = Eigen::Ref<const NodeField, 0, Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>>;
+
+std::shared_ptr<const TissueModel> open_model(const std::string& file) { return std::make_shared<const TissueModel>(read_model(file)); }
+
+HapticOptions options_of(const py::kwargs& given) {
+    HapticOptions options;
+    options.heuristic_mesh = false;
+    for (const auto& [key, value] : given) {
+        std::string name = py::str(key);
+        std::replace(name.begin(), name.end(), '_', '-');
+        std::string text;
+        if (py::isinstance<py::bool_>(value))
+            text = value.cast<bool>() ? "yes" : "no";
+        else if (py::isinstance<py::sequence>(value) && !py::isinstance<py::str>(value))
+            for (const auto& part : value) text += std::string(py::str(part)) + " ";
+        else
+            text = py::str(value);
+        set_option(options, name, text);
+    }
+    return options;
+}
+
+/// A session, with the model that it plays.
+struct Session {
+    std::shared_ptr<const TissueModel> tissue;
+    HapticModel model;
+    Simulation simulation;
+    Session(std::shared_ptr<const TissueModel> t, const HapticOptions& options) : tissue(std::move(t)), model(*tissue, options), simulation(model) {}
+
+    Eigen::Vector3d tick(const Eigen::Vector3d& position_m, double elapsed_s) {
+        DeviceSample sample;
+        sample.position_m = position_m;
+        return simulation.tick(sample, std::isfinite(elapsed_s) && elapsed_s > 0 ? elapsed_s : 0);
+    }
+};
+
+NodeField ticks(Session& session, const Rows& positions_m, double elapsed_s) {
+    if (positions_m.cols() != 3) throw MismatchError("positions are of the device: three numbers each");
+    NodeField forces(positions_m.rows(), 3);
+    for (Eigen::Index k = 0; k < forces.rows(); ++k) forces.row(k) = session.tick(positions_m.row(k), elapsed_s);
+    return forces;
+}
+
+py::dict contact_of(const Session& session) {
+    const TickRecord& tick = session.simulation.record();
+    py::dict contact;
+    contact["mesh"] = tick.mesh;
+    contact["facet"] = tick.facet;
+    contact["weight"] = tick.weight;
+    contact["displacement_m"] = Eigen::VectorXd(tick.contact_displacement_m);
+    contact["force_N"] = Eigen::VectorXd(-tick.coupling_N);
+    contact["slipping"] = tick.slipping;
+    contact["fault"] = tick.fault;
+    return contact;
+}
+
+py::dict counts_of(const Session& session) {
+    py::dict counts;
+    for (const SessionCount& one : session_counts) counts[one.name] = one.of(session.simulation);
+    return counts;
+}
+
+/// Answers of the model pressed at each contact from rest.
+py::tuple press(const TissueModel& model, const Rows& contacts_m, const Rows& pushes_m, int threads) {
+    const int D = model.mesh.dimension(), n = static_cast<int>(contacts_m.rows());
+    if (contacts_m.cols() != D || pushes_m.cols() != D || pushes_m.rows() != n)
+        throw MismatchError("contacts and pushes are as many, of as many numbers as the tissue has axes");
+    if (!contacts_m.allFinite() || !pushes_m.allFinite()) throw MismatchError("contacts and pushes must be finite");
+    std::vector<ContactAnswer> answers(static_cast<std::size_t>(n));
+    {
+        const py::gil_scoped_release others_may;
+        std::optional<LawPress> law;
+        std::optional<SetGrid> sets;
+        std::unique_ptr<SpringLaw> springs;
+        if (model.energy_law)
+            law.emplace(model);
+        else
+            sets.emplace(model), springs = make_spring_law(model.law);
+        parallel_for(n, threads, [&](int k) {
+            const Point contact = contacts_m.row(k), push = pushes_m.row(k);
+            ContactAnswer& answer = answers[static_cast<std::size_t>(k)];
+            if (law) {
+                answer = answer_of(law->at(contact, push));
+                return;
+            }
+            if (push.norm() == 0) {
+                answer.force_N = Eigen::VectorXd::Zero(D), answer.displacement_m = NodeField::Zero(model.mesh.node_count(), D);
+                return;
+            }
+            const int set = sets->nearest(sets->outline().arc_of(contact), push / push.norm(), push.norm());
+            answer = answer_of(model.mesh, *springs, model.trained.front().theta.row(set).transpose(),
+                               {locate_on_surface(model.mesh, contact), push, Eigen::VectorXd::Zero(D)});
+        });
+    }
+    NodeField force = NodeField::Constant(n, D, std::nan(""));
+    py::array_t<double> displacement({n, model.mesh.node_count(), D});
+    std::fill_n(displacement.mutable_data(), displacement.size(), std::nan(""));
+    std::vector<std::string> reasons;
+    for (int k = 0; k < n; ++k) {
+        const ContactAnswer& answer = answers[static_cast<std::size_t>(k)];
+        if (answer.force_N) {
+            force.row(k) = *answer.force_N;
+            std::copy_n(answer.displacement_m.data(), answer.displacement_m.size(), displacement.mutable_data(k, 0, 0));
+        }
+        reasons.push_back(answer.reason);
+    }
+    return py::make_tuple(std::move(force), std::move(displacement), reasons);
+}
+
+py::list paths_of(const std::string& file) {
+    const Cases cases = read_cases(file);
+    py::list paths;
+    for (const LoadPath& path : cases.paths) {
+        const auto R = static_cast<Eigen::Index>(path.records.size());
+        const Eigen::Index D = path.contact_m.size(), N = cases.nodes.rows();
+        Eigen::VectorXd magnitude(R);
+        NodeField force(R, D);
+        const bool seen = R > 0 && path.records.front().displacement.rows() == N;
+        py::array_t<double> displacement({seen ? R : 0, N, D});
+        for (Eigen::Index r = 0; r < R; ++r) {
+            const PathRecord& record = path.records[static_cast<std::size_t>(r)];
+            magnitude[r] = record.magnitude_m;
+            force.row(r) = record.contact_force_N;
+            if (seen) std::copy_n(record.displacement.data(), record.displacement.size(), displacement.mutable_data(r, 0, 0));
+        }
+        py::dict p;
+        p["name"] = path.name;
+        p["role"] = path.role;
+        p["contact_m"] = Eigen::VectorXd(path.contact_m);
+        p["direction"] = Eigen::VectorXd(path.direction);
+        p["lost"] = path.lost;
+        p["magnitude_m"] = std::move(magnitude);
+        p["force_N"] = std::move(force);
+        p["displacement_m"] = std::move(displacement);
+        paths.append(std::move(p));
+    }
+    return paths;
+}
+
+py::dict read_study(const std::string& folder) {
+    py::dict study;
+    study["model"] = open_model(folder + "/model.h5");
+    study["paths"] = paths_of(folder + "/cases.h5");
+    study["eval"] = py::none();
+    if (!std::filesystem::exists(folder + "/eval.json")) return study;
+    const py::object file = py::module_::import("io").attr("open")(folder + "/eval.json");
+    study["eval"] = py::module_::import("json").attr("load")(file);
+    file.attr("close")();
+    return study;
+}
+
+Point point(const Adaptation& adaptation, const Eigen::VectorXd& p, const char* what) {
+    if (p.size() != adaptation.base().mesh.dimension()) throw MismatchError(std::string(what) + " is of another number of axes than the tissue");
+    return p;
+}
+
+py::dict learn(Adaptation& adaptation, const Eigen::VectorXd& contact_m, const Eigen::VectorXd& push_m, const Eigen::VectorXd& force_N) {
+    const PokeAnswer answer = adaptation.learn({point(adaptation, contact_m, "contact_m"), point(adaptation, push_m, "push_m"), point(adaptation, force_N, "force_N")});
+    py::dict said;
+    said["status"] = to_string(answer.status);
+    said["why"] = answer.why;
+    said["expected_N"] = Eigen::VectorXd(answer.expected_N);
+    said["expected_sd"] = answer.expected_sd;
+    said["chi2"] = answer.chi2;
+    said["gate"] = answer.gate;
+    said["error_before"] = answer.error_before;
+    said["error_after"] = answer.error_after;
+    said["warning"] = answer.warning;
+    return said;
+}
+
+}  // namespace
+
+PYBIND11_MODULE(tissue, m) {
+    m.doc() = R"(Soft tissue for haptics: models learned from finite elements (tissuectl).
+
+    import tissue
+    study = tissue.read_study("results/surface")          # model, FE's load paths, eval.json
+    model = study["model"]
+    force, displacement, why = model.press(contacts, pushes)   # closed loop, many contacts at once
+    session = tissue.Simulation(model, friction=0.3)           # the tick of tissue-haptic
+    force = session.tick([0.05, 0.098, 0])
+    patient = tissue.Adaptation("results/surface/model.h5")    # learns from pokes
+    patient.learn(contact, push, force)
+
+SI units. A model has D = 2 or 3 axes, N nodes. Errors are tissue.Error, one line that names file, place and cause. One thread at a time
+for each object; press() uses several of its own, and others may run meanwhile.)";
+    m.attr("__version__") = version;
+    py::register_exception<Error>(m, "Error", PyExc_ValueError).attr("__doc__") = "What the caller got wrong, or the disk did: one line.";
+
+    py::class_<TissueModel, std::shared_ptr<TissueModel>>(m, "Model", "What plays: a model.h5 of tissuectl train or adapt. Arrays are the model's own, to be read, without copies.")
+        .def(py::init([](const std::string& file) { return std::make_shared<TissueModel>(read_model(file)); }), py::arg("file"))
+        .def_readonly("study", &TissueModel::study, "its name")
+        .def_property_readonly("dimension", [](const TissueModel& t) { return t.mesh.dimension(); }, "D")
+        .def_property_readonly("is_law", [](const TissueModel& t) { return t.energy_law.has_value(); }, "one energy; else spring sets")
+        .def_property_readonly("nodes", [](const TissueModel& t) -> const NodeField& { return t.mesh.nodes; }, "at rest [m] (N, D)")
+        .def_property_readonly("springs", [](const TissueModel& t) -> const auto& { return t.mesh.springs; }, "node numbers (S, 2)")
+        .def_property_readonly("facets", [](const TissueModel& t) -> const auto& { return t.mesh.facets; }, "node numbers of the surface (F, D)")
+        .def_property_readonly("fixed", [](const TissueModel& t) { return t.mesh.fixed; }, "nodes that are held")
+        .def_readonly("node_mass_kg", &TissueModel::node_mass_kg, "(N)")
+        .def_readonly("modulus", &TissueModel::modulus_N_m, "in the plane E t [N/m], in space E [Pa]")
+        .def_property_readonly("disc_radius_m", [](const TissueModel& t) { return t.energy_law ? t.energy_law->disc_radius_m : 0.0; }, "of a law in space; else 0")
+        .def_readonly("case_names", &TissueModel::case_names, "of the load cases trained on (C)")
+        .def_readonly("contact_m", &TissueModel::contact_m, "of each load case (C, D)")
+        .def_readonly("direction", &TissueModel::direction, "of each load case (C, D)")
+        .def_readonly("magnitude_m", &TissueModel::magnitude_m, "of each load case (C)")
+        .def_readonly("fe_force_N", &TissueModel::contact_force_N, "FE's, of each load case (C, D); no rows where the file has none")
+        .def_property_readonly("terms", [](const TissueModel& t) { return t.energy_law ? t.energy_law->terms : std::vector<std::string>{}; }, "of a law (P)")
+        .def_property_readonly("coefficients", [](const TissueModel& t) { return t.energy_law ? t.energy_law->coefficients : Eigen::VectorXd(); }, "of those terms (P)")
+        .def_property_readonly("constants", [](const TissueModel& t) { return t.energy_law ? t.energy_law->constants : Eigen::VectorXd(); },
+                               "of a law's springs and cells [N/m] (E)")
+        .def("press", &press, py::arg("contacts_m"), py::arg("pushes_m"), py::arg("threads") = std::max(1u, std::thread::hardware_concurrency()),
+             "The tissue at rest with the tool held: contacts (K, D) on the surface, pushes from there (K, D).\n"
+             "Returns force of the tool on the tissue [N] (K, D), displacement [m] (K, N, D), and why there is no answer, "
+             "\"\" where there is one (K); without an answer both are NaN. Of spring sets the nearest serves, as in tissuectl eval.")
+        .def("__repr__", [](const TissueModel& t) {
+            return "<tissue.Model '" + t.study + "', " + std::to_string(t.mesh.node_count()) + " nodes in " + (t.mesh.is_solid() ? "space" : "the plane") +
+                   (t.energy_law ? ", a law>" : ", " + std::to_string(t.case_count()) + " spring sets>");
+        });
+
+    py::class_<Session>(m, "Simulation", "The running tissue: the tick of tissue-haptic, with its safety.")
+        .def(py::init([](std::shared_ptr<TissueModel> model, const py::kwargs& options) { return std::make_unique<Session>(std::move(model), options_of(options)); }), py::arg("model"),
+             "options: those of tissue.h by name, with _ for -: force_max=3.3, friction=0.3, axes=\"x,-z\", offset=[0, 0.1], heuristic=True, ...")
+        .def("tick", &Session::tick, py::arg("position_m"), py::arg("elapsed_s") = 0.0, py::call_guard<py::gil_scoped_release>(),
+             "One step: the device's position [m] (3); returns the force on the hand [N] (3), finite, clamped and passive whatever comes in. elapsed_s: since the last tick; 0: dt.")
+        .def("ticks", &ticks, py::arg("positions_m"), py::arg("elapsed_s") = 0.0, py::call_guard<py::gil_scoped_release>(),
+             "A tick for each position (T, 3), one after the other; returns forces [N] (T, 3).")
+        .def("reset", [](Session& s) { s.simulation.reset(); }, "The tissue to rest; the tool must be outside once before there is force again.")
+        .def_property_readonly("displacement_m", [](const Session& s) -> const NodeColumns& { return s.simulation.state(0).displacement; },
+                               "of the nodes now [m] (N, D): a view that the next tick changes")
+        .def_property_readonly("contact", &contact_of, "as the last tick left it: mesh (-1: nothing is pressed), facet, weight, displacement_m, force_N (on the tissue, before safety), slipping, fault")
+        .def_property_readonly("counts", &counts_of, "of the session")
+        .def_property_readonly("energy_given_J", [](const Session& s) { return s.simulation.safety().counters().energy_given_J; }, "to the hand since the start; below 0: the hand gave")
+        .def_property_readonly("model", [](const Session& s) { return std::const_pointer_cast<TissueModel>(s.tissue); }, "that it plays");
+
+    py::class_<Adaptation>(m, "Adaptation", "A law that learns from pokes of a tissue that is not the one it was trained on, as tissuectl adapt does.")
+        .def(py::init([](const std::string& file, const std::string& unknowns, double force_noise, double model_error, double place_error_m, bool rival) {
+                 AdaptOptions options;
+                 options.unknowns = unknowns;
+                 options.force_noise = force_noise;
+                 options.model_error = model_error;
+                 options.place_error_m = place_error_m;
+                 options.rival = rival;
+                 return read_adaptation(file, options);
+             }),
+             py::arg("model_file"), py::arg("unknowns") = "field", py::arg("force_noise") = 0.02, py::arg("model_error") = 0.03, py::arg("place_error_m") = 0.0,
+             py::arg("rival") = true, "Goes on where the file has learned already, with its own options then.")
+        .def("learn", &learn, py::arg("contact_m"), py::arg("push_m"), py::arg("force_N"),
+             "One poke: where the tool touched at rest, how far it went [m], its force on the tissue [N] (D each). Returns what became of it: status (learned, gated, refused), why, ...")
+        .def("expect", [](Adaptation& a, const Eigen::VectorXd& contact_m, const Eigen::VectorXd& push_m) {
+                 const Expected expected = a.expect(point(a, contact_m, "contact_m"), point(a, push_m, "push_m"));
+                 const Eigen::MatrixXd covariance = a.covariance(expected);
+                 return py::make_tuple(Eigen::VectorXd(expected.force_N), std::sqrt(covariance.trace() / static_cast<double>(covariance.rows())), to_string(expected.status));
+             }, py::arg("contact_m"), py::arg("push_m"), "Force of a push [N] (D), its standard deviation over its size, and the status of the rest.")
+        .def("next", [](Adaptation& a, double depth_m, std::size_t count) {
+                 const std::vector<Push> pushes = pushes_over(a.surface(), a.base().mesh, depth_m, a.surface().spacing_m());
+                 py::list told;
+                 for (const PokeWorth& worth : rank_pokes(a, pushes, pushes)) {
+                     if (told.size() == count) break;
+                     told.append(py::make_tuple(Eigen::VectorXd(pushes[worth.push].contact_m), Eigen::VectorXd(pushes[worth.push].push_m), worth.gain));
+                 }
+                 return told;
+             }, py::arg("depth_m") = 0.006, py::arg("count") = 3, "Pushes that would tell most: contact, push, and what part of the mean variance of all forces each would take away.")
+        .def("model", [](const Adaptation& a) { return std::make_shared<TissueModel>(a.model()); }, "The model as it is now.")
+        .def("write", [](const Adaptation& a, const std::string& file) { write_adapted_model(file, a, {"python tissue.Adaptation.write", 0, {}}); }, py::arg("file"),
+             "A model.h5 that plays as it has learned to, and that learning can go on from.")
+        .def("forget", &Adaptation::forget, "As before the first poke.")
+        .def_property_readonly("learned", [](const Adaptation& a) { return a.state().learned; }, "pokes")
+        .def_property_readonly("factor", [](const Adaptation& a) { return Eigen::VectorXd(a.x().array().exp()); }, "exp of each unknown: of a field, how many times as stiff each node is as trained (P)")
+        .def_property_readonly("sd", [](const Adaptation& a) { return Eigen::VectorXd(a.state().P.diagonal().cwiseMax(0).cwiseSqrt()); }, "standard deviation of that one's logarithm (P)");
+
+    m.def("read_study", &read_study, py::arg("folder"), "results/STUDY: a dict of model, paths (as read_cases) and eval (eval.json; None where there is none yet).");
+    m.def("read_cases", &paths_of, py::arg("file"),
+          "FE's load paths of a cases.h5: a list of dicts of name, role, contact_m, direction, lost, magnitude_m (R), force_N (R, D), displacement_m (R, N, D; no rows where nobody saw inside).");
+}

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <array>
+
+#include "haptic/simulation.h"
+
+namespace tissue {
+
+/// What a session counts, by the names of tissue_count (tissue.h).
+struct SessionCount {
+    const char* name;
+    long long (*of)(const Simulation&);
+};
+
+inline constexpr std::array<SessionCount, 11> session_counts{{
+    {"ticks", [](const Simulation& s) { return s.counters().ticks; }},
+    {"folded", [](const Simulation& s) { return s.counters().folded; }},
+    {"unstable", [](const Simulation& s) { return s.counters().unstable; }},
+    {"not_yet_outside", [](const Simulation& s) { return s.counters().unarmed; }},
+    {"bad_input", [](const Simulation& s) { return s.safety().counters().bad_input; }},
+    {"jumps", [](const Simulation& s) { return s.safety().counters().jump; }},
+    {"stale", [](const Simulation& s) { return s.safety().counters().stale; }},
+    {"late", [](const Simulation& s) { return s.safety().counters().late; }},
+    {"clamped", [](const Simulation& s) { return s.safety().counters().clamped; }},
+    {"slewed", [](const Simulation& s) { return s.safety().counters().slewed; }},
+    {"damped", [](const Simulation& s) { return s.safety().counters().damped; }},
+}};
+
+}  // namespace tissue

@@ -1,0 +1,154 @@
+#include "api/tissue.h"
+
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <string>
+
+#include "api/session_counts.h"
+#include "api/session_options.h"
+#include "error.h"
+#include "haptic/simulation.h"
+#include "version.h"
+
+using namespace tissue;
+
+struct tissue_session {
+    TissueModel tissue;
+    HapticModel model;
+    Simulation simulation;
+    tissue_session(TissueModel read, const HapticOptions& options) : tissue(std::move(read)), model(tissue, options), simulation(model) {}
+};
+
+namespace {
+
+/// The failure of this thread, of storage that is there from the start: to say it must not fail.
+thread_local char failure[1024] = "";
+
+tissue_status fail(tissue_status status, const char* why) noexcept {
+    std::strncpy(failure, why, sizeof failure - 1);
+    return status;
+}
+
+tissue_status bad(const char* why) noexcept { return fail(TISSUE_BAD_ARGUMENT, why); }
+
+/// In three numbers, the third 0 in the plane.
+void three(const Point& p, double to[3]) noexcept {
+    for (Eigen::Index a = 0; a < 3; ++a) to[a] = a < p.size() ? p[a] : 0;
+}
+
+}  // namespace
+
+extern "C" {
+
+const char* tissue_version(void) { return version; }
+
+const char* tissue_error(void) { return failure; }
+
+tissue_status tissue_open(const char* model_file, const char* const* options, tissue_session** session) {
+    if (!model_file || !session) return bad("tissue_open: a null pointer");
+    try {
+        HapticOptions haptic;
+        haptic.heuristic_mesh = false;
+        for (; options && options[0]; options += 2) {
+            if (!options[1]) return bad("tissue_open: an option without a value");
+            try {
+                set_option(haptic, options[0], options[1]);
+            } catch (const MismatchError& e) {
+                return bad(e.what());
+            }
+        }
+        *session = std::make_unique<tissue_session>(read_model(model_file), haptic).release();
+        return TISSUE_OK;
+    } catch (const FileError& e) {
+        return fail(TISSUE_BAD_FILE, e.what());
+    } catch (const MismatchError& e) {
+        return fail(TISSUE_MISMATCH, e.what());
+    } catch (const std::exception& e) {
+        return fail(TISSUE_FAILED, e.what());
+    } catch (...) {
+        return fail(TISSUE_FAILED, "tissue_open: what was thrown is not known");
+    }
+}
+
+void tissue_close(tissue_session* session) { delete session; }
+
+tissue_status tissue_tick(tissue_session* s, const double position_m[3], double elapsed_s, double force_N[3]) {
+    if (!s || !position_m || !force_N) return bad("tissue_tick: a null pointer");
+    DeviceSample sample;
+    sample.position_m = Eigen::Vector3d(position_m[0], position_m[1], position_m[2]);
+    const Eigen::Vector3d force = s->simulation.tick(sample, std::isfinite(elapsed_s) && elapsed_s > 0 ? elapsed_s : 0);
+    for (int a = 0; a < 3; ++a) force_N[a] = force[a];
+    return s->simulation.record().fault ? fail(TISSUE_FAULT, "tissue_tick: the position was refused") : TISSUE_OK;
+}
+
+tissue_status tissue_reset(tissue_session* s) {
+    if (!s) return bad("tissue_reset: a null pointer");
+    s->simulation.reset();
+    return TISSUE_OK;
+}
+
+int tissue_dimension(const tissue_session* s) { return s ? s->model.dimension() : 0; }
+int tissue_node_count(const tissue_session* s) { return s ? s->model.rest.node_count() : 0; }
+int tissue_facet_count(const tissue_session* s) { return s ? static_cast<int>(s->model.rest.facets.rows()) : 0; }
+const char* tissue_study(const tissue_session* s) { return s ? s->model.study.c_str() : ""; }
+
+tissue_status tissue_facets(const tissue_session* s, int* nodes) {
+    if (!s || !nodes) return bad("tissue_facets: a null pointer");
+    const auto& facets = s->model.rest.facets;
+    for (Eigen::Index f = 0; f < facets.rows(); ++f)
+        for (Eigen::Index k = 0; k < facets.cols(); ++k) *nodes++ = facets(f, k);
+    return TISSUE_OK;
+}
+
+tissue_status tissue_rest_positions(const tissue_session* s, double* position_m) {
+    if (!s || !position_m) return bad("tissue_rest_positions: a null pointer");
+    const NodeField& nodes = s->model.rest.nodes;
+    for (Eigen::Index n = 0; n < nodes.rows(); ++n)
+        for (Eigen::Index a = 0; a < nodes.cols(); ++a) *position_m++ = nodes(n, a);
+    return TISSUE_OK;
+}
+
+tissue_status tissue_positions(const tissue_session* s, double* position_m) {
+    if (!s || !position_m) return bad("tissue_positions: a null pointer");
+    const NodeField& nodes = s->model.rest.nodes;
+    const NodeColumns& u = s->simulation.state(0).displacement;
+    for (Eigen::Index n = 0; n < nodes.rows(); ++n)
+        for (Eigen::Index a = 0; a < nodes.cols(); ++a) *position_m++ = nodes(n, a) + u(n, a);
+    return TISSUE_OK;
+}
+
+tissue_status tissue_read_contact(const tissue_session* s, tissue_contact* contact) {
+    if (!s || !contact) return bad("tissue_read_contact: a null pointer");
+    const TickRecord& tick = s->simulation.record();
+    *contact = {};
+    contact->mesh = tick.mesh;
+    contact->facet = tick.facet;
+    for (int k = 0; k < 3; ++k) contact->weight[k] = tick.weight[k];
+    three(tick.contact_displacement_m, contact->displacement_m);
+    three(-tick.coupling_N, contact->force_N);
+    contact->slipping = tick.slipping ? 1 : 0;
+    return TISSUE_OK;
+}
+
+const char* tissue_stiffness(const tissue_session* s) {
+    if (!s) return "";
+    if (s->model.is_law()) return "law";
+    const int set = s->simulation.record().set;
+    return set < 0 ? "" : s->model.set_names[static_cast<std::size_t>(set)].c_str();
+}
+
+tissue_status tissue_count(const tissue_session* s, const char* name, long long* count) {
+    if (!s || !name || !count) return bad("tissue_count: a null pointer");
+    for (const SessionCount& one : session_counts)
+        if (std::strcmp(name, one.name) == 0) {
+            *count = one.of(s->simulation);
+            return TISSUE_OK;
+        }
+    return bad("tissue_count: there is no such count");
+}
+
+double tissue_energy_given_J(const tissue_session* s) { return s ? s->simulation.safety().counters().energy_given_J : 0; }
+
+}  // extern "C"

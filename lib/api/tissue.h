@@ -1,0 +1,108 @@
+/* tissue.h: soft tissue under a tool, for programs that have a loop of their own.
+ *
+ *   tissue_session *tissue = NULL;
+ *   if (tissue_open("model.h5", NULL, &tissue) != TISSUE_OK) puts(tissue_error());
+ *   while (running) tissue_tick(tissue, position_m, 0, force_N);
+ *   tissue_close(tissue);
+ *
+ * SI units. A model has D = 2 or 3 axes; a device has always three, of which a model in the plane takes the first two
+ * (option "axes"). Arrays of nodes are N times D doubles, node after node.
+ *
+ * Errors: every function that can fail returns a tissue_status and leaves its results as they were; tissue_error() is then one
+ * line that says what, in the calling thread. No function throws, aborts or prints.
+ *
+ * Threads: a session belongs to one thread at a time; who hands it over does so between two calls. Sessions know nothing of
+ * each other. tissue_tick, tissue_reset and everything that only reads take no lock, allocate nothing and never wait, so that they may
+ * run at 1 kHz and above; tissue_open and tissue_close read files and allocate.
+ *
+ * Links: -ltissue alone (pkg-config tissue-c). Symbols are versioned (TISSUE_1); what has been in a release stays.
+ */
+#ifndef TISSUE_H
+#define TISSUE_H
+
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define TISSUE_API __attribute__((visibility("default")))
+
+typedef struct tissue_session tissue_session;
+
+typedef enum tissue_status {
+    TISSUE_OK = 0,
+    TISSUE_BAD_ARGUMENT = 1, /* a null pointer, an index that is none, an option that there is not or of another kind */
+    TISSUE_BAD_FILE = 2,     /* no model, or none that can be read */
+    TISSUE_MISMATCH = 3,     /* options that do not fit each other or the model */
+    TISSUE_FAULT = 4,        /* of a tick: the position was refused (not finite, too fast, too old); the force is zero */
+    TISSUE_FAILED = 5        /* memory has run out, or another failure that tissue_error() names */
+} tissue_status;
+
+/* "0.1.0" */
+TISSUE_API const char *tissue_version(void);
+
+/* What the last failure in this thread was, one line; "" before the first. Valid until the next one. */
+TISSUE_API const char *tissue_error(void);
+
+/* Opens a model.h5 of tissuectl train or adapt. options: "name", "value", "name", "value", ..., NULL; or NULL. Names as
+ * tissuectl serve has them, without dashes in front (--help says their units):
+ *   sets, select-by, innovation, dynamics, coupling, damping, friction, friction-slip, force-max, slew, speed-max, stale, force-scale,
+ *   scale (metres of tissue a metre of device), axes ("x,-z"), offset ("0 0.1", of the device's origin [m]), dt (s, 0.001),
+ *   passivity, heuristic (a second mesh, Van Gelder's, beside the learned one), energy-book ("yes", "no").
+ * `heuristic` is "no" here, for a program that has a scene of its own. */
+TISSUE_API tissue_status tissue_open(const char *model_file, const char *const *options, tissue_session **session);
+
+/* NULL is nothing to close. */
+TISSUE_API void tissue_close(tissue_session *session);
+
+/* One step of dt: where the device is [m], and the force that it puts on the hand [N]. elapsed_s: since the last tick, as the clock
+ * says; 0: dt. A tick that is late costs force, never passivity. The force is finite, clamped and passive whatever comes in, and zero
+ * where the status is not TISSUE_OK. */
+TISSUE_API tissue_status tissue_tick(tissue_session *session, const double position_m[3], double elapsed_s, double force_N[3]);
+
+/* The tissue to rest; the tool must be outside once before there is force again. */
+TISSUE_API tissue_status tissue_reset(tissue_session *session);
+
+/* ---- what stays as it is */
+
+TISSUE_API int tissue_dimension(const tissue_session *session);           /* D; 0 of NULL, as all counts */
+TISSUE_API int tissue_node_count(const tissue_session *session);          /* N */
+TISSUE_API int tissue_facet_count(const tissue_session *session);         /* F of the surface: segments in the plane, triangles in space */
+TISSUE_API const char *tissue_study(const tissue_session *session);       /* "" of NULL; valid until tissue_close */
+
+/* Node numbers of each facet (F times D), in space counter-clockwise seen from outside, in the plane the tissue on the left. */
+TISSUE_API tissue_status tissue_facets(const tissue_session *session, int *nodes);
+
+/* Where nodes are without the tool [m] (N times D). */
+TISSUE_API tissue_status tissue_rest_positions(const tissue_session *session, double *position_m);
+
+/* ---- as the last tick has left it */
+
+/* Where nodes are [m] (N times D). */
+TISSUE_API tissue_status tissue_positions(const tissue_session *session, double *position_m);
+
+typedef struct tissue_contact {
+    int mesh;                  /* that the tool presses: 0 the learned one, 1 the heuristic; -1 none, and the rest means nothing */
+    int facet;                 /* of the surface, */
+    double weight[3];          /* and of its nodes */
+    double displacement_m[3];  /* of the touched point of the learned mesh; of a law the tool's own */
+    double force_N[3];         /* of the tool on the tissue, before the safety's limits */
+    int slipping;              /* 1 where it went along the surface in this tick */
+} tissue_contact;
+
+TISSUE_API tissue_status tissue_read_contact(const tissue_session *session, tissue_contact *contact);
+
+/* Which stiffness is at work: the name of the spring set that serves, "law" of a law, "" where nothing was touched yet. Valid until tissue_close. */
+TISSUE_API const char *tissue_stiffness(const tissue_session *session);
+
+/* Counts of the session by name: ticks, folded, unstable, not_yet_outside, bad_input, jumps, stale, late, clamped, slewed, damped. */
+TISSUE_API tissue_status tissue_count(const tissue_session *session, const char *name, long long *count);
+
+/* To the hand since the start [J]; below 0: the hand gave. */
+TISSUE_API double tissue_energy_given_J(const tissue_session *session);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

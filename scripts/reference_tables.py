@@ -1,0 +1,313 @@
+"""Tables of README.md and results/RESULTS.md: rows of Markdown from evaluations (eval.json, or a record's part of it), and from patient.md.
+
+A record is short of what eval.json has: a cell that it cannot fill is UNKNOWN.
+"""
+
+UNKNOWN = "?"
+LABELS = {
+    "learned": "learned (`spsa`)",
+    "learned_spsa_2008": "learned (`spsa-2008`, the paper's)",
+    "optimum": "certified optimum",
+    "heuristic_a": "heuristic, E2 = E t",
+    "heuristic_b": "heuristic, E2 = (C1 + C2) t",
+    "uniform": "one stiffness",
+    "one_set": "one learned set for all cases",
+}
+DRAWN = {  # studies judged on drawn contacts, and what RESULTS.md calls their models
+    "surface": "**law**, plane strain (`surface`)",
+    "surface-quick": "law, half a minute (`surface-quick`)",
+    "surface-sets": "spring sets, the nearest serves (`surface-sets`)",
+    "surface-stress": "law, plane stress (`surface-stress`)",
+    "organ": "law, an organ's section (`organ`)",
+    "organ-lump": "law, its lump five times as stiff (`organ-lump`)",
+}
+SPACE = {  # models of solids, and what RESULTS.md calls them
+    ("block3", "learned"): "**learned law**, {numbers} numbers, {paths} FE paths (`block3`)",
+    ("block3-quick", "learned"): "law, {numbers} numbers, {paths} FE paths (`block3-quick`, on the first of these contacts)",
+    ("nodule3", "learned"): "law, {numbers} numbers, {paths} FE paths, a nodule in the block (`nodule3`, its own contacts)",
+    ("organ3", "learned"): "law, {numbers} numbers, {paths} FE paths, a solid of any shape (`organ3`, its own contacts)",
+    ("block3", "untrained"): "`block3`'s law, nothing learned",
+    ("block3", "force_table"): "FE force table",
+    ("block3", "heuristic_a_patch"): "heuristic, E2 = E, without cells, under the untrained law's contact",
+    ("block3", "uniform_patch"): "one stiffness, likewise",
+}
+RELAXING = {  # studies judged on histories, and what RESULTS.md calls them
+    "relax": "the block (`relax`)",
+    "nodule-relax": "an inclusion that relaxes a quarter as much (`nodule-relax`)",
+    "block3-relax": "in space (`block3-relax`)",
+}
+SPACE_ROLES = ["held_out", "held_out_near", "held_out_sideways"]
+VAN_GELDER = "Van Gelder"
+SUMMARY = [  # README's rows: what it is, study, role, what stands beside it
+    ("the paper's spring sets", "paper", "trained", "heuristic_a", VAN_GELDER),
+    ("springs that turn", "paper-grid8-turning", "trained", "heuristic_a", VAN_GELDER),
+    ("one energy law, plane", "surface", "held_out", "heuristic_a_patch", VAN_GELDER),
+    ("a small one, for one's own tissue", "surface-quick", "held_out", "heuristic_a_patch", VAN_GELDER),
+    ("a section of an organ", "organ", "held_out", "heuristic_a_patch", VAN_GELDER),
+    ("a block in space", "block3", "held_out", "heuristic_a_patch", VAN_GELDER),
+    ("a nodule in it", "nodule3", "held_out", "heuristic_a_patch", VAN_GELDER),
+    ("an organ in space", "organ3", "held_out", "heuristic_a_patch", VAN_GELDER),
+    ("learned from noisy measured forces", "measured", "held_out", "repeat", "measured again"),
+]
+PATIENT = {"lump": "a patient with a lump", "layers": "a patient with layers and a lump"}  # of patient.md, in README
+PATIENT_POKES = 20
+STUDIES = {
+    "paper": "4-connected, `isotropic` (`paper`)",
+    "paper-axial": "4-connected, `axial` (`paper-axial`)",
+    "paper-grid8": "8-connected, `axial` (`paper-grid8`)",
+    "paper-grid8-turning": "8-connected, `geometric` (`paper-grid8-turning`)",
+}
+
+
+def percent(value):
+    if value is None:
+        return "none"
+    return "< 0.01 %" if value < 1e-4 else f"{100 * value:.3g} %"
+
+
+def counted(text, statistics):
+    return f"{text} ({statistics['n']})" if statistics["n"] else "none"
+
+
+def three(statistics):
+    return counted(" / ".join(percent(statistics[key]) for key in ("median", "p95", "max")), statistics)
+
+
+def shape(entry):
+    """Shape error of an entry of closed_loop; its contacts are the force's."""
+    return three(entry["shape"]).rpartition(" (")[0] if entry["shape"] and entry["shape"]["n"] else "none"
+
+
+def seconds(value):
+    if value is None:
+        return UNKNOWN
+    return f"{value:.2g} s" if value < 99.5 else f"{value:.0f} s"
+
+
+def results_table(evaluation):
+    rows = ["| model | rel_loss (9) | resolved force | closed loop | its shape |", "|---|---|---|---|---|"]
+    for model, errors in evaluation["open_loop"].items():
+        rows.append(f"| {LABELS.get(model, model)} | {three(errors['rel_loss'])} | "
+                    f"{three(errors['resolved_force_error'])} | {three(evaluation['closed_loop']['trained'][model])} | "
+                    f"{shape(evaluation['closed_loop']['trained'][model])} |")
+    return rows
+
+
+def studies_table(evaluations):
+    rows = ["| spring mesh | heuristic rel_loss | certified optimum | gap of `spsa`, max | gap of `spsa-2008`, median | "
+            "closed loop, learned | its shape | closed loop, best baseline | its shape |",
+            "|---|---|---|---|---|---|---|---|---|"]
+    for study, e in evaluations.items():
+        closed = e["closed_loop"]["trained"]
+        baselines = {m: closed[m]["median"] for m in ("heuristic_a", "heuristic_b", "uniform") if closed[m]["n"]}
+        best = min(baselines, key=baselines.get, default=None)
+        learned = closed["learned"]
+        rows.append(
+            f"| {STUDIES.get(study, study)} | {percent(e['open_loop']['heuristic_a']['rel_loss']['median'])} | "
+            f"{percent(e['open_loop']['optimum']['rel_loss']['median'])} | {percent(e['training']['gap']['max'])} | "
+            f"{percent(e['training_also'][0]['gap']['median'])} | {counted(percent(learned['median']), learned)} | "
+            f"{percent(learned['shape']['median'])} | "
+            + (f"{LABELS[best]}: {counted(percent(baselines[best]), closed[best])} | "
+               f"{percent(closed[best]['shape']['median'])} |" if best else "none | none |"))
+    return rows
+
+
+def roles_of(e, model):
+    return " | ".join(f"{three(role[model])} | {shape(role[model])}" for role in
+                      (e["closed_loop"]["held_out"], e["closed_loop"]["held_out_full"]))
+
+
+def surface_table(e, sets):
+    """The models of study surface, and what spring sets make of the same training contacts."""
+    names = {"learned": "**learned law**", "untrained": "the same law, nothing learned", "force_table": "FE force table",
+             "heuristic_a_patch": "heuristic, E2 = E t, without cells, under the law's contact",
+             "uniform_patch": "one stiffness, likewise",
+             "heuristic_a": "heuristic, E2 = E t, two-node contact", "uniform": "one stiffness, two-node contact"}
+    rows = ["| model | held_out: force | held_out: shape | held_out_full: force | held_out_full: shape |",
+            "|---|---|---|---|---|"]
+    for model, name in names.items():
+        rows.append(f"| {name} | {roles_of(e, model)} |")
+        if model == "untrained":
+            rows.append(f"| spring sets, the nearest serves (`surface-sets`) | {roles_of(sets, 'learned')} |")
+    rows.append("| the truth's own error, finer mesh | " + three(e["truth_check"]) + " | | | |")
+    return rows
+
+
+def drawn_table(evaluations):
+    rows = ["| model | numbers | FE paths | training | held_out: force | held_out: shape | held_out_full: force | "
+            "held_out_full: shape |", "|---|---|---|---|---|---|---|---|"]
+    for study, name in DRAWN.items():
+        e = evaluations[study]
+        t = e["training"]
+        numbers = len(t["terms"]) if "terms" in t else f"{t['sets']} sets"
+        paths = t.get("paths", evaluations["surface"]["training"]["paths"])  # sets have those of surface
+        rows.append(f"| {name} | {numbers} | {paths} | {seconds(t.get('seconds'))} | {roles_of(e, 'learned')} |")
+    return rows
+
+
+def space_table(evaluations):
+    rows = ["| model | training | " + " | ".join(f"{role}: force | shape" for role in SPACE_ROLES) + " |",
+            "|---|---|" + "---|---|" * len(SPACE_ROLES)]
+    for (study, model), name in SPACE.items():
+        e = evaluations[study]
+        training = e["training"]
+        drawn = e["closed_loop"]
+        cells = [f"{three(drawn[role][model])} | {shape(drawn[role][model])}" if role in drawn else " | " for role in SPACE_ROLES]
+        rows.append(f"| {name.format(numbers=len(training['terms']), paths=training['paths'])} | "
+                    + (seconds(training.get('seconds')) if model == "learned" else "") + " | " + " | ".join(cells) + " |")
+    rows.append("| the truth's own error, finer mesh | | " + three(evaluations["block3"]["truth_check"]) + " | " * 6 + "|")
+    return rows
+
+
+def nodule_table(e):
+    """What the map of study nodule3 says: over the nodule, far away, and their ratio."""
+    contrast = e["map"]["contrast"]
+    force = {tuple(p["contact_m"]): p for p in e["map"].get("places", [])}
+
+    def row(name, places):
+        if not force:  # a record
+            return f"| {name} | {UNKNOWN} | {UNKNOWN} |"
+        values = [1e3 * sum(force[tuple(p)][model] for p in places) / len(places) for model in ("fe_N", "learned_N")]
+        return f"| {name} | {values[0]:.1f} mN | {values[1]:.1f} mN |"
+
+    return [f"| straight in, {1e3 * e['map']['depth_m']:g} mm | finite elements | learned law |", "|---|---|---|",
+            row("over the nodule's middle", [contrast["over_m"]]), row("far from it", contrast["far_m"]),
+            f"| contrast | {contrast['fe']:.3f} | {contrast['learned']:.3f} |"]
+
+
+def relaxing_table(evaluations):
+    """Each group of histories of the studies that relax: what the law is off, and what else there could be, in the median."""
+    others = {"long_term": "long-term", "instantaneous": "instantaneous", "best_factor": "best factor", "kelvin_voigt": "Kelvin-Voigt",
+              "one_branch": "one branch", "prony": "FE's elastic force through the branches"}
+    rows = ["| histories | n | learned law, rms | largest error | its own, elastic beside elastic FE | " + " | ".join(others.values()) + " |",
+            "|---|---|---|---|---|" + "---|" * len(others)]
+
+    def cells(statistics):
+        return " / ".join(percent(statistics[key]) for key in ("median", "p95", "max")) if statistics["n"] else ""
+
+    for study, name in RELAXING.items():
+        for group, models in evaluations[study]["histories"]["groups"].items():
+            if group == "all":
+                continue
+            medians = [percent(models[m]["rms"]["median"]) if models[m]["rms"]["n"] else "" for m in others]
+            rows.append(f"| {name}: {group} | {models['learned']['rms']['n']} | {cells(models['learned']['rms'])} | "
+                        f"{cells(models['learned']['peak'])} | {cells(models['elastic'])} | " + " | ".join(medians) + " |")
+    return rows
+
+
+def ablation_table(variants, roles):
+    rows = ["| numbers | FE paths | training | " + " | ".join(f"{role}: force | {role}: shape" for role in roles) + " |",
+            "|---|---|---|" + "---|---|" * len(roles)]
+    for v in sorted(variants, key=lambda v: (v["fe_paths"], v["numbers"])):
+        cells = [f"{three(v[role]['learned'])} | {shape(v[role]['learned'])}" for role in roles]
+        rows.append(f"| {v['numbers']} | {v['fe_paths']} | {seconds(v['seconds'])} | " + " | ".join(cells) + " |")
+    return rows
+
+
+def measured_table(e):
+    names = {"learned": "learned law", "force_table": "force table, interpolated", "heuristic_a": "heuristic, E2 = E t",
+             "heuristic_b": "heuristic, E2 = (C1 + C2) t", "uniform": "one stiffness", "repeat": "the same push measured again"}
+    rows = ["| model | held-out rows |", "|---|---|"]
+    return rows + [f"| {name} | {three(e['closed_loop']['held_out'][model])} |" for model, name in names.items()]
+
+
+def measured_histories_table(e):
+    models = {"learned": "learned law", "long_term": "long-term", "instantaneous": "instantaneous", "best_factor": "elastic, best factor",
+              "kelvin_voigt": "Kelvin-Voigt", "one_branch": "one branch"}
+    rows = ["| histories | " + " | ".join(models.values()) + " |", "|---|" + "---|" * len(models)]
+
+    def three_of(s):
+        return " / ".join(percent(s[key]) for key in ("median", "p95", "max")) + f" ({s['n']})"
+
+    for group, errors in e["histories"]["groups"].items():
+        rows.append(f"| {group} | " + " | ".join(three_of(errors[m]["rms"]) for m in models) + " |")
+    return rows
+
+
+def claim(e):
+    def ratio(model, measure):
+        open_loop = e["open_loop"]
+        return open_loop["heuristic_a"][measure]["median"] / open_loop[model][measure]["median"]
+
+    restarted = e["training_also"][0]["restarted_sets"]
+    sets = e["training"]["sets"]
+    return ["| reading | L | resolved force |", "|---|---|---|",
+            f"| `spsa-2008`, the paper's optimiser ({restarted} of {sets} sets restarted; the paper: 3 of 18) | "
+            f"{ratio('learned_spsa_2008', 'rel_loss'):.1f} times | "
+            f"{ratio('learned_spsa_2008', 'resolved_force_error'):.1f} times |",
+            f"| `spsa`, ours | {ratio('learned', 'rel_loss'):.1f} times | "
+            f"{ratio('learned', 'resolved_force_error'):.1f} times |",
+            f"| the best there is, certified | {ratio('optimum', 'rel_loss'):.1f} times | "
+            f"{ratio('optimum', 'resolved_force_error'):.1f} times |"]
+
+
+def two(statistics):
+    return f"{percent(statistics['median'])} / {percent(statistics['p95'])}" if statistics and statistics["n"] else ""
+
+
+def patient_rows(text, way="field, told where"):
+    """Of patient.md: patient -> what it is, and its errors by number of pokes, as they stand there."""
+    rows = {}
+    for section in text.split("\n## ")[1:]:
+        head, *lines = section.splitlines()
+        table = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("|")]
+        found = [row for row in table if row[0] == way]
+        if found:
+            patient, _, what = head.partition(": ")
+            rows[patient] = what, dict(zip(map(int, table[0][1:]), found[0][1:]))
+    return rows
+
+
+def patient_table(patients):
+    shown = (0, 1, 5, 10, 20, 40)
+    rows = ["| patient | " + " | ".join("before" if n == 0 else f"{n} poke{'s' * (n > 1)}" for n in shown) + " |",
+            "|---|" + "---|" * len(shown)]
+    return rows + [f"| {what} | " + " | ".join(errors[n] for n in shown) + " |" for what, errors in patients.values()]
+
+
+def summary_table(evaluations, patients):
+    """README's: of each model force and shape, and what else there is, in closed loop, median / p95 (n)."""
+    rows = ["| what is learned | error of force | of shape | force of what stands beside it | the truth's own |", "|---|---|---|---|---|"]
+    for name, study, role, other, called in SUMMARY:
+        e = evaluations[study]
+        models = e["closed_loop"][role]
+        rows.append(f"| {name} (`{study}`) | {counted(two(models['learned']), models['learned'])} | {two(models['learned'].get('shape'))} | "
+                    f"{called} {two(models[other])} | {two(e.get('truth_check'))} |")
+    models = evaluations["relax"]["histories"]["groups"]["all"]
+    rows.append(f"| tissue that relaxes, in time (`relax`) | {counted(two(models['learned']['rms']), models['learned']['rms'])} |  | "
+                f"elastic, best factor {two(models['best_factor']['rms'])} |  |")
+
+    def errors(text):
+        return " / ".join(f"{part.strip()} %" for part in text.split("/"))
+
+    for patient, name in PATIENT.items():
+        pokes = patients[patient][1]
+        rows.append(f"| {name}, after {PATIENT_POKES} pokes | {errors(pokes[PATIENT_POKES])} |  | before any {errors(pokes[0])} |  |")
+    return rows
+
+
+def tables(evaluations):
+    """RESULTS.md's: marker, rows; of those tables alone whose studies are there."""
+    def of(*studies):
+        return all(study in evaluations for study in studies)
+
+    e = evaluations
+    if of("paper"):
+        yield "results", results_table(e["paper"])
+        yield "claim", claim(e["paper"])
+    if of(*STUDIES):
+        yield "studies", studies_table({study: e[study] for study in STUDIES})
+    if of("surface", "surface-sets"):
+        yield "surface", surface_table(e["surface"], e["surface-sets"])
+    if of(*DRAWN):
+        yield "drawn", drawn_table(e)
+    if of("block3", "block3-quick", "nodule3", "organ3"):
+        yield "space", space_table(e)
+    if of("nodule3"):
+        yield "nodule", nodule_table(e["nodule3"])
+    if of(*RELAXING):
+        yield "relaxing", relaxing_table(e)
+    if of("measured"):
+        yield "measured", measured_table(e["measured"])
+    if of("measured-relax"):
+        yield "measured-relax", measured_histories_table(e["measured-relax"])

@@ -1,0 +1,181 @@
+// The door for C: the same ticks as the library's own, errors as codes with a line of text, nothing thrown or allocated in the tick.
+#include "api/tissue.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <thread>
+
+#include "../allocations.h"
+#include "../example.h"
+#include "../haptic/haptic_example.h"
+#include "../refusal.h"
+#include "api/session_options.h"
+#include "error.h"
+
+using namespace tissue;
+
+namespace {
+
+struct Session {
+    tissue_session* s = nullptr;
+    Session(const std::string& file, std::initializer_list<const char*> options = {}) {
+        std::vector<const char*> list(options);
+        list.push_back(nullptr);
+        INFO(file);
+        REQUIRE(tissue_open(file.c_str(), list.data(), &s) == TISSUE_OK);
+    }
+    ~Session() { tissue_close(s); }
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+};
+
+std::string model_file(const TemporaryFolder& folder, const TissueModel& model) {
+    const std::string file = folder.file("model.h5");
+    write_model(file, model, {"test", 1, {}});
+    return file;
+}
+
+/// A press that comes, goes along and leaves.
+Eigen::Vector3d way(int k, bool solid) {
+    const double t = 1e-3 * k, deep = 0.006 * std::sin(3.14 * t);
+    return solid ? Eigen::Vector3d(0.03 + 0.002 * std::sin(9 * t), 0.03, 0.051 - deep) : Eigen::Vector3d(0.05 + 0.004 * std::sin(9 * t), 0.101 - deep, 0.3);
+}
+
+}  // namespace
+
+TEST_CASE("a session in C ticks as the library does, bit for bit, and reads what it holds", "[api]") {
+    for (const int which : {0, 1, 2}) {
+        const TemporaryFolder folder;
+        const TissueModel model = which == 0 ? haptic_example() : which == 1 ? relaxing(law_example()) : solid_example();
+        const std::string file = model_file(folder, model);
+        const bool solid = which == 2;
+        HapticOptions options;
+        options.heuristic_mesh = false;
+        options.friction.stick = 0.4;
+        options.map.force_scale = 2;
+        const HapticModel haptic(model, options);
+        Simulation simulation(haptic);
+        Session session(file, {"friction", "0.4", "force-scale", "2"});
+        REQUIRE(tissue_dimension(session.s) == model.mesh.dimension());
+        REQUIRE(tissue_node_count(session.s) == model.mesh.node_count());
+        REQUIRE(tissue_facet_count(session.s) == model.mesh.facets.rows());
+        CHECK(tissue_study(session.s) == model.study);
+        const int N = model.mesh.node_count(), D = model.mesh.dimension();
+        int different = 0;
+        double largest = 0;
+        long allocations = 0;
+        for (int k = 0; k < 1000; ++k) {
+            if (k == 700) {
+                simulation.reset();
+                CHECK(tissue_reset(session.s) == TISSUE_OK);
+            }
+            const Eigen::Vector3d at = k == 300 ? Eigen::Vector3d(std::nan(""), 0, 0) : way(k, solid);
+            const double elapsed = k % 50 == 7 ? 0.003 : 0;
+            DeviceSample sample;
+            sample.position_m = at;
+            const Eigen::Vector3d expected = simulation.tick(sample, elapsed);
+            Eigen::Vector3d force(1, 1, 1);
+            tissue_status status;
+            {
+                const Allocations none;
+                status = tissue_tick(session.s, at.data(), elapsed, force.data());
+                allocations += Allocations::count();
+            }
+            CHECK(status == (k == 300 ? TISSUE_FAULT : TISSUE_OK));
+            different += std::memcmp(force.data(), expected.data(), 3 * sizeof(double)) != 0;
+            largest = std::max(largest, force.norm());
+        }
+        INFO(model.study << " " << which);
+        CHECK(different == 0);
+        CHECK(largest > (which == 0 ? 0.002 : 0.05));
+        CHECK(allocations == 0);
+        NodeField rest(N, D), now(N, D);
+        CHECK(tissue_rest_positions(session.s, rest.data()) == TISSUE_OK);
+        CHECK(tissue_positions(session.s, now.data()) == TISSUE_OK);
+        CHECK(rest == model.mesh.nodes);
+        CHECK(now == NodeField(model.mesh.nodes + simulation.state(0).displacement));
+        Cells facets(model.mesh.facets.rows(), model.mesh.facets.cols());
+        CHECK(tissue_facets(session.s, facets.data()) == TISSUE_OK);
+        CHECK(facets == Cells(model.mesh.facets));
+        tissue_contact contact;
+        CHECK(tissue_read_contact(session.s, &contact) == TISSUE_OK);
+        CHECK(contact.mesh == simulation.record().mesh);
+        CHECK(contact.force_N[D - 1] == -simulation.record().coupling_N[D - 1]);
+        CHECK((D == 3 || contact.force_N[2] == 0));
+        CHECK((tissue_stiffness(session.s) == std::string("law")) == (which > 0));
+        long long ticks = 0, bad = 0;
+        CHECK(tissue_count(session.s, "ticks", &ticks) == TISSUE_OK);
+        CHECK(tissue_count(session.s, "bad_input", &bad) == TISSUE_OK);
+        CHECK(ticks == 1000);
+        CHECK(bad == 1);
+        CHECK(tissue_energy_given_J(session.s) == simulation.safety().counters().energy_given_J);
+    }
+}
+
+TEST_CASE("what is wrong is a code and one line, whatever is given", "[api]") {
+    const TemporaryFolder folder;
+    const std::string file = model_file(folder, law_example());
+    tissue_session* s = nullptr;
+    CHECK(tissue_open((folder.file("nothing.h5")).c_str(), nullptr, &s) == TISSUE_BAD_FILE);
+    CHECK(std::string(tissue_error()).find("nothing.h5") != std::string::npos);
+    CHECK(s == nullptr);
+    const auto opened = [&](std::vector<const char*> options) {
+        options.push_back(nullptr);
+        const tissue_status status = tissue_open(file.c_str(), options.data(), &s);
+        INFO(tissue_error());
+        CHECK(std::string(tissue_error()).find('\n') == std::string::npos);
+        if (status == TISSUE_OK) tissue_close(s);
+        s = nullptr;
+        return status;
+    };
+    CHECK(opened({}) == TISSUE_OK);
+    CHECK(opened({"colour", "red"}) == TISSUE_BAD_ARGUMENT);
+    CHECK(std::string(tissue_error()).find("'colour'") != std::string::npos);
+    CHECK(opened({"friction"}) == TISSUE_BAD_ARGUMENT);
+    CHECK(opened({"friction", "a lot"}) == TISSUE_BAD_ARGUMENT);
+    CHECK(opened({"heuristic", "1"}) == TISSUE_BAD_ARGUMENT);
+    CHECK(opened({"axes", "x,w"}) == TISSUE_BAD_ARGUMENT);
+    CHECK(opened({"offset", "1"}) == TISSUE_BAD_ARGUMENT);
+    CHECK(opened({"sets", "optimum"}) == TISSUE_MISMATCH);
+    CHECK(opened({"dynamics", "euler"}) == TISSUE_MISMATCH);
+    CHECK(opened({"axes", "x,-z", "offset", "0 0.1", "heuristic", "yes", "passivity", "no", "dt", "0.0005"}) == TISSUE_OK);
+    // every number, at its worst: refused, or a session whose force is finite
+    for (const std::string& name : session_option_names())
+        for (const char* worst : {"nan", "inf", "-inf", "-1", "0", "1e308", "1e-308", ""}) {
+            std::vector<const char*> options{name.c_str(), worst, nullptr};
+            if (tissue_open(file.c_str(), options.data(), &s) != TISSUE_OK) continue;
+            for (int k = 0; k < 50; ++k) {
+                double force[3];
+                tissue_tick(s, way(10 * k, false).data(), 0, force);
+                INFO(name << " = " << worst);
+                REQUIRE((std::isfinite(force[0]) && std::isfinite(force[1]) && std::isfinite(force[2])));
+            }
+            tissue_close(s);
+        }
+    s = nullptr;
+    CHECK(tissue_open(nullptr, nullptr, &s) == TISSUE_BAD_ARGUMENT);
+    CHECK(tissue_open(file.c_str(), nullptr, nullptr) == TISSUE_BAD_ARGUMENT);
+    double three[3] = {0, 0, 0};
+    long long count = 0;
+    CHECK(tissue_tick(nullptr, three, 0, three) == TISSUE_BAD_ARGUMENT);
+    CHECK(tissue_reset(nullptr) == TISSUE_BAD_ARGUMENT);
+    CHECK(tissue_positions(nullptr, three) == TISSUE_BAD_ARGUMENT);
+    CHECK(tissue_rest_positions(nullptr, three) == TISSUE_BAD_ARGUMENT);
+    CHECK(tissue_facets(nullptr, nullptr) == TISSUE_BAD_ARGUMENT);
+    CHECK(tissue_read_contact(nullptr, nullptr) == TISSUE_BAD_ARGUMENT);
+    CHECK(tissue_node_count(nullptr) == 0);
+    CHECK(std::string(tissue_stiffness(nullptr)).empty());
+    tissue_close(nullptr);
+    Session session(file);
+    CHECK(tissue_tick(session.s, nullptr, 0, three) == TISSUE_BAD_ARGUMENT);
+    CHECK(tissue_tick(session.s, three, 0, nullptr) == TISSUE_BAD_ARGUMENT);
+    CHECK(tissue_count(session.s, "sheep", &count) == TISSUE_BAD_ARGUMENT);
+    for (double wrong : {std::nan(""), -1.0, std::numeric_limits<double>::infinity()}) CHECK(tissue_tick(session.s, three, wrong, three) == TISSUE_OK);
+    // a failure is the thread's own
+    std::string there = "unset";
+    std::thread([&] { there = tissue_error(); }).join();
+    CHECK(there.empty());
+}

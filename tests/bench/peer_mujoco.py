@@ -1,0 +1,65 @@
+#!/usr/bin/env python3
+"""MuJoCo's flex on the lattice of a solid block: the peer of a tick and of a press in scripts/peers_study.py.
+
+Equations: Saint Venant-Kirchhoff tetrahedra, five a box, on the same nodes; Young's modulus as ours, Poisson's ratio 0.45, since nearer to 1/2
+           its solver says that it does not converge. Bottom pinned.
+Contact:   a rigid cylinder of the disc's radius, led along the same push in 0.15 s and held; friction 3, so that it does not slip, and
+           contacts as stiff as steps of 1 ms bear. It touches what lies between nodes too, and so presses all nodes of a facet. Its
+           force is the sum of MuJoCo's contact forces, the mean of the last 50 ms.
+Method:    integrator `discrete`, its implicit one for flex, conjugate gradients, steps of 1 ms as a tick.
+
+Reads {"size_m", "counts", "modulus_Pa", "radius_m", "mass_kg", "pushes": [[contact], [push]], "seconds"} from standard input; prints {"version",
+"step_us": [...], "force_N": [[x, y, z], ...]} as one line of JSON.
+Sample run: scripts/peers_study.py feeds it.
+"""
+import json
+import sys
+import time
+
+import mujoco
+import numpy as np
+
+STEP_S, APPROACH_M, PUSH_S, HALF_HEIGHT_M, NODE_RADIUS_M = 1e-3, 5e-4, 0.15, 0.005, 5e-4
+
+XML = """<mujoco>
+ <option timestep="{step}" gravity="0 0 0" integrator="discrete" solver="CG" iterations="50" tolerance="1e-8"/>
+ <size memory="200M"/>
+ <worldbody>
+  <flexcomp name="tissue" type="grid" dim="3" count="{count}" spacing="{spacing}" pos="{middle}" mass="{mass}" radius="{node}">
+   <elasticity young="{young}" poisson="0.45" damping="0.01"/>
+   <contact selfcollide="none" condim="4" friction="3" solref="0.002 1" solimp="0.99 0.9999 0.0001"/>
+   <pin gridrange="0 0 0 {last_x} {last_y} 0"/>
+  </flexcomp>
+  <body name="tool" mocap="true" pos="0 0 1"><geom type="cylinder" size="{radius} {half}" friction="3" solref="0.002 1" solimp="0.99 0.9999 0.0001"/></body>
+ </worldbody>
+</mujoco>"""
+
+
+def main():
+    asked = json.load(sys.stdin)
+    size, counts = np.array(asked["size_m"]), asked["counts"]
+    words = lambda values: " ".join(f"{v:g}" for v in values)  # noqa: E731
+    model = mujoco.MjModel.from_xml_string(XML.format(
+        step=STEP_S, count=words(counts), spacing=words(size / (np.array(counts) - 1)), middle=words(size / 2), mass=asked["mass_kg"],
+        young=asked["modulus_Pa"], last_x=counts[0] - 1, last_y=counts[1] - 1, radius=asked["radius_m"], half=HALF_HEIGHT_M, node=NODE_RADIUS_M))
+    times, forces = [], []
+    for contact, push in asked["pushes"]:
+        data, force = mujoco.MjData(model), []
+        for k in range(round(asked["seconds"] / STEP_S)):
+            way = min(1, k * STEP_S / PUSH_S)
+            data.mocap_pos[0] = np.array(contact) + way * np.array(push) + [0, 0, HALF_HEIGHT_M + NODE_RADIUS_M + APPROACH_M * (1 - way)]
+            begin = time.perf_counter()
+            mujoco.mj_step(model, data)
+            times.append(1e6 * (time.perf_counter() - begin))
+            total, one = np.zeros(3), np.zeros(6)
+            for c in range(data.ncon):
+                mujoco.mj_contactForce(model, data, c, one)
+                total += data.contact[c].frame.reshape(3, 3).T @ one[:3]
+            force.append(total)
+        mean = np.mean(force[-50:], axis=0)
+        forces.append((mean if mean @ np.array(push) > 0 else -mean).tolist())
+    print(json.dumps({"version": mujoco.__version__, "step_us": times, "force_N": forces}))
+
+
+if __name__ == "__main__":
+    main()

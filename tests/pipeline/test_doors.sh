@@ -1,0 +1,153 @@
+#!/bin/sh
+# The ways in for other programs: libtissue.so with tissue.h from C, `import tissue` from Python, as they are installed; what both say is the
+# same to the last bit.
+. "$(dirname "$0")/common"
+build=$(dirname "$TISSUECTL")
+examples=$root/lib/api/examples
+prefix=$scratch/prefix
+make_copy
+data=$work/fem/data/tiny.csv
+model=$scratch/model.h5
+
+# A tissue of 50 N/m along the normal and 30 N/m across it, all round.
+"$PYTHON" - "$data" <<'PY'
+import sys
+rows = ["contact_x [mm],contact_y [mm],displacement_x [mm],displacement_y [mm],force_x [mN],force_y [mN]"]
+for i in range(24):
+    x, y, n = [(100, 20 + 10 * i, (-1, 0)), (100 - 10 * (i - 8), 100, (0, -1)), (0, 100 - 10 * (i - 16), (1, 0))][i // 8]
+    for across in (-2, 2):
+        u = [5 * n[0] - across * n[1], 5 * n[1] + across * n[0]]
+        f = [250 * n[0] - 30 * across * n[1], 250 * n[1] + 30 * across * n[0]]
+        rows.append(f"{x},{y},{u[0]},{u[1]},{f[0]},{f[1]}")
+open(sys.argv[1], "w").write("\n".join(rows) + "\n")
+PY
+sed -e 's/^cells = .*/cells = [6, 6]/' -e 's/block_measured/tiny/' -e 's/^thickness_m = .*/thickness_m = 0.005/' -e 's/^starts = .*/starts = 1/' \
+    "$root/fem/studies/measured.toml" >"$work/fem/studies/tiny.toml"
+(cd "$work" && "$TISSUECTL" import "$data" --study fem/studies/tiny.toml --out "$scratch/cases.h5" &&
+    "$TISSUECTL" train --study fem/studies/tiny.toml --cases "$scratch/cases.h5" --out "$model") >"$scratch/log" 2>&1 || cat "$scratch/log"
+PREFIX=$prefix PACKAGES="$(sed -n 's/^PACKAGES := //p' "$root/Makefile")" PYTHON=$PYTHON "$root/scripts/install" "$build" || exit 1
+export PKG_CONFIG_PATH="$prefix/lib/pkgconfig" LD_LIBRARY_PATH="$prefix/lib" PYTHONPATH="$(echo "$prefix"/lib/python3*/dist-packages)"
+export MPLCONFIGDIR="$scratch"
+
+# ---- C
+check "the header is C of 1999 and C++ of 2011, without a warning" sh -c "
+    gcc -std=c99 -Wall -Wextra -Wpedantic -Werror -fsyntax-only -x c '$prefix/include/tissue.h' && g++ -std=c++11 -Wall -Wextra -Wpedantic -Werror -fsyntax-only -x c++ '$prefix/include/tissue.h'"
+check "the example builds by pkg-config" sh -c "gcc -std=c99 -Wall -Wextra -Wpedantic -Werror '$examples/press.c' \$(pkg-config --cflags --libs tissue-c) -o '$scratch/press'"
+check "and needs the library alone" sh -c "readelf -d '$scratch/press' | grep -q 'NEEDED.*libtissue.so.1' && ! readelf -d '$scratch/press' | grep -q 'NEEDED.*\(hdf5\|stdc++\|nlopt\)'"
+check "the library shows the symbols of tissue.h, of a version, and no others" sh -c "
+    nm -D --defined-only '$prefix/lib/libtissue.so.1' | sed -n 's/.* T //p' | sort >'$scratch/has'
+    sed -n 's/^TISSUE_API.*\(tissue_[a-zA-Z_]*\)(.*/\1@@TISSUE_1/p' '$prefix/include/tissue.h' | sort | diff - '$scratch/has'"
+"$PYTHON" -c 'import math
+for k in range(1000):
+    print(0.05 + 0.004 * math.sin(9e-3 * k), "nan" if k == 300 else 0.101 - 0.005 * math.sin(3.14e-3 * k), 0.3)' >"$scratch/way"
+check "the example presses" sh -c "'$scratch/press' '$model' friction 0.3 <'$scratch/way' >'$scratch/c' 2>'$scratch/log'"
+check "it says that a position was refused, and goes on" sh -c "grep -qx 'press: tissue_tick: the position was refused' '$scratch/log' && [ \$(wc -l <'$scratch/c') = 1000 ]"
+check "a wrong option is one line" sh -c "! '$scratch/press' '$model' frction 0.3 </dev/null 2>'$scratch/log' && grep -qx \"press: there is no option 'frction'\" '$scratch/log'"
+check "and a file that is no model" sh -c "! '$scratch/press' '$data' </dev/null 2>'$scratch/log' && [ \$(wc -l <'$scratch/log') = 1 ] && grep -q 'tiny.csv' '$scratch/log'"
+
+# ---- Python
+check "a thousand ticks in Python are those in C to the last bit" "$PYTHON" - "$model" "$scratch/way" "$scratch/c" <<'PY'
+import sys
+
+import numpy as np
+import tissue
+model, way, c = sys.argv[1:]
+way = np.loadtxt(way)
+there = np.array([[float.fromhex(x) for x in line.split()] for line in open(c)])
+once = tissue.Simulation(tissue.Model(model), friction=0.3).ticks(way)
+assert once.shape == (1000, 3) and (once == there).all() and np.abs(once).max() > 0.01
+step = tissue.Simulation(tissue.Model(model), friction=0.3)
+assert all((step.tick(p) == f).all() for p, f in zip(way, there))
+PY
+check "arrays of the model and the session are views, and stay when their owner goes" "$PYTHON" - "$model" <<'PY'
+import gc, sys
+
+import numpy as np
+import tissue
+model = tissue.Model(sys.argv[1])
+nodes = model.nodes
+assert not nodes.flags.owndata and not nodes.flags.writeable and np.shares_memory(nodes, model.nodes)
+copy = nodes.copy()
+session = tissue.Simulation(model)
+u = session.displacement_m
+assert np.shares_memory(u, session.displacement_m) and not u.flags.writeable and (u == 0).all()
+session.ticks(np.column_stack([np.full(300, 0.05), np.linspace(0.101, 0.095, 300), np.zeros(300)]))
+assert np.abs(u).max() > 1e-7 and session.contact["mesh"] == 0
+session.reset()
+assert (u == 0).all()
+del model, session
+gc.collect()
+assert (nodes == copy).all() and (u == 0).all()
+PY
+cp "$model" "$scratch/floppy.h5"
+check "many presses at once are the presses one by one, and one without an answer says why" "$PYTHON" - "$model" "$scratch" <<'PY'
+import sys
+
+import h5py
+import numpy as np
+import tissue
+model = tissue.Model(sys.argv[1])
+contacts = np.array([[0.05, 0.1], [0.03, 0.1],[0.0, 0.06]])
+pushes = np.array([[0, -0.004], [0.001, -0.003], [0.002, 0]])
+force, u, why = model.press(contacts, pushes)
+assert force.shape == (3, 2) and u.shape == (3, *model.nodes.shape) and why == ["", "", ""]
+for k in range(3):
+    alone, _, _ = model.press(np.asfortranarray(contacts[k:k + 1]), [list(pushes[k])], threads=1)
+    assert (alone[0] == force[k]).all()
+assert (u[0][model.fixed] == 0).all() and np.linalg.norm(force[0]) > 0.05
+with h5py.File(f"{sys.argv[2]}/floppy.h5", "a") as file:
+    file["law/constants"][...] = 1e-6 * file["law/constants"][:]
+force, u, why = tissue.Model(f"{sys.argv[2]}/floppy.h5").press(contacts[:2], [(0, -0.3), (0, 0)])
+assert why[0] and np.isnan(force[0]).all() and np.isnan(u[0]).all() and why[1] == "" and (u[1] == 0).all(), (why, force)
+PY
+check "it learns from pokes as tissuectl adapt does, and reads what a study left" "$PYTHON" - "$TISSUECTL" "$model" "$scratch" <<'PY'
+import subprocess, sys
+
+import h5py
+import numpy as np
+import tissue
+program, model, scratch = sys.argv[1:]
+pokes = [((0.05, 0.1), (0, -0.005), (0, -0.4)), ((0.0, 0.06), (0.005, 0), (0.3, 0.02)), ((0.1, 0.06), (-0.004, 0), (-0.3, 0.0))]
+with open(f"{scratch}/pokes.csv", "w") as out:
+    out.write("contact_x [m],contact_y [m],displacement_x [m],displacement_y [m],force_x [N],force_y [N]\n")
+    out.writelines(",".join(repr(float(v)) for part in poke for v in part) + "\n" for poke in pokes)
+patient = tissue.Adaptation(model)
+said = [patient.learn(*poke)["status"] for poke in pokes]
+assert said.count("learned") >= 2, said
+patient.write(f"{scratch}/python.h5")
+subprocess.run([program, "adapt", model, "--data", f"{scratch}/pokes.csv", "--out", f"{scratch}/cli.h5"], check=True, capture_output=True)
+with h5py.File(f"{scratch}/python.h5") as a, h5py.File(f"{scratch}/cli.h5") as b:
+    assert (a["adaptation/x"][:] == b["adaptation/x"][:]).all() and (a["law/patch_log"][:] == b["law/patch_log"][:]).all()
+force, sd, status = patient.expect((0.05, 0.1), (0, -0.005))
+assert status == "held" and 0 < sd < 1 and len(patient.next(count=2)) == 2 and patient.learned >= 2
+assert patient.learn((0.05, 0.3), (0, -0.005), (0, -0.4))["status"] == "refused"
+now, _, _ = patient.model().press([(0.05, 0.1)], [(0, -0.005)])
+assert np.allclose(now[0], force, rtol=1e-9)
+study = tissue.read_study(scratch)
+assert study["model"].is_law and study["eval"] is None and len(study["paths"]) >= 24
+path = study["paths"][0]
+assert path["role"] == "train" and path["force_N"].shape[1] == 2 and path["displacement_m"].shape[0] == 0
+PY
+check "what is wrong is tissue.Error in one line" "$PYTHON" - "$model" <<'PY'
+import sys
+
+import numpy as np
+import tissue
+model = tissue.Model(sys.argv[1])
+for wrong in (lambda: tissue.Model("nowhere.h5"), lambda: tissue.Simulation(model, colour="red"), lambda: tissue.Simulation(model, friction="much"),
+              lambda: model.press([[0.05, 0.1]], [[0, 0.1, 0]]), lambda: model.press([[np.nan, 0.1]], [[0, -0.01]]), lambda: tissue.Simulation(model).ticks(np.zeros((3, 2))),
+              lambda: tissue.Adaptation(sys.argv[1], unknowns="all"), lambda: tissue.Adaptation(sys.argv[1]).learn((0, 0, 0), (0, 0), (0, 0)), lambda: tissue.read_cases(sys.argv[1])):
+    try:
+        wrong()
+    except tissue.Error as e:
+        assert str(e) and "\n" not in str(e)
+    else:
+        assert False, wrong
+PY
+check "help() has a sentence for every name" "$PYTHON" -c 'import tissue
+for owner in (tissue, tissue.Model, tissue.Simulation, tissue.Adaptation):
+    for name in vars(owner):
+        if not name.startswith("_"): assert getattr(owner, name).__doc__, (owner, name)'
+check "the example draws" "$PYTHON" "$examples/press.py" "$model" "$scratch/press.png"
+check "a picture" sh -c "[ \$(wc -c <'$scratch/press.png') -gt 20000 ]"
+finish
