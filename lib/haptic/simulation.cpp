@@ -157,6 +157,7 @@ Simulation::Simulation(const HapticModel& model) : model_(model), safety_(model.
         tool_memory_.back() = mesh->law->tool_memory(step_s);
     }
     record_.master_m = record_.proxy_m = record_.contact_displacement_m = record_.coupling_N = record_.measured_N = Point::Zero(model.dimension());
+    no_contact(record_.proxy_m);
     place_surfaces();
 }
 
@@ -178,7 +179,7 @@ void Simulation::rest_meshes() noexcept {
         state.theta_changed = true;
     }
     place_surfaces();
-    contact_ = {};
+    no_contact(Point::Zero(model_.dimension()));
     touched_ = -1;
     armed_ = false;
     untouched_ = 0;
@@ -367,10 +368,14 @@ void Simulation::look_for_contact(const ContactState& from, int left, const Poin
     }
 }
 
+void Simulation::no_contact(const Point& proxy_m) noexcept {
+    contact_ = {};
+    contact_.proxy_m = proxy_m;
+}
+
 /// No contact yet: the proxy is the master's, or while that is inside, the nearest place on the surface.
 void Simulation::wait_for_outside(const Point& master_m) noexcept {
-    contact_ = {};
-    contact_.proxy_m = master_m;
+    no_contact(master_m);
     for (const auto& surface : surfaces_)
         if (surface->contains(master_m)) {
             ++counters_.unarmed;
@@ -465,8 +470,7 @@ void Simulation::remember_contact(const Point& master_m) noexcept {
 /// No force in this tick, whatever slew says, and none until the master has been outside. Meshes go on by themselves.
 Eigen::Vector3d Simulation::stop(bool fault) noexcept {
     record_.fault = fault;
-    contact_ = {};
-    contact_.proxy_m = record_.master_m;
+    no_contact(record_.master_m);
     touched_ = -1;
     armed_ = false;
     if (!model_.is_law()) average_stiffness();

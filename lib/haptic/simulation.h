@@ -150,6 +150,7 @@ class Simulation {
     bool tool_pushes(const Point& master_m) const noexcept;
     void look_for_contact(const ContactState& from, int left, const Point& master_m) noexcept;
     void wait_for_outside(const Point& master_m) noexcept;
+    void no_contact(const Point& proxy_m) noexcept;
     void select_set(const Point& on_tissue_N) noexcept;
     void average_stiffness() noexcept;
     Point step_meshes(const Point& master_m) noexcept;
