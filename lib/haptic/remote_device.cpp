@@ -52,6 +52,7 @@ DeviceSample RemoteDevice::read(double time_s) noexcept {
     const PositionDatagram& in = datagram.position;
     sockaddr_in from{};
     constexpr int most = 64;  // a flood must not hold up the tick
+    constexpr double leads_s = 0.5;
     for (int k = 0; k < most; ++k) {
         socklen_t length = sizeof from;
         const ssize_t size = ::recvfrom(socket_, &datagram, sizeof datagram, MSG_TRUNC, reinterpret_cast<sockaddr*>(&from), &length);
@@ -61,7 +62,11 @@ DeviceSample RemoteDevice::read(double time_s) noexcept {
             ++foreign_;
             continue;
         }
-        const bool same_peer = has_peer_ && from.sin_port == peer_.sin_port;
+        const bool same_peer = has_peer_ && from.sin_port == peer_.sin_port && from.sin_addr.s_addr == peer_.sin_addr.s_addr;
+        if (has_peer_ && !same_peer && time_s - received_s_ < leads_s) {
+            ++others_;
+            continue;
+        }
         const auto ahead = static_cast<std::int32_t>(in.sequence - sequence_);
         if (same_peer && ahead <= 0) {
             ++late_;
@@ -96,7 +101,8 @@ void RemoteDevice::write(const Eigen::Vector3d& force_N) noexcept {
 std::vector<std::pair<std::string, double>> RemoteDevice::ledger() const {
     return {{"received", static_cast<double>(received_)}, {"late", static_cast<double>(late_)},
             {"lost", static_cast<double>(lost_)},         {"foreign", static_cast<double>(foreign_)},
-            {"sent", static_cast<double>(sent_)},         {"ticks_before_first", static_cast<double>(waiting_)}};
+            {"others", static_cast<double>(others_)},     {"sent", static_cast<double>(sent_)},
+            {"ticks_before_first", static_cast<double>(waiting_)}};
 }
 
 }  // namespace tissue

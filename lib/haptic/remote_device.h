@@ -14,8 +14,9 @@ namespace tissue {
 ///   or   72 bytes: "TSP2", the same, and float64 measured_N[3] of a force sensor in the tool
 ///   out, 48 bytes: char magic[4] "TSF1", uint32 sequence of the newest position used, float64 age_s of it,
 ///                  float64 force_N[3], float64 tick
-/// A force goes back in every tick to whoever sent last. Sequence numbers ascend by one from any start; older ones
-/// are `late` and not used, gaps are `lost`, anything else is `foreign`. Its motors are the client's: it lets go of a
+/// A force goes back in every tick to whoever leads: the first to send, until silent for half a second, when its force has long been zero
+/// (SafetyOptions::stale_s); what others send meanwhile is counted as `others` and not used. Sequence numbers ascend by one from any start;
+/// older ones are `late` and not used, gaps are `lost`, anything else is `foreign`. Its motors are the client's: it lets go of a
 /// force when none has come for three quarters of force_held_s, as scripts/remote_device.py does.
 struct PositionDatagram {
     char magic[4];
@@ -53,11 +54,11 @@ class RemoteDevice final : public Device {
    private:
     int socket_ = -1, port_ = 0;
     sockaddr_in peer_{};
-    bool has_peer_ = false;
+    bool has_peer_ = false;  ///< someone has sent
     std::uint32_t sequence_ = 0;
     double received_s_ = 0, time_s_ = 0;   ///< schedule time of the newest position, and now
     Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero(), measured_N_ = DeviceSample().measured_N;
-    long long received_ = 0, late_ = 0, lost_ = 0, foreign_ = 0, sent_ = 0, waiting_ = 0;
+    long long received_ = 0, late_ = 0, lost_ = 0, foreign_ = 0, others_ = 0, sent_ = 0, waiting_ = 0;
 };
 
 }  // namespace tissue

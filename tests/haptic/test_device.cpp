@@ -200,9 +200,14 @@ TEST_CASE("the remote device takes the newest position and counts what is late, 
     const SensorDatagram first{{{'T', 'S', 'P', '1'}, 15, 0, {0.5, 0, 0}, 0}, {1, 1, 1}};
     client.send(&first, sizeof first);  // of the one's magic and the other's size
     CHECK(wait_for([&] { return device.read(0.16).position_m.x() == 0.4 && ledger(device, "foreign") == 4; }));
-    Client second(device.port());  // another client, from another start
+    Client second(device.port());  // another client, from another start, leads when the first has been silent for half a second
     second.send(1, 0.7, 0);
-    CHECK(wait_for([&] { return device.read(0.2).position_m.x() == 0.7; }));
+    CHECK(wait_for([&] { return device.read(0.64).position_m.x() == 0.4 && ledger(device, "others") == 1; }));
+    device.write({4, 0, 0});
+    CHECK(client.receive().force_N[0] == 4);
+    second.send(2, 0.8, 0);
+    CHECK(wait_for([&] { return device.read(0.66).position_m.x() == 0.8; }));
+    CHECK(ledger(device, "others") == 1);
     CHECK(refusal<DeviceError>([&] { RemoteDevice taken(device.port()); }).find(std::to_string(device.port())) != std::string::npos);
 }
 
