@@ -48,6 +48,9 @@ std::vector<hsize_t> to_hsize(const std::vector<std::size_t>& shape) {
 /// Of one dataset. A file may claim any size, but no file of ours comes near.
 constexpr std::size_t most_values = std::size_t{1} << 32;
 
+/// No filter of HDF5 packs tighter; who packed a file of ours anew may read it too.
+constexpr std::size_t tightest_packing = 1100;
+
 /// At most most_values + 1, however long the sides are.
 std::size_t product(const std::vector<std::size_t>& shape) {
     std::size_t values = 1;
@@ -56,19 +59,43 @@ std::size_t product(const std::vector<std::size_t>& shape) {
     return values;
 }
 
-hid_t variable_text() {
+/// Texts of `length` bytes, padded with zeros; of any length where it is H5T_VARIABLE, as files before the checksums have them.
+hid_t text_type(std::size_t length) {
     const hid_t type = H5Tcopy(H5T_C_S1);
-    H5Tset_size(type, H5T_VARIABLE);
+    H5Tset_size(type, length == H5T_VARIABLE ? length : std::max<std::size_t>(length, 1));
     H5Tset_cset(type, H5T_CSET_UTF8);
+    if (length != H5T_VARIABLE) H5Tset_strpad(type, H5T_STR_NULLPAD);
     return type;
 }
 
+/// Of a file that is written or read. Headers and indices of this format have checksums, which those before 1.10 do not.
+hid_t file_access() {
+    const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
+    return access;
+}
+
+/// A text of any length lies in a heap without checksum: ours have the length that they have, in the object's header.
 void write_text_attribute(hid_t object, const std::string& key, const std::string& value,
                           const std::function<void(const char*)>& fail) {
-    const Handle type(variable_text(), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
+    const Handle type(text_type(value.size()), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
     const Handle attribute(H5Acreate2(object, key.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-    const char* text = value.c_str();
-    if (attribute.failed() || H5Awrite(attribute, type, &text) < 0) fail("cannot write an attribute");
+    if (attribute.failed() || H5Awrite(attribute, type, value.c_str()) < 0) fail("cannot write an attribute");
+}
+
+/// How a dataset of this shape is stored: in pieces of at most a mebibyte, whole rows of the first dimension, each with its checksum
+/// (HDF5 has them for pieces alone).
+hid_t checked_storage(const std::vector<std::size_t>& shape, std::size_t bytes_a_value) {
+    constexpr std::size_t piece_bytes = std::size_t{1} << 20;
+    const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_obj_track_times(creation, false);
+    if (product(shape) == 0) return creation;
+    std::vector<hsize_t> piece = to_hsize(shape);
+    const std::size_t row_bytes = product(shape) / shape[0] * bytes_a_value;
+    piece[0] = std::clamp<hsize_t>(piece_bytes / row_bytes, 1, piece[0]);
+    H5Pset_chunk(creation, static_cast<int>(piece.size()), piece.data());
+    H5Pset_fletcher32(creation);
+    return creation;
 }
 
 void write_dataset(hid_t file, const std::string& name, const std::vector<std::size_t>& shape, hid_t memory_type,
@@ -78,8 +105,7 @@ void write_dataset(hid_t file, const std::string& name, const std::vector<std::s
     const Handle space(H5Screate_simple(static_cast<int>(dimensions.size()), dimensions.data(), nullptr), H5Sclose);
     const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
     H5Pset_create_intermediate_group(links, 1);
-    const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-    H5Pset_obj_track_times(creation, false);
+    const Handle creation(checked_storage(shape, H5Tget_size(memory_type)), H5Pclose);
     const Handle dataset(H5Dcreate2(file, name.c_str(), memory_type, space, links, creation, H5P_DEFAULT), H5Dclose);
     if (dataset.failed()) fail("cannot make the dataset");
     if (product(shape) > 0 && H5Dwrite(dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
@@ -103,11 +129,20 @@ bool is_single(hid_t attribute) {
 }
 
 bool read_text(hid_t attribute, std::string& value) {
-    const Handle type(variable_text(), H5Tclose);
-    char* text = nullptr;
-    if (H5Aread(attribute, type, &text) < 0 || !text) return false;
-    value = text;
-    H5free_memory(text);
+    const Handle stored(H5Aget_type(attribute), H5Tclose);
+    if (H5Tget_class(stored) != H5T_STRING) return false;
+    if (H5Tis_variable_str(stored) > 0) {
+        const Handle type(text_type(H5T_VARIABLE), H5Tclose);
+        char* text = nullptr;
+        if (H5Aread(attribute, type, &text) < 0 || !text) return false;
+        value = text;
+        H5free_memory(text);
+        return true;
+    }
+    value.assign(H5Tget_size(stored), '\0');
+    const Handle type(text_type(value.size()), H5Tclose);
+    if (H5Aread(attribute, type, value.data()) < 0) return false;
+    value.resize(value.find_last_not_of('\0') + 1);
     return true;
 }
 
@@ -120,7 +155,7 @@ Hdf5Writer::Hdf5Writer(std::string file, const std::string& kind, const Provenan
     silence();
     const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
     H5Pset_obj_track_times(creation, false);
-    const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    const Handle access(file_access(), H5Pclose);
     H5Pset_file_locking(access, false, true);  // beside_ has the lock
     id_ = H5Fcreate(beside_.temporary().c_str(), H5F_ACC_TRUNC, creation, access);
     if (id_ < 0) throw FileError(file_ + ": cannot write: the folder is missing, full or may not be written to");
@@ -165,10 +200,12 @@ void Hdf5Writer::write_integers(const std::string& name, const std::vector<std::
 
 void Hdf5Writer::write_texts(const std::string& name, const std::vector<std::string>& values,
                              const std::string& description) {
-    const Handle type(variable_text(), H5Tclose);
-    std::vector<const char*> texts;
-    for (const std::string& value : values) texts.push_back(value.c_str());
-    write_dataset(id_, name, {texts.size()}, type, texts.data(), "text", description,
+    std::size_t length = 1;
+    for (const std::string& value : values) length = std::max(length, value.size());
+    std::string texts(values.size() * length, '\0');
+    for (std::size_t i = 0; i < values.size(); ++i) values[i].copy(texts.data() + i * length, length);
+    const Handle type(text_type(length), H5Tclose);
+    write_dataset(id_, name, {values.size()}, type, texts.data(), "text", description,
                   [&](const char* why) { throw FileError(fmt::format("{}: {}: {}", file_, name, why)); });
 }
 
@@ -182,6 +219,7 @@ void Hdf5Writer::begin_rows(const std::string& name, int columns, const std::str
     const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
     H5Pset_obj_track_times(creation, false);
     H5Pset_chunk(creation, rank, chunk);
+    H5Pset_fletcher32(creation);
     const Handle dataset(H5Dcreate2(id_, name.c_str(), units.empty() ? H5T_NATIVE_INT : H5T_NATIVE_DOUBLE, space,
                                     H5P_DEFAULT, creation, H5P_DEFAULT),
                          H5Dclose);
@@ -244,6 +282,7 @@ Hdf5Reader::Hdf5Reader(std::string file, const std::string& kind) : file_(std::m
     silence();
     std::error_code error;
     if (!std::filesystem::is_regular_file(file_, error)) throw FileError(file_ + ": there is no such file");
+    bytes_ = std::filesystem::file_size(file_, error);
     id_ = H5Fopen(file_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
     if (id_ < 0) throw FileError(file_ + ": is not an HDF5 file, or is truncated");
     try {
@@ -275,16 +314,22 @@ bool Hdf5Reader::has(const std::string& name) const {
     return H5Oexists_by_name(id_, name.c_str(), H5P_DEFAULT) > 0;
 }
 
+std::size_t Hdf5Reader::count_of(const std::string& name, long long dataset) const {
+    const Handle type(H5Dget_type(dataset), H5Tclose);
+    const std::size_t count = product(shape_of(dataset));
+    if (count > most_values || count * H5Tget_size(type) > bytes_ * tightest_packing) refuse(name, "claims more values than the file can hold");
+    return count;
+}
+
 Array Hdf5Reader::array(const std::string& name) const {
     const Handle dataset(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
     if (dataset.failed()) refuse(name, "is missing");
     Array array;
     array.shape = shape_of(dataset);
-    if (product(array.shape) > most_values) refuse(name, "claims more values than memory could hold");
-    array.values.resize(product(array.shape));
+    array.values.resize(count_of(name, dataset));
     if (!array.values.empty() &&
         H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, array.values.data()) < 0)
-        refuse(name, "cannot be read as numbers");
+        refuse(name, "cannot be read as numbers: another type, or damaged");
     return array;
 }
 
@@ -310,17 +355,32 @@ std::vector<int> Hdf5Reader::integers(const std::string& name) const {
 }
 
 std::vector<std::string> Hdf5Reader::texts(const std::string& name) const {
-    const Handle dataset(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose), type(variable_text(), H5Tclose);
+    const Handle dataset(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
     if (dataset.failed()) refuse(name, "is missing");
-    const std::size_t count = product(shape_of(dataset));
-    if (count > most_values) refuse(name, "claims more values than memory could hold");
-    std::vector<char*> raw(count, nullptr);
-    if (!raw.empty() && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, raw.data()) < 0)
-        refuse(name, "cannot be read as texts");
+    const Handle stored(H5Dget_type(dataset), H5Tclose);
+    if (H5Tget_class(stored) != H5T_STRING) refuse(name, "cannot be read as texts");
+    const bool any_length = H5Tis_variable_str(stored) > 0;
+    const std::size_t length = any_length ? H5T_VARIABLE : H5Tget_size(stored);
+    const std::size_t count = count_of(name, dataset);
+    const Handle type(text_type(length), H5Tclose);
+    const auto read = [&](void* values) {
+        if (count > 0 && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) refuse(name, "cannot be read as texts: damaged");
+    };
     std::vector<std::string> texts;
-    for (char* text : raw) {
-        texts.emplace_back(text ? text : "");
-        H5free_memory(text);
+    if (any_length) {
+        std::vector<char*> raw(count, nullptr);
+        read(raw.data());
+        for (char* text : raw) {
+            texts.emplace_back(text ? text : "");
+            H5free_memory(text);
+        }
+    } else {
+        std::string raw(count * length, '\0');
+        read(raw.data());
+        for (std::size_t i = 0; i < count; ++i) {
+            texts.push_back(raw.substr(i * length, length));
+            texts.back().resize(texts.back().find_last_not_of('\0') + 1);
+        }
     }
     return texts;
 }

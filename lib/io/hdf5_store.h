@@ -28,7 +28,7 @@ struct Array {
 enum class DatasetKind { numbers, integers, texts };
 
 /// Writes one HDF5 file beside its place; it appears there, whole, at commit(). Every dataset says its units and what
-/// it is. Throws FileError for whatever the disk refuses.
+/// it is, and all that is written has a checksum of HDF5's. Throws FileError for whatever the disk refuses.
 class Hdf5Writer {
    public:
     /// kind: what the file is ("cases", "model", ...), which readers check.
@@ -68,7 +68,8 @@ class Hdf5Writer {
 };
 
 /// Reads one HDF5 file of this project. Throws FileError that names file, dataset and cause: missing, not HDF5 or
-/// truncated, of another kind or program, of a later format version, of an unexpected shape.
+/// truncated, of another kind or program, of a later format version, of an unexpected shape; a checksum that does not fit; more values than
+/// a file of its size can hold, before memory is asked for.
 class Hdf5Reader {
    public:
     /// kind: as written; "" takes any (tissuectl info).
@@ -105,7 +106,10 @@ class Hdf5Reader {
     [[noreturn]] void refuse(const std::string& place, const std::string& why) const;
 
    private:
+    std::size_t count_of(const std::string& name, long long dataset) const;
+
     std::string file_;
+    std::size_t bytes_ = 0;  ///< of the file
     long long id_ = -1;
 };
 

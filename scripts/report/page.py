@@ -219,8 +219,9 @@ def provenance(folder, e):
     rows = [("Made by", f"make all STUDY={e['study']}"), ("Version", f"tissuectl {e['version']}"), ("Seed", e["seed"])]
     for name, word in (("cases.h5", "Cases"), ("model.h5", "Training")):
         with h5py.File(folder / name) as file:
-            rows.append((word, file.attrs["command"]))
-            rows += [(f"Input of {word.lower()}", f"{key[6:]} (XXH3 {value})") for key, value in file.attrs.items()
+            says = {key: value.decode() if isinstance(value, bytes) else value for key, value in file.attrs.items()}
+            rows.append((word, says["command"]))
+            rows += [(f"Input of {word.lower()}", f"{key[6:]} (XXH3 {value})") for key, value in says.items()
                      if key.startswith("input:") and not key.endswith(".csv")]
     return rows
 

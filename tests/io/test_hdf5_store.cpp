@@ -5,7 +5,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <limits>
+#include <random>
 
 #include "error.h"
 #include "../example.h"
@@ -45,6 +47,23 @@ std::string example_file(const TemporaryFolder& folder, const std::string& kind 
     out.write_integers("/group/counts", {2, 2}, {1, -2, 3, 2147483647}, "counts");
     out.commit();
     return file;
+}
+
+/// All that a file of this project says, for comparison; FileError where it is refused.
+std::string everything(const std::string& file) {
+    const Hdf5Reader in(file, "");
+    std::string all = in.text_attribute("/", "command") + in.text_attribute("/", "kind") + in.text_attribute("/", "input:in.csv") +
+                      std::to_string(in.number_attribute("/", "seed")) + std::to_string(in.number_attribute("/", "format_version"));
+    for (const std::string& line : in.describe()) all += line + '\n';
+    for (const std::string& name : in.datasets()) {
+        if (in.kind(name) == DatasetKind::texts) {
+            for (const std::string& text : in.texts(name)) all += text + '\n';
+            continue;
+        }
+        const Array a = in.array(name);
+        all.append(reinterpret_cast<const char*>(a.values.data()), a.values.size() * sizeof(double));
+    }
+    return all;
 }
 
 /// Overwrites a number of the root, as a later program would have written it.
@@ -204,6 +223,69 @@ TEST_CASE("a file cut off anywhere is refused as truncated") {
     }
     const std::string file = folder.file("cut.h5", whole.substr(0, whole.size() - 1));
     CHECK_THROWS_AS(Hdf5Reader(file, "cases"), FileError);
+}
+
+TEST_CASE("a bit flipped anywhere in a file is found out, or changes nothing that is read") {
+    const TemporaryFolder folder;
+    const std::string file = example_file(folder), flipped = folder.file("flipped.h5"), whole = read_file(file), wanted = everything(file);
+    int found = 0, harmless = 0;
+    std::mt19937 draw(1);
+    for (std::size_t byte = draw() % 3; byte < whole.size(); byte += 1 + draw() % 3) {
+        std::string bytes = whole;
+        bytes[byte] = static_cast<char>(bytes[byte] ^ (1 << draw() % 8));
+        std::ofstream(flipped, std::ios::binary) << bytes;
+        INFO("byte " << byte);
+        try {
+            REQUIRE(everything(flipped) == wanted);
+            ++harmless;  // of what lies unused between the pieces
+        } catch (const FileError&) {
+            ++found;
+        }
+    }
+    CAPTURE(found, harmless);
+    CHECK(found > 300);
+}
+
+TEST_CASE("a dataset that claims more than its file can hold is refused before memory is asked for") {
+    const TemporaryFolder folder;
+    const std::string file = example_file(folder);
+    const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    const hsize_t many = hsize_t{1} << 31;
+    const hid_t space = H5Screate_simple(1, &many, nullptr), creation = H5Pcreate(H5P_DATASET_CREATE), text = H5Tcopy(H5T_C_S1);
+    const hsize_t piece = 1024;
+    H5Pset_chunk(creation, 1, &piece);
+    H5Tset_size(text, 16);
+    H5Dclose(H5Dcreate2(id, "/claims", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, creation, H5P_DEFAULT));
+    H5Dclose(H5Dcreate2(id, "/says", text, space, H5P_DEFAULT, creation, H5P_DEFAULT));
+    H5Tclose(text);
+    H5Pclose(creation);
+    H5Sclose(space);
+    H5Fclose(id);
+    const Hdf5Reader in(file, "");
+    CHECK_THAT(refusal<FileError>([&] { in.array("/claims"); }), Contains("/claims: claims more values than the file can hold"));
+    CHECK_THAT(refusal<FileError>([&] { in.texts("/says"); }), Contains("/says: claims more values than the file can hold"));
+}
+
+TEST_CASE("texts of any length, as files before the checksums have them, are read") {
+    const TemporaryFolder folder;
+    const std::string file = example_file(folder);
+    const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), type = H5Tcopy(H5T_C_S1);
+    H5Tset_size(type, H5T_VARIABLE);
+    const hsize_t two = 2;
+    const char* texts[2] = {"left", "a longer one"};
+    const hid_t space = H5Screate_simple(1, &two, nullptr), single = H5Screate(H5S_SCALAR);
+    const hid_t dataset = H5Dcreate2(id, "/old", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, texts);
+    const hid_t attribute = H5Acreate2(dataset, "units", type, single, H5P_DEFAULT, H5P_DEFAULT);
+    H5Awrite(attribute, type, &texts[1]);
+    for (const hid_t space_of : {space, single}) H5Sclose(space_of);
+    H5Aclose(attribute);
+    H5Dclose(dataset);
+    H5Tclose(type);
+    H5Fclose(id);
+    const Hdf5Reader in(file, "");
+    CHECK(in.texts("/old") == std::vector<std::string>{"left", "a longer one"});
+    CHECK(in.text_attribute("/old", "units") == "a longer one");
 }
 
 TEST_CASE("a file of a later format version, or of another kind, is refused") {

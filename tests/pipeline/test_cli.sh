@@ -109,7 +109,7 @@ sys.exit(0 if len(sets) == 8 and all({'set', 'loss_N', 'status'} <= s.keys() for
 there train --study "$scratch/elsewhere/tiny.toml" --cases "$scratch/elsewhere/cases.h5" --out "$scratch/elsewhere/b.h5"
 check "no absolute path stands in what it writes" sh -c '! grep -q "$1" "$2"' - "$scratch" "$scratch/elsewhere/b.h5"
 check "the model says its command and the hash of its cases" compare \
-    "b.attrs['command'].startswith('tissuectl train --study tiny.toml') and len(b.attrs['input:cases.h5']) == 32"
+    "b.attrs['command'].startswith(b'tissuectl train --study tiny.toml') and len(b.attrs['input:cases.h5']) == 32"
 there eval --study tiny.toml --model b.h5 --cases cases.h5 --out eval.json
 check "every dataset has units and a description" "$PYTHON" -c "
 import h5py, sys

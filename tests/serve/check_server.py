@@ -206,7 +206,7 @@ def ending():
         check(f"{sign.name}: bye, then 1001, exit 0", bye is not None and end and end[0] == 1001 and status == 0, bye, end, status, err)
         ledger = json.loads(out)
         with h5py.File(record) as f:
-            check(f"{sign.name}: the recording is whole, and its last tick is the ledger's", f.attrs["kind"] == "recording"
+            check(f"{sign.name}: the recording is whole, and its last tick is the ledger's", f.attrs["kind"] == b"recording"
                   and len(f["time"]) + f.attrs["dropped_samples"] == ledger["ticks"] > 10 and ledger["device"] == "pointer", ledger["ticks"])
     status, _, _ = Server(program, model, "--seconds", "0.5").wait()
     check("--seconds ends it by itself", status == 0, status)
@@ -245,7 +245,7 @@ def token():
           and refusal(port, headers=f"Cookie: {cookie[1]}\r\n") == 101 and refusal(port, path=f"/ws?token={secret}") == 101)
     status, _, _ = server.end()
     with h5py.File(record) as f:
-        check("the recording does not hold the token", status == 0 and secret not in f.attrs["command"], f.attrs["command"])
+        check("the recording does not hold the token", status == 0 and secret.encode() not in f.attrs["command"], f.attrs["command"])
 
 
 command_line()
