@@ -151,7 +151,7 @@ comma := ,
 
 LIB_SOURCES := $(call files,lib/*/*.cpp)
 # what both programs use: arguments, help, options of the realtime core, its ledger
-SHARED_SOURCES := cli/command.cpp cli/generate.cpp cli/haptic_options.cpp cli/haptic_report.cpp
+SHARED_SOURCES := cli/command.cpp cli/generate.cpp cli/haptic_options.cpp cli/haptic_report.cpp cli/journal.cpp
 HAPTIC_SOURCES := cli/tissue_haptic.cpp $(SHARED_SOURCES)
 # the page's server: what knows Boost is one folder, so that tests can do without it
 SERVE_SOURCES := $(call files,cli/serve/*.cpp)

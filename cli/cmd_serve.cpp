@@ -8,6 +8,7 @@
 #include "haptic_options.h"
 #include "haptic_report.h"
 #include "io/atomic_file.h"
+#include "journal.h"
 #include "serve/access.h"
 #include "serve/network/server.h"
 
@@ -16,7 +17,7 @@ namespace {
 
 struct Options {
     std::vector<std::string> models;
-    std::string record, hidden, learn;
+    std::string record, hidden, learn, journal;
     bool json = false;
     HapticChoices choices;
     serve::ServerOptions server;
@@ -24,8 +25,13 @@ struct Options {
 
 void run(const Options& o, Provenance provenance) {
     std::unique_ptr<Recorder> recorder;  // outlives the tick that pushes into it
+    std::unique_ptr<Journal> journal;    // and the learner that writes into it
     serve::Stage stage(o.models, {o.choices.haptic, !o.choices.no_realtime, o.hidden});
     if (!o.learn.empty()) const Hdf5Writer can_be_written(o.learn, "model", provenance);  // or a session would be lost at its end
+    if (!o.journal.empty()) {
+        journal = std::make_unique<Journal>(o.journal, stage.model().dimension());
+        stage.lesson()->also_tell([&journal](const Learner::Line& line) { journal->add(line); });
+    }
     serve::Server server(stage, o.server);
     for (const std::string& warning : stage.warnings()) std::cerr << "tissuectl serve: warning: " << warning << '\n';
     if (!o.record.empty()) {
@@ -90,6 +96,7 @@ void add_serve(CLI::App& app, const Invocation& invocation) {
     CLI::Option* hidden = command->add_option("--hidden", o->hidden, "model.h5 of another tissue: the tool touches it too, unseen, and the model, a law, "
                                                                     "learns from its force whenever the hand holds still")->type_name("FILE");
     command->add_option("--learn", o->learn, "model.h5 to write at the end, as it has learned to be")->type_name("FILE")->needs(hidden);
+    command->add_option("--journal", o->journal, "pokes learned from, CSV, as they come: tissuectl adapt --place_error 1 makes the same model of it")->type_name("FILE")->needs(hidden);
     add_haptic_options(*command, o->choices);
     command->callback([o, &invocation] {
         check(*o);

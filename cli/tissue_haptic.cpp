@@ -15,7 +15,6 @@
 #include <cmath>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 
@@ -32,6 +31,7 @@
 #include "eval/truth_in_motion.h"
 #include "haptic_options.h"
 #include "haptic_report.h"
+#include "journal.h"
 #include "io/atomic_file.h"
 #include "version.h"
 
@@ -102,38 +102,10 @@ void check(const Options& o, const TissueModel& tissue, const HapticModel& model
     write_file(o.out, cli::realtime_json(model, presses, jumps));
 }
 
-/// What a session learned, line by line: for people, and as a CSV that `tissuectl adapt` learns the same from.
-class Journal {
-   public:
-    Journal(const std::string& file, int D) {
-        if (file.empty()) return;
-        out_.open(file, std::ios::trunc);
-        for (const char* what : {"contact", "displacement", "force"})
-            for (int d = 0; d < D; ++d) out_ << fmt::format("{}{}_{} [{}]", d == 0 && what[0] == 'c' ? "" : ",", what, "xyz"[d], what[0] == 'f' ? "N" : "m");
-        out_ << std::endl;
-        if (!out_) throw FileError(file + ": cannot be written");
-    }
-    void add(const Learner::Line& line) {
-        const PokeAnswer& a = line.answer;
-        std::cerr << fmt::format("tissue-haptic {:.1f} s: {}{}\n", line.time_s, to_string(a.status),
-                                 a.status == PokeStatus::learned ? fmt::format(", felt {:.3g} N, expected {:.3g} N +- {:.2g} %", line.poke.force_N.norm(), a.expected_N.norm(), 100 * a.expected_sd)
-                                                                 : ": " + a.why);
-        if (!a.warning.empty()) std::cerr << "tissue-haptic: " << a.warning << '\n';
-        if (!out_.is_open()) return;
-        std::string row;
-        for (const Point& p : {line.poke.contact_m, line.poke.push_m, line.poke.force_N})
-            for (double v : p) row += fmt::format("{}{}", row.empty() ? "" : ",", v);  // reads back to the same bits
-        out_ << row << std::endl;
-    }
-
-   private:
-    std::ofstream out_;
-};
-
 /// The session's hidden truth, its learner and what they write.
 struct Learning {
     std::unique_ptr<Adaptation> adaptation;
-    std::unique_ptr<Journal> journal;
+    std::unique_ptr<cli::Journal> journal;
     std::unique_ptr<Learner> learner;
 };
 
@@ -168,9 +140,14 @@ void run(const Options& o, Provenance provenance) {
     loop.realtime = !o.choices.no_realtime;
     if (recorder) loop.hooks.push_back(recorder.get());
     if (learning.adaptation) {
-        learning.journal = std::make_unique<Journal>(o.journal, model.dimension());
+        learning.journal = std::make_unique<cli::Journal>(o.journal, model.dimension());
         learning.learner = std::make_unique<Learner>(model, *learning.adaptation);
-        learning.learner->on_line([](const Learner::Line& line, const Adaptation&, void* with) { static_cast<Journal*>(with)->add(line); }, learning.journal.get());
+        learning.learner->on_line(
+            [](const Learner::Line& line, const Adaptation&, void* with) {
+                std::cerr << cli::told("tissue-haptic", line);
+                static_cast<cli::Journal*>(with)->add(line);
+            },
+            learning.journal.get());
         loop.hooks.push_back(learning.learner.get());
     }
     const LoopReport report = run_loop(simulation, *device, loop);

@@ -34,8 +34,11 @@ void Lesson::hear(const Learner::Line* line) {
         const std::vector<PokeWorth> worth = rank_pokes(*adaptation_, pushes, pushes);
         if (!worth.empty()) news.next = pushes[worth.front().push];
     }
-    const std::lock_guard<std::mutex> lock(mutex_);
-    news_ = std::move(news);
+    {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        news_ = std::move(news);
+    }
+    if (line && tell_) tell_(*line);
 }
 
 std::optional<Lesson::News> Lesson::news() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -33,6 +34,9 @@ class Lesson {
     /// Takes the learner's lines; before the ticks begin.
     void listen(Learner& learner);
 
+    /// Called in the learner's thread with every line, after what the news is made of it. Set before the session.
+    void also_tell(std::function<void(const Learner::Line&)> tell) { tell_ = std::move(tell); }
+
     /// The newest that was not asked for yet. Another thread's than the learner's.
     std::optional<News> news();
 
@@ -41,6 +45,7 @@ class Lesson {
 
     TissueModel hidden_;
     std::unique_ptr<Adaptation> adaptation_;
+    std::function<void(const Learner::Line&)> tell_;
     std::mutex mutex_;
     std::optional<News> news_;
 };

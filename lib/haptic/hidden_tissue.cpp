@@ -16,7 +16,9 @@ HiddenTissue::HiddenTissue(std::unique_ptr<Device> hand, const TissueModel& trut
 
 DeviceSample HiddenTissue::read(double time_s) noexcept {
     DeviceSample sample = hand_->read(time_s);
-    simulation_.tick(sample);
+    // after missed ticks the hand has come farther: that is no jump
+    simulation_.tick(sample, last_s_ < time_s ? time_s - last_s_ : 0);
+    last_s_ = time_s;
     const TickRecord& tick = simulation_.record();
     sample.measured_N = model_.options.map.axes.transpose() * (tick.mesh >= 0 ? Point(-tick.coupling_N) : Point(Point::Zero(model_.dimension())));
     return sample;

@@ -92,7 +92,8 @@ void run(Simulation& simulation, Device& given, const LoopOptions& options, Loop
 
         // woken late: this is the tick of the period that is now, and says how long ago the last one was
         const long long began = now_ns(CLOCK_MONOTONIC), cpu_began = now_ns(CLOCK_THREAD_CPUTIME_ID);
-        const long long late = (began - due) / dt_ns;
+        const auto of_session = [&](long long periods, long long next) { return last_slot < 0 ? periods : std::min(periods, last_slot - next); };
+        const long long late = of_session((began - due) / dt_ns, slot);
         slot += late;
         report.misses += late;
         if (last_slot >= 0 && slot >= last_slot) break;
@@ -118,7 +119,7 @@ void run(Simulation& simulation, Device& given, const LoopOptions& options, Loop
             report.lateness_us.add(books.lateness_us);
             before = slot;
         }
-        const long long over = (ended - due) / dt_ns - late;
+        const long long over = of_session((ended - due) / dt_ns - late, slot + 1);
         if (over > 0) {
             report.misses += over;
             report.misses_program += std::min(over, (now_ns(CLOCK_THREAD_CPUTIME_ID) - cpu_began) / dt_ns);

@@ -21,7 +21,7 @@ struct LoopOptions {
 
 struct LoopReport {
     long long ticks = 0;
-    long long misses = 0;          ///< periods that ended before their tick was done
+    long long misses = 0;          ///< periods of the session that ended before their tick was done: with the ticks, all that were asked for
     long long misses_program = 0;  ///< those in which the tick itself used a whole period of processor time
     Histogram tick_us;             ///< device read to device write
     Histogram lateness_us;         ///< start of a tick after its place on the schedule

@@ -3,39 +3,9 @@
 . "$(dirname "$0")/common"
 TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}")
 make_copy
-data=$work/fem/data/tiny.csv
-model=$scratch/model.h5
-pokes=$scratch/pokes.csv
-
-# A tissue of 50 N/m along the normal and 30 N/m across it, all round; a patient of half as much again on its left half.
-"$PYTHON" - "$data" "$pokes" <<'PY'
-import sys
-header = "contact_x [mm],contact_y [mm],displacement_x [mm],displacement_y [mm],force_x [mN],force_y [mN]"
-def rows(factor, shift):
-    for i in range(24):
-        x, y, n = [(100, 20 + 10 * i + shift, (-1, 0)), (100 - 10 * (i - 8) - shift, 100, (0, -1)), (0, 100 - 10 * (i - 16) - shift, (1, 0))][i // 8]
-        for across in (-2, 2):
-            u = [5 * n[0] - across * n[1], 5 * n[1] + across * n[0]]
-            f = [factor(x) * (250 * n[0] - 30 * across * n[1]), factor(x) * (250 * n[1] + 30 * across * n[0])]
-            yield f"{x},{y},{u[0]},{u[1]},{f[0]:.3f},{f[1]:.3f}"
-open(sys.argv[1], "w").write("\n".join([header, *rows(lambda x: 1, 0)]) + "\n")
-patient = list(rows(lambda x: 1.5 if x < 50 else 1, 3))
-open(sys.argv[2], "w").write("\n".join([header, *(patient[(7 * i) % len(patient)] for i in range(len(patient)))]) + "\n")
-PY
-sed -e 's/^cells = .*/cells = [6, 6]/' -e 's/block_measured/tiny/' -e 's/^thickness_m = .*/thickness_m = 0.005/' -e 's/^starts = .*/starts = 1/' \
-    "$root/fem/studies/measured.toml" >"$work/fem/studies/tiny.toml"
-(cd "$work" && "$TISSUECTL" import "$data" --study fem/studies/tiny.toml --out "$scratch/cases.h5" &&
-    "$TISSUECTL" train --study fem/studies/tiny.toml --cases "$scratch/cases.h5" --out "$model") >"$scratch/log" 2>&1 || cat "$scratch/log"
+poked_tissue
 
 adapt() { "$TISSUECTL" adapt "$@" >"$scratch/out" 2>"$scratch/log"; }
-same_learned() { # FILE FILE: every dataset that plays or learns
-    "$PYTHON" -c 'import h5py, sys
-a, b = (h5py.File(f) for f in sys.argv[1:])
-names = []
-a.visititems(lambda n, o: names.append(n) if isinstance(o, h5py.Dataset) else None)
-for n in names:
-    assert a[n].shape == b[n].shape and (a[n][()] == b[n][()]).all(), n' "$1" "$2"
-}
 
 # ---- a file
 check "a file of pokes is learned from" adapt "$model" --data "$pokes" --held-out "$pokes" --next 2 --json --out "$scratch/whole.h5"

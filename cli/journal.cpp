@@ -1,0 +1,35 @@
+#include "journal.h"
+
+#include <fmt/format.h>
+
+#include "error.h"
+
+namespace tissue::cli {
+
+Journal::Journal(const std::string& file, int dimension) {
+    if (file.empty()) return;
+    out_.open(file, std::ios::trunc);
+    for (const char* what : {"contact", "displacement", "force"})
+        for (int d = 0; d < dimension; ++d) out_ << fmt::format("{}{}_{} [{}]", d == 0 && what[0] == 'c' ? "" : ",", what, "xyz"[d], what[0] == 'f' ? "N" : "m");
+    out_ << std::endl;
+    if (!out_) throw FileError(file + ": cannot be written");
+}
+
+void Journal::add(const Learner::Line& line) {
+    if (!out_.is_open()) return;
+    std::string row;
+    for (const Point& p : {line.poke.contact_m, line.poke.push_m, line.poke.force_N})
+        for (double v : p) row += fmt::format("{}{}", row.empty() ? "" : ",", v);  // reads back to the same bits
+    out_ << row << std::endl;
+}
+
+std::string told(const std::string& program, const Learner::Line& line) {
+    const PokeAnswer& a = line.answer;
+    std::string text = fmt::format("{} {:.1f} s: {}{}\n", program, line.time_s, to_string(a.status),
+                                   a.status == PokeStatus::learned ? fmt::format(", felt {:.3g} N, expected {:.3g} N +- {:.2g} %", line.poke.force_N.norm(), a.expected_N.norm(), 100 * a.expected_sd)
+                                                                   : ": " + a.why);
+    if (!a.warning.empty()) text += program + ": " + a.warning + '\n';
+    return text;
+}
+
+}  // namespace tissue::cli

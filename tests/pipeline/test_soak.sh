@@ -1,0 +1,56 @@
+#!/bin/sh
+# scripts/soak for half a minute, on a small solid: two sessions that learn at 1 kHz, with a page open and a hostile client beside them, hold what it judges.
+. "$(dirname "$0")/common"
+TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}")
+export TISSUECTL TISSUE_HAPTIC
+make_copy
+solid_study >"$work/fem/studies/solid.toml"
+run make PYTHON="$PYTHON" STUDY=solid train -j2
+check "a solid is trained to begin with" exited 0
+"$PYTHON" -B "$root/scripts/soak" --minutes 0.4 --model "$work/results/solid/model.h5" --out "$scratch/soak.json" --keep "$scratch/kept" >"$scratch/log" 2>&1
+status=$?
+check "the file says that all held" "$PYTHON" -c 'import json, sys
+report = json.load(open(sys.argv[1]))
+assert report["held"] and report["haptic"]["ticks"]["asked"] == 24000 and sys.argv[2] == "0", (report["broken"], open(sys.argv[3]).read())' "$scratch/soak.json" "$status" "$scratch/log"
+
+# the judges themselves, on a recording and a ledger with one thing wrong at a time
+cat >"$scratch/wrong.py" <<'PY'
+import importlib.machinery, importlib.util, json, shutil, sys, types
+import h5py
+loader = importlib.machinery.SourceFileLoader("soak", sys.argv[1])
+soak = importlib.util.module_from_spec(importlib.util.spec_from_loader("soak", loader))
+loader.exec_module(soak)
+folder, what = sys.argv[2], sys.argv[3]
+shutil.copy(folder + "/haptic.h5", folder + "/wrong.h5")
+ledger = json.load(open(folder + "/haptic.json"))
+with h5py.File(folder + "/wrong.h5", "r+") as f:
+    if what == "a tick later":
+        time = f["time"][:]
+        time[5000:] += 1e-3
+        f["time"][...] = time
+    elif what == "a force in the dark":
+        force = f["device_force"][:]
+        force[(abs(force).sum(1) > 0).argmax() + 50] *= 1.5
+        f["device_force"][...] = force
+    elif what == "a tick that nobody counted":
+        ledger["ticks"] -= 1
+    elif what == "energy from nowhere":
+        ledger["energy_given_J"] += 1e-6
+    elif what == "branches that burn more than there was":
+        ledger["details"]["branches"]["burnt_J"] *= 1e3
+session = {"ledger": ledger, "record": folder + "/wrong.h5", "watch": types.SimpleNamespace(policy=None, waited_s=0)}
+ticks, recording = soak.judge_ticks(session, 24000)
+judged = {"ticks": ticks, "recording": recording, **soak.judge_energy(session)}
+print(*(name for name, promise in judged.items() if not promise["held"]))
+PY
+broken() { # WHAT PROMISE: that alone, or more with it, does not hold
+    "$PYTHON" -B "$scratch/wrong.py" "$root/scripts/soak" "$scratch/kept" "$1" >"$said" 2>&1
+    grep -q -w -- "$2" "$said" || { cat "$said"; return 1; }
+}
+check "nothing wrong: all that is judged holds" sh -c '[ -z "$("$1" -B "$2" "$3" "$4" nothing)" ]' - "$PYTHON" "$scratch/wrong.py" "$root/scripts/soak" "$scratch/kept"
+check "a miss that the ledger does not have is noticed" broken "a tick later" ticks
+check "a tick that is not in the ledger is noticed" broken "a tick that nobody counted" recording
+check "a force that is not the ledger's is noticed" broken "a force in the dark" energy_at_the_port
+check "energy that no motion gave is noticed" broken "energy from nowhere" energy_at_the_port
+check "branches that burn more than the tool's work are noticed" broken "branches that burn more than there was" energy_of_the_branches
+finish
