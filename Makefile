@@ -164,7 +164,7 @@ HAPTIC_SOURCES := cli/tissue_haptic.cpp $(SHARED_SOURCES)
 # the page's server: what knows Boost is one folder, so that tests can do without it
 SERVE_SOURCES := $(call files,cli/serve/*.cpp)
 CLI_SOURCES := $(filter-out cli/tissue_haptic.cpp,$(call files,cli/*.cpp)) $(SERVE_SOURCES) $(call files,cli/serve/network/*.cpp)
-TEST_SOURCES := $(filter-out tests/bench/%,$(call files,tests/*.cpp tests/*/*.cpp))
+TEST_SOURCES := $(filter-out tests/bench/% tests/fuzz/fuzz_server.cpp,$(call files,tests/*.cpp tests/*/*.cpp))
 BENCH_SOURCES := $(call files,tests/bench/bench_*.cpp)
 objects = $(patsubst %.cpp,$(BUILD)/%.o,$(1))
 
@@ -223,7 +223,8 @@ $(BUILD)/test_tissue: $(call objects,$(TEST_SOURCES) $(SERVE_SOURCES)) $(BUILD)/
 
 # A target links what it calls of all that targets call.
 FUZZ_READERS := $(patsubst tests/fuzz/fuzz_%.cpp,%,$(call files,tests/fuzz/fuzz_*.cpp))
-$(BUILD)/libfuzzed.a: $(call objects,tests/fuzz/edited_store.cpp tests/solid_law_example.cpp tests/haptic/haptic_example.cpp $(SERVE_SOURCES))
+$(BUILD)/libfuzzed.a: $(call objects,tests/fuzz/edited_store.cpp tests/solid_law_example.cpp tests/haptic/haptic_example.cpp \
+  $(SERVE_SOURCES) $(call files,cli/serve/network/*.cpp))
 	@$(call alone,$@.lock) && rm -f $@.tmp && ar rcs $@.tmp $^ && mv $@.tmp $@
 
 $(FUZZ_READERS:%=build/fuzz/fuzz_%): build/fuzz/%: build/fuzz/tests/fuzz/%.o $(BUILD)/libfuzzed.a $(BUILD)/libtissue.a
@@ -250,7 +251,7 @@ $(BUILD)/cli/serve/page.o: export CCACHE_DISABLE := 1
 $(THREE): | build/deps
 	@[ -r $@ ] || { echo "make: there is no $@, of Debian's package libjs-three: the page cannot be built" >&2; exit 1; }
 
--include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) lib/api/python/tissue_module.cpp $(CLI_SOURCES) $(HAPTIC_SOURCES) $(TEST_SOURCES) $(BENCH_SOURCES) scripts/gains_probe.cpp scripts/adapt_probe.cpp))
+-include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) lib/api/python/tissue_module.cpp $(CLI_SOURCES) $(HAPTIC_SOURCES) $(TEST_SOURCES) tests/fuzz/fuzz_server.cpp $(BENCH_SOURCES) scripts/gains_probe.cpp scripts/adapt_probe.cpp))
 
 # ---- stages: one rule per kind of file
 

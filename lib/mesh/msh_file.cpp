@@ -128,6 +128,7 @@ MshFile read_msh(const std::string& file, bool in_space) {
                     long tag = 0;
                     if (!(words >> tag)) in.refuse("is not an element");
                     if (t == 0) e.physical = static_cast<int>(tag);
+                    if (t == 0 && e.physical != tag) in.refuse(fmt::format("element {} is in a physical group {}, beyond any", number, tag));
                 }
                 for (int i = 0; i < (kind == 4 ? 4 : kind + 1); ++i) {
                     long node = 0;
