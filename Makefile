@@ -9,7 +9,8 @@
 # DESTDIR=PATH   put before PREFIX, for packagers
 # BENCH_OPTIONS=--quick  `make bench` without the whole study from clean and training in space, its longest parts
 # -jN            that many jobs at a time (default: as many as there are cores)
-# SANITIZE=1     build with address and undefined-behaviour sanitizers, in a folder of its own; SANITIZE=thread: with the one for races
+# SANITIZE=1     build with address and undefined-behaviour sanitizers, in a folder of its own; SANITIZE=thread: with the one for races;
+#                SANITIZE=fuzz: with clang, those of 1 and what `make fuzz` needs
 
 # ---- names: make and the shell take others apart, or run them
 
@@ -44,7 +45,7 @@ endif
 RUN ?=
 PYTHON ?= /usr/bin/python3
 PREFIX ?= /usr/local
-BUILD := build/$(if $(SANITIZE),$(if $(filter thread,$(SANITIZE)),tsan,sanitize),release)
+BUILD := build/$(if $(SANITIZE),$(or $(patsubst thread,tsan,$(filter thread fuzz,$(SANITIZE))),sanitize),release)
 TISSUECTL := $(BUILD)/tissuectl
 TISSUE_HAPTIC := $(BUILD)/tissue-haptic
 PYTHON_MODULE := $(BUILD)/python/tissue.so
@@ -75,7 +76,7 @@ FORCE:
 
 # ---- front door
 
-.PHONY: felupe realtime ablation all mesh cases train eval figures report reference regress regress-proof trust gains patient patient3 peers test sanitize tsan bench benches doors deps help clean build install uninstall doctor
+.PHONY: felupe realtime ablation all mesh cases train eval figures report reference regress regress-proof trust gains patient patient3 peers test sanitize tsan fuzz bench benches doors deps help clean build install uninstall doctor
 
 ## all: the whole study, from mesh to report
 all: figures eval report
@@ -130,12 +131,16 @@ clean:
 	find results -mindepth 1 -maxdepth 1 -type d ! -name reference -exec rm -rf {} +
 
 build/deps-test: ALSO = test
-build/deps build/deps-test: scripts/install_deps
+build/deps-fuzz: ALSO = fuzz
+build/deps build/deps-test build/deps-fuzz: scripts/install_deps
 	@mkdir -p build && $(call alone,build/deps.lock) && scripts/install_deps $(ALSO) && touch $@
 
 # ---- programs
 
 CXX := g++
+ifeq (fuzz,$(SANITIZE))
+override CXX := $(CXX:g++=clang++)
+endif
 PACKAGES := hdf5 gsl fmt nlopt libxxhash lapacke openblas
 # no assertion ends a program that has a device open: what must hold is checked before the tick, by exceptions. Eigen's
 # macro is also for who compiles against the library (scripts/install): functions of its headers are built in both, and
@@ -145,18 +150,21 @@ ASSERTIONS = $(if $(SANITIZE),-DEIGEN_RUNTIME_NO_MALLOC -D_GLIBCXX_ASSERTIONS,-D
 # its own <regex>
 CXXFLAGS = -std=c++17 -O3 -g1 -pthread -fPIC -fvisibility=hidden -Wall -Wextra -Wpedantic -Wshadow -Werror -Wno-stringop-overflow $(ASSERTIONS) -MMD -MP \
   -Ilib -isystem /usr/include/eigen3 $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(PACKAGES))) \
-  $(if $(SANITIZE),-O1 -Wno-maybe-uninitialized -fsanitize=$(if $(filter thread,$(SANITIZE)),thread,address$(comma)undefined) -fno-sanitize-recover=all)
+  $(if $(SANITIZE),-O1 $(or $(FLAGS_$(SANITIZE)),-Wno-maybe-uninitialized -fsanitize=address$(comma)undefined) -fno-sanitize-recover=all)
+FLAGS_thread := -Wno-maybe-uninitialized -fsanitize=thread
+# g++ is the one that warns
+FLAGS_fuzz := -w -DTISSUE_FUZZ -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow
 LDLIBS = $(shell pkg-config --libs $(PACKAGES)) -pthread
 comma := ,
 
-LIB_SOURCES := $(call files,lib/*/*.cpp)
+LIB_SOURCES := $(filter-out $(if $(filter fuzz,$(SANITIZE)),$(addprefix lib/,eval/% export/% api/%)),$(call files,lib/*/*.cpp))
 # what both programs use: arguments, help, options of the realtime core, its ledger
 SHARED_SOURCES := cli/command.cpp cli/generate.cpp cli/haptic_options.cpp cli/haptic_report.cpp cli/journal.cpp
 HAPTIC_SOURCES := cli/tissue_haptic.cpp $(SHARED_SOURCES)
 # the page's server: what knows Boost is one folder, so that tests can do without it
 SERVE_SOURCES := $(call files,cli/serve/*.cpp)
 CLI_SOURCES := $(filter-out cli/tissue_haptic.cpp,$(call files,cli/*.cpp)) $(SERVE_SOURCES) $(call files,cli/serve/network/*.cpp)
-TEST_SOURCES := $(filter-out tests/bench/%,$(call files,tests/*.cpp tests/*/*.cpp))
+TEST_SOURCES := $(filter-out tests/bench/% tests/fuzz/fuzz_server.cpp,$(call files,tests/*.cpp tests/*/*.cpp))
 BENCH_SOURCES := $(call files,tests/bench/bench_*.cpp)
 objects = $(patsubst %.cpp,$(BUILD)/%.o,$(1))
 
@@ -213,6 +221,15 @@ $(TISSUE_HAPTIC): $(call objects,$(HAPTIC_SOURCES)) $(BUILD)/libtissue.a $(BUILD
 $(BUILD)/test_tissue: $(call objects,$(TEST_SOURCES) $(SERVE_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/test_tissue.list
 	@$(call link) && mv $@.tmp $@
 
+# A target links what it calls of all that targets call.
+FUZZ_READERS := $(patsubst tests/fuzz/fuzz_%.cpp,%,$(call files,tests/fuzz/fuzz_*.cpp))
+$(BUILD)/libfuzzed.a: $(call objects,tests/fuzz/edited_store.cpp tests/solid_law_example.cpp tests/haptic/haptic_example.cpp \
+  $(SERVE_SOURCES) $(call files,cli/serve/network/*.cpp))
+	@$(call alone,$@.lock) && rm -f $@.tmp && ar rcs $@.tmp $^ && mv $@.tmp $@
+
+$(FUZZ_READERS:%=build/fuzz/fuzz_%): build/fuzz/%: build/fuzz/tests/fuzz/%.o $(BUILD)/libfuzzed.a $(BUILD)/libtissue.a
+	@$(call link,-fsanitize=fuzzer) && mv $@.tmp $@
+
 PROBES := $(BUILD)/gains_probe $(BUILD)/adapt_probe
 $(PROBES): $(BUILD)/%: $(BUILD)/scripts/%.o $(BUILD)/libtissue.a
 	@$(call link) && mv $@.tmp $@
@@ -234,13 +251,13 @@ $(BUILD)/cli/serve/page.o: export CCACHE_DISABLE := 1
 $(THREE): | build/deps
 	@[ -r $@ ] || { echo "make: there is no $@, of Debian's package libjs-three: the page cannot be built" >&2; exit 1; }
 
--include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) lib/api/python/tissue_module.cpp $(CLI_SOURCES) $(HAPTIC_SOURCES) $(TEST_SOURCES) $(BENCH_SOURCES) scripts/gains_probe.cpp scripts/adapt_probe.cpp))
+-include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) lib/api/python/tissue_module.cpp $(CLI_SOURCES) $(HAPTIC_SOURCES) $(TEST_SOURCES) tests/fuzz/fuzz_server.cpp $(BENCH_SOURCES) scripts/gains_probe.cpp scripts/adapt_probe.cpp))
 
 # ---- stages: one rule per kind of file
 
 # The plan says which load paths there are and with which arguments; its parts say what each stage depends on, and
 # keep their time stamp while their text stays the same.
-ifneq (,$(filter-out help clean deps build doors install uninstall doctor reference regress regress-proof trust felupe gains patient patient3 peers test sanitize tsan bench benches $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
+ifneq (,$(filter-out help clean deps build doors install uninstall doctor reference regress regress-proof trust felupe gains patient patient3 peers test sanitize tsan fuzz bench benches $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
 include $(R)/plan.mk
 endif
 # A shape has no surface to plan contacts on until it is meshed: its first plan says where it comes from, SHAPE and
@@ -380,6 +397,13 @@ sanitize:
 tsan:
 	@$(MAKE) SANITIZE=thread build/tsan/test_tissue
 	@build/tsan/test_tissue -# '[loop],[recorder],[device],[pointer],[adapt],[serve],[api],[#test_parallel],[#test_law_press],[#test_atomic_file]'
+
+READERS ?= $(FUZZ_READERS)
+SECONDS ?= 60
+## fuzz: what reads files, datagrams and pages of strangers, on bytes that follow its own branches, SECONDS=60 each; READERS='study msh' of all
+fuzz: | build/deps-fuzz
+	@$(MAKE) SANITIZE=fuzz $(READERS:%=build/fuzz/fuzz_%)
+	@$(PYTHON) scripts/fuzz --seconds $(SECONDS) $(FUZZ_OPTIONS) $(READERS)
 
 ## regress-proof: put five defects into a copy, one at a time; each must turn the regression of paper red
 regress-proof: $(TISSUECTL)

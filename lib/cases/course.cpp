@@ -133,6 +133,7 @@ Course read_course(const std::string& file, Eigen::Index D) {
         for (Eigen::Index d = 0; d < D; ++d) push_m[d] = line.number(static_cast<std::size_t>(1 + d));
         if (times.empty() && (time_s != 0 || push_m.norm() != 0)) line.refuse("the course must begin at time 0 and at rest, 0 along each axis");
         if (!times.empty() && !(time_s > before_s)) line.refuse(fmt::format("time_s = {:g} is not later than the row before, {:g}", time_s, before_s));
+        if (time_s > course_steps::longest_of_file_s) line.refuse(fmt::format("time_s = {:g}: a course lasts {:g} s at most", time_s, course_steps::longest_of_file_s));
         before_s = time_s;
         last_m = push_m;
         passed_over = !times.empty() && time_s - times.back() < course_steps::nearest_rows_s * (1 - tiny);

@@ -29,7 +29,8 @@ constexpr double swinging_s = 0.004, widest = 1.6; ///< after a quick one, which
 constexpr double let_go_s = 0.002;                 ///< the first at most, after the tool has let go at once
 constexpr int least_of_period = 60;                ///< steps of a period of a sine at least,
 constexpr double longest_of_period_s = 0.010;      ///< and none longer
-constexpr double nearest_rows_s = 0.002, longest_of_row_s = 0.010;  ///< of a file: rows nearer to the one before are passed over, others parted
+constexpr double nearest_rows_s = 0.002, longest_of_row_s = 0.010;  ///< of a file: rows nearer to the one before are passed over, others parted,
+constexpr double longest_of_file_s = 3600;          ///< and it ends by then: its steps are finite elements' work, and memory
 }  // namespace course_steps
 
 /// Part of a stroke that is done after the part s of its time, 10 s^3 - 15 s^4 + 6 s^5: of all ways from rest to rest the one of least
@@ -74,7 +75,7 @@ class CourseMaker {
 };
 
 /// A course of one's own: CSV with the header time_s,x_m,y_m[,z_m]. Throws FileError with file, line and cause: another header, a
-/// number that is none, times that do not ascend from 0, a beginning that is not at rest, no push at all.
+/// number that is none, times that do not ascend from 0 or go on for more than an hour, a beginning that is not at rest, no push at all.
 Course read_course(const std::string& file, Eigen::Index D);
 
 /// The course as fem/history.idp reads it: a line a step, time, displacement along each axis, 0 (no nodes are wanted), contact. Numbers read

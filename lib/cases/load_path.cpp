@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "cases/path_lines.h"
@@ -25,7 +26,10 @@ PathRecord read_step(const PathLines& line, const NodeField& nodes) {
     r.contact_force_N = line.point(4, D);
     r.support_force_N = line.point(4 + D, D);
     r.smallest_J = line.number(4 + 2 * D);
-    r.newton_iterations = static_cast<int>(line.number(5 + 2 * D));
+    const double iterations = line.number(5 + 2 * D);
+    if (iterations < 0 || iterations > std::numeric_limits<int>::max() || iterations != std::floor(iterations))
+        line.refuse(fmt::format("{:g} is no number of Newton iterations", iterations));
+    r.newton_iterations = static_cast<int>(iterations);
     r.newton_residual = line.number(6 + 2 * D);
     r.displacement = NodeField::Constant(nodes.rows(), nodes.cols(), std::nan(""));
     r.force = r.displacement;

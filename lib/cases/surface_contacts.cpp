@@ -60,7 +60,10 @@ std::vector<SurfaceContact> training_contacts(const Outline& outline, const Stud
             for (double angle : angles_at(outline, arc, sweep.angles_deg)) contacts.push_back({arc, angle});
         return contacts;
     }
-    const int count = static_cast<int>(std::floor((outline.length() - 2 * sweep.clearance_m) / sweep.spacing_m + 1e-9));
+    constexpr double most = 10'000;
+    const double gaps = std::floor((outline.length() - 2 * sweep.clearance_m) / sweep.spacing_m + 1e-9);
+    if (gaps > most) throw MismatchError(fmt::format("loads.sweep.spacing_m: {:g} makes more than {:.0f} contacts", sweep.spacing_m, most));
+    const int count = static_cast<int>(std::max(gaps, -1.0));
     std::vector<double> arcs;
     for (int i = 0; i <= count; ++i) arcs.push_back(sweep.clearance_m + i * sweep.spacing_m);
     // corners always: directions jump there

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <unordered_map>
@@ -18,6 +19,9 @@ const std::map<int, std::string> other_kinds = {
     {7, "a pyramid"},          {8, "a second-order line"},    {9, "a second-order triangle"}, {10, "a quadrilateral"},
     {11, "a tetrahedron"},     {12, "a hexahedron"},          {13, "a prism"},               {14, "a pyramid"},
     {16, "a quadrilateral"},   {17, "a hexahedron"},          {18, "a prism"},               {19, "a pyramid"}};
+
+/// In the file's unit of length, whatever that is: what is larger has areas and volumes that are no numbers.
+constexpr double largest_coordinate = 1e12;
 
 class Lines {
    public:
@@ -98,6 +102,8 @@ MshFile read_msh(const std::string& file, bool in_space) {
                 }
                 if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
                     in.refuse(fmt::format("node {} has a coordinate that is no finite number", number));
+                if (const double largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}); largest > largest_coordinate)
+                    in.refuse(fmt::format("node {} has a coordinate of {:g}; at most {:g} is allowed", number, largest, largest_coordinate));
                 if (!place.emplace(number, static_cast<int>(mesh.points.size())).second)
                     in.refuse(fmt::format("node {} stands twice", number));
                 mesh.points.push_back(p);
@@ -122,6 +128,7 @@ MshFile read_msh(const std::string& file, bool in_space) {
                     long tag = 0;
                     if (!(words >> tag)) in.refuse("is not an element");
                     if (t == 0) e.physical = static_cast<int>(tag);
+                    if (t == 0 && e.physical != tag) in.refuse(fmt::format("element {} is in a physical group {}, beyond any", number, tag));
                 }
                 for (int i = 0; i < (kind == 4 ? 4 : kind + 1); ++i) {
                     long node = 0;

@@ -265,7 +265,7 @@ Shape read_shape(const std::string& file) {
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const MshFile::Element& e = mesh.triangles[t];
         shape.simplices.row(static_cast<Eigen::Index>(t)) << e.node[0], e.node[1], e.node[2];
-        shape.region.push_back(e.physical - tissue_label);
+        shape.region.push_back(std::max(e.physical, tissue_label) - tissue_label);
         if (e.physical < tissue_label || twice_area(shape.nodes, e.node[0], e.node[1], e.node[2]) <= 0)
             throw FileError(file + ": is not a shape's mesh that tissuectl shape wrote");
     }

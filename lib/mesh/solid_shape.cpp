@@ -233,7 +233,7 @@ Shape read_solid_shape(const std::string& file) {
         const MshFile::Tetrahedron& e = mesh.tetrahedra[i];
         const auto t = static_cast<Eigen::Index>(i);
         shape.simplices.row(t) << e.node[0], e.node[1], e.node[2], e.node[3];
-        shape.region.push_back(e.physical - tissue_label);
+        shape.region.push_back(std::max(e.physical, tissue_label) - tissue_label);
         if (e.physical < tissue_label || !(volume_of(shape.nodes, shape.simplices, t) > 0)) refuse();
     }
     for (const MshFile::Element& e : mesh.triangles)

@@ -1,5 +1,7 @@
 #include "study/read_parts.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -42,6 +44,9 @@ Study::Loads read_magnitudes(TomlReader& in) {
         if (!is_multiple(loads.magnitudes_m[i], loads.record_step_m))
             in.refuse("magnitudes_m", "every entry must be a multiple of record_step_m");
     }
+    constexpr double most_records = 10'000;  // every one a file's rows, and work
+    if (const double records = loads.depth_m() / loads.record_step_m; records > most_records)
+        in.refuse("record_step_m", fmt::format("makes {:.6g} records; at most {:.0f} are allowed", records, most_records));
     return loads;
 }
 

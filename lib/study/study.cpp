@@ -22,6 +22,8 @@
 namespace tissue {
 namespace {
 
+constexpr double most_nodes = 100'000;  // of a lattice: its matrices are to fit into memory
+
 const Range area_caps{1.0 / 3, 1000, true};
 
 toml::table parse(const std::string& file) {
@@ -498,6 +500,9 @@ Study read_study(const std::string& file) {
         const std::vector<double> cells = lattice.numbers("cells", solid ? 3 : 2, {1, 2000});
         study.cells.assign(cells.begin(), cells.end());
         if (!std::equal(cells.begin(), cells.end(), study.cells.begin())) lattice.refuse("cells", "must be whole numbers");
+        double nodes = 1;
+        for (const double n : cells) nodes *= n + 1;
+        if (nodes > most_nodes) lattice.refuse("cells", fmt::format("make {:.0f} nodes; at most {:.0f} are allowed", nodes, most_nodes));
         lattice.refuse_the_rest();
     } else if (!ends_with(study.geometry.shape, ".msh")) {
         TomlReader lattice = in.table("lattice");

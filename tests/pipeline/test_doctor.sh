@@ -15,7 +15,7 @@ check "doctor and install_deps name the same packages" "$PYTHON" -c "
 import json, re, sys
 text = open(sys.argv[2]).read()
 base = set(re.search(r'^packages=\"(.*?)\"', text, re.S | re.M).group(1).split())
-tests = set(re.search(r'packages=\"\\\$packages\n(.*?)\"', text, re.S).group(1).split())
+tests = {p for group in re.findall(r'packages=\"\\\$packages\n(.*?)\"', text, re.S) for p in group.split()}
 tools = json.load(open(sys.argv[1]))['tools']
 needed, other = {t['package'] for t in tools if t['needed']}, {t['package'] for t in tools if not t['needed']}
 wrong = (base ^ needed) | (tests ^ (other - {'ccache'}))

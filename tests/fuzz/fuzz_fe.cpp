@@ -1,0 +1,28 @@
+// What finite elements say, and a course of one's own: CSVs of load paths, of histories, and of courses, in the plane and in space.
+#include "cases/course.h"
+#include "cases/history.h"
+#include "cases/load_path.h"
+#include "fuzz_file.h"
+
+using namespace tissue;
+
+FUZZ_TARGET(fe)(const std::uint8_t* data, std::size_t size) {
+    static const NodeField plane = make_lattice("grid4", 1, 1, 0.1, 0.1).nodes;
+    static const NodeField space = (NodeField(2, 3) << 0, 0, 0, 0.1, 0, 0.05).finished();
+    const FuzzFile file(data, size, "fe.csv");
+    for (const Eigen::Index D : {2, 3}) {
+        reads([&] {
+            const LoadPath path = read_path_csv(file, D == 2 ? plane : space);
+            for (const PathRecord& r : path.records) must(r.displacement.allFinite() && r.force.allFinite(), "not finite");
+        });
+        reads([&] {
+            const History h = read_history_csv(file, D);
+            must(h.time_s.allFinite() && h.push_m.allFinite() && h.force_N.allFinite(), "not finite");
+        });
+        reads([&] {
+            const Course course = read_course(file, D);
+            must(course.time_s.allFinite() && course.push_m.allFinite(), "not finite");
+        });
+    }
+    return 0;
+}

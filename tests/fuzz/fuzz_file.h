@@ -1,0 +1,75 @@
+#pragma once
+
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+#include "error.h"
+
+/// Begins a target: what a fuzzer calls with bytes. Beside the other tests, where many targets are in one program, a function of its own name.
+#ifdef TISSUE_FUZZ
+#define FUZZ_TARGET(reader) extern "C" int LLVMFuzzerTestOneInput
+#else
+#define FUZZ_TARGET(reader) int fuzz_##reader
+#endif
+
+namespace tissue {
+
+/// Bytes as a file, for readers that want a name. It lies in TMPDIR, else in memory, and lasts as long as this.
+class FuzzFile {
+   public:
+    FuzzFile(const std::uint8_t* data, std::size_t size, const std::string& name) : file_(folder() + "/" + name) {
+        std::ofstream(file_, std::ios::binary).write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+    }
+    FuzzFile(const std::string& text, const std::string& name)
+        : FuzzFile(reinterpret_cast<const std::uint8_t*>(text.data()), text.size(), name) {}
+    ~FuzzFile() { ::unlink(file_.c_str()); }
+    FuzzFile(const FuzzFile&) = delete;
+    FuzzFile& operator=(const FuzzFile&) = delete;
+
+    operator const std::string&() const { return file_; }
+
+    /// This process's own, gone when it ends by itself.
+    static const std::string& folder() {
+        struct Folder {
+            std::string name = (std::filesystem::path(std::getenv("TMPDIR") ? std::getenv("TMPDIR") : "/dev/shm") / "tissue_fuzz_XXXXXX").string();
+            Folder() {
+                if (!mkdtemp(name.data())) throw std::logic_error("cannot make " + name);
+            }
+            ~Folder() {
+                std::error_code ignored;
+                std::filesystem::remove_all(name, ignored);
+            }
+        };
+        static const Folder folder;
+        return folder.name;
+    }
+
+   private:
+    std::string file_;
+};
+
+/// Reads, and takes a refusal for an answer: an Error of one line. True when it was read. Whatever else is thrown goes on.
+template <class Read>
+bool reads(Read&& read) {
+    try {
+        read();
+        return true;
+    } catch (const Error& e) {
+        if (std::string(e.what()).find('\n') != std::string::npos) throw std::logic_error("a refusal of two lines: " + std::string(e.what()));
+        return false;
+    }
+}
+
+/// What must hold whatever was read.
+inline void must(bool holds, const char* what) {
+    if (!holds) throw std::logic_error(what);
+}
+
+}  // namespace tissue

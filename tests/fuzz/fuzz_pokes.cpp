@@ -1,0 +1,29 @@
+// Pokes: CSV as a file and as a stream, and a model that learns from them.
+#include <sstream>
+
+#include "../haptic/haptic_example.h"
+#include "adapt/adaptation.h"
+#include "adapt/pokes_csv.h"
+#include "fuzz_file.h"
+
+using namespace tissue;
+
+FUZZ_TARGET(pokes)(const std::uint8_t* data, std::size_t size) {
+    static const TissueModel law = law_example(make_lattice("grid8", 3, 3, 0.1, 0.1));
+    static Adaptation adaptation(law);
+    const FuzzFile file(data, size, "pokes.csv");
+    for (const int D : {2, 3})
+        reads([&] {
+            const std::vector<Poke> pokes = read_pokes(file, D);
+            if (D != 2) return;
+            adaptation.forget();
+            for (std::size_t k = 0; k < pokes.size() && k < 4; ++k) adaptation.learn(pokes[k]);
+            must(adaptation.law().constants.allFinite() && adaptation.law().constants.minCoeff() > 0, "a law that is none");
+        });
+    reads([&] {
+        std::istringstream in(std::string(reinterpret_cast<const char*>(data), size));
+        PokeLines lines(in, "standard input", 3);
+        while (lines.next()) {}
+    });
+    return 0;
+}

@@ -1,0 +1,25 @@
+// What of a request decides whether it is let in: lines of host, origin, target and cookie.
+#include <algorithm>
+
+#include "../../cli/serve/access.h"
+#include "../../cli/serve/page.h"
+#include "fuzz_file.h"
+
+using namespace tissue;
+using namespace tissue::serve;
+
+FUZZ_TARGET(request)(const std::uint8_t* data, std::size_t size) {
+    static const std::string token = "0123456789abcdef";
+    std::string_view rest(reinterpret_cast<const char*>(data), size), part[4];
+    for (std::string_view& p : part) {
+        p = rest.substr(0, rest.find('\n'));
+        rest.remove_prefix(std::min(rest.size(), p.size() + 1));
+    }
+    const Credentials credentials{part[0], part[1], part[2], part[3], !part[1].empty()};
+    const bool open = !refuse(credentials, ""), let_in = !refuse(credentials, token);
+    must(open || !let_in, "a token opens what is closed without one");
+    must(!let_in || part[2].find(token) != std::string_view::npos || part[3].find(token) != std::string_view::npos, "let in without the token");
+    page_file(std::string(path_of(part[2])));
+    is_token(part[3]);
+    return 0;
+}

@@ -1,0 +1,86 @@
+// The page's server, on a connection of the loopback: what a visitor sends, HTTP first and then perhaps a WebSocket's frames. Not among the library's tests,
+// which do without Boost.
+#include <arpa/inet.h>
+#include <sys/socket.h>
+
+#include <thread>
+
+#include "../../cli/serve/network/listener.h"
+#include "../../cli/serve/network/page_socket.h"
+#include "../haptic/haptic_example.h"
+#include "fuzz_file.h"
+
+using namespace tissue;
+using namespace tissue::serve;
+
+namespace {
+
+std::string model_file() {
+    const std::string file = FuzzFile::folder() + "/served.h5";
+    write_model(file, haptic_example({"grid4", "isotropic", 3}), {"fuzz", 0, {}});
+    return file;
+}
+
+class Visit {
+   public:
+    explicit Visit(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+        sockaddr_in to{};
+        to.sin_family = AF_INET;
+        to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        to.sin_port = htons(static_cast<std::uint16_t>(port));
+        must(::connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof to) == 0, "no connection");
+        const linger at_once{1, 0};  // or each leaves a port behind for a minute
+        ::setsockopt(socket_, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
+    }
+    ~Visit() { ::close(socket_); }
+    Visit(const Visit&) = delete;
+    Visit& operator=(const Visit&) = delete;
+
+    /// False when nobody listens any more.
+    bool send(const char* data, std::size_t size) { return ::send(socket_, data, size, MSG_NOSIGNAL | MSG_DONTWAIT) == static_cast<ssize_t>(size); }
+    void hear() {
+        char answer[65536];
+        while (::recv(socket_, answer, sizeof answer, MSG_DONTWAIT) > 0) {}
+    }
+
+   private:
+    int socket_;
+};
+
+void work(Listener& server) {
+    server.context.restart();
+    for (int k = 0; k < 200 && server.context.poll_one() > 0; ++k) {}
+}
+
+}  // namespace
+
+/// Pieces, each with a byte before it: how many bytes more than one it has.
+FUZZ_TARGET(server)(const std::uint8_t* data, std::size_t size) {
+    static Stage stage({model_file()}, StageOptions{{}, false});
+    static Listener& server = *[] {
+        auto* listener = new Listener(stage, ServerOptions{});  // as long as the program, as its connections
+        listener->listen();
+        listener->accept();
+        return listener;
+    }();
+    {
+        Visit visit(server.port);
+        work(server);
+        for (std::size_t at = 0; at < size;) {
+            const std::size_t length = std::min<std::size_t>(std::size_t{1} + data[at], size - at - 1);
+            if (!visit.send(reinterpret_cast<const char*>(data) + at + 1, length)) break;
+            at += 1 + length;
+            work(server);
+            visit.hear();
+        }
+        server.step();
+        work(server);
+        visit.hear();
+    }
+    for (int k = 0; k < 2000 && server.connections > 0; ++k) {
+        work(server);
+        if (k > 20) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    must(server.connections == 0 && server.pages.empty(), "who has gone is still there");
+    return 0;
+}

@@ -1,0 +1,59 @@
+// Inputs that once broke a reader (tests/data/fuzz/READER/), and the seeds that fuzzing begins with, through the fuzz targets themselves.
+#include <catch2/catch.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#define TARGET(reader) int fuzz_##reader(const std::uint8_t* data, std::size_t size);
+#define TARGETS(use) \
+    use(study) use(measured) use(histories) use(fe) use(msh) use(pokes) use(replay) use(datagram) use(message) use(request) use(model) use(cases) use(store)
+TARGETS(TARGET)
+
+namespace {
+
+struct Target {
+    std::string name;
+    int (*read)(const std::uint8_t*, std::size_t);
+};
+
+#define ENTRY(reader) {#reader, fuzz_##reader},
+const std::vector<Target> targets = {TARGETS(ENTRY)};
+
+int read_all(const Target& target, const std::string& folder) {
+    int files = 0;
+    std::error_code none;
+    for (const auto& entry : std::filesystem::directory_iterator(folder + "/" + target.name, none)) {
+        INFO(entry.path().string());
+        std::ifstream in(entry.path(), std::ios::binary);
+        const std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
+        CHECK_NOTHROW(target.read(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()));
+        ++files;
+    }
+    return files;
+}
+
+}  // namespace
+
+TEST_CASE("what once broke a reader is read or refused", "[fuzz]") {
+    int files = 0;
+    for (const Target& target : targets) files += read_all(target, "tests/data/fuzz");
+    CHECK(files > 0);
+}
+
+TEST_CASE("the seeds of every fuzz target are read or refused, and so is nothing at all", "[fuzz]") {
+    for (const Target& target : targets) {
+        read_all(target, "tests/fuzz/corpus");
+        CHECK_NOTHROW(target.read(nullptr, 0));
+    }
+    for (const auto& entry : std::filesystem::directory_iterator("tests/fuzz")) {  // every target is in the list above
+        const std::string name = entry.path().stem().string();
+        if (name.rfind("fuzz_", 0) != 0 || name == "fuzz_server" || entry.path().extension() != ".cpp") continue;
+        INFO(name);
+        bool listed = false;
+        for (const Target& target : targets) listed = listed || "fuzz_" + target.name == name;
+        CHECK(listed);
+    }
+}
