@@ -59,11 +59,12 @@ std::size_t product(const std::vector<std::size_t>& shape) {
     return values;
 }
 
-/// Texts of `length` bytes, padded with zeros; of any length where it is H5T_VARIABLE, as files before the checksums have them.
-hid_t text_type(std::size_t length) {
+/// Texts of `length` bytes, padded with zeros; of any length where it is H5T_VARIABLE, as files before the checksums have them. HDF5 does not
+/// take UTF-8 for ASCII: a reader asks for the set that is stored.
+hid_t text_type(std::size_t length, H5T_cset_t set = H5T_CSET_UTF8) {
     const hid_t type = H5Tcopy(H5T_C_S1);
     H5Tset_size(type, length == H5T_VARIABLE ? length : std::max<std::size_t>(length, 1));
-    H5Tset_cset(type, H5T_CSET_UTF8);
+    H5Tset_cset(type, set);
     if (length != H5T_VARIABLE) H5Tset_strpad(type, H5T_STR_NULLPAD);
     return type;
 }
@@ -132,7 +133,7 @@ bool read_text(hid_t attribute, std::string& value) {
     const Handle stored(H5Aget_type(attribute), H5Tclose);
     if (H5Tget_class(stored) != H5T_STRING) return false;
     if (H5Tis_variable_str(stored) > 0) {
-        const Handle type(text_type(H5T_VARIABLE), H5Tclose);
+        const Handle type(text_type(H5T_VARIABLE, H5Tget_cset(stored)), H5Tclose);
         char* text = nullptr;
         if (H5Aread(attribute, type, &text) < 0 || !text) return false;
         value = text;
@@ -140,7 +141,7 @@ bool read_text(hid_t attribute, std::string& value) {
         return true;
     }
     value.assign(H5Tget_size(stored), '\0');
-    const Handle type(text_type(value.size()), H5Tclose);
+    const Handle type(text_type(value.size(), H5Tget_cset(stored)), H5Tclose);
     if (H5Aread(attribute, type, value.data()) < 0) return false;
     value.resize(value.find_last_not_of('\0') + 1);
     return true;
@@ -362,7 +363,7 @@ std::vector<std::string> Hdf5Reader::texts(const std::string& name) const {
     const bool any_length = H5Tis_variable_str(stored) > 0;
     const std::size_t length = any_length ? H5T_VARIABLE : H5Tget_size(stored);
     const std::size_t count = count_of(name, dataset);
-    const Handle type(text_type(length), H5Tclose);
+    const Handle type(text_type(length, H5Tget_cset(stored)), H5Tclose);
     const auto read = [&](void* values) {
         if (count > 0 && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) refuse(name, "cannot be read as texts: damaged");
     };
