@@ -385,7 +385,7 @@ patient3: $(TISSUECTL) $(BUILD)/adapt_probe
 
 ## test: library, FE and pipeline tests; the last line counts them
 test: $(TISSUECTL) $(TISSUE_HAPTIC) doors $(BUILD)/test_tissue | build/deps-test
-	@TISSUE_HAPTIC=$(TISSUE_HAPTIC) PYTHON=$(PYTHON) TISSUECTL=$(TISSUECTL) tests/run $(BUILD)/test_tissue $$(nproc)
+	@TISSUE_HAPTIC=$(TISSUE_HAPTIC) PYTHON=$(PYTHON) TISSUECTL=$(TISSUECTL) tests/run $(BUILD)/test_tissue $$(env -u OMP_NUM_THREADS nproc)
 
 ## sanitize: library tests and the server under address and undefined-behaviour sanitizers
 sanitize:

@@ -206,10 +206,10 @@ TEST_CASE("a hand on a hidden tissue that comes late keeps its contact", "[adapt
     // 4 mm deep, in at 0.1 m/s from 5 mm outside, and there
     const std::vector<Waypoint> motion = {{0, (Point(2) << 0.05, 0.105).finished()}, {0.09, (Point(2) << 0.05, 0.096).finished()}, {2, (Point(2) << 0.05, 0.096).finished()}};
     HiddenTissue device(std::make_unique<VirtualDevice>(motion, DeviceMap()), law, options_for_learning());
-    Eigen::Vector3d felt = Eigen::Vector3d::Zero();
+    int felt = 0;  // the tissue swings, and may leave a hand that holds still for a moment
     for (int k = 0; k < 800; ++k)
-        if (k < 60 || k > 85) felt = device.read(1e-3 * k).measured_N;  // 25 missed, in which the hand went on by 3 mm
-    CHECK(felt.norm() > 1e-3);
+        if (k < 60 || k > 85) felt += device.read(1e-3 * k).measured_N.norm() > 1e-3 && k > 85;  // 25 missed, in which the hand went on by 3 mm
+    CHECK(felt > 400);
 }
 
 TEST_CASE("what learns must be of the model that plays, and no stiffer than its steps bear", "[adapt]") {
