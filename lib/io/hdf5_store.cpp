@@ -123,6 +123,12 @@ std::vector<std::size_t> shape_of(hid_t dataset) {
     return {dimensions.begin(), dimensions.end()};
 }
 
+/// Integers or floating point of a size that HDF5 reads as it stands: of a larger one it makes a buffer of that size a value.
+bool is_number(hid_t type) {
+    const H5T_class_t kind = H5Tget_class(type);
+    return (kind == H5T_FLOAT || kind == H5T_INTEGER) && H5Tget_size(type) <= sizeof(double);
+}
+
 /// One value, not many: reading many into one would write past it.
 bool is_single(hid_t attribute) {
     const Handle space(H5Aget_space(attribute), H5Sclose);
@@ -131,7 +137,8 @@ bool is_single(hid_t attribute) {
 
 bool read_text(hid_t attribute, std::string& value) {
     const Handle stored(H5Aget_type(attribute), H5Tclose);
-    if (H5Tget_class(stored) != H5T_STRING) return false;
+    constexpr std::size_t longest = std::size_t{1} << 20;
+    if (H5Tget_class(stored) != H5T_STRING || H5Tget_size(stored) > longest) return false;
     if (H5Tis_variable_str(stored) > 0) {
         const Handle type(text_type(H5T_VARIABLE, H5Tget_cset(stored)), H5Tclose);
         char* text = nullptr;
@@ -325,12 +332,14 @@ std::size_t Hdf5Reader::count_of(const std::string& name, long long dataset) con
 Array Hdf5Reader::array(const std::string& name) const {
     const Handle dataset(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
     if (dataset.failed()) refuse(name, "is missing");
+    const Handle type(H5Dget_type(dataset), H5Tclose);
+    if (!is_number(type)) refuse(name, "cannot be read as numbers");
     Array array;
     array.shape = shape_of(dataset);
     array.values.resize(count_of(name, dataset));
     if (!array.values.empty() &&
         H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, array.values.data()) < 0)
-        refuse(name, "cannot be read as numbers: another type, or damaged");
+        refuse(name, "cannot be read as numbers: damaged");
     return array;
 }
 
@@ -399,8 +408,9 @@ std::string Hdf5Reader::text_attribute(const std::string& object, const std::str
 
 double Hdf5Reader::number_attribute(const std::string& object, const std::string& key) const {
     const Handle attribute(H5Aopen_by_name(id_, object.c_str(), key.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    const Handle type(attribute.failed() ? -1 : H5Aget_type(attribute), H5Tclose);
     double value = 0;
-    if (attribute.failed() || !is_single(attribute) || H5Aread(attribute, H5T_NATIVE_DOUBLE, &value) < 0)
+    if (attribute.failed() || !is_single(attribute) || !is_number(type) || H5Aread(attribute, H5T_NATIVE_DOUBLE, &value) < 0)
         refuse(object, "attribute '" + key + "' is missing");
     return value;
 }

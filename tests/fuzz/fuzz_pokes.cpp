@@ -9,7 +9,7 @@
 using namespace tissue;
 
 FUZZ_TARGET(pokes)(const std::uint8_t* data, std::size_t size) {
-    static const TissueModel law = law_example(make_lattice("grid8", 3, 3, 0.1, 0.1));
+    static const TissueModel law = law_example(make_lattice("grid8", 2, 2, 0.1, 0.1));
     static Adaptation adaptation(law);
     const FuzzFile file(data, size, "pokes.csv");
     for (const int D : {2, 3})
