@@ -1,5 +1,5 @@
 #!/bin/sh
-# A model that learns from pokes: files, streams, bad lines, resumption, and a hand that teaches while it plays.
+# Alone: its ticks keep real time. A model that learns from pokes: files, streams, bad lines, resumption, and a hand that teaches while it plays.
 . "$(dirname "$0")/common"
 TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}")
 make_copy

@@ -1,5 +1,5 @@
 #!/bin/bash
-# kill -9 of what learns and records, TISSUE_KILLS times each (4): `tissuectl adapt` of a file and of a stream, `tissuectl serve` and `tissue-haptic` that
+# Alone: its ticks keep real time. kill -9 of what learns and records, TISSUE_KILLS times each (4): `tissuectl adapt` of a file and of a stream, `tissuectl serve` and `tissue-haptic` that
 # record, learn and keep a journal. What stood before stands, nothing half-written does, and the next run comes to what one that nobody killed came to.
 . "$(dirname "$0")/common"
 . "$(dirname "$0")/kills"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The page of `tissuectl serve`, driven in headless Chromium: tests/serve/test_page.py says what is looked at.
+# Alone: its ticks keep real time. The page of `tissuectl serve`, driven in headless Chromium: tests/serve/test_page.py says what is looked at.
 . "$(dirname "$0")/common"
 make_copy
 sed -i '/name = "left"/a\

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The page of `tissuectl serve` with a solid, driven in headless Chromium: tests/serve/test_page_space.py says what is looked at.
+# Alone: its ticks keep real time. The page of `tissuectl serve` with a solid, driven in headless Chromium: tests/serve/test_page_space.py says what is looked at.
 . "$(dirname "$0")/common"
 make_copy
 make_tiny train -j2

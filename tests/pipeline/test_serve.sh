@@ -1,5 +1,5 @@
 #!/bin/sh
-# tissuectl serve from outside: what it serves, to whom, what it refuses, and how it ends.
+# Alone: its ticks keep real time. tissuectl serve from outside: what it serves, to whom, what it refuses, and how it ends.
 . "$(dirname "$0")/common"
 make_copy
 make_tiny train -j2

@@ -1,5 +1,5 @@
 #!/bin/sh
-# scripts/soak for half a minute, on a small solid: two sessions that learn at 1 kHz, with a page open and a hostile client beside them, hold what it judges.
+# Alone: its ticks keep real time. scripts/soak for half a minute, on a small solid: two sessions that learn at 1 kHz, with a page open and a hostile client beside them, hold what it judges.
 . "$(dirname "$0")/common"
 TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}")
 export TISSUECTL TISSUE_HAPTIC
