@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include "error.h"
 #include "haptic/realtime_law.h"
@@ -113,13 +114,19 @@ void Learner::after(const Simulation& simulation, const TickBooks& books) {
 }
 
 void Learner::learn() {
+    using std::chrono::steady_clock;
+    std::optional<steady_clock::time_point> give_up;
     for (;;) {
         const bool last = stop_.load();
         Reading reading;
         bool any = false;
         while (readings_to_learn_.pop(reading)) {
             any = true;
-            learn_from(reading);
+            if (stop_.load() && !give_up) give_up = steady_clock::now() + std::chrono::microseconds(static_cast<long long>(1e6 * options_.patience_s));
+            if (give_up && steady_clock::now() >= *give_up)
+                ++dropped_;
+            else
+                learn_from(reading);
         }
         if (last) return;
         if (!any) std::this_thread::sleep_for(std::chrono::milliseconds(2));

@@ -26,6 +26,7 @@ struct LearnerOptions {
     double hold_s = 0.8;     ///< a hand that has been still so long gives a reading, the mean of the second half: a swing of soft tissue
     double still_m = 2e-4;   ///< and still means within this
     double step = 0.002;     ///< every stiffness goes a tick at the most by this part of itself towards what was learned
+    double patience_s = 10;  ///< at the end, for readings that are not learned yet: in space each takes a second or more, and up to 64 may wait
 };
 
 /// A law that learns while it plays, from a hand with a force sensor (DeviceSample::measured_N): whenever the hand holds still in the tissue
@@ -54,11 +55,12 @@ class Learner final : public TickHook {
     /// Called in the learner's thread, one at a time, after each. Set before the session.
     void on_line(void (*tell)(const Line&, const Adaptation&, void*), void* with) { tell_ = tell, with_ = with; }
 
-    /// Waits until all that was read is learned, and ends the thread. Then the adaptation is the caller's again.
+    /// Waits until all that was read is learned, or until the patience is at its end and the rest is dropped; ends the thread. Then the adaptation is
+    /// the caller's again.
     void stop();
 
     long long readings() const { return readings_.load(); }
-    long long dropped() const { return dropped_.load(); }      ///< readings that came faster than they were learned
+    long long dropped() const { return dropped_.load(); }      ///< readings that came faster than they were learned, or too late to be
     bool arrived() const { return arrived_; }                  ///< whether the tick's law is all that has been published
 
    private:

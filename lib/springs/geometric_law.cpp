@@ -49,7 +49,7 @@ namespace kernel {
 /// times as long. The exponent halved by an integer's shift is 3.5 % off at most; with e = 1 - x y^2 the series of
 /// (1 - e)^(-1/2) then leaves 4e-7, and its first terms again less than rounding.
 inline double inverse_root(double x) {
-    std::int64_t bits;
+    std::uint64_t bits;  // unsigned: AVX2 has no shift of 64 bits that keeps a sign
     std::memcpy(&bits, &x, sizeof bits);
     bits = 0x5fe6eb50c7b537a9 - (bits >> 1);
     double y;
@@ -60,17 +60,22 @@ inline double inverse_root(double x) {
     return y + y * e * (0.5 + e * 0.375);
 }
 
+/// no_length_m squared, as no constant: loops take a copy. Of a constant gcc makes a branch with its root, and then loops for all but the widest
+/// registers (AVX-512) one by one.
+double least_squared_m2 = no_length_m * no_length_m;
+
 /// Hookean::secant, times theta, by the squared length.
-inline double secant(double theta, double rest, double squared) {
-    return theta * (1 - rest * inverse_root(std::max(squared, no_length_m * no_length_m)));
+inline double secant(double theta, double rest, double squared, double least) {
+    return theta * (1 - rest * inverse_root(std::max(squared, least)));
 }
 
 /// Hookean::force of many springs, in the plane.
 TISSUE_HOT void geometric(const SpringRun& r, int n, double* __restrict fx_i, double* __restrict fy_i, double* __restrict fx_j,
                           double* __restrict fy_j) {
+    const double least = least_squared_m2;
     for (int k = 0; k < n; ++k) {
         const double x = r.span[0][k] + (r.u_j[0][k] - r.u_i[0][k]), y = r.span[1][k] + (r.u_j[1][k] - r.u_i[1][k]);
-        const double pull = secant(r.theta[k], r.length[k], x * x + y * y);
+        const double pull = secant(r.theta[k], r.length[k], x * x + y * y, least);
         fx_i[k] -= pull * x;
         fy_i[k] -= pull * y;
         fx_j[k] += pull * x;
@@ -81,9 +86,10 @@ TISSUE_HOT void geometric(const SpringRun& r, int n, double* __restrict fx_i, do
 /// Of springs that are alike at rest: nothing of that is read from memory.
 TISSUE_HOT void geometric_alike(const SpringRun& r, int n, double sx, double sy, double length, double* __restrict fx_i,
                                 double* __restrict fy_i, double* __restrict fx_j, double* __restrict fy_j) {
+    const double least = least_squared_m2;
     for (int k = 0; k < n; ++k) {
         const double x = sx + (r.u_j[0][k] - r.u_i[0][k]), y = sy + (r.u_j[1][k] - r.u_i[1][k]);
-        const double pull = secant(r.theta[k], length, x * x + y * y);
+        const double pull = secant(r.theta[k], length, x * x + y * y, least);
         fx_i[k] -= pull * x;
         fy_i[k] -= pull * y;
         fx_j[k] += pull * x;
@@ -94,10 +100,11 @@ TISSUE_HOT void geometric_alike(const SpringRun& r, int n, double sx, double sy,
 /// Both in space.
 TISSUE_HOT void geometric_solid(const SpringRun& r, int n, double* __restrict fx_i, double* __restrict fy_i, double* __restrict fz_i,
                                 double* __restrict fx_j, double* __restrict fy_j, double* __restrict fz_j) {
+    const double least = least_squared_m2;
     for (int k = 0; k < n; ++k) {
         const double x = r.span[0][k] + (r.u_j[0][k] - r.u_i[0][k]), y = r.span[1][k] + (r.u_j[1][k] - r.u_i[1][k]),
                      z = r.span[2][k] + (r.u_j[2][k] - r.u_i[2][k]);
-        const double pull = secant(r.theta[k], r.length[k], x * x + y * y + z * z);
+        const double pull = secant(r.theta[k], r.length[k], x * x + y * y + z * z, least);
         fx_i[k] -= pull * x;
         fy_i[k] -= pull * y;
         fz_i[k] -= pull * z;
@@ -110,9 +117,10 @@ TISSUE_HOT void geometric_solid(const SpringRun& r, int n, double* __restrict fx
 TISSUE_HOT void geometric_solid_alike(const SpringRun& r, int n, double sx, double sy, double sz, double length, double* __restrict fx_i,
                                       double* __restrict fy_i, double* __restrict fz_i, double* __restrict fx_j, double* __restrict fy_j,
                                       double* __restrict fz_j) {
+    const double least = least_squared_m2;
     for (int k = 0; k < n; ++k) {
         const double x = sx + (r.u_j[0][k] - r.u_i[0][k]), y = sy + (r.u_j[1][k] - r.u_i[1][k]), z = sz + (r.u_j[2][k] - r.u_i[2][k]);
-        const double pull = secant(r.theta[k], length, x * x + y * y + z * z);
+        const double pull = secant(r.theta[k], length, x * x + y * y + z * z, least);
         fx_i[k] -= pull * x;
         fy_i[k] -= pull * y;
         fz_i[k] -= pull * z;
@@ -124,10 +132,11 @@ TISSUE_HOT void geometric_solid_alike(const SpringRun& r, int n, double sx, doub
 
 /// Current spans and one over their lengths, and how far springs are drawn out. In the plane.
 TISSUE_HOT void drawn_out(const SpringRun& r, int n, double* __restrict x, double* __restrict y, double* __restrict inverse, double* __restrict by) {
+    const double least = least_squared_m2;
     for (int k = 0; k < n; ++k) {
         x[k] = r.span[0][k] + (r.u_j[0][k] - r.u_i[0][k]);
         y[k] = r.span[1][k] + (r.u_j[1][k] - r.u_i[1][k]);
-        const double squared = std::max(x[k] * x[k] + y[k] * y[k], no_length_m * no_length_m);
+        const double squared = std::max(x[k] * x[k] + y[k] * y[k], least);
         inverse[k] = inverse_root(squared);
         by[k] = squared * inverse[k] - r.length[k];
     }
@@ -135,10 +144,11 @@ TISSUE_HOT void drawn_out(const SpringRun& r, int n, double* __restrict x, doubl
 
 TISSUE_HOT void drawn_out_alike(const SpringRun& r, int n, double sx, double sy, double length, double* __restrict x, double* __restrict y,
                                 double* __restrict inverse, double* __restrict by) {
+    const double least = least_squared_m2;
     for (int k = 0; k < n; ++k) {
         x[k] = sx + (r.u_j[0][k] - r.u_i[0][k]);
         y[k] = sy + (r.u_j[1][k] - r.u_i[1][k]);
-        const double squared = std::max(x[k] * x[k] + y[k] * y[k], no_length_m * no_length_m);
+        const double squared = std::max(x[k] * x[k] + y[k] * y[k], least);
         inverse[k] = inverse_root(squared);
         by[k] = squared * inverse[k] - length;
     }
@@ -147,11 +157,12 @@ TISSUE_HOT void drawn_out_alike(const SpringRun& r, int n, double sx, double sy,
 /// Both in space.
 TISSUE_HOT void drawn_out_solid(const SpringRun& r, int n, double* __restrict x, double* __restrict y, double* __restrict z, double* __restrict inverse,
                                 double* __restrict by) {
+    const double least = least_squared_m2;
     for (int k = 0; k < n; ++k) {
         x[k] = r.span[0][k] + (r.u_j[0][k] - r.u_i[0][k]);
         y[k] = r.span[1][k] + (r.u_j[1][k] - r.u_i[1][k]);
         z[k] = r.span[2][k] + (r.u_j[2][k] - r.u_i[2][k]);
-        const double squared = std::max(x[k] * x[k] + y[k] * y[k] + z[k] * z[k], no_length_m * no_length_m);
+        const double squared = std::max(x[k] * x[k] + y[k] * y[k] + z[k] * z[k], least);
         inverse[k] = inverse_root(squared);
         by[k] = squared * inverse[k] - r.length[k];
     }
@@ -159,11 +170,12 @@ TISSUE_HOT void drawn_out_solid(const SpringRun& r, int n, double* __restrict x,
 
 TISSUE_HOT void drawn_out_solid_alike(const SpringRun& r, int n, double sx, double sy, double sz, double length, double* __restrict x,
                                       double* __restrict y, double* __restrict z, double* __restrict inverse, double* __restrict by) {
+    const double least = least_squared_m2;
     for (int k = 0; k < n; ++k) {
         x[k] = sx + (r.u_j[0][k] - r.u_i[0][k]);
         y[k] = sy + (r.u_j[1][k] - r.u_i[1][k]);
         z[k] = sz + (r.u_j[2][k] - r.u_i[2][k]);
-        const double squared = std::max(x[k] * x[k] + y[k] * y[k] + z[k] * z[k], no_length_m * no_length_m);
+        const double squared = std::max(x[k] * x[k] + y[k] * y[k] + z[k] * z[k], least);
         inverse[k] = inverse_root(squared);
         by[k] = squared * inverse[k] - length;
     }

@@ -201,6 +201,31 @@ TEST_CASE("a hand without a sensor, one that moves and one that slips give no re
     learner.stop();
 }
 
+TEST_CASE("a session ends though readings wait to be learned: those that take too long are dropped, and said to be", "[adapt]") {
+    const TissueModel law = law_example();
+    HapticModel model(law, options_for_learning());
+    Adaptation adaptation(law, live());
+    LearnerOptions options;
+    options.hold_s = 0.01;
+    options.patience_s = 0.05;
+    Learner learner(model, adaptation, options);
+    Simulation simulation(model);
+    learner.on_line([](const Learner::Line&, const Adaptation&, void*) { std::this_thread::sleep_for(std::chrono::milliseconds(40)); }, nullptr);
+    for (int k = 0; k < 1200; ++k) {  // in, and on by half a millimetre each 40 ms
+        learner.before(simulation);
+        DeviceSample sample = sample_at(0.05, 0.1 - std::min(1e-5 * k, 2e-3) - (k < 200 ? 0 : 5e-4 * ((k / 40) % 2)));
+        sample.measured_N = Eigen::Vector3d(0, -1, 0);
+        simulation.tick(sample);
+        learner.after(simulation, {});
+    }
+    const long long readings = learner.readings();
+    CHECK(readings >= 10);
+    learner.stop();
+    const Adaptation::State& state = adaptation.state();
+    CHECK(learner.dropped() > 0);
+    CHECK(state.learned + state.gated + state.refused + learner.dropped() == readings);
+}
+
 TEST_CASE("a hand on a hidden tissue that comes late keeps its contact", "[adapt]") {
     const TissueModel law = law_example();
     // 4 mm deep, in at 0.1 m/s from 5 mm outside, and there
