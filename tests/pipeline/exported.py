@@ -443,8 +443,8 @@ def numpy_files(export, h5, more=()):
     same("files", sorted(str(file.relative_to(export))[:-4] for file in export.rglob("*.npy")), sorted([*datasets, *more]))
     for name, wanted in datasets.items():
         seen = np.load(export / f"{name}.npy")
-        if wanted.dtype == object:
-            wanted = np.array([text.decode() for text in wanted])
+        if wanted.dtype.kind == "S":
+            wanted = np.char.decode(wanted, "utf-8")
         elif seen.dtype != wanted.dtype:
             sys.exit(f"{name}: {seen.dtype}, wanted {wanted.dtype}")
         if wanted.dtype.kind == "f" and seen.tobytes() == wanted.tobytes():
