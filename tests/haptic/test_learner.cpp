@@ -1,5 +1,6 @@
 #include "haptic/learner.h"
 
+#include <atomic>
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -210,7 +211,13 @@ TEST_CASE("a session ends though readings wait to be learned: those that take to
     options.patience_s = 0.05;
     Learner learner(model, adaptation, options);
     Simulation simulation(model);
-    learner.on_line([](const Learner::Line&, const Adaptation&, void*) { std::this_thread::sleep_for(std::chrono::milliseconds(40)); }, nullptr);
+    std::atomic<bool> ending{false};  // the first reading takes until then, the others 40 ms each
+    learner.on_line(
+        [](const Learner::Line&, const Adaptation&, void* with) {
+            while (!static_cast<std::atomic<bool>*>(with)->load()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            std::this_thread::sleep_for(std::chrono::milliseconds(40));
+        },
+        &ending);
     for (int k = 0; k < 1200; ++k) {  // in, and on by half a millimetre each 40 ms
         learner.before(simulation);
         DeviceSample sample = sample_at(0.05, 0.1 - std::min(1e-5 * k, 2e-3) - (k < 200 ? 0 : 5e-4 * ((k / 40) % 2)));
@@ -220,6 +227,7 @@ TEST_CASE("a session ends though readings wait to be learned: those that take to
     }
     const long long readings = learner.readings();
     CHECK(readings >= 10);
+    ending = true;
     learner.stop();
     const Adaptation::State& state = adaptation.state();
     CHECK(learner.dropped() > 0);

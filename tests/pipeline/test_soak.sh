@@ -1,6 +1,7 @@
 #!/bin/sh
-# Alone: its ticks keep real time. scripts/soak for half a minute, on a small solid: two sessions that learn at 1 kHz, with a page open and a hostile client beside them, hold what it judges.
+# Alone: its ticks keep real time. With TISSUE_SOAK set, scripts/soak for half a minute, on a small solid: two sessions that learn at 1 kHz, with a page open and a hostile client beside them, hold what it judges.
 . "$(dirname "$0")/common"
+[ "${TISSUE_SOAK:-}" ] || { skip "two sessions that learn in real time hold what is judged" "asked for by TISSUE_SOAK=1: wants cores of its own"; finish; }
 TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}")
 export TISSUECTL TISSUE_HAPTIC
 make_copy
