@@ -20,7 +20,7 @@ namespace {
 struct Options {
     std::string model, data, out, held_out, readings = "long-term";
     AdaptOptions adapt;
-    double force_noise_percent = 2, model_error_percent = 3, place_error_mm = 0, next_depth_mm = 6;
+    double force_noise_percent = 2, model_error_percent = 3, place_error_mm = 0, next_depth_mm = 1e3 * usual_depth_m;
     int first = 0, next = 0;
     bool stream = false, forget = false, json = false, no_rival = false;
 };

@@ -23,13 +23,4 @@ void Journal::add(const Learner::Line& line) {
     out_ << row << std::endl;
 }
 
-std::string told(const std::string& program, const Learner::Line& line) {
-    const PokeAnswer& a = line.answer;
-    std::string text = fmt::format("{} {:.1f} s: {}{}\n", program, line.time_s, to_string(a.status),
-                                   a.status == PokeStatus::learned ? fmt::format(", felt {:.3g} N, expected {:.3g} N +- {:.2g} %", line.poke.force_N.norm(), a.expected_N.norm(), 100 * a.expected_sd)
-                                                                   : ": " + a.why);
-    if (!a.warning.empty()) text += program + ": " + a.warning + '\n';
-    return text;
-}
-
 }  // namespace tissue::cli

@@ -19,7 +19,4 @@ class Journal {
     std::ofstream out_;
 };
 
-/// "program 12.5 s: learned, felt 0.2 N, expected 0.3 N +- 5 %", with a warning's line after it.
-std::string told(const std::string& program, const Learner::Line& line);
-
 }  // namespace tissue::cli

@@ -102,6 +102,16 @@ void check(const Options& o, const TissueModel& tissue, const HapticModel& model
     write_file(o.out, cli::realtime_json(model, presses, jumps));
 }
 
+/// "tissue-haptic 12.5 s: learned, felt 0.2 N, expected 0.3 N +- 5 %", with a warning's line after it.
+std::string told(const Learner::Line& line) {
+    const PokeAnswer& a = line.answer;
+    std::string text = fmt::format("tissue-haptic {:.1f} s: {}{}\n", line.time_s, to_string(a.status),
+                                   a.status == PokeStatus::learned ? fmt::format(", felt {:.3g} N, expected {:.3g} N +- {:.2g} %", line.poke.force_N.norm(), a.expected_N.norm(), 100 * a.expected_sd)
+                                                                   : ": " + a.why);
+    if (!a.warning.empty()) text += "tissue-haptic: " + a.warning + '\n';
+    return text;
+}
+
 /// The session's hidden truth, its learner and what they write.
 struct Learning {
     std::unique_ptr<Adaptation> adaptation;
@@ -144,7 +154,7 @@ void run(const Options& o, Provenance provenance) {
         learning.learner = std::make_unique<Learner>(model, *learning.adaptation);
         learning.learner->on_line(
             [](const Learner::Line& line, const Adaptation&, void* with) {
-                std::cerr << cli::told("tissue-haptic", line);
+                std::cerr << told(line);
                 static_cast<cli::Journal*>(with)->add(line);
             },
             learning.journal.get());

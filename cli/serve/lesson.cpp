@@ -3,11 +3,6 @@
 #include "error.h"
 
 namespace tissue::serve {
-namespace {
-
-constexpr double next_depth_m = 0.006;  ///< of the push that is told, as tissuectl adapt has it
-
-}  // namespace
 
 Lesson::Lesson(const std::string& model_file, const std::string& hidden_file) : hidden_(read_model(hidden_file)), adaptation_(live_adaptation(model_file)) {
     if (hidden_.mesh.dimension() != adaptation_->base().mesh.dimension())
@@ -30,7 +25,7 @@ void Lesson::hear(const Learner::Line* line) {
     news.field = learned_field(*adaptation_);
     // in space the ranking takes longer than a hand waits
     if (const SpringMesh& mesh = adaptation_->base().mesh; !mesh.is_solid()) {
-        const std::vector<Push> pushes = pushes_over(adaptation_->surface(), mesh, next_depth_m, adaptation_->surface().spacing_m());
+        const std::vector<Push> pushes = pushes_over(adaptation_->surface(), mesh, usual_depth_m, adaptation_->surface().spacing_m());
         const std::vector<PokeWorth> worth = rank_pokes(*adaptation_, pushes, pushes);
         if (!worth.empty()) news.next = pushes[worth.front().push];
     }

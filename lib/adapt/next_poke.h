@@ -11,6 +11,8 @@ struct Push {
     Point contact_m, push_m;  ///< (D)
 };
 
+constexpr double usual_depth_m = 0.006;  ///< of a push that is told, where nobody says how deep
+
 /// Pushes straight into the tissue, so deep, all over its free surface: about `apart_m` from each other, and as far from what is held.
 std::vector<Push> pushes_over(const FreeSurface& surface, const SpringMesh& mesh, double depth_m, double apart_m);
 

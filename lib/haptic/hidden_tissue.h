@@ -26,7 +26,7 @@ class HiddenTissue final : public Device {
     std::unique_ptr<Device> hand_;
     HapticModel model_;
     Simulation simulation_;
-    double last_s_ = -1e-3;  ///< time of the last read; a session begins with 0
+    double last_s_ = 0;  ///< time of the last read
 };
 
 }  // namespace tissue

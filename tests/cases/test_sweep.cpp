@@ -146,6 +146,12 @@ TEST_CASE("the draws are the seed's: the same for the same, others for another")
     CHECK(different >= 10);
 }
 
+TEST_CASE("a sweep of more contacts than anyone solves is refused before they are listed") {
+    Study endless = swept();
+    endless.loads.sweep->spacing_m = 1e-9;
+    CHECK_THAT(refusal<MismatchError>([&] { planned_paths(endless); }), Contains("loads.sweep.spacing_m") && Contains("10000"));
+}
+
 TEST_CASE("a draw without room between the training contacts is refused by name") {
     Study crowded = swept();
     crowded.loads.sweep->spacing_m = 0.001;

@@ -236,6 +236,17 @@ TEST_CASE("after a release, a fault and a fold the record holds nothing of the c
     }
 }
 
+TEST_CASE("without contact there is a proxy all the same, of the tissue's dimension: before the first tick, and after a reset", "[simulation]") {
+    const HapticModel model(haptic_example(), {});
+    Simulation s(model);
+    CHECK(s.contact().proxy_m.size() == 2);
+    for (long k = 0; k < 1000; ++k) s.tick(pressing(k));
+    REQUIRE(s.contact().pressing);
+    s.reset();
+    CHECK_FALSE(s.contact().contact);
+    CHECK(s.contact().proxy_m.size() == 2);
+}
+
 TEST_CASE("a contact that the mesh carries to another segment has that segment's stiffness", "[simulation]") {
     TissueModel tissue = haptic_example({"grid4", "isotropic", 10, 0.9});
     HapticOptions o;

@@ -140,6 +140,8 @@ TEST_CASE("impossible values are refused with file, line, key and what is allowe
     refused("cells = [4, 4]", "cells = [4, 0]", "lattice.cells", "a number >= 1");
     refused("cells = [4, 4]", "cells = [4, 4.5]", "lattice.cells", "whole numbers");
     refused("cells = [4, 4]", "cells = [4, 4, 4]", "lattice.cells", "2 numbers");
+    refused("cells = [4, 4]", "cells = [400, 400]", "lattice.cells", "at most 100000");
+    refused("record_step_m = 0.002", "record_step_m = 2e-10", "loads.record_step_m", "at most 10000");
     refused("refine = 1", "refine = 0", "mesh.refine", "an integer from 1");
     refused("tolerance = 1e-10", "tolerance = 1", "solver.tolerance", "a number >= ");
     refused("seed = 11", "seed = -1", "training.seed", "an integer from 0");

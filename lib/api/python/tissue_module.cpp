@@ -288,7 +288,7 @@ for each object; press() uses several of its own, and others may run meanwhile.)
                      told.append(py::make_tuple(Eigen::VectorXd(pushes[worth.push].contact_m), Eigen::VectorXd(pushes[worth.push].push_m), worth.gain));
                  }
                  return told;
-             }, py::arg("depth_m") = 0.006, py::arg("count") = 3, "Pushes that would tell most: contact, push, and what part of the mean variance of all forces each would take away.")
+             }, py::arg("depth_m") = usual_depth_m, py::arg("count") = 3, "Pushes that would tell most: contact, push, and what part of the mean variance of all forces each would take away.")
         .def("model", [](const Adaptation& a) { return std::make_shared<TissueModel>(a.model()); }, "The model as it is now.")
         .def("write", [](const Adaptation& a, const std::string& file) { write_adapted_model(file, a, {"python tissue.Adaptation.write", 0, {}}); }, py::arg("file"),
              "A model.h5 that plays as it has learned to, and that learning can go on from.")

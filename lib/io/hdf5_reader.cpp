@@ -1,0 +1,236 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+
+#include "error.h"
+#include "io/hdf5_handle.h"
+#include "io/hdf5_store.h"
+#include "version.h"
+
+namespace tissue {
+namespace {
+
+/// No filter of HDF5 packs tighter; who packed a file of ours anew may read it too.
+constexpr std::size_t tightest_packing = 1100;
+
+/// Integers or floating point of a size that HDF5 reads as it stands: of a larger one it makes a buffer of that size a value.
+bool is_number(hid_t type) {
+    const H5T_class_t kind = H5Tget_class(type);
+    return (kind == H5T_FLOAT || kind == H5T_INTEGER) && H5Tget_size(type) <= sizeof(double);
+}
+
+/// One value, not many: reading many into one would write past it.
+bool is_single(hid_t attribute) {
+    const Hdf5Handle space(H5Aget_space(attribute), H5Sclose);
+    return H5Sget_simple_extent_npoints(space) == 1;
+}
+
+bool read_text(hid_t attribute, std::string& value) {
+    const Hdf5Handle stored(H5Aget_type(attribute), H5Tclose);
+    constexpr std::size_t longest = std::size_t{1} << 20;
+    if (H5Tget_class(stored) != H5T_STRING || H5Tget_size(stored) > longest) return false;
+    if (H5Tis_variable_str(stored) > 0) {
+        const Hdf5Handle type(text_type(H5T_VARIABLE, H5Tget_cset(stored)), H5Tclose);
+        char* text = nullptr;
+        if (H5Aread(attribute, type, &text) < 0 || !text) return false;
+        value = text;
+        H5free_memory(text);
+        return true;
+    }
+    value.assign(H5Tget_size(stored), '\0');
+    const Hdf5Handle type(text_type(value.size(), H5Tget_cset(stored)), H5Tclose);
+    if (H5Aread(attribute, type, value.data()) < 0) return false;
+    value.resize(value.find_last_not_of('\0') + 1);
+    return true;
+}
+
+}  // namespace
+
+Hdf5Reader::Hdf5Reader(std::string file, const std::string& kind) : file_(std::move(file)) {
+    silence_hdf5();
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file_, error)) throw FileError(file_ + ": there is no such file");
+    bytes_ = std::filesystem::file_size(file_, error);
+    id_ = H5Fopen(file_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    if (id_ < 0) throw FileError(file_ + ": is not an HDF5 file, or is truncated");
+    try {
+        if (H5Aexists(id_, "program") <= 0 || text_attribute("/", "program") != "tissuectl")
+            refuse("/", "was not written by tissuectl");
+        const double file_version = number_attribute("/", "format_version");
+        if (file_version > adapted_format_version)
+            refuse("/", fmt::format("format version {} is later than this program's {}", file_version, adapted_format_version));
+        if (file_version > law_format_version && file_version < solid_format_version)
+            refuse("/", fmt::format("format version {} was of solids under discs with another energy; make it anew", file_version));
+        const std::string file_kind = text_attribute("/", "kind");
+        if (!kind.empty() && file_kind != kind)
+            refuse("/", fmt::format("holds '{}', wanted '{}'", file_kind, kind));
+    } catch (...) {
+        H5Fclose(id_);
+        throw;
+    }
+}
+
+Hdf5Reader::~Hdf5Reader() {
+    H5Fclose(id_);
+}
+
+void Hdf5Reader::refuse(const std::string& place, const std::string& why) const {
+    throw FileError(fmt::format("{}: {}: {}", file_, place, why));
+}
+
+bool Hdf5Reader::has(const std::string& name) const {
+    return H5Oexists_by_name(id_, name.c_str(), H5P_DEFAULT) > 0;
+}
+
+std::size_t Hdf5Reader::count_of(const std::string& name, long long dataset) const {
+    const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);
+    const std::size_t count = product(shape_of(dataset));
+    if (count > most_values || count * H5Tget_size(type) > bytes_ * tightest_packing) refuse(name, "claims more values than the file can hold");
+    return count;
+}
+
+Array Hdf5Reader::array(const std::string& name) const {
+    const Hdf5Handle dataset(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    if (dataset.failed()) refuse(name, "is missing");
+    const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);
+    if (!is_number(type)) refuse(name, "cannot be read as numbers");
+    Array array;
+    array.shape = shape_of(dataset);
+    array.values.resize(count_of(name, dataset));
+    if (!array.values.empty() &&
+        H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, array.values.data()) < 0)
+        refuse(name, "cannot be read as numbers: damaged");
+    return array;
+}
+
+Eigen::VectorXd Hdf5Reader::vector(const std::string& name) const {
+    const Array a = array(name);
+    if (a.shape.size() != 1) refuse(name, "must have one dimension");
+    return Eigen::Map<const Eigen::VectorXd>(a.values.data(), static_cast<Eigen::Index>(a.values.size()));
+}
+
+NodeField Hdf5Reader::field(const std::string& name) const {
+    const Array a = array(name);
+    if (a.shape.size() != 2) refuse(name, "must have two dimensions");
+    return Eigen::Map<const NodeField>(a.values.data(), static_cast<Eigen::Index>(a.shape[0]),
+                                       static_cast<Eigen::Index>(a.shape[1]));
+}
+
+std::vector<int> Hdf5Reader::integers(const std::string& name) const {
+    const Array a = array(name);
+    for (const double value : a.values)
+        if (!(std::abs(value) <= 2147483647.0) || value != std::floor(value))
+            refuse(name, fmt::format("holds {}, which is not a whole number", value));
+    return {a.values.begin(), a.values.end()};
+}
+
+std::vector<std::string> Hdf5Reader::texts(const std::string& name) const {
+    const Hdf5Handle dataset(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    if (dataset.failed()) refuse(name, "is missing");
+    const Hdf5Handle stored(H5Dget_type(dataset), H5Tclose);
+    if (H5Tget_class(stored) != H5T_STRING) refuse(name, "cannot be read as texts");
+    const bool any_length = H5Tis_variable_str(stored) > 0;
+    const std::size_t length = any_length ? H5T_VARIABLE : H5Tget_size(stored);
+    const std::size_t count = count_of(name, dataset);
+    const Hdf5Handle type(text_type(length, H5Tget_cset(stored)), H5Tclose);
+    const auto read = [&](void* values) {
+        if (count > 0 && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) refuse(name, "cannot be read as texts: damaged");
+    };
+    std::vector<std::string> texts;
+    if (any_length) {
+        std::vector<char*> raw(count, nullptr);
+        read(raw.data());
+        for (char* text : raw) {
+            texts.emplace_back(text ? text : "");
+            H5free_memory(text);
+        }
+    } else {
+        std::string raw(count * length, '\0');
+        read(raw.data());
+        for (std::size_t i = 0; i < count; ++i) {
+            texts.push_back(raw.substr(i * length, length));
+            texts.back().resize(texts.back().find_last_not_of('\0') + 1);
+        }
+    }
+    return texts;
+}
+
+bool Hdf5Reader::has_attribute(const std::string& object, const std::string& key) const {
+    return H5Aexists_by_name(id_, object.c_str(), key.c_str(), H5P_DEFAULT) > 0;
+}
+
+std::string Hdf5Reader::text_attribute(const std::string& object, const std::string& key) const {
+    const Hdf5Handle attribute(H5Aopen_by_name(id_, object.c_str(), key.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    std::string value;
+    if (attribute.failed() || !is_single(attribute) || !read_text(attribute, value)) refuse(object, "attribute '" + key + "' is missing");
+    return value;
+}
+
+double Hdf5Reader::number_attribute(const std::string& object, const std::string& key) const {
+    const Hdf5Handle attribute(H5Aopen_by_name(id_, object.c_str(), key.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    const Hdf5Handle type(attribute.failed() ? -1 : H5Aget_type(attribute), H5Tclose);
+    double value = 0;
+    if (attribute.failed() || !is_single(attribute) || !is_number(type) || H5Aread(attribute, H5T_NATIVE_DOUBLE, &value) < 0)
+        refuse(object, "attribute '" + key + "' is missing");
+    return value;
+}
+
+std::vector<std::string> Hdf5Reader::children(const std::string& group) const {
+    const Hdf5Handle place(H5Gopen2(id_, group.c_str(), H5P_DEFAULT), H5Gclose);
+    if (place.failed()) refuse(group, "is missing");
+    std::vector<std::string> names;
+    const auto collect = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
+        static_cast<std::vector<std::string>*>(out)->emplace_back(name);
+        return 0;
+    };
+    H5Literate(place, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &names);
+    return names;
+}
+
+std::vector<std::string> Hdf5Reader::datasets() const {
+    std::vector<std::string> names;
+    const std::function<void(const std::string&)> walk = [&](const std::string& group) {
+        for (const std::string& child : children(group)) {
+            const std::string name = group == "/" ? "/" + child : group + "/" + child;
+            const Hdf5Handle object(H5Oopen(id_, name.c_str(), H5P_DEFAULT), H5Oclose);
+            if (H5Iget_type(object) == H5I_GROUP)
+                walk(name);
+            else
+                names.push_back(name);
+        }
+    };
+    walk("/");
+    return names;
+}
+
+std::vector<std::size_t> Hdf5Reader::shape(const std::string& dataset) const {
+    const Hdf5Handle object(H5Dopen2(id_, dataset.c_str(), H5P_DEFAULT), H5Dclose);
+    if (object.failed()) refuse(dataset, "is missing");
+    return shape_of(object);
+}
+
+DatasetKind Hdf5Reader::kind(const std::string& dataset) const {
+    const Hdf5Handle object(H5Dopen2(id_, dataset.c_str(), H5P_DEFAULT), H5Dclose);
+    if (object.failed()) refuse(dataset, "is missing");
+    const Hdf5Handle type(H5Dget_type(object), H5Tclose);
+    switch (H5Tget_class(type)) {
+        case H5T_FLOAT: return DatasetKind::numbers;
+        case H5T_INTEGER: return DatasetKind::integers;
+        case H5T_STRING: return DatasetKind::texts;
+        default: refuse(dataset, "holds neither numbers nor texts");
+    }
+}
+
+std::vector<std::string> Hdf5Reader::describe() const {
+    std::vector<std::string> lines;
+    for (const std::string& name : datasets())
+        lines.push_back(fmt::format("{:<40} {:<14} {:<6} {}", name, fmt::format("{}", fmt::join(shape(name), " x ")),
+                                    text_attribute(name, "units"), text_attribute(name, "description")));
+    return lines;
+}
+
+}  // namespace tissue
