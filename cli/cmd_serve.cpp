@@ -50,6 +50,7 @@ void run(const Options& o, Provenance provenance) {
         write_adapted_model(o.learn, stage.lesson()->adaptation(), provenance);
         std::cerr << fmt::format("tissuectl serve: {} readings learned: {}\n", stage.lesson()->adaptation().state().learned, o.learn);
     }
+    if (journal) journal->close();
     const std::string file = std::filesystem::path(o.models[static_cast<std::size_t>(stage.index())]).filename().string();
     const long long dropped = recorder ? recorder->dropped() : 0;
     std::cout << (o.json ? ledger_json(file, stage.pointer(), stage.simulation(), stage.report(), dropped)

@@ -6,7 +6,7 @@
 
 namespace tissue::cli {
 
-Journal::Journal(const std::string& file, int dimension) {
+Journal::Journal(const std::string& file, int dimension) : file_(file) {
     if (file.empty()) return;
     out_.open(file, std::ios::trunc);
     for (const char* what : {"contact", "displacement", "force"})
@@ -21,6 +21,12 @@ void Journal::add(const Learner::Line& line) {
     for (const Point& p : {line.poke.contact_m, line.poke.push_m, line.poke.force_N})
         for (double v : p) row += fmt::format("{}{}", row.empty() ? "" : ",", v);  // reads back to the same bits
     out_ << row << std::endl;
+}
+
+void Journal::close() {
+    if (!out_.is_open()) return;
+    out_.close();
+    if (!out_) throw FileError(file_ + ": could not be written to its end: readings are missing from it");
 }
 
 }  // namespace tissue::cli

@@ -14,8 +14,11 @@ class Journal {
     /// Empty: none is kept. Throws FileError when it cannot be written.
     Journal(const std::string& file, int dimension);
     void add(const Learner::Line& line);
+    /// After the last row. Throws FileError when the disk refused one: then that and all later ones are missing.
+    void close();
 
    private:
+    std::string file_;
     std::ofstream out_;
 };
 

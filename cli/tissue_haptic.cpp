@@ -171,6 +171,7 @@ void run(const Options& o, Provenance provenance) {
     }
     for (const std::string& notice : report.notices) std::cerr << "tissue-haptic: " << notice << '\n';
     if (recorder) recorder->close(model);
+    if (learning.journal) learning.journal->close();
     const std::string model_file = std::filesystem::path(o.model).filename().string();
     const long long dropped = recorder ? recorder->dropped() : 0;
     std::cout << (o.json ? cli::ledger_json(model_file, *device, simulation, report, dropped)

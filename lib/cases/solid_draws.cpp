@@ -11,6 +11,7 @@ namespace {
 
 constexpr double degree = 3.14159265358979323846 / 180;
 constexpr double least_distance_m = 0.002, least_angle_deg = 5;  // what "held out" means, beside the seed
+constexpr int most_tries = 10'000;                            // for one contact
 
 /// Whether a push is far enough from another, in place or direction, not to be the same contact.
 bool apart(const StudyPath& a, const StudyPath& b) {
@@ -22,40 +23,41 @@ bool apart(const StudyPath& a, const StudyPath& b) {
 
 SolidDraws::SolidDraws(const Study& study, const Study::Draws& draws, const std::vector<StudyPath>& trained, const FreeSurface* surface,
                        const std::string& key)
-    : study_(study), draws_(draws), trained_(trained), surface_(surface), key_(key), rng_(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free), tries_(1000L * draws.count) {
+    : study_(study), draws_(draws), trained_(trained), surface_(surface), key_(key), rng_(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free) {
     gsl_rng_set(rng_.get(), draws.seed);
 }
 
 StudyPath SolidDraws::push() {
     StudyPath push;
+    int tries = most_tries;
     do {
-        push.contact_m = surface_ ? place_on_surface() : place();
+        push.contact_m = surface_ ? place_on_surface(tries) : place(tries);
         push.direction = direction(push.contact_m);
     } while (!is_apart(push));
     push.depth_m = uniform(draws_.depth_m[0], draws_.depth_m[1]);
     return push;
 }
 
-void SolidDraws::count_a_try() {
-    if (--tries_ < 0)
+void SolidDraws::count_down(int& tries) const {
+    if (--tries < 0)
         throw MismatchError(key_ + ": clearance_m and the training contacts leave no room for contacts 2 mm or 5 degrees away from all of them");
 }
 
-Point SolidDraws::place() {
+Point SolidDraws::place(int& tries) {
     const Study::Geometry& g = study_.geometry;
     const double low = draws_.clearance_m[0];
     while (true) {
-        count_a_try();
+        count_down(tries);
         const double x = uniform(low, g.width_m - low), y = uniform(low, g.length_m - low);
         if (std::min({x, g.width_m - x, y, g.length_m - y}) <= draws_.clearance_m[1]) return Eigen::Vector3d(x, y, g.height_m);
     }
 }
 
 /// Uniform by area: a facet by its area, then a point of it.
-Point SolidDraws::place_on_surface() {
+Point SolidDraws::place_on_surface(int& tries) {
     const Eigen::VectorXd& area = surface_->measure();
     while (true) {
-        count_a_try();
+        count_down(tries);
         double left = uniform(0, area.sum());
         Eigen::Index f = 0;
         while (f + 1 < area.size() && left >= area[f]) left -= area[f++];

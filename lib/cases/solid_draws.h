@@ -17,16 +17,16 @@ class SolidDraws {
     /// surface: of a shape; null for a block. key: of the study, which refusals name. What is given must outlive this.
     SolidDraws(const Study& study, const Study::Draws& draws, const std::vector<StudyPath>& trained, const FreeSurface* surface, const std::string& key);
 
-    /// Contact, direction and depth; no name. Throws MismatchError when there is no such contact, as far as a thousand tries a
-    /// contact can tell.
+    /// Contact, direction and depth; no name. Throws MismatchError when there is no such contact, as far as ten thousand
+    /// tries can tell.
     StudyPath push();
 
     double uniform(double low, double high) { return low + (high - low) * gsl_rng_uniform(rng_.get()); }
 
    private:
-    void count_a_try();
-    Point place();
-    Point place_on_surface();
+    Point place(int& tries);
+    Point place_on_surface(int& tries);
+    void count_down(int& tries) const;
     Point direction(const Point& place);
     bool is_apart(const StudyPath& push) const;
 
@@ -36,7 +36,6 @@ class SolidDraws {
     const FreeSurface* surface_;
     std::string key_;
     std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng_;
-    long tries_;
 };
 
 }  // namespace tissue

@@ -14,6 +14,7 @@ namespace {
 constexpr double degree = 3.14159265358979323846 / 180;
 constexpr double least_arc_m = 0.002, least_angle = 5 * degree;  // what "held out" means, beside the seed
 constexpr double tiny_arc_m = 1e-9;
+constexpr int most_tries = 10'000;  // for one contact
 
 /// Angles of a training position: at a corner of the outline those of both sides, so that neighbours on either side
 /// find their own pushes there.
@@ -80,7 +81,7 @@ std::vector<SurfaceContact> training_contacts(const Outline& outline, const Stud
 ContactDraws::ContactDraws(const Study& study, const Study::Draws& draws, const Outline& outline,
                            const std::vector<SurfaceContact>& trained, const std::string& key)
     : draws_(draws), outline_(outline), trained_(trained), key_(key), clearance_m_(study.loads.sweep->clearance_m),
-      rng_(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free), tries_(1000L * draws.count) {
+      rng_(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free) {
     gsl_rng_set(rng_.get(), draws.seed);
 }
 
@@ -88,14 +89,15 @@ double ContactDraws::uniform(double low, double high) {
     return low + (high - low) * gsl_rng_uniform(rng_.get());
 }
 
-void ContactDraws::count_a_try() {
-    if (--tries_ < 0)
-        throw MismatchError(key_ + ": the training contacts leave no room for contacts 2 mm or 5 degrees away from all of them");
+SurfaceContact ContactDraws::contact() {
+    int tries = most_tries;
+    return contact_within(tries);
 }
 
-SurfaceContact ContactDraws::contact() {
+SurfaceContact ContactDraws::contact_within(int& tries) {
     while (true) {
-        count_a_try();
+        if (--tries < 0)
+            throw MismatchError(key_ + ": the training contacts leave no room for contacts 2 mm or 5 degrees away from all of them");
         SurfaceContact c{};
         c.arc = uniform(clearance_m_, outline_.length() - clearance_m_);
         c.angle = uniform(-draws_.max_angle_deg, draws_.max_angle_deg) * degree;
@@ -111,8 +113,8 @@ bool ContactDraws::is_apart(const SurfaceContact& c) const {
 }
 
 std::array<SurfaceContact, 2> ContactDraws::pair(double apart_m) {
-    while (true) {
-        const SurfaceContact first = contact();
+    for (int tries = most_tries;;) {
+        const SurfaceContact first = contact_within(tries);
         const double sign = uniform(0, 1) < 0.5 ? 1 : -1;
         for (const double way : {sign, -sign}) {
             const SurfaceContact second{first.arc + way * apart_m, first.angle};

@@ -29,7 +29,7 @@ class ContactDraws {
     ContactDraws(const Study& study, const Study::Draws& draws, const Outline& outline, const std::vector<SurfaceContact>& trained,
                  const std::string& key);
 
-    /// Throws MismatchError when there is no such contact, as far as a thousand tries a contact can tell.
+    /// Throws MismatchError when there is no such contact, as far as ten thousand tries can tell.
     SurfaceContact contact();
 
     /// Two that far apart along the surface, at one angle off the normal of each, the second to either side. Throws as contact().
@@ -38,7 +38,7 @@ class ContactDraws {
     double uniform(double low, double high);
 
    private:
-    void count_a_try();
+    SurfaceContact contact_within(int& tries);
     bool is_apart(const SurfaceContact& c) const;
 
     const Study::Draws& draws_;
@@ -47,7 +47,6 @@ class ContactDraws {
     std::string key_;
     double clearance_m_;
     std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng_;
-    long tries_;
 };
 
 }  // namespace tissue

@@ -61,6 +61,8 @@ NewFile::~NewFile() {
 }
 
 void NewFile::move_into_place() {
+    // else a machine that loses power may keep the name and not what it names; EINVAL: a place that has nothing to force
+    if (::fsync(descriptor_) != 0 && errno != EINVAL) fail(file_, "write");
     // a network's disk refuses data when a descriptor is closed; the last one goes with the lock
     if (const int copy = ::dup(descriptor_); copy < 0 || ::close(copy) != 0) fail(file_, "write");
     if (std::rename(temporary_.c_str(), file_.c_str()) != 0) fail(file_, "write");

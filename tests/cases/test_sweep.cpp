@@ -156,6 +156,9 @@ TEST_CASE("a draw without room between the training contacts is refused by name"
     Study crowded = swept();
     crowded.loads.sweep->spacing_m = 0.001;
     crowded.loads.sweep->angles_deg = {-6, -3, 0, 3, 6};
-    for (Study::Draws& draws : crowded.draws) draws.max_angle_deg = 5;
+    for (Study::Draws& draws : crowded.draws) {
+        draws.max_angle_deg = 5;
+        draws.count = 100'000;  // as soon as for one: tries are counted for each contact
+    }
     CHECK_THAT(refusal<MismatchError>([&] { planned_paths(crowded); }), Contains("draws."));
 }

@@ -1,9 +1,12 @@
 #include "io/atomic_file.h"
 
 #include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <cerrno>
 #include <thread>
 #include <vector>
 
@@ -28,7 +31,35 @@ ino_t inode(const std::string& file) {
     return status.st_ino;
 }
 
+/// What the disk was asked to keep last, and what it shall answer: in place of the C library's, for all of this program.
+std::atomic<ino_t> forced{0};
+std::atomic<off_t> forced_bytes{0};
+std::atomic<int> disk_error{0};
+
 }  // namespace
+
+extern "C" int fsync(int descriptor) {
+    struct stat status {};
+    if (::fstat(descriptor, &status) == 0) forced = status.st_ino, forced_bytes = status.st_size;
+    if (disk_error != 0) return errno = disk_error, -1;
+    return static_cast<int>(::syscall(SYS_fsync, descriptor));
+}
+
+TEST_CASE("the disk has a file's content before its name") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a", "old");
+    write_file(file, "whole");
+    CHECK(forced == inode(file));
+    CHECK(forced_bytes == 5);
+
+    disk_error = EIO;
+    CHECK_THAT(refusal<FileError>([&] { write_file(file, "newer"); }), Contains(file + ": cannot write: "));
+    disk_error = EINVAL;  // a pipe's and the like
+    CHECK_NOTHROW(write_file(folder.file("b"), "x"));
+    disk_error = 0;
+    CHECK(read_file(file) == "whole");
+    CHECK(folder.names() == std::vector<std::string>{"a", "b"});
+}
 
 TEST_CASE("what is written reads back, byte for byte, and leaves nothing beside") {
     const TemporaryFolder folder;

@@ -56,5 +56,13 @@ a, b = (h5py.File(f) for f in sys.argv[1:])
 assert (a["adaptation/x"][:] == b["adaptation/x"][:]).all() and (a["law/constants"][:] == b["law/constants"][:]).all()' "$scratch/live.h5" "$scratch/replayed.h5"
 check "where the model cannot be written no session begins" sh -c "! '$TISSUE_HAPTIC' '$model' --motion probe --seconds 60 --learn '$scratch/no/where.h5' 2>'$scratch/log'"
 check "in one line" grep -q '^tissue-haptic: .*no/where.h5' "$scratch/log"
+mkfifo "$scratch/pipe"
+head -n 1 "$scratch/pipe" >/dev/null &  # takes the header and no reading
+check "a journal that breaks off ends the session with an error" sh -c "trap '' PIPE; ! '$TISSUE_HAPTIC' '$model' --motion probe --depth 0.004 --seconds 6 \
+    --no-realtime --hidden '$scratch/whole.h5' --learn '$scratch/broken.h5' --journal '$scratch/pipe' >'$scratch/out' 2>'$scratch/log'"
+check "in one line" grep -q '^tissue-haptic: .*/pipe: could not be written to its end' "$scratch/log"
+check "after the model that was learned" exist "$scratch/broken.h5"
+check "where the journal cannot be written no session begins" sh -c "! '$TISSUE_HAPTIC' '$model' --learn '$scratch/none.h5' --journal /dev/full 2>'$scratch/log' &&
+    grep -q '^tissue-haptic: /dev/full: cannot be written' '$scratch/log'"
 check "a journal without --learn is refused" sh -c "! '$TISSUE_HAPTIC' '$model' --journal x.csv --seconds 0.1 2>/dev/null"
 finish
