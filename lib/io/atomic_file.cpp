@@ -9,12 +9,15 @@
 
 #include <cerrno>
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <sstream>
 #include <thread>
+#include <vector>
 
 #include "error.h"
 
@@ -30,6 +33,21 @@ bool is_open_as(int descriptor, const std::string& name) {
     struct stat ours {}, there {};
     return ::fstat(descriptor, &ours) == 0 && ::stat(name.c_str(), &there) == 0 && ours.st_ino == there.st_ino &&
            ours.st_dev == there.st_dev;
+}
+
+constexpr std::uintmax_t largest_text = 256 << 20;
+
+std::ifstream opened(const std::string& file) {
+    std::error_code error;
+    if (std::filesystem::is_directory(file, error)) throw FileError(file + ": is a folder, not a file");
+    if (std::filesystem::is_character_file(file, error)) throw FileError(file + ": is a device, not a file");
+    std::ifstream in(file, std::ios::binary);
+    if (!in) fail(file, "read");
+    return in;
+}
+
+std::string digits(const XXH128_hash_t& hash) {
+    return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
 }
 
 }  // namespace
@@ -90,10 +108,10 @@ bool write_file_if_changed(const std::string& file, const std::string& content) 
 }
 
 std::string read_file(const std::string& file) {
+    std::ifstream in = opened(file);
     std::error_code error;
-    if (std::filesystem::is_directory(file, error)) throw FileError(file + ": is a folder, not a file");
-    std::ifstream in(file, std::ios::binary);
-    if (!in) fail(file, "read");
+    if (const auto size = std::filesystem::file_size(file, error); !error && size > largest_text)
+        throw FileError(fmt::format("{}: has {} bytes; at most {} are read", file, size, largest_text));
     std::ostringstream content;
     content << in.rdbuf();
     if (in.bad()) fail(file, "read");
@@ -101,12 +119,18 @@ std::string read_file(const std::string& file) {
 }
 
 std::string file_hash(const std::string& file) {
-    return text_hash(read_file(file));
+    std::ifstream in = opened(file);
+    const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(), XXH3_freeState);
+    XXH3_128bits_reset(state.get());
+    std::vector<char> piece(1 << 20);
+    while (in.read(piece.data(), static_cast<std::streamsize>(piece.size())) || in.gcount() > 0)
+        XXH3_128bits_update(state.get(), piece.data(), static_cast<std::size_t>(in.gcount()));
+    if (in.bad()) fail(file, "read");
+    return digits(XXH3_128bits_digest(state.get()));
 }
 
 std::string text_hash(const std::string& content) {
-    const XXH128_hash_t hash = XXH3_128bits(content.data(), content.size());
-    return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+    return digits(XXH3_128bits(content.data(), content.size()));
 }
 
 }  // namespace tissue

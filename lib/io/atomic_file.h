@@ -33,13 +33,13 @@ void write_file(const std::string& file, const std::string& content);
 /// Returns whether it wrote.
 bool write_file_if_changed(const std::string& file, const std::string& content);
 
-/// The whole content. Throws FileError when it cannot be read.
+/// The whole content of a text. Throws FileError when it cannot be read, is a device, or has more than 256 MiB.
 std::string read_file(const std::string& file);
 
 /// Fingerprint of a text, 32 hexadecimal digits (XXH3).
 std::string text_hash(const std::string& content);
 
-/// A file's fingerprint, 32 hexadecimal digits (XXH3). Throws FileError.
+/// A file's fingerprint, that of its content as text_hash has it, of any size. Throws FileError.
 std::string file_hash(const std::string& file);
 
 }  // namespace tissue

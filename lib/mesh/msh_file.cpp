@@ -23,6 +23,9 @@ const std::map<int, std::string> other_kinds = {
 /// In the file's unit of length, whatever that is: what is larger has areas and volumes that are no numbers.
 constexpr double largest_coordinate = 1e12;
 
+/// Names, nodes or elements: what is more than this no solver here takes, and memory is not asked for it.
+constexpr long largest_count = 1'000'000;
+
 class Lines {
    public:
     explicit Lines(const std::string& file) : file_(file), in_(read_file(file)) {}
@@ -41,6 +44,7 @@ class Lines {
         std::istringstream words(next(wanted));
         long n = 0;
         if (!(words >> n) || n < 0) refuse(fmt::format("is not {}", wanted));
+        if (n > largest_count) refuse(fmt::format("says {} is {}; at most {} are read", wanted, n, largest_count));
         return n;
     }
 

@@ -101,6 +101,19 @@ TEST_CASE("a file's fingerprint is that of its content") {
     CHECK(a.size() == 32);
     CHECK(a.find_first_not_of("0123456789abcdef") == std::string::npos);
     CHECK(file_hash(folder.file("empty", "")) == "99aa06d3014798d86001c324468d497f");  // XXH3's published value
+
+    std::string longer(3'000'001, '\0');
+    for (std::size_t k = 0; k < longer.size(); ++k) longer[k] = static_cast<char>(k * k % 251);
+    CHECK(file_hash(folder.file("longer", longer)) == text_hash(longer));
+}
+
+TEST_CASE("a text that does not end, or not soon, is refused before memory is asked for") {
+    const TemporaryFolder folder;
+    const std::string large = folder.file("large", "");
+    REQUIRE(truncate(large.c_str(), (256L << 20) + 1) == 0);  // of holes
+    CHECK_THAT(refusal<FileError>([&] { read_file(large); }), Contains("large: has 268435457 bytes; at most 268435456 are read"));
+    CHECK_THAT(refusal<FileError>([] { read_file("/dev/zero"); }), Contains("/dev/zero: is a device, not a file"));
+    CHECK_THAT(refusal<FileError>([] { file_hash("/dev/zero"); }), Contains("/dev/zero: is a device, not a file"));
 }
 
 TEST_CASE("what the disk refuses is refused by name and leaves nothing beside") {

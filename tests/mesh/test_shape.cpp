@@ -136,6 +136,7 @@ TEST_CASE("a mesh that is no tissue is refused with file, place and cause") {
     CHECK_THAT(said("$MeshFormat\n2.2 1 8\n"), Contains(":2: ") && Contains("binary"));
     CHECK_THAT(said("solid\n"), Contains(":1: ") && Contains("not a gmsh mesh"));
     CHECK_THAT(said(square_text().substr(0, 300)), Contains("breaks off") || Contains("is not"));
+    CHECK_THAT(said(with(square_text(), "$Nodes\n6", "$Nodes\n1000001")), Contains("says the number of nodes is 1000001; at most 1000000 are read"));
     CHECK_THAT(said(with_element("9 3 2 3 1 1 2 3 4")), Contains("element 9 is a quadrilateral"));
     CHECK_THAT(said(with_element("9 4 2 3 1 1 2 3 5")), Contains("element 9 is a tetrahedron"));
     CHECK_THAT(said(with_element("9 9 2 3 1 1 2 3 4 5 9")), Contains("second-order"));

@@ -1,0 +1,46 @@
+#!/bin/sh
+# tests/run itself: what it counts, of suites that pass, fail, skip, crash, check nothing, and of two that have one name.
+. "$(dirname "$0")/common"
+mkdir -p "$work/tests/fem" "$work/tests/pipeline"
+cp "$root/tests/run" "$work/tests"
+
+# suite FOLDER/NAME LINE...: one of these lines
+suite() {
+    file=$work/tests/$1.sh
+    shift
+    printf '%s\n' '#!/bin/sh' "$@" >"$file"
+    chmod +x "$file"
+}
+library() { printf '%s\n' '#!/bin/sh' "echo '$1'" "exit $2" >"$work/library" && chmod +x "$work/library"; }
+counts() { [ "$(tail -n 1 "$said")" = "$1" ] || { cat "$said"; return 1; }; }
+
+library 'All tests passed (12 assertions in 5 test cases)' 0
+suite fem/test_solid 'echo "ok - a"' 'echo "ok - b"'
+suite pipeline/test_solid 'echo "ok - c"' 'echo "ok - d # SKIP no such thing here"'
+suite pipeline/test_alone '# Alone: it keeps real time.' 'echo "ok - e"'
+for jobs in 1 4; do
+    run "$work/tests/run" "$work/library" $jobs
+    check "$jobs at a time: suites of one name in two folders both count" counts "9 passed, 0 failed, 1 skipped"
+    check "$jobs at a time: all is well" exited 0
+    check "$jobs at a time: what is skipped is told" grep -q '^skipped d # SKIP no such thing' "$said"
+done
+
+suite fem/test_solid 'echo "ok - a"' 'echo "not ok - b"' 'echo "it was 3"' 'exit 1'
+run "$work/tests/run" "$work/library" 4
+check "a failure counts" counts "8 passed, 1 failed, 1 skipped"
+check "and ends with 1" exited 1
+check "what was seen is told" sh -c "grep -A 1 '^not ok - b' '$said' | grep -q '^it was 3'"
+suite fem/test_solid 'echo "ok - a"' 'exit 3'
+run "$work/tests/run" "$work/library" 4
+check "a suite that ends badly after checks that passed is a failure" counts "8 passed, 1 failed, 1 skipped"
+suite fem/test_solid true
+run "$work/tests/run" "$work/library" 4
+check "a suite that checks nothing is a failure" counts "7 passed, 1 failed, 1 skipped"
+suite fem/test_solid 'echo "ok - a"'
+library 'test cases: 5 | 3 passed | 2 failed' 2
+run "$work/tests/run" "$work/library" 4
+check "the library's failures count" counts "6 passed, 2 failed, 1 skipped"
+library '' 139
+run "$work/tests/run" "$work/library" 4
+check "a library that crashes is a failure" counts "3 passed, 1 failed, 1 skipped"
+finish
