@@ -390,7 +390,7 @@ test: $(TISSUECTL) $(TISSUE_HAPTIC) doors $(BUILD)/test_tissue | build/deps-test
 ## sanitize: library tests and the server under address and undefined-behaviour sanitizers
 sanitize:
 	@$(MAKE) SANITIZE=1 build/sanitize/tissue-haptic build/sanitize/tissuectl build/sanitize/test_tissue
-	@TISSUE_HAPTIC=build/sanitize/tissue-haptic build/sanitize/test_tissue
+	@TISSUE_HAPTIC=build/sanitize/tissue-haptic tests/parts build/sanitize/test_tissue $$(env -u OMP_NUM_THREADS nproc)
 	@TISSUECTL=build/sanitize/tissuectl PYTHON=$(PYTHON) tests/pipeline/test_serve.sh
 
 ## tsan: what has threads (loop, recorder, devices, learning, page, parallel work) under the sanitizer for races

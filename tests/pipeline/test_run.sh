@@ -1,5 +1,5 @@
 #!/bin/sh
-# tests/run itself: what it counts, of suites that pass, fail, skip, crash, check nothing, and of two that have one name.
+# tests/run itself: what it counts, of suites that pass, fail, skip, crash, check nothing, and of two that have one name. And tests/parts: that all tests run.
 . "$(dirname "$0")/common"
 mkdir -p "$work/tests/fem" "$work/tests/pipeline"
 cp "$root/tests/run" "$work/tests"
@@ -43,4 +43,36 @@ check "the library's failures count" counts "6 passed, 2 failed, 1 skipped"
 library '' 139
 run "$work/tests/run" "$work/library" 4
 check "a library that crashes is a failure" counts "3 passed, 1 failed, 1 skipped"
+
+# ---- a Catch2 program of seven tests, of which BAD fails and GONE ends the process
+cat >"$work/seven" <<'SH'
+#!/bin/sh
+[ "$1" != --list-test-names-only ] || { seq 7; exit 7; }
+for file; do :; done
+n=$(grep -c . "$file")
+cat "$file" >>"$SEEN"
+! grep -qx "${GONE:-0}" "$file" || exit 139
+if grep -qx "${BAD:-0}" "$file"; then
+    printf '%s\n' "it was 3" "test cases: $n | $((n - 1)) passed | 1 failed"
+    exit 1
+fi
+echo "All tests passed (99 assertions in $n test cases)"
+SH
+chmod +x "$work/seven"
+export SEEN="$work/seen"
+every_one_once() { [ "$(sort "$SEEN" | tr '\n' ' ')" = "1 2 3 4 5 6 7 " ]; }
+for parts in 1 2 9; do
+    rm -f "$SEEN"
+    run "$root/tests/parts" "$work/seven" $parts
+    check "in $parts parts: all is well" exited 0
+    check "in $parts parts: each test ran once" every_one_once
+done
+export BAD=3
+run "$root/tests/parts" "$work/seven" 2
+check "in parts: a failure ends with 1" exited 1
+check "in parts: what was seen is told" grep -q '^it was 3' "$said"
+export BAD=0 GONE=3
+run "$root/tests/parts" "$work/seven" 2
+check "in parts: one that ends early ends with 1" exited 1
+check "in parts: it is told how many ran" grep -q '^tests/parts: 3 of 7 tests ran' "$said"
 finish
