@@ -39,8 +39,7 @@ with h5py.File(folder + "/wrong.h5", "r+") as f:
         ledger["energy_given_J"] += 1e-6
     elif what == "branches that burn more than there was":
         ledger["details"]["branches"]["burnt_J"] *= 1e3
-said = open(folder + "/haptic.log").read().splitlines()
-session = {"ledger": ledger, "record": folder + "/wrong.h5", "said": said, "watch": types.SimpleNamespace(policy=None, waited_s=0)}
+session = {"ledger": ledger, "record": folder + "/wrong.h5", "watch": types.SimpleNamespace(policy=None, waited_s=0)}
 ticks, recording = soak.judge_ticks(session, 24000)
 judged = {"ticks": ticks, "recording": recording, **soak.judge_energy(session)}
 print(*(name for name, promise in judged.items() if not promise["held"]))
