@@ -9,8 +9,7 @@
 # DESTDIR=PATH   put before PREFIX, for packagers
 # BENCH_OPTIONS=--quick  `make bench` without the whole study from clean and training in space, its longest parts
 # -jN            that many jobs at a time (default: as many as there are cores)
-# SANITIZE=1     build with address and undefined-behaviour sanitizers, in a folder of its own; SANITIZE=thread: with the one for races;
-#                SANITIZE=fuzz: with clang, those of 1 and what `make fuzz` needs
+# SANITIZE=1     build with clang's address and undefined-behaviour sanitizers, in a folder of its own; SANITIZE=thread: with g++'s for races
 
 # ---- names: make and the shell take others apart, or run them
 
@@ -45,7 +44,7 @@ endif
 RUN ?=
 PYTHON ?= /usr/bin/python3
 PREFIX ?= /usr/local
-BUILD := build/$(if $(SANITIZE),$(or $(patsubst thread,tsan,$(filter thread fuzz,$(SANITIZE))),sanitize),release)
+BUILD := build/$(if $(SANITIZE),$(or $(patsubst thread,tsan,$(filter thread,$(SANITIZE))),sanitize),release)
 TISSUECTL := $(BUILD)/tissuectl
 TISSUE_HAPTIC := $(BUILD)/tissue-haptic
 PYTHON_MODULE := $(BUILD)/python/tissue.so
@@ -131,14 +130,14 @@ clean:
 	find results -mindepth 1 -maxdepth 1 -type d ! -name reference -exec rm -rf {} +
 
 build/deps-test: ALSO = test
-build/deps-fuzz: ALSO = fuzz
-build/deps build/deps-test build/deps-fuzz: scripts/install_deps
+build/deps-sanitize: ALSO = sanitize
+build/deps build/deps-test build/deps-sanitize: scripts/install_deps
 	@mkdir -p build && $(call alone,build/deps.lock) && scripts/install_deps $(ALSO) && touch $@
 
 # ---- programs
 
 CXX := g++
-ifeq (fuzz,$(SANITIZE))
+ifneq (,$(filter-out thread,$(SANITIZE)))
 override CXX := $(CXX:g++=clang++)
 endif
 PACKAGES := hdf5 gsl fmt nlopt libxxhash lapacke openblas
@@ -150,14 +149,14 @@ ASSERTIONS = $(if $(SANITIZE),-DEIGEN_RUNTIME_NO_MALLOC -D_GLIBCXX_ASSERTIONS,-D
 # its own <regex>
 CXXFLAGS = -std=c++17 -O3 -g1 -pthread -fPIC -fvisibility=hidden -Wall -Wextra -Wpedantic -Wshadow -Werror -Wno-stringop-overflow $(ASSERTIONS) -MMD -MP \
   -Ilib -isystem /usr/include/eigen3 $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(PACKAGES))) \
-  $(if $(SANITIZE),-O1 $(or $(FLAGS_$(SANITIZE)),-Wno-maybe-uninitialized -fsanitize=address$(comma)undefined) -fno-sanitize-recover=all)
+  $(if $(SANITIZE),-O1 $(or $(FLAGS_$(SANITIZE)),$(FLAGS_SANITIZE)) -fno-sanitize-recover=all)
 FLAGS_thread := -Wno-maybe-uninitialized -fsanitize=thread
-# g++ is the one that warns
-FLAGS_fuzz := -w -DTISSUE_FUZZ -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow
+# one build for tests and for fuzzing; g++ is the one that warns
+FLAGS_SANITIZE := -w -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fsanitize-ignorelist=scripts/sanitize.ignore
 LDLIBS = $(shell pkg-config --libs $(PACKAGES)) -pthread
 comma := ,
 
-LIB_SOURCES := $(filter-out $(if $(filter fuzz,$(SANITIZE)),$(addprefix lib/,eval/% export/% api/%)),$(call files,lib/*/*.cpp))
+LIB_SOURCES := $(call files,lib/*/*.cpp)
 # what both programs use: arguments, help, options of the realtime core, its ledger
 SHARED_SOURCES := cli/command.cpp cli/generate.cpp cli/haptic_options.cpp cli/haptic_report.cpp cli/journal.cpp
 HAPTIC_SOURCES := cli/tissue_haptic.cpp $(SHARED_SOURCES)
@@ -218,17 +217,18 @@ $(BUILD)/stage/%: | $(TISSUECTL)
 $(TISSUE_HAPTIC): $(call objects,$(HAPTIC_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/tissue-haptic.list
 	@$(call link,-s -Wl$(comma)--as-needed) && mv $@.tmp $@
 
+# Of a function that several files made, the linker takes the first: under sanitizers the library's.
 $(BUILD)/test_tissue: $(call objects,$(TEST_SOURCES) $(SERVE_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/test_tissue.list
-	@$(call link) && mv $@.tmp $@
+	@$(call link,$(if $(SANITIZE),-Wl$(comma)--whole-archive $(BUILD)/libtissue.a -Wl$(comma)--no-whole-archive)) && mv $@.tmp $@
 
-# A target links what it calls of all that targets call.
+# A target links what it calls of all that targets call, and says which of its functions gets the bytes.
 FUZZ_READERS := $(patsubst tests/fuzz/fuzz_%.cpp,%,$(call files,tests/fuzz/fuzz_*.cpp))
 $(BUILD)/libfuzzed.a: $(call objects,tests/fuzz/edited_store.cpp tests/solid_law_example.cpp tests/haptic/haptic_example.cpp \
   $(SERVE_SOURCES) $(call files,cli/serve/network/*.cpp))
 	@$(call alone,$@.lock) && rm -f $@.tmp && ar rcs $@.tmp $^ && mv $@.tmp $@
 
-$(FUZZ_READERS:%=build/fuzz/fuzz_%): build/fuzz/%: build/fuzz/tests/fuzz/%.o $(BUILD)/libfuzzed.a $(BUILD)/libtissue.a
-	@$(call link,-fsanitize=fuzzer) && mv $@.tmp $@
+$(FUZZ_READERS:%=build/sanitize/fuzz_%): build/sanitize/%: build/sanitize/tests/fuzz/%.o $(BUILD)/tests/leaks.o $(BUILD)/libfuzzed.a $(BUILD)/libtissue.a
+	@$(call link,-fsanitize=fuzzer -Wl$(comma)--defsym=LLVMFuzzerTestOneInput=$*) && mv $@.tmp $@
 
 PROBES := $(BUILD)/gains_probe $(BUILD)/adapt_probe
 $(PROBES): $(BUILD)/%: $(BUILD)/scripts/%.o $(BUILD)/libtissue.a
@@ -246,6 +246,10 @@ $(BUILD)/cli/serve/page.o: $(call files,cli/view/*.html cli/view/*.css cli/view/
 # files and command lines are read once, pages sent a few times a second: what does that compiles faster without the last bit of speed
 $(call objects,$(wildcard cli/*.cpp cli/serve/*.cpp cli/serve/network/*.cpp lib/io/*.cpp lib/study/*.cpp lib/cases/*.cpp lib/export/*.cpp \
   lib/eval/report.cpp lib/eval/evaluation_json.cpp)): private CXXFLAGS += -O1
+# what a test does once needs no speed, and fuzzing does not follow it
+ifneq (,$(filter-out thread,$(SANITIZE)))
+$(call objects,$(filter-out tests/fuzz/%,$(TEST_SOURCES))): private CXXFLAGS += -O0 -fno-sanitize=fuzzer-no-link
+endif
 # ccache does not see what the assembler takes in
 $(BUILD)/cli/serve/page.o: export CCACHE_DISABLE := 1
 $(THREE): | build/deps
@@ -388,7 +392,7 @@ test: $(TISSUECTL) $(TISSUE_HAPTIC) doors $(BUILD)/test_tissue | build/deps-test
 	@TISSUE_HAPTIC=$(TISSUE_HAPTIC) PYTHON=$(PYTHON) TISSUECTL=$(TISSUECTL) tests/run $(BUILD)/test_tissue $$(env -u OMP_NUM_THREADS nproc)
 
 ## sanitize: library tests and the server under address and undefined-behaviour sanitizers
-sanitize:
+sanitize: | build/deps-sanitize
 	@$(MAKE) SANITIZE=1 build/sanitize/tissue-haptic build/sanitize/tissuectl build/sanitize/test_tissue
 	@TISSUE_HAPTIC=build/sanitize/tissue-haptic tests/parts build/sanitize/test_tissue $$(env -u OMP_NUM_THREADS nproc)
 	@TISSUECTL=build/sanitize/tissuectl PYTHON=$(PYTHON) tests/pipeline/test_serve.sh
@@ -400,9 +404,9 @@ tsan:
 
 READERS ?= $(FUZZ_READERS)
 SECONDS ?= 60
-## fuzz: what reads files, datagrams and pages of strangers, on bytes that follow its own branches, SECONDS=60 each; READERS='study msh' of all
-fuzz: | build/deps-fuzz
-	@$(MAKE) SANITIZE=fuzz $(READERS:%=build/fuzz/fuzz_%)
+## fuzz: what reads files, datagrams and pages of strangers, on bytes that follow its own branches, SECONDS=60 of the processor each; READERS='study msh' of all
+fuzz: | build/deps-sanitize
+	@$(MAKE) SANITIZE=1 $(READERS:%=build/sanitize/fuzz_%)
 	@$(PYTHON) scripts/fuzz --seconds $(SECONDS) $(FUZZ_OPTIONS) $(READERS)
 
 ## regress-proof: put five defects into a copy, one at a time; each must turn the regression of paper red

@@ -11,7 +11,7 @@ thread_local long counted = 0, failing = -1;
 
 }  // namespace
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef EIGEN_RUNTIME_NO_MALLOC  // a sanitizer has an allocator of its own, and Eigen counts (Makefile: ASSERTIONS)
 #define TISSUE_SEES_ALLOCATIONS 1
 namespace {
 

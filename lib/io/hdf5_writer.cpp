@@ -23,12 +23,12 @@ void write_text_attribute(hid_t object, const std::string& key, const std::strin
 }
 
 /// How a dataset of this shape is stored: in pieces of at most a mebibyte, whole rows of the first dimension, each with its checksum
-/// (HDF5 has them for pieces alone).
+/// (HDF5 has them for pieces alone, and one number without dimensions has no pieces).
 hid_t checked_storage(const std::vector<std::size_t>& shape, std::size_t bytes_a_value) {
     constexpr std::size_t piece_bytes = std::size_t{1} << 20;
     const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
     H5Pset_obj_track_times(creation, false);
-    if (product(shape) == 0) return creation;
+    if (shape.empty() || product(shape) == 0) return creation;
     std::vector<hsize_t> piece = to_hsize(shape);
     const std::size_t row_bytes = product(shape) / shape[0] * bytes_a_value;
     piece[0] = std::clamp<hsize_t>(piece_bytes / row_bytes, 1, piece[0]);

@@ -12,12 +12,8 @@
 
 #include "error.h"
 
-/// Begins a target: what a fuzzer calls with bytes. Beside the other tests, where many targets are in one program, a function of its own name.
-#ifdef TISSUE_FUZZ
-#define FUZZ_TARGET(reader) extern "C" int LLVMFuzzerTestOneInput
-#else
-#define FUZZ_TARGET(reader) int fuzz_##reader
-#endif
+/// Begins a target: what gets bytes, of a test (test_findings.cpp) or of libFuzzer, which knows it by another name (Makefile).
+#define FUZZ_TARGET(reader) extern "C" int fuzz_##reader
 
 namespace tissue {
 

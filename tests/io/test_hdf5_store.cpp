@@ -269,6 +269,22 @@ TEST_CASE("a dataset that claims more than its file can hold is refused before m
     CHECK_THAT(refusal<FileError>([&] { in.texts("/says"); }), Contains("/says: claims more values than the file can hold"));
 }
 
+TEST_CASE("one number without dimensions is written and read, as what has none in it is") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.h5");
+    {
+        Hdf5Writer out(file, "cases", provenance);
+        out.write("/one", Array{{}, {0.1}}, "m", "");
+        out.write("/none", Array{{0, 3}, {}}, "m", "");
+        out.commit();
+    }
+    const Hdf5Reader in(file, "cases");
+    CHECK(in.array("/one").shape.empty());
+    CHECK(in.array("/one").values == std::vector<double>{0.1});
+    CHECK(in.array("/none").shape == std::vector<std::size_t>{0, 3});
+    CHECK(in.array("/none").values.empty());
+}
+
 TEST_CASE("texts of any length, as files before the checksums have them, are read") {
     const TemporaryFolder folder;
     const std::string file = example_file(folder);
