@@ -142,7 +142,7 @@ std::vector<std::string> draw_roles(const std::vector<std::vector<Push*>>& conta
     }
     const std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free);
     gsl_rng_set(rng.get(), data.seed);
-    gsl_ran_shuffle(rng.get(), free.data(), free.size(), sizeof free[0]);
+    if (!free.empty()) gsl_ran_shuffle(rng.get(), free.data(), free.size(), sizeof free[0]);  // of none, GSL ends the program
     const auto part = [&](double p) -> std::size_t {
         return p > 0 ? static_cast<std::size_t>(std::max(1L, std::lround(p * static_cast<double>(contacts.size())))) : 0;
     };

@@ -17,6 +17,12 @@ namespace {
 /// No filter of HDF5 packs tighter; who packed a file of ours anew may read it too.
 constexpr std::size_t tightest_packing = 1100;
 
+/// Names and texts of ours are lines; one that is not, in a file of somebody's, breaks no line of what we print.
+std::string one_line(std::string text) {
+    std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 127; }, '?');
+    return text;
+}
+
 /// Integers or floating point of a size that HDF5 reads as it stands: of a larger one it makes a buffer of that size a value.
 bool is_number(hid_t type) {
     const H5T_class_t kind = H5Tget_class(type);
@@ -79,7 +85,7 @@ Hdf5Reader::~Hdf5Reader() {
 }
 
 void Hdf5Reader::refuse(const std::string& place, const std::string& why) const {
-    throw FileError(fmt::format("{}: {}: {}", file_, place, why));
+    throw FileError(one_line(fmt::format("{}: {}: {}", file_, place, why)));  // names in a file may be anything
 }
 
 bool Hdf5Reader::has(const std::string& name) const {
@@ -147,6 +153,7 @@ std::vector<std::string> Hdf5Reader::texts(const std::string& name) const {
         for (char* text : raw) {
             texts.emplace_back(text ? text : "");
             H5free_memory(text);
+            texts.back() = one_line(texts.back());
         }
     } else {
         std::string raw(count * length, '\0');
@@ -154,6 +161,7 @@ std::vector<std::string> Hdf5Reader::texts(const std::string& name) const {
         for (std::size_t i = 0; i < count; ++i) {
             texts.push_back(raw.substr(i * length, length));
             texts.back().resize(texts.back().find_last_not_of('\0') + 1);
+            texts.back() = one_line(texts.back());
         }
     }
     return texts;
@@ -167,7 +175,7 @@ std::string Hdf5Reader::text_attribute(const std::string& object, const std::str
     const Hdf5Handle attribute(H5Aopen_by_name(id_, object.c_str(), key.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
     std::string value;
     if (attribute.failed() || !is_single(attribute) || !read_text(attribute, value)) refuse(object, "attribute '" + key + "' is missing");
-    return value;
+    return one_line(value);
 }
 
 double Hdf5Reader::number_attribute(const std::string& object, const std::string& key) const {

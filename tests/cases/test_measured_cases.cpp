@@ -77,6 +77,11 @@ TEST_CASE("the outermost contacts and those at corners are trained on", "[measur
     for (int i = 0; i < 4; ++i) CHECK(trained[static_cast<std::size_t>(i)] == Approx(wanted[i]));
 }
 
+TEST_CASE("of one contact or two none can be held out: refused in one line", "[measured]") {
+    CHECK_THAT(refused(presses({0.15})), Contains("data.csv: has 1 rows at 1 contacts") && Contains("none held out"));
+    CHECK_THAT(refused(presses({0.12, 0.18})), Contains("data.csv: has 2 rows at 2 contacts") && Contains("none held out"));
+}
+
 TEST_CASE("a table's own roles stand, and one that would prove on what it trained on is refused", "[measured]") {
     MeasuredTable table = presses(every_cm());
     for (MeasuredRow& row : table.rows) row.role = "train";

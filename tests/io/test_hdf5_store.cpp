@@ -285,6 +285,21 @@ TEST_CASE("one number without dimensions is written and read, as what has none i
     CHECK(in.array("/none").values.empty());
 }
 
+TEST_CASE("texts and names of a file that are more than a line are read as one") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.h5");
+    {
+        Hdf5Writer out(file, "cases", provenance);
+        out.write_texts("/texts", {"two\nlines", "a\ttab"}, "");
+        out.attribute("/", "law", std::string("iso\ntropic"));
+        out.commit();
+    }
+    const Hdf5Reader in(file, "cases");
+    CHECK(in.texts("/texts") == std::vector<std::string>{"two?lines", "a?tab"});
+    CHECK(in.text_attribute("/", "law") == "iso?tropic");
+    CHECK_THAT(refusal<FileError>([&] { in.array("/no\nwhere"); }), Contains("/no?where: is missing"));
+}
+
 TEST_CASE("texts of any length, as files before the checksums have them, are read") {
     const TemporaryFolder folder;
     const std::string file = example_file(folder);
