@@ -246,9 +246,10 @@ $(BUILD)/cli/serve/page.o: $(call files,cli/view/*.html cli/view/*.css cli/view/
 # files and command lines are read once, pages sent a few times a second: what does that compiles faster without the last bit of speed
 $(call objects,$(wildcard cli/*.cpp cli/serve/*.cpp cli/serve/network/*.cpp lib/io/*.cpp lib/study/*.cpp lib/cases/*.cpp lib/export/*.cpp \
   lib/eval/report.cpp lib/eval/evaluation_json.cpp)): private CXXFLAGS += -O1
-# what a test does once needs no speed, and fuzzing does not follow it
+# fuzzing does not follow the tests; what one does once needs no speed, unlike the ticks of tests/haptic
 ifneq (,$(filter-out thread,$(SANITIZE)))
-$(call objects,$(filter-out tests/fuzz/%,$(TEST_SOURCES))): private CXXFLAGS += -O0 -fno-sanitize=fuzzer-no-link
+$(call objects,$(filter-out tests/fuzz/%,$(TEST_SOURCES))): private CXXFLAGS += -fno-sanitize=fuzzer-no-link
+$(call objects,$(filter-out tests/fuzz/% tests/haptic/%,$(TEST_SOURCES))): private CXXFLAGS += -O0
 endif
 # ccache does not see what the assembler takes in
 $(BUILD)/cli/serve/page.o: export CCACHE_DISABLE := 1
