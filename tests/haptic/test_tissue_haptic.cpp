@@ -300,7 +300,7 @@ TEST_CASE("the loop keeps its schedule over missed ticks, and the force is zero 
         std::string name() const override { return "sleepy"; }
         DeviceSample read(double time_s) noexcept override {
             last_s = time_s;
-            if (++reads == 50) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+            if (++reads == 50) std::this_thread::sleep_for(std::chrono::milliseconds(20));
             return sample_at(0.05, 0.104 - 5e-5 * reads);  // presses, ever deeper
         }
         void write(const Eigen::Vector3d& f) noexcept override {
@@ -319,12 +319,12 @@ TEST_CASE("the loop keeps its schedule over missed ticks, and the force is zero 
     o.seconds = 0;
     o.realtime = false;
     const LoopReport report = run_loop(simulation, device, o);
-    CHECK(report.misses >= 5);
-    CHECK(report.misses_program == 0);
+    CHECK(report.misses >= 20);
+    CHECK(report.misses_program <= report.misses - 15);  // a sleep is not of the processor; what a busy machine adds may be
     CHECK(report.ticks == 150);
     CHECK(report.ticks == device.reads);
     // the last tick's place on the schedule: every tick and every miss before it has one
-    CHECK(device.last_s > 1e-3 * (150 + 5 - 1.5));
+    CHECK(device.last_s > 1e-3 * (150 + 20 - 1.5));
     CHECK(device.last_s < 1e-3 * (static_cast<double>(report.ticks + report.misses) - 0.5));
     CHECK(device.before_last > 0);  // it pressed until the end
     CHECK(device.force == Eigen::Vector3d::Zero());

@@ -16,7 +16,8 @@ TEST_CASE("text that is not TOML is refused with file and line, where toml++ ass
         return refusal<StudyError>([&] { parse_toml("a = 1\n\n" + wrong + "\nb = 2\n", "s.toml"); });
     };
     for (const char* wrong : {"[,x]", "[[.]]", "[\\u]", "[[", "[#", "c = {,}", "c = { d = ,", "c = [1 }", "c = = 1", "c", "c = \"",
-                              "c = 1e", "c = 0x", "c = 1979-99-99", "[a]\n[a", "\"c = 1", "c = '''", "c.= 1", "=", "c = [1,,2]"}) {
+                              "c = 1e", "c = 0x", "c = 1979-99-99", "[a]\n[a", "\"c = 1", "c = '''", "c.= 1", "=", "c = [1,,2]",
+                              "c = 1\xc3\xa9", "c = [1\xe3\x80\x81 2]", "c = 1\xef\xbc\x81", "\xc3\xa9 = 1"}) {
         INFO(wrong);
         CHECK_THAT(said(wrong), StartsWith("s.toml:"));
     }
