@@ -13,7 +13,7 @@ constexpr double idle_s = 3;        ///< without a holder until the demo begins 
 
 }  // namespace
 
-Show::Show(Stage& stage, Tell tell) : stage_(stage), tell_(std::move(tell)), hand_(stage.scene()) {
+Show::Show(Stage& stage, Tell tell) : stage_(stage), tell_(std::move(tell)), hand_(stage.scene()), wanted_(stage.index()) {
     near_.force_N = 0;
     hand_.demonstrate(-1);
 }
@@ -75,11 +75,17 @@ void Show::act(Client, const DemoMessage& m, double) {
 }
 
 void Show::act(Client, const ModelMessage& m, double now_s) {
-    if (m.model == stage_.index() || now_s - turned_s_ < turn_s) return;
+    wanted_ = m.model;
+    turn(now_s);
+}
+
+/// To the model that is wanted, as soon as it may be.
+void Show::turn(double now_s) {
+    if (wanted_ == stage_.index() || now_s - turned_s_ < turn_s) return;
     turned_s_ = now_s;
     const bool paused = stage_.channel().paused();
     holder_ = nobody;
-    stage_.turn_to(m.model);
+    stage_.turn_to(wanted_);
     stage_.channel().pause(paused);
     hand_.show(stage_.scene());
     idle_since_s_ = now_s;
@@ -101,6 +107,7 @@ void Show::release(double now_s) {
 bool Show::step(double now_s) {
     const double elapsed = before_s_ < 0 ? 0 : std::min(now_s - before_s_, 0.1);
     before_s_ = now_s;
+    turn(now_s);
     StateChannel& channel = stage_.channel();
     if (holder_ != nobody && now_s - heard_s_ > silent_s) release(now_s);
     if (channel.paused()) idle_since_s_ = now_s;

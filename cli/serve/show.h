@@ -44,6 +44,7 @@ class Show {
     void act(Client client, const ResetMessage& m, double now_s);
     void act(Client client, const DemoMessage& m, double now_s);
     void act(Client client, const ModelMessage& m, double now_s);
+    void turn(double now_s);
     bool held_by_other(Client client) const { return holder_ != nobody && holder_ != client; }
     void release(double now_s);
     void tell_model(Client client);
@@ -58,6 +59,7 @@ class Show {
     Hand hand_;
     std::map<Client, std::string> clients_;   ///< and the control message each has heard last
     Client holder_ = nobody;
+    int wanted_;                              ///< model that was asked for last
     double heard_s_ = 0, idle_since_s_ = 0, turned_s_ = -1e9, before_s_ = -1;
     Near near_;
     double told_m_ = 0;                       ///< distance that everyone has heard last

@@ -354,7 +354,7 @@ def without_webgl(server):
         other.choose("model", 1)
         check("and draws a model of the plane", other.until("tissue.dimension === 2 && document.getElementById('space_fault').textContent === ''"))
         other.choose("model", 0)
-        other.until("tissue.dimension === 3")
+        check("a choice on the heels of another comes, too", other.until("tissue.dimension === 3"), other.js("tissue.dimension"))
     finally:
         other.end()
 

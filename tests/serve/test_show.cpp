@@ -327,8 +327,16 @@ TEST_CASE("models change on the running stage, counts go on, and a pause lasts",
     CHECK(s.stage->index() == 1);
     CHECK(s.stage->model().meshes[0]->springs.spring_count() == 420);
     CHECK(s.show->paused());
-    CHECK_FALSE(s.show->hear(1, R"({"type":"model","model":0})", s.now_s));   // too soon after the last change
+    const double turned_s = s.now_s;
+    for (int model : {0, 1, 0}) CHECK_FALSE(s.show->hear(1, R"({"type":"model","model":)" + std::to_string(model) + "}", turned_s));
+    s.show->step(s.now_s = turned_s + 0.49);
+    CHECK(s.stage->index() == 1);   // too soon after the last change
+    s.show->step(s.now_s = turned_s + 0.51);
+    CHECK(s.stage->index() == 0);   // what was asked for last comes when it may
+    CHECK_FALSE(s.show->hear(1, R"({"type":"model","model":1})", s.now_s));
+    s.show->step(s.now_s += 0.51);
     CHECK(s.stage->index() == 1);
+    CHECK(s.show->paused());
     const long long then = s.stage->counts().ticks;
     CHECK(then > 200);
     CHECK_FALSE(s.show->hear(1, R"({"type":"pause","on":false})", s.now_s));
@@ -337,7 +345,7 @@ TEST_CASE("models change on the running stage, counts go on, and a pause lasts",
     s.show->leave(1);
     int models = 0;
     for (const Json& j : s.heard[1]) models += j["type"] == "model";
-    CHECK(models == 2);
+    CHECK(models == 4);
 
     Traffic traffic;
     traffic.refused["origin"] = 2;
