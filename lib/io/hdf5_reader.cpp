@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <set>
 
 #include "error.h"
 #include "io/hdf5_handle.h"
@@ -21,6 +22,22 @@ constexpr std::size_t tightest_packing = 1100;
 std::string one_line(std::string text) {
     std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 127; }, '?');
     return text;
+}
+
+/// Access to what has a name, by links that stay within the file: a stranger's could name any file of this machine, or one that never answers.
+hid_t within_file() {
+    static const hid_t access = [] {
+        const hid_t made = H5Pcreate(H5P_DATASET_ACCESS);  // a link's access, too
+        H5Pset_elink_cb(made, [](const char*, const char*, const char*, const char*, unsigned*, hid_t, void*) -> herr_t { return -1; }, nullptr);
+        return made;
+    }();
+    return access;
+}
+
+/// Whether its values lie in this file, not in others that it names.
+bool holds_values(hid_t dataset) {
+    const Hdf5Handle creation(H5Dget_create_plist(dataset), H5Pclose);
+    return H5Pget_layout(creation) != H5D_VIRTUAL && H5Pget_external_count(creation) == 0;
 }
 
 /// Integers or floating point of a size that HDF5 reads as it stands: of a larger one it makes a buffer of that size a value.
@@ -89,7 +106,7 @@ void Hdf5Reader::refuse(const std::string& place, const std::string& why) const 
 }
 
 bool Hdf5Reader::has(const std::string& name) const {
-    return H5Oexists_by_name(id_, name.c_str(), H5P_DEFAULT) > 0;
+    return H5Oexists_by_name(id_, name.c_str(), within_file()) > 0;
 }
 
 std::size_t Hdf5Reader::count_of(const std::string& name, long long dataset) const {
@@ -99,9 +116,16 @@ std::size_t Hdf5Reader::count_of(const std::string& name, long long dataset) con
     return count;
 }
 
+long long Hdf5Reader::open(const std::string& name) const {
+    const hid_t dataset = H5Dopen2(id_, name.c_str(), within_file());
+    if (dataset < 0) refuse(name, "is missing");
+    if (holds_values(dataset)) return dataset;
+    H5Dclose(dataset);
+    refuse(name, "has its values in another file");
+}
+
 Array Hdf5Reader::array(const std::string& name) const {
-    const Hdf5Handle dataset(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
-    if (dataset.failed()) refuse(name, "is missing");
+    const Hdf5Handle dataset(open(name), H5Dclose);
     const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);
     if (!is_number(type)) refuse(name, "cannot be read as numbers");
     Array array;
@@ -135,8 +159,7 @@ std::vector<int> Hdf5Reader::integers(const std::string& name) const {
 }
 
 std::vector<std::string> Hdf5Reader::texts(const std::string& name) const {
-    const Hdf5Handle dataset(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
-    if (dataset.failed()) refuse(name, "is missing");
+    const Hdf5Handle dataset(open(name), H5Dclose);
     const Hdf5Handle stored(H5Dget_type(dataset), H5Tclose);
     if (H5Tget_class(stored) != H5T_STRING) refuse(name, "cannot be read as texts");
     const bool any_length = H5Tis_variable_str(stored) > 0;
@@ -168,18 +191,18 @@ std::vector<std::string> Hdf5Reader::texts(const std::string& name) const {
 }
 
 bool Hdf5Reader::has_attribute(const std::string& object, const std::string& key) const {
-    return H5Aexists_by_name(id_, object.c_str(), key.c_str(), H5P_DEFAULT) > 0;
+    return H5Aexists_by_name(id_, object.c_str(), key.c_str(), within_file()) > 0;
 }
 
 std::string Hdf5Reader::text_attribute(const std::string& object, const std::string& key) const {
-    const Hdf5Handle attribute(H5Aopen_by_name(id_, object.c_str(), key.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    const Hdf5Handle attribute(H5Aopen_by_name(id_, object.c_str(), key.c_str(), H5P_DEFAULT, within_file()), H5Aclose);
     std::string value;
     if (attribute.failed() || !is_single(attribute) || !read_text(attribute, value)) refuse(object, "attribute '" + key + "' is missing");
     return one_line(value);
 }
 
 double Hdf5Reader::number_attribute(const std::string& object, const std::string& key) const {
-    const Hdf5Handle attribute(H5Aopen_by_name(id_, object.c_str(), key.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    const Hdf5Handle attribute(H5Aopen_by_name(id_, object.c_str(), key.c_str(), H5P_DEFAULT, within_file()), H5Aclose);
     const Hdf5Handle type(attribute.failed() ? -1 : H5Aget_type(attribute), H5Tclose);
     double value = 0;
     if (attribute.failed() || !is_single(attribute) || !is_number(type) || H5Aread(attribute, H5T_NATIVE_DOUBLE, &value) < 0)
@@ -188,26 +211,31 @@ double Hdf5Reader::number_attribute(const std::string& object, const std::string
 }
 
 std::vector<std::string> Hdf5Reader::children(const std::string& group) const {
-    const Hdf5Handle place(H5Gopen2(id_, group.c_str(), H5P_DEFAULT), H5Gclose);
-    if (place.failed()) refuse(group, "is missing");
+    const Hdf5Handle place(H5Oopen(id_, group.c_str(), within_file()), H5Oclose);
+    if (H5Iget_type(place) != H5I_GROUP) refuse(group, "is missing");
     std::vector<std::string> names;
     const auto collect = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
         static_cast<std::vector<std::string>*>(out)->emplace_back(name);
         return 0;
     };
-    H5Literate(place, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &names);
+    // as they come: to sort many itself, libhdf5 1.10 makes a table, and where the file is damaged frees the half of it that it has not filled
+    if (H5Literate(place, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, collect, &names) < 0) refuse(group, "cannot be listed: damaged");
+    std::sort(names.begin(), names.end());
     return names;
 }
 
 std::vector<std::string> Hdf5Reader::datasets() const {
     std::vector<std::string> names;
+    std::set<hobj_ref_t> seen;
     const std::function<void(const std::string&)> walk = [&](const std::string& group) {
         for (const std::string& child : children(group)) {
             const std::string name = group == "/" ? "/" + child : group + "/" + child;
-            const Hdf5Handle object(H5Oopen(id_, name.c_str(), H5P_DEFAULT), H5Oclose);
-            if (H5Iget_type(object) == H5I_GROUP)
+            const Hdf5Handle object(H5Oopen(id_, name.c_str(), within_file()), H5Oclose);
+            if (H5Iget_type(object) == H5I_GROUP) {
+                hobj_ref_t address = 0;
+                if (H5Rcreate(&address, object, ".", H5R_OBJECT, -1) < 0 || !seen.insert(address).second) refuse(name, "is a group of another name, too");
                 walk(name);
-            else
+            } else
                 names.push_back(name);
         }
     };
@@ -216,14 +244,12 @@ std::vector<std::string> Hdf5Reader::datasets() const {
 }
 
 std::vector<std::size_t> Hdf5Reader::shape(const std::string& dataset) const {
-    const Hdf5Handle object(H5Dopen2(id_, dataset.c_str(), H5P_DEFAULT), H5Dclose);
-    if (object.failed()) refuse(dataset, "is missing");
+    const Hdf5Handle object(open(dataset), H5Dclose);
     return shape_of(object);
 }
 
 DatasetKind Hdf5Reader::kind(const std::string& dataset) const {
-    const Hdf5Handle object(H5Dopen2(id_, dataset.c_str(), H5P_DEFAULT), H5Dclose);
-    if (object.failed()) refuse(dataset, "is missing");
+    const Hdf5Handle object(open(dataset), H5Dclose);
     const Hdf5Handle type(H5Dget_type(object), H5Tclose);
     switch (H5Tget_class(type)) {
         case H5T_FLOAT: return DatasetKind::numbers;

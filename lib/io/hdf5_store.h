@@ -106,6 +106,7 @@ class Hdf5Reader {
     [[noreturn]] void refuse(const std::string& place, const std::string& why) const;
 
    private:
+    long long open(const std::string& name) const;  ///< a dataset whose name and values lead to no other file
     std::size_t count_of(const std::string& name, long long dataset) const;
 
     std::string file_;
