@@ -179,13 +179,14 @@ $(eval $(call says,$(BUILD)/test_tissue.list,TEST_SOURCES))
 
 # headers that most files include, parsed once. Not under sanitizers, so that what a file forgot to include is found.
 PRECOMPILED := $(if $(SANITIZE),,$(BUILD)/precompiled.h.gch)
-$(BUILD)/precompiled.h.gch: scripts/precompiled.h $(BUILD)/flags | build/deps
+$(BUILD)/precompiled.h.gch $(BUILD)/tests/precompiled.h.gch: scripts/precompiled.h $(BUILD)/flags | build/deps
+	@mkdir -p $(@D)
 	@$(call alone,$@.lock) && cp $< $(@:.gch=) && $(CXX) $(CXXFLAGS) -x c++-header $(@:.gch=) -MF $@.d -o $@.tmp && mv $@.tmp $@
 
 $(BUILD)/%.o: %.cpp $(BUILD)/flags | build/deps $(PRECOMPILED)
 	@mkdir -p $(@D)
 	@echo "c++   $<"
-	@exec 9<$< && flock 9 && $(CXX) $(CXXFLAGS) $(if $(PRECOMPILED),-include $(BUILD)/precompiled.h) -MF $(@:.o=.d) -MT $@ -c $< -o $@.tmp && mv $@.tmp $@
+	@exec 9<$< && flock 9 && $(CXX) $(CXXFLAGS) $(if $(PRECOMPILED),-include $(PRECOMPILED:.gch=)) -MF $(@:.o=.d) -MT $@ -c $< -o $@.tmp && mv $@.tmp $@
 
 $(BUILD)/libtissue.a: $(call objects,$(LIB_SOURCES)) $(BUILD)/libtissue.list
 	@$(call alone,$@.lock) && rm -f $@.tmp && ar rcs $@.tmp $(filter %.o,$^) && mv $@.tmp $@
@@ -217,9 +218,9 @@ $(BUILD)/stage/%: | $(TISSUECTL)
 $(TISSUE_HAPTIC): $(call objects,$(HAPTIC_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/tissue-haptic.list
 	@$(call link,-s -Wl$(comma)--as-needed) && mv $@.tmp $@
 
-# Of a function that several files made, the linker takes the first: under sanitizers the library's.
+# Of a function that several files made, the linker takes the first: the library's, which is compiled for speed.
 $(BUILD)/test_tissue: $(call objects,$(TEST_SOURCES) $(SERVE_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/test_tissue.list
-	@$(call link,$(if $(SANITIZE),-Wl$(comma)--whole-archive $(BUILD)/libtissue.a -Wl$(comma)--no-whole-archive)) && mv $@.tmp $@
+	@$(call link,-Wl$(comma)--whole-archive $(BUILD)/libtissue.a -Wl$(comma)--no-whole-archive) && mv $@.tmp $@
 
 # A target links what it calls of all that targets call, and says which of its functions gets the bytes.
 FUZZ_READERS := $(patsubst tests/fuzz/fuzz_%.cpp,%,$(call files,tests/fuzz/fuzz_*.cpp))
@@ -246,10 +247,16 @@ $(BUILD)/cli/serve/page.o: $(call files,cli/view/*.html cli/view/*.css cli/view/
 # files and command lines are read once, pages sent a few times a second: what does that compiles faster without the last bit of speed
 $(call objects,$(wildcard cli/*.cpp cli/serve/*.cpp cli/serve/network/*.cpp lib/io/*.cpp lib/study/*.cpp lib/cases/*.cpp lib/export/*.cpp \
   lib/eval/report.cpp lib/eval/evaluation_json.cpp)): private CXXFLAGS += -O1
-# fuzzing does not follow the tests; what one does once needs no speed, unlike the ticks of tests/haptic
+# what a test does once needs no speed, unlike the ticks of tests/haptic; nor does fuzzing follow the tests
+ONCE := $(call objects,$(filter-out tests/fuzz/% tests/haptic/%,$(TEST_SOURCES)))
+$(ONCE): private CXXFLAGS += -O0
+ifneq (,$(PRECOMPILED))
+$(ONCE): private PRECOMPILED := $(BUILD)/tests/precompiled.h.gch
+$(ONCE): | $(BUILD)/tests/precompiled.h.gch
+$(BUILD)/tests/precompiled.h.gch: private CXXFLAGS += -O0
+endif
 ifneq (,$(filter-out thread,$(SANITIZE)))
 $(call objects,$(filter-out tests/fuzz/%,$(TEST_SOURCES))): private CXXFLAGS += -fno-sanitize=fuzzer-no-link
-$(call objects,$(filter-out tests/fuzz/% tests/haptic/%,$(TEST_SOURCES))): private CXXFLAGS += -O0
 endif
 # ccache does not see what the assembler takes in
 $(BUILD)/cli/serve/page.o: export CCACHE_DISABLE := 1

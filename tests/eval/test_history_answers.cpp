@@ -144,6 +144,13 @@ TEST_CASE("of models beside the learned one each is what it says: the truth is p
     CHECK(table.factor > 0.25);
     CHECK(table.factor < 1);
 
+    // where the law's branches tell nothing slow apart, as where FE has no elastic run, the factor is that of all
+    std::vector<History> plain(histories.begin(), histories.begin() + 2);
+    plain[1].force_N *= 0.5;
+    for (History& h : plain) h.elastic_N.resize(0, h.elastic_N.cols());
+    const double of_both = evaluate_histories(model, plain, "held_out", 1).factor;
+    for (History& h : plain) CHECK(std::abs(evaluate_histories(model, {h}, "held_out", 1).factor / of_both - 1) > 0.1);
+
     // a truth of one branch is found
     for (History& h : histories) h.force_N = relaxed(h.time_s, h.elastic_N, Eigen::VectorXd::Constant(1, 0.5), Eigen::VectorXd::Constant(1, 0.6));
     const HistoryTable one = evaluate_histories(model, histories, "held_out", 1);

@@ -478,7 +478,9 @@ TEST_CASE("tissue-haptic: the shipped client drives it over UDP, and gets its fo
     CHECK(answers <= device["sent"].get<double>());
     CHECK(device["foreign"] == 0);
     CHECK(j["force_max_N"].get<double>() > 1e-4);
-    CHECK(j["details"]["stale"].get<int>() > 0);  // the client left before we did
+    const nlohmann::json& details = j["details"];
+    CHECK(details["stale"].get<int>() > 0);  // the client left before we did
+    CHECK(j["bad_input"] == details["not_finite"].get<int>() + details["jumps"].get<int>() + details["stale"].get<int>());
 }
 
 TEST_CASE("no assertion can end a program while it has a device open: there is none in it", "[program]") {

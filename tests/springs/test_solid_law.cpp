@@ -254,5 +254,7 @@ TEST_CASE("a lattice in space divides into tetrahedra that fit, and its surface 
         for (int d = 0; d < 3; ++d)
             CHECK(mesh.nodes(cells(0, k), d) == Approx((k >> d & 1) ? 0.01 : 0.0));
     CHECK_THROWS_WITH(make_lattice("grid26", 3, 3, 0.1, 0.1), Contains("topology 'grid26' is of 3 dimensions"));
+    for (const Lattice& lattice : {Lattice{{0, 1, 1}, {1, 1, 1}}, Lattice{{1, 1, 1}, {1, 0, 1}}})
+        CHECK_THROWS_WITH(make_lattice("grid26", lattice), Contains("not possible"));
     CHECK_THROWS_AS(block(0, 1, 1), MismatchError);
 }
