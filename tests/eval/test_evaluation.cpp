@@ -251,6 +251,9 @@ TEST_CASE("a model and cases that do not belong together are refused") {
     Cases cases = x.cases;
     std::swap(cases.paths[0], cases.paths[1]);
     CHECK_THAT(refusal<MismatchError>([&] { evaluated(x.model, cases); }), Contains("other cases"));
+    TrainedModel renamed = x.model;
+    renamed.case_names[0] += " of others";
+    CHECK_THAT(refusal<MismatchError>([&] { evaluated(renamed, x.cases); }), Contains("other cases"));
     cases = x.cases;
     cases.nodes *= 1.01;
     CHECK_THROWS_AS(evaluated(x.model, cases), MismatchError);

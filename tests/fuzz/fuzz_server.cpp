@@ -3,6 +3,8 @@
 #include <arpa/inet.h>
 #include <sys/socket.h>
 
+#include <cerrno>
+#include <cstring>
 #include <thread>
 
 #include "../../cli/serve/network/listener.h"
@@ -23,12 +25,20 @@ std::string model_file() {
 
 class Visit {
    public:
-    explicit Visit(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    explicit Visit(int port) {
         sockaddr_in to{};
         to.sin_family = AF_INET;
         to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
         to.sin_port = htons(static_cast<std::uint16_t>(port));
-        must(::connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof to) == 0, "no connection");
+        // the machine may be out of ports for a moment, and libFuzzer's alarm interrupts
+        for (int tries = 0;; ++tries) {
+            socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+            if (::connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof to) == 0) break;
+            const int why = errno;
+            ::close(socket_);
+            must(tries < 100, std::strerror(why));
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        }
         const linger at_once{1, 0};  // or each leaves a port behind for a minute
         ::setsockopt(socket_, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
     }
@@ -44,7 +54,7 @@ class Visit {
     }
 
    private:
-    int socket_;
+    int socket_ = -1;
 };
 
 void work(Listener& server) {

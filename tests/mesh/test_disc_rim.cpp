@@ -1,5 +1,7 @@
 #include "mesh/disc_rim.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -9,6 +11,7 @@
 
 #include "error.h"
 #include "io/atomic_file.h"
+#include "mesh/surface_remesh.h"
 #include "../refusal.h"
 
 using namespace tissue;
@@ -170,6 +173,16 @@ TEST_CASE("sides are as long as wanted near the disc and far away", "[solid][rim
     CHECK(made.surface.triangles.rows() < 1500);
 }
 
+TEST_CASE("a place within a triangle whose corners stay becomes a node, with one more in the middle of its nearest side", "[solid][rim]") {
+    SurfaceRemesh mesh(make_surface(box(), {"bottom"}, 1e-3), {{0, 0, 0}, 1, 1, 1});
+    const Eigen::Vector3d place(0.02, 0.03, 0.05);
+    mesh.insert(place);
+    const Surface s = mesh.surface();
+    REQUIRE(s.nodes.rows() == 10);
+    for (const Eigen::Vector3d& node : {place, Eigen::Vector3d(0, 0.05, 0.05)}) CHECK((s.nodes.rowwise() - node.transpose()).rowwise().norm().minCoeff() < 1e-12);
+    CHECK(volume(s) == Approx(5e-4).epsilon(1e-12));
+}
+
 TEST_CASE("a contact off the surface is taken to its nearest point; too far off, or on what is held, it is refused", "[solid][rim]") {
     const Surface whole = make_surface(box(), {"bottom"}, 1e-3);
     DiscRim disc = on_top;
@@ -212,6 +225,19 @@ TEST_CASE("a surface that is no ball's is refused with its place", "[solid][rim]
     for (const MshFile::Point& p : box().points) mesh.points.push_back({p.x + 500, p.y, p.z});
     CHECK(said(mesh).find("more than one piece") != std::string::npos);
     CHECK(said(box(), {"top"}) == "box.msh: has no surface 'top' to hold; it has bottom, rest");
+    mesh = box();
+    for (int k = 0; k < 12; ++k) {
+        mesh.triangles[static_cast<std::size_t>(k)].physical = k + 1;
+        mesh.triangle_names[k + 1] = fmt::format("part {:02}", k + 1);
+    }
+    CHECK(said(mesh, {"top"}).find("it has part 01, part 02, part 03, part 04, part 05, part 06, part 07, part 08, part 09, part 10, part 11, part 12") != std::string::npos);
+    mesh.points.push_back({50, 50, 50});  // one side of the top in two
+    mesh.triangles[2] = {3, {4, 5, 8}, 3};
+    mesh.triangles.push_back({13, {4, 8, 6}, 13});
+    mesh.triangles[3] = {4, {5, 7, 8}, 4};
+    mesh.triangles.push_back({14, {8, 7, 6}, 13});
+    mesh.triangle_names[13] = "part 13";
+    CHECK(said(mesh, {"top"}).find("it has part 01, part 02, ..., part 13") != std::string::npos);
     CHECK(said(box(), {"bottom", "rest"}).find("all of the surface is held") != std::string::npos);
     CHECK(said(box(), {}).find("no surface of it is held") != std::string::npos);
     mesh = box();

@@ -30,6 +30,11 @@ TEST_CASE("the free surface of a block is its sides and its top, from the bottom
     CHECK(near(block().position(9), 0, 0));
 }
 
+TEST_CASE("the corners of a block of one cell are all of its free nodes") {
+    const SpringMesh mesh = make_lattice("grid8", 1, 1, 0.1, 0.1);
+    CHECK(Outline(mesh).corners() == std::vector<double>{0.1, 0.2});
+}
+
 TEST_CASE("a surface point's arc length leads back to it") {
     for (double arc = 0; arc <= 0.4; arc += 0.013)
         CHECK(block().arc_of(block().position(arc)) == Approx(arc).margin(tolerance::rounding));

@@ -189,6 +189,11 @@ TEST_CASE("terms that are not known, do not fit or stand twice are refused by na
     const SpringMesh shape = edge_mesh(disc(12));
     CHECK_THAT(refusal<MismatchError>([&] { EnergyLaw(shape, law_heuristic(shape, 1, "plane-stress", 12), {"spring.diagonal"}); }), Contains("diagonal"));
     CHECK_THAT(refusal<MismatchError>([&] { EnergyLaw(shape, heuristic(), {"spring.all"}); }), Contains("mesh"));
+    LawHeuristic fewer = heuristic(), uncapped = heuristic();
+    fewer.constants.conservativeResize(fewer.constants.size() - 1);
+    uncapped.cap.conservativeResize(uncapped.cap.size() - 1);
+    for (const LawHeuristic& h : {fewer, uncapped})
+        CHECK_THAT(refusal<MismatchError>([&] { EnergyLaw(block(), h, {"spring.all"}); }), Contains("constants are not those of the mesh"));
     CHECK_THAT(refusal<MismatchError>([] { law_heuristic(block(), 450, "plane", 12); }), Contains("plane-stress, plane-strain"));
     CHECK_THAT(refusal<MismatchError>([] { law_heuristic(block(), 450, "plane-strain", 0.2); }), Contains("E2 / 3"));
     CHECK_THAT(refusal<MismatchError>([] { law_heuristic(block(), Eigen::VectorXd::Ones(200), "plane-strain", 12); }), Contains("triangle"));
