@@ -199,6 +199,16 @@ TEST_CASE("a solid's draws are uniform over the top and in solid angle") {
     CHECK((push / count).norm() < 0.02);
     CHECK(cosine / count == Approx(0.75).margin(0.005));  // of a cosine even between 1 and 1/2
     CHECK(near / count == Approx(1 - 60.0 * 40 / (76 * 56)).margin(0.015));
+
+    many.draws[0].count = 200;
+    many.draws[0].clearance_m[1] = 0.014;  // along the walls, all four of them
+    int at[4] = {};
+    for (const PlannedPath& p : planned_paths(many)) {
+        if (p.role == "train") continue;
+        const double wall[4] = {p.push.contact_m[0], 0.1 - p.push.contact_m[0], p.push.contact_m[1], 0.08 - p.push.contact_m[1]};
+        ++at[std::min_element(wall, wall + 4) - wall];
+    }
+    for (int beside : at) CHECK(beside > 25);
 }
 
 TEST_CASE("a solid's drawn contacts keep 2 mm or 5 degrees from every training push, or are refused by role") {

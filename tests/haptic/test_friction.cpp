@@ -69,6 +69,17 @@ TEST_CASE("a tool dragged along a flat surface feels mu times what it presses wi
         }
 }
 
+TEST_CASE("in one tick a contact of springs slips half a spacing at most, however far away the tool is", "[friction]") {
+    const HapticModel model(haptic_example({"grid8", "axial"}), {});
+    const std::unique_ptr<MovingSurface> surface = make_moving_surface(model.rest);
+    Friction friction({0.3, 0.3});
+    SurfacePlace where = surface->nearest(Eigen::Vector2d(0.02, 0.1));
+    const Point from = where.position_m, tool = from + Eigen::Vector2d(1, -0.001);
+    friction.slide(model.surface, model.meshes[0]->springs, *surface, 100, tool, where);
+    CHECK(friction.slipping());
+    CHECK((where.position_m - from).norm() == Approx(0.5 * model.surface.spacing_m()).epsilon(1e-6));
+}
+
 TEST_CASE("inside the cone a contact sticks, and without friction's end it always does", "[friction]") {
     for (const TissueModel& tissue : tissues())
         for (double mu : {0.8, std::numeric_limits<double>::infinity()}) {

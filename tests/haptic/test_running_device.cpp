@@ -166,8 +166,12 @@ TEST_CASE("a tick that is woken late knows how late: a hand at half a metre a se
             if (++ticks_ == 50 || last.time_s > 0.29) std::this_thread::sleep_for(std::chrono::milliseconds(20));
             return true;
         }
-        void after(const Simulation&, const TickBooks& books) override { last = books; }
+        void after(const Simulation&, const TickBooks& books) override {
+            last = books;
+            latest_us = std::max(latest_us, books.lateness_us);
+        }
         TickBooks last;
+        double latest_us = 0;
 
        private:
         int ticks_ = 0;
@@ -178,6 +182,7 @@ TEST_CASE("a tick that is woken late knows how late: a hand at half a metre a se
     o.hooks = {&sleeper};
     const LoopReport report = run_loop(simulation, hand, o);
     CHECK(report.misses >= 19);
+    CHECK(sleeper.latest_us >= 19000);
     CHECK(report.misses_program <= report.misses - 19);  // of a busy machine's ticks some may take a period of its time
     CHECK(report.ticks + report.misses == 300);
     CHECK(sleeper.last.time_s < 0.3);
