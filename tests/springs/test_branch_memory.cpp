@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <memory>
 
 #include "../allocations.h"
 #include "../haptic/haptic_example.h"
@@ -142,6 +143,7 @@ TEST_CASE("shares and times that make no sense are refused", "[memory]") {
     CHECK_THROWS_AS(BranchMemory(-tau, Eigen::MatrixXd::Constant(2, 3, 0.1), 0.001), MismatchError);
     CHECK_THROWS_AS(BranchMemory(tau, Eigen::MatrixXd::Constant(2, 3, 0.1), 0), MismatchError);
     CHECK_THROWS_AS(ToolMemory(Eigen::VectorXd::Constant(9, 1.0), Eigen::VectorXd::Constant(9, 0.1), 0.001), MismatchError);
+    CHECK_NOTHROW(std::make_unique<ToolMemory>(Eigen::VectorXd::Constant(8, 1.0), Eigen::VectorXd::Constant(8, 0.1), 0.001));  // all of its room
 }
 
 namespace {
