@@ -294,7 +294,7 @@ TEST_CASE("a recording given up leaves nothing, and keeps the one before it", "[
 }
 
 TEST_CASE("the loop keeps its schedule over missed ticks, and the force is zero after it", "[loop]") {
-    /// A hand that holds the loop up for 5 ms in its 50th tick, by sleeping: the machine's doing, not the program's.
+    /// A hand that holds the loop up for 20 ms in its 50th tick, by sleeping: the machine's doing, not the program's.
     class Sleepy final : public Device {
        public:
         std::string name() const override { return "sleepy"; }
