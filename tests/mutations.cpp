@@ -29,14 +29,17 @@ void put(const std::string& file, const std::string& dataset, const Array* array
 void put_texts(const std::string& file, const std::string& dataset, const std::vector<std::string>& texts) {
     const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
     REQUIRE(H5Ldelete(id, dataset.c_str(), H5P_DEFAULT) >= 0);
+    std::size_t length = 1;
+    for (const std::string& text : texts) length = std::max(length, text.size());
+    std::string raw(texts.size() * length, '\0');
+    for (std::size_t i = 0; i < texts.size(); ++i) texts[i].copy(raw.data() + i * length, length);
     const hid_t type = H5Tcopy(H5T_C_S1);
-    H5Tset_size(type, H5T_VARIABLE);
+    H5Tset_size(type, length);
+    H5Tset_strpad(type, H5T_STR_NULLPAD);
     H5Tset_cset(type, H5T_CSET_UTF8);
     const hsize_t count = texts.size();
     const hid_t space = H5Screate_simple(1, &count, nullptr);
     const hid_t made = H5Dcreate2(id, dataset.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-    std::vector<const char*> raw;
-    for (const std::string& text : texts) raw.push_back(text.c_str());
     if (count > 0) H5Dwrite(made, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, raw.data());
     H5Dclose(made);
     H5Sclose(space);

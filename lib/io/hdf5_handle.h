@@ -43,13 +43,12 @@ inline std::size_t product(const std::vector<std::size_t>& shape) {
     return values;
 }
 
-/// Texts of `length` bytes, padded with zeros; of any length where it is H5T_VARIABLE, as files before the checksums have them. HDF5 does not
-/// take UTF-8 for ASCII: a reader asks for the set that is stored.
+/// Texts of `length` bytes, padded with zeros. HDF5 does not take UTF-8 for ASCII: a reader asks for the set that is stored.
 inline hid_t text_type(std::size_t length, H5T_cset_t set = H5T_CSET_UTF8) {
     const hid_t type = H5Tcopy(H5T_C_S1);
-    H5Tset_size(type, length == H5T_VARIABLE ? length : std::max<std::size_t>(length, 1));
+    H5Tset_size(type, std::max<std::size_t>(length, 1));
     H5Tset_cset(type, set);
-    if (length != H5T_VARIABLE) H5Tset_strpad(type, H5T_STR_NULLPAD);
+    H5Tset_strpad(type, H5T_STR_NULLPAD);
     return type;
 }
 

@@ -21,6 +21,7 @@ def written(out):
     with lock:
         try:
             yield beside
+            os.fsync(lock.fileno())  # its content is on the disk before its name
             os.replace(beside, out)
         except BaseException:
             with contextlib.suppress(OSError):

@@ -300,7 +300,7 @@ TEST_CASE("texts and names of a file that are more than a line are read as one")
     CHECK_THAT(refusal<FileError>([&] { in.array("/no\nwhere"); }), Contains("/no?where: is missing"));
 }
 
-TEST_CASE("texts of any length, as files before the checksums have them, are read") {
+TEST_CASE("texts of any length, which have no checksum, are refused in words that say what to do") {
     const TemporaryFolder folder;
     const std::string file = example_file(folder);
     const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), type = H5Tcopy(H5T_C_S1);
@@ -318,8 +318,9 @@ TEST_CASE("texts of any length, as files before the checksums have them, are rea
     H5Tclose(type);
     H5Fclose(id);
     const Hdf5Reader in(file, "");
-    CHECK(in.texts("/old") == std::vector<std::string>{"left", "a longer one"});
-    CHECK(in.text_attribute("/old", "units") == "a longer one");
+    CHECK_THAT(refusal<FileError>([&] { in.texts("/old"); }), Contains("/old: holds texts of any length") && Contains("make the file anew"));
+    CHECK_THAT(refusal<FileError>([&] { in.text_attribute("/old", "units"); }), Contains("/old: attribute 'units' holds texts of any length"));
+    CHECK(in.texts("/group/words").size() == 3);
 }
 
 TEST_CASE("a file of a later format version, or of another kind, is refused") {

@@ -25,6 +25,39 @@ stage() {
 failed_well() { [ "$status" = 1 ] || [ "$status" = 2 ] || { echo "exit status $status"; cat "$said"; return 1; }; }
 files="plan.mk mesh.msh cases/left.csv cases.h5 model.h5 eval.json figures/force.png"
 
+# ---- a machine that loses power: content is on the disk before its name
+mkdir "$scratch/bin"
+cat >"$scratch/bin/sync" <<'SH'
+#!/bin/sh
+# says what it is to force, and whether that has its name already
+for file; do
+    made=${file%.tmp}
+    made=${made%.raw}
+    [ -s "$file" ] && [ ! -e "$made" ] && echo "${made##*/}" >>"$FORCED"
+done
+[ -z "${DISK_FAILS-}" ]
+SH
+chmod +x "$scratch/bin/sync"
+export FORCED="$scratch/forced"
+forced() { printf '%s\n' "$@" | cmp - "$FORCED"; }
+rm "$R/mesh.msh" "$R/cases/left.csv"
+run env PATH="$scratch/bin:$PATH" make PYTHON="$PYTHON" STUDY=tiny results/tiny/cases/left.csv
+check "mesh and path are made again" exited 0
+check "what gmsh and FreeFEM wrote is on the disk before it has its name" forced mesh.msh left.csv
+rm "$R/cases/left.csv"
+run env DISK_FAILS=1 PATH="$scratch/bin:$PATH" make PYTHON="$PYTHON" STUDY=tiny results/tiny/cases/left.csv
+check "a path that the disk does not keep gets no name" absent "$R/cases/left.csv"
+check "and one line says so" one_line "left.csv"
+check "what Python draws is on the disk before it has its name" "$PYTHON" -c "import os, sys
+sys.path.insert(0, 'scripts/figures')
+import save
+seen = []
+os.fsync = lambda descriptor: seen.append((os.fstat(descriptor).st_size, os.path.exists(sys.argv[1])))
+with save.written(sys.argv[1]) as beside:
+    open(beside, 'w').write('whole')
+assert seen == [(5, False)], seen" "$scratch/drawn"
+cp -p "$scratch/whole/cases/left.csv" "$R/cases"
+
 # ---- read only: root may write anywhere, so the stages run as nobody then
 as_someone=
 if [ "$(id -u)" = 0 ]; then
