@@ -1,0 +1,96 @@
+#include <catch2/catch.hpp>
+
+#include "serve_example.h"
+
+using namespace tissue;
+using namespace tissue::serve;
+
+TEST_CASE("on its way the hand goes round the tissue; to a point inside it comes from the nearest side", "[serve]") {
+    const Shown s;
+    Draw draw(4);
+    for (int k = 0; k < 300; ++k) {
+        const auto& boxes = s.scene.boxes();
+        const Point from = outside(boxes, Eigen::Vector2d(draw(-0.05, 0.3), draw(-0.05, 0.15)), 0.01),
+                    to = outside(boxes, Eigen::Vector2d(draw(-0.05, 0.3), draw(-0.05, 0.15)), 0.01);
+        CHECK_FALSE(in_tissue(s.scene, from, 0.0099));
+        Point at = from;
+        double length = 0;
+        for (const Point& p : way_round(boxes, from, to, 0.01)) {
+            for (int i = 0; i <= 50; ++i) REQUIRE_FALSE(in_tissue(s.scene, at + (p - at) * i / 50, 0.0088));
+            length += (p - at).norm();
+            at = p;
+        }
+        CHECK(at == to);
+        CHECK(length < (to - from).norm() + 0.6);
+    }
+    Hand hand(s.scene);
+    hand.follow(Eigen::Vector2d(0.09, 0.05));   // inside, near the right side; the hand is above the middle
+    for (int k = 0; k < 200; ++k) hand.step(0.016);
+    CHECK((hand.at() - Eigen::Vector2d(0.09, 0.05)).norm() < 1e-12);
+    hand.follow(Eigen::Vector2d(0.07, 0.03));   // now it is led
+    CHECK((hand.step(0.016) - Eigen::Vector2d(0.07, 0.03)).norm() < 1e-12);
+    hand.let_go();
+    for (int k = 0; k < 100; ++k) hand.step(0.016);
+    CHECK((hand.at() - Eigen::Vector2d(0.11, 0.05)).norm() < 1e-9);   // out where it came in
+    hand.follow(Eigen::Vector2d(1e300, -1e300));
+    for (int k = 0; k < 1000; ++k) hand.step(0.016);
+    CHECK(hand.at().norm() < 2);
+}
+
+TEST_CASE("the demo presses every place of a tour as deep as its cases, and only there", "[serve]") {
+    const Shown s;
+    Hand hand(s.scene);
+    hand.demonstrate(-1);
+    std::vector<double> deepest(9, 0);
+    std::vector<int> order;
+    for (int k = 0; k < 60 * 60; ++k) {
+        hand.step(1.0 / 60);
+        const int place = hand.place();
+        REQUIRE(place >= 0);
+        if (order.empty() || order.back() != place) order.push_back(place);
+        const Place& p = s.scene.places()[static_cast<std::size_t>(place)];
+        const Eigen::Vector2d in = hand.at() - p.contact_m;
+        if (in_tissue(s.scene, hand.at())) {
+            deepest[static_cast<std::size_t>(place)] = std::max(deepest[static_cast<std::size_t>(place)], in.dot(p.direction));
+            CHECK(in.norm() < 0.017);
+        }
+    }
+    CHECK(order.front() == s.scene.first_place());
+    for (double depth : deepest) CHECK(depth == Approx(0.015 * 1.1).margin(0.0004));
+    hand.demonstrate(4);
+    for (int k = 0; k < 600; ++k) {
+        hand.step(1.0 / 60);
+        CHECK(hand.place() == 4);
+    }
+    hand.let_go();
+    CHECK(hand.place() == -1);
+}
+
+TEST_CASE("the demo finds tissue that relaxes at rest at every press, and leaves other tissue as it is", "[serve][memory]") {
+    for (const bool relaxes : {true, false}) {
+        const TemporaryFolder folder;
+        write_model(folder.file("law.h5"), relaxes ? relaxing(law_example()) : law_example(), {"test", 1, {}});
+        Stage stage({folder.file("law.h5")}, StageOptions{{}, false});
+        Show show(stage, [](int, const std::string&) {});
+        Simulation simulation(stage.model());
+        // both in simulated time: a step of the show every 16 ticks
+        int presses = 0, resets = 0;
+        int untouched = 1000;   // ticks; a contact may bounce
+        for (int k = 0; k < 20000; ++k) {
+            if (k % 16 == 0) show.step(100 + 1e-3 * k);
+            stage.channel().before(simulation);
+            simulation.tick(stage.pointer().read(1e-3 * k));
+            const bool first = simulation.contact().contact && untouched > 300;
+            untouched = simulation.contact().contact ? 0 : untouched + 1;
+            resets += simulation.record().reset;
+            if (simulation.record().reset) CHECK_FALSE(in_tissue(stage.scene(), simulation.record().master_m));
+            if (!first) continue;
+            if (relaxes) CHECK(simulation.rested_s() > simulation.record().time_s - 0.5);
+            ++presses;
+        }
+        INFO((relaxes ? "relaxing: " : "elastic: ") << presses << " presses, " << resets << " resets");
+        CHECK(presses >= 4);
+        if (!relaxes) CHECK(resets == 0);
+        else CHECK((resets >= presses && resets <= presses + 1));
+    }
+}
