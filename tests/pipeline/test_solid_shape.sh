@@ -215,10 +215,14 @@ assert 0.8 < volume / (2 / 3 * np.pi * 0.050 * 0.045 * 0.035) < 1.01, volume
 held = np.unique([n - 1 for w in elements if w[1] == 2 and w[3] == 1 for n in w[5:]])
 assert len(held) > 8 and np.abs(x[held, 2]).max() < 1e-9
 PY
+# of strangers, TISSUE_DAMAGED of each kind (15)
+damaged() { (cd "$work" && "$PYTHON" "$root/tests/fuzz/damaged_shapes.py" "$1" dome "${TISSUE_DAMAGED:-15}"); }
+check "a damaged .stl is a mesh, or one line" damaged fem/dome.stl
 
 # ---- refusals: one line that names file, place and cause; the mesh there was stays
 cp -p "$scratch/good.toml" "$work/$study"
 make_dome mesh
+check "a damaged .msh is a mesh, or one line" damaged fem/dome.msh
 edit3() { sed -i "s|$1|$2|" "$work/$study"; }
 refused() { # SENTENCE LINE-PATTERN
     cp -p "$R/mesh.msh" "$scratch/mesh.msh"
