@@ -126,6 +126,16 @@ TEST_CASE("editing tissue or solver solves every path again, and meshes only whe
     CHECK(changed("width_m = 0.1", "width_m = 0.1000").empty());  // the same number
 }
 
+TEST_CASE("the block is meshed in as many elements a cell along both axes as the study says") {
+    const std::string tall = with(example_study_text(), "cells = [4, 4]", "cells = [4, 6]");
+    for (const int refine : {1, 3}) {
+        const Study s = example_study(with(tall, "refine = 1", "refine = " + std::to_string(refine)));
+        const std::string part = make_plan(s).parts.at("mesh");
+        CHECK_THAT(part, Contains("-setnumber width 0.1 -setnumber height 0.1 "));
+        CHECK_THAT(part, Contains(" -setnumber cells_x " + std::to_string(s.cells[0] * refine) + " -setnumber cells_y " + std::to_string(s.cells[1] * refine)));
+    }
+}
+
 TEST_CASE("numbers in FreeFEM's arguments read back to the same bits") {
     const std::string odd = with(with(example_study_text(), "thickness_m = 0.0003", "thickness_m = 0.00016666666666666667"),
                                  "C1_Pa = 263.0", "C1_Pa = 263.00000000000006");

@@ -156,6 +156,19 @@ TEST_CASE("of models beside the learned one each is what it says: the truth is p
     const HistoryTable one = evaluate_histories(model, histories, "held_out", 1);
     CHECK(one.branch[0] == Approx(0.6).epsilon(0.02));
     CHECK(one.branch[1] == Approx(0.5).epsilon(0.06));
+
+    // and so is one of springs beside a damper: to the last step, the first one too
+    for (History& h : histories) {
+        const Eigen::Index last = h.time_s.size() - 1;
+        for (Eigen::Index n = 0; n <= last; ++n) {
+            const Eigen::Index from = n > 0 ? n - 1 : n, to = n < last ? n + 1 : n;
+            h.force_N.row(n) = 0.7 * h.elastic_N.row(n) + 0.05 * (h.elastic_N.row(to) - h.elastic_N.row(from)) / (h.time_s[to] - h.time_s[from]);
+        }
+    }
+    const HistoryTable damped = evaluate_histories(model, histories, "held_out", 1);
+    CHECK(damped.kelvin_voigt[0] == Approx(0.7).epsilon(1e-9));
+    CHECK(damped.kelvin_voigt[1] == Approx(0.05).epsilon(1e-9));
+    CHECK(damped.rms(static_cast<std::size_t>(std::find(damped.models.begin(), damped.models.end(), "kelvin_voigt") - damped.models.begin()), "").max < 1e-9);
     CHECK(evaluate_histories(model, histories, "validation", 1).empty());
     TissueModel sets = haptic_example();
     CHECK_THAT(refusal<MismatchError>([&] { evaluate_histories(sets, histories, "held_out", 1); }), Contains("law"));

@@ -64,6 +64,21 @@ TEST_CASE("a solid shape's springs are the edges of its tetrahedra, with the vol
     CHECK(mesh.fixed.size() == 121);
 }
 
+TEST_CASE("what of a solid shape's surface is held is known of its springs too, wherever it lies", "[solid_shape]") {
+    Shape shape = dome(6);
+    const Cells facets = edge_mesh(shape).facets;
+    for (const Eigen::Index f : {Eigen::Index{0}, facets.rows() / 2, facets.rows() - 1}) {
+        std::array<int, 3> held{facets(f, 0), facets(f, 1), facets(f, 2)};
+        shape.fixed_facets = {held};
+        const Shape back = shape_of(edge_mesh(shape));
+        REQUIRE(back.fixed_facets.size() == 1);
+        std::array<int, 3> found{back.fixed_facets[0][0], back.fixed_facets[0][1], back.fixed_facets[0][2]};
+        std::sort(held.begin(), held.end());
+        std::sort(found.begin(), found.end());
+        CHECK(found == held);
+    }
+}
+
 TEST_CASE("a solid shape written as MSH reads back the same, and nothing else reads as one", "[solid_shape]") {
     const TemporaryFolder folder;
     Shape shape = made(dome_file());
