@@ -6,12 +6,14 @@
 #include <set>
 
 #include "cases/plan.h"
+#include "cases/study_mesh.h"
 #include "cases/sweep.h"
 #include "error.h"
 #include "mesh/outline.h"
 #include "../example.h"
 #include "../refusal.h"
 #include "../solid_example.h"
+#include "../solid_shape_study.h"
 #include "../tolerances.h"
 
 using namespace tissue;
@@ -257,4 +259,20 @@ TEST_CASE("a course of one's own is planned at its contact, towards its deepest 
     CHECK_THAT(make_plan(study).fragment, Contains("$(R)/plan.mk: $(wildcard " + folder.file("hand.csv") + ")"));
     folder.file("hand.csv", "time_s,x_m,y_m\n0,0,0\n");
     CHECK_THAT(refusal<FileError>([&] { make_plan(study); }), Contains("hand.csv:2: "));
+}
+
+TEST_CASE("a course of one's own on a solid shape begins on its surface; off it, or near where it ends, it is refused with how far that is", "[histories]") {
+    const TemporaryFolder folder;
+    folder.file("dome.geo", "");
+    folder.file("hand.csv", "time_s,x_m,y_m,z_m\n0,0,0,0\n0.1,0,0,-0.004\n0.2,0,0,0\n");
+    const std::optional<Shape> shape = dome();
+    const auto histories = [&](const std::string& contact_m) {
+        const std::string relaxes = with(shape_study_text(), "C2_Pa = 491.0", "C2_Pa = 491.0\nviscosity = [{ g = 0.4, tau_s = 0.5 }]\nmoduli = \"instantaneous\"");
+        return planned_histories(read_study(folder.file("s.toml", relaxes + "[[histories]]\nname = \"hand\"\nkind = \"file\"\nfile = \"hand.csv\"\ncontact_m = " + contact_m + "\n")), shape);
+    };
+    const Point contact_m = histories("[0.0, 0.0, 0.052]").at(0).push.contact_m;
+    CHECK((contact_m - Eigen::Vector3d(0, 0, 0.05)).norm() < 1e-4);
+    const auto refused = [&](const std::string& where) { return refusal<StudyError>([&] { histories(where); }); };
+    CHECK_THAT(refused("[0.0, 0.0, 0.08]"), Contains("key 'contact_m' of ") && Contains(": is 30 mm off the free surface"));
+    CHECK_THAT(refused("[0.05, 0.0, 0.003]"), Contains(" mm from where the surface ends or turns; a disc needs "));
 }

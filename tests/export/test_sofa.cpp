@@ -128,6 +128,10 @@ TEST_CASE("a SOFA scene of an isotropic or geometric law pushes back alike far f
 TEST_CASE("a SOFA scene holds masses and supports, and keeps nodes in their plane", "[export]") {
     const TissueModel model = model_of("grid4", "axial");
     const Scene scene(sofa_scene(model, {"one_set", -1, example_theta(model.mesh)}));
+    const std::vector<double> triangles = scene.numbers("MeshTopology", "triangles");
+    REQUIRE(static_cast<Eigen::Index>(triangles.size()) == 3 * model.mesh.simplices.rows());
+    for (Eigen::Index t = 0; t < model.mesh.simplices.rows(); ++t)
+        for (Eigen::Index k = 0; k < 3; ++k) CHECK(triangles[static_cast<std::size_t>(3 * t + k)] == model.mesh.simplices(t, k));
     const std::vector<double> masses = scene.numbers("DiagonalMass", "vertexMass");
     CHECK(masses == std::vector<double>(model.node_mass_kg.begin(), model.node_mass_kg.end()));
     const std::vector<double> fixed = scene.numbers("FixedProjectiveConstraint", "indices");

@@ -186,6 +186,26 @@ TEST_CASE("a way in through a node or an edge slips between no two triangles, wh
         }
 }
 
+TEST_CASE("a point level with nodes and edges is inside exactly where the tissue is, to whichever side one looks", "[solid]") {
+    for (const auto& cells : {std::array{4, 3, 2}, std::array{2, 5, 3}}) {
+        Body body(block(cells[0], cells[1], cells[2]));
+        body.put(Eigen::Vector3d::Zero());
+        const Eigen::Vector3d low = body.mesh.nodes.colwise().minCoeff().transpose(), high = body.mesh.nodes.colwise().maxCoeff().transpose();
+        int inside = 0;
+        for (int i = 0; i < body.mesh.node_count(); ++i)
+            for (int j = 0; j < body.mesh.node_count(); ++j) {
+                const double y = body.mesh.nodes(i, 1), z = body.mesh.nodes(j, 2);
+                if (y <= low.y() || y >= high.y() || z <= low.z() || z >= high.z()) continue;
+                for (const double x : {low.x() - 0.001, low.x() + 0.001, body.mesh.nodes(i, 0) + 0.0003, high.x() - 0.001, high.x() + 0.001}) {
+                    const bool wanted = x > low.x() && x < high.x();
+                    REQUIRE(body.surface.contains(Eigen::Vector3d(x, y, z)) == wanted);
+                    inside += wanted;
+                }
+            }
+        CHECK(inside > 100);
+    }
+}
+
 TEST_CASE("no tool tunnels: at 2 m/s and in jumps of 50 mm through thin tissue that swings it is never inside without having been stopped", "[solid]") {
     Body body(block(8, 8, 1));
     Draw draw(3);

@@ -371,6 +371,25 @@ TEST_CASE("an attribute that holds many values where one belongs is refused") {
     CHECK_THROWS_AS(in.number_attribute("/", "many"), FileError);
 }
 
+TEST_CASE("an attribute that is a number is no text, and a text of two mebibytes is no line") {
+    const TemporaryFolder folder;
+    const std::string file = example_file(folder);
+    const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), space = H5Screate(H5S_SCALAR), type = H5Tcopy(H5T_C_S1);
+    const std::string text(std::size_t{2} << 20, 'x');
+    H5Tset_size(type, text.size());
+    const hid_t attribute = H5Acreate2(id, "long", type, space, H5P_DEFAULT, H5P_DEFAULT);
+    REQUIRE(H5Awrite(attribute, type, text.data()) >= 0);
+    H5Aclose(attribute);
+    H5Tclose(type);
+    H5Sclose(space);
+    H5Fclose(id);
+    const Hdf5Reader in(file, "cases");
+    CHECK(in.has_attribute("/", "long"));
+    CHECK_THAT(refusal<FileError>([&] { in.text_attribute("/", "long"); }), Contains("attribute 'long' is missing"));
+    CHECK_THAT(refusal<FileError>([&] { in.text_attribute("/", "seed"); }), Contains("attribute 'seed' is missing"));
+    CHECK_THAT(refusal<FileError>([&] { in.number_attribute("/", "kind"); }), Contains("attribute 'kind' is missing"));
+}
+
 TEST_CASE("a folder that is not there is refused when the file is begun") {
     const TemporaryFolder folder;
     CHECK_THAT(refusal<FileError>([&] { Hdf5Writer(folder.file("none/a.h5"), "cases", provenance); }),

@@ -65,6 +65,18 @@ TEST_CASE("elements with shares of their own relax each by its own, and as those
     CHECK(z[17] == Approx(x[17] * 0.7 + 0.3 * y[17]).epsilon(1e-12));
 }
 
+TEST_CASE("one element alone relaxes by its three branches as each of many does", "[memory]") {
+    BranchMemory alone(tau, g.transpose(), 0.01), many(tau, g.transpose().replicate(5, 1), 0.01);
+    for (int n = 0; n < 200; ++n) {
+        const double x = std::sin(0.1 * n);
+        Eigen::VectorXd five = Eigen::VectorXd::Constant(5, x), y(5);
+        double own = 0;
+        alone.step(0, 1, &x, &own);
+        many.step(0, 5, five.data(), y.data());
+        CHECK(own == Approx(y[3]).margin(1e-15));
+    }
+}
+
 TEST_CASE("a branch never gives more than it was given, at any step, by the force at the step's end", "[memory]") {
     for (double ratio : {1e-6, 1e-3, 0.1, 1.0, 3.0, 30.0, 1e3}) {
         const Eigen::VectorXd one = Eigen::VectorXd::Ones(1);

@@ -67,6 +67,8 @@ TEST_CASE("contacts of a solid are its training paths, push by push in the study
     CHECK(s.loads.paths[3].name == "x0500-y0400-t90-a090");
     for (const StudyPath& p : s.loads.paths) CHECK(p.contact_m[2] == 0.05);
     CHECK(example_study(with(solid_study_text(), "[[90, 90]]", "[[90, 0]]")).loads.paths[3].name == "x0500-y0400-t90-a000");
+    // straight down there is no azimuth, whatever was written
+    CHECK(example_study(with(solid_study_text(), "0.015], pushes_deg = [[0, 0]]", "0.015], pushes_deg = [[0, 45]]")).loads.paths[2].name == "x0120-y0150-t00-a000");
     CHECK(s.loads.paths[0].depth_m == 0.010);
     CHECK(s.loads.paths[3].depth_m == 0.003);
     const Study fine = example_study(with(solid_study_text(), "[[0, 0], [30, -90]]", "[[0, 0], [30, -90], [30.2, -90], [30.2, -90.04]]"));
