@@ -176,6 +176,7 @@ TEST_CASE("the elastic run stands beside, of the same times; lost it is not ther
     CHECK(both.force_N.row(1) == Eigen::RowVector2d(0.25, -0.5));
     CHECK(elastic(with(csv(), "0.001,-0.002,2", "0.0011,-0.002,2")).elastic_N.rows() == 4);  // it lands on tissue of another shape
     CHECK(elastic("tissuectl history,2\nstep,0,0,0,0,1,0,0,0,0,1,0,0\nlost,1,folded\n").elastic_N.rows() == 0);
+    CHECK(elastic(with(csv(), "end,4", "lost,4,folded")).elastic_N.rows() == 0);  // after as many steps as the history has
     const auto refused = [&](const std::string& text) { return refusal<FileError>([&] { elastic(text); }); };
     CHECK_THAT(refused(with(csv(), "step,2,0.02,", "step,2,0.025,")), Contains("again-0001-elastic.csv: step 2"));
     CHECK_THAT(refused(with(csv(), "step,2,0.02,0,0,0,", "step,2,0.02,0,0,1,")), Contains("again-0001-elastic.csv: step 2"));

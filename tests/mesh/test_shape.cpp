@@ -103,6 +103,10 @@ TEST_CASE("nodes are numbered along the longest axis, however the shape lies") {
     for (MshFile::Point& p : mesh.points) p = {p.x, 9 * p.y, 0};
     const Shape tall = make_shape(mesh, {"base"}, {}, 1);
     for (Eigen::Index i = 1; i < tall.nodes.rows(); ++i) CHECK(tall.nodes(i, 1) >= tall.nodes(i - 1, 1));
+    for (MshFile::Point& p : mesh.points) p = {0.6 * p.x - 0.8 * p.y, 0.8 * p.x + 0.6 * p.y, 0};  // turned, so that it lies from right to left
+    const Shape turned = make_shape(mesh, {"base"}, {}, 1);
+    for (Eigen::Index i = 1; i < turned.nodes.rows(); ++i)
+        CHECK((turned.nodes.row(i) - turned.nodes.row(i - 1)).dot(Eigen::RowVector2d(0.8, -0.6)) >= -tolerance::rounding);
 }
 
 TEST_CASE("a modulus by triangle: (7) where all are alike, and a stiffer region stiffens its own edges alone") {
