@@ -173,6 +173,13 @@ TEST_CASE("a tool on a held facet meets a wall as stiff as the contact nearest t
         const double k = tool.stiffness_N_m(Point::Zero(3), u)(2, 2);
         CHECK(k > 10);
         CHECK(k < 1000);
+        // of all that the contact nearest to it holds, while no node gives way
+        Point middle = Point::Zero(3);
+        for (int node : mesh.facets.row(facet)) middle += mesh.nodes.row(node).transpose() / 3;
+        const FreeSurface::Place place = surface.nearest(middle);
+        const ContactSpring contact(kernel.rows_at(place.point_m), disc_law());
+        const Eigen::Vector3d normal = contact.rows.push.row(0).transpose().normalized();
+        CHECK(k == Approx(normal.dot(contact.rows.push.transpose() * contact.k_N_m.asDiagonal() * contact.rows.push * normal)).epsilon(1e-9));
     }
     CHECK(held == 60);
 }
