@@ -75,7 +75,7 @@ FORCE:
 
 # ---- front door
 
-.PHONY: felupe realtime ablation all mesh cases train eval figures report reference regress regress-proof trust gains patient patient3 peers test sanitize tsan fuzz bench benches doors deps help clean build install uninstall doctor
+.PHONY: felupe realtime ablation all mesh cases train eval figures report reference regress regress-proof trust gains patient patient3 peers test test-fe sanitize tsan fuzz bench benches doors deps help clean build install uninstall doctor
 
 ## all: the whole study, from mesh to report
 all: figures eval report
@@ -269,7 +269,7 @@ $(THREE): | build/deps
 
 # The plan says which load paths there are and with which arguments; its parts say what each stage depends on, and
 # keep their time stamp while their text stays the same.
-ifneq (,$(filter-out help clean deps build doors install uninstall doctor reference regress regress-proof trust felupe gains patient patient3 peers test sanitize tsan fuzz bench benches $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
+ifneq (,$(filter-out help clean deps build doors install uninstall doctor reference regress regress-proof trust felupe gains patient patient3 peers test test-fe sanitize tsan fuzz bench benches $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
 include $(R)/plan.mk
 endif
 # A shape has no surface to plan contacts on until it is meshed: its first plan says where it comes from, SHAPE and
@@ -398,6 +398,14 @@ patient3: $(TISSUECTL) $(BUILD)/adapt_probe
 ## test: library, FE and pipeline tests; the last line counts them
 test: $(TISSUECTL) $(TISSUE_HAPTIC) doors $(BUILD)/test_tissue | build/deps-test
 	@TISSUE_HAPTIC=$(TISSUE_HAPTIC) PYTHON=$(PYTHON) TISSUECTL=$(TISSUECTL) tests/run $(BUILD)/test_tissue $$(env -u OMP_NUM_THREADS nproc)
+
+FE_LONG := tests/fem/test_fem.sh tests/fem/test_solid.sh
+.PHONY: $(FE_LONG:%=%-long)
+$(FE_LONG:%=%-long): %-long: $(TISSUECTL) | build/deps
+	@log=$$(mktemp) && trap 'rm -f "$$log"' EXIT && TISSUECTL=$(TISSUECTL) $* long >"$$log" 2>&1 || { grep -v '^ok' "$$log"; exit 1; }; echo "passed  $* long: $$(tail -n 1 "$$log")"
+
+## test-fe: the long checks of finite elements: memory, mass, refinement, shapes in space
+test-fe: $(FE_LONG:%=%-long)
 
 ## sanitize: library tests and the server under address and undefined-behaviour sanitizers
 sanitize: | build/deps-sanitize

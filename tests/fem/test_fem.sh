@@ -2,12 +2,19 @@
 # Tests of the FreeFEM truth: one line per check, "ok - sentence" or "not ok - sentence: measured vs wanted".
 # Exits 0 when every check passed. Needs FreeFem++-nw and gmsh; takes under a minute.
 #
-# Sample runs: tests/fem/test_fem.sh
+# Sample runs: tests/fem/test_fem.sh           the groups of `make test`
+#              tests/fem/test_fem.sh long      those of `make test-fe`: inertia, memory and touch, two minutes
 #              tests/fem/test_fem.sh scripts|laws|shapes|orders|mirror|patch|inertia|memory|touch|refusals      one group alone
 here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
 fem=$here/../../fem
-only=${1:-all}
-group() { [ "$only" = all ] || [ "$only" = "$1" ]; }
+only=${1:-quick} long=" inertia memory touch "
+group() {
+  case $only in
+  quick) case $long in *" $1 "*) return 1 ;; esac ;;
+  long) case $long in *" $1 "*) ;; *) return 1 ;; esac ;;
+  *) [ "$only" = "$1" ] ;;
+  esac
+}
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT INT TERM
 # the packaged preferences name a plugin folder that does not exist

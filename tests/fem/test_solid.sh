@@ -2,14 +2,21 @@
 # Tests of the FreeFEM truth in three dimensions: one line per check, "ok - sentence" or "not ok - sentence: measured vs
 # wanted". Exits 0 when every check passed. Needs FreeFem++-nw and gmsh; takes two minutes.
 #
-# Sample runs: tests/fem/test_solid.sh
+# Sample runs: tests/fem/test_solid.sh           the groups of `make test`
+#              tests/fem/test_solid.sh long      those of `make test-fe`: refine, memory and shape, three minutes
 #              tests/fem/test_solid.sh scripts|orders|paths|mirror|refine|memory|refusals|shape|count      one group alone
 #              TISSUECTL=build/release/tissuectl tests/fem/test_solid.sh shape
 here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
 root=$here/../..
 fem=$root/fem
-only=${1:-all}
-group() { [ "$only" = all ] || [ "$only" = "$1" ]; }
+only=${1:-quick} long=" refine memory shape "
+group() {
+  case $only in
+  quick) case $long in *" $1 "*) return 1 ;; esac ;;
+  long) case $long in *" $1 "*) ;; *) return 1 ;; esac ;;
+  *) [ "$only" = "$1" ] ;;
+  esac
+}
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT INT TERM
 FF_LOADPATH=$("$root/scripts/freefem_plugins")
