@@ -76,7 +76,9 @@ bool Learner::before(Simulation& simulation) {
     arrived_ = true;
     for (Eigen::Index c = 0; c < now_.constants.size(); ++c) arrived_ &= step_towards(now_.constants[c], goal.constants[c], options_.step * now_.constants[c]);
     for (Eigen::Index n = 0; n < now_.contact_log_scale.size(); ++n) arrived_ &= step_towards(now_.contact_log_scale[n], goal.contact_log_scale[n], options_.step);
-    for (Eigen::Index i = 0; i < now_.patch.log_N_m.size(); ++i) arrived_ &= step_towards(now_.patch.log_N_m.data()[i], goal.patch.log_N_m.data()[i], options_.step);
+    auto patch = now_.patch.log_N_m.reshaped();
+    const auto patch_goal = goal.patch.log_N_m.reshaped();
+    for (Eigen::Index i = 0; i < patch.size(); ++i) arrived_ &= step_towards(patch[i], patch_goal[i], options_.step);
     law_.become(now_);
     simulation.law_changed();
     return true;

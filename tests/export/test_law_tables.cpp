@@ -12,7 +12,9 @@
 #include "springs/law_press.h"
 #include "../example.h"
 #include "../mesh/disc.h"
+#include "../mesh/dome.h"
 #include "../refusal.h"
+#include "../solid_law_example.h"
 #include "../tolerances.h"
 
 using namespace tissue;
@@ -150,4 +152,27 @@ TEST_CASE("a law in space is pressed at its cases too, where no arc length says 
         CHECK(c.push_m.norm() == Approx(model.magnitude_m[c.load_case]));
         CHECK((c.force_N.colwise().sum()).norm() <= tolerance::newton * c.force_N.norm());
     }
+}
+
+TEST_CASE("the tables of a law on a solid shape hold all its energy: its springs' and its regions', by their facets", "[export][solid_shape]") {
+    const TissueModel model = solid_law_example(edge_mesh(dome(4)));
+    const SpringMesh& mesh = model.mesh;
+    const SolidLawTables t = solid_law_tables(model);
+    const NodeField u = scattered(mesh, 0.002), x = mesh.nodes + u;
+    double W = 0;
+    for (int s = 0; s < mesh.spring_count(); ++s)
+        W += t.spring_N_m[s] * std::pow((x.row(mesh.springs(s, 0)) - x.row(mesh.springs(s, 1))).norm() - mesh.rest_length(s), 2) / 2;
+    REQUIRE(t.cell_facets.cols() == 4);
+    Eigen::VectorXd volume = Eigen::VectorXd::Zero(t.volume_m3.size()), rest = volume;
+    for (Eigen::Index f = 0; f < t.cell_facets.rows(); ++f)
+        for (const auto& [sum, at] : {std::pair(&volume, &x), std::pair(&rest, &mesh.nodes)}) {
+            const Eigen::RowVector3d i = at->row(t.cell_facets(f, 1)), j = at->row(t.cell_facets(f, 2)), k = at->row(t.cell_facets(f, 3));
+            (*sum)[t.cell_facets(f, 0)] += i.dot(j.cross(k)) / 6;
+        }
+    CHECK((rest - t.volume_m3).norm() <= tolerance::rounding * t.volume_m3.norm());
+    for (Eigen::Index c = 0; c < volume.size(); ++c) {
+        CHECK(t.cells(c, 0) == c);
+        W += t.cell_Pa[c] * t.volume_m3[c] * std::pow(volume[c] / t.volume_m3[c] - 1, 2) / 2;
+    }
+    CHECK(W == Approx(TissueEnergy(mesh, false).energy(model.energy_law->constants, u)).epsilon(tolerance::rounding));
 }
