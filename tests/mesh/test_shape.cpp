@@ -103,10 +103,16 @@ TEST_CASE("nodes are numbered along the longest axis, however the shape lies") {
     for (MshFile::Point& p : mesh.points) p = {p.x, 9 * p.y, 0};
     const Shape tall = make_shape(mesh, {"base"}, {}, 1);
     for (Eigen::Index i = 1; i < tall.nodes.rows(); ++i) CHECK(tall.nodes(i, 1) >= tall.nodes(i - 1, 1));
-    for (MshFile::Point& p : mesh.points) p = {0.6 * p.x - 0.8 * p.y, 0.8 * p.x + 0.6 * p.y, 0};  // turned, so that it lies from right to left
-    const Shape turned = make_shape(mesh, {"base"}, {}, 1);
-    for (Eigen::Index i = 1; i < turned.nodes.rows(); ++i)
-        CHECK((turned.nodes.row(i) - turned.nodes.row(i - 1)).dot(Eigen::RowVector2d(0.8, -0.6)) >= -tolerance::rounding);
+    // turned by any angle: from left to right
+    for (const double degrees : {20.0, 70.0, 110.0, 160.0, 200.0, 250.0, 290.0, 340.0}) {
+        const double c = std::cos(degrees * 3.14159265358979323846 / 180), s = std::sin(degrees * 3.14159265358979323846 / 180);
+        MshFile turned = mesh;
+        for (MshFile::Point& p : turned.points) p = {c * p.x - s * p.y, s * p.x + c * p.y, 0};
+        const Shape shape = make_shape(turned, {"base"}, {}, 1);
+        const Eigen::RowVector2d along = Eigen::RowVector2d(-s, c) * (s > 0 ? -1 : 1);
+        INFO(degrees << " degrees");
+        for (Eigen::Index i = 1; i < shape.nodes.rows(); ++i) CHECK((shape.nodes.row(i) - shape.nodes.row(i - 1)).dot(along) >= -tolerance::rounding);
+    }
 }
 
 TEST_CASE("a modulus by triangle: (7) where all are alike, and a stiffer region stiffens its own edges alone") {

@@ -11,6 +11,7 @@
 #include "mesh/free_surface.h"
 #include "mesh/mesh_fault.h"
 #include "../example.h"
+#include "../haptic/haptic_example.h"
 #include "../refusal.h"
 #include "../tolerances.h"
 
@@ -49,6 +50,24 @@ TEST_CASE("tetrahedra as gmsh hands them over become a shape in metres, turned t
     CHECK_FALSE(mesh_fault(mesh));
     CHECK(mesh.topology == "edges3");
     CHECK(mesh.node_measure.sum() == Approx(edge_mesh(dome()).node_measure.sum() * 1.2).epsilon(1e-9));
+}
+
+TEST_CASE("however a solid shape lies, its nodes are numbered along its length, from left to right", "[solid_shape]") {
+    Draw draw(12);
+    for (int k = 0; k < 12; ++k) {
+        const Eigen::Matrix3d turn = Eigen::Quaterniond(draw(-1, 1), draw(-1, 1), draw(-1, 1), draw(-1, 1)).normalized().toRotationMatrix();
+        MshFile file = dome_file();
+        for (MshFile::Point& p : file.points) {
+            const Eigen::Vector3d x = turn * Eigen::Vector3d(1.7 * p.x, p.y, p.z);
+            p = {x.x(), x.y(), x.z()};
+        }
+        const Shape shape = made(file);
+        const Eigen::RowVector3d along = turn.col(0).transpose() * (turn(0, 0) > 0 ? 1 : -1);
+        INFO("turned as " << turn);
+        const Eigen::VectorXd place = shape.nodes * along.transpose();
+        CHECK((place.tail(place.size() - 1) - place.head(place.size() - 1)).minCoeff() > -0.002);  // the longest axis is of its points, not quite x
+        CHECK(place[place.size() - 1] - place[0] > 0.16);
+    }
 }
 
 TEST_CASE("a solid shape's springs are the edges of its tetrahedra, with the volumes about them, and its nodes have a quarter each", "[solid_shape]") {
