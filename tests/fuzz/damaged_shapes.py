@@ -48,17 +48,17 @@ def damaged(text, draw):
 
 def main():
     base, study, count, first = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]), int((sys.argv[4:] or ["0"])[0])
-    plan = f"results/{study}/plan.mk"
-    tissuectl = ["build/release/tissuectl", "shape", "--study", f"fem/studies/{study}.toml"]
-    arguments = re.search(r"^SHAPE_ARGUMENTS := (.*)$", Path(plan).read_text(), re.M)[1].split()
     text, kept = base.read_text("latin-1"), Path("damaged")
     kept.mkdir(exist_ok=True)
+    tissuectl, of_study = "build/release/tissuectl", ["--study", f"fem/studies/{study}.toml"]
+    subprocess.run([tissuectl, "plan", *of_study, "--out", kept / "plan.mk"], check=True)
+    arguments = re.search(r"^SHAPE_ARGUMENTS := (.*)$", (kept / "plan.mk").read_text(), re.M)[1].split()
     meshed = refused = broken = 0
     for number in (None, *range(first, first + count)):
         shape, out = kept / f"{base.stem}-{number}{base.suffix}", kept / f"{base.stem}-{number}.made.msh"
         shape.write_bytes(text.encode("latin-1") if number is None else damaged(text, random.Random(number)))
         try:
-            done = subprocess.run(["scripts/mesh", out, shape, *arguments, "--", *tissuectl], capture_output=True, timeout=60)
+            done = subprocess.run(["scripts/mesh", out, shape, *arguments, "--", tissuectl, "shape", *of_study], capture_output=True, timeout=60)
             status, said = done.returncode, done.stderr.decode(errors="replace")
         except subprocess.TimeoutExpired:
             status, said = "a minute", ""
