@@ -53,7 +53,7 @@ bool is_single(hid_t attribute) {
 }
 
 /// Such texts lie in a heap that no checksum covers, and one that is damaged or made on purpose leads libhdf5 1.10 out of its memory.
-constexpr const char* any_length = "of any length, as no checksum covers them: make the file anew, or store texts of fixed lengths";
+constexpr const char* any_length = "of any length, which no checksum covers: make the file anew, or store texts of fixed lengths";
 
 bool read_text(hid_t attribute, hid_t stored, std::string& value) {
     constexpr std::size_t longest = std::size_t{1} << 20;

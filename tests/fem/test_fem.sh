@@ -7,14 +7,8 @@
 #              tests/fem/test_fem.sh scripts|laws|shapes|orders|mirror|patch|inertia|memory|touch|refusals      one group alone
 here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
 fem=$here/../../fem
-only=${1:-quick} long=" inertia memory touch "
-group() {
-  case $only in
-  quick) case $long in *" $1 "*) return 1 ;; esac ;;
-  long) case $long in *" $1 "*) ;; *) return 1 ;; esac ;;
-  *) [ "$only" = "$1" ] ;;
-  esac
-}
+long=" inertia memory touch "
+. "$here/groups"
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT INT TERM
 # the packaged preferences name a plugin folder that does not exist

@@ -9,14 +9,8 @@
 here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
 root=$here/../..
 fem=$root/fem
-only=${1:-quick} long=" refine memory shape "
-group() {
-  case $only in
-  quick) case $long in *" $1 "*) return 1 ;; esac ;;
-  long) case $long in *" $1 "*) ;; *) return 1 ;; esac ;;
-  *) [ "$only" = "$1" ] ;;
-  esac
-}
+long=" refine memory shape "
+. "$here/groups"
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT INT TERM
 FF_LOADPATH=$("$root/scripts/freefem_plugins")
