@@ -191,7 +191,7 @@ std::string Adaptation::refusal(const Poke& poke) const {
     if (!(poke.force_N.norm() > 0)) return "has no force: the sensor may be dead";
     const FreeSurface::Place at = surface_.nearest(poke.contact_m);
     if (at.distance_m > options_.off_surface_m) return fmt::format("is {:.3g} mm off the surface, more than {:g} mm", 1e3 * at.distance_m, 1e3 * options_.off_surface_m);
-    const double size_m = (base_.mesh.nodes.colwise().maxCoeff() - base_.mesh.nodes.colwise().minCoeff()).maxCoeff();
+    const double size_m = base_.mesh.size_m();
     if (poke.push_m.norm() > size_m / 2) return fmt::format("pushes by {:.3g} mm, more than half of the tissue's {:.3g} mm", 1e3 * poke.push_m.norm(), 1e3 * size_m);
     if (!(poke.push_m.dot(at.inward) > 0)) return "pulls, or slides along the surface: the push must go into the tissue";
     if (!(poke.force_N.dot(poke.push_m) > 0)) return "has a force against its push";

@@ -160,6 +160,8 @@ LoadPath read_path(TableReader in, const std::string& name, const NodeField& nod
     path.contact_m = in.vector(group + "contact");
     path.direction = in.vector(group + "direction");
     const Eigen::VectorXd magnitude = in.vector(group + "magnitude");
+    if (magnitude.size() > 0 && magnitude.maxCoeff() > size_m(nodes))
+        in.refuse(group + "magnitude", fmt::format("goes to {:.3g} mm, and the tissue is {:.3g} mm long", 1e3 * magnitude.maxCoeff(), 1e3 * size_m(nodes)));
     const NodeField contact = in.field(group + "contact_force");
     if (measured) {
         const NodeField aside = in.field(group + "aside"), again = in.field(group + "again");

@@ -35,7 +35,7 @@ struct Push {
 }
 
 /// Place of a row along the free surface, refused when it has none.
-double arc_of(const MeasuredTable& table, const MeasuredRow& row, const Outline& outline, double tolerance_m) {
+double arc_of(const MeasuredTable& table, const MeasuredRow& row, const Outline& outline, double tolerance_m, double size_m) {
     const double arc = outline.arc_of(row.contact_m), off = (outline.position(arc) - row.contact_m).norm();
     if (!(off <= tolerance_m))
         refuse(table, row, fmt::format("columns 'contact_x', 'contact_y': ({:g}, {:g}) mm is {:.3g} mm off the free "
@@ -45,17 +45,20 @@ double arc_of(const MeasuredTable& table, const MeasuredRow& row, const Outline&
         refuse(table, row, "columns 'contact_x', 'contact_y': the contact is within 2 mm of the fixed edge");
     if (std::abs(outline.angle(arc, row.displacement_m)) >= 90 * degree)
         refuse(table, row, "columns 'displacement_x', 'displacement_y': point out of the tissue");
+    if (row.displacement_m.norm() > size_m)
+        refuse(table, row, fmt::format("columns 'displacement_x', 'displacement_y': push by {:.3g} mm, and the tissue is {:.3g} mm long",
+                                       1e3 * row.displacement_m.norm(), 1e3 * size_m));
     if (!(row.force_N.dot(row.displacement_m) > 0))
         refuse(table, row, "columns 'force_x', 'force_y': the force is against the push; wanted is the indenter's "
                            "force on the tissue");
     return arc;
 }
 
-std::vector<Push> pushes_of(const MeasuredTable& table, const Outline& outline, double tolerance_m) {
+std::vector<Push> pushes_of(const MeasuredTable& table, const Outline& outline, double tolerance_m, double size_m) {
     std::vector<Push> pushes;
     std::map<std::string, std::size_t> by_name;
     for (const MeasuredRow& row : table.rows) {
-        const double arc = arc_of(table, row, outline, tolerance_m);
+        const double arc = arc_of(table, row, outline, tolerance_m, size_m);
         const std::string name = row.push.empty() ? fmt::format("line {}", row.line) : row.push;
         const auto [place, fresh] = by_name.emplace(name, pushes.size());
         if (fresh) pushes.emplace_back();
@@ -209,7 +212,7 @@ void add_held_out(Cases& cases, const Outline& outline, const Push& push, const 
 Cases measured_cases(const Study& study, const MeasuredTable& table) {
     const SpringMesh lattice = make_lattice("grid4", study.lattice());
     const Outline outline(lattice);
-    std::vector<Push> pushes = pushes_of(table, outline, study.data->surface_tolerance_m);
+    std::vector<Push> pushes = pushes_of(table, outline, study.data->surface_tolerance_m, lattice.size_m());
     const std::vector<std::vector<Push*>> contacts = contacts_of(pushes, apart_m);
 
     Cases cases;

@@ -12,10 +12,14 @@ namespace tissue {
 namespace {
 
 double tolerance_of(const SpringMesh& mesh) {
-    return 1e-6 * (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).maxCoeff();
+    return 1e-6 * mesh.size_m();
 }
 
 }  // namespace
+
+double size_m(const NodeField& nodes) {
+    return (nodes.colwise().maxCoeff() - nodes.colwise().minCoeff()).maxCoeff();
+}
 
 std::vector<int> SpringMesh::loop() const {
     std::vector<int> nodes_in_order(static_cast<std::size_t>(facets.rows()));

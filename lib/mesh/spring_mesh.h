@@ -14,6 +14,9 @@ static_assert(EIGEN_DEFAULT_ALIGN_BYTES == TISSUE_EIGEN_ALIGNMENT,
 
 namespace tissue {
 
+/// Longest side of the box about all nodes [m] (N x D).
+double size_m(const NodeField& nodes);
+
 /// The nodes and springs of Sec. 4, without stiffness: geometry alone.
 struct SpringMesh {
     std::string topology;                      ///< a name of topologies(), mesh/topology.h
@@ -27,6 +30,8 @@ struct SpringMesh {
     Eigen::VectorXd incident_measure;          ///< sum of area(T_e) in (7) for each spring [m^2], in space of volumes [m^3] (S)
     Eigen::VectorXd node_measure;              ///< sum of V_j / (4 thickness) in (8) for each node [m^2], in space of V_j / 8 [m^3] (N)
 
+    /// Longest side of the box about the nodes [m].
+    double size_m() const { return tissue::size_m(nodes); }
     int node_count() const { return static_cast<int>(nodes.rows()); }
     int spring_count() const { return static_cast<int>(springs.rows()); }
     int dimension() const { return static_cast<int>(nodes.cols()); }

@@ -168,7 +168,7 @@ PressState PressSolver::press(const Eigen::VectorXd& constants, const ContactSpr
     const Point start_m = from ? from->push_m : Point(Point::Zero(D));
     const Point way_m = push_m - start_m;
     const double longest_m = spacing_m_ * (D == 3 ? options_.solid_load_step : options_.load_step);
-    const double steps = std::max(1.0, std::ceil(way_m.norm() / longest_m - 1e-9));
+    const double steps = std::min(std::max(1.0, std::ceil(way_m.norm() / longest_m - 1e-9)), 1 / options_.smallest_step);
     double done = 0, step = 1 / steps;
     while (done < 1) {
         const double next = done + step > 1 - 1e-9 ? 1 : done + step;

@@ -23,7 +23,7 @@ const char* to_string(PressStatus status);
 
 struct PressOptions {
     double load_step = 0.25;       ///< longest load step over the mean spacing of the surface's nodes: 10 mm in four steps
-    double smallest_step = 1e-3;   ///< part of the push below which a load step is not halved again
+    double smallest_step = 1e-3;   ///< part of the push below which no load step begins or is halved again
     int max_newton = 15;           ///< a load step; measured: 3-5 are taken
     double tolerance = 1e-10;
     double solid_load_step = 1;    ///< load_step in space, where a disc spreads what it does

@@ -256,6 +256,8 @@ TissueModel read_model(const Hdf5Reader& file) {
     model.contact_m = in.field("/cases/contact");
     model.direction = in.field("/cases/direction");
     model.magnitude_m = in.vector("/cases/magnitude");
+    if (model.case_count() > 0 && model.magnitude_m.maxCoeff() > mesh.size_m())
+        in.refuse("/cases/magnitude", fmt::format("goes to {:.3g} mm, and the tissue is {:.3g} mm long", 1e3 * model.magnitude_m.maxCoeff(), 1e3 * mesh.size_m()));
     if (in.has("/cases/contact_force")) model.contact_force_N = in.field("/cases/contact_force");
     if (file.has("/law"))
         model.energy_law = read_law(file, mesh);

@@ -34,7 +34,7 @@ Study::LawParameters read_law_parameters(TomlReader& in, const std::string& law,
     return p;
 }
 
-Study::Loads read_magnitudes(TomlReader& in) {
+Study::Loads read_magnitudes(TomlReader& in, const Study::Geometry& geometry) {
     Study::Loads loads;
     loads.magnitudes_m = in.numbers("magnitudes_m", positive);
     loads.record_step_m = in.number("record_step_m", positive);
@@ -44,6 +44,9 @@ Study::Loads read_magnitudes(TomlReader& in) {
         if (!is_multiple(loads.magnitudes_m[i], loads.record_step_m))
             in.refuse("magnitudes_m", "every entry must be a multiple of record_step_m");
     }
+    const double longest_m = std::max({geometry.width_m, geometry.length_m, geometry.height_m});
+    if (geometry.is_block() && loads.depth_m() > longest_m)
+        in.refuse("magnitudes_m", fmt::format("goes to {:g} m, and the block is {:g} m long", loads.depth_m(), longest_m));
     constexpr double most_records = 10'000;  // every one a file's rows, and work
     if (const double records = loads.depth_m() / loads.record_step_m; records > most_records)
         in.refuse("record_step_m", fmt::format("makes {:.6g} records; at most {:.0f} are allowed", records, most_records));

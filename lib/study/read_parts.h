@@ -21,8 +21,8 @@ bool is_plain_name(const std::string& name);
 /// terms: of an Ogden law that the entries must be as many as; 0: any number.
 Study::LawParameters read_law_parameters(TomlReader& in, const std::string& law, std::size_t terms = 0);
 
-/// magnitudes_m and record_step_m of [loads].
-Study::Loads read_magnitudes(TomlReader& in);
+/// magnitudes_m and record_step_m of [loads], no longer than a block.
+Study::Loads read_magnitudes(TomlReader& in, const Study::Geometry& geometry);
 
 Study::Solver read_solver(TomlReader solver);
 

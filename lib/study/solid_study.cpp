@@ -243,7 +243,7 @@ void read_solid_fe(TomlReader& in, Study& study) {
         if (loads.has(key))
             loads.refuse(key, study.geometry.is_block() ? "belongs to the plane; a solid block has contacts"
                                                         : "belongs to the plane; a solid shape has contacts or spread");
-    study.loads = read_magnitudes(loads);
+    study.loads = read_magnitudes(loads, study.geometry);
     if (study.geometry.is_block())
         study.loads.paths = read_contacts(loads, study);
     else

@@ -233,7 +233,7 @@ Study::Material read_material(TomlReader in, const Study::Geometry& geometry, bo
 }
 
 Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const Study::Indenter& indenter) {
-    Study::Loads loads = read_magnitudes(in);
+    Study::Loads loads = read_magnitudes(in, geometry);
     if (in.has("sweep")) {
         in.refuse_unless_empty("paths", "must be empty beside a sweep");
         TomlReader sweep = in.table("sweep");

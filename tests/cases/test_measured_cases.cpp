@@ -200,6 +200,7 @@ TEST_CASE("rows that no tissue of this outline can have given are refused by lin
     CHECK_THAT(spoilt([](MeasuredRow& r) { r.contact_m = Eigen::Vector2d(0.05, 0); }), Contains("contact_x"));
     CHECK_THAT(spoilt([](MeasuredRow& r) { r.contact_m.y() = 0.0005; }), Contains("fixed edge"));
     CHECK_THAT(spoilt([](MeasuredRow& r) { r.displacement_m *= -1; }), Contains("out of the tissue"));
+    CHECK_THAT(spoilt([](MeasuredRow& r) { r.displacement_m *= 1e3; }), Contains("displacement_x") && Contains("100 mm long"));  // mm, called m
     CHECK_THAT(spoilt([](MeasuredRow& r) { r.force_N *= -1; }), Contains("indenter's force on the tissue"));
     MeasuredTable table = good;
     table.rows[3].push = table.rows[4].push = "p";

@@ -42,7 +42,7 @@ std::string program() {
 
 /// For a shell: waits until the program, process $child, has said what runs, or has ended.
 std::string until_it_runs(const TemporaryFolder& folder) {
-    return "until grep -q coupling " + folder.file("err") + " || ! kill -0 $child; do sleep 0.05; done; ";
+    return "until grep -qs coupling " + folder.file("err") + " || ! kill -0 $child; do sleep 0.05; done; ";
 }
 
 struct Ended {

@@ -155,6 +155,14 @@ TEST_CASE("a push that no load step reaches is lost, and comes back as far as it
     CHECK(std::string(to_string(state.status)) == "lost");
 }
 
+TEST_CASE("a push of a hundred thousand spacings is given up after as many load steps as any other") {
+    constexpr int steps = 2, iterations = 15;
+    PressSolver solver(block().energy, block().surface, {0.25, 1.0 / steps, iterations, 1e-10});
+    const PressState state = solver.press(block().constants, block().contact(0.15), Eigen::Vector2d(0, 1e3));
+    CHECK(state.newton <= steps * iterations);
+    CHECK(state.displacement.allFinite());
+}
+
 TEST_CASE("a tissue of upright springs alone, pressed from above, rests and is not stable") {
     Tissue column(make_lattice("grid8", 10, 10, 0.1, 0.1));
     column.constants.head(column.mesh.spring_count()) *= 1e-6;  // nothing but area: any shear is free

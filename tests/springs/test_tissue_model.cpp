@@ -125,6 +125,19 @@ TEST_CASE("a model whose parts do not fit together is refused with file and plac
     }
 }
 
+TEST_CASE("a model of pushes longer than its tissue is refused") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("model.h5");
+    TissueModel model = example();
+    const double longest_m = model.mesh.size_m();
+    model.magnitude_m[0] = longest_m;
+    write_model(file, model, provenance);
+    CHECK(read_model(file).magnitude_m[0] == longest_m);
+    model.magnitude_m[0] = 83;
+    write_model(file, model, provenance);
+    CHECK_THAT(refusal<FileError>([&] { read_model(file); }), Contains("model.h5: /cases/magnitude") && Contains("8.3e+04 mm"));
+}
+
 TEST_CASE("a model that names a node it does not have is refused") {
     const TemporaryFolder folder;
     const std::string file = folder.file("model.h5");

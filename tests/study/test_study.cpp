@@ -142,6 +142,7 @@ TEST_CASE("impossible values are refused with file, line, key and what is allowe
     refused("cells = [4, 4]", "cells = [4, 4, 4]", "lattice.cells", "2 numbers");
     refused("cells = [4, 4]", "cells = [400, 400]", "lattice.cells", "at most 100000");
     refused("record_step_m = 0.002", "record_step_m = 2e-10", "loads.record_step_m", "at most 10000");
+    refused("[0.004, 0.008]", "[0.004, 0.102]", "loads.magnitudes_m", "the block is 0.1 m long");
     refused("refine = 1", "refine = 0", "mesh.refine", "an integer from 1");
     refused("tolerance = 1e-10", "tolerance = 1", "solver.tolerance", "a number >= ");
     refused("seed = 11", "seed = -1", "training.seed", "an integer from 0");
