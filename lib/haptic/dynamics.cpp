@@ -49,7 +49,11 @@ std::string stable_dynamics(double largest_eigenvalue_1_s2, double dt_s) {
 }
 
 int law_substeps(double largest_eigenvalue_1_s2, double dt_s) {
-    return std::max(1, static_cast<int>(std::ceil(std::sqrt(largest_eigenvalue_1_s2) * dt_s)));
+    constexpr double most = 1000;  // no tick has time for as many
+    const double steps = std::ceil(std::sqrt(largest_eigenvalue_1_s2) * dt_s);
+    if (!(steps <= most))
+        throw MismatchError(fmt::format("the law needs {:g} steps in {:g} ms, at most {:g} are possible: it is too stiff for its mass", steps, 1e3 * dt_s, most));
+    return std::max(1, static_cast<int>(steps));
 }
 
 }  // namespace tissue

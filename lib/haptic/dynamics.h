@@ -81,6 +81,7 @@ std::string stable_dynamics(double largest_eigenvalue_1_s2, double dt_s);
 
 /// Into how many steps `symplectic` divides dt for a law: omega h <= 1, well below the limit of 1.63. Springs of a set are never stiffer than
 /// at the bound; a law pressed deeper or drawn out farther than any load case is, its areas by the square of the stretch.
+/// Throws MismatchError for more than a thousand, or when the eigenvalue is no number.
 int law_substeps(double largest_eigenvalue_1_s2, double dt_s);
 
 }  // namespace tissue

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "error.h"
@@ -108,7 +109,8 @@ LawSpectrum law_spectrum(const TissueModel& model, const RealtimeMesh& springs) 
         for (const Point& way : place.ways) {
             const PressState state = solver.press(law.constants, place.contact, depth_m * way);
             if (state.status == PressStatus::lost) continue;
-            spectrum.largest = std::max(spectrum.largest, largest_eigenvalue(springs, pressed(energy, law.constants, place.contact, state)));
+            const double here = largest_eigenvalue(springs, pressed(energy, law.constants, place.contact, state));
+            if (here > spectrum.largest || std::isnan(here)) spectrum.largest = here;  // std::max would lose what is no number
         }
     return spectrum;
 }

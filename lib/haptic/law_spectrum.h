@@ -8,7 +8,7 @@ namespace tissue {
 /// How fast a law's tissue can swing [1/s^2]: squared angular frequencies, of M^-1 K.
 struct LawSpectrum {
     double smallest;  ///< at rest, untouched
-    double largest;   ///< at rest and pressed, the contact's springs included
+    double largest;   ///< at rest and pressed, the contact's springs included; no number when any of them is none
 };
 
 /// The largest over presses as deep as the deepest load case. In the plane straight in and 45 degrees to either side, at places

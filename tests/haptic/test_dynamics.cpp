@@ -1,6 +1,7 @@
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 
 #include "../refusal.h"
 #include "error.h"
@@ -10,6 +11,7 @@
 #include "haptic_example.h"
 #include "springs/spring_law.h"
 
+using Catch::Matchers::Contains;
 using namespace tissue;
 
 namespace {
@@ -190,6 +192,10 @@ TEST_CASE("energy: symplectic keeps it within a band, implicit only loses it, th
 TEST_CASE("which step runs follows from the spectrum", "[dynamics]") {
     CHECK(stable_dynamics(1.79e3 * 1.79e3, 1e-3) == "symplectic");
     CHECK(stable_dynamics(1.81e3 * 1.81e3, 1e-3) == "implicit");
+    CHECK(law_substeps(0, 1e-3) == 1);
+    CHECK(law_substeps(2.5e3 * 2.5e3, 1e-3) == 3);
+    for (const double much : {1e9 * 1e9, std::numeric_limits<double>::infinity(), std::nan("")})
+        CHECK_THAT(refusal<MismatchError>([&] { law_substeps(much, 1e-3); }), Contains("at most 1000"));
     // and the limit is where it is said to be: a mesh just above omega dt = 2 blows up, just below it does not
     Small s("isotropic", "grid4", 10);
     const double omega = std::sqrt(largest_eigenvalue(s.mesh, s.slots));
