@@ -8,6 +8,7 @@
 #include "error.h"
 #include "../example.h"
 #include "../mutations.h"
+#include "../refusal.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
@@ -67,6 +68,16 @@ TEST_CASE("load cases, changed in any one dataset in any way, are refused in one
                 }
             }
         CHECK(refused > 100);
+    }
+}
+
+TEST_CASE("load cases of pushes longer than their tissue are refused by path") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("cases.h5");
+    for (Cases cases : {fe_cases(), hand_cases()}) {
+        cases.paths[0].records.back().magnitude_m = 83;
+        write_cases(file, cases, {"tissuectl test", 0, {}});
+        CHECK_THAT(refusal<FileError>([&] { read_cases(file); }), Contains("/paths/" + cases.paths[0].name + "/magnitude") && Contains("8.3e+04 mm"));
     }
 }
 
