@@ -80,7 +80,7 @@ std::vector<Rows> read_rows(const std::string& file) {
     return all;
 }
 
-History history_of(const std::string& file, const Rows& h, const Outline& outline, double tolerance_m) {
+History history_of(const std::string& file, const Rows& h, const Outline& outline, double tolerance_m, double size_m) {
     const double arc = outline.arc_of(h.contact_m), off = (outline.position(arc) - h.contact_m).norm();
     if (!(off <= tolerance_m)) refuse(file, h, fmt::format("has a contact {:.3g} mm off the free surface; allowed: {:g} mm", 1e3 * off, 1e3 * tolerance_m));
     if (arc < apart_m || arc > outline.length() - apart_m) refuse(file, h, "has a contact within 2 mm of the fixed edge");
@@ -105,6 +105,7 @@ History history_of(const std::string& file, const Rows& h, const Outline& outlin
     Eigen::Index deepest = 0;
     const double depth_m = out.push_m.rowwise().norm().maxCoeff(&deepest);
     if (!(depth_m > 0) || !(out.force_N.squaredNorm() > 0)) refuse(file, h, "has no push, or no force");
+    if (depth_m > size_m) refuse(file, h, fmt::format("pushes by {:.3g} mm, and the tissue is {:.3g} mm long", 1e3 * depth_m, 1e3 * size_m));
     if (!(out.push_m.row(0).norm() <= at_rest * depth_m)) refuse(file, h, fmt::format("begins {:.3g} mm in the tissue: it must begin at rest", 1e3 * out.push_m.row(0).norm()));
     out.push_m.row(0).setZero();
     out.direction = out.push_m.row(deepest).transpose().normalized();
@@ -140,9 +141,10 @@ void draw_roles(std::vector<History>& histories, const Outline& outline, const S
 
 std::vector<History> read_measured_histories(const Study& study, const std::string& file) {
     const std::vector<Rows> read = read_rows(file);
-    const Outline outline(study_mesh(study, std::nullopt, study.springs.topology));
+    const SpringMesh mesh = study_mesh(study, std::nullopt, study.springs.topology);
+    const Outline outline(mesh);
     std::vector<History> histories;
-    for (const Rows& h : read) histories.push_back(history_of(file, h, outline, study.data->surface_tolerance_m));
+    for (const Rows& h : read) histories.push_back(history_of(file, h, outline, study.data->surface_tolerance_m, mesh.size_m()));
     if (read.front().role.empty()) draw_roles(histories, outline, *study.data, file);
     if (std::none_of(histories.begin(), histories.end(), [](const History& h) { return h.role == "train"; }))
         throw FileError(fmt::format("{}: has no history of role 'train' to fit shares to", file));

@@ -100,6 +100,9 @@ TEST_CASE("a history that is none is refused with its place", "[histories][measu
     std::string out = header + "\n" + good;
     for (int n = 0; n < 9; ++n) out += fmt::format("d,{},40,100,0,{},0,{}\n", 20 * n, 0.4 * n, 0.1 * n);
     CHECK_THAT(refused(out), Contains("history 'd' pushes out of the tissue"));
+    std::string far = header + "\n" + good;
+    for (int n = 0; n < 9; ++n) far += fmt::format("d,{},40,100,0,{},0,-1\n", 20 * n, -20 * n);
+    CHECK_THAT(refused(far), Contains("history 'd' pushes by 160 mm, and the tissue is 100 mm long"));
     std::string against = header + "\n" + good;
     for (int n = 0; n < 9; ++n) against += fmt::format("d,{},40,100,0,{},0,{}\n", 20 * n, -0.4 * n, 0.1 * n);
     CHECK_THAT(refused(against), Contains("history 'd' has a force against its deepest push"));
