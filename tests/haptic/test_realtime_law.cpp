@@ -145,6 +145,25 @@ TEST_CASE("a law's spectrum is that of its tangents, at rest and pressed", "[law
     CHECK(spectrum.largest < 1.2 * stiffest);
 }
 
+TEST_CASE("however small the masses are, a law's highest frequency is right or no number", "[law]") {
+    TissueModel model = law_example();
+    const double largest = law_spectrum(model, springs_of(model)).largest;
+    const Eigen::VectorXd mass_kg = model.node_mass_kg;
+    int right = 0, none = 0;
+    for (double decade = 154.5; decade < 154.8; decade += 0.02) {  // where squares of pressed states' become no numbers first, then those of rest's
+        const double lighter = std::pow(10.0, decade) / largest;
+        model.node_mass_kg = mass_kg / lighter;
+        const double here = law_spectrum(model, springs_of(model)).largest;
+        if (std::isfinite(here)) {
+            CHECK(here / lighter == Approx(largest).epsilon(1e-6));
+            ++right;
+        } else
+            ++none;
+    }
+    CHECK(right > 0);
+    CHECK(none > 0);
+}
+
 TEST_CASE("a model of sets is no law, springs that do not turn are not its own, and an implicit step does not know one", "[law]") {
     const TissueModel model = law_example(), sets = haptic_example();
     const RealtimeMesh springs = springs_of(model), axial(model.mesh, "axial", model.node_mass_kg);
