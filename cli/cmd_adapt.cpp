@@ -11,6 +11,7 @@
 #include "command.h"
 #include "error.h"
 #include "eval/force_error.h"
+#include "haptic/learner.h"
 #include "io/atomic_file.h"
 #include "springs/law_press.h"
 
@@ -22,7 +23,7 @@ struct Options {
     AdaptOptions adapt;
     double force_noise_percent = 2, model_error_percent = 3, place_error_mm = 0, next_depth_mm = 1e3 * usual_depth_m;
     int first = 0, next = 0;
-    bool stream = false, forget = false, json = false, no_rival = false;
+    bool stream = false, forget = false, json = false, no_rival = false, live = false;
 };
 
 /// |model - reading| / |reading| over pokes that nothing is learned from; a lost one counts as 1.
@@ -123,9 +124,9 @@ class Lines {
 void run(const Options& o, Provenance provenance) {
     provenance.inputs[std::filesystem::path(o.model).filename().string()] = file_hash(o.model);
     if (!o.stream) provenance.inputs[std::filesystem::path(o.data).filename().string()] = file_hash(o.data);
-    const std::unique_ptr<Adaptation> adaptation = read_adaptation(o.model, o.adapt);
+    const std::unique_ptr<Adaptation> adaptation = o.live ? live_adaptation(o.model) : read_adaptation(o.model, o.adapt);
     if (o.forget) adaptation->forget();
-    adaptation->read_at_rest(o.readings == "long-term");
+    if (!o.live) adaptation->read_at_rest(o.readings == "long-term");
     const int D = adaptation->base().mesh.dimension();
     Lines lines(o, D);
     lines.begin(*adaptation);
@@ -184,6 +185,8 @@ void add_adapt(CLI::App& app, const Invocation& invocation) {
     command->add_option("--readings", o->readings, "of tissue that relaxes: long-term, when it had come to rest, or instantaneous, before it had relaxed")
         ->type_name("WORD")->capture_default_str()->check(CLI::IsMember({"long-term", "instantaneous"}));
     command->add_option("--place_error", o->place_error_mm, "standard deviation of a contact's place along the surface")->type_name("mm")->capture_default_str()->check(CLI::Range(0.0, 100.0));
+    CLI::Option* live = command->add_flag("--live", o->live, "learn as a session does, from its --journal: contacts 1 mm unsure, at most 4.5 times as stiff or as soft");
+    for (const char* set : {"--unknowns", "--no-rival", "--noise", "--model_error", "--readings", "--place_error"}) live->excludes(command->get_option(set));
     command->add_flag("--json", o->json, "a line of JSON a poke on standard output");
     command->callback([o, command, &invocation] {
         echo_options(*command);

@@ -11,6 +11,7 @@
 #include "journal.h"
 #include "serve/access.h"
 #include "serve/network/server.h"
+#include "session_end.h"
 
 namespace tissue::cli {
 namespace {
@@ -28,10 +29,6 @@ void run(const Options& o, Provenance provenance) {
     std::unique_ptr<Journal> journal;    // and the learner that writes into it
     serve::Stage stage(o.models, {o.choices.haptic, !o.choices.no_realtime, o.hidden});
     if (!o.learn.empty()) const Hdf5Writer can_be_written(o.learn, "model", provenance);  // or a session would be lost at its end
-    if (!o.journal.empty()) {
-        journal = std::make_unique<Journal>(o.journal, stage.model().dimension());
-        stage.lesson()->also_tell([&journal](const Learner::Line& line) { journal->add(line); });
-    }
     serve::Server server(stage, o.server);
     for (const std::string& warning : stage.warnings()) std::cerr << "tissuectl serve: warning: " << warning << '\n';
     if (!o.record.empty()) {
@@ -39,23 +36,36 @@ void run(const Options& o, Provenance provenance) {
         provenance.inputs[std::filesystem::path(file).filename().string()] = file_hash(file);
         recorder = std::make_unique<Recorder>(o.record, stage.model().dimension(), provenance);
     }
+    if (!o.journal.empty()) {  // last: a session that does not begin leaves no file
+        journal = std::make_unique<Journal>(o.journal, stage.model().dimension());
+        stage.lesson()->also_tell([&journal](const Learner::Line& line) { journal->add(line); });
+    }
     std::cerr << describe("tissuectl serve", stage.model(), stage.pointer());
     std::cerr << "tissuectl serve: " << server.url() << std::endl;
     stage.start(recorder.get());
     server.run();
     stage.stop();
     for (const std::string& notice : stage.report().notices) std::cerr << "tissuectl serve: " << notice << '\n';
-    if (recorder) recorder->close(stage.model());
-    if (!o.learn.empty()) {
+    SessionEnd end("tissuectl serve");
+    end.then([&] {
+        if (recorder) recorder->close(stage.model());
+    });
+    end.then([&] {
+        if (o.learn.empty()) return;
         write_adapted_model(o.learn, stage.lesson()->adaptation(), provenance);
         std::cerr << fmt::format("tissuectl serve: {} readings learned: {}\n", stage.lesson()->adaptation().state().learned, o.learn);
-    }
-    if (journal) journal->close();
+    });
+    end.then([&] {
+        if (journal) journal->close();
+    });
     const std::string file = std::filesystem::path(o.models[static_cast<std::size_t>(stage.index())]).filename().string();
     const long long dropped = recorder ? recorder->dropped() : 0;
     std::cout << (o.json ? ledger_json(file, stage.pointer(), stage.simulation(), stage.report(), dropped)
                          : ledger_text(file, stage.pointer(), stage.simulation(), stage.report(), dropped));
-    if (stage.failed()) throw Error("the simulation has failed");
+    end.then([&] {
+        if (stage.failed()) throw Error("the simulation has failed");
+    });
+    end.done();
 }
 
 /// What the options must not be together.
@@ -97,7 +107,7 @@ void add_serve(CLI::App& app, const Invocation& invocation) {
     CLI::Option* hidden = command->add_option("--hidden", o->hidden, "model.h5 of another tissue: the tool touches it too, unseen, and the model, a law, "
                                                                     "learns from its force whenever the hand holds still")->type_name("FILE");
     command->add_option("--learn", o->learn, "model.h5 to write at the end, as it has learned to be")->type_name("FILE")->needs(hidden);
-    command->add_option("--journal", o->journal, "pokes learned from, CSV, as they come: tissuectl adapt --place_error 1 makes the same model of it")->type_name("FILE")->needs(hidden);
+    command->add_option("--journal", o->journal, "pokes learned from, CSV, as they come; a new file: tissuectl adapt --live makes the same model of it")->type_name("FILE")->needs(hidden);
     add_haptic_options(*command, o->choices);
     command->callback([o, &invocation] {
         check(*o);

@@ -122,7 +122,7 @@ std::string ledger_json(const std::string& model_file, const Device& device, con
     details["not_yet_outside"] = h.unarmed;
     details["notices"] = report.notices;
     for (const auto& [name, value] : device.ledger()) details["device"][name] = value;
-    return j.dump(1) + "\n";
+    return j.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";  // a file's name may be any bytes
 }
 
 std::string realtime_json(const HapticModel& model, const std::vector<PressResult>& presses,

@@ -1,32 +1,81 @@
 #include "journal.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <utility>
 
 #include "error.h"
 
 namespace tissue::cli {
+namespace {
+
+/// Whether anything follows its first line.
+bool has_rows(const std::string& file) {
+    std::ifstream in(file);
+    std::string line;
+    return std::getline(in, line) && std::getline(in, line);
+}
+
+}  // namespace
 
 Journal::Journal(const std::string& file, int dimension) : file_(file) {
     if (file.empty()) return;
-    out_.open(file, std::ios::trunc);
+    const auto refuse = [&](const std::string& why) {
+        if (out_ >= 0) ::close(out_);
+        throw FileError(fmt::format("{}: {}", file_, why));
+    };
+    out_ = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+    if (out_ < 0) refuse(fmt::format("cannot be written: {}", std::strerror(errno)));
+    struct stat is {};
+    if (::fstat(out_, &is) == 0 && S_ISREG(is.st_mode)) {  // a pipe has neither rows nor an end
+        if (::flock(out_, LOCK_EX | LOCK_NB) != 0) refuse("another session writes it");
+        if (has_rows(file)) refuse("has readings of an earlier session: name another file, or take it away");
+        if (::ftruncate(out_, 0) != 0) refuse(fmt::format("cannot be written: {}", std::strerror(errno)));
+    }
+    std::string header;
     for (const char* what : {"contact", "displacement", "force"})
-        for (int d = 0; d < dimension; ++d) out_ << fmt::format("{}{}_{} [{}]", d == 0 && what[0] == 'c' ? "" : ",", what, "xyz"[d], what[0] == 'f' ? "N" : "m");
-    out_ << std::endl;
-    if (!out_) throw FileError(file + ": cannot be written");
+        for (int d = 0; d < dimension; ++d) header += fmt::format("{}{}_{} [{}]", header.empty() ? "" : ",", what, "xyz"[d], what[0] == 'f' ? "N" : "m");
+    if (!write(header + '\n')) refuse("cannot be written");
+}
+
+Journal::~Journal() {
+    if (out_ >= 0) ::close(out_);
+}
+
+/// All of it or nothing: a row that is cut off would be read as another reading.
+bool Journal::write(const std::string& line) {
+    const off_t begin = ::lseek(out_, 0, SEEK_CUR);
+    for (std::size_t done = 0; done < line.size();) {
+        const ssize_t n = ::write(out_, line.data() + done, line.size() - done);
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) {
+            if (begin >= 0 && ::ftruncate(out_, begin) == 0) ::lseek(out_, begin, SEEK_SET);
+            return false;
+        }
+        done += static_cast<std::size_t>(n);
+    }
+    return true;
 }
 
 void Journal::add(const Learner::Line& line) {
-    if (!out_.is_open()) return;
+    if (out_ < 0 || !whole_) return;
     std::string row;
     for (const Point& p : {line.poke.contact_m, line.poke.push_m, line.poke.force_N})
         for (double v : p) row += fmt::format("{}{}", row.empty() ? "" : ",", v);  // reads back to the same bits
-    out_ << row << std::endl;
+    whole_ = write(row + '\n');
 }
 
 void Journal::close() {
-    if (!out_.is_open()) return;
-    out_.close();
-    if (!out_) throw FileError(file_ + ": could not be written to its end: readings are missing from it");
+    if (out_ < 0) return;
+    if (::close(std::exchange(out_, -1)) != 0) whole_ = false;
+    if (!whole_) throw FileError(file_ + ": could not be written to its end: readings are missing from it");
 }
 
 }  // namespace tissue::cli

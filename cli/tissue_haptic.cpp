@@ -31,8 +31,9 @@
 #include "eval/truth_in_motion.h"
 #include "haptic_options.h"
 #include "haptic_report.h"
-#include "journal.h"
 #include "io/atomic_file.h"
+#include "journal.h"
+#include "session_end.h"
 #include "version.h"
 
 namespace {
@@ -128,7 +129,7 @@ void run(const Options& o, Provenance provenance) {
         if (o.forget) learning.adaptation->forget();
         const Hdf5Writer can_be_written(o.learn, "model", provenance);  // or a session would be lost at its end
         tissue = learning.adaptation->base();
-        haptic = live_options(haptic);
+        haptic = live_options(haptic, *learning.adaptation);
     }
     HapticModel model(tissue, haptic);
     if (!o.check.empty()) return check(o, tissue, model);
@@ -140,6 +141,7 @@ void run(const Options& o, Provenance provenance) {
         provenance.inputs[std::filesystem::path(o.model).filename().string()] = file_hash(o.model);
         recorder = std::make_unique<Recorder>(o.record, model.dimension(), provenance);
     }
+    if (learning.adaptation) learning.journal = std::make_unique<cli::Journal>(o.journal, model.dimension());
     // the device last: nothing is open while anything else can fail
     std::unique_ptr<Device> device = make_device(o.device, o.device_values, {o.seconds, o.seed, &model.rest, model.options.map});
     if (!o.hidden.empty()) device = std::make_unique<HiddenTissue>(std::move(device), read_model(o.hidden), o.choices.haptic);
@@ -150,7 +152,6 @@ void run(const Options& o, Provenance provenance) {
     loop.realtime = !o.choices.no_realtime;
     if (recorder) loop.hooks.push_back(recorder.get());
     if (learning.adaptation) {
-        learning.journal = std::make_unique<cli::Journal>(o.journal, model.dimension());
         learning.learner = std::make_unique<Learner>(model, *learning.adaptation);
         learning.learner->on_line(
             [](const Learner::Line& line, const Adaptation&, void* with) {
@@ -161,21 +162,28 @@ void run(const Options& o, Provenance provenance) {
         loop.hooks.push_back(learning.learner.get());
     }
     const LoopReport report = run_loop(simulation, *device, loop);
-    if (learning.learner) {
-        learning.learner->stop();
+    if (learning.learner) learning.learner->stop();
+    cli::SessionEnd end("tissue-haptic");
+    end.then([&] {
+        if (!learning.learner) return;
         provenance.seed = o.seed;
         write_adapted_model(o.learn, *learning.adaptation, provenance);
         const Adaptation::State& state = learning.adaptation->state();
         std::cerr << fmt::format("tissue-haptic: {} readings, {} learned, {} not believed, {} refused, {} dropped: {}\n", learning.learner->readings(), state.learned, state.gated,
                                  state.refused, learning.learner->dropped(), o.learn);
-    }
+    });
     for (const std::string& notice : report.notices) std::cerr << "tissue-haptic: " << notice << '\n';
-    if (recorder) recorder->close(model);
-    if (learning.journal) learning.journal->close();
+    end.then([&] {
+        if (recorder) recorder->close(model);
+    });
+    end.then([&] {
+        if (learning.journal) learning.journal->close();
+    });
     const std::string model_file = std::filesystem::path(o.model).filename().string();
     const long long dropped = recorder ? recorder->dropped() : 0;
     std::cout << (o.json ? cli::ledger_json(model_file, *device, simulation, report, dropped)
                          : cli::ledger_text(model_file, *device, simulation, report, dropped));
+    end.done();
 }
 
 void add_options(CLI::App& app, Options& o) {
@@ -201,7 +209,7 @@ void add_options(CLI::App& app, Options& o) {
     app.add_option("--offset", o.offset_m, "of the device's origin in the tissue's space; none")
         ->type_name("m m [m]")->expected(2, 3);
     CLI::Option* learn = app.add_option("--learn", o.learn, "learn from a device that feels force, and write the model here at the end; of a law")->type_name("FILE");
-    app.add_option("--journal", o.journal, "pokes learned from, CSV: tissuectl adapt --place_error 1 makes the same model of it, or of its first rows")->type_name("FILE")->needs(learn);
+    app.add_option("--journal", o.journal, "pokes learned from, CSV, as they come; a new file: tissuectl adapt --live makes the same model of it, or of its first rows")->type_name("FILE")->needs(learn);
     app.add_flag("--forget", o.forget, "learn from the law as it was trained")->needs(learn);
     app.add_option("--hidden", o.hidden, "model.h5 of another tissue that the device touches, and whose force it feels: to try --learn")->type_name("FILE");
     CLI::Option* check = app.add_option("--check", o.check, "press the held-out contacts, or else the cases, of this file; no device, no clock")->type_name("FILE");

@@ -66,7 +66,7 @@ void Show::act(Client, const PauseMessage& m, double) {
 }
 
 void Show::act(Client, const ResetMessage&, double) {
-    stage_.channel().reset();
+    stage_.reset();
 }
 
 void Show::act(Client, const DemoMessage& m, double) {
@@ -115,7 +115,7 @@ bool Show::step(double now_s) {
     if (!channel.paused()) {
         stage_.pointer().aim(hand_.step(elapsed));
         // what a press left behind in tissue that relaxes would be in the next one too, which nothing could be held against then
-        if (hand_.begins_press() && stage_.scene().relaxes()) channel.reset();
+        if (hand_.begins_press() && stage_.scene().relaxes()) stage_.reset();
     }
     tell_control();
     tell_learned();

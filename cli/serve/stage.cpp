@@ -7,7 +7,6 @@
 #include <iostream>
 
 #include "error.h"
-#include "haptic/hidden_tissue.h"
 
 namespace tissue::serve {
 namespace {
@@ -42,7 +41,7 @@ Stage::Stage(const std::vector<std::string>& files, const StageOptions& options)
         // finite elements knew the tissue it was trained on, not this one
         TissueModel tissue = lesson_->adaptation().base();
         tissue.contact_force_N.resize(0, tissue.contact_force_N.cols());
-        serve(files.front(), tissue, live_options(options_.haptic), {}, learned_field(lesson_->adaptation()));
+        serve(files.front(), tissue, live_options(options_.haptic, lesson_->adaptation()), {}, learned_field(lesson_->adaptation()));
     } else
         for (const std::string& file : files) {
             const TissueModel tissue = read_model(file);
@@ -86,10 +85,17 @@ void Stage::take_pointer() {
     HapticOptions hand = options_.haptic;
     hand.map = model().options.map;
     try {
-        device_ = std::make_unique<HiddenTissue>(std::move(pointer), lesson_->hidden(), hand);
+        auto hidden = std::make_unique<HiddenTissue>(std::move(pointer), lesson_->hidden(), hand);
+        hidden_ = hidden.get();
+        device_ = std::move(hidden);
     } catch (const MismatchError& e) {
         throw MismatchError(options_.hidden + ": " + e.what());
     }
+}
+
+void Stage::reset() {
+    channel_->reset();
+    if (hidden_) hidden_->reset();
 }
 
 Stage::~Stage() {

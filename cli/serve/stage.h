@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "haptic/hidden_tissue.h"
 #include "haptic/pointer_device.h"
 #include "haptic/realtime_loop.h"
 #include "haptic/recorder.h"
@@ -41,6 +42,7 @@ class Stage {
 
     void start(Recorder* recorder);
     void turn_to(int model);            ///< another model, from rest
+    void reset();                       ///< every mesh to rest, and the hidden tissue
     void stop();                        ///< no force any more when this returns
     bool failed() const { return failed_.load(); }
 
@@ -54,6 +56,7 @@ class Stage {
     const StateChannel& channel() const { return *channel_; }
     PointerDevice& pointer() { return *pointer_; }
     const PointerDevice& pointer() const { return *pointer_; }
+    Device& device() { return *device_; }  ///< what the tick reads: the pointer, or the hidden tissue that it presses
 
     /// Nothing where no model learns.
     Lesson* lesson() { return lesson_.get(); }
@@ -83,6 +86,7 @@ class Stage {
     std::unique_ptr<Lesson> lesson_;
     std::unique_ptr<Device> device_;    ///< the pointer, or what has it
     PointerDevice* pointer_ = nullptr;
+    HiddenTissue* hidden_ = nullptr;    ///< what has it, where there is a lesson
     std::unique_ptr<StateChannel> channel_;
     std::unique_ptr<Simulation> simulation_;
     std::unique_ptr<Learner> learner_;

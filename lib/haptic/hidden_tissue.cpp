@@ -16,6 +16,7 @@ HiddenTissue::HiddenTissue(std::unique_ptr<Device> hand, const TissueModel& trut
 
 DeviceSample HiddenTissue::read(double time_s) noexcept {
     DeviceSample sample = hand_->read(time_s);
+    if (reset_.exchange(false, std::memory_order_relaxed) || sample.reset) simulation_.reset();
     // after missed ticks the hand has come farther: that is no jump
     simulation_.tick(sample, last_s_ < time_s ? time_s - last_s_ : 0);
     last_s_ = time_s;

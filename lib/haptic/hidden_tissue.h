@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 
 #include "haptic/device.h"
@@ -17,6 +18,8 @@ class HiddenTissue final : public Device {
     std::string name() const override { return hand_->name() + " on a hidden tissue"; }
     void start() override { hand_->start(); }
     DeviceSample read(double time_s) noexcept override;
+    /// To rest before the next read; any thread's. Where the model that plays is put to rest, and its memory goes, this one must be too.
+    void reset() noexcept { reset_.store(true, std::memory_order_relaxed); }
     void write(const Eigen::Vector3d& force_N) noexcept override { hand_->write(force_N); }
     bool finished() const noexcept override { return hand_->finished(); }
     void stop() noexcept override { hand_->stop(); }
@@ -26,6 +29,7 @@ class HiddenTissue final : public Device {
     std::unique_ptr<Device> hand_;
     HapticModel model_;
     Simulation simulation_;
+    std::atomic<bool> reset_{false};
     double last_s_ = 0;  ///< time of the last read
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -36,12 +37,13 @@ std::unique_ptr<Adaptation> live_adaptation(const std::string& file) {
     AdaptOptions live;
     live.place_error_m = 1e-3;
     std::unique_ptr<Adaptation> adaptation = read_adaptation(file, live);
-    adaptation->bound(live_bound);
+    const Adaptation::State& state = adaptation->state();
+    adaptation->bound(std::max({live_bound, state.x.lpNorm<Eigen::Infinity>(), std::abs(state.scale)}));
     return adaptation;
 }
 
-HapticOptions live_options(HapticOptions options) {
-    options.stiffest = std::exp(live_bound);
+HapticOptions live_options(HapticOptions options, const Adaptation& adaptation) {
+    options.stiffest = std::exp(adaptation.options().largest);
     options.heuristic_mesh = false;
     return options;
 }
@@ -54,7 +56,6 @@ Learner::Learner(HapticModel& model, Adaptation& adaptation, const LearnerOption
         throw MismatchError("what learns is not of the model that plays");
     if (adaptation.options().largest > std::log(model.options.stiffest) + 1e-12)
         throw MismatchError(fmt::format("unknowns up to {:g} may become stiffer than {:g} times, which the model's steps are for", adaptation.options().largest, model.options.stiffest));
-    adaptation.read_at_rest(false);  // learn_from makes them so
     const Point nothing = Point::Zero(model.dimension());
     held_m_ = sum_measured_N_ = sum_model_N_ = sum_push_m_ = nothing;
     learned_.back() = stiffness_of(law);

@@ -15,12 +15,12 @@
 namespace tissue {
 
 /// What a model.h5 knows, to learn on while it plays: contacts are 1 mm unsure, for tissue swings as it is touched and the model's contact is not
-/// quite where the hand's is; unknowns stay below live_bound. Throws as read_adaptation.
+/// quite where the hand's is; unknowns stay below live_bound, or below what the file has learned already. Throws as read_adaptation.
 std::unique_ptr<Adaptation> live_adaptation(const std::string& file);
-constexpr double live_bound = 1.5;  ///< of log stiffness: the tick's steps are for 4.5 times the stiffness
+constexpr double live_bound = 1.5;  ///< of log stiffness: 4.5 times as stiff
 
-/// A session's options for it: steps that bear that, and no heuristic mesh, which does not learn and would fold under a stiffer tissue's force.
-HapticOptions live_options(HapticOptions options);
+/// A session's options for it: steps that bear what it may become, and no heuristic mesh, which does not learn and would fold under a stiffer tissue's force.
+HapticOptions live_options(HapticOptions options, const Adaptation& adaptation);
 
 struct LearnerOptions {
     double hold_s = 0.8;     ///< a hand that has been still so long gives a reading, the mean of the second half: a swing of soft tissue
@@ -31,8 +31,8 @@ struct LearnerOptions {
 
 /// A law that learns while it plays, from a hand with a force sensor (DeviceSample::measured_N): whenever the hand holds still in the tissue
 /// what it feels becomes a poke, a thread of its own learns from it (adapt/adaptation.h), and the tick's law goes there step by step, so that
-/// in no tick force changes by more than `step` of it. Neither waits for the other. Of a law that relaxes the reading is taken as the law
-/// itself would have it at once: times its static force over what it has in this tick.
+/// in no tick force changes by more than `step` of it. Neither waits for the other. Of a law that relaxes the reading is taken as the
+/// adaptation wants it, once all has relaxed or at once: times the law's static force of that kind over what it has in this tick.
 ///
 /// What goes to the hand is bounded by Safety's slew and its own book whatever becomes of the law. HapticOptions::stiffest says how stiff
 /// it may become; unknowns are kept below its logarithm.

@@ -63,16 +63,18 @@ DeviceSample RemoteDevice::read(double time_s) noexcept {
             continue;
         }
         const bool same_peer = has_peer_ && from.sin_port == peer_.sin_port && from.sin_addr.s_addr == peer_.sin_addr.s_addr;
-        if (has_peer_ && !same_peer && time_s - received_s_ < leads_s) {
+        const bool led = has_peer_ && time_s - received_s_ < leads_s;
+        if (led && !same_peer) {
             ++others_;
             continue;
         }
         const auto ahead = static_cast<std::int32_t>(in.sequence - sequence_);
-        if (same_peer && ahead <= 0) {
+        const bool goes_on = led && same_peer;  // after a silence its numbers may begin anew
+        if (goes_on && ahead <= 0) {
             ++late_;
             continue;
         }
-        if (same_peer) lost_ += ahead - 1;
+        if (goes_on) lost_ += ahead - 1;
         ++received_;
         peer_ = from;
         has_peer_ = true;

@@ -15,8 +15,8 @@ namespace tissue {
 ///   out, 48 bytes: char magic[4] "TSF1", uint32 sequence of the newest position used, float64 age_s of it,
 ///                  float64 force_N[3], float64 tick
 /// A force goes back in every tick to whoever leads: the first to send, until silent for half a second, when with the default SafetyOptions::stale_s
-/// its force has long been zero; what others send meanwhile is counted as `others` and not used. Sequence numbers ascend by one from any start;
-/// older ones are `late` and not used, gaps are `lost`, anything else is `foreign`. Its motors are the client's: it lets go of a
+/// its force has long been zero; what others send meanwhile is counted as `others` and not used. Sequence numbers ascend by one from any start, and
+/// may start anew after such a silence; older ones are `late` and not used, gaps are `lost`, anything else is `foreign`. Its motors are the client's: it lets go of a
 /// force when none has come for three quarters of force_held_s, as scripts/remote_device.py does.
 struct PositionDatagram {
     char magic[4];

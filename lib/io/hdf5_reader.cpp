@@ -18,9 +18,30 @@ namespace {
 /// No filter of HDF5 packs tighter; who packed a file of ours anew may read it too.
 constexpr std::size_t tightest_packing = 1100;
 
-/// Names and texts of ours are lines; one that is not, in a file of somebody's, breaks no line of what we print.
+/// Length of the UTF-8 character that begins at i; 0: none does (Unicode 15, table 3-7).
+std::size_t character_at(const std::string& text, std::size_t i) {
+    const auto byte = [&](std::size_t k) -> int { return i + k < text.size() ? static_cast<unsigned char>(text[i + k]) : 0; };
+    const auto follow = [&](std::size_t from, std::size_t to) {
+        for (std::size_t k = from; k < to; ++k)
+            if ((byte(k) & 0xC0) != 0x80) return false;
+        return true;
+    };
+    const int first = byte(0), second = byte(1);
+    if (first < 0x80) return 1;
+    if (first >= 0xC2 && first <= 0xDF) return follow(1, 2) ? 2 : 0;
+    if (first >= 0xE0 && first <= 0xEF) return follow(1, 3) && !(first == 0xE0 && second < 0xA0) && !(first == 0xED && second > 0x9F) ? 3 : 0;
+    if (first >= 0xF0 && first <= 0xF4) return follow(1, 4) && !(first == 0xF0 && second < 0x90) && !(first == 0xF4 && second > 0x8F) ? 4 : 0;
+    return 0;
+}
+
+/// Names and texts of ours are lines of UTF-8; one that is not, in a file of somebody's, breaks no line and no JSON of what we print.
 std::string one_line(std::string text) {
-    std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 127; }, '?');
+    for (std::size_t i = 0; i < text.size();) {
+        const std::size_t length = character_at(text, i);
+        const auto c = static_cast<unsigned char>(text[i]);
+        if (length == 0 || c < ' ' || c == 127) text[i] = '?';
+        i += length == 0 ? 1 : length;
+    }
     return text;
 }
 

@@ -208,6 +208,11 @@ TEST_CASE("the remote device takes the newest position and counts what is late, 
     second.send(2, 0.8, 0);
     CHECK(wait_for([&] { return device.read(0.66).position_m.x() == 0.8; }));
     CHECK(ledger(device, "others") == 1);
+    second.send(1, 0.9, 0);  // begun anew while it leads
+    CHECK(wait_for([&] { device.read(1.1); return ledger(device, "late") == 2; }));
+    second.send(1, 0.9, 0);  // and after half a second of silence
+    CHECK(wait_for([&] { return device.read(1.2).position_m.x() == 0.9; }));
+    CHECK(ledger(device, "lost") == 2);
     CHECK(refusal<DeviceError>([&] { RemoteDevice taken(device.port()); }).find(std::to_string(device.port())) != std::string::npos);
 }
 

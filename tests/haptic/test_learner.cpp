@@ -69,8 +69,14 @@ struct Session {
         for (int k = 0; k < 20000 && adaptation_lines < lines; ++k) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     std::atomic<long long> adaptation_lines{0};
-    void count_lines() {
-        learner.on_line([](const Learner::Line&, const Adaptation&, void* with) { ++*static_cast<std::atomic<long long>*>(with); }, &adaptation_lines);
+    std::vector<Poke> pokes;  ///< of those lines; the learner's, until it stops
+    void keep_lines() {
+        learner.on_line(
+            [](const Learner::Line& line, const Adaptation&, void* with) {
+                static_cast<Session*>(with)->pokes.push_back(line.poke);
+                ++static_cast<Session*>(with)->adaptation_lines;
+            },
+            this);
     }
 };
 
@@ -111,7 +117,7 @@ TEST_CASE("a law that becomes another has the forces of one that was made so, an
 TEST_CASE("while it plays a law becomes the tissue that the hand feels, and force never jumps", "[adapt]") {
     const TissueModel law = law_example(), truth = stiffer(law, 0.5);
     Session s(law, truth, 16);
-    s.count_lines();
+    s.keep_lines();
     Eigen::Vector3d last = Eigen::Vector3d::Zero();
     double largest_jump = 0, largest_step = 0;
     long long readings = 0;
@@ -142,7 +148,7 @@ TEST_CASE("while it plays a law becomes the tissue that the hand feels, and forc
 TEST_CASE("a tick beside the learner allocates nothing", "[adapt]") {
     const TissueModel law = law_example();
     Session s(law, stiffer(law, 0.4), 4);
-    s.count_lines();
+    s.keep_lines();
     for (int k = 0; k < 2000; ++k) s.step();
     s.wait(s.learner.readings());
     REQUIRE(s.learner.readings() >= 1);
@@ -161,7 +167,7 @@ TEST_CASE("tissue that relaxes is read through its branches", "[adapt][memory]")
     truth.energy_law->constants *= std::exp(0.4);
     truth.energy_law->contact_log_scale = Eigen::VectorXd::Constant(law.mesh.node_count(), 0.4);
     Session s(law, truth, 8);
-    s.count_lines();
+    s.keep_lines();
     long long readings = 0;
     for (int k = 0; k < 8000; ++k) {
         s.step();
@@ -169,6 +175,10 @@ TEST_CASE("tissue that relaxes is read through its branches", "[adapt][memory]")
     }
     s.learner.stop();
     REQUIRE(s.adaptation.state().learned >= 2);
+    Adaptation again(law, live());  // from the journal
+    for (const Poke& poke : s.pokes) again.learn(poke);
+    CHECK(again.state().learned == s.adaptation.state().learned);
+    CHECK(again.state().x == s.adaptation.state().x);
     TissueModel at_once = s.adaptation.model(), wanted = truth;
     at_once.energy_law = instantaneous(*at_once.energy_law);
     wanted.energy_law = instantaneous(*wanted.energy_law);
@@ -254,6 +264,27 @@ TEST_CASE("what learns must be of the model that plays, and no stiffer than its 
     CHECK_THROWS_WITH(Learner(model, bold), Contains("which the model's steps are for"));
     HapticModel sets(haptic_example(), {});
     CHECK_THROWS_WITH(Learner(sets, other), Contains("only a law"));
+}
+
+TEST_CASE("what has learned to be stiffer than a session may teach plays on as it is, in steps that bear it", "[adapt]") {
+    const TemporaryFolder folder;
+    const TissueModel law = law_example(), truth = stiffer(law, 2.2);
+    Adaptation patient(law);
+    for (const Poke& poke : pokes_of(truth, 12, 5)) patient.learn(poke);
+    REQUIRE(patient.x().maxCoeff() > live_bound + 0.3);
+    write_adapted_model(folder.file("patient.h5"), patient, {"test", 1, {}});
+    const std::unique_ptr<Adaptation> live = live_adaptation(folder.file("patient.h5"));
+    const HapticOptions options = live_options({}, *live);
+    CHECK(options.stiffest >= std::exp(patient.x().maxCoeff()));
+    HapticModel model(live->base(), options);
+    { Learner learner(model, *live); }
+    for (const Poke& poke : pokes_of(truth, 4, 6)) CHECK(live->learn(poke).status == PokeStatus::learned);
+    CHECK((live->x() - patient.x()).lpNorm<Eigen::Infinity>() < 0.2);
+    const std::unique_ptr<Adaptation> fresh = [&] {
+        write_model(folder.file("law.h5"), law, {"test", 1, {}});
+        return live_adaptation(folder.file("law.h5"));
+    }();
+    CHECK(live_options({}, *fresh).stiffest == Approx(std::exp(live_bound)));
 }
 
 TEST_CASE("a law as stiff as it may become stays stable in its steps", "[adapt]") {

@@ -290,12 +290,12 @@ TEST_CASE("texts and names of a file that are more than a line are read as one")
     const std::string file = folder.file("a.h5");
     {
         Hdf5Writer out(file, "cases", provenance);
-        out.write_texts("/texts", {"two\nlines", "a\ttab"}, "");
+        out.write_texts("/texts", {"two\nlines", "a\ttab", "caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x8c\x8d", "la\xff\xfe", "cut \xe2\x82", "long \xc0\xaf\xe0\x80\xaf\xed\xa0\x80\xf4\x90\x80\x80"}, "");
         out.attribute("/", "law", std::string("iso\ntropic"));
         out.commit();
     }
     const Hdf5Reader in(file, "cases");
-    CHECK(in.texts("/texts") == std::vector<std::string>{"two?lines", "a?tab"});
+    CHECK(in.texts("/texts") == std::vector<std::string>{"two?lines", "a?tab", "caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x8c\x8d", "la??", "cut ??", "long ????????????"});
     CHECK(in.text_attribute("/", "law") == "iso?tropic");
     CHECK_THAT(refusal<FileError>([&] { in.array("/no\nwhere"); }), Contains("/no?where: is missing"));
 }

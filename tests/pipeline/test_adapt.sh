@@ -50,10 +50,62 @@ check "and learned nothing from" grep -q 'adapt: 0 learned' "$scratch/log"
 check "a hand that probes a hidden tissue teaches the law" sh -c "'$TISSUE_HAPTIC' '$model' --motion probe --depth 0.004 --seconds 6 --no-realtime \
     --hidden '$scratch/whole.h5' --learn '$scratch/live.h5' --journal '$scratch/live.csv' >'$scratch/out' 2>'$scratch/log'"
 check "it says what it read and learned" grep -q '[1-9][0-9]* readings, [1-9][0-9]* learned' "$scratch/log"
-check "the journal is pokes" adapt "$model" --data "$scratch/live.csv" --place_error 1 --out "$scratch/replayed.h5"
+check "the journal is pokes" adapt "$model" --data "$scratch/live.csv" --live --out "$scratch/replayed.h5"
 check "that make the same model" "$PYTHON" -c 'import h5py, sys
 a, b = (h5py.File(f) for f in sys.argv[1:])
 assert (a["adaptation/x"][:] == b["adaptation/x"][:]).all() and (a["law/constants"][:] == b["law/constants"][:]).all()' "$scratch/live.h5" "$scratch/replayed.h5"
+cp "$scratch/live.csv" "$scratch/live-before.csv"
+check "a journal with readings is not begun anew" sh -c "! '$TISSUE_HAPTIC' '$model' --seconds 0.1 --learn '$scratch/none.h5' --journal '$scratch/live.csv' 2>'$scratch/log'"
+check "in one line" grep -q '^tissue-haptic: .*/live.csv: has readings of an earlier session' "$scratch/log"
+check "and stands as it was" cmp "$scratch/live.csv" "$scratch/live-before.csv"
+: >"$scratch/held.csv"
+check "nor is one that another session writes" sh -c "! flock '$scratch/held.csv' '$TISSUE_HAPTIC' '$model' --seconds 0.1 --learn '$scratch/none.h5' --journal '$scratch/held.csv' 2>'$scratch/log'"
+check "in one line, too" grep -q '^tissue-haptic: .*/held.csv: another session writes it' "$scratch/log"
+
+# a tissue stiffer than a session may learn, and one that has learned to be stiffer
+awk -F, -v OFS=, 'NR > 1 { for (k = 5; k <= NF; ++k) $k *= 9 } 1' "$pokes" >"$scratch/stiff.csv"
+adapt "$model" --data "$scratch/stiff.csv" --out "$scratch/stiff.h5"
+session() { # MODEL NAME: from that model, on the stiff one
+    "$TISSUE_HAPTIC" "$1" --motion probe --depth 0.004 --seconds 6 --no-realtime --hidden "$scratch/stiff.h5" --learn "$scratch/$2.h5" --journal "$scratch/$2.csv" >"$scratch/out" 2>"$scratch/log"
+}
+largest() { "$PYTHON" -c 'import h5py, numpy, sys
+file = h5py.File(sys.argv[1])
+x = max(abs(file["adaptation/x"][:]).max(), abs(file["adaptation"].attrs["scale"]))
+assert float(sys.argv[2]) <= x <= float(sys.argv[3]), x' "$@"; }
+check "a patient nine times as stiff" largest "$scratch/stiff.h5" 1.9 2.5
+check "a session on it" session "$model" bounded
+check "learns 4.5 times at the most" largest "$scratch/bounded.h5" 1.45 1.5000001
+check "and its journal makes the same model" adapt "$model" --data "$scratch/bounded.csv" --live --out "$scratch/replayed.h5"
+check "to the last bit" same_learned "$scratch/bounded.h5" "$scratch/replayed.h5"
+check "a session that begins with the patient" session "$scratch/stiff.h5" stays
+check "takes nothing back" largest "$scratch/stays.h5" 1.9 2.5
+check "and its journal teaches the same" adapt "$scratch/stiff.h5" --data "$scratch/stays.csv" --live --out "$scratch/replayed.h5"
+check "bit by bit" same_learned "$scratch/stays.h5" "$scratch/replayed.h5"
+check "--live is one way to learn, not a part of another" sh -c "! '$TISSUECTL' adapt '$model' --data '$scratch/live.csv' --live --noise 3 --out '$scratch/none.h5' 2>/dev/null"
+
+mkdir "$scratch/gone"
+"$TISSUE_HAPTIC" "$model" --motion probe --depth 0.004 --seconds 4 --no-realtime --hidden "$scratch/whole.h5" --record "$scratch/gone/r.h5" --learn "$scratch/kept.h5" \
+    >"$scratch/out" 2>"$scratch/log" &
+sleep 1
+rm -rf "$scratch/gone"
+wait $!
+ended=$?
+check "a recording that cannot be kept ends in an error" test $ended = 1
+check "which takes neither model nor ledger along" sh -c "'$TISSUECTL' info '$scratch/kept.h5' | grep -q adaptation/x && grep -q ticks '$scratch/out'"
+"$PYTHON" -c 'import resource, signal, subprocess, sys, time
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+session = subprocess.Popen(sys.argv[1:], restore_signals=False, stderr=subprocess.PIPE, text=True)  # the log would be full, too
+time.sleep(0.5)
+resource.prlimit(session.pid, resource.RLIMIT_FSIZE, (250, 250))
+sys.stderr.write(session.communicate()[1])
+sys.exit(session.returncode)' "$TISSUE_HAPTIC" "$model" --motion probe --depth 0.004 --seconds 6 --no-realtime --hidden "$scratch/whole.h5" --learn "$scratch/full.h5" --journal "$scratch/full.csv" \
+    >"$scratch/out" 2>"$scratch/log"
+ended=$?
+check "a disk that is full during a session ends it in an error" test $ended = 1
+check "of each file that it took" sh -c "grep -q '/full.h5: .*cannot write' '$scratch/log' && grep -q '/full.csv: could not be written to its end' '$scratch/log'"
+check "the journal has whole rows" "$PYTHON" -c 'import sys
+lines = open(sys.argv[1]).read().split("\n")
+assert len(lines) > 2 and lines[-1] == "" and all(len(l.split(",")) == 6 for l in lines[:-1]), lines' "$scratch/full.csv"
 check "where the model cannot be written no session begins" sh -c "! '$TISSUE_HAPTIC' '$model' --motion probe --seconds 60 --learn '$scratch/no/where.h5' 2>'$scratch/log'"
 check "in one line" grep -q '^tissue-haptic: .*no/where.h5' "$scratch/log"
 mkfifo "$scratch/pipe"

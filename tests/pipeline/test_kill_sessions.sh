@@ -64,7 +64,7 @@ rows_whole() { # FILE: every line has as many fields as the first, and the last 
     [ ! -s "$1" ] || awk -F, 'NR == 1 { n = NF } NF != n { exit 1 }' "$1" && [ -z "$(tail -c 1 "$1" 2>/dev/null)" ]
 }
 teaches() { # FILE: of a session that was killed
-    [ ! -e "$1" ] || [ "$(wc -l <"$1")" -le 1 ] || adapt "$model" --data "$1" --place_error 1 --out "$scratch/taught.h5"
+    [ ! -e "$1" ] || [ "$(wc -l <"$1")" -le 1 ] || adapt "$model" --data "$1" --live --out "$scratch/taught.h5"
 }
 as_before() { cmp "$out/record.h5" "$scratch/record.h5" && cmp "$out/learned.h5" "$scratch/learned.h5"; }
 none() { :; }

@@ -138,6 +138,22 @@ def conversation(port):
     client.close(), other.close()
 
 
+def empty_pieces(port):
+    """How it ended, and the bytes that were taken, of one message in pieces of nothing."""
+    taken = [0]
+
+    def send(client):
+        client.send("", final=False)
+        client.socket.settimeout(0.5)
+        pieces, end = bytes((0, 0x80, 0, 0, 0, 0)) * 10000, time.monotonic() + 3
+        while time.monotonic() < end:
+            try:
+                taken[0] += client.socket.send(pieces[taken[0] % 6:])
+            except TimeoutError:
+                pass
+    return ends(port, send), taken[0]
+
+
 def misbehaviour(port):
     check("a foreign Origin: 403", refusal(port, headers="Origin: http://evil.example\r\n") == 403)
     check("Origin null: 403", refusal(port, headers="Origin: null\r\n") == 403)
@@ -160,6 +176,9 @@ def misbehaviour(port):
     check("pings in a flood: closed", ends(port, lambda c: [c.send(b"", kind=PING) for _ in range(600)]) in ((1008, "too many messages a second"), (None, "")))
     before = refused(port, "rate")
     check("both were counted", before == 2, before)
+    end, taken = empty_pieces(port)
+    check("a message of empty pieces without end: 1008, and little of it was taken", end in ((1008, "too many messages a second"), (None, "")) and taken < 30e6, end, taken)
+    check("it was counted too, and its place is free soon", refused(port, "rate") == 3 and wait_for(lambda: metrics(port)["tissue_clients"] == 0, 15))
     check("a frame without a mask: closed", ends(port, lambda c: c.send("{}", mask=False)) is not None)
     clients = [Client(port) for _ in range(8)]
     check("the ninth page: 503", refusal(port) == 503 and metrics(port)["tissue_clients"] == 8)
@@ -195,7 +214,8 @@ def attack(port):
 
 
 def ending():
-    for sign in (signal.SIGTERM, signal.SIGINT):
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # nohup's would be handed down
+    for sign in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
         record = scratch / f"s{sign}.h5"
         server = Server(program, model, "--port", "0", "--record", str(record), "--json")
         client = Client(server.port)

@@ -94,3 +94,35 @@ TEST_CASE("the demo finds tissue that relaxes at rest at every press, and leaves
         else CHECK((resets >= presses && resets <= presses + 1));
     }
 }
+
+TEST_CASE("the demo finds a hidden tissue at rest when the model is: of the same tissue the hand feels the model's own force", "[serve][adapt][memory]") {
+    const TemporaryFolder folder;
+    write_model(folder.file("law.h5"), relaxing(law_example()), {"test", 1, {}});
+    StageOptions options;
+    options.realtime = false;
+    options.hidden = folder.file("law.h5");
+    Stage stage({folder.file("law.h5")}, options);
+    Show show(stage, [](int, const std::string&) {});
+    Simulation simulation(stage.model());
+    int felt = 0, resets = 0;
+    int still = 0;
+    double worst = 0;
+    Point before_m = Point::Zero(2);
+    for (int k = 0; k < 20000; ++k) {
+        if (k % 16 == 0) show.step(100 + 1e-3 * k);
+        if (k == 9990) show.hear(1, R"({"type":"reset"})", 100 + 1e-3 * k);
+        stage.channel().before(simulation);
+        const DeviceSample sample = stage.device().read(1e-3 * k);
+        simulation.tick(sample);
+        resets += simulation.record().reset;
+        const Eigen::Vector2d own_N = -simulation.record().coupling_N, felt_N = (stage.model().options.map.axes * sample.measured_N).head(2);
+        still = simulation.record().mesh < 0 || (simulation.record().master_m - before_m).norm() > 1e-5 ? 0 : still + 1;
+        before_m = simulation.record().master_m;
+        if (still < 200) continue;  // a touch swings, and the two take steps of different sizes
+        ++felt;
+        worst = std::max(worst, (felt_N - own_N).norm() / own_N.norm());
+    }
+    CHECK(felt > 1000);
+    CHECK(resets >= 3);
+    CHECK(worst < 0.02);
+}

@@ -16,6 +16,7 @@ inline constexpr std::size_t longest_queue = 64;           ///< texts that wait 
 inline constexpr int send_buffer = 64 * 1024;              ///< so that a page that does not read shows soon
 inline constexpr int connections_max = 64;                 ///< of all kinds at a time
 inline constexpr double messages_s = 250;                  ///< of one page: a mouse says 60 to 125
+inline constexpr std::size_t frame_header = 14;            ///< bytes, at most, before what a page says
 
 inline double now_s() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();

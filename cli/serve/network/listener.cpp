@@ -13,7 +13,10 @@ namespace tissue::serve {
 
 Listener::Listener(Stage& s, const ServerOptions& o)
     : options(o), stage(s), acceptor(context), signals(context, SIGINT, SIGTERM), tick(context), end(context), again(context),
-      show(s, [this](Show::Client client, const std::string& text) { tell(client, text); }) {}
+      show(s, [this](Show::Client client, const std::string& text) { tell(client, text); }) {
+    struct sigaction hangup {};
+    if (::sigaction(SIGHUP, nullptr, &hangup) == 0 && hangup.sa_handler != SIG_IGN) signals.add(SIGHUP);  // under nohup it goes on
+}
 
 void Listener::listen() {
     const asio::ip::address address = asio::ip::make_address(options.bind);

@@ -16,6 +16,7 @@ void PageSocket::start(const http::request<http::empty_body>& request) {
     socket_.set_option(websocket::stream_base::decorator([](websocket::response_type& answer) {
         answer.set(http::field::server, std::string("tissuectl/") + version);
     }));
+    intake().limit(static_cast<std::size_t>(messages_s) * (longest_message + frame_header));
     socket_.read_message_max(0);  // the limit is ours, so that it comes with a reason
     socket_.auto_fragment(false);
     socket_.control_callback([this](websocket::frame_type kind, beast::string_view) {
@@ -49,6 +50,7 @@ void PageSocket::offer(const std::shared_ptr<const Frame>& state) {
 }
 
 void PageSocket::check_speed() {
+    if (intake().spent()) refuse_flood();
     if (too_slow_ || (writing_ && Clock::now() - writing_since_ > slow_time)) drop("slow");
 }
 

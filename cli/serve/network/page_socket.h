@@ -16,7 +16,7 @@ using Text = std::shared_ptr<const std::string>;
 /// One page: a WebSocket.
 class PageSocket : public std::enable_shared_from_this<PageSocket> {
    public:
-    PageSocket(Listener& server, Seat seat, beast::tcp_stream stream, Show::Client client)
+    PageSocket(Listener& server, Seat seat, Stream stream, Show::Client client)
         : server_(server), seat_(std::move(seat)), socket_(std::move(stream)), client_(client) {}
 
     void start(const http::request<http::empty_body>& request);
@@ -39,6 +39,8 @@ class PageSocket : public std::enable_shared_from_this<PageSocket> {
     void read();
     void have_read(Code error);
 
+    Intake& intake() { return beast::get_lowest_layer(socket_).rate_policy(); }
+
     void refuse_flood() { refuse(websocket::close_code::policy_error, {"rate", "too many messages a second"}); }
 
     void refuse(websocket::close_code code, const Refusal& refusal);
@@ -51,7 +53,7 @@ class PageSocket : public std::enable_shared_from_this<PageSocket> {
 
     Listener& server_;
     Seat seat_;
-    websocket::stream<beast::tcp_stream> socket_;
+    websocket::stream<Stream> socket_;
     Show::Client client_;
     beast::flat_buffer buffer_;
     std::deque<Text> texts_;

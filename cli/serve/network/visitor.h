@@ -27,7 +27,7 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
 
     Listener& server_;
     Seat seat_;
-    beast::tcp_stream stream_;
+    Stream stream_;
     beast::flat_buffer buffer_{16 * 1024};
     std::optional<http::request_parser<http::empty_body>> parser_;
     Answer answer_;
