@@ -115,7 +115,7 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
     result.energy_law = model.energy_law;
     result.law_book = model.books.law;
     std::optional<LawPress> energy;
-    if (model.energy_law) energy.emplace(model);
+    if (model.energy_law) energy.emplace(model.mesh, law_of_cases(model));
     const std::vector<int> seen = seen_nodes(model.mesh);
     std::vector<Candidate> candidates;
     const auto add_sets = [&](const std::string& name, const NodeField& theta) {

@@ -217,7 +217,7 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
     std::vector<std::pair<std::string, std::unique_ptr<LawPress>>> laws;
     std::optional<SetGrid> sets;
     if (model.energy_law) {
-        laws.emplace_back("learned", std::make_unique<LawPress>(model));
+        laws.emplace_back("learned", std::make_unique<LawPress>(model.mesh, law_of_cases(model)));
         const LawBook& book = *model.books.law;
         const auto add = [&](const std::string& name, const Eigen::VectorXd& constants) {
             laws.emplace_back(name, std::make_unique<LawPress>(model.mesh, LawModel{{}, {}, constants, book.untrained_patch, model.energy_law->incompressible,

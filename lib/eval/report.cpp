@@ -237,6 +237,7 @@ std::string law_markdown(const LawModel& law, const LawBook& book, bool measured
         const double p = law.coefficients[static_cast<Eigen::Index>(t)];
         out += fmt::format("| {} | {:.3f} | {:.3g} |\n", law.terms[t], p, std::exp(p));
     }
+    if (book.at_rest) out += "\nWhat was measured is of tissue at rest: forces are compared with what is left of the law after long.\n";
     out += "\n| start | ended | objective | largest derivative | iterations | evaluations |\n|---|---|---|---|---|---|\n";
     for (std::size_t s = 0; s < book.status.size(); ++s) {
         const auto i = static_cast<Eigen::Index>(s);

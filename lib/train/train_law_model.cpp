@@ -87,7 +87,8 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
         book.evaluations.push_back(start.evaluations);
     }
     // measured pushes of tissue that had come to rest: what they say is what is left of the law
-    if (cases.measurement && study.material.long_term && !study.material.fits_shares) grow(*model.energy_law, 1 / (1 - model.energy_law->relaxation.contact_share.sum()));
+    book.at_rest = cases.measurement && study.material.long_term;
+    if (book.at_rest && !study.material.fits_shares) grow(*model.energy_law, 1 / (1 - model.energy_law->relaxation.contact_share.sum()));
     if (study.material.fits_shares) book.shares = fit_branches(study, cases, model, threads);
     book.lost = trained.lost;
     book.seconds = trained.seconds;

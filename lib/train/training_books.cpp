@@ -58,6 +58,7 @@ void write_law_book(Hdf5Writer& file, const LawBook& book) {
     file.attribute("/law", "records", book.records);
     file.attribute("/law", "factor", book.factor);
     file.attribute("/law", "seconds", book.seconds);
+    if (book.at_rest) file.attribute("/law", "at_rest", 1);
     if (!book.shares) return;
     file.attribute("/law", "shares_histories", book.shares->histories);
     file.attribute("/law", "shares_kkt_residual", book.shares->kkt_residual);
@@ -95,6 +96,7 @@ LawBook read_law_book(const Hdf5Reader& file, const LawModel& law) {
         file.refuse("/law", fmt::format("attribute 'factor' is {}, must be a finite number > 0", book.factor));
     book.objective = file.number_attribute("/law", "objective");
     book.seconds = file.number_attribute("/law", "seconds");
+    if (file.has_attribute("/law", "at_rest")) book.at_rest = count("at_rest", 0, 1) == 1;
     if (file.has_attribute("/law", "shares_status"))
         book.shares = {count("shares_histories", 1, 1e9), file.number_attribute("/law", "shares_kkt_residual"), file.number_attribute("/law", "shares_misfit"),
                        file.number_attribute("/law", "shares_grown"), file.text_attribute("/law", "shares_status")};
@@ -138,6 +140,11 @@ const DatasetTable& books_table() {
          "learning curves, NaN once a set has stopped"},
     };
     return table;
+}
+
+LawModel law_of_cases(const TrainedModel& model) {
+    const LawModel& law = *model.energy_law;
+    return model.books.law->at_rest && !law.relaxation.empty() ? long_term(law) : law;
 }
 
 void write_trained_model(const std::string& file, const TrainedModel& model, const Provenance& provenance) {

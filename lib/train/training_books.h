@@ -56,6 +56,8 @@ struct LawBook {
         std::string status;
     };
     std::optional<Shares> shares = {};
+    bool at_rest = false;                        ///< whether its cases are readings of tissue that had come to rest, so that they are
+                                                 ///< of what is left of the law after long
 };
 
 /// Training's own books: what the evaluation needs beside the cases, and no hand that touches the tissue.
@@ -72,6 +74,9 @@ struct TrainingBooks {
 struct TrainedModel : TissueModel {
     TrainingBooks books;
 };
+
+/// The law whose forces the cases are that it was trained on. The model must have one.
+LawModel law_of_cases(const TrainedModel& model);
 
 void write_trained_model(const std::string& file, const TrainedModel& model, const Provenance& provenance);
 

@@ -162,7 +162,19 @@ TEST_CASE("from forces alone a law finds its constants again, whatever the mater
         std::string text = with(measured_study_text(), "[material]\n", "[material]\nmoduli = \"long-term\"\nviscosity = " + viscosity + "\n");
         return example_study(with(text, "seed = 8\n", "seed = 8\nhistories = \"h.csv\"\n"));
     };
-    const LawModel given = *train_law_model(relaxing("[{ g = 0.2, tau_s = 0.5 }, { g = 0.3, tau_s = 5 }]"), cases, 2).energy_law;
+    // and what is compared with readings at rest is what is left of it
+    const auto fits_its_readings = [&](const TrainedModel& trained) {
+        const Evaluation at_rest = evaluate(trained, cases, 0, 0, 1);
+        CHECK(at_rest.held_out.role("held_out")->statistics(0).force.max < 1e-4);
+        CHECK(at_rest.model("learned").closed_loop().force.max < 1e-4);
+        CHECK_THAT(to_markdown(at_rest), Contains("What was measured is of tissue at rest"));
+    };
+    const TrainedModel grown = train_law_model(relaxing("[{ g = 0.2, tau_s = 0.5 }, { g = 0.3, tau_s = 5 }]"), cases, 2);
+    fits_its_readings(grown);
+    const TemporaryFolder folder;
+    write_trained_model(folder.file("model.h5"), grown, {"tissuectl test", 11, {}});
+    fits_its_readings(read_trained_model(folder.file("model.h5")));
+    const LawModel given = *grown.energy_law;
     CHECK((given.constants - 2 * model.energy_law->constants).norm() < 1e-9 * given.constants.norm());
     CHECK(given.relaxation.contact_share == Eigen::Vector2d(0.2, 0.3));
     Cases in_time = cases;
@@ -181,6 +193,7 @@ TEST_CASE("from forces alone a law finds its constants again, whatever the mater
     h.force_N = relaxed(h.time_s, now, Eigen::Vector2d(0.5, 5), Eigen::Vector2d(0.2, 0.3));
     in_time.histories = {h};
     const TrainedModel fitted = train_law_model(relaxing("[{ tau_s = 0.5 }, { tau_s = 5 }, { tau_s = 50 }]"), in_time, 2);
+    fits_its_readings(fitted);
     CHECK(fitted.energy_law->relaxation.branches() == 2);  // one had no use
     CHECK((fitted.energy_law->relaxation.contact_share - Eigen::Vector2d(0.2, 0.3)).norm() < 1e-3);
     CHECK((fitted.energy_law->constants - given.constants).norm() < 2e-3 * given.constants.norm());
@@ -188,6 +201,13 @@ TEST_CASE("from forces alone a law finds its constants again, whatever the mater
     CHECK(fitted.books.law->shares->status == "converged");
     in_time.histories.front().role = "held_out";
     CHECK_THAT(to_markdown(evaluate(fitted, in_time, 0, 0, 1)), Contains("Branches fitted to 1 measured histories, converged") && Contains("beside what was measured, its noise included") && !Contains("prony"));
+
+    // readings of tissue that had not relaxed yet are the law's at once, whatever its branches
+    const Study at_once = example_study(with(with(measured_study_text(), "[material]\n", "[material]\nmoduli = \"instantaneous\"\nviscosity = [{ g = 0.5, tau_s = 1 }]\n"),
+                                             "seed = 8\n", "seed = 8\nhistories = \"h.csv\"\n"));
+    const Evaluation quick = evaluate(train_law_model(at_once, cases, 2), cases, 0, 0, 1);
+    CHECK(quick.held_out.role("held_out")->statistics(0).force.max < 1e-4);
+    CHECK_THAT(to_markdown(quick), !Contains("of tissue at rest"));
 
     Study sets = example_study();
     CHECK_THAT(refusal<MismatchError>([&] { train_sets(sets, cases, 1); }), Contains("measured") && Contains("'" + sets.name + "' has sets"));
