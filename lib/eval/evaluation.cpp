@@ -28,6 +28,15 @@ std::vector<double> collect(const std::vector<CaseError>& cases, double (*value)
     return values;
 }
 
+/// L_lb over sqrt(f_fe' Q f_fe) at a case, or NaN (Evaluation::lower_bound_rel).
+double relative_bound(const TrainingBooks& books, const LoadCase& load, Eigen::Index c) {
+    constexpr double rounding = 1e-9;
+    const double scale = std::sqrt(books.node_weight.row(c).dot(load.record->force.rowwise().squaredNorm()));
+    const bool of_nodes = books.problems.objective.empty() || books.problems.objective == "force";
+    const bool alone = of_nodes && std::abs(books.optimum.loss_N[c] - books.optimum.rel_loss[c] * scale) <= rounding * scale;
+    return alone ? books.optimum.lower_bound_N[c] / scale : std::nan("");
+}
+
 /// The uniform stiffness with the smallest median rel_loss: stands in where no closed loop exists.
 double uniform_by_rel_loss(const TrainedModel& model, const SpringLaw& law, const std::vector<LoadCase>& loads,
                            const std::vector<SurfacePoint>& contacts, double low, double high) {
@@ -150,6 +159,7 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
         result.magnitude_m.push_back(load.record->magnitude_m);
         result.fe_resolved_N.push_back(load.record->contact_force_N.dot(load.path->direction));
         result.smallest_J.push_back(load.record->smallest_J);
+        if (result.open_loop()) result.lower_bound_rel.push_back(relative_bound(model.books, load, static_cast<Eigen::Index>(result.lower_bound_rel.size())));
     }
     for (const Candidate& candidate : candidates) {
         ModelErrors errors{candidate.name, {}, {}};

@@ -52,6 +52,8 @@ struct Evaluation {
                                      ///< empty: uniform springs are among the drawn contacts' models alone
     std::vector<TrainingBook> trained;
     OptimumProof optimum;
+    std::vector<double> lower_bound_rel;                         ///< one a case: L_lb over sqrt(f_fe' Q f_fe) where (9) alone was minimised;
+                                                                 ///< else NaN: L_lb bounds it together with a ridge or the reaction
     ProblemRecord problems;
     std::optional<LawModel> energy_law;                          ///< in place of `trained`, `optimum` and `problems`
     std::optional<LawBook> law_book;

@@ -40,7 +40,8 @@ double kkt_residual(const ForceLoss& loss, const Eigen::VectorXd& theta, const B
         const double best = std::clamp(theta[s] - gradient[s] / (norm * norm), box.lo[s], box.hi[s]);
         largest = std::max(largest, std::abs(best - theta[s]) * norm);
     }
-    return loss.scale() > 0 ? largest / loss.scale() : largest;
+    const double target = loss.target().norm();
+    return target > 0 ? largest / target : largest;
 }
 
 }  // namespace tissue

@@ -29,7 +29,7 @@ double loss_lower_bound(const ForceLoss& loss, const Eigen::VectorXd& theta, con
 double loss_gap(double loss, double lower_bound, double scale);
 
 /// How far theta (S) is from the conditions of Karush, Kuhn and Tucker: the largest change of weighted force, as a part
-/// of the scale, that moving one spring alone to its own best place inside the box would make. Zero at the optimum and
+/// of |target|, that moving one spring alone to its own best place inside the box would make. Zero at the optimum and
 /// only there.
 double kkt_residual(const ForceLoss& loss, const Eigen::VectorXd& theta, const Box& box);
 

@@ -14,11 +14,15 @@ class ForceLoss {
     /// Throws MismatchError when the sizes disagree.
     ForceLoss(const SparseMatrix& A, const Eigen::VectorXd& force, const Eigen::VectorXd& weight);
 
+    /// The loss with more rows, L^2 + |extra theta - wanted|^2, reported in the unit of this one: what is minimised where a ridge
+    /// or more stands beside (9). extra (M x S), wanted (M).
+    ForceLoss with_rows(const SparseMatrix& extra, const Eigen::VectorXd& wanted) const;
+
     /// L(theta) [N]; theta (S) [N/m]. Allocates nothing after the first call of `workspace`'s size.
     double operator()(const Eigen::VectorXd& theta, Eigen::VectorXd& workspace) const;
     double operator()(const Eigen::VectorXd& theta) const;
 
-    /// sqrt(f_fe' Q f_fe) [N]: the loss of no springs at all, and the unit of rel_loss.
+    /// sqrt(f_fe' Q f_fe) [N], the unit of rel_loss: the loss of no springs at all, before any rows were added.
     double scale() const { return scale_; }
 
     /// L(theta) / scale; NaN where the case has no force, to which nothing is relative.

@@ -3,29 +3,6 @@
 #include <Eigen/Cholesky>
 
 namespace tissue {
-namespace {
-
-void append(std::vector<Eigen::Triplet<double>>& entries, const SparseMatrix& block, Eigen::Index first_row) {
-    for (int c = 0; c < block.outerSize(); ++c)
-        for (SparseMatrix::InnerIterator it(block, c); it; ++it)
-            entries.emplace_back(static_cast<int>(first_row + it.row()), c, it.value());
-}
-
-/// The loss with more rows: L^2 + |extra theta - wanted|^2. extra (M x S), wanted (M).
-ForceLoss with_rows(const ForceLoss& loss, const SparseMatrix& extra, const Eigen::VectorXd& wanted) {
-    const Eigen::Index rows = loss.matrix().rows();
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(static_cast<std::size_t>(loss.matrix().nonZeros() + extra.nonZeros()));
-    append(entries, loss.matrix(), 0);
-    append(entries, extra, rows);
-    SparseMatrix matrix(rows + extra.rows(), loss.matrix().cols());
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    Eigen::VectorXd target(matrix.rows());
-    target << loss.target(), wanted;
-    return {matrix, target, Eigen::VectorXd::Ones(matrix.rows())};
-}
-
-}  // namespace
 
 Target force_target(const LoadCase& load, const Eigen::VectorXd& node_weight) {
     const NodeField& u = load.record->displacement;
@@ -61,13 +38,13 @@ ForceLoss with_ridge(const ForceLoss& loss, double ridge, const Eigen::VectorXd&
     const double root = std::sqrt(ridge * loss.matrix().squaredNorm() / static_cast<double>(S));
     SparseMatrix identity(S, S);
     identity.setIdentity();
-    return with_rows(loss, root * identity, root * theta0);
+    return loss.with_rows(root * identity, root * theta0);
 }
 
 ForceLoss with_reaction(const ForceLoss& loss, const SpringMesh& mesh, const SpringLaw& law, const Target& target,
                         const Eigen::MatrixXd& sensitivity, double factor) {
     const Eigen::MatrixXd GA = factor * sensitivity * law.force_matrix(mesh, target.displacement);
-    return with_rows(loss, GA.sparseView(), factor * sensitivity * as_vector(target.force));
+    return loss.with_rows(GA.sparseView(), factor * sensitivity * as_vector(target.force));
 }
 
 std::optional<ForceLoss> joint_loss(const std::vector<ForceLoss>& losses) {
@@ -76,8 +53,9 @@ std::optional<ForceLoss> joint_loss(const std::vector<ForceLoss>& losses) {
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(S, S);
     Eigen::VectorXd rhs = Eigen::VectorXd::Zero(S);
     for (const ForceLoss& loss : losses) {
-        if (!(loss.scale() > 0)) continue;
-        const double weight = 1 / (loss.scale() * loss.scale());
+        const double target = loss.target().norm();
+        if (!(target > 0)) continue;
+        const double weight = 1 / (target * target);
         normal += weight * Eigen::MatrixXd(SparseMatrix(loss.matrix().transpose() * loss.matrix()));
         rhs += weight * (loss.matrix().transpose() * loss.target());
     }

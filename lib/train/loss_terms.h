@@ -37,9 +37,9 @@ ForceLoss with_ridge(const ForceLoss& loss, double ridge, const Eigen::VectorXd&
 ForceLoss with_reaction(const ForceLoss& loss, const SpringMesh& mesh, const SpringLaw& law, const Target& target,
                         const Eigen::MatrixXd& sensitivity, double factor);
 
-/// Several losses as one: sum of (L_i / scale_i)^2 over those that have a scale, as the triangular system with the same
+/// Several losses as one: sum of (L_i / |target_i|)^2 over those that have a target, as the triangular system with the same
 /// minimum, by the Cholesky factor of the sum of their normal matrices. Where several spring sets are equally good, a
-/// ridge of 1e-12 of the mean diagonal chooses. Nothing when no loss has a scale, or the factor does not exist.
+/// ridge of 1e-12 of the mean diagonal chooses. Nothing when no loss has a target, or the factor does not exist.
 std::optional<ForceLoss> joint_loss(const std::vector<ForceLoss>& losses);
 
 }  // namespace tissue

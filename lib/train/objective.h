@@ -44,7 +44,7 @@ const char* to_string(ProblemStatus status);
 /// What the sets of a study are trained on: one convex problem a case, and a set that serves all.
 struct TrainingProblems {
     std::vector<ForceLoss> base;           ///< (9) or its like, in which reports speak [N] (C)
-    std::vector<ForceLoss> minimised;      ///< that with more rows, a ridge or the reaction, in the unit of base [N] (C)
+    std::vector<ForceLoss> minimised;      ///< that with more rows, a ridge or the reaction, in the unit of base and with its scale [N] (C)
     std::vector<Eigen::VectorXd> start;    ///< where each set's training begins: inside the box, near the answer if known
     std::vector<ProblemStatus> status;     ///< (C)
     Eigen::VectorXd one_set;               ///< the single set that serves all cases best [N/m] (S)

@@ -23,7 +23,7 @@ struct TrainingBook {
 struct OptimumProof {
     Eigen::VectorXd loss_N, rel_loss;       ///< (C)
     Eigen::VectorXd lower_bound_N;          ///< L_lb (C)
-    Eigen::VectorXd kkt_residual;           ///< of the optimality conditions, as a part of the FE force (C)
+    Eigen::VectorXd kkt_residual;           ///< of the optimality conditions, as a part of the target of what is minimised (C)
     std::vector<std::string> status;        ///< LsqStatus of each, train/bounded_lsq.h (C); empty: of an earlier program
     double seconds = 0;                     ///< wall time of all sets together; an attribute, not a dataset
 };

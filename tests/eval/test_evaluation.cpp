@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "error.h"
 #include "../example.h"
@@ -244,6 +245,37 @@ TEST_CASE("the report names the study, every model and every case") {
     CHECK_THAT(report, Contains("example"));
     for (const ModelErrors& m : e.models) CHECK_THAT(report, Contains("| " + m.name + " |"));
     for (const std::string& name : e.case_names) CHECK_THAT(report, Contains("| " + name + " |"));
+}
+
+TEST_CASE("no set's relative loss is below the proved bound beside it, which stands there where it bounds that loss") {
+    for (const auto& [objective, ridge] : {std::pair{"force", 0.0}, std::pair{"force", 1.0}, std::pair{"contact", 0.0}}) {
+        Study study = perfect().study;
+        study.springs.law = "axial";
+        study.training.objective = objective;
+        study.training.ridge = ridge;
+        const TrainedModel model = train_sets(study, perfect().cases, 2);
+        const std::string report = to_markdown(evaluated(model, perfect().cases));
+        CAPTURE(objective, ridge);
+        std::istringstream table(report.substr(report.find("| set | L_lb mN | L_lb relative |")));
+        std::string row;
+        std::getline(table, row), std::getline(table, row);
+        for (std::size_t c = 0; c < model.case_names.size(); ++c) {
+            std::getline(table, row);
+            INFO(row);
+            std::istringstream cells(row);
+            std::string nothing, name, bound_mN, bound;
+            std::getline(cells, nothing, '|'), std::getline(cells, name, '|'), std::getline(cells, bound_mN, '|'), std::getline(cells, bound, '|');
+            CHECK(name == " " + model.case_names[c] + " ");
+            const bool alone = std::string(objective) == "force" && ridge == 0;
+            CHECK((bound != " none ") == alone);
+            for (const TrainingBook& t : model.books.trained) {
+                std::string loss;
+                std::getline(cells, loss, '|');
+                if (alone) CHECK(std::stod(loss) >= std::stod(bound));
+                CHECK(std::stod(loss) == Approx(100 * t.rel_loss[static_cast<Eigen::Index>(c)]).margin(0.051));
+            }
+        }
+    }
 }
 
 TEST_CASE("a model and cases that do not belong together are refused") {

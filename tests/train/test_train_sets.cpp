@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
+#include <tuple>
 
 #include "error.h"
 #include "../example.h"
@@ -10,6 +11,7 @@
 #include "springs/spring_law.h"
 #include "../tolerances.h"
 #include "train/force_loss.h"
+#include "train/loss_terms.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
@@ -18,6 +20,16 @@ namespace {
 
 Cases cases_of(const Study& study) {
     return example_cases(study, example_theta(make_lattice("grid8", 4, 4, 0.1, 0.1)));
+}
+
+/// sqrt(f_fe' Q f_fe) of a load case [N]; of the contact's objective f_fe is the contact's force, at the ends of its segment.
+double fe_scale(const TrainedModel& model, const Cases& cases, std::size_t c) {
+    const LoadCase load = load_cases(cases)[c];
+    const Eigen::VectorXd weight = model.books.node_weight.row(static_cast<Eigen::Index>(c));
+    const Target target = model.books.problems.objective == "force"
+                              ? force_target(load, weight)
+                              : contact_target(model.mesh, load, locate_on_surface(model.mesh, load.path->contact_m), weight);
+    return loss_of(model.mesh, *make_spring_law(model.law), target).scale();
 }
 
 }  // namespace
@@ -181,4 +193,38 @@ TEST_CASE("how the training ended comes back out of model.h5; a file of an earli
     back = read_trained_model(file);
     CHECK(back.books.optimum.status.empty());
     CHECK(back.books.problems.status.empty());
+}
+
+TEST_CASE("a set that met its target has a loss of at most that part of the FE force, whatever is minimised beside it", "[objective]") {
+    for (const auto& [objective, ridge, target] : {std::tuple{"force", 1.0, 0.7}, std::tuple{"contact", 0.0, 0.05}, std::tuple{"contact", 1.0, 0.3}}) {
+        Study study = example_study();
+        study.springs.law = "axial";
+        study.training.objective = objective;
+        study.training.ridge = ridge;
+        study.training.optimizer = "spsa";
+        study.training.also = {"spsa-2008", "nlopt:LD_LBFGS"};
+        study.training.target_rel_loss = target;
+        const Cases cases = cases_of(study);
+        const TrainedModel model = train_sets(study, cases, 2);
+        CAPTURE(objective, ridge);
+        for (const TrainingBook& t : model.books.trained)
+            for (Eigen::Index c = 0; c < t.loss_N.size(); ++c) {
+                CAPTURE(t.optimizer, c);
+                const double scale = fe_scale(model, cases, static_cast<std::size_t>(c));
+                CHECK(t.rel_loss[c] * scale <= t.loss_N[c] * (1 + tolerance::solve));
+                if (t.status[static_cast<std::size_t>(c)] != "target_met") continue;
+                CHECK(t.loss_N[c] <= target * scale * (1 + tolerance::solve));
+                CHECK(t.rel_loss[c] <= target * (1 + tolerance::solve));
+            }
+    }
+}
+
+TEST_CASE("cases without any load case train no sets, and say so") {
+    const Study study = example_study();
+    Cases cases = cases_of(study);
+    for (LoadPath& path : cases.paths) {
+        path.records.resize(1);  // lost before the first magnitude
+        path.lost = "the tangent is not positive definite";
+    }
+    CHECK_THAT(refusal<MismatchError>([&] { train_sets(study, cases, 1); }), Contains("no load case to train sets on"));
 }
