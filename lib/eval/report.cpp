@@ -6,6 +6,7 @@
 #include <map>
 
 #include "eval/evaluation.h"
+#include "springs/energy_law.h"
 #include "train/endings.h"
 #include "version.h"
 
@@ -223,19 +224,26 @@ std::string figures_markdown(const std::vector<const char*>& figures) {
     return out;
 }
 
+/// What constants are over the heuristic where a term is 1, and others 0. Of cells with a heuristic far below the cap, as in plane
+/// stress, that depends on the cap, which a model does not hold.
+std::string factor_of(const std::string& term, double p, bool starts_below_cap) {
+    if (term.rfind("cell.", 0) != 0) return fmt::format("{:.3g}", std::exp(p));
+    return starts_below_cap ? fmt::format("{:.3g}", bent_factor(p)) : "none";
+}
+
 std::string law_markdown(const LawModel& law, const LawBook& book, bool measured) {
     const std::string errors = measured ? "force errors, in their scale" : "force and shape errors, each in its scale";
     std::string over;
     if (measured) over = fmt::format(", of {:.3g} times the study's E2, as the forces have it,", book.factor);
     std::string out = fmt::format(
         "\n## The law\n\n{} numbers from {} {} paths, {} pushes, in {:.1f} s. Objective {:.4g}: the mean square of {}, and "
-        "the ridge. Every constant is its heuristic{} times exp(coefficient x term, summed); the {} constants that come of it "
-        "are in model.h5.\n\n| term | coefficient | factor where the term is 1 |\n|---|---|---|\n",
+        "the ridge. Every constant is its heuristic{} times exp(coefficient x term, summed), those of cells bent below their "
+        "cap; the {} constants that come of it are in model.h5.\n\n| term | coefficient | factor where the term is 1 |\n|---|---|---|\n",
         law.terms.size(), book.paths, measured ? "measured" : "FE", book.records, book.seconds, book.objective, errors,
         over, law.constants.size());
     for (std::size_t t = 0; t < law.terms.size(); ++t) {
         const double p = law.coefficients[static_cast<Eigen::Index>(t)];
-        out += fmt::format("| {} | {:.3f} | {:.3g} |\n", law.terms[t], p, std::exp(p));
+        out += fmt::format("| {} | {:.3f} | {} |\n", law.terms[t], p, factor_of(law.terms[t], p, law.incompressible || law.disc_radius_m > 0));
     }
     if (book.at_rest) out += "\nWhat was measured is of tissue at rest: forces are compared with what is left of the law after long.\n";
     out += "\n| start | ended | objective | largest derivative | iterations | evaluations |\n|---|---|---|---|---|---|\n";

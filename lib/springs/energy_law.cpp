@@ -76,7 +76,7 @@ LawHeuristic assemble(const SpringMesh& mesh, const Eigen::VectorXd& springs, co
     h.constants.resize(S + C + R);
     const Cells pieces = mesh_cells(mesh);
     h.constants.head(S) = 8.0 / 3 * cell_areas(mesh, pieces).sum() / mesh.incident_measure.sum() * springs;
-    h.constants.segment(S, C) = strain ? Eigen::VectorXd(0.95 * h.cap) : Eigen::VectorXd(share * cell_modulus_N_m / 3);
+    h.constants.segment(S, C) = strain ? Eigen::VectorXd(start_below_cap * h.cap) : Eigen::VectorXd(share * cell_modulus_N_m / 3);
     h.constants.tail(R).setConstant(h.constants.segment(S, C).mean() / share);
     h.patch.log_N_m.col(0) << std::log(4 * contact_modulus_N_m), std::log(4 * contact_modulus_N_m),
         std::log(0.4 * contact_modulus_N_m), std::log(0.4 * contact_modulus_N_m);
@@ -84,6 +84,8 @@ LawHeuristic assemble(const SpringMesh& mesh, const Eigen::VectorXd& springs, co
 }
 
 }  // namespace
+
+double bent_factor(double x) { return 1 / (start_below_cap + (1 - start_below_cap) * std::exp(-x)); }
 
 LawHeuristic law_heuristic(const SpringMesh& mesh, double modulus_N_m, const std::string& formulation, double area_cap) {
     return assemble(mesh, heuristic_stiffness(mesh, modulus_N_m),
@@ -107,7 +109,7 @@ LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spri
     const Eigen::VectorXd unit = heuristic_stiffness(mesh, 1.0);
     h.constants.head(mesh.spring_count()) =
         5 * mesh.node_measure.sum() / mesh.incident_measure.sum() * unit.cwiseProduct(spring_modulus_Pa);
-    h.constants.tail(h.cap.size()) = 0.95 * h.cap;
+    h.constants.tail(h.cap.size()) = start_below_cap * h.cap;
     const double E = surface_modulus_Pa, stiffness = std::log(4 * E * radius_m);
     h.patch.log_N_m.setZero(PatchLaw::disc_rows, on_lattice(mesh) ? PatchLaw::factors : PatchLaw::shape_factors);
     h.patch.log_N_m.col(0) << stiffness, stiffness, stiffness - std::log(10), stiffness - std::log(10),

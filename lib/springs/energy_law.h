@@ -51,6 +51,11 @@ LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spri
 LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triangle_modulus_N_m,
                            const std::string& formulation, double area_cap);
 
+/// Where cells start at this part of their cap (plane strain, space), a stiffness is bent_factor(x) times its heuristic for
+/// a sum of coefficients and terms x.
+constexpr double start_below_cap = 0.95;
+double bent_factor(double x);
+
 /// Whether terms say that a disc's contact softens, and do not harden.
 bool softens(const std::vector<std::string>& terms);
 

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <fmt/format.h>
 #include <filesystem>
 
 #include "cases/measured_cases.h"
@@ -120,6 +121,28 @@ TEST_CASE("a study's law is trained back to the coefficients that made its cases
     CHECK(evaluation.model("heuristic_a").closed_loop().force.median > 0.05);
     CHECK_THAT(to_markdown(evaluation), Contains("| spring.held | 0.3") && Contains("2 FE paths"));
     CHECK_THAT(to_json(evaluation, 11), Contains("\"spring.held\""));
+}
+
+TEST_CASE("the report's factor of a term is what the law's constants are over the heuristic, cells below their cap too", "[law]") {
+    std::string text = law_text();
+    const std::size_t from = text.find("terms = ["), to = text.find("]", from);
+    const Study study = example_study(text.replace(from, to + 1 - from, "terms = [\"cell.all\"]"));
+    const Cases cases = law_cases(example_study(law_text()));
+    TrainedModel model = train_law_model(study, cases, 1);
+    const EnergyLaw law = study_law(study, {}, model.mesh);
+    model.energy_law->coefficients = Eigen::VectorXd::Constant(1, -4.069);
+    model.energy_law->constants = law.constants(model.energy_law->coefficients);
+    const Eigen::Index cell = model.mesh.spring_count(), last = cell + 15;  // of 4 x 4
+    const double p = model.energy_law->coefficients[0], factor = model.energy_law->constants[cell] / model.books.law->untrained_constants[cell];
+    CHECK(factor == Approx(0.258).epsilon(0.01));  // and exp(p) is 0.0171
+    CHECK(model.energy_law->constants[last] / model.books.law->untrained_constants[last] == Approx(factor));
+    CHECK_THAT(to_markdown(evaluate(model, cases, 0, 0, 1)), Contains(fmt::format("| cell.all | {:.3f} | {:.3g} |", p, factor)));
+
+    TrainedModel stress = model;  // how far below the cap its cells began nobody knows any more
+    stress.energy_law->incompressible = false;
+    Evaluation e = evaluate(model, cases, 0, 0, 1);
+    e.energy_law = stress.energy_law;
+    CHECK_THAT(to_markdown(e), Contains(fmt::format("| cell.all | {:.3f} | none |", p)));
 }
 
 TEST_CASE("from forces alone a law finds its constants again, whatever the material was taken for", "[law][measured]") {
