@@ -82,6 +82,9 @@ def of(results, command):
     """The record of a results folder: reads cases.h5, model.h5 and eval.json."""
     results = Path(results)
     evaluation = json.loads((results / "eval.json").read_text())
+    evaluation.get("lost", {}).pop("train", None)  # `paths` says it
+    if not evaluation.get("lost"):
+        evaluation.pop("lost", None)
     with h5py.File(results / "cases.h5") as cases, h5py.File(results / "model.h5") as model:
         return rounded({
             "schema": SCHEMA,

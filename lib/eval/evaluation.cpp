@@ -58,9 +58,10 @@ double uniform_by_rel_loss(const TrainedModel& model, const SpringLaw& law, cons
     return best;
 }
 
-/// Index of the load case of this path whose magnitude is nearest; between two, the smaller.
-std::size_t nearest_case(const std::vector<LoadCase>& loads, const LoadPath& path, double magnitude_m) {
-    std::size_t best = 0;
+/// Index of the load case of this path whose magnitude is nearest; between two, the smaller. Nothing where FE lost it before
+/// the first.
+std::optional<std::size_t> nearest_case(const std::vector<LoadCase>& loads, const LoadPath& path, double magnitude_m) {
+    std::optional<std::size_t> best;
     double distance = std::numeric_limits<double>::infinity();
     for (std::size_t c = 0; c < loads.size(); ++c) {
         if (loads[c].path != &path) continue;
@@ -181,6 +182,8 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
         if (listed) errors.springs = spring_character(model, cases, theta);
         result.models.push_back(std::move(errors));
     }
+    for (const LoadPath& path : cases.paths)
+        if (path.role == "train" && !path.lost.empty()) result.lost.push_back(path.name + ": " + path.lost);
     result.truth = check_truth(cases);
     result.held_out = evaluate_held_out(model, cases, threads);
     result.map = force_map(model, cases, threads);
@@ -188,13 +191,13 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
     if (!listed) return result;
     result.front = ridge_front(model, cases, k_min_N_m, k_max_N_m);
     for (const LoadPath& path : cases.paths) {
-        if (path.role != "train" || path.records.empty()) continue;  // FE may have lost it before it began
+        if (path.role != "train" || !nearest_case(loads, path, 0)) continue;
         ForceCurve curve;
         curve.path = path.name;
         curve.model_force_N.resize(candidates.size());
         const std::vector<int> loaded = loaded_nodes(model.mesh, path.records.back());
         for (const PathRecord& record : path.records) {
-            const std::size_t serving = nearest_case(loads, path, record.magnitude_m);
+            const std::size_t serving = *nearest_case(loads, path, record.magnitude_m);
             curve.magnitude_m.push_back(record.magnitude_m);
             curve.fe_N.push_back(record.contact_force_N.dot(path.direction));
             curve.serving_set.push_back(loads[serving].name);

@@ -57,6 +57,7 @@ struct Evaluation {
     ProblemRecord problems;
     std::optional<LawModel> energy_law;                          ///< in place of `trained`, `optimum` and `problems`
     std::optional<LawBook> law_book;
+    std::vector<std::string> lost;                               ///< "name: why", training paths that FE ended before their depth
     TruthCheck truth;                                            ///< of FE itself, on the finer mesh
     HeldOut held_out;                                            ///< empty where the study draws no contacts
     ForceMap map;                                                ///< empty where the study has none

@@ -132,6 +132,7 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
     if (const ProblemRecord& p = evaluation.problems; !all_are("posed", p.status) || p.one_set_status != "posed")
         if (!p.status.empty())
             j["problems"] = {{"objective", p.objective}, {"status", counts(p.status)}, {"one_set_status", p.one_set_status}};
+    if (!evaluation.lost.empty()) j["lost"]["train"] = evaluation.lost;
     const HeldOut& held_out = evaluation.held_out;
     for (const DrawnContacts& role : held_out.roles) {
         Json& entry = j["closed_loop"][role.role];

@@ -325,8 +325,13 @@ std::string to_markdown(const Evaluation& e) {
         out += "*rel_loss*: L(theta) over the weighted FE force, every node where FE has it. *Resolved force*: along "
                "the push, at the loaded node. ";
     out += "*Closed loop*: the contact held where it was pushed, everything else at equilibrium.";
+    if (!e.lost.empty()) {
+        out += fmt::format(" FE lost {} of the training paths before their end; what came before is trained on:\n\n", e.lost.size());
+        for (const std::string& lost : e.lost) out += "- " + lost + "\n";
+        out += "\n";
+    }
     if (!e.uniform_chosen_on.empty())
-        out += fmt::format(" uniform is {:.4g} N/m, chosen on {}.", e.uniform_N_m,
+        out += fmt::format("{}uniform is {:.4g} N/m, chosen on {}.", e.lost.empty() ? " " : "", e.uniform_N_m,
                            e.uniform_chosen_on == "closed_loop" ? "the closed-loop error" : "rel_loss");
     out += "\n";
     for (const ModelErrors& m : e.models) out += no_answer_markdown(m.name, m.closed_loop().reasons);

@@ -99,6 +99,64 @@ TEST_CASE("a force curve begins at rest, ends at the deepest push, and meets FE 
     }
 }
 
+TEST_CASE("a path that FE lost before its first load case has no force curve of another's springs, and stands among the lost") {
+    const Example& x = perfect();
+    Cases cases = x.cases;
+    LoadPath& lost = cases.paths.back();
+    lost.records.resize(2);  // at rest and at 2 mm
+    lost.lost = "no equilibrium beyond 2 mm";
+    const Evaluation e = evaluated(train_sets(x.study, cases, 1), cases);
+    REQUIRE(e.curves.size() == 1);
+    CHECK(e.curves[0].path == "left");
+    CHECK(e.curves[0].serving_set.back() == "left-8mm");
+    const nlohmann::json j = nlohmann::json::parse(to_json(e, 11));
+    CHECK(j["lost"]["train"] == std::vector<std::string>{"corner: no equilibrium beyond 2 mm"});
+    CHECK(j["curves"].size() == 1);
+    CHECK_THAT(to_markdown(e), Contains("FE lost 1 of the training paths") && Contains("- corner: no equilibrium beyond 2 mm"));
+    CHECK_FALSE(nlohmann::json::parse(to_json(evaluated(x.model, x.cases), 11)).contains("lost"));
+}
+
+TEST_CASE("where FE has no force no error is relative to it: it is absent with its reason, and n counts the others") {
+    const Example& x = perfect();
+    for (const char* objective : {"force", "contact"}) {
+        Study study = x.study;
+        study.training.objective = objective;
+        Cases cases = x.cases, fewer = x.cases;
+        fewer.paths.pop_back();
+        for (PathRecord& r : cases.paths.back().records) r.force.setZero(), r.contact_force_N.setZero();
+        for (Cases* some : {&cases, &fewer}) {  // a drawn contact of each kind
+            some->paths.push_back(x.cases.paths[0]);
+            some->paths.back().role = "held_out", some->paths.back().name = "drawn";
+        }
+        cases.paths.push_back(cases.paths[1]);
+        cases.paths.back().role = "held_out", cases.paths.back().name = "drawn-without";
+        const Evaluation e = evaluated(train_sets(study, cases, 1), cases), without = evaluated(train_sets(study, fewer, 1), fewer);
+        CAPTURE(objective);
+        CHECK(e.uniform_N_m == without.uniform_N_m);
+        for (const ModelErrors& m : e.models) {
+            CAPTURE(m.name);
+            const ModelErrors& same = without.model(m.name);
+            CHECK(m.rel_loss().n == 2);
+            CHECK(m.rel_loss().max == same.rel_loss().max);
+            CHECK(m.resolved_error().n == 2);
+            CHECK(m.resolved_error().max == same.resolved_error().max);
+            CHECK(m.closed_loop().force.n == 2);
+            CHECK(m.closed_loop().force.median == same.closed_loop().force.median);
+            CHECK_FALSE(m.cases[3].closed_loop.force);
+            CHECK_THAT(m.closed_loop().reasons, Contains("nothing is relative to no force (2)"));
+        }
+        const ContactStatistics drawn = e.held_out.role("held_out")->statistics(0);
+        CHECK(drawn.force.n == 1);
+        CHECK_THAT(drawn.reasons, Contains("nothing is relative to no force (1)"));
+        const nlohmann::json j = nlohmann::json::parse(to_json(e, 11));
+        CHECK(j["open_loop"]["learned"]["n"] == 2);
+        CHECK(j["open_loop"]["learned"]["rel_loss"]["max"].is_number());
+        CHECK(j["cases"][3]["models"]["learned"]["rel_loss"].is_null());
+        CHECK(j["cases"][3]["models"]["learned"]["closed_loop_error"].is_null());
+        CHECK_THAT(to_markdown(e), !Contains("nan %") && !Contains("inf %"));
+    }
+}
+
 TEST_CASE("a mesh without closed-loop answers says why, and its uniform stiffness is chosen on rel_loss") {
     const Example& x = perfect();
     Study study = x.study;
