@@ -18,7 +18,10 @@ ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, co
 ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, const SpringMesh& mesh, const std::vector<int>& seen) {
     ContactError error{{}, {}, {}, answer.reason};
     if (!answer.force_N) return error;
-    error.force = (*answer.force_N - truth.force_N).norm() / truth.force_N.norm();
+    if (truth.force_N.squaredNorm() > 0)
+        error.force = (*answer.force_N - truth.force_N).norm() / truth.force_N.norm();
+    else
+        error.reason = "nothing is relative to no force";
     if (answer.displacement_m.size() == 0 || truth.displacement_m.size() == 0) return error;
     double off = 0, moved = 0, farthest = 0;  // squares
     for (int i : seen) {
@@ -28,7 +31,7 @@ ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, co
         moved += truth.displacement_m.row(i).squaredNorm();
         farthest = std::max(farthest, here);
     }
-    error.shape = std::sqrt(off / moved);
+    if (moved > 0) error.shape = std::sqrt(off / moved);
     error.shape_max_over_depth = std::sqrt(farthest) / truth.push_m.norm();
     return error;
 }
@@ -67,14 +70,17 @@ std::optional<double> best_uniform_stiffness(const SpringMesh& mesh, const Sprin
     // Every law is linear in theta, so the mesh's equilibrium does not depend on a common factor and its force is
     // proportional to it: one solve a contact serves every candidate.
     std::vector<Eigen::VectorXd> unit_forces, fe_forces;
+    std::size_t asked = 0;
     const Eigen::VectorXd unit = uniform_stiffness(mesh, 1.0);
     for (const ContactTruth& truth : truths) {
+        if (truth.force_N.squaredNorm() == 0) continue;  // nothing is relative to it
+        ++asked;
         const Equilibrium state = solve_equilibrium(mesh, law, unit, truth.contact, truth.push_m);
         if (!state) continue;
         unit_forces.push_back(state.contact_force);
         fe_forces.push_back(truth.force_N);
     }
-    if (2 * fe_forces.size() < truths.size() || fe_forces.empty()) return std::nullopt;
+    if (2 * fe_forces.size() < asked || fe_forces.empty()) return std::nullopt;
     double best = low_N_m, best_median = std::numeric_limits<double>::infinity();
     for (double k = low_N_m; k <= high_N_m; k *= 1.01) {
         std::vector<double> errors;

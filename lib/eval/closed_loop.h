@@ -26,11 +26,12 @@ struct ContactAnswer {
 
 /// How far an answer is from the truth, to a hand and to an eye.
 struct ContactError {
-    std::optional<double> force;                 ///< |r_model - r_fe| / |r_fe|; absent without an answer
+    std::optional<double> force;                 ///< |r_model - r_fe| / |r_fe|; absent without an answer, and where the truth has no
+                                                 ///< force
     std::optional<double> shape;                 ///< rms of u_model - u_fe over rms of u_fe, both over the free nodes, in
                                                  ///< space over those of the surface
     std::optional<double> shape_max_over_depth;  ///< largest |u_model - u_fe| of such a node, over |d|
-    std::string reason;                          ///< the answer's
+    std::string reason;                          ///< the answer's, or why no error is relative to the truth
 };
 
 /// The mesh says which nodes are free. Shape is absent where answer or truth has no displacement. Any topology will do:
@@ -55,6 +56,7 @@ ContactStatistics contact_statistics(const std::vector<ContactError>& errors);
 /// The honest baseline: the one stiffness for the whole mesh [N/m] (diagonals half) with the smallest median
 /// closed-loop force error over `truths`, found on a logarithmic grid of 1 % steps between low and high [N/m].
 /// Contacts without an equilibrium (whatever the stiffness) are left out; nothing when they are more than half.
+/// So are contacts without a force.
 std::optional<double> best_uniform_stiffness(const SpringMesh& mesh, const SpringLaw& law,
                                              const std::vector<ContactTruth>& truths, double low_N_m, double high_N_m);
 

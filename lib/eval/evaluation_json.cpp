@@ -118,7 +118,7 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
     for (const ModelErrors& m : evaluation.models)
         if (evaluation.open_loop()) j["open_loop"][m.name] = {{"rel_loss", to_value(m.rel_loss())},
                                   {"resolved_force_error", to_value(m.resolved_error())},
-                                  {"n", m.cases.size()}};
+                                  {"n", m.rel_loss().n}};
     const bool seen_inside = !evaluation.measurement;
     for (const ModelErrors& m : evaluation.models)
         j["closed_loop"]["trained"][m.name] = to_value(m.closed_loop(), seen_inside);

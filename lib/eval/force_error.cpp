@@ -9,6 +9,7 @@
 
 namespace tissue {
 Statistics statistics_of(std::vector<double> sample) {
+    sample.erase(std::remove_if(sample.begin(), sample.end(), [](double value) { return std::isnan(value); }), sample.end());
     if (sample.empty()) return {std::nan(""), std::nan(""), std::nan(""), 0};
     std::sort(sample.begin(), sample.end());
     const auto quantile = [&](double p) { return gsl_stats_quantile_from_sorted_data(sample.data(), 1, sample.size(), p); };
@@ -50,7 +51,7 @@ ForceError force_error(const SpringMesh& mesh, const SpringLaw& law, const Eigen
     const double model =
         loaded.empty() ? resolved_force(mesh, law, theta, contact, path.direction, record.displacement)
                        : resolved_force(mesh, law, theta, loaded, path.direction, record.displacement);
-    return {loss(theta) / loss.scale(), model, std::abs(model - fe) / std::abs(fe)};
+    return {loss.relative(theta), model, fe != 0 ? std::abs(model - fe) / std::abs(fe) : std::nan("")};
 }
 
 }  // namespace tissue

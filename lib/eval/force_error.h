@@ -7,7 +7,8 @@
 
 namespace tissue {
 
-/// Median, 95th percentile (linear interpolation), maximum and number of a sample. NaN when it is empty.
+/// Median, 95th percentile (linear interpolation), maximum and number of a sample, of which NaN, what is not known, is left
+/// out. NaN when nothing is left.
 struct Statistics {
     double median, p95, max;
     int n;
@@ -16,9 +17,9 @@ Statistics statistics_of(std::vector<double> sample);
 
 /// Open-loop errors of one spring set at one FE state: the paper's own measure.
 struct ForceError {
-    double rel_loss;          ///< L(theta) / sqrt(f_fe' Q f_fe), (9)
+    double rel_loss;          ///< L(theta) / sqrt(f_fe' Q f_fe), (9); NaN where FE has no force
     double resolved_force_N;  ///< force at the loaded nodes along the push, the paper's Fig. 3
-    double resolved_error;    ///< |model - FE| / |FE| of the resolved force
+    double resolved_error;    ///< |model - FE| / |FE| of the resolved force; NaN where FE has none
 };
 
 /// contact: the surface point that was pushed; weight: Q, one entry a node (N).

@@ -96,7 +96,8 @@ double best_uniform_under_law(const TrainedModel& model, const std::vector<LoadC
     const LawBook& book = *model.books.law;
     double best = mean, best_median = std::numeric_limits<double>::infinity();
     std::vector<const LoadCase*> some;
-    for (std::size_t c = 0; c < loads.size(); c += 1 + loads.size() / 10) some.push_back(&loads[c]);
+    for (std::size_t c = 0; c < loads.size(); c += 1 + loads.size() / 10)
+        if (loads[c].record->contact_force_N.squaredNorm() > 0) some.push_back(&loads[c]);
     for (double factor = 0.25; factor < 4.1; factor *= std::sqrt(2.0)) {
         Eigen::VectorXd constants = Eigen::VectorXd::Zero(book.untrained_constants.size());
         constants.head(model.mesh.spring_count()) = uniform_stiffness(model.mesh, factor * mean);

@@ -134,7 +134,7 @@ std::vector<FrontPoint> ridge_front(const TrainedModel& model, const Cases& case
                 with_ridge(A, force, weight, ridge * mean_column, model.heuristic_a), model.heuristic_a, box);
             theta.row(c) = fit.theta;
             not_converged += fit.status == LsqStatus::converged ? 0 : 1;
-            losses.push_back(loss(fit.theta) / loss.scale());
+            losses.push_back(loss.relative(fit.theta));
             distances.push_back(rms(fit.theta - model.heuristic_a) / model.modulus_N_m);
         }
         const SpringCharacter character = spring_character(model, cases, theta);
