@@ -50,10 +50,12 @@ TrainingProblems ContactObjective::pose(const TrainingData& data) const {
         // however far the rough solution is from the exact one
         BoundedLsqOptions rough = p.exact;
         rough.kkt_tolerance = 1e-6;
-        p.start[i] = solve_bounded_lsq(p.minimised[i], p.start[i], data.box, rough).theta;
+        const BoundedLsqSummary towards = solve_bounded_lsq(p.minimised[i], p.start[i], data.box, rough);
+        if (p.status[i] == ProblemStatus::posed) p.status[i] = problem_status(towards.status);
+        p.start[i] = towards.theta;
         if (const auto loss = seen_from(i, p.start[i]))
             p.minimised[i] = ridged(*loss);
-        else if (p.status[i] == ProblemStatus::posed)
+        else if (p.status[i] != ProblemStatus::no_force)
             p.status[i] = ProblemStatus::floppy;
     });
     return p;

@@ -18,9 +18,10 @@ namespace tissue {
 struct FittedShares {
     Eigen::VectorXd share;     ///< g (K)
     double grown = 1;          ///< of the law, to be the instantaneous one
-    double kkt_residual = 0;   ///< of the optimum (train/certificate.h)
+    double kkt_residual = 0;   ///< of the optimum (train/certificate.h), before what `bounded` says
     double misfit = 0;         ///< root of the objective's mean over the histories: relative rms error that is left
-    std::string status;        ///< of the solve
+    std::string status;        ///< of the solve, TrainStatus (train/optimizer.h); `bounded`: the optimum's shares sum to more than most_share,
+                               ///< and are scaled to that sum, no optimum any more
 };
 
 /// Histories of `role` that are not lost. tau_s (K), ascending. model: with a law, whose own branches do not count.

@@ -23,6 +23,18 @@ const char* to_string(ProblemStatus status) {
     return "unknown";
 }
 
+ProblemStatus problem_status(LsqStatus status) {
+    switch (status) {
+        case LsqStatus::converged:
+            return ProblemStatus::posed;
+        case LsqStatus::stalled:
+            return ProblemStatus::stalled;
+        case LsqStatus::iterations_done:
+            break;
+    }
+    return ProblemStatus::iterations_done;
+}
+
 const Registry<std::shared_ptr<const Objective>>& objectives() {
     static const Registry<std::shared_ptr<const Objective>> all(
         "objective",
@@ -59,9 +71,7 @@ void solve_one_set(TrainingProblems& problems, const std::vector<ForceLoss>& los
     }
     const BoundedLsqSummary exact = solve_bounded_lsq(*joint, data.heuristic, data.box);
     problems.one_set = exact.theta;
-    problems.one_set_status = exact.status == LsqStatus::converged ? ProblemStatus::posed
-                              : exact.status == LsqStatus::stalled ? ProblemStatus::stalled
-                                                                   : ProblemStatus::iterations_done;
+    problems.one_set_status = problem_status(exact.status);
 }
 
 }  // namespace tissue

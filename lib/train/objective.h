@@ -34,12 +34,15 @@ enum class ProblemStatus {
                       ///< has no compliance of the set's own: the nodes count alone, or with the heuristic's compliance
     no_force,         ///< |f| = 0, of every case where it is the one set's: nothing is relative to it; of the one set: the heuristic
     singular,         ///< of the one set: a pivot <= 0 of the sum of normal matrices and its ridge (joint_loss); it is the heuristic
-    stalled,          ///< of the one set: LsqStatus::stalled
-    iterations_done   ///< of the one set: LsqStatus::iterations_done
+    stalled,          ///< LsqStatus::stalled of the one set; of a case, of the rough solution that "contact" takes compliance at
+    iterations_done   ///< LsqStatus::iterations_done, likewise
 };
 
 /// The status in the words of reports: "posed", ...
 const char* to_string(ProblemStatus status);
+
+/// How a problem came about for which this was solved: `posed` where it converged.
+ProblemStatus problem_status(LsqStatus status);
 
 /// What the sets of a study are trained on: one convex problem a case, and a set that serves all.
 struct TrainingProblems {

@@ -59,6 +59,17 @@ TEST_CASE("shares of branches are found from two ramps, to rounding without nois
     CHECK(noisy.kkt_residual < 1e-9);
 }
 
+TEST_CASE("of a tissue that flows shares keep something of the law for ever, and their status says that they are bounded", "[shares]") {
+    const TissueModel model = law_example();
+    const Eigen::VectorXd tau = Eigen::Vector3d(0.3, 1.5, 8), share = Eigen::Vector3d(0.5, 0.2, 0.3);  // nothing is left
+    const FittedShares fitted = fit_shares(model, {measured(model, 0.5, tau, share, 0, 1), measured(model, 5, tau, share, 0, 2)}, "train", tau, 2);
+    CHECK(fitted.status == "bounded");
+    CHECK(fitted.share.sum() == Approx(0.98).epsilon(1e-12));
+    CHECK((fitted.share - 0.98 * share).norm() < 1e-8);
+    CHECK(fitted.misfit > 1e-3);           // of the shares as they are
+    CHECK(fitted.kkt_residual < 1e-9);     // of the optimum before
+}
+
 TEST_CASE("of a law that is what is left after all time, shares are those of the law at once, and it grows to that", "[shares]") {
     const TissueModel at_once = law_example();
     const Eigen::VectorXd tau = Eigen::Vector3d(0.3, 1.5, 8), share = Eigen::Vector3d(0.35, 0, 0.25);

@@ -100,6 +100,12 @@ TEST_CASE("load cases without any force leave the heuristic as the one set, and 
     CHECK(model.one_set == model.heuristic_a);
 }
 
+TEST_CASE("a problem is posed where what was solved for it converged, and else says how that ended", "[objective]") {
+    CHECK(problem_status(LsqStatus::converged) == ProblemStatus::posed);
+    CHECK(problem_status(LsqStatus::stalled) == ProblemStatus::stalled);
+    CHECK(problem_status(LsqStatus::iterations_done) == ProblemStatus::iterations_done);
+}
+
 TEST_CASE("losses joined have the minimum of their sum, however few equations they are", "[objective]") {
     const Rng rng = make_rng(3);
     std::vector<ForceLoss> losses;
