@@ -47,6 +47,22 @@ depth_m = [0.002, 0.004]
 [springs]
 terms = ["spring.all", "cell.all", "contact.normal", "contact.imprint_normal", "contact.hardening"]
 TOML
+# ---- its surface is meshed anew where its unit is another: gmsh stands in that notes what it is asked for
+mkdir "$scratch/fake"
+cat >"$scratch/fake/gmsh" <<'SH'
+#!/bin/sh
+echo "$*" >>"$0.calls"
+for word; do out=$word; done
+echo '$EndElements' >"$out"
+SH
+chmod +x "$scratch/fake/gmsh"
+for unit in 0.001 0.01 0.001; do
+    (cd "$work" && PATH="$scratch/fake:$PATH" TISSUECTL=false scripts/solve_path results/unit one -shape fem/dome.geo -unit_m $unit -springs none.msh \
+        -size_near 0.005 -size_far 0.02) >"$said" 2>&1
+done
+check "a surface that is kept is one of its unit: another unit meshes it anew, once" sh -c \
+    'grep -o "clmin [^ ]*" "$0" | tr "\n" " " | grep -qx "clmin 5 clmin 0.5 " || { cat "$0"; exit 1; }' "$scratch/fake/gmsh.calls"
+
 make_dome() { run make PYTHON="$PYTHON" STUDY=dome "$@"; }
 make_dome all -j2
 check "a solid shape's study runs from mesh to report" exited 0
