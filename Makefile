@@ -204,7 +204,7 @@ $(PYTHON_MODULE): $(BUILD)/lib/api/python/tissue_module.o $(BUILD)/libtissue.a
 	@mkdir -p $(@D)
 	@$(call alone,$@.lock) && $(CXX) $(CXXFLAGS) -s -shared -Wl,--as-needed $(filter %.o %.a,$^) $(LDLIBS) -ldl -o $@.tmp && mv $@.tmp $@
 
-STAGES := rim collect import train eval
+STAGES := shape rim collect import train eval
 link = $(call alone,$@.lock) && $(CXX) $(CXXFLAGS) $(1) $(filter %.o %.a,$^) $(LDLIBS) -ldl -o $@.tmp
 $(TISSUECTL): $(call objects,$(CLI_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/tissuectl.list
 	@$(call link) && scripts/stage_code $(BUILD) $(STAGES) && mv $@.tmp $@
@@ -291,18 +291,25 @@ $(R)/plan.mk: $(STUDIES) $(TISSUECTL)
 $(R)/plan/%:
 	@$(TISSUECTL) plan --study fem/studies/$(STUDY).toml $(MESH_OPTION) --out $(R)/plan.mk
 
-# any shape: gmsh fills an outline with triangles, or takes the format of a mesh to 2.2; then it is checked
+# any shape: gmsh fills an outline with triangles, or takes the format of a mesh to 2.2; then it is checked. The mesh keeps its
+# time stamp while it stays the same, so that another program does not solve every load path again: mesh.made says when it was
+# last made, and after it make reads the plan, and with it the mesh's time stamp, anew.
+STL := $(if $(filter %.stl %.STL,$(SHAPE)),fem/fill3.geo scripts/stl_names)
 ifneq (,$(SHAPE))
-$(R)/mesh.msh: $(SHAPE) $(R)/plan/shape | $(TISSUECTL)
-	@echo "mesh  $@"
-	@scripts/mesh $@ $< $(SHAPE_ARGUMENTS) -- $(TISSUECTL) shape --study fem/studies/$(STUDY).toml
+shape_mesh = echo "mesh  $(R)/mesh.msh" && scripts/mesh $(R)/mesh.msh $(SHAPE) $(SHAPE_ARGUMENTS) -- $(TISSUECTL) shape --study fem/studies/$(STUDY).toml
+$(R)/plan.mk: $(R)/mesh.made
+$(R)/mesh.made: $(SHAPE) $(R)/plan/shape $(BUILD)/stage/shape scripts/mesh $(STL) | $(TISSUECTL)
+	@$(shape_mesh) && touch $@
+
+$(R)/mesh.msh: | $(R)/mesh.made  # a lost one
+	@[ -e $@ ] || { $(shape_mesh); }
 else
-$(R)/mesh.msh $(R)/mesh-fine.msh: fem/block.geo
+$(R)/mesh.msh $(R)/mesh-fine.msh: fem/block.geo scripts/mesh
 	@echo "mesh  $@"
 	@scripts/mesh $@ $< -2 $(MESH_ARGUMENTS)
 endif
 
-$(R)/cases/%.csv: $(call files,fem/*.edp fem/*.idp) scripts/solve_path
+$(R)/cases/%.csv: $(call files,fem/*.edp fem/*.idp) scripts/solve_path $(STL)
 	@TISSUECTL=$(TISSUECTL) $(RUN) scripts/solve_path $(R) $* $(PATH_ARGUMENTS)
 
 # the plan adds the stage, collect or import

@@ -95,6 +95,25 @@ check "made again, nothing is done" only_changed "$scratch/before" "$R" ""
 touch "$work/$study"
 make_tiny eval
 check "a study touched but not changed is planned again and nothing else" only_changed "$scratch/before" "$R" "plan.mk"
+for made_of in build/release/stage/shape scripts/mesh; do
+    snapshot "$R" >"$scratch/before"
+    touch "$work/$made_of"
+    make_tiny eval
+    check "$made_of is newer: the mesh is made anew, and where it is the same nothing is solved for it" \
+        only_changed "$scratch/before" "$R" "mesh.made mesh.msh.log plan.mk"
+    make_tiny eval -q
+    check "$made_of is newer: once" exited 0
+done
+cp -p "$R/mesh.msh" "$scratch/mesh.msh"
+echo of-another-program >>"$R/mesh.msh"
+touch "$work/build/release/stage/shape"
+make_tiny mesh
+check "a mesh that another program made is made anew" cmp "$R/mesh.msh" "$scratch/mesh.msh"
+run make -n PYTHON="$PYTHON" STUDY=tiny cases
+check "and then every load path is solved on it" says "solve_path results/tiny s"
+rm "$R/mesh.msh"
+make_tiny mesh
+check "a lost mesh is made again" cmp "$R/mesh.msh" "$scratch/mesh.msh"
 
 # ---- the same tissue as a mesh of another version, its triangles clockwise
 cp -p "$R/cases.h5" "$scratch/geo.h5"
