@@ -121,10 +121,10 @@ doctor: $(TISSUECTL)
 
 ## help: this text
 help:
-	@sed -n 's/^## //p' $(MAKEFILE_LIST) | awk -F': ' '{ printf "  make %-13s %s\n", $$1, $$2 }'
+	@sed -n 's/^## //p' $(MAKEFILE_LIST) | awk '{ name = $$1; sub(/:$$/, "", name); sub(/^[^ ]* /, ""); printf "  make %-13s %s\n", name, $$0 }'
 	@sed -n 's/^# \([A-Z_]*=.*\|-j.*\)/  \1/p' Makefile
 
-## clean: remove everything that was built and every result, but the committed ones
+## clean: remove everything that was built and every result, but the committed ones and regress.tsv, which counts runs
 clean:
 	rm -rf build results/bench.json
 	find results -mindepth 1 -maxdepth 1 -type d ! -name reference -exec rm -rf {} +

@@ -4,7 +4,7 @@
 
 PROBE is scripts/adapt_probe.cpp, built; what TISSUES names must be there. Writes OUT.md and OUT.png, and in the plane
 the rows of README.md and the table of results/RESULTS.md that reference.py makes of OUT.md. Every figure is the median over three
-seeds of order and noise.
+seeds of order and noise, in space of one seed.
 """
 import json
 import subprocess
