@@ -391,7 +391,7 @@ patient: $(TISSUECTL) $(BUILD)/adapt_probe
 	@$(PYTHON) scripts/patient_study.py $(BUILD)/adapt_probe results/reference/patient $(PATIENTS)
 	@$(PYTHON) scripts/make_pokes.py results/patient-lump/cases.h5 held_out_full results/patient-lump/pokes.csv --seed 11
 	@for n in 5 10 20 40; do $(TISSUECTL) adapt results/surface-quick/model.h5 --data results/patient-lump/pokes.csv --first $$n \
-	  --out results/patient-lump/learned-$$n.h5 2>/dev/null || exit 1; done
+	  --out results/patient-lump/learned-$$n.h5 || exit 1; done
 	@$(PYTHON) scripts/figures/learned.py results/reference/patient-map.png $(foreach n,5 10 20 40,results/patient-lump/learned-$n.h5) --truth 42 73 21
 
 ## patient3: the same in space, as results/reference/patient3.md

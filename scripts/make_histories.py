@@ -6,9 +6,13 @@ Of study `relax`: two ramps and a random poke to fit shares to, four of each kin
 second. Noise: Gaussian, on each component of force 2 % of the history's largest.
 """
 import sys
+from pathlib import Path
 
 import h5py
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent / "figures"))
+from save import written  # noqa: E402
 
 SEED, NOISE, RATE_HZ = 20261123, 0.02, 50
 TRAIN, HELD_OUT = {"ramp": 2, "poke": 1}, {"ramp": 4, "release": 4, "sine": 4, "poke": 4}
@@ -47,8 +51,8 @@ def main():
                 role = "train" if count < TRAIN.get(kind, 0) else "held_out"
                 lines.append(f"{name},{kind},{s:.2f},{x:.3f},{y:.3f},{u[0]:.4f},{u[1]:.4f},{f[0]:.1f},{f[1]:.1f},{role}")
     print(f"noise alone, rms over time over the force's, of held-out histories: median {100 * np.median(alone):.1f} %, largest {100 * max(alone):.1f} %")
-    with open(sys.argv[2], "w") as out:
-        out.write("\n".join(lines) + "\n")
+    with written(sys.argv[2]) as beside:
+        Path(beside).write_text("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":

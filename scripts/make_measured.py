@@ -7,9 +7,13 @@ deep. To choose and to prove with: the study's drawn contacts (any place, angle 
 Every press three times. Noise: Gaussian, on each component of force 2 % of the force, of displacement 0.05 mm.
 """
 import sys
+from pathlib import Path
 
 import h5py
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent / "figures"))
+from save import written  # noqa: E402
 
 SEED, REPEATS, FORCE_NOISE, DISPLACEMENT_NOISE_M = 20261121, 3, 0.02, 0.05e-3
 SPACING_M, APART_M, ANGLES_DEG, DEPTHS_M, DEEPEST_M = 5e-3, 2e-3, (-40, 0, 40), (2.5e-3, 5e-3, 10e-3), 10e-3
@@ -75,8 +79,8 @@ def main():
                 f = force + FORCE_NOISE * np.linalg.norm(force) * rng.standard_normal(2)
                 numbers = [f"{v:.3f}" for v in (*contact * 1e3, *u * 1e3)] + [f"{v:.1f}" for v in f * 1e3]
                 lines.append(",".join(numbers + [str(push), str(repeat), role]))
-    with open(sys.argv[2], "w") as out:
-        out.write("\n".join(lines) + "\n")
+    with written(sys.argv[2]) as beside:
+        Path(beside).write_text("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":

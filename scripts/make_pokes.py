@@ -5,9 +5,14 @@
 Each contact of that role, as deep as it goes, in an order of the seed's; columns as of measured contacts (results/FORMATS.md).
 """
 import argparse
+import sys
+from pathlib import Path
 
 import h5py
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent / "figures"))
+from save import written  # noqa: E402
 
 
 def pokes(cases, role):
@@ -43,8 +48,8 @@ def main():
         if rng.random() < options.outliers:
             force = 10 * force
         lines.append(",".join([f"{1e3 * v:.4f}" for v in (*contact, *push)] + [f"{1e3 * v:.2f}" for v in force]))
-    with open(options.out, "w") as out:
-        out.write("\n".join(lines) + "\n")
+    with written(options.out) as beside:
+        Path(beside).write_text("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":

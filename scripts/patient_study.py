@@ -58,6 +58,10 @@ WAYS = {
 }
 
 
+class Failed(Exception):
+    """A probe that ended with an error: the line that says so."""
+
+
 def seeds_of(patient):
     return SEEDS[:1] if patient.endswith("3") else SEEDS
 
@@ -66,14 +70,21 @@ def measure(probe, patients):
     """patient -> way -> what the probe said, one a seed."""
     def one(patient, options, seed):
         command = [probe, *TISSUES[patient][1], "--seed", str(seed), *options]
-        return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+        done = subprocess.run(command, stdout=subprocess.PIPE, text=True)  # what it complains of is seen
+        if done.returncode != 0:
+            raise Failed(f"patient_study.py: {' '.join(command)}: exit status {done.returncode}")
+        return json.loads(done.stdout)
 
     with ThreadPoolExecutor(2) as pool:
         jobs = {(p, w, s): pool.submit(one, p, WAYS[w][0], s) for p in patients for w in WAYS
                 if not p.endswith("3") or w in IN_SPACE for s in seeds_of(p)}
         out = {}
         for done, ((patient, way, _), job) in enumerate(jobs.items(), 1):
-            out.setdefault(patient, {}).setdefault(way, []).append(job.result())
+            try:
+                out.setdefault(patient, {}).setdefault(way, []).append(job.result())
+            except Failed as failed:
+                pool.shutdown(cancel_futures=True)
+                sys.exit(str(failed))
             print(f"patient [{done}/{len(jobs)}] {patient}: {way}", file=sys.stderr)
         return out
 
@@ -136,9 +147,12 @@ def figure(measured):
 
 
 def main():
-    if len(sys.argv) < 4:
+    if len(sys.argv) < 4 or any(word.startswith("-") for word in sys.argv):
         sys.exit(__doc__)
     probe, out, patients = sys.argv[1], sys.argv[2], sys.argv[3:]
+    unknown = [patient for patient in patients if patient not in TISSUES]
+    if unknown:
+        sys.exit(f"patient_study.py: {unknown[0]}: is no patient; there are {', '.join(TISSUES)}")
     measured = measure(probe, patients)
     with written(f"{out}.md") as beside:
         Path(beside).write_text(table(measured))

@@ -16,7 +16,9 @@ import shutil
 import sys
 from pathlib import Path
 
+sys.path.insert(1, str(Path(__file__).resolve().parent / "figures"))
 import reference_record
+from save import written
 from reference_tables import SPACE_ROLES, UNKNOWN, ablation_table, patient_rows, patient_table, summary_table, tables
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -41,7 +43,8 @@ def fill(page, marker, rows):
     text = page.read_text()
     if not pattern.search(text):
         sys.exit(missing)
-    page.write_text(pattern.sub(lambda m: m.group(1) + "\n".join(rows) + "\n" + m.group(3), text))
+    with written(page) as beside:
+        Path(beside).write_text(pattern.sub(lambda m: m.group(1) + "\n".join(rows) + "\n" + m.group(3), text))
 
 
 def moved(page, marker, rows):
@@ -103,6 +106,9 @@ def main():
         lines = check()
         print("\n".join(lines), end="\n" if lines else "", file=sys.stderr)
         sys.exit(1 if lines else 0)
+    if any(word.startswith("-") for word in sys.argv[1:]):
+        print(__doc__.strip(), file=sys.stdout if sys.argv[1] in ("-h", "--help") else sys.stderr)
+        sys.exit(0 if sys.argv[1] in ("-h", "--help") else 2)
     evaluations = {}
     for study in sys.argv[1:]:
         results = ROOT / "results" / study
@@ -110,7 +116,8 @@ def main():
         reference_record.write(REFERENCE / f"{study}.json", reference_record.of(results, "make reference"))
     for study, figure, name in SHOWN:
         if study in evaluations:
-            shutil.copyfile(ROOT / "results" / study / "figures" / f"{figure}.png", REFERENCE / f"{name}.png")
+            with written(REFERENCE / f"{name}.png") as beside:
+                shutil.copyfile(ROOT / "results" / study / "figures" / f"{figure}.png", beside)
     for marker, rows in tables(evaluations):
         fill(RESULTS, marker, rows)
     for study, marker, roles in (("surface", "ablation", ("held_out", "held_out_full")), ("block3", "space-ablation", SPACE_ROLES)):

@@ -15,8 +15,14 @@ import struct
 import sys
 import time
 
-port = int(sys.argv[1]) if len(sys.argv) > 1 else 47474
-seconds = float(sys.argv[2]) if len(sys.argv) > 2 else 5.0
+try:
+    port = int(sys.argv[1]) if len(sys.argv) > 1 else 47474
+    seconds = float(sys.argv[2]) if len(sys.argv) > 2 else 5.0
+    if len(sys.argv) > 3 or not (0 < port < 65536 and seconds >= 0):
+        raise ValueError
+except ValueError:
+    print(__doc__.strip(), file=sys.stdout if sys.argv[1] in ("-h", "--help") else sys.stderr)
+    sys.exit(0 if sys.argv[1] in ("-h", "--help") else 2)
 link = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 link.setblocking(False)
 none = (0.0, 0.0, 0.0)

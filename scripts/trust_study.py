@@ -19,8 +19,20 @@ import subprocess
 import sys
 import tempfile
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "figures"))
+from save import written  # noqa: E402
+
 FEM = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "fem")
 AGREEMENT = 0.02
+
+
+def said_by(command):
+    """A program's exit status and what it complained of; ends the study where there is no such program."""
+    try:
+        run = subprocess.run(command, capture_output=True, text=True)
+    except OSError as error:
+        sys.exit(f"trust_study.py: {command[0]}: {error.strerror}")
+    return run.returncode, run.stderr.strip() or run.stdout.strip()
 
 
 def path(work, formulation, x, y, angle, end_size, depth, records):
@@ -31,7 +43,9 @@ def path(work, formulation, x, y, angle, end_size, depth, records):
     for key, value in {"contact_x": x, "contact_y": y, "patch_half_width": 0.005, "end_size": end_size,
                        "surface_size": 2 * end_size}.items():
         command += ["-setnumber", key, str(value)]
-    subprocess.run(command, check=True, capture_output=True)
+    status, said = said_by(command)
+    if status != 0:
+        sys.exit(f"trust_study.py: gmsh: exit status {status}: {(said.splitlines() or ['nothing said'])[-1]}")
     a = math.radians(angle)
     arguments = {"mesh": msh, "out": out, "width": 0.1, "height": 0.1, "thickness": 0.001, "C1": 263, "C2": 491,
                  "cells_x": 10, "cells_y": 10, "contact_x": x, "contact_y": y, "direction_x": repr(math.cos(a)),
@@ -40,14 +54,15 @@ def path(work, formulation, x, y, angle, end_size, depth, records):
     command = ["FreeFem++-nw", "-nw", "-v", "0", os.path.join(FEM, "solve_path.edp")]
     for key, value in arguments.items():
         command += ["-" + key, str(value)]
-    run = subprocess.run(command, capture_output=True, text=True)
+    status, said = said_by(command)
     rows = []
-    for line in open(out):
+    for line in open(out) if os.path.exists(out) else ():
         w = line.split(",")
         if w[0] == "step":
             rows.append((1e3 * float(w[2]), 1e3 * float(w[4]), 1e3 * float(w[5]), float(w[8])))
-    reason = "" if run.returncode == 0 else run.stderr.strip().replace("solve_path: ", "")
-    return rows, reason
+    if not rows:
+        sys.exit(f"trust_study.py: FreeFem++-nw: no record, exit status {status}: {(said.splitlines() or ['nothing said'])[-1]}")
+    return rows, "" if status == 0 else said.replace("solve_path: ", "")
 
 
 def main():
@@ -60,7 +75,7 @@ def main():
     parser.add_argument("--depth-mm", type=float, default=20)
     parser.add_argument("--records", type=int, default=40)
     options = parser.parse_args()
-    with open(options.out + ".part", "w", newline="") as file:
+    with written(options.out) as beside, open(beside, "w", newline="") as file:
         table = csv.writer(file)
         table.writerow(["formulation", "contact_x_m", "contact_y_m", "angle_deg", "end_size_mm", "push_mm", "force_x_mN",
                         "force_y_mN", "smallest_J", "ended"])
@@ -89,7 +104,6 @@ def main():
                       f"{agreed:.1f} mm; ended: " + "; ".join(
                           f"{size:g} mm elements at {end:.1f} mm" + (f" ({why[:60]}...)" if why else " (whole path)")
                           for size, end, why in ends), flush=True)
-    os.replace(options.out + ".part", options.out)
     return 0
 
 
