@@ -1,6 +1,8 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <iostream>
+#include <set>
 #include <thread>
 
 #include "command.h"
@@ -16,11 +18,23 @@ struct Options {
     int threads = 0;
 };
 
+/// Before anything is trained: a table of contacts that there are not would have no rows.
+void refuse_role(const Options& o, const Cases& cases) {
+    std::set<std::string> there;
+    for (const LoadPath& path : cases.paths)
+        if (path.role != "train" && path.role != "check" && path.role != "map") there.insert(path.role);
+    if (there.count(o.role) == 0)
+        throw MismatchError(fmt::format("{}: has no drawn contacts '{}'; it has {}", o.cases, o.role, there.empty() ? "none" : fmt::format("{}", fmt::join(there, ", "))));
+}
+
 void run(const Options& o) {
+    const Study study = read_study(o.study);
+    const Cases cases = read_cases(o.cases);
+    refuse_role(o, cases);
     std::vector<VariantResult> results;
     {
         Progress progress("ablate");
-        results = ablate(read_study(o.study), read_cases(o.cases), o.threads,
+        results = ablate(study, cases, o.threads,
                          [&](int done, int total, const std::string& name) { progress.step(done, total, name); });
     }
     write_file(o.out, to_json(results));

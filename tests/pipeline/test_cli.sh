@@ -5,6 +5,7 @@ make_copy
 make_tiny cases -j2
 check "the study is solved to begin with" exited 0
 program=$work/build/release/tissuectl
+TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}")
 
 # ---- help and version
 tissuectl --version
@@ -39,6 +40,10 @@ usage "a number that is none" train --study s --cases c --out m --threads many
 usage "no threads" train --study s --cases c --out m --threads 0
 usage "no iterations" train --study s --cases c --out m --iterations 0
 usage "a word too many" info a.h5 b.h5
+usage "seconds that are no number" serve model.h5 --seconds nan
+check "seconds that are no number: the line says so" says '--seconds: nan is no number'
+run "$TISSUE_HAPTIC" model.h5 --seconds NaN
+check "seconds that are no number: exit 2 of tissue-haptic" exited 2
 
 # ---- exit status 1: the work failed
 tissuectl info results/tiny/none.h5
@@ -51,6 +56,33 @@ tissuectl train --study fem/studies/tiny.toml --cases results/tiny/cases.h5 --ou
 check "an unknown optimiser: exit 1" exited 1
 check "an unknown optimiser: one line lists the known ones" one_line "'adam' is not known; allowed: .*spsa-2008"
 check "an unknown optimiser leaves no model" absent "$scratch/m.h5" "$scratch/m.h5.tmp"
+
+tissuectl ablate --study fem/studies/tiny.toml --cases results/tiny/cases.h5 --out "$scratch/ablation.json" --role held-out
+check "an ablation of contacts that no path has: exit 1" exited 1
+check "an ablation of contacts that no path has: one line says what there is, before anything is trained" \
+    one_line "^tissuectl: results/tiny/cases.h5: has no drawn contacts 'held-out'; it has none$"
+run "$root/scripts/mutate" --under lib/spring
+check "changes under a folder that is not there: exit 1" exited 1
+check "changes under a folder that is not there: one line says so, and nothing is built" one_line "^mutate: lib/spring: there is no code to change"
+
+# ---- scripts: what they are given, and the cause where a program that they start fails
+for script in reference remote_device; do
+    run "$PYTHON" scripts/$script.py --help
+    check "$script.py --help: exit 0" exited 0
+    check "$script.py --help says what it does" says "$script.py .*STUDY\|$script.py .*port"
+    run "$PYTHON" scripts/$script.py --chek
+    check "$script.py and an option that it has not: exit 2" exited 2
+done
+run "$PYTHON" scripts/patient_study.py false "$scratch/patient" stiff
+check "a probe that fails: exit 1" exited 1
+check "a probe that fails: one line says which" one_line "^patient_study.py: false --model .*: exit status 1$"
+mkdir "$scratch/fake"
+printf '#!/bin/sh\necho "out of order" >&2\nexit 3\n' >"$scratch/fake/FreeFem++-nw"
+chmod +x "$scratch/fake/FreeFem++-nw"
+run env PATH="$scratch/fake:$PATH" "$PYTHON" scripts/trust_study.py --out "$scratch/trust.csv" --end-sizes-mm 5
+check "a study of trust whose FreeFEM fails: exit 1" exited 1
+check "a study of trust whose FreeFEM fails: one line says why" one_line "^trust_study.py: FreeFem++-nw: no record, exit status 3: out of order$"
+check "a study of trust whose FreeFEM fails leaves no table" absent "$scratch"/trust.csv*
 
 # ---- alone, from another folder
 mkdir "$scratch/elsewhere"
