@@ -1,8 +1,8 @@
 """Error of every case: the loss (9), the resolved force, and the closed loop, for learned springs and baselines."""
 import matplotlib.pyplot as plt
-from matplotlib.ticker import FuncFormatter
 
 from results import COLOURS, LABELS, MARKERS
+from shape_error import percent_axis
 
 MEASURES = {
     "rel_loss": "rel_loss (9)",
@@ -30,7 +30,9 @@ def draw(results):
         else:
             axis.set_xscale("log")
             axis.axvline(1, color="0.6", linewidth=0.8)
-            axis.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:g} %"))
+            low, high = axis.get_xlim()
+            percent_axis(axis.xaxis, between=high < 100 * low)
+            axis.tick_params(axis="x", which="minor", labelsize=7)
         axis.set_title(title, fontsize=10)
         axis.grid(axis="both", color="0.9")
         axis.set_axisbelow(True)

@@ -74,6 +74,6 @@ def draw(results):
         axis.grid(color="0.9")
     for corner in results.corner_arcs():
         axes[1, 2].axvline(corner * 1e3, color="0.6", linestyle=":", linewidth=1)
-    axes[1, 2].legend(frameon=False)
+    axes[1, 2].legend(framealpha=0.9)  # its dots are not contacts
     figure.suptitle("Contacts that nothing was trained on: error of the force a hand feels")
     return figure

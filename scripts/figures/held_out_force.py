@@ -33,5 +33,5 @@ def draw(results):
 def title_of(results, contact):
     if results.solid:
         x, y, _ = 1e3 * np.array(contact["contact_m"])
-        return f"at x = {x:.1f} mm, y = {y:.1f} mm, tilted {contact['angle_deg']:.0f} degrees"
-    return f"{1e3 * contact['arc_m']:.1f} mm along the surface, {contact['angle_deg']:.0f} degrees"
+        return f"at x = {x:.1f} mm, y = {y:.1f} mm, tilted {round(contact['angle_deg'])} degrees"
+    return f"{1e3 * contact['arc_m']:.1f} mm along the surface, {round(contact['angle_deg'])} degrees"

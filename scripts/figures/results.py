@@ -28,6 +28,7 @@ LABELS = {
     "heuristic_a": "heuristic, E2 = E t",
     "heuristic_b": "heuristic, E2 = (C1 + C2) t",
     "uniform": "one stiffness",
+    "one_set": "one learned set for all cases",
 }
 
 

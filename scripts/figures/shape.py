@@ -22,7 +22,7 @@ def draw(results):
         c = contacts[shape["name"]]
         outlines(axis, results, results.paths[shape["name"]], np.array(shape["displacement_m"]))
         axis.set_title(f"{which}, {percent(c['shape']['learned'])} (force {percent(c['error']['learned'])}):\n"
-                       f"{1e3 * c['depth_m']:.1f} mm deep, {c['angle_deg']:.0f} degrees off the normal", fontsize=10)
+                       f"{1e3 * c['depth_m']:.1f} mm deep, {round(c['angle_deg'])} degrees off the normal", fontsize=10)
     for axis in axes[len(shapes):2]:
         axis.set_visible(False)
     if shapes:

@@ -12,6 +12,12 @@ def percent(value):
     return f"{100 * value:.1f} %"
 
 
+def percent_axis(axis, between=True):
+    """Of a logarithmic axis: 10 %, and smaller 20 % and 50 % between, as one decade may hold all there is."""
+    axis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
+    axis.set_minor_formatter(lambda v, _: f"{100 * v:g} %" if between and f"{v:.0e}"[0] in "25" else "")
+
+
 def force_and_shape(errors, results, contacts, shapes):
     """Shape error against force error at every held-out contact; those of drawn_shapes with a ring."""
     if not contacts:
@@ -28,8 +34,7 @@ def force_and_shape(errors, results, contacts, shapes):
     errors.set_xscale("log")
     errors.set_yscale("log")
     for axis in (errors.xaxis, errors.yaxis):
-        axis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
-        axis.set_minor_formatter(lambda v, _: f"{100 * v:g} %" if f"{v:.0e}"[0] in "25" else "")
+        percent_axis(axis)
     errors.tick_params(axis="both", which="minor", labelsize=7)
     errors.set_xlabel("force error")
     errors.set_ylabel("shape error: rms of u - u_fe over rms of u_fe")

@@ -23,7 +23,7 @@ def draw(results):
         fe, model = path.displacement[-1], np.array(shape["displacement_m"])
         draw_section(section, results, path, cut, fe, model)
         section.set_title(f"{which}, {percent(c['shape']['learned'])} (force {percent(c['error']['learned'])}):\n"
-                          f"{MM * c['depth_m']:.1f} mm deep, {c['angle_deg']:.0f} degrees off straight in", fontsize=10)
+                          f"{MM * c['depth_m']:.1f} mm deep, {round(c['angle_deg'])} degrees off straight in", fontsize=10)
         draw_profile(profile, results, cut, fe, model)
     if shapes:
         figure.set_layout_engine("constrained", rect=(0, 0.05, 1, 0.95))  # room for the legend

@@ -25,7 +25,7 @@ def draw(results):
     facets, cut_mm = cut_open(results, path.contact)
     away = np.linalg.norm(model - fe, axis=1)
     figure, axes = plt.subplots(1, 3, figsize=(17, 5.8))
-    figure.set_layout_engine("constrained", rect=(0, 0, 1, 0.9))  # room for two lines above
+    figure.set_layout_engine("constrained", rect=(0, 0.03, 1, 0.87))  # room for two lines above, and for what hangs below a line
     shown = np.unique(facets)
     most = max(np.linalg.norm(u[shown], axis=1).max() for u in (fe, model))
     same = levels(most)
@@ -44,7 +44,7 @@ def draw(results):
     size = MM * np.ptp(results.nodes, axis=0)
     x, y, _ = MM * path.contact
     figure.suptitle(f"Held-out contact with the median shape error, {percent(contact['shape']['learned'])} "
-                    f"(force {percent(contact['error']['learned'])}): {MM * contact['depth_m']:.1f} mm deep, {contact['angle_deg']:.0f} degrees "
+                    f"(force {percent(contact['error']['learned'])}): {MM * contact['depth_m']:.1f} mm deep, {round(contact['angle_deg'])} degrees "
                     f"off straight in, at x = {x:.0f} mm, y = {y:.0f} mm\n"
                     f"{'Block' if results.on_lattice else 'Shape'} of {size[0]:.0f} x {size[1]:.0f} x {size[2]:.0f} mm cut open at y = {cut_mm:.0f} mm; true displacements; "
                     f"the arrow is the push, lengthened", fontsize=11)

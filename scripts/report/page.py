@@ -94,7 +94,7 @@ def picture(folder, source):
 
 def label(model, e):
     """A model's name in words; "" where it has none."""
-    words = {**LABELS, "one_set": "one learned set for all cases", "untrained": "the law untrained",
+    words = {**LABELS, "untrained": "the law untrained",
              "heuristic_a_patch": "Van Gelder's springs alone, the law's contact",
              "heuristic_b_patch": "the same, E2 = (C1 + C2) t",
              "uniform_patch": "one stiffness alone, the law's contact",

@@ -83,4 +83,5 @@ check "RUN= goes before every FreeFEM run" test "$(wc -l <"$scratch/prefix.calls
 run make help
 check "make help names the stages and STUDY" sh -c 'for word in mesh cases train eval figures test STUDY=NAME; do
     grep -q -- "$word" "$0" || { echo "no $word"; exit 1; }; done' "$said"
+check "make help says a target's text to its end" says 'test-fe  *the long checks of finite elements: memory'
 finish

@@ -37,6 +37,9 @@ def main():
                 moved = page.watch("Math.hypot(...tissue.contact_moved_m[1])", 0.5)
                 if max(moved) - min(moved) < 0.002 * max(moved):
                     break
+            for _ in range(3):  # the whole page, however long: what is drawn grows with the window
+                page.resize(1280, page.js("document.documentElement.scrollHeight"))
+                page.after(5)
             page.driver.save_screenshot(out)
             print(page.text("verdict"), page.text("basis"), sep="\n")
         finally:
