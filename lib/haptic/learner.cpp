@@ -50,20 +50,26 @@ HapticOptions live_options(HapticOptions options, const Adaptation& adaptation) 
 
 Learner::Learner(HapticModel& model, Adaptation& adaptation, const LearnerOptions& options)
     : model_(model), adaptation_(adaptation), options_(options), law_(law_of(model)), now_(law_.stiffness()), readings_to_learn_(64),
-      learned_(law_.stiffness()) {
+      learned_({law_.stiffness(), 0}) {
     const LawModel law = adaptation.law();
     if (law.constants.size() != now_.constants.size() || law.patch.log_N_m.rows() != now_.patch.log_N_m.rows())
         throw MismatchError("what learns is not of the model that plays");
     if (adaptation.options().largest > std::log(model.options.stiffest) + 1e-12)
         throw MismatchError(fmt::format("unknowns up to {:g} may become stiffer than {:g} times, which the model's steps are for", adaptation.options().largest, model.options.stiffest));
+    relaxes_ = !law.relaxation.empty();
     const Point nothing = Point::Zero(model.dimension());
     held_m_ = sum_measured_N_ = sum_model_N_ = sum_push_m_ = nothing;
-    learned_.back() = stiffness_of(law);
-    learned_.publish();
+    publish();
     thread_ = std::thread([this] { learn(); });
 }
 
 Learner::~Learner() { stop(); }
+
+/// What plays now, to the tick.
+void Learner::publish() {
+    learned_.back() = {stiffness_of(adaptation_.law()), adaptation_.state().learned};
+    learned_.publish();
+}
 
 void Learner::stop() {
     stop_.store(true);
@@ -72,8 +78,9 @@ void Learner::stop() {
 
 bool Learner::before(Simulation& simulation) {
     if (learned_.fetch()) arrived_ = false;
+    moves_ = !arrived_;
     if (arrived_) return true;
-    const LawStiffness& goal = learned_.front();
+    const LawStiffness& goal = learned_.front().stiffness;
     arrived_ = true;
     for (Eigen::Index c = 0; c < now_.constants.size(); ++c) arrived_ &= step_towards(now_.constants[c], goal.constants[c], options_.step * now_.constants[c]);
     for (Eigen::Index n = 0; n < now_.contact_log_scale.size(); ++n) arrived_ &= step_towards(now_.contact_log_scale[n], goal.contact_log_scale[n], options_.step);
@@ -85,6 +92,13 @@ bool Learner::before(Simulation& simulation) {
     return true;
 }
 
+void Learner::begin_hold() {
+    held_ticks_ = summed_ = 0;
+    sum_measured_N_.setZero();
+    sum_model_N_.setZero();
+    sum_push_m_.setZero();
+}
+
 void Learner::after(const Simulation& simulation, const TickBooks& books) {
     const TickRecord& tick = simulation.record();
     const bool feels = tick.mesh == 0 && !tick.fault && !tick.slipping && tick.measured_N.allFinite() && !books.left_out;
@@ -93,14 +107,15 @@ void Learner::after(const Simulation& simulation, const TickBooks& books) {
         facet_ = feels ? tick.facet : -1;
         weight_ = tick.weight;
         held_m_ = tick.contact_displacement_m;
-        held_ticks_ = summed_ = 0;
         taken_ = false;
-        sum_measured_N_.setZero();
-        sum_model_N_.setZero();
-        sum_push_m_.setZero();
+        begin_hold();
         return;
     }
     if (taken_) return;
+    if (relaxes_ && moves_) {  // its force is of no one law
+        begin_hold();
+        return;
+    }
     const int hold = static_cast<int>(options_.hold_s / model_.options.dt_s);
     if (++held_ticks_ > hold / 2) {
         sum_measured_N_ += tick.measured_N;
@@ -111,7 +126,7 @@ void Learner::after(const Simulation& simulation, const TickBooks& books) {
     if (held_ticks_ < hold) return;
     taken_ = true;
     const double n = summed_;
-    const Reading reading{books.time_s, model_.meshes.front()->springs.rest_place(facet_, weight_), sum_push_m_ / n, sum_measured_N_ / n, sum_model_N_ / n};
+    const Reading reading{books.time_s, model_.meshes.front()->springs.rest_place(facet_, weight_), sum_push_m_ / n, sum_measured_N_ / n, sum_model_N_ / n, learned_.front().learned};
     ++readings_;
     if (!readings_to_learn_.push(reading)) ++dropped_;
 }
@@ -138,17 +153,17 @@ void Learner::learn() {
 
 void Learner::learn_from(const Reading& reading) {
     Poke poke{reading.contact_m, reading.push_m, reading.measured_N};
-    const LawModel& base = *adaptation_.base().energy_law;
-    if (!base.relaxation.empty() && reading.model_N.norm() > 0) try {
+    if (relaxes_ && reading.learned != adaptation_.state().learned) {
+        ++dropped_;
+        return;
+    }
+    if (relaxes_ && reading.model_N.norm() > 0) try {
             const Expected now = adaptation_.expect(poke.contact_m, poke.push_m);
             if (now.status == PressStatus::held) poke.force_N *= now.force_N.norm() / reading.model_N.norm();
         } catch (const MismatchError&) {  // on what is held: learn() says so
         }
     const PokeAnswer answer = adaptation_.learn(poke);
-    if (answer.status == PokeStatus::learned) {
-        learned_.back() = stiffness_of(adaptation_.law());
-        learned_.publish();
-    }
+    if (answer.status == PokeStatus::learned) publish();
     if (tell_) tell_({reading.time_s, poke, answer}, adaptation_, with_);
 }
 

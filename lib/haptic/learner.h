@@ -32,7 +32,8 @@ struct LearnerOptions {
 /// A law that learns while it plays, from a hand with a force sensor (DeviceSample::measured_N): whenever the hand holds still in the tissue
 /// what it feels becomes a poke, a thread of its own learns from it (adapt/adaptation.h), and the tick's law goes there step by step, so that
 /// in no tick force changes by more than `step` of it. Neither waits for the other. Of a law that relaxes the reading is taken as the
-/// adaptation wants it, once all has relaxed or at once: times the law's static force of that kind over what it has in this tick.
+/// adaptation wants it, once all has relaxed or at once: times the law's static force of that kind over what it has in this tick. That
+/// holds of a hand that holds still while the law is one and the same, and of the law that is still the one that learns: another reading is dropped.
 ///
 /// What goes to the hand is bounded by Safety's slew and its own book whatever becomes of the law. HapticOptions::stiffest says how stiff
 /// it may become; unknowns are kept below its logarithm.
@@ -60,14 +61,21 @@ class Learner final : public TickHook {
     void stop();
 
     long long readings() const { return readings_.load(); }
-    long long dropped() const { return dropped_.load(); }      ///< readings that came faster than they were learned, or too late to be
+    long long dropped() const { return dropped_.load(); }      ///< readings that came faster than they were learned, or too late to be, or of a law that relaxes and has changed since
     bool arrived() const { return arrived_; }                  ///< whether the tick's law is all that has been published
 
    private:
     struct Reading {
         double time_s = 0;
         Point contact_m, push_m, measured_N, model_N;
+        int learned = 0;           ///< readings that the law has learned under which it was taken
     };
+    struct Goal {
+        LawStiffness stiffness;
+        int learned = 0;           ///< readings that are in it
+    };
+    void publish();
+    void begin_hold();
     void learn();
     void learn_from(const Reading& reading);
 
@@ -78,6 +86,7 @@ class Learner final : public TickHook {
     // the tick's
     LawStiffness now_;
     bool arrived_ = true;
+    bool relaxes_ = false, moves_ = false;     ///< the law: over time; in this tick, by what was learned
     int facet_ = -1;
     Eigen::Vector3d weight_ = Eigen::Vector3d::Zero();
     Point held_m_;
@@ -86,7 +95,7 @@ class Learner final : public TickHook {
     bool taken_ = false;
     // between the two
     SpscRing<Reading> readings_to_learn_;
-    Latest<LawStiffness> learned_;
+    Latest<Goal> learned_;
     std::atomic<long long> readings_{0}, dropped_{0};
     std::atomic<bool> stop_{false};
     // the thread's

@@ -16,7 +16,8 @@ namespace tissue {
 ///                  float64 force_N[3], float64 tick
 /// A force goes back in every tick to whoever leads: the first to send, until silent for half a second, when with the default SafetyOptions::stale_s
 /// its force has long been zero; what others send meanwhile is counted as `others` and not used. Sequence numbers ascend by one from any start, and
-/// may start anew after such a silence; older ones are `late` and not used, gaps are `lost`, anything else is `foreign`. Its motors are the client's: it lets go of a
+/// may start anew after such a silence; older ones are `late` and not used, gaps are `lost`, anything else is `foreign`. One is wanted for every tick: what a hand has come
+/// since the last is taken for its way in one tick, and more of it than SafetyOptions::speed_max_m_s is a jump - at 100 a second, from a tenth of that speed on. Its motors are the client's: it lets go of a
 /// force when none has come for three quarters of force_held_s, as scripts/remote_device.py does.
 struct PositionDatagram {
     char magic[4];

@@ -69,8 +69,10 @@ void choose_law_dynamics(const TissueModel& model, HapticMesh& mesh, const Hapti
 
 void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double damping_ratio, double coupling_N_m) {
     double bare = 0;
-    for (Eigen::Index c = 0; c < mesh.theta_of_set.cols(); ++c)
-        bare = std::max(bare, largest_eigenvalue(mesh.springs, mesh.theta_of_set.col(c)));
+    for (Eigen::Index c = 0; c < mesh.theta_of_set.cols(); ++c) {
+        const double here = largest_eigenvalue(mesh.springs, mesh.theta_of_set.col(c));
+        if (here > bare || std::isnan(here)) bare = here;  // std::max would lose what is no number
+    }
     double lightest = 0;
     for (int node : mesh.springs.outline()) lightest = std::max(lightest, mesh.springs.inverse_mass()[node]);
     mesh.largest_eigenvalue_1_s2 = bare + coupling_N_m * lightest;
@@ -96,8 +98,8 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     if (!o.damping_ratio) o.damping_ratio = !model.energy_law ? 0.05 : model.energy_law->relaxation.empty() ? elastic_law_damping_ratio : relaxing_damping_ratio;
     if (!(o.stiffest >= 1)) throw MismatchError("a law may become stiffer by a factor of 1 or more");
     if (!(*o.damping_ratio >= 0)) throw MismatchError("the damping ratio must not be negative");
-    if (!(o.safety.force_max_N > 0) || !(o.safety.slew_N_s > 0) || !(o.safety.speed_max_m_s > 0))
-        throw MismatchError("the limits of force, slew and speed must be positive");
+    for (const double limit : {o.safety.force_max_N, o.safety.slew_N_s, o.safety.speed_max_m_s})
+        if (!(limit > 0) || !std::isfinite(limit)) throw MismatchError("the limits of force, slew and speed must be positive, and finite");
     if (!(o.map.scale > 0) || !(std::abs(o.map.force_scale) > 0) || !std::isfinite(o.map.force_scale))
         throw MismatchError("the scales of the device must not be zero");
     if (!(o.safety.stale_s > 0) || !(o.safety.damping_max_Ns_m >= 0))
@@ -162,7 +164,11 @@ Simulation::Simulation(const HapticModel& model) : model_(model), safety_(model.
 }
 
 void Simulation::law_changed() noexcept {
-    if (touched_ >= 0 && model_.is_law()) model_.meshes[0]->law->contact(contact_.where.facet, contact_.where.weight, tool_);
+    if (touched_ < 0 || !model_.is_law()) return;
+    changed_ = tool_;
+    model_.meshes[0]->law->contact(contact_.where.facet, contact_.where.weight, tool_);
+    const auto m = static_cast<std::size_t>(touched_);
+    if (!tool_memory_[m].empty()) tool_.take_over(changed_, record_.master_m - model_.meshes[m]->place_m - touched_m_, states_[m].displacement, tool_memory_[m]);
 }
 
 void Simulation::reset() noexcept {
@@ -239,17 +245,20 @@ void Simulation::place_surfaces() noexcept {
     }
 }
 
-/// A law has other rests than its own: tissue drawn through itself, inside out, stays so. True where nothing has touched it for so
-/// long that damping has left e^-5 of any swing, and it still is a tenth of the nodes' distance away.
+/// A law, and springs that turn, have other rests than their own: tissue drawn through itself, inside out, stays so. True where nothing has
+/// touched a mesh for so long that damping has left e^-5 of any swing, and it still is a tenth of the nodes' distance away.
 bool Simulation::come_to_rest_elsewhere() const noexcept {
-    const HapticMesh& learned = *model_.meshes[0];
-    if (!learned.law) return false;
-    const double settled_s = 10 / learned.damping_1_s + 10 * learned.law->slowest_s();
-    return static_cast<double>(untouched_) * model_.options.dt_s > settled_s &&
-           states_[0].displacement.cwiseAbs().maxCoeff() > 0.1 * learned.law->spacing_m();
+    const double untouched_s = static_cast<double>(untouched_) * model_.options.dt_s;
+    for (std::size_t m = 0; m < states_.size(); ++m) {
+        const HapticMesh& mesh = *model_.meshes[m];
+        if (!mesh.law && mesh.springs.law().linear_in_displacement()) continue;
+        const double settled_s = 10 / mesh.damping_1_s + (mesh.law ? 10 * mesh.law->slowest_s() : 0);
+        if (untouched_s > settled_s && states_[m].displacement.cwiseAbs().maxCoeff() > 0.1 * model_.surface.spacing_m()) return true;
+    }
+    return false;
 }
 
-/// Puts meshes to rest that have flown apart, or a law that came to rest elsewhere; true when it had to. In every tick, also those
+/// Puts meshes to rest that have flown apart, or came to rest elsewhere; true when it had to. In every tick, also those
 /// whose input is refused: meshes go on then.
 bool Simulation::put_to_rest() noexcept {
     constexpr double apart_m = 1e3;

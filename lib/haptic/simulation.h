@@ -165,7 +165,7 @@ class Simulation {
     ContactState contact_;
     int touched_ = -1;            ///< mesh in contact
     double coupling_N_m_ = 0;     ///< k_C of this contact
-    ToolSpring tool_;             ///< of this contact, where the learned mesh is a law
+    ToolSpring tool_, changed_;   ///< of this contact, where the learned mesh is a law; and before it became another
     std::vector<ToolMemory> tool_memory_;  ///< of it on each mesh
     Point touched_m_;             ///< X_p of this contact, in the mesh's own coordinates
     Friction friction_;

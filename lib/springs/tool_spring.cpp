@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "error.h"
@@ -56,6 +57,12 @@ void ToolMemory::follow(const ToolSpring& from, const ToolSpring& to) noexcept {
         for (int k = 0; k < branches_; ++k) part_[k][g] = part[k][g];
         know(g);
     }
+}
+
+void ToolMemory::scale(int group, double factor) noexcept {
+    before_[group] *= factor;
+    for (int k = 0; k < branches_; ++k) part_[k][group] *= factor;
+    know(group);
 }
 
 void ToolSpring::begin(int dimension, const Point& inward) noexcept {
@@ -171,6 +178,15 @@ Point ToolSpring::put_on(const Point& push_m, const NodeColumns& u, NodeColumns&
 void ToolSpring::remember(const Point& push_m, const NodeColumns& u, ToolMemory& memory) const noexcept {
     const Eigen::Vector3d push = in_space(push_m);
     for (int g = 0; g < groups_; ++g) memory.step(g, now_N(g, gap(group_[g], push, u)));
+}
+
+void ToolSpring::take_over(const ToolSpring& from, const Point& push_m, const NodeColumns& u, ToolMemory& memory) const noexcept {
+    const Eigen::Vector3d push = in_space(push_m);
+    for (int g = 0; g < std::min(groups_, from.groups_); ++g) {
+        const Eigen::Vector3d e = gap(group_[g], push, u);
+        const double before_N = from.now_N(g, e).norm(), after_N = now_N(g, e).norm();
+        if (before_N > 0) memory.scale(g, after_N / before_N);
+    }
 }
 
 double ToolSpring::energy_J(const Point& push_m, const NodeColumns& u, const ToolMemory* memory) const noexcept {

@@ -29,6 +29,8 @@ class ToolMemory {
     void forget() noexcept;
     /// The contact has gone along the surface, and is another: groups keep what is theirs.
     void follow(const ToolSpring& from, const ToolSpring& to) noexcept;
+    /// The contact has become stiffer or softer where it is, by a factor on this group's T0: it remembers what it would have felt so from the beginning.
+    void scale(int group, double factor) noexcept;
 
     /// T of a group at T0, within the step that comes.
     Eigen::Vector3d felt_N(int group, const Eigen::Vector3d& now_N) const noexcept { return branches_ == 0 ? now_N : Eigen::Vector3d(left_ * now_N + known_[group]); }
@@ -79,6 +81,8 @@ class ToolSpring {
     Point put_on(const Point& push_m, const NodeColumns& u, NodeColumns& f, ToolMemory* memory = nullptr) const noexcept;
     /// A step of memory alone, while the tool puts nothing on the tissue.
     void remember(const Point& push_m, const NodeColumns& u, ToolMemory& memory) const noexcept;
+    /// The same contact of another law takes memory over from `from`, at a push and displacements of now.
+    void take_over(const ToolSpring& from, const Point& push_m, const NodeColumns& u, ToolMemory& memory) const noexcept;
     double energy_J(const Point& push_m, const NodeColumns& u, const ToolMemory* memory = nullptr) const noexcept;
     /// Second derivative of E by d, nodes held [N/m] (D x D).
     PointMatrix stiffness_N_m(const Point& push_m, const NodeColumns& u, const ToolMemory* memory = nullptr) const noexcept;

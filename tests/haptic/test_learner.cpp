@@ -51,9 +51,11 @@ struct Session {
     HiddenTissue device;
     long long tick = 0;
 
-    Session(const TissueModel& base, const TissueModel& truth, double seconds, unsigned long seed = 3)
+    Session(const TissueModel& base, const TissueModel& truth, const std::vector<Waypoint>& motion)
         : law(base), model(law, options_for_learning()), simulation(model), adaptation(law, live()), learner(model, adaptation),
-          device(std::make_unique<VirtualDevice>(make_motion({"probe", seconds, 0.006, seed, &law.mesh}), model.options.map), truth, options_for_learning()) {}
+          device(std::make_unique<VirtualDevice>(motion, model.options.map), truth, options_for_learning()) {}
+    Session(const TissueModel& base, const TissueModel& truth, double seconds, unsigned long seed = 3)
+        : Session(base, truth, make_motion({"probe", seconds, 0.006, seed, &base.mesh})) {}
 
     /// One tick, as run_loop has it.
     void step() {
@@ -185,6 +187,35 @@ TEST_CASE("tissue that relaxes is read through its branches", "[adapt][memory]")
     const std::vector<Poke> held_out = pokes_of(wanted, 12, 9);
     CHECK(worst_error(law, held_out) > 0.3);
     CHECK(worst_error(at_once, held_out) < 0.15);
+}
+
+TEST_CASE("tissue that relaxes is read right in a contact during which the law becomes another", "[adapt][memory]") {
+    const TissueModel law = relaxing(law_example());
+    TissueModel truth = law;
+    truth.energy_law->constants *= std::exp(0.9);
+    truth.energy_law->patch.log_N_m.array() += 0.9;
+    // three depths held without letting go
+    std::vector<Waypoint> motion;
+    const auto to = [&](double time_s, double y_m) { motion.push_back({time_s, (Point(2) << 0.05, y_m).finished()}); };
+    to(0, 0.105);
+    double at_s = 0.1;
+    for (const double depth_m : {0.0035, 0.0045, 0.0035}) {
+        to(at_s, 0.1 - depth_m);
+        to(at_s + 1.7, 0.1 - depth_m);
+        at_s += 1.8;
+    }
+    Session s(law, truth, motion);
+    s.keep_lines();
+    long long readings = 0;
+    for (int k = 0; k < 5500; ++k) {
+        s.step();
+        if (s.learner.readings() > readings) s.wait(++readings);
+    }
+    s.learner.stop();
+    CHECK(s.pokes.size() == 3);
+    TissueModel rested = truth;
+    rested.energy_law = long_term(*rested.energy_law);
+    CHECK(worst_error(rested, s.pokes) < 0.02);
 }
 
 TEST_CASE("a hand without a sensor, one that moves and one that slips give no reading", "[adapt]") {
