@@ -35,46 +35,58 @@ std::vector<double> angles_at(const Outline& outline, double arc, const std::vec
     return angles;
 }
 
+/// Places along the surface, each once.
+class Arcs {
+   public:
+    void add(double arc) {
+        if (std::none_of(arcs_.begin(), arcs_.end(), [&](double a) { return std::abs(a - arc) < tiny_arc_m; })) arcs_.push_back(arc);
+    }
+    std::vector<double> ascending() const {
+        std::vector<double> arcs = arcs_;
+        std::sort(arcs.begin(), arcs.end());
+        return arcs;
+    }
+
+   private:
+    std::vector<double> arcs_;
+};
+
 /// The study's own list; mirrors: with the places in the other half that they stand for.
 std::vector<double> listed_arcs(const Outline& outline, const Study::Loads::Sweep& sweep, bool mirrors) {
-    std::vector<double> arcs;
-    const auto add = [&](double arc) {
-        if (std::none_of(arcs.begin(), arcs.end(), [&](double a) { return std::abs(a - arc) < tiny_arc_m; })) arcs.push_back(arc);
-    };
+    Arcs arcs;
     for (double arc : sweep.arcs_m) {
         if (arc < sweep.clearance_m - tiny_arc_m || arc > outline.length() - sweep.clearance_m + tiny_arc_m)
             throw MismatchError(fmt::format("loads.sweep.arcs_m: {:g} is not between clearance_m = {:g} and {:g}, as far from the "
                                             "surface's other end", arc, sweep.clearance_m, outline.length() - sweep.clearance_m));
-        add(arc);
-        if (mirrors) add(outline.length() - arc);
+        arcs.add(arc);
+        if (mirrors) arcs.add(outline.length() - arc);
     }
-    std::sort(arcs.begin(), arcs.end());
-    return arcs;
+    return arcs.ascending();
+}
+
+/// Evenly from one end's clearance to the other's, and the corners between. mirrors: the first half's, and their images, which are where
+/// the second half's own would be only if the spacing divides the surface.
+std::vector<double> spaced_arcs(const Outline& outline, const Study::Loads::Sweep& sweep, bool mirrors) {
+    constexpr double most = 10'000;
+    const double gaps = std::floor((outline.length() - 2 * sweep.clearance_m) / sweep.spacing_m + 1e-9);
+    if (gaps > most) throw MismatchError(fmt::format("loads.sweep.spacing_m: {:g} makes more than {:.0f} contacts", sweep.spacing_m, most));
+    Arcs arcs;
+    const auto add = [&](double arc) {
+        if (mirrors && arc > outline.length() / 2 + tiny_arc_m) return;
+        arcs.add(arc);
+        if (mirrors) arcs.add(outline.length() - arc);
+    };
+    for (int i = 0; i <= static_cast<int>(std::max(gaps, -1.0)); ++i) add(sweep.clearance_m + i * sweep.spacing_m);
+    for (double corner : outline.corners()) add(corner);  // always: directions jump there
+    return arcs.ascending();
 }
 
 }  // namespace
 
 std::vector<SurfaceContact> training_contacts(const Outline& outline, const Study::Loads::Sweep& sweep, bool mirrors) {
     std::vector<SurfaceContact> contacts;
-    if (!sweep.arcs_m.empty()) {
-        for (double arc : listed_arcs(outline, sweep, mirrors))
-            for (double angle : angles_at(outline, arc, sweep.angles_deg)) contacts.push_back({arc, angle});
-        return contacts;
-    }
-    constexpr double most = 10'000;
-    const double gaps = std::floor((outline.length() - 2 * sweep.clearance_m) / sweep.spacing_m + 1e-9);
-    if (gaps > most) throw MismatchError(fmt::format("loads.sweep.spacing_m: {:g} makes more than {:.0f} contacts", sweep.spacing_m, most));
-    const int count = static_cast<int>(std::max(gaps, -1.0));
-    std::vector<double> arcs;
-    for (int i = 0; i <= count; ++i) arcs.push_back(sweep.clearance_m + i * sweep.spacing_m);
-    // corners always: directions jump there
-    for (double corner : outline.corners())
-        if (std::none_of(arcs.begin(), arcs.end(), [&](double a) { return std::abs(a - corner) < tiny_arc_m; }))
-            arcs.push_back(corner);
-    std::sort(arcs.begin(), arcs.end());
-    for (double arc : arcs) {
+    for (double arc : sweep.arcs_m.empty() ? spaced_arcs(outline, sweep, mirrors) : listed_arcs(outline, sweep, mirrors))
         for (double angle : angles_at(outline, arc, sweep.angles_deg)) contacts.push_back({arc, angle});
-    }
     return contacts;
 }
 
