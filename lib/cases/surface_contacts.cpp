@@ -70,14 +70,18 @@ std::vector<double> spaced_arcs(const Outline& outline, const Study::Loads::Swee
     constexpr double most = 10'000;
     const double gaps = std::floor((outline.length() - 2 * sweep.clearance_m) / sweep.spacing_m + 1e-9);
     if (gaps > most) throw MismatchError(fmt::format("loads.sweep.spacing_m: {:g} makes more than {:.0f} contacts", sweep.spacing_m, most));
+    if (!(gaps >= 0))
+        throw MismatchError(fmt::format("loads.sweep.clearance_m: {:g} leaves nothing of a surface {:g} m long", sweep.clearance_m, outline.length()));
     Arcs arcs;
     const auto add = [&](double arc) {
         if (mirrors && arc > outline.length() / 2 + tiny_arc_m) return;
         arcs.add(arc);
         if (mirrors) arcs.add(outline.length() - arc);
     };
-    for (int i = 0; i <= static_cast<int>(std::max(gaps, -1.0)); ++i) add(sweep.clearance_m + i * sweep.spacing_m);
-    for (double corner : outline.corners()) add(corner);  // always: directions jump there
+    for (int i = 0; i <= static_cast<int>(gaps); ++i) add(sweep.clearance_m + i * sweep.spacing_m);
+    // corners always, since directions jump there; but those nearer an end than any push may be
+    for (double corner : outline.corners())
+        if (corner > sweep.clearance_m - tiny_arc_m && corner < outline.length() - sweep.clearance_m + tiny_arc_m) add(corner);
     return arcs.ascending();
 }
 

@@ -17,9 +17,9 @@ struct SurfaceContact {
     double arc, angle;
 };
 
-/// Training contacts of a sweep. mirrors: the tissue is the same in
+/// Training contacts of a sweep, all `clearance_m` and more from both ends of the surface, corners too. mirrors: the tissue is the same in
 /// the mirror, and so are its contacts: each has its image among them.
-/// Throws MismatchError for a listed place that is not `clearance_m` from both ends, and for a spacing that makes more than 10,000.
+/// Throws MismatchError for a listed place that is nearer, a clearance that leaves no place, and a spacing that makes more than 10,000.
 std::vector<SurfaceContact> training_contacts(const Outline& outline, const Study::Loads::Sweep& sweep, bool mirrors);
 
 /// Contacts in the plane, drawn by a stream of their own: uniform along the surface, `clearance_m` of the sweep from both ends, and in

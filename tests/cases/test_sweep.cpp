@@ -137,6 +137,21 @@ TEST_CASE("drawn contacts are at least 2 mm or 5 degrees from every training con
     }
 }
 
+TEST_CASE("a sweep's contacts keep its clearance from both ends of the surface, corners too: low blocks have theirs nearer") {
+    Study low = swept();
+    low.geometry.height_m = 0.012;
+    low.loads.sweep->spacing_m = 0.020;
+    low.loads.sweep->clearance_m = 0.015;
+    const Outline surface(make_lattice("grid4", low.lattice()));
+    const auto paths = planned_paths(low);
+    CHECK(paths.size() > 50);
+    for (const PlannedPath& p : paths) {
+        const double arc = surface.arc_of(p.push.contact_m);
+        CHECK(arc >= 0.015 - tolerance::rounding);
+        CHECK(arc <= surface.length() - 0.015 + tolerance::rounding);
+    }
+}
+
 TEST_CASE("the draws are the seed's: the same for the same, others for another") {
     const auto one = planned_paths(swept()), same = planned_paths(swept());
     Study other = swept();
@@ -157,6 +172,12 @@ TEST_CASE("a sweep of more contacts than anyone solves is refused before they ar
     Study endless = swept();
     endless.loads.sweep->spacing_m = 1e-9;
     CHECK_THAT(refusal<MismatchError>([&] { planned_paths(endless); }), Contains("loads.sweep.spacing_m") && Contains("10000"));
+}
+
+TEST_CASE("a surface with no place that keeps the sweep's clearance is refused") {
+    Study small = swept();
+    small.loads.sweep->clearance_m = 0.16;  // of 0.3 m, from both ends
+    CHECK_THAT(refusal<MismatchError>([&] { planned_paths(small); }), Contains("loads.sweep.clearance_m") && Contains("0.16"));
 }
 
 TEST_CASE("a draw without room between the training contacts is refused by name") {
