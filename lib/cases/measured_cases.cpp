@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <set>
 
 #include "error.h"
 #include "mesh/outline.h"
@@ -120,17 +121,31 @@ void estimate_noise(const std::vector<Push>& pushes, const Study::Data& data, Me
         }
 }
 
-/// Sorted by place, and cut where neighbours keep `apart_m`.
-std::vector<std::vector<Push*>> contacts_of(std::vector<Push>& pushes, double gap_m) {
+std::vector<Push*> along_the_surface(std::vector<Push>& pushes) {
     std::vector<Push*> sorted;
     for (Push& p : pushes) sorted.push_back(&p);
     std::stable_sort(sorted.begin(), sorted.end(), [](const Push* a, const Push* b) { return a->arc < b->arc; });
-    std::vector<std::vector<Push*>> groups;
-    for (Push* p : sorted) {
-        if (groups.empty() || p->arc - groups.back().back()->arc >= gap_m) groups.emplace_back();
-        groups.back().push_back(p);
+    return sorted;
+}
+
+/// Cut where neighbours keep `apart_m`, however far a row of near ones goes on: no two contacts are near each other.
+std::vector<std::vector<Push*>> contacts_of(std::vector<Push>& pushes) {
+    std::vector<std::vector<Push*>> contacts;
+    for (Push* p : along_the_surface(pushes)) {
+        if (contacts.empty() || p->arc - contacts.back().back()->arc >= apart_m) contacts.emplace_back();
+        contacts.back().push_back(p);
     }
-    return groups;
+    return contacts;
+}
+
+/// Places to train at, none longer than `same_contact_m`: of a fine scan's pushes the mean was made by nobody.
+std::vector<std::vector<Push*>> places_of(std::vector<Push>& pushes) {
+    std::vector<std::vector<Push*>> places;
+    for (Push* p : along_the_surface(pushes)) {
+        if (places.empty() || p->arc - places.back().front()->arc >= same_contact_m) places.emplace_back();
+        places.back().push_back(p);
+    }
+    return places;
 }
 
 /// What each contact is for, by the study's seed.
@@ -165,9 +180,7 @@ void add_training(Cases& cases, const Outline& outline, const std::vector<Push*>
     std::stable_sort(by_angle.begin(), by_angle.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     for (std::size_t first = 0, last = 0; first < by_angle.size(); first = last) {
         double angle = 0;
-        while (last < by_angle.size() &&
-               (last == first || by_angle[last].first - by_angle[last - 1].first < same_angle))
-            angle += by_angle[last++].first;
+        while (last < by_angle.size() && by_angle[last].first - by_angle[first].first < same_angle) angle += by_angle[last++].first;
         angle /= static_cast<double>(last - first);
         LoadPath path;
         path.name = fmt::format("s{:06.0f}-{}{:05.0f}", 1e6 * arc, angle < 0 ? "m" : "p", 1e2 * std::abs(angle) / degree);
@@ -192,6 +205,15 @@ void add_training(Cases& cases, const Outline& outline, const std::vector<Push*>
     }
 }
 
+/// Of one name, given to 0.001 mm and 0.01 degrees, all but the first get a number.
+void name_apart(std::vector<LoadPath>& paths) {
+    std::set<std::string> names;
+    for (LoadPath& path : paths) {
+        const std::string name = path.name;
+        for (int i = 2; !names.insert(path.name).second; ++i) path.name = fmt::format("{}-{}", name, i);
+    }
+}
+
 void add_held_out(Cases& cases, const Outline& outline, const Push& push, const std::string& role) {
     for (const MeasuredRow* row : push.rows) {
         LoadPath path;
@@ -213,7 +235,7 @@ Cases measured_cases(const Study& study, const MeasuredTable& table) {
     const SpringMesh lattice = make_lattice("grid4", study.lattice());
     const Outline outline(lattice);
     std::vector<Push> pushes = pushes_of(table, outline, study.data->surface_tolerance_m, lattice.size_m());
-    const std::vector<std::vector<Push*>> contacts = contacts_of(pushes, apart_m);
+    const std::vector<std::vector<Push*>> contacts = contacts_of(pushes);
 
     Cases cases;
     cases.study = study.name;
@@ -244,7 +266,7 @@ Cases measured_cases(const Study& study, const MeasuredTable& table) {
         for (Push* p : contacts[i]) {
             if (roles[i] == "train") trained.push_back(*p);
         }
-    const std::vector<std::vector<Push*>> places = contacts_of(trained, same_contact_m);
+    const std::vector<std::vector<Push*>> places = places_of(trained);
     for (const std::vector<Push*>& place : places) add_training(cases, outline, place);
     bool proved = false;
     for (std::size_t i = 0; i < contacts.size(); ++i)
@@ -258,6 +280,7 @@ Cases measured_cases(const Study& study, const MeasuredTable& table) {
         throw FileError(fmt::format("{}: has {} rows at {} contacts, of which {} are to train on and {} held out; at least "
                                     "{} and 1 are needed", table.file, table.rows.size(), contacts.size(), places.size(),
                                     proved ? "some" : "none", least_contacts));
+    name_apart(cases.paths);
     return cases;
 }
 

@@ -6,8 +6,8 @@
 
 namespace tissue {
 
-/// Measured contacts as cases. Rows of one push are averaged into one load case to train on; what is held out stays as
-/// it was measured, a row a path.
+/// Measured contacts as cases. Rows of one push are averaged into one load case to train on, and so are pushes as deep within 0.2 mm
+/// and 3 degrees, from the first to the last of them; what is held out stays as it was measured, a row a path.
 ///
 /// The split is by contact, never by row: contacts less than 2 mm apart along the surface go together, so that every
 /// held-out contact keeps 2 mm from every trained one. The table's own roles stand; else the study's seed draws, and

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <map>
 #include <memory>
+#include <set>
 
 #include "../measured_example.h"
 #include "../refusal.h"
@@ -157,6 +158,64 @@ TEST_CASE("a training case is its push's mean, to the last part of the displacem
     const MeasuredRow& once = table.rows[0];
     CHECK(path.push_m(path.records[0]).isApprox((once.displacement_m + again.displacement_m) / 2, tolerance::rounding));
     CHECK(path.records[0].contact_force_N.isApprox(1.05 * once.force_N, tolerance::rounding));
+}
+
+TEST_CASE("a fan of finely stepped directions at one place is trained on as what was pushed, not as its mean", "[measured]") {
+    const Outline outline(measured_mesh());
+    MeasuredTable table = presses(every_cm());
+    for (MeasuredRow& row : table.rows) row.role = "train";
+    table.rows[3].role = "held_out";
+    std::vector<Eigen::Vector2d> made;
+    for (int degrees = -60; degrees <= 60; degrees += 2) {
+        made.push_back(0.005 * outline.direction(0.155, degrees * 3.14159265358979 / 180));
+        table.rows.push_back({100 + degrees, outline.position(0.155), made.back(), 2 * made.back(), "", "train"});
+    }
+    int records = 0;
+    for (const LoadPath& path : measured_cases(measured_study(), table).paths) {
+        if (std::abs(outline.arc_of(path.contact_m) - 0.155) > 1e-6) continue;
+        for (const PathRecord& record : path.records) {
+            ++records;
+            const Eigen::Vector2d push = path.push_m(record);
+            const auto away = [&](const Eigen::Vector2d& m) { return std::acos(std::min(1.0, push.normalized().dot(m.normalized()))) * 180 / 3.14159265358979; };
+            CHECK(std::any_of(made.begin(), made.end(), [&](const Eigen::Vector2d& m) { return away(m) < 1.5; }));
+            CHECK(push.norm() > 0.99 * 0.005);
+            CHECK(push.norm() < 1.01 * 0.005);
+        }
+    }
+    CHECK(records == 31);  // 61 pushes, by twos within 3 degrees
+}
+
+TEST_CASE("training paths of nearly one direction have names of their own", "[measured]") {
+    const Outline outline(measured_mesh());
+    MeasuredTable table = presses(every_cm());
+    for (int i = 0; i <= 1000; ++i) {  // the mean of all but the last, which is 3 degrees from the first, is next to it
+        const double degrees = i == 0 ? 0 : i < 1000 ? 2.9999 : 3.001;
+        const Eigen::Vector2d push = 0.005 * outline.direction(0.105, degrees * 3.14159265358979 / 180);
+        table.rows.push_back({100 + i, outline.position(0.105), push, 2 * push, "", ""});
+    }
+    std::set<std::string> names;
+    for (const LoadPath& path : measured_cases(measured_study(), table).paths) CHECK(names.insert(path.name).second);
+}
+
+TEST_CASE("pushes scanned finely along the surface are trained on where they were made", "[measured]") {
+    const Outline outline(measured_mesh());
+    MeasuredTable table = presses(every_cm());
+    for (MeasuredRow& row : table.rows) row.role = "train";
+    table.rows[3].role = "held_out";
+    for (int i = 0; i <= 40; ++i) {
+        const double arc = 0.152 + 0.00015 * i;
+        const Eigen::Vector2d push = 0.005 * outline.inward_normal(arc);
+        table.rows.push_back({100 + i, outline.position(arc), push, 2 * push, "", "train"});
+    }
+    std::set<double> places;
+    for (const LoadPath& path : measured_cases(measured_study(), table).paths) {
+        const double arc = outline.arc_of(path.contact_m);
+        if (arc > 0.1515 && arc < 0.1585) places.insert(arc);
+    }
+    CHECK(places.size() == 21);  // by twos within 0.2 mm
+    REQUIRE(!places.empty());
+    CHECK(*places.begin() < 0.1521);
+    CHECK(*places.rbegin() > 0.1579);
 }
 
 TEST_CASE("measured cases are read back as they were written", "[measured]") {
