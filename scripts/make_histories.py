@@ -2,8 +2,8 @@
 
     scripts/make_histories.py results/relax/cases.h5 fem/data/block_histories.csv
 
-Of study `relax`: two ramps and a random poke to fit shares to, four of each kind that lasts to prove with, at other contacts, 50 readings a
-second. Noise: Gaussian, on each component of force 2 % of the history's largest.
+Of study `relax`: two ramps and a random poke to fit shares to, the next four of each kind that lasts to prove with, but for those whose contacts
+are within 2 mm of one fitted to, 50 readings a second. Noise: Gaussian, on each component of force 2 % of the history's largest.
 """
 import sys
 from pathlib import Path
@@ -15,7 +15,14 @@ sys.path.insert(0, str(Path(__file__).resolve().parent / "figures"))
 from save import written  # noqa: E402
 
 SEED, NOISE, RATE_HZ = 20261123, 0.02, 50
+APART_MM = 2
 TRAIN, HELD_OUT = {"ramp": 2, "poke": 1}, {"ramp": 4, "release": 4, "sine": 4, "poke": 4}
+
+
+def chosen(names, kinds, lost, counts):
+    """The first of each kind that FE has not lost."""
+    of_kind = {kind: [i for i in range(len(names)) if str(kinds[i]) == kind and not lost[i]] for kind in counts}
+    return [i for kind, count in counts.items() for i in of_kind[kind][:count]]
 
 
 def main():
@@ -30,7 +37,8 @@ def main():
         h = cases["histories"]
         names, kinds, lost = (h[key].asstr()[:] for key in ("name", "group", "lost"))
         first = h["offset"][:]
-        used, alone = {}, []
+        used, alone, near = {}, [], []
+        fitted = [1e3 * h["contact_place"][i] for i in chosen(names, kinds, lost, TRAIN)]
         for i, name in enumerate(names):
             kind = str(kinds[i])
             count = used.get(kind, 0)
@@ -42,6 +50,10 @@ def main():
             at = np.arange(0, t[-1], 1 / RATE_HZ)
             noise = NOISE * np.linalg.norm(force, axis=1).max()
             read = np.array([[np.interp(s, t, force[:, a]) for a in (0, 1)] for s in at])
+            if count >= TRAIN.get(kind, 0) and min(np.hypot(*(1e3 * h["contact_place"][i] - c)) for c in fitted) < APART_MM:
+                rng.standard_normal(2 * len(at))  # the noise of all others stays what it is
+                near.append(str(name))
+                continue
             if count >= TRAIN.get(kind, 0):
                 alone.append(noise * np.sqrt(2 / np.mean(np.sum(read**2, axis=1))))
             x, y = 1e3 * h["contact_place"][i]
@@ -50,6 +62,8 @@ def main():
                 f = [1e3 * (v + noise * rng.standard_normal()) for v in f]
                 role = "train" if count < TRAIN.get(kind, 0) else "held_out"
                 lines.append(f"{name},{kind},{s:.2f},{x:.3f},{y:.3f},{u[0]:.4f},{u[1]:.4f},{f[0]:.1f},{f[1]:.1f},{role}")
+    if near:
+        print(f"left out, within {APART_MM} mm of what shares are fitted to: {', '.join(near)}")
     print(f"noise alone, rms over time over the force's, of held-out histories: median {100 * np.median(alone):.1f} %, largest {100 * max(alone):.1f} %")
     with written(sys.argv[2]) as beside:
         Path(beside).write_text("\n".join(lines) + "\n")

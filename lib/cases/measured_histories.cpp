@@ -114,8 +114,8 @@ History history_of(const std::string& file, const Rows& h, const Outline& outlin
     return out;
 }
 
-/// What each history is for, by the study's seed: contacts less than 2 mm apart go together.
-void draw_roles(std::vector<History>& histories, const Outline& outline, const Study::Data& data, const std::string& file) {
+/// Along the surface, and cut where neighbours keep 2 mm.
+std::vector<std::vector<History*>> contacts_of(std::vector<History>& histories, const Outline& outline) {
     std::vector<History*> sorted;
     for (History& h : histories) sorted.push_back(&h);
     const auto arc = [&](const History* h) { return outline.arc_of(Eigen::Vector2d(h->contact_m)); };
@@ -125,6 +125,23 @@ void draw_roles(std::vector<History>& histories, const Outline& outline, const S
         if (contacts.empty() || arc(h) - arc(contacts.back().back()) >= apart_m) contacts.emplace_back();
         contacts.back().push_back(h);
     }
+    return contacts;
+}
+
+/// The file's own roles: what is held out may not be near what shares are fitted to. read (H): the histories' lines.
+void check_roles(const std::vector<std::vector<History*>>& contacts, const History* first, const std::vector<Rows>& read, const std::string& file) {
+    for (const std::vector<History*>& contact : contacts)
+        for (std::size_t i = 1; i < contact.size(); ++i) {
+            const History *before = std::min(contact[i - 1], contact[i]), *after = std::max(contact[i - 1], contact[i]);  // in the file
+            if ((before->role == "train") != (after->role == "train"))
+                refuse(file, read[static_cast<std::size_t>(after - first)],
+                       fmt::format("is '{}', less than 2 mm along the surface from '{}' of line {}, which is '{}'; what is held out would have been fitted", after->role,
+                                   before->name, read[static_cast<std::size_t>(before - first)].line, before->role));
+        }
+}
+
+/// What each history is for, by the study's seed: contacts less than 2 mm apart go together.
+void draw_roles(const std::vector<std::vector<History*>>& contacts, const Study::Data& data, const std::string& file) {
     if (contacts.size() < 2) throw FileError(fmt::format("{}: has histories at one contact alone: one more is needed to hold out, or a column 'role'", file));
     const std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free);
     gsl_rng_set(rng.get(), data.seed);
@@ -145,9 +162,14 @@ std::vector<History> read_measured_histories(const Study& study, const std::stri
     const Outline outline(mesh);
     std::vector<History> histories;
     for (const Rows& h : read) histories.push_back(history_of(file, h, outline, study.data->surface_tolerance_m, mesh.size_m()));
-    if (read.front().role.empty()) draw_roles(histories, outline, *study.data, file);
-    if (std::none_of(histories.begin(), histories.end(), [](const History& h) { return h.role == "train"; }))
-        throw FileError(fmt::format("{}: has no history of role 'train' to fit shares to", file));
+    const std::vector<std::vector<History*>> contacts = contacts_of(histories, outline);
+    if (read.front().role.empty())
+        draw_roles(contacts, *study.data, file);
+    else
+        check_roles(contacts, histories.data(), read, file);
+    const auto none = [&](const char* role) { return std::none_of(histories.begin(), histories.end(), [&](const History& h) { return h.role == role; }); };
+    if (none("train")) throw FileError(fmt::format("{}: has no history of role 'train' to fit shares to", file));
+    if (none("held_out")) throw FileError(fmt::format("{}: has no history of role 'held_out' to judge by", file));
     return histories;
 }
 

@@ -188,6 +188,7 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
     result.held_out = evaluate_held_out(model, cases, threads);
     result.map = force_map(model, cases, threads);
     if (model.energy_law) result.histories = evaluate_histories(model, cases.histories, "held_out", threads);
+    if (cases.measurement) result.histories.near_training = near_training(cases, "held_out");
     if (!listed) return result;
     result.front = ridge_front(model, cases, k_min_N_m, k_max_N_m);
     for (const LoadPath& path : cases.paths) {

@@ -76,9 +76,10 @@ Json training(const LawModel& law, const LawBook& book) {
     return j;
 }
 
-Json histories(const HistoryTable& h) {
+Json histories(const HistoryTable& h, bool measured) {
     Json j = {{"lost", h.lost},
               {"fitted", {{"best_factor", h.factor}, {"kelvin_voigt", {{"factor", h.kelvin_voigt[0]}, {"damper_s", h.kelvin_voigt[1]}}}, {"one_branch", {{"g", h.branch[0]}, {"tau_s", h.branch[1]}}}}}};
+    if (measured) j["near_training"] = h.near_training;
     std::vector<std::string> groups = h.groups();
     groups.push_back("");
     for (const std::string& group : groups) {
@@ -173,7 +174,7 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
         if (const auto& c = map.contrast)
             j["map"]["contrast"] = {{"over_m", c->over_m}, {"far_m", c->far_m}, {"fe", c->fe}, {"learned", or_null(c->learned)}};
     }
-    if (const HistoryTable& h = evaluation.histories; !h.empty()) j["histories"] = histories(h);
+    if (const HistoryTable& h = evaluation.histories; !h.empty()) j["histories"] = histories(h, evaluation.measurement.has_value());
     if (!evaluation.truth.empty()) {
         j["truth_check"] = to_value(evaluation.truth.difference);
         j["truth_check"]["lost"] = evaluation.truth.lost;

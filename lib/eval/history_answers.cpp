@@ -265,4 +265,13 @@ HistoryTable evaluate_histories(const TissueModel& model, const std::vector<Hist
     return table;
 }
 
+int near_training(const Cases& cases, const std::string& role) {
+    constexpr double near_m = 0.002;  // of what is held out, everywhere else
+    return static_cast<int>(std::count_if(cases.histories.begin(), cases.histories.end(), [&](const History& h) {
+        return h.role == role && h.lost.empty() && std::any_of(cases.paths.begin(), cases.paths.end(), [&](const LoadPath& path) {
+            return path.role == "train" && (path.contact_m - h.contact_m).norm() < near_m;
+        });
+    }));
+}
+
 }  // namespace tissue

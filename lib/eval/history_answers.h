@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "cases/history.h"
+#include "cases/load_path.h"
 #include "eval/force_error.h"
 #include "haptic/simulation.h"
 
@@ -30,7 +31,8 @@ struct HistoryAnswer {
     std::vector<HistoryError> error;              ///< of each model
 };
 
-/// Models in time, against histories that nothing was trained on:
+/// Models in time, against histories held out. Drawn ones stand at contacts that nothing was trained on; measured ones at contacts that no
+/// history was fitted at, and some of them where pushes trained the law (near_training): they judge behaviour in time, not the law.
 ///   learned         the law with its branches, as it plays
 ///   long_term       the law without branches, what is left of it after long,
 ///   instantaneous   and what it is at once
@@ -47,6 +49,7 @@ struct HistoryTable {
     double factor = 0;               ///< of best_factor
     double kelvin_voigt[2] = {0, 0};  ///< a, b [s]
     double branch[2] = {0, 0};        ///< share, time [s] of one_branch
+    int near_training = 0;            ///< of measured histories, how many of the answers are near_training
 
     bool empty() const { return answers.empty() && lost.empty(); }
     std::vector<std::string> groups() const;  ///< in the order of the histories
@@ -58,5 +61,8 @@ struct HistoryTable {
 
 /// role: of the histories that count. Throws MismatchError for a model without a law.
 HistoryTable evaluate_histories(const TissueModel& model, const std::vector<History>& histories, const std::string& role, int threads);
+
+/// How many histories of `role` that are not lost have their contact within 2 mm of a training path's.
+int near_training(const Cases& cases, const std::string& role);
 
 }  // namespace tissue

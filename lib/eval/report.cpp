@@ -187,12 +187,15 @@ std::string histories_markdown(const HistoryTable& h, bool measured) {
     if (h.empty()) return "";
     const bool has_elastic = h.elastic_rms("").n > 0;
     const auto three = [](const Statistics& s) { return s.n == 0 ? std::string("none") : fmt::format("{} / {} / {}", percent(s.median), percent(s.p95), percent(s.max)); };
+    const std::string where =
+        measured ? fmt::format("Histories at contacts that no history was fitted at; {} of {} stand within 2 mm of a push that the law was trained on", h.near_training, h.answers.size())
+                 : "Histories at contacts that nothing was trained on";
     std::string out = fmt::format(
-        "## Force over time\n\nHistories at contacts that nothing was trained on: the tool is held where the history has it, and the model plays tick by "
+        "## Force over time\n\n{}: the tool is held where the history has it, and the model plays tick by "
         "tick, with the mass of its nodes, beside {}. *rms*: of the force's error over time, over that of the "
         "force. *peak*: the largest error over the largest force. Median / p95 / max.\n\n"
         "| histories | n | learned, rms | learned, peak |{}\n|---|---|---|---|{}\n",
-        measured ? "what was measured, its noise included" : "finite elements that relax and have mass",
+        where, measured ? "what was measured, its noise included" : "finite elements that relax and have mass",
         has_elastic ? " the law's own: without relaxation, beside FE without, rms |" : "", has_elastic ? "---|" : "");
     std::vector<std::string> groups = h.groups();
     if (groups.size() > 1) groups.emplace_back();

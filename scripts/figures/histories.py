@@ -25,7 +25,8 @@ def draw(results):
     for axis in axes.flat[len(groups):]:
         axis.set_visible(False)
     axes[0, 0].legend(frameon=False, fontsize=8)
-    figure.suptitle("Histories that nothing was trained on; of each group the one with the median error")
+    alone = "at contacts that no history was fitted at" if results.evaluation.get("measurement") else "that nothing was trained on"
+    figure.suptitle(f"Histories {alone}; of each group the one with the median error")
     return figure
 
 

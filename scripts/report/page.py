@@ -32,7 +32,7 @@ CAPTIONS = {
     "character": "What the springs are like, and what staying near the heuristic costs",
     "held_out": "Closed-loop error at contacts the sets were not trained on",
     "held_out_force": "Force against push at such contacts",
-    "histories": "Force over time, along histories that nothing was trained on",
+    "histories": "Force over time, along histories held out",
     "shape": "The tissue's shape at such contacts, finite elements and springs; shape error against force error",
     "map": "Force of straight pushes over the top, in finite elements and in the law: what a finger finds of the nodule",
     "solid": "The block cut open through such a contact: displacement in finite elements and in the law, and what lies between",

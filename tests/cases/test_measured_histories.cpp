@@ -80,6 +80,15 @@ TEST_CASE("histories are held out by seed and by contact, and one stays to fit t
     CHECK_THAT(refused(header + ",role\n" + ramp("a", 40, ",held_out") + ramp("b", 60, ",validation")), Contains("no history of role 'train'"));
 }
 
+TEST_CASE("a file's own roles of histories stand, and one that would prove on what it fitted is refused", "[histories][measured]") {
+    const std::string own = header + ",role\n";
+    const auto roles = [&](double x) { return own + ramp("a", 40, ",train") + ramp("b", x, ",held_out") + ramp("c", x + 0.5, ",validation"); };
+    CHECK(read(roles(42.1)).size() == 3);
+    CHECK_THAT(refused(roles(41.9)), Contains("h.csv:12: history 'b' is 'held_out', less than 2 mm along the surface from 'a' of line 2, which is 'train'"));
+    CHECK_THAT(refused(own + ramp("a", 40, ",validation") + ramp("b", 41, ",train") + ramp("c", 60, ",held_out")), Contains("history 'b' is 'train'"));
+    CHECK_THAT(refused(own + ramp("a", 40, ",train") + ramp("b", 60, ",validation")), Contains("h.csv: has no history of role 'held_out'"));
+}
+
 TEST_CASE("a history that is none is refused with its place", "[histories][measured]") {
     const std::string good = ramp("b", 60);
     const auto line = [&](const std::string& row) { return header + "\n" + ramp("a", 40) + row + "\n"; };

@@ -174,6 +174,24 @@ TEST_CASE("of models beside the learned one each is what it says: the truth is p
     CHECK_THAT(refusal<MismatchError>([&] { evaluate_histories(sets, histories, "held_out", 1); }), Contains("law"));
 }
 
+TEST_CASE("held-out histories within 2 mm of what the law was trained on are counted", "[histories]") {
+    Cases cases;
+    for (const auto& [x, role] : {std::pair(0.040, "train"), std::pair(0.046, "validation"), std::pair(0.060, "train")}) {
+        cases.paths.emplace_back();
+        cases.paths.back().contact_m = Eigen::Vector2d(x, 0.1);
+        cases.paths.back().role = role;
+    }
+    for (const double x : {0.0385, 0.0425, 0.047, 0.061}) {
+        cases.histories.push_back(ramp(0.004, 0.4, 1));
+        cases.histories.back().contact_m = Eigen::Vector2d(x, 0.1);
+    }
+    CHECK(near_training(cases, "held_out") == 2);
+    cases.histories[0].lost = "no equilibrium";  // judges nothing
+    cases.histories[3].role = "train";
+    CHECK(near_training(cases, "held_out") == 0);
+    CHECK(near_training(cases, "train") == 1);
+}
+
 TEST_CASE("at the time at which a tool leaves, or lands, it holds the tissue with all of its force, or with none", "[histories]") {
     const TissueModel model = relaxing(law_example());
     const HapticModel haptic(model, alone());
