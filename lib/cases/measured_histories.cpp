@@ -13,6 +13,7 @@
 #include "cases/study_mesh.h"
 #include "error.h"
 #include "io/csv_columns.h"
+#include "io/dataset_name.h"
 #include "mesh/outline.h"
 
 namespace tissue {
@@ -60,6 +61,8 @@ std::vector<Rows> read_rows(const std::string& file) {
         const std::string name = columns.text(line, "history"), kind = columns.text(line, "kind"), role = columns.text(line, "role");
         const Eigen::Vector2d contact(columns.number(line, "contact_x"), columns.number(line, "contact_y"));
         if (name.empty()) line.refuse("column 'history' is empty");
+        if (!can_name_a_dataset(name))  // cases.h5 could not be read again
+            line.refuse(fmt::format("column 'history' is '{}'; a name has no '/' or control character, and is not '.' or '..'", name));
         if (columns.has("role") && role != "train" && role != "validation" && role != "held_out")
             line.refuse(fmt::format("column 'role' is '{}'; allowed: train, validation, held_out", role));
         if (all.empty() || all.back().name != name) {

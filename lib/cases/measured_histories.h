@@ -16,7 +16,8 @@ namespace tissue {
 /// time, wherever they are. Times begin at 0.
 ///
 /// Throws FileError with file, line and cause: columns and units as CsvColumns, a number that is none, times that do not ascend, a history
-/// whose rows stand apart, that changes its contact, kind or role, that has fewer than 8 rows or no push, or does not begin at rest, one of role train within 2 mm of one of another; a contact off the outline or on the fixed edge; and with the
+/// whose rows stand apart, that changes its contact, kind or role, that has fewer than 8 rows or no push, or does not begin at rest, a name
+/// that cases.h5 cannot hold, one of role train within 2 mm of one of another; a contact off the outline or on the fixed edge; and with the
 /// file alone where there are too few contacts, or none to fit to or to judge by.
 std::vector<History> read_measured_histories(const Study& study, const std::string& file);
 

@@ -11,6 +11,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "io/dataset_name.h"
+
 namespace tissue {
 namespace {
 
@@ -176,8 +178,7 @@ std::vector<std::string> TableReader::texts(const std::string& name) {
     std::set<std::string> seen;
     for (const std::string& text : texts) {
         if (!rule.values.name) continue;
-        const bool plain = std::none_of(text.begin(), text.end(), [](char c) { return c == '/' || (c >= 0 && c < ' ') || c == 127; });
-        if (text.empty() || text == "." || text == ".." || !plain)
+        if (!can_name_a_dataset(text))
             in_->refuse(name, "has a name that is empty, a folder's, or with a '/' or a control character");
         if (!seen.insert(text).second) in_->refuse(name, fmt::format("'{}' stands twice", text));
     }

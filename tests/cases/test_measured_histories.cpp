@@ -100,6 +100,8 @@ TEST_CASE("a history that is none is refused with its place", "[histories][measu
     CHECK_THAT(refused(line("a,700,42,100,0,-3.6,10,-1")), Contains("h.csv:12: history 'a' has another contact than on line 2"));
     CHECK_THAT(refused(line("a,700,40,100,0,-3.6,10")), Contains("has 7 fields"));
     CHECK_THAT(refused(line(",700,40,100,0,-3.6,10,-1")), Contains("'history' is empty"));
+    for (const char* name : {"2024/run1", ".", "..", "run\t1", "run\x7f"})  // what no file of cases could hold
+        CHECK_THAT(refused(header + "\n" + ramp("a", 40) + ramp(name, 60)), Contains("h.csv:12: column 'history' is '") && Contains("'/'"));
     CHECK_THAT(refused(header + "\n" + ramp("a", 40) + good + ramp("a", 40)), Contains("h.csv:22: history 'a' goes on here"));
     CHECK_THAT(refused(header + ",role\n" + ramp("a", 40, ",train") + ramp("b", 60, ",proof")), Contains("'role' is 'proof'"));
     CHECK_THAT(refused(header + "\n" + good + ramp("c", 40, "", 7)), Contains("history 'c' has 7 rows, 8 are the least"));
