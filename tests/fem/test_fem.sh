@@ -128,6 +128,12 @@ for f in plane-stress plane-strain; do
 done
 shape loose 10 0.005 5 0 0.05 1 0 -refine 1
 refused loose $? 1 "boundary labelled 1 (fixed) beside one labelled 2 (free)" "a mesh without a free surface is refused as a shape"
+shape first box 0.002 1 0.1 0.006 -1 0 -refine 2 -indenter patch
+refused first $? 1 " 6 mm along the surface from the fixed edge; a patch needs 15 mm" "a patch near the beginning of a shape's free surface is refused"
+shape last box 0.002 1 0 0.006 1 0 -refine 2 -indenter patch
+refused last $? 1 " 6 mm along the surface from the fixed edge; a patch needs 15 mm" "a patch near the end of a shape's free surface is refused"
+shape held box 0.002 1 0.05 0 0 1 -refine 2 -indenter patch
+refused held $? 1 "not on the free surface" "a patch on the part of a shape that is held is refused"
 fi
 
 # ---- a smooth solution: P2 displacement of order 3 in L2 and 2 in H1, P1 pressure of order 2 in L2
