@@ -278,6 +278,10 @@ awk -F, 'FNR == 1 { ++file } $1 == "step" { x[file] = $7; y[file] = $8 }
 # a region's own shares: the base's change nothing, others do
 awk '/^\$Elements/ { inside = 1 } inside && $2 == 2 && $1 % 2 { $4 = 11 } { print }' "$work/10.msh" > "$work/speckled.msh"
 more() { solve $1 speckled 0.01 1 0.05 0.1 0 -1 -formulation plane-strain -indenter patch -history "$work/hold.history" $branches $2; }
+push="0.004 2 0.05 0.1 0 -1 -formulation plane-strain -indenter patch"
+solve still speckled $push
+solve shares speckled $push $branches -g1_11 0.1
+same still shares 1e-12 "a push that takes no time is elastic, where a region has its own shares too"
 more base; more same "-g1_11 0.45 -g2_11 0.365"; more other "-g1_11 0 -g2_11 0"
 awk -F, 'FNR == 1 { ++file } $1 == "step" { for (j = 0; j < 2; ++j) f[file, $2, j] = $(7 + j); if (-$8 > m) m = -$8; last = $2 }
   END { for (n = 0; n <= last; ++n) for (j = 0; j < 2; ++j) { e = f[2, n, j] - f[1, n, j]; if (e < 0) e = -e; if (e > off) off = e }
