@@ -165,10 +165,11 @@ Simulation::Simulation(const HapticModel& model) : model_(model), safety_(model.
 
 void Simulation::law_changed() noexcept {
     if (touched_ < 0 || !model_.is_law()) return;
-    changed_ = tool_;
-    model_.meshes[0]->law->contact(contact_.where.facet, contact_.where.weight, tool_);
     const auto m = static_cast<std::size_t>(touched_);
-    if (!tool_memory_[m].empty()) tool_.take_over(changed_, record_.master_m - model_.meshes[m]->place_m - touched_m_, states_[m].displacement, tool_memory_[m]);
+    const bool remembers = !tool_memory_[m].empty();
+    if (remembers) changed_ = tool_;
+    model_.meshes[0]->law->contact(contact_.where.facet, contact_.where.weight, tool_);
+    if (remembers) tool_.take_over(changed_, record_.master_m - model_.meshes[m]->place_m - touched_m_, states_[m].displacement, tool_memory_[m]);
 }
 
 void Simulation::reset() noexcept {

@@ -189,6 +189,28 @@ TEST_CASE("tissue that relaxes is read through its branches", "[adapt][memory]")
     CHECK(worst_error(at_once, held_out) < 0.15);
 }
 
+TEST_CASE("a law that becomes stiffer under a held contact has the force of one that was so from the beginning", "[adapt][memory]") {
+    const TissueModel law = relaxing(law_example()), other = stiffer(law, 0.5);
+    HapticModel changes(law, options_for_learning()), was(other, options_for_learning());
+    Simulation a(changes), b(was);
+    const auto press = [&](int from, int to) {
+        for (int k = from; k < to; ++k) {
+            const DeviceSample sample = sample_at(0.05, std::max(0.105 - 1e-4 * k, 0.096));
+            a.tick(sample);
+            b.tick(sample);
+        }
+    };
+    press(0, 1500);
+    const double before_N = a.record().coupling_N.norm();
+    changes.meshes[0]->law->become(RealtimeLaw(other, changes.meshes[0]->springs).stiffness());
+    a.law_changed();
+    press(1500, 1900);
+    const double force_N = a.record().coupling_N.norm(), wanted_N = b.record().coupling_N.norm();
+    INFO("before " << before_N << " N, " << force_N << " N, wanted " << wanted_N << " N");
+    CHECK(wanted_N > 1.3 * before_N);
+    CHECK(force_N == Approx(wanted_N).epsilon(0.01));
+}
+
 TEST_CASE("tissue that relaxes is read right in a contact during which the law becomes another", "[adapt][memory]") {
     const TissueModel law = relaxing(law_example());
     TissueModel truth = law;
