@@ -27,12 +27,15 @@ script() {
   grep -E '^(not )?ok - ' "$log" | tee -a "$results"
 }
 mesh() { gmsh -v 1 -2 -format msh22 -setnumber cells_x "$1" -setnumber cells_y "$1" "$fem/block.geo" -o "$work/$1.msh" > /dev/null; }
+# law_of ARGUMENT...: law, the material's parameters where the arguments name no law of their own
+law_of() { case " $* " in *" -law ogden "*) law='' ;; *) law='-C1 263 -C2 491' ;; esac; }
 # solve NAME MESH DEPTH RECORDS X Y DX DY [more]
 solve() {
   name=$1 cells=$2 depth=$3 records=$4 x=$5 y=$6 dx=$7 dy=$8
   shift 8
+  law_of "$@"
   FreeFem++-nw -nw -v 0 "$fem/solve_path.edp" -mesh "$work/$cells.msh" -out "$work/$name.csv" -width 0.1 -height 0.1 \
-    -thickness 0.001 -C1 263 -C2 491 -cells_x 10 -cells_y 10 -contact_x "$x" -contact_y "$y" -direction_x "$dx" \
+    -thickness 0.001 $law -cells_x 10 -cells_y 10 -contact_x "$x" -contact_y "$y" -direction_x "$dx" \
     -direction_y "$dy" -depth "$depth" -records "$records" -tolerance 1e-11 -max_newton 12 "$@" \
     > "$work/$name.log" 2> "$work/$name.err"
 }
@@ -397,6 +400,14 @@ solve between 10 0.005 5 0 0.053 1 0
 refused between $? 1 "no FE node at the contact" "a point contact between nodes is refused"
 solve word 10 0.005 5 0 0.05 1 0 -formulation plane
 refused word $? 2 "plane-stress or plane-strain" "an unknown formulation is refused"
+solve misspelt 10 0.005 5 0 0.05 1 0 -formulatoin plane-strain
+refused misspelt $? 2 "argument -formulatoin is not known" "a misspelt argument is refused"
+solve far 10 0.005 5 0 0.05 1 0 -C1_99 500
+refused far $? 2 "argument -C1_99 is not known" "parameters of a region that the mesh has not are refused"
+solve odd 10 0.005 5 0 0.05 1 0 -indenter
+refused odd $? 2 "argument -indenter has no value" "an argument without a value is refused"
+solve other 10 0.005 5 0 0.05 1 0 -disc_radius 0.007
+refused other $? 2 "argument -disc_radius is not known" "an argument of a path in space is refused in the plane"
 head -c 3000 "$work/10.msh" > "$work/broken.msh"
 solve broken broken 0.005 5 0 0.05 1 0
 refused broken $? 1 "cannot read a whole mesh" "a mesh file that breaks off is refused"
