@@ -8,9 +8,9 @@
 #include <filesystem>
 
 #include "error.h"
-#include "io/atomic_file.h"
 #include "mesh/topology.h"
 #include "springs/spring_law.h"
+#include "study/based_on.h"
 #include "study/histories.h"
 #include "study/kinds.h"
 #include "study/one_line.h"
@@ -26,96 +26,11 @@ constexpr double most_nodes = 100'000;  // of a lattice: its matrices are to fit
 
 const Range area_caps{1.0 / 3, 1000, true};
 
-toml::table parse(const std::string& file) {
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(file, error)) throw FileError(one_line(file) + ": there is no such study file");
-    return parse_toml(read_file(file), file);
-}
-
-void erase_from(toml::table& base, const char* section, std::initializer_list<const char*> keys) {
-    toml::node* there = base.get(section);
-    if (there && there->is_table())
-        for (const char* key : keys) there->as_table()->erase(key);
-}
-
 /// Keys of [training] that belong to one kind of stiffness alone.
 const std::vector<const char*> sets_keys = {"optimizer",   "also",            "objective", "ridge",    "iterations",
                                             "max_seconds", "target_rel_loss", "k_min_E2",  "k_max_E2", "weight_near",
                                             "weight_far"};
 const std::vector<const char*> law_keys = {"force_scale", "shape_scale", "starts", "ridge"};
-
-/// Keys of the base that a choice of this study makes meaningless: the block's, where a shape is given; another law's;
-/// those of sets, where stiffness is a law, and the other way; the spacing of contacts that are listed; variants of other contacts.
-void erase_replaced(toml::table& base, const toml::table& changes) {
-    if (const auto shape = changes["geometry"]["shape"].value<std::string>(); shape && *shape != "block") {
-        erase_from(base, "geometry", {"width_m", "height_m", "length_m"});
-        if (changes["geometry"]["solid"]) erase_from(base, "geometry", {"thickness_m"});
-        base.erase("lattice");
-        base.erase("nodule");
-    }
-    if (changes["material"]["preset"])
-        erase_from(base, "material", {"law", "C1_Pa", "C2_Pa", "mu_Pa", "alpha", "density_kg_m3", "regions", "viscosity", "moduli"});
-    if (const auto law = changes["material"]["law"].value<std::string>()) {
-        erase_from(base, "material", {"preset", "regions", "viscosity", "moduli"});
-        if (*law == "ogden") erase_from(base, "material", {"C1_Pa", "C2_Pa"});
-        else erase_from(base, "material", {"mu_Pa", "alpha"});
-    }
-    const toml::node_view<const toml::node> viscosity = changes["material"]["viscosity"];
-    if (changes["material"]["preset"] || changes["material"]["law"] || viscosity) {
-        erase_from(base, "nodule", {"viscosity"});  // of other times
-        if (toml::table* regions = base["material"]["regions"].as_table())
-            for (auto&& [name, region] : *regions)
-                if (region.is_table()) region.as_table()->erase("viscosity");
-    }
-    if (viscosity.is_array() && viscosity.as_array()->empty()) erase_from(base, "material", {"moduli"});  // elastic
-    if (const auto stiffness = changes["springs"]["stiffness"].value<std::string>()) {
-        const bool law = *stiffness == "law";
-        if (law)
-            erase_from(base, "springs", {"law"});
-        else
-            erase_from(base, "springs", {"terms", "area_cap_E2"});
-        base.erase("variants");
-        toml::node* training = base.get("training");
-        if (training && training->is_table())
-            for (const char* key : law ? sets_keys : law_keys) training->as_table()->erase(key);
-    }
-    if (changes["loads"]["contacts"] || changes["loads"]["spread"]) {
-        base.erase("variants");  // which count the base's contacts
-        erase_from(base, "loads", {changes["loads"]["contacts"] ? "spread" : "contacts"});
-    }
-    const toml::node_view<const toml::node> sweep = changes["loads"]["sweep"];
-    for (const auto& [key, other] : {std::pair("spacing_m", "arcs_m"), std::pair("arcs_m", "spacing_m")})
-        if (sweep[key])
-            if (toml::table* there = base["loads"]["sweep"].as_table()) there->erase(other);
-}
-
-/// The base study's tables with this study's keys put over them; lists are replaced whole. Nodes are moved, not copied:
-/// a copy forgets its file and line, which messages name.
-void overlay(toml::table& base, toml::table&& changes) {
-    for (auto&& [key, node] : changes) {
-        toml::node* there = base.get(key);
-        if (there && there->is_table() && node.is_table())
-            overlay(*there->as_table(), std::move(*node.as_table()));
-        else
-            node.visit([&, name = std::string(key.str())](auto&& value) { base.insert_or_assign(name, std::move(value)); });
-    }
-}
-
-toml::table parse_with_base(const std::string& file, int depth = 0) {
-    toml::table table = parse(file);
-    const toml::node* based_on = table.get("based_on");
-    if (!based_on) return table;
-    if (!based_on->is_string() || depth > 8)
-        throw StudyError(one_line(fmt::format("{}:{}: key 'based_on': must name another study, without a circle", file,
-                                              based_on->source().begin.line)));
-    const std::filesystem::path base =
-        std::filesystem::path(file).parent_path() / (based_on->as_string()->get() + ".toml");
-    toml::table merged = parse_with_base(base.string(), depth + 1);
-    table.erase("based_on");
-    erase_replaced(merged, table);
-    overlay(merged, std::move(table));
-    return merged;
-}
 
 std::vector<std::string> topologies_of(const Study::Geometry& geometry) {
     std::vector<std::string> names;
@@ -197,10 +112,8 @@ void apply_preset(toml::table& table, const std::string& file) {
         std::sort(known.begin(), known.end());
         in.refuse("preset", fmt::format("'{}' is not a material; there are: {}", name, fmt::join(known, ", ")));
     }
-    toml::table preset = parse(preset_file);
     material->erase("preset");
-    overlay(preset, std::move(*material));
-    table.insert_or_assign("material", std::move(preset));
+    underlay(*material, parse_study_file(preset_file));
 }
 
 /// measured: there are no finite elements.

@@ -67,17 +67,24 @@ std::string TomlReader::file_of(const std::string& key) const {
     return source.path ? *source.path : file_;
 }
 
+/// A key that is there is named where it stands. One that is not there is the study's to give: the study is named, and beside it
+/// the file from which the study has the rest of the table.
 void TomlReader::refuse(const std::string& key, const std::string& why) const {
     const toml::node* node = table_->get(key);
-    const toml::source_region& source = node ? node->source() : table_->source();
-    const std::string name = path_.empty() ? key : path_ + "." + key;
-    throw StudyError(one_line(fmt::format("{}:{}: key '{}': {}", file_of(key), source.begin.line, name, why)));
+    const std::string holder = file_of(key), name = path_.empty() ? key : path_ + "." + key;
+    const auto line = (node ? node->source() : table_->source()).begin.line;
+    if (node) {
+        const std::string user = holder == file_ ? "" : fmt::format(" ({} takes it from there)", file_);
+        throw StudyError(one_line(fmt::format("{}:{}: key '{}': {}{}", holder, line, name, why, user)));
+    }
+    const std::string rest = holder == file_ ? "" : fmt::format(" (the rest of '{}' is that of {}:{})", path_, holder, line);
+    throw StudyError(one_line(fmt::format("{}:{}: key '{}': {}{}", file_, holder == file_ ? line : 1, name, why, rest)));
 }
 
 const toml::node& TomlReader::require(const std::string& key) {
     known_.insert(key);
     const toml::node* node = table_->get(key);
-    if (!node) refuse(key, "is missing");
+    if (!node) refuse(key, path_.empty() ? "is missing; a study gives it, or is based on one that does (based_on)" : "is missing");
     return *node;
 }
 
