@@ -342,9 +342,9 @@ reference:
 	@for study in $(filter surface block3,$(REFERENCE_STUDIES)); do $(MAKE) ablation STUDY=$$study || exit 1; done
 	@$(PYTHON) scripts/reference.py $(REFERENCE_STUDIES)
 
-## regress: run the study anew and elsewhere; silent when it says what results/reference/STUDY.json says
+## regress: run the study anew and elsewhere; silent when it says what results/reference/STUDY.json says; REGRESS_OPTIONS='--all --finished'
 regress: | build/deps
-	@scripts/regress --study $(STUDY) $(REGRESS_OPTIONS)
+	@scripts/regress $(if $(filter --all,$(REGRESS_OPTIONS)),,--study $(STUDY)) $(REGRESS_OPTIONS)
 
 ## trust: where FE stops being trustworthy, as results/reference/trust.png
 trust: | build/deps

@@ -117,6 +117,48 @@ check "--verbose says that hashes were not compared, and why" says '^  cpu: anot
 against 's/\("left": .*"newton": \)[0-9]*/\11/'
 check "another count of Newton iterations on the same machine type: exit 1" says 'paths/left/newton: 1 -> [0-9]* (exact)'
 
+# ---- results that are finished, and all studies that have a record
+alone() { (cd / && exec env -i PATH=/usr/bin:/bin HOME="$HOME" "$work/scripts/regress" "$@") </dev/null >"$said" 2>&1; status=$?; }
+before=$(runs)
+alone --finished --study tiny
+check "results that are not finished: exit 1 and one line" one_line 'results/tiny: is not finished'
+alone --finished --all
+check "no finished results at all: exit 1 and one line" one_line 'none of 1 studies with a record is finished'
+cp -p "$work/fem/studies/tiny.toml" "$work/fem/studies/done.toml"
+run make PYTHON="$PYTHON" STUDY=done eval -j2
+check "a study to compare is finished" exited 0
+alone --finished --study done --accept
+check "--finished --accept: the record is that of the finished results" exist "$work/results/reference/done.json"
+snapshot "$work/results/done" >"$scratch/done"
+alone --finished --study done
+check "finished results that say what the record says: exit 0" exited 0
+check "finished results that say what the record says: silent" silent
+alone --finished --all --verbose
+check "--all --finished: exit 0" exited 0
+check "--all --finished counts those that are not finished" says '^regress: of 2 studies with a record: 1 same, 1 not finished (tiny)$'
+sed -i 's/\("left": .*"newton": \)[0-9]*/\199/' "$work/results/reference/done.json"
+alone --finished --all
+check "--all --finished with a record that moved: exit 1" exited 1
+check "--all --finished: the value that moved is named" says '^    paths/left/newton: 99 -> [0-9]* (exact)'
+check "--all --finished: the last line counts" sh -c 'tail -n 1 "$1" | grep -q "of 2 studies with a record: 1 moved (done), 1 not finished (tiny)"' - "$said"
+alone --all
+check "--all runs every study with a record anew: exit 1 where one moved" exited 1
+check "--all goes on after one that moved" sh -c 'tail -n 1 "$1" | grep -q "of 2 studies with a record: 1 moved (done), 1 same$"' - "$said"
+check "--all: a line of history a study, --finished none" test "$(runs)" = $((before + 2))
+touch "$work/fem/newton.idp"
+alone --finished --study done
+check "results older than what they are made of: exit 1 and one line" one_line 'results/done: is older than what it is made of; run make eval STUDY=done'
+check "--finished writes nothing beside them" only_changed "$scratch/done" "$work/results/done" ""
+rm "$work/fem/studies/done.toml"
+alone --all
+check "a record whose study is gone: exit 1" exited 1
+check "a record whose study is gone: a line names it" says '^regress: study done: there is no .*fem/studies/done.toml'
+alone --all --study tiny
+check "--all with one study: exit 2" exited 2
+alone --all --reference x.json
+check "--all with one reference: exit 2" exited 2
+rm -rf "$work/results/done" "$work/results/reference/done.json"
+
 # ---- killed, and two at a time
 # every FE run takes two seconds more, so that a kill finds one at work
 printf '#!/bin/sh\nsleep 2\nexec "$@"\n' >"$scratch/slowly"
