@@ -19,6 +19,7 @@ struct NotAsPromised : Error {
 };
 
 /// Adds one command to the program. Each lives in a file of its own, cmd_NAME.cpp: parse, call lib, write.
+void add_new(CLI::App& app, const Invocation& invocation);
 void add_plan(CLI::App& app, const Invocation& invocation);
 void add_shape(CLI::App& app, const Invocation& invocation);
 void add_rim(CLI::App& app, const Invocation& invocation);

@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
     app.formatter(std::make_shared<HelpTable>());
     app.set_version_flag("--version", std::string("tissuectl ") + tissue::version, "print the version");
     app.require_subcommand(1);
+    add_new(app, invocation);
     add_plan(app, invocation);
     add_shape(app, invocation);
     add_rim(app, invocation);

@@ -13,7 +13,7 @@ check "--version: exit 0" exited 0
 check "--version says the program and a version" says '^tissuectl [0-9]*\.[0-9]*\.[0-9]*$'
 tissuectl --help
 check "--help: exit 0" exited 0
-for command in plan collect import train eval serve info export doctor; do
+for command in new plan collect import train eval serve info export doctor; do
     tissuectl --help
     check "--help names $command" says "^ *$command "
     tissuectl $command --help

@@ -1,0 +1,73 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+#include <filesystem>
+#include <iostream>
+#include <map>
+
+#include "command.h"
+#include "error.h"
+#include "io/atomic_file.h"
+#include "study/new_study.h"
+#include "study/study.h"
+
+namespace tissue::cli {
+namespace {
+
+struct Options {
+    std::string name, unit = "m", folder = "fem/studies";
+    NewStudy study;
+    double size_m = 0;
+};
+
+const std::map<std::string, double> units_m = {{"mm", 0.001}, {"cm", 0.01}, {"m", 1}, {"inch", 0.0254}};
+
+void run(const Options& o) {
+    namespace fs = std::filesystem;
+    const auto plain = [](unsigned char c) { return c < 128 && (std::isalnum(c) || std::strchr("._-+", c)); };
+    if (o.name.empty() || o.name[0] == '.' || o.name[0] == '-' || !std::all_of(o.name.begin(), o.name.end(), plain))
+        throw MismatchError(fmt::format("'{}': a study's name is of letters, digits and . _ - + and begins with none of . -", o.name));
+    std::error_code error;
+    if (!fs::is_directory(o.folder, error)) throw FileError(o.folder + ": there is no such folder; a study stands in fem/studies of a clone");
+    const std::string file = (fs::path(o.folder) / (o.name + ".toml")).string();
+    if (fs::exists(fs::symlink_status(file, error))) throw FileError(file + ": is there already; remove it, or choose another name");
+    NewStudy wanted = o.study;
+    wanted.unit_m = units_m.at(o.unit);
+    if (o.size_m > 0) wanted.size_m = o.size_m;
+    wanted.shape_in_study = fs::proximate(fs::absolute(wanted.shape), fs::absolute(o.folder)).string();
+    const WrittenStudy written = new_study(wanted);
+    write_file(file, written.toml);
+    try {
+        read_study(file);
+    } catch (...) {
+        fs::remove(file, error);  // a study that is refused is none
+        throw;
+    }
+    for (const std::string& line : written.choices) std::cout << line << '\n';
+    std::cout << fmt::format("{} is written; make all STUDY={} runs it\n", file, o.name);
+}
+
+}  // namespace
+
+void add_new(CLI::App& app, const Invocation&) {
+    auto o = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("new", "Write a study of your own tissue from the file of its shape.");
+    command->add_option("name", o->name, "of the study, as in fem/studies/NAME.toml; nothing is overwritten")->required()->type_name("NAME");
+    command->add_option("--shape", o->study.shape, "outline or surface: .geo, .msh or .stl; a .geo is read here, and run by gmsh when it is meshed")
+        ->required()
+        ->type_name("FILE");
+    command->add_option("--unit", o->unit, "of the file's numbers: mm, cm, m or inch")
+        ->check(CLI::IsMember({"mm", "cm", "m", "inch"}))
+        ->type_name("unit")
+        ->capture_default_str();
+    command->add_option("--held", o->study.held, "its named curves, in space surfaces, that are held; without it they are listed")->type_name("NAME..");
+    command->add_option("--preset", o->study.preset, "material: brain, liver, muscle, or another of fem/materials")->type_name("NAME")->capture_default_str();
+    command->add_option("--size", o->size_m, "length of the springs; default: an eighth of the tissue's mean size")->type_name("m")->check(CLI::PositiveNumber);
+    command->add_option("--thickness", o->study.thickness_m, "of the slice, in the plane")->type_name("m")->check(CLI::PositiveNumber)->capture_default_str();
+    command->add_option("--folder", o->folder, "where studies stand")->type_name("FOLDER")->capture_default_str();
+    command->callback([o] { run(*o); });
+}
+
+}  // namespace tissue::cli

@@ -1,0 +1,190 @@
+#include "study/new_study.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "error.h"
+#include "study/shape_extent.h"
+
+namespace tissue {
+namespace {
+
+constexpr double smallest_m = 0.01, largest_m = 2;  // of a tissue; outside of it the unit is most likely another
+
+/// 1, 1.5, 2, 2.5, 3, 4, 5, 6 or 8 times a power of ten, the largest not beyond x.
+double round_down(double x) {
+    const double power = std::pow(10, std::floor(std::log10(x)));
+    double best = power;
+    for (const double digit : {1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0})
+        if (digit * power <= x * (1 + 1e-9)) best = digit * power;
+    return best;
+}
+
+/// As a person writes it: 0.0025, not 0.0025000000000000001.
+std::string text(double x) { return fmt::format("{:.12g}", x); }
+
+std::string quoted(const std::string& name) {
+    std::string safe;
+    for (const char c : name) safe += c == '"' || c == '\\' ? std::string{'\\', c} : std::string{c};
+    return '"' + safe + '"';
+}
+
+std::string list(const std::vector<std::string>& names) {
+    std::vector<std::string> all;
+    for (const std::string& name : names) all.push_back(quoted(name));
+    return fmt::format("[{}]", fmt::join(all, ", "));
+}
+
+/// Sizes of a tissue [m].
+struct Size {
+    double longest, shortest, mean;  ///< mean: geometric
+};
+
+/// Where the shape's file does not say how large it is, springs do: a tissue of ten of them.
+Size size_of(const ShapeExtent& shape, const NewStudy& wanted) {
+    if (!shape.low) {
+        if (!wanted.size_m)
+            throw MismatchError(wanted.shape + ": gmsh alone knows how large it is; give the length of the springs [m] as --size, a tenth of the tissue's");
+        return {10 * *wanted.size_m, 6 * *wanted.size_m, 8 * *wanted.size_m};
+    }
+    const int dimensions = shape.solid ? 3 : 2;
+    Size size{0, std::numeric_limits<double>::infinity(), 1};
+    for (int i = 0; i < dimensions; ++i) {
+        const double side = ((*shape.high)[static_cast<std::size_t>(i)] - (*shape.low)[static_cast<std::size_t>(i)]) * wanted.unit_m;
+        size.longest = std::max(size.longest, side);
+        size.shortest = std::min(size.shortest, side);
+        size.mean *= std::pow(side, 1.0 / dimensions);
+    }
+    if (!(size.longest <= largest_m))
+        throw MismatchError(fmt::format("{}: is {:.3g} m long; is this in millimetres? --unit mm, cm, m or inch says what its numbers are", wanted.shape, size.longest));
+    if (!(size.shortest >= smallest_m))
+        throw MismatchError(fmt::format("{}: is {:.3g} m across, and the least is {:g} m; --unit mm, cm, m or inch says what its numbers are", wanted.shape,
+                                        size.shortest, smallest_m));
+    return size;
+}
+
+void check_held(const ShapeExtent& shape, const NewStudy& wanted) {
+    const std::string what = shape.solid ? "surface" : "curve";
+    const bool unnamed_stl = shape.boundaries.empty() && shape.solid;
+    const std::string there = !shape.boundaries.empty() ? fmt::format("it names {}", fmt::join(shape.boundaries, ", "))
+                              : unnamed_stl ? "it names none: parts between edges that turn by more than 40 degrees are surface-1 (the largest), surface-2, ..."
+                                            : "it names none: name its physical curves in gmsh";
+    if (wanted.held.empty()) throw MismatchError(fmt::format("{}: --held must say which {}s are held; {}", wanted.shape, what, there));
+    for (const std::string& name : wanted.held)
+        if (!unnamed_stl && std::find(shape.boundaries.begin(), shape.boundaries.end(), name) == shape.boundaries.end())
+            throw MismatchError(fmt::format("{}: has no {} '{}' to hold; {}", wanted.shape, what, name, there));
+}
+
+/// Springs of a mesh are the edges of its elements: as long as that many nodes lie apart.
+double spring_length(const ShapeExtent& shape, const NewStudy& wanted, const Size& size) {
+    if (shape.nodes > 0) {
+        constexpr double filled = 0.7;  // part of the box that tissue fills
+        return size.mean * std::pow(filled / static_cast<double>(shape.nodes), shape.solid ? 1.0 / 3 : 0.5);
+    }
+    return wanted.size_m ? *wanted.size_m : round_down(size.mean / 8);
+}
+
+std::string head(const ShapeExtent& shape, const NewStudy& wanted) {
+    const std::string regions = shape.regions.size() < 2 ? ""
+        : fmt::format("# The shape's named {}: {}. One gets a material of its own, of the same law, by a table after [material]:\n"
+                      "#   [material.regions.NAME]\n#   C1_Pa = 3000.0\n",
+                      shape.solid ? "volumes" : "surfaces", fmt::join(shape.regions, ", "));
+    return fmt::format("# Written by tissuectl new. Every key is in SI units and says which; results/FORMATS.md lists them all.\n{}\n[geometry]\n{}"
+                       "shape = {}    # beside this file\nunit_m = {}    # m, of that file's numbers\n"
+                       "fixed = {}    # its named {} that are held; the rest is free\n{}\n",
+                       regions, shape.solid ? "solid = true    # in space\n" : "", quoted(wanted.shape_in_study),
+                       text(wanted.unit_m), list(wanted.held), shape.solid ? "surfaces" : "curves",
+                       shape.solid ? "" : fmt::format("thickness_m = {}    # m, of the slice; forces scale with it\n", text(wanted.thickness_m)));
+}
+
+std::string lattice(const ShapeExtent& shape, double spring_m) {
+    return shape.nodes > 0 ? "" : fmt::format("[lattice]\nsize_m = {}    # m, length of the springs\n\n", text(spring_m));
+}
+
+std::string material(const ShapeExtent& shape, const NewStudy& wanted) {
+    return fmt::format("[material]\npreset = \"{}\"    # fem/materials/{}.toml: law, Pa, kg/m3 and their source; or, in its place,\n"
+                       "# law = \"mooney-rivlin\"    # with C1_Pa, C2_Pa; \"neo-Hookean\" with C1_Pa; \"ogden\" with mu_Pa, alpha; and density_kg_m3\n{}\n",
+                       wanted.preset, wanted.preset, shape.solid ? "" : "formulation = \"plane-strain\"    # or \"plane-stress\"\n");
+}
+
+constexpr const char* solver = "[solver]\ntolerance = 1e-9    # largest force on a free node over the largest reaction\nmax_newton = 12    # iterations before a load step is halved\n\n";
+constexpr const char* training = "[training]\nforce_scale = 0.01    # relative: this much of the force counts as much as\nshape_scale = 0.03    # this much of the displacement\n";
+
+WrittenStudy plane_study(const ShapeExtent& shape, const NewStudy& wanted, const Size& size, double spring_m) {
+    constexpr double widest_m = 0.005, clearance_m = 0.015;
+    const double half_width_m = std::min(widest_m, round_down(spring_m / 2));
+    const int refine = std::max(2, static_cast<int>(std::ceil(spring_m / half_width_m - 1e-3)));
+    const double depth_m = 3 * round_down(size.shortest / 30), step_m = depth_m / 3;
+    const double spacing_m = round_down((size.longest + size.shortest) / 8);
+    std::string toml = head(shape, wanted) + lattice(shape, spring_m) + material(shape, wanted);
+    toml += fmt::format("[mesh]\nrefine = {}    # finite elements along a spring\n\n"
+                        "[indenter]\nkind = \"patch\"\nhalf_width_m = {}    # m, along the boundary\n\n",
+                        refine, text(half_width_m));
+    toml += solver;
+    toml += fmt::format("[loads]\nmagnitudes_m = [{}, {}, {}]    # m, depths of the load cases\nrecord_step_m = {}    # m\n\n"
+                        "[loads.sweep]    # training contacts along the free outline\nspacing_m = {}    # m\nclearance_m = {}    # m, from the held curve\n"
+                        "angles_deg = [-20, 0, 20]    # degrees off the inward normal\n\n",
+                        text(step_m), text(2 * step_m), text(depth_m), text(step_m), text(spacing_m), text(clearance_m));
+    const auto draw = [&](const char* role, const char* what, int seed, int count) {
+        return fmt::format("[draws.{}]    # {}\nseed = {}\ncount = {}\ndepth_m = [{}, {}]    # m\nmax_angle_deg = 20    # degrees\n\n", role, what, seed, count,
+                           text(step_m), text(depth_m));
+    };
+    toml += draw("validation", "contacts to choose with", 1, 10) + draw("held_out", "contacts of the test set", 2, 40);
+    toml += "[springs]\ntopology = \"edges\"    # of the triangles\nstiffness = \"law\"    # an energy model; terms: lib/springs/energy_law.h\nterms = [\n"
+            "  \"spring.all\", \"spring.held\", \"spring.upright.held\", \"contact.normal\", \"contact.tangent\", \"contact.rotation\", \"contact.stretch\",\n]\n\n";
+    toml += training;
+    return {toml, {fmt::format("tool: a patch {} mm wide (indenter.half_width_m), pushed to {} mm (loads.magnitudes_m)", text(2e3 * half_width_m), text(1e3 * depth_m)),
+                   fmt::format("training contacts every {} mm (loads.sweep.spacing_m), at -20, 0 and 20 degrees", text(1e3 * spacing_m))}};
+}
+
+WrittenStudy solid_study(const ShapeExtent& shape, const NewStudy& wanted, const Size& size, double spring_m) {
+    constexpr double widest_m = 0.007, margin_m = 0.006;
+    constexpr int contacts = 12;
+    const double radius_m = std::min(widest_m, round_down(0.7 * spring_m));
+    const double depth_m = 2 * round_down(size.shortest / 16), clearance_m = radius_m + margin_m;
+    std::string toml = head(shape, wanted) + lattice(shape, spring_m) + material(shape, wanted);
+    toml += fmt::format("[mesh]    # a path has its own\nsizes_m = [{}, {}]    # m, of finite elements at the tool and far away\ncheck_fraction = 0\n\n"
+                        "[indenter]\nkind = \"disc\"\nradius_m = {}    # m\n\n",
+                        text(round_down(3 * radius_m / 7)), text(round_down(1.2 * spring_m)), text(radius_m));
+    toml += solver;
+    toml += fmt::format("[loads]\nmagnitudes_m = [{}, {}]    # m, depths of the load cases\nrecord_step_m = {}    # m\n\n"
+                        "[loads.spread]    # training contacts, as far from each other as can be\ncount = {}\n"
+                        "clearance_m = {}    # m, from where the free surface ends or turns\npushes_deg = [[0, 0], [30, 0]]    # degrees: tilt off the inward normal, azimuth\n\n",
+                        text(depth_m / 2), text(depth_m), text(depth_m / 4), contacts, text(clearance_m));
+    const auto draw = [&](const char* role, const char* what, int seed, int count) {
+        return fmt::format("[draws.{}]    # {}\nseed = {}\ncount = {}\ndepth_m = [{}, {}]    # m\ntilt_deg = [0, 30]    # degrees\nclearance_m = [{}, {}]    # m\n\n", role, what,
+                           seed, count, text(depth_m / 4), text(depth_m), text(clearance_m), text(std::max(size.longest, 2 * clearance_m)));
+    };
+    toml += draw("validation", "contacts to choose with", 1, 10) + draw("held_out", "contacts of the test set", 2, 20);
+    toml += "[springs]\ntopology = \"edges3\"    # of the tetrahedra\nstiffness = \"law\"    # an energy model; terms: lib/springs/energy_law.h\nterms = [\n"
+            "  \"spring.all\", \"cell.all\", \"contact.normal\", \"contact.tangent\", \"contact.imprint_normal\", \"contact.imprint_tangent\",\n"
+            "  \"contact.softening\", \"contact.coupling\", \"contact.normal.curved\", \"contact.tangent.curved\", \"spring.layer\", \"cell.layer\", \"spring.held\",\n]\n\n";
+    toml += training;
+    return {toml, {fmt::format("tool: a disc of radius {} mm (indenter.radius_m), pushed to {} mm (loads.magnitudes_m)", text(1e3 * radius_m), text(1e3 * depth_m)),
+                   fmt::format("{} training contacts all over the free surface (loads.spread), straight in and at 30 degrees", contacts)}};
+}
+
+}  // namespace
+
+WrittenStudy new_study(const NewStudy& wanted) {
+    const ShapeExtent shape = shape_extent(wanted.shape);
+    check_held(shape, wanted);
+    const Size size = size_of(shape, wanted);
+    const double spring_m = spring_length(shape, wanted, size);
+    WrittenStudy study = (shape.solid ? solid_study : plane_study)(shape, wanted, size, spring_m);
+    std::vector<std::string> sides;
+    for (std::size_t i = 0; shape.low && i < (shape.solid ? 3 : 2); ++i)
+        sides.push_back(fmt::format("{:.3g}", 1e3 * wanted.unit_m * ((*shape.high)[i] - (*shape.low)[i])));
+    const std::string how_large = sides.empty() ? "of a size that gmsh alone knows" : fmt::format("{} mm", fmt::join(sides, " x "));
+    study.choices.insert(study.choices.begin(),
+                         {fmt::format("{}: {}, {}; held: {}", wanted.shape, shape.solid ? "in space" : "in the plane", how_large, fmt::join(wanted.held, ", ")),
+                          shape.nodes > 0 ? fmt::format("springs: the edges of its {} nodes' mesh, about {:.2g} mm long", shape.nodes, 1e3 * spring_m)
+                                          : fmt::format("springs {} mm long (lattice.size_m){}", text(1e3 * spring_m), wanted.size_m ? "" : ", an eighth of its mean size")});
+    return study;
+}
+
+}  // namespace tissue

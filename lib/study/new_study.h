@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tissue {
+
+/// What a person says of a tissue of their own; everything else a new study chooses.
+struct NewStudy {
+    std::string shape;               ///< file: .geo, .msh or .stl
+    std::string shape_in_study;      ///< the same as the study is to name it, from its own folder
+    double unit_m = 1;               ///< of that file
+    std::vector<std::string> held;   ///< its named curves, in space surfaces, that are held
+    std::string preset = "liver";    ///< fem/materials/NAME.toml
+    double thickness_m = 0.1;        ///< in the plane
+    std::optional<double> size_m;    ///< of the springs; absent: a part of the tissue's size
+};
+
+struct WrittenStudy {
+    std::string toml;                 ///< every key with its unit
+    std::vector<std::string> choices;  ///< lines for a person: what was chosen, and from what
+};
+
+/// A study of an energy model for the shape: springs, finite elements, tool and depth from the size of the tissue.
+/// Throws FileError as shape_extent; MismatchError where nothing or something unknown is held, with the names there are, where the size is
+/// that of no tissue, and where gmsh alone knows it and size_m is absent.
+WrittenStudy new_study(const NewStudy& wanted);
+
+}  // namespace tissue

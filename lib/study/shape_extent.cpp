@@ -1,0 +1,216 @@
+#include "study/shape_extent.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <regex>
+#include <sstream>
+#include <utility>
+
+#include "error.h"
+#include "io/atomic_file.h"
+
+namespace tissue {
+namespace {
+
+void include(ShapeExtent& shape, const std::array<double, 3>& point, const std::string& file) {
+    for (double x : point)
+        if (!std::isfinite(x)) throw FileError(file + ": a coordinate is not a finite number");
+    if (!shape.low) shape.low = shape.high = point;
+    for (std::size_t i = 0; i < 3; ++i) {
+        (*shape.low)[i] = std::min((*shape.low)[i], point[i]);
+        (*shape.high)[i] = std::max((*shape.high)[i], point[i]);
+    }
+}
+
+void add_name(std::vector<std::string>& names, const std::string& name) {
+    if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+}
+
+bool has_depth(const ShapeExtent& shape) {
+    return shape.low && (*shape.high)[2] - (*shape.low)[2] > 1e-9 * ((*shape.high)[0] - (*shape.low)[0]);
+}
+
+// ---- .msh
+
+/// The next number; a file that ends or has something else there is refused.
+template <class Number>
+Number next(std::istringstream& in, const std::string& file, const char* section) {
+    Number value{};
+    if (!(in >> value)) throw FileError(fmt::format("{}: cannot read ${}: a number is missing", file, section));
+    return value;
+}
+
+std::istringstream section_of(const std::string& text, const std::string& file, const std::string& name) {
+    const std::size_t at = text.find("$" + name + "\n"), carriage = text.find("$" + name + "\r\n");
+    const std::size_t begin = std::min(at, carriage), end = text.find("$End" + name, begin == std::string::npos ? 0 : begin);
+    if (begin == std::string::npos || end == std::string::npos) throw FileError(fmt::format("{}: has no ${} that ends", file, name));
+    const std::size_t line = text.find('\n', begin) + 1;
+    return std::istringstream(text.substr(line, end - line));
+}
+
+void read_points(const std::string& text, const std::string& file, bool blocks, ShapeExtent& shape) {
+    std::istringstream in = section_of(text, file, "Nodes");
+    const auto number = [&] { return next<double>(in, file, "Nodes"); };
+    const auto count = [&] { return next<long>(in, file, "Nodes"); };
+    const auto point = [&] {
+        const double x = number(), y = number();
+        include(shape, {x, y, number()}, file);
+        ++shape.nodes;
+    };
+    if (!blocks) {
+        for (long left = count(); left > 0; --left) count(), point();
+        return;
+    }
+    const long entities = count();
+    for (int i = 0; i < 3; ++i) count();
+    for (long e = 0; e < entities; ++e) {
+        for (int i = 0; i < 3; ++i) count();
+        const long here = count();
+        for (long i = 0; i < here; ++i) count();
+        for (long i = 0; i < here; ++i) point();
+    }
+}
+
+/// Whether there are tetrahedra, of the first order or the second.
+bool has_tetrahedra(const std::string& text, const std::string& file, bool blocks) {
+    std::istringstream in = section_of(text, file, "Elements");
+    std::string line;
+    std::getline(in, line);
+    long skip = 0;
+    while (std::getline(in, line)) {
+        if (blocks && skip-- > 0) continue;
+        std::istringstream words(line);
+        const auto number = [&] { return next<long>(words, file, "Elements"); };
+        if (blocks) number(), number();
+        else number();
+        const long kind = number();
+        if (kind == 4 || kind == 11) return true;
+        if (blocks) skip = number();
+    }
+    return false;
+}
+
+ShapeExtent msh_extent(const std::string& text, const std::string& file) {
+    std::istringstream format = section_of(text, file, "MeshFormat");
+    const double version = next<double>(format, file, "MeshFormat");
+    if (next<int>(format, file, "MeshFormat") != 0)
+        throw FileError(fmt::format("{0}: is binary; save it as text: gmsh -save -format msh22 {0} -o NEW.msh", file));
+    if (version != 2.2 && version != 4.1) throw FileError(fmt::format("{}: is of MSH {:g}; 2.2 and 4.1 are read", file, version));
+    const bool blocks = version > 3;
+    ShapeExtent shape;
+    read_points(text, file, blocks, shape);
+    shape.solid = has_tetrahedra(text, file, blocks);
+    if (!shape.solid && has_depth(shape))
+        throw FileError(file + ": has triangles in space and no tetrahedra; save its surface as .stl, which is filled");
+    if (text.find("$PhysicalNames") != std::string::npos) {
+        static const std::regex row("\\s*([0-3])\\s+\\d+\\s+\"([^\"]*)\"\\s*");
+        std::istringstream in = section_of(text, file, "PhysicalNames");
+        std::smatch match;
+        for (std::string line; std::getline(in, line);) {
+            if (line.size() > 1000 || !std::regex_match(line, match, row)) continue;
+            const int dimension = std::stoi(match[1]);
+            if (dimension == (shape.solid ? 2 : 1)) add_name(shape.boundaries, match[2]);
+            if (dimension == (shape.solid ? 3 : 2)) add_name(shape.regions, match[2]);
+        }
+    }
+    return shape;
+}
+
+// ---- .stl
+
+ShapeExtent stl_extent(const std::string& text, const std::string& file) {
+    constexpr std::size_t head = 84, facet = 50;
+    ShapeExtent shape;
+    shape.solid = true;
+    std::uint32_t facets = 0;
+    if (text.size() >= head) std::memcpy(&facets, text.data() + head - 4, 4);
+    if (text.size() >= head && text.size() == head + facet * facets) {
+        for (std::size_t f = 0; f < facets; ++f)
+            for (std::size_t corner = 1; corner <= 3; ++corner) {
+                float p[3];
+                std::memcpy(p, text.data() + head + f * facet + 12 * corner, sizeof p);
+                include(shape, {p[0], p[1], p[2]}, file);
+            }
+    } else {
+        std::istringstream in(text);
+        std::vector<std::string> names;
+        std::size_t solids = 0;
+        for (std::string line; std::getline(in, line);) {
+            std::istringstream words(line);
+            std::string word;
+            words >> word;
+            std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+            if (word == "vertex") {
+                const double x = next<double>(words, file, "vertex"), y = next<double>(words, file, "vertex");
+                include(shape, {x, y, next<double>(words, file, "vertex")}, file);
+            } else if (word == "solid") {
+                ++solids;
+                std::string name;
+                std::getline(words >> std::ws, name);
+                while (!name.empty() && std::isspace(static_cast<unsigned char>(name.back()))) name.pop_back();
+                add_name(names, name);
+            }
+        }
+        if (solids > 1) shape.boundaries = names;  // a name of all of the surface names no part of it
+    }
+    if (!shape.low) throw FileError(file + ": is not an STL file, or has no triangles");
+    return shape;
+}
+
+// ---- .geo
+
+/// Line by line, and no line that is very long: std::regex follows a match by recursion.
+ShapeExtent geo_extent(const std::string& text, const std::string& file) {
+    constexpr std::size_t longest_line = 2000;
+    const std::string real = "\\s*([-+]?[0-9]*\\.?[0-9]+(?:[eE][-+]?[0-9]+)?)\\s*";
+    const std::regex any("\\bPoint\\s*\\("), volume("\\bVolume\\b");
+    const std::regex numbers("\\bPoint\\s*\\([^)]*\\)\\s*=\\s*\\{" + real + "," + real + "," + real + "[,}]");
+    const std::regex elsewhere("OpenCASCADE|/\\*|\\b(Include|Merge|Macro|Translate|Rotate|Dilate|Symmetry|Extrude)\\b");
+    const std::regex group("\\bPhysical\\s+(Curve|Line|Surface|Volume)\\s*\\(\\s*\"([^\"]*)\"");
+    using Matches = std::sregex_iterator;
+    ShapeExtent shape;
+    bool all_known = true, volumes = false;
+    std::vector<std::pair<int, std::string>> groups;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) {
+        line.erase(std::min(line.find("//"), line.size()));
+        if (line.size() > longest_line) {
+            all_known = false;
+            continue;
+        }
+        std::ptrdiff_t points = 0;
+        for (Matches m(line.begin(), line.end(), numbers), end; m != end; ++m, ++points)
+            include(shape, {std::stod((*m)[1]), std::stod((*m)[2]), std::stod((*m)[3])}, file);
+        if (points != std::distance(Matches(line.begin(), line.end(), any), Matches()) || std::regex_search(line, elsewhere)) all_known = false;
+        if (std::regex_search(line, volume)) volumes = true;
+        for (Matches m(line.begin(), line.end(), group), end; m != end; ++m) {
+            const std::string kind = (*m)[1];
+            groups.emplace_back(kind == "Volume" ? 3 : kind == "Surface" ? 2 : 1, (*m)[2]);
+        }
+    }
+    shape.solid = volumes || has_depth(shape);
+    if (!all_known) shape.low = shape.high = std::nullopt;
+    for (const auto& [dimension, name] : groups) {
+        if (dimension == (shape.solid ? 2 : 1)) add_name(shape.boundaries, name);
+        if (dimension == (shape.solid ? 3 : 2)) add_name(shape.regions, name);
+    }
+    return shape;
+}
+
+}  // namespace
+
+ShapeExtent shape_extent(const std::string& file) {
+    const std::string text = read_file(file);
+    const std::string ending = file.substr(std::min(file.rfind('.'), file.size()));
+    if (ending == ".msh") return msh_extent(text, file);
+    if (ending == ".stl") return stl_extent(text, file);
+    if (ending == ".geo") return geo_extent(text, file);
+    throw FileError(file + ": a shape is a .geo, .msh or .stl");
+}
+
+}  // namespace tissue

@@ -1,0 +1,91 @@
+#!/bin/sh
+# tissuectl new: a study of one's own from the file of a shape, which runs as it was written; what it lists, chooses and refuses.
+. "$(dirname "$0")/common"
+make_copy
+cat >"$work/fem/loaf.geo" <<'GEO'
+Point(1) = {0, 0, 0};  Point(2) = {70, 0, 0};  Point(3) = {76, 30, 0};  Point(4) = {35, 52, 0};  Point(5) = {-6, 30, 0};
+Line(1) = {1, 2};
+Spline(2) = {2, 3, 4, 5, 1};
+Curve Loop(1) = {1, 2};
+Plane Surface(1) = {1};
+Physical Curve("board") = {1};
+Physical Curve("crust") = {2};
+Physical Surface("crumb") = {1};
+GEO
+tissuectl new loaf --shape fem/loaf.geo --unit mm
+check "nothing said of what is held: exit 1" exited 1
+check "nothing said of what is held: one line lists the named curves" one_line '^tissuectl: fem/loaf.geo: --held must say which curves are held; it names board, crust$'
+tissuectl new loaf --shape fem/loaf.geo --held board
+check "metres for millimetres: one line asks for the unit" one_line 'fem/loaf.geo: is 82 m long; is this in millimetres? --unit mm, cm, m or inch'
+tissuectl new loaf --shape fem/loaf.geo --unit mm --held table
+check "a curve that is not there: one line lists those there are" one_line "has no curve 'table' to hold; it names board, crust"
+tissuectl new loaf --shape fem/none.geo --unit mm --held table
+check "a shape that is not there: one line" one_line 'fem/none.geo'
+tissuectl new loaf --shape fem/loaf.geo --unit km --held board
+check "an unknown unit: exit 2" exited 2
+tissuectl new ../loaf --shape fem/loaf.geo --unit mm --held board
+check "a name that is a path: one line" one_line "a study's name is of letters"
+tissuectl new loaf --shape fem/loaf.geo --unit mm --held board --preset bread
+check "a material that is not there: one line lists those there are" one_line "'bread' is not a material; there are: brain, liver, muscle"
+check "nothing is written where it was refused" absent "$work/fem/studies/loaf.toml" "$work/fem/studies/../loaf.toml"
+
+tissuectl new loaf --shape fem/loaf.geo --unit mm --held board --preset brain
+check "a study is written: exit 0" exited 0
+check "it says how large the shape is and what is held" says '^fem/loaf.geo: in the plane, 82 x 52 mm; held: board$'
+check "it says which springs it chose, and from what" says '^springs 8 mm long (lattice.size_m), an eighth of its mean size$'
+check "it says what to run" says '^fem/studies/loaf.toml is written; make all STUDY=loaf runs it$'
+check "every number of the study has its unit or its meaning beside it" sh -c '! grep -n "^[a-z_]*_m = [^#]*$" "$1"' - "$work/fem/studies/loaf.toml"
+cp -p "$work/fem/studies/loaf.toml" "$scratch/loaf.toml"
+tissuectl new loaf --shape fem/loaf.geo --unit mm --held board
+check "a study that is there: exit 1" exited 1
+check "a study that is there: one line, and it stays" one_line '^tissuectl: fem/studies/loaf.toml: is there already'
+check "a study that is there stays as it was" cmp "$scratch/loaf.toml" "$work/fem/studies/loaf.toml"
+
+# as it was written, but for how many contacts there are
+sed -i -e 's/^size_m = .*/size_m = 0.014/' -e 's/^spacing_m = .*/spacing_m = 0.03/' -e 's/^angles_deg = .*/angles_deg = [0]/' -e 's/^count = .*/count = 2/' \
+    -e 's/^refine = .*/refine = 4/' "$work/fem/studies/loaf.toml"
+run make PYTHON="$PYTHON" STUDY=loaf eval -j2
+check "its study is meshed, solved, trained and evaluated" exited 0
+check "its study has an evaluation" exist "$work/results/loaf/eval.json"
+cp "$scratch/loaf.toml" "$work/fem/studies/whole.toml"
+run make PYTHON="$PYTHON" STUDY=whole mesh
+check "the study as it was written is meshed" exited 0
+trains() { [ "$(grep -c '^train ' "$work/results/$1/plan/collect")" "$2" "$3" ] || { cat "$work/results/$1/plan/collect"; return 1; }; }
+check "the study as it was written is planned on its mesh: some thirty contacts and pushes to train on" trains whole -ge 20
+
+# ---- the same outline as a mesh, and a surface in space
+(cd "$work" && gmsh -v 0 -2 -clmin 10 -clmax 10 -format msh41 fem/loaf.geo -o fem/loaf.msh) >"$scratch/log" 2>&1
+tissuectl new mesh --shape fem/loaf.msh --unit mm --held board
+check "a mesh in MSH 4.1: exit 0" exited 0
+check "a mesh in MSH 4.1: its elements are the springs" says "^springs: the edges of its [0-9]* nodes' mesh"
+run make PYTHON="$PYTHON" STUDY=mesh mesh
+check "the mesh's study is checked" exited 0
+"$PYTHON" - "$work/fem/box.stl" <<'PY'
+import itertools, sys
+corners = [(-40, 40), (-30, 30), (0, 50)]
+names = {}
+for axis, side in itertools.product(range(3), range(2)):
+    a, b = [i for i in range(3) if i != axis]
+    ring = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    points = []
+    for u, v in ring if (side == 1) == (axis != 1) else ring[::-1]:
+        p = [0, 0, 0]
+        p[axis], p[a], p[b] = corners[axis][side], corners[a][u], corners[b][v]
+        points.append(p)
+    names.setdefault("under" if (axis, side) == (2, 0) else "free", []).extend([(points[0], points[1], points[2]), (points[0], points[2], points[3])])
+with open(sys.argv[1], "w") as out:
+    for name, triangles in names.items():
+        print("solid", name, file=out)
+        for t in triangles:
+            print(" facet normal 0 0 0\n  outer loop", *("   vertex %g %g %g" % tuple(p) for p in t), "  endloop\n endfacet", sep="\n", file=out)
+        print("endsolid", name, file=out)
+PY
+tissuectl new box --shape fem/box.stl --unit mm
+check "a surface of two solids: they are listed" one_line '^tissuectl: fem/box.stl: --held must say which surfaces are held; it names \(free, under\|under, free\)$'
+tissuectl new box --shape fem/box.stl --unit mm --held under
+check "a surface in space: exit 0" exited 0
+check "a surface in space: its size, and what is held" says '^fem/box.stl: in space, 80 x 60 x 50 mm; held: under$'
+run make PYTHON="$PYTHON" STUDY=box mesh
+check "its study is meshed" exited 0
+check "its study is planned on its mesh: 24 pushes to train on" trains box = 24
+finish

@@ -1,0 +1,145 @@
+#include <catch2/catch.hpp>
+#include <cstring>
+#include <filesystem>
+
+#include "../example.h"
+#include "../refusal.h"
+#include "error.h"
+#include "study/new_study.h"
+#include "study/shape_extent.h"
+#include "study/study.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const char* const outline = "Point(1) = {0, 0, 0};\nPoint(2) = {80, 0, 0}; Point(3) = {80, 40.5, 0};  // Point(9) = {900, 0, 0};\nPoint(4) = {-1e1, 40, 0};\n"
+                            "Line(1) = {1, 2};\nPhysical Curve(\"bed\") = {1};\nPhysical Line(\"wall\", 7) = {2};\nPhysical Surface(\"tissue\") = {1};\n"
+                            "Physical Surface(\"lump\") = {2};\n";
+
+const char* const tetrahedron = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n2 1 \"bed\"\n3 2 \"liver\"\n1 5 \"rim\"\n$EndPhysicalNames\n"
+                                "$Nodes\n4\n1 0 0 0\n2 30 0 0\n3 0 40 0\n4 0 0 50\n$EndNodes\n"
+                                "$Elements\n2\n1 2 2 1 1 1 2 3\n2 4 2 2 2 1 2 3 4\n$EndElements\n";
+
+std::string binary_stl(std::uint32_t facets) {
+    std::string text(84 + 50 * static_cast<std::size_t>(facets), '\0');
+    std::memcpy(&text[80], &facets, 4);
+    const float corners[9] = {0, 0, 0, 2, 0, 0, 0, 3, 5};
+    for (std::size_t f = 0; f < facets; ++f) std::memcpy(&text[84 + 50 * f + 12], corners, sizeof corners);
+    return text;
+}
+
+std::string ascii_stl(const std::string& first, const std::string& second) {
+    const std::string facet = " facet normal 0 0 1\n outer loop\n vertex 0 0 0\n VERTEX 60 0 0\n vertex 0 50 40\n endloop\n endfacet\n";
+    return "solid " + first + "\n" + facet + "endsolid\nSolid " + second + "\r\n" + facet + "endsolid\n";
+}
+
+std::string why_not(const TemporaryFolder& folder, const std::string& name, const std::string& text) {
+    return refusal<FileError>([&] { shape_extent(folder.file(name, text)); });
+}
+
+}  // namespace
+
+TEST_CASE("a shape's file says how large it is and which parts have names, in every format, without being run", "[new]") {
+    const TemporaryFolder folder;
+    const ShapeExtent plane = shape_extent(folder.file("a.geo", outline));
+    CHECK_FALSE(plane.solid);
+    CHECK(plane.boundaries == std::vector<std::string>{"bed", "wall"});
+    CHECK(plane.regions == std::vector<std::string>{"tissue", "lump"});
+    REQUIRE(plane.low);
+    CHECK((*plane.low)[0] == -10);
+    CHECK((*plane.high)[1] == 40.5);  // nothing of the comment
+    CHECK_FALSE(shape_extent(folder.file("b.geo", std::string(outline) + "Point(5) = {w, 0, 0};\n")).low);
+    CHECK_FALSE(shape_extent(folder.file("c.geo", "SetFactory(\"OpenCASCADE\");\n" + std::string(outline))).low);
+    CHECK(shape_extent(folder.file("d.geo", "Physical Volume(\"flesh\") = {1};\nPhysical Surface(\"bed\") = {2};\n")).boundaries == std::vector<std::string>{"bed"});
+
+    const ShapeExtent solid = shape_extent(folder.file("a.msh", tetrahedron));
+    CHECK(solid.solid);
+    CHECK(solid.boundaries == std::vector<std::string>{"bed"});
+    CHECK(solid.regions == std::vector<std::string>{"liver"});
+    CHECK(solid.nodes == 4);
+    CHECK((*solid.high)[2] == 50);
+    const ShapeExtent newer = shape_extent(folder.file("b.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n2 3 1 3\n0 1 0 1\n1\n0 0 0\n2 1 0 2\n2\n3\n7 0 0\n0 8 0\n"
+                                                                "$EndNodes\n$Elements\n2 2 1 2\n1 1 1 1\n1 1 2\n2 1 2 1\n2 1 2 3\n$EndElements\n"));
+    CHECK_FALSE(newer.solid);
+    CHECK((*newer.high)[1] == 8);
+
+    CHECK((*shape_extent(folder.file("a.stl", binary_stl(2))).high)[2] == 5);
+    const ShapeExtent named = shape_extent(folder.file("b.stl", ascii_stl("the bed", "skin")));
+    CHECK(named.boundaries == std::vector<std::string>{"the bed", "skin"});
+    CHECK((*named.high)[0] == 60);
+}
+
+TEST_CASE("a shape's file that is none is refused by name and cause", "[new]") {
+    const TemporaryFolder folder;
+    CHECK_THAT(why_not(folder, "a.msh", "Point(1) = {0, 0, 0};"), Contains("a.msh: has no $MeshFormat"));
+    CHECK_THAT(why_not(folder, "b.msh", "$MeshFormat\n2.2 1 8\n$EndMeshFormat\n"), Contains("is binary; save it as text"));
+    CHECK_THAT(why_not(folder, "c.msh", "$MeshFormat\n4 0 8\n$EndMeshFormat\n"), Contains("is of MSH 4; 2.2 and 4.1"));
+    CHECK_THAT(why_not(folder, "d.msh", with(tetrahedron, "1 0 0 0\n", "1 0 zero 0\n")), Contains("cannot read $Nodes"));
+    CHECK_THAT(why_not(folder, "e.msh", with(tetrahedron, "$Nodes\n4", "$Nodes\n900000000")), Contains("cannot read $Nodes"));
+    CHECK_THAT(why_not(folder, "f.msh", with(tetrahedron, "2 4 2 2 2 1 2 3 4", "2 2 2 1 1 1 2 4")), Contains("no tetrahedra; save its surface as .stl"));
+    CHECK_THAT(why_not(folder, "a.stl", "solid\nendsolid\n"), Contains("is not an STL file, or has no triangles"));
+    CHECK_THAT(why_not(folder, "b.stl", "solid\n vertex 60 nan 0\nendsolid\n"), Contains("b.stl: "));
+    CHECK_THAT(why_not(folder, "a.obj", "v 0 0 0"), Contains("a shape is a .geo, .msh or .stl"));
+    CHECK_NOTHROW(shape_extent(folder.file("long.geo", "Point(1) = {" + std::string(3'000'000, ' ') + "0, 0, 0};")));
+}
+
+TEST_CASE("a new study is one that is read, in the plane and in space, with sizes that follow the tissue", "[new]") {
+    const TemporaryFolder folder;
+    for (const char* name : {"studies", "materials"}) std::filesystem::create_directory(folder.file(name));
+    folder.file("materials/jelly.toml", "law = \"neo-Hookean\"\nC1_Pa = 500\ndensity_kg_m3 = 1000\n");
+    NewStudy wanted;
+    wanted.preset = "jelly";
+    wanted.held = {"bed"};
+    wanted.unit_m = 0.001;
+    for (const double factor : {0.5, 1.0, 4.0}) {
+        wanted.unit_m = 0.001 * factor;
+        wanted.shape = folder.file("studies/a.geo", outline);
+        wanted.shape_in_study = "a.geo";
+        const WrittenStudy plane = new_study(wanted);
+        const Study study = read_study(folder.file("studies/plane.toml", plane.toml));
+        CHECK(study.springs.is_law());
+        CHECK(study.geometry.fixed == wanted.held);
+        CHECK(study.spring_size_m > 0.05 * factor * 0.06);
+        CHECK(study.spring_size_m <= factor * 0.06 / 8);
+        CHECK(study.loads.depth_m() <= factor * 0.0405 / 10 * 1.001);
+        CHECK(study.draws.size() == 2);
+        wanted.shape = folder.file("studies/b.stl", ascii_stl("bed", "skin"));
+        wanted.shape_in_study = "b.stl";
+        const Study solid = read_study(folder.file("studies/solid.toml", new_study(wanted).toml));
+        CHECK(solid.geometry.is_solid());
+        CHECK(solid.loads.path_count() == 24);
+        CHECK(solid.indenter.radius_m <= 0.007);
+    }
+    wanted.shape = folder.file("studies/a.msh", tetrahedron);
+    wanted.shape_in_study = "a.msh";
+    CHECK(read_study(folder.file("studies/mesh.toml", new_study(wanted).toml)).spring_size_m == 0);  // its elements are the springs
+}
+
+TEST_CASE("a new study is refused where nothing or something unknown is held, and where the unit cannot be", "[new]") {
+    const TemporaryFolder folder;
+    NewStudy wanted;
+    wanted.shape = folder.file("a.geo", outline);
+    wanted.shape_in_study = "a.geo";
+    wanted.unit_m = 0.001;
+    const auto said = [&] { return refusal<MismatchError>([&] { new_study(wanted); }); };
+    CHECK_THAT(said(), Contains("a.geo: --held must say which curves are held; it names bed, wall"));
+    wanted.held = {"bad"};
+    CHECK_THAT(said(), Contains("has no curve 'bad' to hold; it names bed, wall"));
+    wanted.held = {"bed"};
+    wanted.unit_m = 1;
+    CHECK_THAT(said(), Contains("is 90 m long; is this in millimetres?"));
+    wanted.unit_m = 1e-4;
+    CHECK_THAT(said(), Contains("a.geo: is 0.00405 m across"));
+    wanted.unit_m = 0.001;
+    wanted.shape = folder.file("b.geo", std::string("SetFactory(\"OpenCASCADE\");\n") + outline);
+    CHECK_THAT(said(), Contains("gmsh alone knows how large it is; give the length of the springs"));
+    wanted.size_m = 0.01;
+    CHECK_THAT(new_study(wanted).toml, Contains("size_m = 0.01 "));
+    wanted.size_m.reset();
+    wanted.shape = folder.file("c.stl", binary_stl(1));
+    wanted.held = {};
+    wanted.unit_m = 0.01;
+    CHECK_THAT(said(), Contains("surface-1 (the largest)"));
+}
