@@ -38,13 +38,13 @@ void run(const Options& o) {
                          [&](int done, int total, const std::string& name) { progress.step(done, total, name); });
     }
     write_file(o.out, to_json(results));
-    std::cout << fmt::format("closed-loop errors on '{}', median / p95 / max (n)\n{:<42} {:>7} {:>8} {:>8} {:>28} {:>28}\n",
+    std::cout << fmt::format("closed-loop errors on '{}', median / p95 / max (n of N)\n{:<42} {:>7} {:>8} {:>8} {:>28} {:>28}\n",
                              o.role, "variant", "numbers", "FE paths", "training", "force", "shape");
     for (const VariantResult& r : results) {
         const DrawnContacts* drawn = r.held_out.role(o.role);
         if (!drawn) continue;
         const auto cell = [](const Statistics& e) {
-            return fmt::format("{:.2f} / {:.2f} / {:.2f} % ({})", 100 * e.median, 100 * e.p95, 100 * e.max, e.n);
+            return fmt::format("{} / {} / {} ({})", percent(e.median, 2), percent(e.p95, 2), percent(e.max, 2), n_of_N(e));
         };
         const ContactStatistics s = drawn->statistics(0);
         std::cout << fmt::format("{:<42} {:>7} {:>8} {:>6.1f} s {:>28} {:>28}\n", r.variant.name, r.variant.terms.size(),

@@ -10,7 +10,7 @@
 #include "adapt/pokes_csv.h"
 #include "command.h"
 #include "error.h"
-#include "eval/force_error.h"
+#include "eval/statistics_json.h"
 #include "haptic/learner.h"
 #include "io/atomic_file.h"
 #include "springs/law_press.h"
@@ -26,13 +26,13 @@ struct Options {
     bool stream = false, forget = false, json = false, no_rival = false, live = false;
 };
 
-/// |model - reading| / |reading| over pokes that nothing is learned from; a lost one counts as 1.
+/// |model - reading| / |reading| over pokes that nothing is learned from; one that the law has no answer to is missing (eval/statistics.h).
 Statistics held_out_error(const TissueModel& model, const std::vector<Poke>& pokes) {
     const LawPress press(model);
     std::vector<double> sample;
     for (const Poke& poke : pokes) {
         const Equilibrium answer = press.at(poke.contact_m, poke.push_m);
-        sample.push_back(answer ? (answer.contact_force - poke.force_N).norm() / poke.force_N.norm() : 1);
+        sample.push_back(answer ? (answer.contact_force - poke.force_N).norm() / poke.force_N.norm() : std::numeric_limits<double>::infinity());
     }
     return statistics_of(sample);
 }
@@ -62,7 +62,7 @@ class Lines {
     void begin(const Adaptation& adaptation) {
         if (held_out_.empty()) return;
         const Statistics error = held_out_error(as_read(adaptation), held_out_);
-        std::cerr << fmt::format("adapt: before the first poke: held out {:.1f} / {:.1f} % (median / p95, n = {})\n", 100 * error.median, 100 * error.p95, error.n);
+        std::cerr << fmt::format("adapt: before the first poke: held out {} / {} (median / p95, {})\n", percent(error.median), percent(error.p95), n_of_N(error, "pokes"));
     }
 
     void poke(int line, const Poke& poke, const PokeAnswer& answer, const Adaptation& adaptation) {
@@ -89,8 +89,8 @@ class Lines {
             line_text += ": " + answer.why;
         if (!held_out_.empty() && answer.status == PokeStatus::learned) {
             const Statistics error = held_out_error(as_read(adaptation), held_out_);
-            j["held_out"] = {{"median", error.median}, {"p95", error.p95}, {"n", error.n}};
-            line_text += fmt::format("; held out {:.1f} / {:.1f} %", 100 * error.median, 100 * error.p95);
+            j["held_out"] = to_value(error);
+            line_text += fmt::format("; held out {} / {} ({})", percent(error.median), percent(error.p95), n_of_N(error));
         }
         say(line_text, j);
         if (!answer.warning.empty()) std::cerr << "adapt: " << answer.warning << '\n';

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
+#include "eval/statistics_json.h"
 #include "version.h"
 
 namespace tissue::cli {
@@ -27,18 +29,6 @@ long long refused(const SafetyCounters& c) {
 }
 
 Json numbers(const Point& p) { return std::vector<double>(p.data(), p.data() + p.size()); }
-
-Json statistics(std::vector<double> values) {
-    if (values.empty()) return nullptr;
-    std::sort(values.begin(), values.end());
-    const auto rank = [&](double share) {
-        const double at = share * static_cast<double>(values.size() - 1);
-        const auto low = static_cast<std::size_t>(at);
-        const std::size_t high = std::min(low + 1, values.size() - 1);
-        return values[low] + (at - static_cast<double>(low)) * (values[high] - values[low]);
-    };
-    return {{"median", rank(0.5)}, {"p95", rank(0.95)}, {"max", values.back()}, {"n", values.size()}};
-}
 
 Json optional(const std::optional<double>& value) {
     return value ? Json(*value) : Json(nullptr);
@@ -134,14 +124,13 @@ std::string realtime_json(const HapticModel& model, const std::vector<PressResul
                                      {"omega_dt", std::sqrt(mesh->largest_eigenvalue_1_s2) * model.options.dt_s},
                                      {"lowest_frequency_Hz", mesh->lowest_frequency_Hz},
                                      {"damping_1_s", mesh->damping_1_s}};
-    std::vector<double> against_static, against_fe, static_against_fe;
+    constexpr double missing = std::numeric_limits<double>::infinity(), nothing = std::numeric_limits<double>::quiet_NaN();
+    std::vector<double> against_static, against_fe, static_against_fe;  // a press without an answer is infinite, one that FE says nothing of NaN
     Json list = Json::array();
     for (const PressResult& p : presses) {
-        if (p.reason.empty()) {
-            against_static.push_back(p.static_error);
-            if (p.fe_error) against_fe.push_back(*p.fe_error);
-            if (p.static_fe_error) static_against_fe.push_back(*p.static_fe_error);
-        }
+        against_static.push_back(p.reason.empty() ? p.static_error : missing);
+        against_fe.push_back(p.reason.empty() ? p.fe_error.value_or(nothing) : missing);
+        static_against_fe.push_back(p.reason.empty() ? p.static_fe_error.value_or(nothing) : missing);
         Json entry = {{"name", p.name}, {"rested", p.rested}, {"seconds", p.seconds}};
         if (!model.is_law()) entry["set"] = p.set;
         if (p.reason.empty()) {
@@ -160,9 +149,9 @@ std::string realtime_json(const HapticModel& model, const std::vector<PressResul
         entry["curve"] = {{"time_s", p.time_s}, {"depth_m", p.depth_m}, {"force_N", p.curve_N}};
         list.push_back(entry);
     }
-    j["static_error"] = statistics(against_static);
-    j["fe_error"] = statistics(against_fe);
-    j["static_fe_error"] = statistics(static_against_fe);
+    j["static_error"] = to_value(statistics_of(against_static));
+    j["fe_error"] = to_value(statistics_of(against_fe));
+    j["static_fe_error"] = to_value(statistics_of(static_against_fe));
     j["presses"] = list;
     Json switches = Json::array();
     for (const SwitchJump& s : jumps)

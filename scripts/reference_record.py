@@ -51,7 +51,7 @@ RULES = [
     Rule(r"/training/(terms|starts|objective)(/|$)", 0.02, 0.02, "number"),
     Rule(r"/(contact_force_N|smallest_J|energy_J)(/|$)", 1e-7, 1e-10, "number"),  # [3e-15]; Newton stops at 1e-10
     Rule(r"/gap(/|$)", 1e-5, 1e-4, "number"),                            # [1e-9]; 1e-4 of L_lb, or of 5 % of the force
-    Rule(r"/(sets|n|floppy_sets|force_steps|force_falls)$", 0, 0, "number"),
+    Rule(r"/(sets|n|of|missing|no_reference|floppy_sets|force_steps|force_falls)$", 0, 0, "number"),
     Rule(r"/springs/learned", 0.02, 1e-6, "number"),                     # [6e-4]; flat directions of the loss
     Rule(r"/learned[^/]*/(rel_loss)(/|$)", 1e-6, 1e-7, "number"),        # [6e-10]
     Rule(r"/histories/", 1e-3, 1e-4, "number"),                          # tick after tick, from the first's last bits on

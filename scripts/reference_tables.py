@@ -65,17 +65,29 @@ def percent(value):
     return "< 0.01 %" if value < 1e-4 else f"{100 * value:.3g} %"
 
 
+def n_of(statistics):
+    """How many of those asked for a statistic is of (results/FORMATS.md)."""
+    of = statistics.get("of", UNKNOWN)  # a record of an earlier program
+    lost = statistics.get("no_reference", 0)
+    return f"{statistics['n']} of {of}" + (f", {lost} without a reference" if lost else "")
+
+
 def counted(text, statistics):
-    return f"{text} ({statistics['n']})" if statistics["n"] else "none"
+    return f"{text} ({n_of(statistics)})"
+
+
+def quantiles(statistics):
+    """An infinite one is none: the answers that it falls on are missing."""
+    return " / ".join(percent(statistics[key]) for key in ("median", "p95", "max")) if statistics["n"] else "none"
 
 
 def three(statistics):
-    return counted(" / ".join(percent(statistics[key]) for key in ("median", "p95", "max")), statistics)
+    return counted(quantiles(statistics), statistics)
 
 
 def shape(entry):
     """Shape error of an entry of closed_loop; its contacts are the force's."""
-    return three(entry["shape"]).rpartition(" (")[0] if entry["shape"] and entry["shape"]["n"] else "none"
+    return quantiles(entry["shape"]) if entry["shape"] else "none"
 
 
 def seconds(value):
@@ -99,7 +111,7 @@ def studies_table(evaluations):
             "|---|---|---|---|---|---|---|---|---|"]
     for study, e in evaluations.items():
         closed = e["closed_loop"]["trained"]
-        baselines = {m: closed[m]["median"] for m in ("heuristic_a", "heuristic_b", "uniform") if closed[m]["n"]}
+        baselines = {m: closed[m]["median"] for m in ("heuristic_a", "heuristic_b", "uniform") if closed[m]["median"] is not None}
         best = min(baselines, key=baselines.get, default=None)
         learned = closed["learned"]
         rows.append(
@@ -175,23 +187,26 @@ def nodule_table(e):
             f"| contrast | {contrast['fe']:.3f} | {contrast['learned']:.3f} |"]
 
 
+def beside(statistics, learned):
+    """n of N where it is not that of the row."""
+    return "" if n_of(statistics) == n_of(learned) else f" ({n_of(statistics)})"
+
+
 def relaxing_table(evaluations):
     """Each group of histories of the studies that relax: what the law is off, and what else there could be, in the median."""
     others = {"long_term": "long-term", "instantaneous": "instantaneous", "best_factor": "best factor", "kelvin_voigt": "Kelvin-Voigt",
               "one_branch": "one branch", "prony": "FE's elastic force through the branches"}
-    rows = ["| histories | n | learned law, rms | largest error | its own, elastic beside elastic FE | " + " | ".join(others.values()) + " |",
+    rows = ["| histories | n of N | learned law, rms | largest error | its own, elastic beside elastic FE | " + " | ".join(others.values()) + " |",
             "|---|---|---|---|---|" + "---|" * len(others)]
-
-    def cells(statistics):
-        return " / ".join(percent(statistics[key]) for key in ("median", "p95", "max")) if statistics["n"] else ""
 
     for study, name in RELAXING.items():
         for group, models in evaluations[study]["histories"]["groups"].items():
             if group == "all":
                 continue
-            medians = [percent(models[m]["rms"]["median"]) if models[m]["rms"]["n"] else "" for m in others]
-            rows.append(f"| {name}: {group} | {models['learned']['rms']['n']} | {cells(models['learned']['rms'])} | "
-                        f"{cells(models['learned']['peak'])} | {cells(models['elastic'])} | " + " | ".join(medians) + " |")
+            medians = [percent(models[m]["rms"]["median"]) + beside(models[m]["rms"], models["learned"]["rms"]) for m in others]
+            rows.append(f"| {name}: {group} | {n_of(models['learned']['rms'])} | {quantiles(models['learned']['rms'])} | "
+                        f"{quantiles(models['learned']['peak'])} | {quantiles(models['elastic'])}{beside(models['elastic'], models['learned']['rms'])} | "
+                        + " | ".join(medians) + " |")
     return rows
 
 
@@ -216,11 +231,8 @@ def measured_histories_table(e):
               "kelvin_voigt": "Kelvin-Voigt", "one_branch": "one branch"}
     rows = ["| histories | " + " | ".join(models.values()) + " |", "|---|" + "---|" * len(models)]
 
-    def three_of(s):
-        return " / ".join(percent(s[key]) for key in ("median", "p95", "max")) + f" ({s['n']})"
-
     for group, errors in e["histories"]["groups"].items():
-        rows.append(f"| {group} | " + " | ".join(three_of(errors[m]["rms"]) for m in models) + " |")
+        rows.append(f"| {group} | " + " | ".join(three(errors[m]["rms"]) for m in models) + " |")
     return rows
 
 
@@ -242,7 +254,9 @@ def claim(e):
 
 
 def two(statistics):
-    return f"{percent(statistics['median'])} / {percent(statistics['p95'])}" if statistics and statistics["n"] else ""
+    if not statistics:
+        return ""
+    return f"{percent(statistics['median'])} / {percent(statistics['p95'])}" if statistics["n"] else "none"
 
 
 def patient_rows(text, way="field, told where"):
@@ -266,16 +280,19 @@ def patient_table(patients):
 
 
 def summary_table(evaluations, patients):
-    """README's: of each model force and shape, and what else there is, in closed loop, median / p95 (n)."""
+    """README's: of each model force and shape, and what else there is, in closed loop, median / p95 (n of N, eval/statistics.h)."""
+    def of_truth(statistics):
+        return counted(two(statistics), statistics) if statistics else ""
+
     rows = ["| what is learned | error of force | of shape | force of what stands beside it | the truth's own |", "|---|---|---|---|---|"]
     for name, study, role, other, called in SUMMARY:
         e = evaluations[study]
         models = e["closed_loop"][role]
         rows.append(f"| {name} (`{study}`) | {counted(two(models['learned']), models['learned'])} | {two(models['learned'].get('shape'))} | "
-                    f"{called} {two(models[other])} | {two(e.get('truth_check'))} |")
+                    f"{called} {two(models[other])}{beside(models[other], models['learned'])} | {of_truth(e.get('truth_check'))} |")
     models = evaluations["relax"]["histories"]["groups"]["all"]
     rows.append(f"| tissue that relaxes, in time (`relax`) | {counted(two(models['learned']['rms']), models['learned']['rms'])} |  | "
-                f"elastic, best factor {two(models['best_factor']['rms'])} |  |")
+                f"elastic, best factor {two(models['best_factor']['rms'])}{beside(models['best_factor']['rms'], models['learned']['rms'])} |  |")
 
     def errors(text):
         return " / ".join(f"{part.strip()} %" for part in text.split("/"))

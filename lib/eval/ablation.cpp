@@ -3,18 +3,14 @@
 #include <nlohmann/json.hpp>
 
 #include "cases/sweep.h"
+#include "eval/statistics_json.h"
 #include "train/endings.h"
 #include "train/train_law_model.h"
 #include "version.h"
 
 namespace tissue {
-namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json statistics(const Statistics& s) { return {{"median", s.median}, {"p95", s.p95}, {"max", s.max}, {"n", s.n}}; }
-
-}  // namespace
 
 std::vector<VariantResult> ablate(const Study& study, const Cases& cases, int threads,
                                   const std::function<void(int, int, const std::string&)>& progress) {
@@ -30,7 +26,7 @@ std::vector<VariantResult> ablate(const Study& study, const Cases& cases, int th
         const Cases kept = thinned(study, cases, v);
         const TrainedModel model = train_law_model(changed, kept, threads);
         const LawBook& book = *model.books.law;
-        VariantResult result{v, book.paths, book.records, book.seconds, book.objective, endings_of(model.books).broken, {}};
+        VariantResult result{v, book.paths, book.records, book.seconds, book.objective, endings_of(model.books).broken, {}, !kept.measurement};
         result.held_out = evaluate_held_out(model, kept, threads, false);
         results.push_back(std::move(result));
         if (progress) progress(static_cast<int>(results.size()), static_cast<int>(variants.size()), v.name);
@@ -57,12 +53,7 @@ std::string to_json(const std::vector<VariantResult>& results) {
                                       {"objective", r.objective}};
         if (!r.broken.empty()) row["broken"] = r.broken;
         for (const DrawnContacts& role : r.held_out.roles)
-            for (std::size_t m = 0; m < r.held_out.models.size(); ++m) {
-                const ContactStatistics s = role.statistics(m);
-                if (s.force.n == 0) continue;
-                Json& errors = row[role.role][r.held_out.models[m]] = statistics(s.force);
-                if (s.shape.n > 0) errors["shape"] = statistics(s.shape);
-            }
+            for (std::size_t m = 0; m < r.held_out.models.size(); ++m) row[role.role][r.held_out.models[m]] = to_value(role.statistics(m), r.seen_inside);
         j["variants"].push_back(std::move(row));
     }
     return j.dump(1) + "\n";

@@ -18,6 +18,7 @@ struct VariantResult {
     double objective;  ///< train/train_law.h, at the end
     std::vector<std::string> broken;  ///< what of it did not end as it promises, train/endings.h
     HeldOut held_out;
+    bool seen_inside;  ///< whether shapes are known: not of measured cases
 };
 
 /// Trains and tries every variant of the study (fem/studies/NAME.toml, [[variants]]), the study itself first.

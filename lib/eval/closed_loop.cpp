@@ -16,12 +16,16 @@ ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, co
 }
 
 ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, const SpringMesh& mesh, const std::vector<int>& seen) {
+    constexpr double missing = std::numeric_limits<double>::infinity();
     ContactError error{{}, {}, {}, answer.reason};
-    if (!answer.force_N) return error;
     if (truth.force_N.squaredNorm() > 0)
-        error.force = (*answer.force_N - truth.force_N).norm() / truth.force_N.norm();
+        error.force = answer.force_N ? (*answer.force_N - truth.force_N).norm() / truth.force_N.norm() : missing;
     else
         error.reason = "nothing is relative to no force";
+    if (!answer.force_N) {
+        if (truth.displacement_m.size() > 0) error.shape = error.shape_max_over_depth = missing;
+        return error;
+    }
     if (answer.displacement_m.size() == 0 || truth.displacement_m.size() == 0) return error;
     double off = 0, moved = 0, farthest = 0;  // squares
     for (int i : seen) {
@@ -46,13 +50,14 @@ ContactAnswer answer_of(const Equilibrium& state) {
     return {state.contact_force, state.displacement, {}};
 }
 
-ContactStatistics contact_statistics(const std::vector<ContactError>& errors) {
+ContactStatistics contact_statistics(const std::vector<ContactError>& errors, int lost) {
+    constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
     std::vector<double> force, shape, farthest;
     std::vector<std::pair<std::string, int>> reasons;  // as they come
     for (const ContactError& e : errors) {
-        if (e.force) force.push_back(*e.force);
-        if (e.shape) shape.push_back(*e.shape);
-        if (e.shape_max_over_depth) farthest.push_back(*e.shape_max_over_depth);
+        force.push_back(e.force.value_or(nothing));
+        shape.push_back(e.shape.value_or(nothing));
+        farthest.push_back(e.shape_max_over_depth.value_or(nothing));
         if (e.reason.empty()) continue;
         const auto same = [&](const auto& known) { return known.first == e.reason; };
         if (const auto known = std::find_if(reasons.begin(), reasons.end(), same); known != reasons.end())
@@ -62,30 +67,28 @@ ContactStatistics contact_statistics(const std::vector<ContactError>& errors) {
     }
     std::string text;
     for (const auto& [reason, n] : reasons) text += fmt::format("{}{} ({})", text.empty() ? "" : "; ", reason, n);
-    return {statistics_of(force), statistics_of(shape), statistics_of(farthest), text};
+    return {statistics_of(force, lost), statistics_of(shape, lost), statistics_of(farthest, lost), text};
 }
 
 std::optional<double> best_uniform_stiffness(const SpringMesh& mesh, const SpringLaw& law,
                                              const std::vector<ContactTruth>& truths, double low_N_m, double high_N_m) {
     // Every law is linear in theta, so the mesh's equilibrium does not depend on a common factor and its force is
     // proportional to it: one solve a contact serves every candidate.
-    std::vector<Eigen::VectorXd> unit_forces, fe_forces;
-    std::size_t asked = 0;
+    std::vector<Eigen::VectorXd> unit_forces, fe_forces;  // empty where there is no equilibrium
     const Eigen::VectorXd unit = uniform_stiffness(mesh, 1.0);
     for (const ContactTruth& truth : truths) {
         if (truth.force_N.squaredNorm() == 0) continue;  // nothing is relative to it
-        ++asked;
         const Equilibrium state = solve_equilibrium(mesh, law, unit, truth.contact, truth.push_m);
-        if (!state) continue;
-        unit_forces.push_back(state.contact_force);
+        unit_forces.push_back(state ? state.contact_force : Eigen::VectorXd());
         fe_forces.push_back(truth.force_N);
     }
-    if (2 * fe_forces.size() < asked || fe_forces.empty()) return std::nullopt;
-    double best = low_N_m, best_median = std::numeric_limits<double>::infinity();
+    std::optional<double> best;
+    double best_median = std::numeric_limits<double>::infinity();
     for (double k = low_N_m; k <= high_N_m; k *= 1.01) {
         std::vector<double> errors;
         for (std::size_t i = 0; i < fe_forces.size(); ++i)
-            errors.push_back((k * unit_forces[i] - fe_forces[i]).norm() / fe_forces[i].norm());
+            errors.push_back(unit_forces[i].size() > 0 ? (k * unit_forces[i] - fe_forces[i]).norm() / fe_forces[i].norm()
+                                                       : std::numeric_limits<double>::infinity());
         const double median = statistics_of(errors).median;
         if (median < best_median) {
             best_median = median;

@@ -24,14 +24,14 @@ struct ContactAnswer {
     std::string reason = {};                 ///< why there is no answer, for people; empty where nothing failed
 };
 
-/// How far an answer is from the truth, to a hand and to an eye.
+/// How far an answer is from the truth, to a hand and to an eye. Infinity where the model has no answer (eval/statistics.h); absent where
+/// there is nothing to compare: the truth has no force or was not seen, or the model has a force alone.
 struct ContactError {
-    std::optional<double> force;                 ///< |r_model - r_fe| / |r_fe|; absent without an answer, and where the truth has no
-                                                 ///< force
+    std::optional<double> force;                 ///< |r_model - r_fe| / |r_fe|
     std::optional<double> shape;                 ///< rms of u_model - u_fe over rms of u_fe, both over the free nodes, in
                                                  ///< space over those of the surface
     std::optional<double> shape_max_over_depth;  ///< largest |u_model - u_fe| of such a node, over |d|
-    std::string reason;                          ///< the answer's, or why no error is relative to the truth
+    std::string reason = {};                     ///< the answer's, or why no error is relative to the truth
 };
 
 /// The mesh says which nodes are free. Shape is absent where answer or truth has no displacement. Any topology will do:
@@ -46,17 +46,18 @@ ContactAnswer answer_of(const SpringMesh& mesh, const SpringLaw& law, const Eige
 /// The same of any model's rest.
 ContactAnswer answer_of(const Equilibrium& state);
 
-/// Errors of one model at many contacts, each statistic over those that have it.
+/// Errors of one model at many contacts.
 struct ContactStatistics {
     Statistics force, shape, shape_max_over_depth;
     std::string reasons;  ///< why others have no answer, each with how many, on one line; empty when all have one
 };
-ContactStatistics contact_statistics(const std::vector<ContactError>& errors);
+/// lost: how many contacts more were asked for at which FE has no answer.
+ContactStatistics contact_statistics(const std::vector<ContactError>& errors, int lost = 0);
 
 /// The honest baseline: the one stiffness for the whole mesh [N/m] (diagonals half) with the smallest median
 /// closed-loop force error over `truths`, found on a logarithmic grid of 1 % steps between low and high [N/m].
-/// Contacts without an equilibrium (whatever the stiffness) are left out; nothing when they are more than half.
-/// So are contacts without a force.
+/// A contact without an equilibrium, whatever the stiffness, counts as an infinite error; nothing where the median is infinite.
+/// Contacts without a force are left out.
 std::optional<double> best_uniform_stiffness(const SpringMesh& mesh, const SpringLaw& law,
                                              const std::vector<ContactTruth>& truths, double low_N_m, double high_N_m);
 

@@ -77,17 +77,17 @@ std::optional<std::size_t> nearest_case(const std::vector<LoadCase>& loads, cons
 }  // namespace
 
 Statistics ModelErrors::rel_loss() const {
-    return statistics_of(collect(cases, [](const CaseError& c) { return c.open_loop.rel_loss; }));
+    return statistics_of(collect(cases, [](const CaseError& c) { return c.open_loop.rel_loss; }), lost);
 }
 
 Statistics ModelErrors::resolved_error() const {
-    return statistics_of(collect(cases, [](const CaseError& c) { return c.open_loop.resolved_error; }));
+    return statistics_of(collect(cases, [](const CaseError& c) { return c.open_loop.resolved_error; }), lost);
 }
 
 ContactStatistics ModelErrors::closed_loop() const {
     std::vector<ContactError> errors;
     for (const CaseError& c : cases) errors.push_back(c.closed_loop);
-    return contact_statistics(errors);
+    return contact_statistics(errors, lost);
 }
 
 const ModelErrors& Evaluation::model(const std::string& name) const {
@@ -145,10 +145,9 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
     result.uniform_N_m = 0;  // in space springs under a contact of a few nodes have a force that their mesh alone makes
     const double low = 0.05 * model.modulus_N_m, high = 40 * model.modulus_N_m;
     const std::optional<double> uniform = model.mesh.is_solid() ? std::optional<double>() : best_uniform_stiffness(model.mesh, *law, truths, low, high);
-    if (!uniform && energy && !model.mesh.is_solid()) throw MismatchError("springs of one stiffness have no closed-loop answer at the trained contacts");
     if (!model.mesh.is_solid()) {
-        result.uniform_N_m = uniform ? *uniform : uniform_by_rel_loss(model, *law, loads, contacts, low, high);
-        result.uniform_chosen_on = uniform ? "closed_loop" : "rel_loss";
+        result.uniform_N_m = uniform ? *uniform : energy ? model.modulus_N_m : uniform_by_rel_loss(model, *law, loads, contacts, low, high);
+        result.uniform_chosen_on = uniform ? "closed_loop" : energy ? "modulus" : "rel_loss";
         if (!energy) candidates.push_back({"one_set", {model.one_set}});
         candidates.push_back({"heuristic_a", {model.heuristic_a}});
         candidates.push_back({"heuristic_b", {model.heuristic_b}});
@@ -162,8 +161,11 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
         result.smallest_J.push_back(load.record->smallest_J);
         if (result.open_loop()) result.lower_bound_rel.push_back(relative_bound(model.books, load, static_cast<Eigen::Index>(result.lower_bound_rel.size())));
     }
+    int lost_cases = -static_cast<int>(loads.size());
+    for (const LoadPath& path : cases.paths)
+        if (path.role == "train") lost_cases += static_cast<int>(load_magnitudes(cases, path).size());
     for (const Candidate& candidate : candidates) {
-        ModelErrors errors{candidate.name, {}, {}};
+        ModelErrors errors{candidate.name, {}, {}, lost_cases};
         errors.cases.resize(loads.size());
         parallel_for(static_cast<int>(loads.size()), threads, [&](int i) {
             const auto c = static_cast<std::size_t>(i);

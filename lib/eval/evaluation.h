@@ -27,6 +27,7 @@ struct ModelErrors {
     std::vector<CaseError> cases;
 
     SpringCharacter springs;
+    int lost = 0;  ///< load cases that FE did not reach
 
     Statistics rel_loss() const;
     Statistics resolved_error() const;
@@ -48,8 +49,8 @@ struct Evaluation {
     std::vector<ModelErrors> models;                             ///< learned first
     std::vector<ForceCurve> curves;
     double uniform_N_m;              ///< the uniform model's stiffness
-    std::string uniform_chosen_on;   ///< "closed_loop" or, where the mesh has no closed-loop answer, "rel_loss"; in space
-                                     ///< empty: uniform springs are among the drawn contacts' models alone
+    std::string uniform_chosen_on;   ///< "closed_loop" or, where the mesh has no closed-loop answer at half of the contacts, "rel_loss",
+                                     ///< of a law "modulus", the study's E2; in space empty: uniform springs are among the drawn contacts' models alone
     std::vector<TrainingBook> trained;
     OptimumProof optimum;
     std::vector<double> lower_bound_rel;                         ///< one a case: L_lb over sqrt(f_fe' Q f_fe) where (9) alone was minimised;

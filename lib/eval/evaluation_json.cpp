@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "eval/evaluation.h"
+#include "eval/statistics_json.h"
 #include "version.h"
 
 namespace tissue {
@@ -9,24 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json to_value(const Statistics& s) {
-    if (s.n == 0) return {{"median", nullptr}, {"p95", nullptr}, {"max", nullptr}, {"n", 0}};
-    return {{"median", s.median}, {"p95", s.p95}, {"max", s.max}, {"n", s.n}};
-}
-
-Json or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
-
-/// One entry of closed_loop. Of a model that says a force alone, shape is null; where nobody saw the tissue's inside,
-/// there is none.
-Json to_value(const ContactStatistics& s, bool seen_inside) {
-    Json entry = to_value(s.force);
-    if (!s.reasons.empty()) entry["reason"] = s.reasons;
-    if (!seen_inside) return entry;
-    const bool force_alone = s.force.n > 0 && s.shape.n == 0;
-    entry["shape"] = force_alone ? Json() : to_value(s.shape);
-    entry["shape_max_over_depth"] = force_alone ? Json() : to_value(s.shape_max_over_depth);
-    return entry;
-}
+Json or_null(const std::optional<double>& value) { return value && std::isfinite(*value) ? Json(*value) : Json(); }
 
 int total(const std::vector<int>& values) {
     int sum = 0;
@@ -119,7 +103,7 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
     for (const ModelErrors& m : evaluation.models)
         if (evaluation.open_loop()) j["open_loop"][m.name] = {{"rel_loss", to_value(m.rel_loss())},
                                   {"resolved_force_error", to_value(m.resolved_error())},
-                                  {"n", m.rel_loss().n}};
+                                  {"n", m.rel_loss().n}, {"of", m.rel_loss().of()}};
     const bool seen_inside = !evaluation.measurement;
     for (const ModelErrors& m : evaluation.models)
         j["closed_loop"]["trained"][m.name] = to_value(m.closed_loop(), seen_inside);
@@ -168,7 +152,7 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
         j["drawn_shapes"].push_back(std::move(row));
     }
     if (const ForceMap& map = evaluation.map; !map.empty()) {
-        j["map"] = {{"depth_m", map.depth_m}, {"lost", map.lost}};
+        j["map"] = {{"depth_m", map.depth_m}, {"error", to_value(map.error())}, {"lost", map.lost}};
         for (const ForceMap::Place& p : map.places)
             j["map"]["places"].push_back({{"name", p.name}, {"contact_m", p.contact_m}, {"fe_N", p.fe_N}, {"learned_N", or_null(p.learned_N)}});
         if (const auto& c = map.contrast)

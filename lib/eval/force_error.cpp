@@ -1,20 +1,11 @@
 #include "eval/force_error.h"
 
-#include <gsl/gsl_statistics_double.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "train/force_loss.h"
 
 namespace tissue {
-Statistics statistics_of(std::vector<double> sample) {
-    sample.erase(std::remove_if(sample.begin(), sample.end(), [](double value) { return std::isnan(value); }), sample.end());
-    if (sample.empty()) return {std::nan(""), std::nan(""), std::nan(""), 0};
-    std::sort(sample.begin(), sample.end());
-    const auto quantile = [&](double p) { return gsl_stats_quantile_from_sorted_data(sample.data(), 1, sample.size(), p); };
-    return {quantile(0.5), quantile(0.95), sample.back(), static_cast<int>(sample.size())};
-}
 
 std::vector<int> loaded_nodes(const SpringMesh& mesh, const PathRecord& record) {
     const double least = 1e-9 * record.force.cwiseAbs().maxCoeff();

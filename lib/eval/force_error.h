@@ -3,17 +3,10 @@
 #include <vector>
 
 #include "cases/load_path.h"
+#include "eval/statistics.h"
 #include "springs/spring_law.h"
 
 namespace tissue {
-
-/// Median, 95th percentile (linear interpolation), maximum and number of a sample, of which NaN, what is not known, is left
-/// out. NaN when nothing is left.
-struct Statistics {
-    double median, p95, max;
-    int n;
-};
-Statistics statistics_of(std::vector<double> sample);
 
 /// Open-loop errors of one spring set at one FE state: the paper's own measure.
 struct ForceError {

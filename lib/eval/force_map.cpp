@@ -1,6 +1,8 @@
 #include "eval/force_map.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "error.h"
 #include "parallel.h"
@@ -35,6 +37,15 @@ std::optional<ForceMap::Contrast> contrast_of(const ForceMap& map, const NodeFie
 }
 
 }  // namespace
+
+Statistics ForceMap::error() const {
+    std::vector<double> errors;
+    for (const Place& p : places) {
+        const double off_N = p.learned_N ? std::abs(*p.learned_N - p.fe_N) : std::numeric_limits<double>::infinity();
+        errors.push_back(p.fe_N != 0 ? off_N / std::abs(p.fe_N) : std::numeric_limits<double>::quiet_NaN());
+    }
+    return statistics_of(errors, static_cast<int>(lost.size()));
+}
 
 ForceMap force_map(const TissueModel& model, const Cases& cases, int threads) {
     ForceMap map;

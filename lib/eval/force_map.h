@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cases/load_path.h"
+#include "eval/statistics.h"
 #include "springs/tissue_model.h"
 
 namespace tissue {
@@ -29,6 +30,9 @@ struct ForceMap {
         double fe;
         std::optional<double> learned;    ///< absent where the law has no answer at one of them
     };
+    /// |learned - fe| / |fe| of all places that were pushed.
+    Statistics error() const;
+
     std::optional<Contrast> contrast;     ///< absent where the model has no nodule, or fewer than two places an answer
 
     bool empty() const { return places.empty() && lost.empty(); }

@@ -131,7 +131,7 @@ std::vector<std::string> shown_shapes(const HeldOut& held_out) {
     std::vector<std::pair<double, std::string>> errors;
     if (const DrawnContacts* role = held_out.role("held_out"))
         for (const DrawnContact& c : role->contacts)
-            if (c.error[0].shape) errors.emplace_back(*c.error[0].shape, c.name);
+            if (c.error[0].shape && std::isfinite(*c.error[0].shape)) errors.emplace_back(*c.error[0].shape, c.name);
     if (errors.empty()) return {};
     std::sort(errors.begin(), errors.end());
     return {errors[(errors.size() - 1) / 2].second, errors.back().second};
@@ -151,22 +151,24 @@ const LoadPath* repeated_by(const LoadPath& check, const Cases& cases) {
 
 TruthCheck check_truth(const Cases& cases) {
     TruthCheck check;
-    std::vector<double> differences;
+    std::vector<double> differences;  // NaN where one of both forces is missing
+    constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
     for (const LoadPath& fine : cases.paths) {
         if (fine.role != "check") continue;
         if (!fine.lost.empty()) check.lost.push_back(fine.name + ": " + fine.lost);
         const LoadPath* coarse = repeated_by(fine, cases);
         if (!coarse) {
             check.unmatched.push_back(fine.name + ": the study's mesh has no push at its contact, direction and depth");
+            differences.push_back(nothing);
             continue;
         }
         const std::vector<double> wanted = coarse->role == "train" ? cases.magnitudes_m : std::vector{coarse->depth_m};
         for (double magnitude_m : wanted) {
             const PathRecord *there = coarse->record_at(magnitude_m), *record = fine.record_at(magnitude_m);
-            if (there && record)
-                differences.push_back((there->contact_force_N - record->contact_force_N).norm() /
-                                      record->contact_force_N.norm());
-            else if (record || fine.lost.empty())  // what the finer mesh lost is named already
+            differences.push_back(there && record ? (there->contact_force_N - record->contact_force_N).norm() / record->contact_force_N.norm()
+                                                  : nothing);
+            if (there && record) continue;
+            if (record || fine.lost.empty())  // what the finer mesh lost is named already
                 check.unmatched.push_back(fmt::format(
                     "{}: {} has no record at {:.4g} mm{}", fine.name, record ? coarse->name : "it", 1e3 * magnitude_m,
                     record && !coarse->lost.empty() ? ", " + coarse->lost : ""));
@@ -179,7 +181,7 @@ TruthCheck check_truth(const Cases& cases) {
 ContactStatistics DrawnContacts::statistics(std::size_t model) const {
     std::vector<ContactError> errors;
     for (const DrawnContact& c : contacts) errors.push_back(c.error[model]);
-    return contact_statistics(errors);
+    return contact_statistics(errors, static_cast<int>(lost.size()));
 }
 
 const DrawnContacts* HeldOut::role(const std::string& name) const {
@@ -282,7 +284,7 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
             for (std::size_t l = 1; l < laws.size(); ++l) add(answer_of(laws[l].second->at(path.contact_m, truth.push_m)));
             for (const Baseline& b : baselines) add(answer_of(b.setting->mesh, *b.setting->law, b.theta, truth));
             if (cases.measurement && path.again_N) add({*path.again_N});
-            if (cases.measurement && !path.again_N) add({});  // measured once
+            if (cases.measurement && !path.again_N) contact.error.push_back({{}, {}, {}, "measured once"});
         });
     }
 

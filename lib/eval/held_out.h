@@ -29,16 +29,17 @@ struct DrawnContacts {
     std::vector<DrawnContact> contacts;
     std::vector<std::string> lost;        ///< "name: why", contacts at which FE has no answer
 
-    ContactStatistics statistics(std::size_t model) const;
+    int drawn() const { return static_cast<int>(contacts.size() + lost.size()); }
+    ContactStatistics statistics(std::size_t model) const;  ///< of all that were drawn
 };
 
 /// The truth's own error: pushes solved again on the finer mesh of the study.
 struct TruthCheck {
-    Statistics difference{};              ///< |r_coarse - r_fine| / |r_fine| at load cases or drawn contacts
+    Statistics difference{};              ///< |r_coarse - r_fine| / |r_fine| at load cases or drawn contacts; no_reference: one of both is missing
     std::vector<std::string> lost;        ///< "name: why", pushes that have no answer on the finer mesh at their depth
     std::vector<std::string> unmatched;   ///< "name: why", those with nothing on the study's mesh to compare with
 
-    bool empty() const { return difference.n == 0 && lost.empty() && unmatched.empty(); }
+    bool empty() const { return difference.of() == 0 && lost.empty() && unmatched.empty(); }
 };
 /// Every check at every load case of its training path, or at its drawn contact's depth: each is in `difference`, `lost`
 /// or `unmatched`.
@@ -72,7 +73,8 @@ struct HeldOut {
 ///   untrained          of a law: its heuristic, with nothing learned
 ///   heuristic_a_patch, heuristic_b_patch, uniform_patch  of a law: those springs alone, without cells, under its contact
 ///   one_set            of sets: the single one that serves all training cases best
-///   repeat             measured cases: what the same push's other repeats say: about what a perfect model would leave
+///   repeat             measured cases: what the same push's other repeats say: about what a perfect model would leave; a row measured once has
+///                      nothing to compare with
 ///   heuristic_a, heuristic_b, uniform, on the model's mesh and law, and with a suffix on the others
 /// In space there are learned, force_table (eval/solid_force_table.h), untrained, heuristic_a_patch and uniform_patch.
 /// with_baselines = false leaves out heuristic and uniform ones.

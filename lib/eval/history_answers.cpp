@@ -94,6 +94,7 @@ TissueModel with_law(TissueModel model, LawModel law) {
 }  // namespace
 
 HistoryError history_error(const Eigen::VectorXd& time_s, const NodeField& truth_N, const NodeField& answer_N) {
+    if (!answer_N.allFinite()) return {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     const NodeField off = answer_N - truth_N;
     return {std::sqrt(square_over_time(time_s, off) / square_over_time(time_s, truth_N)),
             std::sqrt(off.rowwise().squaredNorm().maxCoeff() / truth_N.rowwise().squaredNorm().maxCoeff())};
@@ -153,30 +154,37 @@ NodeField play_history(const HapticModel& model, const History& history) {
 
 std::vector<std::string> HistoryTable::groups() const {
     std::vector<std::string> names;
-    for (const HistoryAnswer& a : answers)
-        if (std::find(names.begin(), names.end(), a.group) == names.end()) names.push_back(a.group);
+    const auto add = [&](const std::string& group) {
+        if (std::find(names.begin(), names.end(), group) == names.end()) names.push_back(group);
+    };
+    for (const HistoryAnswer& a : answers) add(a.group);
+    for (const std::string& group : lost_group) add(group);
     return names;
 }
 
-Statistics HistoryTable::rms(std::size_t model, const std::string& group) const {
+namespace {
+
+template <class Value>
+Statistics over_group(const HistoryTable& table, const std::string& group, const Value& value) {
     std::vector<double> sample;
-    for (const HistoryAnswer& a : answers)
-        if ((group.empty() || a.group == group) && !std::isnan(a.error[model].rms)) sample.push_back(a.error[model].rms);
-    return statistics_of(sample);
+    for (const HistoryAnswer& a : table.answers)
+        if (group.empty() || a.group == group) sample.push_back(value(a));
+    const auto lost = group.empty() ? table.lost_group.size() : std::count(table.lost_group.begin(), table.lost_group.end(), group);
+    return statistics_of(sample, static_cast<int>(lost));
+}
+
+}  // namespace
+
+Statistics HistoryTable::rms(std::size_t model, const std::string& group) const {
+    return over_group(*this, group, [&](const HistoryAnswer& a) { return a.error[model].rms; });
 }
 
 Statistics HistoryTable::peak(std::size_t model, const std::string& group) const {
-    std::vector<double> sample;
-    for (const HistoryAnswer& a : answers)
-        if ((group.empty() || a.group == group) && !std::isnan(a.error[model].peak)) sample.push_back(a.error[model].peak);
-    return statistics_of(sample);
+    return over_group(*this, group, [&](const HistoryAnswer& a) { return a.error[model].peak; });
 }
 
 Statistics HistoryTable::elastic_rms(const std::string& group) const {
-    std::vector<double> sample;
-    for (const HistoryAnswer& a : answers)
-        if ((group.empty() || a.group == group) && !std::isnan(a.elastic.rms)) sample.push_back(a.elastic.rms);
-    return statistics_of(sample);
+    return over_group(*this, group, [](const HistoryAnswer& a) { return a.elastic.rms; });
 }
 
 HistoryTable evaluate_histories(const TissueModel& model, const std::vector<History>& all, const std::string& role, int threads) {
@@ -184,10 +192,12 @@ HistoryTable evaluate_histories(const TissueModel& model, const std::vector<Hist
     std::vector<const History*> histories;
     for (const History& h : all) {
         if (h.role != role) continue;
-        if (h.lost.empty())
+        if (h.lost.empty()) {
             histories.push_back(&h);
-        else
-            table.lost.push_back(h.name + ": " + h.lost);
+            continue;
+        }
+        table.lost.push_back(h.name + ": " + h.lost);
+        table.lost_group.push_back(h.group);
     }
     if (histories.empty()) return table;
     if (!model.energy_law) throw MismatchError("histories are played by a law; this model has none");

@@ -11,7 +11,7 @@
 namespace tissue {
 
 /// How far a force over time is from the truth's: rms over time of |F - F_fe| over that of |F_fe|, and the largest |F - F_fe|
-/// over the largest |F_fe|.
+/// over the largest |F_fe|. Infinity where the answer is not finite to its end; NaN where there is no truth.
 struct HistoryError {
     double rms, peak;
 };
@@ -46,14 +46,15 @@ struct HistoryTable {
     std::vector<std::string> models;
     std::vector<HistoryAnswer> answers;
     std::vector<std::string> lost;   ///< "name: why", histories that FE gave up
+    std::vector<std::string> lost_group;  ///< and the group of each
     double factor = 0;               ///< of best_factor
     double kelvin_voigt[2] = {0, 0};  ///< a, b [s]
     double branch[2] = {0, 0};        ///< share, time [s] of one_branch
     int near_training = 0;            ///< of measured histories, how many of the answers are near_training
 
     bool empty() const { return answers.empty() && lost.empty(); }
-    std::vector<std::string> groups() const;  ///< in the order of the histories
-    /// rms or peak of a model's errors over a group, of those histories that have them; "" is all of them.
+    std::vector<std::string> groups() const;  ///< in the order of the histories, then those all of which FE lost
+    /// rms or peak of a model's errors over a group, those that FE lost among them; "" is all of them.
     Statistics rms(std::size_t model, const std::string& group) const;
     Statistics peak(std::size_t model, const std::string& group) const;
     Statistics elastic_rms(const std::string& group) const;

@@ -13,9 +13,10 @@
 namespace tissue {
 namespace {
 
-std::string percent(double value) {
-    return std::isnan(value) ? "none" : fmt::format("{:.1f} %", 100 * value);
-}
+/// Under every table: how missing answers count (eval/statistics.h).
+constexpr const char* rule =
+    "*n of N*: of all N that were asked for, those with an error. A model without an answer there has an infinite one: quantiles that fall on it are "
+    "`none`. Where the reference has no answer no error is defined: such contacts are in no quantile, but in N.";
 
 std::string summary(const Statistics& s) {
     return s.n == 0 ? "none" : fmt::format("{} / {} / {}", percent(s.median), percent(s.p95), percent(s.max));
@@ -72,7 +73,7 @@ std::string no_answer_markdown(const std::string& model, const std::string& reas
     return reasons.empty() ? "" : fmt::format("\nNo closed-loop answer of {}: {}.\n", model, reasons);
 }
 
-constexpr const char* shape_head = " shape: median / p95 / max | largest node error over depth: median / p95 / max | n |";
+constexpr const char* shape_head = " shape: median / p95 / max | largest node error over depth: median / p95 / max | n of N |";
 
 std::string shape_words(bool solid) {
     return fmt::format("*Shape*: rms over the free nodes{} of u - u_fe, over the rms of u_fe: what an eye sees where a hand feels the force.",
@@ -114,33 +115,37 @@ std::string place_cells(const DrawnContact& c, bool solid) {
 }
 
 std::string shape_cells(const ContactStatistics& s) {
-    return fmt::format(" {} | {} | {} |", summary(s.shape), summary(s.shape_max_over_depth), s.shape.n);
+    const bool force_alone = s.force.n > 0 && s.shape.n + s.shape.missing == 0;
+    return fmt::format(" {} | {} | {} |", summary(s.shape), summary(s.shape_max_over_depth), force_alone ? "none" : n_of_N(s.shape));
 }
+
+/// Whether the first of the models has an error there.
+bool answered(const DrawnContact& c) { return c.error[0].force && std::isfinite(*c.error[0].force); }
 
 std::string held_out_markdown(const HeldOut& h, bool measured, bool solid) {
     std::string out = solid ? solid_words(h) : "";
     for (const DrawnContacts& role : h.roles) {
-        out += fmt::format("## Contacts of `{}`: closed-loop error\n\n| model | median | p95 | max | n |", role.role);
+        out += fmt::format("## Contacts of `{}`: closed-loop error\n\n| model | median | p95 | max | n of N |", role.role);
         out += measured ? "\n|---|---|---|---|---|\n" : fmt::format("{}\n|---|---|---|---|---|---|---|---|\n", shape_head);
         for (std::size_t m = 0; m < h.models.size(); ++m) {
             const ContactStatistics s = role.statistics(m);
             out += fmt::format("| {} | {} | {} | {} | {} |", h.models[m], percent(s.force.median), percent(s.force.p95),
-                               percent(s.force.max), s.force.n);
+                               percent(s.force.max), n_of_N(s.force));
             out += (measured ? "" : shape_cells(s)) + "\n";
         }
         for (std::size_t m = 0; m < h.models.size(); ++m) out += no_answer_markdown(h.models[m], role.statistics(m).reasons);
         for (const DrawnContact& c : role.contacts)
-            if (!c.error[0].force) out += fmt::format("\nNone of {} at {}.\n", h.models[0], c.name);
+            if (!answered(c)) out += fmt::format("\nNone of {} at {}.\n", h.models[0], c.name);
         int extrapolated = 0;
         for (const DrawnContact& c : role.contacts) extrapolated += c.extrapolated ? 1 : 0;
-        out += fmt::format("\n{} {}; {} lie outside what was trained on.", role.contacts.size(),
-                           measured ? "rows" : "contacts", extrapolated);
+        out += fmt::format("\n{} {} were drawn, {} of them without a reference; {} lie outside what was trained on. {}", role.drawn(),
+                           measured ? "rows" : "contacts", role.lost.size(), extrapolated, rule);
         if (!measured) out += " " + shape_words(solid);
         out += measured ? "\n" : fmt::format(" FE lost {}{}\n", role.lost.size(), role.lost.empty() ? "." : ":");
         for (const std::string& lost : role.lost) out += "- " + lost + "\n";
         std::vector<const DrawnContact*> worst;
         for (const DrawnContact& c : role.contacts)
-            if (c.error[0].force) worst.push_back(&c);
+            if (answered(c)) worst.push_back(&c);
         std::sort(worst.begin(), worst.end(),
                   [](const auto* a, const auto* b) { return *a->error[0].force > *b->error[0].force; });
         out += fmt::format("\nThe worst ten:\n\n| contact |{} depth mm | force N | error |{}\n|{}---|---|---|---|---|---|{}\n", place_head(solid),
@@ -159,7 +164,7 @@ std::string truth_markdown(const TruthCheck& truth) {
     if (truth.empty()) return "";
     std::string out = fmt::format(
         "## The truth's own error\n\nForces of the finite elements differ from those on the study's finer mesh by {} "
-        "(median / p95 / max, n = {}).", summary(truth.difference), truth.difference.n);
+        "(median / p95 / max, {}).", summary(truth.difference), n_of_N(truth.difference, "pushes"));
     if (!truth.lost.empty()) out += " On the finer mesh these pushes end early:\n";
     for (const std::string& lost : truth.lost) out += "\n- " + lost;
     if (!truth.unmatched.empty()) out += "\n\nThese have nothing on the study's mesh to be compared with:\n";
@@ -170,11 +175,8 @@ std::string truth_markdown(const TruthCheck& truth) {
 std::string map_markdown(const ForceMap& map) {
     if (map.empty()) return "";
     std::string out = fmt::format("## The map of force\n\n{} straight pushes of {:g} mm over the top, none of them a load case of the training.",
-                                  map.places.size(), 1e3 * map.depth_m);
-    std::vector<double> errors;
-    for (const ForceMap::Place& p : map.places)
-        if (p.learned_N) errors.push_back(std::abs(*p.learned_N - p.fe_N) / p.fe_N);
-    if (!errors.empty()) out += fmt::format(" The law's force is wrong by {} (median / p95 / max, n = {}).", summary(statistics_of(errors)), errors.size());
+                                  map.places.size() + map.lost.size(), 1e3 * map.depth_m);
+    out += fmt::format(" The law's force is wrong by {} (median / p95 / max, {}).", summary(map.error()), n_of_N(map.error(), "places"));
     if (const auto& c = map.contrast)
         out += fmt::format(" Over the nodule's middle it is {:.3f} times that far from it in finite elements, {} in the law.", c->fe,
                            c->learned ? fmt::format("{:.3f}", *c->learned) : "not known");
@@ -186,7 +188,6 @@ std::string map_markdown(const ForceMap& map) {
 std::string histories_markdown(const HistoryTable& h, bool measured) {
     if (h.empty()) return "";
     const bool has_elastic = h.elastic_rms("").n > 0;
-    const auto three = [](const Statistics& s) { return s.n == 0 ? std::string("none") : fmt::format("{} / {} / {}", percent(s.median), percent(s.p95), percent(s.max)); };
     const std::string where =
         measured ? fmt::format("Histories at contacts that no history was fitted at; {} of {} stand within 2 mm of a push that the law was trained on", h.near_training, h.answers.size())
                  : "Histories at contacts that nothing was trained on";
@@ -194,19 +195,24 @@ std::string histories_markdown(const HistoryTable& h, bool measured) {
         "## Force over time\n\n{}: the tool is held where the history has it, and the model plays tick by "
         "tick, with the mass of its nodes, beside {}. *rms*: of the force's error over time, over that of the "
         "force. *peak*: the largest error over the largest force. Median / p95 / max.\n\n"
-        "| histories | n | learned, rms | learned, peak |{}\n|---|---|---|---|{}\n",
+        "| histories | n of N | learned, rms | learned, peak |{}\n|---|---|---|---|{}\n",
         where, measured ? "what was measured, its noise included" : "finite elements that relax and have mass",
-        has_elastic ? " the law's own: without relaxation, beside FE without, rms |" : "", has_elastic ? "---|" : "");
+        has_elastic ? " the law's own: without relaxation, beside FE without, rms | n of N |" : "", has_elastic ? "---|---|" : "");
     std::vector<std::string> groups = h.groups();
     if (groups.size() > 1) groups.emplace_back();
+    if (h.models.empty()) {  // FE lost all of them
+        out = fmt::format("## Force over time\n\nFE lost all {} histories:\n", h.lost.size());
+        for (const std::string& lost : h.lost) out += "\n- " + lost;
+        return out + "\n\n";
+    }
     for (const std::string& group : groups)
-        out += fmt::format("| {} | {} | {} | {} |{}\n", group.empty() ? "all" : group, h.rms(0, group).n, three(h.rms(0, group)), three(h.peak(0, group)),
-                           has_elastic ? fmt::format(" {} |", three(h.elastic_rms(group))) : "");
+        out += fmt::format("| {} | {} | {} | {} |{}\n", group.empty() ? "all" : group, n_of_N(h.rms(0, group)), summary(h.rms(0, group)), summary(h.peak(0, group)),
+                           has_elastic ? fmt::format(" {} | {} |", summary(h.elastic_rms(group)), n_of_N(h.elastic_rms(group))) : "");
     out += fmt::format(
-        "\nWhat else there could be, rms, median / p95 / max. `long_term` and `instantaneous`: the law without branches, as it is after long and at once; "
+        "\n{}\n\nWhat else there could be, rms, median / p95 / max (n of N). `long_term` and `instantaneous`: the law without branches, as it is after long and at once; "
         "`best_factor`: {:.3g} times the latter, the elastic springs that come nearest; `kelvin_voigt`: {:.3g} F + {:.3g} s dF/dt of it; `one_branch`: a "
         "share of {:.3g} that relaxes in {:.3g} s. These three are fitted to those of these very histories in which mass does not matter, which flatters them.{}\n\n| histories |",
-        h.factor, h.kelvin_voigt[0], h.kelvin_voigt[1], h.branch[0], h.branch[1],
+        rule, h.factor, h.kelvin_voigt[0], h.kelvin_voigt[1], h.branch[0], h.branch[1],
         has_elastic ? " `prony`: no springs but the finite elements' own force without relaxation, through the material's branches." : "");
     const std::size_t models = h.models.size() - (has_elastic ? 0 : 1);  // prony, the last, has nothing to go by
     for (std::size_t m = 0; m < models; ++m) out += fmt::format(" {} |", h.models[m]);
@@ -214,7 +220,7 @@ std::string histories_markdown(const HistoryTable& h, bool measured) {
     for (std::size_t m = 0; m < models; ++m) out += "---|";
     for (const std::string& group : groups) {
         out += fmt::format("\n| {} |", group.empty() ? "all" : group);
-        for (std::size_t m = 0; m < models; ++m) out += fmt::format(" {} |", three(h.rms(m, group)));
+        for (std::size_t m = 0; m < models; ++m) out += fmt::format(" {} ({}) |", summary(h.rms(m, group)), n_of_N(h.rms(m, group)));
     }
     if (!h.lost.empty()) out += fmt::format("\n\nFE lost {}:\n", h.lost.size());
     for (const std::string& lost : h.lost) out += "\n- " + lost;
@@ -289,24 +295,23 @@ std::string to_markdown(const Evaluation& e) {
         const ContactStatistics s = held_out->statistics(0);
         out += fmt::format(
             "**On contacts it never saw, the learned model's force is wrong by {} in the median, {} at the 95th "
-            "percentile and {} at worst (closed loop, {} {}){}.**\n\nWritten by `tissuectl eval` {}.\n\n",
-            percent(s.force.median), percent(s.force.p95), percent(s.force.max), s.force.n,
-            e.measurement ? "rows" : "contacts", e.measurement ? "" : ", the tissue's shape by " + summary(s.shape), version);
+            "percentile and {} at worst (closed loop, {}){}.**\n\nWritten by `tissuectl eval` {}.\n\n",
+            percent(s.force.median), percent(s.force.p95), percent(s.force.max), n_of_N(s.force, e.measurement ? "rows" : "contacts"), e.measurement ? "" : ", the tissue's shape by " + summary(s.shape), version);
     } else if (e.law_book) {
         out += fmt::format("**At the contacts it was trained on, the law's force is wrong by {} and the tissue's shape by {} (median / "
-                           "p95 / max, closed loop, n = {}).**\n\nWritten by `tissuectl eval` {}.\n\n",
-                           summary(learned.closed_loop().force), summary(learned.closed_loop().shape), learned.closed_loop().force.n,
+                           "p95 / max, closed loop, {}).**\n\nWritten by `tissuectl eval` {}.\n\n",
+                           summary(learned.closed_loop().force), summary(learned.closed_loop().shape), n_of_N(learned.closed_loop().force, "load cases"),
                            version);
     } else {
         const ModelErrors& heuristic = e.model("heuristic_a");
         const double loss_ratio = heuristic.rel_loss().median / learned.rel_loss().median;
         const double force_ratio = heuristic.resolved_error().median / learned.resolved_error().median;
         out += fmt::format(
-        "**Learned springs leave {} of the FE force unexplained in the median of {} load cases; Van Gelder's heuristic "
+        "**Learned springs leave {} of the FE force unexplained in the median of {}; Van Gelder's heuristic "
         "leaves {}: {:.1f} times as much.** In the resolved force at the loaded node the medians are {} and {}: "
         "{:.1f} times.\n\n"
         "Written by `tissuectl eval` {}.\n\n",
-        percent(learned.rel_loss().median), learned.rel_loss().n, percent(heuristic.rel_loss().median),
+        percent(learned.rel_loss().median), n_of_N(learned.rel_loss(), "load cases"), percent(heuristic.rel_loss().median),
         loss_ratio, percent(learned.resolved_error().median), percent(heuristic.resolved_error().median), force_ratio,
         version);
     }
@@ -314,16 +319,16 @@ std::string to_markdown(const Evaluation& e) {
     out += broken_markdown(e) + measurement_markdown(e) + held_out_markdown(e.held_out, e.measurement.has_value(), solid) + map_markdown(e.map) + histories_markdown(e.histories, e.measurement.has_value()) + truth_markdown(e.truth);
     out += "## Errors at the trained contacts: median / p95 / max\n\n";
     if (!e.open_loop()) {
-        out += "| model | closed loop | n |\n|---|---|---|\n";
+        out += "| model | closed loop | n of N |\n|---|---|---|\n";
         for (const ModelErrors& m : e.models)
-            out += fmt::format("| {} | {} | {} |\n", m.name, summary(m.closed_loop().force), m.closed_loop().force.n);
+            out += fmt::format("| {} | {} | {} |\n", m.name, summary(m.closed_loop().force), n_of_N(m.closed_loop().force));
     } else {
-        out += "| model | rel_loss (9) | resolved force | n | closed loop | n |\n|---|---|---|---|---|---|\n";
+        out += "| model | rel_loss (9) | resolved force | n of N | closed loop | n of N |\n|---|---|---|---|---|---|\n";
         for (const ModelErrors& m : e.models)
             out += fmt::format("| {} | {} | {} | {} | {} | {} |\n", m.name, summary(m.rel_loss()),
-                               summary(m.resolved_error()), m.rel_loss().n, summary(m.closed_loop().force), m.closed_loop().force.n);
+                               summary(m.resolved_error()), n_of_N(m.rel_loss()), summary(m.closed_loop().force), n_of_N(m.closed_loop().force));
     }
-    out += fmt::format("\nn: of {} load cases those with an answer. ", e.case_names.size());
+    out += fmt::format("\n{} N is the number of load cases. ", rule);
     if (e.open_loop())
         out += "*rel_loss*: L(theta) over the weighted FE force, every node where FE has it. *Resolved force*: along "
                "the push, at the loaded node. ";
@@ -335,7 +340,9 @@ std::string to_markdown(const Evaluation& e) {
     }
     if (!e.uniform_chosen_on.empty())
         out += fmt::format("{}uniform is {:.4g} N/m, chosen on {}.", e.lost.empty() ? " " : "", e.uniform_N_m,
-                           e.uniform_chosen_on == "closed_loop" ? "the closed-loop error" : "rel_loss");
+                           e.uniform_chosen_on == "closed_loop" ? "the closed-loop error"
+                           : e.uniform_chosen_on == "modulus"   ? "the study's modulus: one stiffness has no closed-loop answer at half of the load cases"
+                                                                : "rel_loss");
     out += "\n";
     for (const ModelErrors& m : e.models) out += no_answer_markdown(m.name, m.closed_loop().reasons);
     if (!e.measurement) {
@@ -424,7 +431,7 @@ std::string to_markdown(const Evaluation& e) {
             const CaseError& error = m.cases[c];
             out += fmt::format(" {} / {:.3f} / {} |", percent(error.open_loop.rel_loss),
                                1e3 * error.open_loop.resolved_force_N,
-                               error.closed_loop.force ? percent(*error.closed_loop.force) : "none");
+                               percent(error.closed_loop.force.value_or(std::nan(""))));
         }
         out += "\n";
     }

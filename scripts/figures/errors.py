@@ -13,7 +13,7 @@ MEASURES = {
 
 def draw(results):
     cases = results.evaluation["cases"]
-    answered = {model: statistics["n"] for model, statistics in results.evaluation["closed_loop"]["trained"].items()}
+    answered = {model: f"{statistics['n']} of {statistics['of']}" for model, statistics in results.evaluation["closed_loop"]["trained"].items()}
     figure, axes = plt.subplots(1, len(MEASURES), figsize=(13, 0.3 * len(cases) + 1.6), sharey=True,
                                 layout="constrained")
     for axis, (measure, title) in zip(axes, MEASURES.items()):
@@ -24,7 +24,7 @@ def draw(results):
             answers += len(rows)
             axis.plot([max(errors[i], 1e-3) for i in rows], rows, MARKERS.get(model, "o"),
                       color=COLOURS.get(model, "0.4"), markersize=6, alpha=0.85,
-                      label=f"{LABELS.get(model, model)} (n = {answered[model]})")
+                      label=f"{LABELS.get(model, model)} ({answered[model]})")
         if answers == 0:
             axis.text(0.5, 0.5, "no answer: see the report", ha="center", transform=axis.transAxes)
         else:
@@ -41,5 +41,5 @@ def draw(results):
     handles, labels = axes[0].get_legend_handles_labels()
     figure.set_layout_engine("constrained", rect=(0, 0.08, 1, 0.92))  # room for the legend
     figure.legend(handles, labels, loc="lower center", ncols=-(-len(labels) // 2), frameon=False)
-    figure.suptitle("Relative error of force, case by case; n: those with an answer in closed loop")
+    figure.suptitle("Relative error of force, case by case; in brackets: how many have an answer in closed loop")
     return figure

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.colors import LogNorm
 
 import held_out_solid
-from results import COLOURS, learned_label
+from results import COLOURS, how_often, learned_label
 
 ROLES = {"held_out": "core range", "held_out_full": "full range"}
 
@@ -40,25 +40,25 @@ def draw(results):
     shown = {"learned": learned_label(results), "force_table": table, "uniform": "one stiffness",
              "heuristic_a": "heuristic, E2 = E t", "untrained": "untrained law"}
     for model, label in shown.items():
-        values = np.sort([c["error"][model] for c in drawn["held_out"] if c["error"].get(model) is not None])
+        values, part, count = how_often(evaluation, "held_out", model)
         if len(values):
-            often.plot(np.maximum(values, bins[0]), np.linspace(0, 1, len(values)), color=COLOURS[model],
-                       label=f"{label} (n = {len(values)})")
+            often.plot(np.maximum(values, bins[0]), part, color=COLOURS[model], label=f"{label} ({count})")
     often.set_xscale("log")
+    often.set_ylim(0, 1.02)
     often.set_xlabel("closed-loop error, core range")
     often.set_ylabel("part of the contacts below")
     often.xaxis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
     often.grid(color="0.9")
     often.legend(frameon=False, fontsize=8)
 
-    count = axes[0, 1]
-    count.hist([np.maximum([c["error"]["learned"] for c in drawn[role]], bins[0]) for role in ROLES],
-               bins=bins, stacked=True, color=["#0072B2", "#56B4E9"], label=list(ROLES.values()))
-    count.set_xscale("log")
-    count.xaxis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
-    count.set_xlabel("closed-loop error of the learned springs")
-    count.set_ylabel("contacts")
-    count.legend(frameon=False)
+    counts = axes[0, 1]
+    counts.hist([np.maximum([c["error"]["learned"] for c in drawn[role]], bins[0]) for role in ROLES],
+               bins=bins, stacked=True, color=["#0072B2", "#56B4E9"], label=[f"{label} ({how_often(evaluation, role, 'learned')[2]})".replace(" ()", "") for role, label in ROLES.items()])
+    counts.set_xscale("log")
+    counts.xaxis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
+    counts.set_xlabel("closed-loop error of the learned springs")
+    counts.set_ylabel("contacts")
+    counts.legend(frameon=False)
 
     for axis, key, scale, label in ((axes[0, 2], "angle_deg", 1, "angle off the inward normal (degrees)"),
                                     (axes[1, 1], "depth_m", 1e3, "depth (mm)"),

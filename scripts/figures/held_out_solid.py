@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.lines import Line2D
 
-from results import COLOURS, learned_label
+from results import COLOURS, how_often, learned_label
 
 MM = 1e3
 ROLES = {"held_out": ("core range", "o", "#0072B2"), "held_out_near": ("near a wall", "s", "#E69F00"),
@@ -27,7 +27,7 @@ def draw(results):
         if not drawn[role]:
             axis.set_visible(False)
             continue
-        how_often(axis, results, drawn[role], ROLES[role][0])
+        often(axis, results, role)
         models.update(zip(*reversed(axis.get_legend_handles_labels())))
     figure.legend(models.values(), models.keys(), loc="lower right", bbox_to_anchor=(0.97, 0.03), ncols=5, frameon=False,
                   title="above, closed-loop error of:")
@@ -37,7 +37,7 @@ def draw(results):
                                              (lambda c: MM * c["depth_m"], "depth of the push (mm)"),
                                              (to_wall, "distance from the nearest wall (mm)") if results.on_lattice else
                                              (lambda c: MM * c["contact_m"][2], "height of the contact (mm)")), 1):
-        against(figure.add_subplot(grid[1, column]), drawn, value, label)
+        against(figure.add_subplot(grid[1, column]), results, drawn, value, label)
     figure.suptitle("Contacts that nothing was trained on: error of the force a hand feels, in closed loop")
     return figure
 
@@ -69,7 +69,7 @@ def from_above(figure, axis, results, drawn):
                      s=44, edgecolors="black", linewidths=0.4, zorder=3)
     figure.colorbar(shade, ax=axis, label="closed-loop error of the learned law", format=lambda v, _: f"{100 * v:g} %",
                     location="bottom", shrink=0.8, aspect=35)
-    handles = [Line2D([], [], color="0.6", marker=marker, linestyle="", markeredgecolor="black", label=f"{label} (n = {len(drawn[role])})")
+    handles = [Line2D([], [], color="0.6", marker=marker, linestyle="", markeredgecolor="black", label=f"{label} ({how_often(results.evaluation, role, 'learned')[2]})")
                for role, (label, marker, _) in ROLES.items() if drawn[role]]
     handles += [Line2D([], [], color="black", marker="x", linestyle="", label="trained on"),
                 Line2D([], [], color="0.25", label="sideways part of the push"),
@@ -81,31 +81,32 @@ def from_above(figure, axis, results, drawn):
     axis.set_ylabel("y (mm)")
 
 
-def how_often(axis, results, contacts, label):
+def often(axis, results, role):
+    counts = {}
     for model, name in SHOWN.items():
-        # springs alone lie under the law's contact: heuristic_a_patch
-        values = [c["error"].get(model, c["error"].get(f"{model}_patch")) for c in contacts]
-        values = np.sort([v for v in values if v is not None])
+        values, part, counts[model] = how_often(results.evaluation, role, model)
         if len(values):
-            axis.step(np.maximum(np.append(values[0], values), LOWEST), np.arange(len(values) + 1) / len(values),
+            axis.step(np.maximum(np.append(values[0], values), LOWEST), np.append(0, part),
                       where="post", color=COLOURS[model], label=name or learned_label(results))
+    others = {count for count in counts.values() if count} - {counts["learned"]}
+    count = counts["learned"] + ("; others " + ", ".join(sorted(others)) if others else "")
     axis.set_xscale("log")
     axis.set_xlim(LOWEST / 4, 2)
     axis.set_ylim(0, 1.02)
     axis.xaxis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
-    axis.set_title(f"How often: {label} (n = {len(contacts)})", fontsize=10)
+    axis.set_title(f"How often: {ROLES[role][0]} ({count})", fontsize=10)
     axis.set_xlabel("closed-loop error")
     axis.set_ylabel("part of the contacts at or below")
     axis.grid(color="0.9")
 
 
-def against(axis, drawn, value, label):
+def against(axis, results, drawn, value, label):
     if not any(drawn.values()):
         return axis.set_visible(False)
     for role, (name, marker, colour) in ROLES.items():
         if drawn[role]:
             axis.plot([value(c) for c in drawn[role]], [max(c["error"]["learned"], LOWEST) for c in drawn[role]], marker,
-                      color=colour, markersize=5, linestyle="", label=f"{name} (n = {len(drawn[role])})")
+                      color=colour, markersize=5, linestyle="", label=f"{name} ({how_often(results.evaluation, role, 'learned')[2]})")
     axis.set_yscale("log")
     axis.yaxis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
     axis.yaxis.set_minor_formatter(lambda v, _: f"{100 * v:g} %" if f"{v:.0e}"[0] in "25" else "")

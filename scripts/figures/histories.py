@@ -1,4 +1,6 @@
 """Force over time: of each group the history with the median error, finite elements, the learned law, elastic springs."""
+import math
+
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -7,7 +9,7 @@ from results import COLOURS, truth_label
 
 def draw(results):
     histories = results.evaluation["histories"]
-    groups = [group for group in histories["groups"] if group != "all"]
+    groups = list(dict.fromkeys(h["group"] for h in histories["each"]))  # those of which FE did not lose all
     columns = min(2, len(groups))
     rows = -(-len(groups) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(5.6 * columns, 2.7 * rows), squeeze=False, layout="constrained")
@@ -18,7 +20,8 @@ def draw(results):
         axis.plot(t, history["best_factor_N"], ":", color=COLOURS["uniform"], linewidth=1.8, label="elastic, best factor")
         axis.plot(t, history["learned_N"], color=COLOURS["learned"], linewidth=1.2, label="learned law")
         axis.axhline(0, color="0.8", linewidth=0.8, zorder=0)
-        axis.set_title(f"{group}: {history['name']}, off by {100 * history['error']['learned']['rms']:.1f} %", fontsize=9)
+        off, found = history["error"]["learned"]["rms"], histories["groups"][group]["learned"]["rms"]
+        axis.set_title(f"{group} ({found['n']} of {found['of']}): {history['name']}, " + ("no answer" if off is None else f"off by {100 * off:.1f} %"), fontsize=9)
         axis.set_xlim(0, t[-1])
         axis.set_xlabel("time (s)")
         axis.set_ylabel("force along the push (N)")
@@ -32,5 +35,5 @@ def draw(results):
 
 def middle(histories):
     """The one with the median error; of an even number the better of the two."""
-    ordered = sorted(histories, key=lambda h: h["error"]["learned"]["rms"])
+    ordered = sorted(histories, key=lambda h: math.inf if h["error"]["learned"]["rms"] is None else h["error"]["learned"]["rms"])
     return ordered[(len(ordered) - 1) // 2]

@@ -69,6 +69,18 @@ class Results(SimpleNamespace):
         return arcs[1:-1][(step[:-1] * step[1:]).sum(axis=1) < np.sqrt(0.5)]  # as mesh/outline: less is a curve
 
 
+def how_often(evaluation, role, model):
+    """Errors of a model at the contacts drawn for a role, ascending; the part of those with a reference that is at or below each, where a missing
+    answer is above them all; and "n of N" (results/FORMATS.md)."""
+    models = evaluation["closed_loop"].get(role, {})
+    name = model if model in models else f"{model}_patch"  # springs alone, under the law's contact
+    if name not in models:
+        return [], [], ""
+    found = models[name]
+    errors = np.sort([c["error"][name] for c in evaluation["drawn"].get(role, []) if c["error"][name] is not None])
+    return errors, np.arange(1, len(errors) + 1) / max(found["n"] + found["missing"], 1), f"{found['n']} of {found['of']}"
+
+
 def learned_label(results):
     """What the learned springs are, in a legend: of spring sets the nearest serves, a law is one."""
     return "learned law" if "terms" in results.evaluation["training"] else "learned, nearest set"

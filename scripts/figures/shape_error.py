@@ -27,7 +27,7 @@ def force_and_shape(errors, results, contacts, shapes):
         both = np.array([(c["error"][model], c["shape"][model]) for c in contacts.values()
                          if c["shape"].get(model) is not None])
         if len(both):
-            errors.scatter(*both.T, s=16 if model == "learned" else 8, color=COLOURS[model.removesuffix("_patch")], alpha=0.8, linewidths=0, label=f"{label} (n = {len(both)})")
+            errors.scatter(*both.T, s=16 if model == "learned" else 8, color=COLOURS[model.removesuffix("_patch")], alpha=0.8, linewidths=0, label=f"{label} ({len(both)} of {results.evaluation['closed_loop']['held_out'][model]['of']})")
     shown = [contacts[shape["name"]] for shape in shapes]
     errors.scatter([c["error"]["learned"] for c in shown], [c["shape"]["learned"] for c in shown], s=70,
                    facecolors="none", edgecolors="black", label="the two on the left")

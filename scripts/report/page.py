@@ -56,28 +56,37 @@ def lead(e):
         learned = closed["held_out"]["learned"]
         number = learned["median"]
         figures += [(learned["p95"], "95th percentile of the same"),
-                    (learned["max"], f"worst of {learned['n']} contacts")]
+                    (learned["max"], "worst of " + n_of(learned, "contacts"))]
         if learned.get("shape"):
             figures.append((learned["shape"]["median"], "median error of the tissue's shape, what an eye sees"))
         figures += best_baseline(closed["held_out"], e)
         if "held_out_full" in closed:
             full = closed["held_out_full"]["learned"]
-            figures.append((full["median"], f"median over the full range of depth and angle, {full['n']} contacts"))
+            figures.append((full["median"], f"median over the full range of depth and angle, {n_of(full, 'contacts')}"))
     else:
+        trained = closed["trained"]["learned"]
         loss = {model: errors["rel_loss"]["median"] for model, errors in e["open_loop"].items()}
         number = loss["learned"]
         figures += [(loss["optimum"], "the best this mesh can do, certified"),
                     (loss["heuristic_a"], "left by Van Gelder's heuristic"),
-                    (closed["trained"]["learned"]["median"], "closed-loop error, what a hand feels")]
+                    (trained["median"], f"closed-loop error, what a hand feels, {n_of(trained, 'load cases')}")]
         figures += best_baseline(closed["trained"], e)
     if e.get("truth_check", {"n": 0})["n"]:
-        figures.append((e["truth_check"]["median"], "the finite elements' own error, on a finer mesh"))
+        figures.append((e["truth_check"]["median"], f"the finite elements' own error, on a finer mesh, {n_of(e['truth_check'], 'pushes')}"))
     return percent(number), [(percent(value), what) for value, what in figures]
+
+
+def n_of(statistics, what):
+    """As report.md has it (lib/eval/statistics.h)."""
+    text = f"{statistics['n']} of {statistics['of']} {what}"
+    for key, words in (("missing", "without an answer"), ("no_reference", "without a reference")):
+        text += f", {statistics[key]} {words}" if statistics[key] else ""
+    return text
 
 
 def best_baseline(errors, e):
     """Median closed-loop error of the best untrained springs, if any has one."""
-    medians = {m: v["median"] for m, v in errors.items() if v["n"] and m.startswith(("heuristic", "uniform"))}
+    medians = {m: v["median"] for m, v in errors.items() if v["median"] is not None and m.startswith(("heuristic", "uniform"))}
     best = min(medians, key=medians.get, default=None)
     return [(medians[best], f"best untrained springs ({label(best, e) or best}), closed loop")] if best else []
 

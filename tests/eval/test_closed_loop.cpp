@@ -143,16 +143,22 @@ TEST_CASE("the same nodes in another topology are compared one by one") {
     }
 }
 
-TEST_CASE("statistics of many contacts are over those that have an answer, and say why the others have none") {
-    const std::vector<ContactError> errors = {{0.1, 0.3, 0.5, ""}, {{}, {}, {}, "it folds"}, {0.2, {}, {}, ""},
-                                              {{}, {}, {}, "it flies"}, {{}, {}, {}, "it folds"}};
-    const ContactStatistics s = contact_statistics(errors);
-    CHECK(s.force.n == 2);
-    CHECK(s.force.max == 0.2);
-    CHECK(s.shape.n == 1);
-    CHECK(s.shape.median == 0.3);
-    CHECK(s.shape_max_over_depth.max == 0.5);
-    CHECK(s.reasons == "it folds (2); it flies (1)");
+TEST_CASE("statistics of many contacts are of all that were drawn: those missing are infinite, and the reasons stand beside") {
+    constexpr double none = std::numeric_limits<double>::infinity();
+    const std::vector<ContactError> errors = {{0.1, 0.3, 0.5, ""}, {none, none, none, "it folds"}, {0.2, {}, {}, ""}, {0.3, 0.4, 0.6, ""},
+                                              {none, none, none, "it folds"}, {{}, {}, {}, "nothing is relative to no force"}};
+    const ContactStatistics s = contact_statistics(errors, 4);
+    CHECK(s.force.n == 3);
+    CHECK(s.force.of() == 10);
+    CHECK(s.force.missing == 2);
+    CHECK(s.force.no_reference == 5);
+    CHECK(s.force.median == 0.3);
+    CHECK(std::isinf(s.force.max));
+    CHECK(s.shape.n == 2);
+    CHECK(s.shape.of() == 10);
+    CHECK(std::isinf(s.shape.median));
+    CHECK(std::isinf(s.shape_max_over_depth.max));
+    CHECK(s.reasons == "it folds (2); nothing is relative to no force (1)");
 }
 
 TEST_CASE("the best uniform stiffness of a uniform tissue is its own") {
@@ -163,6 +169,16 @@ TEST_CASE("the best uniform stiffness of a uniform tissue is its own") {
         REQUIRE(found);
         CHECK(*found == Approx(k).epsilon(tolerance::uniform_grid));
     }
+}
+
+TEST_CASE("the best uniform stiffness is not chosen on those contacts alone that have an answer") {
+    const auto law = make_spring_law("axial");
+    const std::vector<ContactTruth> known = truths(*law, uniform_stiffness(block(), 0.8));
+    const ContactTruth on_fixed{locate_on_surface(block(), {0.03, 0.0}), Eigen::Vector2d(0, 0.01), Eigen::Vector2d(0, 1)};
+    std::vector<ContactTruth> some = {known[0], known[1], known[2], on_fixed, on_fixed};
+    CHECK(best_uniform_stiffness(block(), *law, some, 0.05, 40));  // the median is an answer's
+    some.push_back(on_fixed);
+    CHECK_FALSE(best_uniform_stiffness(block(), *law, some, 0.05, 40));
 }
 
 TEST_CASE("the best uniform stiffness stays in its range") {
@@ -178,8 +194,8 @@ TEST_CASE("a mesh with zero-energy modes has neither a closed-loop error nor a b
     const auto law = make_spring_law("axial");
     const ContactTruth truth{locate_on_surface(grid4, {0, 0.04}), Eigen::Vector2d(0.01, 0), Eigen::Vector2d(1, 0)};
     const ContactError error = error_of_springs(grid4, *law, heuristic_stiffness(grid4, 1), truth);
-    CHECK_FALSE(error.force);
-    CHECK_FALSE(error.shape);
+    CHECK(std::isinf(error.force.value()));  // a missing answer
+    CHECK_FALSE(error.shape);                // nobody has seen the truth's
     CHECK_THAT(error.reason, Contains("zero-energy modes"));
     CHECK_FALSE(best_uniform_stiffness(grid4, *law, {truth}, 0.05, 40));
 }

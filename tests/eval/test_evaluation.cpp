@@ -112,7 +112,12 @@ TEST_CASE("a path that FE lost before its first load case has no force curve of 
     const nlohmann::json j = nlohmann::json::parse(to_json(e, 11));
     CHECK(j["lost"]["train"] == std::vector<std::string>{"corner: no equilibrium beyond 2 mm"});
     CHECK(j["curves"].size() == 1);
-    CHECK_THAT(to_markdown(e), Contains("FE lost 1 of the training paths") && Contains("- corner: no equilibrium beyond 2 mm"));
+    CHECK_THAT(to_markdown(e), Contains("FE lost 1 of the training paths") && Contains("- corner: no equilibrium beyond 2 mm") && Contains("2 of 4 load cases, 2 without a reference"));
+    for (const nlohmann::json& s : {j["closed_loop"]["trained"]["learned"], j["open_loop"]["learned"]["rel_loss"]}) {
+        CHECK(s["n"] == 2);
+        CHECK(s["of"] == 4);
+        CHECK(s["no_reference"] == 2);
+    }
     CHECK_FALSE(nlohmann::json::parse(to_json(evaluated(x.model, x.cases), 11)).contains("lost"));
 }
 
@@ -147,6 +152,8 @@ TEST_CASE("where FE has no force no error is relative to it: it is absent with i
         }
         const ContactStatistics drawn = e.held_out.role("held_out")->statistics(0);
         CHECK(drawn.force.n == 1);
+        CHECK(drawn.force.of() == 2);
+        CHECK(drawn.force.no_reference == 1);
         CHECK_THAT(drawn.reasons, Contains("nothing is relative to no force (1)"));
         const nlohmann::json j = nlohmann::json::parse(to_json(e, 11));
         CHECK(j["open_loop"]["learned"]["n"] == 2);
@@ -170,6 +177,8 @@ TEST_CASE("a mesh without closed-loop answers says why, and its uniform stiffnes
     const nlohmann::json& entry = j["closed_loop"]["trained"]["learned"];
     CHECK(entry["median"].is_null());
     CHECK(entry["n"] == 0);
+    CHECK(entry["of"] == 4);
+    CHECK(entry["missing"] == 4);
     CHECK_THAT(entry["reason"].get<std::string>(), Contains("zero-energy modes"));
     CHECK(entry["shape"]["median"].is_null());
     CHECK(entry["shape"]["n"] == 0);
@@ -180,7 +189,8 @@ TEST_CASE("a mesh without closed-loop answers says why, and its uniform stiffnes
 TEST_CASE("a model without an answer at some contacts has an n of its own in every table, and the reasons with their counts") {
     Evaluation e = evaluated(perfect().model, perfect().cases);
     const auto lose = [&](std::size_t model, std::size_t c, EquilibriumStatus status) {
-        e.models[model].cases[c].closed_loop = {{}, {}, {}, reason_of(status)};
+        constexpr double missing = std::numeric_limits<double>::infinity();
+        e.models[model].cases[c].closed_loop = {missing, missing, missing, reason_of(status)};
     };
     lose(0, 1, EquilibriumStatus::unstable);
     lose(0, 2, EquilibriumStatus::unstable);
@@ -188,7 +198,12 @@ TEST_CASE("a model without an answer at some contacts has an n of its own in eve
     const nlohmann::json j = nlohmann::json::parse(to_json(e, 11));
     const nlohmann::json &own = j["closed_loop"]["trained"]["learned"], &other = j["closed_loop"]["trained"]["uniform"];
     CHECK(own["n"] == 1);
+    CHECK(own["of"] == 4);
+    CHECK(own["missing"] == 3);
+    CHECK(own["median"].is_null());  // infinite: three of four are missing
+    CHECK(own["p95"].is_null());
     CHECK(other["n"] == 4);
+    CHECK(other["of"] == 4);
     CHECK(own["shape"]["n"] == 1);
     CHECK(other["shape"]["n"] == 4);
     CHECK_FALSE(other.contains("reason"));
@@ -200,8 +215,8 @@ TEST_CASE("a model without an answer at some contacts has an n of its own in eve
         const std::size_t from = table.find("| " + model + " |");
         return table.substr(from, table.find('\n', from) - from);
     };
-    CHECK_THAT(row("learned"), Contains("| 4 |") && Catch::EndsWith("| 1 |"));
-    CHECK_THAT(row("uniform"), Contains("| 4 |") && Catch::EndsWith("| 4 |"));
+    CHECK_THAT(row("learned"), Contains("| 4 of 4 | none / none / none |") && Catch::EndsWith("| 1 of 4 |"));
+    CHECK_THAT(row("uniform"), Contains("| 4 of 4 |") && Catch::EndsWith("| 4 of 4 |"));
     CHECK_THAT(report, Contains("No closed-loop answer of learned: " + reasons));
 }
 
@@ -230,6 +245,28 @@ TEST_CASE("eval.json has what the design promises, and its numbers are the evalu
     REQUIRE(j["cases"].size() == 4);
     CHECK(j["cases"][0]["name"] == "left-4mm");
     CHECK(j["cases"][0]["magnitude_m"] == 0.004);
+}
+
+TEST_CASE("a contact drawn that FE lost stays in N, and beside it how many there are") {
+    Cases cases = perfect().cases;
+    for (const char* name : {"drawn", "drawn-lost"}) {
+        cases.paths.push_back(cases.paths[0]);
+        cases.paths.back().role = "held_out";
+        cases.paths.back().name = name;
+    }
+    cases.paths.back().lost = "no equilibrium beyond 3 mm";
+    const Evaluation e = evaluated(perfect().model, cases);
+    const nlohmann::json j = nlohmann::json::parse(to_json(e, 11)), &held_out = j["closed_loop"]["held_out"];
+    for (const char* model : {"learned", "uniform", "force_table"}) {
+        CAPTURE(model);
+        CHECK(held_out[model]["n"] == 1);
+        CHECK(held_out[model]["of"] == 2);
+        CHECK(held_out[model]["missing"] == 0);
+        CHECK(held_out[model]["no_reference"] == 1);
+        CHECK(held_out[model]["max"].is_number());
+    }
+    CHECK(held_out["learned"]["shape"]["of"] == 2);
+    CHECK_THAT(to_markdown(e), Contains("closed loop, 1 of 2 contacts, 1 without a reference") && Contains("2 contacts were drawn, 1 of them without a reference"));
 }
 
 TEST_CASE("drawn contacts have shapes, of models that have one, and the median and the worst of them are kept to be drawn") {

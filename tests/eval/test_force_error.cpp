@@ -6,6 +6,7 @@
 #include "../example.h"
 #include "springs/heuristic.h"
 #include "../tolerances.h"
+#include "eval/statistics_json.h"
 
 using namespace tissue;
 
@@ -24,6 +25,40 @@ TEST_CASE("statistics are the quantiles one computes by hand") {
     CHECK(one.p95 == 7);
     CHECK(one.max == 7);
     CHECK(statistics_of({1, 2}).median == Approx(1.5).epsilon(tolerance::rounding));
+}
+
+TEST_CASE("a missing answer is infinity in the quantiles, and one without a reference is in none of them but in N") {
+    constexpr double missing = std::numeric_limits<double>::infinity(), nothing = std::numeric_limits<double>::quiet_NaN();
+    const Statistics s = statistics_of({missing, 1, nothing, 3, 2}, 4);
+    CHECK(s.median == 2.5);  // of 1, 2, 3, infinity
+    CHECK(std::isinf(s.p95));
+    CHECK(std::isinf(s.max));
+    CHECK(s.n == 3);
+    CHECK(s.missing == 1);
+    CHECK(s.no_reference == 5);
+    CHECK(s.of() == 9);
+    CHECK(n_of_N(s) == "3 of 9");
+    CHECK(n_of_N(s, "contacts") == "3 of 9 contacts, 1 without an answer, 5 without a reference");
+
+    std::vector<double> one_of_21(21, 0.5);  // the 95th percentile is the 20th of them, whatever the last
+    one_of_21[0] = missing;
+    CHECK(statistics_of(one_of_21).p95 == 0.5);
+    CHECK(std::isinf(statistics_of(one_of_21).max));
+    one_of_21[1] = missing;
+    CHECK(std::isinf(statistics_of(one_of_21).p95));
+    const Statistics none = statistics_of({missing, missing});
+    CHECK(std::isinf(none.median));
+    CHECK(none.n == 0);
+    CHECK(none.missing == 2);
+}
+
+TEST_CASE("in JSON an infinite quantile is null with answers missing, and one of nothing null with none") {
+    constexpr double missing = std::numeric_limits<double>::infinity();
+    const auto j = [](const Statistics& s) { return nlohmann::json::parse(to_value(s).dump()); };
+    CHECK(j(statistics_of({1, 2, 3, missing}, 2)) ==
+          nlohmann::json({{"median", 2.5}, {"p95", nullptr}, {"max", nullptr}, {"n", 3}, {"of", 6}, {"missing", 1}, {"no_reference", 2}}));
+    CHECK(j(statistics_of({}, 2)) ==
+          nlohmann::json({{"median", nullptr}, {"p95", nullptr}, {"max", nullptr}, {"n", 0}, {"of", 2}, {"missing", 0}, {"no_reference", 2}}));
 }
 
 TEST_CASE("an empty sample has no median, and says so") {

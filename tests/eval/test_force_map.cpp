@@ -68,6 +68,12 @@ TEST_CASE("a map's pushes that FE lost are named and left out; cases without any
     CHECK(map.places.size() == 2);
     CHECK(map.lost == std::vector<std::string>{"map-1: lost at 2 mm"});
     CHECK(map.contrast->far_m.size() == 1);
+    CHECK(n_of_N(map.error(), "places") == "2 of 3 places, 1 without a reference");
+    CHECK(map.error().max == Approx(0.1 / 1.1).epsilon(tolerance::solve));
+    ForceMap missing = map;
+    missing.places[1].learned_N.reset();
+    CHECK(std::isinf(missing.error().median));
+    CHECK(missing.error().missing == 1);
     for (LoadPath& path : cases.paths) path.role = "held_out";
     CHECK(force_map(model, cases, 1).empty());
     TissueModel sets = model;

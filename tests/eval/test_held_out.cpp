@@ -63,6 +63,7 @@ TEST_CASE("a check whose contact, direction or depth the study's mesh does not h
     for (const LoadPath& other : others) {
         const TruthCheck check = check_truth(cases_of({other, fine}));
         CHECK(check.difference.n == 0);
+        CHECK(check.difference.of() == 1);
         REQUIRE(check.unmatched.size() == 1);
         CHECK_THAT(check.unmatched[0], Contains("check-0007: ") && Contains("no push"));
         CHECK_FALSE(check.empty());
@@ -74,6 +75,7 @@ TEST_CASE("a check is lost where the finer mesh ends early, unmatched where the 
     coarse.lost = "folds at 7 mm";
     TruthCheck check = check_truth(cases_of({coarse, fine}));
     CHECK(check.difference.n == 1);
+    CHECK(check.difference.no_reference == 1);
     CHECK(check.lost.empty());
     REQUIRE(check.unmatched.size() == 1);
     CHECK_THAT(check.unmatched[0], Contains("check-left: left has no record at 10 mm") && Contains("folds at 7 mm"));
@@ -83,6 +85,7 @@ TEST_CASE("a check is lost where the finer mesh ends early, unmatched where the 
     fine.lost = "folds at 8 mm";
     check = check_truth(cases_of({coarse, fine}));
     CHECK(check.difference.n == 1);
+    CHECK(check.difference.no_reference == 1);
     CHECK(check.lost == std::vector<std::string>{"check-left: folds at 8 mm"});
     CHECK(check.unmatched.empty());
 

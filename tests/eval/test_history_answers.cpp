@@ -52,6 +52,24 @@ TEST_CASE("errors of a force over time weigh time, not steps, and the peak is of
     CHECK(e.peak == Approx(2.0 / 5));
 }
 
+TEST_CASE("a force that is not finite to its end is a missing answer: its error is infinite, and counts", "[histories]") {
+    const Eigen::VectorXd t = Eigen::VectorXd::LinSpaced(3, 0, 1);
+    const NodeField truth = NodeField::Ones(3, 2);
+    NodeField answer = truth;
+    answer(2, 1) = std::numeric_limits<double>::quiet_NaN();
+    const HistoryError e = history_error(t, truth, answer);
+    CHECK(std::isinf(e.rms));
+    CHECK(std::isinf(e.peak));
+    HistoryTable table;
+    table.models = {"learned"};
+    for (const HistoryError& error : {HistoryError{0.1, 0.2}, HistoryError{0.2, 0.3}, e}) table.answers.push_back({"h", "ramp", "ramp", "held_out", {}, {}, {}, {}, {0, 0}, {error}});
+    const Statistics s = table.rms(0, "ramp");
+    CHECK(s.median == 0.2);
+    CHECK(std::isinf(s.p95));
+    CHECK(s.n == 2);
+    CHECK(s.missing == 1);
+}
+
 TEST_CASE("a force through branches relaxes by the closed form, however unequal the steps", "[histories]") {
     Eigen::VectorXd t(6);
     t << 0, 0.1, 0.15, 0.5, 3, 10;
@@ -122,12 +140,19 @@ TEST_CASE("of models beside the learned one each is what it says: the truth is p
     histories.push_back(histories.front());
     histories.back().name = "gone";
     histories.back().lost = "no equilibrium";
+    histories.push_back(histories.back());
+    histories.back().name = "gone-too";
+    histories.back().group = "sine";
     histories.push_back(histories.front());
     histories.back().role = "train";
     const HistoryTable table = evaluate_histories(model, histories, "held_out", 2);
     REQUIRE(table.answers.size() == 2);
-    CHECK(table.lost == std::vector<std::string>{"gone: no equilibrium"});
-    CHECK(table.groups() == std::vector<std::string>{"ramp"});
+    CHECK(table.lost == std::vector<std::string>{"gone: no equilibrium", "gone-too: no equilibrium"});
+    CHECK(table.groups() == std::vector<std::string>{"ramp", "sine"});  // all of a group that is lost is not gone
+    CHECK(n_of_N(table.rms(0, "ramp")) == "2 of 3");
+    CHECK(n_of_N(table.rms(0, "sine")) == "0 of 1");
+    CHECK(n_of_N(table.peak(0, "")) == "2 of 4");
+    CHECK(table.elastic_rms("").no_reference == 2);
     const auto rms = [&](const std::string& name) {
         const auto m = static_cast<std::size_t>(std::find(table.models.begin(), table.models.end(), name) - table.models.begin());
         REQUIRE(m < table.models.size());
