@@ -14,11 +14,22 @@ namespace tissue {
 ///   or   72 bytes: "TSP2", the same, and float64 measured_N[3] of a force sensor in the tool
 ///   out, 48 bytes: char magic[4] "TSF1", uint32 sequence of the newest position used, float64 age_s of it,
 ///                  float64 force_N[3], float64 tick
-/// A force goes back in every tick to whoever leads: the first to send, until silent for half a second, when with the default SafetyOptions::stale_s
-/// its force has long been zero; what others send meanwhile is counted as `others` and not used. Sequence numbers ascend by one from any start, and
-/// may start anew after such a silence; older ones are `late` and not used, gaps are `lost`, anything else is `foreign`. One is wanted for every tick: what a hand has come
-/// since the last is taken for its way in one tick, and more of it than SafetyOptions::speed_max_m_s is a jump - at 100 a second, from a tenth of that speed on. Its motors are the client's: it lets go of a
-/// force when none has come for three quarters of force_held_s, as scripts/remote_device.py does.
+/// sequence ascends by one from any start. time_s is the client's own monotonic clock at the measurement, in seconds from any start.
+///
+/// Who leads. Two datagrams of one sender, the second of which follows the first, make it the peer; the socket is then connected to it, and the system
+/// refuses what others send. A datagram follows when its sequence is ahead by 1000 at most, and by 10,000 more for each second of its time; when its time
+/// does not go back; and when its time is not more than half a second ahead of our clock. So a client of another byte order never leads, and one that
+/// counts milliseconds is not used. A peer from which nothing that follows has come for half a second has lost the lead: it, or another one, begins anew.
+///
+/// What is used. Each read takes all that has come and uses the newest. Counted: `received`, all that followed; `skipped`, those of them for which a newer one
+/// stood in for; `late`, not ahead of the newest; `lost`, gaps; `leaps`, what does not follow; `others`, of another sender; `foreign`, no such datagram.
+/// The age of a position is that of the time in its datagram, by the difference of the two clocks: the least that has been seen, which may grow by a
+/// thousandth of the time that passes. A position that waited in the socket while the program stood still is as old as it is.
+///
+/// A force goes to the peer in every tick between start() and stop(). One position is wanted for every tick: what a hand has come since the last is taken for
+/// its way in one tick, and more of it than SafetyOptions::speed_max_m_s is a jump - at 100 a second, from a tenth of that speed on. The motors are
+/// the client's: it takes forces of this socket alone, limits them, and lets go of one when no other has come for three quarters of force_held_s, as
+/// scripts/remote_device.py does.
 struct PositionDatagram {
     char magic[4];
     std::uint32_t sequence;
@@ -39,27 +50,42 @@ class RemoteDevice final : public Device {
    public:
     static const DeviceKind kind;
 
-    /// port 0: any that is free; port() says which. Throws DeviceError.
+    /// port 0: any that is free; port() returns it. Throws DeviceError.
     explicit RemoteDevice(int port);
     ~RemoteDevice() override;
     RemoteDevice(const RemoteDevice&) = delete;
     RemoteDevice& operator=(const RemoteDevice&) = delete;
 
     std::string name() const override { return kind.name; }
+    void start() override;
     DeviceSample read(double time_s) noexcept override;
     void write(const Eigen::Vector3d& force_N) noexcept override;
+    void stop() noexcept override;
     std::vector<std::pair<std::string, double>> ledger() const override;
 
     int port() const { return port_; }
 
    private:
+    enum class Peer { none, candidate, leads };
+
+    void take(const SensorDatagram& datagram, ssize_t size, const sockaddr_in& from) noexcept;
+    bool follows(const PositionDatagram& in) const noexcept;
+    void remember(const PositionDatagram& in) noexcept;
+    void release() noexcept;
+
     int socket_ = -1, port_ = 0;
+    bool running_ = false, has_position_ = false;
+    Peer state_ = Peer::none;
     sockaddr_in peer_{};
-    bool has_peer_ = false;  ///< someone has sent
-    std::uint32_t sequence_ = 0;
-    double received_s_ = 0, time_s_ = 0;   ///< schedule time of the newest position, and now
+    std::uint32_t sequence_ = 0;   ///< of the peer's newest
+    double client_s_ = 0;          ///< its time, by the peer's clock
+    double offset_s_ = 0;          ///< of the schedule against the peer's clock
+    double heard_s_ = 0;           ///< schedule time at which it was read
+    double measured_s_ = 0;        ///< schedule time at which it was measured
+    double time_s_ = 0;            ///< now
+    bool fresh_ = false;           ///< a position has come in this read
     Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero(), measured_N_ = DeviceSample().measured_N;
-    long long received_ = 0, late_ = 0, lost_ = 0, foreign_ = 0, others_ = 0, sent_ = 0, waiting_ = 0;
+    long long received_ = 0, skipped_ = 0, late_ = 0, lost_ = 0, leaps_ = 0, foreign_ = 0, others_ = 0, sent_ = 0, waiting_ = 0;
 };
 
 }  // namespace tissue

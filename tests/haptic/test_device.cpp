@@ -3,6 +3,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
@@ -52,12 +53,25 @@ class Client {
     ~Client() { ::close(socket_); }
     Client(const Client&) = delete;
     Client& operator=(const Client&) = delete;
-    void send(std::uint32_t sequence, double x, double y) {
-        const PositionDatagram p{{'T', 'S', 'P', '1'}, sequence, 0, {x, y, 0}, 0};
+    void send(std::uint32_t sequence, double time_s, double x, double y) {
+        const PositionDatagram p{{'T', 'S', 'P', '1'}, sequence, time_s, {x, y, 0}, 0};
         send(&p, sizeof p);
     }
     void send(const void* data, std::size_t size) {
         REQUIRE(::sendto(socket_, data, size, 0, reinterpret_cast<const sockaddr*>(&to_), sizeof to_) == static_cast<ssize_t>(size));
+    }
+    /// In the other byte order.
+    void send_swapped(std::uint32_t sequence, double time_s, double x, double y) {
+        PositionDatagram p{{'T', 'S', 'P', '1'}, sequence, time_s, {x, y, 0}, 0};
+        const auto swap = [](auto& value) { std::reverse(reinterpret_cast<char*>(&value), reinterpret_cast<char*>(&value + 1)); };
+        swap(p.sequence), swap(p.time_s), swap(p.position_m[0]), swap(p.position_m[1]);
+        send(&p, sizeof p);
+    }
+    int answers() {
+        ForceDatagram f{};
+        int n = 0;
+        while (::recv(socket_, &f, sizeof f, MSG_DONTWAIT) == sizeof f) ++n;
+        return n;
     }
     ForceDatagram receive() {
         ForceDatagram f{};
@@ -168,9 +182,11 @@ TEST_CASE("a replayed table moves in straight lines between its rows, ends with 
 
 TEST_CASE("the remote device takes the newest position and counts what is late, lost and foreign", "[device]") {
     RemoteDevice device(0);
+    device.start();
     CHECK_FALSE(device.read(0).valid);  // nobody has spoken
     Client client(device.port());
-    client.send(10, 0.1, 0.2);
+    client.send(10, 7.000, 0.1, 0.1);
+    client.send(11, 7.001, 0.1, 0.2);
     DeviceSample s;
     CHECK(wait_for([&] { return (s = device.read(0.001)).valid; }));
     CHECK(s.position_m == Eigen::Vector3d(0.1, 0.2, 0));
@@ -178,51 +194,196 @@ TEST_CASE("the remote device takes the newest position and counts what is late, 
     device.write({1, -2, 3});
     const ForceDatagram f = client.receive();
     CHECK(std::memcmp(f.magic, "TSF1", 4) == 0);
-    CHECK(f.sequence == 10);
+    CHECK(f.sequence == 11);
     CHECK((f.force_N[0] == 1 && f.force_N[1] == -2 && f.force_N[2] == 3));
-    client.send(13, 0.3, 0);   // 11, 12 lost
-    client.send(12, 0.9, 0.9); // late
+    client.send(14, 7.002, 0.3, 0);    // 12, 13 lost
+    client.send(13, 7.002, 0.9, 0.9);  // late
     client.send("hello", 5);
-    const PositionDatagram wrong{{'X', 'S', 'P', '1'}, 14, 0, {0, 0, 0}, 0};
+    const PositionDatagram wrong{{'X', 'S', 'P', '1'}, 15, 7.003, {0, 0, 0}, 0};
     client.send(&wrong, sizeof wrong);
     CHECK(wait_for([&] { return device.read(0.002).position_m.x() == 0.3 && ledger(device, "foreign") == 2; }));
     CHECK(device.read(0.102).age_s == Approx(0.1));
-    CHECK(ledger(device, "received") == 2);
+    CHECK(ledger(device, "received") == 3);
+    CHECK(ledger(device, "skipped") == 1);  // the first of the two by which it leads
     CHECK(ledger(device, "lost") == 2);
     CHECK(ledger(device, "late") == 1);
     CHECK(ledger(device, "foreign") == 2);
     CHECK(std::isnan(device.read(0.1).measured_N.x()));
-    const SensorDatagram felt{{{'T', 'S', 'P', '2'}, 14, 0, {0.4, 0, 0}, 0}, {0.1, -1.5, 0.2}};
+    const SensorDatagram felt{{{'T', 'S', 'P', '2'}, 15, 7.15, {0.4, 0, 0}, 0}, {0.1, -1.5, 0.2}};
     client.send(&felt, sizeof felt);
     CHECK(wait_for([&] { return device.read(0.15).position_m.x() == 0.4; }));
     CHECK(device.read(0.15).measured_N == Eigen::Vector3d(0.1, -1.5, 0.2));
     client.send(&felt, sizeof felt - 8);  // of neither size
-    const SensorDatagram first{{{'T', 'S', 'P', '1'}, 15, 0, {0.5, 0, 0}, 0}, {1, 1, 1}};
+    const SensorDatagram first{{{'T', 'S', 'P', '1'}, 16, 7.16, {0.5, 0, 0}, 0}, {1, 1, 1}};
     client.send(&first, sizeof first);  // of the one's magic and the other's size
     CHECK(wait_for([&] { return device.read(0.16).position_m.x() == 0.4 && ledger(device, "foreign") == 4; }));
-    Client second(device.port());  // another client, from another start, leads when the first has been silent for half a second
-    second.send(1, 0.7, 0);
-    CHECK(wait_for([&] { return device.read(0.64).position_m.x() == 0.4 && ledger(device, "others") == 1; }));
-    device.write({4, 0, 0});
-    CHECK(client.receive().force_N[0] == 4);
-    second.send(2, 0.8, 0);
-    CHECK(wait_for([&] { return device.read(0.66).position_m.x() == 0.8; }));
-    CHECK(ledger(device, "others") == 1);
-    second.send(1, 0.9, 0);  // begun anew while it leads
-    CHECK(wait_for([&] { device.read(1.1); return ledger(device, "late") == 2; }));
-    second.send(1, 0.9, 0);  // and after half a second of silence
-    CHECK(wait_for([&] { return device.read(1.2).position_m.x() == 0.9; }));
-    CHECK(ledger(device, "lost") == 2);
     CHECK(refusal<DeviceError>([&] { RemoteDevice taken(device.port()); }).find(std::to_string(device.port())) != std::string::npos);
 }
 
-TEST_CASE("a flood of datagrams does not hold up a tick", "[device]") {
+TEST_CASE("the remote device: who leads is heard alone, and another begins after half a second of silence, as does a client that begins anew", "[device]") {
+    RemoteDevice device(0);
+    device.start();
+    Client client(device.port()), second(device.port());
+    client.send(1, 0, 0.1, 0);
+    client.send(2, 0.001, 0.1, 0);
+    second.send(1, 0, 0.9, 0);
+    CHECK(wait_for([&] { return device.read(0.001).position_m.x() == 0.1; }));
+    CHECK(wait_for([&] { device.read(0.001); return ledger(device, "others") == 1; }));  // it had come before the first one led
+    second.send(2, 0.001, 0.9, 0);
+    second.send(3, 0.002, 0.9, 0);
+    client.send(3, 0.100, 0.4, 0);
+    CHECK(wait_for([&] { return device.read(0.1).position_m.x() == 0.4; }));
+    CHECK(ledger(device, "others") == 1);  // the system has refused these
+    device.write({4, 0, 0});
+    CHECK(client.receive().force_N[0] == 4);
+    CHECK(second.answers() == 0);
+    CHECK(device.read(0.59).position_m.x() == 0.4);
+    second.send(4, 0.59, 0.7, 0);
+    CHECK(device.read(0.61).position_m.x() == 0.4);  // now the first one has lost the lead
+    device.write({4, 0, 0});
+    CHECK(client.answers() == 0);
+    second.send(5, 0.62, 0.8, 0);
+    second.send(6, 0.63, 0.8, 0);
+    CHECK(wait_for([&] { return device.read(0.63).position_m.x() == 0.8; }));
+    second.send(1, 0.64, 0.9, 0);  // begun anew while it leads
+    CHECK(wait_for([&] { device.read(0.64); return ledger(device, "late") == 1; }));
+    CHECK(device.read(1.14).position_m.x() == 0.8);
+    second.send(2, 1.15, 0.9, 0);  // and after half a second of silence
+    second.send(3, 1.16, 0.9, 0);
+    CHECK(wait_for([&] { return device.read(1.16).position_m.x() == 0.9; }));
+    CHECK(ledger(device, "lost") == 0);
+    CHECK(ledger(device, "leaps") == 0);
+}
+
+TEST_CASE("a flood of datagrams does not hold up a tick, nor keep a client's position out", "[device]") {
+    RemoteDevice device(0);
+    device.start();
+    Client client(device.port()), flood(device.port());
+    const auto pour = [&] {
+        for (int k = 0; k < 2000; ++k) flood.send("of no use", 9);
+        wait_ms(20);
+    };
+    pour();
+    const auto began = std::chrono::steady_clock::now();
+    device.read(0);
+    CHECK(std::chrono::steady_clock::now() - began < std::chrono::milliseconds(100));
+    CHECK(ledger(device, "foreign") <= 512);  // a read takes no more
+    for (int k = 0; k < 10; ++k) device.read(0);
+    client.send(1, 0, 0, 0);
+    client.send(2, 0.001, 0, 0);
+    CHECK(wait_for([&] { return device.read(0.001).valid; }));
+    const double before = ledger(device, "foreign");
+    for (std::uint32_t k = 3; k < 13; ++k) {  // each in the middle of a flood that is longer than the system keeps
+        pour();
+        client.send(k, 0.001 * k, 0.001 * k, 0);
+        wait_ms(20);
+        CHECK(device.read(0.001 * k).position_m.x() == 0.001 * k);
+    }
+    CHECK(ledger(device, "received") == 12);
+    CHECK(ledger(device, "lost") == 0);
+    CHECK(ledger(device, "foreign") == before);
+    for (std::uint32_t k = 13; k < 113; ++k) client.send(k, 0.013, 0.013, 0);  // and one of its own
+    CHECK(wait_for([&] { device.read(0.013); return ledger(device, "received") == 112; }));
+    CHECK(ledger(device, "skipped") >= 1);
+    CHECK(ledger(device, "skipped") < 112);
+}
+
+TEST_CASE("a position that waited while the program stood still is as old as it is", "[device]") {
+    for (const double clock_s : {0.0, -3.5, 1.7e9}) {  // where the client's clock begins
+        RemoteDevice device(0);
+        device.start();
+        Client client(device.port());
+        std::uint32_t sequence = 0;
+        DeviceSample s;
+        const auto send = [&](int ms) { client.send(++sequence, clock_s + 1e-3 * ms, 1e-3 * ms, 0); };
+        send(0);
+        for (int ms = 1; ms < 20; ++ms) {
+            send(ms);
+            CHECK(wait_for([&] { return (s = device.read(1e-3 * ms)).position_m.x() == 1e-3 * ms; }));
+            CHECK(s.age_s < 1e-3);
+        }
+        for (int ms = 20; ms <= 420; ++ms) send(ms);  // more than the system keeps, which is the oldest
+        wait_ms(20);
+        s = device.read(0.42);
+        CHECK(s.position_m.x() > 0.1);
+        CHECK(s.age_s == Approx(0.42 - s.position_m.x()).margin(1e-3));
+        send(421);
+        CHECK(wait_for([&] { return (s = device.read(0.421)).position_m.x() == 0.421; }));
+        CHECK(s.age_s < 1e-3);
+        // a second of pause, in which the client goes on: not its silence
+        for (int ms = 422; ms <= 1421; ++ms) send(ms);
+        wait_ms(20);
+        s = device.read(1.421);
+        CHECK(s.age_s == Approx(1.421 - s.position_m.x()).margin(2e-3));
+        send(1422);
+        CHECK(wait_for([&] { return (s = device.read(1.422)).position_m.x() == 1.422; }));
+        CHECK(s.age_s < 2e-3);
+        CHECK(ledger(device, "leaps") == 0);
+        CHECK(ledger(device, "late") == 0);
+    }
+}
+
+TEST_CASE("clocks that drift apart by a ten-thousandth make no position old", "[device]") {
+    for (const double rate : {1 - 1e-4, 1 + 1e-4}) {
+        RemoteDevice device(0);
+        device.start();
+        Client client(device.port());
+        DeviceSample s;
+        client.send(1, 0, 0, 0);
+        for (std::uint32_t k = 1; k <= 2000; ++k) {  // 800 s, in which they part by 80 ms
+            const double now_s = 0.4 * k;
+            client.send(k + 1, rate * now_s, now_s, 0);
+            REQUIRE(wait_for([&] { return (s = device.read(now_s)).position_m.x() == now_s; }));
+            REQUIRE(s.age_s < 1e-3);
+        }
+    }
+}
+
+TEST_CASE("a client of another byte order, one that leaps and one that counts milliseconds never lead", "[device]") {
+    RemoteDevice device(0);
+    device.start();
+    Client swapped(device.port()), leaping(device.port()), milliseconds(device.port()), timeless(device.port()), right(device.port());
+    for (std::uint32_t k = 1; k <= 700; ++k) {  // over the carry of a byte
+        const double now_s = 1e-3 * k;
+        swapped.send_swapped(k, now_s, 0.05, 0.1);
+        leaping.send(70000 * k, now_s, 0.05, 0.1);
+        milliseconds.send(k, k, 0.05, 0.1);
+        timeless.send(k, std::nan(""), 0.05, 0.1);
+        REQUIRE_FALSE(device.read(now_s).valid);
+    }
+    CHECK(ledger(device, "received") == 0);
+    CHECK(ledger(device, "leaps") > 700);
+    for (std::uint32_t k = 1; k <= 20; ++k) {  // among all of them one that is right is found
+        const double now_s = 0.7 + 1e-3 * k;
+        swapped.send_swapped(700 + k, now_s, 0.05, 0.1);
+        right.send(k, now_s, 0.2, 0.1);
+        milliseconds.send(700 + k, 700 + k, 0.05, 0.1);
+        device.read(now_s);
+    }
+    CHECK(wait_for([&] { return device.read(0.72).position_m.x() == 0.2; }));
+}
+
+TEST_CASE("the remote device sends no force before start() nor after stop()", "[device]") {
     RemoteDevice device(0);
     Client client(device.port());
-    for (std::uint32_t k = 0; k < 500; ++k) client.send(k + 1, 0, 0);
-    wait_ms(20);
-    device.read(0);
-    CHECK(ledger(device, "received") <= 64);
+    for (int session = 0; session < 2; ++session) {
+        device.start();
+        client.send(1, 0, 0.1, 0);
+        client.send(2, 0.001, 0.1, 0);
+        CHECK(wait_for([&] { return device.read(0.001).valid; }));
+        device.write({1, 0, 0});
+        CHECK(client.receive().force_N[0] == 1);
+        device.stop();
+        device.write({1, 0, 0});
+        client.send(3, 0.002, 0.1, 0);
+        client.send(4, 0.003, 0.1, 0);
+        wait_ms(20);
+        device.read(0.003);
+        device.write({1, 0, 0});
+        wait_ms(20);
+        CHECK(client.answers() == 0);
+    }
+    CHECK(ledger(device, "sent") == 2);
 }
 
 TEST_CASE("openhaptics: without the vendor's library the message says so", "[device]") {

@@ -1,3 +1,5 @@
+#include <arpa/inet.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -19,6 +21,7 @@
 #include "error.h"
 #include "haptic/realtime_loop.h"
 #include "haptic/recorder.h"
+#include "haptic/remote_device.h"
 #include "haptic/replay_device.h"
 #include "haptic/state_channel.h"
 #include "haptic/virtual_device.h"
@@ -505,4 +508,53 @@ TEST_CASE("tissue-haptic: links neither Boost nor Python", "[program]") {
     const std::string libraries = read_file(folder.file("libraries"));
     CHECK(libraries.find("boost") == std::string::npos);
     CHECK(libraries.find("python") == std::string::npos);
+}
+
+TEST_CASE("the shipped client takes no forged force, none above its limit, and does not end at bytes that are none", "[program]") {
+    const TemporaryFolder folder;
+    const std::string client = (std::filesystem::path(__FILE__).parent_path() / "../../scripts/remote_device.py").string();
+    const char* python = std::getenv("PYTHON");
+    const int socket = ::socket(AF_INET, SOCK_DGRAM, 0), forger = ::socket(AF_INET, SOCK_DGRAM, 0);
+    sockaddr_in here{}, there{};
+    here.sin_family = AF_INET;
+    here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t length = sizeof here;
+    REQUIRE(::bind(socket, reinterpret_cast<sockaddr*>(&here), sizeof here) == 0);
+    REQUIRE(::getsockname(socket, reinterpret_cast<sockaddr*>(&here), &length) == 0);
+    const timeval wait{60, 0};
+    setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof wait);
+    std::thread runs([&] {
+        std::system((std::string(python ? python : "python3") + " " + client + " " + std::to_string(ntohs(here.sin_port)) + " 1 > " + folder.file("out") + " 2> " +
+                     folder.file("err") + "; echo $? > " + folder.file("status")).c_str());
+    });
+    const auto force = [](std::uint32_t used, double x, double y, double z) { return ForceDatagram{{'T', 'S', 'F', '1'}, used, 0, {x, y, z}, 0}; };
+    PositionDatagram position{};
+    int heard = 0;
+    for (; heard < 200; ++heard) {
+        length = sizeof there;
+        if (::recvfrom(socket, &position, sizeof position, 0, reinterpret_cast<sockaddr*>(&there), &length) != sizeof position) break;
+        const auto say = [&](int from, const void* data, std::size_t size) { ::sendto(from, data, size, 0, reinterpret_cast<sockaddr*>(&there), sizeof there); };
+        const ForceDatagram forged = force(position.sequence, 1, 0, 0), good = force(position.sequence, 0, 0.25, 0), strong = force(position.sequence, 1000, 0, 0),
+                            nan = force(position.sequence, std::nan(""), 0, 0), ahead = force(position.sequence + 1000000, 2, 0, 0);
+        say(forger, &forged, sizeof forged);
+        say(socket, "x", 1);
+        say(socket, "", 0);
+        say(socket, &nan, sizeof nan);
+        say(socket, &ahead, sizeof ahead);
+        say(socket, &good, sizeof good - 1);
+        if (heard < 100) say(socket, &good, sizeof good);
+        else say(socket, &strong, sizeof strong);
+    }
+    runs.join();
+    ::close(socket);
+    ::close(forger);
+    const std::string told = read_file(folder.file("out"));
+    INFO(told << read_file(folder.file("err")));
+    CHECK(heard == 200);
+    CHECK(read_file(folder.file("status")) == "0\n");
+    CHECK(told.find("largest force 3.3000 N, refused ") != std::string::npos);
+    double sent = 0, answers = 0;
+    REQUIRE(std::sscanf(told.substr(told.rfind("sent ")).c_str(), "sent %lf, answers %lf", &sent, &answers) == 2);
+    CHECK(answers <= 200);  // those of the other socket were none
+    CHECK(answers > 0);
 }
