@@ -108,7 +108,7 @@ in per cent, FE being the study's own, on meshes that are finest at the disc (3 
 |---|---|---|---|---|---|
 {table}
 
-{"Not there in this run: " + ", ".join(missing) + ". " if missing else ""}CHAI3D's GEL and SOFA are in no package index and were not run; `scripts/peers.md` says what a fair run of them would take.
+{"Not there in this run: " + ", ".join(missing) + ". " if missing else ""}CHAI3D's GEL and SOFA are not among the packages that we install (Debian's and PyPI's; conda-forge has SOFA) and were not run; `scripts/peers.md` says what a fair run of them would take.
 """
     print(text)
     with written(out) as beside:

@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """Writes what is committed of the studies' results: reference.py [--check | STUDY...]
 
 results/reference/STUDY.json   what a regression compares with (reference_record.py)

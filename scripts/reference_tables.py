@@ -47,9 +47,9 @@ SUMMARY = [  # README's rows: what it is, study, role, what stands beside it
     ("a block in space", "block3", "held_out", "heuristic_a_patch", VAN_GELDER),
     ("a nodule in it", "nodule3", "held_out", "heuristic_a_patch", VAN_GELDER),
     ("an organ in space", "organ3", "held_out", "heuristic_a_patch", VAN_GELDER),
-    ("learned from noisy measured forces", "measured", "held_out", "repeat", "measured again"),
+    ("learned from noisy synthetic forces, in place of measured ones", "measured", "held_out", "repeat", "measured again"),
 ]
-PATIENT = {"lump": "a patient with a lump", "layers": "a patient with layers and a lump"}  # of patient.md, in README
+PATIENT = {"lump": "a synthetic target tissue with a lump", "layers": "a synthetic target tissue with layers and a lump"}  # of patient.md, in README
 PATIENT_POKES = 20
 STUDIES = {
     "paper": "4-connected, `isotropic` (`paper`)",
