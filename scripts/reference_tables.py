@@ -274,7 +274,7 @@ def patient_rows(text, way="field, told where"):
 
 def patient_table(patients):
     shown = (0, 1, 5, 10, 20, 40)
-    rows = ["| patient | " + " | ".join("before" if n == 0 else f"{n} poke{'s' * (n > 1)}" for n in shown) + " |",
+    rows = ["| target tissue (synthetic) | " + " | ".join("before" if n == 0 else f"{n} poke{'s' * (n > 1)}" for n in shown) + " |",
             "|---|" + "---|" * len(shown)]
     return rows + [f"| {what} | " + " | ".join(errors[n] for n in shown) + " |" for what, errors in patients.values()]
 
