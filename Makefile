@@ -294,22 +294,22 @@ $(R)/plan/%:
 # any shape: gmsh fills an outline with triangles, or takes the format of a mesh to 2.2; then it is checked. The mesh keeps its
 # time stamp while it stays the same, so that another program does not solve every load path again: mesh.made says when it was
 # last made, and after it make reads the plan, and with it the mesh's time stamp, anew.
-STL := $(if $(filter %.stl %.STL,$(SHAPE)),fem/fill3.geo scripts/stl_names)
+STL := $(if $(filter %.stl %.STL,$(SHAPE)),fem/fill3.geo)
 ifneq (,$(SHAPE))
 shape_mesh = echo "mesh  $(R)/mesh.msh" && scripts/mesh $(R)/mesh.msh $(SHAPE) $(SHAPE_ARGUMENTS) -- $(TISSUECTL) shape --study fem/studies/$(STUDY).toml
 $(R)/plan.mk: $(R)/mesh.made
-$(R)/mesh.made: $(SHAPE) $(R)/plan/shape $(BUILD)/stage/shape scripts/mesh $(STL) | $(TISSUECTL)
+$(R)/mesh.made: $(SHAPE) $(R)/plan/shape $(BUILD)/stage/shape scripts/mesh scripts/run_gmsh $(STL) | $(TISSUECTL)
 	@$(shape_mesh) && touch $@
 
 $(R)/mesh.msh: | $(R)/mesh.made  # a lost one
 	@[ -e $@ ] || { $(shape_mesh); }
 else
-$(R)/mesh.msh $(R)/mesh-fine.msh: fem/block.geo scripts/mesh
+$(R)/mesh.msh $(R)/mesh-fine.msh: fem/block.geo scripts/mesh scripts/run_gmsh
 	@echo "mesh  $@"
 	@scripts/mesh $@ $< -2 $(MESH_ARGUMENTS)
 endif
 
-$(R)/cases/%.csv: $(call files,fem/*.edp fem/*.idp) scripts/solve_path $(STL)
+$(R)/cases/%.csv: $(call files,fem/*.edp fem/*.idp) scripts/solve_path
 	@TISSUECTL=$(TISSUECTL) $(RUN) scripts/solve_path $(R) $* $(PATH_ARGUMENTS)
 
 # the plan adds the stage, collect or import

@@ -7,12 +7,13 @@
 #include "io/atomic_file.h"
 #include "mesh/disc_rim.h"
 #include "mesh/region_lookup.h"
+#include "mesh/stl_file.h"
 
 namespace tissue::cli {
 namespace {
 
 struct Options {
-    std::string mesh, out, filled;
+    std::string mesh, named, out, filled;
     std::vector<std::string> fixed{"fixed"}, regions;
     std::vector<double> contact_m;
     double unit_m = 1, radius_m = 0.007, near_m = 0.003, far_m = 0.015;
@@ -20,18 +21,18 @@ struct Options {
 
 void run(const Options& o) {
     if (!o.filled.empty()) {
-        const MshFile mesh = read_msh(o.mesh, true);
+        const MshFile mesh = read_msh(o.mesh, true, o.named);
         return write_file(o.out, to_msh(read_msh(o.filled, true), RegionLookup(mesh, o.regions, o.unit_m)));
     }
     if (o.contact_m.empty()) throw CLI::RequiredError("--contact");
-    const Surface surface = make_surface(read_msh(o.mesh, true), o.fixed, o.unit_m);
+    const Surface surface = make_surface(read_surface_file(o.mesh, o.named), o.fixed, o.unit_m);
     try {
         const RimmedSurface made = with_rim(surface, {{o.contact_m[0], o.contact_m[1], o.contact_m[2]}, o.radius_m, o.near_m, o.far_m});
         write_file(o.out, to_msh(made.surface));
         const Eigen::Vector3d& c = made.contact_m;
         std::cout << fmt::format("-contact_x {} -contact_y {} -contact_z {}\n", c.x(), c.y(), c.z());
     } catch (const MismatchError& e) {
-        throw MismatchError(o.mesh + ": " + e.what());
+        throw MismatchError((o.named.empty() ? o.mesh : o.named) + ": " + e.what());
     }
 }
 
@@ -40,7 +41,8 @@ void run(const Options& o) {
 void add_rim(CLI::App& app, const Invocation&) {
     auto o = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("rim", "Divide a solid's surface anew for a disc that presses on it; prints the contact on the surface.");
-    command->add_option("--mesh", o->mesh, "the shape as gmsh saved it, MSH 2.2")->required()->type_name("FILE");
+    command->add_option("--mesh", o->mesh, "the shape as gmsh saved it, MSH 2.2, or an .stl")->required()->type_name("FILE");
+    command->add_option("--named", o->named, "what messages call it (default: --mesh)")->type_name("FILE");
     command->add_option("--fixed", o->fixed, "surfaces that are held")->delimiter(',')->type_name("NAME,..")->capture_default_str();
     command->add_option("--unit", o->unit_m, "the mesh's unit of length")->type_name("m")->capture_default_str();
     command->add_option("--contact", o->contact_m, "about which the disc presses")->expected(3)->type_name("m m m");

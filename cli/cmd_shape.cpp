@@ -8,6 +8,7 @@
 #include "io/atomic_file.h"
 #include "mesh/shape.h"
 #include "mesh/solid_shape.h"
+#include "mesh/stl_file.h"
 #include "mesh/surface.h"
 #include "mesh/surface_remesh.h"
 #include "study/study.h"
@@ -34,10 +35,10 @@ void run(const Options& o) {
     const Study study = read_study(o.study);
     const Study::Geometry& g = study.geometry;
     if (g.is_block()) throw MismatchError("study '" + study.name + "' is of the block; it has no geometry.shape");
-    MshFile mesh = read_msh(o.mesh, g.is_solid());
-    mesh.file = g.shape;  // what the user knows of; the mesh is what gmsh made of it
     if ((o.surface || o.filled) && !(g.is_solid() && study.spring_size_m > 0))
         throw MismatchError("study '" + study.name + "' has no surface in space to fill with springs of lattice.size_m");
+    // messages name what the user knows of; the mesh is what gmsh made of it
+    const MshFile mesh = o.surface ? read_surface_file(o.mesh, g.shape) : read_msh(o.mesh, g.is_solid(), g.shape);
     if (o.surface) return write_file(o.out, divided_surface(study, mesh));
     ShapeNotes notes;
     const auto make = g.is_solid() ? make_solid_shape : make_shape;
@@ -56,7 +57,7 @@ void add_shape(CLI::App& app, const Invocation&) {
     auto o = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("shape", "Check a study's own shape and write the mesh of its springs.");
     command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
-    command->add_option("--mesh", o->mesh, "the shape as gmsh saved it, MSH 2.2")->required()->type_name("FILE");
+    command->add_option("--mesh", o->mesh, "the shape as gmsh saved it, MSH 2.2; with --surface the .stl itself")->required()->type_name("FILE");
     command->add_option("--out", o->out, "mesh.msh to write")->required()->type_name("FILE");
     command->add_flag("--surface", o->surface, "write the surface of an .stl, divided into sides of lattice.size_m, for gmsh to fill");
     command->add_flag("--filled", o->filled, "the mesh is that surface, filled");

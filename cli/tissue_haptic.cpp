@@ -34,6 +34,7 @@
 #include "io/atomic_file.h"
 #include "journal.h"
 #include "session_end.h"
+#include "study/one_line.h"
 #include "version.h"
 
 namespace {
@@ -251,13 +252,13 @@ int main(int argc, char** argv) {
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? 0 : 2;
     } catch (const std::exception& e) {
-        std::cerr << "tissue-haptic: " << e.what() << '\n';
+        std::cerr << "tissue-haptic: " << tissue::one_line(e.what()) << '\n';
         return 2;
     }
     try {
         run(o, {command, 0, {}});
     } catch (const std::exception& e) {
-        std::cerr << "tissue-haptic: " << e.what() << '\n';
+        std::cerr << "tissue-haptic: " << tissue::one_line(e.what()) << '\n';
         return 1;
     }
     return 0;

@@ -15,6 +15,7 @@
 #include "command.h"
 #include "generate.h"
 #include "parallel.h"
+#include "study/one_line.h"
 #include "version.h"
 
 int main(int argc, char** argv) {
@@ -53,10 +54,10 @@ int main(int argc, char** argv) {
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? 0 : 2;
     } catch (const NotAsPromised& e) {
-        std::cerr << "tissuectl: " << e.what() << '\n';
+        std::cerr << "tissuectl: " << tissue::one_line(e.what()) << '\n';
         return 3;
     } catch (const std::exception& e) {
-        std::cerr << "tissuectl: " << e.what() << '\n';
+        std::cerr << "tissuectl: " << tissue::one_line(e.what()) << '\n';
         return 1;
     }
     if (const int refused = tissue::refused_threads())

@@ -13,6 +13,7 @@ inline const std::string& shape_study_text() {
     static const std::string text = R"([geometry]
 solid = true
 shape = "dome.geo"
+trust_geo = true
 unit_m = 0.001
 fixed = ["bed"]
 

@@ -12,6 +12,7 @@
 #include "cases/study_mesh.h"
 #include "cases/sweep.h"
 #include "error.h"
+#include "mesh/stl_file.h"
 #include "study/one_line.h"
 
 namespace tissue {
@@ -187,7 +188,7 @@ PlannedPath path_of(const Study& s, const PlannedHistory& history, bool elastic)
 
 /// How gmsh makes the shape's triangles or tetrahedra: an outline or a surface is filled, a mesh is converted.
 std::string shape_arguments(const Study& s) {
-    if (s.geometry.is_solid() && s.geometry.shape.size() > 4 && s.geometry.shape.substr(s.geometry.shape.size() - 4) == ".stl")
+    if (is_stl(s.geometry.shape))
         return fmt::format("-setnumber size_near {0} -setnumber size_far {0}", s.spring_size_m);  // fem/fill3.geo
     if (s.spring_size_m > 0 && s.geometry.is_solid()) return fmt::format("-3 -clmin {0} -clmax {0}", s.spring_size_m / s.geometry.unit_m);
     if (s.spring_size_m > 0) return fmt::format("-2 -clmin {0} -clmax {0}", s.spring_size_m / s.geometry.unit_m);
@@ -278,9 +279,9 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
     };
     const auto solve_of = [&](const PlannedPath& path) -> Solve {
         if (solid && shaped)  // tissuectl rim divides its surface
-            return {solid_shape_arguments(study, path, "$(R)/mesh.msh"), "$(R)/mesh.msh $(BUILD)/stage/rim fem/fill3.geo " + study.geometry.shape,
+            return {solid_shape_arguments(study, path, "$(R)/mesh.msh"), "$(R)/mesh.msh $(BUILD)/stage/rim scripts/run_gmsh fem/fill3.geo " + study.geometry.shape,
                     solid_shape_arguments(study, path, "mesh.msh")};
-        if (solid) return {solid_arguments(study, path), solid_geo, solid_arguments(study, path)};
+        if (solid) return {solid_arguments(study, path), std::string("scripts/run_gmsh ") + solid_geo, solid_arguments(study, path)};
         const std::string arguments = path_arguments(study, path), mesh = !block || path.refine == study.refine ? "mesh.msh" : "mesh-fine.msh";
         return {"-mesh $(R)/" + mesh + " " + arguments, "$(R)/" + mesh, mesh + " " + arguments};
     };

@@ -28,7 +28,7 @@ constexpr long largest_count = 1'000'000;
 
 class Lines {
    public:
-    explicit Lines(const std::string& file) : file_(file), in_(read_file(file)) {}
+    Lines(const std::string& file, const std::string& named) : file_(named.empty() ? file : named), own_(named.empty()), in_(read_file(file)) {}
 
     std::string next(const char* wanted) {
         std::string line;
@@ -53,21 +53,28 @@ class Lines {
     }
 
     [[noreturn]] void refuse(const std::string& why) const {
-        throw FileError(fmt::format("{}:{}: {}", file_, number_, why));
+        throw FileError(own_ ? fmt::format("{}:{}: {}", file_, number_, why) : fmt::format("{}: {}", file_, why));
     }
 
    private:
     std::string file_;
+    bool own_;  ///< whether its lines are the named file's
     std::istringstream in_;
     long number_ = 0;
 };
 
+template <typename Elements>
+void name_by_number(const Elements& elements, std::map<int, std::string>& names) {
+    for (const auto& e : elements)
+        if (e.physical != 0) names.emplace(e.physical, std::to_string(e.physical));
+}
+
 }  // namespace
 
-MshFile read_msh(const std::string& file, bool in_space) {
-    Lines in(file);
+MshFile read_msh(const std::string& file, bool in_space, const std::string& named) {
+    Lines in(file, named);
     MshFile mesh;
-    mesh.file = file;
+    mesh.file = named.empty() ? file : named;
     std::unordered_map<long, int> place;  // the file's node number -> place in points
     bool elements = false;
     if (in.next("$MeshFormat") != "$MeshFormat") in.refuse("is not a gmsh mesh: it does not begin with $MeshFormat");
@@ -152,7 +159,10 @@ MshFile read_msh(const std::string& file, bool in_space) {
             while (in.next(end.c_str()) != end) {}
         }
     }
-    if (!elements) throw FileError(file + ": breaks off: it has no $Elements");
+    if (!elements) throw FileError(mesh.file + ": breaks off: it has no $Elements");
+    name_by_number(mesh.lines, mesh.line_names);
+    name_by_number(mesh.triangles, mesh.triangle_names);
+    name_by_number(mesh.tetrahedra, mesh.tetrahedron_names);
     return mesh;
 }
 

@@ -26,12 +26,12 @@ struct MshFile {
     std::vector<Point> points;              ///< in the file's unit of length
     std::vector<Element> lines, triangles;  ///< an element in two groups stands twice
     std::vector<Tetrahedron> tetrahedra;
-    std::map<int, std::string> line_names, triangle_names, tetrahedron_names;  ///< of the physical groups, by tag
+    std::map<int, std::string> line_names, triangle_names, tetrahedron_names;  ///< of the physical groups, by tag; one without a name has its number
 };
 
 /// Throws FileError with file, line and cause: missing, another format, cut off, an element that is neither a line nor a
 /// straight triangle (quadrilaterals, tetrahedra and second-order elements are named), a node that does not exist.
-/// in_space: tetrahedra are welcome.
-MshFile read_msh(const std::string& file, bool in_space = false);
+/// in_space: tetrahedra are welcome. named: what messages call the file, without lines, where it is another made of that one.
+MshFile read_msh(const std::string& file, bool in_space = false, const std::string& named = "");
 
 }  // namespace tissue

@@ -94,9 +94,9 @@ std::string head(const ShapeExtent& shape, const NewStudy& wanted) {
                       "#   [material.regions.NAME]\n#   C1_Pa = 3000.0\n",
                       shape.solid ? "volumes" : "surfaces", fmt::join(shape.regions, ", "));
     return fmt::format("# Written by tissuectl new. Every key is in SI units and says which; results/FORMATS.md lists them all.\n{}\n[geometry]\n{}"
-                       "shape = {}    # beside this file\nunit_m = {}    # m, of that file's numbers\n"
+                       "shape = {}    # beside this file\n{}unit_m = {}    # m, of that file's numbers\n"
                        "fixed = {}    # its named {} that are held; the rest is free\n{}\n",
-                       regions, shape.solid ? "solid = true    # in space\n" : "", quoted(wanted.shape_in_study),
+                       regions, shape.solid ? "solid = true    # in space\n" : "", quoted(wanted.shape_in_study), wanted.trust_geo ? "trust_geo = true    # gmsh runs it as a program\n" : "",
                        text(wanted.unit_m), list(wanted.held), shape.solid ? "surfaces" : "curves",
                        shape.solid ? "" : fmt::format("thickness_m = {}    # m, of the slice; forces scale with it\n", text(wanted.thickness_m)));
 }

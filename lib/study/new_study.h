@@ -11,6 +11,7 @@ struct NewStudy {
     std::string shape;               ///< file: .geo, .msh or .stl
     std::string shape_in_study;      ///< the same as the study is to name it, from its own folder
     double unit_m = 1;               ///< of that file
+    bool trust_geo = false;          ///< whether gmsh may run it, where it is a .geo
     std::vector<std::string> held;   ///< its named curves, in space surfaces, that are held
     std::string preset = "liver";    ///< fem/materials/NAME.toml
     double thickness_m = 0.1;        ///< in the plane

@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
 #include <regex>
 #include <sstream>
 #include <utility>
 
 #include "error.h"
 #include "io/atomic_file.h"
+#include "mesh/stl_file.h"
 
 namespace tissue {
 namespace {
@@ -123,42 +122,12 @@ ShapeExtent msh_extent(const std::string& text, const std::string& file) {
 
 // ---- .stl
 
-ShapeExtent stl_extent(const std::string& text, const std::string& file) {
-    constexpr std::size_t head = 84, facet = 50;
+ShapeExtent stl_extent(const std::string& file) {
+    const MshFile mesh = read_stl(file);
     ShapeExtent shape;
     shape.solid = true;
-    std::uint32_t facets = 0;
-    if (text.size() >= head) std::memcpy(&facets, text.data() + head - 4, 4);
-    if (text.size() >= head && text.size() == head + facet * facets) {
-        for (std::size_t f = 0; f < facets; ++f)
-            for (std::size_t corner = 1; corner <= 3; ++corner) {
-                float p[3];
-                std::memcpy(p, text.data() + head + f * facet + 12 * corner, sizeof p);
-                include(shape, {p[0], p[1], p[2]}, file);
-            }
-    } else {
-        std::istringstream in(text);
-        std::vector<std::string> names;
-        std::size_t solids = 0;
-        for (std::string line; std::getline(in, line);) {
-            std::istringstream words(line);
-            std::string word;
-            words >> word;
-            std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-            if (word == "vertex") {
-                const double x = next<double>(words, file, "vertex"), y = next<double>(words, file, "vertex");
-                include(shape, {x, y, next<double>(words, file, "vertex")}, file);
-            } else if (word == "solid") {
-                ++solids;
-                std::string name;
-                std::getline(words >> std::ws, name);
-                while (!name.empty() && std::isspace(static_cast<unsigned char>(name.back()))) name.pop_back();
-                add_name(names, name);
-            }
-        }
-        if (solids > 1) shape.boundaries = names;  // a name of all of the surface names no part of it
-    }
-    if (!shape.low) throw FileError(file + ": is not an STL file, or has no triangles");
+    for (const MshFile::Point& p : mesh.points) include(shape, {p.x, p.y, p.z}, file);
+    for (const auto& [solid, name] : mesh.triangle_names) add_name(shape.boundaries, name);
     return shape;
 }
 
@@ -205,10 +174,10 @@ ShapeExtent geo_extent(const std::string& text, const std::string& file) {
 }  // namespace
 
 ShapeExtent shape_extent(const std::string& file) {
+    if (is_stl(file)) return stl_extent(file);
     const std::string text = read_file(file);
     const std::string ending = file.substr(std::min(file.rfind('.'), file.size()));
     if (ending == ".msh") return msh_extent(text, file);
-    if (ending == ".stl") return stl_extent(text, file);
     if (ending == ".geo") return geo_extent(text, file);
     throw FileError(file + ": a shape is a .geo, .msh or .stl");
 }

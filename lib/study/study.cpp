@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "error.h"
+#include "mesh/stl_file.h"
 #include "mesh/topology.h"
 #include "springs/spring_law.h"
 #include "study/based_on.h"
@@ -77,13 +78,16 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
         g.width_m = in.number("width_m", positive);
         g.height_m = in.number("height_m", positive);
     } else {
-        if (g.solid && !ends_with(shape, ".geo") && !ends_with(shape, ".msh") && !ends_with(shape, ".stl"))
+        if (g.solid && !ends_with(shape, ".geo") && !ends_with(shape, ".msh") && !is_stl(shape))
             in.refuse("shape", "'" + shape + "' must be a file that ends in .geo, .msh or .stl");
         if (!g.solid && !ends_with(shape, ".geo") && !ends_with(shape, ".msh"))
             in.refuse("shape", "'" + shape + "' must be block, or a file that ends in .geo or .msh");
         g.shape = beside(*table["geometry"]["shape"].node(), file, shape);
         std::error_code error;
         if (!std::filesystem::is_regular_file(g.shape, error)) in.refuse("shape", "there is no file " + g.shape);
+        const bool trusted = in.has("trust_geo") && in.flag("trust_geo");
+        if (ends_with(shape, ".geo") && !trusted)
+            in.refuse("shape", g.shape + " is a program, which gmsh runs and which may run any command; geometry.trust_geo = true says that you trust it");
         g.unit_m = in.optional_number("unit_m", positive).value_or(1);
         g.fixed = in.texts("fixed");
         if (g.fixed.empty()) in.refuse("fixed", fmt::format("must name at least one physical {} of the shape", g.solid ? "surface" : "curve"));
@@ -125,7 +129,7 @@ Study::Material read_material(TomlReader in, const Study::Geometry& geometry, bo
     if (geometry.is_solid()) {
         if (in.has("formulation")) in.refuse("formulation", fmt::format("belongs to the plane; a solid {} is incompressible", geometry.is_block() ? "block" : "shape"));
         if (in.has("regions") && geometry.is_block()) in.refuse("regions", "needs a geometry.shape whose file names them; a solid block has [nodule]");
-        if (in.has("regions") && ends_with(geometry.shape, ".stl")) in.refuse("regions", "are physical volumes, and an .stl has a surface alone");
+        if (in.has("regions") && is_stl(geometry.shape)) in.refuse("regions", "are physical volumes, and an .stl has a surface alone");
         m.formulation = "incompressible";
     } else {
         m.formulation = in.choice("formulation", {"plane-stress", "plane-strain"});

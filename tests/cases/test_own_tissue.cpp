@@ -21,7 +21,7 @@ namespace {
 /// The example study on a shape, swept all round.
 std::string shape_text() {
     std::string text = with(example_study_text(), "width_m = 0.1\nheight_m = 0.1\n",
-                            "shape = \"bean.geo\"\nunit_m = 0.001\nfixed = [\"table\"]\n");
+                            "shape = \"bean.geo\"\ntrust_geo = true\nunit_m = 0.001\nfixed = [\"table\"]\n");
     text = with(text, "cells = [4, 4]", "size_m = 0.01");
     text = with(text, "topology = \"grid8\"", "topology = \"edges\"");
     const std::size_t from = text.find("paths = ["), to = text.find("[springs]");

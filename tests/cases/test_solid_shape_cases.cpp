@@ -191,7 +191,7 @@ TEST_CASE("a solid shape's paths have their arguments in order, to the bit", "[s
                               "-disc_radius 0.007 -depth 0.008 -records 4 -tolerance 1e-09 -max_newton 12 -allow_lost 1\n",
                               p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1], p.direction[2]));
     CHECK_THAT(plan.fragment, Contains("$(R)/cases/" + p.name + ".csv: PATH_ARGUMENTS = -shape fem/dome.geo ") && Contains(" -springs $(R)/mesh.msh ") &&
-                                  Contains("$(R)/cases/" + p.name + ".csv: $(R)/plan/path-" + p.name + " $(R)/mesh.msh $(BUILD)/stage/rim fem/fill3.geo fem/dome.geo\n") &&
+                                  Contains("$(R)/cases/" + p.name + ".csv: $(R)/plan/path-" + p.name + " $(R)/mesh.msh $(BUILD)/stage/rim scripts/run_gmsh fem/fill3.geo fem/dome.geo\n") &&
                                   Contains("FIGURES := held_out held_out_force shape solid\n"));
     CHECK(plan.fragment.find("SOLID") == std::string::npos);
     CHECK(plan.fragment.find("PATHS +=") == std::string::npos);  // every path stands once in the list

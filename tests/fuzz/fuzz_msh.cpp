@@ -1,7 +1,8 @@
-// Shapes: MSH of the plane, of solids, and of surfaces as gmsh saves an .stl; what is made of them, and read again.
+// Shapes: MSH of the plane, of solids and of surfaces, and .stl; what is made of them, and read again.
 #include "fuzz_file.h"
 #include "mesh/shape.h"
 #include "mesh/solid_shape.h"
+#include "mesh/stl_file.h"
 #include "mesh/surface.h"
 #include "mesh/surface_remesh.h"
 
@@ -34,8 +35,8 @@ FUZZ_TARGET(msh)(const std::uint8_t* data, std::size_t size) {
         reads([&] { make(read_msh(file, in_space), in_space); });
         reads([&] { edge_mesh(in_space ? read_solid_shape(file) : read_shape(file)); });
     }
-    reads([&] {
-        const MshFile mesh = read_msh(file, true);
+    for (const bool stl : {false, true}) reads([&] {
+        const MshFile mesh = stl ? read_stl(file) : read_msh(file, true);
         const std::vector<std::string> held = names_of(mesh.triangle_names);
         const Surface surface = make_surface(mesh, held.empty() ? std::vector<std::string>{"surface-1"} : std::vector<std::string>{held.front()}, 0.001);
         const double size_m = (surface.nodes.colwise().maxCoeff() - surface.nodes.colwise().minCoeff()).maxCoeff();

@@ -25,6 +25,7 @@ variants = []
 
 [geometry]
 shape = "../bean.geo"
+trust_geo = true
 unit_m = 0.001
 fixed = ["table"]
 

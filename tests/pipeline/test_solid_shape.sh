@@ -20,6 +20,7 @@ based_on = "organ3"
 
 [geometry]
 shape = "../dome.geo"
+trust_geo = true
 fixed = ["table"]
 
 [lattice]
@@ -172,7 +173,7 @@ bed[] = Surface In BoundingBox{-60, -60, -0.01, 60, 60, 0.01};
 Physical Surface("table") = {bed[]};
 GEO
 pit=fem/studies/pit.toml
-sed -e 's|^\[nodule\]|[geometry]\nshape = "../pit.geo"\n[lattice]\nsize_m = 0.014\n[material.regions.stone]|' -e '/^centre_m/d' -e '/^radius_m/d' "$scratch/stone.toml" >"$work/$pit"
+sed -e 's|^\[nodule\]|[geometry]\nshape = "../pit.geo"\ntrust_geo = true\n[lattice]\nsize_m = 0.014\n[material.regions.stone]|' -e '/^centre_m/d' -e '/^radius_m/d' "$scratch/stone.toml" >"$work/$pit"
 run make PYTHON="$PYTHON" STUDY=pit eval
 check "a solid shape with a region of its own goes from mesh to evaluation" exited 0
 check "a ball as a named volume is felt as the nodule is" "$PYTHON" - "$work/results/pit" "$work/results/stone" <<'PY'

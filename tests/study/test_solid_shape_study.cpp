@@ -84,6 +84,8 @@ TEST_CASE("keys that a solid shape has not, or must have, are refused by name", 
     CHECK_THAT(said("dome.geo", "dome.obj", "geometry.shape"), Contains(".geo, .msh or .stl"));
     CHECK_THAT(said("dome.geo", "block", "geometry.shape"), Contains(".geo, .msh or .stl"));
     CHECK_THAT(said("dome.geo", "cone.geo", "geometry.shape"), Contains("there is no file"));
+    CHECK_THAT(said("trust_geo = true\n", "", "geometry.shape"), Contains("a program") && Contains("trust_geo = true"));
+    CHECK_THAT(said("trust_geo = true\n", "trust_geo = false\n", "geometry.shape"), Contains("trust_geo = true"));
     CHECK_THAT(said("fixed = [\"bed\"]", "fixed = []", "geometry.fixed"), Contains("physical surface"));
     CHECK_THAT(said("[\"bed\"]", "[\"bed,two\"]", "geometry.fixed"), Contains("comma"));
     said("fixed = [\"bed\"]\n", "", "geometry.fixed");
@@ -144,10 +146,18 @@ TEST_CASE("a study based on another takes its own kind of contacts and geometry"
     folder.file("dome.geo", "");
     folder.file("base.toml", shape_study_text());
     CHECK(read_study(folder.file("a.toml", std::string("based_on = \"base\"\n") + spread)).loads.contacts.empty());
+    CHECK(read_study(folder.file("a.toml", std::string("based_on = \"base\"\n") + spread)).geometry.shape == folder.file("dome.geo", ""));
+    folder.file("other.geo", "");
+    for (const char* trust : {"", "trust_geo = false\n", "trust_geo = true\n"}) {  // of the base's file, not of another
+        const std::string file = folder.file("d.toml", std::string("based_on = \"base\"\n[geometry]\nshape = \"other.geo\"\n") + trust + "[lattice]\nsize_m = 0.01\n" + spread);
+        CAPTURE(trust);
+        if (std::string(trust).find("= true") != std::string::npos) CHECK_NOTHROW(read_study(file));
+        else CHECK_THAT(refusal<StudyError>([&] { read_study(file); }), Contains("d.toml:3: key 'geometry.shape'") && Contains("trust_geo = true"));
+    }
     folder.file("spread.toml", spread_text());
     CHECK_FALSE(read_study(folder.file("b.toml", "based_on = \"spread\"\n[loads]\ncontacts = [{ at_m = [0, 0, 0.05], pushes_deg = [[0, 0]] }]\n")).loads.spread);
     const std::string on_block = "based_on = \"" + (std::filesystem::current_path() / "fem/studies/block3-quick").string() +
-                                 "\"\n[geometry]\nsolid = true\nshape = \"dome.geo\"\nfixed = [\"bed\"]\n[lattice]\nsize_m = 0.01\n[springs]\ntopology = \"edges3\"\nterms = [\"spring.all\"]\n";
+                                 "\"\n[geometry]\nsolid = true\nshape = \"dome.geo\"\ntrust_geo = true\nfixed = [\"bed\"]\n[lattice]\nsize_m = 0.01\n[springs]\ntopology = \"edges3\"\nterms = [\"spring.all\"]\n";
     CHECK(read_study(folder.file("c.toml", on_block + spread)).geometry.is_solid());
 }
 

@@ -1,0 +1,135 @@
+#!/bin/sh
+# Files of strangers are never executed: a script called .msh, options files beside a mesh or in the home folder, a .geo that the
+# study does not trust; and nothing is written through a planted link. Every one of them would leave a file `ran`.
+. "$(dirname "$0")/common"
+make_copy
+ran=$scratch/ran
+script="SystemCall \"touch '$ran'\";"
+not_run() { [ ! -e "$ran" ] || { echo "it was run"; rm "$ran"; return 1; }; }
+study=fem/studies/foreign.toml
+cat >"$work/$study" <<'TOML'
+based_on = "organ3"
+
+[geometry]
+shape = "foreign.msh"
+unit_m = 0.001
+fixed = ["bed"]
+TOML
+shapes=$work/fem/studies
+cat >"$scratch/cube.geo" <<'GEO'
+SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 60, 60, 60};
+Physical Surface("bed") = {5};
+Physical Volume("tissue") = {1};
+GEO
+gmsh -v 1 -3 -clmin 20 -clmax 20 -format msh41 "$scratch/cube.geo" -o "$scratch/cube.msh" >/dev/null 2>&1
+gmsh -v 1 -2 -clmin 30 -clmax 30 -save_all -format stl "$scratch/cube.geo" -o "$scratch/cube.stl" >/dev/null 2>&1
+make_foreign() { run make PYTHON="$PYTHON" STUDY=foreign mesh; }
+surface_of() { # SHAPE: as a path asks for it
+    run env TISSUECTL=build/release/tissuectl scripts/solve_path results/foreign one -shape "$1" -unit_m 0.001 -fixed bed \
+        -springs none.msh -size_near 0.005 -size_far 0.02 -contact_x 0.03 -contact_y 0.03 -contact_z 0.06 -disc_radius 0.007
+}
+R=$work/results/foreign
+
+cp "$scratch/cube.msh" "$shapes/foreign.msh"
+make_foreign
+check "a mesh is taken" exited 0
+
+refused_unrun() { # SENTENCE
+    make_foreign
+    check "$1: make fails" failed
+    check "$1: one line says so" one_line "fem/studies/foreign.msh: is not a gmsh mesh"
+    check "$1: nothing was run" not_run
+    surface_of fem/studies/foreign.msh
+    check "$1, before a path: it fails, with one line" one_line "fem/studies/foreign.msh: is not a gmsh mesh"
+    check "$1, before a path: nothing was run" not_run
+}
+echo "$script" >"$shapes/foreign.msh"
+refused_unrun "a script that is called .msh"
+(echo " $script" && cat "$scratch/cube.msh") >"$shapes/foreign.msh"
+refused_unrun "a script before a mesh"
+(printf '\n' && cat "$scratch/cube.msh" && echo "$script") >"$shapes/foreign.msh"
+refused_unrun "a mesh after an empty line, and a script behind it"
+printf '$N\000OD\n%s\n' "$script" >"$shapes/foreign.msh"
+refused_unrun "a script behind a beginning with a null byte"
+printf '$MeshForma\n%s\n' "$script" >"$shapes/foreign.msh"
+refused_unrun "a script behind a beginning that is nearly a mesh's"
+(cat "$scratch/cube.msh" && echo "$script") >"$shapes/foreign.msh"
+make_foreign
+check "a script behind a whole mesh is not run" not_run
+printf '$MeshFormat\n%s\n' "$script" >"$shapes/foreign.msh"
+make_foreign
+check "a script behind the first line of a mesh: make fails" failed
+check "a script behind the first line of a mesh is not run" not_run
+
+# ---- options files
+cp "$scratch/cube.msh" "$shapes/foreign.msh"
+touch "$shapes/foreign.msh"
+for option_file in foreign.msh.opt .gmshrc .gmsh-options; do
+    echo "$script" >"$shapes/$option_file"
+    echo "$script" >"$work/$option_file"
+    touch "$shapes/foreign.msh"
+    HOME=$shapes make_foreign
+    check "$option_file: the mesh is made" exited 0
+    check "$option_file beside the mesh, in the home folder and in the current one is not run" not_run
+    surface_of fem/studies/foreign.msh
+    check "$option_file is not run before a path either" not_run
+    rm "$shapes/$option_file" "$work/$option_file"
+done
+for file in mesh.msh.raw.tmp.opt mesh.msh.surface.tmp.opt cases/one.csv.rim.tmp.opt surface-foreign.msh-0.005-0.001.msh.opt; do
+    mkdir -p "$R/cases"
+    echo "$script" >"$R/$file"
+done
+echo "$script" >"$work/fem/fill3.geo.opt"
+surface_of fem/studies/foreign.msh
+check "options files among the results are not run" not_run
+check "an options file beside one of our own .geo is refused" one_line "fem/fill3.geo: gmsh would run fem/fill3.geo.opt"
+rm "$work/fem/fill3.geo.opt"
+
+# ---- an .stl does not reach gmsh
+sed -i 's/foreign.msh/foreign.stl/; s/"bed"/"surface-1"/' "$work/$study"
+printf '\n[lattice]\nsize_m = 0.02\n' >>"$work/$study"
+cp "$scratch/cube.stl" "$shapes/foreign.stl"
+echo "$script" >"$shapes/foreign.stl.opt"
+make_foreign
+check "an .stl with options beside it: the mesh is made" exited 0
+check "an .stl with options beside it: they are not run" not_run
+rm "$shapes/foreign.stl.opt"
+echo "$script" >"$shapes/foreign.stl"
+make_foreign
+check "a script that is called .stl: one line" one_line "fem/studies/foreign.stl: is no .stl"
+check "a script that is called .stl is not run" not_run
+printf 'solid \033]0;title\007\nfacet normal 0 0 1\n\033[31mouter\nendsolid\n' >"$shapes/foreign.stl"
+make_foreign
+check "control bytes of an .stl do not reach the terminal" sh -c '! LC_ALL=C grep -q "$(printf "[\033\007]")" "$0" && grep -q "foreign.stl:3: is not .outer loop" "$0"' "$said"
+
+# ---- a .geo only where the study trusts it
+cp "$scratch/cube.geo" "$shapes/foreign.geo"
+echo "$script" >>"$shapes/foreign.geo"
+rm -f "$R/plan.mk"  # which names the shape that was refused
+sed -i 's/foreign.stl/foreign.geo/; s/"surface-1"/"bed"/' "$work/$study"
+make_foreign
+check "a .geo that the study does not trust: one line" one_line "foreign.toml:[0-9]*: key 'geometry.shape': fem/studies/foreign.geo is a program.*trust_geo = true"
+check "a .geo that the study does not trust is not run, though the study below trusts its own" not_run
+tissuectl shape --study $study --mesh "$scratch/cube.msh" --out "$scratch/out.msh"
+check "nor does another command take that study" failed
+sed -i 's/^shape = .*/&\ntrust_geo = true/' "$work/$study"
+echo "$script" >"$shapes/foreign.geo.opt"
+make_foreign
+check "options beside a trusted .geo: one line" one_line "fem/studies/foreign.geo: gmsh would run fem/studies/foreign.geo.opt"
+check "options beside a trusted .geo are not run" not_run
+rm "$shapes/foreign.geo.opt"
+make_foreign
+check "a .geo that the study trusts is run: that is what trust means" sh -c '[ "$2" = 0 ] && [ -e "$1" ]' sh "$ran" "$status"
+rm -f "$ran"
+
+# ---- planted links
+echo precious >"$scratch/precious"
+for link in mesh.msh.raw.tmp mesh.msh.surface.tmp mesh.msh.checked.tmp mesh.msh.log; do ln -sf "$scratch/precious" "$R/$link"; done
+for link in one.csv.tmp one.csv.msh.tmp one.csv.rim.tmp one.log .counted; do ln -sf "$scratch/precious" "$R/cases/$link"; done
+ln -sf "$scratch/precious" "$R/.surface"
+touch "$shapes/foreign.geo"
+make_foreign
+surface_of fem/studies/foreign.geo
+check "nothing is written through a link that lies where gmsh or FreeFEM writes" grep -qx precious "$scratch/precious"
+finish
