@@ -23,6 +23,9 @@ import sys
 import time
 from pathlib import Path
 
+sys.path.insert(1, str(Path(__file__).resolve().parent / "figures"))
+from save import written  # noqa: E402
+
 ROOT = Path(__file__).resolve().parent.parent
 STUDY = "fem/studies/paper.toml"
 SOLID = "fem/studies/block3-quick.toml"
@@ -361,9 +364,8 @@ def main():
             failed = 1
 
     out = ROOT / "results" / "bench.json"
-    beside = out.with_suffix(".json.tmp")
-    beside.write_text("[\n" + ",\n".join(" " + json.dumps(e) for e in entries) + "\n]\n")
-    beside.replace(out)
+    with written(out) as beside:
+        Path(beside).write_text("[\n" + ",\n".join(" " + json.dumps(e) for e in entries) + "\n]\n")
     table(entries)
     print(f"{len(entries)} entries in results/bench.json, {time.perf_counter() - begin:.0f} s")
     return failed

@@ -32,8 +32,8 @@ def measure(probe, name, nodes, topology, magnitudes, task):
                           stdout=subprocess.PIPE, check=True)
     rows = json.loads(done.stdout)
     folder.mkdir(parents=True, exist_ok=True)
-    kept.with_suffix(".tmp").write_text(json.dumps({"options": options, "rows": rows}))
-    os.replace(kept.with_suffix(".tmp"), kept)
+    with written(kept) as beside:
+        Path(beside).write_text(json.dumps({"options": options, "rows": rows}))
     return rows
 
 

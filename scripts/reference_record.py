@@ -16,11 +16,15 @@ import os
 import platform
 import re
 import subprocess
+import sys
 from pathlib import Path
 from typing import NamedTuple
 
 import h5py
 import numpy as np
+
+sys.path.insert(1, str(Path(__file__).resolve().parent / "figures"))
+from save import written  # noqa: E402
 
 SCHEMA = 2
 FOLDER = Path(__file__).resolve().parent.parent / "results" / "reference"
@@ -215,9 +219,8 @@ def write(path, record):
             return
     except RecordError:
         pass
-    beside = path.with_name(path.name + ".tmp")
-    beside.write_text(dump(record) + "\n")
-    os.replace(beside, path)
+    with written(path) as beside:
+        Path(beside).write_text(dump(record) + "\n")
 
 
 def dump(value, indent=0):

@@ -2,13 +2,10 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #include <xxhash.h>
 
 #include <cerrno>
-#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -16,23 +13,16 @@
 #include <fstream>
 #include <memory>
 #include <sstream>
-#include <thread>
 #include <vector>
 
 #include "error.h"
+#include "io/beside.h"
 
 namespace tissue {
 namespace {
 
 [[noreturn]] void fail(const std::string& file, const std::string& doing) {
     throw FileError(fmt::format("{}: cannot {}: {}", file, doing, std::strerror(errno)));
-}
-
-/// Whether `name` is still the file that is open.
-bool is_open_as(int descriptor, const std::string& name) {
-    struct stat ours {}, there {};
-    return ::fstat(descriptor, &ours) == 0 && ::stat(name.c_str(), &there) == 0 && ours.st_ino == there.st_ino &&
-           ours.st_dev == there.st_dev;
 }
 
 constexpr std::uintmax_t largest_text = 256 << 20;
@@ -46,30 +36,34 @@ std::ifstream opened(const std::string& file) {
     return in;
 }
 
+void write_all(int descriptor, const std::string& file, const std::string& content) {
+    std::size_t done = 0;
+    while (done < content.size()) {
+        const ssize_t n = ::write(descriptor, content.data() + done, content.size() - done);
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0) fail(file, "write");
+        done += static_cast<std::size_t>(n);
+    }
+}
+
+/// Forces what was written onto the disk.
+void keep(int descriptor, const std::string& file) {
+    // else a machine that loses power may keep the name and not what it names; EINVAL: a place that has nothing to force
+    if (::fsync(descriptor) != 0 && errno != EINVAL) fail(file, "write");
+    // a network's disk refuses data when a descriptor is closed
+    if (const int copy = ::dup(descriptor); copy < 0 || ::close(copy) != 0) fail(file, "write");
+}
+
 std::string digits(const XXH128_hash_t& hash) {
     return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
 }
 
 }  // namespace
 
-NewFile::NewFile(std::string file) : file_(std::move(file)), temporary_(file_ + ".tmp") {
-    using std::chrono::steady_clock;
-    const auto give_up = steady_clock::now() + std::chrono::seconds(60);  // a file is written in less than one
-    for (;;) {
-        descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-        if (descriptor_ < 0) fail(file_, "write");
-        const bool taken = ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-        if (!taken && is_open_as(descriptor_, temporary_)) break;  // else the other one has moved it into place
-        ::close(descriptor_);
-        if (steady_clock::now() > give_up) throw FileError(file_ + ": cannot write: another program is writing it");
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    if (::ftruncate(descriptor_, 0) == 0) return;
-    const int error = errno;
-    ::unlink(temporary_.c_str());
-    ::close(descriptor_);
-    errno = error;
-    fail(file_, "write");
+NewFile::NewFile(std::string file) : file_(std::move(file)) {
+    const Beside beside = make_file_beside(file_);
+    temporary_ = beside.name;
+    descriptor_ = beside.descriptor;
 }
 
 NewFile::~NewFile() {
@@ -79,10 +73,7 @@ NewFile::~NewFile() {
 }
 
 void NewFile::move_into_place() {
-    // else a machine that loses power may keep the name and not what it names; EINVAL: a place that has nothing to force
-    if (::fsync(descriptor_) != 0 && errno != EINVAL) fail(file_, "write");
-    // a network's disk refuses data when a descriptor is closed; the last one goes with the lock
-    if (const int copy = ::dup(descriptor_); copy < 0 || ::close(copy) != 0) fail(file_, "write");
+    keep(descriptor_, file_);
     if (std::rename(temporary_.c_str(), file_.c_str()) != 0) fail(file_, "write");
     ::close(descriptor_);
     descriptor_ = -1;
@@ -90,14 +81,16 @@ void NewFile::move_into_place() {
 
 void write_file(const std::string& file, const std::string& content) {
     NewFile beside(file);
-    std::size_t done = 0;
-    while (done < content.size()) {
-        const ssize_t n = ::write(beside.descriptor(), content.data() + done, content.size() - done);
-        if (n < 0 && errno == EINTR) continue;
-        if (n < 0) fail(file, "write");
-        done += static_cast<std::size_t>(n);
-    }
+    write_all(beside.descriptor(), file, content);
     beside.move_into_place();
+}
+
+void write_new_file(const std::string& file, const std::string& content) {
+    const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644);
+    if (descriptor < 0) fail(file, "write");
+    const std::unique_ptr<const int, void (*)(const int*)> closed(&descriptor, [](const int* d) { ::close(*d); });
+    write_all(descriptor, file, content);
+    keep(descriptor, file);
 }
 
 bool write_file_if_changed(const std::string& file, const std::string& content) {

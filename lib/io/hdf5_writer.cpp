@@ -63,7 +63,8 @@ Hdf5Writer::Hdf5Writer(std::string file, const std::string& kind, const Provenan
     const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);  // headers and indices have checksums, which those before 1.10 do not
     H5Pset_file_locking(access, false, true);  // beside_ has the lock
-    id_ = H5Fcreate(beside_.temporary().c_str(), H5F_ACC_TRUNC, creation, access);
+    // by its descriptor: a link that takes its name meanwhile is not followed
+    id_ = H5Fcreate(fmt::format("/proc/self/fd/{}", beside_.descriptor()).c_str(), H5F_ACC_TRUNC, creation, access);
     if (id_ < 0) throw FileError(file_ + ": cannot write: the folder is missing, full or may not be written to");
     attribute("/", "program", "tissuectl");
     attribute("/", "kind", kind);

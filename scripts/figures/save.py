@@ -2,26 +2,49 @@
 import contextlib
 import fcntl
 import os
+import re
+import secrets
 import sys
 from pathlib import Path
 
 
+def left_over(out):
+    """Removes what a killed program has left beside `out`: of this user, and nobody holds its lock (lib/io/beside.cpp)."""
+    name = re.compile(re.escape(os.path.basename(out)) + r"\.[0-9a-f]{8}\.tmp")
+    for entry in os.scandir(os.path.dirname(out) or "."):
+        if not name.fullmatch(entry.name):
+            continue
+        with contextlib.suppress(OSError), open(os.open(entry.path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)) as file:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if os.fstat(file.fileno()).st_uid == os.geteuid() and os.path.samestat(os.fstat(file.fileno()), os.lstat(entry.path)):
+                os.unlink(entry.path)
+
+
+def drawn(out):
+    """A new file beside `out`, open and locked, and its name, which is drawn: nothing that somebody has planted is followed."""
+    while True:
+        beside = f"{out}.{secrets.token_hex(4)}.tmp"
+        try:
+            file = open(os.open(beside, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o644), "rb+")
+        except FileExistsError:
+            continue
+        with contextlib.suppress(OSError):
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if os.path.samestat(os.fstat(file.fileno()), os.lstat(beside)):
+                return file, beside
+        file.close()  # another program took it for left over
+
+
 @contextlib.contextmanager
 def written(out):
-    """The name of a file beside `out` that becomes it in the end, or is removed. It is ours alone meanwhile: a second
-    program that writes the same waits for its lock, as lib/io/atomic_file does."""
-    beside = f"{out}.tmp"
-    while True:
-        lock = open(beside, "ab")
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        with contextlib.suppress(FileNotFoundError):
-            if os.path.samestat(os.fstat(lock.fileno()), os.stat(beside)):
-                break
-        lock.close()  # the other one has moved it into place
-    with lock:
+    """The name of a file beside `out` that becomes it in the end, or is removed, as lib/io/atomic_file does."""
+    out = os.fspath(out)
+    left_over(out)
+    file, beside = drawn(out)
+    with file:
         try:
             yield beside
-            os.fsync(lock.fileno())  # its content is on the disk before its name
+            os.fsync(file.fileno())  # its content is on the disk before its name
             os.replace(beside, out)
         except BaseException:
             with contextlib.suppress(OSError):

@@ -38,3 +38,11 @@ TEST_CASE("an export does not take a file's place", "[export]") {
                Contains("is a file, wanted a folder"));
     CHECK(read_file(file) == "mine");
 }
+
+TEST_CASE("a folder OUT.tmp of the user's own, or a link of that name, is left alone by an export", "[export]") {
+    const TemporaryFolder folder;
+    write_files(folder.file("out.tmp"), {{"thesis.tex", "mine"}});
+    write_files(folder.file("out"), {{"a.csv", "1"}});
+    CHECK(read_file(folder.file("out.tmp/thesis.tex")) == "mine");
+    CHECK(folder.names() == std::vector<std::string>{"out", "out.tmp"});
+}

@@ -7,10 +7,13 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cerrno>
+#include <filesystem>
+#include <fstream>
 #include <thread>
 #include <vector>
 
 #include "error.h"
+#include "io/hdf5_store.h"
 #include "../example.h"
 #include "../refusal.h"
 
@@ -157,10 +160,30 @@ TEST_CASE("writers of one file at once: each content is whole, and nothing is le
     CHECK(folder.names() == std::vector<std::string>{"a"});
 }
 
-TEST_CASE("what a killed writer left beside is taken over, and nothing of it stays") {
+TEST_CASE("what a killed writer left beside is removed by the next; what another is still at work on stays") {
     const TemporaryFolder folder;
-    folder.file("a.tmp", "a longer text than the next");
-    write_file(folder.file("a"), "short");
-    CHECK(read_file(folder.file("a")) == "short");
-    CHECK(folder.names() == std::vector<std::string>{"a"});
+    folder.file("a.0123abcd.tmp", "of a killed one");
+    folder.file("a.tmp", "of the user's own");
+    folder.file("ba.0123abcd.tmp", "of another file");
+    {
+        NewFile other(folder.file("a"));
+        write_file(folder.file("a"), "short");
+        CHECK(read_file(folder.file("a")) == "short");
+        CHECK(folder.names().size() == 4);
+        other.move_into_place();
+        CHECK(read_file(folder.file("a")).empty());
+    }
+    CHECK(folder.names() == std::vector<std::string>{"a", "a.tmp", "ba.0123abcd.tmp"});
+}
+
+TEST_CASE("a link planted where a file is made beside is not followed, and no user's file is written through it") {
+    const TemporaryFolder folder;
+    const std::string own = folder.file("own", "precious");
+    for (const char* planted : {"a.tmp", "a.0123abcd.tmp"}) REQUIRE(symlink(own.c_str(), folder.file(planted).c_str()) == 0);
+    write_file(folder.file("a"), "a foreign content");
+    CHECK(read_file(own) == "precious");
+    CHECK(read_file(folder.file("a")) == "a foreign content");
+    CHECK(std::filesystem::is_symlink(folder.file("a.tmp")));
+    { const Hdf5Writer store(folder.file("a"), "model", {}); }
+    CHECK(read_file(own) == "precious");
 }

@@ -56,6 +56,22 @@ os.fsync = lambda descriptor: seen.append((os.fstat(descriptor).st_size, os.path
 with save.written(sys.argv[1]) as beside:
     open(beside, 'w').write('whole')
 assert seen == [(5, False)], seen" "$scratch/drawn"
+check "a link planted beside what Python draws is not followed; what was left beside goes, what is being made stays" "$PYTHON" -c "import os, sys
+sys.path.insert(0, 'scripts/figures')
+import save
+folder = sys.argv[1]
+os.mkdir(folder)
+own, out = folder + '/own', folder + '/a.png'
+open(own, 'w').write('precious')
+for name in ('.tmp', '.0123abcd.tmp'):
+    os.symlink(own, out + name)
+open(out + '.89abcdef.tmp', 'w').write('of a killed one')
+with save.written(out) as first:
+    with save.written(out) as second:
+        open(second, 'w').write('second')
+    open(first, 'w').write('first')
+assert open(own).read() == 'precious' and open(out).read() == 'first'
+assert sorted(os.listdir(folder)) == ['a.png', 'a.png.0123abcd.tmp', 'a.png.tmp', 'own'], os.listdir(folder)" "$scratch/planted"
 cp -p "$scratch/whole/cases/left.csv" "$R/cases"
 
 # ---- read only: root may write anywhere, so the stages run as nobody then

@@ -1,0 +1,93 @@
+#include "io/beside.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+
+#include "error.h"
+
+namespace tissue {
+namespace {
+
+enum class Kind { file, folder };
+
+constexpr std::size_t drawn_digits = 8;
+constexpr std::string_view ending = ".tmp";
+
+/// Whether `name` is still what is open. A link is not.
+bool is_open_as(int descriptor, const std::string& name) {
+    struct stat ours {}, there {};
+    return ::fstat(descriptor, &ours) == 0 && ::lstat(name.c_str(), &there) == 0 && ours.st_ino == there.st_ino && ours.st_dev == there.st_dev;
+}
+
+bool locked(int descriptor) { return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0; }
+
+/// Whether a file's name is one that was drawn for `last`.
+bool drawn_for(const std::string& last, const std::string& name) {
+    if (name.size() != last.size() + 1 + drawn_digits + ending.size() || name.compare(0, last.size(), last) != 0 || name[last.size()] != '.') return false;
+    const auto digits = name.begin() + static_cast<std::ptrdiff_t>(last.size()) + 1;
+    return std::all_of(digits, digits + drawn_digits, [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); }) &&
+           std::equal(ending.begin(), ending.end(), name.end() - static_cast<std::ptrdiff_t>(ending.size()));
+}
+
+/// Removes what a killed program has left: of this user, and nobody holds its lock.
+void remove_left_over(const std::filesystem::path& place) {
+    const std::filesystem::path folder = place.has_parent_path() ? place.parent_path() : ".";
+    std::error_code error;
+    for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+        if (!drawn_for(place.filename().string(), entry->path().filename().string())) continue;
+        const std::string name = entry->path().string();
+        const int descriptor = ::open(name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+        if (descriptor < 0) continue;
+        struct stat status {};
+        std::error_code ignored;
+        if (::fstat(descriptor, &status) == 0 && status.st_uid == ::geteuid() && locked(descriptor) && is_open_as(descriptor, name))
+            std::filesystem::remove_all(name, ignored);
+        ::close(descriptor);
+    }
+}
+
+std::string drawn_name(const std::string& place) {
+    std::uint32_t drawn = 0;
+    if (::getrandom(&drawn, sizeof drawn, 0) != sizeof drawn) throw FileError(place + ": cannot write: the system gives no random numbers");
+    return fmt::format("{}.{:08x}{}", place, drawn, ending);
+}
+
+/// A descriptor of what is new, or -1: errno says why.
+int make(const std::string& name, Kind kind) {
+    if (kind == Kind::file) return ::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644);
+    if (::mkdir(name.c_str(), 0755) != 0) return -1;
+    return ::open(name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+}
+
+Beside make_beside(std::string place, Kind kind) {
+    while (place.size() > 1 && place.back() == '/') place.pop_back();
+    remove_left_over(place);
+    for (int tries = 0; tries < 100; ++tries) {  // another program may draw the same, or remove what it takes for left over
+        const std::string name = drawn_name(place);
+        const int descriptor = make(name, kind);
+        if (descriptor < 0 && errno == EEXIST) continue;
+        if (descriptor < 0) throw FileError(fmt::format("{}: cannot write: {}", place, std::strerror(errno)));
+        const bool ours = locked(descriptor) || errno != EWOULDBLOCK;  // some network disks have no locks
+        if (ours && is_open_as(descriptor, name)) return {name, descriptor};
+        ::close(descriptor);
+    }
+    throw FileError(place + ": cannot write: no name beside it is free");
+}
+
+}  // namespace
+
+Beside make_file_beside(const std::string& place) { return make_beside(place, Kind::file); }
+
+Beside make_folder_beside(const std::string& place) { return make_beside(place, Kind::folder); }
+
+}  // namespace tissue
