@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <regex>
 #include <sstream>
 #include <utility>
@@ -133,6 +134,9 @@ ShapeExtent stl_extent(const std::string& file) {
 
 // ---- .geo
 
+/// Infinity where it is too large for a number, which `include` refuses.
+double real_of(const std::string& digits) { return std::strtod(digits.c_str(), nullptr); }
+
 /// Line by line, and no line that is very long: std::regex follows a match by recursion.
 ShapeExtent geo_extent(const std::string& text, const std::string& file) {
     constexpr std::size_t longest_line = 2000;
@@ -154,7 +158,7 @@ ShapeExtent geo_extent(const std::string& text, const std::string& file) {
         }
         std::ptrdiff_t points = 0;
         for (Matches m(line.begin(), line.end(), numbers), end; m != end; ++m, ++points)
-            include(shape, {std::stod((*m)[1]), std::stod((*m)[2]), std::stod((*m)[3])}, file);
+            include(shape, {real_of((*m)[1]), real_of((*m)[2]), real_of((*m)[3])}, file);
         if (points != std::distance(Matches(line.begin(), line.end(), any), Matches()) || std::regex_search(line, elsewhere)) all_known = false;
         if (std::regex_search(line, volume)) volumes = true;
         for (Matches m(line.begin(), line.end(), group), end; m != end; ++m) {

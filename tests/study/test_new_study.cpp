@@ -81,6 +81,7 @@ TEST_CASE("a shape's file that is none is refused by name and cause", "[new]") {
     CHECK_THAT(why_not(folder, "f.msh", with(tetrahedron, "2 4 2 2 2 1 2 3 4", "2 2 2 1 1 1 2 4")), Contains("no tetrahedra; save its surface as .stl"));
     CHECK_THAT(why_not(folder, "a.stl", "solid\nendsolid\n"), Contains("is not an STL file, or has no triangles"));
     CHECK_THAT(why_not(folder, "b.stl", "solid\n vertex 60 nan 0\nendsolid\n"), Contains("b.stl: "));
+    CHECK_THAT(why_not(folder, "huge.geo", "Point(1) = {1e999, 0, 0};\n"), Contains("a coordinate is not a finite number"));
     CHECK_THAT(why_not(folder, "a.obj", "v 0 0 0"), Contains("a shape is a .geo, .msh or .stl"));
     CHECK_NOTHROW(shape_extent(folder.file("long.geo", "Point(1) = {" + std::string(3'000'000, ' ') + "0, 0, 0};")));
 }
