@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "error.h"
+#include "flush_denormals.h"
 #include "haptic/law_spectrum.h"
 #include "haptic/spectrum.h"
 #include "hot_loop.h"
@@ -208,6 +209,12 @@ Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) n
 
     const bool lost = put_to_rest();
 
+    const FlushDenormals mode;
+    return advance(sample, elapsed_s);
+}
+
+/// In the mode of tick(): out of line, so that nothing of it is computed before or after.
+__attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample& sample, double elapsed_s) noexcept {
     // device position
     if (!safety_.admit(sample, elapsed_s > 0 ? elapsed_s : o.dt_s)) return stop(true);
     const Point master = o.map.to_tissue(sample.position_m);

@@ -108,7 +108,8 @@ class Simulation {
    public:
     explicit Simulation(const HapticModel& model);
 
-    /// One step of Sec. 4: device position in, device force out [N]. elapsed_s: since the last tick; 0 means dt.
+    /// One step of Sec. 4: device position in, device force out [N]. elapsed_s: since the last tick; 0 means dt. In it denormals are zero;
+    /// the caller's floating-point mode is as it was (flush_denormals.h).
     Eigen::Vector3d tick(const DeviceSample& sample, double elapsed_s = 0) noexcept;
 
     /// In place of a tick: everything stays as it is, and no force goes out [N].
@@ -141,6 +142,7 @@ class Simulation {
     void place_surfaces() noexcept;
     bool move_surfaces() noexcept;
     void rest_meshes() noexcept;
+    Eigen::Vector3d advance(const DeviceSample& sample, double elapsed_s) noexcept;
     bool come_to_rest_elsewhere() const noexcept;
     bool put_to_rest() noexcept;
     bool find_contact(const Point& master_m) noexcept;

@@ -2,6 +2,7 @@
 #include "api/tissue.h"
 
 #include <catch2/catch.hpp>
+#include <cfenv>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -10,6 +11,7 @@
 
 #include "../allocations.h"
 #include "../example.h"
+#include "../float_mode.h"
 #include "../haptic/haptic_example.h"
 #include "../refusal.h"
 #include "api/session_options.h"
@@ -178,4 +180,25 @@ TEST_CASE("what is wrong is a code and one line, whatever is given", "[api]") {
     std::string there = "unset";
     std::thread([&] { there = tissue_error(); }).join();
     CHECK(there.empty());
+}
+
+TEST_CASE("a tick leaves the caller's floating-point mode as it was, and does not depend on it", "[api]") {
+    const TemporaryFolder folder;
+    const std::string file = model_file(folder, law_example());
+    Session usual(file), other(file);
+    for (int k = 0; k < 600; ++k) {
+        const Eigen::Vector3d at = way(k, false);  // in the usual mode
+        double expected[3], force[3];
+        CHECK(tissue_tick(usual.s, at.data(), 0, expected) == TISSUE_OK);
+        std::fenv_t before;
+        std::fegetenv(&before);
+        std::fesetround(FE_UPWARD);
+        const FloatMode mine = float_mode();
+        const tissue_status status = tissue_tick(other.s, at.data(), 0, force);
+        const FloatMode after = float_mode();
+        std::fesetenv(&before);
+        REQUIRE(status == TISSUE_OK);
+        REQUIRE(after == mine);
+        REQUIRE(std::memcmp(force, expected, sizeof force) == 0);
+    }
 }
