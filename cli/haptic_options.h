@@ -16,7 +16,7 @@ struct HapticChoices {
 
 void add_haptic_options(CLI::App& app, HapticChoices& choices);
 
-/// After parsing: names and flags into `haptic`.
+/// After parsing: names and flags into `haptic`. Throws CLI::ValidationError for numbers that no model takes (check_options).
 void settle(HapticChoices& choices);
 
 /// A number with its unit, its default and its meaning.

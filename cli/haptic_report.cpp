@@ -48,7 +48,7 @@ std::string describe(const std::string& program, const HapticModel& model, const
     if (model.stiffness && model.stiffness->floppy() > 0)
         text += fmt::format("  the {} mesh can move for nothing: its shape at rest is not determined\n", model.is_law() ? "heuristic" : "learned");
     text += fmt::format("  coupling {}, force scale {:g}, position scale {:g}, at most {:g} N, {:g} N/s, {:g} m/s\n",
-                        model.stiffness ? fmt::format("up to {:.3g} N/m", o.coupling_ratio * model.stiffness->largest()) : "none: the law's own contact",
+                        model.stiffness ? fmt::format("up to {:.3g} N/m", *o.coupling_ratio * model.stiffness->largest()) : "none: the law's own contact",
                         o.map.force_scale, o.map.scale, o.safety.force_max_N, o.safety.slew_N_s, o.safety.speed_max_m_s);
     return text;
 }

@@ -210,7 +210,7 @@ void Hand::go_round(const Point& to_m) {
 /// Adds one press at the demo's place, and back out.
 void Hand::press() {
     const Place& place = scene_->places()[static_cast<std::size_t>(place_)];
-    const double sink = scene_->model().is_law() ? 1 : 1 + 1 / scene_->model().options.coupling_ratio;
+    const double sink = scene_->model().is_law() ? 1 : 1 + 1 / *scene_->model().options.coupling_ratio;
     const Point touch = place.contact_m + inset_m * place.inward;
     const Point away = outside(scene_->boxes(), place.contact_m - 1.2 * clearance_m * place.inward, clearance_m);
     go_round(away);

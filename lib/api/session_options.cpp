@@ -44,7 +44,6 @@ const Option options[] = {
     {"force-max", [](HapticOptions& o, const std::string& n, const std::string& v) { o.safety.force_max_N = number(n, v); }},
     {"slew", [](HapticOptions& o, const std::string& n, const std::string& v) { o.safety.slew_N_s = number(n, v); }},
     {"speed-max", [](HapticOptions& o, const std::string& n, const std::string& v) { o.safety.speed_max_m_s = number(n, v); }},
-    {"stale", [](HapticOptions& o, const std::string& n, const std::string& v) { o.safety.stale_s = number(n, v); }},
     {"force-scale", [](HapticOptions& o, const std::string& n, const std::string& v) { o.map.force_scale = number(n, v); }},
     {"scale", [](HapticOptions& o, const std::string& n, const std::string& v) { o.map.scale = number(n, v); }},
     {"axes", [](HapticOptions& o, const std::string&, const std::string& v) { o.map.axes = parse_axes(v); }},
@@ -57,7 +56,6 @@ const Option options[] = {
     {"dt", [](HapticOptions& o, const std::string& n, const std::string& v) { o.dt_s = number(n, v); }},
     {"passivity", [](HapticOptions& o, const std::string& n, const std::string& v) { o.safety.passivity = yes(n, v); }},
     {"heuristic", [](HapticOptions& o, const std::string& n, const std::string& v) { o.heuristic_mesh = yes(n, v); }},
-    {"energy-book", [](HapticOptions& o, const std::string& n, const std::string& v) { o.energy_book = yes(n, v); }},
 };
 // clang-format on
 
@@ -72,6 +70,8 @@ std::vector<std::string> session_option_names() {
 void set_option(HapticOptions& haptic, const std::string& name, const std::string& value) {
     for (const Option& option : options)
         if (name == option.name) return option.set(haptic, name, value);
+    if (name == "stale") throw MismatchError("there is no option 'stale': a position of this interface has no age; say elapsed_s");
+    if (name == "energy-book") throw MismatchError("there is no option 'energy-book': nothing of this interface reads it; tissue-haptic --energy-book does");
     throw MismatchError(fmt::format("there is no option '{}'", name));
 }
 

@@ -1,5 +1,6 @@
 #include "api/tissue.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -75,7 +76,10 @@ tissue_status tissue_open(const char* model_file, const char* const* options, ti
 void tissue_close(tissue_session* session) { delete session; }
 
 tissue_status tissue_tick(tissue_session* s, const double position_m[3], double elapsed_s, double force_N[3]) {
-    if (!s || !position_m || !force_N) return bad("tissue_tick: a null pointer");
+    if (!s || !position_m || !force_N) {
+        if (force_N) std::fill_n(force_N, 3, 0.0);  // or a caller who does not look at the status plays the old one for ever
+        return bad("tissue_tick: a null pointer");
+    }
     DeviceSample sample;
     sample.position_m = Eigen::Vector3d(position_m[0], position_m[1], position_m[2]);
     const Eigen::Vector3d force = s->simulation.tick(sample, std::isfinite(elapsed_s) && elapsed_s > 0 ? elapsed_s : 0);

@@ -8,8 +8,8 @@
  * SI units. A model has D = 2 or 3 axes; a device has always three, of which a model in the plane takes the first two
  * (option "axes"). Arrays of nodes are N times D doubles, node after node.
  *
- * Errors: every function that can fail returns a tissue_status and leaves its results as they were; tissue_error() is then one
- * line that says what, in the calling thread. No function throws, aborts or prints.
+ * Errors: every function that can fail returns a tissue_status and leaves its results as they were, but tissue_tick, whose force is then zero;
+ * tissue_error() is then one line that says what, in the calling thread. No function throws, aborts or prints.
  *
  * Threads: a session belongs to one thread at a time; who hands it over does so between two calls. Sessions know nothing of
  * each other. tissue_tick, tissue_reset and everything that only reads take no lock, allocate nothing and never wait, so that they may
@@ -47,9 +47,10 @@ TISSUE_API const char *tissue_error(void);
 
 /* Opens a model.h5 of tissuectl train or adapt. options: "name", "value", "name", "value", ..., NULL; or NULL. Names as
  * tissuectl serve has them, without dashes in front (--help says their units):
- *   sets, select-by, innovation, dynamics, coupling, damping, friction, friction-slip, force-max, slew, speed-max, stale, force-scale,
- *   scale (metres of tissue a metre of device), axes ("x,-z"), offset ("0 0.1", of the device's origin [m]), dt (s, 0.001),
- *   passivity, heuristic (a second mesh, Van Gelder's, beside the learned one), energy-book ("yes", "no").
+ *   sets, select-by, innovation (of spring sets), dynamics, coupling (of a mesh of springs), damping, friction, friction-slip, force-max, slew,
+ *   speed-max, force-scale, scale (metres of tissue a metre of device), axes ("x,-z"), offset ("0 0.1", of the device's origin [m]), dt (s, 0.001),
+ *   passivity, heuristic (a second mesh, Van Gelder's, beside the learned one; "yes", "no").
+ * An option that would do nothing with this model is TISSUE_MISMATCH.
  * `heuristic` is "no" here, for a program that has a scene of its own. */
 TISSUE_API tissue_status tissue_open(const char *model_file, const char *const *options, tissue_session **session);
 

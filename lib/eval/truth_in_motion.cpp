@@ -60,7 +60,7 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
 
     Simulation simulation(model);
     const Point target = truth.magnitude_m * truth.direction;
-    const Point aim = model.is_law() ? Point(target - inset_m * inward) : Point((1 + 1 / model.options.coupling_ratio) * target);
+    const Point aim = model.is_law() ? Point(target - inset_m * inward) : Point((1 + 1 / *model.options.coupling_ratio) * target);
     VirtualDevice hand(press_motion(truth.contact_m, inward, aim, ramp_s, inset_m), model.options.map);
     Point shift = Point::Zero(target.size()), last = shift;
     int still = 0;
@@ -141,7 +141,7 @@ SwitchJump switch_jump(const TissueModel& tissue, HapticOptions options, int fro
     const std::vector<int> loop = tissue.mesh.loop();
     const auto segment = static_cast<int>(
         std::find(loop.begin(), loop.end(), point.node[0]) - loop.begin());
-    load.coupling_N_m = options.coupling_ratio * model.stiffness->at(segment, point.weight[1]);
+    load.coupling_N_m = *model.options.coupling_ratio * model.stiffness->at(segment, point.weight[1]);
     load.master_m = contact + tissue.magnitude_m[from] * direction;
 
     // to rest with the first set, from its own static answer

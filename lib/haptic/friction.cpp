@@ -16,9 +16,10 @@ constexpr double longest = 0.5;                   // step, in spacings of the su
 
 }  // namespace
 
-Friction::Friction(const FrictionOptions& options) : stick_(options.stick), slip_(options.slip < 0 ? options.stick : options.slip) {
-    if (!(stick_ >= 0)) throw MismatchError(fmt::format("friction {} must not be negative", options.stick));
-    if (!(slip_ <= stick_)) throw MismatchError(fmt::format("kinetic friction {} must not be above the static {}", options.slip, options.stick));
+Friction::Friction(const FrictionOptions& options) : stick_(options.stick), slip_(options.slip.value_or(options.stick)) {
+    if (!(stick_ >= 0)) throw MismatchError(fmt::format("friction must not be negative, not {}", stick_));
+    if (!(slip_ >= 0)) throw MismatchError(fmt::format("friction-slip must not be negative, not {}", slip_));
+    if (!(slip_ <= stick_)) throw MismatchError(fmt::format("kinetic friction {} must not be above the static {}", slip_, stick_));
 }
 
 void Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const RealtimeLaw& law, const NodeColumns& u, const Point& tool_m,

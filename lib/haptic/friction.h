@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 
 #include "haptic/moving_surface.h"
 #include "haptic/realtime_law.h"
@@ -10,7 +11,7 @@ namespace tissue {
 
 struct FrictionOptions {
     double stick = std::numeric_limits<double>::infinity();  ///< static mu; without end, as the paper has it: a contact keeps its place
-    double slip = -1;                                        ///< kinetic mu, at most the static one; negative: the same
+    std::optional<double> slip = {};                         ///< kinetic mu, at most the static one; nothing: the same
 };
 
 /// Coulomb's friction between tool and tissue. A contact keeps its place while the tool's force lies in the cone

@@ -3,16 +3,19 @@
 namespace tissue {
 namespace {
 
-HapticOptions alone(HapticOptions options) {
+/// What a session asks of its own model alone is not asked of this one.
+HapticOptions alone(HapticOptions options, const TissueModel& truth) {
     options.heuristic_mesh = false;
     options.stiffest = 1;
+    options.energy_book = false;
+    if (truth.energy_law) options.innovation.reset(), options.coupling_ratio.reset();
     return options;
 }
 
 }  // namespace
 
 HiddenTissue::HiddenTissue(std::unique_ptr<Device> hand, const TissueModel& truth, HapticOptions options)
-    : hand_(std::move(hand)), model_(truth, alone(std::move(options))), simulation_(model_) {}
+    : hand_(std::move(hand)), model_(truth, alone(std::move(options), truth)), simulation_(model_) {}
 
 DeviceSample HiddenTissue::read(double time_s) noexcept {
     DeviceSample sample = hand_->read(time_s);

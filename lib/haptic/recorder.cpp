@@ -119,7 +119,7 @@ void Recorder::close(const HapticModel& model) {
     out_.attribute("/", "force_scale", model.options.map.force_scale);
     out_.attribute("/", "position_scale", model.options.map.scale);
     out_.attribute("/", "dt_s", model.options.dt_s);
-    out_.attribute("/", "innovation", model.options.innovation);
+    out_.attribute("/", "innovation", *model.options.innovation);
     out_.attribute("/", "force_max_N", model.options.safety.force_max_N);
     for (const auto& mesh : model.meshes) out_.attribute("/", "dynamics_" + mesh->name, mesh->dynamics);
     out_.commit();

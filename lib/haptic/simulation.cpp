@@ -26,6 +26,7 @@ TISSUE_HOT void average(int n, double gamma, const double* __restrict set, doubl
 namespace {
 
 constexpr double elastic_law_damping_ratio = 0.17, relaxing_damping_ratio = 0.01;
+constexpr double usual_innovation = 0.05, usual_coupling_ratio = 10;
 constexpr double turn = 2 * 3.14159265358979323846;
 
 std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel& model, const std::string& law,
@@ -87,30 +88,40 @@ void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double damping_ra
 
 }  // namespace
 
-HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
-    : study(model.study), options(given), set_names(model.case_names), surface(model.mesh), rest(model.mesh) {
-    Friction{given.friction};  // throws, if at all
-    if (model.mesh.is_solid() && !model.energy_law) throw MismatchError("a model in space is a law; this one has none");
-    HapticOptions& o = options;
-    if (!(o.dt_s > 0)) throw MismatchError("dt must be positive");
-    if (!(o.innovation > 0 && o.innovation <= 1)) throw MismatchError("the innovation gamma must lie in (0, 1]");
-    if (!(o.coupling_ratio > 0)) throw MismatchError("the coupling ratio must be positive");
-    const bool damping_asked = o.damping_ratio.has_value();
-    if (!o.damping_ratio) o.damping_ratio = !model.energy_law ? 0.05 : model.energy_law->relaxation.empty() ? elastic_law_damping_ratio : relaxing_damping_ratio;
+void check_options(const HapticOptions& o) {
+    Friction{o.friction};  // throws, if at all
+    const auto positive = [](const char* option, double value) {
+        if (!(value > 0) || !std::isfinite(value)) throw MismatchError(fmt::format("{} must be positive and finite, not {:g}", option, value));
+    };
+    positive("dt", o.dt_s);
+    positive("force-max", o.safety.force_max_N);
+    positive("slew", o.safety.slew_N_s);
+    positive("speed-max", o.safety.speed_max_m_s);
+    positive("stale", o.safety.stale_s);
+    positive("scale", o.map.scale);
+    positive("force-scale", o.map.force_scale);
+    if (o.coupling_ratio) positive("coupling", *o.coupling_ratio);
+    if (o.innovation && !(*o.innovation > 0 && *o.innovation <= 1)) throw MismatchError(fmt::format("innovation must lie in (0, 1], not {:g}", *o.innovation));
+    if (o.damping_ratio && !(*o.damping_ratio >= 0 && std::isfinite(*o.damping_ratio)))
+        throw MismatchError(fmt::format("damping must be finite and not negative, not {:g}", *o.damping_ratio));
     if (!(o.stiffest >= 1)) throw MismatchError("a law may become stiffer by a factor of 1 or more");
-    if (!(*o.damping_ratio >= 0)) throw MismatchError("the damping ratio must not be negative");
-    for (const double limit : {o.safety.force_max_N, o.safety.slew_N_s, o.safety.speed_max_m_s})
-        if (!(limit > 0) || !std::isfinite(limit)) throw MismatchError("the limits of force, slew and speed must be positive, and finite");
-    if (!(o.map.scale > 0) || !(std::abs(o.map.force_scale) > 0) || !std::isfinite(o.map.force_scale))
-        throw MismatchError("the scales of the device must not be zero");
-    if (!(o.safety.stale_s > 0) || !(o.safety.damping_max_Ns_m >= 0))
-        throw MismatchError("the oldest position must be older than now, and the damping not negative");
+    if (!(o.safety.damping_max_Ns_m >= 0)) throw MismatchError("the most that the passivity controller damps must not be negative");
     if (!(o.dt_s <= force_held_s / 2))
         throw MismatchError(fmt::format("dt must be at most {:g} s: a device may let go of an older force", force_held_s / 2));
-    if (!std::isfinite(o.place_m) || !model.mesh.nodes.allFinite())
-        throw MismatchError("positions of nodes, of the second mesh and of the device must be finite");
+    if (!std::isfinite(o.place_m) || !o.map.offset_m.allFinite()) throw MismatchError("positions of the second mesh and of the device must be finite");
+}
+
+HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
+    : study(model.study), options(given), set_names(model.case_names), surface(model.mesh), rest(model.mesh) {
+    check_options(given);
+    if (model.mesh.is_solid() && !model.energy_law) throw MismatchError("a model in space is a law; this one has none");
+    if (!model.mesh.nodes.allFinite()) throw MismatchError("positions of nodes must be finite");
+    HapticOptions& o = options;
+    const bool damping_asked = o.damping_ratio.has_value();
+    if (!o.damping_ratio) o.damping_ratio = !model.energy_law ? 0.05 : model.energy_law->relaxation.empty() ? elastic_law_damping_ratio : relaxing_damping_ratio;
+    if (!o.innovation) o.innovation = usual_innovation;
+    if (!o.coupling_ratio) o.coupling_ratio = usual_coupling_ratio;
     o.map.fit(model.mesh.dimension());
-    if (!o.map.offset_m.allFinite()) throw MismatchError("positions of nodes, of the second mesh and of the device must be finite");
     o.safety.dt_s = o.dt_s;
     low_m = model.mesh.nodes.colwise().minCoeff();
     high_m = model.mesh.nodes.colwise().maxCoeff();
@@ -120,6 +131,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     if (model.energy_law) {
         if (!o.sets.empty()) throw MismatchError(fmt::format("spring sets '{}': the model is a law, and has none", o.sets));
         if (o.select_by != SelectBy::displacement) throw MismatchError("the model is a law: there is nothing to select by force");
+        if (given.innovation) throw MismatchError("innovation: the model is a law, and averages no sets");
         set_names.clear();
         meshes.push_back(make_law_mesh("learned", model, Point::Zero(dimension())));
     } else {
@@ -136,13 +148,15 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     else if (o.heuristic_mesh)
         meshes.push_back(make_mesh("heuristic", model, model.law, model.heuristic_a.transpose(), beside));  // of the instantaneous E: it remembers nothing
     const auto springs = std::find_if(meshes.begin(), meshes.end(), [](const auto& mesh) { return !mesh->law; });
+    if (springs == meshes.end() && given.coupling_ratio) throw MismatchError("coupling: the model is a law with a contact of its own, and no mesh of springs stands beside it");
+    if (o.energy_book && (!is_law() || model.energy_law->relaxation.empty())) throw MismatchError("energy-book: the model does not relax, and has no branches to book");
     if (springs != meshes.end())
         stiffness = std::make_unique<ContactStiffness>((*springs)->springs, first_set, (*springs)->theta_of_set);
     for (auto& mesh : meshes) {
         if (mesh->law)
             choose_law_dynamics(mesh->name == "learned" ? model : untrained(model), *mesh, o);
         else
-            choose_dynamics(*mesh, o, damping_asked || !model.energy_law ? *o.damping_ratio : elastic_law_damping_ratio, o.coupling_ratio * stiffness->largest());
+            choose_dynamics(*mesh, o, damping_asked || !model.energy_law ? *o.damping_ratio : elastic_law_damping_ratio, *o.coupling_ratio * stiffness->largest());
     }
 }
 
@@ -195,6 +209,12 @@ void Simulation::rest_meshes() noexcept {
 }
 
 Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) noexcept {
+    const FlushDenormals mode;
+    return advance(sample, elapsed_s);
+}
+
+/// In the mode of tick(): out of line, so that nothing of it is computed before or after.
+__attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample& sample, double elapsed_s) noexcept {
     const HapticOptions& o = model_.options;
     if (sample.reset) reset();
     const TickRecord last = record_;
@@ -209,12 +229,6 @@ Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) n
 
     const bool lost = put_to_rest();
 
-    const FlushDenormals mode;
-    return advance(sample, elapsed_s);
-}
-
-/// In the mode of tick(): out of line, so that nothing of it is computed before or after.
-__attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample& sample, double elapsed_s) noexcept {
     // device position
     if (!safety_.admit(sample, elapsed_s > 0 ? elapsed_s : o.dt_s)) return stop(true);
     const Point master = o.map.to_tissue(sample.position_m);
@@ -328,7 +342,7 @@ void Simulation::begin_contact(int mesh, const Point& master_m) noexcept {
     if (pressed.law)
         contact_.pressing = tool_pushes(master_m);
     else
-        coupling_N_m_ = model_.options.coupling_ratio * model_.stiffness->at(contact_.where.facet, contact_.where.weight[1]);
+        coupling_N_m_ = *model_.options.coupling_ratio * model_.stiffness->at(contact_.where.facet, contact_.where.weight[1]);
 }
 
 /// Whether the tool, held where it is, pushes the law's tissue in: its force has a part along the rest's inward normal, whole or
@@ -428,7 +442,7 @@ Point Simulation::displacement_at_contact(std::size_t mesh) const noexcept {
 /// (19): K^t = gamma K_l + (1 - gamma) K^{t-1}, on theta, in which K is linear. The heuristic mesh has one set.
 void Simulation::average_stiffness() noexcept {
     MeshState& learned = states_[0];
-    kernel::average(static_cast<int>(learned.theta.size()), model_.options.innovation, model_.meshes[0]->theta_of_set.col(set_).data(),
+    kernel::average(static_cast<int>(learned.theta.size()), *model_.options.innovation, model_.meshes[0]->theta_of_set.col(set_).data(),
                     learned.theta.data());
     learned.theta_changed = true;
 }

@@ -20,12 +20,12 @@ namespace tissue {
 
 struct HapticOptions {
     double dt_s = 1e-3;               ///< 1 kHz, the paper's rate
-    double innovation = 0.05;         ///< gamma of (19): a new set takes over within about 60 ms
+    std::optional<double> innovation = {};      ///< gamma of (19), of sets; nothing: 0.05, a new set takes over within about 60 ms
     /// Of critical, at the lowest mode. Nothing: 0.05 for sets, the paper's "very small values"; 0.17 for a law, 5 1/s on the
     /// tissue of `surface`, with which a press comes to rest in the time that a hand takes to notice; 0.01 for a law that relaxes, whose
     /// branches damp (springs in the plane beside it keep 0.17): more makes quick pokes wrong (0.17: twice as wrong, of 0.1 s).
     std::optional<double> damping_ratio = {};
-    double coupling_ratio = 10;       ///< k_C over the contact's own stiffness: the tool sinks in by a tenth more
+    std::optional<double> coupling_ratio = {};  ///< k_C over the contact's own stiffness, on a mesh of springs; nothing: 10, the tool sinks in by a tenth more
     std::string dynamics = "auto";    ///< or a name of dynamics_kinds()
     std::string sets;                 ///< of the learned mesh: an optimiser of the model, `optimum`; "" is its first. A law has none
     bool heuristic_mesh = true;       ///< Sec. 4.4: a second mesh, Van Gelder's, beside the learned one
@@ -37,6 +37,9 @@ struct HapticOptions {
     SafetyOptions safety;             ///< its dt is taken from here
     DeviceMap map;
 };
+
+/// What holds of these numbers whatever the model is: one set of checks for the programs, C and Python. Throws MismatchError, which names the option.
+void check_options(const HapticOptions& options);
 
 /// One mesh as it runs: what belongs to it and does not change.
 struct HapticMesh {
@@ -54,7 +57,7 @@ struct HapticMesh {
 
 /// Everything that is the same in every tick.
 struct HapticModel {
-    /// Throws MismatchError for options that the model does not know, such as those of sets where it is a law.
+    /// Throws MismatchError as check_options(), and for options that would do nothing with this model, such as those of sets where it is a law.
     HapticModel(const TissueModel& model, const HapticOptions& options);
     HapticModel(const HapticModel&) = delete;
     HapticModel& operator=(const HapticModel&) = delete;
@@ -139,10 +142,10 @@ class Simulation {
     double rested_s() const { return rested_s_; }  ///< when they were last put to rest, and remembered nothing
 
    private:
+    Eigen::Vector3d advance(const DeviceSample& sample, double elapsed_s) noexcept;
     void place_surfaces() noexcept;
     bool move_surfaces() noexcept;
     void rest_meshes() noexcept;
-    Eigen::Vector3d advance(const DeviceSample& sample, double elapsed_s) noexcept;
     bool come_to_rest_elsewhere() const noexcept;
     bool put_to_rest() noexcept;
     bool find_contact(const Point& master_m) noexcept;

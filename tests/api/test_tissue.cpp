@@ -142,6 +142,24 @@ TEST_CASE("what is wrong is a code and one line, whatever is given", "[api]") {
     CHECK(opened({"axes", "x,w"}) == TISSUE_BAD_ARGUMENT);
     CHECK(opened({"offset", "1"}) == TISSUE_BAD_ARGUMENT);
     CHECK(opened({"sets", "optimum"}) == TISSUE_MISMATCH);
+    // what would do nothing
+    for (const char* option : {"stale", "energy-book"}) {
+        CHECK(opened({option, option[0] == 's' ? "0.05" : "yes"}) == TISSUE_BAD_ARGUMENT);
+        CHECK(std::string(tissue_error()).find(std::string("'") + option + "'") != std::string::npos);
+    }
+    for (const char* option : {"innovation", "coupling"}) {
+        CHECK(opened({option, "0.5"}) == TISSUE_MISMATCH);
+        CHECK(std::string(tissue_error()).find(option) == 0);
+    }
+    CHECK(opened({"coupling", "5", "heuristic", "yes"}) == TISSUE_OK);  // of the springs beside it
+    // numbers that the programs refuse, too
+    for (const char* option : {"force-scale", "scale", "force-max", "slew", "speed-max", "dt"})
+        for (const char* wrong : {"-1", "0", "inf", "nan"}) {
+            CHECK(opened({option, wrong}) == TISSUE_MISMATCH);
+            CHECK(std::string(tissue_error()).find(option) == 0);
+        }
+    for (const char* wrong : {"-1", "inf", "nan"}) CHECK(opened({"damping", wrong}) == TISSUE_MISMATCH);
+    for (const char* wrong : {"-1", "nan"}) CHECK(opened({"friction", "0.3", "friction-slip", wrong}) == TISSUE_MISMATCH);
     CHECK(opened({"dynamics", "euler"}) == TISSUE_MISMATCH);
     CHECK(opened({"axes", "x,-z", "offset", "0 0.1", "heuristic", "yes", "passivity", "no", "dt", "0.0005"}) == TISSUE_OK);
     // every number, at its worst: refused, or a session whose force is finite
@@ -172,7 +190,12 @@ TEST_CASE("what is wrong is a code and one line, whatever is given", "[api]") {
     CHECK(std::string(tissue_stiffness(nullptr)).empty());
     tissue_close(nullptr);
     Session session(file);
-    CHECK(tissue_tick(session.s, nullptr, 0, three) == TISSUE_BAD_ARGUMENT);
+    // a refused argument is no force, not the old one
+    for (tissue_session* given : {session.s, static_cast<tissue_session*>(nullptr)}) {
+        double force[3] = {1, 2, 3};
+        CHECK(tissue_tick(given, given ? nullptr : three, 0, force) == TISSUE_BAD_ARGUMENT);
+        CHECK((force[0] == 0 && force[1] == 0 && force[2] == 0));
+    }
     CHECK(tissue_tick(session.s, three, 0, nullptr) == TISSUE_BAD_ARGUMENT);
     CHECK(tissue_count(session.s, "sheep", &count) == TISSUE_BAD_ARGUMENT);
     for (double wrong : {std::nan(""), -1.0, std::numeric_limits<double>::infinity()}) CHECK(tissue_tick(session.s, three, wrong, three) == TISSUE_OK);

@@ -135,6 +135,8 @@ import numpy as np
 import tissue
 model = tissue.Model(sys.argv[1])
 for wrong in (lambda: tissue.Model("nowhere.h5"), lambda: tissue.Simulation(model, colour="red"), lambda: tissue.Simulation(model, friction="much"),
+              lambda: tissue.Simulation(model, stale=0.1), lambda: tissue.Simulation(model, energy_book=True), lambda: tissue.Simulation(model, innovation=0.1),
+              lambda: tissue.Simulation(model, coupling=5), lambda: tissue.Simulation(model, force_scale=-1), lambda: tissue.Simulation(model, damping=float("inf")),
               lambda: model.press([[0.05, 0.1]], [[0, 0.1, 0]]), lambda: model.press([[np.nan, 0.1]], [[0, -0.01]]), lambda: tissue.Simulation(model).ticks(np.zeros((3, 2))),
               lambda: tissue.Adaptation(sys.argv[1], unknowns="all"), lambda: tissue.Adaptation(sys.argv[1]).learn((0, 0, 0), (0, 0), (0, 0)), lambda: tissue.read_cases(sys.argv[1])):
     try:
