@@ -37,7 +37,10 @@ class MovingSurface {
     /// Where the way from p to m crosses the surface, farthest from m: argmax_i ||m - int_i||. Nothing when it does not.
     virtual std::optional<SurfacePlace> first_crossing(const Point& p, const Point& m) const noexcept = 0;
 
-    /// Whether the surface neither crosses nor touches itself: only then is there an inside.
+    /// Whether the surface neither crosses nor touches itself: only then is there an inside. In the plane of the surface as it is now. In space the
+    /// check is spread over calls: a surface turned inside out is found at once, one that crosses itself within MovingTriangles::ticks_to_look() calls,
+    /// 256 at the most. Until then inside and contact are guesses, and what bounds the hand is Safety alone, which asks nothing of the surface:
+    /// force_max, slew, and E <= r B where `passivity` is on.
     virtual bool simple() noexcept = 0;
 
     /// Inside, and farther than tolerance_m from the surface.

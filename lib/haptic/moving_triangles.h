@@ -18,6 +18,8 @@ namespace tissue {
 /// simple() finds in every call a surface turned inside out, as its volume is not positive. For crossings it looks at a part of the
 /// triangles in each call, and at all pairs within ticks_to_look() calls: a crossing that stays is found within as many calls of
 /// having begun, and one found counts until its triangle is looked at again, as many calls later at the most. A surface that crosses itself at rest is known as such from the beginning.
+/// Looking at all in each tick would take as long as many ticks have. A crossing that is not found yet costs no more than Safety lets through
+/// (MovingSurface::simple).
 /// Two triangles with a common edge cross when one lies folded back on the other, to 1e-4 rad.
 class MovingTriangles final : public MovingSurface {
    public:

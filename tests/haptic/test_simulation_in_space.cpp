@@ -10,6 +10,7 @@
 #include "../example.h"
 #include "../refusal.h"
 #include "error.h"
+#include "haptic/moving_triangles.h"
 #include "haptic/virtual_device.h"
 #include "haptic_example.h"
 #include "springs/contact_spring.h"
@@ -255,4 +256,49 @@ TEST_CASE("a model in space without a law, and options of another dimension, are
     HapticOptions plane;
     plane.map.axes = parse_axes("x,y");
     CHECK(refusal<MismatchError>([&] { HapticModel(solid_example(), plane); }) == "2 device axes for a tissue of 3");
+}
+
+TEST_CASE("until a surface in space that crosses itself is found, force keeps to its limits and the hand to its energy; then there is none", "[simulation][solid]") {
+    const TissueModel tissue = solid_example();
+    for (double force_scale : {1.0, 300.0}) {
+        HapticOptions o;
+        o.heuristic_mesh = false;
+        o.map.force_scale = force_scale;
+        const HapticModel model(tissue, o);
+        const int longest = MovingTriangles(tissue.mesh).ticks_to_look();
+        Draw draw(5);
+        int latest = 0, with_force = 0;
+        for (int time = 0; time < 6; ++time) {
+            Simulation s(model);
+            Port port(s);
+            Eigen::Vector3d hand(0.043, 0.056, 0.052);
+            for (int k = 0; k < 600; ++k) {
+                hand.z() = 0.052 - 0.005 * std::min(1.0, k / 400.0);
+                port.tick(sample_at(hand), 1e-3);
+            }
+            REQUIRE(s.record().device_N.norm() > 0.01);
+            // far from the tool a node of the top goes down through the bottom, and is held there: what is within stays more than nothing
+            int through = -1;
+            for (int n = 0; n < model.rest.node_count(); ++n)
+                if ((model.rest.nodes.row(n) - Eigen::RowVector3d(0.075, 0.025, 0.05)).norm() < 1e-6) through = n;
+            REQUIRE(through >= 0);
+            for (int wait = draw.below(longest); wait > 0; --wait) port.tick(sample_at(hand), 1e-3);
+            int found = 0;
+            for (int k = 1; k <= longest && found == 0; ++k) {
+                s.state(0).displacement.row(through) << 0, 0, -0.06;
+                s.state(0).velocity.row(through).setZero();
+                hand += 2e-3 * 0.99 * Eigen::Vector3d(draw(-1, 1), draw(-1, 1), draw(-1, 1)) / 2;  // as fast as a hand may
+                port.tick(sample_at(hand), 1e-3);
+                with_force += s.record().device_N.norm() > 0;
+                if (s.counters().folded > 0) found = k;
+            }
+            INFO("force times " << force_scale << ", time " << time << ": found after " << found << " ticks of " << longest << ", given " << port.worst_J() << " J of " << port.bound_J());
+            REQUIRE(found > 0);
+            CHECK(s.record().device_N.isZero(0));
+            CHECK(port.worst_J() <= port.bound_J() * (1 + 1e-9));
+            latest = std::max(latest, found);
+        }
+        CHECK(with_force > 0);  // or nothing was tried
+        CHECK(latest > 1);
+    }
 }
