@@ -121,6 +121,7 @@ PressState Adaptation::press(const Point& contact_m, const Point& push_m, const 
 }
 
 Expected Adaptation::expect(const Point& contact_m, const Point& push_m) {
+    if (const std::string why = push_refusal(base_.mesh, surface_, contact_m, push_m, options_.off_surface_m); !why.empty()) throw MismatchError("the push " + why);
     const Linear linear = linearise(contact_m, push_m, x(), nullptr);
     const double size = linear.rest.contact_force_N.norm();
     return {linear.rest.contact_force_N, linear.by_x / size, size > 0 ? linear.rest.status : PressStatus::lost};
@@ -186,11 +187,11 @@ void Adaptation::compare(const Point& expected_N, const Poke& poke, const Eigen:
 std::string Adaptation::refusal(const Poke& poke) const {
     const Eigen::Index D = base_.mesh.dimension();
     if (poke.contact_m.size() != D || poke.push_m.size() != D || poke.force_N.size() != D) return fmt::format("is not of {} axes", D);
-    if (!poke.contact_m.allFinite() || !poke.push_m.allFinite() || !poke.force_N.allFinite()) return "has a number that is none";
+    if (!poke.push_m.allFinite() || !poke.force_N.allFinite()) return "has a number that is none";
+    if (std::string why = contact_refusal(base_.mesh, surface_, poke.contact_m, options_.off_surface_m); !why.empty()) return why;
     if (!(poke.push_m.norm() >= options_.least_push_m)) return fmt::format("pushes by {:.3g} mm, less than {:g} mm says nothing", 1e3 * poke.push_m.norm(), 1e3 * options_.least_push_m);
     if (!(poke.force_N.norm() > 0)) return "has no force: the sensor may be dead";
     const FreeSurface::Place at = surface_.nearest(poke.contact_m);
-    if (at.distance_m > options_.off_surface_m) return fmt::format("is {:.3g} mm off the surface, more than {:g} mm", 1e3 * at.distance_m, 1e3 * options_.off_surface_m);
     const double size_m = base_.mesh.size_m();
     if (poke.push_m.norm() > size_m / 2) return fmt::format("pushes by {:.3g} mm, more than half of the tissue's {:.3g} mm", 1e3 * poke.push_m.norm(), 1e3 * size_m);
     if (!(poke.push_m.dot(at.inward) > 0)) return "pulls, or slides along the surface: the push must go into the tissue";

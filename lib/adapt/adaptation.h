@@ -9,6 +9,7 @@
 #include "springs/press.h"
 
 namespace tissue {
+#include "springs/push_refusal.h"
 
 /// One reading: where the tool touched the tissue at rest, how far it went from there, and its force on the tissue once all was still.
 struct Poke {
@@ -22,7 +23,7 @@ struct AdaptOptions {
     double model_error = 0.03;      ///< of what the law is off even where it knows the tissue, likewise,
     double place_error_m = 0;       ///< and of where the contact is, along the surface
     double gate = 0.999;            ///< a reading that the model says is rarer than one in 1 / (1 - gate) is not believed
-    double off_surface_m = 0.002;   ///< a contact farther off the surface is none
+    double off_surface_m = usual_off_surface_m;  ///< a contact farther off the surface is none
     double least_push_m = 1e-4;     ///< a shorter push says nothing
     double largest = 2.5;           ///< |x| at the most: a factor of 12
     bool rival = true;              ///< beside unknowns that lie somewhere, one scale of all the tissue: the likelier of the two plays
@@ -92,6 +93,7 @@ class Adaptation {
     /// What the model expects of a push, whatever it knows. Not const: it has one solver.
     Expected expect(const Point& contact_m, const Point& push_m);
     /// Covariance of that force over its size, D x D: of what is not known of x, of which of two rivals is right, and with_model: of the law's
+    /// Throws MismatchError for a push that is none of this tissue (push_refusal).
     /// own error.
     Eigen::MatrixXd covariance(const Expected& expected, bool with_model = true) const;
 

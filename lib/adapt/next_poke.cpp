@@ -1,5 +1,7 @@
 #include "adapt/next_poke.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -10,10 +12,11 @@ namespace tissue {
 namespace {
 
 /// dF/dx over |F| of each push that has a rest, one below the other; `which` says whose.
-Eigen::MatrixXd stacked(Adaptation& adaptation, const std::vector<Push>& pushes, std::vector<std::size_t>& which) {
+Eigen::MatrixXd stacked(Adaptation& adaptation, const std::vector<Push>& pushes, const std::function<void()>& between, std::vector<std::size_t>& which) {
     const Eigen::Index D = adaptation.base().mesh.dimension(), P = adaptation.unknowns().size();
     Eigen::MatrixXd rows(D * static_cast<Eigen::Index>(pushes.size()), P);
     for (std::size_t i = 0; i < pushes.size(); ++i) try {
+            if (between) between();
             const Expected expected = adaptation.expect(pushes[i].contact_m, pushes[i].push_m);
             if (expected.status != PressStatus::held) continue;
             rows.middleRows(D * static_cast<Eigen::Index>(which.size()), D) = expected.by_x;
@@ -27,6 +30,7 @@ Eigen::MatrixXd stacked(Adaptation& adaptation, const std::vector<Push>& pushes,
 }  // namespace
 
 std::vector<Push> pushes_over(const FreeSurface& surface, const SpringMesh& mesh, double depth_m, double apart_m) {
+    if (!(depth_m > 0 && std::isfinite(depth_m))) throw MismatchError(fmt::format("a push is {:g} mm deep: wanted more than 0, and finite", 1e3 * depth_m));
     std::vector<Push> pushes;
     const auto far_from_others = [&](const Point& at) {
         for (const Push& other : pushes)
@@ -45,9 +49,9 @@ std::vector<Push> pushes_over(const FreeSurface& surface, const SpringMesh& mesh
     return pushes;
 }
 
-std::vector<PokeWorth> rank_pokes(Adaptation& adaptation, const std::vector<Push>& may_be, const std::vector<Push>& judged) {
+std::vector<PokeWorth> rank_pokes(Adaptation& adaptation, const std::vector<Push>& may_be, const std::vector<Push>& judged, const std::function<void()>& between) {
     std::vector<std::size_t> which, judged_too;
-    const Eigen::MatrixXd H = stacked(adaptation, may_be, which), T = stacked(adaptation, judged, judged_too);
+    const Eigen::MatrixXd H = stacked(adaptation, may_be, between, which), T = stacked(adaptation, judged, between, judged_too);
     const Eigen::Index D = adaptation.base().mesh.dimension();
     const Eigen::MatrixXd PH = adaptation.state().P * H.transpose(), TPH = T * PH;
     const double all = (T * adaptation.state().P).cwiseProduct(T).sum();

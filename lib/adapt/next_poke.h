@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "adapt/adaptation.h"
@@ -13,7 +14,8 @@ struct Push {
 
 constexpr double usual_depth_m = 0.006;  ///< of a push that is told, where nobody says how deep
 
-/// Pushes straight into the tissue, so deep, all over its free surface: about `apart_m` from each other, and as far from what is held.
+/// Pushes straight into the tissue, so deep, all over its free surface: about `apart_m` from each other, and as far from what is held. Throws
+/// MismatchError for a depth that is not above 0, or not finite.
 std::vector<Push> pushes_over(const FreeSurface& surface, const SpringMesh& mesh, double depth_m, double apart_m);
 
 /// What a push would tell of others.
@@ -24,7 +26,9 @@ struct PokeWorth {
 };
 
 /// Of pushes that may be made, worth most first: by the filter's covariance, in which a force's noise counts and its value does not.
-/// judged: where the force is to be known. Pushes with no rest are left out.
-std::vector<PokeWorth> rank_pokes(Adaptation& adaptation, const std::vector<Push>& may_be, const std::vector<Push>& judged);
+/// judged: where the force is to be known. Pushes with no rest are left out. between: called before each press, of which there are as many as
+/// pushes; may throw to end it.
+std::vector<PokeWorth> rank_pokes(Adaptation& adaptation, const std::vector<Push>& may_be, const std::vector<Push>& judged,
+                                  const std::function<void()>& between = {});
 
 }  // namespace tissue

@@ -279,3 +279,13 @@ TEST_CASE("only a law learns, and unknowns have names", "[adapt]") {
     CHECK_THROWS_WITH(Adaptation(haptic_example()), Contains("only a law learns"));
     CHECK_THROWS_WITH(Adaptation(law_example(), options("colour")), Contains("'colour'") && Contains("field"));
 }
+
+TEST_CASE("what a push would feel is asked of this tissue's surface alone", "[adapt]") {
+    Adaptation adaptation(law_example());
+    const Point contact = Eigen::Vector2d(0.05, 0.1), push = Eigen::Vector2d(0, -0.004);
+    CHECK(adaptation.expect(contact, push).status == PressStatus::held);
+    for (const Point& wrong : {Point(Eigen::Vector2d(std::nan(""), 0.1)), Point(Eigen::Vector2d(5, 5)), Point(Eigen::Vector2d(0.05, 0)), Point(Eigen::Vector3d(0.05, 0.1, 0))})
+        CHECK_THROWS_AS(adaptation.expect(wrong, push), MismatchError);
+    CHECK_THROWS_AS(adaptation.expect(contact, -push), MismatchError);
+    CHECK_THROWS_AS(adaptation.expect(contact, Point(Eigen::Vector2d(0, std::nan("")))), MismatchError);
+}

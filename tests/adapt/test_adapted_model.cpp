@@ -1,6 +1,8 @@
 #include "adapt/adapted_model.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
 
 #include "adapt_example.h"
 #include "adapt/next_poke.h"
@@ -112,6 +114,8 @@ TEST_CASE("the next poke goes where least is known", "[adapt]") {
         CHECK(adaptation.surface().nearest(push.contact_m).distance_m < 1e-12);
         CHECK(push.push_m.norm() == Approx(0.005));
     }
+    for (double depth : {-0.005, 0.0, std::nan(""), std::numeric_limits<double>::infinity()})
+        CHECK_THROWS_AS(pushes_over(adaptation.surface(), law.mesh, depth, 0.01), MismatchError);
     // all pokes on the left: what is worth most lies on the right
     for (const Poke& poke : pokes_of(law, 30))
         if (poke.contact_m[0] < 0.05) adaptation.learn(poke);

@@ -146,6 +146,129 @@ for wrong in (lambda: tissue.Model("nowhere.h5"), lambda: tissue.Simulation(mode
     else:
         assert False, wrong
 PY
+check "a push that is none of the tissue is refused, and named" "$PYTHON" - "$model" <<'PY'
+import sys
+
+import numpy as np
+import tissue
+model, patient = tissue.Model(sys.argv[1]), tissue.Adaptation(sys.argv[1])
+top, down = (0.05, 0.1), (0, -0.004)
+for contact, push, why in (((5, 5), down, "off the surface"), ((0.05, 0.06), down, "off the surface"), ((0.05, 0), (0, 0.004), "on what is held"), ((0, 0), (0.004, 0), "on what is held"),
+                           (top, (0, 0.004), "out of the tissue"), ((np.nan, 0.1), down, "no"), ((np.inf, 0.1), down, "no"), (top, (0, np.nan), "no")):
+    for act in (lambda: model.press([top, contact], [down, push]), lambda: patient.expect(contact, push)):
+        try:
+            act()
+        except tissue.Error as e:
+            assert why in str(e) and "\n" not in str(e), e
+        else:
+            assert False, (contact, push)
+try:
+    model.press([top, (5, 5)], [down, down])
+except tissue.Error as e:
+    assert str(e).startswith("contact 1 is"), e
+for depth in (-1, 0, np.nan, np.inf):
+    try:
+        patient.next(depth_m=depth)
+    except tissue.Error:
+        continue
+    assert False, depth
+force, _, _ = model.press([top, (0.05, 0.101)], [down, down])  # a millimetre off is on it
+assert (force[0] == force[1]).all() and patient.expect(top, down)[2] == "held"
+PY
+check "None in place of any argument of anything is a TypeError or a tissue.Error" "$PYTHON" - "$model" "$scratch" <<'PY'
+import sys
+
+import tissue
+file, scratch = sys.argv[1:]
+model = tissue.Model(file)
+session, patient = tissue.Simulation(model), tissue.Adaptation(file)
+top, down = (0.05, 0.1), (0, -0.004)
+calls = {tissue.Model: dict(file=file), tissue.Simulation: dict(model=model, friction=0.3, force_max=3, axes="x,y", offset=[0, 0], heuristic=False), model.press: dict(contacts_m=[top], pushes_m=[down], threads=1),
+         session.tick: dict(position_m=(0, 0.2, 0), elapsed_s=0.001), session.ticks: dict(positions_m=[(0, 0.2, 0)], elapsed_s=0.001),
+         tissue.Adaptation: dict(model_file=file, unknowns="field", force_noise=0.02, model_error=0.03, place_error_m=0, rival=True),
+         patient.learn: dict(contact_m=top, push_m=down, force_N=(0, -0.3)), patient.expect: dict(contact_m=top, push_m=down), patient.next: dict(depth_m=0.006, count=1),
+         patient.write: dict(file=scratch + "/none.h5"), tissue.read_study: dict(folder=scratch), tissue.read_cases: dict(file=scratch + "/cases.h5")}
+for call, arguments in calls.items():
+    call(**arguments)
+    for name in arguments:
+        if (call, name) == (tissue.Adaptation, "rival"): continue  # None is as false as 0
+        try:
+            call(**{**arguments, name: None})
+        except (TypeError, tissue.Error):
+            continue
+        assert False, (call, name)
+PY
+check "a file is named by a path as well as by its text" "$PYTHON" - "$model" "$scratch" <<'PY'
+import pathlib, sys
+
+import tissue
+model, scratch = (pathlib.Path(a) for a in sys.argv[1:])
+assert tissue.Model(model).study == tissue.Model(str(model)).study
+patient = tissue.Adaptation(model)
+patient.write(scratch / "path.h5")
+assert len(tissue.read_cases(scratch / "cases.h5")) == len(tissue.read_study(scratch)["paths"])
+PY
+check "what takes long lets other threads run, and Ctrl-C ends it" "$PYTHON" - "$model" <<'PY'
+import os, signal, sys, threading, time
+
+import numpy as np
+import tissue
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have it ignored
+model = tissue.Model(sys.argv[1])
+session = tissue.Simulation(model)
+way = np.tile((0.05, 0.097, 0), (10_000_000, 1))  # minutes
+contacts, pushes = np.tile((0.05, 0.1), (300_000, 1)), np.tile((0, -0.004), (300_000, 1))
+for act, threads in ((lambda: session.ticks(way), 1), (lambda: model.press(contacts, pushes, threads=1), 1), (lambda: model.press(contacts, pushes, threads=3), 3)):
+    beats = []
+    def interrupt():
+        end = time.monotonic() + 1
+        while time.monotonic() < end:
+            beats.append(time.monotonic())
+            time.sleep(0.01)
+        os.kill(os.getpid(), signal.SIGINT)
+    other = threading.Thread(target=interrupt)
+    began = time.monotonic()
+    other.start()
+    try:
+        act()
+    except KeyboardInterrupt:
+        pass
+    else:
+        assert False
+    took = time.monotonic() - began
+    other.join()
+    assert took < 20 and len(beats) > 20, (took, len(beats))
+before = session.counts["ticks"]
+assert 0 < before < len(way)
+session.ticks(way[:10])
+assert session.counts["ticks"] == before + 10
+# a handler that uses the very object
+signal.signal(signal.SIGALRM, lambda *_: session.reset())
+signal.setitimer(signal.ITIMER_REAL, 0.2)
+session.ticks(way[:200_000])
+PY
+check "one object in many threads is used by one at a time" "$PYTHON" - "$model" <<'PY'
+import sys, threading
+
+import numpy as np
+import tissue
+patient, session = tissue.Adaptation(sys.argv[1]), tissue.Simulation(tissue.Model(sys.argv[1]))
+wrong = []
+def use(k):
+    try:
+        for i in range(20):
+            patient.learn((0.02 + 0.01 * k, 0.1), (0, -0.004), (0, -0.2 - 0.001 * i))
+            patient.expect((0.05, 0.1), (0, -0.003)), patient.factor, patient.sd, patient.learned
+            session.ticks(np.tile((0.05, 0.098, 0), (20, 1))), session.contact, session.counts
+            if i % 7 == k: session.reset(), patient.forget()
+    except Exception as e:
+        wrong.append(e)
+threads = [threading.Thread(target=use, args=(k,)) for k in range(4)]
+[t.start() for t in threads]
+[t.join() for t in threads]
+assert not wrong, wrong
+assert session.counts["ticks"] == 4 * 20 * 20
+PY
 check "help() has a sentence for every name" "$PYTHON" -c 'import tissue
 for owner in (tissue, tissue.Model, tissue.Simulation, tissue.Adaptation):
     for name in vars(owner):

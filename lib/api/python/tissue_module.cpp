@@ -2,9 +2,12 @@
 #include <pybind11/eigen.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
+#include <mutex>
 #include <thread>
 
 #include "adapt/adapted_model.h"
@@ -17,6 +20,7 @@
 #include "haptic/simulation.h"
 #include "parallel.h"
 #include "springs/law_press.h"
+#include "springs/push_refusal.h"
 #include "springs/set_grid.h"
 #include "version.h"
 
@@ -28,7 +32,38 @@ namespace {
 /// Rows of points, as numpy gives them: any layout, any number type.
 using Rows = Eigen::Ref<const NodeField, 0, Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>>;
 
-std::shared_ptr<const TissueModel> open_model(const std::string& file) { return std::make_shared<const TissueModel>(read_model(file)); }
+using File = std::filesystem::path;  // a str, bytes, or anything with __fspath__
+
+std::shared_ptr<TissueModel> open_model(const File& file) {
+    const py::gil_scoped_release others_may;
+    return std::make_shared<TissueModel>(read_model(file.string()));
+}
+
+/// In work that takes long, without the interpreter: looks now and then whether Ctrl-C, or another signal that Python handles, has come; what
+/// its handler raises ends the work. In threads that are not Python's main one nothing ever has.
+class Signals {
+   public:
+    void heed() {
+        constexpr std::chrono::milliseconds apart(50);  // others hold the interpreter for 5 ms at a time
+        const auto now = std::chrono::steady_clock::now();
+        if (now - last_ < apart) return;
+        last_ = now;
+        const py::gil_scoped_acquire interpreter;
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    }
+
+   private:
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// Does something with an object while other Python threads run, one of them at a time with the object. Nobody waits for it holding the
+/// interpreter; a signal's handler, which runs amid heed(), may come again.
+template <class Object, class Act>
+auto alone(Object& object, Act&& act) {
+    const py::gil_scoped_release others_may;
+    const std::lock_guard<std::recursive_mutex> one_at_a_time(object.guard);
+    return act();
+}
 
 HapticOptions options_of(const py::kwargs& given) {
     HapticOptions options;
@@ -53,6 +88,7 @@ struct Session {
     std::shared_ptr<const TissueModel> tissue;
     HapticModel model;
     Simulation simulation;
+    std::recursive_mutex guard;
     Session(std::shared_ptr<const TissueModel> t, const HapticOptions& options) : tissue(std::move(t)), model(*tissue, options), simulation(model) {}
 
     Eigen::Vector3d tick(const Eigen::Vector3d& position_m, double elapsed_s) {
@@ -65,12 +101,18 @@ struct Session {
 NodeField ticks(Session& session, const Rows& positions_m, double elapsed_s) {
     if (positions_m.cols() != 3) throw MismatchError("positions are of the device: three numbers each");
     NodeField forces(positions_m.rows(), 3);
-    for (Eigen::Index k = 0; k < forces.rows(); ++k) forces.row(k) = session.tick(positions_m.row(k), elapsed_s);
-    return forces;
+    Signals signals;
+    return alone(session, [&] {
+        for (Eigen::Index k = 0; k < forces.rows(); ++k) {
+            if (k % 16 == 0) signals.heed();
+            forces.row(k) = session.tick(positions_m.row(k), elapsed_s);
+        }
+        return std::move(forces);
+    });
 }
 
-py::dict contact_of(const Session& session) {
-    const TickRecord& tick = session.simulation.record();
+py::dict contact_of(Session& session) {
+    const TickRecord tick = alone(session, [&] { return session.simulation.record(); });
     py::dict contact;
     contact["mesh"] = tick.mesh;
     contact["facet"] = tick.facet;
@@ -82,18 +124,32 @@ py::dict contact_of(const Session& session) {
     return contact;
 }
 
-py::dict counts_of(const Session& session) {
+py::dict counts_of(Session& session) {
+    std::array<long long, session_counts.size()> now{};
+    alone(session, [&] {
+        for (std::size_t i = 0; i < now.size(); ++i) now[i] = session_counts[i].of(session.simulation);
+    });
     py::dict counts;
-    for (const SessionCount& one : session_counts) counts[one.name] = one.of(session.simulation);
+    for (std::size_t i = 0; i < now.size(); ++i) counts[session_counts[i].name] = now[i];
     return counts;
 }
+
+/// A law that learns.
+struct Patient {
+    std::unique_ptr<Adaptation> adaptation;
+    std::recursive_mutex guard;
+
+    Point point(const Eigen::VectorXd& p, const char* what) const {
+        if (p.size() != adaptation->base().mesh.dimension()) throw MismatchError(std::string(what) + " is of another number of axes than the tissue");
+        return p;
+    }
+};
 
 /// Answers of the model pressed at each contact from rest.
 py::tuple press(const TissueModel& model, const Rows& contacts_m, const Rows& pushes_m, int threads) {
     const int D = model.mesh.dimension(), n = static_cast<int>(contacts_m.rows());
     if (contacts_m.cols() != D || pushes_m.cols() != D || pushes_m.rows() != n)
         throw MismatchError("contacts and pushes are as many, of as many numbers as the tissue has axes");
-    if (!contacts_m.allFinite() || !pushes_m.allFinite()) throw MismatchError("contacts and pushes must be finite");
     std::vector<ContactAnswer> answers(static_cast<std::size_t>(n));
     {
         const py::gil_scoped_release others_may;
@@ -104,7 +160,16 @@ py::tuple press(const TissueModel& model, const Rows& contacts_m, const Rows& pu
             law.emplace(model);
         else
             sets.emplace(model), springs = make_spring_law(model.law);
+        Signals signals;
+        const FreeSurface surface(model.mesh);
+        for (int k = 0; k < n; ++k) {
+            signals.heed();
+            if (const std::string why = push_refusal(model.mesh, surface, contacts_m.row(k).transpose(), pushes_m.row(k).transpose()); !why.empty())
+                throw MismatchError("contact " + std::to_string(k) + " " + why);
+        }
+        const auto caller = std::this_thread::get_id();
         parallel_for(n, threads, [&](int k) {
+            if (std::this_thread::get_id() == caller) signals.heed();
             const Point contact = contacts_m.row(k), push = pushes_m.row(k);
             ContactAnswer& answer = answers[static_cast<std::size_t>(k)];
             if (law) {
@@ -117,7 +182,7 @@ py::tuple press(const TissueModel& model, const Rows& contacts_m, const Rows& pu
             }
             const int set = sets->nearest(sets->outline().arc_of(contact), push / push.norm(), push.norm());
             answer = answer_of(model.mesh, *springs, model.trained.front().theta.row(set).transpose(),
-                               {locate_on_surface(model.mesh, contact), push, Eigen::VectorXd::Zero(D)});
+                               {locate_on_surface(model.mesh, surface.nearest(contact).point_m), push, Eigen::VectorXd::Zero(D)});
         });
     }
     NodeField force = NodeField::Constant(n, D, std::nan(""));
@@ -135,8 +200,11 @@ py::tuple press(const TissueModel& model, const Rows& contacts_m, const Rows& pu
     return py::make_tuple(std::move(force), std::move(displacement), reasons);
 }
 
-py::list paths_of(const std::string& file) {
-    const Cases cases = read_cases(file);
+py::list paths_of(const File& file) {
+    const Cases cases = [&] {
+        const py::gil_scoped_release others_may;
+        return read_cases(file.string());
+    }();
     py::list paths;
     for (const LoadPath& path : cases.paths) {
         const auto R = static_cast<Eigen::Index>(path.records.size());
@@ -165,25 +233,21 @@ py::list paths_of(const std::string& file) {
     return paths;
 }
 
-py::dict read_study(const std::string& folder) {
+py::dict read_study(const File& folder) {
     py::dict study;
-    study["model"] = open_model(folder + "/model.h5");
-    study["paths"] = paths_of(folder + "/cases.h5");
+    study["model"] = open_model(folder / "model.h5");
+    study["paths"] = paths_of(folder / "cases.h5");
     study["eval"] = py::none();
-    if (!std::filesystem::exists(folder + "/eval.json")) return study;
-    const py::object file = py::module_::import("io").attr("open")(folder + "/eval.json");
+    if (!std::filesystem::exists(folder / "eval.json")) return study;
+    const py::object file = py::module_::import("io").attr("open")(folder / "eval.json");
     study["eval"] = py::module_::import("json").attr("load")(file);
     file.attr("close")();
     return study;
 }
 
-Point point(const Adaptation& adaptation, const Eigen::VectorXd& p, const char* what) {
-    if (p.size() != adaptation.base().mesh.dimension()) throw MismatchError(std::string(what) + " is of another number of axes than the tissue");
-    return p;
-}
-
-py::dict learn(Adaptation& adaptation, const Eigen::VectorXd& contact_m, const Eigen::VectorXd& push_m, const Eigen::VectorXd& force_N) {
-    const PokeAnswer answer = adaptation.learn({point(adaptation, contact_m, "contact_m"), point(adaptation, push_m, "push_m"), point(adaptation, force_N, "force_N")});
+py::dict learn(Patient& patient, const Eigen::VectorXd& contact_m, const Eigen::VectorXd& push_m, const Eigen::VectorXd& force_N) {
+    const PokeAnswer answer =
+        alone(patient, [&] { return patient.adaptation->learn({patient.point(contact_m, "contact_m"), patient.point(push_m, "push_m"), patient.point(force_N, "force_N")}); });
     py::dict said;
     said["status"] = to_string(answer.status);
     said["why"] = answer.why;
@@ -195,6 +259,32 @@ py::dict learn(Adaptation& adaptation, const Eigen::VectorXd& contact_m, const E
     said["error_after"] = answer.error_after;
     said["warning"] = answer.warning;
     return said;
+}
+
+py::tuple expect(Patient& patient, const Eigen::VectorXd& contact_m, const Eigen::VectorXd& push_m) {
+    Eigen::MatrixXd covariance;
+    const Expected expected = alone(patient, [&] {
+        Expected there = patient.adaptation->expect(patient.point(contact_m, "contact_m"), patient.point(push_m, "push_m"));
+        covariance = patient.adaptation->covariance(there);
+        return there;
+    });
+    return py::make_tuple(Eigen::VectorXd(expected.force_N), std::sqrt(covariance.trace() / static_cast<double>(covariance.rows())), to_string(expected.status));
+}
+
+py::list next(Patient& patient, double depth_m, std::size_t count) {
+    std::vector<Push> pushes;
+    Signals signals;
+    const std::vector<PokeWorth> worth = alone(patient, [&] {
+        Adaptation& a = *patient.adaptation;
+        pushes = pushes_over(a.surface(), a.base().mesh, depth_m, a.surface().spacing_m());
+        return rank_pokes(a, pushes, pushes, [&] { signals.heed(); });
+    });
+    py::list told;
+    for (std::size_t i = 0; i < std::min(count, worth.size()); ++i) {
+        const Push& push = pushes[worth[i].push];
+        told.append(py::make_tuple(Eigen::VectorXd(push.contact_m), Eigen::VectorXd(push.push_m), worth[i].gain));
+    }
+    return told;
 }
 
 }  // namespace
@@ -211,13 +301,14 @@ PYBIND11_MODULE(tissue, m) {
     patient = tissue.Adaptation("results/surface/model.h5")    # learns from pokes
     patient.learn(contact, push, force)
 
-SI units. A model has D = 2 or 3 axes, N nodes. Errors are tissue.Error, one line that names file, place and cause. One thread at a time
-for each object; press() uses several of its own, and others may run meanwhile.)";
+SI units. A model has D = 2 or 3 axes, N nodes. Errors are tissue.Error, one line that names file, place and cause; an argument of another
+type is a TypeError. Other Python threads run while something here takes long; those that want the same object wait for one another. Ctrl-C ends
+ticks() between two ticks, press() between two contacts and next() between two presses.)";
     m.attr("__version__") = version;
     py::register_exception<Error>(m, "Error", PyExc_ValueError).attr("__doc__") = "What the caller got wrong, or the disk did: one line.";
 
     py::class_<TissueModel, std::shared_ptr<TissueModel>>(m, "Model", "What plays: a model.h5 of tissuectl train or adapt. Arrays are the model's own, to be read, without copies.")
-        .def(py::init([](const std::string& file) { return std::make_shared<TissueModel>(read_model(file)); }), py::arg("file"))
+        .def(py::init(&open_model), py::arg("file"), "file: a str or a path")
         .def_readonly("study", &TissueModel::study, "its name")
         .def_property_readonly("dimension", [](const TissueModel& t) { return t.mesh.dimension(); }, "D")
         .def_property_readonly("is_law", [](const TissueModel& t) { return t.energy_law.has_value(); }, "one energy; else spring sets")
@@ -238,7 +329,7 @@ for each object; press() uses several of its own, and others may run meanwhile.)
         .def_property_readonly("constants", [](const TissueModel& t) { return t.energy_law ? t.energy_law->constants : Eigen::VectorXd(); },
                                "of a law's springs and cells [N/m] (E)")
         .def("press", &press, py::arg("contacts_m"), py::arg("pushes_m"), py::arg("threads") = std::max(1u, std::thread::hardware_concurrency()),
-             "The tissue at rest with the tool held: contacts (K, D) on the surface, pushes from there (K, D).\n"
+             "The tissue at rest with the tool held: contacts (K, D) on the free surface or within 2 mm of it, pushes from there (K, D), none out of the tissue.\n"
              "Returns force of the tool on the tissue [N] (K, D), displacement [m] (K, N, D), and why there is no answer, "
              "\"\" where there is one (K); without an answer both are NaN. Of spring sets the nearest serves, as in tissuectl eval.")
         .def("__repr__", [](const TissueModel& t) {
@@ -247,55 +338,54 @@ for each object; press() uses several of its own, and others may run meanwhile.)
         });
 
     py::class_<Session>(m, "Simulation", "The running tissue: the tick of tissue-haptic, with its safety.")
-        .def(py::init([](std::shared_ptr<TissueModel> model, const py::kwargs& options) { return std::make_unique<Session>(std::move(model), options_of(options)); }), py::arg("model"),
+        .def(py::init([](std::shared_ptr<TissueModel> model, const py::kwargs& given) {
+                 const HapticOptions options = options_of(given);
+                 const py::gil_scoped_release others_may;
+                 return std::make_unique<Session>(std::move(model), options);
+             }),
+             py::arg("model").none(false),
              "options: those of tissue.h by name, with _ for -: force_max=3.3, friction=0.3, axes=\"x,-z\", offset=[0, 0.1], heuristic=True, ...")
-        .def("tick", &Session::tick, py::arg("position_m"), py::arg("elapsed_s") = 0.0, py::call_guard<py::gil_scoped_release>(),
+        .def("tick", [](Session& s, const Eigen::Vector3d& position_m, double elapsed_s) { return alone(s, [&] { return s.tick(position_m, elapsed_s); }); },
+             py::arg("position_m"), py::arg("elapsed_s") = 0.0,
              "One step: the device's position [m] (3); returns the force on the hand [N] (3), finite, clamped and passive whatever comes in. elapsed_s: since the last tick; 0: dt.")
-        .def("ticks", &ticks, py::arg("positions_m"), py::arg("elapsed_s") = 0.0, py::call_guard<py::gil_scoped_release>(),
-             "A tick for each position (T, 3), one after the other; returns forces [N] (T, 3).")
-        .def("reset", [](Session& s) { s.simulation.reset(); }, "The tissue to rest; the tool must be outside once before there is force again.")
+        .def("ticks", &ticks, py::arg("positions_m"), py::arg("elapsed_s") = 0.0,
+             "A tick for each position (T, 3), one after the other; returns forces [N] (T, 3). After Ctrl-C the session is where it came to.")
+        .def("reset", [](Session& s) { alone(s, [&] { s.simulation.reset(); }); }, "The tissue to rest; the tool must be outside once before there is force again.")
         .def_property_readonly("displacement_m", [](const Session& s) -> const NodeColumns& { return s.simulation.state(0).displacement; },
                                "of the nodes now [m] (N, D): a view that the next tick changes")
         .def_property_readonly("contact", &contact_of, "as the last tick left it: mesh (-1: nothing is pressed), facet, weight, displacement_m, force_N (on the tissue, before safety), slipping, fault")
         .def_property_readonly("counts", &counts_of, "of the session")
-        .def_property_readonly("energy_given_J", [](const Session& s) { return s.simulation.safety().counters().energy_given_J; }, "to the hand since the start; below 0: the hand gave")
+        .def_property_readonly("energy_given_J", [](Session& s) { return alone(s, [&] { return s.simulation.safety().counters().energy_given_J; }); }, "to the hand since the start; below 0: the hand gave")
         .def_property_readonly("model", [](const Session& s) { return std::const_pointer_cast<TissueModel>(s.tissue); }, "that it plays");
 
-    py::class_<Adaptation>(m, "Adaptation", "A law that learns from pokes of a tissue that is not the one it was trained on, as tissuectl adapt does.")
-        .def(py::init([](const std::string& file, const std::string& unknowns, double force_noise, double model_error, double place_error_m, bool rival) {
+    py::class_<Patient>(m, "Adaptation", "A law that learns from pokes of a tissue that is not the one it was trained on, as tissuectl adapt does.")
+        .def(py::init([](const File& file, const std::string& unknowns, double force_noise, double model_error, double place_error_m, bool rival) {
                  AdaptOptions options;
                  options.unknowns = unknowns;
                  options.force_noise = force_noise;
                  options.model_error = model_error;
                  options.place_error_m = place_error_m;
                  options.rival = rival;
-                 return read_adaptation(file, options);
+                 auto patient = std::make_unique<Patient>();
+                 const py::gil_scoped_release others_may;
+                 patient->adaptation = read_adaptation(file.string(), options);
+                 return patient;
              }),
              py::arg("model_file"), py::arg("unknowns") = "field", py::arg("force_noise") = 0.02, py::arg("model_error") = 0.03, py::arg("place_error_m") = 0.0,
              py::arg("rival") = true, "Goes on where the file has learned already, with its own options then.")
         .def("learn", &learn, py::arg("contact_m"), py::arg("push_m"), py::arg("force_N"),
              "One poke: where the tool touched at rest, how far it went [m], its force on the tissue [N] (D each). Returns what became of it: status (learned, gated, refused), why, ...")
-        .def("expect", [](Adaptation& a, const Eigen::VectorXd& contact_m, const Eigen::VectorXd& push_m) {
-                 const Expected expected = a.expect(point(a, contact_m, "contact_m"), point(a, push_m, "push_m"));
-                 const Eigen::MatrixXd covariance = a.covariance(expected);
-                 return py::make_tuple(Eigen::VectorXd(expected.force_N), std::sqrt(covariance.trace() / static_cast<double>(covariance.rows())), to_string(expected.status));
-             }, py::arg("contact_m"), py::arg("push_m"), "Force of a push [N] (D), its standard deviation over its size, and the status of the rest.")
-        .def("next", [](Adaptation& a, double depth_m, std::size_t count) {
-                 const std::vector<Push> pushes = pushes_over(a.surface(), a.base().mesh, depth_m, a.surface().spacing_m());
-                 py::list told;
-                 for (const PokeWorth& worth : rank_pokes(a, pushes, pushes)) {
-                     if (told.size() == count) break;
-                     told.append(py::make_tuple(Eigen::VectorXd(pushes[worth.push].contact_m), Eigen::VectorXd(pushes[worth.push].push_m), worth.gain));
-                 }
-                 return told;
-             }, py::arg("depth_m") = usual_depth_m, py::arg("count") = 3, "Pushes that would tell most: contact, push, and what part of the mean variance of all forces each would take away.")
-        .def("model", [](const Adaptation& a) { return std::make_shared<TissueModel>(a.model()); }, "The model as it is now.")
-        .def("write", [](const Adaptation& a, const std::string& file) { write_adapted_model(file, a, {"python tissue.Adaptation.write", 0, {}}); }, py::arg("file"),
-             "A model.h5 that plays as it has learned to, and that learning can go on from.")
-        .def("forget", &Adaptation::forget, "As before the first poke.")
-        .def_property_readonly("learned", [](const Adaptation& a) { return a.state().learned; }, "pokes")
-        .def_property_readonly("factor", [](const Adaptation& a) { return Eigen::VectorXd(a.x().array().exp()); }, "exp of each unknown: of a field, how many times as stiff each node is as trained (P)")
-        .def_property_readonly("sd", [](const Adaptation& a) { return Eigen::VectorXd(a.state().P.diagonal().cwiseMax(0).cwiseSqrt()); }, "standard deviation of that one's logarithm (P)");
+        .def("expect", &expect, py::arg("contact_m"), py::arg("push_m"), "Force of a push [N] (D), its standard deviation over its size, and the status of the rest.")
+        .def("next", &next, py::arg("depth_m") = usual_depth_m, py::arg("count") = 3, "Pushes that would tell most: contact, push, and what part of the mean variance of all forces each would take away.")
+        .def("model", [](Patient& p) { return alone(p, [&] { return std::make_shared<TissueModel>(p.adaptation->model()); }); }, "The model as it is now.")
+        .def("write", [](Patient& p, const File& file) { alone(p, [&] { write_adapted_model(file.string(), *p.adaptation, {"python tissue.Adaptation.write", 0, {}}); }); },
+             py::arg("file"), "A model.h5 that plays as it has learned to, and that learning can go on from.")
+        .def("forget", [](Patient& p) { alone(p, [&] { p.adaptation->forget(); }); }, "As before the first poke.")
+        .def_property_readonly("learned", [](Patient& p) { return alone(p, [&] { return p.adaptation->state().learned; }); }, "pokes")
+        .def_property_readonly("factor", [](Patient& p) { return alone(p, [&] { return Eigen::VectorXd(p.adaptation->x().array().exp()); }); },
+                               "exp of each unknown: of a field, how many times as stiff each node is as trained (P)")
+        .def_property_readonly("sd", [](Patient& p) { return alone(p, [&] { return Eigen::VectorXd(p.adaptation->state().P.diagonal().cwiseMax(0).cwiseSqrt()); }); },
+                               "standard deviation of that one's logarithm (P)");
 
     m.def("read_study", &read_study, py::arg("folder"), "results/STUDY: a dict of model, paths (as read_cases) and eval (eval.json; None where there is none yet).");
     m.def("read_cases", &paths_of, py::arg("file"),
