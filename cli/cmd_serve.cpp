@@ -5,6 +5,7 @@
 
 #include "command.h"
 #include "error.h"
+#include "haptic/realtime_loop.h"
 #include "haptic_options.h"
 #include "haptic_report.h"
 #include "io/atomic_file.h"
@@ -64,6 +65,7 @@ void run(const Options& o, Provenance provenance) {
                          : ledger_text(file, stage.pointer(), stage.simulation(), stage.report(), dropped));
     end.then([&] {
         if (stage.failed()) throw Error("the simulation has failed");
+        if (*stage.learning_failure()) throw Error(fmt::format("learning ended before the session did: {}", stage.learning_failure()));
     });
     end.done();
 }
@@ -101,7 +103,7 @@ void add_serve(CLI::App& app, const Invocation& invocation) {
         ->type_name("text")->envname("TISSUECTL_TOKEN");
     command->add_option("--clients", o->server.clients, "pages at a time")
         ->type_name("count")->capture_default_str()->check(quiet(CLI::Range(1, 32)));
-    add_number(*command, "--seconds", o->server.seconds, "s", "how long; 0: until a signal comes")->check(quiet(CLI::NonNegativeNumber));
+    add_number(*command, "--seconds", o->server.seconds, "s", "how long; 0: until a signal comes")->check(quiet(CLI::Range(0.0, longest_session_s)));
     command->add_flag("--json", o->json, "print the ledger as JSON");
     command->add_option("--record", o->record, "HDF5 file for every tick, of one model")->type_name("FILE");
     CLI::Option* hidden = command->add_option("--hidden", o->hidden, "model.h5 of another tissue: the tool touches it too, unseen, and the model, a law, "

@@ -98,7 +98,7 @@ void check(const Options& o, const TissueModel& tissue, const HapticModel& model
         const bool same_place = (tissue.contact_m.row(from) - tissue.contact_m.row(from + 1)).norm() < 1e-9 &&
                                 (tissue.direction.row(from) - tissue.direction.row(from + 1)).norm() < 1e-9;
         if (!same_place) continue;
-        for (double innovation : {1.0, model.options.innovation})
+        for (double innovation : {1.0, *model.options.innovation})
             jumps.push_back(switch_jump(tissue, model.options, from, from + 1, innovation));
     }
     write_file(o.out, cli::realtime_json(model, presses, jumps));
@@ -159,7 +159,8 @@ void run(const Options& o, Provenance provenance) {
                 std::cerr << told(line);
                 static_cast<cli::Journal*>(with)->add(line);
             },
-            learning.journal.get());
+            learning.journal.get(),
+            [](const char* why, void*) { std::cerr << "tissue-haptic: learning has ended, the session goes on without it: " << why << '\n'; });
         loop.hooks.push_back(learning.learner.get());
     }
     const LoopReport report = run_loop(simulation, *device, loop);
@@ -172,6 +173,9 @@ void run(const Options& o, Provenance provenance) {
         const Adaptation::State& state = learning.adaptation->state();
         std::cerr << fmt::format("tissue-haptic: {} readings, {} learned, {} not believed, {} refused, {} dropped: {}\n", learning.learner->readings(), state.learned, state.gated,
                                  state.refused, learning.learner->dropped(), o.learn);
+    });
+    end.then([&] {
+        if (learning.learner && *learning.learner->failure()) throw tissue::Error(fmt::format("learning ended before the session did: {}", learning.learner->failure()));
     });
     for (const std::string& notice : report.notices) std::cerr << "tissue-haptic: " << notice << '\n';
     end.then([&] {
@@ -192,7 +196,7 @@ void add_options(CLI::App& app, Options& o) {
     app.add_option("model", o.model, "model.h5 of tissuectl train")->required()->type_name("FILE");
     app.add_option("--device", o.device, fmt::format("{}", fmt::join(device_kinds().names(), ", ")))
         ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember(device_kinds().names())));
-    add_number(app, "--seconds", o.seconds, "s", "how long; 0: until the device ends or a signal comes")->check(quiet(CLI::NonNegativeNumber));
+    add_number(app, "--seconds", o.seconds, "s", "how long; 0: until the device ends or a signal comes")->check(quiet(CLI::Range(0.0, longest_session_s)));
     app.add_flag("--json", o.json, "print the ledger as JSON");
     app.add_option("--record", o.record, "HDF5 file for every tick")->type_name("FILE");
     app.add_flag("--energy-book", o.choices.haptic.energy_book, "of a model that relaxes: the ledger says what its branches store and have burnt");
@@ -205,7 +209,7 @@ void add_options(CLI::App& app, Options& o) {
             if (option.wrong) added->check(CLI::Validator([wrong = option.wrong](std::string& text) { return wrong(text); }, ""));
         }
     cli::add_haptic_options(app, o.choices);
-    add_number(app, "--scale", o.choices.haptic.map.scale, "1", "metres of tissue a metre of device")->check(quiet(CLI::PositiveNumber));
+    add_number(app, "--scale", o.choices.haptic.map.scale, "1", "metres of tissue a metre of device");
     app.add_option("--axes", o.axes, "device axes of the tissue's, as in x,-z in the plane and x,-z,y in space; the first ones")->type_name("A,A[,A]");
     app.add_option("--offset", o.offset_m, "of the device's origin in the tissue's space; none")
         ->type_name("m m [m]")->expected(2, 3);
@@ -223,8 +227,8 @@ void finish(Options& o) {
     for (const DeviceOption& option : device_kinds().at(o.device)->options)
         if (option.needed && o.device_values.at(option.name).empty())
             throw CLI::ValidationError("--device " + o.device, fmt::format("needs --{} {}", option.name, option.unit));
-    cli::settle(o.choices);
     o.choices.haptic.map.offset_m = Eigen::Map<const Eigen::VectorXd>(o.offset_m.data(), static_cast<Eigen::Index>(o.offset_m.size()));
+    cli::settle(o.choices);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "lesson.h"
 
+#include <iostream>
+
 #include "error.h"
 
 namespace tissue::serve {
@@ -11,7 +13,20 @@ Lesson::Lesson(const std::string& model_file, const std::string& hidden_file) : 
 }
 
 void Lesson::listen(Learner& learner) {
-    learner.on_line([](const Learner::Line& line, const Adaptation&, void* with) { static_cast<Lesson*>(with)->hear(&line); }, this);
+    learner.on_line([](const Learner::Line& line, const Adaptation&, void* with) { static_cast<Lesson*>(with)->hear(&line); }, this,
+                    [](const char* why, void* with) { static_cast<Lesson*>(with)->end(why); });
+}
+
+/// Told to whoever has started the server at once, and on the page as the last poke's word.
+void Lesson::end(const char* why) noexcept {
+    std::cerr << "tissuectl serve: learning has ended, the session goes on without it: " << why << '\n';
+    try {
+        News news;
+        news.why = std::string("learning has ended: ") + why;
+        const std::lock_guard<std::mutex> lock(mutex_);
+        news_ = std::move(news);
+    } catch (...) {  // memory has run out: it is told already
+    }
 }
 
 void Lesson::hear(const Learner::Line* line) {

@@ -42,6 +42,7 @@ class Lesson {
 
    private:
     void hear(const Learner::Line* line);
+    void end(const char* why) noexcept;
 
     TissueModel hidden_;
     std::unique_ptr<Adaptation> adaptation_;

@@ -45,6 +45,7 @@ class Stage {
     void reset();                       ///< every mesh to rest, and the hidden tissue
     void stop();                        ///< no force any more when this returns
     bool failed() const { return failed_.load(); }
+    const char* learning_failure() const { return learner_ ? learner_->failure() : ""; }  ///< after stop(); "" where there is none
 
     int index() const { return index_; }
     const std::vector<std::string>& names() const { return names_; }

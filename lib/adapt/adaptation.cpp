@@ -144,7 +144,8 @@ Eigen::MatrixXd Adaptation::noise(const Poke& poke, const Point& expected_N) {
     const Eigen::Index D = expected_N.size();
     const double own = options_.force_noise * options_.force_noise + options_.model_error * options_.model_error;
     Eigen::MatrixXd R = own * Eigen::MatrixXd::Identity(D, D);
-    if (!(options_.place_error_m > 0)) return R;
+    const double place_error = place_error_m();
+    if (!(place_error > 0)) return R;
     const FreeSurface::Place at = surface_.nearest(poke.contact_m);
     for (Eigen::Index axis = 0; axis + 1 < D; ++axis) {
         Point along = Point::Zero(D);
@@ -159,7 +160,7 @@ Eigen::MatrixXd Adaptation::noise(const Poke& poke, const Point& expected_N) {
         Point differs = Point::Zero(D);
         int sides = 0;
         for (double side : {-1.0, 1.0}) try {
-                const Linear there = linearise(at.point_m + side * options_.place_error_m * along, poke.push_m, state_.x, nullptr);
+                const Linear there = linearise(at.point_m + side * place_error * along, poke.push_m, state_.x, nullptr);
                 if (there.rest.status == PressStatus::lost) continue;
                 differs += side * off(expected_N, there.rest.contact_force_N);
                 ++sides;
@@ -180,7 +181,7 @@ void Adaptation::compare(const Point& expected_N, const Poke& poke, const Eigen:
     const double own_chi2 = r.dot(solver.solve(r)), own_log_det = solver.vectorD().array().log().sum();
     const double likelier = std::clamp((own_chi2 + own_log_det - chi2 - log_det) / 2, -most_of_one, most_of_one);
     state_.evidence = std::clamp(state_.evidence + likelier, least_evidence, most_evidence);
-    state_.scale = std::clamp(state_.scale + gain.dot(r), -options_.largest, options_.largest);
+    state_.scale = std::clamp(state_.scale + gain.dot(r), -largest(), largest());
     state_.scale_variance *= 1 - gain.dot(along);
 }
 
@@ -268,7 +269,7 @@ PokeAnswer Adaptation::learn(const Poke& poke) {
     Eigen::VectorXd x = state_.x;
     Point innovation = r;
     for (int round = 1;; ++round) {
-        const Eigen::VectorXd next = (state_.x + PH * S.ldlt().solve(innovation)).cwiseMax(-options_.largest).cwiseMin(options_.largest);
+        const Eigen::VectorXd next = (state_.x + PH * S.ldlt().solve(innovation)).cwiseMax(-largest()).cwiseMin(largest());
         const double moved = (next - x).lpNorm<Eigen::Infinity>();
         answer.error_after = (innovation - H * (next - state_.x)).norm();
         if (round >= options_.rounds || moved < straight) {

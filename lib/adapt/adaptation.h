@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -7,9 +9,9 @@
 #include "adapt/unknowns.h"
 #include "mesh/free_surface.h"
 #include "springs/press.h"
+#include "springs/push_refusal.h"
 
 namespace tissue {
-#include "springs/push_refusal.h"
 
 /// One reading: where the tool touched the tissue at rest, how far it went from there, and its force on the tissue once all was still.
 struct Poke {
@@ -91,9 +93,9 @@ class Adaptation {
     bool rival_plays() const { return has_rival() && state_.evidence < 0; }
 
     /// What the model expects of a push, whatever it knows. Not const: it has one solver.
+    /// Throws MismatchError for a push that is none of this tissue (push_refusal).
     Expected expect(const Point& contact_m, const Point& push_m);
     /// Covariance of that force over its size, D x D: of what is not known of x, of which of two rivals is right, and with_model: of the law's
-    /// Throws MismatchError for a push that is none of this tissue (push_refusal).
     /// own error.
     Eigen::MatrixXd covariance(const Expected& expected, bool with_model = true) const;
 
@@ -103,7 +105,10 @@ class Adaptation {
     const State& state() const { return state_; }
     void restore(State state);  ///< of this model with these options. Throws MismatchError for one of another size
     void forget();              ///< as before the first poke
-    void bound(double largest) { options_.largest = largest; }   ///< |x| at the most from now on
+    /// Of a session with this object, and in no file: unknowns stay below `largest` too, and contacts are at least so unsure.
+    void in_session(double largest, double place_error_m) { session_largest_ = largest, session_place_error_m_ = place_error_m; }
+    double largest() const { return std::min(options_.largest, session_largest_); }                        ///< |x| at the most
+    double place_error_m() const { return std::max(options_.place_error_m, session_place_error_m_); }
     void read_at_rest(bool at_rest) { options_.at_rest = at_rest; }
 
     const FreeSurface& surface() const { return surface_; }
@@ -127,7 +132,7 @@ class Adaptation {
     TissueEnergy energy_;
     std::unique_ptr<ContactKernel> kernel_;
     PressSolver solver_;
-    double gate_;
+    double gate_, session_largest_ = std::numeric_limits<double>::infinity(), session_place_error_m_ = 0;
     State state_;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <optional>
 
 #include "error.h"
@@ -34,16 +35,14 @@ bool step_towards(double& now, double goal, double most) noexcept {
 }  // namespace
 
 std::unique_ptr<Adaptation> live_adaptation(const std::string& file) {
-    AdaptOptions live;
-    live.place_error_m = 1e-3;
-    std::unique_ptr<Adaptation> adaptation = read_adaptation(file, live);
+    std::unique_ptr<Adaptation> adaptation = read_adaptation(file, {});
     const Adaptation::State& state = adaptation->state();
-    adaptation->bound(std::max({live_bound, state.x.lpNorm<Eigen::Infinity>(), std::abs(state.scale)}));
+    adaptation->in_session(std::max({live_bound, state.x.lpNorm<Eigen::Infinity>(), std::abs(state.scale)}), live_place_error_m);
     return adaptation;
 }
 
 HapticOptions live_options(HapticOptions options, const Adaptation& adaptation) {
-    options.stiffest = std::exp(adaptation.options().largest);
+    options.stiffest = std::exp(adaptation.largest());
     options.heuristic_mesh = false;
     return options;
 }
@@ -54,8 +53,8 @@ Learner::Learner(HapticModel& model, Adaptation& adaptation, const LearnerOption
     const LawModel law = adaptation.law();
     if (law.constants.size() != now_.constants.size() || law.patch.log_N_m.rows() != now_.patch.log_N_m.rows())
         throw MismatchError("what learns is not of the model that plays");
-    if (adaptation.options().largest > std::log(model.options.stiffest) + 1e-12)
-        throw MismatchError(fmt::format("unknowns up to {:g} may become stiffer than {:g} times, which the model's steps are for", adaptation.options().largest, model.options.stiffest));
+    if (adaptation.largest() > std::log(model.options.stiffest) + 1e-12)
+        throw MismatchError(fmt::format("unknowns up to {:g} may become stiffer than {:g} times, which the model's steps are for", adaptation.largest(), model.options.stiffest));
     relaxes_ = !law.relaxation.empty();
     const Point nothing = Point::Zero(model.dimension());
     held_m_ = sum_measured_N_ = sum_model_N_ = sum_push_m_ = nothing;
@@ -131,7 +130,7 @@ void Learner::after(const Simulation& simulation, const TickBooks& books) {
     if (!readings_to_learn_.push(reading)) ++dropped_;
 }
 
-void Learner::learn() {
+void Learner::learn() noexcept {
     using std::chrono::steady_clock;
     std::optional<steady_clock::time_point> give_up;
     for (;;) {
@@ -141,14 +140,28 @@ void Learner::learn() {
         while (readings_to_learn_.pop(reading)) {
             any = true;
             if (stop_.load() && !give_up) give_up = steady_clock::now() + std::chrono::microseconds(static_cast<long long>(1e6 * options_.patience_s));
-            if (give_up && steady_clock::now() >= *give_up)
+            if (ended_ || (give_up && steady_clock::now() >= *give_up))
                 ++dropped_;
             else
-                learn_from(reading);
+                try_to_learn_from(reading);
         }
         if (last) return;
         if (!any) std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
+}
+
+/// A thread out of which anything is thrown ends the program, with the force on. What says so here allocates nothing: memory may have run out.
+void Learner::try_to_learn_from(const Reading& reading) noexcept {
+    const char* why = "what was thrown is not known";
+    try {
+        return learn_from(reading);
+    } catch (const std::exception& e) {
+        std::snprintf(failure_.data(), failure_.size(), "%s", *e.what() ? e.what() : why);
+    } catch (...) {
+        std::snprintf(failure_.data(), failure_.size(), "%s", why);
+    }
+    ended_ = true;
+    if (failed_) failed_(failure(), with_);
 }
 
 void Learner::learn_from(const Reading& reading) {
@@ -162,8 +175,15 @@ void Learner::learn_from(const Reading& reading) {
             if (now.status == PressStatus::held) poke.force_N *= now.force_N.norm() / reading.model_N.norm();
         } catch (const MismatchError&) {  // on what is held: learn() says so
         }
-    const PokeAnswer answer = adaptation_.learn(poke);
-    if (answer.status == PokeStatus::learned) publish();
+    Adaptation::State before = adaptation_.state();
+    PokeAnswer answer;
+    try {
+        answer = adaptation_.learn(poke);
+        if (answer.status == PokeStatus::learned) publish();
+    } catch (...) {
+        adaptation_.restore(std::move(before));
+        throw;
+    }
     if (tell_) tell_({reading.time_s, poke, answer}, adaptation_, with_);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <memory>
 #include <mutex>
@@ -14,10 +15,12 @@
 
 namespace tissue {
 
-/// What a model.h5 knows, to learn on while it plays: contacts are 1 mm unsure, for tissue swings as it is touched and the model's contact is not
-/// quite where the hand's is; unknowns stay below live_bound, or below what the file has learned already. Throws as read_adaptation.
+/// What a model.h5 knows, to learn on while it plays: contacts are at least 1 mm unsure, for tissue swings as it is touched and the model's contact is
+/// not quite where the hand's is; unknowns stay below live_bound, or below what the file has learned already. Both are of the session, whatever the
+/// file has learned with, and are written into none (Adaptation::in_session). Throws as read_adaptation.
 std::unique_ptr<Adaptation> live_adaptation(const std::string& file);
-constexpr double live_bound = 1.5;  ///< of log stiffness: 4.5 times as stiff
+constexpr double live_bound = 1.5;            ///< of log stiffness: 4.5 times as stiff
+constexpr double live_place_error_m = 1e-3;
 
 /// A session's options for it: steps that bear what it may become, and no heuristic mesh, which does not learn and would fold under a stiffer tissue's force.
 HapticOptions live_options(HapticOptions options, const Adaptation& adaptation);
@@ -37,6 +40,10 @@ struct LearnerOptions {
 ///
 /// What goes to the hand is bounded by Safety's slew and its own book whatever becomes of the law. HapticOptions::stiffest says how stiff
 /// it may become; unknowns are kept below its logarithm.
+///
+/// Where learning fails (memory runs out, whoever hears its lines throws) it ends and the session goes on: the tick plays the last law that was
+/// learned whole, the adaptation is that law, later readings are dropped, and failure() says why. A force that goes to zero because a disk is full
+/// would be the greater surprise, and no tick depends on the learner.
 class Learner final : public TickHook {
    public:
     /// model: of the simulation that plays, with nobody else; it and the adaptation outlive this. Throws MismatchError where adaptation is
@@ -53,13 +60,17 @@ class Learner final : public TickHook {
         Poke poke;
         PokeAnswer answer;
     };
-    /// Called in the learner's thread, one at a time, after each. Set before the session.
-    void on_line(void (*tell)(const Line&, const Adaptation&, void*), void* with) { tell_ = tell, with_ = with; }
+    /// Called in the learner's thread, one at a time, after each; failed: once, where learning has ended, with what failed; must not throw. Set before the session.
+    void on_line(void (*tell)(const Line&, const Adaptation&, void*), void* with, void (*failed)(const char*, void*) = nullptr) {
+        tell_ = tell, with_ = with, failed_ = failed;
+    }
 
     /// Waits until all that was read is learned, or until the patience is at its end and the rest is dropped; ends the thread. Then the adaptation is
     /// the caller's again.
     void stop();
 
+    /// Why learning has ended before its time; "" where it has not. After stop().
+    const char* failure() const { return failure_.data(); }
     long long readings() const { return readings_.load(); }
     long long dropped() const { return dropped_.load(); }      ///< readings that came faster than they were learned, or too late to be, or of a law that relaxes and has changed since
     bool arrived() const { return arrived_; }                  ///< whether the tick's law is all that has been published
@@ -76,7 +87,8 @@ class Learner final : public TickHook {
     };
     void publish();
     void begin_hold();
-    void learn();
+    void learn() noexcept;
+    void try_to_learn_from(const Reading& reading) noexcept;
     void learn_from(const Reading& reading);
 
     HapticModel& model_;
@@ -101,6 +113,9 @@ class Learner final : public TickHook {
     // the thread's
     void (*tell_)(const Line&, const Adaptation&, void*) = nullptr;
     void* with_ = nullptr;
+    void (*failed_)(const char*, void*) = nullptr;
+    bool ended_ = false;
+    std::array<char, 512> failure_{};
     std::thread thread_;
 };
 

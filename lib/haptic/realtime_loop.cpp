@@ -13,6 +13,7 @@
 #include <cstring>
 #include <memory>
 
+#include "error.h"
 #include "haptic/running_device.h"
 
 namespace tissue {
@@ -72,6 +73,7 @@ void touch_stack() noexcept {
 namespace {
 
 void run(Simulation& simulation, Device& given, const LoopOptions& options, LoopReport& report) {
+    if (!(options.seconds >= 0 && options.seconds <= longest_session_s)) throw MismatchError(fmt::format("a session lasts 0 to {:g} s, not {:g} s", longest_session_s, options.seconds));
     const RunningDevice device(given);
     std::unique_ptr<RealtimeThread> realtime;
     if (options.realtime) realtime = std::make_unique<RealtimeThread>(options.priority, report.notices);

@@ -11,8 +11,10 @@
 
 namespace tissue {
 
+constexpr double longest_session_s = 1e9;       ///< thirty years: beyond it the count of ticks would not be one
+
 struct LoopOptions {
-    double seconds = 10;                        ///< 0: until the device has finished or `stop` is set
+    double seconds = 10;                        ///< up to longest_session_s; 0: until the device has finished or `stop` is set
     const std::atomic<bool>* stop = nullptr;    ///< set from a signal handler or another thread
     bool realtime = true;                       ///< ask for SCHED_FIFO and locked memory
     int priority = 80;                          ///< of SCHED_FIFO: above most of the kernel's threads, below its watchdogs
@@ -31,7 +33,7 @@ struct LoopReport {
 /// Ticks at an absolute rate until the time is up: device position in, simulation, device force out. A tick that comes
 /// so late that periods have ended is a miss for each of them, and takes the place of the period that it begins in; the
 /// schedule stays where it was. The force is zero and the device stopped before this returns or throws what the device's
-/// start(), set-up or a hook threw. Set-up and report are the caller's; nothing is printed here.
+/// start(), set-up or a hook threw. Throws MismatchError for a time that is none. Set-up and report are the caller's; nothing is printed here.
 LoopReport run_loop(Simulation& simulation, Device& device, const LoopOptions& options);
 
 }  // namespace tissue

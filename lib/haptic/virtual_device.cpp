@@ -116,7 +116,7 @@ std::vector<Waypoint> pokes(const MotionOptions& o, double stay_s) {
     Aims aims(*o.rest, o.seed);
     std::vector<Waypoint> motion;
     double time = 0;
-    Point exit;
+    Point exit, first_exit;
     const auto travel = [&](const Point& to) {
         time += (to - motion.back().point_m).norm() / travel_m_s + 1e-3;
         motion.push_back({time, to});
@@ -126,6 +126,7 @@ std::vector<Waypoint> pokes(const MotionOptions& o, double stay_s) {
         const Point outside = aim.place_m - ring_m * aim.inward;
         if (motion.empty()) {
             motion.push_back({time, outside});
+            first_exit = aims.exit(aim);
         } else {
             travel(exit);
             for (const Point& point : aims.round(exit, aims.exit(aim))) travel(point);
@@ -146,6 +147,10 @@ std::vector<Waypoint> pokes(const MotionOptions& o, double stay_s) {
         motion.push_back({time += 0.2 * aims.uniform() + stay_s, deepest});
         motion.push_back({time += in, outside});
     }
+    // back to where it began, round the tissue, for who goes on
+    travel(exit);
+    for (const Point& point : aims.round(exit, first_exit)) travel(point);
+    travel(motion.front().point_m);
     return motion;
 }
 
@@ -236,8 +241,10 @@ const std::vector<std::string>& motion_names() {
 std::vector<Waypoint> make_motion(const MotionOptions& o) {
     if (!(o.depth_m > 0) || !(o.seconds > 0)) throw MismatchError("a motion needs a positive depth and time");
     if (!o.rest) throw MismatchError("a motion needs a tissue");
+    MotionOptions made = o;
+    made.seconds = std::min(o.seconds, longest_motion_s);
     for (const Motion& motion : motions)
-        if (o.name == motion.name) return motion.make(o);
+        if (o.name == motion.name) return motion.make(made);
     throw MismatchError(not_a_motion(o.name));
 }
 
@@ -246,17 +253,22 @@ const DeviceKind VirtualDevice::kind = {
     {{"motion", "NAME", motions[0].name, fmt::format("of the virtual device: {}", fmt::join(motion_names(), ", ")), false, not_a_motion},
      {"depth", "m", "0.01", "of the virtual device below the surface", false, not_a_depth}},
     [](const DeviceValues& v, const DeviceContext& c) -> std::unique_ptr<Device> {
-        constexpr double endless_s = 3600;
-        const MotionOptions motion{v.at("motion"), c.seconds > 0 ? c.seconds : endless_s, std::stod(v.at("depth")), c.seed, c.rest};
-        return std::make_unique<VirtualDevice>(make_motion(motion), c.map);
+        const MotionOptions motion{v.at("motion"), c.seconds > 0 ? c.seconds : longest_motion_s, std::stod(v.at("depth")), c.seed, c.rest};
+        return std::make_unique<VirtualDevice>(make_motion(motion), c.map, true);
     }};
 
-VirtualDevice::VirtualDevice(std::vector<Waypoint> motion, const DeviceMap& map) : motion_(std::move(motion)), map_(map) {
+VirtualDevice::VirtualDevice(std::vector<Waypoint> motion, const DeviceMap& map, bool over_and_over) : motion_(std::move(motion)), map_(map) {
     if (motion_.empty()) throw MismatchError("a motion without waypoints");
     map_.fit(static_cast<int>(motion_.front().point_m.size()));
+    if (over_and_over && (motion_.back().point_m - motion_.front().point_m).norm() < 1e-9) again_s_ = motion_.back().time_s - motion_.front().time_s;
 }
 
 DeviceSample VirtualDevice::read(double time_s) noexcept {
+    if (again_s_ > 0 && time_s - begun_s_ > again_s_) {
+        begun_s_ += again_s_ * std::floor((time_s - begun_s_) / again_s_);
+        next_ = 1;
+    }
+    time_s -= begun_s_;
     while (next_ < motion_.size() && motion_[next_].time_s <= time_s) ++next_;
     DeviceSample sample;
     const Waypoint& before = motion_[next_ - 1];

@@ -18,13 +18,16 @@ const std::vector<std::string>& motion_names();
 
 struct MotionOptions {
     std::string name = "press";
-    double seconds = 10;                 ///< to be filled
+    double seconds = 10;                 ///< to be filled, up to longest_motion_s
     double depth_m = 0.010;              ///< of the tool below the surface at rest: the paper's smaller magnitude
     unsigned long seed = 2008;           ///< of poke
     const SpringMesh* rest = nullptr;    ///< the tissue
 };
 
-/// A motion that starts outside the tissue. Throws MismatchError for an unknown name, or a depth or time that is not
+/// A longer session plays its motion over and over.
+constexpr double longest_motion_s = 3600;
+
+/// A motion that starts outside the tissue; one that comes back to where it began but for `press`, which stays. Throws MismatchError for an unknown name, or a depth or time that is not
 /// positive.
 std::vector<Waypoint> make_motion(const MotionOptions& options);
 
@@ -38,7 +41,8 @@ std::vector<Waypoint> press_motion(const Point& contact_m, const Point& inward,
 class VirtualDevice final : public Device {
    public:
     static const DeviceKind kind;
-    VirtualDevice(std::vector<Waypoint> motion, const DeviceMap& map);
+    /// over_and_over: a motion that ends where it began begins again. Of another it stays at the last waypoint.
+    VirtualDevice(std::vector<Waypoint> motion, const DeviceMap& map, bool over_and_over = false);
 
     std::string name() const override { return kind.name; }
     DeviceSample read(double time_s) noexcept override;
@@ -49,6 +53,8 @@ class VirtualDevice final : public Device {
     std::vector<Waypoint> motion_;
     DeviceMap map_;
     std::size_t next_ = 1;   ///< first waypoint after the time asked last
+    double again_s_ = 0;     ///< how long the motion takes where it begins again; else 0
+    double begun_s_ = 0;     ///< when it has begun the last time
     Eigen::Vector3d force_N_ = Eigen::Vector3d::Zero();
 };
 

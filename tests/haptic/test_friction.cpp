@@ -155,7 +155,8 @@ TEST_CASE("along a curved surface a tool slips on past nodes and edges", "[frict
 }
 
 TEST_CASE("friction that is negative, and kinetic friction above the static, are refused", "[friction]") {
-    CHECK(refusal<MismatchError>([] { Friction({-0.1, -1}); }) == "friction -0.1 must not be negative");
+    CHECK(refusal<MismatchError>([] { Friction({-0.1, {}}); }) == "friction must not be negative, not -0.1");
+    CHECK(refusal<MismatchError>([] { Friction({0.1, -1}); }) == "friction-slip must not be negative, not -1");
     CHECK(refusal<MismatchError>([] { Friction({0.1, 0.2}); }) == "kinetic friction 0.2 must not be above the static 0.1");
     CHECK_FALSE(refusal<MismatchError>([] { HapticModel(law_example(), with_friction(std::nan(""))); }).empty());
 }

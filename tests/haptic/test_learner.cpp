@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <new>
 #include <thread>
 
 #include "../adapt/adapt_example.h"
@@ -354,4 +355,86 @@ TEST_CASE("a law as stiff as it may become stays stable in its steps", "[adapt]"
     CHECK(simulation.counters().unstable == 0);
     CHECK(simulation.state(0).displacement.allFinite());
     CHECK(simulation.record().device_N.norm() <= model.options.safety.force_max_N);
+}
+
+TEST_CASE("a learner that fails ends its learning and nothing else", "[adapt]") {
+    const TissueModel law = law_example();
+    struct Told {
+        int lines = 0;
+        std::atomic<int> failures{0};
+        std::string why;
+        bool foreign = false;
+    };
+    for (bool foreign : {false, true}) {
+        Session s(law, stiffer(law, 0.5), 16);
+        Told told;
+        told.foreign = foreign;
+        s.learner.on_line(
+            [](const Learner::Line&, const Adaptation&, void* with) {
+                auto& t = *static_cast<Told*>(with);
+                if (++t.lines < 2) return;
+                if (t.foreign) throw 7;
+                throw std::bad_alloc();
+            },
+            &told,
+            [](const char* why, void* with) {
+                static_cast<Told*>(with)->why = why;
+                ++static_cast<Told*>(with)->failures;
+            });
+        double late_N = 0;
+        for (int k = 0; k < 16000; ++k) {
+            s.step();
+            if (s.learner.readings() > 1)
+                for (int wait = 0; wait < 5000 && told.failures == 0; ++wait) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            if (told.failures > 0) late_N = std::max(late_N, s.simulation.record().device_N.norm());
+        }
+        s.learner.stop();
+        CHECK(told.failures == 1);
+        CHECK(told.lines == 2);
+        CHECK(std::string(s.learner.failure()) == told.why);
+        CHECK_THAT(told.why, foreign ? Contains("not known") : Contains("bad_alloc"));
+        CHECK(s.learner.dropped() == s.learner.readings() - 2);
+        CHECK(s.learner.dropped() > 0);
+        CHECK(late_N > 0.01);  // the session goes on
+        // what plays is what the adaptation is, and can be written
+        for (int k = 0; k < 3000; ++k) s.step();
+        CHECK(s.learner.arrived());
+        CHECK((s.model.meshes[0]->law->stiffness().constants - s.adaptation.law().constants).norm() == 0);
+    }
+}
+
+TEST_CASE("what a session asks of learning holds whatever the file has learned with, and is written into none", "[adapt]") {
+    const TemporaryFolder folder;
+    const TissueModel law = law_example();
+    AdaptOptions sure;
+    sure.place_error_m = 0;
+    Adaptation patient(law, sure);
+    for (const Poke& poke : pokes_of(stiffer(law, 0.4), 6, 5)) patient.learn(poke);
+    const std::string file = folder.file("patient.h5"), after = folder.file("after.h5");
+    write_adapted_model(file, patient, {"test", 1, {}});
+    const std::unique_ptr<Adaptation> live = live_adaptation(file);
+    CHECK(live->place_error_m() == live_place_error_m);
+    CHECK(live->largest() == live_bound);
+    // a reading 1 mm beside its place is worth less than one that is at it
+    AdaptOptions unsure;
+    unsure.place_error_m = live_place_error_m;
+    Adaptation same(law, unsure);
+    same.restore(patient.state());
+    for (const Poke& poke : pokes_of(stiffer(law, 0.4), 3, 9)) {
+        live->learn(poke);
+        same.learn(poke);
+    }
+    CHECK(live->state().x == same.state().x);
+    CHECK(live->state().P == same.state().P);
+    write_adapted_model(after, *live, {"test", 1, {}});
+    CHECK(adapted_options(after)->largest == AdaptOptions().largest);
+    CHECK(adapted_options(after)->place_error_m == 0);
+    // nor where a session was the first to learn
+    write_model(folder.file("law.h5"), law, {"test", 1, {}});
+    write_adapted_model(after, *live_adaptation(folder.file("law.h5")), {"test", 1, {}});
+    CHECK(adapted_options(after)->largest == AdaptOptions().largest);
+    // more than a session asks for stays
+    unsure.place_error_m = 0.004;
+    write_adapted_model(file, Adaptation(law, unsure), {"test", 1, {}});
+    CHECK(live_adaptation(file)->place_error_m() == 0.004);
 }

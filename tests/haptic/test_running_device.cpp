@@ -1,9 +1,12 @@
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <thread>
 
 #include "../allocations.h"
+#include "error.h"
 #include "haptic/device_error.h"
 #include "haptic/realtime_loop.h"
 #include "haptic/running_device.h"
@@ -187,4 +190,18 @@ TEST_CASE("a tick that is woken late knows how late: a hand at half a metre a se
     CHECK(report.ticks + report.misses == 300);
     CHECK(sleeper.last.time_s < 0.3);
     CHECK(simulation.safety().counters().jump == 0);
+}
+
+TEST_CASE("a session of no length that there is does not begin", "[device]") {
+    const HapticModel model(haptic_example(), {});
+    for (double seconds : {-1.0, std::nan(""), 1.1 * longest_session_s, 1e300, std::numeric_limits<double>::infinity()}) {
+        Motors motors;
+        Simulation simulation(model);
+        LoopOptions loop;
+        loop.seconds = seconds;
+        loop.realtime = false;
+        CHECK_THROWS_AS(run_loop(simulation, motors, loop), MismatchError);
+        CHECK(motors.reads == 0);
+        CHECK_FALSE(motors.on);
+    }
 }
