@@ -296,9 +296,11 @@ $(R)/plan/%:
 # last made, and after it make reads the plan, and with it the mesh's time stamp, anew.
 STL := $(if $(filter %.stl %.STL,$(SHAPE)),fem/fill3.geo)
 ifneq (,$(SHAPE))
-shape_mesh = echo "mesh  $(R)/mesh.msh" && scripts/mesh $(R)/mesh.msh $(SHAPE) $(SHAPE_ARGUMENTS) -- $(TISSUECTL) shape --study fem/studies/$(STUDY).toml
+# the study itself is asked for its words: the plan of before may be of another unit or file
+shape_mesh = echo "mesh  $(R)/mesh.msh" && words=$$($(TISSUECTL) shape --study fem/studies/$(STUDY).toml --words) && \
+  scripts/mesh $(R)/mesh.msh $$words -- $(TISSUECTL) shape --study fem/studies/$(STUDY).toml
 $(R)/plan.mk: $(R)/mesh.made
-$(R)/mesh.made: $(SHAPE) $(R)/plan/shape $(BUILD)/stage/shape scripts/mesh scripts/run_gmsh $(STL) | $(TISSUECTL)
+$(R)/mesh.made: $(wildcard $(SHAPE)) $(R)/plan/shape $(BUILD)/stage/shape scripts/mesh scripts/run_gmsh $(STL) | $(TISSUECTL)
 	@$(shape_mesh) && touch $@
 
 $(R)/mesh.msh: | $(R)/mesh.made  # a lost one

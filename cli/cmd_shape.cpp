@@ -2,6 +2,8 @@
 
 #include <iostream>
 
+#include "cases/plan.h"
+#include "cases/shape_checks.h"
 #include "cases/study_mesh.h"
 #include "command.h"
 #include "error.h"
@@ -18,7 +20,7 @@ namespace {
 
 struct Options {
     std::string study, mesh, out;
-    bool surface = false, filled = false;
+    bool words = false, curves = false, surface = false, filled = false;
 };
 
 /// A surface of triangles alone, divided into sides of the springs' length, for gmsh to fill.
@@ -37,8 +39,15 @@ void run(const Options& o) {
     if (g.is_block()) throw MismatchError("study '" + study.name + "' is of the block; it has no geometry.shape");
     if ((o.surface || o.filled) && !(g.is_solid() && study.spring_size_m > 0))
         throw MismatchError("study '" + study.name + "' has no surface in space to fill with springs of lattice.size_m");
+    if (o.words) {
+        std::cout << shape_words(study) << '\n';
+        return;
+    }
+    if (o.mesh.empty() || o.out.empty()) throw CLI::RequiredError(o.mesh.empty() ? "--mesh" : "--out");
     // messages name what the user knows of; the mesh is what gmsh made of it
     const MshFile mesh = o.surface ? read_surface_file(o.mesh, g.shape) : read_msh(o.mesh, g.is_solid(), g.shape);
+    if (!o.filled) refuse_wrong_unit(study, mesh);
+    if (o.curves) return;
     if (o.surface) return write_file(o.out, divided_surface(study, mesh));
     ShapeNotes notes;
     const auto make = g.is_solid() ? make_solid_shape : make_shape;
@@ -48,6 +57,7 @@ void run(const Options& o) {
     if (notes.turned > 0)
         std::cerr << fmt::format("shape: {} {} of {} {} and were turned\n", notes.turned, g.is_solid() ? "tetrahedra" : "triangles", g.shape,
                                  g.is_solid() ? "were inside out" : "ran clockwise");
+    if (const std::string finer = finer_than_asked(study, shape); !finer.empty()) std::cerr << "shape: warning: " << finer << '\n';
     write_file(o.out, to_msh(shape, study.material.region_names()));
 }
 
@@ -57,8 +67,10 @@ void add_shape(CLI::App& app, const Invocation&) {
     auto o = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("shape", "Check a study's own shape and write the mesh of its springs.");
     command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
-    command->add_option("--mesh", o->mesh, "the shape as gmsh saved it, MSH 2.2; with --surface the .stl itself")->required()->type_name("FILE");
-    command->add_option("--out", o->out, "mesh.msh to write")->required()->type_name("FILE");
+    command->add_option("--mesh", o->mesh, "the shape as gmsh saved it, MSH 2.2; with --surface the .stl itself")->type_name("FILE");
+    command->add_option("--out", o->out, "mesh.msh to write")->type_name("FILE");
+    command->add_flag("--words", o->words, "print the shape's file and gmsh's arguments, for scripts/mesh, and do nothing else");
+    command->add_flag("--curves", o->curves, "the mesh is the curves of a .geo alone: say whether it is of the study's unit, and write nothing");
     command->add_flag("--surface", o->surface, "write the surface of an .stl, divided into sides of lattice.size_m, for gmsh to fill");
     command->add_flag("--filled", o->filled, "the mesh is that surface, filled");
     command->callback([o] { run(*o); });

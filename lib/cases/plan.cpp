@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "cases/history_plan.h"
+#include "cases/shape_checks.h"
 #include "cases/study_law.h"
 #include "cases/study_mesh.h"
 #include "cases/sweep.h"
@@ -202,6 +203,10 @@ std::string shape_part(const Study& s) {
 
 }  // namespace
 
+std::string shape_words(const Study& study) {
+    return for_make(study, "geometry.shape", study.geometry.shape) + " " + shape_arguments(study);
+}
+
 Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
     const bool solid = study.geometry.is_solid(), block = study.geometry.is_block() && !solid, shaped = !study.geometry.is_block();
     Plan plan;
@@ -218,8 +223,11 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         } catch (const MismatchError& e) {  // before hours of FE, not after
             throw StudyError(one_line(fmt::format("{}: key 'springs.terms': {}", study.file, e.what())));
         }
+    const SpringMesh springs = study_mesh(study, shape, study.springs.topology);
+    if (!study.data) refuse_tool(study, springs);
     const std::vector<PlannedPath> paths = study.data ? std::vector<PlannedPath>() : planned_paths(study, shape);
     const std::vector<PlannedHistory> histories = study.data ? std::vector<PlannedHistory>() : planned_histories(study, shape);
+    refuse_push_through(study, springs, paths);
     std::string names;  // all at once: make copies the whole list for every name that is added to it
     for (const PlannedPath& path : paths) names += " " + path.push.name;
     for (const PlannedHistory& history : histories) {

@@ -20,4 +20,7 @@ struct Plan {
 /// for gmsh) and that there is more to plan once it is meshed.
 Plan make_plan(const Study& study, const std::optional<Shape>& shape = {});
 
+/// The file of the study's shape and gmsh's arguments for it, as scripts/mesh takes them. Throws StudyError as make_plan.
+std::string shape_words(const Study& study);
+
 }  // namespace tissue

@@ -59,7 +59,8 @@ std::vector<Contact> spread_contacts(const Study& study, const FreeSurface& surf
     }
     const auto count = static_cast<std::size_t>(spread.count);
     if (candidates.size() < count)
-        refuse(study, "loads.spread", fmt::format("the free surface has {} places {:g} mm from where it ends or turns, and {} contacts are asked for",
+        refuse(study, "loads.spread", fmt::format("the free surface has {} places {:g} mm from where it ends or turns, and {} contacts are asked for; on a small "
+                                                  "tissue indenter.radius_m has to be smaller, and clearance_m with it (radius_m + 5 mm at least)",
                                                   candidates.size(), 1e3 * spread.clearance_m, count));
     std::vector<Contact> contacts;
     while (contacts.size() < count) {

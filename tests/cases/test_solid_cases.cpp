@@ -248,7 +248,7 @@ TEST_CASE("a solid's draws are by seed and role alone: other roles and meshes le
 TEST_CASE("a solid's plan gives every path its arguments, its mesh's sizes too, and has no mesh of its own") {
     const Plan plan = make_plan(solid());
     CHECK(plan.parts.size() == 2 + 94);
-    CHECK_THAT(plan.fragment, Contains("SOLID := scripts/run_gmsh fem/block3.geo\n"));
+    CHECK_THAT(plan.fragment, Contains("SOLID := fem/block3.geo\n"));
     CHECK(plan.fragment.find("mesh.msh") == std::string::npos);
     const StudyPath& push = solid().loads.paths[1];
     const std::string& part = plan.parts.at("path-" + push.name);

@@ -106,7 +106,6 @@ check "control bytes of an .stl do not reach the terminal" sh -c '! LC_ALL=C gre
 # ---- a .geo only where the study trusts it
 cp "$scratch/cube.geo" "$shapes/foreign.geo"
 echo "$script" >>"$shapes/foreign.geo"
-rm -f "$R/plan.mk"  # which names the shape that was refused
 sed -i 's/foreign.stl/foreign.geo/; s/"surface-1"/"bed"/' "$work/$study"
 make_foreign
 check "a .geo that the study does not trust: one line" one_line "foreign.toml:[0-9]*: key 'geometry.shape': fem/studies/foreign.geo is a program.*trust_geo = true"

@@ -1,0 +1,136 @@
+#include "cases/shape_checks.h"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "error.h"
+#include "mesh/facet.h"
+#include "springs/disc_contact.h"
+#include "springs/tool_spring.h"
+#include "study/one_line.h"
+
+namespace tissue {
+namespace {
+
+[[noreturn]] void refuse(const Study& study, const std::string& key, const std::string& why) {
+    throw StudyError(one_line(fmt::format("{}: key '{}': {}", study.file, key, why)));
+}
+
+/// How far a facet is from a place along a direction; infinite where the line passes it. In the plane a side, in space a triangle.
+double along_to_facet(const SpringMesh& mesh, Eigen::Index f, const Point& from, const Point& direction) {
+    constexpr double none = std::numeric_limits<double>::infinity(), edge = 1e-9;
+    const Eigen::Index dimension = mesh.nodes.cols();
+    // from + t direction = a + sum_k w_k (corner_k - a), 0 <= w_k, sum w_k <= 1
+    Eigen::MatrixXd columns(dimension, dimension);
+    columns.col(0) = -direction;
+    const Eigen::VectorXd a = mesh.nodes.row(mesh.facets(f, 0)).transpose();
+    for (Eigen::Index k = 1; k < dimension; ++k) columns.col(k) = mesh.nodes.row(mesh.facets(f, k)).transpose() - a;
+    const double measure = columns.rightCols(dimension - 1).colwise().norm().prod();
+    if (std::abs(columns.determinant()) <= 1e-12 * measure) return none;  // along the facet
+    const Eigen::VectorXd solution = columns.inverse() * (from - a);
+    const Eigen::VectorXd weight = solution.tail(dimension - 1);
+    return weight.minCoeff() >= -edge && weight.sum() <= 1 + edge ? solution[0] : none;
+}
+
+/// Of the facet that the contact lies on; where facets meet, of the one that the push meets most squarely.
+Point inward_at(const SpringMesh& mesh, const StudyPath& push) {
+    constexpr double same_m = 1e-6;
+    double nearest_m = std::numeric_limits<double>::infinity(), squarely = -1;
+    Point inward = push.direction;
+    for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
+        const double away_m = nearest_on_facet(mesh.nodes, mesh.facets, f, push.contact_m).distance_m;
+        const Point normal = -facet_normal(mesh.nodes, mesh.facets, f);
+        const double into = normal.dot(push.direction);
+        if (away_m > nearest_m + same_m || (away_m > nearest_m - same_m && into <= squarely)) continue;
+        nearest_m = std::min(nearest_m, away_m);
+        squarely = into;
+        inward = normal;
+    }
+    return inward;
+}
+
+}  // namespace
+
+void refuse_wrong_unit(const Study& study, const MshFile& mesh) {
+    constexpr double most_along = 1000, most_in_all = 100'000, farthest = 1000;
+    const Study::Geometry& g = study.geometry;
+    if (mesh.points.empty()) return;
+    const double none = std::numeric_limits<double>::infinity();
+    Eigen::Array3d low = Eigen::Array3d::Constant(none), high = -low;
+    for (const MshFile::Point& p : mesh.points) {
+        low = low.min(Eigen::Array3d(p.x, p.y, p.z));
+        high = high.max(Eigen::Array3d(p.x, p.y, p.z));
+    }
+    const Eigen::Array3d sides_m = (high - low) * g.unit_m;
+    const double longest_m = sides_m.maxCoeff(), away_m = ((high + low) / 2 * g.unit_m).matrix().norm();
+    const bool springs = study.spring_size_m > 0;
+    const double size_m = springs ? study.spring_size_m : study.sizes_m[1];  // of what the shape is divided into
+    const std::string length = fmt::format("{} is {:.3g} m long with geometry.unit_m = {:g}", g.shape, longest_m, g.unit_m);
+    const std::string what = fmt::format("{} = {:g} m", springs ? "lattice.size_m" : "mesh.sizes_m", size_m);
+    if (size_m > 0) {
+        const double along = longest_m / size_m, in_all = (sides_m / size_m).max(1.0).prod();
+        if (along > most_along || in_all > most_in_all)
+            refuse(study, "geometry.unit_m",
+                   fmt::format("{}, which at {} is {:.2g} springs or elements; at most {:g} are possible. Is this in millimetres? Then unit_m = 0.001", length, what,
+                               std::max(along, in_all), most_in_all));
+        if (springs && along < 2)
+            refuse(study, "geometry.unit_m", fmt::format("{}, less than two springs of {}: is the unit another, or are the springs too long?", length, what));
+    }
+    if (away_m > farthest * longest_m)
+        refuse(study, "geometry.shape", fmt::format("{} and lies {:.3g} m from the origin, where coordinates have too few digits for it; move it to the origin", length, away_m));
+}
+
+std::string finer_than_asked(const Study& study, const Shape& shape) {
+    constexpr double much = 0.4;
+    if (!(study.spring_size_m > 0)) return "";
+    const SpringMesh mesh = edge_mesh(shape);
+    double sum_m = 0;
+    for (Eigen::Index s = 0; s < mesh.springs.rows(); ++s) sum_m += (mesh.nodes.row(mesh.springs(s, 0)) - mesh.nodes.row(mesh.springs(s, 1))).norm();
+    const double mean_m = sum_m / static_cast<double>(mesh.springs.rows());
+    if (mean_m > much * study.spring_size_m) return "";
+    return fmt::format("{} has a contour much finer than lattice.size_m = {:g} m: {} nodes, and springs {:.2g} m long; every stage takes longer, and the tick may "
+                       "take too long. Draw it with points farther apart",
+                       study.geometry.shape, study.spring_size_m, mesh.nodes.rows(), mean_m);
+}
+
+void refuse_tool(const Study& study, const SpringMesh& mesh) {
+    const Study::Indenter& tool = study.indenter;
+    if (tool.kind == "patch") {
+        const Eigen::VectorXd sides_m = (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).transpose();
+        if (!(tool.half_width_m < 0.5 * sides_m.minCoeff()))
+            refuse(study, "indenter.half_width_m", fmt::format("{:g} m is not less than half of the tissue's shorter side, {:.4g} m", tool.half_width_m, sides_m.minCoeff()));
+        if (study.loads.sweep && tool.half_width_m > study.loads.sweep->clearance_m)
+            refuse(study, "indenter.half_width_m", fmt::format("{:g} m is more than loads.sweep.clearance_m = {:g} m, how far contacts are from the held part",
+                                                               tool.half_width_m, study.loads.sweep->clearance_m));
+    }
+    if (tool.kind == "disc" && study.springs.is_law()) {
+        const int nodes = DiscContact(mesh, tool.radius_m).most_nodes();
+        if (nodes > ToolSpring::most_nodes)
+            refuse(study, "indenter.radius_m", fmt::format("{} nodes lie under a disc of {:g} m, and the tick has room for {}: longer springs, or a smaller disc", nodes,
+                                                           tool.radius_m, ToolSpring::most_nodes));
+    }
+}
+
+void refuse_push_through(const Study& study, const SpringMesh& mesh, const std::vector<PlannedPath>& paths) {
+    const double least_m = 1e-6 * (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).norm();
+    for (const PlannedPath& path : paths) {
+        const Point inward = inward_at(mesh, path.push);
+        double thick_m = std::numeric_limits<double>::infinity();
+        for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
+            const double t = along_to_facet(mesh, f, path.push.contact_m, inward);
+            if (t > least_m) thick_m = std::min(thick_m, t);
+        }
+        const double depth_m = path.depth_m * path.push.direction.dot(inward);
+        if (depth_m >= thick_m)
+            refuse(study, path.role == "map" ? "map.depth_m" : path.role == "train" || path.role == "check" ? std::string("loads.magnitudes_m") : "draws." + path.role + ".depth_m",
+                   fmt::format("load path '{}' pushes {:.3g} m deep at ({:.4g}) m, where the tissue is {:.3g} m thick", path.push.name, depth_m,
+                               fmt::join(path.push.contact_m.data(), path.push.contact_m.data() + path.push.contact_m.size(), ", "), thick_m));
+    }
+}
+
+}  // namespace tissue

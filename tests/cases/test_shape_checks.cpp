@@ -1,0 +1,102 @@
+#include <catch2/catch.hpp>
+
+#include "../example.h"
+#include "../refusal.h"
+#include "../solid_example.h"
+#include "cases/plan.h"
+#include "cases/shape_checks.h"
+#include "error.h"
+#include "mesh/topology.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+MshFile box(double x, double y, double z, double at = 0) {
+    MshFile mesh;
+    for (int i = 0; i < 8; ++i) mesh.points.push_back({at + (i & 1 ? x : 0), i & 2 ? y : 0, i & 4 ? z : 0});
+    return mesh;
+}
+
+Study shaped(double unit_m, double size_m) {
+    Study s = example_study();
+    s.geometry.shape = "lobe.stl";
+    s.geometry.unit_m = unit_m;
+    s.spring_size_m = size_m;
+    return s;
+}
+
+}  // namespace
+
+TEST_CASE("a shape whose unit is another than the study says is refused before it is divided", "[shape_checks]") {
+    const auto said = [](double unit_m, double size_m, const MshFile& mesh) { return refusal<StudyError>([&] { refuse_wrong_unit(shaped(unit_m, size_m), mesh); }); };
+    CHECK_NOTHROW(refuse_wrong_unit(shaped(0.001, 0.01), box(120, 90, 55)));
+    CHECK_NOTHROW(refuse_wrong_unit(shaped(0.001, 0.001), box(120, 40, 0)));
+    CHECK_NOTHROW(refuse_wrong_unit(shaped(0.001, 0.01), box(120, 90, 55, 90'000)));  // 90 m away
+    CHECK_THAT(said(1, 0.01, box(120, 90, 55)), Contains("key 'geometry.unit_m': lobe.stl is 120 m long") && Contains("in millimetres?"));
+    CHECK_THAT(said(1, 0.01, box(120, 0, 0)), Contains("in millimetres?"));  // a curve alone
+    CHECK_THAT(said(0.001, 0.0001, box(120, 90, 0)), Contains("at most 100000"));
+    CHECK_THAT(said(1e-6, 0.01, box(120, 90, 55)), Contains("less than two springs"));
+    CHECK_THAT(said(0.001, 0.01, box(120, 90, 55, 2'000'000)), Contains("key 'geometry.shape'") && Contains("2e+03 m from the origin") && Contains("move it"));
+    Study mesh = shaped(1, 0);  // a .msh in space is divided at its surface, into finite elements
+    mesh.sizes_m = {0.003, 0.013};
+    CHECK_THAT(refusal<StudyError>([&] { refuse_wrong_unit(mesh, box(120, 90, 55)); }), Contains("mesh.sizes_m = 0.013 m"));
+}
+
+TEST_CASE("a contour much finer than the springs that are asked for is told", "[shape_checks]") {
+    const Shape fine = shape_of(make_lattice("grid4", 20, 20, 0.1, 0.1));  // springs of 5 mm and their diagonals
+    CHECK(finer_than_asked(shaped(1, 0.005), fine).empty());
+    CHECK(finer_than_asked(shaped(1, 0.010), fine).empty());
+    CHECK_THAT(finer_than_asked(shaped(1, 0.020), fine), Contains("lobe.stl has a contour much finer than lattice.size_m = 0.02 m: 441 nodes"));
+    CHECK(finer_than_asked(shaped(1, 0), fine).empty());
+}
+
+TEST_CASE("a patch that is wider than a side is refused by the study's key, before finite elements", "[shape_checks]") {
+    Study s = example_study();
+    s.indenter.kind = "patch";
+    const SpringMesh mesh = make_lattice("grid8", 10, 4, 0.1, 0.04);
+    for (const double fits : {0.005, 0.0199}) {
+        s.indenter.half_width_m = fits;
+        CHECK_NOTHROW(refuse_tool(s, mesh));
+    }
+    s.indenter.half_width_m = 0.02;
+    CHECK_THAT(refusal<StudyError>([&] { refuse_tool(s, mesh); }), Contains("key 'indenter.half_width_m': 0.02 m is not less than half of the tissue's shorter side, 0.04 m"));
+    s.indenter.half_width_m = 0.018;
+    s.loads.sweep = Study::Loads::Sweep{0.01, 0.015, {0}};
+    CHECK_THAT(refusal<StudyError>([&] { refuse_tool(s, mesh); }), Contains("key 'indenter.half_width_m'") && Contains("clearance_m = 0.015 m"));
+}
+
+TEST_CASE("a disc over more nodes than the tick has room for is refused before finite elements", "[shape_checks]") {
+    Study s = example_study();
+    s.springs.stiffness = "law";
+    s.indenter.kind = "disc";
+    const SpringMesh mesh = make_lattice("grid26", Lattice{{20, 20, 2}, {0.1, 0.1, 0.01}});
+    s.indenter.radius_m = 0.007;
+    CHECK_NOTHROW(refuse_tool(s, mesh));
+    s.indenter.radius_m = 0.035;
+    CHECK_THAT(refusal<StudyError>([&] { refuse_tool(s, mesh); }), Contains("key 'indenter.radius_m'") && Contains("room for 128"));
+}
+
+TEST_CASE("a push through a plate is refused with its path, depth and thickness", "[shape_checks]") {
+    const Study s = example_study();
+    const auto path = [](Point at, Point direction, double depth_m, const std::string& role) {
+        PlannedPath p;
+        p.push = {"through", at, direction};
+        p.role = role;
+        p.depth_m = depth_m;
+        return std::vector<PlannedPath>{p};
+    };
+    const SpringMesh plane = make_lattice("grid8", 10, 2, 0.1, 0.01), plate = make_lattice("grid26", Lattice{{10, 10, 1}, {0.1, 0.1, 0.01}});
+    const Point top = Eigen::Vector2d(0.05, 0.01), corner = Eigen::Vector2d(0.1, 0.01), down = Eigen::Vector2d(0, -1), tilted = Eigen::Vector2d(0.6, -0.8);
+    CHECK_NOTHROW(refuse_push_through(s, plane, path(top, down, 0.0099, "train")));
+    CHECK_NOTHROW(refuse_push_through(s, plane, path(top, tilted, 0.012, "train")));
+    CHECK_NOTHROW(refuse_push_through(s, plane, path(Eigen::Vector2d(0.098, 0.01), tilted, 0.009, "train")));  // out at the side, which gives way
+    CHECK_NOTHROW(refuse_push_through(s, plane, path(corner, Eigen::Vector2d(-1, 0), 0.05, "train")));
+    CHECK_THAT(refusal<StudyError>([&] { refuse_push_through(s, plane, path(top, down, 0.01, "train")); }),
+               Contains("key 'loads.magnitudes_m': load path 'through' pushes 0.01 m deep at (0.05, 0.01) m, where the tissue is 0.01 m thick"));
+    CHECK_THAT(refusal<StudyError>([&] { refuse_push_through(s, plane, path(top, tilted, 0.0126, "held_out")); }), Contains("key 'draws.held_out.depth_m'"));
+    const Point on_plate = Eigen::Vector3d(0.043, 0.05, 0.01), in = Eigen::Vector3d(0, 0, -1);
+    CHECK_NOTHROW(refuse_push_through(s, plate, path(on_plate, in, 0.008, "train")));
+    CHECK_THAT(refusal<StudyError>([&] { refuse_push_through(s, plate, path(on_plate, in, 0.012, "train")); }), Contains("0.01 m thick"));
+}
