@@ -79,7 +79,7 @@ TEST_CASE("a shape's file that is none is refused by name and cause", "[new]") {
     CHECK_THAT(why_not(folder, "d.msh", with(tetrahedron, "1 0 0 0\n", "1 0 zero 0\n")), Contains("cannot read $Nodes"));
     CHECK_THAT(why_not(folder, "e.msh", with(tetrahedron, "$Nodes\n4", "$Nodes\n900000000")), Contains("cannot read $Nodes"));
     CHECK_THAT(why_not(folder, "f.msh", with(tetrahedron, "2 4 2 2 2 1 2 3 4", "2 2 2 1 1 1 2 4")), Contains("no tetrahedra; save its surface as .stl"));
-    CHECK_THAT(why_not(folder, "a.stl", "solid\nendsolid\n"), Contains("is not an STL file, or has no triangles"));
+    CHECK_THAT(why_not(folder, "a.stl", "solid\nendsolid\n"), Contains("a.stl: has no facets"));
     CHECK_THAT(why_not(folder, "b.stl", "solid\n vertex 60 nan 0\nendsolid\n"), Contains("b.stl: "));
     CHECK_THAT(why_not(folder, "huge.geo", "Point(1) = {1e999, 0, 0};\n"), Contains("a coordinate is not a finite number"));
     CHECK_THAT(why_not(folder, "a.obj", "v 0 0 0"), Contains("a shape is a .geo, .msh or .stl"));
@@ -92,6 +92,7 @@ TEST_CASE("a new study is one that is read, in the plane and in space, with size
     folder.file("materials/jelly.toml", "law = \"neo-Hookean\"\nC1_Pa = 500\ndensity_kg_m3 = 1000\n");
     NewStudy wanted;
     wanted.preset = "jelly";
+    wanted.trust_geo = true;
     wanted.held = {"bed"};
     wanted.unit_m = 0.001;
     for (const double factor : {0.5, 1.0, 4.0}) {
