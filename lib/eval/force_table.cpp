@@ -40,9 +40,9 @@ ForceTable::Entry between(const Bracket& b, const At& at) {
 
 }  // namespace
 
-ForceTable::ForceTable(const Outline& outline, const std::vector<LoadCase>& loads) : outline_(outline) {
-    for (const LoadCase& load : loads) {
-        const double arc = outline_.arc_of(load.path->contact_m), angle = outline_.angle(arc, load.path->direction);
+ForceTable::ForceTable(const Outline& outline, const std::vector<TablePush>& all) : outline_(outline) {
+    for (const TablePush& one : all) {
+        const double arc = outline_.arc_of(one.contact_m), angle = outline_.angle(arc, one.direction);
         auto place = std::find_if(places_.begin(), places_.end(),
                                   [&](const Place& p) { return std::abs(p.arc_m - arc) < same_place; });
         if (place == places_.end()) place = places_.insert(places_.end(), {arc, {}});
@@ -50,9 +50,9 @@ ForceTable::ForceTable(const Outline& outline, const std::vector<LoadCase>& load
         auto push = std::find_if(pushes.begin(), pushes.end(),
                                  [&](const Push& p) { return std::abs(p.angle - angle) < same_angle; });
         if (push == pushes.end()) push = pushes.insert(pushes.end(), {angle, {}, {}});
-        const double depth_m = load.record->magnitude_m;
+        const double depth_m = one.depth_m;
         const auto deeper = std::upper_bound(push->depth_m.begin(), push->depth_m.end(), depth_m);
-        push->force_N.insert(push->force_N.begin() + (deeper - push->depth_m.begin()), load.record->contact_force_N);
+        push->force_N.insert(push->force_N.begin() + (deeper - push->depth_m.begin()), one.force_N);
         push->depth_m.insert(deeper, depth_m);
     }
     std::sort(places_.begin(), places_.end(), [](const auto& a, const auto& b) { return a.arc_m < b.arc_m; });

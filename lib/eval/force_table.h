@@ -2,17 +2,17 @@
 
 #include <vector>
 
-#include "cases/load_path.h"
+#include "eval/table_pushes.h"
 #include "mesh/outline.h"
 
 namespace tissue {
 
 /// No springs at all: FE's own training forces by place, angle and depth of the push, linear in each between those that
-/// were solved. The rival at equal FE cost; it knows no shape and no motion.
+/// were solved. The baseline at equal FE cost; it has no shape and no motion.
 class ForceTable {
    public:
-    /// loads: in any order, at least one. Angles and depths need not be the same from place to place.
-    ForceTable(const Outline& outline, const std::vector<LoadCase>& loads);
+    /// pushes: in any order, at least one. Angles and depths need not be the same from place to place.
+    ForceTable(const Outline& outline, const std::vector<TablePush>& pushes);
 
     struct Entry {
         Point force_N;             ///< on the tissue (D)

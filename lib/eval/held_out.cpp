@@ -208,10 +208,10 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
     std::vector<Setting> settings;
     std::vector<Baseline> baselines;
     if (solid) {
-        solid_table.emplace(loads);
+        solid_table.emplace(table_pushes(loads, symmetries_of(model)));
     } else {
         outline.emplace(model.mesh);
-        table.emplace(*outline, loads);
+        table.emplace(*outline, table_pushes(loads, symmetries_of(model)));
         settings = settings_of(model, loads, with_baselines);
         baselines = baselines_of(model, settings, with_baselines);
     }

@@ -69,7 +69,7 @@ struct HeldOut {
 
 /// Closed-loop errors at every drawn contact of the cases, force and shape:
 ///   learned            the model's law, of readings at rest what is left of it after long; or the nearest of its sets, Sec. 4.3
-///   force_table        no springs and no shape: FE's own forces, interpolated (eval/force_table.h)
+///   force_table        no springs and no shape: FE's own forces and their mirror images, interpolated (eval/force_table.h)
 ///   untrained          of a law: its heuristic, with nothing learned
 ///   heuristic_a_patch, heuristic_b_patch, uniform_patch  of a law: those springs alone, without cells, under its contact
 ///   one_set            of sets: the single one that serves all training cases best

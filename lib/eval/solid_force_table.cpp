@@ -11,11 +11,6 @@ constexpr double unit_m = 0.020, unit_angle = 30 * 3.14159265358979323846 / 180,
 
 }  // namespace
 
-SolidForceTable::SolidForceTable(const std::vector<LoadCase>& loads) {
-    for (const LoadCase& load : loads)
-        pushes_.push_back({load.path->contact_m, load.path->direction, load.record->contact_force_N, load.record->magnitude_m});
-}
-
 ForceTable::Entry SolidForceTable::at(const Point& contact_m, const Point& direction, double depth_m) const {
     // S' solves (sum w d d' + small) S' = sum w d F'
     Eigen::Matrix3d squares = Eigen::Matrix3d::Zero(), products = squares;

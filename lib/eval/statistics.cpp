@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "gsl.h"
+
 namespace tissue {
 
 Statistics statistics_of(std::vector<double> sample, int no_reference) {

@@ -41,7 +41,7 @@ struct Example {
 
 TEST_CASE("the table has FE's own forces where they were solved, and is linear between them") {
     const Example e;
-    const ForceTable table(e.outline, e.loads);
+    const ForceTable table(e.outline, table_pushes(e.loads));
     for (double arc : {0.15, 0.152, 0.16, 0.171, 0.18})
         for (double angle : {-0.4, -0.35, -0.1, 0.22, 0.3})
             for (double depth : {0.004, 0.0045, 0.0093, 0.01}) {
@@ -53,14 +53,14 @@ TEST_CASE("the table has FE's own forces where they were solved, and is linear b
 
 TEST_CASE("below the smallest depth the table's force shrinks in proportion, and nothing is extrapolated") {
     const Example e;
-    const ForceTable::Entry entry = ForceTable(e.outline, e.loads).at(0.16, e.push(0.16, 0.0), 0.001);
+    const ForceTable::Entry entry = ForceTable(e.outline, table_pushes(e.loads)).at(0.16, e.push(0.16, 0.0), 0.001);
     CHECK_FALSE(entry.extrapolated);
     CHECK((entry.force_N - 0.25 * Example::force(0.16, 0, 0.004)).norm() < tolerance::solve);
 }
 
 TEST_CASE("outside what was solved the table's nearest force serves, and says so") {
     const Example e;
-    const ForceTable table(e.outline, e.loads);
+    const ForceTable table(e.outline, table_pushes(e.loads));
     const auto nearest = [&](double arc, double angle, double depth, const Eigen::Vector2d& wanted) {
         const ForceTable::Entry entry = table.at(arc, e.push(arc, angle), depth);
         CHECK(entry.extrapolated);
@@ -70,4 +70,18 @@ TEST_CASE("outside what was solved the table's nearest force serves, and says so
     nearest(0.15, 1.2, 0.004, Example::force(0.15, 0.3, 0.004));
     nearest(0.15, -1.2, 0.004, Example::force(0.15, -0.4, 0.004));
     nearest(0.15, 0, 0.02, Example::force(0.15, 0, 0.01));
+}
+
+TEST_CASE("the table in the plane has the mirror image of every push, but of those that were solved there") {
+    TissueModel block;
+    Example e;
+    block.mesh = e.mesh;
+    const std::vector<TablePush> both = table_pushes(e.loads, symmetries_of(block));
+    CHECK(e.loads.size() == 18);
+    CHECK(both.size() == 36 - 2);  // straight in half way along the top is its own image, at both depths
+    const ForceTable table(e.outline, both);
+    const Eigen::Vector2d there = Example::force(0.18, 0.3, 0.01);
+    const ForceTable::Entry image = table.at(e.outline.length() - 0.18 - 0, e.push(e.outline.length() - 0.18, -0.3), 0.01);
+    CHECK_FALSE(image.extrapolated);
+    CHECK((image.force_N - Eigen::Vector2d(-there.x(), there.y())).norm() < tolerance::solve);
 }

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "mesh/topology.h"
+#include "../example.h"
 #include "../tolerances.h"
 
 using namespace tissue;
@@ -18,10 +20,54 @@ TEST_CASE("a force table in space gives back a stiffness that is the same everyw
         records[i].contact_force_N = S * (0.004 * Eigen::Vector3d(paths[i].direction));
         loads.push_back({"", &paths[i], &records[i]});
     }
-    const SolidForceTable table(loads);
+    const SolidForceTable table(table_pushes(loads));
     const Eigen::Vector3d direction = Eigen::Vector3d(0.2, 0.3, -1).normalized();
     const ForceTable::Entry near = table.at(Eigen::Vector3d(0.024, 0.021, 0.05), direction, 0.005);
     CHECK((near.force_N - S * (0.005 * direction)).norm() < 1e-3 * near.force_N.norm());
     CHECK_FALSE(near.extrapolated);
     CHECK(table.at(Eigen::Vector3d(0.024, 0.08, 0.05), direction, 0.005).extrapolated);
+}
+
+TEST_CASE("a square block of one material has seven images of every push, an oblong one three, others none", "[solid]") {
+    TissueModel model = solid_example();
+    CHECK(symmetries_of(model).size() == 7);
+    for (const Symmetry& s : symmetries_of(model)) {
+        CHECK((s.turn * s.turn.transpose() - Eigen::Matrix3d::Identity()).norm() <= tolerance::rounding);
+        for (Eigen::Index i = 0; i < model.mesh.nodes.rows(); ++i) {  // every node lands on a node
+            const Point image = s.centre_m + s.turn * (model.mesh.nodes.row(i).transpose() - s.centre_m);
+            CHECK((model.mesh.nodes.rowwise() - image.transpose()).rowwise().norm().minCoeff() <= tolerance::rounding);
+        }
+    }
+    TissueModel nodule = model;
+    nodule.energy_law->ground = NodeField::Ones(1, 4);
+    CHECK(symmetries_of(nodule).empty());
+    model.mesh = make_lattice("grid26", Lattice{{5, 4, 2}, {0.125, 0.1, 0.05}});
+    CHECK(symmetries_of(model).size() == 3);
+    model.mesh = make_lattice("grid8", 4, 4, 0.1, 0.1);
+    model.energy_law.reset();
+    REQUIRE(symmetries_of(model).size() == 1);
+    CHECK(symmetries_of(model)[0].turn == Eigen::Matrix2d(Eigen::Vector2d(-1, 1).asDiagonal()));
+}
+
+TEST_CASE("a table in space answers at each image of a push with the image of its force", "[solid]") {
+    const TissueModel model = solid_example();
+    LoadPath path;
+    path.contact_m = Eigen::Vector3d(0.02, 0.035, 0.05);
+    path.direction = Eigen::Vector3d(0.5, 0.2, -1).normalized();
+    PathRecord record;
+    record.magnitude_m = 0.004;
+    record.contact_force_N = Eigen::Vector3d(0.1, 0.05, -0.4);
+    const std::vector<TablePush> pushes = table_pushes({{"", &path, &record}}, symmetries_of(model));
+    REQUIRE(pushes.size() == 8);
+    const SolidForceTable table(pushes);
+    for (const TablePush& image : pushes) {
+        const ForceTable::Entry at = table.at(image.contact_m, image.direction, 0.004);
+        CHECK((at.force_N - image.force_N).norm() < 0.01 * image.force_N.norm());
+        CHECK_FALSE(at.extrapolated);
+    }
+    CHECK((pushes[1].force_N - Eigen::Vector3d(-0.1, 0.05, -0.4)).norm() <= tolerance::rounding);  // of x
+
+    path.contact_m = Eigen::Vector3d(0.05, 0.05, 0.05);  // in the middle, straight in: its images are itself
+    path.direction = Eigen::Vector3d(0, 0, -1);
+    CHECK(table_pushes({{"", &path, &record}}, symmetries_of(model)).size() == 1);
 }

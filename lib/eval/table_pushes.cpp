@@ -1,0 +1,55 @@
+#include "eval/table_pushes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mesh/topology.h"
+
+namespace tissue {
+namespace {
+
+constexpr double same_m = 1e-7, same_direction = 1e-6;
+
+bool same_push(const TablePush& a, const TablePush& b) {
+    return std::abs(a.depth_m - b.depth_m) < same_m && (a.contact_m - b.contact_m).norm() < same_m && (a.direction - b.direction).norm() < same_direction;
+}
+
+}  // namespace
+
+std::vector<Symmetry> symmetries_of(const TissueModel& model) {
+    const bool of_one_material = on_lattice(model.mesh) && (!model.energy_law || model.energy_law->ground.rows() == 0);
+    if (!of_one_material) return {};
+    const Point low = model.mesh.nodes.colwise().minCoeff().transpose(), high = model.mesh.nodes.colwise().maxCoeff().transpose();
+    const Point centre_m = (low + high) / 2, size_m = high - low;
+    const Eigen::Index D = size_m.size();
+    std::vector<Symmetry> found;
+    for (bool exchanged : {false, true})
+        for (double y : {1.0, -1.0})
+            for (double x : {1.0, -1.0}) {
+                const bool identity = !exchanged && x > 0 && y > 0;
+                if (identity || (D == 2 && (exchanged || y < 0))) continue;  // in the plane y is height
+                if (exchanged && std::abs(size_m[0] - size_m[1]) > same_m) continue;
+                Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(D, D);
+                turn(0, 0) = x;
+                if (D == 3) turn(1, 1) = y;
+                if (exchanged) turn.topRows(2) = Eigen::MatrixXd(turn.topRows(2).colwise().reverse());
+                found.push_back({turn, centre_m});
+            }
+    return found;
+}
+
+std::vector<TablePush> table_pushes(const std::vector<LoadCase>& loads, const std::vector<Symmetry>& symmetries) {
+    std::vector<TablePush> pushes;
+    for (const LoadCase& load : loads)
+        pushes.push_back({load.path->contact_m, load.path->direction, load.record->contact_force_N, load.record->magnitude_m});
+    const std::size_t own = pushes.size();
+    for (std::size_t i = 0; i < own; ++i)
+        for (const Symmetry& s : symmetries) {
+            const TablePush& push = pushes[i];
+            const TablePush image = {s.centre_m + s.turn * (push.contact_m - s.centre_m), s.turn * push.direction, s.turn * push.force_N, push.depth_m};
+            if (std::none_of(pushes.begin(), pushes.end(), [&](const TablePush& known) { return same_push(known, image); })) pushes.push_back(image);
+        }
+    return pushes;
+}
+
+}  // namespace tissue

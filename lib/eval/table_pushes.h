@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "cases/load_path.h"
+#include "springs/tissue_model.h"
+
+namespace tissue {
+
+/// A mirror image or quarter turn that leaves the tissue as it is: x goes to centre + turn (x - centre), a direction or a force to turn x.
+struct Symmetry {
+    Eigen::MatrixXd turn;  ///< (D x D), orthogonal
+    Point centre_m;        ///< (D)
+};
+
+/// Those of a model's tissue, the identity not among them. A block of one material in the plane has the image in x; in space those in x, in y and in
+/// both, and where it is as long as it is wide these with x and y exchanged: eight images with the push itself. Others have none.
+std::vector<Symmetry> symmetries_of(const TissueModel& model);
+
+/// A push whose force FE has said: what a table of forces is made of.
+struct TablePush {
+    Point contact_m, direction, force_N;
+    double depth_m;
+};
+
+/// The load cases, and what they say of their images, but where one is among the load cases or images already: images of a push in the middle
+/// coincide.
+std::vector<TablePush> table_pushes(const std::vector<LoadCase>& loads, const std::vector<Symmetry>& symmetries = {});
+
+}  // namespace tissue
