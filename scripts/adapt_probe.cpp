@@ -7,7 +7,6 @@
 //   refit      all pokes so far at once, by the field's prior: the best that the filter could have done
 // --told: the next poke is that of those left which the filter says is worth most; its force it cannot know. Prints JSON.
 #include <gsl/gsl_randist.h>
-#include <gsl/gsl_rng.h>
 
 #include <CLI/CLI.hpp>
 #include <Eigen/Dense>
@@ -20,7 +19,8 @@
 #include "adapt/adaptation.h"
 #include "adapt/next_poke.h"
 #include "cases/load_path.h"
-#include "eval/force_error.h"
+#include "eval/statistics_json.h"
+#include "gsl.h"
 #include "parallel.h"
 #include "springs/law_press.h"
 
@@ -141,7 +141,7 @@ void run(const Options& o) {
         parallel_for(static_cast<int>(held_out.size()), 2, [&](int i) {
             const Poke& poke = held_out[static_cast<std::size_t>(i)];
             const Equilibrium answer = press.at(poke.contact_m, poke.push_m);
-            error[static_cast<std::size_t>(i)] = answer ? (answer.contact_force - poke.force_N).norm() / poke.force_N.norm() : 1;
+            error[static_cast<std::size_t>(i)] = answer ? (answer.contact_force - poke.force_N).norm() / poke.force_N.norm() : std::numeric_limits<double>::infinity();
         });
         int one = 0, two = 0;  // held-out forces within what the filter says, as often as 68 and 95 % of two or three axes lie
         for (const Poke& poke : held_out) {
@@ -154,7 +154,9 @@ void run(const Options& o) {
         }
         const Statistics s = statistics_of(error);
         const double all = static_cast<double>(held_out.size());
-        curve.push_back({{"pokes", n}, {"median", s.median}, {"p95", s.p95}, {"n", s.n}, {"inside68", one / all}, {"inside95", two / all}});
+        json row = to_value(s);
+        row.update({{"pokes", n}, {"inside68", one / all}, {"inside95", two / all}});
+        curve.push_back(row);
     };
     judge(0);
     std::vector<Poke> known;

@@ -92,11 +92,21 @@ def measure(probe, patients):
 def at(runs, pokes, key):
     """The median over seeds after so many pokes; the last where there were fewer in all."""
     rows = [max((c for c in run["curve"] if c["pokes"] <= pokes), key=lambda c: c["pokes"]) for run in runs]
-    return float(np.median([row[key] for row in rows]))
+    return float(np.median([np.inf if row[key] is None else row[key] for row in rows]))  # null: infinite, an answer is missing
+
+
+def per_cent(value):
+    return f"{100 * value:.1f}" if np.isfinite(value) else "none"
+
+
+def fewest(ways):
+    """How many of its held-out contacts the models of a patient answer, the fewest of all."""
+    worst = min((c for runs in ways.values() for run in runs for c in run["curve"]), key=lambda c: c["n"] / c["of"])
+    return f"{worst['n']} of {worst['of']}"
 
 
 def table(measured):
-    held_out = next(iter(next(iter(measured.values())).values()))[0]["curve"][0]["n"]
+    held_out = next(iter(next(iter(measured.values())).values()))[0]["curve"][0]["of"]
     space = all(patient.endswith("3") for patient in measured)
     shown = [n for n in SHOWN if not space or n <= 40]
     what = ("Written by `make patient3`. The law of `block3-quick`; FE of `block3-quick` with all forces times 1.5, and of `nodule3`," if space else
@@ -108,9 +118,9 @@ def table(measured):
              "order and noise. Field: beside one scale, the likelier of the two plays; alone: without." +
              ("" if space else " All pokes at once: the optimum that the field alone goes towards, by the same prior."), ""]
     for patient, ways in measured.items():
-        lines += [f"## {patient}: {TISSUES[patient][0]}", "", "| | " + " | ".join(map(str, shown)) + " |", "|---|" + "---|" * len(shown)]
+        lines += [f"## {patient}: {TISSUES[patient][0]}", "", f"Answered at {fewest(ways)} held-out contacts or more in every cell; one without an answer is infinite.", "", "| | " + " | ".join(map(str, shown)) + " |", "|---|" + "---|" * len(shown)]
         for way, runs in ways.items():
-            lines.append(f"| {way} | " + " | ".join(f"{100 * at(runs, n, 'median'):.1f} / {100 * at(runs, n, 'p95'):.1f}" for n in shown) + " |")
+            lines.append(f"| {way} | " + " | ".join(f"{per_cent(at(runs, n, 'median'))} / {per_cent(at(runs, n, 'p95'))}" for n in shown) + " |")
         lines.append("")
     told = "field" if space else "field, told where"
     lines += ["## How sure it is", "", f"Held-out forces inside the region that the filter says holds 68 % and 95 % of them, in per cent, {told}.", "",

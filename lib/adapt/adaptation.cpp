@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "error.h"
+#include "gsl.h"
 #include "springs/law_kernel.h"
 
 namespace tissue {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <gsl/gsl_randist.h>
-#include <gsl/gsl_rng.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <set>
 
 #include "error.h"
+#include "gsl.h"
 #include "mesh/outline.h"
 
 namespace tissue {
@@ -158,9 +158,8 @@ std::vector<std::string> draw_roles(const std::vector<std::vector<Push*>>& conta
             corner |= contacts[i].front()->arc < c + apart_m && contacts[i].back()->arc > c - apart_m;
         if (!corner) free.push_back(i);
     }
-    const std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free);
-    gsl_rng_set(rng.get(), data.seed);
-    if (!free.empty()) gsl_ran_shuffle(rng.get(), free.data(), free.size(), sizeof free[0]);  // of none, GSL ends the program
+    const Rng rng = seeded_rng(data.seed);
+    if (!free.empty()) gsl_ran_shuffle(rng.get(), free.data(), free.size(), sizeof free[0]);  // of none, GSL counts down from below 0
     const auto part = [&](double p) -> std::size_t {
         return p > 0 ? static_cast<std::size_t>(std::max(1L, std::lround(p * static_cast<double>(contacts.size())))) : 0;
     };

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <gsl/gsl_randist.h>
-#include <gsl/gsl_rng.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 
 #include "cases/study_mesh.h"
 #include "error.h"
+#include "gsl.h"
 #include "io/csv_columns.h"
 #include "io/dataset_name.h"
 #include "mesh/outline.h"
@@ -146,8 +146,7 @@ void check_roles(const std::vector<std::vector<History*>>& contacts, const Histo
 /// What each history is for, by the study's seed: contacts less than 2 mm apart go together.
 void draw_roles(const std::vector<std::vector<History*>>& contacts, const Study::Data& data, const std::string& file) {
     if (contacts.size() < 2) throw FileError(fmt::format("{}: has histories at one contact alone: one more is needed to hold out, or a column 'role'", file));
-    const std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free);
-    gsl_rng_set(rng.get(), data.seed);
+    const Rng rng = seeded_rng(data.seed);
     std::vector<std::size_t> order(contacts.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     gsl_ran_shuffle(rng.get(), order.data(), order.size(), sizeof order[0]);

@@ -23,9 +23,7 @@ bool apart(const StudyPath& a, const StudyPath& b) {
 
 SolidDraws::SolidDraws(const Study& study, const Study::Draws& draws, const std::vector<StudyPath>& trained, const FreeSurface* surface,
                        const std::string& key)
-    : study_(study), draws_(draws), trained_(trained), surface_(surface), key_(key), rng_(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free) {
-    gsl_rng_set(rng_.get(), draws.seed);
-}
+    : study_(study), draws_(draws), trained_(trained), surface_(surface), key_(key), rng_(seeded_rng(draws.seed)) {}
 
 StudyPath SolidDraws::push() {
     StudyPath push;

@@ -1,11 +1,10 @@
 #pragma once
 
-#include <gsl/gsl_rng.h>
-
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "gsl.h"
 #include "mesh/free_surface.h"
 #include "study/study.h"
 
@@ -35,7 +34,7 @@ class SolidDraws {
     const std::vector<StudyPath>& trained_;
     const FreeSurface* surface_;
     std::string key_;
-    std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng_;
+    Rng rng_;
 };
 
 }  // namespace tissue

@@ -98,9 +98,7 @@ std::vector<SurfaceContact> training_contacts(const Outline& outline, const Stud
 ContactDraws::ContactDraws(const Study& study, const Study::Draws& draws, const Outline& outline,
                            const std::vector<SurfaceContact>& trained, const std::string& key)
     : draws_(draws), outline_(outline), trained_(trained), key_(key), clearance_m_(study.loads.sweep->clearance_m),
-      rng_(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free) {
-    gsl_rng_set(rng_.get(), draws.seed);
-}
+      rng_(seeded_rng(draws.seed)) {}
 
 double ContactDraws::uniform(double low, double high) {
     return low + (high - low) * gsl_rng_uniform(rng_.get());

@@ -1,12 +1,11 @@
 #pragma once
 
-#include <gsl/gsl_rng.h>
-
 #include <array>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "gsl.h"
 #include "mesh/outline.h"
 #include "study/study.h"
 
@@ -47,7 +46,7 @@ class ContactDraws {
     const std::vector<SurfaceContact>& trained_;
     std::string key_;
     double clearance_m_;
-    std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng_;
+    Rng rng_;
 };
 
 }  // namespace tissue

@@ -8,6 +8,7 @@
 #include "error.h"
 #include "mesh/facet.h"
 #include "mesh/topology.h"
+#include "springs/contact_errors.h"
 #include "springs/contact_patch.h"
 
 namespace tissue {
@@ -215,7 +216,7 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
     std::vector<Node> near(surface_.nodes().size());
     const Disc disc = disc_at(place, near.data(), near.size());
     near.resize(disc.nodes);
-    if (near.empty()) throw MismatchError("the surface's mesh has no nodes near the contact");
+    if (near.empty()) throw NoContactError("the surface's mesh has no nodes near the contact");
 
     const auto K = static_cast<Eigen::Index>(near.size());
     const Eigen::Index R = 3 + 3 * std::count_if(near.begin(), near.end(), [](const Node& at) { return at.pressed; });

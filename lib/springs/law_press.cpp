@@ -1,6 +1,7 @@
 #include "springs/law_press.h"
 
 #include "error.h"
+#include "springs/contact_errors.h"
 #include "springs/law_kernel.h"
 
 namespace tissue {
@@ -39,14 +40,18 @@ std::unique_ptr<PressSolver> LawPress::take() const {
 
 Equilibrium LawPress::at(const Point& contact_m, const Point& push_m) const {
     std::unique_ptr<PressSolver> solver = take();
+    Equilibrium answer{NodeField::Zero(energy_.node_count(), energy_.dimension()), Eigen::VectorXd::Zero(energy_.dimension()), EquilibriumStatus::contact_fixed};
     try {
         PressState state = solver->press(law_.constants, ContactSpring(kernel_->rows_at(contact_m), law_.patch), push_m);
-        const std::lock_guard<std::mutex> lock(guard_);
-        idle_.push_back(std::move(solver));
-        return {std::move(state.displacement), state.contact_force_N, status_of(state.status)};
-    } catch (const MismatchError&) {  // nothing to push there
-        return {NodeField::Zero(energy_.node_count(), energy_.dimension()), Eigen::VectorXd::Zero(energy_.dimension()), EquilibriumStatus::contact_fixed};
+        answer = {std::move(state.displacement), state.contact_force_N, status_of(state.status)};
+    } catch (const FixedContactError&) {
+        answer.status = EquilibriumStatus::contact_fixed;
+    } catch (const NoContactError&) {
+        answer.status = EquilibriumStatus::no_contact;
     }
+    const std::lock_guard<std::mutex> lock(guard_);
+    idle_.push_back(std::move(solver));
+    return answer;
 }
 
 }  // namespace tissue

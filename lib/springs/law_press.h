@@ -22,7 +22,8 @@ class LawPress {
     /// The contact at a place of the surface [m] (D), or that nearest to it, held at a push, everything else at rest: force of
     /// the tool and displacement.
     /// `not_converged` where load steps lost the rest, `unstable` where it is no minimum, `inside_out` where it is none
-    /// of a tissue, `contact_fixed` on the fixed edge.
+    /// of a tissue, `contact_fixed` on the fixed edge, `no_contact` where the surface has no node near the place. Throws MismatchError where law
+    /// and mesh do not belong together.
     Equilibrium at(const Point& contact_m, const Point& push_m) const;
 
    private:

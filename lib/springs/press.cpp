@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "error.h"
+#include "springs/contact_errors.h"
 
 namespace tissue {
 
@@ -161,7 +162,7 @@ PressState PressSolver::press(const Eigen::VectorXd& constants, const ContactSpr
     const int D = energy_.dimension();
     if (std::all_of(contact.rows.nodes.begin(), contact.rows.nodes.end(),
                     [&](int node) { return number_[static_cast<std::size_t>(D * node)] < 0; }))
-        throw MismatchError("the contact lies on the fixed edge");
+        throw FixedContactError("the contact lies on the fixed edge");
     make_room_for(contact);
     PressState state;
     state.displacement = from ? from->displacement : NodeField::Zero(energy_.node_count(), D);

@@ -60,7 +60,7 @@ class PressSolver {
     PressSolver(const TissueEnergy& energy, const ContactKernel& kernel, const PressOptions& options = {});
 
     /// From rest, or from another push of the same contact; a rest of other constants at this very push is a first guess. A
-    /// lost push comes back as far as it was reached. Throws MismatchError when all nodes of the patch are held: there is nothing to push.
+    /// lost push comes back as far as it was reached. Throws FixedContactError when all nodes of the patch are fixed: there is nothing to push.
     PressState press(const Eigen::VectorXd& constants, const ContactSpring& contact, const Point& push_m,
                      const PressState* from = nullptr);
 

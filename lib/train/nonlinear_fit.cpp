@@ -1,13 +1,14 @@
 #include "train/nonlinear_fit.h"
 
 #include <fmt/format.h>
-#include <gsl/gsl_errno.h>
 #include <gsl/gsl_multifit_nlinear.h>
 
+#include <algorithm>
 #include <exception>
 #include <memory>
 
 #include "error.h"
+#include "gsl.h"
 
 namespace tissue {
 namespace {
@@ -16,13 +17,16 @@ Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<>> view(const gsl_vector
     return {v->data, static_cast<Eigen::Index>(v->size), Eigen::InnerStride<>(static_cast<Eigen::Index>(v->stride))};
 }
 
-/// f and J where they were last asked for: GSL wants the one at every trial, the other where the trial was kept.
+/// f and J where they were last asked for: GSL wants the one at every trial, the other at the start and where the trial was kept.
 struct Memory {
     const FitFunction& function;
+    const std::vector<char>* lost;
     Eigen::VectorXd x, f;
     RowMatrix J;
     int evaluations = 0;
     std::exception_ptr failure;
+    std::vector<char> lost_here;  ///< where the fit stands, as |f|
+    double norm_here = 0;
 
     int at(const gsl_vector* where) noexcept {
         if (evaluations > 0 && x == view(where)) return GSL_SUCCESS;
@@ -30,11 +34,24 @@ struct Memory {
             x = view(where);
             ++evaluations;
             function(x, f, J);
+            if (loses()) f.setConstant(1 + norm_here);  // larger than |f| here: GSL rejects the step
         } catch (...) {
             failure = std::current_exception();
             return GSL_EFAILED;
         }
         return GSL_SUCCESS;
+    }
+
+    /// Whether the last x loses a part that there is where the fit stands.
+    bool loses() const {
+        if (!lost || lost_here.empty()) return false;
+        for (std::size_t i = 0; i < lost->size(); ++i)
+            if ((*lost)[i] && !lost_here[i]) return true;
+        return false;
+    }
+    void stand_here() {
+        if (lost) lost_here = *lost;
+        norm_here = f.norm();
     }
 };
 
@@ -48,7 +65,9 @@ int fill_f(const gsl_vector* x, void* memory, gsl_vector* out) {
 int fill_J(const gsl_vector* x, void* memory, gsl_matrix* out) {
     auto& m = *static_cast<Memory*>(memory);
     const int status = m.at(x);
-    if (status == GSL_SUCCESS) Eigen::Map<RowMatrix>(out->data, m.J.rows(), m.J.cols()) = m.J;
+    if (status != GSL_SUCCESS) return status;
+    m.stand_here();
+    Eigen::Map<RowMatrix>(out->data, m.J.rows(), m.J.cols()) = m.J;
     return status;
 }
 
@@ -70,11 +89,12 @@ const char* to_string(FitStatus status) {
     return "unknown";
 }
 
-FitResult nonlinear_fit(const FitFunction& function, int residuals, const Eigen::VectorXd& start, const FitOptions& options) {
+FitResult nonlinear_fit(const FitFunction& function, int residuals, const Eigen::VectorXd& start, const FitOptions& options,
+                        const std::vector<char>* lost) {
     const Eigen::Index P = start.size();
     if (P < 1 || residuals < P)
         throw MismatchError(fmt::format("a fit of {} numbers to {} residuals is not possible", P, residuals));
-    Memory memory{function, {}, Eigen::VectorXd::Zero(residuals), RowMatrix::Zero(residuals, P), 0, nullptr};
+    Memory memory{function, lost, {}, Eigen::VectorXd::Zero(residuals), RowMatrix::Zero(residuals, P), 0, nullptr, {}, 0};
     gsl_multifit_nlinear_parameters parameters = gsl_multifit_nlinear_default_parameters();
     parameters.trs = gsl_multifit_nlinear_trs_lm;
     parameters.scale = gsl_multifit_nlinear_scale_more;
@@ -82,6 +102,7 @@ FitResult nonlinear_fit(const FitFunction& function, int residuals, const Eigen:
     const auto n = static_cast<std::size_t>(residuals), p = static_cast<std::size_t>(P);
     const std::unique_ptr<gsl_multifit_nlinear_workspace, void (*)(gsl_multifit_nlinear_workspace*)> work(
         gsl_multifit_nlinear_alloc(gsl_multifit_nlinear_trust, &parameters, n, p), gsl_multifit_nlinear_free);
+    if (!work) throw MismatchError(fmt::format("a fit of {} numbers to {} residuals finds no memory", P, residuals));
     gsl_multifit_nlinear_fdf fdf{};
     fdf.f = fill_f;
     fdf.df = fill_J;
@@ -120,6 +141,7 @@ FitResult nonlinear_fit(const FitFunction& function, int residuals, const Eigen:
     result.half_square = view(work->f).squaredNorm() / 2;
     result.gradient = view(work->g).lpNorm<Eigen::Infinity>();
     result.evaluations = memory.evaluations;
+    result.lost = static_cast<int>(std::count(memory.lost_here.begin(), memory.lost_here.end(), 1));
     return result;
 }
 

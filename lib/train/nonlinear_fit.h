@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace tissue {
 
@@ -11,7 +12,7 @@ enum class FitStatus {
     small_gradient,   ///< max |g_i| <= gradient_tolerance |f|^2
     small_step,       ///< the last step moved no number by more than step_tolerance
     small_gain,       ///< the last step made |f|^2 smaller by less than gain_tolerance of itself
-    no_progress,      ///< fifteen trial steps in a row made |f| no smaller
+    no_progress,      ///< fifteen trial steps in a row made |f| no smaller, or lost a part that it has
     iterations_done   ///< max_iterations were taken
 };
 const char* to_string(FitStatus status);
@@ -29,6 +30,7 @@ struct FitResult {
     double gradient = 0;      ///< max |g_i|
     int iterations = 0, evaluations = 0;
     FitStatus status = FitStatus::iterations_done;
+    int lost = 0;             ///< parts that have no value at x
 };
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -39,6 +41,10 @@ using FitFunction = std::function<void(const Eigen::VectorXd& x, Eigen::Ref<Eige
 /// Smallest |f(x)| from a start: Levenberg-Marquardt of the GNU Scientific Library (gsl_multifit_nlinear, trust region
 /// with More's scaling, modified Cholesky of J'J, which a ridge keeps well conditioned). What the function throws comes
 /// out here.
-FitResult nonlinear_fit(const FitFunction& function, int residuals, const Eigen::VectorXd& start, const FitOptions& options = {});
+/// lost: where parts of the function can have no value, so that f stands for them with something bounded and J with 0: filled by the function at every
+/// x, 1 where a part is lost. A trial step that loses a part which the current point has is rejected as if it made |f| larger, or losing a large error
+/// would be a gain. One that finds a part again is judged by |f|.
+FitResult nonlinear_fit(const FitFunction& function, int residuals, const Eigen::VectorXd& start, const FitOptions& options = {},
+                        const std::vector<char>* lost = nullptr);
 
 }  // namespace tissue

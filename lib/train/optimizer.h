@@ -1,6 +1,5 @@
 #pragma once
 
-#include <gsl/gsl_rng.h>
 
 #include <Eigen/Core>
 #include <chrono>
@@ -9,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "gsl.h"
 #include "registry.h"
 #include "train/force_loss.h"
 

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <gsl/gsl_rng.h>
-
-#include <memory>
 #include <string>
+
+#include "gsl.h"
 
 namespace tissue {
 
@@ -17,7 +16,7 @@ class Stream {
     double uniform(const double (&range)[2]) const { return range[0] + (range[1] - range[0]) * gsl_rng_uniform(*this); }
 
    private:
-    std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng_;
+    Rng rng_;
 };
 
 }  // namespace tissue

@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 #include <gsl/gsl_randist.h>
-#include <gsl/gsl_rng.h>
 
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <tuple>
 
 #include "error.h"
+#include "gsl.h"
 #include "parallel.h"
 #include "springs/law_kernel.h"
 
@@ -66,7 +67,7 @@ int law_residual_count(const EnergyLaw& law, const std::vector<PressPath>& paths
 
 void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths,
                    const LawTrainingOptions& options, const Eigen::VectorXd& p, Eigen::Ref<Eigen::VectorXd> f,
-                   Eigen::Ref<RowMatrix> J, std::vector<std::string>* lost, LawRests* rests) {
+                   Eigen::Ref<RowMatrix> J, std::vector<std::string>* lost, LawRests* rests, std::vector<char>* gone) {
     const TissueEnergy energy = law.energy(mesh);
     const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, options.disc_radius_m, law.ground());
     const Eigen::Index D = mesh.dimension();
@@ -75,13 +76,15 @@ void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vect
     const Eigen::MatrixXd constants_by = law.constants_by(p);
     const PatchLaw patch_law = law.patch(p);
 
-    std::vector<int> first_row;
+    std::vector<int> first_row, first_record;
     int rows = 0, records = 0;
     for (const PressPath& path : paths) {
         first_row.push_back(rows);
+        first_record.push_back(records);
         for (const PressPath::Record& record : path.records) rows += rows_of(record, options);
         records += static_cast<int>(path.records.size());
     }
+    if (gone) gone->assign(static_cast<std::size_t>(records), 0);
     const double share = 1 / std::sqrt(static_cast<double>(records));
     std::vector<std::vector<std::string>> lost_of(paths.size());
     parallel_for(static_cast<int>(paths.size()), options.threads, [&](int i) {
@@ -95,6 +98,7 @@ void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vect
         PressState state;
         bool reached = true;
         Eigen::Index row = first_row[static_cast<std::size_t>(i)];
+        auto record_number = static_cast<std::size_t>(first_record[static_cast<std::size_t>(i)]);
         for (const PressPath::Record& record : path.records) {
             const PressState before = state;
             PressState* rest = known ? &(*known)[r++] : nullptr;
@@ -103,6 +107,7 @@ void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vect
             if (reached && (!warm || state.status != PressStatus::held))
                 state = solver.press(constants, contact, record.push_m, before.displacement.size() > 0 ? &before : nullptr);
             reached = state.status != PressStatus::lost;
+            if (gone) (*gone)[record_number++] = !reached;
             if (rest) *rest = state.status == PressStatus::held ? state : PressState();
             if (state.status != PressStatus::held)
                 lost_of[static_cast<std::size_t>(i)].push_back(
@@ -166,12 +171,12 @@ TrainedLaw train_law(const SpringMesh& mesh, const EnergyLaw& law, const std::ve
     const auto begin = std::chrono::steady_clock::now();
     if (paths.empty()) throw MismatchError("there are no load paths to train a law on");
     if (law.size() == 0) throw MismatchError("a law without terms has nothing to train");
-    const std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free);
-    gsl_rng_set(rng.get(), options.seed);
+    const Rng rng = seeded_rng(options.seed);
     const int rows = law_residual_count(law, paths, options);
     LawRests rests;
+    std::vector<char> gone;
     const FitFunction residuals = [&](const Eigen::VectorXd& p, Eigen::Ref<Eigen::VectorXd> f, Eigen::Ref<RowMatrix> J) {
-        law_residuals(mesh, law, paths, options, p, f, J, nullptr, mesh.is_solid() ? &rests : nullptr);
+        law_residuals(mesh, law, paths, options, p, f, J, nullptr, mesh.is_solid() ? &rests : nullptr, &gone);
     };
     TrainedLaw trained;
     for (int s = 0; s < options.starts; ++s) {
@@ -179,8 +184,9 @@ TrainedLaw train_law(const SpringMesh& mesh, const EnergyLaw& law, const std::ve
         for (double& p : start)
             if (s > 0) p = gsl_ran_gaussian(rng.get(), options.spread);
         rests.clear();
-        trained.starts.push_back(nonlinear_fit(residuals, rows, start, options.fit));
-        if (trained.starts.back().half_square < trained.starts[trained.kept].half_square) trained.kept = trained.starts.size() - 1;
+        trained.starts.push_back(nonlinear_fit(residuals, rows, start, options.fit, &gone));
+        const FitResult &last = trained.starts.back(), &kept = trained.starts[trained.kept];
+        if (std::tie(last.lost, last.half_square) < std::tie(kept.lost, kept.half_square)) trained.kept = trained.starts.size() - 1;
     }
     const FitResult& best = trained.starts[trained.kept];
     trained.coefficients = best.x;

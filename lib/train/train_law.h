@@ -48,8 +48,8 @@ double heuristic_factor(const SpringMesh& mesh, const EnergyLaw& law, const std:
 struct TrainedLaw {
     Eigen::VectorXd coefficients;          ///< (P)
     double objective = 0;                  ///< mean over records of (force error / scale)^2 + (shape error / scale)^2, and the ridge
-    std::vector<FitResult> starts;         ///< of each start; the one with the smallest objective was kept
-    std::size_t kept = 0;
+    std::vector<FitResult> starts;         ///< of each start
+    std::size_t kept = 0;                  ///< of those with the fewest pushes lost
     std::vector<std::string> lost;         ///< "path at 10 mm: lost at 7.5 mm": pushes not `held` at the end
     double seconds = 0;
 };
@@ -59,7 +59,8 @@ struct TrainedLaw {
 ///   mean over records of |F_model - F|^2 / (force_scale |F|)^2 + |u_model - u|^2 / (shape_scale |u|)^2, + |ridge p|^2,
 /// without the second where nobody knows u.
 /// u: of the nodes that are seen. Derivatives of the rest are implicit (PressSolver::derivative). A push that is lost counts as if the model had
-/// neither moved nor pushed. Parallel over paths; the same for any number of threads.
+/// neither moved nor pushed; no step of the fit may lose one that it has (nonlinear_fit), and of several starts those that end with the fewest lost
+/// come first, then the smallest objective. Parallel over paths; the same for any number of threads.
 /// Throws MismatchError when there is nothing to train on.
 TrainedLaw train_law(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths,
                      const LawTrainingOptions& options = {});
@@ -69,11 +70,11 @@ TrainedLaw train_law(const SpringMesh& mesh, const EnergyLaw& law, const std::ve
 using LawRests = std::vector<std::vector<PressState>>;
 
 /// The residuals of that objective (its square sum) and their derivative by the coefficients: for tests and for starts.
-/// Rows: record by record force (D) and shape (D * seen where known), then the ridge.
+/// Rows: record by record force (D) and shape (D * seen where known), then the ridge. gone: of each record 1 where its push is `lost`.
 void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths,
                    const LawTrainingOptions& options, const Eigen::VectorXd& p, Eigen::Ref<Eigen::VectorXd> f,
                    Eigen::Ref<RowMatrix> J, std::vector<std::string>* lost = nullptr,
-                   LawRests* rests = nullptr);
+                   LawRests* rests = nullptr, std::vector<char>* gone = nullptr);
 int law_residual_count(const EnergyLaw& law, const std::vector<PressPath>& paths, const LawTrainingOptions& options);
 
 }  // namespace tissue

@@ -46,6 +46,7 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     TrainedModel model = untrained_model(study, cases, load_cases(cases));
     const Cases kept = without_mirrors(cases);
     const std::vector<PressPath> paths = press_paths(kept);
+    if (paths.empty()) throw MismatchError(nothing_to_train_on(kept));
 
     LawTrainingOptions options;
     options.force_scale = study.training.force_scale;

@@ -51,7 +51,7 @@ TrainedModel train_sets(const Study& study, const Cases& cases, int threads, con
     const std::vector<const Optimizer*> optimizers = optimizers_of(study.training);
     const double unit = study.modulus_N_m();
     const std::vector<LoadCase> loads = load_cases(cases);
-    if (loads.empty()) throw MismatchError("there is no load case to train sets on: of every training path FE lost all");
+    if (loads.empty()) throw MismatchError(nothing_to_train_on(cases));
     TrainedModel model = untrained_model(study, cases, loads);
     TrainingBooks& books = model.books;
     const auto C = static_cast<Eigen::Index>(loads.size());

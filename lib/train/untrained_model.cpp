@@ -57,4 +57,20 @@ TrainedModel untrained_model(const Study& study, const Cases& cases, const std::
     return model;
 }
 
+std::string nothing_to_train_on(const Cases& cases) {
+    constexpr int shown = 3;
+    int count = 0;
+    std::string text;
+    for (const LoadPath& path : without_mirrors(cases).paths) {
+        if (path.role != "train" || path.lost.empty()) continue;
+        if (++count > shown) continue;
+        std::string place;
+        for (double x : path.contact_m) place += fmt::format("{}{:.4g}", place.empty() ? "" : ", ", 1e3 * x);
+        text += fmt::format("; {} at ({}) mm, {:.3g} mm deep: {}", path.name, place, 1e3 * path.depth_m, path.lost.substr(0, path.lost.find(';')));
+    }
+    if (count == 0) return fmt::format("the cases of study '{}' have no training path", cases.study);
+    return fmt::format("of study '{}' FE lost all {} training paths before their first load case, so there is nothing to train on{}{}", cases.study, count, text,
+                       count > shown ? fmt::format("; and {} more", count - shown) : "");
+}
+
 }  // namespace tissue

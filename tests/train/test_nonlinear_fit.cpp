@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <gsl/gsl_cdf.h>
+#include <gsl/gsl_rng.h>
 
 #include "error.h"
 #include "../refusal.h"
@@ -59,4 +61,31 @@ TEST_CASE("what a fit's function throws comes out, and a fit without enough resi
     const FitFunction broken = [](const Eigen::VectorXd&, Eigen::Ref<Eigen::VectorXd>, Eigen::Ref<RowMatrix>) { throw MismatchError("broken"); };
     CHECK_THAT(refusal<MismatchError>([&] { nonlinear_fit(broken, 2, Eigen::Vector2d(0, 0)); }), Contains("broken"));
     CHECK_THAT(refusal<MismatchError>([] { nonlinear_fit(valley, 1, Eigen::Vector2d(0, 0)); }), Contains("2 numbers to 1 residuals"));
+}
+
+TEST_CASE("a step that loses a part which the fit has is no gain, however small what stands for it") {
+    std::vector<char> lost;
+    // two parts: the first has a value up to x = 1 alone, and beyond it stands for less than it ever was
+    const FitFunction cliff = [&](const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> f, Eigen::Ref<RowMatrix> J) {
+        lost.assign(2, 0);
+        lost[0] = x[0] > 1;
+        f << (lost[0] ? 0.1 : 10 - x[0]), 0.1 * x[0];
+        J << (lost[0] ? 0.0 : -1.0), 0.1;
+    };
+    const FitOptions options{100, 1e-6, 0, 0};
+    const Eigen::VectorXd start = Eigen::VectorXd::Zero(1);
+    CHECK(nonlinear_fit(cliff, 2, start, options).x[0] > 1);  // what losing it would gain
+    const FitResult fit = nonlinear_fit(cliff, 2, start, options, &lost);
+    CHECK(fit.x[0] <= 1);
+    CHECK(fit.x[0] > 0.5);
+    CHECK(fit.lost == 0);
+    // a fit that begins without the part may end without it
+    CHECK(nonlinear_fit(cliff, 2, Eigen::VectorXd::Constant(1, 3), options, &lost).lost == 1);
+}
+
+TEST_CASE("an error of GSL is returned, it does not end the program") {
+    CHECK(std::isnan(gsl_cdf_chisq_Pinv(2, 2)));  // no probability
+    gsl_rng* none = gsl_rng_alloc(gsl_rng_mt19937);
+    CHECK(gsl_rng_uniform_int(none, 0) == 0);
+    gsl_rng_free(none);
 }

@@ -211,3 +211,43 @@ TEST_CASE("in space training finds the law again from the surface alone, the sam
     law_residuals(mesh, law, paths, options, truth, cold, J);
     CHECK((warm - cold).norm() < 1e-6);
 }
+
+TEST_CASE("training loses no push that it has, though losing one costs less than the error that it leaves") {
+    const SpringMesh mesh = make_lattice("grid8", 6, 6, 0.1, 0.1);
+    const EnergyLaw law(mesh, law_heuristic(mesh, 450, "plane-strain", 12), {"spring.all", "spring.surface", "contact.normal", "contact.tangent"});
+    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(law.size());
+    const LawPress press(mesh, {law.terms(), zero, law.constants(zero), law.patch(zero), law.incompressible()});
+    const Outline outline(mesh);
+    std::vector<PressPath> paths;
+    for (double part : {0.1, 0.27, 0.36, 0.52}) {
+        PressPath& path = paths.emplace_back();
+        path.contact_m = outline.position(part * outline.length());
+        const Eigen::Vector2d push = 0.008 * outline.direction(part * outline.length(), 2 * part - 0.6);
+        const Equilibrium state = press.at(path.contact_m, push);
+        REQUIRE(state);
+        path.records.push_back({push, 0.2 * state.contact_force, {}});  // tissue a fifth as stiff
+    }
+    LawTrainingOptions options;
+    options.ridge = 0.01;
+    options.press.max_newton = 4;  // few iterations in long steps, so that presses are soon lost
+    options.press.load_step = 2;
+    options.press.smallest_step = 0.3;
+    const int rows = law_residual_count(law, paths, options);
+    std::vector<char> gone;
+    const FitFunction residuals = [&](const Eigen::VectorXd& p, Eigen::Ref<Eigen::VectorXd> f, Eigen::Ref<RowMatrix> J) {
+        law_residuals(mesh, law, paths, options, p, f, J, nullptr, nullptr, &gone);
+    };
+    const auto lost_at = [&](const Eigen::VectorXd& p) {
+        Eigen::VectorXd f(rows);
+        RowMatrix J(rows, law.size());
+        residuals(p, f, J);
+        return std::count(gone.begin(), gone.end(), 1);
+    };
+    REQUIRE(lost_at(zero) == 0);
+    const FitResult careless = nonlinear_fit(residuals, rows, zero, options.fit);
+    CHECK(lost_at(careless.x) > 0);  // what a step that loses one gains
+    const TrainedLaw trained = train_law(mesh, law, paths, options);
+    CHECK(trained.lost.empty());
+    CHECK(trained.starts[0].lost == 0);
+    CHECK(trained.objective < 0.1 * 2 * careless.half_square);
+}

@@ -12,6 +12,7 @@
 #include "../measured_example.h"
 #include "../mutations.h"
 #include "../refusal.h"
+#include "springs/heuristic.h"
 #include "springs/law_press.h"
 #include "springs/tissue_table.h"
 #include "train/books_table.h"
@@ -367,4 +368,47 @@ TEST_CASE("a law over a heuristic whose factor is no number above 0 is refused",
         write_trained_model(folder.file("model.h5"), model, {"tissuectl test", 11, {}});
         CHECK_THAT(refusal<FileError>([&] { read_trained_model(folder.file("model.h5")); }), Contains("'factor'"));
     }
+}
+
+TEST_CASE("where FE lost every training path the refusal says so, and of the first three where, how deep and why", "[law]") {
+    const Study study = example_study(law_text());
+    Cases cases = law_cases(study);
+    const LoadPath one = cases.paths[0];
+    cases.paths.clear();
+    for (int i = 0; i < 5; ++i) {
+        LoadPath& path = cases.paths.emplace_back(one);
+        path.name = "p" + std::to_string(i);
+        path.lost = "no equilibrium beyond 0.5 mm; the contact and more";
+        path.records.resize(1);  // at rest
+    }
+    const std::string third = fmt::format("p2 at ({:.4g}, {:.4g}) mm, 8 mm deep: no equilibrium beyond 0.5 mm;", 1e3 * one.contact_m.x(), 1e3 * one.contact_m.y());
+    for (const std::string& why : {refusal<MismatchError>([&] { train_law_model(study, cases, 1); }), refusal<MismatchError>([&] { train_sets(example_study(), cases, 1); })}) {
+        CHECK_THAT(why, Contains("of study 'example' FE lost all 5 training paths") && Contains(third) && Contains("and 2 more"));
+        CHECK_THAT(why, !Contains("p3") && !Contains("and more"));
+    }
+    cases.paths.clear();
+    CHECK_THAT(refusal<MismatchError>([&] { train_law_model(study, cases, 1); }), Contains("no training path"));
+}
+
+TEST_CASE("a baseline that answers nowhere is missing in every table, and the evaluation goes on", "[law]") {
+    const Study study = example_study(law_text());
+    Cases cases = law_cases(study);
+    TrainedModel model = read_trained_model(law_file());
+    // springs on the axes alone, which shear for nothing; the law's cells hold them
+    const SpringMesh axes = make_lattice("grid4", study.cells[0], study.cells[1], study.geometry.width_m, study.geometry.height_m);
+    const EnergyLaw law(axes, law_heuristic(axes, 450, "plane-strain", 12), {"spring.all"});
+    const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);
+    model.mesh = axes;
+    model.law = "axial";
+    model.heuristic_a = model.heuristic_b = heuristic_stiffness(axes, 450);
+    model.energy_law = LawModel{law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
+    model.books.law->untrained_constants = law.constants(p);
+    model.books.law->untrained_patch = law.patch(p);
+    const Evaluation e = evaluate(model, cases, 0, 0, 1);
+    CHECK(e.uniform_chosen_on == "modulus");
+    CHECK(e.uniform_N_m == model.modulus_N_m);
+    CHECK(e.model("uniform").closed_loop().force.missing == 6);
+    CHECK(std::isinf(e.model("uniform").closed_loop().force.median));
+    CHECK(e.model("learned").closed_loop().force.n > 0);
+    CHECK_THAT(to_markdown(e), Contains("| uniform | none | 0 of 6 |") && Contains("the study's modulus"));
 }

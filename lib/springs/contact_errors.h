@@ -1,0 +1,17 @@
+#pragma once
+
+#include "error.h"
+
+namespace tissue {
+
+/// A place of the surface that cannot be pressed: all nodes of its contact are fixed.
+struct FixedContactError : MismatchError {
+    using MismatchError::MismatchError;
+};
+
+/// A place near which the surface's mesh has no node.
+struct NoContactError : MismatchError {
+    using MismatchError::MismatchError;
+};
+
+}  // namespace tissue
