@@ -37,7 +37,7 @@ void export_cases(const Options& o) {
     const std::vector<const LoadPath*> paths = chosen_paths(cases, o);
     if (o.to == "csv") return write_files(o.out, csv_files(cases, paths));
     Files files;
-    for (const LoadPath* path : paths) files[path->name + ".vtu"] = path_vtu(cases, *path);
+    for (const LoadPath* path : paths) files.merge(path_vtu(cases, *path));
     write_files(o.out, files);
 }
 
@@ -45,6 +45,8 @@ void export_law(const Options& o, const TissueModel& model) {
     if (!o.sets.empty())
         throw MismatchError(o.file + ": is a law, the same whatever pushes; --sets chooses among spring sets");
     if (o.to == "sofa") throw MismatchError(o.file + ": is a law, and " + sofa_lacks);
+    if (!model.energy_law->relaxation.empty())
+        std::cerr << "tissuectl export: " << o.file << " relaxes: pushes are answered by its instantaneous constants, before anything has relaxed\n";
     const std::vector<PressedCase> cases = pressed_cases(model, o.set);
     if (o.to == "csv") return write_files(o.out, csv_files(model, cases));
     Files files;

@@ -140,7 +140,7 @@ Files solid_csv(const TissueModel& model, const std::vector<PressedCase>& cases)
 /// Of a law in the plane.
 Files plane_csv(const TissueModel& model) {
     const LawTables tables = law_tables(model);
-    std::string areas = "area,kind,rest_area_m2,stiffness_N_m\n", edges = "area,node_i,node_j\n", surface = "node,arc_m\n";
+    std::string areas = "area,kind,rest_area_m2,stiffness_N_m\n", edges = "area,node_i,node_j\n", surface = "node,arc_m,contact_log_scale\n";
     for (std::size_t e = 0; e < tables.area_kind.size(); ++e) {
         const auto i = static_cast<Eigen::Index>(e);
         areas += fmt::format("{},{},{},{}\n", e, tables.area_kind[e], tables.area_m2[i], tables.area_N_m[i]);
@@ -148,12 +148,25 @@ Files plane_csv(const TissueModel& model) {
     for (std::size_t k = 0; k < tables.edge_area.size(); ++k)
         edges += fmt::format("{},{},{}\n", tables.edge_area[k], tables.edge_from[k], tables.edge_to[k]);
     for (std::size_t n = 0; n < tables.surface_node.size(); ++n)
-        surface += fmt::format("{},{}\n", tables.surface_node[n], tables.surface_arc_m[n]);
+        surface += fmt::format("{},{},{}\n", tables.surface_node[n], tables.surface_arc_m[n], tables.surface_log_scale[n]);
     return {{"springs.csv", springs_csv(model, "stiffness_N_m", tables.spring_N_m)},
             {"areas.csv", areas},
             {"area_edges.csv", edges},
             {"contact.csv", contact_csv(model.energy_law->patch, {"normal", "tangent", "rotation", "stretch"})},
             {"surface.csv", surface}};
+}
+
+/// Of a law that relaxes.
+Files relaxation_csv(const Relaxation& relaxation) {
+    if (relaxation.empty()) return {};
+    std::string branches = "branch,relaxation_time_s,contact_share\n", shares = "constant";
+    for (Eigen::Index k = 0; k < relaxation.branches(); ++k) {
+        branches += fmt::format("{},{},{}\n", k, relaxation.tau_s[k], relaxation.contact_share[k]);
+        shares += fmt::format(",share_{}", k);
+    }
+    shares += '\n';
+    for (Eigen::Index e = 0; e < relaxation.share.rows(); ++e) shares += fmt::format("{},{}\n", e, values(relaxation.share.row(e)));
+    return {{"branches.csv", branches}, {"shares.csv", shares}};
 }
 
 }  // namespace
@@ -186,6 +199,7 @@ Files csv_files(const TissueModel& model, const std::vector<PressedCase>& cases)
     Files files = {{"nodes.csv", nodes_csv(model)}, {"terms.csv", terms_csv(*model.energy_law)}};
     files.merge(simplices_csv(model.mesh));
     files.merge(pressed_csv(model, cases));
+    files.merge(relaxation_csv(model.energy_law->relaxation));
     files.merge(model.mesh.is_solid() ? solid_csv(model, cases) : plane_csv(model));
     return files;
 }

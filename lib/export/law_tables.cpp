@@ -39,6 +39,7 @@ LawTables law_tables(const TissueModel& model) {
     t.area_m2 = Eigen::VectorXd::Zero(areas);
     t.surface_node = surface.nodes();
     t.surface_arc_m = surface.arcs();
+    for (const int node : t.surface_node) t.surface_log_scale.push_back(law.contact_log_scale.size() > 0 ? law.contact_log_scale[node] : 0);
     for (int area = 0; area < areas; ++area) t.area_kind.push_back(area < areas - regions ? "cell" : "region");
     for (std::size_t k = 1; k < energy.kinds().size(); ++k)  // springs are the first
         for (int e = 0; e < energy.kinds()[k]->count(); ++e) {

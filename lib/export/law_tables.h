@@ -19,6 +19,7 @@ struct LawTables {
     Eigen::VectorXd spring_N_m, area_N_m;            ///< theta_s, A_e: the law's constants
     std::vector<int> surface_node;                   ///< of the free surface, from one held end to the other
     std::vector<double> surface_arc_m;               ///< and where along it
+    std::vector<double> surface_log_scale;           ///< of contacts there, of a law that has learned from pokes; else 0
 };
 
 /// The model must have a law, in the plane; in space: export/solid_law_tables.h.

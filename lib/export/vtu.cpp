@@ -20,29 +20,23 @@ enum CellType { vertex = 1, line = 3, quad = 9, tetrahedron = 10, hexahedron = 1
 /// Writes the XML of one grid. Numbers are the shortest text that reads back to the same double.
 class Grid {
    public:
-    Grid(Eigen::Index points, int steps) : points_(points), steps_(steps) {}
+    explicit Grid(Eigen::Index points) : points_(points) {}
 
-    /// A field (N x D) at one step, filled up with zeros to three components.
-    void at_points(const std::string& name, const NodeField& field, int step = -1) {
-        point_data_ += array(name, "Float64", 3, step, vectors(field));
-    }
+    /// A field (N x D), filled up with zeros to three components.
+    void at_points(const std::string& name, const NodeField& field) { point_data_ += array(name, "Float64", 3, vectors(field)); }
     void at_points(const std::string& name, const Eigen::VectorXd& values) {
-        point_data_ += array(name, "Float64", 1, -1, numbers(values));
+        point_data_ += array(name, "Float64", 1, numbers(values));
     }
     void at_points(const std::string& name, const std::vector<int>& values) {
-        point_data_ += array(name, "Int32", 1, -1, numbers(values));
+        point_data_ += array(name, "Int32", 1, numbers(values));
     }
     void at_cells(const std::string& name, const Eigen::VectorXd& values) {
-        cell_data_ += array(name, "Float64", 1, -1, numbers(values));
+        cell_data_ += array(name, "Float64", 1, numbers(values));
     }
-    void of_the_whole(const std::string& name, const std::vector<double>& values) {
-        field_data_ += fmt::format(
-            "<DataArray type=\"Float64\" Name=\"{}\" NumberOfTuples=\"{}\" format=\"ascii\">{}</DataArray>\n", name,
-            values.size(), numbers(values));
+    void of_the_whole(const std::string& name, double value) {
+        field_data_ += fmt::format("<DataArray type=\"Float64\" Name=\"{}\" NumberOfTuples=\"1\" format=\"ascii\">{}</DataArray>\n", name, value);
     }
-    void place(const NodeField& positions, int step = -1) {
-        places_ += array("Points", "Float64", 3, step, vectors(positions));
-    }
+    void place(const NodeField& positions) { places_ += array("Points", "Float64", 3, vectors(positions)); }
     void cell(CellType type, const std::vector<int>& nodes) {
         connectivity_ += numbers(nodes) + " ";
         end_ += nodes.size();
@@ -52,18 +46,16 @@ class Grid {
     }
 
     std::string xml() const {
-        std::string times;
-        for (int k = 0; k < steps_; ++k) times += fmt::format("{}{}", k > 0 ? " " : "", k);
         return fmt::format(
             "<?xml version=\"1.0\"?>\n"
             "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
-            "<UnstructuredGrid{}>\n<FieldData>\n{}</FieldData>\n"
+            "<UnstructuredGrid>\n<FieldData>\n{}</FieldData>\n"
             "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n"
             "<PointData Vectors=\"displacement_m\">\n{}</PointData>\n<CellData>\n{}</CellData>\n<Points>\n{}</Points>\n"
             "<Cells>\n{}{}{}</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n",
-            steps_ > 1 ? " TimeValues=\"" + times + "\"" : "", field_data_, points_, cells_, point_data_, cell_data_,
-            places_, array("connectivity", "Int64", 1, -1, connectivity_), array("offsets", "Int64", 1, -1, offsets_),
-            array("types", "UInt8", 1, -1, types_));
+            field_data_, points_, cells_, point_data_, cell_data_,
+            places_, array("connectivity", "Int64", 1, connectivity_), array("offsets", "Int64", 1, offsets_),
+            array("types", "UInt8", 1, types_));
     }
 
    private:
@@ -81,19 +73,22 @@ class Grid {
         }
         return text;
     }
-    std::string array(const std::string& name, const char* type, int components, int step,
-                      const std::string& values) const {
-        const std::string time = step >= 0 && steps_ > 1 ? fmt::format(" TimeStep=\"{}\"", step) : "";
+    static std::string array(const std::string& name, const char* type, int components, const std::string& values) {
         return fmt::format(
-            "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\"{}>\n{}\n</DataArray>\n",
-            type, name, components, time, values);
+            "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n{}\n</DataArray>\n", type, name,
+            components, values);
     }
 
     Eigen::Index points_;
-    int steps_;
     std::size_t cells_ = 0, end_ = 0;
     std::string places_, point_data_, cell_data_, field_data_, connectivity_, offsets_, types_;
 };
+
+std::string xml_text(const std::string& text) {
+    std::string safe;
+    for (const char c : text) safe += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : std::string(1, c);
+    return safe;
+}
 
 /// Nodes of each cell when the nodes are a lattice, numbered along x first, then y, then z; else none. In VTK's order: around
 /// the cell, in space around its lower face and then its upper one.
@@ -151,7 +146,7 @@ std::string mesh_vtu(const TissueModel& model, const Eigen::VectorXd& theta, con
     const bool about_nodes = volume_Pa.size() > 0 && mesh.is_solid() && !on_lattice(mesh);  // a shape's cells
     if (volume_Pa.size() > 0 && mesh.is_solid() && !about_nodes) volume_stiffness.tail(cells - S) = volume_Pa;
 
-    Grid grid(mesh.node_count(), 1);
+    Grid grid(mesh.node_count());
     for (int s = 0; s < mesh.spring_count(); ++s) {
         grid.cell(line, {mesh.springs(s, 0), mesh.springs(s, 1)});
         rest_length[s] = mesh.rest_length(s);
@@ -170,25 +165,16 @@ std::string mesh_vtu(const TissueModel& model, const Eigen::VectorXd& theta, con
     return grid.xml();
 }
 
-}  // namespace
-
-std::string path_vtu(const Cases& cases, const LoadPath& path) {
+std::string record_vtu(const Cases& cases, const PathRecord& record) {
     const Eigen::Index N = cases.nodes.rows();
-    Grid grid(N, static_cast<int>(path.records.size()));
-    std::vector<double> magnitude, energy, smallest_J;
+    Grid grid(N);
+    grid.place(cases.nodes + record.displacement);
     grid.at_points("rest_m", cases.nodes);
-    for (std::size_t k = 0; k < path.records.size(); ++k) {
-        const PathRecord& record = path.records[k];
-        grid.place(cases.nodes + record.displacement, static_cast<int>(k));
-        grid.at_points("displacement_m", record.displacement, static_cast<int>(k));
-        grid.at_points("force_N", record.force, static_cast<int>(k));
-        magnitude.push_back(record.magnitude_m);
-        energy.push_back(record.energy_J);
-        smallest_J.push_back(record.smallest_J);
-    }
-    grid.of_the_whole("magnitude_m", magnitude);
-    grid.of_the_whole("energy_J", energy);
-    grid.of_the_whole("smallest_J", smallest_J);
+    grid.at_points("displacement_m", record.displacement);
+    grid.at_points("force_N", record.force);
+    grid.of_the_whole("magnitude_m", record.magnitude_m);
+    grid.of_the_whole("energy_J", record.energy_J);
+    grid.of_the_whole("smallest_J", record.smallest_J);
     const std::vector<std::vector<int>> lattice = lattice_cells(cases.nodes);
     for (const std::vector<int>& nodes : lattice) grid.cell(nodes.size() == 8 ? hexahedron : quad, nodes);
     const bool solid_shape = cases.shape && cases.shape->is_solid();
@@ -199,6 +185,22 @@ std::string path_vtu(const Cases& cases, const LoadPath& path) {
     if (lattice.empty() && !solid_shape)
         for (int i = 0; i < N; ++i) grid.cell(vertex, {i});
     return grid.xml();
+}
+
+}  // namespace
+
+Files path_vtu(const Cases& cases, const LoadPath& path) {
+    Files files;
+    if (path.records.empty()) return files;
+    std::string steps;
+    for (std::size_t k = 0; k < path.records.size(); ++k) {
+        const std::string name = fmt::format("{}/{:04}.vtu", path.name, k);
+        files[name] = record_vtu(cases, path.records[k]);
+        steps += fmt::format("<DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", path.records[k].magnitude_m, xml_text(name));
+    }
+    files[path.name + ".pvd"] =
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n" + steps + "</Collection>\n</VTKFile>\n";
+    return files;
 }
 
 std::string set_vtu(const TissueModel& model, const NamedSet& set, std::string& reason) {

@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "error.h"
+#include "export/csv.h"
 #include "export/solid_law_tables.h"
+#include "springs/contact_patch.h"
 #include "springs/contact_spring.h"
 #include "springs/energy_law.h"
 #include "springs/law_kernel.h"
@@ -30,6 +32,8 @@ TissueModel law_model(const SpringMesh& mesh) {
     model.energy_law = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
     const Outline outline(mesh);
     model.case_names = {"first", "second"};
+    model.node_mass_kg = Eigen::VectorXd::Ones(mesh.node_count());
+    model.heuristic_a = model.heuristic_b = Eigen::VectorXd::Ones(mesh.spring_count());
     model.contact_m.resize(2, 2);
     model.direction.resize(2, 2);
     model.magnitude_m = Eigen::Vector2d(0.003, 0.006);
@@ -175,4 +179,45 @@ TEST_CASE("the tables of a law on a solid shape hold all its energy: its springs
         W += t.cell_Pa[c] * t.volume_m3[c] * std::pow(volume[c] / t.volume_m3[c] - 1, 2) / 2;
     }
     CHECK(W == Approx(TissueEnergy(mesh, false).energy(model.energy_law->constants, u)).epsilon(tolerance::rounding));
+}
+
+TEST_CASE("the tables of a law that has learned from pokes hold what its contacts have learned", "[export][law]") {
+    const SpringMesh mesh = make_lattice("grid8", 6, 5, 0.1, 0.1);
+    TissueModel model = law_model(mesh);
+    const Files before = csv_files(model, pressed_cases(model, "first"));
+    model.energy_law->contact_log_scale = Eigen::VectorXd::LinSpaced(mesh.node_count(), -0.4, 0.7);
+    CHECK(csv_files(model, pressed_cases(model, "first")).at("surface.csv") != before.at("surface.csv"));
+
+    // stiffness at a place, out of the tables, as results/FORMATS.md has it
+    const LawTables t = law_tables(model);
+    const ContactSurface surface(mesh);
+    const auto kernel = make_contact_kernel(mesh, *model.energy_law);
+    const auto& scaled = dynamic_cast<const ContactSurface&>(*kernel);
+    const PatchLaw& patch = model.energy_law->patch;
+    for (const double part : {0.0, 0.3, 0.71}) {
+        const double arc = part * t.surface_arc_m.back();
+        const ContactPatch plain = surface.at(arc);
+        double log_scale = 0;
+        for (int i = 0; i < ContactPatch::size; ++i) {
+            const auto n = std::clamp(static_cast<int>(std::floor(plain.place)) + i - 1, 0, static_cast<int>(t.surface_node.size()) - 1);
+            log_scale += plain.weight[i] * t.surface_log_scale[static_cast<std::size_t>(n)];
+        }
+        CHECK(patch.at(scaled.at(arc)).normal == Approx(patch.at(plain).normal * std::exp(log_scale)).epsilon(tolerance::rounding));
+    }
+}
+
+TEST_CASE("the tables of a law that relaxes hold its branches, and of one that does not, none", "[export][law]") {
+    const SpringMesh mesh = make_lattice("grid8", 6, 5, 0.1, 0.1);
+    TissueModel model = law_model(mesh);
+    CHECK(csv_files(model, pressed_cases(model, "first")).count("branches.csv") == 0);
+    NodeField share(model.energy_law->constants.size(), 2);
+    share.col(0).setConstant(0.25);
+    share.col(1).setLinSpaced(0, 0.5);
+    model.energy_law->relaxation = {Eigen::Vector2d(0.125, 2), share, Eigen::Vector2d(0.25, 0.0625)};
+    const Files files = csv_files(model, pressed_cases(model, "first"));
+    CHECK(files.at("branches.csv") == "branch,relaxation_time_s,contact_share\n0,0.125,0.25\n1,2,0.0625\n");
+    const std::string& shares = files.at("shares.csv");
+    CHECK(shares.substr(0, shares.find('\n', 25)) == "constant,share_0,share_1\n0,0.25,0");
+    CHECK(std::count(shares.begin(), shares.end(), '\n') == 1 + model.energy_law->constants.size());
+    CHECK_THAT(shares, Contains(std::to_string(model.energy_law->constants.size() - 1) + ",0.25,0.5\n"));
 }

@@ -13,7 +13,7 @@ TEST_CASE("a path's cells are the lattice's, of one cell along an axis too, and 
         cases.nodes = nodes;
         const NodeField still = NodeField::Zero(nodes.rows(), nodes.cols());
         const Point none = Point::Zero(nodes.cols());
-        return path_vtu(cases, {"left", none, none, "train", 0, "", {{0, still, still, none, none, 0, 1, 0, 0, {}}}, {}});
+        return path_vtu(cases, {"left", none, none, "train", 0, "", {{0, still, still, none, none, 0, 1, 0, 0, {}}}, {}}).at("left/0000.vtu");
     };
     CHECK_THAT(cells(make_lattice("grid8", 1, 1, 0.1, 0.1).nodes), Contains("NumberOfCells=\"1\""));
     CHECK_THAT(cells(make_lattice("grid8", 3, 1, 0.1, 0.1).nodes), Contains("NumberOfCells=\"3\""));
@@ -21,4 +21,24 @@ TEST_CASE("a path's cells are the lattice's, of one cell along an axis too, and 
     NodeField moved = make_lattice("grid8", 3, 1, 0.1, 0.1).nodes;
     moved(0, 0) += 0.01;
     CHECK_THAT(cells(moved), Contains("NumberOfCells=\"8\""));  // its nodes alone
+}
+
+TEST_CASE("a path is a collection: a file a record, each with one array of a name, at the time of its push", "[export]") {
+    Cases cases;
+    cases.nodes = make_lattice("grid8", 1, 1, 0.1, 0.1).nodes;
+    const Point none = Point::Zero(2);
+    LoadPath path{"a&b", none, none, "train", 0, "", {}, {}};
+    for (const double push_m : {0.001, 0.002}) {
+        const NodeField u = NodeField::Constant(4, 2, push_m);
+        path.records.push_back({push_m, u, u, none, none, 0, 1, 0, 0, {}});
+    }
+    const Files files = path_vtu(cases, path);
+    REQUIRE(files.size() == 3);
+    CHECK_THAT(files.at("a&b.pvd"), Contains("<DataSet timestep=\"0.001\" part=\"0\" file=\"a&amp;b/0000.vtu\"/>") && Contains("timestep=\"0.002\""));
+    for (const char* name : {"a&b/0000.vtu", "a&b/0001.vtu"}) {
+        const std::string& grid = files.at(name);
+        CHECK_THAT(grid, !Contains("TimeStep") && !Contains("TimeValues"));
+        CHECK(grid.find("\"displacement_m\" N") == grid.rfind("\"displacement_m\" N"));
+    }
+    CHECK_THAT(files.at("a&b/0001.vtu"), Contains("0.002 0.002 0 \n"));
 }

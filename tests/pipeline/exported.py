@@ -1,6 +1,6 @@
 """exported.py WHAT EXPORT FILE [NAME]: exit 0 when an export holds what the HDF5 file it was made from does, else says where not.
 
-WHAT   cases-vtu, model-vtu (read by VTK), sofa (NAME: its set), cases-csv, model-csv, numpy; of a law law-csv, law-numpy
+WHAT   cases-vtu (a .pvd and its .vtu, one VTK reader moved through the steps; NAME: the same with pyvista and meshio), model-vtu (read by VTK), sofa (NAME: its set), cases-csv, model-csv, numpy; of a law law-csv, law-numpy
        (NAME: the folder of its CSV), whose energy is worked out anew, and law-vtu (NAME likewise); cases-vtu, cases-csv,
        law-csv, law-numpy and law-vtu of tissue in space too
 """
@@ -26,17 +26,18 @@ def same(name, seen, wanted, tolerance=0.0):
 
 
 class Grid:
-    """A .vtu at one of its steps, as VTK reads it."""
+    """A .vtu as VTK reads it; with the reader of another one, which is moved on to it as ParaView does from step to step."""
 
-    def __init__(self, file, step=None):
+    def __init__(self, file, reader=None):
         from vtkmodules.util.numpy_support import vtk_to_numpy
         from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
-        reader = vtkXMLUnstructuredGridReader()
+        reader = reader or vtkXMLUnstructuredGridReader()
         reader.SetFileName(str(file))
         reader.UpdateInformation()
-        self.steps = reader.GetNumberOfTimeSteps()
-        reader.Update() if step is None else reader.UpdateTimeStep(step)
+        if reader.GetNumberOfTimeSteps():
+            sys.exit(f"{file}: has time steps of its own, which readers mix up")
+        reader.Update()
         grid = reader.GetOutput()
         if reader.GetErrorCode() or not grid.GetNumberOfPoints():
             sys.exit(f"{file}: VTK cannot read it")
@@ -45,7 +46,7 @@ class Grid:
         self.places = vtk_to_numpy(grid.GetPoints().GetData())
         self.types = {grid.GetCellType(i) for i in range(grid.GetNumberOfCells())}
         self.nodes = vtk_to_numpy(grid.GetCells().GetConnectivityArray())
-        self.grid = grid
+        self.grid, self.reader = grid, reader
 
     def hexahedra(self):
         """Volume of each, and its smallest scaled Jacobian, as VTK numbers its corners: both negative where they run
@@ -72,14 +73,27 @@ def axes(before, after, dimension):
     return [f"{before}{axis}{after}" for axis in "xyz"[:dimension]]
 
 
-def cases_vtu(export, h5):
-    names = sorted(h5["paths"])
-    same("files", sorted(file.stem for file in export.glob("*.vtu")), names)
+def steps_of(collection):
+    """Of a .pvd: time and file of each step."""
+    root = ElementTree.parse(collection).getroot()
+    same(f"{collection}: type", root.get("type"), "Collection")
+    return [(float(step.get("timestep")), collection.parent / step.get("file")) for step in root.iter("DataSet")]
+
+
+def cases_vtu(export, h5, others=None):
+    names, reader = sorted(name for name in h5["paths"] if len(h5["paths"][name]["magnitude"])), None  # FE may have given one up at once
+    same("files", sorted(file.stem for file in export.glob("*.pvd")), names)
     for name in names:
         path = h5["paths"][name]
-        for step in range(len(path["magnitude"])):
-            grid = Grid(export / f"{name}.vtu", step)
-            same(f"{name}: steps", grid.steps, len(path["magnitude"]))
+        steps = steps_of(export / f"{name}.pvd")
+        same(f"{name}: times", [time for time, _ in steps], path["magnitude"][:])
+        rest, u, force = in_space(h5["nodes"][:]), np.array([in_space(x) for x in path["displacement"]]), np.array([in_space(x) for x in path["force"]])
+        if others:
+            other_readers(export / f"{name}.pvd", steps, rest, u, force)
+            continue
+        for step in [*range(len(steps)), 0]:  # and back to the first
+            grid = Grid(steps[step][1], reader)
+            reader = grid.reader
             same(f"{name}: cells", sorted(grid.types), [10 if "shape/tetrahedra" in h5 else 9 if h5["nodes"].shape[1] == 2 else 12])
             if 12 in grid.types:
                 volume, jacobian = grid.hexahedra()
@@ -87,12 +101,28 @@ def cases_vtu(export, h5):
                     sys.exit(f"{name}: a cell is inside out")
                 if step == 0:
                     same(f"{name}: volume", volume.sum(), np.ptp(h5["nodes"][:], axis=0).prod(), 1e-9)
-            same(f"{name}: magnitude", grid.field["magnitude_m"], path["magnitude"][:])
-            same(f"{name}: energy", grid.field["energy_J"], path["energy"][:])
-            same(f"{name}: rest", grid.points["rest_m"], in_space(h5["nodes"][:]))
-            same(f"{name}: displacement", grid.points["displacement_m"], in_space(path["displacement"][step]))
-            same(f"{name}: force", grid.points["force_N"], in_space(path["force"][step]))
-            same(f"{name}: places", grid.places, in_space(h5["nodes"][:] + path["displacement"][step]))
+            same(f"{name}: magnitude", grid.field["magnitude_m"], path["magnitude"][step:step + 1])
+            same(f"{name}: energy", grid.field["energy_J"], path["energy"][step:step + 1])
+            same(f"{name}: rest", grid.points["rest_m"], rest)
+            same(f"{name}: displacement", grid.points["displacement_m"], u[step])
+            same(f"{name}: force", grid.points["force_N"], force[step])
+            same(f"{name}: places", grid.places, rest + u[step])
+
+
+def other_readers(collection, steps, rest, u, force):
+    """pyvista's reader of collections, moved through the steps and back, and meshio's of each file."""
+    import meshio
+    import pyvista
+
+    reader = pyvista.get_reader(str(collection))
+    same(f"{collection}: pyvista's times", reader.time_values, [time for time, _ in steps])
+    for step in [*range(len(steps)), 0]:
+        reader.set_active_time_value(steps[step][0])
+        grid, mesh = reader.read()[0], meshio.read(steps[step][1])
+        for by, points, place in (("pyvista", grid.point_data, grid.points), ("meshio", mesh.point_data, mesh.points)):
+            same(f"{collection}: displacement by {by}", points["displacement_m"], u[step])
+            same(f"{collection}: force by {by}", points["force_N"], force[step])
+            same(f"{collection}: places by {by}", place, rest + u[step])
 
 
 def names_of(h5):
@@ -184,12 +214,13 @@ def model_csv(export, h5):
 class Law:
     """A law's energy as results/FORMATS.md writes it down, out of exported arrays alone."""
 
-    def __init__(self, nodes, springs, theta, edges, rest_area, stiffness, patch_log, surface_node, surface_arc):
+    def __init__(self, nodes, springs, theta, edges, rest_area, stiffness, patch_log, surface_node, surface_arc, log_scale):
         self.nodes, self.springs, self.theta, self.edges = nodes, springs.astype(int), theta, edges.astype(int)
         self.rest_area, self.stiffness, self.patch_log = rest_area, stiffness, patch_log
         ends = lambda a: np.concatenate(([2 * a[0] - a[1]], a, [2 * a[-1] - a[-2]]))
         node = surface_node.astype(int)
         self.line, self.arc, self.place = np.concatenate((node[:1], node, node[-1:])), ends(surface_arc), ends(nodes[node])
+        self.log_scale = np.concatenate((log_scale[:1], log_scale, log_scale[-1:]))
         same("areas at rest", self.areas(nodes), rest_area, 1e-12)
 
     def areas(self, x):
@@ -224,7 +255,7 @@ class Law:
         normal = np.array([-tangent[1], tangent[0]])
         corner = max(0, 1 - np.linalg.norm(along) / spacing) / (1 - np.sqrt(0.5))
         factors = np.array([1, np.cos(2 * np.pi * place), corner, np.exp(-min(place, last + 1 - place))])
-        stiffness = np.exp(self.patch_log @ factors)
+        stiffness = np.exp(self.patch_log @ factors + w @ self.log_scale[k:k + 4])
         gap, turn = d - w @ u[self.line[k:k + 4]], slope @ u[self.line[k:k + 4]]
         return (stiffness * np.array([normal @ gap, tangent @ gap, normal @ turn, tangent @ turn])**2).sum() / 2
 
@@ -384,7 +415,7 @@ def law_csv(export, h5):
               column(read["springs"], "stiffness_N_m")[:, 0], column(read["area_edges"], "area", "node_i", "node_j"),
               column(read["areas"], "rest_area_m2")[:, 0], column(read["areas"], "stiffness_N_m")[:, 0],
               column(read["contact"], "log_k_N_m", "phase", "corner", "edge"),
-              column(read["surface"], "node")[:, 0], column(read["surface"], "arc_m")[:, 0])
+              column(read["surface"], "node")[:, 0], column(read["surface"], "arc_m")[:, 0], column(read["surface"], "contact_log_scale")[:, 0])
     presses = list(presses_of(export))
     same("cases", [press[0] for press in presses], names_of(h5))
     for press in presses:
@@ -409,8 +440,9 @@ def law_numpy(export, h5, csv_export):
     numpy_files(export, h5, ["law/area_edges", "law/area_kind", "law/area_rest", "law/surface_arc", "law/surface_node"])
     load = lambda name: np.load(export / f"{name}.npy")
     springs, constants = load("mesh/springs"), load("law/constants")
+    learned = load("law/contact_log_scale")[load("law/surface_node")] if "law/contact_log_scale" in h5 else np.zeros(len(load("law/surface_node")))
     law = Law(load("mesh/nodes"), springs, constants[:len(springs)], load("law/area_edges"), load("law/area_rest"),
-              constants[len(springs):], load("law/patch_log"), load("law/surface_node"), load("law/surface_arc"))
+              constants[len(springs):], load("law/patch_log"), load("law/surface_node"), load("law/surface_arc"), learned)
     for press in presses_of(Path(csv_export)):
         law.check(load("mesh/fixed"), *press)
 
