@@ -56,6 +56,7 @@ const std::vector<Tool>& tools() {
         {"HDF5", "libhdf5-dev", "pkg-config --modversion hdf5", true, "cases.h5, model.h5"},
         {"GSL", "libgsl-dev", "pkg-config --modversion gsl", true, "random numbers"},
         {"xxHash", "libxxhash-dev", "pkg-config --modversion libxxhash", true, "fingerprints of inputs"},
+        {"libcsv", "libcsv-dev", "dpkg-query -W -f '${Version}' libcsv-dev", true, "measured data"},
         {"CLI11", "libcli11-dev", "pkg-config --modversion CLI11", true, "command lines"},
         {"toml++", "libtomlplusplus-dev", "pkg-config --modversion tomlplusplus", true, "studies"},
         {"nlohmann-json", "nlohmann-json3-dev", "pkg-config --modversion nlohmann_json", true, "eval.json"},

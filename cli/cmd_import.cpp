@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "cases/measured_cases.h"
+#include "cases/measured_doubts.h"
 #include "cases/measured_histories.h"
 #include "command.h"
 #include "error.h"
@@ -21,7 +22,8 @@ struct Options {
 void run(const Options& o, Provenance provenance) {
     const Study study = read_study(o.study);
     if (!study.data) throw StudyError(o.study + ": has no [data]; measured contacts have no place in it");
-    Cases cases = measured_cases(study, read_measured_csv(o.data));
+    const MeasuredTable table = read_measured_csv(o.data);
+    Cases cases = measured_cases(study, table);
     if (!o.histories.empty()) cases.histories = read_measured_histories(study, o.histories);
     provenance.seed = study.data->seed;
     provenance.inputs[std::filesystem::path(o.data).filename().string()] = file_hash(o.data);
@@ -44,6 +46,7 @@ void run(const Options& o, Provenance provenance) {
         std::cerr << fmt::format("import {}: {} histories: {} to fit shares to, {} to choose with, {} held out\n", o.histories, cases.histories.size(), count("train"),
                                  count("validation"), count("held_out"));
     }
+    for (const std::string& doubt : measured_doubts(study, table)) std::cerr << fmt::format("import {}: warning: {}\n", o.data, doubt);
     for (const std::string& line : m.outliers) std::cerr << fmt::format("import {}: outlier, kept: {}\n", o.data, line);
 }
 

@@ -19,7 +19,7 @@ std::vector<CsvColumn> columns_of(int D) {
 
 std::optional<PokeLines::Row> PokeLines::next() {
     while (lines_.next()) {
-        if (trimmed(lines_.text()).empty() || lines_.text()[0] == '#') continue;
+        if (lines_.is_comment()) continue;
         if (columns_.empty()) {
             columns_ = CsvColumns(lines_, columns_of(D_));
             continue;

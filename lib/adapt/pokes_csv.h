@@ -7,6 +7,7 @@
 
 #include "adapt/adaptation.h"
 #include "io/csv_columns.h"
+#include "io/csv_table.h"
 
 namespace tissue {
 
@@ -28,7 +29,7 @@ class PokeLines {
     std::optional<Row> next();
 
    private:
-    CsvLines lines_;
+    CsvTable lines_;
     CsvColumns columns_;
     int D_;
 };

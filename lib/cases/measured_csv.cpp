@@ -6,6 +6,7 @@
 
 #include "error.h"
 #include "io/csv_columns.h"
+#include "io/csv_table.h"
 
 namespace tissue {
 namespace {
@@ -18,13 +19,12 @@ const std::vector<CsvColumn> known = {
 }  // namespace
 
 MeasuredTable read_measured_csv(const std::string& file) {
-    CsvLines line(file);
+    CsvTable line(file);
     MeasuredTable table{file, "", {}};
     CsvColumns columns;
     std::map<std::vector<std::string>, int> seen;
     while (line.next()) {
-        if (trimmed(line.text()).empty()) continue;
-        if (line.text()[0] == '#') {
+        if (line.is_comment()) {
             if (columns.empty()) table.origin += (table.origin.empty() ? "" : " ") + trimmed(line.text().substr(1));
             continue;
         }

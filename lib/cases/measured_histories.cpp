@@ -13,6 +13,7 @@
 #include "error.h"
 #include "gsl.h"
 #include "io/csv_columns.h"
+#include "io/csv_table.h"
 #include "io/dataset_name.h"
 #include "mesh/outline.h"
 
@@ -47,12 +48,12 @@ struct Rows {
 }
 
 std::vector<Rows> read_rows(const std::string& file) {
-    CsvLines line(file);
+    CsvTable line(file);
     CsvColumns columns;
     std::vector<Rows> all;
     std::set<std::string> names;
     while (line.next()) {
-        if (trimmed(line.text()).empty() || line.text()[0] == '#') continue;
+        if (line.is_comment()) continue;
         if (columns.empty()) {
             columns = CsvColumns(line, known);
             continue;

@@ -59,7 +59,9 @@ CsvColumns::CsvColumns(const CsvLines& line, const std::vector<CsvColumn>& known
 }
 
 void CsvColumns::check(const CsvLines& line) const {
-    if (line.size() != columns_) line.refuse(fmt::format("has {} fields, the header {} columns", line.size(), columns_));
+    if (line.size() != columns_)
+        line.refuse(fmt::format("has {} fields, the header {} columns{}", line.size(), columns_,
+                                line.size() > columns_ ? "; are there commas before decimals? Write points" : ""));
 }
 
 double CsvColumns::number(const CsvLines& line, const std::string& name) const { return line.number(place_.at(name), name) * unit_.at(name); }

@@ -12,23 +12,53 @@ namespace tissue {
 
 CsvLines::CsvLines(const std::string& file) : file_(file), read_(read_file(file)) {}
 
-bool CsvLines::next() {
-    if (!std::getline(*in_, text_)) return false;
-    if (!text_.empty() && text_.back() == '\r') text_.pop_back();
+bool CsvLines::next_text() {
+    text_.clear();
+    if (!in_->good()) return false;
+    std::streambuf& bytes = *in_->rdbuf();
+    for (bool any = false;; any = true) {
+        const int byte = bytes.sbumpc();
+        if (byte == std::streambuf::traits_type::eof()) {
+            in_->setstate(std::ios::eofbit);
+            if (!any) return false;
+            break;
+        }
+        if (byte == '\n' && !any && after_return_) {
+            after_return_ = false;
+            return next_text();
+        }
+        after_return_ = byte == '\r';
+        if (byte == '\n' || byte == '\r') break;
+        text_ += static_cast<char>(byte);
+        if (text_.size() > longest_line) {
+            ++number_;
+            refuse(fmt::format("has more than {} bytes in one line", longest_line));
+        }
+    }
     ++number_;
-    fields_.clear();
-    std::istringstream split(text_);
-    for (std::string field; std::getline(split, field, ',');) fields_.push_back(field);
     return true;
 }
+
+bool CsvLines::next() {
+    if (!next_text()) return false;
+    fields_.clear();
+    std::istringstream split(text_);
+    for (std::string field; std::getline(split, field, ',');) {
+        fields_.push_back(field);
+        if (fields_.size() > most_fields) refuse_fields();
+    }
+    return true;
+}
+
+void CsvLines::refuse_fields() const { refuse(fmt::format("has more than {} fields", most_fields)); }
 
 double CsvLines::number(std::size_t i, const std::string& column) const {
     const std::string& field = fields_[i];
     double value = 0;
     const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
     if (error != std::errc() || end != field.data() + field.size() || !std::isfinite(value))
-        refuse(fmt::format("{} is '{}', not a finite number",
-                           column.empty() ? fmt::format("field {}", i + 1) : "column '" + column + "'", field));
+        refuse(fmt::format("{} is '{}', not a finite number{}", column.empty() ? fmt::format("field {}", i + 1) : "column '" + column + "'", field,
+                           field.find(',') != std::string::npos ? "; write a point, not a comma, before decimals, and nothing between thousands" : ""));
     return value;
 }
 

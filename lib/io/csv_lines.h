@@ -6,7 +6,8 @@
 
 namespace tissue {
 
-/// The comma-separated fields of one file, line by line, with refusals that name the place. Knows no quotes.
+/// The comma-separated fields of one file, line by line, with refusals that name the place. Knows no quotes: for what programs write, and
+/// what people do is read by CsvTable (io/csv_table.h). At most 1 MiB a line and 256 fields.
 class CsvLines {
    public:
     CsvLines(const CsvLines&) = delete;
@@ -17,7 +18,7 @@ class CsvLines {
     /// Lines as they come; `name` stands for the file. The stream must outlive it.
     CsvLines(std::istream& in, std::string name) : file_(std::move(name)), in_(&in) {}
 
-    /// To the next line; false at the end. Line ends of any system.
+    /// To the next line; false at the end. Line ends of any system. Throws FileError for a line that is too long.
     bool next();
 
     const std::string& text() const { return text_; }  ///< of the line
@@ -31,12 +32,21 @@ class CsvLines {
     /// Throws FileError: "FILE:LINE: WHY".
     [[noreturn]] void refuse(const std::string& why) const;
 
+   protected:
+    static constexpr std::size_t most_fields = 256, longest_line = std::size_t{1} << 20;
+
+    bool next_text();  ///< the line alone, no fields
+    [[noreturn]] void refuse_fields() const;
+
+    std::string text_;
+    std::vector<std::string> fields_;
+
    private:
-    std::string file_, text_;
+    std::string file_;
     std::istringstream read_;
     std::istream* in_ = &read_;
-    std::vector<std::string> fields_;
     int number_ = 0;
+    bool after_return_ = false;  ///< a line feed that comes next ends no line of its own
 };
 
 }  // namespace tissue
