@@ -47,8 +47,8 @@ void add_rim(CLI::App& app, const Invocation&) {
     command->add_option("--unit", o->unit_m, "the mesh's unit of length")->type_name("m")->capture_default_str();
     command->add_option("--contact", o->contact_m, "about which the disc presses")->expected(3)->type_name("m m m");
     command->add_option("--radius", o->radius_m, "of the disc")->type_name("m")->capture_default_str();
-    command->add_option("--size_near", o->near_m, "sides of triangles near the disc")->type_name("m")->capture_default_str();
-    command->add_option("--size_far", o->far_m, "and far away")->type_name("m")->capture_default_str();
+    command->add_option("--size-near,--size_near", o->near_m, "sides of triangles near the disc")->type_name("m")->capture_default_str();
+    command->add_option("--size-far,--size_far", o->far_m, "and far away")->type_name("m")->capture_default_str();
     CLI::Option* regions = command->add_option("--regions", o->regions, "volumes of the shape with a material of their own")->delimiter(',')->type_name("NAME,..");
     command->add_option("--filled", o->filled, "that surface, filled with tetrahedra: label them by --regions instead")->needs(regions)->type_name("FILE");
     command->add_option("--out", o->out, "surface to write: fixed 1, free 2, disc 3")->required()->type_name("FILE");

@@ -4,6 +4,8 @@
 
 #include <iostream>
 
+#include "generate.h"
+
 namespace tissue::cli {
 
 void echo_options(const CLI::App& command) {
@@ -19,10 +21,10 @@ void echo_options(const CLI::App& command) {
 }
 
 std::string HelpTable::make_option(const CLI::Option* option, bool is_positional) const {
-    const std::string initial = option->get_required() ? "required" : option->get_default_str();
-    return fmt::format("  {:<22} {:<12} {:<10} {}\n", option->get_name(is_positional, true),
-                       initial.empty() ? "-" : initial,
-                       option->get_type_name().empty() ? "-" : option->get_type_name(), option->get_description());
+    const std::string initial = option->get_required() ? "required" : option->get_default_str(), unit = unit_of(*option);
+    // of two spellings the first; the second is an earlier version's
+    const std::string name = is_positional || option->get_lnames().size() < 2 ? option->get_name(is_positional, true) : "--" + option->get_lnames().front();
+    return fmt::format("  {:<22} {:<12} {:<10} {}{}\n", name, initial.empty() ? "-" : initial, unit.empty() ? "-" : unit, option->get_description(), range_of(*option));
 }
 
 std::string HelpTable::make_group(std::string group, bool is_positional,

@@ -24,14 +24,8 @@ bool takes_value(const CLI::Option& option) {
     return option.get_items_expected_max() > 0;
 }
 
-/// Its unit, without what a check has added to it.
-std::string unit(const CLI::Option& option) {
-    const std::string name = option.get_type_name();
-    return name.substr(0, name.find(':'));
-}
-
 bool names_a_file(const CLI::Option& option) {
-    const std::string name = unit(option);
+    const std::string name = unit_of(option);
     return name == "FILE" || name == "FOLDER" || name == "PATH";
 }
 
@@ -63,8 +57,8 @@ std::string man_options(const CLI::App& app) {
         const std::string name = option->get_name(long_name(*option).empty(), true);
         const std::string initial = option->get_required() ? "required" : option->get_default_str();
         text += fmt::format(
-            ".TP\n\\fB{}\\fR{}\n{}{}\n", roff(name), takes_value(*option) ? " \\fI" + roff(unit(*option)) + "\\fR" : "",
-            roff(option->get_description()),
+            ".TP\n\\fB{}\\fR{}\n{}{}\n", roff(name), takes_value(*option) ? " \\fI" + roff(unit_of(*option)) + "\\fR" : "",
+            roff(option->get_description() + range_of(*option)),
             initial.empty() ? ""
                             : roff(initial == "required" ? " (required)" : fmt::format(" (default: {})", initial)));
     }
@@ -176,7 +170,7 @@ std::string zsh(const CLI::App& app) {
                     " \\\n            '{}[{}]{}'", long_name(*option), quoted(option->get_description()),
                     !takes_value(*option)
                         ? ""
-                        : fmt::format(":{}:{}", quoted(unit(*option)), names_a_file(*option) ? "_files" : " "));
+                        : fmt::format(":{}:{}", quoted(unit_of(*option)), names_a_file(*option) ? "_files" : " "));
         return text;
     };
     std::string text = fmt::format("#compdef {}\n# zsh completion of {}\n", app.get_name(), app.get_name());
@@ -193,6 +187,22 @@ std::string zsh(const CLI::App& app) {
                       "if [[ $state == argument ]]; then\n    case $line[1] in\n{}    esac\nfi\n",
                       arguments(app), described, cases);
 }
+
+}  // namespace
+
+std::string unit_of(const CLI::Option& option) {
+    const std::string name = option.get_type_name();
+    return name.substr(0, name.find(':'));
+}
+
+std::string range_of(const CLI::Option& option) {
+    const std::string name = option.get_type_name();
+    const std::size_t open = name.find(" in ["), dash = name.find(" - ", open), close = name.find(']', open);
+    if (open == std::string::npos || dash == std::string::npos || close == std::string::npos) return "";
+    return fmt::format(", {} to {}", name.substr(open + 5, dash - open - 5), name.substr(dash + 3, close - dash - 3));
+}
+
+namespace {
 
 struct Product {
     const char* name;

@@ -261,6 +261,7 @@ int main(int argc, char** argv) {
     }
     try {
         run(o, {command, 0, {}});
+        if (!std::cout.flush()) throw FileError("standard output: cannot write: the disk is full, or it is closed");
     } catch (const std::exception& e) {
         std::cerr << "tissue-haptic: " << tissue::one_line(e.what()) << '\n';
         return 1;

@@ -18,6 +18,17 @@
 #include "study/one_line.h"
 #include "version.h"
 
+namespace {
+
+/// The first word, where it is neither an option nor a command.
+std::string unknown_command(const CLI::App& app, int argc, char** argv) {
+    const std::string word = argc > 1 ? argv[1] : "-";
+    const bool known = !app.get_subcommands([&](const CLI::App* command) { return command->check_name(word); }).empty();
+    return word.empty() || word[0] == '-' || known ? "" : word;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
     using namespace tissue::cli;
     // parallelism is ours, a thread a spring set; a BLAS that threads on its own would also change last bits
@@ -50,7 +61,12 @@ int main(int argc, char** argv) {
     add_doctor(app, invocation);
     try {
         if (generated(app, argc, argv)) return 0;
+        if (const std::string unknown = unknown_command(app, argc, argv); !unknown.empty()) {
+            std::cerr << "tissuectl: '" << unknown << "' is not a command; tissuectl --help lists them\n";
+            return 2;
+        }
         app.parse(argc, argv);
+        if (!std::cout.flush()) throw tissue::FileError("standard output: cannot write: the disk is full, or it is closed");
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? 0 : 2;
     } catch (const NotAsPromised& e) {

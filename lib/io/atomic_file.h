@@ -4,9 +4,9 @@
 
 namespace tissue {
 
-/// A file in the making: a temporary one beside it that is this program's alone until it is moved into place. A second
-/// program that makes the same file waits; what a killed one left is taken over. Throws FileError when it cannot be
-/// written, or when the other one does not come to an end.
+/// A file in the making: a temporary one beside it, of a drawn name (io/beside.h), until it is moved into place. Of programs
+/// that make the same file at once the last one's stays; what a killed one left is removed. Throws FileError when it
+/// cannot be written.
 class NewFile {
    public:
     explicit NewFile(std::string file);

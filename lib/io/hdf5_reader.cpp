@@ -1,8 +1,13 @@
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <set>
@@ -86,6 +91,15 @@ bool read_text(hid_t attribute, hid_t stored, std::string& value) {
     return true;
 }
 
+/// After HDF5 has refused it.
+std::string why_not_opened(const std::string& file) {
+    const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0) return fmt::format(": cannot read: {}", std::strerror(errno));
+    const bool held = ::flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;  // as HDF5 locks what it writes
+    ::close(descriptor);
+    return held ? ": is open for writing in another program, which holds its lock: close it there" : ": is not an HDF5 file, or is truncated";
+}
+
 }  // namespace
 
 Hdf5Reader::Hdf5Reader(std::string file, const std::string& kind) : file_(std::move(file)) {
@@ -94,7 +108,7 @@ Hdf5Reader::Hdf5Reader(std::string file, const std::string& kind) : file_(std::m
     if (!std::filesystem::is_regular_file(file_, error)) throw FileError(file_ + ": there is no such file");
     bytes_ = std::filesystem::file_size(file_, error);
     id_ = H5Fopen(file_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-    if (id_ < 0) throw FileError(file_ + ": is not an HDF5 file, or is truncated");
+    if (id_ < 0) throw FileError(file_ + why_not_opened(file_));
     try {
         if (H5Aexists(id_, "program") <= 0 || text_attribute("/", "program") != "tissuectl")
             refuse("/", "was not written by tissuectl");

@@ -77,6 +77,7 @@ Hdf5Writer::Hdf5Writer(std::string file, const std::string& kind, const Provenan
 
 Hdf5Writer::~Hdf5Writer() {
     if (id_ < 0) return;
+    silence_hdf5();
     H5Fclose(id_);
 }
 
@@ -138,6 +139,7 @@ void Hdf5Writer::begin_rows(const std::string& name, int columns, const std::str
 
 void Hdf5Writer::append(const std::string& name, long long type, const void* values, std::size_t count) {
     if (count == 0) return;
+    silence_hdf5();  // of each thread by itself: a recording is written by another one than opened it
     const auto fail = [&](const char* why) { throw FileError(fmt::format("{}: {}: {}", file_, name, why)); };
     const Hdf5Handle dataset(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
     if (dataset.failed()) fail("cannot find the dataset to append to");
@@ -175,6 +177,7 @@ void Hdf5Writer::attribute(const std::string& object, const std::string& key, do
 }
 
 void Hdf5Writer::commit() {
+    silence_hdf5();
     // a full disk shows itself here at the latest, when HDF5 flushes what it held back
     const bool flushed = H5Fflush(id_, H5F_SCOPE_LOCAL) >= 0;
     const bool closed = H5Fclose(id_) >= 0;

@@ -8,7 +8,10 @@ import sys
 
 # a home that cannot be written to is no news here
 logging.getLogger("matplotlib").setLevel(logging.ERROR)
-import matplotlib  # noqa: E402
+try:
+    import matplotlib  # noqa: E402
+except ImportError as error:
+    sys.exit(f"draw.py: {error}; install python3-matplotlib, which figures are drawn with")
 
 matplotlib.use("Agg")
 

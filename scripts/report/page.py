@@ -13,10 +13,13 @@ from typing import NamedTuple
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "figures"))
-import h5py  # noqa: E402
-import jinja2  # noqa: E402
-from markdown_it import MarkdownIt  # noqa: E402
-from markupsafe import Markup, escape  # noqa: E402
+try:
+    import h5py  # noqa: E402
+    import jinja2  # noqa: E402
+    from markdown_it import MarkdownIt  # noqa: E402
+    from markupsafe import Markup, escape  # noqa: E402
+except ImportError as error:
+    sys.exit(f"page.py: {error}; install python3-{(error.name or '').replace('_', '-')}, which the report is made with")
 
 from results import LABELS  # noqa: E402  (the figures' own names of the models)
 from save import written  # noqa: E402

@@ -426,7 +426,7 @@ awk -v a="$(along level1 1 $tilt)" -v b="$(along level2 1 $tilt)" -v c="$(along 
     if (d > 0 && away(c) < away(b) && away(b) < away(a) && away(c) < 0.005 * d) print "ok - the force on an organ settles under refinement: " line
     else print "not ok - the force on an organ settles under refinement: " line " vs nearer and nearer to the last" }' | tee -a "$results"
 # balance and refused states, on a mesh made as the script makes it
-contact=$("$TISSUECTL" rim --mesh "$shapes/surface-organ3.geo-0.0045-0.001.msh" --fixed bed --unit 0.001 --contact 0.04 0.045 0.0545 --size_near 0.0045 --size_far 0.015 --out "$work/rim.msh")
+contact=$("$TISSUECTL" rim --mesh "$shapes/surface-organ3.geo-0.0045-0.001.msh" --fixed bed --unit 0.001 --contact 0.04 0.045 0.0545 --size-near 0.0045 --size-far 0.015 --out "$work/rim.msh")
 # shellcheck disable=SC2046,SC2086
 gmsh -v 1 -3 -format msh22 -setnumber size_near 0.0045 $(echo $contact | sed 's/-contact/-setnumber contact/g') "$work/rim.msh" "$fem/fill3.geo" -o "$work/organ.msh" > /dev/null
 script solid_balance.edp "-mesh $work/organ.msh -springs $work/organ-springs.msh $contact -direction_x 0.3 -direction_y -0.4 -direction_z -0.86602540378443865"

@@ -25,6 +25,13 @@ check "train --help: threads, a number of threads by default" says '--threads  *
 check "train --help: --study is required and a file" says '--study  *required  *FILE  *study file'
 for option in seed optimizer iterations json; do check "train --help has --$option" says "--$option "; done
 
+for command in adapt rim; do
+    tissuectl $command --help
+    check "$command --help: the unit column has units alone, options have no underscore" sh -c '! grep -q "^  --[a-z-]*_\|:FLOAT\|:INT\|:{\| in \[" "$1"' - "$said"
+done
+tissuectl adapt --help
+check "adapt --help: a range is said in words" says '--place-error  *0  *mm  *standard deviation.*, 0 to 100'
+
 # ---- exit status 2: the command line was wrong
 usage() { # SENTENCE ARGUMENT...
     sentence_of_usage=$1
@@ -34,6 +41,7 @@ usage() { # SENTENCE ARGUMENT...
 }
 usage "no command"
 usage "an unknown command" fly
+check "an unknown command: one line names it" one_line "^tissuectl: 'fly' is not a command"
 usage "an unknown option" train --speed 3
 usage "a required option missing" train --study fem/studies/tiny.toml
 usage "a number that is none" train --study s --cases c --out m --threads many
@@ -56,6 +64,37 @@ for wrong in '--seconds 1e300' '--seconds inf' '--force-scale -1' '--force-scale
 done
 
 # ---- exit status 1: the work failed
+mkdir "$scratch/without"
+cat >"$scratch/without/sitecustomize.py" <<'PY'
+import sys
+class Without:
+    def find_spec(self, name, path=None, target=None):
+        if name in ("matplotlib", "jinja2"):
+            raise ModuleNotFoundError(f"No module named '{name}'", name=name)
+sys.meta_path.insert(0, Without())
+PY
+run env PYTHONPATH="$scratch/without" "$PYTHON" scripts/figures/draw.py force results/tiny "$scratch/force.png"
+check "no matplotlib: exit 1" exited 1
+check "no matplotlib: one line names the package" one_line '^draw.py: .*; install python3-matplotlib'
+run env PYTHONPATH="$scratch/without" "$PYTHON" scripts/report/page.py results/tiny "$scratch/report.html"
+check "no jinja2: one line names the package" one_line '^page.py: .*; install python3-jinja2'
+"$PYTHON" - "$R/cases.h5" "$scratch/held" <<'PY' &
+import h5py, os, shutil, sys, time
+shutil.copy(sys.argv[1], sys.argv[2] + ".h5")
+with h5py.File(sys.argv[2] + ".h5", "a"):
+    open(sys.argv[2], "w").close()
+    while os.path.exists(sys.argv[2]):
+        time.sleep(0.05)
+PY
+while [ ! -e "$scratch/held" ]; do sleep 0.05; done
+tissuectl info "$scratch/held.h5"
+check "a file that another program writes: exit 1" exited 1
+check "a file that another program writes: one line names the lock" one_line 'held.h5: is open for writing in another program, which holds its lock'
+rm "$scratch/held"
+wait
+run sh -c '"$1" info "$2" >/dev/full' - "$TISSUECTL" results/tiny/cases.h5
+check "standard output on a full disk: exit 1" exited 1
+check "standard output on a full disk: one line says so" one_line '^tissuectl: standard output: cannot write'
 tissuectl info results/tiny/none.h5
 check "a file that is not there: exit 1" exited 1
 check "a file that is not there: one line names it" one_line '^tissuectl: results/tiny/none.h5: there is no such file'

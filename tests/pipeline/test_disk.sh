@@ -119,6 +119,15 @@ if [ "$(id -u)" = 0 ] && mount -t tmpfs -o size=8m tissue_test "$R" 2>/dev/null;
         if [ "$target" = eval.json ]; then check "full disk: there is no report either" absent "$R/report.md"; fi
     done
     rm -rf "$R"/*
+    cp -pR "$scratch/whole/." "$R"
+    cat /dev/zero >"$R/filler" 2>/dev/null
+    truncate -s -100K "$R/filler"  # room to begin with
+    run "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}" results/tiny/model.h5 --seconds 2 --record results/tiny/r.h5
+    check "full disk: a recording ends with 1" exited 1
+    check "full disk: one line, and none of HDF5's, says that it cannot be written" sh -c '[ "$(grep -c "r.h5: " "$1")" = 1 ] && [ "$(wc -l <"$1")" -lt 40 ]' - "$said"
+    check "full disk: nothing of the recording is left" no_half_files "$R"
+    rm "$R/filler"
+    rm -rf "$R"/*
     make_tiny eval -j2
     check "with room again, make goes on from nothing" exited 0
     check "with room again, the contents are the same" same_contents "$R" "$scratch/whole"
