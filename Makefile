@@ -149,11 +149,13 @@ ASSERTIONS = $(if $(SANITIZE),-DEIGEN_RUNTIME_NO_MALLOC -D_GLIBCXX_ASSERTIONS,-D
 # its own <regex>
 CXXFLAGS = -std=c++17 -O3 -g1 -pthread -fPIC -fvisibility=hidden -Wall -Wextra -Wpedantic -Wshadow -Werror -Wno-stringop-overflow $(ASSERTIONS) -MMD -MP \
   -Ilib -isystem /usr/include/eigen3 $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(PACKAGES))) \
-  $(if $(SANITIZE),-O1 $(or $(FLAGS_$(SANITIZE)),$(FLAGS_SANITIZE)) -fno-sanitize-recover=all)
+  $(if $(SANITIZE),-O1 $(or $(FLAGS_$(SANITIZE)),$(FLAGS_SANITIZE)) -fno-sanitize-recover=all,$(HARDENED))
+# what reads files and datagrams of strangers ends rather than runs on with a broken stack or buffer; sanitizers check this themselves
+HARDENED := -fstack-protector-strong -fstack-clash-protection -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2
 FLAGS_thread := -Wno-maybe-uninitialized -fsanitize=thread
 # one build for tests and for fuzzing; g++ is the one that warns
 FLAGS_SANITIZE := -w -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fsanitize-ignorelist=scripts/sanitize.ignore
-LDLIBS = $(shell pkg-config --libs $(PACKAGES)) -pthread
+LDLIBS = $(shell pkg-config --libs $(PACKAGES)) -pthread -Wl,-z,relro,-z,now
 comma := ,
 
 LIB_SOURCES := $(call files,lib/*/*.cpp)
@@ -249,11 +251,11 @@ $(call objects,$(wildcard cli/*.cpp cli/serve/*.cpp cli/serve/network/*.cpp lib/
   lib/eval/report.cpp lib/eval/evaluation_json.cpp)): private CXXFLAGS += -O1
 # what a test does once needs no speed, unlike the ticks of tests/haptic; nor does fuzzing follow the tests
 ONCE := $(call objects,$(filter-out tests/fuzz/% tests/haptic/%,$(TEST_SOURCES)))
-$(ONCE): private CXXFLAGS += -O0
+$(ONCE): private CXXFLAGS += -O0 -U_FORTIFY_SOURCE
 ifneq (,$(PRECOMPILED))
 $(ONCE): private PRECOMPILED := $(BUILD)/tests/precompiled.h.gch
 $(ONCE): | $(BUILD)/tests/precompiled.h.gch
-$(BUILD)/tests/precompiled.h.gch: private CXXFLAGS += -O0
+$(BUILD)/tests/precompiled.h.gch: private CXXFLAGS += -O0 -U_FORTIFY_SOURCE
 endif
 ifneq (,$(filter-out thread,$(SANITIZE)))
 $(call objects,$(filter-out tests/fuzz/%,$(TEST_SOURCES))): private CXXFLAGS += -fno-sanitize=fuzzer-no-link

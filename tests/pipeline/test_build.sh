@@ -146,4 +146,17 @@ check "other flags: once" exited 0
 sed -i 's/^\(PACKAGES.*\) gsl/\1/' Makefile
 run make -q $program
 check "another library: there is something to do" exited 1
+
+# ---- the programs under test themselves: what a broken stack or buffer meets
+hardened() { # FILE: resolved at its start, stack and buffers guarded, at no fixed address
+    readelf -dW "$1" | grep -q 'FLAGS.*NOW' || { echo "$1: symbols are bound late"; return 1; }
+    readelf -hW "$1" | grep -q 'Type: *DYN' || { echo "$1: stands at a fixed address"; return 1; }
+    readelf -lW "$1" | grep -q 'GNU_RELRO' || { echo "$1: its tables stay writable"; return 1; }
+    readelf -W --dyn-syms "$1" | grep -q '__stack_chk_fail' || { echo "$1: no stack protector"; return 1; }
+    readelf -W --dyn-syms "$1" | grep -q '_chk@' || { echo "$1: no _FORTIFY_SOURCE"; return 1; }
+}
+for file in tissuectl tissue-haptic libtissue.so.1 python/tissue.so; do
+    built=$(dirname "$TISSUECTL")/$file
+    if [ -e "$built" ]; then check "$file is built with stack protector, FORTIFY, RELRO and BIND_NOW" hardened "$built"; fi
+done
 finish
