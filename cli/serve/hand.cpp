@@ -10,7 +10,8 @@ namespace {
 
 constexpr double clearance_m = 0.01;    ///< kept from the tissue at rest while on the way; it bulges by less
 constexpr double travel_m_s = 0.5, approach_m_s = 0.08, press_m_s = 0.02, leave_m_s = 0.15;
-constexpr double rest_s = 0.8, pause_s = 0.4;
+constexpr double rest_s = 1.6, pause_s = 0.4;   // so long that tissue has come to rest, and can be compared, before the tool leaves
+constexpr double settle_s = 0.15;       ///< a device's position is the hand's of a little while ago
 constexpr double reading_s = 2;         ///< a model that learns takes a reading of a hand that has been still for a while
 constexpr double same_touch_m = 0.004;  ///< a person who presses deeper has not gone elsewhere
 constexpr double inset_m = 0.0003;      ///< a push along the surface must stay inside it
@@ -156,8 +157,22 @@ void Hand::follow(const Point& point_m) {
     }
     if (inside_) return;
     if (scene_->dimension() == 3) return approach();
+    come_in();
+}
+
+/// In the plane: to outside the nearest side, and from there straight on to where the person is. In between it stands until the device, which
+/// follows it with a lag, is there too: else the tool would come in askew.
+void Hand::come_in() {
+    const Point gate = outside(scene_->boxes(), wanted_, clearance_m);
+    if (touch_.size() > 0 && !way_.empty() && (gate - touch_).norm() < same_touch_m) {   // on its way there already
+        way_.back().to_m = wanted_;
+        return;
+    }
     way_.clear();
-    go_round(outside(boxes, wanted_, clearance_m));
+    go_round(gate);
+    way_.back().wait_s = settle_s;
+    touch_ = gate;
+    way_.push_back({wanted_, approach_m_s});
 }
 
 /// In space: to the surface along its normal and on to where the person is, or to a point that is not at the tissue.

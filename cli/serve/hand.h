@@ -46,6 +46,7 @@ class Hand {
         bool begins_press = false;
     };
 
+    void come_in();
     void approach();
     void go_round(const Point& to_m);
     void press();
@@ -55,7 +56,7 @@ class Hand {
     Mode mode_ = Mode::parked;
     std::deque<Leg> way_;
     Point at_, wanted_;
-    Point touch_;            ///< of the surface that it comes to along the normal; empty: to none
+    Point touch_;            ///< of the surface that it comes to along the normal, in the plane outside it; empty: to none
     Point entry_;            ///< where it was last outside
     bool inside_ = false;    ///< led straight, whatever is in between: it has arrived where the person is
     bool tour_ = true;

@@ -127,6 +127,19 @@ Near Scene::near(const TickState& state) const {
     return near;
 }
 
+bool Scene::away_from_rest(const TickState& state) const {
+    constexpr double swing = 0.3;
+    const double far_m = swing * surface_.spacing_m();
+    const Eigen::Index nodes = mesh_.node_count(), d = dimension();
+    const float* at = state.nodes_m.data();
+    for (const auto& mesh : model_.meshes)
+        for (Eigen::Index n = 0; n < nodes; ++n, at += d) {
+            const Point p = Eigen::Map<const Eigen::VectorXf>(at, d).cast<double>();
+            if (!((p - mesh->place_m - mesh->springs.rest().row(n).transpose()).norm() < far_m)) return true;
+        }
+    return false;
+}
+
 std::string Scene::message(const Lesson::News& news) const {
     Json j = {{"type", "learned"}};
     if (learned_) j["learned"] = learned_json(*learned_, shown_);

@@ -61,6 +61,10 @@ class Scene {
 
     Near near(const TickState& state) const;
 
+    /// Whether a node of a mesh is farther from rest than 0.3 of the nodes' distance: a mesh that was drawn through itself and stays so.
+    /// Asked of tissue that nothing has touched for a while; what still swings then is nearer.
+    bool away_from_rest(const TickState& state) const;
+
     /// Of a model that learns while it plays.
     void learn(LearnedField field) { learned_ = std::move(field); }
 

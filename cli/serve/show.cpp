@@ -91,6 +91,7 @@ void Show::turn(double now_s) {
     idle_since_s_ = now_s;
     near_ = {-1, 0, 0};
     told_m_ = 0;
+    seen_ = false;
     for (const auto& [other, heard] : clients_) {
         tell_model(other);
         tell_(other, near_text());
@@ -115,7 +116,9 @@ bool Show::step(double now_s) {
     if (!channel.paused()) {
         stage_.pointer().aim(hand_.step(elapsed));
         // what a press left behind in tissue that relaxes would be in the next one too, which nothing could be held against then
-        if (hand_.begins_press() && stage_.scene().relaxes()) stage_.reset();
+        // and a mesh that stays folded would be pressed as such
+        const Scene& scene = stage_.scene();
+        if (hand_.begins_press() && (scene.relaxes() || (seen_ && scene.away_from_rest(channel.state())))) stage_.reset();
     }
     tell_control();
     tell_learned();
@@ -135,6 +138,7 @@ bool Show::step(double now_s) {
         second_s_ = now_s;
     }
     if (!channel.fetch()) return false;
+    seen_ = true;
     const TickState& state = channel.state();
     const Near near = stage_.scene().near(state);
     // a contact that is lost and found again between two states, or slips, is another one at the same place

@@ -65,6 +65,7 @@ class Show {
     double told_m_ = 0;                       ///< distance that everyone has heard last
     std::string learned_text_;                ///< the newest of a lesson
     Frame frame_;
+    bool seen_ = false;                       ///< a state of the model that is on the stage
     Histogram tick_us_;                       ///< since the start
     double tick_us_sum_ = 0;
     double second_s_ = -1;                    ///< when the figures over the last second were made

@@ -95,6 +95,70 @@ TEST_CASE("the demo finds tissue that relaxes at rest at every press, and leaves
     }
 }
 
+TEST_CASE("the demo puts a mesh that has not come back to rest there before the next press", "[serve]") {
+    for (const bool away : {true, false}) {
+        const TemporaryFolder folder;
+        write_model(folder.file("law.h5"), law_example(), {"test", 1, {}});
+        Stage stage({folder.file("law.h5")}, StageOptions{{}, false});
+        Show show(stage, [](int, const std::string&) {});
+        Simulation simulation(stage.model()), seen(stage.model());   // the one that the demo presses, and the one whose states the show gets
+        for (int k = 0; k < 1500; ++k) seen.tick(sample_at(0.05, 0.12 - (away ? 2e-5 : 0) * k));   // at the end 10 mm below the top, as a fold would be
+        int resets = 0, presses = 0;
+        for (int k = 0; k < 20000; ++k) {
+            if (k % 16 == 0) show.step(100 + 1e-3 * k);
+            stage.channel().before(simulation);
+            const bool before = simulation.contact().contact;
+            simulation.tick(stage.pointer().read(1e-3 * k));
+            stage.channel().after(seen, {});
+            resets += simulation.record().reset;
+            if (simulation.record().reset) CHECK_FALSE(in_tissue(stage.scene(), simulation.record().master_m));
+            presses += simulation.contact().contact && !before;
+        }
+        INFO((away ? "away: " : "at rest: ") << presses << " presses, " << resets << " resets");
+        CHECK(presses >= 4);
+        CHECK((away ? resets >= 4 : resets == 0));
+    }
+}
+
+TEST_CASE("a person who presses inside a plane mesh comes in straight through its nearest side, though the device lags behind the hand", "[serve]") {
+    const TemporaryFolder folder;
+    write_model(folder.file("law.h5"), law_example(), {"test", 1, {}});
+    Stage stage({folder.file("law.h5")}, StageOptions{{}, false});
+    Show show(stage, [](int, const std::string&) {});
+    show.join(1);
+    Simulation simulation(stage.model());
+    int k = 0;
+    const auto pass = [&](double seconds, const auto& look) {
+        for (const int end = k + static_cast<int>(1e3 * seconds); k < end; ++k) {
+            if (k % 16 == 0) show.step(100 + 1e-3 * k);
+            simulation.tick(stage.pointer().read(1e-3 * k));
+            look(simulation.record().master_m);
+        }
+    };
+    Draw draw(12);
+    for (int press = 0; press < 12; ++press) {
+        const double in = draw(0.004, 0.009), along = draw(0.02, 0.08);
+        const int side = press % 3;   // left, right, top
+        const Point wanted = side == 0 ? Eigen::Vector2d(in, along) : side == 1 ? Eigen::Vector2d(0.1 - in, along) : Eigen::Vector2d(along, 0.1 - in);
+        double off = -1;
+        const auto point = [&](bool down) {
+            show.hear(1, nlohmann::json{{"type", "pointer"}, {"x", wanted[0]}, {"y", wanted[1]}, {"down", down}}.dump(), 100 + 1e-3 * k);
+        };
+        for (int word = 0; word < 5; ++word) {   // a page says so twice a second while the hand rests
+            point(true);
+            pass(0.5, [&](const Point& at) {
+                if (in_tissue(stage.scene(), at)) off = std::max(off, std::abs(side == 2 ? at[0] - along : at[1] - along));
+            });
+        }
+        INFO("press " << press << " at " << wanted.transpose());
+        CHECK(off >= 0);
+        CHECK(off < 2e-4);
+        CHECK((simulation.record().master_m - wanted).norm() < 1e-4);
+        point(false);
+        pass(1, [](const Point&) {});
+    }
+}
+
 TEST_CASE("the demo finds a hidden tissue at rest when the model is: of the same tissue the hand feels the model's own force", "[serve][adapt][memory]") {
     const TemporaryFolder folder;
     write_model(folder.file("law.h5"), relaxing(law_example()), {"test", 1, {}});
