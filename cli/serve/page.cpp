@@ -26,7 +26,9 @@
     DO(plane, "/plane.js", "plane.js", javascript)          \
     DO(plane_hand, "/plane_hand.js", "plane_hand.js", javascript) \
     DO(plots, "/plots.js", "plots.js", javascript)          \
+    DO(rest, "/rest.js", "rest.js", javascript)             \
     DO(scale, "/scale.js", "scale.js", javascript)          \
+    DO(snap, "/snap.js", "snap.js", javascript)             \
     DO(space, "/space.js", "space.js", javascript)          \
     DO(space_hand, "/space_hand.js", "space_hand.js", javascript) \
     DO(state, "/state.js", "state.js", javascript)          \

@@ -1,12 +1,19 @@
-// Model against finite elements, under the push of now.
+// Model against finite elements, under the push of now. Compared is force along the push: at a place at most NEAR from a contact that
+// was solved, of each mesh along its own push, which is one that was solved to ASKEW degrees or lies between two of them, and at
+// its own depth, from SHALLOW to a twentieth beyond the deepest that was solved; of tissue at rest.
+import { folded } from "./rest.js";
 import { model, state, near, samples, relaxes, IN, LEARNED, vector, is_solid } from "./state.js";
 import { add, angle_between, dot, norm } from "./vectors.js";
 import { millimetres } from "./words.js";
 
 export const NEAR = 0.002, ASKEW = 5;    // m and degrees: from here on a contact is another one, in the evaluation too
-const BETWEEN = 30;               // degrees: known pushes this close to each other say what is between them
-const MOTION = 0.1;               // change of depth within half a second: FE are of tissue at rest
+export const SNAP = 0.003;        // m: a press this close to a contact that FE have solved is one at it
+export const FAR = 0.02;                 // m: so far away finite elements' force is still told, as that of another place
+export const BETWEEN = 30;               // degrees: known pushes this close to each other say what is between them
 export const SHALLOW = 0.001;            // m: less depth makes a percentage of next to nothing
+const BEYOND = 1.05;                     // times the deepest that was solved
+const MOTION = 0.1;                      // change of depth within AVERAGED: FE are of tissue at rest
+const AVERAGED = 0.5;                    // s, so that a ripple is not read as an error
 
 /** FE force at a depth [N], by lines between what was solved, and a twentieth beyond the deepest; else NaN. */
 export function on_curve(curve, depth) {
@@ -14,11 +21,13 @@ export function on_curve(curve, depth) {
   return at ? at.a + (at.b - at.a) * at.w : NaN;
 }
 
+const deepest = curve => curve[curve.length - 1][0];
+
 /** The rows [depth, what FE say there] on either side of a depth, what they say as a and b, and how far it is from a to b;
  *  null where nothing was solved. */
 function between(rows, depth) {
   for (let k = 1; k < rows.length; k++) {
-    const [d0, a] = rows[k - 1], [d1, b] = rows[k], reach = k + 1 === rows.length ? 1.05 * d1 : d1;
+    const [d0, a] = rows[k - 1], [d1, b] = rows[k], reach = k + 1 === rows.length ? BEYOND * d1 : d1;
     if (depth <= reach && depth >= d0) return { a, b, w: (depth - d0) / (d1 - d0) };
   }
   return null;
@@ -42,7 +51,7 @@ export function fe_curve(k, u) {
   const at = fan.pushes.findIndex(push => push.angle >= angle), [a, b] = [fan.pushes[at - 1], fan.pushes[at]];
   if (a && b && b.angle - a.angle <= BETWEEN) {
     const w = (angle - a.angle) / (b.angle - a.angle), [ca, cb] = [a, b].map(push => model.places[push.place].curve);
-    return (ca.length < cb.length ? ca : cb).map(([depth]) => [depth, (1 - w) * on_curve(ca, depth) + w * on_curve(cb, depth)]);
+    return (deepest(ca) < deepest(cb) ? ca : cb).map(([depth]) => [depth, (1 - w) * on_curve(ca, depth) + w * on_curve(cb, depth)]);
   }
   const close = fan.pushes.find(push => Math.abs(push.angle - angle) <= ASKEW);
   return close ? model.places[close.place].curve : null;
@@ -62,13 +71,53 @@ export const pushed = (sample, mesh) => {
 export function fe_outline() {
   if (!state || state.v[IN.pressed] < 0 || !near || near.place !== state.v[IN.place]) return null;
   const place = model.places[near.place], u = vector(IN.moved);
-  if (!place || norm(u) < SHALLOW || norm(add(place.contact_m, contact_at_rest(), -1)) > NEAR) return null;
+  if (!place || !(norm(u) >= SHALLOW) || !(norm(add(place.contact_m, contact_at_rest(), -1)) <= NEAR)) return null;
   const at = angle_between(place.direction, u) <= ASKEW ? between(near.outline, dot(u, place.direction)) : null;
   const mesh = model.meshes[LEARNED];
   return at && mesh.outline.map((i, b) => add(add(mesh.nodes_m[i], at.a[b], 1 - at.w), at.b[b], at.w));
 }
 
-/** How each mesh compares with FE now: {why} when it cannot be said, else {errors: [learned, heuristic], place, ...}. */
+/** One mesh in one sample: {depth, error, fe_N, force}, the error relative, or {depth, why: one word}. */
+function against_fe(sample, mesh) {
+  const [depth, force] = pushed(sample, mesh);
+  if (!Number.isFinite(depth) || !Number.isFinite(force)) return { depth: NaN, why: "unknown" };
+  if (depth < SHALLOW) return { depth, why: "shallow" };
+  const curve = fe_curve(sample.place, sample.moved[mesh]);
+  if (!curve) return { depth, why: "askew" };
+  if (depth > BEYOND * deepest(curve)) return { depth, why: "deep" };
+  if (relaxes() && sample.remembers[mesh]) return { depth, why: "remembers" };
+  const fe_N = relaxes() ? sample.fe_N[mesh] : on_curve(curve, depth);
+  return fe_N > 0 ? { depth, error: force / fe_N - 1, fe_N, force } : { depth, why: "unknown" };
+}
+
+/** The samples of this press at this contact over the time that is averaged, newest first. */
+function recent() {
+  const last = samples.length - 1, now = samples[last].time, contact = model.places[samples[last].place].contact_m, all = [];
+  for (let s = last; s >= 0 && samples[s].pressed && samples[s].time > now - AVERAGED; s--) {
+    const place = model.places[samples[s].place];
+    if (!place || place.contact_m.some((x, a) => x !== contact[a])) break;
+    all.push(samples[s]);
+  }
+  return all;
+}
+
+/** One mesh over these samples: {error, fe_N, force} of now, the error as a mean, or {why: one word} that is true of now. A sample without
+ *  a number is no part of the mean. */
+function judged(recent_samples, mesh) {
+  const now = against_fe(recent_samples[0], mesh);
+  if (now.why) return now;
+  let least = Infinity, most = 0, sum = 0, n = 0;
+  for (const sample of recent_samples) {
+    const { depth, error } = against_fe(sample, mesh);
+    if (Number.isFinite(depth)) [least, most] = [Math.min(least, depth), Math.max(most, depth)];
+    if (Number.isFinite(error)) [sum, n] = [sum + error, n + 1];
+  }
+  return most - least > MOTION * most ? { depth: now.depth, why: "moves" } : { ...now, error: sum / n };
+}
+
+/** How each mesh compares with FE now: {why} when place or push of the learned mesh are none that FE have solved, else
+ *  {meshes: [{error} or {why: one word}], errors: of the meshes, NaN where there is none; absent where there is none at all}.
+ *  place, distance and askew, of the nearest known contact, in both. */
 export function comparison() {
   if (!state || state.v[IN.pressed] < 0) return { why: "idle" };
   const k = state.v[IN.place], place = model.places[k];
@@ -77,21 +126,14 @@ export function comparison() {
   const deep = norm(moved) >= SHALLOW, askew = deep ? angle_between(place.direction, moved) : NaN;
   const basis = { place: k, distance, askew };
   if (!place.curve.length) return { ...basis, why: "This model carries no finite-element curves to compare with." };
+  if (!moved.every(Number.isFinite) || !Number.isFinite(distance)) return { ...basis, why: "The learned mesh has no finite place: there is nothing to compare." };
   if (!deep) return { ...basis, why: "Press a little deeper: below 1 mm there is nothing to compare." };
-  if (!(distance <= NEAR)) return { ...basis, why: `The nearest known contact is ${millimetres(distance)} away: too far to compare with.` };
-  if (!fe_curve(k, moved)) return { ...basis, why: `This push is ${Math.round(askew)}° off the nearest known one: too far to compare with.` };
-  if (relaxes() && samples[samples.length - 1].remembers[LEARNED])
+  const meshes = model.meshes.map((_, mesh) => folded(mesh) ? { why: "folded" } : judged(recent(), mesh)), { why, force, fe_N } = meshes[LEARNED];
+  if (distance > FAR) return { ...basis, why: `The nearest known contact is ${millimetres(distance)} away: too far to compare with.` };
+  if (why === "askew") return { ...basis, why: `This push is ${Math.round(askew)}° off the nearest known one: too far to compare with.` };
+  if (distance > NEAR) return { ...basis, why: `The nearest known contact is ${millimetres(distance)} away: too far for per cent.`, there: why ? null : { force, fe_N } };
+  if (why === "remembers")
     return { ...basis, why: "The tissue still remembers an earlier press, and finite elements do not: wait a while, or press Reset." };
-  // over the last half second, so that a ripple is not read as an error
-  const now = state.v[IN.time], errors = model.meshes.map(() => 0);
-  let n = 0, least = Infinity, most = 0;
-  const counts = s => s.pressed && s.time > now - 0.5 && !(relaxes() && s.remembers[LEARNED]);
-  for (let s = samples.length - 1; s >= 0 && counts(samples[s]); s--, n++)
-    errors.forEach((_, mesh) => {
-      const [depth, force] = pushed(samples[s], mesh), curve = relaxes() ? null : fe_curve(k, samples[s].moved[mesh]);
-      const fe_N = relaxes() ? samples[s].fe_N[mesh] : curve ? on_curve(curve, depth) : NaN;
-      errors[mesh] += force / fe_N - 1;
-      if (mesh === LEARNED) [least, most] = [Math.min(least, depth), Math.max(most, depth)];
-    });
-  return { ...basis, errors: errors.map(e => e / n), moves: most - least > MOTION * most };
+  const errors = meshes.map(mesh => mesh.error ?? NaN);
+  return { ...basis, meshes, ...errors.some(Number.isFinite) ? { errors } : {} };
 }

@@ -46,6 +46,7 @@ export function show_controls() {
   const open = is_open(), other = control.holder === "other";
   const line = $("connection");
   line.dataset.state = open ? "open" : socket.at ? "waiting" : "lost";
+  document.body.dataset.connection = open ? "open" : socket.tries > 0 ? "lost" : "waiting";
   say("connection", open ? "connected" : socket.at ? "connecting" : "no connection");
   for (const id of ["model", "contact", "way", "demo", "pause", "reset"]) $(id).disabled = !open || other;
   $("pause").setAttribute("aria-pressed", String(control.paused));

@@ -35,7 +35,8 @@ function on(mesh, dt, sample, m) {
     const parts = later(model.relaxation, mesh.felt, dt, 0).parts;
     return unpressed(left.map((part, k) => part + Math.abs(parts[k])));
   }
-  const now = at_once(sample.place, sample.moved[m]), strength = Math.max(mesh.largest, norm(sample.force));
+  const now = at_once(sample.place, sample.moved[m]), force = norm(sample.force);
+  const strength = Math.max(mesh.largest, Number.isFinite(force) ? force : model.strongest_N);
   const felt = later(model.relaxation, mesh.felt, dt, now.felt === null ? mesh.felt.at_once : now.felt);
   if (now.felt === null) left = left.map((part, k) => Math.max(part, share[k] * strength));   // where finite elements were not
   const largest = Math.max(mesh.largest, Math.abs(felt.at_once)), remembers = sum(left) > LEFT * largest;

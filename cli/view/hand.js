@@ -11,14 +11,15 @@ function say_where(down) {
 
 export function take_hold(p, by) {
   if (!is_open() || hand.down || control.holder === "other") return;
-  Object.assign(hand, { at: p, down: true, by, said: null, told: -Infinity });
+  Object.assign(hand, { at: p, pointer: p, down: true, by, said: null, told: -Infinity });
 }
 
 export function let_go(tells = true) {
   if (!hand.down) return;
   hand.down = false;
   if (tells) say_where(false);
-  if (hand.by !== "keys") hand.at = null;
+  if (hand.by !== "keys") hand.at = hand.pointer = null;
+  else hand.at = hand.pointer;
 }
 
 export function move_hand(now) {

@@ -1,5 +1,6 @@
 // What has been learned from pokes: by the model that came, or while it plays from a tissue that the tool touches unseen.
 import { look, model, moved } from "./state.js";
+import { largest, smallest } from "./vectors.js";
 import { $, percent, say } from "./words.js";
 
 /** Whether the learned mesh is coloured by what it has learned from pokes, not by displacement. */
@@ -33,7 +34,7 @@ export function prepare_learned() {
   for (const id of ["title", "lead"]) say(id, (model.learns ? learning : lead)[id]);
   if (model.learns) say("reading_text", reading_words());
   if (!model.learned) return;
-  const { factor, sd, pokes } = model.learned, least = Math.min(...factor), most = Math.max(...factor), ring = model.dimension === 2 ? "; a ring is as wide as that is unsure" : "";
+  const { factor, sd, pokes } = model.learned, least = smallest(factor), most = largest(factor), ring = model.dimension === 2 ? "; a ring is as wide as that is unsure" : "";
   model.learned.span = Math.max(Math.log(1.5), -Math.log(least), Math.log(most));
   const unsure = [...sd].sort((a, b) => a - b)[sd.length >> 1];
   say("learned_text", pokes === 0 ? `nothing found out yet: as stiff as trained, unsure by ${percent(Math.expm1(unsure))} in the median${ring}`

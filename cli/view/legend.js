@@ -2,12 +2,12 @@
 import { arrow, colours, font, shade, trace, warmth } from "./canvas.js";
 import { nice } from "./scale.js";
 import { is_solid, model, samples } from "./state.js";
-import { norm } from "./vectors.js";
+import { largest, norm } from "./vectors.js";
 import { unit_of } from "./words.js";
 
 /** Newtons that one metre of arrow stands for: the strongest known push is as long as a quarter of the tissue is high, in space more. */
 export function arrow_scale() {
-  const most = model.strongest_N || Math.max(1e-3, ...samples.map(s => norm(s.force)));
+  const most = model.strongest_N || largest(samples.map(s => norm(s.force)), 1e-3);
   const height = model.high_m[model.dimension - 1] - model.low_m[model.dimension - 1];
   return most / ((is_solid() ? 0.7 : 0.25) * height);   // in space it is seen from above, and shorter
 }
@@ -21,9 +21,10 @@ export function draw_fe_outline(c, points, closed = true) {
   c.setLineDash([]);
 }
 
-/** Along the lower edge of a canvas, of pixels_m pixels a metre: displacement as colour, a force of round size as an arrow, FE's line. stiffest:
+/** Along the lower edge of a canvas, of pixels_m pixels a metre: displacement as colour, a force of round size as an arrow, and what
+ * there is of FE, {surface, force}. stiffest:
  * in place of displacement stiffness, from 1 / stiffest to that; 0: displacement. */
-export function draw_legend(c, width, height, pixels_m, with_fe, stiffest = 0) {
+export function draw_legend(c, width, height, pixels_m, fe, stiffest = 0) {
   const narrow = width < 520;
   const y = height - 34, bar = Math.min(narrow ? 150 : 240, 0.42 * width), x = width - bar - (narrow ? 22 : 24), deepest = 1e3 * model.deepest_m;
   for (let k = 0; k < bar; k++) {
@@ -48,22 +49,35 @@ export function draw_legend(c, width, height, pixels_m, with_fe, stiffest = 0) {
   c.textAlign = "right";
   c.fillText(stiffest ? (narrow ? "stiffer" : "times as stiff") : narrow ? "displaced" : "displacement", x - 8, y + 10);
 
-  // a force of round size as an arrow
+  // a force of round size as an arrow, of the tool on each mesh in the mesh's colour: black is finite elements'
   const per_m = arrow_scale(), round = nice(per_m * 0.02, 1), length = round.top / per_m * pixels_m;
-  const left = narrow ? 12 : 20;
-  arrow(c, [left, y + 5], [left + length, y + 5], colours.ink);
+  const left = narrow ? 12 : 20, middle = (model.meshes.length - 1) / 2;
+  model.meshes.forEach(({ name }, m) => arrow(c, [left, y + 5 + 9 * (m - middle)], [left + length, y + 5 + 9 * (m - middle)], colours[name] || colours.ink));
   c.textAlign = "left";
   c.fillStyle = colours.soft;
   const unit = unit_of(round.top);
   c.fillText(`${+(round.top * unit.scale).toPrecision(2)} ${unit.name}${narrow ? "" : ", force of the tool"}`, left + length + 9, y + 10);
-  if (!with_fe) return;
-  if (is_solid()) {   // a wire
+  draw_fe_key(c, left, y, narrow, fe);
+}
+
+/** Under it what is finite elements': their surface, and in space their force. */
+function draw_fe_key(c, left, y, narrow, { surface, force = false }) {
+  let at = left;
+  if (surface && is_solid()) {   // a wire
     c.strokeStyle = colours.fe_surface;
     c.lineWidth = 1.4;
-    trace(c, [[left, y + 27], [left + 8, y + 19], [left + 16, y + 27], [left + 24, y + 19]], false);
+    trace(c, [[at, y + 27], [at + 8, y + 19], [at + 16, y + 27], [at + 24, y + 19]], false);
     c.stroke();
-    trace(c, [[left, y + 27], [left + 24, y + 27]], false);
+    trace(c, [[at, y + 27], [at + 24, y + 27]], false);
     c.stroke();
-  } else draw_fe_outline(c, [[left, y + 23], [left + 25, y + 23]], false);
-  c.fillText(is_solid() ? narrow ? "FE" : "surface by FE, at the learned depth" : "FE", left + 34, y + 27);
+  } else if (surface) draw_fe_outline(c, [[at, y + 23], [at + 25, y + 23]], false);
+  if (surface) at += 34;
+  if (force) {
+    arrow(c, [at, y + 23], [at + 26, y + 23], colours.fe);
+    at += 34;
+  }
+  if (at === left) return;
+  c.fillStyle = colours.soft;
+  const what = [surface ? "surface" : "", force ? "force" : ""].filter(Boolean).join(" and ");
+  c.fillText(narrow || !is_solid() ? "FE" : `${what} by FE, at the learned depth`, at, y + 27);
 }

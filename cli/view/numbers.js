@@ -1,13 +1,14 @@
 // What the visitor is told in words and numbers.
 import { comparison, fe_curve, on_curve } from "./compare.js";
 import { title } from "./places.js";
+import { away_from_rest } from "./rest.js";
 import { HEURISTIC, IN, LEARNED, is_solid, model, relaxes, samples, vector, state } from "./state.js";
 import { is_open } from "./transport.js";
 import { norm } from "./vectors.js";
 import { $, millimetres, newtons, percent, say } from "./words.js";
 
 export function judge() {
-  const c = comparison(), verdict = $("verdict"), words = [];
+  const c = comparison(), verdict = $("verdict");
   const say_words = (...parts) => {
     const key = JSON.stringify(parts);
     if (verdict.dataset.said === key) return;
@@ -20,24 +21,17 @@ export function judge() {
       return b;
     }));
   };
-  verdict.classList.toggle("idle", !c.errors || c.moves);
-  if (!state) say_words(is_open() ? "Waiting for the tissue." : "No tissue yet.");
-  else if (c.why === "idle") say_words(`Nothing touches the tissue. ${is_solid() ? "Press a solid" : "Drag into a mesh"}, or let the demo press.`);
+  verdict.classList.toggle("idle", !c.errors || !is_open());
+  if (!is_open()) say_words(state ? "No connection: the picture is the last that came." : "No connection, and no tissue yet.");
+  else if (!state) say_words("Waiting for the tissue.");
+  else if (c.why === "idle")
+    say_words(away_from_rest() || `Nothing touches the tissue. ${is_solid() ? "Press a solid" : "Drag into a mesh"}, or let the demo press.`);
+  else if (c.there)
+    say_words(`Not solved here: at the nearest known contact, ${millimetres(c.distance)} away, finite elements take ${newtons(c.there.fe_N)} for this push; `,
+              ["learned", "the learned mesh"], ` takes ${newtons(c.there.force)} here.`);
   else if (c.why) say_words(c.why);
-  else {
-    const of = mesh => Number.isFinite(c.errors[mesh])
-      ? [["learned", "heuristic"][mesh], `${percent(Math.abs(c.errors[mesh]))} too\u00a0${c.errors[mesh] > 0 ? "stiff" : "soft"}`] : null;
-    const [l, h] = [of(LEARNED), of(HEURISTIC)];
-    if (c.moves && (l || h)) words.push("In motion: ", ...l ? ["learned ", l] : [], l && h ? ", " : "", ...h ? ["heuristic ", h] : [],
-                                        "; finite elements are of tissue at rest.");
-    else if (l && model.meshes.length === 1) words.push("Against finite elements the learned mesh is ", l, ".");
-    else if (l && h) words.push("Against finite elements the learned mesh is ", l, ", the heuristic one ", h, ".");
-    else if (l) words.push("Against finite elements the learned mesh is ", l, "; the heuristic mesh is beyond what they know.");
-    else if (h) words.push("Against finite elements the heuristic mesh is ", h, "; the learned mesh is beyond what they know.");
-    else words.push("This is deeper than finite elements went.");
-    say_words(...words);
-  }
-  if (c.place === undefined) say("basis", "");
+  else say_words(...verdict_on(c.meshes));
+  if (c.place === undefined || !is_open()) say("basis", "");
   else {
     const push = Number.isFinite(c.askew) ? `, ${Math.round(c.askew)}° from its direction` : "";
     say("basis", `Nearest known contact: ${title(c.place)}; ${millimetres(c.distance)} away${push}. Per cent: force along the push over ${relaxes() ? "that of finite elements without relaxation, through the material's branches," : "FE's"} at the same depth, less one.`);
@@ -45,8 +39,38 @@ export function judge() {
   return c;
 }
 
+/** Why there is no number for a mesh: what is true of it. */
+const reasons = {
+  deep: "is deeper than finite elements went",
+  shallow: "is less than 1\u00a0mm deep",
+  askew: "is pushed another way than finite elements were",
+  moves: "is still moving",
+  remembers: "still remembers an earlier press",
+  folded: "is folded",
+  unknown: "has no number to compare",
+};
+
+/** The verdict in words, names of meshes as [class, text]. */
+function verdict_on(meshes) {
+  if (meshes[LEARNED].why === "moves") return ["In motion: finite elements are of tissue at rest, so nothing is compared yet."];
+  const of = ({ error }) => `${percent(Math.abs(error))} too\u00a0${error > 0 ? "stiff" : "soft"}`;
+  const all = [...meshes.keys()], known = all.filter(m => !meshes[m].why), others = all.filter(m => meshes[m].why);
+  const words = [];
+  if (known.length === 2) words.push("Against finite elements the learned mesh is ", ["learned", of(meshes[LEARNED])], ", the heuristic one ", ["heuristic", of(meshes[HEURISTIC])]);
+  else if (known.length === 1) words.push(`Against finite elements the ${model.meshes[known[0]].name} mesh is `, [model.meshes[known[0]].name, of(meshes[known[0]])]);
+  else if (meshes.length === 2 && meshes[LEARNED].why === meshes[HEURISTIC].why) return [`Nothing to compare: each mesh ${reasons[meshes[LEARNED].why]}.`];
+  else words.push("Nothing to compare");
+  others.forEach((m, k) => words.push(known.length ? "; " : k ? ", " : ": ", `the ${model.meshes[m].name} mesh ${reasons[meshes[m].why]}`));
+  return [...words, "."];
+}
+
+const NUMBERS = ["force", "device_force", "learned_depth", "heuristic_depth", "fe_force", "spring_set", "tick_rate", "tick_time", "misses", "clamped", "faults", "visitors"];
+
 export function show_numbers(known) {
-  if (!state) return;
+  if (!state || !is_open()) {   // none that is true now
+    for (const id of NUMBERS) say(id, "–");
+    return;
+  }
   const v = state.v, force = norm(vector(IN.force)), pressed = v[IN.pressed] >= 0, moved = vector(IN.moved);
   const depth = mesh => pressed ? millimetres(norm(vector(IN.moved + 2 * mesh))) : "–";
   const curve = known && pressed && v[IN.place] >= 0 ? fe_curve(v[IN.place], moved) : null;
@@ -67,7 +91,7 @@ export function show_numbers(known) {
 /** Every few seconds and only on news: a screen reader is not a 60 Hz display. */
 let spoken = "";
 export function speak(c) {
-  if (!state) return;
+  if (!state || !is_open()) return;
   const depth = mesh => millimetres(norm(vector(IN.moved + 2 * mesh)));
   const text = state.v[IN.pressed] < 0 ? "Nothing touches the tissue."
     : `Force ${newtons(norm(vector(IN.force)))}: ${model.meshes.map((mesh, m) => `${mesh.name} mesh ${depth(m)} deep` +

@@ -11,9 +11,10 @@ import { group_places } from "./places.js";
 import { draw_stage, fit, prepare_plane, stage, to_screen } from "./plane.js";
 import "./plane_hand.js";
 import { draw_depth_plot, draw_time_plot } from "./plots.js";
-import { IN, LEARNED, control, hand, is_solid, look, model, node, relaxes, samples, state, states, take_control, take_model, take_near, take_state, vector, work } from "./state.js";
+import { farthest } from "./rest.js";
+import { lead_plane } from "./snap.js";
+import { IN, LEARNED, control, hand, is_solid, look, model, relaxes, samples, state, states, take_control, take_model, take_near, take_state, vector, work } from "./state.js";
 import { connect, is_open, socket } from "./transport.js";
-import { add, norm } from "./vectors.js";
 import { $, relaxing, say } from "./words.js";
 
 function heard(message) {
@@ -87,6 +88,7 @@ let drawn = -1, drawings = 0, words = 0, talk = 0, calmly = 0, comparable = fals
 function frame(now) {
   requestAnimationFrame(frame);
   if (space && is_solid()) space.lead(now, before);
+  else if (!is_solid()) lead_plane(now);
   before = now;
   move_hand(now);
   if (now - words > 200) {   // five times a second: numbers that can be read
@@ -120,7 +122,11 @@ connect({
     take_state(buffer);
     follow();
   },
-  lost() { let_go(false); },
+  lost() {
+    let_go(false);
+    take_control({ holder: "nobody", paused: false, place: -1 });
+    look.stale = true;
+  },
   changed: show_controls,
 });
 requestAnimationFrame(frame);
@@ -137,7 +143,7 @@ Object.defineProperty(window, "tissue", { value: Object.freeze({
   get pressed() { return state ? state.v[IN.pressed] : -1; },
   get contact_moved_m() { return state ? [vector(IN.moved), vector(IN.moved + 2)] : null; },
   get largest_displacement_m() {                              // of any node, a mesh
-    return state ? model.meshes.map((mesh, m) => Math.max(...mesh.nodes_m.map((p, i) => norm(add(node(m, i), p, -1))))) : null;
+    return state ? model.meshes.map((_, m) => farthest(m)) : null;
   },
   get tick_rate_Hz() { return state ? state.v[IN.rate] : NaN; },
   get nearest() { return state ? state.v[IN.place] : -1; },   // known contact, index of places

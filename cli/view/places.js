@@ -63,5 +63,6 @@ export function group_places() {
     const pushes = places.map(place => ({ place, angle: turn(from, model.places[place].direction) })).sort((a, b) => a.angle - b.angle);
     for (const k of places) model.fans.set(k, { from, pushes });
   }
-  model.apart_m = Math.min(...at.flatMap((p, i) => at.slice(i + 1).map(q => norm(add(p, q, -1)))));   // Infinity for one
+  model.apart_m = Infinity;   // for one
+  at.forEach((p, i) => { for (let j = 0; j < i; j++) model.apart_m = Math.min(model.apart_m, norm(add(p, at[j], -1))); });
 }

@@ -5,13 +5,16 @@ import { faces } from "./faces.js";
 import { arrow_scale, draw_fe_outline, draw_legend } from "./legend.js";
 import { shows_learned } from "./learned.js";
 import { IN, LEARNED, hand, look, model, node, state, vector } from "./state.js";
-import { add, clamp, dot, norm } from "./vectors.js";
+import { is_open } from "./transport.js";
+import { add, clamp, dot, largest, norm, smallest } from "./vectors.js";
 import { $ } from "./words.js";
 
 export const stage = $("stage");
 export const view = { low: [0, 0], high: [1, 1], scale: 1, left: 0, top: 0, legend: 54, head: 26 };
 export const to_screen = p => [view.left + view.scale * (p[0] - view.low[0]), view.top + view.scale * (view.high[1] - p[1])];
 export const to_plane = q => [view.low[0] + (q[0] - view.left) / view.scale, view.high[1] - (q[1] - view.top) / view.scale];
+
+export const aimed = { at: null };   // the contact at which a press would be, where the pointer is
 
 /** Scale of the plane, and the stage's height for it. */
 export function fit() {
@@ -53,10 +56,11 @@ export function draw_stage() {
   const fe = fe_outline();
   if (fe) draw_fe_outline(c, fe.map(to_screen));
   draw_marks(c);
+  draw_aimed(c);
   draw_next(c);
   if (state) draw_forces(c);
   draw_diamond(c);
-  draw_legend(c, width, height, view.scale, fe !== null, shows_learned() ? Math.exp(model.learned.span) : 0);
+  draw_legend(c, width, height, view.scale, { surface: fe !== null }, shows_learned() ? Math.exp(model.learned.span) : 0);
 }
 
 /** How stiff each place has turned out; a ring at a node is as large as that is unsure, a third of a spacing for a factor of e. */
@@ -149,7 +153,7 @@ function draw_mesh(c, mesh, m, narrow) {
     c.stroke();
   });
 
-  const middle = (Math.min(...rest.map(p => p[0])) + Math.max(...rest.map(p => p[0]))) / 2;
+  const middle = (smallest(rest.map(p => p[0])) + largest(rest.map(p => p[0]))) / 2;
   c.fillStyle = colours[mesh.name] || colours.ink;
   c.textAlign = "center";
   c.textBaseline = "alphabetic";
@@ -168,6 +172,19 @@ function draw_marks(c) {
       c.arc(p[0], p[1], radius, 0, 2 * Math.PI);
       c.fill();
     }
+}
+
+/** Where a press would be. */
+function draw_aimed(c) {
+  if (!aimed.at || hand.down || !is_open()) return;
+  const [x, y] = to_screen(aimed.at);
+  for (const [width, stroke] of [[4.5, colours.paper], [1.8, colours.ink]]) {
+    c.beginPath();
+    c.arc(x, y, 6.5, 0, 2 * Math.PI);
+    c.lineWidth = width;
+    c.strokeStyle = stroke;
+    c.stroke();
+  }
 }
 
 /** The push that would tell a model that learns most: an open arrow onto its surface. */
@@ -193,7 +210,7 @@ function draw_forces(c) {
   if (!at || !Number.isFinite(norm(force))) return;
   at.forEach((p, m) => {
     const back = m === state.v[IN.pressed] ? 10 / view.scale / norm(force) : 0;   // its head stops at the diamond
-    arrow(c, to_screen(add(p, force, -1 / arrow_scale() - back)), to_screen(add(p, force, -back)), colours.ink);
+    arrow(c, to_screen(add(p, force, -1 / arrow_scale() - back)), to_screen(add(p, force, -back)), colours[model.meshes[m].name] || colours.ink);
   });
 }
 
@@ -226,5 +243,5 @@ function draw_diamond(c) {
     }
     if (proxy.every(Number.isFinite)) diamond(proxy, 7, pressed);
   }
-  if (document.activeElement === stage && hand.at && !hand.down && stage.matches(":focus-visible")) diamond(hand.at, 5.5, false);
+  if (is_open() && document.activeElement === stage && hand.at && !hand.down && stage.matches(":focus-visible")) diamond(hand.at, 5.5, false);
 }

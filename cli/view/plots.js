@@ -3,6 +3,7 @@ import { begin, colours, font, trace } from "./canvas.js";
 import { fe_curve, pushed } from "./compare.js";
 import { nice } from "./scale.js";
 import { IN, LEARNED, WINDOW, model, relaxes, samples, state } from "./state.js";
+import { largest } from "./vectors.js";
 import { $, unit_of } from "./words.js";
 
 /** Frame, grid, ticks and labels; returns the map of a plot's units to pixels. */
@@ -72,8 +73,8 @@ export function draw_depth_plot(comparable) {
   const k = press.length ? press[press.length - 1].place : -1, place = model.places[k];
   const curve = place ? place.curve.length && fe_curve(k, press[press.length - 1].moved[LEARNED]) || place.curve : [];
   const meshes = model.meshes.map((_, m) => press.map(s => pushed(s, m)));
-  const deepest = Math.max(model.deepest_m, ...meshes.flat().map(p => p[0]));
-  const most = Math.max(...curve.map(p => p[1]), ...meshes[0].map(p => p[1]), curve.length ? 0 : model.strongest_N, 1e-4);
+  const deepest = largest(meshes.flat().map(p => p[0]), model.deepest_m);
+  const most = largest([...curve, ...meshes[LEARNED]].map(p => p[1]), curve.length ? 1e-4 : Math.max(1e-4, model.strongest_N));
   const mm = nice(1e3 * deepest, 5);
   const { X, Y, box } = axes(c, width, height, { low: 0, high: mm.top * 1e-3, step: mm.step * 1e-3, scale: 1e3, label: "depth along the push (mm)" },
                              force_axis(most * 1.04));
@@ -147,7 +148,7 @@ export function draw_time_plot() {
   if (!model) return;
   const now = state ? state.v[IN.time] : 0, shown = samples.filter(s => s.time >= now - WINDOW);
   const along = s => s.pressed ? pushed(s, LEARNED)[1] : 0;   // the push: as finite elements' is
-  const most = Math.max(0.3 * model.strongest_N, 1e-4, ...shown.map(along), ...shown.map(s => s.fe_N[LEARNED] || 0));
+  const most = largest(shown.flatMap(s => [along(s), s.fe_N[LEARNED]]), Math.max(0.3 * model.strongest_N, 1e-4));
   const { X, Y, box } = axes(c, width, height, { low: -WINDOW, high: 0, step: 2, scale: 1, label: "time (s)" }, force_axis(most * 1.04));
   const lines = [["finite elements", colours.fe, 3, s => s.fe_N[LEARNED]], ["learned", colours.learned, 1.8, along]];
   c.font = font(12);

@@ -6,6 +6,7 @@ import { shows_learned } from "./learned.js";
 import { arrow_scale, draw_legend } from "./legend.js";
 import { IN, LEARNED, look, model, moved, state, vector, work } from "./state.js";
 import { Surface } from "./surface.js";
+import { is_open } from "./transport.js";
 import { add, clamp, norm, unit } from "./vectors.js";
 import { $ } from "./words.js";
 
@@ -225,7 +226,7 @@ function place_tool(w) {
     w.tool.position.set(...add(tip, w.inward, -w.thick / 2));
     w.tool.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...w.inward));
   }
-  w.ring.visible = pressed < 0 && aim.at !== null && aim.mesh === w.m;
+  w.ring.visible = is_open() && pressed < 0 && aim.at !== null && aim.mesh === w.m;
   if (w.ring.visible) {
     w.ring.position.set(...aim.at);
     w.ring.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, -1), new THREE.Vector3(...aim.inward));
@@ -297,7 +298,7 @@ export function draw_space(comparable) {
     renderer.render(w.scene, camera);
   }
   const { c, width: wide, height: high } = begin($("space_legend"));
-  draw_legend(c, wide, high + 0, pixels_a_metre(), fe_drawn !== null, shows_learned() ? Math.exp(model.learned.span) : 0);
+  draw_legend(c, wide, high + 0, pixels_a_metre(), { surface: fe_drawn !== null, force: windows.some(w => w.fe_force.visible) }, shows_learned() ? Math.exp(model.learned.span) : 0);
 }
 
 const pixels_a_metre = () => windows[0].box.height / (1.9 * windows[0].size) * view.zoom;

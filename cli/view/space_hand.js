@@ -1,12 +1,12 @@
 // Pointer and keyboard in space: press where a solid is touched, turn and zoom beside it.
-import { apart } from "./compare.js";
+import { SNAP, apart } from "./compare.js";
 import { let_go, take_hold } from "./hand.js";
 import { aim, screen_axes, stage, touched, view } from "./space.js";
 import { IN, LEARNED, hand, look, model, state } from "./state.js";
+import { is_open } from "./transport.js";
 import { add, clamp, dot, norm, unit } from "./vectors.js";
 import { $, millimetres } from "./words.js";
 
-const SNAP = 0.003;          // m: a press this close to a contact that FE have solved is one at it
 const INSET = 0.0003;        // m: the tool is on the tissue, not beside it
 const PRESS = 0.03;          // m/s, into the tissue
 const COMING = 2000;         // ms that the tool is waited for
@@ -123,7 +123,7 @@ stage.addEventListener("pointermove", event => {
   } else if (turning && turning.by === event.pointerId) {
     turn(TURN * (at[0] - turning.at[0]), TURN * (at[1] - turning.at[1]));
     turning.at = at;
-  } else if (fingers.size === 0 && event.pointerType !== "touch") point_at(touched(...at));
+  } else if (fingers.size === 0 && event.pointerType !== "touch") point_at(is_open() ? touched(...at) : null);
 });
 function point_at(touch) {
   stage.style.cursor = touch ? "crosshair" : "grab";

@@ -1,6 +1,7 @@
 // What is known: written by what the server says and by the hand, read by everything else. PROTOCOL.md says what server
 // and page tell each other. Inside: metres, newtons, seconds. mm, mN and percent only where people read.
 import { nice } from "./scale.js";
+import { largest, smallest } from "./vectors.js";
 
 export let model = null;        // the last "model" message, with what take_model() and others add
 export let state = null;        // the last state: {v: its numbers, nodes: [Float32Array of the learned mesh's nodes, of the heuristic's]}
@@ -8,7 +9,7 @@ export let near = null;         // the last "near" message
 export let control = { holder: "nobody", paused: false, place: -1 };
 export const samples = [];      // what the plots show, oldest first
 export let states = 0;          // since the page was opened
-export const hand = { at: null, down: false, by: null };   // the visitor's, where the tissue is
+export const hand = { at: null, pointer: null, down: false, by: null };   // the visitor's, where the tissue is; in the plane pointer is where he points, at where the tool goes
 export const moved = [true, true];     // in space, whether nodes of a mesh have moved since it was drawn; who draws makes it false
 export const work = { nodes: 0, decode_ms: 0, update_ms: 0 };   // nodes told in space since the page was opened; of the last state
 export const look = { stale: true };   // something but the state has changed: draw anew
@@ -36,7 +37,9 @@ export function take_state(buffer) {
   if (!model) return;
   const began = performance.now(), nodes = is_solid() ? nodes_in_space(buffer) : nodes_in_plane(buffer);
   if (!nodes) return;   // of the model before
-  state = { v: new Float64Array(buffer, 0, HEAD[model.dimension]), nodes };
+  const v = new Float64Array(buffer, 0, HEAD[model.dimension]);
+  if (!Number.isFinite(v[IN.time])) return;
+  state = { v, nodes };
   states++;
   remember();
   work.decode_ms = performance.now() - began;
@@ -91,13 +94,13 @@ export function take_model(message) {
   model = message;
   state = near = null;
   samples.length = 0;
-  hand.at = null;
+  hand.at = hand.pointer = null;
   model.relaxation ??= { tau_s: [], share: [] };
-  model.deepest_m = nice(Math.max(0.005, ...model.places.map(place => place.depth_m)) * 1e3).top * 1e-3;
-  model.strongest_N = Math.max(0, ...model.places.flatMap(place => place.curve.map(point => point[1])));
+  model.deepest_m = nice(largest(model.places.map(place => place.depth_m), 0.005) * 1e3).top * 1e-3;
+  model.strongest_N = largest(model.places.flatMap(place => place.curve.map(point => point[1])), 0);
   const of = axis => model.meshes[LEARNED].nodes_m.map(p => p[axis]);
   const axes = [...Array(model.dimension).keys()];
-  model.box = { low: axes.map(axis => Math.min(...of(axis))), high: axes.map(axis => Math.max(...of(axis))) };
+  model.box = { low: axes.map(axis => smallest(of(axis))), high: axes.map(axis => largest(of(axis))) };
   if (is_solid()) for (const mesh of model.meshes) mesh.outline = mesh.nodes_m.map((_, i) => i);   // of which FE's displacement is told
   moved.fill(true);
 }

@@ -1,4 +1,4 @@
-// Small vectors, [x, y] or [x, y, z].
+// Small vectors, [x, y] or [x, y, z], and the ends of lists.
 
 export const add = (a, b, s = 1) => a.length === 2 ? [a[0] + s * b[0], a[1] + s * b[1]] : [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]];
 export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + (a.length === 2 ? 0 : a[2] * b[2]);
@@ -6,6 +6,15 @@ export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * 
 export const norm = a => Math.hypot(...a);
 export const unit = a => a.map(x => x / norm(a));
 export const clamp = (x, low, high) => Math.min(Math.max(x, low), high);
+
+/** The largest of any number of numbers, at least `from`; what is not finite is passed over. Math.max(...numbers) ends in a
+ *  RangeError where there are some hundred thousand, and in NaN where one is. */
+export function largest(numbers, from = -Infinity) {
+  let most = from;
+  for (const x of numbers) if (x > most && x < Infinity) most = x;
+  return most;
+}
+export const smallest = numbers => -largest(numbers.map(x => -x));
 
 /** Between two directions, degrees. */
 export function angle_between(a, b) {

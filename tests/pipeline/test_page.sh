@@ -1,5 +1,6 @@
 #!/bin/sh
 # Alone: its ticks keep real time. The page of `tissuectl serve`, driven in headless Chromium: tests/serve/test_page.py says what is looked at.
+"$PYTHON" -B "$root/tests/serve/test_page_words.py" "$TISSUECTL" "$R/model.h5" || failures=$((failures + 1))
 . "$(dirname "$0")/common"
 make_copy
 sed -i '/name = "left"/a\
@@ -11,4 +12,5 @@ printf '\n[springs]\ntopology = "grid8"\nlaw = "axial"\n' >>"$work/fem/studies/t
 tissuectl train --study fem/studies/tiny.toml --cases results/tiny/cases.h5 --out results/tiny/grid8.h5
 check "and another one, of other springs" exited 0
 "$PYTHON" -B "$root/tests/serve/test_page.py" "$TISSUECTL" "$R/model.h5" "$R/grid8.h5" || failures=$((failures + 1))
+"$PYTHON" -B "$root/tests/serve/test_page_words.py" "$TISSUECTL" "$R/model.h5" || failures=$((failures + 1))
 finish

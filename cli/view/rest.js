@@ -1,0 +1,34 @@
+// Whether the tissue is at rest where nothing touches it. A mesh can be drawn through itself and lie still elsewhere.
+import { HEURISTIC, LEARNED, is_solid, model, state } from "./state.js";
+import { largest } from "./vectors.js";
+
+const AT_REST = 0.0005;   // m: no node is farther from where it was made
+const STILL = 0.05;       // of how far it is: it changes by less from look to look
+const LOOKS = 3;          // in a row
+
+let seen = { of: null, far: [], still: 0 };
+
+/** How far the node of a mesh is from rest that is farthest away, m. */
+export function farthest(m) {
+  const at = state.nodes[m], d = model.dimension;
+  return largest(model.meshes[m].nodes_m.map((p, i) => Math.hypot(...p.map((x, a) => at[d * i + a] - x))), 0);
+}
+
+/** In the plane, whether a mesh is drawn through itself: one of its triangles is inside out. */
+export function folded(m) {
+  const mesh = model.meshes[m], at = state.nodes[m];
+  if (is_solid() || !mesh.faces) return false;
+  return mesh.faces.some(([i, j, k]) => (at[2 * j] - at[2 * i]) * (at[2 * k + 1] - at[2 * i + 1]) < (at[2 * k] - at[2 * i]) * (at[2 * j + 1] - at[2 * i + 1]));
+}
+
+/** Looked at a few times a second while nothing touches the tissue: "" at rest, else what is true of it. */
+export function away_from_rest() {
+  const far = model.meshes.map((_, m) => farthest(m));
+  const same = seen.of === model && far.every((x, m) => Math.abs(x - seen.far[m]) <= Math.max(STILL * x, AT_REST / 5));
+  seen = { of: model, far, still: same ? seen.still + 1 : 0 };
+  const away = [LEARNED, HEURISTIC].filter(m => far[m] > AT_REST);
+  if (away.length === 0) return "";
+  if (seen.still < LOOKS) return "Nothing touches the tissue; it is on its way back to rest.";
+  const each = away.map(m => `the ${model.meshes[m].name} mesh lies still ${(1e3 * far[m]).toFixed(1)}\u00a0mm from rest${folded(m) ? ", folded" : ""}`);
+  return `Nothing touches the tissue, but ${each.join(", and ")}. Reset puts it to rest.`;
+}

@@ -1,0 +1,331 @@
+"""What the page of `tissuectl serve` says of states that a real tissue is seldom in: test_page_words.py TISSUECTL MODEL [PART...]. The server gives the
+page's files alone; models and states are made here, and come through a WebSocket of this test's. Prints "ok - sentence" or "not ok - sentence: seen";
+exits 1 if any failed."""
+import math
+import re
+import sys
+import tempfile
+import time
+
+from browser import Browser, Missing, Server
+
+failed = 0
+SIZE, CELLS, APART = 0.1, 10, 0.15
+CURVE = [[0, 0], [0.005, 1], [0.010, 2.5], [0.015, 4.5]]
+SOCKET = """
+    window.sent = [];
+    window.sockets = 0;
+    window.WebSocket = class {
+        static OPEN = 1;
+        constructor() {
+            Object.assign(this, { readyState: 0 });
+            window.sockets++;
+            if (window.refuse) return void setTimeout(() => this.lose(""), 50);
+            window.socket = this;
+            setTimeout(() => { this.readyState = 1; this.onopen && this.onopen(); });
+            setInterval(() => { if (this.readyState === 1 && !window.silent) this.text({ type: "beat" }); }, 500);   // this test may be slow
+        }
+        send(text) { window.sent.push(JSON.parse(text)); }
+        close() { this.readyState = 3; }
+        lose(reason) { this.readyState = 3; this.onclose({ reason }); }
+        text(message) { this.onmessage({ data: JSON.stringify(message) }); }
+        states(count, gap, head, nodes) {   // time goes on from state to state
+            for (let k = 0; k < count; k++) {
+                const buffer = new ArrayBuffer(8 * head.length + 4 * nodes.length), numbers = new Float64Array(buffer, 0, head.length);
+                numbers.set(head.map(x => x === null ? NaN : x));
+                numbers[0] += k * gap;
+                new Float32Array(buffer, 8 * head.length).set(nodes);
+                this.onmessage({ data: buffer });
+            }
+        }
+    };"""
+
+
+def check(sentence, holds, seen=""):
+    global failed
+    failed += not holds
+    print(f"ok - {sentence}" if holds else f"not ok - {sentence}: {seen}", flush=True)
+
+
+def rotated(angle):
+    return [math.cos(math.radians(angle)), math.sin(math.radians(angle))]
+
+
+def nodes_of(mesh):
+    return [[mesh * APART + SIZE * i / CELLS, SIZE * j / CELLS] for j in range(CELLS + 1) for i in range(CELLS + 1)]
+
+
+def place(name, contact, direction, curve=CURVE):
+    return {"name": name, "contact_m": contact, "direction": direction, "depth_m": curve[-1][0], "curve": curve}
+
+
+LEFT = [place("left", [0, 0.05], [1, 0])]
+
+
+def model_of(places, **more):
+    n = CELLS + 1
+    springs = [[j * n + i, j * n + i + 1] for j in range(n) for i in range(CELLS)] + [[j * n + i, j * n + n + i] for j in range(CELLS) for i in range(n)]
+    rim = [i for i in range(n)] + [j * n + CELLS for j in range(1, n)] + [CELLS * n + i for i in range(CELLS - 1, -1, -1)] + [j * n for j in range(CELLS - 1, 0, -1)]
+    meshes = [{"name": name, "nodes_m": nodes_of(m), "fixed": list(range(n)), "springs": springs, "stiffness_N_m": [1] * len(springs), "outline": rim}
+              for m, name in enumerate(("learned", "heuristic"))]
+    return {"type": "model", "study": "made", "models": ["made"], "model": 0, "dimension": 2, "law": True, "dt_s": 0.001, "force_max_N": 3, "force_scale": 1,
+            "dynamics": {"learned": "implicit", "heuristic": "implicit"}, "node_count": n * n, "spring_count": len(springs), "low_m": [0, 0],
+            "high_m": [APART + SIZE, SIZE], "meshes": meshes, "places": places, "demo": 0, **more}
+
+
+class Page:
+    """The page, with a clock and a tissue of this test's."""
+
+    def __init__(self, browser, url):
+        self.browser, self.url, self.time = browser, url, 0
+
+    def open(self, model, control=None):
+        self.browser.open(self.url)
+        self.browser.until("Boolean(window.socket && socket.readyState === 1 && socket.onmessage)")
+        self.time = 0
+        self.come(model, control)
+
+    def come(self, model, control=None):
+        self.say(model)
+        self.say({"type": "near", "place": -1, "distance_m": 0, "outline": []})
+        self.control(**(control or {}))
+
+    def say(self, message):
+        self.browser.js("socket.text(arguments[0])", message)
+
+    def control(self, holder="nobody", paused=False, place=-1):
+        self.say({"type": "control", "holder": holder, "paused": paused, "place": place})
+
+    def states(self, count, moved=((0, 0), (0, 0)), force=(0, 0), pressed=0, where=0, contact=(0, 0.05), shift=None, gap=1 / 60):
+        """So many states of a tool that stands still; shift: by node of the heuristic mesh, m."""
+        nodes = [x for m in (0, 1) for k, p in enumerate(nodes_of(m)) for x in (p if m == 0 or not shift or k not in shift else [a + b for a, b in zip(p, shift[k])])]
+        head = [0.0] * 32
+        head[0], head[6], head[13], head[22], head[23], head[24], head[26] = self.time + gap, 1000, pressed, where if pressed >= 0 else -1, 1, -1, 1
+        head[9:13] = [contact[0] + moved[0][0], contact[1] + moved[0][1]] * 2 if pressed >= 0 else [-0.03, 0.05] * 2
+        head[14:20] = [*moved[0], *moved[1], *force]
+        self.browser.js("socket.states(...arguments)", count, gap, [None if math.isnan(x) else x for x in head], nodes)
+        self.time += count * gap
+
+    def verdict(self):
+        """After the page has looked at the newest state: five times a second."""
+        self.browser.driver.execute_async_script("setTimeout(arguments[0], 450)")
+        return self.browser.text("verdict").replace("\xa0", " ")
+
+    def press(self, learned, heuristic, force, count=40, **more):
+        """learned, heuristic: depth [mm] and degrees off straight in."""
+        self.states(5, pressed=-1)
+        self.states(count, [[1e-3 * d * x for x in rotated(a)] for d, a in (learned, heuristic)], force, **more)
+        return self.verdict()
+
+
+def central_sentence(page):
+    page.open(model_of(LEFT))
+    said = page.press((5, 0), (7.5, 0), (1.1, 0))
+    check("both meshes are compared, each at its own depth", said == "Against finite elements the learned mesh is 10 % too stiff, the heuristic one 37 % too soft.", said)
+    wrong = []
+    for depth in (1.5, 3, 5, 8, 12, 14):
+        for angles in ((0, 0), (0, 8), (0, -20), (4, 12), (3, 3), (-2, 40), (9, 0), (15, 15), (30, -30), (0, 90)):
+            said = page.press((depth, angles[0]), (1.1 * depth, angles[1]), (1, 0))
+            if "deeper" in said or "beyond" in said:
+                wrong.append([depth, angles, said])
+    check("in sixty states that are shallower than finite elements went, the page never says deeper", wrong == [], [len(wrong), wrong[:2]])
+    said = page.press((5, 0), (5, 12), (1, 0))
+    check("where the heuristic mesh goes another way, it says that", said.endswith("; the heuristic mesh is pushed another way than finite elements were."), said)
+    said = page.press((5, 0), (0.4, 0), (1, 0))
+    check("and where it is shallower than can be compared", said.endswith("; the heuristic mesh is less than 1 mm deep."), said)
+    said = page.press((10, 0), (17, 0), (2.5, 0))
+    check("deeper is said of the mesh that is deeper", said == "Against finite elements the learned mesh is 0.0 % too soft; the heuristic mesh is deeper than finite elements went.", said)
+    said = page.press((16.5, 0), (17, 0), (5, 0))
+    check("and of both where both are", said == "Nothing to compare: each mesh is deeper than finite elements went.", said)
+    page.states(5, pressed=-1)
+    for k in range(30):
+        page.states(1, [[0.0002 * k + 0.002, 0]] * 2, (1, 0))
+    said = page.verdict()
+    check("a mesh in motion gets no per cent", said.startswith("In motion: ") and "%" not in said, said)
+    said = page.press((5, 0), (5, 0), (1, 0), contact=(0, 0.057))
+    check("7 mm off a known contact both forces are told, and no per cent", said ==
+          "Not solved here: at the nearest known contact, 7.0 mm away, finite elements take 1.00 N for this push; the learned mesh takes 1.00 N here.", said)
+    said = page.press((5, 0), (5, 0), (1, 0), contact=(0, 0.08))
+    check("30 mm off nothing is compared", said == "The nearest known contact is 30.0 mm away: too far to compare with.", said)
+
+
+def not_a_number(page):
+    page.open(model_of(LEFT))
+    page.states(5, pressed=-1)
+    page.states(20, [[0.005, 0]] * 2, (1.1, 0))
+    page.verdict()
+    ink = """(c => [...c.getContext('2d').getImageData(0, 0, 44, c.height).data].filter((v, k) => k % 4 === 3 && v > 0).length)(document.getElementById('depth_plot'))"""
+    labels = page.browser.js(ink)   # of the axis of force
+    page.states(1, [[0.005, 0], [math.nan, 0]], (math.nan, 0))
+    page.states(9, [[0.005, 0]] * 2, (1.1, 0))
+    said = page.verdict()
+    check("one state without a number does not hide the others", said == "Against finite elements the learned mesh is 10 % too stiff, the heuristic one 10 % too stiff.", said)
+    check("nor the plots", page.browser.js(ink) == labels > 100, [labels, page.browser.js(ink)])
+    page.open(model_of(LEFT, relaxation={"tau_s": [0.05, 0.5], "share": [0.3, 0.3]}))
+    page.states(60, pressed=-1)
+    page.states(20, [[0.005, 0]] * 2, (0.5, 0))
+    page.states(1, [[math.nan, 0]] * 2, (math.nan, 0))
+    page.states(1, [[0, 0]] * 2, (math.nan, 0), pressed=-1)
+    page.states(600, pressed=-1)
+    page.states(40, [[0.005, 0]] * 2, (0.5, 0))
+    said = page.verdict()
+    check("tissue that relaxes is compared again when it has forgotten", said.startswith("Against finite elements the learned mesh is "), said)
+    said = page.press((5, 0), (5, 0), (0.5, 0))
+    check("and what it remembers is still reckoned", said.startswith("The tissue still remembers an earlier press"), said)
+
+
+def many(page):
+    contacts = [place(f"p{k}", [0, 0.1 * (k + 1) / 601], [1, 0]) for k in range(600)]
+    page.open(model_of(contacts))
+    page.states(5, pressed=-1)
+    listed = page.browser.js("document.querySelectorAll('#contact option').length")
+    check("600 contacts are listed, and the page goes on", listed == 601 and page.verdict().startswith("Nothing touches the tissue."),
+          [listed, page.verdict(), page.browser.complaints()[:2]])
+    long = page.browser.driver.execute_async_script("""
+        const [contact, done] = arguments;
+        import("./vectors.js").then(v => done([v.largest(new Float64Array(1e6).fill(1), 0), v.smallest(Array(1e6).fill(2)), v.largest([NaN, 1, Infinity])]), error => done(String(error)));""", 0)
+    check("the largest of a million numbers is found, and what is not finite is passed over", long == [1, 2, 1], long)
+
+
+def left_behind(page):
+    page.open(model_of(LEFT))
+    page.states(5, pressed=-1)
+    said = page.verdict()
+    check("at rest the page invites", said == "Nothing touches the tissue. Drag into a mesh, or let the demo press.", said)
+    fold = {60: [0.016, 0]}   # a node in the middle, over the next
+    for _ in range(5):
+        page.states(3, pressed=-1, shift=fold)
+        said = page.verdict()
+    check("of a mesh that stays folded the page says so", said == "Nothing touches the tissue, but the heuristic mesh lies still 16.0 mm from rest, folded. Reset puts it to rest.", said)
+    page.states(3, pressed=-1, shift={60: [0.004, 0]})
+    said = page.verdict()
+    check("and of one that swings, that", said == "Nothing touches the tissue; it is on its way back to rest.", said)
+    said = page.press((5, 0), (5, 0), (1.1, 0), shift=fold)
+    check("a folded mesh is not compared", said == "Against finite elements the learned mesh is 10 % too stiff; the heuristic mesh is folded.", said)
+
+
+def standing(page):
+    """Whatever is said while a pointer is on the tissue: nothing moves under it."""
+    box = """(() => { const b = document.getElementById('stage').getBoundingClientRect();
+        return [b.left, b.top, b.width, b.height, document.documentElement.scrollHeight]; })()"""
+    for width, height in ((1360, 900), (1024, 700), (880, 700), (700, 900), (390, 844)):
+        page.browser.resize(width, height)
+        page.open(model_of(LEFT))
+        page.states(5, pressed=-1)
+        seen = {}
+        for holder, paused, k in (("nobody", False, -1), ("you", False, -1), ("demo", False, 0), ("nobody", True, -1), ("other", False, -1)):
+            page.control(holder, paused, k)
+            page.states(3, pressed=-1)
+            page.verdict()
+            seen[holder, paused] = page.browser.js(box)
+        for name, press in (("compared", [(5, 0), (7, 0), (1, 0)]), ("another way", [(5, 0), (5, 12), (1, 0)]), ("deep", [(16.5, 0), (17, 0), (5, 0)])):
+            page.press(*press)
+            seen[name] = page.browser.js(box)
+        first = seen["nobody", False]
+        moved = {key: [b - a for a, b in zip(first, value)] for key, value in seen.items() if any(abs(b - a) > 0.01 for a, b in zip(first, value))}
+        check(f"{width} x {height}: taking hold, and all that is said, moves nothing under the pointer", moved == {}, moved)
+    page.browser.resize(1360, 900)
+
+
+def lost(page):
+    page.open(model_of(LEFT), {"holder": "demo", "place": 0})
+    page.states(5, pressed=-1)
+    page.verdict()
+    page.browser.js("(window.refuse = true, socket.lose('the program ends'))")
+    said = page.verdict()
+    check("a page without connection says so in the middle, and invites to nothing", said == "No connection: the picture is the last that came." and
+          not re.search("[Pp]ress|[Dd]rag", said + page.browser.text("notice")), [said, page.browser.text("notice")])
+    check("what is drawn is faint, and cannot be taken for touchable", page.browser.js("""(s => [Number(s.opacity) < 0.5, s.cursor])
+        (getComputedStyle(document.getElementById('stage')))""") == [True, "not-allowed"])
+    check("no number stands there as if it were true now", page.browser.text("force") == "–" and page.browser.text("tick_rate") == "–", page.browser.text("force"))
+    page.browser.js("window.sent.length = 0")
+    x, y = page.browser.on_screen(-0.01, 0.05)
+    page.browser.mouse_at("Pressed", x, y)
+    check("and a press takes no hold", page.browser.js("window.sent.filter(m => m.type === 'pointer').length") == 0, page.browser.js("window.sent"))
+    page.browser.mouse_at("Released", x, y)
+    tried = page.browser.js("window.sockets")
+    check("it tries again by itself", page.browser.until(f"window.sockets > {tried}", 20), tried)
+    page.browser.js("window.refuse = false")
+    check("and when there is a connection it goes on", page.browser.until("document.getElementById('connection').textContent === 'connected'", 20), page.browser.text("connection"))
+    page.come(model_of(LEFT))
+    page.states(5, pressed=-1)
+    said = page.verdict()
+    check("as before", said.startswith("Nothing touches the tissue. Drag") and page.browser.text("tick_rate") == "1000 Hz", said)
+    page.browser.js("window.silent = true")
+    began = time.monotonic()
+    silent = page.browser.until("document.getElementById('connection').textContent !== 'connected'", 60)
+    check("a server that falls silent is no connection either", silent and time.monotonic() - began > 4 and page.verdict().startswith("No connection"), time.monotonic() - began)
+
+
+def arrows(page):
+    colours = """(() => { const s = document.getElementById('stage'), w = 64, h = 22, top = s.clientHeight - 40,
+        d = s.getContext('2d').getImageData(18, top, w, h).data, count = { learned: 0, heuristic: 0, black: 0 };
+        for (let k = 0; k < d.length; k += 4) {
+            const [r, g, b, a] = d.slice(k, k + 4);
+            if (a < 250) continue;
+            count.learned += b > r + 120 && b > g + 30; count.heuristic += r > b + 150 && r > g + 80; count.black += r + g + b < 120;
+        }
+        return count; })()"""
+    page.open(model_of(LEFT))
+    page.press((5, 0), (7, 0), (2, 0))
+    seen = page.browser.js(colours)
+    check("the legend's arrow of the tool's force has the meshes' colours, as the arrows on them; black is finite elements' alone",
+          seen["learned"] > 30 and seen["heuristic"] > 30 and seen["black"] == 0, seen)
+
+
+def snapping(page):
+    page.open(model_of([place("left", [0, 0.05], [1, 0]), place("left-20", [0, 0.05], rotated(20))]))
+    page.states(5, pressed=-1)
+
+    def pressed_at(down, x, y):
+        page.browser.js("window.sent.length = 0")
+        page.browser.mouse("Pressed", *down)
+        page.browser.mouse("Moved", -0.0005, down[1])
+        page.browser.driver.execute_async_script("setTimeout(arguments[0], 300)")
+        page.browser.mouse("Moved", x, y)
+        page.browser.until("false", 2.6)   # longer than the tool is waited for, which does not come here
+        at = page.browser.js("window.sent.filter(m => m.type === 'pointer' && m.down).map(m => [m.x, m.y])")
+        page.browser.mouse("Released", x, y)
+        return at
+
+    at = pressed_at((-0.02, 0.0525), 0.006, 0.0525)
+    check("a press that comes in 2.5 mm beside a known contact is at it", math.dist(at[-1], [0.006, 0.05]) < 2e-4, at[-1])
+    check("and the tool goes there before it goes in", any(math.dist(p, [-0.001, 0.05]) < 1e-5 for p in at) and
+          all(abs(p[1] - 0.05) < 2e-4 for p in at if p[0] > 0), at)
+    at = pressed_at((-0.02, 0.054), 0.006, 0.054)
+    check("4 mm beside it, it is where the pointer is", math.dist(at[-1], [0.006, 0.054]) < 2e-4, at[-1])
+    tilted = [0.006 * x for x in rotated(17)]
+    at = pressed_at((-0.02, 0.05), tilted[0], 0.05 + tilted[1])
+    check("a push 3 degrees off a known one is along it", math.dist(at[-1], [0.006 * rotated(20)[0], 0.05 + 0.006 * rotated(20)[1]]) < 3e-4, at[-1])
+    tilted = [0.006 * x for x in rotated(-15)]
+    at = pressed_at((-0.02, 0.05), tilted[0], 0.05 + tilted[1])
+    check("one 15 degrees off every known one is as the pointer goes", math.dist(at[-1], [tilted[0], 0.05 + tilted[1]]) < 3e-4, at[-1])
+
+
+def main():
+    program, model, *only = sys.argv[1:]
+    try:
+        browser = Browser()
+    except Missing as package:
+        check("a browser can be driven", False, f"missing package {package}; scripts/install_deps names it")
+        return 1
+    with tempfile.TemporaryDirectory() as folder:
+        server = None
+        try:
+            server = Server(program, [model], folder)
+            browser.cdp("Page.addScriptToEvaluateOnNewDocument", source=SOCKET)
+            page = Page(browser, server.url)
+            for part in (central_sentence, not_a_number, many, left_behind, standing, lost, arrows, snapping):
+                if not only or part.__name__ in only:
+                    part(page)
+            seen = [line for line in browser.complaints() if "getImageData" not in line]
+            check("no complaint in the console", seen == [], seen[:3])
+        finally:
+            browser.end()
+            if server:
+                server.end()
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
