@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 
@@ -20,7 +21,7 @@ namespace {
 struct Options {
     std::vector<std::string> models;
     std::string record, hidden, learn, journal;
-    bool json = false;
+    bool json = false, draw_token = false;
     HapticChoices choices;
     serve::ServerOptions server;
 };
@@ -70,22 +71,22 @@ void run(const Options& o, Provenance provenance) {
     end.done();
 }
 
-/// What the options must not be together.
-void check(const Options& o) {
+/// The token, which stands on no command line, since every user of a machine sees those; and what the options must not be together.
+void settle(Options& o) {
+    if (const char* given = std::getenv("TISSUECTL_TOKEN")) o.server.token = given;
     if (!o.record.empty() && o.models.size() > 1)
         throw CLI::ValidationError("--record", "a recording is of one model");
     if (!o.hidden.empty() && o.models.size() > 1)
         throw CLI::ValidationError("--hidden", "one model learns, not one of several");
     if (!o.server.token.empty() && !serve::is_token(o.server.token))
-        throw CLI::ValidationError("--token", "wanted 16 to 128 letters, digits, - and _");
+        throw CLI::ValidationError("TISSUECTL_TOKEN", "wanted 16 to 128 letters, digits, - and _");
     bool loopback = true;
     try {
         loopback = serve::is_loopback(o.server.bind);
     } catch (const Error& e) {
         throw CLI::ValidationError("--bind", e.what());
     }
-    if (!loopback && o.server.token.empty())
-        throw CLI::ValidationError("--bind " + o.server.bind, "others can reach this address, so it needs --token");
+    if (o.server.token.empty() && (o.draw_token || !loopback)) o.server.token = serve::draw_secret();
 }
 
 }  // namespace
@@ -97,10 +98,10 @@ void add_serve(CLI::App& app, const Invocation& invocation) {
                                                  "gives FE's surface")->required()->type_name("FILE");
     command->add_option("--port", o->server.port, "TCP; 0: any that is free")
         ->type_name("number")->capture_default_str()->check(quiet(CLI::Range(0, 65535)));
-    command->add_option("--bind", o->server.bind, "address to listen on; all but this machine's own need --token")
+    command->add_option("--bind", o->server.bind, "address to listen on; all but this machine's own bring --token")
         ->type_name("address")->capture_default_str();
-    command->add_option("--token", o->server.token, "wanted from every request, as ?token= or a cookie")
-        ->type_name("text")->envname("TISSUECTL_TOKEN");
+    command->add_flag("--token", o->draw_token, "let in only who has a token: drawn, and printed once in the page's address; the variable TISSUECTL_TOKEN gives "
+                                                "one of your own")->disable_flag_override();
     command->add_option("--clients", o->server.clients, "pages at a time")
         ->type_name("count")->capture_default_str()->check(quiet(CLI::Range(1, 32)));
     add_number(*command, "--seconds", o->server.seconds, "s", "how long; 0: until a signal comes")->check(quiet(CLI::Range(0.0, longest_session_s)));
@@ -112,13 +113,9 @@ void add_serve(CLI::App& app, const Invocation& invocation) {
     command->add_option("--journal", o->journal, "pokes learned from, CSV, as they come; a new file: tissuectl adapt --live makes the same model of it")->type_name("FILE")->needs(hidden);
     add_haptic_options(*command, o->choices);
     command->callback([o, &invocation] {
-        check(*o);
+        settle(*o);
         settle(o->choices);
-        // a recording is handed round, the token is not
-        std::string said = invocation.command;
-        for (std::size_t at; !o->server.token.empty() && (at = said.find(o->server.token)) != std::string::npos;)
-            said.replace(at, o->server.token.size(), "...");
-        run(*o, {said, 0, {}});
+        run(*o, {invocation.command, 0, {}});
     });
 }
 

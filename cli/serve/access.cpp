@@ -1,8 +1,12 @@
 #include "access.h"
 
 #include <arpa/inet.h>
+#include <fmt/format.h>
+#include <sys/random.h>
 
 #include <algorithm>
+
+#include "error.h"
 
 namespace tissue::serve {
 namespace {
@@ -64,8 +68,12 @@ std::optional<std::string> token_in_query(std::string_view target) {
     return {};
 }
 
-std::optional<std::string> token_in_cookie(std::string_view rest) {
-    constexpr std::string_view name = "tissue_token=";
+std::string cookie_name(int port) {
+    return fmt::format("tissue_token_{}", port);
+}
+
+std::optional<std::string> token_in_cookie(std::string_view rest, int port) {
+    const std::string name = cookie_name(port) + "=";
     while (!rest.empty()) {
         std::string_view part = rest.substr(0, rest.find(';'));
         rest.remove_prefix(std::min(rest.size(), part.size() + 1));
@@ -81,12 +89,20 @@ bool is_token(std::string_view token) {
            });
 }
 
-std::optional<Refusal> refuse(const Credentials& c, const std::string& token) {
+std::string draw_secret() {
+    unsigned char bytes[16];
+    if (::getrandom(bytes, sizeof bytes, 0) != static_cast<ssize_t>(sizeof bytes)) throw Error("the system gives no random numbers");
+    std::string secret;
+    for (const unsigned byte : bytes) secret += fmt::format("{:02x}", byte);
+    return secret;
+}
+
+std::optional<Refusal> refuse(const Credentials& c, const std::string& token, int port) {
     if (!is_own_host(c.host)) return Refusal{"host", "this Host is not one that this program serves"};
     if (c.has_origin && !is_own_origin(c.origin, c.host)) return Refusal{"origin", "a page of another Origin"};
     if (token.empty()) return {};
-    const std::string given = token_in_query(c.target).value_or(token_in_cookie(c.cookie).value_or(""));
-    if (!same_secret(given, token)) return Refusal{"token", "the token is missing or wrong"};
+    const std::string given = token_in_query(c.target).value_or(token_in_cookie(c.cookie, port).value_or(""));
+    if (!same_secret(given, token)) return Refusal{"token", "the token is missing or wrong: open the address that the program printed"};
     return {};
 }
 

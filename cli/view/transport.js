@@ -12,7 +12,7 @@ let quiet = 0;     // looks in a row without a word; a browser that was busy its
 export function connect(to = listener) {
   listener = to;
   clearTimeout(socket.again);
-  const ws = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/ws`);
+  const ws = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${location.pathname}ws`);
   ws.binaryType = "arraybuffer";
   socket.at = ws;
   quiet = 0;

@@ -16,7 +16,7 @@ FUZZ_TARGET(request)(const std::uint8_t* data, std::size_t size) {
         rest.remove_prefix(std::min(rest.size(), p.size() + 1));
     }
     const Credentials credentials{part[0], part[1], part[2], part[3], !part[1].empty()};
-    const bool open = !refuse(credentials, ""), let_in = !refuse(credentials, token);
+    const bool open = !refuse(credentials, "", 8080), let_in = !refuse(credentials, token, 8080);
     must(open || !let_in, "a token opens what is closed without one");
     must(!let_in || part[2].find(token) != std::string_view::npos || part[3].find(token) != std::string_view::npos, "let in without the token");
     page_file(std::string(path_of(part[2])));

@@ -1,6 +1,7 @@
 """What `tissuectl serve` lets in and what not, over sockets: check_server.py PROGRAM MODEL SCRATCH
 Prints "ok - sentence", or "not ok - sentence" and what was seen; exits 1 if any failed."""
 import json
+import os
 import re
 import signal
 import socket
@@ -241,38 +242,133 @@ def command_line():
     with socket.create_server(("127.0.0.1", 0)) as taken:
         status, err = run(model, "--port", str(taken.getsockname()[1]))
     check("a port in use: exit 1, one line", status == 1 and err.count("\n") == 1 and "cannot listen on 127.0.0.1 port" in err, status, err)
-    for sentence, arguments in (("beyond this machine without a token", ("--bind", "0.0.0.0")), ("a token too short", ("--token", "abc")),
+    for sentence, arguments in (("a token on the command line", ("--token=0123456789abcdef",)),
                                 ("an address that is a name", ("--bind", "example.org")), ("a recording of two models", (model, "--record", "x.h5")),
                                 ("no clients", ("--clients", "0")), ("a port that is none", ("--port", "70000"))):
         status, err = run(model, *arguments)
         check(f"{sentence}: exit 2", status == 2, status, err)
+    done = subprocess.run([program, "serve", model], capture_output=True, text=True, timeout=PATIENCE_S, env={**os.environ, "TISSUECTL_TOKEN": "abc"})
+    check("a token too short: exit 2, one line", done.returncode == 2 and "TISSUECTL_TOKEN: wanted 16 to 128" in done.stderr, done.returncode, done.stderr)
     status, err = run(str(scratch / "none.h5"))
     check("a model that is not there: exit 1, one line", status == 1 and err.count("\n") == 1 and "none.h5" in err, status, err)
     status, err = run(model, "--record", str(scratch / "none" / "s.h5"))
     check("a recording that cannot be written: exit 1", status == 1 and "cannot write" in err, status, err)
 
 
+def slow_download(port, path, bytes_a_second):
+    """How many bytes come of an answer that is taken at this rate, and how many should."""
+    with socket.socket() as s:
+        s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 8192)
+        s.settimeout(PATIENCE_S)
+        s.connect(("127.0.0.1", port))
+        s.sendall(f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n".encode())
+        began, taken, head = time.monotonic(), 0, b""
+        try:
+            while part := s.recv(8192):
+                taken += len(part)
+                head += part if len(head) < 2000 else b""
+                time.sleep(max(0, began + taken / bytes_a_second - time.monotonic()))
+        except ConnectionResetError:
+            pass
+    size = int(re.search(rb"Content-Length: (\d+)", head)[1])
+    return taken - head.index(b"\r\n\r\n") - 4, size, time.monotonic() - began
+
+
+def answer_of(connection):
+    """(status, text) of what a connection is told before it is closed; (None, "") when nothing."""
+    connection.settimeout(PATIENCE_S)
+    told = b""
+    try:
+        while part := connection.recv(65536):
+            told += part
+    except ConnectionError:
+        pass
+    return (int(told.split()[1]), told.decode()) if told else (None, "")
+
+
+def crowds(port, page="/", headers=""):
+    """Many connections, which say nothing or half of something, and one who wants the page."""
+    for sentence, words in (("silent", b""), ("halfway through a request", b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n")):
+        crowd = []
+        for _ in range(150):
+            crowd.append(socket.create_connection(("127.0.0.1", port)))
+            crowd[-1].sendall(words)
+        loads = [get(port, page, headers=headers)[0] for _ in range(40)]
+        check(f"a crowd of 150 connections, {sentence}: every load of the page succeeds", loads == [200] * 40, loads)
+        gave_way = answer_of(crowd[0])
+        check("who gives way is told so", gave_way[0] == 503 and "this one gave way to another" in gave_way[1], gave_way)
+        last = answer_of(crowd[-1])
+        reason = "nothing came within 2 s" if not words else "no whole request came within 5 s"
+        check("who is late is told so", last[0] == 408 and reason in last[1], last)
+        for c in crowd:
+            c.close()
+    many = [socket.create_connection(("127.0.0.1", port), source_address=(f"127.0.0.{k + 2}", 0)) for k in range(100)]
+    check("nor do a hundred from as many addresses of this machine", [get(port, page, headers=headers)[0] for _ in range(10)] == [200] * 10)
+    for c in many:
+        c.close()
+
+
+def rates(port):
+    one = b"GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"
+    told = request(port, one * 2000 + one.replace(b"\r\n\r\n", b"\r\nConnection: close\r\n\r\n"))
+    check("too many requests a second: 429, when, and why", told.count(b"HTTP/1.1 429") == 1 and 100 < told.count(b"HTTP/1.1 200") < 1500
+          and b"Retry-After: 1" in told and b"more than 250 requests a second" in told, told.count(b"HTTP/1.1 200"), told[-400:])
+    check("and soon again", wait_for(lambda: get(port, "/healthz")[0] == 200) and refused(port, "requests") >= 1)
+    taken, size, seconds = slow_download(port, "/three.module.js", 150e3)
+    check("a slow download at 150 kB/s is whole", taken == size > 1e6 and seconds > 5.5, taken, size, seconds)
+    slow = socket.socket()
+    slow.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    slow.connect(("127.0.0.1", port))
+    before = refused(port, "slow")
+    slow.sendall(b"GET /three.module.js HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n")
+    check("one that is not taken is given up", wait_for(lambda: refused(port, "slow") == before + 1, 60))
+    slow.close()
+
+
 def token():
     secret = "0123456789abcdefXYZ_-"
     record = scratch / "token.h5"
-    server = Server(program, model, "--bind", "0.0.0.0", "--token", secret, "--record", str(record))
+    server = Server(program, model, "--bind", "0.0.0.0", "--record", str(record), TISSUECTL_TOKEN=secret)
     port = server.port
     check("with a token the URL has it", server.url.endswith(f"/?token={secret}"), server.url)
     check("without it: 401, to pages and WebSockets", [get(port, p)[0] for p in ("/", "/page.js", "/metrics", f"/?token={secret[:-1]}")] == [401] * 4
           and refusal(port) == 401)
     status, head, _ = get(port, f"/?token={secret}")
-    cookie = re.search(r"Set-Cookie: (tissue_token=[^;]*); (.*)\r", head)
-    check("with it the page, and a cookie for the rest", status == 200 and cookie and "HttpOnly" in cookie[2] and "SameSite=Strict" in cookie[2], head)
-    check("the cookie lets in", get(port, "/page.js", headers=f"Cookie: {cookie[1]}\r\n")[0] == 200
-          and refusal(port, headers=f"Cookie: {cookie[1]}\r\n") == 101 and refusal(port, path=f"/ws?token={secret}") == 101)
+    cookie = re.search(rf"Set-Cookie: (tissue_token_{port}=[^;]*); (.*)\r", head)
+    there = re.search(r"Location: (/[0-9a-f]{32}/)\r", head)
+    check("with it the page's own path, without the token, and a cookie of this port and that path alone", status == 303 and cookie and there
+          and f"Path={there[1]};" in cookie[2] and "HttpOnly" in cookie[2] and "SameSite=Strict" in cookie[2], head)
+    mine = f"Cookie: {cookie[1]}\r\n"
+    check("the cookie lets in, to the page, its parts and its WebSocket", [get(port, there[1] + p, headers=mine)[0] for p in ("", "page.js", "healthz")] == [200] * 3
+          and refusal(port, path=f"{there[1]}ws", headers=mine) == 101 and refusal(port, path=f"/ws?token={secret}") == 101)
+    check("the path without the cookie does not", [get(port, there[1] + p)[0] for p in ("", "page.js", "metrics")] == [401] * 3)
+    other = Server(program, model, "--token")
+    drawn = re.search(r"/\?token=([0-9a-f]{32})$", other.url)
+    check("--token draws one", drawn and get(other.port, f"/?token={drawn[1]}")[0] == 303 and get(other.port)[0] == 401, other.url)
+    check("which no list of processes has", drawn[1].encode() not in Path(f"/proc/{other.process.pid}/cmdline").read_bytes())
+    both = f"Cookie: {cookie[1]}; tissue_token_{other.port}={drawn[1]}\r\n"
+    check("the cookies of two servers stand beside each other", [get(p, headers=both)[0] for p in (port, other.port)] == [200] * 2)
+    crowds(port, there[1], mine)
+    began, guesses = time.monotonic(), []
+    while 429 not in guesses and len(guesses) < 3000:
+        guesses.append(get(port, "/?token=guess")[0])
+    check("who guesses tokens is refused by their number, and takes none from the owner's", get(port, there[1], headers=mine)[0] == 200
+          and (429 in guesses or len(guesses) / (time.monotonic() - began) < 260), guesses[-1])
+    status, _, err = other.end()
+    check("it is printed once", status == 0 and err.count(drawn[1]) == 1, err)
     status, _, _ = server.end()
     with h5py.File(record) as f:
         check("the recording does not hold the token", status == 0 and secret.encode() not in f.attrs["command"], f.attrs["command"])
+    beyond = [Server(program, model, "--bind", "0.0.0.0") for _ in range(2)]
+    drawn = [re.search(r"/\?token=([0-9a-f]{32})$", s.url) for s in beyond]
+    check("beyond this machine a token is drawn, another each time", all(drawn) and drawn[0][1] != drawn[1][1] and get(beyond[0].port)[0] == 401)
+    for s in beyond:
+        s.end()
 
 
 command_line()
 server = Server(program, model, "--port", "0")
-for part in (http, conversation, misbehaviour, attack):
+for part in (http, conversation, misbehaviour, crowds, rates, attack):
     part(server.port)
 status, out, err = server.end()
 check("after all this it ends as it should", status == 0 and "rror" not in err, status, err)

@@ -130,20 +130,25 @@ TEST_CASE("an Origin is ours when it is the page's own", "[serve]") {
 TEST_CASE("a token comes by query or cookie, and only the whole one lets in", "[serve]") {
     const std::string token = "0123456789abcdef";
     const auto why = [&](std::string_view target, std::string_view cookie) {
-        const auto refusal = refuse({"127.0.0.1:1", "", target, cookie, false}, token);
+        const auto refusal = refuse({"127.0.0.1:1", "", target, cookie, false}, token, 8080);
         return refusal ? refusal->kind : std::string();
     };
     CHECK(why("/?token=0123456789abcdef", "").empty());
     CHECK(why("/ws?a=b&token=0123456789abcdef&c", "").empty());
-    CHECK(why("/page.js", "other=1; tissue_token=0123456789abcdef").empty());
+    CHECK(why("/page.js", "other=1; tissue_token_8080=0123456789abcdef").empty());
     for (const char* target : {"/", "/?token=", "/?token=0123456789abcde", "/?token=0123456789abcdef0", "/?token=0123456789abcdeF",
                                "/?xtoken=0123456789abcdef", "/token=0123456789abcdef"})
         CHECK(why(target, "") == "token");
-    CHECK(why("/", "xtissue_token=0123456789abcdef") == "token");
-    CHECK(why("/?token=wrong", "tissue_token=0123456789abcdef") == "token");
-    CHECK_FALSE(refuse({"127.0.0.1:1", "", "/", "", false}, ""));
-    CHECK(std::string(refuse({"evil.example", "", "/", "", false}, "")->kind) == "host");
-    CHECK(std::string(refuse({"127.0.0.1:1", "null", "/", "", true}, "")->kind) == "origin");
+    CHECK(why("/", "xtissue_token_8080=0123456789abcdef") == "token");
+    for (const char* of_another : {"tissue_token=0123456789abcdef", "tissue_token_8081=0123456789abcdef", "tissue_token_80801=0123456789abcdef"})
+        CHECK(why("/", of_another) == "token");
+    CHECK(why("/", "tissue_token_8081=fedcba9876543210; tissue_token_8080=0123456789abcdef").empty());  // two servers of one host
+    CHECK(draw_secret() != draw_secret());
+    CHECK(is_token(draw_secret()));
+    CHECK(why("/?token=wrong", "tissue_token_8080=0123456789abcdef") == "token");
+    CHECK_FALSE(refuse({"127.0.0.1:1", "", "/", "", false}, "", 8080));
+    CHECK(std::string(refuse({"evil.example", "", "/", "", false}, "", 8080)->kind) == "host");
+    CHECK(std::string(refuse({"127.0.0.1:1", "null", "/", "", true}, "", 8080)->kind) == "origin");
     CHECK(is_token(token));
     for (const char* bad : {"", "short", "0123456789abcde;", "0123456789abcdef\n", "0123456789 abcdef"}) CHECK_FALSE(is_token(bad));
     CHECK(path_of("/ws?x=/y") == "/ws");

@@ -429,6 +429,19 @@ def two_visitors(page, server):
         other.end()
 
 
+def with_a_token(page, program, models, folder):
+    server = Server(program, models, folder, "--token")
+    try:
+        page.open(server.url)
+        check("with a token it connects", page.until("window.tissue && tissue.connected"), page.js("location.href"))
+        gone_through = [entry["url"] for entry in page.cdp("Page.getNavigationHistory")["entries"]]
+        check("neither the address bar nor the way back has the token", not any("token" in url for url in [page.js("location.href"), *gone_through]), gone_through)
+        page.open(page.js("location.href"))
+        check("loaded anew it connects again", page.until("window.tissue && tissue.connected && tissue.states > 0"))
+    finally:
+        server.end()
+
+
 def ending(page, program, models, folder, server):
     check("no complaint in the console", (seen := page.complaints()) == [], seen)
     page.drag([-0.015, 0.05], [0.006, 0.05])
@@ -456,6 +469,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         server = None
         try:
+            with_a_token(page, program, models, folder)
             server = Server(program, models, folder, "--clients", "2")
             page.cdp("Page.addScriptToEvaluateOnNewDocument", source=COUNT_POINTERS)
             opening(page, server)

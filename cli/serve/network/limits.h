@@ -7,47 +7,67 @@
 
 namespace tissue::serve {
 
+inline constexpr std::chrono::seconds first_byte_time{2};  ///< of a connection
 inline constexpr std::chrono::seconds request_time{5};     ///< for a whole request, and between two of a connection
 inline constexpr std::chrono::seconds idle_time{20};       ///< a page that answers no ping for this long is gone
 inline constexpr std::chrono::seconds slow_time{2};        ///< a page that takes longer to take one message is too slow
 inline constexpr std::chrono::milliseconds step_time{16};  ///< of the show: 60 a second
-inline constexpr std::chrono::seconds farewell_time{1};    ///< for clients to close, at the end
+inline constexpr std::chrono::seconds farewell_time{1};    ///< for the other side to close, at the end
 inline constexpr std::size_t longest_queue = 64;           ///< texts that wait for one page
 inline constexpr int send_buffer = 64 * 1024;              ///< so that a page that does not read shows soon
+inline constexpr double download_B_s = 50e3;               ///< slowest mean rate at which an answer may be taken, after request_time
 inline constexpr int connections_max = 64;                 ///< of all kinds at a time
-inline constexpr double messages_s = 250;                  ///< of one page: a mouse says 60 to 125
+inline constexpr int connections_of_address = 48;          ///< above 32 pages and what they load
+inline constexpr int addresses_max = 1024;                 ///< that are remembered
+inline constexpr double messages_s = 250;                  ///< of one page: a mouse sends 60 to 125
+inline constexpr double requests_s = 250;                  ///< of one address: a page loads 27 files
 inline constexpr std::size_t frame_header = 14;            ///< bytes, at most, before what a page says
 
 inline double now_s() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// So many messages a second, and as many at once.
+/// So many a second, and as many at once.
 class Allowance {
    public:
+    explicit Allowance(double rate_s) : rate_s_(rate_s) {}
     bool take() {
         const double now = now_s();
-        left_ = std::min(messages_s, left_ + messages_s * (now - then_));
+        left_ = std::min(rate_s_, left_ + rate_s_ * (now - then_));
         then_ = now;
-        return (left_ -= 1) >= 0;
+        if (left_ < 1) return false;  // what is refused costs nothing: a flood ends with its last message
+        left_ -= 1;
+        return true;
     }
 
    private:
-    double left_ = messages_s, then_ = now_s();
+    double rate_s_, left_ = rate_s_, then_ = now_s();
 };
 
-/// Counts a connection while it lives.
+/// An address from which connections come: a network of 64 bits of IPv6, and all of the loopback, are one each.
+struct Neighbour {
+    int connections = 0;
+    Allowance admitted{requests_s}, others{requests_s};  ///< requests with the token, and without: these take nothing from those
+};
+
+/// Counts a connection, of all and of its address, while it lives.
 class Seat {
    public:
-    explicit Seat(int& count) : count_(&count) { ++*count_; }
-    Seat(Seat&& other) noexcept : count_(std::exchange(other.count_, nullptr)) {}
+    Seat(int& all, Neighbour& neighbour) : all_(&all), neighbour_(&neighbour) { ++*all_, ++neighbour_->connections; }
+    Seat(Seat&& other) noexcept : all_(std::exchange(other.all_, nullptr)), neighbour_(other.neighbour_) {}
     Seat& operator=(Seat&&) = delete;
-    ~Seat() {
-        if (count_) --*count_;
+    ~Seat() { give_up(); }
+
+    void give_up() {
+        if (!all_) return;
+        --*std::exchange(all_, nullptr);
+        --neighbour_->connections;
     }
+    Neighbour& neighbour() const { return *neighbour_; }
 
    private:
-    int* count_;
+    int* all_;
+    Neighbour* neighbour_;
 };
 
 }  // namespace tissue::serve

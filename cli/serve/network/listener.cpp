@@ -10,6 +10,18 @@
 #include "visitor.h"
 
 namespace tissue::serve {
+namespace {
+
+std::string group_of(const asio::ip::address& address) {
+    if (address.is_loopback()) return "loopback";  // whoever is here may use any of them
+    if (address.is_v4()) return address.to_string();
+    const asio::ip::address_v6 v6 = address.to_v6();
+    if (v6.is_v4_mapped()) return group_of(asio::ip::make_address_v4(asio::ip::v4_mapped, v6));
+    const auto bytes = v6.to_bytes();
+    return {bytes.begin(), bytes.begin() + 8};
+}
+
+}  // namespace
 
 Listener::Listener(Stage& s, const ServerOptions& o)
     : options(o), stage(s), acceptor(context), signals(context, SIGINT, SIGTERM), tick(context), end(context), again(context),
@@ -43,12 +55,46 @@ void Listener::accept() {
         ++traffic.connections;
         Code ignored;
         socket.set_option(Tcp::no_delay(true), ignored);
-        if (connections >= connections_max)
-            refuse("connections");
-        else
-            std::make_shared<Visitor>(*this, std::move(socket))->read();
+        seat(std::move(socket));
         accept();
     });
+}
+
+void Listener::seat(Tcp::socket socket) {
+    Code error;
+    const Tcp::endpoint from = socket.remote_endpoint(error);
+    if (!error) socket.non_blocking(true, error);
+    if (error) return;  // gone already
+    Neighbour& of = neighbour(from.address());
+    const bool crowded = of.connections >= connections_of_address;
+    if ((crowded || connections >= connections_max) && !make_room(crowded ? &of : nullptr)) {
+        refuse("connections");
+        return Visitor::send_off(socket, http::status::service_unavailable, "all connections are taken by pages; try again later");
+    }
+    std::make_shared<Visitor>(*this, Seat(connections, of), std::move(socket))->read();
+}
+
+/// One of this address; null: of any.
+bool Listener::make_room(const Neighbour* of) {
+    Visitor* first = nullptr;
+    for (Visitor* visitor : visitors)
+        if ((!of || &visitor->neighbour() == of) && (!first || visitor->goes_before(*first))) first = visitor;
+    if (!first) return false;
+    refuse("connections");
+    first->send_off(http::status::service_unavailable, "too many connections; this one gave way to another");
+    return true;
+}
+
+Neighbour& Listener::neighbour(const asio::ip::address& address) {
+    if (neighbours.size() >= addresses_max)
+        for (auto at = neighbours.begin(); at != neighbours.end();) at = at->second.connections == 0 ? neighbours.erase(at) : std::next(at);
+    return neighbours[group_of(address)];
+}
+
+std::string_view Listener::path_within(std::string_view target) const {
+    const std::string_view path = path_of(target);
+    const bool own = path.size() > session.size() + 1 && path[0] == '/' && path.substr(1, session.size()) == session && path[session.size() + 1] == '/';
+    return own ? path.substr(session.size() + 1) : path;
 }
 
 void Listener::step() {
@@ -59,6 +105,8 @@ void Listener::step() {
     std::vector<std::shared_ptr<PageSocket>> all;
     for (const auto& [client, page] : pages) all.push_back(page);
     for (const auto& page : all) page->check_speed();
+    const std::set<Visitor*> now = visitors;
+    for (Visitor* visitor : now) visitor->check_time();
     if (stage.failed()) return finish("the simulation has failed");
     tick.expires_after(step_time);
     tick.async_wait([this](Code) {

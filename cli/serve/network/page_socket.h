@@ -60,7 +60,7 @@ class PageSocket : public std::enable_shared_from_this<PageSocket> {
     std::shared_ptr<const Frame> state_;   ///< the newest that has not been sent
     FrameCoder coder_;
     std::optional<websocket::close_reason> farewell_;
-    Allowance allowance_;
+    Allowance allowance_{messages_s};
     Clock::time_point writing_since_;
     bool open_ = false, writing_ = false, closing_ = false, left_ = false, bye_ = false,
          flooded_ = false, too_slow_ = false;

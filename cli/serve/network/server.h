@@ -25,7 +25,7 @@ class Server {
     ~Server();
 
     int port() const;
-    std::string url() const;     ///< with the token, if one is wanted
+    std::string url() const;     ///< with the token, if one is wanted: for the one who started it
 
     /// Serves until SIGINT, SIGTERM, or the time is up. The stage has stopped before the clients are told.
     void run();
