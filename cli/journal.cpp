@@ -16,11 +16,26 @@
 namespace tissue::cli {
 namespace {
 
-/// Whether anything follows its first line.
-bool has_rows(const std::string& file) {
+std::string header(int dimension) {
+    std::string names;
+    for (const char* what : {"contact", "displacement", "force"})
+        for (int d = 0; d < dimension; ++d) names += fmt::format("{}{}_{} [{}]", names.empty() ? "" : ",", what, "xyz"[d], what[0] == 'f' ? "N" : "m");
+    return names + '\n';
+}
+
+/// Why a file may not be begun anew; empty when it is empty, or a journal without a reading.
+std::string in_the_way(const std::string& file) {
     std::ifstream in(file);
-    std::string line;
-    return std::getline(in, line) && std::getline(in, line);
+    std::string begins(header(3).size() + 1, '\0');
+    in.read(begins.data(), static_cast<std::streamsize>(begins.size()));
+    begins.resize(static_cast<std::size_t>(in.gcount()));
+    if (begins.empty() && in.eof()) return {};
+    for (int dimension : {2, 3}) {
+        const std::string first = header(dimension);
+        if (begins == first) return {};
+        if (begins.compare(0, first.size(), first) == 0) return "has readings of an earlier session";
+    }
+    return in.bad() || begins.empty() ? "cannot be read" : "is there already, and is no journal";
 }
 
 }  // namespace
@@ -36,13 +51,10 @@ Journal::Journal(const std::string& file, int dimension) : file_(file) {
     struct stat is {};
     if (::fstat(out_, &is) == 0 && S_ISREG(is.st_mode)) {  // a pipe has neither rows nor an end
         if (::flock(out_, LOCK_EX | LOCK_NB) != 0) refuse("another session writes it");
-        if (has_rows(file)) refuse("has readings of an earlier session: name another file, or take it away");
+        if (const std::string why = in_the_way(file); !why.empty()) refuse(why + ": name another file, or take it away");
         if (::ftruncate(out_, 0) != 0) refuse(fmt::format("cannot be written: {}", std::strerror(errno)));
     }
-    std::string header;
-    for (const char* what : {"contact", "displacement", "force"})
-        for (int d = 0; d < dimension; ++d) header += fmt::format("{}{}_{} [{}]", header.empty() ? "" : ",", what, "xyz"[d], what[0] == 'f' ? "N" : "m");
-    if (!write(header + '\n')) refuse("cannot be written");
+    if (!write(header(dimension))) refuse("cannot be written");
 }
 
 Journal::~Journal() {

@@ -10,7 +10,8 @@ namespace tissue::cli {
 /// session that is killed all readings but the last stay, and no later session of the same name takes them away.
 class Journal {
    public:
-    /// Empty: none is kept. Throws FileError when it cannot be written, when another session writes it, or when it has rows already.
+    /// Empty: none is kept. Throws FileError when it cannot be written, when another session writes it, or when it is a file that is
+    /// neither empty nor a journal without rows.
     Journal(const std::string& file, int dimension);
     ~Journal();
     Journal(const Journal&) = delete;
