@@ -523,8 +523,9 @@ TEST_CASE("the shipped client takes no forged force, none above its limit, and d
     REQUIRE(::getsockname(socket, reinterpret_cast<sockaddr*>(&here), &length) == 0);
     const timeval wait{60, 0};
     setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof wait);
+    int ended = -1;  // of the shell
     std::thread runs([&] {
-        std::system((std::string(python ? python : "python3") + " " + client + " " + std::to_string(ntohs(here.sin_port)) + " 1 > " + folder.file("out") + " 2> " +
+        ended = std::system((std::string(python ? python : "python3") + " " + client + " " + std::to_string(ntohs(here.sin_port)) + " 1 > " + folder.file("out") + " 2> " +
                      folder.file("err") + "; echo $? > " + folder.file("status")).c_str());
     });
     const auto force = [](std::uint32_t used, double x, double y, double z) { return ForceDatagram{{'T', 'S', 'F', '1'}, used, 0, {x, y, z}, 0}; };
@@ -551,6 +552,7 @@ TEST_CASE("the shipped client takes no forged force, none above its limit, and d
     const std::string told = read_file(folder.file("out"));
     INFO(told << read_file(folder.file("err")));
     CHECK(heard == 200);
+    CHECK(ended == 0);
     CHECK(read_file(folder.file("status")) == "0\n");
     CHECK(told.find("largest force 3.3000 N, refused ") != std::string::npos);
     double sent = 0, answers = 0;

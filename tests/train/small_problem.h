@@ -1,27 +1,15 @@
 #pragma once
 
-#include <gsl/gsl_rng.h>
-
 #include <Eigen/Dense>
 #include <memory>
 
+#include "gsl.h"
 #include "mesh/spring_mesh.h"
 #include "springs/heuristic.h"
 #include "springs/spring_law.h"
 #include "train/optimizer.h"
 
 namespace tissue::test {
-
-struct RngDeleter {
-    void operator()(gsl_rng* rng) const { gsl_rng_free(rng); }
-};
-using Rng = std::unique_ptr<gsl_rng, RngDeleter>;
-
-inline Rng make_rng(unsigned long seed) {
-    Rng rng(gsl_rng_alloc(gsl_rng_mt19937));
-    gsl_rng_set(rng.get(), seed);
-    return rng;
-}
 
 inline Eigen::MatrixXd random_matrix(Eigen::Index rows, Eigen::Index columns, gsl_rng* rng) {
     Eigen::MatrixXd m(rows, columns);
@@ -48,7 +36,7 @@ struct Problem {
 /// down, a third at hi = 3 pressed up, the rest inside without slope. From the wanted gradient g the residual follows,
 /// r = -B (B'B)^-1 g, and b = B theta + r.
 inline Problem problem_with_active_bounds(Eigen::Index rows, Eigen::Index springs, unsigned long seed) {
-    const Rng rng = make_rng(seed);
+    const tissue::Rng rng = tissue::seeded_rng(seed);
     const Eigen::MatrixXd B = random_matrix(rows, springs, rng.get());
     Eigen::VectorXd optimum(springs), gradient(springs);
     for (Eigen::Index s = 0; s < springs; ++s) {
@@ -64,7 +52,7 @@ inline Problem problem_with_active_bounds(Eigen::Index rows, Eigen::Index spring
 /// `optimum` (and, where springs outnumber the rows, elsewhere too). start: all springs 1 N/m, box 0.05 to 40.
 inline Problem lattice_problem(const std::string& topology, const std::string& law, int cells, unsigned long seed,
                                double softest = 0.3) {
-    const Rng rng = make_rng(seed);
+    const tissue::Rng rng = tissue::seeded_rng(seed);
     const SpringMesh mesh = make_lattice(topology, cells, cells, 0.1, 0.1);
     NodeField u = 0.003 * random_matrix(mesh.node_count(), 2, rng.get());
     for (int node : mesh.fixed) u.row(node).setZero();

@@ -28,7 +28,7 @@ TEST_CASE("the exact solver finds a known optimum with springs on both sides of 
 }
 
 TEST_CASE("in a box that holds nothing the exact solver is least squares") {
-    const Rng rng = make_rng(1);
+    const tissue::Rng rng = tissue::seeded_rng(1);
     const Eigen::MatrixXd B = random_matrix(30, 20, rng.get());
     const Eigen::VectorXd b = random_matrix(30, 1, rng.get());
     const BoundedLsqSummary s = solve_bounded_lsq(plain_loss(B, b), Eigen::VectorXd::Zero(20), make_box(20, -1e6, 1e6));
@@ -49,7 +49,7 @@ TEST_CASE("forces that some spring set makes are met exactly") {
 }
 
 TEST_CASE("springs that the data says nothing about keep their start") {
-    const Rng rng = make_rng(3);
+    const tissue::Rng rng = tissue::seeded_rng(3);
     Eigen::MatrixXd B = random_matrix(20, 12, rng.get());
     B.col(4).setZero();
     B.col(7) *= 1e-16;  // the rounding of a displacement that should be zero
@@ -84,7 +84,7 @@ TEST_CASE("without full column rank the loss and the optimality conditions still
 }
 
 TEST_CASE("more springs than equations, held by the box, still end at a certified optimum") {
-    const Rng rng = make_rng(5);
+    const tissue::Rng rng = tissue::seeded_rng(5);
     for (int trial = 0; trial < 20; ++trial) {
         const ForceLoss loss = plain_loss(random_matrix(25, 60, rng.get()), 40 * random_matrix(25, 1, rng.get()));
         const Box box = make_box(60, 0.05, 3);

@@ -42,7 +42,7 @@ TEST_CASE("for one spring the bound is the tangent's lowest point in the box") {
 
 TEST_CASE("no spring set in the box is better than the bound, taken anywhere") {
     const Problem p = problem_with_active_bounds(15, 9, 2);
-    const Rng rng = make_rng(3);
+    const tissue::Rng rng = tissue::seeded_rng(3);
     const double least = p.loss(p.optimum);
     for (int trial = 0; trial < 200; ++trial) {
         const Eigen::VectorXd theta =

@@ -107,7 +107,7 @@ TEST_CASE("a problem is posed where what was solved for it converged, and else s
 }
 
 TEST_CASE("losses joined have the minimum of their sum, however few equations they are", "[objective]") {
-    const Rng rng = make_rng(3);
+    const tissue::Rng rng = tissue::seeded_rng(3);
     std::vector<ForceLoss> losses;
     for (int i = 0; i < 3; ++i) losses.push_back(plain_loss(random_matrix(4, 40, rng.get()), random_matrix(4, 1, rng.get())));
     const Box box = make_box(40, -10, 10);

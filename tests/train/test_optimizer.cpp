@@ -14,7 +14,7 @@ namespace {
 const char* const iterative[] = {"spsa-2008", "spsa", "nlopt:LD_LBFGS", "nlopt:LN_BOBYQA"};
 
 TrainSummary train(const std::string& name, const Problem& p, const StopCriteria& stop = {}) {
-    return optimizers().at(name)->minimise(p.loss, p.start, p.box, 1, stop, make_rng(1).get());
+    return optimizers().at(name)->minimise(p.loss, p.start, p.box, 1, stop, tissue::seeded_rng(1).get());
 }
 
 }  // namespace
@@ -38,7 +38,7 @@ TEST_CASE("every optimiser refuses sizes that disagree, an empty box, a start ou
     for (const char* name : {"spsa-2008", "spsa", "exact", "nlopt:LD_LBFGS"}) {
         CAPTURE(name);
         const Optimizer& optimizer = *optimizers().at(name);
-        const Rng rng = make_rng(1);
+        const tissue::Rng rng = tissue::seeded_rng(1);
         const auto attempt = [&](const Eigen::VectorXd& start, const Box& box, double unit) {
             optimizer.minimise(p.loss, start, box, unit, {}, rng.get());
         };

@@ -14,7 +14,7 @@ constexpr double goal = 0.02;        // gap asked of a trained set
 constexpr double seed_noise = 1e-6;  // of theta: the seed changes rounding alone, amplified by the conjugate directions
 
 TrainSummary train(const Problem& p, unsigned long seed = 1, const StopCriteria& stop = {}) {
-    return Spsa().minimise(p.loss, p.start, p.box, 1, stop, make_rng(seed).get());
+    return Spsa().minimise(p.loss, p.start, p.box, 1, stop, seeded_rng(seed).get());
 }
 
 double gap_of(const Problem& p, double loss) {
@@ -110,7 +110,7 @@ TEST_CASE("spsa that runs out of iterations inside a move that fails says so, an
     const auto trained = [&](int iterations) {
         StopCriteria stop;
         stop.iterations = iterations;
-        return Spsa(options).minimise(p.loss, p.start, p.box, 1, stop, make_rng(1).get());
+        return Spsa(options).minimise(p.loss, p.start, p.box, 1, stop, seeded_rng(1).get());
     };
     const TrainSummary end = trained(100000);
     const int all = end.iterations;

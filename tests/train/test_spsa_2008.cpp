@@ -10,7 +10,7 @@ namespace {
 
 TrainSummary train(const Problem& p, unsigned long seed = 1, const StopCriteria& stop = {},
                    const Spsa2008Options& options = {}) {
-    return Spsa2008(options).minimise(p.loss, p.start, p.box, 1, stop, make_rng(seed).get());
+    return Spsa2008(options).minimise(p.loss, p.start, p.box, 1, stop, seeded_rng(seed).get());
 }
 
 /// Springs that do not know of each other: the best stiffness of spring s is best[s].
