@@ -489,7 +489,7 @@ said() { # WANTED SENTENCE SAID
 said '^cases \[1/300\] a, ' "a path makes its own mesh, and the first of 300 is counted" "$(path a -contact_x 0.043)"
 said '^cases \[2/300\] b, ' "the second of 300 is counted" "$(path b -contact_x 0.05)"
 said '^cases \[2/300\] a, ' "a path solved again is counted once" "$(path a -contact_x 0.043)"
-said "load path 'c': fem/block3.geo: gmsh cannot mesh it: .*does not fit on the top face; see" "a mesh that cannot be had is one line with its cause" "$(path c -contact_x 0.003)"
+said "load path 'c': fem/block3.geo: gmsh cannot read or mesh it: .*does not fit on the top face; see" "a mesh that cannot be had is one line with its cause" "$(path c -contact_x 0.003)"
 rm "$study/cases/b.csv"
 sleep 0.01; touch "$study/plan.mk"
 said '^cases \[2/300\] c, ' "a changed plan is counted anew" "$(path c -contact_x 0.05)"
