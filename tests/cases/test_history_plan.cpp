@@ -241,7 +241,7 @@ TEST_CASE("courses in space are drawn as pushes there are, and a nodule relaxes 
     const Plan plan = make_plan(study);
     CHECK_THAT(plan.parts.at("path-poke-0001"), Contains(" -history history-poke-0001 -density 1000 -branches 1 -g1 0.4 -tau1 0.5 -g1_11 0.1"));
     CHECK_THAT(plan.parts.at("path-poke-0001-elastic"), !Contains("-branches"));
-    CHECK_THAT(plan.fragment, Contains("poke-0001.csv: $(R)/plan/path-poke-0001 $(R)/plan/history-poke-0001 fem/block3.geo"));
+    CHECK_THAT(plan.fragment, Contains("poke-0001.csv: $(R)/plan/path-poke-0001 $(R)/plan/history-poke-0001 scripts/run_gmsh fem/block3.geo"));
 }
 
 TEST_CASE("a course of one's own is planned at its contact, towards its deepest place, and planned anew when its file changes", "[histories]") {

@@ -14,7 +14,7 @@ using namespace tissue;
 
 namespace {
 
-HapticOptions with_friction(double stick, double slip = -1) {
+HapticOptions with_friction(double stick, std::optional<double> slip = {}) {
     HapticOptions o;
     o.friction = {stick, slip};
     o.safety.passivity = false;

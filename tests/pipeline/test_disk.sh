@@ -1,6 +1,7 @@
 #!/bin/sh
 # A read-only results folder and a full disk: one clear line, a non-zero exit, nothing that looks finished.
 . "$(dirname "$0")/common"
+TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}")
 make_copy
 make_tiny figures -j2
 check "the study is solved to begin with" exited 0
@@ -122,7 +123,7 @@ if [ "$(id -u)" = 0 ] && mount -t tmpfs -o size=8m tissue_test "$R" 2>/dev/null;
     cp -pR "$scratch/whole/." "$R"
     cat /dev/zero >"$R/filler" 2>/dev/null
     truncate -s -100K "$R/filler"  # room to begin with
-    run "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}" results/tiny/model.h5 --seconds 2 --record results/tiny/r.h5
+    run "$TISSUE_HAPTIC" results/tiny/model.h5 --seconds 2 --record results/tiny/r.h5
     check "full disk: a recording ends with 1" exited 1
     check "full disk: one line, and none of HDF5's, says that it cannot be written" sh -c '[ "$(grep -c "r.h5: " "$1")" = 1 ] && [ "$(wc -l <"$1")" -lt 40 ]' - "$said"
     check "full disk: nothing of the recording is left" no_half_files "$R"
