@@ -59,13 +59,20 @@ Point inward_at(const SpringMesh& mesh, const StudyPath& push) {
 void refuse_wrong_unit(const Study& study, const MshFile& mesh) {
     constexpr double most_along = 1000, most_in_all = 100'000, farthest = 1000;
     const Study::Geometry& g = study.geometry;
-    if (mesh.points.empty()) return;
     const double none = std::numeric_limits<double>::infinity();
     Eigen::Array3d low = Eigen::Array3d::Constant(none), high = -low;
-    for (const MshFile::Point& p : mesh.points) {
-        low = low.min(Eigen::Array3d(p.x, p.y, p.z));
-        high = high.max(Eigen::Array3d(p.x, p.y, p.z));
-    }
+    const auto corners = [&](const int* place, int count) {
+        for (int i = 0; i < count; ++i) {
+            const MshFile::Point& p = mesh.points[static_cast<std::size_t>(place[i])];
+            low = low.min(Eigen::Array3d(p.x, p.y, p.z));
+            high = high.max(Eigen::Array3d(p.x, p.y, p.z));
+        }
+    };
+    // of elements alone: gmsh saves the middles of circles, too, which may be far away
+    for (const MshFile::Element& e : mesh.lines) corners(e.node, 2);
+    for (const MshFile::Element& e : mesh.triangles) corners(e.node, 3);
+    for (const MshFile::Tetrahedron& e : mesh.tetrahedra) corners(e.node, 4);
+    if (!(low <= high).all()) return;  // none
     const Eigen::Array3d sides_m = (high - low) * g.unit_m;
     const double longest_m = sides_m.maxCoeff(), away_m = ((high + low) / 2 * g.unit_m).matrix().norm();
     const bool springs = study.spring_size_m > 0;

@@ -10,7 +10,7 @@
 namespace tissue {
 
 /// Whether a shape's file is in the unit that the study says, before anything divides it into springs. mesh: the shape's mesh, its
-/// surface, or its curves alone.
+/// surface, or its curves alone; points that no element has do not count.
 /// Throws StudyError: more than 1,000 springs or finite elements along it, or more than 100,000 in all; less than two springs along it; so far
 /// from the origin that coordinates lose digits (a thousand times its length).
 void refuse_wrong_unit(const Study& study, const MshFile& mesh);

@@ -16,6 +16,7 @@ namespace {
 MshFile box(double x, double y, double z, double at = 0) {
     MshFile mesh;
     for (int i = 0; i < 8; ++i) mesh.points.push_back({at + (i & 1 ? x : 0), i & 2 ? y : 0, i & 4 ? z : 0});
+    mesh.lines = {{1, {0, 7, 0}, 0}};  // its diagonal
     return mesh;
 }
 
@@ -39,6 +40,10 @@ TEST_CASE("a shape whose unit is another than the study says is refused before i
     CHECK_THAT(said(0.001, 0.0001, box(120, 90, 0)), Contains("at most 100000"));
     CHECK_THAT(said(1e-6, 0.01, box(120, 90, 55)), Contains("less than two springs"));
     CHECK_THAT(said(0.001, 0.01, box(120, 90, 55, 2'000'000)), Contains("key 'geometry.shape'") && Contains("2e+03 m from the origin") && Contains("move it"));
+    MshFile arc = box(120, 90, 55);
+    arc.points.push_back({50, -2'000'000, 0});  // the middle of a circle
+    CHECK_NOTHROW(refuse_wrong_unit(shaped(0.001, 0.01), arc));
+    CHECK_NOTHROW(refuse_wrong_unit(shaped(0.001, 0.01), MshFile()));
     Study mesh = shaped(1, 0);  // a .msh in space is divided at its surface, into finite elements
     mesh.sizes_m = {0.003, 0.013};
     CHECK_THAT(refusal<StudyError>([&] { refuse_wrong_unit(mesh, box(120, 90, 55)); }), Contains("mesh.sizes_m = 0.013 m"));

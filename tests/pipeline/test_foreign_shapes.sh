@@ -35,6 +35,10 @@ cp "$scratch/cube.msh" "$shapes/foreign.msh"
 make_foreign
 check "a mesh is taken" exited 0
 
+(printf '$Comments\nby a scanner\n$EndComments\n' && cat "$scratch/cube.msh") >"$shapes/foreign.msh"
+make_foreign
+check "a mesh that begins with comments is taken" exited 0
+
 refused_unrun() { # SENTENCE
     make_foreign
     check "$1: make fails" failed
@@ -57,10 +61,12 @@ refused_unrun "a script behind a beginning that is nearly a mesh's"
 (cat "$scratch/cube.msh" && echo "$script") >"$shapes/foreign.msh"
 make_foreign
 check "a script behind a whole mesh is not run" not_run
-printf '$MeshFormat\n%s\n' "$script" >"$shapes/foreign.msh"
-make_foreign
-check "a script behind the first line of a mesh: make fails" failed
-check "a script behind the first line of a mesh is not run" not_run
+for first in MeshFormat Comments CommentsX 'Comments\nno mesh\n$EndComments'; do
+    printf "\$$first\\n%s\\n" "$script" >"$shapes/foreign.msh"
+    make_foreign
+    check "a script behind \$$first: make fails" failed
+    check "a script behind \$$first is not run" not_run
+done
 
 # ---- options files
 cp "$scratch/cube.msh" "$shapes/foreign.msh"
