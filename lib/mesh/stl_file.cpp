@@ -148,7 +148,7 @@ Facets read_binary(const std::string& file, std::string_view bytes) {
     const std::uint32_t count = little_endian(&bytes[binary_head - 4]);
     if (count > most_facets && bytes.size() > binary_head + binary_facet * most_facets)
         throw FileError(fmt::format("{}: has {} facets; at most {} are read", file, count, most_facets));
-    if (binary_head + binary_facet * count != bytes.size())
+    if (binary_head + binary_facet * count > bytes.size())  // some programs write something behind; of a text these four bytes are far too many
         throw FileError(fmt::format("{}: is cut off, or no .stl: as a binary one it says that it has {} facets, which take {} bytes; it has {}", file, count,
                                     binary_head + binary_facet * std::size_t{count}, bytes.size()));
     Facets facets;

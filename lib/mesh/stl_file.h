@@ -13,7 +13,7 @@ bool is_stl(const std::string& file);
 /// the first of them, as gmsh has it; a facet with less than three points left is dropped.
 /// Where an ASCII file has several solids and one of them a name, every solid is a group, numbered from 1 in the file's order;
 /// one without a name is called by its number. Else all facets are in group 0. A name is all that follows `solid`, without blanks and
-/// line ends about it; keywords may be in capitals.
+/// line ends about it; keywords may be in capitals. What stands behind the facets of a binary file does not count.
 /// Throws FileError with file, line or facet, and cause: missing, neither kind, cut off, a coordinate that is no finite number,
 /// no facets, more than a million.
 MshFile read_stl(const std::string& file);

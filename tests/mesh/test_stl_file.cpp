@@ -122,6 +122,7 @@ TEST_CASE("a binary .stl is read whatever its head begins with", "[stl]") {
         CHECK(mesh.points.size() == 8);
         CHECK(mesh.triangles.size() == 12);
         CHECK(held_area(mesh, "surface-6") == Approx(6));
+        CHECK(read_stl(folder.file("box.stl", binary(head, 12) + std::string(10, '\0'))).triangles.size() == 12);
     }
 }
 
