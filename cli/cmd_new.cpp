@@ -7,6 +7,7 @@
 #include <iostream>
 #include <map>
 
+#include "cases/plan.h"
 #include "command.h"
 #include "error.h"
 #include "io/atomic_file.h"
@@ -43,7 +44,7 @@ void run(const Options& o) {
     const WrittenStudy written = new_study(wanted);
     write_file(file, written.toml);
     try {
-        read_study(file);
+        make_plan(read_study(file));  // make cannot carry every name
     } catch (...) {
         fs::remove(file, error);  // a study that is refused is none
         throw;

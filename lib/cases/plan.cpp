@@ -215,6 +215,10 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
     if (shaped) {
         plan.fragment += fmt::format("SHAPE := {}\nSHAPE_ARGUMENTS := {}\n$(R)/plan.mk: $(R)/mesh.msh\n",
                                      for_make(study, "geometry.shape", study.geometry.shape), shape_arguments(study));
+        if (solid) {
+            for (const std::string& name : study.geometry.fixed) for_make(study, "geometry.fixed", name);
+            for (const std::string& name : study.material.region_names()) for_make(study, "material.regions", name);
+        }
         plan.parts["shape"] = shape_part(study);
         if (!shape) return plan;
     }
@@ -293,10 +297,6 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         const std::string arguments = path_arguments(study, path), mesh = !block || path.refine == study.refine ? "mesh.msh" : "mesh-fine.msh";
         return {"-mesh $(R)/" + mesh + " " + arguments, "$(R)/" + mesh, mesh + " " + arguments};
     };
-    if (solid && shaped) {
-        for (const std::string& name : study.geometry.fixed) for_make(study, "geometry.fixed", name);
-        for (const std::string& name : study.material.region_names()) for_make(study, "material.regions", name);
-    }
     if (solid && !shaped) plan.fragment += fmt::format("SOLID := {}\n", solid_geo);
     for (const PlannedPath& path : paths) {
         const Solve solve = solve_of(path);

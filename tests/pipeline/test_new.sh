@@ -85,6 +85,12 @@ check "a surface of two solids: they are listed" one_line '^tissuectl: fem/box.s
 tissuectl new box --shape fem/box.stl --unit mm --held under
 check "a surface in space: exit 0" exited 0
 check "a surface in space: its size, and what is held" says '^fem/box.stl: in space, 80 x 60 x 50 mm; held: under$'
+sed 's/under/left under/' "$work/fem/box.stl" >"$work/fem/blank.stl" && cp "$work/fem/box.stl" "$work/fem/a box.stl"
+tissuectl new blank --shape fem/blank.stl --unit mm --held 'left under'
+check "a held surface with a blank in its name: one line, before it is meshed" one_line "blank.toml: key 'geometry.fixed': 'left under': make cannot carry this name"
+tissuectl new blank --shape 'fem/a box.stl' --unit mm --held under
+check "a file with a blank in its name: one line" one_line "blank.toml: key 'geometry.shape': '.*a box.stl': make cannot carry this name"
+check "and no study is written" absent "$work/fem/studies/blank.toml"
 run make PYTHON="$PYTHON" STUDY=box mesh
 check "its study is meshed" exited 0
 check "its study is planned on its mesh: 24 pushes to train on" trains box = 24
