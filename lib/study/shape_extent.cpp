@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -69,10 +70,15 @@ void read_points(const std::string& text, const std::string& file, bool blocks, 
     const long entities = count();
     for (int i = 0; i < 3; ++i) count();
     for (long e = 0; e < entities; ++e) {
-        for (int i = 0; i < 3; ++i) count();
+        const long dimension = count();
+        count();
+        const long parameters = count() != 0 ? dimension : 0;  // of a node on its curve, surface or volume
         const long here = count();
         for (long i = 0; i < here; ++i) count();
-        for (long i = 0; i < here; ++i) point();
+        for (long i = 0; i < here; ++i) {
+            point();
+            for (long k = 0; k < parameters; ++k) number();
+        }
     }
 }
 
@@ -137,18 +143,27 @@ ShapeExtent stl_extent(const std::string& file) {
 /// Infinity where it is too large for a number, which `include` refuses.
 double real_of(const std::string& digits) { return std::strtod(digits.c_str(), nullptr); }
 
-/// Line by line, and no line that is very long: std::regex follows a match by recursion.
+std::string without_blanks(std::string text) {
+    text.erase(std::remove_if(text.begin(), text.end(), [](char c) { return c == ' ' || c == '\t'; }), text.end());
+    return text;
+}
+
+/// Line by line, and no line that is very long: std::regex follows a match by recursion. No two parts of a pattern that follow
+/// each other take the same characters, or a line would take the square of its length.
 ShapeExtent geo_extent(const std::string& text, const std::string& file) {
     constexpr std::size_t longest_line = 2000;
-    const std::string real = "\\s*([-+]?[0-9]*\\.?[0-9]+(?:[eE][-+]?[0-9]+)?)\\s*";
+    const std::string real = "\\s*([-+]?(?:[0-9]+(?:\\.[0-9]*)?|\\.[0-9]+)(?:[eE][-+]?[0-9]+)?)\\s*";
     const std::regex any("\\bPoint\\s*\\("), volume("\\bVolume\\b");
-    const std::regex numbers("\\bPoint\\s*\\([^)]*\\)\\s*=\\s*\\{" + real + "," + real + "," + real + "[,}]");
+    const std::regex middle("\\b(?:Circle|Ellipse)\\s*\\([^()]*\\)\\s*=\\s*\\{[^,{}]*,\\s*([0-9]+)\\s*,");
+    const std::regex numbers("\\bPoint\\s*\\(([^()]*)\\)\\s*=\\s*\\{" + real + "," + real + "," + real + "[,}]");
     const std::regex elsewhere("OpenCASCADE|/\\*|\\b(Include|Merge|Macro|Translate|Rotate|Dilate|Symmetry|Extrude)\\b");
     const std::regex group("\\bPhysical\\s+(Curve|Line|Surface|Volume)\\s*\\(\\s*\"([^\"]*)\"");
     using Matches = std::sregex_iterator;
     ShapeExtent shape;
     bool all_known = true, volumes = false;
     std::vector<std::pair<int, std::string>> groups;
+    std::vector<std::pair<std::string, std::array<double, 3>>> points_of;  // by number
+    std::set<std::string> middles;                                        // of arcs: far away where one is nearly straight
     std::istringstream in(text);
     for (std::string line; std::getline(in, line);) {
         line.erase(std::min(line.find("//"), line.size()));
@@ -158,7 +173,8 @@ ShapeExtent geo_extent(const std::string& text, const std::string& file) {
         }
         std::ptrdiff_t points = 0;
         for (Matches m(line.begin(), line.end(), numbers), end; m != end; ++m, ++points)
-            include(shape, {real_of((*m)[1]), real_of((*m)[2]), real_of((*m)[3])}, file);
+            points_of.emplace_back(without_blanks((*m)[1]), std::array<double, 3>{real_of((*m)[2]), real_of((*m)[3]), real_of((*m)[4])});
+        for (Matches m(line.begin(), line.end(), middle), end; m != end; ++m) middles.insert((*m)[1]);
         if (points != std::distance(Matches(line.begin(), line.end(), any), Matches()) || std::regex_search(line, elsewhere)) all_known = false;
         if (std::regex_search(line, volume)) volumes = true;
         for (Matches m(line.begin(), line.end(), group), end; m != end; ++m) {
@@ -166,6 +182,8 @@ ShapeExtent geo_extent(const std::string& text, const std::string& file) {
             groups.emplace_back(kind == "Volume" ? 3 : kind == "Surface" ? 2 : 1, (*m)[2]);
         }
     }
+    for (const auto& [number, point] : points_of)
+        if (middles.count(number) == 0) include(shape, point, file);
     shape.solid = volumes || has_depth(shape);
     if (!all_known) shape.low = shape.high = std::nullopt;
     for (const auto& [dimension, name] : groups) {

@@ -50,6 +50,8 @@ TEST_CASE("a shape's file says how large it is and which parts have names, in ev
     REQUIRE(plane.low);
     CHECK((*plane.low)[0] == -10);
     CHECK((*plane.high)[1] == 40.5);  // nothing of the comment
+    const ShapeExtent arc = shape_extent(folder.file("arc.geo", std::string(outline) + "Point( 5 ) = {0, -20000, 0};\nCircle(3) = {3, 5, 4};\n"));
+    CHECK((*arc.low)[1] == 0);  // nothing of an arc's middle
     CHECK_FALSE(shape_extent(folder.file("b.geo", std::string(outline) + "Point(5) = {w, 0, 0};\n")).low);
     CHECK_FALSE(shape_extent(folder.file("c.geo", "SetFactory(\"OpenCASCADE\");\n" + std::string(outline))).low);
     CHECK(shape_extent(folder.file("d.geo", "Physical Volume(\"flesh\") = {1};\nPhysical Surface(\"bed\") = {2};\n")).boundaries == std::vector<std::string>{"bed"});
@@ -64,6 +66,9 @@ TEST_CASE("a shape's file says how large it is and which parts have names, in ev
                                                                 "$EndNodes\n$Elements\n2 2 1 2\n1 1 1 1\n1 1 2\n2 1 2 1\n2 1 2 3\n$EndElements\n"));
     CHECK_FALSE(newer.solid);
     CHECK((*newer.high)[1] == 8);
+    const ShapeExtent parametric = shape_extent(folder.file("c.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n2 3 1 3\n0 1 0 1\n1\n0 0 0\n2 1 1 2\n2\n3\n"
+                                                                     "7 0 0 90 90\n0 8 0 90 90\n$EndNodes\n$Elements\n1 1 1 1\n2 1 2 1\n2 1 2 3\n$EndElements\n"));
+    CHECK((*parametric.high)[0] == 7);
 
     CHECK((*shape_extent(folder.file("a.stl", binary_stl(2))).high)[2] == 5);
     const ShapeExtent named = shape_extent(folder.file("b.stl", ascii_stl("the bed", "skin")));
@@ -84,6 +89,15 @@ TEST_CASE("a shape's file that is none is refused by name and cause", "[new]") {
     CHECK_THAT(why_not(folder, "huge.geo", "Point(1) = {1e999, 0, 0};\n"), Contains("a coordinate is not a finite number"));
     CHECK_THAT(why_not(folder, "a.obj", "v 0 0 0"), Contains("a shape is a .geo, .msh or .stl"));
     CHECK_NOTHROW(shape_extent(folder.file("long.geo", "Point(1) = {" + std::string(3'000'000, ' ') + "0, 0, 0};")));
+    for (const char* repeated : {"1", "Point(", "Circle(1) = {", " "}) {  // no line takes the square of its length: this is seconds, not minutes
+        std::string text;
+        for (int k = 0; k < 200; ++k) {
+            text += "Point(1) = {";
+            while (text.size() % 2000 < 1900) text += repeated;
+            text += '\n' + std::string(2000 - text.size() % 2000 - 1, '\n');
+        }
+        CHECK_FALSE(shape_extent(folder.file("lines.geo", text)).low);
+    }
 }
 
 TEST_CASE("a new study is one that is read, in the plane and in space, with sizes that follow the tissue", "[new]") {
