@@ -49,7 +49,7 @@ Endings endings_of(const ProblemRecord& problems, const std::vector<TrainingBook
 Endings endings_of(const LawBook& law) {
     Endings e;
     const std::string& status = law.status.at(static_cast<std::size_t>(law.kept));
-    if (status == to_string(FitStatus::no_progress) || status == to_string(FitStatus::iterations_done))
+    if (status == to_string(FitStatus::no_progress) || status == to_string(FitStatus::held_back) || status == to_string(FitStatus::iterations_done))
         e.broken.push_back(fmt::format("law: {} after {} iterations, largest derivative {:.1e}", status,
                                        law.iterations.at(static_cast<std::size_t>(law.kept)), law.gradient[law.kept]));
     if (!law.lost.empty())

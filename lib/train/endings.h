@@ -17,7 +17,7 @@ struct Endings {
 ///  - a certified optimum, or a set of "exact", that is not `converged`;
 ///  - a problem, or the one set, whose ProblemStatus is not `posed`;
 ///  - a set that `stalled` farther than a gap of 1e-3 from the certified optimum;
-///  - a law whose kept start ended with `no_progress` or `iterations_done` (no study sets how many), or a
+///  - a law whose kept start ended with `no_progress`, `held_back` or `iterations_done` (no study sets how many), or a
 ///    push it was trained on that is not `held` (springs/press.h).
 /// A stop criterion that the study sets (`iterations_done`, `time_out`, `target_met`) and the end the paper's method has
 /// by itself (`restarts_exhausted`) promise nothing. A model of an earlier program says nothing of its optimum.

@@ -1,5 +1,6 @@
 #include "train/nonlinear_fit.h"
 
+#include <Eigen/Dense>
 #include <fmt/format.h>
 #include <gsl/gsl_multifit_nlinear.h>
 
@@ -27,6 +28,7 @@ struct Memory {
     std::exception_ptr failure;
     std::vector<char> lost_here;  ///< where the fit stands, as |f|
     double norm_here = 0;
+    bool rejected = false;  ///< whether a step was, because it loses a part
 
     int at(const gsl_vector* where) noexcept {
         if (evaluations > 0 && x == view(where)) return GSL_SUCCESS;
@@ -34,7 +36,10 @@ struct Memory {
             x = view(where);
             ++evaluations;
             function(x, f, J);
-            if (loses()) f.setConstant(1 + norm_here);  // larger than |f| here: GSL rejects the step
+            if (loses()) {
+                f.setConstant(1 + norm_here);  // larger than |f| here: GSL rejects the step
+                rejected = true;
+            }
         } catch (...) {
             failure = std::current_exception();
             return GSL_EFAILED;
@@ -71,6 +76,12 @@ int fill_J(const gsl_vector* x, void* memory, gsl_matrix* out) {
     return status;
 }
 
+/// Whether the Gauss-Newton step from where the fit stands promises more than ten times what the tolerances let go.
+bool promises_more(const gsl_multifit_nlinear_workspace& work, const RowMatrix& J, const FitOptions& options) {
+    const Eigen::VectorXd g = view(work.g), step = (J.transpose() * J).ldlt().solve(g);
+    return step.lpNorm<Eigen::Infinity>() > 10 * options.step_tolerance && g.dot(step) > 10 * options.gain_tolerance * view(work.f).squaredNorm();
+}
+
 }  // namespace
 
 const char* to_string(FitStatus status) {
@@ -83,6 +94,8 @@ const char* to_string(FitStatus status) {
             return "small_gain";
         case FitStatus::no_progress:
             return "no_progress";
+        case FitStatus::held_back:
+            return "held_back";
         case FitStatus::iterations_done:
             return "iterations_done";
     }
@@ -94,7 +107,7 @@ FitResult nonlinear_fit(const FitFunction& function, int residuals, const Eigen:
     const Eigen::Index P = start.size();
     if (P < 1 || residuals < P)
         throw MismatchError(fmt::format("a fit of {} numbers to {} residuals is not possible", P, residuals));
-    Memory memory{function, lost, {}, Eigen::VectorXd::Zero(residuals), RowMatrix::Zero(residuals, P), 0, nullptr, {}, 0};
+    Memory memory{function, lost, {}, Eigen::VectorXd::Zero(residuals), RowMatrix::Zero(residuals, P), 0, nullptr, {}, 0, false};
     gsl_multifit_nlinear_parameters parameters = gsl_multifit_nlinear_default_parameters();
     parameters.trs = gsl_multifit_nlinear_trs_lm;
     parameters.scale = gsl_multifit_nlinear_scale_more;
@@ -137,6 +150,8 @@ FitResult nonlinear_fit(const FitFunction& function, int residuals, const Eigen:
         result.status = FitStatus::no_progress;
     else if (outcome != GSL_SUCCESS)
         throw MismatchError(fmt::format("the fit broke off: {}", gsl_strerror(outcome)));
+    const bool small = result.status == FitStatus::small_step || result.status == FitStatus::small_gain;
+    if (small && memory.rejected && promises_more(*work, memory.J, options)) result.status = FitStatus::held_back;
     result.x = view(work->x);
     result.half_square = view(work->f).squaredNorm() / 2;
     result.gradient = view(work->g).lpNorm<Eigen::Infinity>();

@@ -13,6 +13,8 @@ enum class FitStatus {
     small_step,       ///< the last step moved no number by more than step_tolerance
     small_gain,       ///< the last step made |f|^2 smaller by less than gain_tolerance of itself
     no_progress,      ///< fifteen trial steps in a row made |f| no smaller, or lost a part that it has
+    held_back,        ///< small_step or small_gain, but only because longer steps lost a part: without that bound the next Gauss-Newton step
+                      ///< promised more than ten times either tolerance
     iterations_done   ///< max_iterations were taken
 };
 const char* to_string(FitStatus status);
@@ -43,7 +45,7 @@ using FitFunction = std::function<void(const Eigen::VectorXd& x, Eigen::Ref<Eige
 /// out here.
 /// lost: where parts of the function can have no value, so that f stands for them with something bounded and J with 0: filled by the function at every
 /// x, 1 where a part is lost. A trial step that loses a part which the current point has is rejected as if it made |f| larger, or losing a large error
-/// would be a gain. One that finds a part again is judged by |f|.
+/// would be a gain. One that finds a part again is judged by |f|. Where such rejections stop the fit it ends `held_back`, not converged.
 FitResult nonlinear_fit(const FitFunction& function, int residuals, const Eigen::VectorXd& start, const FitOptions& options = {},
                         const std::vector<char>* lost = nullptr);
 

@@ -79,8 +79,25 @@ TEST_CASE("a step that loses a part which the fit has is no gain, however small 
     CHECK(fit.x[0] <= 1);
     CHECK(fit.x[0] > 0.5);
     CHECK(fit.lost == 0);
+    CHECK((fit.status == FitStatus::held_back || fit.status == FitStatus::no_progress));  // it stands at the edge, not where it is smallest
+    const FitResult loose = nonlinear_fit(cliff, 2, start, {100, 1e-2, 0, 1e-3}, &lost);
+    CHECK((loose.status == FitStatus::held_back || loose.status == FitStatus::no_progress));
     // a fit that begins without the part may end without it
     CHECK(nonlinear_fit(cliff, 2, Eigen::VectorXd::Constant(1, 3), options, &lost).lost == 1);
+}
+
+TEST_CASE("a fit that rejected a step on its way and then finds its smallest has converged") {
+    std::vector<char> lost;
+    // smallest at 0.7; the first step, of the line there, goes to 2.2, beyond the edge
+    const FitFunction bent = [&](const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> f, Eigen::Ref<RowMatrix> J) {
+        lost.assign(1, x[0] > 1);
+        f << std::tanh(3 * (x[0] - 0.7)), 0.5;
+        J << 3 / std::pow(std::cosh(3 * (x[0] - 0.7)), 2), 0;
+        if (lost[0]) f[0] = 0, J(0, 0) = 0;
+    };
+    const FitResult fit = nonlinear_fit(bent, 2, Eigen::VectorXd::Zero(1), {}, &lost);
+    CHECK(fit.x[0] == Approx(0.7).epsilon(1e-2));
+    CHECK((fit.status == FitStatus::small_gradient || fit.status == FitStatus::small_step || fit.status == FitStatus::small_gain));
 }
 
 TEST_CASE("an error of GSL is returned, it does not end the program") {

@@ -339,7 +339,7 @@ TEST_CASE("a fit that ended short of its tolerances, or lost pushes, is a broken
     book.lost = {"left at 8 mm: lost at 5 mm"};
     CHECK_THAT(endings_of(book).broken.at(0), Contains("of 4 pushes 1"));
     book.lost.clear();
-    for (const char* word : {"no_progress", "iterations_done"}) {
+    for (const char* word : {"no_progress", "held_back", "iterations_done"}) {
         book.status = {word};
         CHECK_THAT(endings_of(book).broken.at(0), Contains(word));
     }
