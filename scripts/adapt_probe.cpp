@@ -52,6 +52,11 @@ std::vector<Poke> pokes_of(const Cases& cases, const std::string& role, double f
     return pokes;
 }
 
+/// How many more there are at which FE has no answer: in no quantile, but in N (eval/statistics.h).
+int lost_of(const Cases& cases, const std::string& role) {
+    return static_cast<int>(std::count_if(cases.paths.begin(), cases.paths.end(), [&](const LoadPath& path) { return path.role == role && !path.lost.empty(); }));
+}
+
 /// r and H of one poke, as the filter has them.
 struct Row {
     Point r;
@@ -152,7 +157,7 @@ void run(const Options& o) {
             one += chi2 < (off.size() == 2 ? 2.279 : 3.506);
             two += chi2 < (off.size() == 2 ? 5.991 : 7.815);
         }
-        const Statistics s = statistics_of(error);
+        const Statistics s = statistics_of(error, lost_of(cases, o.role));
         const double all = static_cast<double>(held_out.size());
         json row = to_value(s);
         row.update({{"pokes", n}, {"inside68", one / all}, {"inside95", two / all}});

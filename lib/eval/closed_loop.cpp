@@ -18,11 +18,13 @@ ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, co
 ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, const SpringMesh& mesh, const std::vector<int>& seen) {
     constexpr double missing = std::numeric_limits<double>::infinity();
     ContactError error{{}, {}, {}, answer.reason};
+    const bool answered = answer.force_N && answer.force_N->allFinite() && answer.displacement_m.allFinite();
+    if (answer.force_N && !answered) error.reason = "the answer is not finite";
     if (truth.force_N.squaredNorm() > 0)
-        error.force = answer.force_N ? (*answer.force_N - truth.force_N).norm() / truth.force_N.norm() : missing;
+        error.force = answered ? (*answer.force_N - truth.force_N).norm() / truth.force_N.norm() : missing;
     else
         error.reason = "nothing is relative to no force";
-    if (!answer.force_N) {
+    if (!answered) {
         if (truth.displacement_m.size() > 0) error.shape = error.shape_max_over_depth = missing;
         return error;
     }

@@ -94,6 +94,8 @@ TissueModel with_law(TissueModel model, LawModel law) {
 }  // namespace
 
 HistoryError history_error(const Eigen::VectorXd& time_s, const NodeField& truth_N, const NodeField& answer_N) {
+    constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+    if (!(square_over_time(time_s, truth_N) > 0)) return {nothing, nothing};
     if (!answer_N.allFinite()) return {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     const NodeField off = answer_N - truth_N;
     return {std::sqrt(square_over_time(time_s, off) / square_over_time(time_s, truth_N)),
@@ -228,7 +230,7 @@ HistoryTable evaluate_histories(const TissueModel& model, const std::vector<Hist
         fits[h] = answer[h][2].allFinite() && prony[h].rows() > 0 && history_error(history.time_s, history.force_N, prony[h]).rms < slow;
     }
     if (std::find(fits.begin(), fits.end(), true) == fits.end())
-        for (std::size_t h = 0; h < H; ++h) fits[h] = answer[h][2].allFinite();
+        for (std::size_t h = 0; h < H; ++h) fits[h] = answer[h][2].allFinite() && square_over_time(histories[h]->time_s, histories[h]->force_N) > 0;
     for (std::size_t h = 0; h < H; ++h) {
         const NodeField& now = answer[h][2];
         if (!fits[h]) continue;

@@ -11,7 +11,7 @@
 namespace tissue {
 
 /// How far a force over time is from the truth's: rms over time of |F - F_fe| over that of |F_fe|, and the largest |F - F_fe|
-/// over the largest |F_fe|. Infinity where the answer is not finite to its end; NaN where there is no truth.
+/// over the largest |F_fe|. Infinity where the answer is not finite to its end; NaN where there is no truth, or it is no force at all.
 struct HistoryError {
     double rms, peak;
 };

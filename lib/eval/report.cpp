@@ -187,7 +187,7 @@ std::string map_markdown(const ForceMap& map) {
 
 std::string histories_markdown(const HistoryTable& h, bool measured) {
     if (h.empty()) return "";
-    const bool has_elastic = h.elastic_rms("").n > 0;
+    const bool has_elastic = h.elastic_rms("").n + h.elastic_rms("").missing > 0;
     const std::string where =
         measured ? fmt::format("Histories at contacts that no history was fitted at; {} of {} stand within 2 mm of a push that the law was trained on", h.near_training, h.answers.size())
                  : "Histories at contacts that nothing was trained on";

@@ -133,6 +133,20 @@ TEST_CASE("where answer or truth has no displacement there is a force error and 
     CHECK_FALSE(error_of(answer, truth, block()).shape);
 }
 
+TEST_CASE("an answer that is not finite is none: its errors are infinite, not left out") {
+    const ContactTruth truth = seen();
+    for (const bool of_force : {true, false}) {
+        ContactAnswer answer = agreeing(truth);
+        (of_force ? (*answer.force_N)[0] : answer.displacement_m(7, 1)) = std::nan("");
+        const ContactError e = error_of(answer, truth, block());
+        for (const std::optional<double>& error : {e.force, e.shape, e.shape_max_over_depth}) CHECK(std::isinf(error.value()));
+        CHECK_THAT(e.reason, Contains("not finite"));
+        const ContactStatistics s = contact_statistics({e});
+        CHECK(s.force.missing == 1);
+        CHECK(s.shape.missing == 1);
+    }
+}
+
 TEST_CASE("the same nodes in another topology are compared one by one") {
     const SpringMesh axes = make_lattice("grid4", 5, 5, 0.1, 0.1);
     const auto law = make_spring_law("isotropic");

@@ -60,6 +60,10 @@ TEST_CASE("a force that is not finite to its end is a missing answer: its error 
     const HistoryError e = history_error(t, truth, answer);
     CHECK(std::isinf(e.rms));
     CHECK(std::isinf(e.peak));
+    for (const NodeField& said : {truth, answer}) {  // nothing is relative to no force, whatever the answer
+        CHECK(std::isnan(history_error(t, NodeField::Zero(3, 2), said).rms));
+        CHECK(std::isnan(history_error(t, NodeField::Zero(3, 2), said).peak));
+    }
     HistoryTable table;
     table.models = {"learned"};
     for (const HistoryError& error : {HistoryError{0.1, 0.2}, HistoryError{0.2, 0.3}, e}) table.answers.push_back({"h", "ramp", "ramp", "held_out", {}, {}, {}, {}, {0, 0}, {error}});
