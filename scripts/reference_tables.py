@@ -179,12 +179,16 @@ def nodule_table(e):
     def row(name, places):
         if not force:  # a record
             return f"| {name} | {UNKNOWN} | {UNKNOWN} |"
-        values = [1e3 * sum(force[tuple(p)][model] for p in places) / len(places) for model in ("fe_N", "learned_N")]
-        return f"| {name} | {values[0]:.1f} mN | {values[1]:.1f} mN |"
+        return f"| {name} | " + " | ".join(mean([force[tuple(p)][model] for p in places]) for model in ("fe_N", "learned_N")) + " |"
+
+    def mean(forces_N):
+        return "none" if None in forces_N else f"{1e3 * sum(forces_N) / len(forces_N):.1f} mN"
+
+    learned = contrast["learned"]
 
     return [f"| straight in, {1e3 * e['map']['depth_m']:g} mm | finite elements | learned law |", "|---|---|---|",
             row("over the nodule's middle", [contrast["over_m"]]), row("far from it", contrast["far_m"]),
-            f"| contrast | {contrast['fe']:.3f} | {contrast['learned']:.3f} |"]
+            f"| contrast | {contrast['fe']:.3f} | {'none' if learned is None else format(learned, '.3f')} |"]
 
 
 def beside(statistics, learned):

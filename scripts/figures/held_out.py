@@ -23,8 +23,8 @@ def draw(results):
     around = axes[0, 0]
     loop = np.append(results.boundary, results.boundary[0])
     around.plot(*(results.nodes[loop] * 1e3).T, color="0.5", linewidth=1)
-    points = np.array([results.point_at(c["arc_m"]) for c in contacts]) * 1e3
-    inward = np.array([results.normal_at(c["arc_m"]) for c in contacts])
+    points = np.array([results.point_at(c["arc_m"]) for c in contacts]).reshape(-1, 2) * 1e3  # of none too
+    inward = np.array([results.normal_at(c["arc_m"]) for c in contacts]).reshape(-1, 2)
     depth = np.array([c["depth_m"] for c in contacts]) * 1e3
     where = points + inward * depth[:, None]  # as deep inside as the push was long
     shade = around.scatter(*where.T, c=np.maximum(error, 1e-3), norm=LogNorm(1e-3, 0.3), cmap="viridis", s=16)

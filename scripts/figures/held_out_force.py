@@ -2,11 +2,13 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from results import COLOURS, learned_label, truth_label
+from results import COLOURS, learned_label, nothing, truth_label
 
 
 def draw(results):
-    curves = results.evaluation["drawn_curves"]
+    curves = results.evaluation.get("drawn_curves")
+    if not curves:
+        return nothing("Finite elements lost all held-out contacts")
     contacts = {c["name"]: c for c in results.evaluation["drawn"]["held_out"]}
     columns = min(3, len(curves))
     rows = -(-len(curves) // columns)

@@ -4,11 +4,13 @@ import math
 import matplotlib.pyplot as plt
 import numpy as np
 
-from results import COLOURS, truth_label
+from results import COLOURS, nothing, truth_label
 
 
 def draw(results):
     histories = results.evaluation["histories"]
+    if "each" not in histories:
+        return nothing("Finite elements lost all held-out histories")
     groups = list(dict.fromkeys(h["group"] for h in histories["each"]))  # those of which FE did not lose all
     columns = min(2, len(groups))
     rows = -(-len(groups) // columns)

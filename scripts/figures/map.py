@@ -3,13 +3,15 @@ circle is the nodule's outline below. A block that mirrors itself is mapped on o
 import matplotlib.pyplot as plt
 import numpy as np
 
-from results import learned_label
+from results import learned_label, nothing
 
 MM, MN = 1e3, 1e3
 
 
 def draw(results):
     found = results.evaluation["map"]
+    if "places" not in found:
+        return nothing("Finite elements lost all pushes of the map")
     at = np.array([p["contact_m"][:2] for p in found["places"]])
     x, y = np.unique(at[:, 0].round(9)), np.unique(at[:, 1].round(9))
     values = np.full((2, len(y), len(x)), np.nan)

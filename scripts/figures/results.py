@@ -81,6 +81,14 @@ def how_often(evaluation, role, model):
     return errors, np.arange(1, len(errors) + 1) / max(found["n"] + found["missing"], 1), f"{found['n']} of {found['of']}"
 
 
+def nothing(words):
+    """A figure that says why there is none."""
+    import matplotlib.pyplot as plt  # after whoever draws has chosen the backend
+    figure = plt.figure(figsize=(8, 2))
+    figure.text(0.5, 0.5, words, ha="center")
+    return figure
+
+
 def learned_label(results):
     """What the learned springs are, in a legend: of spring sets the nearest serves, a law is one."""
     return "learned law" if "terms" in results.evaluation["training"] else "learned, nearest set"
@@ -89,6 +97,7 @@ def learned_label(results):
 def load(folder):
     folder = Path(folder)
     results = Results(evaluation=json.loads((folder / "eval.json").read_text()), paths={}, trained={})
+    results.evaluation.setdefault("drawn", {})  # of no contact that was drawn has FE an answer
     with h5py.File(folder / "cases.h5") as f:
         for name in f["path_names"].asstr():
             group = f["paths"][name]

@@ -6,7 +6,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm
 
-from results import learned_label
+from results import learned_label, nothing
 from shape_error import percent
 
 MM = 1e3
@@ -15,9 +15,7 @@ VIEW = np.array([-0.45, -1.0, 0.62])  # towards the eye
 
 def draw(results):
     if not results.evaluation.get("drawn_shapes"):
-        figure = plt.figure(figsize=(8, 2))
-        figure.text(0.5, 0.5, "The law has no answer at any held-out contact", ha="center")
-        return figure
+        return nothing("The law has no answer at any held-out contact, or finite elements lost all of them")
     shape = results.evaluation["drawn_shapes"][0]
     contact = next(c for c in results.evaluation["drawn"]["held_out"] if c["name"] == shape["name"])
     path = results.paths[shape["name"]]

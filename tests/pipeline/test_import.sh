@@ -29,6 +29,7 @@ make_tiny all -j2
 check "make all succeeds from a CSV" exited 0
 check "it leaves cases, model, evaluation, report and figures" exist "$R/cases.h5" "$R/model.h5" "$R/eval.json" \
     "$R/report.md" "$R/figures/held_out.png"
+check "figures and report.html are drawn without answers too" "$PYTHON" "$root/tests/pipeline/without_answers.py" "$R"
 check "no mesh is made and no load path solved" absent "$R/mesh.msh" "$R/cases"
 check "import says rows, contacts, split and noise" says 'import .*tiny.csv: 96 rows at 24 contacts: .* 20 held out'
 check "the noise of the repeats is what was put on, near 1 %" "$PYTHON" -c 'import json, sys

@@ -41,6 +41,7 @@ assert abs(contrast['fe'] - places[0]['fe_N'] / places[3]['fe_N']) < 1e-9
 assert '%.3f times that far from it' % contrast['fe'] in report
 assert not any('map' in role for role in e['closed_loop'])" "$R"
 check "report.html is there" exist "$R/report.html"
+check "figures and report.html are drawn without answers too" "$PYTHON" "$root/tests/pipeline/without_answers.py" "$R"
 run make PYTHON="$PYTHON" STUDY=solid -q all
 check "asked again, there is nothing to do" exited 0
 for file in cases model; do
