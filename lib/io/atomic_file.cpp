@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <xxhash.h>
 
@@ -61,6 +62,10 @@ std::string digits(const XXH128_hash_t& hash) {
 }  // namespace
 
 NewFile::NewFile(std::string file) : file_(std::move(file)) {
+    // a new file would take the place of a device, a pipe, or the link /dev/stdout: root may do that
+    struct stat there {};
+    const bool special = ::stat(file_.c_str(), &there) == 0 && !S_ISREG(there.st_mode) && !S_ISDIR(there.st_mode);
+    if (special || file_.rfind("/dev/std", 0) == 0 || file_.rfind("/dev/fd/", 0) == 0) throw FileError(file_ + ": is a device or a pipe, wanted a file");
     const Beside beside = make_file_beside(file_);
     temporary_ = beside.name;
     descriptor_ = beside.descriptor;
@@ -86,7 +91,7 @@ void write_file(const std::string& file, const std::string& content) {
 }
 
 void write_new_file(const std::string& file, const std::string& content) {
-    const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644);
+    const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (descriptor < 0) fail(file, "write");
     const std::unique_ptr<const int, void (*)(const int*)> closed(&descriptor, [](const int* d) { ::close(*d); });
     write_all(descriptor, file, content);

@@ -5,8 +5,8 @@
 namespace tissue {
 
 /// A file in the making: a temporary one beside it, of a drawn name (io/beside.h), until it is moved into place. Of programs
-/// that make the same file at once the last one's stays; what a killed one left is removed. Throws FileError when it
-/// cannot be written.
+/// that make the same file at once the last one's stays; what a killed one left is removed. A link of the file's name, hard or symbolic, is
+/// replaced, and what it leads to stays as it is. Throws FileError when it cannot be written, or is a device or a pipe.
 class NewFile {
    public:
     explicit NewFile(std::string file);

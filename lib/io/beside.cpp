@@ -20,8 +20,8 @@ namespace {
 
 enum class Kind { file, folder };
 
+constexpr std::string_view before_digits = ".tissue-", ending = ".tmp";
 constexpr std::size_t drawn_digits = 8;
-constexpr std::string_view ending = ".tmp";
 
 /// Whether `name` is still what is open. A link is not.
 bool is_open_as(int descriptor, const std::string& name) {
@@ -31,12 +31,11 @@ bool is_open_as(int descriptor, const std::string& name) {
 
 bool locked(int descriptor) { return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0; }
 
-/// Whether a file's name is one that was drawn for `last`.
+/// Whether a file's name is one that was drawn for `last`: one of a date, or of another program's, is not.
 bool drawn_for(const std::string& last, const std::string& name) {
-    if (name.size() != last.size() + 1 + drawn_digits + ending.size() || name.compare(0, last.size(), last) != 0 || name[last.size()] != '.') return false;
-    const auto digits = name.begin() + static_cast<std::ptrdiff_t>(last.size()) + 1;
-    return std::all_of(digits, digits + drawn_digits, [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); }) &&
-           std::equal(ending.begin(), ending.end(), name.end() - static_cast<std::ptrdiff_t>(ending.size()));
+    const std::size_t digits = last.size() + before_digits.size(), end = digits + drawn_digits;
+    return name.size() == end + ending.size() && name.compare(0, last.size(), last) == 0 && name.compare(last.size(), before_digits.size(), before_digits) == 0 &&
+           name.find_first_not_of("0123456789abcdef", digits) == end && name.compare(end, ending.size(), ending) == 0;
 }
 
 /// Removes what a killed program has left: of this user, and nobody holds its lock.
@@ -59,14 +58,16 @@ void remove_left_over(const std::filesystem::path& place) {
 std::string drawn_name(const std::string& place) {
     std::uint32_t drawn = 0;
     if (::getrandom(&drawn, sizeof drawn, 0) != sizeof drawn) throw FileError(place + ": cannot write: the system gives no random numbers");
-    return fmt::format("{}.{:08x}{}", place, drawn, ending);
+    return fmt::format("{}{}{:08x}{}", place, before_digits, drawn, ending);
 }
 
-/// A descriptor of what is new, or -1: errno says why.
+/// A descriptor of what is new, or -1: errno says why, EEXIST where another name may do. Who else may read and write it, the umask says.
 int make(const std::string& name, Kind kind) {
-    if (kind == Kind::file) return ::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644);
-    if (::mkdir(name.c_str(), 0755) != 0) return -1;
-    return ::open(name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    if (kind == Kind::file) return ::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (::mkdir(name.c_str(), 0777) != 0) return -1;
+    const int descriptor = ::open(name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    if (descriptor < 0 && errno == ENOENT) errno = EEXIST;  // made, and removed by another program, which took it for left over
+    return descriptor;
 }
 
 Beside make_beside(std::string place, Kind kind) {

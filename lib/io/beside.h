@@ -4,8 +4,8 @@
 
 namespace tissue {
 
-/// What becomes a file or a folder, made beside it under a name that is drawn: `NAME.XXXXXXXX.tmp`, never one that is there. So what
-/// somebody has planted beside it, a link included, is neither followed nor taken over.
+/// What becomes a file or a folder, made beside it under a name that is drawn: `NAME.tissue-XXXXXXXX.tmp`, never one that is there. So what
+/// somebody has planted beside it, a link included, is neither followed nor taken over. Who may read and write it, the umask says.
 struct Beside {
     std::string name;
     int descriptor;  ///< holds the lock that says: somebody is at work here

@@ -10,7 +10,7 @@ from pathlib import Path
 
 def left_over(out):
     """Removes what a killed program has left beside `out`: of this user, and nobody holds its lock (lib/io/beside.cpp)."""
-    name = re.compile(re.escape(os.path.basename(out)) + r"\.[0-9a-f]{8}\.tmp")
+    name = re.compile(re.escape(os.path.basename(out)) + r"\.tissue-[0-9a-f]{8}\.tmp")
     for entry in os.scandir(os.path.dirname(out) or "."):
         if not name.fullmatch(entry.name):
             continue
@@ -23,9 +23,9 @@ def left_over(out):
 def drawn(out):
     """A new file beside `out`, open and locked, and its name, which is drawn: nothing that somebody has planted is followed."""
     while True:
-        beside = f"{out}.{secrets.token_hex(4)}.tmp"
+        beside = f"{out}.tissue-{secrets.token_hex(4)}.tmp"
         try:
-            file = open(os.open(beside, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o644), "rb+")
+            file = open(os.open(beside, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666), "rb+")
         except FileExistsError:
             continue
         with contextlib.suppress(OSError):

@@ -162,28 +162,68 @@ TEST_CASE("writers of one file at once: each content is whole, and nothing is le
 
 TEST_CASE("what a killed writer left beside is removed by the next; what another is still at work on stays") {
     const TemporaryFolder folder;
-    folder.file("a.0123abcd.tmp", "of a killed one");
+    folder.file("a.tissue-0123abcd.tmp", "of a killed one");
     folder.file("a.tmp", "of the user's own");
-    folder.file("ba.0123abcd.tmp", "of another file");
+    folder.file("a.20251125.tmp", "of the user's own, with a date");
+    folder.file("ba.tissue-0123abcd.tmp", "of another file");
     {
         NewFile other(folder.file("a"));
         write_file(folder.file("a"), "short");
         CHECK(read_file(folder.file("a")) == "short");
-        CHECK(folder.names().size() == 4);
+        CHECK(folder.names().size() == 5);
         other.move_into_place();
         CHECK(read_file(folder.file("a")).empty());
     }
-    CHECK(folder.names() == std::vector<std::string>{"a", "a.tmp", "ba.0123abcd.tmp"});
+    CHECK(folder.names() == std::vector<std::string>{"a", "a.20251125.tmp", "a.tmp", "ba.tissue-0123abcd.tmp"});
 }
 
 TEST_CASE("a link planted where a file is made beside is not followed, and no user's file is written through it") {
     const TemporaryFolder folder;
     const std::string own = folder.file("own", "precious");
-    for (const char* planted : {"a.tmp", "a.0123abcd.tmp"}) REQUIRE(symlink(own.c_str(), folder.file(planted).c_str()) == 0);
+    for (const char* planted : {"a.tmp", "a.tissue-0123abcd.tmp"}) REQUIRE(symlink(own.c_str(), folder.file(planted).c_str()) == 0);
     write_file(folder.file("a"), "a foreign content");
     CHECK(read_file(own) == "precious");
     CHECK(read_file(folder.file("a")) == "a foreign content");
     CHECK(std::filesystem::is_symlink(folder.file("a.tmp")));
     { const Hdf5Writer store(folder.file("a"), "model", {}); }
     CHECK(read_file(own) == "precious");
+}
+
+TEST_CASE("a result that is a link is replaced, and what it leads to stays as it is") {
+    const TemporaryFolder folder;
+    const std::string own = folder.file("own", "precious"), linked = folder.file("linked"), also = folder.file("also");
+    REQUIRE(symlink(own.c_str(), linked.c_str()) == 0);
+    REQUIRE(link(own.c_str(), also.c_str()) == 0);
+    for (const std::string& file : {linked, also}) {
+        write_file(file, "new");
+        CHECK(read_file(file) == "new");
+        CHECK_FALSE(std::filesystem::is_symlink(file));
+    }
+    CHECK(read_file(own) == "precious");
+}
+
+TEST_CASE("a device or a pipe is no place for a file, and stays what it is") {
+    const TemporaryFolder folder;
+    const std::string pipe = folder.file("pipe"), led = folder.file("led");
+    REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+    REQUIRE(symlink("/dev/null", led.c_str()) == 0);
+    for (const std::string& file : {pipe, led, std::string("/dev/stdout")})
+        CHECK_THAT(refusal<FileError>([&] { write_file(file, "x"); }), Contains(file + ": is a device or a pipe, wanted a file"));
+    CHECK(std::filesystem::is_fifo(pipe));
+    CHECK(std::filesystem::is_symlink(led));
+    CHECK(folder.names() == std::vector<std::string>{"led", "pipe"});
+}
+
+TEST_CASE("who may read and write a file, the umask says") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a");
+    const mode_t before = umask(0);
+    for (const auto& [mask, wanted] : {std::pair<mode_t, mode_t>{002, 0664}, {022, 0644}, {077, 0600}}) {
+        umask(mask);
+        write_file(file, "x");
+        struct stat status {};
+        REQUIRE(stat(file.c_str(), &status) == 0);
+        CHECK((status.st_mode & 0777) == wanted);
+    }
+    umask(before);
 }

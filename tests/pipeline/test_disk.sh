@@ -64,15 +64,18 @@ folder = sys.argv[1]
 os.mkdir(folder)
 own, out = folder + '/own', folder + '/a.png'
 open(own, 'w').write('precious')
-for name in ('.tmp', '.0123abcd.tmp'):
+for name in ('.tmp', '.tissue-0123abcd.tmp'):
     os.symlink(own, out + name)
-open(out + '.89abcdef.tmp', 'w').write('of a killed one')
+open(out + '.tissue-89abcdef.tmp', 'w').write('of a killed one')
+open(out + '.20251125.tmp', 'w').write('of the user, with a date')
+os.umask(0o002)
 with save.written(out) as first:
     with save.written(out) as second:
         open(second, 'w').write('second')
     open(first, 'w').write('first')
 assert open(own).read() == 'precious' and open(out).read() == 'first'
-assert sorted(os.listdir(folder)) == ['a.png', 'a.png.0123abcd.tmp', 'a.png.tmp', 'own'], os.listdir(folder)" "$scratch/planted"
+assert sorted(os.listdir(folder)) == ['a.png', 'a.png.20251125.tmp', 'a.png.tissue-0123abcd.tmp', 'a.png.tmp', 'own'], os.listdir(folder)
+assert os.stat(out).st_mode & 0o777 == 0o664, oct(os.stat(out).st_mode)" "$scratch/planted"
 cp -p "$scratch/whole/cases/left.csv" "$R/cases"
 
 # ---- read only: root may write anywhere, so the stages run as nobody then
