@@ -30,7 +30,8 @@ void write_files(const std::string& folder, const Files& files) {
     try {
         if (fs::exists(place) && !fs::is_directory(place)) throw FileError(folder + ": is a file, wanted a folder");
         if (place.has_parent_path()) fs::create_directories(place.has_filename() ? place.parent_path() : place.parent_path().parent_path());
-        const OwnFolder made(folder);
+        // where the folder is there, within it: it may be another disk's, and its parent may be nobody's to write to
+        const OwnFolder made(fs::is_directory(place) ? (place / "export").string() : folder);
         const fs::path beside(made.name);
         for (const auto& [name, content] : files) {
             // names come out of files that anyone may have written
@@ -40,10 +41,8 @@ void write_files(const std::string& folder, const Files& files) {
             fs::create_directories((beside / name).parent_path());
             write_new_file((beside / name).string(), content);
         }
-        for (const auto& [name, content] : files) {
-            fs::create_directories((place / name).parent_path());
-            fs::rename(beside / name, place / name);
-        }
+        for (const auto& file : files) fs::create_directories((place / file.first).parent_path());  // all, before one is replaced
+        for (const auto& file : files) fs::rename(beside / file.first, place / file.first);
     } catch (const fs::filesystem_error& e) {
         throw FileError(folder + ": cannot write: " + e.code().message());
     }
