@@ -45,6 +45,7 @@ std::string one_line(std::string text) {
         const std::size_t length = character_at(text, i);
         const auto c = static_cast<unsigned char>(text[i]);
         if (length == 0 || c < ' ' || c == 127) text[i] = '?';
+        if (length == 2 && c == 0xC2 && static_cast<unsigned char>(text[i + 1]) < 0xA0) text.replace(i, 2, "??");  // C1: terminals obey it, too
         i += length == 0 ? 1 : length;
     }
     return text;
@@ -279,7 +280,7 @@ DatasetKind Hdf5Reader::kind(const std::string& dataset) const {
 std::vector<std::string> Hdf5Reader::describe() const {
     std::vector<std::string> lines;
     for (const std::string& name : datasets())
-        lines.push_back(fmt::format("{:<40} {:<14} {:<6} {}", name, fmt::format("{}", fmt::join(shape(name), " x ")),
+        lines.push_back(fmt::format("{:<40} {:<14} {:<6} {}", one_line(name), fmt::format("{}", fmt::join(shape(name), " x ")),
                                     text_attribute(name, "units"), text_attribute(name, "description")));
     return lines;
 }

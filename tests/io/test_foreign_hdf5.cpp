@@ -89,3 +89,14 @@ TEST_CASE("a group within itself is refused, and not walked for ever") {
     CHECK(in.vector("/group/again/group/numbers")[2] == 3);
     CHECK_THAT(refusal<FileError>([&] { in.datasets(); }), Contains("is a group of another name, too"));
 }
+
+TEST_CASE("what a file is described by obeys no terminal") {
+    const TemporaryFolder folder;
+    const std::string file = changed_file(folder, "a.h5", [](hid_t id) {
+        REQUIRE(H5Gcreate2(id, "/gr\x1b[2Joup", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT) >= 0);
+        REQUIRE(H5Lmove(id, "/group/numbers", id, "/gr\x1b[2Joup/num\xc2\x9b" "bers", H5P_DEFAULT, H5P_DEFAULT) >= 0);
+    });
+    const std::vector<std::string> lines = Hdf5Reader(file, "cases").describe();
+    REQUIRE(lines.size() == 1);
+    CHECK_THAT(lines.front(), Catch::StartsWith("/gr?[2Joup/num??bers "));
+}
