@@ -64,6 +64,8 @@ void CsvTable::split() {
     if (csv_parse(&parser, text_.data(), text_.size(), take, nullptr, &fields_) != text_.size() || csv_fini(&parser, take, nullptr, &fields_) != 0)
         refuse("has a quote that does not enclose a whole field, or does not end on its line");
     if (fields_.size() > most_fields) refuse_fields();
+    while (fields_.size() > std::max<std::size_t>(columns_, 1) && trimmed(fields_.back()).empty()) fields_.pop_back();
+    if (columns_ == 0) columns_ = fields_.size();
 }
 
 }  // namespace tissue

@@ -8,7 +8,7 @@ namespace tissue {
 
 /// A CSV that people made: by a spreadsheet, by hand, by a robot's program. UTF-8 with or without a byte order mark; line ends of any system; fields
 /// separated by commas, semicolons or tabs, whichever the header has most of; fields in quotes (libcsv). Lines that begin with '#' are
-/// comments. Another encoding is refused by its name, and so is a quote that does not end on its line.
+/// comments. Separators at the end of a line, with nothing behind them, make no fields beyond the header's. Another encoding is refused by its name, and so is a quote that does not end on its line.
 class CsvTable : public CsvLines {
    public:
     using CsvLines::CsvLines;
@@ -21,7 +21,8 @@ class CsvTable : public CsvLines {
     void check_encoding();
     void split();
 
-    char separator_ = 0;  ///< not known before the header
+    char separator_ = 0;       ///< not known before the header
+    std::size_t columns_ = 0;  ///< of the header
 };
 
 }  // namespace tissue

@@ -48,6 +48,7 @@ TEST_CASE("a table is the same however a spreadsheet has written it", "[csv]") {
         CHECK(rows_of(text) == rows);
     }
     CHECK(rows_of("a,\"b, c\"\n1,\"say \"\"2\"\"\"\n") == std::vector<std::vector<std::string>>{{"a", "b, c"}, {"1", "say \"2\""}});
+    CHECK(rows_of("a,b,\n1,2,\n3,4,,\n5,6\n7,8,9\n") == std::vector<std::vector<std::string>>{{"a", "b"}, {"1", "2"}, {"3", "4"}, {"5", "6"}, {"7", "8", "9"}});
     CHECK(rows_of("a,b\n,\n1,") == std::vector<std::vector<std::string>>{{"a", "b"}, {"", ""}, {"1", ""}});
 }
 
