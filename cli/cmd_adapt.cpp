@@ -14,6 +14,7 @@
 #include "haptic/learner.h"
 #include "io/atomic_file.h"
 #include "springs/law_press.h"
+#include "study/one_line.h"
 
 namespace tissue::cli {
 namespace {
@@ -96,7 +97,10 @@ class Lines {
         if (!answer.warning.empty()) std::cerr << "adapt: " << answer.warning << '\n';
     }
 
-    void fault(int line, const std::string& why) { say("adapt: " + why, {{"line", line}, {"status", "refused"}, {"why", why}}); }
+    void fault(int line, const std::string& fault) {
+        const std::string why = one_line(fault);  // a terminal obeys control bytes
+        say("adapt: " + why, {{"line", line}, {"status", "refused"}, {"why", why}});
+    }
 
     void next(Adaptation& adaptation) {
         if (o_.next == 0) return;

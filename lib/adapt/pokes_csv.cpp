@@ -18,27 +18,24 @@ std::vector<CsvColumn> columns_of(int D) {
 }  // namespace
 
 std::optional<PokeLines::Row> PokeLines::next() {
-    while (lines_.next()) {
-        if (lines_.is_comment()) continue;
-        if (columns_.empty()) {
-            columns_ = CsvColumns(lines_, columns_of(D_));
-            continue;
-        }
-        Row row{lines_.number(), {}, ""};
-        try {
+    for (;;) try {
+            if (!lines_.next()) return std::nullopt;
+            if (lines_.is_comment()) continue;
+            if (columns_.empty()) {
+                columns_ = CsvColumns(lines_, columns_of(D_));
+                continue;
+            }
             columns_.check(lines_);
             const auto vector = [&](const std::string& what) {
                 Point p(D_);
                 for (int d = 0; d < D_; ++d) p[d] = columns_.number(lines_, fmt::format("{}_{}", what, "xyz"[d]));
                 return p;
             };
-            row.poke = {vector("contact"), vector("displacement"), vector("force")};
+            return Row{lines_.number(), {vector("contact"), vector("displacement"), vector("force")}, ""};
         } catch (const FileError& e) {
-            row.fault = e.what();
+            if (columns_.empty() || lines_.text().size() > CsvLines::longest_line) throw;  // of no header nothing can be read, and of no line either
+            return Row{lines_.number(), {}, e.what()};
         }
-        return row;
-    }
-    return std::nullopt;
 }
 
 std::vector<Poke> read_pokes(const std::string& file, int D) {

@@ -25,7 +25,7 @@ class PokeLines {
         Poke poke;
         std::string fault;  ///< why the line is none, with its place; then there is no poke
     };
-    /// The next one; nothing at the end. A header that is none throws FileError with file, line, column and cause.
+    /// The next one; nothing at the end. A header that is none throws FileError with file, line, column and cause, and so does a line of more than 1 MiB.
     std::optional<Row> next();
 
    private:

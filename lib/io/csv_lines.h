@@ -10,6 +10,8 @@ namespace tissue {
 /// what people do is read by CsvTable (io/csv_table.h). At most 1 MiB a line and 256 fields.
 class CsvLines {
    public:
+    static constexpr std::size_t longest_line = std::size_t{1} << 20;
+
     CsvLines(const CsvLines&) = delete;
     CsvLines& operator=(const CsvLines&) = delete;
 
@@ -33,7 +35,7 @@ class CsvLines {
     [[noreturn]] void refuse(const std::string& why) const;
 
    protected:
-    static constexpr std::size_t most_fields = 256, longest_line = std::size_t{1} << 20;
+    static constexpr std::size_t most_fields = 256;
 
     bool next_text();  ///< the line alone, no fields
     [[noreturn]] void refuse_fields() const;

@@ -138,7 +138,7 @@ TEST_CASE("the next poke goes where least is known", "[adapt]") {
 
 TEST_CASE("pokes come out of lines one by one, a bad one with its place", "[adapt]") {
     const std::string header = "contact_x [mm],contact_y [mm],displacement_x [mm],displacement_y [mm],force_x [mN],force_y [N]\n";
-    std::istringstream in("# a robot\n" + header + "10,100,0,-5,20,-1.5\n10,100,0,-5,nan,-1.5\n\n10,100,0\n20,100,0,-4,0,-1\n");
+    std::istringstream in("# a robot\n" + header + "10,100,0,-5,20,-1.5\n10,100,0,-5,nan,-1.5\n\n10,100,0\n10,\xe4,0,-5,20,-1\n\"10,100,0,-5,20,-1\n20,100,0,-4,0,-1\n");
     PokeLines lines(in, "pipe", 2);
     const auto first = lines.next();
     REQUIRE(first);
@@ -148,6 +148,8 @@ TEST_CASE("pokes come out of lines one by one, a bad one with its place", "[adap
     CHECK(first->poke.force_N.isApprox(Eigen::Vector2d(0.02, -1.5)));
     CHECK_THAT(lines.next()->fault, Contains("pipe:4: column 'force_x' is 'nan'"));
     CHECK_THAT(lines.next()->fault, Contains("pipe:6: has 3 fields, the header 6 columns"));
+    CHECK_THAT(lines.next()->fault, Contains("pipe:7: byte 4 (0xe4) is not UTF-8"));
+    CHECK_THAT(lines.next()->fault, Contains("pipe:8: has a quote that does not enclose a whole field"));
     CHECK(lines.next()->fault.empty());
     CHECK_FALSE(lines.next());
     std::istringstream wrong("contact_x [inch]\n1\n");
