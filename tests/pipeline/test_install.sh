@@ -11,9 +11,13 @@ place() { # WHAT VARIABLE=VALUE...: as make does, without building anything
     run env "$@" PACKAGES="$(sed -n 's/^PACKAGES := //p' "$root/Makefile")" CXXFLAGS="$flags" "$root/scripts/install" "$what"
 }
 work=$scratch
+before=$(umask)
+umask 077  # root's, on many machines
 place "$build" PREFIX="$prefix"
+umask "$before"
 check "install: exit 0" exited 0
 check "install says nothing" silent
+check "all may use what is installed, whoever's umask it was" test -z "$(find "$prefix" ! -perm -o+r -o -type d ! -perm -o+x)"
 check "programs, library, headers, pkg-config file, pages and completions are there" exist "$prefix/bin/tissuectl" \
     "$prefix/bin/tissue-haptic" "$prefix/lib/libtissue.a" "$prefix/include/tissue/haptic/device.h" \
     "$prefix/lib/libtissue.so.1" "$prefix/lib/libtissue.so" "$prefix/include/tissue.h" "$prefix/lib/pkgconfig/tissue-c.pc" \
