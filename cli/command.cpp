@@ -20,6 +20,12 @@ void echo_options(const CLI::App& command) {
     std::cerr << line << '\n';
 }
 
+int printed(const CLI::App& program) {
+    if (std::cout.flush()) return 0;
+    std::cerr << program.get_name() << ": standard output: cannot write: the disk is full, or it is closed\n";
+    return 1;
+}
+
 std::string HelpTable::make_option(const CLI::Option* option, bool is_positional) const {
     const std::string initial = option->get_required() ? "required" : option->get_default_str(), unit = unit_of(*option);
     // of two spellings the first; the second is an earlier version's

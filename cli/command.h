@@ -37,6 +37,9 @@ void add_doctor(CLI::App& app, const Invocation& invocation);
 /// Prints the options in use, given and default, on standard error: "tissuectl train: study=... threads=2".
 void echo_options(const CLI::App& command);
 
+/// Exit status of a program that has printed what it was asked for: 0; 1, with a line, where standard output did not take all of it.
+int printed(const CLI::App& program);
+
 /// Help as a table: option, default, unit, meaning. An option's type name is its unit.
 class HelpTable : public CLI::Formatter {
    public:

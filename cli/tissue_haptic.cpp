@@ -249,12 +249,12 @@ int main(int argc, char** argv) {
     app.set_version_flag("--version", std::string("tissue-haptic ") + tissue::version, "print the version");
     add_options(app, o);
     try {
-        if (cli::generated(app, argc, argv)) return 0;
+        if (cli::generated(app, argc, argv)) return cli::printed(app);
         app.parse(argc, argv);
         finish(o);
         if (!o.axes.empty()) o.choices.haptic.map.axes = parse_axes(o.axes);
     } catch (const CLI::ParseError& e) {
-        return app.exit(e) == 0 ? 0 : 2;
+        return app.exit(e) == 0 ? cli::printed(app) : 2;
     } catch (const std::exception& e) {
         std::cerr << "tissue-haptic: " << tissue::one_line(e.what()) << '\n';
         return 2;

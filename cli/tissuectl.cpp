@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
     add_export(app, invocation);
     add_doctor(app, invocation);
     try {
-        if (generated(app, argc, argv)) return 0;
+        if (generated(app, argc, argv)) return printed(app);
         if (const std::string unknown = unknown_command(app, argc, argv); !unknown.empty()) {
             std::cerr << "tissuectl: '" << unknown << "' is not a command; tissuectl --help lists them\n";
             return 2;
@@ -68,7 +68,7 @@ int main(int argc, char** argv) {
         app.parse(argc, argv);
         if (!std::cout.flush()) throw tissue::FileError("standard output: cannot write: the disk is full, or it is closed");
     } catch (const CLI::ParseError& e) {
-        return app.exit(e) == 0 ? 0 : 2;
+        return app.exit(e) == 0 ? printed(app) : 2;
     } catch (const NotAsPromised& e) {
         std::cerr << "tissuectl: " << tissue::one_line(e.what()) << '\n';
         return 3;

@@ -95,6 +95,12 @@ wait
 run sh -c '"$1" info "$2" >/dev/full' - "$TISSUECTL" results/tiny/cases.h5
 check "standard output on a full disk: exit 1" exited 1
 check "standard output on a full disk: one line says so" one_line '^tissuectl: standard output: cannot write'
+for asked in --help --version "--generate man"; do
+    # shellcheck disable=SC2086  # words of their own
+    run sh -c '"$@" >/dev/full' - "$TISSUECTL" $asked
+    check "$asked on a full disk: exit 1" exited 1
+    check "$asked on a full disk: one line says so" one_line "^tissuectl: standard output: cannot write"
+done
 tissuectl info results/tiny/none.h5
 check "a file that is not there: exit 1" exited 1
 check "a file that is not there: one line names it" one_line '^tissuectl: results/tiny/none.h5: there is no such file'
