@@ -36,6 +36,7 @@ void export_cases(const Options& o) {
     const Cases cases = read_cases(o.file);
     const std::vector<const LoadPath*> paths = chosen_paths(cases, o);
     if (o.to == "csv") return write_files(o.out, csv_files(cases, paths));
+    if (cases.measurement) throw MismatchError(o.file + ": holds measured forces, and no displacement of the tissue that could be drawn; --to csv has them");
     Files files;
     for (const LoadPath* path : paths) files.merge(path_vtu(cases, *path));
     write_files(o.out, files);

@@ -216,8 +216,10 @@ Files csv_files(const Cases& cases, const std::vector<const LoadPath*>& paths) {
         for (std::size_t k = 0; k < path->records.size(); ++k) {
             const PathRecord& r = path->records[k];
             const std::string which = fmt::format("{},{}", field(path->name), k);
-            records += fmt::format("{},{},{},{},{},{}\n", which, r.magnitude_m, r.energy_J, values(r.contact_force_N),
-                                   values(r.support_force_N), r.smallest_J);
+            const bool measured = r.displacement.size() == 0;  // then nobody knows energy, supports and strain
+            const std::string unknown(static_cast<std::size_t>(D - 1), ',');
+            records += fmt::format("{},{},{},{},{},{}\n", which, r.magnitude_m, measured ? "" : fmt::format("{}", r.energy_J), values(r.contact_force_N),
+                                   measured ? unknown : values(r.support_force_N), measured ? "" : fmt::format("{}", r.smallest_J));
             for (Eigen::Index i = 0; i < r.displacement.rows(); ++i)
                 fields += fmt::format("{},{},{},{}\n", which, i, values(r.displacement.row(i)), values(r.force.row(i)));
         }

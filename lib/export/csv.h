@@ -27,7 +27,7 @@ Files csv_files(const TissueModel& model, const std::vector<NamedSet>& sets);
 Files csv_files(const TissueModel& model, const std::vector<PressedCase>& cases);
 
 ///   nodes.csv      node, position
-///   records.csv    path, record, magnitude, energy, contact and support force, smallest J
+///   records.csv    path, record, magnitude, energy, contact and support force, smallest J; of measured cases magnitude and contact force alone
 ///   fields.csv     path, record, node, displacement, force
 Files csv_files(const Cases& cases, const std::vector<const LoadPath*>& paths);
 

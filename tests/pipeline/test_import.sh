@@ -47,6 +47,17 @@ assert held_out["learned"]["median"] < held_out["uniform"]["median"], held_out' 
 }
 check "every rival stands beside the law on held-out rows" rivals "$R/eval.json" learned force_table heuristic_a heuristic_b uniform repeat
 
+# ---- what was measured goes to other programs, what nobody has seen does not
+tissuectl export results/tiny/cases.h5 --to csv --out "$scratch/csv"
+check "measured forces go to CSV: exit 0" exited 0
+check "a field is empty where nothing was measured: energy, supports, J" "$PYTHON" -c 'import csv, sys
+rows = list(csv.DictReader(open(sys.argv[1])))
+assert rows and all(float(row["contact_y_N"]) == float(row["contact_y_N"]) and row["energy_J"] == row["support_x_N"] == row["support_y_N"] == row["smallest_J"] == "" for row in rows), rows[0]' "$scratch/csv/records.csv"
+tissuectl export results/tiny/cases.h5 --to vtu --out "$scratch/vtu"
+check "there is nothing to draw of them: exit 1" exited 1
+check "one line says why" one_line 'cases.h5: holds measured forces, and no displacement'
+check "and nothing is written" absent "$scratch/vtu"
+
 # ---- once more, and after an edit
 snapshot "$R" >"$scratch/before"
 make_tiny all
