@@ -181,7 +181,7 @@ refused "a mesh that breaks off" "fem/bean.msh: gmsh cannot read"
 (cd "$work/fem" && sed 's/^Plane Surface(1).*/Plane Surface(1) = {1, 2}; Recombine Surface{1};/' bean.geo >quad.geo &&
     gmsh -v 1 -2 -format msh41 quad.geo -o bean.msh >/dev/null 2>&1)
 refused "quadrilaterals" "element [0-9]* is a quadrilateral; a tissue is of straight triangles"
-printf 'Point(1)={0,0,0};Point(2)={1,0,0};Point(3)={1,1,0};Line(1)={1,2};Line(2)={2,3};Curve Loop(1)={1,2};Plane Surface(1)={1};Physical Curve("table")={1};Physical Surface("flesh")={1};\n' >"$work/fem/open.geo"
+printf 'Point(1)={0,0,0};Point(2)={100,0,0};Point(3)={100,100,0};Line(1)={1,2};Line(2)={2,3};Curve Loop(1)={1,2};Plane Surface(1)={1};Physical Curve("table")={1};Physical Surface("flesh")={1};\n' >"$work/fem/open.geo"
 sed -e 's/bean.msh/open.geo/' -e '/regions.stone/,$d' "$scratch/good.toml" >"$work/$study"
 printf '\n[lattice]\nsize_m = 0.01\n' >>"$work/$study"
 make_tiny mesh
