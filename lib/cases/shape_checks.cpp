@@ -124,7 +124,11 @@ void refuse_tool(const Study& study, const SpringMesh& mesh) {
 }
 
 void refuse_push_through(const Study& study, const SpringMesh& mesh, const std::vector<PlannedPath>& paths) {
+    constexpr double most = 0.1;  // of the paths may be such, where FE may lose one: at the tip of a shape any push is
     const double least_m = 1e-6 * (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).norm();
+    std::size_t through = 0;
+    std::string key, why;  // of the first
+    bool needed = false;
     for (const PlannedPath& path : paths) {
         const Point inward = inward_at(mesh, path.push);
         double thick_m = std::numeric_limits<double>::infinity();
@@ -133,11 +137,16 @@ void refuse_push_through(const Study& study, const SpringMesh& mesh, const std::
             if (t > least_m) thick_m = std::min(thick_m, t);
         }
         const double depth_m = path.depth_m * path.push.direction.dot(inward);
-        if (depth_m >= thick_m)
-            refuse(study, path.role == "map" ? "map.depth_m" : path.role == "train" || path.role == "check" ? std::string("loads.magnitudes_m") : "draws." + path.role + ".depth_m",
-                   fmt::format("load path '{}' pushes {:.3g} m deep at ({:.4g}) m, where the tissue is {:.3g} m thick", path.push.name, depth_m,
-                               fmt::join(path.push.contact_m.data(), path.push.contact_m.data() + path.push.contact_m.size(), ", "), thick_m));
+        if (depth_m < thick_m) continue;
+        ++through;
+        if (!study.geometry.is_solid() && !study.loads.sweep && path.role == "train") needed = true;
+        if (!why.empty()) continue;
+        key = path.role == "map" ? "map.depth_m" : path.role == "train" || path.role == "check" ? std::string("loads.magnitudes_m") : "draws." + path.role + ".depth_m";
+        why = fmt::format("load path '{}' pushes {:.3g} m deep at ({:.4g}) m, where the tissue is {:.3g} m thick", path.push.name, depth_m,
+                          fmt::join(path.push.contact_m.data(), path.push.contact_m.data() + path.push.contact_m.size(), ", "), thick_m);
     }
+    if (needed || static_cast<double>(through) > most * static_cast<double>(paths.size()))
+        refuse(study, key, fmt::format("{}; {} of {} load paths go through", why, through, paths.size()));
 }
 
 }  // namespace tissue

@@ -23,7 +23,8 @@ std::string finer_than_asked(const Study& study, const Shape& shape);
 /// room for.
 void refuse_tool(const Study& study, const SpringMesh& mesh);
 
-/// Throws StudyError where a push goes through the tissue: deeper than the tissue is thick there.
+/// Throws StudyError where pushes go through the tissue, deeper than the tissue is thick there: one that must not be lost (listed, in the
+/// plane), or more than a tenth of all. FE may lose the others, as at the tip of a shape.
 void refuse_push_through(const Study& study, const SpringMesh& mesh, const std::vector<PlannedPath>& paths);
 
 }  // namespace tissue

@@ -104,4 +104,14 @@ TEST_CASE("a push through a plate is refused with its path, depth and thickness"
     const Point on_plate = Eigen::Vector3d(0.043, 0.05, 0.01), in = Eigen::Vector3d(0, 0, -1);
     CHECK_NOTHROW(refuse_push_through(s, plate, path(on_plate, in, 0.008, "train")));
     CHECK_THAT(refusal<StudyError>([&] { refuse_push_through(s, plate, path(on_plate, in, 0.012, "train")); }), Contains("0.01 m thick"));
+    Study swept = s;
+    swept.loads.sweep = Study::Loads::Sweep{0.01, 0.015, {0}};
+    std::vector<PlannedPath> many(10, path(top, down, 0.005, "train")[0]);
+    many.push_back(path(top, down, 0.02, "held_out")[0]);
+    CHECK_NOTHROW(refuse_push_through(swept, plane, many));  // one of eleven
+    many.push_back(path(top, down, 0.02, "train")[0]);
+    CHECK_THAT(refusal<StudyError>([&] { refuse_push_through(swept, plane, many); }), Contains("key 'draws.held_out.depth_m'") && Contains("2 of 12 load paths go through"));
+    many.erase(many.begin() + 10);
+    CHECK_NOTHROW(refuse_push_through(swept, plane, many));
+    CHECK_THROWS_AS(refuse_push_through(s, plane, many), StudyError);  // listed: finite elements must not lose it
 }
