@@ -62,10 +62,11 @@ refused_unrun "a script behind a beginning that is nearly a mesh's"
 make_foreign
 check "a script behind a whole mesh is not run" not_run
 for first in MeshFormat Comments CommentsX 'Comments\nno mesh\n$EndComments'; do
+    what="a script behind \$$(printf "$first" | tr '\n' ' ')"
     printf "\$$first\\n%s\\n" "$script" >"$shapes/foreign.msh"
     make_foreign
-    check "a script behind \$$first: make fails" failed
-    check "a script behind \$$first is not run" not_run
+    check "$what: make fails" failed
+    check "$what is not run" not_run
 done
 
 # ---- options files

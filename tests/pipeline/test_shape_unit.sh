@@ -27,4 +27,17 @@ rm -rf "$work/results/plane"
 run make PYTHON="$PYTHON" STUDY=plane mesh
 check "a contour much finer than lattice.size_m is meshed" exited 0
 check "and told" says "^shape: warning: fem/fine.geo has a contour much finer than lattice.size_m = 0.01 m: [0-9]* nodes"
+cat >"$work/fem/honest.geo" <<'GEO'
+Point(1) = {0, 0, 0};  Point(2) = {100, 0, 0};  Point(3) = {100, 60, 0};  Point(4) = {0, 60, 0};  Point(5) = {50, -19940, 0};
+Line(1) = {1, 2};  Line(2) = {2, 3};  Circle(3) = {3, 5, 4};  Line(4) = {4, 1};
+Curve Loop(1) = {1, 2, 3, 4};
+Plane Surface(1) = {1};
+Periodic Curve {4} = {-2};
+Physical Curve("bed") = {1};
+Physical Surface("tissue") = {1};
+GEO
+sed -i 's|fine.geo|honest.geo|' "$work/fem/studies/plane.toml"
+rm -rf "$work/results/plane"
+run make PYTHON="$PYTHON" STUDY=plane mesh
+check "an outline with an arc of 20 m radius and curves that are copies of each other is meshed" exited 0
 finish
