@@ -270,7 +270,15 @@ $(THREE): | build/deps
 # ---- stages: one rule per kind of file
 
 # The plan says which load paths there are and with which arguments; its parts say what each stage depends on, and
-# keep their time stamp while their text stays the same.
+# keep their time stamp while their text stays the same. What it does not say is nothing, whatever the environment has.
+SHAPE :=
+SHAPE_ARGUMENTS :=
+SOLID :=
+PATHS :=
+FIGURES :=
+CASES_COMMAND :=
+MESH_ARGUMENTS :=
+PATH_ARGUMENTS :=
 ifneq (,$(filter-out help clean deps build doors install uninstall doctor reference regress regress-proof trust felupe gains patient patient3 peers test test-fe sanitize tsan fuzz bench benches $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
 include $(R)/plan.mk
 endif

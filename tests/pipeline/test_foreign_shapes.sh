@@ -138,4 +138,8 @@ touch "$shapes/foreign.geo"
 make_foreign
 surface_of fem/studies/foreign.geo
 check "nothing is written through a link that lies where gmsh or FreeFEM writes" grep -qx precious "$scratch/precious"
+
+# ---- the environment's words are not the plan's
+run env SHAPE=fem/organ.geo SOLID=none PATHS=none FIGURES=none make PYTHON="$PYTHON" STUDY=tiny mesh
+check "SHAPE and SOLID in the environment: the block is meshed" exist "$work/results/tiny/mesh.msh"
 finish
