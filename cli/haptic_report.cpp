@@ -129,8 +129,9 @@ std::string realtime_json(const HapticModel& model, const std::vector<PressResul
     Json list = Json::array();
     for (const PressResult& p : presses) {
         against_static.push_back(p.reason.empty() ? p.static_error : missing);
-        against_fe.push_back(p.reason.empty() ? p.fe_error.value_or(nothing) : missing);
-        static_against_fe.push_back(p.reason.empty() ? p.static_fe_error.value_or(nothing) : missing);
+        const double unanswered = p.fe_asked ? missing : nothing;
+        against_fe.push_back(p.reason.empty() ? p.fe_error.value_or(nothing) : unanswered);
+        static_against_fe.push_back(p.reason.empty() ? p.static_fe_error.value_or(nothing) : unanswered);
         Json entry = {{"name", p.name}, {"rested", p.rested}, {"seconds", p.seconds}};
         if (!model.is_law()) entry["set"] = p.set;
         if (p.reason.empty()) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "haptic/virtual_device.h"
 #include "mesh/free_surface.h"
@@ -54,6 +55,7 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
     const double creep_1_s = model.is_law() ? 10 : 0.3;
     PressResult result;
     result.name = truth.name;
+    result.fe_asked = truth.force_N.has_value();
     result.displacement_m = result.force_N = result.static_N = Point::Zero(tissue.mesh.dimension());
     const Point inward = inward_at(tissue.mesh, truth.contact_m);
     const double dt = model.options.dt_s;
@@ -113,9 +115,7 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
     if (truth.force_N && result.off_contact_m < same_contact_m) {
         result.fe_error = (result.force_N - *truth.force_N).norm() / truth.force_N->norm();
         const auto exact = answer.at(truth.contact_m, truth.magnitude_m * truth.direction, theta);
-        if (exact)
-            result.static_fe_error =
-                (exact.contact_force - *truth.force_N).norm() / truth.force_N->norm();
+        result.static_fe_error = exact ? (exact.contact_force - *truth.force_N).norm() / truth.force_N->norm() : std::numeric_limits<double>::infinity();
     }
     return result;
 }

@@ -28,7 +28,8 @@ struct PressResult {
     double static_error = 0;             ///< |force - static| / |static|
     double off_contact_m = 0;            ///< how far the touched point lies from the contact asked for, at rest
     std::optional<double> fe_error;      ///< |force - FE| / |FE|; nothing where the tool slipped off to another contact
-    std::optional<double> static_fe_error;  ///< of the static answer at the FE displacement: what motion cannot mend
+    std::optional<double> static_fe_error;  ///< of the static answer at the FE displacement: what motion cannot mend; infinite without an answer
+    bool fe_asked = false;               ///< whether FE knows the force: errors beside it are defined
     std::string set;                     ///< that served in the end
     double seconds = 0;                  ///< of simulated time
     double energy_given_J = 0;

@@ -31,6 +31,7 @@ TEST_CASE("in motion the force comes to the static closed-loop answer at every c
             ++asked;
             if (!r.reason.empty() || !r.rested) continue;  // no equilibrium there, or two sets take turns for ever
             ++answered;
+            CHECK_FALSE((r.fe_asked || r.fe_error || r.static_fe_error));
             CHECK(r.static_error < 0.01);
             CHECK((r.displacement_m - tissue.magnitude_m[c] * tissue.direction.row(c).transpose()).norm() < 2e-3 * tissue.magnitude_m[c]);
         }
@@ -56,6 +57,7 @@ TEST_CASE("a press is judged by FE where it stands as deep as FE does, and at FE
     REQUIRE((r.rested && r.fe_error && r.static_fe_error));
     CHECK(*r.fe_error < 2e-3);
     CHECK(*r.static_fe_error < 2e-3);
+    CHECK(r.fe_asked);
     CHECK(r.off_contact_m < 1e-6);
 }
 
