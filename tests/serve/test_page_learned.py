@@ -19,7 +19,8 @@ def check(sentence, holds, seen=""):
     print(f"ok - {sentence}" if holds else f"not ok - {sentence}: {seen}", flush=True)
 
 
-WARM = """(() => { const c = document.getElementById('stage'), d = c.getContext('2d').getImageData(0, 0, c.width / 2, c.height).data;
+WARM = """(() => { const c = document.getElementById('stage'), above = c.height - Math.ceil(54 * c.width / c.clientWidth),   // the legend has an arrow of the heuristic mesh, which is red
+        d = c.getContext('2d').getImageData(0, 0, c.width / 2, above).data;
     let red = 0; for (let k = 0; k < d.length; k += 4) red += d[k] > d[k + 2] + 60 && d[k] > d[k + 1] + 40; return red; })()"""
 
 
