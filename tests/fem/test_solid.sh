@@ -273,6 +273,11 @@ solve unread off 0.002 1 0.043 0.05 0 0 -1 -law ogden -terms 1 -mu1 500 -alpha1 
 refused unread $? 2 "-C1 is not known" "parameters of another law than Ogden's are refused"
 solve unknown off 0.002 1 0.043 0.05 0 0 -1 -patch_half_width 0.005
 refused unknown $? 2 "-patch_half_width is not known" "an argument nobody reads is refused"
+solve region off 0.002 1 0.043 0.05 0 0 -1 -C1_x 500
+refused region $? 2 "-C1_x is not known" "parameters of a region without a label are refused"
+solve coarse off 0.002 1 0.043 0.05 0 0 -1 -C1_99 500
+if [ $? = 0 ] && grep -q "no element lies in region 99: -C1_99 is not used" "$work/coarse.log"; then say "ok - a region that the mesh is too coarse for is told in the log"
+else say "not ok - a region that the mesh is too coarse for is told in the log: $(tail -n 1 "$work/coarse.log") vs a line in the log"; fi
 solve points off 0.002 1 0.043 0.05 0 0 -1 -quadrature 5
 refused points $? 2 "-quadrature must be 4, 8 or 14" "a number of quadrature points that no rule has is refused"
 solve elsewhere off 0.002 1 0.053 0.05 0 0 -1
