@@ -133,6 +133,7 @@ void RemoteDevice::take(const SensorDatagram& datagram, ssize_t size, const sock
         state_ = Peer::candidate;
         peer_ = from;
         offset_s_ = time_s_ - in.time_s;
+        heard_s_ = time_s_;  // not that of an earlier session, whose schedule had another 0
         remember(in);
         return;
     }
@@ -151,6 +152,11 @@ void RemoteDevice::take(const SensorDatagram& datagram, ssize_t size, const sock
         return;
     }
     if (state_ == Peer::candidate) {
+        if (!(in.time_s > client_s_)) {  // a coarse clock, or one that stands still or has another unit: the next time it shows tells
+            ++leaps_;
+            sequence_ = in.sequence;
+            return;
+        }
         state_ = Peer::leads;
         ::connect(socket_, reinterpret_cast<const sockaddr*>(&peer_), sizeof peer_);  // what has come of others by now is told by its address
         ++received_;

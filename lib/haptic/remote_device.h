@@ -14,10 +14,12 @@ namespace tissue {
 ///   or   72 bytes: "TSP2", the same, and float64 measured_N[3] of a force sensor in the tool
 ///   out, 48 bytes: char magic[4] "TSF1", uint32 sequence of the newest position used, float64 age_s of it,
 ///                  float64 force_N[3], float64 tick
-/// sequence ascends by one from any start. time_s is the client's own monotonic clock at the measurement, in seconds from any start.
+/// sequence ascends by one from any start. time_s is the client's own monotonic clock at the measurement, in seconds from any start: a clock, and no count
+/// of datagrams. A time that is always the same never leads. One that runs slower than ours by more than a thousandth, as sequence / 1000 does when the
+/// client sends less than 1000 a second, makes its positions older and older: beyond SafetyOptions::stale_s they count as `stale`, and there is no force.
 ///
-/// Who leads. Two datagrams of one sender, the second of which follows the first, make it the peer; the socket is then connected to it, and the system
-/// refuses what others send. A datagram follows when its sequence is ahead by 1000 at most, and by 10,000 more for each second of its time; when its time
+/// Who leads. Two datagrams of one sender, the second of which follows the first and has a later time, make it the peer; the socket is then connected to
+/// it, and the system refuses what others send. A datagram follows when its sequence is ahead by 1000 at most, and by 10,000 more for each second of its time; when its time
 /// does not go back; and when its time is not more than half a second ahead of our clock. So a client of another byte order never leads, and one that
 /// counts milliseconds is not used. A peer from which nothing that follows has come for half a second has lost the lead: it, or another one, begins anew.
 ///

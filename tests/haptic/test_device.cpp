@@ -363,6 +363,41 @@ TEST_CASE("a client of another byte order, one that leaps and one that counts mi
     CHECK(wait_for([&] { return device.read(0.72).position_m.x() == 0.2; }));
 }
 
+TEST_CASE("a time that stands still never leads, nor do milliseconds that two datagrams share; a coarse clock does", "[device]") {
+    const auto play = [](auto time_of, bool leads) {
+        RemoteDevice device(0);
+        device.start();
+        Client client(device.port());
+        for (std::uint32_t k = 1; k <= 700; ++k) {
+            client.send(2 * k, time_of(2 * k), 0.05, 0.1);
+            client.send(2 * k + 1, time_of(2 * k + 1), 0.05, 0.1);
+            device.read(1e-3 * k);
+        }
+        CHECK(wait_for([&] { device.read(0.7); return ledger(device, "received") + ledger(device, "leaps") >= 1000; }));
+        CHECK((ledger(device, "received") > 0) == leads);
+        const DeviceSample s = device.read(0.7);
+        CHECK(s.valid == leads);
+        if (leads) CHECK(s.age_s < 0.02);
+    };
+    play([](std::uint32_t) { return 0.0; }, false);
+    play([](std::uint32_t k) { return k / 2; }, false);  // ms
+    play([](std::uint32_t k) { return 0.016 * (k / 32); }, true);
+}
+
+TEST_CASE("a position of a second session is as old as one of the first", "[device]") {
+    RemoteDevice device(0);
+    Client client(device.port());
+    for (const double now_s : {200.0, 0.002}) {  // each session's schedule begins at 0
+        device.start();
+        client.send(1, 5, 0.1, 0);
+        client.send(2, 5.001, 0.1, 0);
+        DeviceSample s;
+        CHECK(wait_for([&] { return (s = device.read(now_s)).valid; }));
+        CHECK(s.age_s < 2e-3);
+        device.stop();
+    }
+}
+
 TEST_CASE("the remote device sends no force before start() nor after stop()", "[device]") {
     RemoteDevice device(0);
     Client client(device.port());
