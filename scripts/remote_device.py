@@ -7,7 +7,8 @@ Datagrams, little-endian, 48 bytes each way:
     out  "TSP1", uint32 sequence, float64 time_s, float64 position_m[3], float64 reserved
          or "TSP2", the same, float64 measured_N[3] of a force sensor in the tool (tissue-haptic --learn)
     in   "TSF1", uint32 sequence of the position used, float64 age_s, float64 force_N[3], float64 tick
-time_s is this program's monotonic clock when the position was measured: positions that are old by it are not used.
+time_s is this program's monotonic clock when the position was measured, not a count of positions: positions that are
+old by it are not used, and a time that stands still gets no force at all.
 Forces come from the connected socket alone, are limited to 3.3 N, and count until the next, for 7.5 ms at most: then
 whoever has motors lets go.
 """
@@ -60,7 +61,7 @@ while (now := time.monotonic() - start) < seconds:
         link.send(struct.pack("<4sId3dd", b"TSP1", sequence, now, 0.05, y, 0.0, 0.0))
     except (BlockingIOError, ConnectionRefusedError):  # nobody listens yet, or another client leads
         pass
-    for _ in range(100):                               # a flood must not hold up the next position
+    for _ in range(512):                               # all that waits, which the system bounds: after a pause, too, the newest counts
         try:
             newest = force_of(link.recv(49), sequence)
         except BlockingIOError:
