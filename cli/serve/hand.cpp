@@ -161,16 +161,21 @@ void Hand::follow(const Point& point_m) {
 }
 
 /// In the plane: to outside the nearest side, and from there straight on to where the person is. In between it stands until the device, which
-/// follows it with a lag, is there too: else the tool would come in askew.
+/// follows it with a lag, is there too: else the tool would come in askew. It stands once: a person who drags along the side is followed along it
+/// meanwhile, and led straight after that.
 void Hand::come_in() {
     const Point gate = outside(scene_->boxes(), wanted_, clearance_m);
-    if (touch_.size() > 0 && !way_.empty() && (gate - touch_).norm() < same_touch_m) {   // on its way there already
+    const bool coming = touch_.size() > 0 && !way_.empty();
+    if (coming && (gate - touch_).norm() < same_touch_m) {   // on its way there already
         way_.back().to_m = wanted_;
         return;
     }
+    if (coming && way_.size() == 1) return way_.clear();   // on its way in: has arrived
+    const bool along = coming && clear(scene_->boxes(), at_, gate, 0.9 * clearance_m);
+    const double wait_s = along ? way_[way_.size() - 2].wait_s : settle_s;
     way_.clear();
     go_round(gate);
-    way_.back().wait_s = settle_s;
+    way_.back().wait_s = wait_s;
     touch_ = gate;
     way_.push_back({wanted_, approach_m_s});
 }

@@ -159,6 +159,24 @@ TEST_CASE("a person who presses inside a plane mesh comes in straight through it
     }
 }
 
+TEST_CASE("a person who drags along a plane mesh from the first moment is followed, and soon inside it", "[serve]") {
+    const Shown s;
+    for (const double speed_m_s : {0.02, 0.03, 0.1, 0.3}) {
+        Hand hand(s.scene);
+        double there_s = -1;
+        for (int k = 0; k < 120 && there_s < 0; ++k) {   // to and fro between 20 and 80 mm
+            const double way = std::fmod(speed_m_s * k / 60, 0.12);
+            const Point wanted = Eigen::Vector2d(0.02 + (way < 0.06 ? way : 0.12 - way), 0.094);
+            hand.follow(wanted);
+            hand.step(1.0 / 60);
+            if (in_tissue(s.scene, hand.at()) && (hand.at() - wanted).norm() < 1e-12) there_s = k / 60.0;
+        }
+        INFO("dragged at " << speed_m_s << " m/s");
+        CHECK(there_s > 0.15);   // not before it has stood outside
+        CHECK(there_s < 1);
+    }
+}
+
 TEST_CASE("the demo finds a hidden tissue at rest when the model is: of the same tissue the hand feels the model's own force", "[serve][adapt][memory]") {
     const TemporaryFolder folder;
     write_model(folder.file("law.h5"), relaxing(law_example()), {"test", 1, {}});
