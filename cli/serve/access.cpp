@@ -53,7 +53,11 @@ bool same_secret(std::string_view a, std::string_view b) {
 }
 
 std::string_view path_of(std::string_view target) {
-    return target.substr(0, target.find('?'));
+    constexpr std::size_t length = 32;  // of draw_secret()
+    const std::string_view path = target.substr(0, target.find('?')), first = path.substr(0, length + 2);
+    const bool session = first.size() == length + 2 && first.front() == '/' && first.back() == '/' &&
+                         first.find_first_not_of("0123456789abcdef", 1) == length + 1;
+    return session ? path.substr(length + 1) : path;
 }
 
 std::optional<std::string> token_in_query(std::string_view target) {

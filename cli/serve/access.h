@@ -25,7 +25,8 @@ std::string cookie_name(int port);
 std::optional<std::string> token_in_query(std::string_view target);
 std::optional<std::string> token_in_cookie(std::string_view cookies, int port);
 
-/// Path of a request's target, without its query.
+/// Path of a request's target, without its query and without a session's own path (32 hexadecimal digits) before it: that of an earlier session, too,
+/// from whose page the browser looks for its server again.
 std::string_view path_of(std::string_view target);
 
 /// A token that stands in a URL and a cookie as it is: 16 to 128 letters, digits, - and _.

@@ -337,11 +337,14 @@ def token():
     cookie = re.search(rf"Set-Cookie: (tissue_token_{port}=[^;]*); (.*)\r", head)
     there = re.search(r"Location: (/[0-9a-f]{32}/)\r", head)
     check("with it the page's own path, without the token, and a cookie of this port and that path alone", status == 303 and cookie and there
-          and f"Path={there[1]};" in cookie[2] and "HttpOnly" in cookie[2] and "SameSite=Strict" in cookie[2], head)
+          and f"Path={there[1]};" in cookie[2] and "HttpOnly" in cookie[2] and "SameSite=Lax" in cookie[2], head)
     mine = f"Cookie: {cookie[1]}\r\n"
     check("the cookie lets in, to the page, its parts and its WebSocket", [get(port, there[1] + p, headers=mine)[0] for p in ("", "page.js", "healthz")] == [200] * 3
           and refusal(port, path=f"{there[1]}ws", headers=mine) == 101 and refusal(port, path=f"/ws?token={secret}") == 101)
     check("the path without the cookie does not", [get(port, there[1] + p)[0] for p in ("", "page.js", "metrics")] == [401] * 3)
+    earlier = "/" + "0123456789abcdef" * 2 + "/"
+    check("a page of an earlier session finds its server again, by the same token", get(port, earlier + "healthz", headers=mine)[0] == 200
+          and refusal(port, path=earlier + "ws", headers=mine) == 101 and get(port, earlier + "healthz")[0] == 401)
     other = Server(program, model, "--token")
     drawn = re.search(r"/\?token=([0-9a-f]{32})$", other.url)
     check("--token draws one", drawn and get(other.port, f"/?token={drawn[1]}")[0] == 303 and get(other.port)[0] == 401, other.url)

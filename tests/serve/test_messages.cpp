@@ -153,4 +153,9 @@ TEST_CASE("a token comes by query or cookie, and only the whole one lets in", "[
     for (const char* bad : {"", "short", "0123456789abcde;", "0123456789abcdef\n", "0123456789 abcdef"}) CHECK_FALSE(is_token(bad));
     CHECK(path_of("/ws?x=/y") == "/ws");
     CHECK(path_of("/") == "/");
+    const std::string session = "/" + draw_secret();
+    CHECK(path_of(session + "/") == "/");
+    CHECK(path_of(session + "/ws?token=" + token) == "/ws");
+    for (const std::string& other : std::vector<std::string>{session, session + "0/ws", session.substr(0, 32) + "/ws", "/0123456789ABCDEF0123456789abcdef/ws", "/?" + session + "/ws"})
+        CHECK(path_of(other) == other.substr(0, other.find('?')));
 }

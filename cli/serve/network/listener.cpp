@@ -91,12 +91,6 @@ Neighbour& Listener::neighbour(const asio::ip::address& address) {
     return neighbours[group_of(address)];
 }
 
-std::string_view Listener::path_within(std::string_view target) const {
-    const std::string_view path = path_of(target);
-    const bool own = path.size() > session.size() + 1 && path[0] == '/' && path.substr(1, session.size()) == session && path[session.size() + 1] == '/';
-    return own ? path.substr(session.size() + 1) : path;
-}
-
 void Listener::step() {
     if (show.step(now_s())) {
         const auto frame = std::make_shared<const Frame>(show.frame());

@@ -25,7 +25,6 @@ class Listener {
     void step();                             ///< of the show, and all that follow
     void finish(const std::string& reason);  ///< no force first; then the clients are told
     void tell(Show::Client client, const std::string& text);
-    std::string_view path_within(std::string_view target) const;  ///< without the session's own path before it, where that stands
     void refuse(const char* kind) { ++traffic.refused[kind]; }
 
     /// Gives a connection a seat. Where all are taken, the HTTP connection that has most reason to go gives way; a page never does.

@@ -63,7 +63,7 @@ void Visitor::have_read(Code error) {
     keep_ = parser_->keep_alive() && !server_.ending;
     const http::request<http::empty_body>& request = parser_->get();
     if (std::optional<Answer> refused = refusal(request)) return answer(std::move(*refused));
-    if (server_.path_within(view(request.target())) == "/ws" && request.method() == http::verb::get) return upgrade(request);
+    if (path_of(view(request.target())) == "/ws" && request.method() == http::verb::get) return upgrade(request);
     answer(answer_to(request));
 }
 
@@ -92,7 +92,7 @@ std::optional<Visitor::Answer> Visitor::refusal(const http::request<http::empty_
 
 Visitor::Answer Visitor::answer_to(const http::request<http::empty_body>& request) {
     const std::string target = view(request.target());
-    const std::string_view path = server_.path_within(target);
+    const std::string_view path = path_of(target);
     if (path == "/ws") return text(http::status::bad_request, "a WebSocket");
     if (path == "/healthz") return text(http::status::ok, "ok");
     if (path == "/metrics") {
