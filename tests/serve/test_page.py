@@ -438,6 +438,10 @@ def with_a_token(page, program, models, folder):
         check("neither the address bar nor the way back has the token", not any("token" in url for url in [page.js("location.href"), *gone_through]), gone_through)
         page.open(page.js("location.href"))
         check("loaded anew it connects again", page.until("window.tissue && tissue.connected && tissue.states > 0"))
+        page.cdp("Network.clearBrowserCookies")
+        page.open(f"data:text/html,<a id=go href='{server.url}'>a link, as in mail</a>")
+        page.click("go")
+        check("as it does from a link of another site", page.until("window.tissue && tissue.connected", 20), page.js("document.body.innerText")[:100])
     finally:
         server.end()
 

@@ -101,9 +101,10 @@ Visitor::Answer Visitor::answer_to(const http::request<http::empty_body>& reques
         return metrics;
     }
     if (const auto token = token_in_query(target); path == "/" && token && !server_.options.token.empty()) {  // out of the address bar
+        // Lax: a browser that follows a link of another site, as of mail, would not send a Strict cookie on to where it is led
         Answer moved = text(http::status::see_other, "the page is at its own path");
         moved.head.set(http::field::location, "/" + server_.session + "/");
-        moved.head.set(http::field::set_cookie, fmt::format("{}={}; Path=/{}/; HttpOnly; SameSite=Strict", cookie_name(server_.port), *token, server_.session));
+        moved.head.set(http::field::set_cookie, fmt::format("{}={}; Path=/{}/; HttpOnly; SameSite=Lax", cookie_name(server_.port), *token, server_.session));
         return moved;
     }
     return page(request, path);
