@@ -198,6 +198,34 @@ for call, arguments in calls.items():
             continue
         assert False, (call, name)
 PY
+check "an object that was never initialised is a TypeError, whatever is asked of it" "$PYTHON" - "$model" <<'PY'
+import sys
+
+import tissue
+bare = {owner: owner.__new__(owner) for owner in (tissue.Model, tissue.Simulation, tissue.Adaptation)}
+top, down = (0.05, 0.1), (0, -0.004)
+arguments = {"press": ([top], [down]), "tick": ((0, 0.2, 0),), "ticks": ([(0, 0.2, 0)],), "learn": (top, down, down), "expect": (top, down), "write": ("/nowhere/none.h5",)}
+asked = 0
+for owner, it in bare.items():
+    for name in vars(owner):
+        if name.startswith("_") and name != "__repr__": continue
+        if name == "__repr__" and owner is not tissue.Model: continue
+        try:
+            got = getattr(it, name)
+            got(*arguments.get(name, ()))
+        except TypeError as e:
+            assert "never initialised" in str(e), (owner, name, e)
+            asked += 1
+            continue
+        assert False, (owner, name)
+assert asked > 30, asked
+try:
+    tissue.Simulation(bare[tissue.Model])
+except (TypeError, RuntimeError):
+    pass
+else:
+    assert False
+PY
 check "a file is named by a path as well as by its text" "$PYTHON" - "$model" "$scratch" <<'PY'
 import pathlib, sys
 

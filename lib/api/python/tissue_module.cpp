@@ -65,6 +65,15 @@ auto alone(Object& object, Act&& act) {
     return act();
 }
 
+/// An object of which __new__ was called and __init__ was not: pybind11 would give methods storage in which nothing has been built.
+void* never_initialised(std::size_t) { throw py::type_error("the object was never initialised: its __init__ has not run"); }
+
+/// Of the class of T. What is built by __init__ does not go through here.
+template <class T>
+void needs_init() {
+    py::detail::get_type_info(typeid(T), true)->operator_new = &never_initialised;
+}
+
 HapticOptions options_of(const py::kwargs& given) {
     HapticOptions options;
     options.heuristic_mesh = false;
@@ -386,6 +395,10 @@ ticks() between two ticks, press() between two contacts and next() between two p
                                "exp of each unknown: of a field, how many times as stiff each node is as trained (P)")
         .def_property_readonly("sd", [](Patient& p) { return alone(p, [&] { return Eigen::VectorXd(p.adaptation->state().P.diagonal().cwiseMax(0).cwiseSqrt()); }); },
                                "standard deviation of that one's logarithm (P)");
+
+    needs_init<TissueModel>();
+    needs_init<Session>();
+    needs_init<Patient>();
 
     m.def("read_study", &read_study, py::arg("folder"), "results/STUDY: a dict of model, paths (as read_cases) and eval (eval.json; None where there is none yet).");
     m.def("read_cases", &paths_of, py::arg("file"),
