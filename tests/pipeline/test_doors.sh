@@ -275,6 +275,22 @@ signal.signal(signal.SIGALRM, lambda *_: session.reset())
 signal.setitimer(signal.ITIMER_REAL, 0.2)
 session.ticks(way[:200_000])
 PY
+check "the first arrays of a program may be had in many threads at once" "$PYTHON" - "$model" "$scratch/cases.h5" <<'PY'
+import faulthandler, sys, threading
+
+import tissue
+faulthandler.dump_traceback_later(60, exit=True)  # threads that wait for each other would wait for ever
+wrong = []
+def use():
+    try:
+        tissue.read_cases(sys.argv[2]), tissue.Model(sys.argv[1]).nodes
+    except Exception as e:
+        wrong.append(e)
+threads = [threading.Thread(target=use) for _ in range(6)]
+[t.start() for t in threads]
+[t.join() for t in threads]
+assert not wrong, wrong
+PY
 check "one object in many threads is used by one at a time" "$PYTHON" - "$model" <<'PY'
 import sys, threading
 

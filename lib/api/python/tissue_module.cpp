@@ -313,6 +313,8 @@ PYBIND11_MODULE(tissue, m) {
 SI units. A model has D = 2 or 3 axes, N nodes. Errors are tissue.Error, one line that names file, place and cause; an argument of another
 type is a TypeError. Other Python threads run while something here takes long; those that want the same object wait for one another. Ctrl-C ends
 ticks() between two ticks, press() between two contacts and next() between two presses.)";
+    // numpy now: two threads that had their first arrays at once would wait for each other, one for the import and one for the interpreter
+    py::detail::npy_api::get();
     m.attr("__version__") = version;
     py::register_exception<Error>(m, "Error", PyExc_ValueError).attr("__doc__") = "What the caller got wrong, or the disk did: one line.";
 
