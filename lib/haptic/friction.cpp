@@ -19,6 +19,7 @@ constexpr double longest = 0.5;                   // step, in spacings of the su
 Friction::Friction(const FrictionOptions& options) : stick_(options.stick), slip_(options.slip.value_or(options.stick)) {
     if (!(stick_ >= 0)) throw MismatchError(fmt::format("friction must not be negative, not {}", stick_));
     if (!(slip_ >= 0)) throw MismatchError(fmt::format("friction-slip must not be negative, not {}", slip_));
+    if (options.slip && std::isinf(stick_)) throw MismatchError("friction-slip does nothing without friction: the tool never slips");
     if (!(slip_ <= stick_)) throw MismatchError(fmt::format("kinetic friction {} must not be above the static {}", slip_, stick_));
 }
 

@@ -154,7 +154,9 @@ TEST_CASE("along a curved surface a tool slips on past nodes and edges", "[frict
     CHECK((end - outline.position(from + way)).norm() < 0.01);
 }
 
-TEST_CASE("friction that is negative, and kinetic friction above the static, are refused", "[friction]") {
+TEST_CASE("friction that is negative, kinetic friction above the static, and one without a static one, are refused", "[friction]") {
+    const double never = FrictionOptions().stick;
+    CHECK(refusal<MismatchError>([&] { Friction({never, 0.2}); }) == "friction-slip does nothing without friction: the tool never slips");
     CHECK(refusal<MismatchError>([] { Friction({-0.1, {}}); }) == "friction must not be negative, not -0.1");
     CHECK(refusal<MismatchError>([] { Friction({0.1, -1}); }) == "friction-slip must not be negative, not -1");
     CHECK(refusal<MismatchError>([] { Friction({0.1, 0.2}); }) == "kinetic friction 0.2 must not be above the static 0.1");
