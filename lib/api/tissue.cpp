@@ -24,11 +24,13 @@ struct tissue_session {
 
 namespace {
 
-/// The failure of this thread, of storage that is there from the start: to say it must not fail.
+/// The failure of this thread, of storage that is there from the start: to say it must not fail. One line, whatever a name or a value had in it.
 thread_local char failure[1024] = "";
 
 tissue_status fail(tissue_status status, const char* why) noexcept {
     std::strncpy(failure, why, sizeof failure - 1);
+    for (char& c : failure)
+        if ((c > 0 && c < ' ') || c == 0x7f) c = '?';
     return status;
 }
 

@@ -160,7 +160,10 @@ TEST_CASE("what is wrong is a code and one line, whatever is given", "[api]") {
         }
     for (const char* wrong : {"-1", "inf", "nan"}) CHECK(opened({"damping", wrong}) == TISSUE_MISMATCH);
     for (const char* wrong : {"-1", "nan"}) CHECK(opened({"friction", "0.3", "friction-slip", wrong}) == TISSUE_MISMATCH);
+    CHECK(opened({"friction-slip", "0.2"}) == TISSUE_MISMATCH);
     CHECK(opened({"dynamics", "euler"}) == TISSUE_MISMATCH);
+    CHECK(opened({"dynamics", "a\nb\x1b[31m"}) == TISSUE_MISMATCH);
+    CHECK(std::string(tissue_error()).find("'a?b?[31m'") != std::string::npos);
     CHECK(opened({"axes", "x,-z", "offset", "0 0.1", "heuristic", "yes", "passivity", "no", "dt", "0.0005"}) == TISSUE_OK);
     // every number, at its worst: refused, or a session whose force is finite
     for (const std::string& name : session_option_names())

@@ -22,6 +22,7 @@
 #include "springs/law_press.h"
 #include "springs/push_refusal.h"
 #include "springs/set_grid.h"
+#include "study/one_line.h"
 #include "version.h"
 
 namespace py = pybind11;
@@ -316,7 +317,15 @@ ticks() between two ticks, press() between two contacts and next() between two p
     // numpy now: two threads that had their first arrays at once would wait for each other, one for the import and one for the interpreter
     py::detail::npy_api::get();
     m.attr("__version__") = version;
-    py::register_exception<Error>(m, "Error", PyExc_ValueError).attr("__doc__") = "What the caller got wrong, or the disk did: one line.";
+    static const py::handle error = py::exception<Error>(m, "Error", PyExc_ValueError).release();  // never freed: the interpreter ends before statics do
+    error.attr("__doc__") = "What the caller got wrong, or the disk did: one line.";
+    py::register_exception_translator([](std::exception_ptr thrown) {
+        try {
+            std::rethrow_exception(thrown);
+        } catch (const Error& e) {
+            PyErr_SetString(error.ptr(), one_line(e.what()).c_str());
+        }
+    });
 
     py::class_<TissueModel, std::shared_ptr<TissueModel>>(m, "Model", "What plays: a model.h5 of tissuectl train or adapt. Arrays are the model's own, to be read, without copies.")
         .def(py::init(&open_model), py::arg("file"), "file: a str or a path")
