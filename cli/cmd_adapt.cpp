@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "adapt/adapted_model.h"
@@ -14,6 +15,7 @@
 #include "haptic/learner.h"
 #include "io/atomic_file.h"
 #include "springs/law_press.h"
+#include "springs/push_refusal.h"
 #include "study/one_line.h"
 
 namespace tissue::cli {
@@ -27,11 +29,17 @@ struct Options {
     bool stream = false, forget = false, json = false, no_rival = false, live = false;
 };
 
-/// |model - reading| / |reading| over pokes that nothing is learned from; one that the law has no answer to is missing (eval/statistics.h).
+/// |model - reading| / |reading| over pokes that nothing is learned from; one that the law has no answer to is missing, and one that is none of this
+/// tissue (push_refusal) or has no force is no reference (eval/statistics.h).
 Statistics held_out_error(const TissueModel& model, const std::vector<Poke>& pokes) {
     const LawPress press(model);
+    const FreeSurface surface(model.mesh);
     std::vector<double> sample;
     for (const Poke& poke : pokes) {
+        if (!(poke.force_N.norm() > 0) || !push_refusal(model.mesh, surface, poke.contact_m, poke.push_m).empty()) {
+            sample.push_back(std::numeric_limits<double>::quiet_NaN());
+            continue;
+        }
         const Equilibrium answer = press.at(poke.contact_m, poke.push_m);
         sample.push_back(answer ? (answer.contact_force - poke.force_N).norm() / poke.force_N.norm() : std::numeric_limits<double>::infinity());
     }

@@ -16,6 +16,17 @@ learned = [r for r in out if r.get("status") == "learned"]
 after = 100 * learned[-1]["held_out"]["median"]
 assert len(learned) > 40 and after < 0.5 * before, (before, after, len(learned))
 assert [r["next"] for r in out if "next" in r] == [1, 2]' "$scratch/log" "$scratch/out"
+"$PYTHON" - "$pokes" "$scratch/not_of_it.csv" <<'PY'
+import csv, sys
+
+rows = [row for row in csv.reader(open(sys.argv[1])) if row and not row[0].startswith("#")]
+head, first = rows[0], rows[1]
+far = ["5" if name.startswith("contact_") else value for name, value in zip(head, first)]
+dead = ["0" if name.startswith("force_") else value for name, value in zip(head, first)]
+csv.writer(open(sys.argv[2], "w")).writerows([head, first, far, dead])
+PY
+check "a held-out poke that is none of the tissue is no reference, and no error of the model" sh -c "
+    '$TISSUECTL' adapt '$model' --data '$pokes' --first 1 --held-out '$scratch/not_of_it.csv' --out '$scratch/one.h5' 2>&1 | grep -q '1 of 3 pokes, 2 without a reference'"
 check "the model plays" "$TISSUE_HAPTIC" "$scratch/whole.h5" --seconds 0.2 --no-realtime
 check "info names what was learned" sh -c "'$TISSUECTL' info '$scratch/whole.h5' | grep -q adaptation/covariance"
 
