@@ -32,6 +32,15 @@ std::string name_for(const std::string& study, const std::vector<std::string>& t
     return name;
 }
 
+/// For an energy model that is served beside spring sets: options that are theirs apply to them alone.
+HapticOptions without_sets(HapticOptions options, const TissueModel& tissue) {
+    options.sets.clear();
+    options.select_by = SelectBy::displacement;
+    options.innovation.reset();
+    if (tissue.mesh.is_solid() || !options.heuristic_mesh) options.coupling_ratio.reset();  // in the plane the heuristic mesh has one
+    return options;
+}
+
 }  // namespace
 
 Stage::Stage(const std::vector<std::string>& files, const StageOptions& options) : options_(options) {
@@ -42,14 +51,19 @@ Stage::Stage(const std::vector<std::string>& files, const StageOptions& options)
         TissueModel tissue = lesson_->adaptation().base();
         tissue.contact_force_N.resize(0, tissue.contact_force_N.cols());
         serve(files.front(), tissue, live_options(options_.haptic, lesson_->adaptation()), {}, learned_field(lesson_->adaptation()));
-    } else
-        for (const std::string& file : files) {
-            const TissueModel tissue = read_model(file);
+    } else {
+        std::vector<TissueModel> tissues;
+        for (const std::string& file : files) tissues.push_back(read_model(file));
+        const bool some_sets = std::any_of(tissues.begin(), tissues.end(), [](const TissueModel& t) { return !t.energy_law; });
+        for (std::size_t k = 0; k < files.size(); ++k) {
+            const std::string& file = files[k];
+            const TissueModel& tissue = tissues[k];
             const std::optional<LearnedField> learned = learned_field(file);
             const FeCases fe = learned ? FeCases() : read_fe_cases(file, tissue);  // of another tissue than it has become
             if (!fe.warning.empty()) warnings_.push_back(fe.warning);
-            serve(file, tissue, options_.haptic, fe.displacement_m, learned);
+            serve(file, tissue, some_sets && tissue.energy_law ? without_sets(options_.haptic, tissue) : options_.haptic, fe.displacement_m, learned);
         }
+    }
     take_pointer();
     simulation_ = std::make_unique<Simulation>(model());
     channel_ = std::make_unique<StateChannel>(model());

@@ -119,6 +119,16 @@ TEST_CASE("models change on the running stage, counts go on, and a pause lasts",
     CHECK(refusal<MismatchError>([&] { Stage({s.folder.file("a.h5")}, wrong); }).find("a.h5: spring sets 'best'") != std::string::npos);
 }
 
+TEST_CASE("options of spring sets apply to the sets where an energy model is served beside them, and are refused where there are none", "[serve]") {
+    const TemporaryFolder folder;
+    write_model(folder.file("law.h5"), law_example(), {"test", 1, {}});
+    write_model(folder.file("sets.h5"), haptic_example(), {"test", 1, {}});
+    StageOptions options;
+    options.haptic.innovation = 0.1;
+    CHECK_NOTHROW(Stage({folder.file("sets.h5"), folder.file("law.h5")}, options));
+    CHECK(refusal<MismatchError>([&] { Stage({folder.file("law.h5")}, options); }).find("law.h5: innovation") != std::string::npos);
+}
+
 TEST_CASE("a model that learns while it plays: everyone hears what became of each reading, and those who come later what is known", "[serve][adapt]") {
     const TemporaryFolder folder;
     TissueModel hidden = law_example();
