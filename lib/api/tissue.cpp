@@ -84,7 +84,7 @@ tissue_status tissue_tick(tissue_session* s, const double position_m[3], double 
     }
     DeviceSample sample;
     sample.position_m = Eigen::Vector3d(position_m[0], position_m[1], position_m[2]);
-    const Eigen::Vector3d force = s->simulation.tick(sample, std::isfinite(elapsed_s) && elapsed_s > 0 ? elapsed_s : 0);
+    const Eigen::Vector3d force = s->simulation.tick(sample, elapsed_s);
     for (int a = 0; a < 3; ++a) force_N[a] = force[a];
     return s->simulation.record().fault ? fail(TISSUE_FAULT, "tissue_tick: the position was refused") : TISSUE_OK;
 }

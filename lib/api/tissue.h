@@ -58,8 +58,8 @@ TISSUE_API tissue_status tissue_open(const char *model_file, const char *const *
 TISSUE_API void tissue_close(tissue_session *session);
 
 /* One step of dt: where the device is [m], and the force that it puts on the hand [N]. elapsed_s: since the last tick, as the clock
- * says; 0: dt. A tick that is late costs force, never passivity. The force is finite, clamped and passive whatever comes in, and zero
- * where the status is not TISSUE_OK, also where an argument is refused. The thread's floating-point mode (rounding, traps, denormals) is set for
+ * says; 0: dt; negative or not finite: unknown, and taken for a late tick (10 ms). A tick that is late costs force, never passivity. The
+ * force is finite, clamped and passive whatever comes in, and zero where the status is not TISSUE_OK, also where an argument is refused. The thread's floating-point mode (rounding, traps, denormals) is set for
  * the tick, and after it is as it was. */
 TISSUE_API tissue_status tissue_tick(tissue_session *session, const double position_m[3], double elapsed_s, double force_N[3]);
 

@@ -208,6 +208,12 @@ void Simulation::rest_meshes() noexcept {
     rested_s_ = record_.time_s;
 }
 
+/// What is no duration says that nobody knows how late the tick is: as late as the device holds a force.
+static double since_last_s(double elapsed_s, double dt_s) noexcept {
+    if (elapsed_s == 0) return dt_s;
+    return elapsed_s > 0 && std::isfinite(elapsed_s) ? elapsed_s : std::max(dt_s, force_held_s);
+}
+
 Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) noexcept {
     const FlushDenormals mode;
     return advance(sample, elapsed_s);
@@ -230,7 +236,7 @@ __attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample
     const bool lost = put_to_rest();
 
     // device position
-    if (!safety_.admit(sample, elapsed_s > 0 ? elapsed_s : o.dt_s)) return stop(true);
+    if (!safety_.admit(sample, since_last_s(elapsed_s, o.dt_s))) return stop(true);
     const Point master = o.map.to_tissue(sample.position_m);
     record_.master_m = master;
 

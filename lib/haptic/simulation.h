@@ -111,8 +111,8 @@ class Simulation {
    public:
     explicit Simulation(const HapticModel& model);
 
-    /// One step of Sec. 4: device position in, device force out [N]. elapsed_s: since the last tick; 0 means dt. In it denormals are zero;
-    /// the caller's floating-point mode is as it was (flush_denormals.h).
+    /// One step of Sec. 4: device position in, device force out [N]. elapsed_s: since the last tick; 0 means dt; negative or not
+    /// finite: unknown, taken for force_held_s, a late tick. In it denormals are zero; the caller's floating-point mode is as it was (flush_denormals.h).
     Eigen::Vector3d tick(const DeviceSample& sample, double elapsed_s = 0) noexcept;
 
     /// In place of a tick: everything stays as it is, and no force goes out [N].

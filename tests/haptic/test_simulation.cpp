@@ -280,6 +280,20 @@ TEST_CASE("without contact there is a proxy all the same, of the tissue's dimens
     CHECK(s.contact().proxy_m.size() == 2);
 }
 
+TEST_CASE("a time since the last tick that is no duration counts as a late tick", "[simulation]") {
+    const HapticModel model(haptic_example({"grid4", "isotropic", 10, 0.9}), {});
+    for (double unknown : {std::nan(""), std::numeric_limits<double>::infinity(), -0.001}) {
+        INFO(unknown);
+        Simulation given(model), late(model), on_time(model);
+        for (long k = 0; k < 1000; ++k)
+            for (Simulation* s : {&given, &late, &on_time}) s->tick(pressing(k, 0.005));
+        const Eigen::Vector3d force = given.tick(pressing(1000, 0.005), unknown);
+        CHECK(force == late.tick(pressing(1000, 0.005), force_held_s));
+        on_time.tick(pressing(1000, 0.005));
+        CHECK((given.safety().counters().late == 1 && on_time.safety().counters().late == 0));
+    }
+}
+
 TEST_CASE("a contact that the mesh carries to another segment has that segment's stiffness", "[simulation]") {
     TissueModel tissue = haptic_example({"grid4", "isotropic", 10, 0.9});
     HapticOptions o;

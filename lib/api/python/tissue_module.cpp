@@ -104,7 +104,7 @@ struct Session {
     Eigen::Vector3d tick(const Eigen::Vector3d& position_m, double elapsed_s) {
         DeviceSample sample;
         sample.position_m = position_m;
-        return simulation.tick(sample, std::isfinite(elapsed_s) && elapsed_s > 0 ? elapsed_s : 0);
+        return simulation.tick(sample, elapsed_s);
     }
 };
 
@@ -367,7 +367,7 @@ ticks() between two ticks, press() between two contacts and next() between two p
              "options: those of tissue.h by name, with _ for -: force_max=3.3, friction=0.3, axes=\"x,-z\", offset=[0, 0.1], heuristic=True, ...")
         .def("tick", [](Session& s, const Eigen::Vector3d& position_m, double elapsed_s) { return alone(s, [&] { return s.tick(position_m, elapsed_s); }); },
              py::arg("position_m"), py::arg("elapsed_s") = 0.0,
-             "One step: the device's position [m] (3); returns the force on the hand [N] (3), finite, clamped and passive whatever comes in. elapsed_s: since the last tick; 0: dt.")
+             "One step: the device's position [m] (3); returns the force on the hand [N] (3), finite, clamped and passive whatever comes in. elapsed_s: since the last tick; 0: dt; negative or not finite: unknown, taken for a late tick.")
         .def("ticks", &ticks, py::arg("positions_m"), py::arg("elapsed_s") = 0.0,
              "A tick for each position (T, 3), one after the other; returns forces [N] (T, 3). After Ctrl-C the session is where it came to.")
         .def("reset", [](Session& s) { alone(s, [&] { s.simulation.reset(); }); }, "The tissue to rest; the tool must be outside once before there is force again.")
