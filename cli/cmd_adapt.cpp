@@ -24,7 +24,7 @@ namespace {
 struct Options {
     std::string model, data, out, held_out, readings = "long-term";
     AdaptOptions adapt;
-    double force_noise_percent = 2, model_error_percent = 3, place_error_mm = 0, next_depth_mm = 1e3 * usual_depth_m;
+    double next_depth_m = usual_depth_m;
     int first = 0, next = 0;
     bool stream = false, forget = false, json = false, no_rival = false, live = false;
 };
@@ -113,7 +113,7 @@ class Lines {
     void next(Adaptation& adaptation) {
         if (o_.next == 0) return;
         const std::vector<Push> pushes =
-            pushes_over(adaptation.surface(), adaptation.base().mesh, 1e-3 * o_.next_depth_mm, adaptation.surface().spacing_m());
+            pushes_over(adaptation.surface(), adaptation.base().mesh, o_.next_depth_m, adaptation.surface().spacing_m());
         const std::vector<PokeWorth> worth = rank_pokes(adaptation, pushes, pushes);
         for (std::size_t i = 0; i < worth.size() && i < static_cast<std::size_t>(o_.next); ++i) {
             const Push& push = pushes[worth[i].push];
@@ -189,23 +189,20 @@ void add_adapt(CLI::App& app, const Invocation& invocation) {
     command->add_option("--first", o->first, "learn from so many rows alone; 0: all")->type_name("count")->capture_default_str()->check(CLI::Range(0, 100000000));
     command->add_flag("--forget", o->forget, "begin with the law as it was trained");
     command->add_option("--next", o->next, "name so many places where to poke next, worth most first")->type_name("count")->capture_default_str()->check(CLI::Range(0, 1000));
-    command->add_option("--next-depth,--next_depth", o->next_depth_mm, "of those pushes")->type_name("mm")->capture_default_str()->check(CLI::Range(0.1, 1000.0));
+    command->add_option("--next-depth", o->next_depth_m, "of those pushes")->type_name("m")->capture_default_str()->check(CLI::Range(1e-4, 0.1));
     command->add_option("--unknowns", o->adapt.unknowns, "what may be another: scale, terms, field or elements")->type_name("NAME")->capture_default_str()->check(CLI::IsMember(unknown_kinds()));
     command->add_flag("--no-rival", o->no_rival, "of field and elements: without one scale of all the tissue beside them, which plays while it is the likelier");
-    command->add_option("--noise", o->force_noise_percent, "standard deviation of a component of force, over the force")->type_name("%")->capture_default_str()->check(CLI::Range(0.0, 100.0));
-    command->add_option("--model-error,--model_error", o->model_error_percent, "what the law is off where it knows the tissue, likewise")->type_name("%")->capture_default_str()->check(CLI::Range(0.1, 100.0));
+    command->add_option("--noise", o->adapt.force_noise, "standard deviation of a component of force, over the force")->type_name("1")->capture_default_str()->check(CLI::Range(0.0, 0.5));
+    command->add_option("--model-error", o->adapt.model_error, "what the law is off where it knows the tissue, likewise")->type_name("1")->capture_default_str()->check(CLI::Range(0.001, 0.5));
     command->add_option("--readings", o->readings, "of tissue that relaxes: long-term, when it had come to rest, or instantaneous, before it had relaxed")
         ->type_name("WORD")->capture_default_str()->check(CLI::IsMember({"long-term", "instantaneous"}));
-    command->add_option("--place-error,--place_error", o->place_error_mm, "standard deviation of a contact's place along the surface")->type_name("mm")->capture_default_str()->check(CLI::Range(0.0, 100.0));
+    command->add_option("--place-error", o->adapt.place_error_m, "standard deviation of a contact's place along the surface")->type_name("m")->capture_default_str()->check(CLI::Range(0.0, 0.05));
     CLI::Option* live = command->add_flag("--live", o->live, "learn as a session does, from its --journal: contacts 1 mm unsure, at most 4.5 times as stiff or as soft");
     for (const char* set : {"--unknowns", "--no-rival", "--noise", "--model-error", "--readings", "--place-error"}) live->excludes(command->get_option(set));
     command->add_flag("--json", o->json, "a line of JSON a poke on standard output");
     command->callback([o, command, &invocation] {
         echo_options(*command);
         o->adapt.rival = !o->no_rival;
-        o->adapt.force_noise = o->force_noise_percent / 100;
-        o->adapt.model_error = o->model_error_percent / 100;
-        o->adapt.place_error_m = o->place_error_mm / 1e3;
         run(*o, {invocation.command, 0, {}});
     });
 }

@@ -30,7 +30,7 @@ for command in adapt rim; do
     check "$command --help: the unit column has units alone, options have no underscore" sh -c '! grep -q "^  --[a-z-]*_\|:FLOAT\|:INT\|:{\| in \[" "$1"' - "$said"
 done
 tissuectl adapt --help
-check "adapt --help: a range is said in words" says '--place-error  *0  *mm  *standard deviation.*, 0 to 100'
+check "adapt --help: a range is said in words" says '--place-error  *0  *m  *standard deviation.*, 0 to 0.05'
 
 # ---- exit status 2: the command line was wrong
 usage() { # SENTENCE ARGUMENT...
