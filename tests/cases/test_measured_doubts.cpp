@@ -1,6 +1,10 @@
 #include "cases/measured_doubts.h"
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
+#include <ctime>
+#include <random>
 
 #include "../measured_example.h"
 #include "mesh/outline.h"
@@ -52,6 +56,56 @@ TEST_CASE("rows that contradict each other are named, the first three of many", 
     const auto many = measured_doubts(measured_study(), table);
     REQUIRE(many.size() == 4);
     CHECK_THAT(many[3], Contains("7 more"));
+}
+
+TEST_CASE("contradictions are those of every pair of rows, each row with the later one along x that differs most", "[measured]") {
+    const Study study = measured_study();
+    std::mt19937 random(2026);
+    const auto drawn = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+    int contradicted = 0;
+    for (int draw = 0; draw < 300; ++draw) {
+        MeasuredTable table{"data.csv", "", {}};
+        const int rows = 2 + drawn(60);
+        for (int i = 0; i < rows; ++i) {
+            const Eigen::Vector2d contact(0.0001 * drawn(4), 0.05 + 0.0001 * drawn(4)), push(0.005 + 0.0001 * drawn(4), 0.0001 * drawn(4));  // near the limits of "the same"
+            table.rows.push_back({i + 2, contact, push, study.modulus_N_m() * (1 + 0.125 * drawn(4)) * push, "", ""});
+        }
+        std::vector<MeasuredRow> sorted = table.rows;
+        std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.contact_m.x() < b.contact_m.x(); });
+        std::vector<std::string> expected;
+        int more = -3;
+        for (std::size_t i = 0; i < sorted.size(); ++i) {
+            double most = 0.3;
+            const MeasuredRow *a = &sorted[i], *worst = nullptr;
+            for (std::size_t k = i + 1; k < sorted.size(); ++k) {
+                const MeasuredRow* b = &sorted[k];
+                if ((a->contact_m - b->contact_m).norm() > 0.0002 || (a->displacement_m - b->displacement_m).norm() > 0.05 * std::min(a->displacement_m.norm(), b->displacement_m.norm())) continue;
+                const double off = (a->force_N - b->force_N).norm() / std::max(a->force_N.norm(), b->force_N.norm());
+                if (off > most) worst = b, most = off;
+            }
+            if (worst && ++more <= 0) expected.push_back(fmt::format("lines {} and {}: forces of the same displacement at the same contact differ by {:.0f} %", std::min(a->line, worst->line), std::max(a->line, worst->line), 100 * most));
+        }
+        if (more > 0) expected.push_back(fmt::format("and so do {} more", more));
+        contradicted += more > 0;
+        REQUIRE(measured_doubts(study, table) == expected);
+    }
+    CHECK(contradicted > 50);
+}
+
+TEST_CASE("sixty thousand rows on one side, or at one contact, are looked through in seconds", "[measured]") {
+    const std::string kind = GENERATE("one side", "one contact", "one contact, ever deeper");
+    INFO(kind);
+    const Study study = measured_study();
+    MeasuredTable table{"data.csv", "", {}};
+    constexpr int count = 60000;
+    for (int i = 0; i < count; ++i) {
+        const double y = kind == "one side" ? 0.01 + 0.08 * i / count : 0.05, deep = kind == "one contact, ever deeper" ? 0.001 + 0.009 * i / count : 0.005;
+        const Eigen::Vector2d push(deep, 0);
+        table.rows.push_back({i + 2, {0, y}, push, study.modulus_N_m() * (1 + 0.05 * std::sin(12.9898 * i)) * push, "", ""});
+    }
+    const std::clock_t began = std::clock();
+    CHECK(measured_doubts(study, table).empty());
+    CHECK(static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC < 4);  // of this process; pair by pair some 8 s, and under a sanitizer far more
 }
 
 TEST_CASE("a sensor that drifts shows in repeats of one push", "[measured]") {
