@@ -48,7 +48,8 @@ TISSUE_API const char *tissue_error(void);
 /* Opens a model.h5 of tissuectl train or adapt. options: "name", "value", "name", "value", ..., NULL; or NULL. Names as
  * tissuectl serve has them, without dashes in front (--help says their units):
  *   sets, select-by, innovation (of spring sets), dynamics, coupling (of a mesh of springs), damping, friction, friction-slip, force-max, slew,
- *   speed-max, force-scale, scale (metres of tissue a metre of device), axes ("x,-z"), offset ("0 0.1", of the device's origin [m]), dt (s, 0.001),
+ *   speed-max, force-scale, scale (metres of tissue a metre of device), axes ("x,-z"), offset ("0 0.1", of the device's origin [m]), dt (s, 0.001; 1e-6 to
+ *   0.005),
  *   passivity, heuristic (a second mesh, Van Gelder's, beside the learned one; "yes", "no").
  * An option that would do nothing with this model is TISSUE_MISMATCH.
  * `heuristic` is "no" here, for a program that has a scene of its own. */

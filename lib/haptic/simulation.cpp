@@ -88,12 +88,16 @@ void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double damping_ra
 
 }  // namespace
 
+/// The loop's clock counts nanoseconds: of a microsecond a rounded period is off by less than 0.1 %.
+constexpr double least_dt_s = 1e-6;
+
 void check_options(const HapticOptions& o) {
     Friction{o.friction};  // throws, if at all
     const auto positive = [](const char* option, double value) {
         if (!(value > 0) || !std::isfinite(value)) throw MismatchError(fmt::format("{} must be positive and finite, not {:g}", option, value));
     };
-    positive("dt", o.dt_s);
+    if (!(o.dt_s >= least_dt_s && o.dt_s <= force_held_s / 2))  // a device may let go of an older force
+        throw MismatchError(fmt::format("dt must lie in [{:g}, {:g}] s, not {:g}", least_dt_s, force_held_s / 2, o.dt_s));
     positive("force-max", o.safety.force_max_N);
     positive("slew", o.safety.slew_N_s);
     positive("speed-max", o.safety.speed_max_m_s);
@@ -106,8 +110,6 @@ void check_options(const HapticOptions& o) {
         throw MismatchError(fmt::format("damping must be finite and not negative, not {:g}", *o.damping_ratio));
     if (!(o.stiffest >= 1)) throw MismatchError("a law may become stiffer by a factor of 1 or more");
     if (!(o.safety.damping_max_Ns_m >= 0)) throw MismatchError("the most that the passivity controller damps must not be negative");
-    if (!(o.dt_s <= force_held_s / 2))
-        throw MismatchError(fmt::format("dt must be at most {:g} s: a device may let go of an older force", force_held_s / 2));
     if (!std::isfinite(o.place_m) || !o.map.offset_m.allFinite()) throw MismatchError("positions of the second mesh and of the device must be finite");
 }
 

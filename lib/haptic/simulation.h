@@ -19,7 +19,7 @@
 namespace tissue {
 
 struct HapticOptions {
-    double dt_s = 1e-3;               ///< 1 kHz, the paper's rate
+    double dt_s = 1e-3;               ///< 1 kHz, the paper's rate; 1e-6 to 0.005
     std::optional<double> innovation = {};      ///< gamma of (19), of sets; nothing: 0.05, a new set takes over within about 60 ms
     /// Of critical, at the lowest mode. Nothing: 0.05 for sets, the paper's "very small values"; 0.17 for a law, 5 1/s on the
     /// tissue of `surface`, with which a press comes to rest in the time that a hand takes to notice; 0.01 for a law that relaxes, whose
