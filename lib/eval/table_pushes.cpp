@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "mesh/topology.h"
 
@@ -43,11 +44,20 @@ std::vector<TablePush> table_pushes(const std::vector<LoadCase>& loads, const st
     for (const LoadCase& load : loads)
         pushes.push_back({load.path->contact_m, load.path->direction, load.record->contact_force_N, load.record->magnitude_m});
     const std::size_t own = pushes.size();
+    std::vector<std::size_t> source(own);  // of each push the load case that it is, or is an image of
+    std::iota(source.begin(), source.end(), std::size_t{0});
     for (std::size_t i = 0; i < own; ++i)
         for (const Symmetry& s : symmetries) {
-            const TablePush& push = pushes[i];
+            const TablePush push = pushes[i];
             const TablePush image = {s.centre_m + s.turn * (push.contact_m - s.centre_m), s.turn * push.direction, s.turn * push.force_N, push.depth_m};
-            if (std::none_of(pushes.begin(), pushes.end(), [&](const TablePush& known) { return same_push(known, image); })) pushes.push_back(image);
+            bool known = false;
+            for (std::size_t k = 0; k < pushes.size() && !known; ++k) {
+                const bool of_a_repeat = k >= own && source[k] != i && same_push(pushes[source[k]], push);
+                known = !of_a_repeat && same_push(pushes[k], image);
+            }
+            if (known) continue;
+            pushes.push_back(image);
+            source.push_back(i);
         }
     return pushes;
 }

@@ -24,7 +24,7 @@ struct TablePush {
 };
 
 /// The load cases, and what they say of their images, but where one is among the load cases or images already: images of a push in the middle
-/// coincide.
+/// coincide. A push that is among the load cases again and again has the images of each.
 std::vector<TablePush> table_pushes(const std::vector<LoadCase>& loads, const std::vector<Symmetry>& symmetries = {});
 
 }  // namespace tissue

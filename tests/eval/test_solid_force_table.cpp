@@ -1,5 +1,6 @@
 #include "eval/solid_force_table.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "mesh/topology.h"
@@ -67,7 +68,15 @@ TEST_CASE("a table in space answers at each image of a push with the image of it
     }
     CHECK((pushes[1].force_N - Eigen::Vector3d(-0.1, 0.05, -0.4)).norm() <= tolerance::rounding);  // of x
 
+    PathRecord again = record;  // measured twice: both readings have their images
+    again.contact_force_N *= 1.1;
+    const std::vector<TablePush> repeated = table_pushes({{"", &path, &record}, {"", &path, &again}}, symmetries_of(model));
+    CHECK(repeated.size() == 16);
+    for (const double z_N : {-0.4, -0.44})
+        CHECK(std::count_if(repeated.begin(), repeated.end(), [&](const TablePush& p) { return std::abs(p.force_N.z() - z_N) < 1e-9; }) == 8);
+
     path.contact_m = Eigen::Vector3d(0.05, 0.05, 0.05);  // in the middle, straight in: its images are itself
     path.direction = Eigen::Vector3d(0, 0, -1);
     CHECK(table_pushes({{"", &path, &record}}, symmetries_of(model)).size() == 1);
+    CHECK(table_pushes({{"", &path, &record}, {"", &path, &again}}, symmetries_of(model)).size() == 2);
 }
