@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "parallel.h"
+#include "../solid_law_example.h"
 #include "springs/energy_law.h"
 
 using namespace tissue;
@@ -48,4 +49,25 @@ TEST_CASE("a law's answer says what its press ended as, and is none unless that 
     CHECK(status(0.15, 0, 0.4) == EquilibriumStatus::not_converged);
     CHECK_FALSE(press.at(outline.position(0.03), 0.03 * outline.direction(0.03, 0.9)));
     CHECK(reason_of(EquilibriumStatus::inside_out) != "");
+}
+
+TEST_CASE("a law's answer tells a contact on fixed nodes alone from one that has no nodes near it", "[law]") {
+    // all nodes are fixed but two corners of the top: facets there are free, and a corner of one triangle alone does not face the disc
+    TissueModel held = solid_law_example(make_lattice("grid26", Lattice{{5, 5, 3}, {0.1, 0.1, 0.06}}));
+    held.mesh.fixed.clear();
+    for (int node = 0; node < held.mesh.node_count(); ++node)
+        if ((held.mesh.nodes.row(node) - Eigen::RowVector3d(0, 0.1, 0.06)).norm() > 0.001 && (held.mesh.nodes.row(node) - Eigen::RowVector3d(0.1, 0, 0.06)).norm() > 0.001)
+            held.mesh.fixed.push_back(node);
+    const Equilibrium fixed = LawPress(held).at(Eigen::Vector3d(0.012, 0.088, 0.06), Eigen::Vector3d(0, 0, -0.004));
+    CHECK(fixed.status == EquilibriumStatus::contact_fixed);
+    CHECK(fixed.displacement.isZero(0));
+    CHECK(fixed.contact_force.isZero(0));
+
+    // one cell: all nodes are corners, and no side has three that face it
+    const TissueModel coarse = solid_law_example(make_lattice("grid26", Lattice{{1, 1, 1}, {0.1, 0.1, 0.1}}));
+    const LawPress press(coarse);
+    const Eigen::Vector3d contact(0.05, 0.05, 0.1), push(0, 0, -0.004);
+    CHECK(press.at(contact, push).status == EquilibriumStatus::no_contact);
+    CHECK(press.at(contact, push).status == EquilibriumStatus::no_contact);  // by the solver that the first has given back
+    CHECK(reason_of(EquilibriumStatus::contact_fixed) != reason_of(EquilibriumStatus::no_contact));
 }
