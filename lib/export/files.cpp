@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <set>
 
 #include "error.h"
 #include "io/beside.h"
@@ -43,6 +44,9 @@ void write_files(const std::string& folder, const Files& files) {
         }
         for (const auto& file : files) fs::create_directories((place / file.first).parent_path());  // all, before one is replaced
         for (const auto& file : files) fs::rename(beside / file.first, place / file.first);
+        std::set<fs::path> folders{fs::absolute(place).parent_path()};
+        for (const auto& file : files) folders.insert((place / file.first).parent_path());
+        for (const fs::path& one : folders) keep_names(one.string());
     } catch (const fs::filesystem_error& e) {
         throw FileError(folder + ": cannot write: " + e.code().message());
     }

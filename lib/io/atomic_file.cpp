@@ -82,6 +82,15 @@ void NewFile::move_into_place() {
     if (std::rename(temporary_.c_str(), file_.c_str()) != 0) fail(file_, "write");
     ::close(descriptor_);
     descriptor_ = -1;
+    const std::filesystem::path folder = std::filesystem::path(file_).parent_path();
+    keep_names(folder.empty() ? "." : folder.string());
+}
+
+void keep_names(const std::string& folder) noexcept {
+    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor < 0) return;
+    ::fsync(descriptor);
+    ::close(descriptor);
 }
 
 void write_file(const std::string& file, const std::string& content) {

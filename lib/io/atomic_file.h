@@ -17,7 +17,8 @@ class NewFile {
     const std::string& temporary() const { return temporary_; }
     int descriptor() const { return descriptor_; }  ///< of the temporary file, which is empty at first
 
-    /// The file appears, whole, and its content is on the disk before its name. Throws FileError, and leaves nothing beside.
+    /// The file appears, whole, and its content is on the disk before its name, which is there, too, as far as the disk can. Throws FileError, and
+    /// leaves nothing beside.
     void move_into_place();
 
    private:

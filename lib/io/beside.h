@@ -19,4 +19,8 @@ Beside make_folder_beside(const std::string& place);
 /// A file that is not there yet, in a folder that is this program's alone; its content is on the disk. Throws FileError.
 void write_new_file(const std::string& file, const std::string& content);
 
+/// Forces a folder's names onto the disk, after a rename: else a machine that loses power may come back with the old file. A failure is no error:
+/// content and names are whole either way, not every disk can do it, and a folder that may not be read cannot be asked.
+void keep_names(const std::string& folder) noexcept;
+
 }  // namespace tissue

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "error.h"
+#include "export/files.h"
 #include "io/hdf5_store.h"
 #include "../example.h"
 #include "../refusal.h"
@@ -34,8 +35,8 @@ ino_t inode(const std::string& file) {
     return status.st_ino;
 }
 
-/// What the disk was asked to keep last, and what it shall answer: in place of the C library's, for all of this program.
-std::atomic<ino_t> forced{0};
+/// What the disk was asked to keep last, file and folder, and what it shall answer: in place of the C library's, for all of this program.
+std::atomic<ino_t> forced{0}, forced_folder{0};
 std::atomic<off_t> forced_bytes{0};
 std::atomic<int> disk_error{0};
 
@@ -43,7 +44,11 @@ std::atomic<int> disk_error{0};
 
 extern "C" int fsync(int descriptor) {
     struct stat status {};
-    if (::fstat(descriptor, &status) == 0) forced = status.st_ino, forced_bytes = status.st_size;
+    if (::fstat(descriptor, &status) == 0 && S_ISDIR(status.st_mode)) {
+        forced_folder = status.st_ino;
+    } else {
+        forced = status.st_ino, forced_bytes = status.st_size;
+    }
     if (disk_error != 0) return errno = disk_error, -1;
     return static_cast<int>(::syscall(SYS_fsync, descriptor));
 }
@@ -62,6 +67,24 @@ TEST_CASE("the disk has a file's content before its name") {
     disk_error = 0;
     CHECK(read_file(file) == "whole");
     CHECK(folder.names() == std::vector<std::string>{"a", "b"});
+}
+
+TEST_CASE("a file's name is on the disk when the file is in its place", "[files]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a");
+    forced_folder = 0;
+    write_file(file, "whole");
+    CHECK(forced_folder == inode(std::filesystem::path(file).parent_path()));
+    forced_folder = 0;
+    CHECK_FALSE(write_file_if_changed(file, "whole"));
+    CHECK(forced_folder == 0);
+    forced_folder = 0;
+    forced_folder = 0;
+    write_files(folder.file("out"), {{"a.csv", "1"}});
+    CHECK(forced_folder == inode(folder.file("out")));
+    forced_folder = 0;
+    Hdf5Writer(folder.file("b"), "cases", {"a command", 1, {}}).commit();
+    CHECK(forced_folder == inode(std::filesystem::path(file).parent_path()));
 }
 
 TEST_CASE("what is written reads back, byte for byte, and leaves nothing beside") {
