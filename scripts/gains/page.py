@@ -12,7 +12,7 @@ def in_words(block):
 
 
 def percent(value):
-    return f"{100 * value:.3g} %"
+    return f"{100 * value:.3g} %" if np.isfinite(value) else "none"
 
 
 def span(values, form="{:.3g}"):

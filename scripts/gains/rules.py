@@ -97,12 +97,17 @@ def budget_exponent(measured):
     return -fit([*group, np.log(points[:, 2])], points[:, 3])[-1], points
 
 
+def median_of(rows, key):
+    """Of a relative error that is null where an answer is missing: it counts as infinite, as everywhere (lib/eval/statistics.h)."""
+    return np.median([np.inf if row[key] is None else row[key] for row in rows])
+
+
 def q_ratios(measured, topology, n, near, far):
     """Median over cases of (resolved error, rel_loss, closed-loop error), and the same under the paper's Q."""
     rows = measured[f"weights-{topology}-{n}"]
     def medians(near, far):
         some = [r for r in rows if r["near"] == near and r["far"] == far]
-        return np.array([np.median([r[k] for r in some]) for k in ("resolved", "rel_loss", "closed_loop")])
+        return np.array([median_of(some, k) for k in ("resolved", "rel_loss", "closed_loop")])
     return medians(near, far), medians(1, 1)
 
 

@@ -188,6 +188,14 @@ model b --optimizer spsa-2008
 check "--optimizer takes the study's place" compare "b['optimizers'][0] == b'spsa-2008' and len(b['optimizers']) == 1"
 model b --iterations 5
 check "--iterations takes the study's place" compare "(b['trained/spsa-2008/iterations'][:] == 5).all()"
+check "a missing answer of the gains study counts as infinite, and is printed as none" "$PYTHON" -c "
+import sys
+sys.path.insert(0, '$root/scripts')
+from gains.page import percent
+from gains.rules import q_ratios
+row = lambda felt: {'near': 1, 'far': 1, 'resolved': 0.1, 'rel_loss': 0.2, 'closed_loop': felt}
+last = lambda *felt: q_ratios({'weights-grid4-11': [row(f) for f in felt]}, 'grid4', 11, 1, 1)[0][2]
+assert last(0.1, None, 0.3) == 0.3 and percent(last(0.1, None)) == 'none', last(0.1, None)"
 model b --json
 check "train --json prints a list with a set's loss and status" "$PYTHON" -c "
 import json, sys
