@@ -21,7 +21,8 @@ namespace {
 struct Options {
     std::vector<std::string> models;
     std::string record, hidden, learn, journal;
-    bool json = false, draw_token = false;
+    std::string token;  // "true" as a flag; what else stands behind --token= is refused
+    bool json = false;
     HapticChoices choices;
     serve::ServerOptions server;
 };
@@ -74,6 +75,14 @@ void run(const Options& o, Provenance provenance) {
 /// The token, which stands on no command line, since every user of a machine sees those; and what the options must not be together.
 void settle(Options& o) {
     if (const char* given = std::getenv("TISSUECTL_TOKEN")) o.server.token = given;
+    if (!o.token.empty()) {
+        // a token behind --token would be a model that is not there, and its text the name in a message
+        const char* const own = "takes no text: the variable TISSUECTL_TOKEN gives a token of one's own";
+        if (o.token != "true") throw CLI::ValidationError("--token", own);
+        for (std::size_t k = 0; k < o.models.size(); ++k)
+            if (std::error_code error; !std::filesystem::exists(o.models[k], error))
+                throw CLI::ValidationError("--token", fmt::format("{}; and model {} of {} is not there", own, k + 1, o.models.size()));
+    }
     if (!o.record.empty() && o.models.size() > 1)
         throw CLI::ValidationError("--record", "a recording is of one model");
     if (!o.hidden.empty() && o.models.size() > 1)
@@ -86,7 +95,7 @@ void settle(Options& o) {
     } catch (const Error& e) {
         throw CLI::ValidationError("--bind", e.what());
     }
-    if (o.server.token.empty() && (o.draw_token || !loopback)) o.server.token = serve::draw_secret();
+    if (o.server.token.empty() && (!o.token.empty() || !loopback)) o.server.token = serve::draw_secret();
 }
 
 }  // namespace
@@ -100,8 +109,8 @@ void add_serve(CLI::App& app, const Invocation& invocation) {
         ->type_name("number")->capture_default_str()->check(quiet(CLI::Range(0, 65535)));
     command->add_option("--bind", o->server.bind, "address to listen on; all but this machine's own bring --token")
         ->type_name("address")->capture_default_str();
-    command->add_flag("--token", o->draw_token, "let in only who has a token: drawn, and printed once in the page's address; the variable TISSUECTL_TOKEN gives "
-                                                "one of your own")->disable_flag_override();
+    command->add_flag("--token", o->token, "let in only who has a token: drawn, and printed once in the page's address; the variable TISSUECTL_TOKEN gives "
+                                                "one of your own");
     command->add_option("--clients", o->server.clients, "pages at a time")
         ->type_name("count")->capture_default_str()->check(quiet(CLI::Range(1, 32)));
     add_number(*command, "--seconds", o->server.seconds, "s", "how long; 0: until a signal comes")->check(quiet(CLI::Range(0.0, longest_session_s)));

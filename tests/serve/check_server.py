@@ -247,6 +247,9 @@ def command_line():
                                 ("no clients", ("--clients", "0")), ("a port that is none", ("--port", "70000"))):
         status, err = run(model, *arguments)
         check(f"{sentence}: exit 2", status == 2, status, err)
+    for words in (("--token", "secret-of-mine"), ("--token=secret-of-mine",)):
+        status, err = run(model, *words)
+        check(f"{' '.join(words)}: exit 2, the variable is named and the text is not", status == 2 and "TISSUECTL_TOKEN" in err and "secret-of-mine" not in err, status, err)
     done = subprocess.run([program, "serve", model], capture_output=True, text=True, timeout=PATIENCE_S, env={**os.environ, "TISSUECTL_TOKEN": "abc"})
     check("a token too short: exit 2, one line", done.returncode == 2 and "TISSUECTL_TOKEN: wanted 16 to 128" in done.stderr, done.returncode, done.stderr)
     status, err = run(str(scratch / "none.h5"))
