@@ -50,7 +50,7 @@ Journal::Journal(const std::string& file, int dimension) : file_(file) {
     if (out_ < 0) refuse(fmt::format("cannot be written: {}", std::strerror(errno)));
     struct stat is {};
     if (::fstat(out_, &is) == 0 && S_ISREG(is.st_mode)) {  // a pipe has neither rows nor an end
-        if (::flock(out_, LOCK_EX | LOCK_NB) != 0) refuse("another session writes it");
+        if (::flock(out_, LOCK_EX | LOCK_NB) != 0) refuse(errno == EWOULDBLOCK ? "another session writes it" : fmt::format("cannot be locked: {}", std::strerror(errno)));
         if (const std::string why = in_the_way(file); !why.empty()) refuse(why + ": name another file, or take it away");
         if (::ftruncate(out_, 0) != 0) refuse(fmt::format("cannot be written: {}", std::strerror(errno)));
     }

@@ -81,6 +81,24 @@ check "one without readings is begun anew" "$TISSUE_HAPTIC" "$model" --seconds 0
 : >"$scratch/held.csv"
 check "nor is one that another session writes" sh -c "! flock '$scratch/held.csv' '$TISSUE_HAPTIC' '$model' --seconds 0.1 --learn '$scratch/none.h5' --journal '$scratch/held.csv' 2>'$scratch/log'"
 check "in one line, too" grep -q '^tissue-haptic: .*/held.csv: another session writes it' "$scratch/log"
+# a disk that has no locks, played by a library that stands before the system's
+cat >"$scratch/no_locks.c" <<'C'
+#include <errno.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+int flock(int descriptor, int operation) {
+    struct stat a, b;
+    const char *unlocked = getenv("UNLOCKED");
+    if (unlocked && fstat(descriptor, &a) == 0 && stat(unlocked, &b) == 0 && a.st_ino == b.st_ino) return errno = ENOLCK, -1;
+    return (int)syscall(SYS_flock, descriptor, operation);
+}
+C
+gcc -shared -fPIC "$scratch/no_locks.c" -o "$scratch/no_locks.so" || exit 1
+check "nor is one that the disk does not lock" sh -c "! UNLOCKED='$scratch/held.csv' LD_PRELOAD='$scratch/no_locks.so' '$TISSUE_HAPTIC' '$model' --seconds 0.1 --learn '$scratch/none.h5' --journal '$scratch/held.csv' 2>'$scratch/log'"
+check "whose own cause is told" grep -q '^tissue-haptic: .*/held.csv: cannot be locked: No locks available' "$scratch/log"
 
 # a tissue stiffer than a session may learn, and one that has learned to be stiffer
 awk -F, -v OFS=, 'NR > 1 { for (k = 5; k <= NF; ++k) $k *= 9 } 1' "$pokes" >"$scratch/stiff.csv"
