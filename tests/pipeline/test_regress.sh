@@ -133,6 +133,9 @@ snapshot "$work/results/done" >"$scratch/done"
 alone --finished --study done
 check "finished results that say what the record says: exit 0" exited 0
 check "finished results that say what the record says: silent" silent
+alone --finished --all
+check "--all --finished: exit 0" exited 0
+check "--all --finished says in one line what was not compared" one_line '^regress: of 2 studies with a record: 1 same, 1 not finished (tiny)$'
 alone --finished --all --verbose
 check "--all --finished: exit 0" exited 0
 check "--all --finished counts those that are not finished" says '^regress: of 2 studies with a record: 1 same, 1 not finished (tiny)$'
