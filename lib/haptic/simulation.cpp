@@ -300,16 +300,20 @@ bool Simulation::put_to_rest() noexcept {
     return true;
 }
 
-/// Surfaces to where the meshes are, and false when there is no inside: a surface crosses itself.
+/// Surfaces to where the meshes are, and false when there is no inside: a surface crosses itself. A contact asks that of the touched mesh alone:
+/// the force is that one's, and the mesh beside it, which is only shown, must not end it.
 bool Simulation::move_surfaces() noexcept {
     place_surfaces();
-    bool sound = true;
-    for (const auto& surface : surfaces_)
-        if (!surface->simple()) {
-            ++counters_.folded;
-            sound = false;
-        }
-    return sound;
+    sound_ = true;
+    bool lost = false;
+    for (std::size_t m = 0; m < surfaces_.size(); ++m) {
+        if (surfaces_[m]->simple()) continue;
+        sound_ = false;
+        if (touched_ >= 0 && static_cast<int>(m) != touched_) continue;
+        ++counters_.folded;
+        lost = true;
+    }
+    return !lost;
 }
 
 /// The proxy of 4.2 against the mesh in contact, or against each while there is none. Before the master has once been
@@ -325,6 +329,10 @@ bool Simulation::find_contact(const Point& master_m) noexcept {
         else if (update_contact(*surfaces_[static_cast<std::size_t>(left)], master_m, contact_) == ContactRow::swallowed_release)
             begin_contact(left, master_m);  // at another place of the same surface
         from.contact = false;
+        if (!contact_.contact && !sound_) {
+            ++counters_.folded;  // whether the other mesh is touched now, nobody can say
+            return false;
+        }
         if (!contact_.contact) look_for_contact(from, left, master_m);
     } else {
         const ContactState from = contact_;

@@ -100,7 +100,7 @@ struct TickRecord {
 
 struct HapticCounters {
     long long ticks = 0;
-    long long folded = 0;         ///< surface not simple, or two meshes over each other: no inside, no force
+    long long folded = 0;         ///< surface not simple, in contact the touched one, or two meshes over each other: no inside, no force
     long long unstable = 0;       ///< a node not finite, or 1 km away; or a law that nothing touches and that does not come back: meshes put to rest
     long long unarmed = 0;        ///< inside tissue, but the master has not been outside since the start or a fault
 };
@@ -175,6 +175,7 @@ class Simulation {
     Point touched_m_;             ///< X_p of this contact, in the mesh's own coordinates
     Friction friction_;
     bool armed_ = false;          ///< the master has been outside
+    bool sound_ = true;           ///< no surface crosses itself
     double rested_s_ = 0;
     bool reset_ = false;          ///< since the last tick
     long long untouched_ = 0;     ///< ticks since a tool or its force was on the meshes

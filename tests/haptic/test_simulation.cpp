@@ -181,6 +181,28 @@ TEST_CASE("an outline that crosses itself has no inside: zero force, and a count
     CHECK(s.counters().folded == 1);
 }
 
+TEST_CASE("a mesh beside the touched one that crosses itself does not end the contact", "[simulation]") {
+    const HapticModel model(haptic_example(), {});
+    Simulation s(model), folded(model);
+    for (long k = 0; k < 1000; ++k) s.tick(pressing(k)), folded.tick(pressing(k));
+    const int node = model.meshes[1]->springs.outline()[25];
+    folded.state(1).displacement.row(node) << 0, -0.15;
+    CHECK(folded.tick(pressing(1000)) == s.tick(pressing(1000)));
+    CHECK(folded.safety().force_N().norm() > 0);
+    CHECK(folded.counters().folded == 0);
+}
+
+TEST_CASE("nothing is touched anew while a mesh crosses itself", "[simulation]") {
+    const HapticModel model(haptic_example(), {});
+    Simulation s(model);
+    for (long k = 0; k < 100; ++k) s.tick(pressing(k));
+    for (long k = 100; k < 1000; ++k) {
+        s.state(1).displacement.row(model.meshes[1]->springs.outline()[25]) << 0, -0.15;
+        CHECK(s.tick(pressing(k)) == Eigen::Vector3d::Zero());
+    }
+    CHECK(s.counters().folded == 900);
+}
+
 TEST_CASE("springs that turn have another rest below what holds them: a mesh that comes to it is put to its own", "[simulation]") {
     for (const char* law : {"geometric", "law"}) {
         TissueModel tissue = model_of({"grid8", law});
