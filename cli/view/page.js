@@ -88,7 +88,7 @@ let drawn = -1, drawings = 0, words = 0, talk = 0, calmly = 0, comparable = fals
 function frame(now) {
   requestAnimationFrame(frame);
   if (space && is_solid()) space.lead(now, before);
-  else if (!is_solid()) lead_plane(now);
+  else if (!is_solid()) lead_plane(now, before);
   before = now;
   move_hand(now);
   if (now - words > 200) {   // five times a second: numbers that can be read

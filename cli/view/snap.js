@@ -1,14 +1,16 @@
-// In the plane: a press that comes in close to a contact that finite elements have solved is one at it, and a push that is nearly one that
-// was solved is that. In space a press is straight in unless it is tilted, and only the first is needed.
-import { ASKEW, SNAP, apart, turn } from "./compare.js";
-import { IN, hand, model, state, vector } from "./state.js";
-import { add, largest, norm, smallest, unit } from "./vectors.js";
+// In the plane: a press that comes in close to a contact that finite elements have solved is one at it, along the nearest push that was
+// solved unless it is dragged another way. In space a press is straight in unless it is tilted, and only the first is needed.
+import { ASKEW, BETWEEN, NEAR, SNAP, apart, contact_at_rest, turn } from "./compare.js";
+import { IN, control, hand, model, state, vector } from "./state.js";
+import { add, clamp, dot, largest, norm, smallest, unit } from "./vectors.js";
 
-const FREE = 2 * ASKEW;      // degrees off a push that was solved, from where on a push is as the pointer goes; in between it goes over
+const FREE = 50;             // degrees off a push that was solved, from where on a push is as the pointer goes; nobody drags straight in
 const BEFORE = 0.001;        // m outside the contact, where the tool waits until it is there
 const THERE = 0.0015, COMING = 2000;   // m, and ms: it is, or does not come
+const PRESS = 0.02;          // m/s into the tissue, as the demo: tissue that is struck swings away, and is touched again beside the contact
+const STAYS = 0.03;          // s at rest there: a tool that leaves a press of the demo passes by in 6 ms
 
-let press = null;            // {contact: null when none is near, entry, pushes, since, ready}
+let press = null;            // {mesh, contact: null when none is near, entry, pushes, since, came: when the tool came there, out, ready}
 let before = null;           // where the pointer was, a frame ago
 
 const outline = mesh => mesh.outline.map((i, k) => [mesh.nodes_m[i], mesh.nodes_m[mesh.outline[(k + 1) % mesh.outline.length]]]);
@@ -36,6 +38,17 @@ function way_in(mesh, p) {
   return crossing(mesh, sides[0][1], p);
 }
 
+/** Where a press that ends at a point inside mesh m comes in along a push that was solved; null where none of them is near. */
+function known_way_in(m, p) {
+  let best = null, least = Infinity;
+  for (const { contact_m, direction, depth_m } of model.places) {
+    const way = add(p, add(contact_m, apart(m)), -1), depth = dot(way, direction), aside = norm(add(way, direction, -depth));
+    if (depth < 0 || depth > depth_m || aside > SNAP || norm(way) + aside >= least) continue;
+    [best, least] = [add(p, direction, -depth), norm(way) + aside];
+  }
+  return best;
+}
+
 /** Where a press that comes in at this point of mesh m is led: {contact, entry, pushes}, contact null when none is near. */
 function at_entry(m, entry) {
   let best = null, least = SNAP;
@@ -43,32 +56,37 @@ function at_entry(m, entry) {
     const contact = add(model.places[places[0]].contact_m, apart(m)), distance = norm(add(contact, entry, -1));
     if (distance <= least) [best, least] = [{ contact, pushes: places.map(k => model.places[k].direction) }, distance];
   }
-  return { contact: null, pushes: [], entry, ready: false, since: null, ...best };
+  return { contact: null, pushes: [], entry, mesh: m, ready: false, out: false, since: null, came: null, ...best };
 }
 
 /** Where a pointer would press: what at_entry() says, or null beside the tissue. */
 export function would_press(from, p) {
   for (const [m, mesh] of model.meshes.entries()) {
-    const entry = from && !inside(mesh, from) ? crossing(mesh, from, p) : inside(mesh, p) ? way_in(mesh, p) : null;
+    const entry = from && !inside(mesh, from) ? crossing(mesh, from, p) : inside(mesh, p) ? known_way_in(m, p) || way_in(mesh, p) : null;
     if (entry) return at_entry(m, entry);
   }
   return null;
 }
 
-/** A push as it is led: within ASKEW of one that was solved it is that, beyond FREE it is as it comes. */
+/** A push as it is led: along the nearest that was solved, and from FREE on as it comes; in between it goes over. Between two that were
+ *  solved it is free sooner: it is compared there where they are close, and half-way the other one takes over. */
 function led(push, pushes) {
-  let nearest = null, least = FREE;
-  for (const known of pushes) {
-    const off = Math.abs(turn(known, push));
-    if (off < least) [nearest, least] = [known, off];
-  }
-  if (!nearest) return push;
-  const off = Math.sign(turn(nearest, push)) * Math.max(0, 2 * (least - ASKEW)) * Math.PI / 180, [x, y] = unit(nearest), length = norm(push);
-  return [length * (x * Math.cos(off) - y * Math.sin(off)), length * (x * Math.sin(off) + y * Math.cos(off))];
+  const [nearest, ...others] = pushes.map(known => turn(known, push)).sort((a, b) => Math.abs(a) - Math.abs(b));
+  const across = smallest(others.filter(off => off * nearest < 0).map(Math.abs)), gap = Math.abs(nearest) + across;
+  const free = Math.min(gap <= BETWEEN ? 2 * ASKEW : FREE, gap / 2);
+  if (Math.abs(nearest) >= free) return push;
+  const back = Math.PI / 180 * Math.sign(nearest) * Math.min(Math.abs(nearest), free - Math.abs(nearest)), [x, y] = push;
+  return [x * Math.cos(back) + y * Math.sin(back), y * Math.cos(back) - x * Math.sin(back)];
+}
+
+/** Where the push begins: where the tool has come upon the tissue, which may lie a little beside the known contact. */
+function touched() {
+  const here = add(contact_at_rest(), apart(press.mesh));
+  return norm(add(here, press.contact, -1)) <= NEAR ? here : press.contact;
 }
 
 /** Once a frame: from where the pointer is, hand.pointer, to where the tool shall be. */
-export function lead_plane(now) {
+export function lead_plane(now, frame_before) {
   if (!hand.down) {
     press = before = null;
     return;
@@ -82,8 +100,13 @@ export function lead_plane(now) {
     const push = led(add(p, press.entry, -1), press.pushes), along = norm(push) > 1e-4 ? unit(push) : unit(press.pushes[0]);
     const wait = add(press.contact, along, -BEFORE);
     press.since = press.since ?? now;
-    press.ready = press.ready || touching || now - press.since > COMING || state !== null && norm(add(vector(IN.master), wait, -1)) < THERE;
-    at = press.ready ? add(press.contact, push) : wait;
+    press.out = press.out || state !== null && control.holder === "you" && !touching;   // until then it is in the tissue where the demo pressed
+    const there = press.out && norm(add(vector(IN.master), wait, -1)) < THERE;
+    press.came = there ? press.came ?? state.v[IN.time] : null;
+    press.ready = press.ready || press.out && touching || there && state.v[IN.time] - press.came > STAYS || now - press.since > COMING;
+    const from = press.out && touching ? touched() : press.contact, goal = press.ready ? add(from, push) : wait, way = add(goal, hand.at, -1);
+    const step = press.ready && dot(way, along) > 0 ? PRESS * clamp((now - frame_before) / 1e3, 0, 0.05) : Infinity;
+    at = norm(way) > step ? add(hand.at, unit(way), step) : goal;
   }
   if (norm(add(at, hand.at, -1)) > 1e-6) hand.at = at;
 }

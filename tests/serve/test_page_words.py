@@ -96,12 +96,12 @@ class Page:
     def control(self, holder="nobody", paused=False, place=-1):
         self.say({"type": "control", "holder": holder, "paused": paused, "place": place})
 
-    def states(self, count, moved=((0, 0), (0, 0)), force=(0, 0), pressed=0, where=0, contact=(0, 0.05), shift=None, gap=1 / 60):
-        """So many states of a tool that stands still; shift: by node of the heuristic mesh, m."""
+    def states(self, count, moved=((0, 0), (0, 0)), force=(0, 0), pressed=0, where=0, contact=(0, 0.05), shift=None, gap=1 / 60, tool=(-0.03, 0.05)):
+        """So many states of a tool that stands still, at `tool` where nothing is pressed; shift: by node of the heuristic mesh, m."""
         nodes = [x for m in (0, 1) for k, p in enumerate(nodes_of(m)) for x in (p if m == 0 or not shift or k not in shift else [a + b for a, b in zip(p, shift[k])])]
         head = [0.0] * 32
         head[0], head[6], head[13], head[22], head[23], head[24], head[26] = self.time + gap, 1000, pressed, where if pressed >= 0 else -1, 1, -1, 1
-        head[9:13] = [contact[0] + moved[0][0], contact[1] + moved[0][1]] * 2 if pressed >= 0 else [-0.03, 0.05] * 2
+        head[9:13] = [contact[0] + moved[0][0], contact[1] + moved[0][1]] * 2 if pressed >= 0 else [*tool] * 2
         head[14:20] = [*moved[0], *moved[1], *force]
         self.browser.js("socket.states(...arguments)", count, gap, [None if math.isnan(x) else x for x in head], nodes)
         self.time += count * gap
@@ -283,7 +283,7 @@ def snapping(page):
         page.browser.mouse("Moved", -0.0005, down[1])
         page.browser.driver.execute_async_script("setTimeout(arguments[0], 300)")
         page.browser.mouse("Moved", x, y)
-        page.browser.until("false", 2.6)   # longer than the tool is waited for, which does not come here
+        page.browser.until("false", 3.2)   # longer than the tool is waited for, which does not come here, and on its way in
         at = page.browser.js("window.sent.filter(m => m.type === 'pointer' && m.down).map(m => [m.x, m.y])")
         page.browser.mouse("Released", x, y)
         return at
@@ -297,9 +297,64 @@ def snapping(page):
     tilted = [0.006 * x for x in rotated(17)]
     at = pressed_at((-0.02, 0.05), tilted[0], 0.05 + tilted[1])
     check("a push 3 degrees off a known one is along it", math.dist(at[-1], [0.006 * rotated(20)[0], 0.05 + 0.006 * rotated(20)[1]]) < 3e-4, at[-1])
-    tilted = [0.006 * x for x in rotated(-15)]
+    tilted = [0.006 * x for x in rotated(-20)]
     at = pressed_at((-0.02, 0.05), tilted[0], 0.05 + tilted[1])
-    check("one 15 degrees off every known one is as the pointer goes", math.dist(at[-1], [tilted[0], 0.05 + tilted[1]]) < 3e-4, at[-1])
+    check("as is one 20 degrees off, with none on its other side", math.dist(at[-1], [0.006, 0.05]) < 3e-4, at[-1])
+    tilted = [0.006 * x for x in rotated(-55)]
+    at = pressed_at((-0.02, 0.05), tilted[0], 0.05 + tilted[1])
+    check("one 55 degrees off is as the pointer goes", math.dist(at[-1], [tilted[0], 0.05 + tilted[1]]) < 8e-4, at[-1])   # from where it came in, 0.6 mm down
+    tilted = [0.006 * x for x in rotated(10)]
+    at = pressed_at((-0.02, 0.05), tilted[0], 0.05 + tilted[1])
+    check("and so is one between two known ones", math.dist(at[-1], [tilted[0], 0.05 + tilted[1]]) < 3e-4, at[-1])
+    steps = [math.dist(a, b) for a, b in zip(at, at[1:]) if a[0] > 0]
+    check("the tool goes in slowly, whatever the pointer does", len(steps) > 5 and max(steps) < 0.0011, steps)
+
+
+def clicking(page):
+    """Down inside the tissue, near its corner: the side is nearer than the top, where the known contact is."""
+    page.open(model_of([place("top", [0.0025, 0.1], [0, -1])]))
+    page.states(5, pressed=-1)
+    page.browser.js("window.sent.length = 0")
+    page.browser.mouse("Pressed", 0.0035, 0.093)
+    page.browser.until("false", 3.2)
+    at = page.browser.js("window.sent.filter(m => m.type === 'pointer' && m.down).map(m => [m.x, m.y])")
+    check("a click comes in along the known push that leads there, not through the nearest side", math.dist(at[0], [0.0025, 0.101]) < 2e-4 and
+          math.dist(at[-1], [0.0025, 0.093]) < 2e-4, [at[0], at[-1]])
+    page.browser.js("window.sent.length = 0")
+    page.control("you")
+    page.states(2, [[0.001, -0.007]] * 2, (0, -1), contact=(0.0015, 0.1))
+    page.browser.until("false", 0.5)
+    page.browser.mouse("Released", 0.0035, 0.093)
+    at = page.browser.js("window.sent.filter(m => m.type === 'pointer' && m.down).map(m => [m.x, m.y])")
+    check("a tool that came upon the tissue 1 mm beside the contact pushes along the known push from there", len(at) > 0 and
+          math.dist(at[-1], [0.0015, 0.093]) < 2e-4, at[-1:])
+
+
+def taking_over(page):
+    """The demo presses while a visitor takes over: his press begins when its tool has left the tissue, and waits before the contact."""
+    page.open(model_of(LEFT), {"holder": "demo", "place": 0})
+    page.states(5, [[0.005, 0]] * 2, (1, 0))
+    page.browser.js("window.sent.length = 0")
+    page.browser.mouse("Pressed", 0.006, 0.05)
+    page.control("you")
+    sent = "window.sent.filter(m => m.type === 'pointer' && m.down).map(m => [m.x, m.y])"
+    for _ in range(8):
+        page.states(2, [[0.004, 0]] * 2, (1, 0))
+        page.browser.until("false", 0.05)
+    at = page.browser.js(sent)
+    check("while the demo's tool is in the tissue, a press that takes over waits outside", len(at) > 0 and all(p[0] < 0 for p in at), at)
+    page.states(1, pressed=-1, tool=(-0.001, 0.05))   # on its way out
+    page.browser.until("false", 0.1)
+    page.states(1, pressed=-1, tool=(-0.006, 0.05))
+    page.browser.until("false", 0.1)
+    at = page.browser.js(sent)
+    check("and does not take it for the one that waits, as it leaves", all(p[0] < 0 for p in at), at)
+    page.states(10, pressed=-1, tool=(-0.001, 0.05))
+    page.browser.until("false", 0.1)
+    page.states(10, pressed=-1, tool=(-0.001, 0.05))
+    went = page.browser.until(f"{sent}.some(p => p[0] > 0)", 1)
+    check("and goes in when the tool stands there", went, page.browser.js(sent)[-1:])
+    page.browser.mouse("Released", 0.006, 0.05)
 
 
 def main():
@@ -315,7 +370,7 @@ def main():
             server = Server(program, [model], folder)
             browser.cdp("Page.addScriptToEvaluateOnNewDocument", source=SOCKET)
             page = Page(browser, server.url)
-            for part in (central_sentence, not_a_number, many, left_behind, standing, lost, arrows, snapping):
+            for part in (central_sentence, not_a_number, many, left_behind, standing, lost, arrows, snapping, clicking, taking_over):
                 if not only or part.__name__ in only:
                     part(page)
             seen = [line for line in browser.complaints() if "getImageData" not in line]
