@@ -1,6 +1,5 @@
 #!/bin/sh
 # Alone: its ticks keep real time. The page of `tissuectl serve`, driven in headless Chromium: tests/serve/test_page.py says what is looked at.
-"$PYTHON" -B "$root/tests/serve/test_page_words.py" "$TISSUECTL" "$R/model.h5" || failures=$((failures + 1))
 . "$(dirname "$0")/common"
 make_copy
 sed -i '/name = "left"/a\
