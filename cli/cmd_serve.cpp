@@ -120,10 +120,10 @@ void add_serve(CLI::App& app, const Invocation& invocation) {
                                                                     "learns from its force whenever the hand holds still")->type_name("FILE");
     command->add_option("--learn", o->learn, "model.h5 to write at the end, as it has learned to be")->type_name("FILE")->needs(hidden);
     command->add_option("--journal", o->journal, "pokes learned from, CSV, as they come; a new file: tissuectl adapt --live makes the same model of it")->type_name("FILE")->needs(hidden);
-    add_haptic_options(*command, o->choices);
+    add_haptic_options(*command, tissuectl_serve, o->choices);
     command->callback([o, &invocation] {
         settle(*o);
-        settle(o->choices);
+        check(o->choices);
         run(*o, {invocation.command, 0, {}});
     });
 }

@@ -30,7 +30,7 @@ std::string HelpTable::make_option(const CLI::Option* option, bool is_positional
     const std::string initial = option->get_required() ? "required" : option->get_default_str(), unit = unit_of(*option);
     // of two spellings the first; the second is an earlier version's
     const std::string name = is_positional || option->get_lnames().size() < 2 ? option->get_name(is_positional, true) : "--" + option->get_lnames().front();
-    return fmt::format("  {:<22} {:<12} {:<10} {}{}\n", name, initial.empty() ? "-" : initial, unit.empty() ? "-" : unit, option->get_description(), range_of(*option));
+    return fmt::format("  {:<22} {:<12} {:<10} {}{}\n", name, initial.empty() ? "-" : initial, unit.empty() ? "-" : unit, meaning_of(*option), range_of(*option));
 }
 
 std::string HelpTable::make_group(std::string group, bool is_positional,

@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "error.h"
+#include "haptic_options.h"
 #include "version.h"
 
 namespace tissue::cli {
@@ -27,6 +28,12 @@ bool takes_value(const CLI::Option& option) {
 bool names_a_file(const CLI::Option& option) {
     const std::string name = unit_of(option);
     return name == "FILE" || name == "FOLDER" || name == "PATH";
+}
+
+/// What follows the first line of an option's description.
+std::string long_text(const CLI::Option& option) {
+    const std::string more = option.get_description().substr(meaning_of(option).size());
+    return more.size() < 2 ? "" : ". " + more.substr(1);
 }
 
 /// Long names of the options, all or only those that `wanted` takes.
@@ -58,7 +65,7 @@ std::string man_options(const CLI::App& app) {
         const std::string initial = option->get_required() ? "required" : option->get_default_str();
         text += fmt::format(
             ".TP\n\\fB{}\\fR{}\n{}{}\n", roff(name), takes_value(*option) ? " \\fI" + roff(unit_of(*option)) + "\\fR" : "",
-            roff(option->get_description() + range_of(*option)),
+            roff(meaning_of(*option) + range_of(*option) + long_text(*option)),
             initial.empty() ? ""
                             : roff(initial == "required" ? " (required)" : fmt::format(" (default: {})", initial)));
     }
@@ -152,7 +159,7 @@ std::string fish(const CLI::App& app) {
                                 !takes_value(*option)   ? ""
                                 : names_a_file(*option) ? " -r -F"
                                                         : " -x",
-                                quoted(option->get_description()));
+                                quoted(meaning_of(*option)));
     }
     return text;
 }
@@ -167,7 +174,7 @@ std::string zsh(const CLI::App& app) {
         for (const CLI::Option* option : part.get_options())
             if (!long_name(*option).empty())
                 text += fmt::format(
-                    " \\\n            '{}[{}]{}'", long_name(*option), quoted(option->get_description()),
+                    " \\\n            '{}[{}]{}'", long_name(*option), quoted(meaning_of(*option)),
                     !takes_value(*option)
                         ? ""
                         : fmt::format(":{}:{}", quoted(unit_of(*option)), names_a_file(*option) ? "_files" : " "));
@@ -195,6 +202,11 @@ std::string unit_of(const CLI::Option& option) {
     return name.substr(0, name.find(':'));
 }
 
+std::string meaning_of(const CLI::Option& option) {
+    const std::string text = option.get_description();
+    return text.substr(0, text.find('\n'));
+}
+
 std::string range_of(const CLI::Option& option) {
     const std::string name = option.get_type_name();
     const std::size_t open = name.find(" in ["), dash = name.find(" - ", open), close = name.find(']', open);
@@ -208,7 +220,7 @@ struct Product {
     const char* name;
     std::string (*make)(const CLI::App&);
 };
-constexpr Product products[] = {{"man", man}, {"bash", bash}, {"zsh", zsh}, {"fish", fish}};
+constexpr Product products[] = {{"man", man}, {"bash", bash}, {"zsh", zsh}, {"fish", fish}, {"options", [](const CLI::App&) { return options_page(); }}};
 
 }  // namespace
 

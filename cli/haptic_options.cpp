@@ -1,12 +1,25 @@
 #include "haptic_options.h"
 
 #include "error.h"
-#include "haptic/dynamics_kinds.h"
+#include "study/one_line.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 namespace tissue::cli {
+namespace {
+
+/// What `act` refuses is a wrong command line.
+template <class Act>
+void or_usage(Act act) {
+    try {
+        act();
+    } catch (const MismatchError& e) {
+        throw CLI::ValidationError(one_line(e.what()));
+    }
+}
+
+}  // namespace
 
 CLI::Validator quiet(CLI::Validator check) {
     check.description("");
@@ -19,45 +32,48 @@ CLI::Option* add_number(CLI::App& app, const char* name, double& value, const ch
     return app.add_option(name, value, meaning)->type_name(unit)->capture_default_str()->check(is_number);
 }
 
-void add_haptic_options(CLI::App& app, HapticChoices& c) {
-    HapticOptions& h = c.haptic;
-    const auto number = [&app](const char* name, double& value, const char* unit, const char* meaning) {
-        return add_number(app, name, value, unit, meaning);
-    };
-    app.add_option("--sets", h.sets, "an optimiser of the model, or optimum")->type_name("NAME");
-    app.add_option("--select-by", c.select_by, "the nearest spring set by displacement of the contact, or by force (the paper's)")
-        ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember({"displacement", "force"})));
-    app.add_option("--innovation", h.innovation, "gamma of (19), of sets: share of the new one a tick")->type_name("1")->default_str("0.05");
-    std::vector<std::string> steps = {"auto"};
-    steps.insert(steps.end(), dynamics_kinds().names().begin(), dynamics_kinds().names().end());
-    app.add_option("--dynamics", h.dynamics, fmt::format("{}", fmt::join(steps, ", ")))
-        ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember(steps)));
-    app.add_option("--coupling", h.coupling_ratio, "k_C over the contact's own stiffness, on a mesh of springs")->type_name("1")->default_str("10");
-    app.add_option("--damping", h.damping_ratio, "of critical, at the lowest mode; of a law 0.17, of one that relaxes 0.01")
-        ->type_name("1")->default_str("0.05");
-    app.add_option("--friction", h.friction.stick, "static mu between tool and tissue; without it the tool never slips")
-        ->type_name("1");
-    app.add_option("--friction-slip", h.friction.slip, "kinetic mu; the static one")->type_name("1");
-    app.add_flag("--no-heuristic", c.no_heuristic, "only the learned mesh, not Van Gelder's beside it");
-    number("--force-max", h.safety.force_max_N, "N", "no force above it goes out");
-    number("--slew", h.safety.slew_N_s, "N/s", "fastest change of force");
-    number("--speed-max", h.safety.speed_max_m_s, "m/s", "a faster master is a fault");
-    number("--stale", h.safety.stale_s, "s", "an older position is a fault");
-    app.add_flag("--no-passivity", c.no_passivity, "without passivity observer and controller");
-    number("--force-scale", h.map.force_scale, "1", "newtons on the hand a newton of tissue");
-    app.add_flag("--no-realtime", c.no_realtime, "do not ask for SCHED_FIFO and locked memory");
+void add_haptic_options(CLI::App& app, Where program, HapticChoices& choices) {
+    HapticOptions& haptic = choices.haptic;
+    for (const SessionOption& row : session_options()) {
+        if (!(row.where & program)) continue;
+        const auto set = [&row, &haptic](const std::string& text) { or_usage([&] { row.set(haptic, text); }); };
+        const std::string initial = row.initial(program), more = "\n" + row.more;
+        if (row.is_switch()) {
+            const bool on = initial == "yes";
+            app.add_flag_callback(fmt::format("--{}{}", on ? "no-" : "", row.name), [set, on] { set(on ? "no" : "yes"); }, (on ? "turn off: " : "") + row.meaning + more);
+            continue;
+        }
+        const std::string values = row.values(), meaning = row.meaning + (values.empty() ? "" : row.is_number() ? ", " + values : ": " + values) + more;
+        CLI::Option* option = row.is_list() ? app.add_option_function<std::vector<std::string>>(std::string("--") + row.name, [set](const auto& words) { set(fmt::format("{}", fmt::join(words, " "))); }, meaning)->expected(2, 3)
+                                            : app.add_option_function<std::string>(std::string("--") + row.name, set, meaning);
+        option->type_name(row.unit)->default_str(initial);
+    }
+    app.add_flag("--no-realtime", choices.no_realtime, "do not ask for SCHED_FIFO and locked memory");
 }
 
-void settle(HapticChoices& c) {
-    HapticOptions& h = c.haptic;
-    h.select_by = c.select_by == "force" ? SelectBy::force : SelectBy::displacement;
-    h.heuristic_mesh = !c.no_heuristic;
-    h.safety.passivity = !c.no_passivity;
-    try {
-        check_options(h);
-    } catch (const MismatchError& e) {
-        throw CLI::ValidationError(e.what());
+void check(const HapticChoices& choices) {
+    or_usage([&] { check_options(choices.haptic); });
+}
+
+std::string options_page() {
+    std::string page = "# Options of a session\n\n<!-- tissuectl --generate options; the rows are in lib/haptic/session_options.cpp -->\n\n"
+                       "`tissue-haptic` and `tissuectl serve` have them as `--NAME VALUE`, `tissue_open` as `\"NAME\", \"VALUE\"`, `tissue.Simulation` as\n"
+                       "`NAME=VALUE` with `_` for `-`. Of the programs a `yes|no` is a flag: `--NAME`, or `--no-NAME` where the default is yes. A wrong value is refused\n"
+                       "everywhere with the same line.\n\n"
+                       "| name | unit | default | values | where | meaning |\n|---|---|---|---|---|---|\n";
+    const auto cell = [](std::string text) {
+        for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
+        return text;
+    };
+    for (const SessionOption& row : session_options()) {
+        std::vector<std::string> where;
+        for (const auto& [place, name] : {std::pair(tissue_haptic, "tissue-haptic"), std::pair(tissuectl_serve, "serve"), std::pair(interfaces, "C, Python")})
+            if (row.where & place) where.emplace_back(name);
+        const std::string initial = row.initial(programs), other = row.initial(interfaces);
+        page += fmt::format("| `{}` | {} | {} | {} | {} | {}{}{} |\n", row.name, cell(row.unit), initial + (other == initial ? "" : "; C, Python: " + other), row.values(),
+                            fmt::join(where, ", "), cell(row.meaning), row.more.empty() ? "" : ". ", cell(row.more));
     }
+    return page;
 }
 
 }  // namespace tissue::cli

@@ -3,21 +3,24 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "haptic/simulation.h"
+#include "haptic/session_options.h"
 
 namespace tissue::cli {
 
-/// Options of the realtime core that `tissue-haptic` and `tissuectl serve` share.
+/// What `tissue-haptic` and `tissuectl serve` have of the rows of session_options(), and beside them how the loop runs.
 struct HapticChoices {
-    std::string select_by = "displacement";
-    bool no_heuristic = false, no_passivity = false, no_realtime = false;
-    HapticOptions haptic;     ///< whole after settle()
+    HapticOptions haptic;
+    bool no_realtime = false;
 };
 
-void add_haptic_options(CLI::App& app, HapticChoices& choices);
+/// The rows of `program`. Their values are checked as they are read.
+void add_haptic_options(CLI::App& app, Where program, HapticChoices& choices);
 
-/// After parsing: names and flags into `haptic`. Throws CLI::ValidationError for numbers that no model takes (check_options).
-void settle(HapticChoices& choices);
+/// After parsing. Throws CLI::ValidationError for numbers that no model takes (check_options).
+void check(const HapticChoices& choices);
+
+/// lib/api/OPTIONS.md.
+std::string options_page();
 
 /// A number with its unit, its default and its meaning.
 CLI::Option* add_number(CLI::App& app, const char* name, double& value, const char* unit, const char* meaning);

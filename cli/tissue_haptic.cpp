@@ -52,8 +52,6 @@ struct Options {
     std::string model, device = device_kinds().names().front(), record, check, out, learn, journal, hidden;
     bool forget = false;
     DeviceValues device_values;
-    std::string axes;
-    std::vector<double> offset_m;
     double seconds = 10;
     unsigned long seed = 2008;
     bool json = false;
@@ -199,7 +197,6 @@ void add_options(CLI::App& app, Options& o) {
     add_number(app, "--seconds", o.seconds, "s", "how long; 0: until the device ends or a signal comes")->check(quiet(CLI::Range(0.0, longest_session_s)));
     app.add_flag("--json", o.json, "print the ledger as JSON");
     app.add_option("--record", o.record, "HDF5 file for every tick")->type_name("FILE");
-    app.add_flag("--energy-book", o.choices.haptic.energy_book, "of a model that relaxes: the ledger says what its branches store and have burnt");
     app.add_option("--seed", o.seed, "of poke")->type_name("integer")->capture_default_str();
     for (const DeviceKind* kind : device_kinds().kinds())
         for (const DeviceOption& option : kind->options) {
@@ -208,11 +205,7 @@ void add_options(CLI::App& app, Options& o) {
             if (!option.initial.empty()) added->capture_default_str();
             if (option.wrong) added->check(CLI::Validator([wrong = option.wrong](std::string& text) { return wrong(text); }, ""));
         }
-    cli::add_haptic_options(app, o.choices);
-    add_number(app, "--scale", o.choices.haptic.map.scale, "1", "metres of tissue a metre of device");
-    app.add_option("--axes", o.axes, "device axes of the tissue's, as in x,-z in the plane and x,-z,y in space; the first ones")->type_name("A,A[,A]");
-    app.add_option("--offset", o.offset_m, "of the device's origin in the tissue's space; none")
-        ->type_name("m m [m]")->expected(2, 3);
+    cli::add_haptic_options(app, tissue_haptic, o.choices);
     CLI::Option* learn = app.add_option("--learn", o.learn, "learn from a device that feels force, and write the model here at the end; of a law")->type_name("FILE");
     app.add_option("--journal", o.journal, "pokes learned from, CSV, as they come; a new file: tissuectl adapt --live makes the same model of it, or of its first rows")->type_name("FILE")->needs(learn);
     app.add_flag("--forget", o.forget, "learn from the law as it was trained")->needs(learn);
@@ -227,8 +220,7 @@ void finish(Options& o) {
     for (const DeviceOption& option : device_kinds().at(o.device)->options)
         if (option.needed && o.device_values.at(option.name).empty())
             throw CLI::ValidationError("--device " + o.device, fmt::format("needs --{} {}", option.name, option.unit));
-    o.choices.haptic.map.offset_m = Eigen::Map<const Eigen::VectorXd>(o.offset_m.data(), static_cast<Eigen::Index>(o.offset_m.size()));
-    cli::settle(o.choices);
+    cli::check(o.choices);
 }
 
 }  // namespace
@@ -252,7 +244,6 @@ int main(int argc, char** argv) {
         if (cli::generated(app, argc, argv)) return cli::printed(app);
         app.parse(argc, argv);
         finish(o);
-        if (!o.axes.empty()) o.choices.haptic.map.axes = parse_axes(o.axes);
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? cli::printed(app) : 2;
     } catch (const std::exception& e) {

@@ -8,9 +8,8 @@
 #include <string>
 
 #include "api/session_counts.h"
-#include "api/session_options.h"
 #include "error.h"
-#include "haptic/simulation.h"
+#include "haptic/session_options.h"
 #include "version.h"
 
 using namespace tissue;
@@ -52,8 +51,7 @@ const char* tissue_error(void) { return failure; }
 tissue_status tissue_open(const char* model_file, const char* const* options, tissue_session** session) {
     if (!model_file || !session) return bad("tissue_open: a null pointer");
     try {
-        HapticOptions haptic;
-        haptic.heuristic_mesh = false;
+        HapticOptions haptic = interface_options();
         for (; options && options[0]; options += 2) {
             if (!options[1]) return bad("tissue_open: an option without a value");
             try {

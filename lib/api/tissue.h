@@ -45,14 +45,9 @@ TISSUE_API const char *tissue_version(void);
 /* What the last failure in this thread was, one line; "" before the first. Valid until the next one. */
 TISSUE_API const char *tissue_error(void);
 
-/* Opens a model.h5 of tissuectl train or adapt. options: "name", "value", "name", "value", ..., NULL; or NULL. Names as
- * tissuectl serve has them, without dashes in front (--help says their units):
- *   sets, select-by, innovation (of spring sets), dynamics, coupling (of a mesh of springs), damping, friction, friction-slip, force-max, slew,
- *   speed-max, force-scale, scale (metres of tissue a metre of device), axes ("x,-z"), offset ("0 0.1", of the device's origin [m]), dt (s, 0.001; 1e-6 to
- *   0.005),
- *   passivity, heuristic (a second mesh, Van Gelder's, beside the learned one; "yes", "no").
- * An option that would do nothing with this model is TISSUE_MISMATCH.
- * `heuristic` is "no" here, for a program that has a scene of its own. */
+/* Opens a model.h5 of tissuectl train or adapt. options: "name", "value", "name", "value", ..., NULL; or NULL. OPTIONS.md (share/doc/tissuectl) has their
+ * names, units, defaults and ranges; they are those of tissuectl serve --help without the dashes in front. Yes or no is "yes" or "no".
+ * A value out of its range, and an option that would do nothing with this model, is TISSUE_MISMATCH. */
 TISSUE_API tissue_status tissue_open(const char *model_file, const char *const *options, tissue_session **session);
 
 /* NULL is nothing to close. */

@@ -9,6 +9,7 @@
 #include "error.h"
 #include "flush_denormals.h"
 #include "haptic/law_spectrum.h"
+#include "haptic/session_options.h"
 #include "haptic/spectrum.h"
 #include "hot_loop.h"
 #include "springs/spring_sets.h"
@@ -88,29 +89,12 @@ void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double damping_ra
 
 }  // namespace
 
-/// The loop's clock counts nanoseconds: of a microsecond a rounded period is off by less than 0.1 %.
-constexpr double least_dt_s = 1e-6;
-
 void check_options(const HapticOptions& o) {
-    Friction{o.friction};  // throws, if at all
-    const auto positive = [](const char* option, double value) {
-        if (!(value > 0) || !std::isfinite(value)) throw MismatchError(fmt::format("{} must be positive and finite, not {:g}", option, value));
-    };
-    if (!(o.dt_s >= least_dt_s && o.dt_s <= force_held_s / 2))  // a device may let go of an older force
-        throw MismatchError(fmt::format("dt must lie in [{:g}, {:g}] s, not {:g}", least_dt_s, force_held_s / 2, o.dt_s));
-    positive("force-max", o.safety.force_max_N);
-    positive("slew", o.safety.slew_N_s);
-    positive("speed-max", o.safety.speed_max_m_s);
-    positive("stale", o.safety.stale_s);
-    positive("scale", o.map.scale);
-    positive("force-scale", o.map.force_scale);
-    if (o.coupling_ratio) positive("coupling", *o.coupling_ratio);
-    if (o.innovation && !(*o.innovation > 0 && *o.innovation <= 1)) throw MismatchError(fmt::format("innovation must lie in (0, 1], not {:g}", *o.innovation));
-    if (o.damping_ratio && !(*o.damping_ratio >= 0 && std::isfinite(*o.damping_ratio)))
-        throw MismatchError(fmt::format("damping must be finite and not negative, not {:g}", *o.damping_ratio));
+    for (const SessionOption& option : session_options()) option.check(o);
+    Friction{o.friction};  // throws where static and kinetic friction contradict each other
     if (!(o.stiffest >= 1)) throw MismatchError("a law may become stiffer by a factor of 1 or more");
     if (!(o.safety.damping_max_Ns_m >= 0)) throw MismatchError("the most that the passivity controller damps must not be negative");
-    if (!std::isfinite(o.place_m) || !o.map.offset_m.allFinite()) throw MismatchError("positions of the second mesh and of the device must be finite");
+    if (!std::isfinite(o.place_m)) throw MismatchError("the position of the second mesh must be finite");
 }
 
 HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)

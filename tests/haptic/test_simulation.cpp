@@ -228,7 +228,7 @@ TEST_CASE("limits that are no numbers, or without end, are refused, as are masse
         for (const double wrong : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
             HapticOptions o;
             o.safety.*limit = wrong;
-            CHECK_THROWS_WITH(HapticModel(haptic_example(), o), Contains("positive and finite"));
+            CHECK_THROWS_WITH(HapticModel(haptic_example(), o), Contains("must lie in (0, inf)"));
         }
     TissueModel light = haptic_example();
     light.node_mass_kg *= 1e-200;

@@ -146,6 +146,60 @@ for wrong in (lambda: tissue.Model("nowhere.h5"), lambda: tissue.Model("no\nwher
     else:
         assert False, wrong
 PY
+check "programs, C and Python have the options of OPTIONS.md, with its defaults and values, and refuse the same values in the same words" \
+    "$PYTHON" - "$prefix" "$model" "$scratch/press" <<'PY'
+import re, subprocess, sys
+
+import tissue
+prefix, file, press = sys.argv[1:]
+model, init = tissue.Model(file), tissue.Simulation.__init__.__doc__
+def said(status, *words):
+    done = subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True, text=True)
+    assert done.returncode == status, words
+    return done.stderr.splitlines()[0]
+programs = {"tissue-haptic": [f"{prefix}/bin/tissue-haptic"], "serve": [f"{prefix}/bin/tissuectl", "serve"]}
+helps = {name: subprocess.run([*words, "--help"], capture_output=True, text=True).stdout for name, words in programs.items()}
+manual = {name: open(f"{prefix}/share/man/man1/{words[0].split('/')[-1]}.1").read().replace("\\-", "-") for name, words in programs.items()}
+rows = [[cell.strip().replace("\\|", "|") for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in open(f"{prefix}/share/doc/tissuectl/OPTIONS.md") if line.startswith("| `")]
+assert len(rows) > 15
+compared = 0
+for name, unit, default, values, where, meaning in rows:
+    name, where, default, here = name.strip("`"), where.split(", "), default.split("; ")[0], default.split(": ")[-1]
+    python = name.replace("-", "_")
+    in_c = "C" in where
+    assert (f"\n    {python} [{unit}]: " in init) == in_c, name
+    if in_c:
+        line = init.split(f"\n    {python} [{unit}]: ")[1].split("\n")[0]
+        assert line.endswith("; ".join(["", *([values] if values else []), *([f"default {here}"] if here else [])])), line
+    wrong = ["x"] if values else []
+    if values[:1] in ("(", "["):
+        low, high = (float(end) for end in values[1:-1].split(", "))
+        inside = lambda v: low < v < high or (v == low and values[0] == "[") or (v == high and values[-1] == "]")
+        wrong += [v for v in ("nan", "-inf", "inf", "-1", "0", "2", f"{2 * high}") if not inside(float(v))]
+    wrong = ["nan 0", "0 inf", "x 0"] if name == "offset" else ["x,x"] if name == "axes" else wrong
+    for program, words in programs.items():
+        flag = f"--no-{name}" if default == "yes" else f"--{name}"
+        assert (f"\n  {flag} " in helps[program]) == (program in where), (program, flag)
+        if program not in where: continue
+        assert f"\\fB{flag}\\fR" in manual[program], flag
+        if unit == "yes|no": continue
+        assert re.search(rf"\n  --{name} +{re.escape(default or '-')} +{re.escape(unit)} .*{re.escape(values)}\n", helps[program]), (program, name)
+    for value in wrong:
+        heard = {}
+        if in_c:
+            try:
+                tissue.Simulation(model, **{python: value})
+            except tissue.Error as e:
+                heard["python"] = str(e)
+            heard["c"] = said(1, press, file, name, value).removeprefix("press: ")
+        for program, words in programs.items():
+            if program in where and unit != "yes|no":
+                heard[program] = said(2, *words, file, f"--{name}", *value.split())
+        asked = 2 * in_c + (unit != "yes|no") * sum(program in where for program in programs)
+        assert len(heard) == asked and len(set(heard.values())) == min(asked, 1), (name, value, heard)
+        compared += len(heard) > 1
+assert compared > 40, compared
+PY
 check "a push that is none of the tissue is refused, and named" "$PYTHON" - "$model" <<'PY'
 import sys
 

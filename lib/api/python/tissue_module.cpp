@@ -13,11 +13,10 @@
 #include "adapt/adapted_model.h"
 #include "adapt/next_poke.h"
 #include "api/session_counts.h"
-#include "api/session_options.h"
 #include "cases/load_path.h"
 #include "error.h"
 #include "eval/closed_loop.h"
-#include "haptic/simulation.h"
+#include "haptic/session_options.h"
 #include "parallel.h"
 #include "springs/law_press.h"
 #include "springs/push_refusal.h"
@@ -76,8 +75,7 @@ void needs_init() {
 }
 
 HapticOptions options_of(const py::kwargs& given) {
-    HapticOptions options;
-    options.heuristic_mesh = false;
+    HapticOptions options = interface_options();
     for (const auto& [key, value] : given) {
         std::string name = py::str(key);
         std::replace(name.begin(), name.end(), '_', '-');
@@ -91,6 +89,20 @@ HapticOptions options_of(const py::kwargs& given) {
         set_option(options, name, text);
     }
     return options;
+}
+
+/// For help(tissue.Simulation).
+std::string options_text() {
+    std::string text = "options, each by name:";
+    for (const SessionOption& option : session_options()) {
+        if (!(option.where & interfaces)) continue;
+        std::string name = option.name;
+        std::replace(name.begin(), name.end(), '-', '_');
+        text += "\n    " + name + " [" + option.unit + "]: " + option.meaning;
+        if (const std::string values = option.values(); !values.empty()) text += "; " + values;
+        if (const std::string initial = option.initial(interfaces); !initial.empty()) text += "; default " + initial;
+    }
+    return text + "\nA yes|no is a bool, an offset a sequence.";
 }
 
 /// A session, with the model that it plays.
@@ -364,7 +376,7 @@ ticks() between two ticks, press() between two contacts and next() between two p
                  return std::make_unique<Session>(std::move(model), options);
              }),
              py::arg("model").none(false),
-             "options: those of tissue.h by name, with _ for -: force_max=3.3, friction=0.3, axes=\"x,-z\", offset=[0, 0.1], heuristic=True, ...")
+             options_text().c_str())
         .def("tick", [](Session& s, const Eigen::Vector3d& position_m, double elapsed_s) { return alone(s, [&] { return s.tick(position_m, elapsed_s); }); },
              py::arg("position_m"), py::arg("elapsed_s") = 0.0,
              "One step: the device's position [m] (3); returns the force on the hand [N] (3), finite, clamped and passive whatever comes in. elapsed_s: since the last tick; 0: dt; negative or not finite: unknown, taken for a late tick.")

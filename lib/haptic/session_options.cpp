@@ -1,0 +1,153 @@
+#include "haptic/session_options.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <sstream>
+
+#include "error.h"
+#include "haptic/dynamics_kinds.h"
+
+namespace tissue {
+namespace {
+
+constexpr double inf = std::numeric_limits<double>::infinity();
+using O = HapticOptions;
+
+[[noreturn]] void refuse(const SessionOption& option, const std::string& wanted, const std::string& given) {
+    throw MismatchError(fmt::format("{} must {}, not {}", option.name, wanted, given));
+}
+
+double number(const SessionOption& option, const std::string& text, const char* wanted = "be a number") {
+    double value = 0;
+    const char* end = text.data() + text.size();
+    const auto [at, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc() || at != end) refuse(option, wanted, "'" + text + "'");
+    return value;
+}
+
+void read(const SessionOption& o, const std::string& text, double& to) { to = number(o, text); }
+void read(const SessionOption& o, const std::string& text, std::optional<double>& to) { to = number(o, text); }
+void read(const SessionOption&, const std::string& text, bool& to) { to = text == "yes"; }
+void read(const SessionOption&, const std::string& text, std::string& to) { to = text; }
+void read(const SessionOption&, const std::string& text, SelectBy& to) { to = text == "force" ? SelectBy::force : SelectBy::displacement; }
+void read(const SessionOption&, const std::string& text, decltype(DeviceMap::axes)& to) { to = parse_axes(text); }
+void read(const SessionOption& o, const std::string& text, Point& to) {
+    std::istringstream words(text);
+    std::vector<double> values;
+    for (std::string word; words >> word;) values.push_back(number(o, word, "be two or three numbers"));
+    if (values.size() != 2 && values.size() != 3) refuse(o, "be two or three numbers", "'" + text + "'");
+    to = Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+std::vector<double> numbers_in(double value) { return {value}; }
+std::vector<double> numbers_in(const std::optional<double>& value) { return value ? numbers_in(*value) : std::vector<double>(); }
+std::vector<double> numbers_in(const Point& p) { return {p.data(), p.data() + p.size()}; }
+template <class Other> std::vector<double> numbers_in(const Other&) { return {}; }
+
+std::string shown(bool value) { return value ? "yes" : "no"; }
+std::string shown(const std::string& value) { return value; }
+std::string shown(SelectBy value) { return value == SelectBy::force ? "force" : "displacement"; }
+template <class Numbers> std::string shown(const Numbers& value) { return fmt::format("{}", fmt::join(numbers_in(value), " ")); }
+
+Allowed one_of(std::vector<std::string> words) {
+    Allowed allowed;
+    allowed.words = std::move(words);
+    return allowed;
+}
+
+std::vector<std::string> steps() {
+    std::vector<std::string> names = {"auto"};
+    names.insert(names.end(), dynamics_kinds().names().begin(), dynamics_kinds().names().end());
+    return names;
+}
+
+}  // namespace
+
+const std::vector<SessionOption>& session_options() {
+    static const Allowed any{}, positive{0}, yes_no = one_of({"yes", "no"});
+    // clang-format off
+    static const std::vector<SessionOption> rows = {
+        {"sets", "NAME", any, everywhere, [](O& o) -> auto& { return o.sets; }, "spring sets to play: an optimiser of the model, or optimum",
+         "Default: the model's first. An energy model has no spring sets and refuses it."},
+        {"select-by", "NAME", one_of({"displacement", "force"}), everywhere, [](O& o) -> auto& { return o.select_by; }, "what selects the nearest spring set",
+         "Displacement of the contact, or the force on it as in the paper. An energy model refuses force."},
+        {"innovation", "1", {0, 1, false, true}, everywhere, [](O& o) -> auto& { return o.innovation; }, "smoothing gain of spring sets, gamma of (19)",
+         "The share of a newly selected set in each tick; at 0.05 it takes over within about 60 ms. An energy model averages no sets and refuses it.", "0.05"},
+        {"dynamics", "NAME", one_of(steps()), everywhere, [](O& o) -> auto& { return o.dynamics; }, "time integration of the meshes",
+         "The value auto chooses by the stiffest mode and the time step; paper is (13)-(15) as printed, unstable at any useful step."},
+        {"coupling", "1", positive, everywhere, [](O& o) -> auto& { return o.coupling_ratio; }, "coupling stiffness over the contact's own, on a mesh of springs",
+         "At 10 the tool sinks in by a tenth more. Refused where no mesh of springs is played.", "10"},
+        {"damping", "1", {0, inf, true}, everywhere, [](O& o) -> auto& { return o.damping_ratio; }, "damping ratio of the lowest mode; of an energy model 0.17, of one that relaxes 0.01",
+         "0.05 of spring sets is the paper's \"very small values\". With 0.17 an energy model comes to rest before a hand notices. Maxwell branches damp by themselves.", "0.05"},
+        {"friction", "1", {0, inf, true, true}, everywhere, [](O& o) -> auto& { return o.friction.stick; }, "static friction coefficient between tool and tissue; inf: the tool never slips",
+         "The paper's contact keeps its place, which is inf."},
+        {"friction-slip", "1", {0, inf, true}, everywhere, [](O& o) -> auto& { return o.friction.slip; }, "kinetic friction coefficient, at most the static one",
+         "Default: the static one. Refused without friction."},
+        {"heuristic", "yes|no", yes_no, everywhere, [](O& o) -> auto& { return o.heuristic_mesh; }, "a second mesh, Van Gelder's, beside the learned one",
+         "Off by default in C and Python, whose programs have a scene of their own."},
+        {"force-max", "N", positive, everywhere, [](O& o) -> auto& { return o.safety.force_max_N; }, "largest force on the device",
+         "3.3 N is the limit of a Touch at its nominal position."},
+        {"slew", "N/s", positive, everywhere, [](O& o) -> auto& { return o.safety.slew_N_s; }, "fastest change of force",
+         "500 N/s is half a newton a tick of 1 ms."},
+        {"speed-max", "m/s", positive, everywhere, [](O& o) -> auto& { return o.safety.speed_max_m_s; }, "a faster device is a fault: the position is refused, the force is zero",
+         "Hands at work stay below about 1 m/s."},
+        {"stale", "s", positive, programs, [](O& o) -> auto& { return o.safety.stale_s; }, "an older position is a fault",
+         "A position that C or Python gives has no age: its time is elapsed_s."},
+        {"passivity", "yes|no", yes_no, everywhere, [](O& o) -> auto& { return o.safety.passivity; }, "passivity observer and controller",
+         "lib/haptic/safety.h has the bound on energy that they keep."},
+        {"force-scale", "1", positive, everywhere, [](O& o) -> auto& { return o.map.force_scale; }, "force on the device over force on the tissue", ""},
+        {"scale", "1", positive, tissue_haptic | interfaces, [](O& o) -> auto& { return o.map.scale; }, "displacement in the tissue over displacement of the device", ""},
+        {"axes", "A,A[,A]", any, tissue_haptic | interfaces, [](O& o) -> auto& { return o.map.axes; }, "device axes of the tissue's, as in x,-z in the plane and x,-z,y in space",
+         "Default: the first ones."},
+        {"offset", "m", any, tissue_haptic | interfaces, [](O& o) -> auto& { return o.map.offset_m; }, "the device's origin in the tissue's space, two or three numbers",
+         "Default: none. One number for each axis of the model."},
+        {"dt", "s", {1e-6, force_held_s / 2, true, true}, interfaces, [](O& o) -> auto& { return o.dt_s; }, "time step of a tick",
+         "Of 1e-6 s the loop's clock, which counts nanoseconds, rounds less than 0.1 %; 10 ms after a force a device may let go of it. Programs tick at 1 kHz."},
+        {"energy-book", "yes|no", yes_no, tissue_haptic, [](O& o) -> auto& { return o.energy_book; }, "energy log of a model that relaxes: stored and dissipated in its branches",
+         "A step takes a little longer. Refused by a model that does not relax."},
+    };
+    // clang-format on
+    return rows;
+}
+
+std::string SessionOption::values() const {
+    if (!is_number()) return fmt::format("{}", fmt::join(allowed.words, ", "));
+    return fmt::format("{}{:g}, {:g}{}", allowed.with_low ? '[' : '(', allowed.low, allowed.high, allowed.with_high ? ']' : ')');
+}
+
+std::string SessionOption::initial(Where place) const {
+    HapticOptions options = place == interfaces ? interface_options() : HapticOptions();
+    const std::string text = std::visit([&](auto of) { return shown(of(options)); }, field);
+    return text.empty() ? unset : text;
+}
+
+void SessionOption::set(HapticOptions& options, const std::string& text) const {
+    const auto& words = allowed.words;
+    if (!words.empty() && std::find(words.begin(), words.end(), text) == words.end()) refuse(*this, "be one of " + values(), "'" + text + "'");
+    std::visit([&](auto of) { read(*this, text, of(options)); }, field);
+}
+
+void SessionOption::check(HapticOptions options) const {
+    for (const double value : std::visit([&](auto of) { return numbers_in(of(options)); }, field))
+        if (!allowed.takes(value)) refuse(*this, fmt::format("lie in {}{}", values(), unit == std::string("1") ? "" : fmt::format(" {}", unit)), fmt::format("{}", value));
+}
+
+HapticOptions interface_options() {
+    HapticOptions options;
+    options.heuristic_mesh = false;
+    return options;
+}
+
+void set_option(HapticOptions& options, const std::string& name, const std::string& value) {
+    for (const SessionOption& option : session_options()) {
+        if (name != option.name) continue;
+        if (!(option.where & interfaces)) throw MismatchError(fmt::format("option '{}' is of the programs alone: {}", name, option.meaning));
+        return option.set(options, value);
+    }
+    throw MismatchError(fmt::format("there is no option '{}'", name));
+}
+
+}  // namespace tissue
