@@ -40,7 +40,7 @@ void run(const Options& o) {
     wanted.shape_in_study = fs::proximate(fs::absolute(wanted.shape), fs::absolute(o.folder)).string();
     if (fs::path(wanted.shape).extension() != ".geo") wanted.trust_geo = false;
     else if (!wanted.trust_geo)
-        throw MismatchError(wanted.shape + ": is a program, which gmsh runs and which may run any command; --trust_geo says that you trust it");
+        throw MismatchError(wanted.shape + ": is a program, which gmsh runs and which may run any command; --trust-geo says that you trust it");
     const WrittenStudy written = new_study(wanted);
     write_file(file, written.toml);
     try {
@@ -62,7 +62,7 @@ void add_new(CLI::App& app, const Invocation&) {
     command->add_option("--shape", o->study.shape, "outline or surface: .geo, .msh or .stl; a .geo is read here, and run by gmsh when it is meshed")
         ->required()
         ->type_name("FILE");
-    command->add_flag("--trust_geo", o->study.trust_geo, "a .geo is a program, which gmsh runs: this one is trusted");
+    command->add_flag("--trust-geo,--trust_geo", o->study.trust_geo, "a .geo is a program, which gmsh runs: this one is trusted");
     command->add_option("--unit", o->unit, "of the file's numbers: mm, cm, m or inch")
         ->check(CLI::IsMember({"mm", "cm", "m", "inch"}))
         ->type_name("unit")

@@ -25,7 +25,7 @@ check "train --help: threads, a number of threads by default" says '--threads  *
 check "train --help: --study is required and a file" says '--study  *required  *FILE  *study file'
 for option in seed optimizer iterations json; do check "train --help has --$option" says "--$option "; done
 
-for command in adapt rim; do
+for command in new plan shape rim collect import train eval ablate adapt serve info export doctor; do
     tissuectl $command --help
     check "$command --help: the unit column has units alone, options have no underscore" sh -c '! grep -q "^  --[a-z-]*_\|:FLOAT\|:INT\|:{\| in \[" "$1"' - "$said"
 done

@@ -12,31 +12,31 @@ Physical Curve("board") = {1};
 Physical Curve("crust") = {2};
 Physical Surface("crumb") = {1};
 GEO
-tissuectl new loaf --shape fem/loaf.geo --trust_geo --unit mm
+tissuectl new loaf --shape fem/loaf.geo --trust-geo --unit mm
 check "nothing said of what is held: exit 1" exited 1
 check "nothing said of what is held: one line lists the named curves" one_line '^tissuectl: fem/loaf.geo: --held must say which curves are held; it names board, crust$'
-tissuectl new loaf --shape fem/loaf.geo --trust_geo --held board
+tissuectl new loaf --shape fem/loaf.geo --trust-geo --held board
 check "metres for millimetres: one line asks for the unit" one_line 'fem/loaf.geo: is 82 m long; is this in millimetres? --unit mm, cm, m or inch'
-tissuectl new loaf --shape fem/loaf.geo --trust_geo --unit mm --held table
+tissuectl new loaf --shape fem/loaf.geo --trust-geo --unit mm --held table
 check "a curve that is not there: one line lists those there are" one_line "has no curve 'table' to hold; it names board, crust"
 tissuectl new loaf --shape fem/none.geo --unit mm --held table
 check "a shape that is not there: one line" one_line 'fem/none.geo'
-tissuectl new loaf --shape fem/loaf.geo --trust_geo --unit km --held board
+tissuectl new loaf --shape fem/loaf.geo --trust-geo --unit km --held board
 check "an unknown unit: exit 2" exited 2
-tissuectl new ../loaf --shape fem/loaf.geo --trust_geo --unit mm --held board
+tissuectl new ../loaf --shape fem/loaf.geo --trust-geo --unit mm --held board
 check "a name that is a path: one line" one_line "a study's name is of letters"
-tissuectl new loaf --shape fem/loaf.geo --trust_geo --unit mm --held board --preset bread
+tissuectl new loaf --shape fem/loaf.geo --trust-geo --unit mm --held board --preset bread
 check "a material that is not there: one line lists those there are" one_line "'bread' is not a material; there are: brain, liver, muscle"
 check "nothing is written where it was refused" absent "$work/fem/studies/loaf.toml" "$work/fem/studies/../loaf.toml"
 
-tissuectl new loaf --shape fem/loaf.geo --trust_geo --unit mm --held board --preset brain
+tissuectl new loaf --shape fem/loaf.geo --trust-geo --unit mm --held board --preset brain
 check "a study is written: exit 0" exited 0
 check "it says how large the shape is and what is held" says '^fem/loaf.geo: in the plane, 82 x 52 mm; held: board$'
 check "it says which springs it chose, and from what" says '^springs 8 mm long (lattice.size_m), an eighth of its mean size$'
 check "it says what to run" says '^fem/studies/loaf.toml is written; make all STUDY=loaf runs it$'
 check "every number of the study has its unit or its meaning beside it" sh -c '! grep -n "^[a-z_]*_m = [^#]*$" "$1"' - "$work/fem/studies/loaf.toml"
 cp -p "$work/fem/studies/loaf.toml" "$scratch/loaf.toml"
-tissuectl new loaf --shape fem/loaf.geo --trust_geo --unit mm --held board
+tissuectl new loaf --shape fem/loaf.geo --trust-geo --unit mm --held board
 check "a study that is there: exit 1" exited 1
 check "a study that is there: one line, and it stays" one_line '^tissuectl: fem/studies/loaf.toml: is there already'
 check "a study that is there stays as it was" cmp "$scratch/loaf.toml" "$work/fem/studies/loaf.toml"
