@@ -75,7 +75,7 @@ FORCE:
 
 # ---- front door
 
-.PHONY: felupe realtime ablation all mesh cases train eval figures report reference regress regress-proof trust gains patient patient3 peers test test-fe sanitize tsan fuzz bench benches doors deps help clean build install uninstall doctor
+.PHONY: felupe realtime ablation all mesh cases train eval figures report reference regress regress-proof trust gains patient patient3 peers test test-fe sanitize tsan fuzz bench benches hands doors deps help clean build install uninstall doctor
 
 ## all: the whole study, from mesh to report
 all: figures eval report
@@ -233,7 +233,7 @@ $(BUILD)/libfuzzed.a: $(call objects,tests/fuzz/edited_store.cpp tests/solid_law
 $(FUZZ_READERS:%=build/sanitize/fuzz_%): build/sanitize/%: build/sanitize/tests/fuzz/%.o $(BUILD)/tests/leaks.o $(BUILD)/libfuzzed.a $(BUILD)/libtissue.a
 	@$(call link,-fsanitize=fuzzer -Wl$(comma)--defsym=LLVMFuzzerTestOneInput=$*) && mv $@.tmp $@
 
-PROBES := $(BUILD)/gains_probe $(BUILD)/adapt_probe
+PROBES := $(BUILD)/gains_probe $(BUILD)/adapt_probe $(BUILD)/hand_probe
 $(PROBES): $(BUILD)/%: $(BUILD)/scripts/%.o $(BUILD)/libtissue.a
 	@$(call link) && mv $@.tmp $@
 
@@ -265,7 +265,7 @@ $(BUILD)/cli/serve/page.o: export CCACHE_DISABLE := 1
 $(THREE): | build/deps
 	@[ -r $@ ] || { echo "make: there is no $@, of Debian's package libjs-three: the page cannot be built" >&2; exit 1; }
 
--include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) lib/api/python/tissue_module.cpp $(CLI_SOURCES) $(HAPTIC_SOURCES) $(TEST_SOURCES) tests/fuzz/fuzz_server.cpp $(BENCH_SOURCES) scripts/gains_probe.cpp scripts/adapt_probe.cpp))
+-include $(patsubst %.o,%.d,$(call objects,$(LIB_SOURCES) lib/api/python/tissue_module.cpp $(CLI_SOURCES) $(HAPTIC_SOURCES) $(TEST_SOURCES) tests/fuzz/fuzz_server.cpp $(BENCH_SOURCES) scripts/gains_probe.cpp scripts/adapt_probe.cpp scripts/hand_probe.cpp))
 
 # ---- stages: one rule per kind of file
 
@@ -448,7 +448,11 @@ fuzz: | build/deps-sanitize
 regress-proof: $(TISSUECTL)
 	@PROOF=paper PYTHON=$(PYTHON) TISSUECTL=$(TISSUECTL) tests/pipeline/test_regress.sh
 
-## benches: the programs of bench, gains and patient, without running them
+## hands: hands with mass, let go on the study's tissue: what does not come to rest
+hands: $(R)/model.h5 $(BUILD)/hand_probe
+	@$(BUILD)/hand_probe --limit 0.3 $<
+
+## benches: the programs of bench, gains, patient and hands, without running them
 benches: $(BENCHES) $(PROBES)
 
 ## bench: our speed beside that of others, as results/bench.json

@@ -44,7 +44,7 @@ std::string describe(const std::string& program, const HapticModel& model, const
     for (const auto& mesh : model.meshes)
         text += fmt::format("  {:<10} {} step{}: omega dt = {:.3f} (symplectic up to {:g} a step), lowest mode {:.3g} Hz, damping {:.3g}/s\n",
                             mesh->name, mesh->dynamics, mesh->substeps > 1 ? fmt::format(", {} a tick", mesh->substeps) : "",
-                            std::sqrt(mesh->largest_eigenvalue_1_s2) * o.dt_s, mesh->law ? 1.6 : 1.8, mesh->lowest_frequency_Hz, mesh->damping_1_s);
+                            std::sqrt(mesh->largest_eigenvalue_1_s2) * o.dt_s, mesh->law ? 1.4 : 1.8, mesh->lowest_frequency_Hz, mesh->damping_1_s);
     if (model.stiffness && model.stiffness->floppy() > 0)
         text += fmt::format("  the {} mesh can move for nothing: its shape at rest is not determined\n", model.is_law() ? "heuristic" : "learned");
     text += fmt::format("  coupling {}, force scale {:g}, position scale {:g}, at most {:g} N, {:g} N/s, {:g} m/s\n",
@@ -62,14 +62,14 @@ std::string ledger_text(const std::string& model_file, const Device& device, con
     text += fmt::format("  tick             {} (median / p99 / p99.9 / max)\n", percentiles_text(report.tick_us));
     text += fmt::format("  lateness         {}\n", percentiles_text(report.lateness_us));
     text += fmt::format("  dropped samples  {}\n", dropped_samples);
-    text += fmt::format("  largest force    {:.4g} N, clamped {}, slewed {}, damped {}\n", s.force_max_N, s.clamped, s.slewed, s.damped);
+    text += fmt::format("  largest force    {:.4g} N, clamped {}, slewed {}, damped {}, capped {}\n", s.force_max_N, s.clamped, s.slewed, s.damped, s.capped);
     text += fmt::format("  energy given     {:.4g} J\n", s.energy_given_J);
     if (simulation.model().options.energy_book) {
         const BranchBook book = simulation.branches();
         text += fmt::format("  branches         store {:.4g} J, have burnt {:.4g} J\n", book.stored_J, book.burnt_J);
     }
     text += fmt::format("  refused input    {} (bad {}, jumps {}, stale {})\n", refused(s), s.bad_input, s.jump, s.stale);
-    text += fmt::format("  no force         outline folded {}, mesh unstable {}, not yet outside {}, ticks too late {}\n", h.folded, h.unstable, h.unarmed, s.late);
+    text += fmt::format("  no force         outline folded {}, mesh unstable {}, not yet outside {}, ticks too late {}, time lost {:.3g} s\n", h.folded, h.unstable, h.unarmed, s.late, h.lost_s);
     for (const auto& [name, value] : device.ledger()) text += fmt::format("  device {:<24} {:g}\n", name, value);
     return text;
 }

@@ -122,6 +122,11 @@ struct Learning {
 void run(const Options& o, Provenance provenance) {
     TissueModel tissue = read_model(o.model);
     HapticOptions haptic = o.choices.haptic;
+    if (const DeviceImpedance& known = device_kinds().at(o.device)->impedance; haptic.device.mass_kg == 0 && known.mass_kg > 0) {
+        const double shown_N_m = std::min(haptic.device.stiffness_N_m, known.stiffness_N_m);
+        haptic.device = known;
+        haptic.device.stiffness_N_m = shown_N_m;
+    }
     Learning learning;
     if (!o.learn.empty()) {
         learning.adaptation = live_adaptation(o.model);

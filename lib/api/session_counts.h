@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "haptic/simulation.h"
 
@@ -12,7 +13,7 @@ struct SessionCount {
     long long (*of)(const Simulation&);
 };
 
-inline constexpr std::array<SessionCount, 11> session_counts{{
+inline constexpr std::array<SessionCount, 13> session_counts{{
     {"ticks", [](const Simulation& s) { return s.counters().ticks; }},
     {"folded", [](const Simulation& s) { return s.counters().folded; }},
     {"unstable", [](const Simulation& s) { return s.counters().unstable; }},
@@ -24,6 +25,8 @@ inline constexpr std::array<SessionCount, 11> session_counts{{
     {"clamped", [](const Simulation& s) { return s.safety().counters().clamped; }},
     {"slewed", [](const Simulation& s) { return s.safety().counters().slewed; }},
     {"damped", [](const Simulation& s) { return s.safety().counters().damped; }},
+    {"capped", [](const Simulation& s) { return s.safety().counters().capped; }},
+    {"lost_ms", [](const Simulation& s) { return std::llround(1e3 * s.counters().lost_s); }},
 }};
 
 }  // namespace tissue

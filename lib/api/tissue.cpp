@@ -78,13 +78,35 @@ void tissue_close(tissue_session* session) { delete session; }
 tissue_status tissue_tick(tissue_session* s, const double position_m[3], double elapsed_s, double force_N[3]) {
     if (!s || !position_m || !force_N) {
         if (force_N) std::fill_n(force_N, 3, 0.0);  // or a caller who does not look at the status plays the old one for ever
-        return bad("tissue_tick: a null pointer");
+        return TISSUE_BAD_ARGUMENT;
     }
     DeviceSample sample;
     sample.position_m = Eigen::Vector3d(position_m[0], position_m[1], position_m[2]);
     const Eigen::Vector3d force = s->simulation.tick(sample, elapsed_s);
     for (int a = 0; a < 3; ++a) force_N[a] = force[a];
-    return s->simulation.record().fault ? fail(TISSUE_FAULT, "tissue_tick: the position was refused") : TISSUE_OK;
+    switch (s->simulation.record().status) {
+        case TickStatus::refused: return TISSUE_FAULT;
+        case TickStatus::not_armed: return TISSUE_NOT_ARMED;
+        case TickStatus::folded: return TISSUE_FOLDED;
+        case TickStatus::diverged: return TISSUE_DIVERGED;
+        case TickStatus::done: break;
+    }
+    return TISSUE_OK;
+}
+
+const char* tissue_status_text(tissue_status status) {
+    switch (status) {
+        case TISSUE_OK: return "ok";
+        case TISSUE_BAD_ARGUMENT: return "an argument was refused: a null pointer, an index or an option that is none";
+        case TISSUE_BAD_FILE: return "the file is no model, or cannot be read";
+        case TISSUE_MISMATCH: return "options do not fit each other or the model";
+        case TISSUE_FAULT: return "the position was refused: not finite, too fast or too old";
+        case TISSUE_FAILED: return "failed, memory may have run out";
+        case TISSUE_NOT_ARMED: return "the tool must be outside the tissue once before there is force";
+        case TISSUE_FOLDED: return "a surface crosses itself, or two meshes lie over each other: no force";
+        case TISSUE_DIVERGED: return "a mesh flew apart, or came to rest inside out, and was put to rest";
+    }
+    return "no status";
 }
 
 tissue_status tissue_reset(tissue_session* s) {

@@ -8,8 +8,9 @@
  * SI units. A model has D = 2 or 3 axes; a device has always three, of which a model in the plane takes the first two
  * (option "axes"). Arrays of nodes are N times D doubles, node after node.
  *
- * Errors: every function that can fail returns a tissue_status and leaves its results as they were, but tissue_tick, whose force is then zero;
- * tissue_error() is then one line that says what, in the calling thread. No function throws, aborts or prints.
+ * Errors: every function that can fail returns a tissue_status and leaves its results as they were, but tissue_tick, whose force is then zero.
+ * tissue_error() is then one line that says what, in the calling thread; tissue_tick alone leaves it as it was, since a thread's first line takes memory:
+ * tissue_status_text() says what its status is. No function throws, aborts or prints.
  *
  * Threads: a session belongs to one thread at a time; who hands it over does so between two calls. Sessions know nothing of
  * each other. tissue_tick, tissue_reset and everything that only reads take no lock, allocate nothing and never wait, so that they may
@@ -36,8 +37,14 @@ typedef enum tissue_status {
     TISSUE_BAD_FILE = 2,     /* no model, or none that can be read */
     TISSUE_MISMATCH = 3,     /* options that do not fit each other or the model */
     TISSUE_FAULT = 4,        /* of a tick: the position was refused (not finite, too fast, too old); the force is zero */
-    TISSUE_FAILED = 5        /* memory has run out, or another failure that tissue_error() names */
+    TISSUE_FAILED = 5,       /* memory has run out, or another failure that tissue_error() names */
+    TISSUE_NOT_ARMED = 6,    /* of a tick: the tool is inside tissue and has not been outside since the start, a fault or a reset; the force is zero */
+    TISSUE_FOLDED = 7,       /* of a tick: a surface crosses itself, or two meshes lie over each other; the force is zero */
+    TISSUE_DIVERGED = 8      /* of a tick: a mesh flew apart, or came to rest inside out, and was put to rest; the force is zero */
 } tissue_status;
+
+/* One line that says what a status is. */
+TISSUE_API const char *tissue_status_text(tissue_status status);
 
 /* "0.1.0" */
 TISSUE_API const char *tissue_version(void);
@@ -54,8 +61,10 @@ TISSUE_API tissue_status tissue_open(const char *model_file, const char *const *
 TISSUE_API void tissue_close(tissue_session *session);
 
 /* One step of dt: where the device is [m], and the force that it puts on the hand [N]. elapsed_s: since the last tick, as the clock
- * says; 0: dt; negative or not finite: unknown, and taken for a late tick (10 ms). A tick that is late costs force, never passivity. The
- * force is finite, clamped and passive whatever comes in, and zero where the status is not TISSUE_OK, also where an argument is refused. The thread's floating-point mode (rounding, traps, denormals) is set for
+ * says; 0: dt; negative or not finite: unknown, and taken for a late tick (10 ms). The tissue goes through that time, whatever the rate; a stall of more than half a second is lost to it
+ * (count "lost_ms"). A force that the device still holds after option "hold" (0.01 s) is in no energy log: a host whose ticks may stall sees to it that the device lets go, or sets
+ * hold to "inf". The force is finite and within force-max whatever comes in, and zero where the status is not TISSUE_OK, also where an argument is refused. What it gives the hand is bounded for every device
+ * (lib/haptic/safety.h); that a hand comes to rest on the tissue is promised for a device whose mass is stated, option "device-mass". The thread's floating-point mode (rounding, traps, denormals) is set for
  * the tick, and after it is as it was. */
 TISSUE_API tissue_status tissue_tick(tissue_session *session, const double position_m[3], double elapsed_s, double force_N[3]);
 
@@ -94,7 +103,7 @@ TISSUE_API tissue_status tissue_read_contact(const tissue_session *session, tiss
 /* Which stiffness is at work: the name of the spring set that serves, "law" of a law, "" where nothing was touched yet. Valid until tissue_close. */
 TISSUE_API const char *tissue_stiffness(const tissue_session *session);
 
-/* Counts of the session by name: ticks, folded, unstable, not_yet_outside, bad_input, jumps, stale, late, clamped, slewed, damped. */
+/* Counts of the session by name: ticks, folded, unstable, not_yet_outside, bad_input, jumps, stale, late, clamped, slewed, damped, capped, lost_ms. */
 TISSUE_API tissue_status tissue_count(const tissue_session *session, const char *name, long long *count);
 
 /* To the hand since the start [J]; below 0: the hand gave. */

@@ -106,7 +106,7 @@ NodeField play_history(const HapticModel& model, const History& history) {
     const HapticMesh& mesh = *model.meshes.front();
     if (!mesh.law) throw MismatchError("histories are played by a law; this model has none");
     const double dt = model.options.dt_s, step_s = dt / mesh.substeps;
-    const auto dynamics = make_dynamics(mesh.dynamics, mesh.springs, {dt, mesh.damping_1_s, mesh.substeps, mesh.law.get()});
+    const auto dynamics = make_dynamics(mesh.dynamics, mesh.springs, {step_s, mesh.damping_1_s, mesh.law.get()});
     MeshState state(mesh.springs, mesh.theta_of_set.col(0));
     state.memory = mesh.law->memory(step_s);
     ToolMemory memory = mesh.law->tool_memory(step_s);
@@ -132,11 +132,8 @@ NodeField play_history(const HapticModel& model, const History& history) {
         }
         load.tool = touching > 0 ? &tool : nullptr;
         load.push_m = row_at(history.time_s, history.push_m, t);
-        Point force = Point::Zero(model.dimension());
-        if (touching > 0)
-            force = dynamics->step(state, load);
-        else
-            dynamics->step(state, {});
+        ContactLoad now = touching > 0 ? load : ContactLoad{};
+        const Point force = dynamics->advance(state, now, step_s, mesh.substeps, mesh.substeps);
         for (; next < T && history.time_s[next] <= t + 1e-12; ++next) {
             const double w = std::clamp((history.time_s[next] - (t - dt)) / dt, 0.0, 1.0);
             if (touching == before)

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "haptic/device.h"
+#include "haptic/device_impedance.h"
 #include "haptic/device_map.h"
 #include "mesh/spring_mesh.h"
 #include "registry.h"
@@ -30,11 +31,12 @@ struct DeviceContext {
 /// Values of options by their names, as text.
 using DeviceValues = std::map<std::string, std::string>;
 
-/// A kind of device: its name, what it can be told, how it is made. `make` gets every option of its own, none wrong.
+/// A kind of device: its name, what it can be told, how it is made, what it is to a hand. `make` gets every option of its own, none wrong.
 struct DeviceKind {
     const char* name;
     std::vector<DeviceOption> options;
     std::unique_ptr<Device> (*make)(const DeviceValues& values, const DeviceContext& context);
+    DeviceImpedance impedance = {};
 };
 
 /// Every kind that a program can be asked for by name, in the order in which messages list them; the first is the

@@ -17,11 +17,37 @@ Eigen::Vector2d ContactLoad::proxy(const RealtimeMesh& mesh, const NodeColumns& 
 }
 
 Point ContactLoad::put_on(const RealtimeMesh& mesh, const NodeColumns& u, NodeColumns& f) const noexcept {
-    if (tool) return tool->put_on(tool_push(u), u, f, memory);
+    if (tool) return tool->put_on(push_m ? later(*push_m) : tool_push(u), u, f, memory);
     if (weight[0] == 0 && weight[1] == 0) return Point::Zero(mesh.dimension());  // a free mesh
-    const Eigen::Vector2d force = given_N + coupling_N_m * (master_m - proxy(mesh, u));
+    const Eigen::Vector2d force = given_N + coupling_N_m * (later(master_m) - proxy(mesh, u));
     for (int end : {0, 1}) f.row(node[end]) -= weight[end] * force.transpose();
     return force;
+}
+
+Point ContactLoad::later(const Point& tool_m) const noexcept {
+    return velocity_m_s.size() == 0 ? tool_m : Point(tool_m + ahead_s * velocity_m_s);
+}
+
+Point ContactLoad::force_at(const RealtimeMesh& mesh, const NodeColumns& held) const noexcept {
+    if (tool) return tool->hand_N(later(*push_m), held, memory);
+    return Point(given_N + coupling_N_m * (later(master_m) - proxy(mesh, held)));
+}
+
+void ContactLoad::move(double seconds) noexcept {
+    if (velocity_m_s.size() == 0) return;
+    if (push_m) *push_m += seconds * velocity_m_s;
+    if (coupling_N_m > 0) master_m += seconds * velocity_m_s;
+}
+
+Point Dynamics::advance(MeshState& state, ContactLoad& load, double dt_s, int steps, int of_last) noexcept {
+    Point mean;
+    for (int k = 0; k < steps; ++k) {
+        const Point force = step(state, load);
+        if (k == steps - of_last || mean.size() == 0) mean = Point::Zero(force.size());
+        if (k >= steps - of_last) mean += force / of_last;
+        load.move(dt_s);
+    }
+    return mean;
 }
 
 const Registry<const DynamicsKind*>& dynamics_kinds() {
@@ -36,7 +62,7 @@ std::unique_ptr<Dynamics> make_dynamics(const std::string& name, const RealtimeM
         throw MismatchError(fmt::format("a step of {} s with damping {} 1/s is not possible", options.dt_s,
                                         options.damping_1_s));
     const DynamicsKind* kind = dynamics_kinds().at(name);
-    if (kind != &symplectic_dynamics && (options.law || options.substeps != 1))
+    if (kind != &symplectic_dynamics && options.law)
         throw MismatchError(fmt::format("a law is stepped by '{}', not by '{}'", symplectic_dynamics.name, name));
     return kind->make(mesh, options);
 }
@@ -50,10 +76,15 @@ std::string stable_dynamics(double largest_eigenvalue_1_s2, double dt_s) {
 
 int law_substeps(double largest_eigenvalue_1_s2, double dt_s) {
     constexpr double most = 1000;  // no tick has time for as many
-    const double steps = std::ceil(std::sqrt(largest_eigenvalue_1_s2) * dt_s);
+    const double steps = std::ceil(1.5 * std::sqrt(largest_eigenvalue_1_s2) * dt_s);
     if (!(steps <= most))
         throw MismatchError(fmt::format("the law needs {:g} steps in {:g} ms, at most {:g} are possible: it is too stiff for its mass", steps, 1e3 * dt_s, most));
     return std::max(1, static_cast<int>(steps));
+}
+
+double law_contact_damping_s(double largest_eigenvalue_1_s2, double dt_s, int steps) {
+    const double h = dt_s / steps;
+    return std::min(contact_damping_s(dt_s), (2 / (largest_eigenvalue_1_s2 * h) - h) / 2);
 }
 
 }  // namespace tissue

@@ -11,8 +11,8 @@ namespace tissue {
 namespace {
 
 /// Backward Euler, the coupling spring included:
-///   (A + dt^2 k_C W W') v = M v_old - dt K u + dt W (f_given + k_C (x_m - x_p)),  A = M (1 + dt damping) + dt^2 K
-/// and u += dt v, W the contact's weights. A is banded on a fixed pattern; the coupling, two or four entries off it,
+///   (A + dt (dt + ahead) k_C W W') v = M v_old - dt K u + dt W (f_given + k_C (x_m - x_p)),  A = M (1 + dt damping) + dt^2 K
+/// and u += dt v, W the contact's weights, ahead that of its damper. A is banded on a fixed pattern; the coupling, two or four entries off it,
 /// goes in by the formula of Sherman, Morrison and Woodbury. A geometric K is taken at the old positions with its
 /// buckling part left out, so A is always positive definite (one Newton step).
 class ImplicitDynamics final : public Dynamics {
@@ -39,7 +39,7 @@ class ImplicitDynamics final : public Dynamics {
         }
 
         // v without the coupling
-        const Eigen::Vector2d pull = load.coupling_N_m * (load.master_m - load.proxy(mesh_, s.displacement));
+        const Eigen::Vector2d pull = load.coupling_N_m * (load.later(load.master_m) - load.proxy(mesh_, s.displacement));
         mesh_.force(s.theta, s.displacement, s.force);
         for (int end : {0, 1})
             s.force.row(load.node[end]) -= load.weight[end] * (load.given_N + pull).transpose();
@@ -49,7 +49,7 @@ class ImplicitDynamics final : public Dynamics {
         Eigen::Vector2d slip = load.weight[0] * s.velocity.row(load.node[0]) + load.weight[1] * s.velocity.row(load.node[1]);
         if (load.coupling_N_m > 0) slip = add_coupling(s, load, slip);
         s.displacement += dt * s.velocity;
-        return load.given_N + pull - load.coupling_N_m * dt * slip;
+        return load.given_N + pull - load.coupling_N_m * (dt + load.ahead_s) * slip;
     }
 
    private:
@@ -77,7 +77,7 @@ class ImplicitDynamics final : public Dynamics {
         }
     }
 
-    /// v -= Z (I / (dt^2 k_C) + W'Z)^-1 W'v with Z = A^-1 W. Returns W'v after it.
+    /// v -= Z (I / (dt (dt + ahead) k_C) + W'Z)^-1 W'v with Z = A^-1 W. Returns W'v after it.
     Eigen::Vector2d add_coupling(MeshState& s, const ContactLoad& load, const Eigen::Vector2d& slip) noexcept {
         const int D = numbering_.per_node;
         Eigen::Matrix2d S = Eigen::Matrix2d::Zero();
@@ -93,7 +93,7 @@ class ImplicitDynamics final : public Dynamics {
         }
         if (D == 1) S(1, 1) = S(0, 0);
         const Eigen::Matrix2d spring =
-            S + Eigen::Matrix2d::Identity() / (o_.dt_s * o_.dt_s * load.coupling_N_m);
+            S + Eigen::Matrix2d::Identity() / (o_.dt_s * (o_.dt_s + load.ahead_s) * load.coupling_N_m);
         const Eigen::Vector2d push = spring.inverse() * slip;
         for (int node = 0; node < mesh_.node_count(); ++node) {
             if (at(node) < 0) continue;

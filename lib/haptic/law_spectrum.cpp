@@ -76,6 +76,13 @@ std::vector<Place> places_over(const SpringMesh& mesh, const RealtimeMesh& sprin
     return places;
 }
 
+/// Stiffness that a tool has on its contact while nodes stay where they are [N/m].
+double at_once(const ContactSpring& contact, const PressState& state, const Point& way) {
+    constexpr double little_m = 1e-6;
+    const Eigen::VectorXd u = contact.gather(state.displacement);
+    return (contact.load(state.push_m + little_m * way, u).hand_N - contact.load(state.push_m, u).hand_N).norm() / little_m;
+}
+
 /// The tangent of tissue and contact.
 Eigen::SparseMatrix<double> pressed(const TissueEnergy& energy, const Eigen::VectorXd& constants, const ContactSpring& contact, const PressState& state) {
     const int D = energy.dimension();
@@ -98,17 +105,23 @@ LawSpectrum law_spectrum(const TissueModel& model, const RealtimeMesh& springs) 
     const TissueEnergy energy(model.mesh, law.incompressible);
     const auto kernel = make_contact_kernel(model.mesh, law);
     const Eigen::SparseMatrix<double> at_rest = energy.tangent(law.constants, NodeField::Zero(model.mesh.node_count(), model.mesh.dimension()));
-    LawSpectrum spectrum{smallest_eigenvalue(springs, at_rest), largest_eigenvalue(springs, at_rest)};
+    LawSpectrum spectrum{smallest_eigenvalue(springs, at_rest), largest_eigenvalue(springs, at_rest), 0, 0};
 
     const double depth_m = model.case_count() > 0 ? model.magnitude_m.maxCoeff() : 0;
     PressOptions options;
     if (model.mesh.is_solid()) options.tolerance = 1e-4;  // for a thousandth of the frequency
     PressSolver solver(energy, *kernel, options);
+    PressState untouched;
+    untouched.displacement = NodeField::Zero(model.mesh.node_count(), model.mesh.dimension());
+    untouched.push_m = Point::Zero(model.mesh.dimension());
     for (const Place& place : model.mesh.is_solid() ? places_over(model.mesh, springs, *kernel, law.patch)
                                                     : places_along(static_cast<const ContactSurface&>(*kernel), law.patch))
         for (const Point& way : place.ways) {
+            spectrum.contact_N_m = std::max(spectrum.contact_N_m, at_once(place.contact, untouched, way));
             const PressState state = solver.press(law.constants, place.contact, depth_m * way);
             if (state.status == PressStatus::lost) continue;
+            spectrum.contact_N_m = std::max(spectrum.contact_N_m, at_once(place.contact, state, way));
+            spectrum.static_N_m = std::max(spectrum.static_N_m, state.contact_force_N.norm() / state.push_m.norm());
             const double here = largest_eigenvalue(springs, pressed(energy, law.constants, place.contact, state));
             if (here > spectrum.largest || std::isnan(here)) spectrum.largest = here;  // std::max would lose what is no number
         }

@@ -9,6 +9,8 @@ namespace tissue {
 struct LawSpectrum {
     double smallest;  ///< at rest, untouched
     double largest;   ///< at rest and pressed, the contact's springs included; no number when any of them is none
+    double contact_N_m;  ///< the most that a contact answers a hand with at once, before the tissue under it moves: at rest and pressed [N/m]
+    double static_N_m = 0;   ///< the most that a tool's force is over its push, everything at rest [N/m]
 };
 
 /// The largest over presses as deep as the deepest load case. In the plane straight in and 45 degrees to either side, at places

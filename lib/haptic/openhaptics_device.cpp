@@ -36,7 +36,8 @@ const DeviceKind OpenHapticsDevice::kind = {
      {"device-name", "NAME", "", "of openhaptics: the vendor's configured name"}},
     [](const DeviceValues& v, const DeviceContext&) -> std::unique_ptr<Device> {
         return std::make_unique<OpenHapticsDevice>(v.at("library"), v.at("device-name"));
-    }};
+    },
+    touch_impedance};
 
 struct OpenHapticsDevice::Library {
     void* file = nullptr;

@@ -12,9 +12,12 @@ struct SafetyOptions {
     double slew_N_s = 500;          ///< half a newton a tick: full force after 7 ms
     double speed_max_m_s = 2;       ///< of the master; hands at work stay below about 1 m/s
     double stale_s = 0.05;          ///< oldest position that still counts
+    double hold_s = force_held_s;   ///< how long the device holds a force without a new one; infinite: until the next, and all of it is booked
     bool passivity = true;
     double damping_max_Ns_m = 3;    ///< most that the passivity controller injects; 1 kHz devices carry a few Ns/m
 };
+
+constexpr double surplus_fades_s = 5;
 
 struct SafetyCounters {
     long long bad_input = 0;   ///< not finite, or the device reported an error
@@ -24,6 +27,7 @@ struct SafetyCounters {
     long long clamped = 0;     ///< wanted force above force_max
     long long slewed = 0;      ///< change of force cut to slew
     long long damped = 0;      ///< passivity controller at work
+    long long capped = 0;      ///< force cut to what the bound on energy leaves (4)
     double force_max_N = 0;    ///< largest force that went out
     double energy_given_J = 0; ///< to the hand since the start, over all measured motion; negative: the hand gave
 };
@@ -31,7 +35,7 @@ struct SafetyCounters {
 /// The last stage of a tick, at the device's port. With F_n the force that goes out in tick n and dt the period:
 ///
 ///   1. A fault makes the force zero at once, and so does whoever stops it. A tick that comes later than half of
-///      force_held_s finds that the device has let go: F_{n-1} counts as zero from there on.
+///      hold_s finds that the device has let go: F_{n-1} counts as zero from there on.
 ///   2. |F_n - F_{n-1}| <= slew dt.
 ///   3. |F_n| <= force_max.
 ///   4. E_n <= r_n B where `passivity` is on; see below.
@@ -44,14 +48,17 @@ struct SafetyCounters {
 /// a fault breaks the second.
 ///
 /// Energy. A force is held for one tick while the hand moves by dx, so the port gives exactly F dx. E_n is the sum of
-/// that, credit of ended contacts left out. A tick that finds its force let go books the worst instead. The motion of a
+/// that, credit of ended contacts left out; a surplus fades with the time constant surplus_fades_s, so that the tissue is stiff again
+/// some seconds after a disturbance. A tick that finds its force let go books the worst instead. The motion of a
 /// fault, which nobody measured, is not counted. With
 ///     W(F) = speed_max F (F / (2 slew) + dt),     B = W(force_max)
 /// where W is at least what the fastest hand gets out of a force that comes down by slew dt a tick, ticks on time,
 ///     E_n + r_n W(|F_n|) <= r_n B     at every tick, so E_n <= r_n B.
 /// r_n >= 1 is the longest time between two ticks, in periods, since E + W was last within B: 1 while ticks are on time
-/// (a tick that comes early counts as a whole one), and never more than force_held_s / dt. By default B = 0.028 J and
-/// r B <= 0.28 J, forever: later ticks do not add up.
+/// (a tick that comes early counts as a whole one), and never more than hold_s / dt. By default B = 0.028 J and
+/// r B <= 0.28 J. What fades may be given anew: at most r B / surplus_fades_s, 6 mW of ticks on time.
+/// This bound is for every device and hand. That a hand comes to rest on the tissue is not its work, and the controller has none to do then: see
+/// contact_damping_s (haptic/dynamics.h) and DeviceImpedance.
 /// Construction: when tick n + 1 comes after r dt at most, the hand has moved by speed_max r dt at most, or it is a
 /// fault: E grows by |F_n| speed_max r dt at most. Then |F_{n+1}| is at most the C with r W(C) = r B - E_{n+1}, which is
 /// the inequality; or, where |F_n| is more than slew dt above C, it is |F_n| - slew dt or zero, and r W has fallen by at
@@ -75,6 +82,7 @@ class Safety {
         if (observed_J_ < 0) observed_J_ = 0;
     }
 
+    bool has_motion() const { return has_motion_; }  ///< the last sample admitted and the one before it are one way of the hand
     const SafetyCounters& counters() const { return counters_; }
     const Eigen::Vector3d& force_N() const { return force_N_; }
     double observed_J() const { return observed_J_; }                       ///< E
@@ -91,7 +99,7 @@ class Safety {
     Eigen::Vector3d force_N_ = Eigen::Vector3d::Zero();     ///< that went out last, and is still there
     Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero();  ///< last good one
     Eigen::Vector3d motion_m_ = Eigen::Vector3d::Zero();    ///< in one period, as the hand moved in the tick behind
-    bool has_position_ = false;
+    bool has_position_ = false, has_motion_ = false;
     double elapsed_s_;                                      ///< of the tick behind
     double since_good_s_ = 0;
     double observed_J_ = 0;

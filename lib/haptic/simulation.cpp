@@ -8,6 +8,7 @@
 
 #include "error.h"
 #include "flush_denormals.h"
+#include "haptic/dynamics_kinds.h"
 #include "haptic/law_spectrum.h"
 #include "haptic/session_options.h"
 #include "haptic/spectrum.h"
@@ -28,6 +29,8 @@ namespace {
 
 constexpr double elastic_law_damping_ratio = 0.17, relaxing_damping_ratio = 0.01;
 constexpr double usual_innovation = 0.05, usual_coupling_ratio = 10;
+constexpr double swings_out_s = 0.5;  ///< a tool that touches again so soon meets what its last contact has left in motion, and belongs to it
+constexpr int most_periods = 16;  ///< that a mesh goes through in one tick, to make up for late ones
 constexpr double turn = 2 * 3.14159265358979323846;
 
 std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel& model, const std::string& law,
@@ -35,7 +38,7 @@ std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel
     if (!theta.allFinite() || !(theta.minCoeff() > 0))
         throw MismatchError(fmt::format("the {} mesh has springs that are not positive", name));
     auto mesh = std::make_unique<HapticMesh>(
-        HapticMesh{name, RealtimeMesh(model.mesh, law, model.node_mass_kg), {}, nullptr, place_m, "", 1, 0, 0, 0});
+        HapticMesh{name, RealtimeMesh(model.mesh, law, model.node_mass_kg), {}, nullptr, place_m, "", 1, 0, 0, 0, 0, 0, 0});
     mesh->theta_of_set.resize(mesh->springs.slot_count(), theta.rows());
     for (Eigen::Index c = 0; c < theta.rows(); ++c) mesh->theta_of_set.col(c) = mesh->springs.to_slots(theta.row(c).transpose());
     return mesh;
@@ -63,11 +66,14 @@ void choose_law_dynamics(const TissueModel& model, HapticMesh& mesh, const Hapti
     const LawSpectrum spectrum = law_spectrum(model, mesh.springs);
     const double lowest = std::sqrt(spectrum.smallest);
     mesh.largest_eigenvalue_1_s2 = spectrum.largest;
+    mesh.contact_N_m = o.stiffest * spectrum.contact_N_m;
+    mesh.static_N_m = o.stiffest * spectrum.static_N_m;
     mesh.dynamics = o.dynamics == "auto" ? "symplectic" : o.dynamics;
     mesh.substeps = law_substeps(o.stiffest * spectrum.largest, o.dt_s);
     mesh.lowest_frequency_Hz = lowest / turn;
     mesh.damping_1_s = 2 * *o.damping_ratio * lowest;
-    make_dynamics(mesh.dynamics, mesh.springs, {o.dt_s, mesh.damping_1_s, mesh.substeps, mesh.law.get()});  // throws here, if at all
+    mesh.contact_damping_s = law_contact_damping_s(o.stiffest * spectrum.largest, o.dt_s, mesh.substeps);
+    make_dynamics(mesh.dynamics, mesh.springs, {o.dt_s / mesh.substeps, mesh.damping_1_s, mesh.law.get()});  // throws here, if at all
 }
 
 void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double damping_ratio, double coupling_N_m) {
@@ -79,7 +85,14 @@ void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double damping_ra
     double lightest = 0;
     for (int node : mesh.springs.outline()) lightest = std::max(lightest, mesh.springs.inverse_mass()[node]);
     mesh.largest_eigenvalue_1_s2 = bare + coupling_N_m * lightest;
+    mesh.contact_N_m = coupling_N_m;
+    mesh.static_N_m = coupling_N_m / *o.coupling_ratio;
     mesh.dynamics = o.dynamics == "auto" ? stable_dynamics(mesh.largest_eigenvalue_1_s2, o.dt_s) : o.dynamics;
+    mesh.contact_damping_s = mesh.dynamics == paper_dynamics.name ? 0 : contact_damping_s(o.dt_s);
+    if (mesh.dynamics == symplectic_dynamics.name) {  // omega^2 + 2 ahead / dt coupling / mass within the step's limit
+        const double room = std::pow(symplectic_dynamics.stable_omega_dt / o.dt_s, 2) - mesh.largest_eigenvalue_1_s2;
+        mesh.contact_damping_s = std::clamp(room * o.dt_s / (2 * coupling_N_m * lightest), 0.0, mesh.contact_damping_s);
+    }
     const Eigen::VectorXd mean = mesh.theta_of_set.rowwise().mean();
     const double lowest = std::sqrt(smallest_eigenvalue(mesh.springs, mean));
     mesh.lowest_frequency_Hz = lowest / turn;
@@ -87,10 +100,25 @@ void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double damping_ra
     mesh.damping_1_s = 2 * damping_ratio * (lowest > 0 ? lowest : 0.01 * std::sqrt(bare));
 }
 
+/// Both limits are on what the device feels: newtons and metres of its own.
+void check_device(const HapticOptions& o, const HapticMesh& mesh) {
+    const double scale = o.map.force_scale * o.map.scale;
+    const auto refuse = [&](double tissue_N_m, const char* when, double limit_N_m, const std::string& whose) {
+        const double most = o.map.force_scale * limit_N_m / (scale * tissue_N_m);
+        if (most < o.map.force_scale)
+            throw MismatchError(fmt::format("the {} mesh is up to {:.0f} N/m stiff to the device {}, at force-scale {:g}; {} {:.0f} N/m: force-scale may be {:.2f} at most", mesh.name, scale * tissue_N_m, when,
+                                            o.map.force_scale, whose, limit_N_m, std::floor(100 * most) / 100));
+    };
+    refuse(mesh.static_N_m, "at rest", o.device.stiffness_N_m, "the device can show");
+    if (o.device.mass_kg > 0)
+        refuse(mesh.contact_N_m, "at once", stable_share * o.device.mass_kg / (o.dt_s * o.dt_s), fmt::format("a device of {:g} kg, dt {:g} s, is stable in any hand up to", o.device.mass_kg, o.dt_s));
+}
+
 }  // namespace
 
 void check_options(const HapticOptions& o) {
     for (const SessionOption& option : session_options()) option.check(o);
+    if (!(o.dt_s <= o.safety.hold_s / 2)) throw MismatchError(fmt::format("dt must be at most half of hold, {:g} s, not {:g}: the device may let go of an older force", o.safety.hold_s / 2, o.dt_s));
     Friction{o.friction};  // throws where static and kinetic friction contradict each other
     if (!(o.stiffest >= 1)) throw MismatchError("a law may become stiffer by a factor of 1 or more");
     if (!(o.safety.damping_max_Ns_m >= 0)) throw MismatchError("the most that the passivity controller damps must not be negative");
@@ -109,6 +137,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     if (!o.coupling_ratio) o.coupling_ratio = usual_coupling_ratio;
     o.map.fit(model.mesh.dimension());
     o.safety.dt_s = o.dt_s;
+    o.safety.force_max_N = std::min(o.safety.force_max_N, o.device.force_max_N);
     low_m = model.mesh.nodes.colwise().minCoeff();
     high_m = model.mesh.nodes.colwise().maxCoeff();
     if (o.place_m == 0) o.place_m = 1.5 * (high_m - low_m).x();
@@ -143,15 +172,17 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
             choose_law_dynamics(mesh->name == "learned" ? model : untrained(model), *mesh, o);
         else
             choose_dynamics(*mesh, o, damping_asked || !model.energy_law ? *o.damping_ratio : elastic_law_damping_ratio, *o.coupling_ratio * stiffness->largest());
+        check_device(o, *mesh);
     }
 }
 
-Simulation::Simulation(const HapticModel& model) : model_(model), safety_(model.options.safety), friction_(model.options.friction) {
+Simulation::Simulation(const HapticModel& model)
+    : model_(model), safety_(model.options.safety), due_s_(model.meshes.size(), 0.0), period_s_(model.options.dt_s), friction_(model.options.friction) {
     for (const auto& mesh : model.meshes) {
         states_.emplace_back(mesh->springs, mesh->theta_of_set.col(0));
         surfaces_.push_back(make_moving_surface(model.rest));
         dynamics_.push_back(make_dynamics(mesh->dynamics, mesh->springs,
-                                          {model.options.dt_s, mesh->damping_1_s, mesh->substeps, mesh->law.get()}));
+                                          {model.options.dt_s / mesh->substeps, mesh->damping_1_s, mesh->law.get()}));
         tool_memory_.emplace_back();
         if (!mesh->law) continue;
         const double step_s = model.options.dt_s / mesh->substeps;
@@ -161,6 +192,8 @@ Simulation::Simulation(const HapticModel& model) : model_(model), safety_(model.
     }
     record_.master_m = record_.proxy_m = record_.contact_displacement_m = record_.coupling_N = record_.measured_N = Point::Zero(model.dimension());
     no_contact(record_.proxy_m);
+    velocity_m_s_ = slid_m_ = Point::Zero(model.dimension());
+    held_ = states_.front().displacement;
     place_surfaces();
 }
 
@@ -190,7 +223,7 @@ void Simulation::rest_meshes() noexcept {
     no_contact(Point::Zero(model_.dimension()));
     touched_ = -1;
     armed_ = false;
-    untouched_ = 0;
+    untouched_s_ = 0;
     rested_s_ = record_.time_s;
 }
 
@@ -198,6 +231,28 @@ void Simulation::rest_meshes() noexcept {
 static double since_last_s(double elapsed_s, double dt_s) noexcept {
     if (elapsed_s == 0) return dt_s;
     return elapsed_s > 0 && std::isfinite(elapsed_s) ? elapsed_s : std::max(dt_s, force_held_s);
+}
+
+/// The tissue has to come to the end of the time in which this tick's force is held, which will be as long as the ticks before were.
+void Simulation::time_passes(double seconds) noexcept {
+    constexpr double longest_debt_s = 0.5, longest_period_s = 0.02;
+    record_.time_s += seconds;
+    if (seconds <= longest_period_s) period_s_ += std::max(0.02, 1 / static_cast<double>(counters_.ticks)) * (seconds - period_s_);
+    for (double& due_s : due_s_) {
+        due_s += seconds;
+        if (due_s <= longest_debt_s) continue;
+        if (&due_s == &due_s_.front()) counters_.lost_s += due_s - longest_debt_s;
+        due_s = longest_debt_s;
+    }
+    untouched_s_ += seconds;
+}
+
+int Simulation::steps_due(std::size_t m) noexcept {
+    const HapticMesh& mesh = *model_.meshes[m];
+    const double h = model_.options.dt_s / mesh.substeps, left_s = due_s_[m] - model_.options.dt_s + period_s_;
+    const int steps = static_cast<int>(std::clamp(std::round(left_s / h), 0.0, static_cast<double>(most_periods * mesh.substeps)));
+    due_s_[m] -= steps * h;
+    return steps;
 }
 
 Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) noexcept {
@@ -215,22 +270,29 @@ __attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample
     record_.reset = std::exchange(reset_, false);
     record_.proxy_m = record_.contact_displacement_m = record_.coupling_N = Point::Zero(model_.dimension());
     record_.measured_N = o.map.force_to_tissue(sample.measured_N);
-    record_.time_s = last.time_s + o.dt_s;
+    record_.time_s = last.time_s;
+    const double since_s = since_last_s(elapsed_s, o.dt_s);
+    time_passes(since_s);
+    since_sample_s_ += since_s;
     record_.device_m = sample.position_m.allFinite() ? sample.position_m : last.device_m;
     record_.master_m = last.master_m;
 
     const bool lost = put_to_rest();
 
     // device position
-    if (!safety_.admit(sample, since_last_s(elapsed_s, o.dt_s))) return stop(true);
+    if (!safety_.admit(sample, since_s)) return stop(TickStatus::refused);
     const Point master = o.map.to_tissue(sample.position_m);
     record_.master_m = master;
+    if (safety_.has_motion()) velocity_m_s_ += std::min(1.0, since_sample_s_ / o.dt_s) * ((master - last.master_m) / since_sample_s_ - velocity_m_s_);
+    since_sample_s_ = 0;
 
     // 4.2 collision detection
-    if (lost || !move_surfaces()) return stop(false);
-    if (!find_contact(master)) return stop(false);
+    if (lost) return stop(TickStatus::diverged);
+    if (!move_surfaces() || !find_contact(master)) return stop(TickStatus::folded);
+    if (!armed_) record_.status = TickStatus::not_armed;
 
     // Coulomb: the contact goes along the surface
+    slid_m_.setZero();
     if (contact_.pressing) slide(master);
 
     // 4.3 selection of mesh constants, and their moving average (18)-(19)
@@ -239,10 +301,12 @@ __attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample
 
     // 4.1 deformation, with the coupling force of 4.2 on the segment's end nodes, on every mesh alike (4.4)
     const Point on_tissue = step_meshes(master);
+    if (put_to_rest()) return stop(TickStatus::diverged);
     record_.coupling_N = -on_tissue;
+    if (model_.is_law()) record_.contact_displacement_m = displacement_at_contact(0);
 
     // safety, device force
-    if (!contact_.pressing && safety_.force_N().isZero(0)) safety_.forget_credit();
+    if (untouched_s_ > swings_out_s && safety_.force_N().isZero(0)) safety_.forget_credit();
     record_.device_N = safety_.limit(o.map.force_to_device(-on_tissue));
     return record_.device_N;
 }
@@ -262,17 +326,16 @@ void Simulation::place_surfaces() noexcept {
 /// A law, and springs that turn, have other rests than their own: tissue drawn through itself, inside out, stays so. True where nothing has
 /// touched a mesh for so long that damping has left e^-5 of any swing, and it still is a tenth of the nodes' distance away.
 bool Simulation::come_to_rest_elsewhere() const noexcept {
-    const double untouched_s = static_cast<double>(untouched_) * model_.options.dt_s;
     for (std::size_t m = 0; m < states_.size(); ++m) {
         const HapticMesh& mesh = *model_.meshes[m];
         if (!mesh.law && mesh.springs.law().linear_in_displacement()) continue;
         const double settled_s = 10 / mesh.damping_1_s + (mesh.law ? 10 * mesh.law->slowest_s() : 0);
-        if (untouched_s > settled_s && states_[m].displacement.cwiseAbs().maxCoeff() > 0.1 * model_.surface.spacing_m()) return true;
+        if (untouched_s_ > settled_s && states_[m].displacement.cwiseAbs().maxCoeff() > 0.1 * model_.surface.spacing_m()) return true;
     }
     return false;
 }
 
-/// Puts meshes to rest that have flown apart, or came to rest elsewhere; true when it had to. In every tick, also those
+/// Puts meshes to rest that have flown apart, or came to rest elsewhere; true when it had to. Before and after the steps of every tick, also of those
 /// whose input is refused: meshes go on then.
 bool Simulation::put_to_rest() noexcept {
     constexpr double apart_m = 1e3;
@@ -334,6 +397,7 @@ bool Simulation::find_contact(const Point& master_m) noexcept {
 /// A contact at a new place: it has its own stiffness, or patch.
 void Simulation::begin_contact(int mesh, const Point& master_m) noexcept {
     touched_ = mesh;
+    tool_m_ = master_m;
     friction_.begin();
     const HapticMesh& pressed = *model_.meshes[static_cast<std::size_t>(mesh)];
     touched_m_ = pressed.springs.rest_place(contact_.where.facet, contact_.where.weight);
@@ -345,11 +409,11 @@ void Simulation::begin_contact(int mesh, const Point& master_m) noexcept {
         coupling_N_m_ = *model_.options.coupling_ratio * model_.stiffness->at(contact_.where.facet, contact_.where.weight[1]);
 }
 
-/// Whether the tool, held where it is, pushes the law's tissue in: its force has a part along the rest's inward normal, whole or
+/// Whether the tool, held where it will be at the time to which the mesh has come, pushes the law's tissue in: its force has a part along the rest's inward normal, whole or
 /// without the imprint on single nodes. That swings fast where it is stiff; a contact let go at each swing would be pumped up by them.
 bool Simulation::tool_pushes(const Point& master_m) const noexcept {
     const auto m = static_cast<std::size_t>(touched_);
-    const Point push = master_m - model_.meshes[m]->place_m - touched_m_;
+    const Point push = master_m + period_s_ * velocity_m_s_ - model_.meshes[m]->place_m - touched_m_;
     const NodeColumns& u = states_[m].displacement;
     const ToolMemory& memory = tool_memory_[m];
     return tool_.mean_N(push, u, &memory).dot(tool_.inward()) > 0 || tool_.hand_N(push, u, &memory).dot(tool_.inward()) > 0;
@@ -377,6 +441,7 @@ void Simulation::slide(const Point& master_m) noexcept {
     const auto m = static_cast<std::size_t>(touched_);
     const HapticMesh& mesh = *model_.meshes[m];
     const MovingSurface& now = *surfaces_[m];
+    slid_m_ = mesh.law ? Point(-touched_m_) : Point(-contact_.where.position_m);
     if (mesh.law) {
         friction_.slide(model_.surface, mesh.springs, *mesh.law, states_[m].displacement, master_m - mesh.place_m, contact_.where, touched_m_, tool_,
                         tool_memory_[m]);
@@ -384,6 +449,7 @@ void Simulation::slide(const Point& master_m) noexcept {
     } else {
         friction_.slide(model_.surface, mesh.springs, now, coupling_N_m_, master_m, contact_.where);
     }
+    slid_m_ += mesh.law ? touched_m_ : Point(contact_.where.position_m);
     contact_.proxy_m = contact_.where.position_m;
     record_.slipping = friction_.slipping();
 }
@@ -447,65 +513,99 @@ void Simulation::average_stiffness() noexcept {
     learned.theta_changed = true;
 }
 
-/// One step of every mesh. The touched one goes first: its coupling, or patch, gives the force that the others get as well.
-/// Returns the force of the tool on the tissue [N].
+/// A mesh to the end of the time in which this tick's force is held. A tool that is held goes straight on to where the hand will be then. Returns
+/// the mean force of the tool on the tissue over that time; where no step is due, the force as it stands [N].
+Point Simulation::advance_mesh(std::size_t m, ContactLoad& load, const Point& master_m) noexcept {
+    const HapticMesh& mesh = *model_.meshes[m];
+    MeshState& state = states_[m];
+    const double h = model_.options.dt_s / mesh.substeps;
+    const int steps = steps_due(m);
+    if (steps == 0) {
+        if (load.velocity_m_s.size() == 0) return load.given_N;
+        const Point moved_m = master_m + (model_.options.dt_s - due_s_[m]) * velocity_m_s_ - tool_m_;  // since the last step
+        if (load.tool) *load.push_m += moved_m;
+        else load.master_m += moved_m;
+        held_ = state.displacement + load.ahead_s * state.velocity;
+        return load.force_at(mesh.springs, held_);
+    }
+    if (load.velocity_m_s.size() > 0) {
+        load.velocity_m_s = (master_m + period_s_ * velocity_m_s_ - tool_m_) / (steps * h);
+        tool_m_ += steps * h * load.velocity_m_s;
+        load.velocity_m_s -= slid_m_ / period_s_;  // a place that goes along with the tool is neither stretched nor damped by that
+    }
+    const int of_last = std::clamp(static_cast<int>(std::lround(period_s_ / h)), 1, steps);
+    return dynamics_[m]->advance(state, load, h, steps, of_last);
+}
+
+/// Every mesh. The touched one goes first: its coupling, or patch, gives the force that the others get as well. Returns that [N].
 Point Simulation::step_meshes(const Point& master_m) noexcept {
     const auto touched = static_cast<std::size_t>(std::max(touched_, 0));
     record_.proxy_m = contact_.proxy_m;
     record_.set = model_.is_law() ? -1 : set_;
-    untouched_ = contact_.pressing ? 0 : untouched_ + 1;
     if (!contact_.pressing) {
-        for (std::size_t m = 0; m < states_.size(); ++m) dynamics_[m]->step(states_[m], {});
-        if (contact_.contact) remember_contact(master_m);
+        for (std::size_t m = 0; m < states_.size(); ++m) {
+            ContactLoad free;
+            const double before_s = due_s_[m];
+            advance_mesh(m, free, master_m);
+            if (contact_.contact && m == touched) remember_contact(master_m, static_cast<int>(std::lround((before_s - due_s_[m]) * model_.meshes[m]->substeps / model_.options.dt_s)));
+        }
+        tool_m_ = master_m;
         return Point::Zero(model_.dimension());
     }
+    untouched_s_ = 0;
     record_.mesh = touched_;
     record_.facet = contact_.where.facet;
     record_.weight = contact_.where.weight;
 
-    // on springs the ends of the segment, on a law its own contact: held by the master, then given the force
+    // on springs the ends of the segment, on a law its own contact: held by the hand, then given the force
     ContactLoad load;
-    const auto step = [&](std::size_t m) {
+    const auto advance = [&](std::size_t m) {
         load.tool = model_.meshes[m]->law ? &tool_ : nullptr;
         load.memory = tool_memory_[m].empty() ? nullptr : &tool_memory_[m];
-        if (load.tool && m == 0) record_.contact_displacement_m = load.tool_push(states_[m].displacement);
-        return dynamics_[m]->step(states_[m], load);
+        return advance_mesh(m, load, master_m);
     };
-    const Point master = master_m - model_.meshes[touched]->place_m;
+    const Point tool = tool_m_ - model_.meshes[touched]->place_m;
     if (!model_.is_solid()) {
         for (int end : {0, 1}) {
             load.node[end] = model_.meshes[touched]->springs.facets()(contact_.where.facet, end);
             load.weight[end] = contact_.where.weight[end];
         }
-        load.master_m = master;
+        load.master_m = tool;
     }
     load.coupling_N_m = coupling_N_m_;
-    load.push_m = Point(master - touched_m_);
-    const Point force = step(touched);
-    load.coupling_N_m = 0;
-    load.push_m.reset();
-    load.given_N = force;
+    load.push_m = Point(tool - touched_m_);
+    load.velocity_m_s = velocity_m_s_;
+    load.ahead_s = model_.meshes[touched]->contact_damping_s;
+    const Point force = advance(touched);
+    ContactLoad given = load;
+    given.coupling_N_m = given.ahead_s = 0;
+    given.push_m.reset();
+    given.velocity_m_s.resize(0);
+    given.given_N = force;
+    load = given;
     for (std::size_t m = 0; m < states_.size(); ++m)
-        if (m != touched) step(m);
+        if (m != touched) advance(m);
     return force;
 }
 
 /// A law's contact that does not press for a while forgets as time goes by: its gap goes on.
-void Simulation::remember_contact(const Point& master_m) noexcept {
+void Simulation::remember_contact(const Point& master_m, int steps) noexcept {
     const auto m = static_cast<std::size_t>(touched_);
     if (tool_memory_[m].empty()) return;
     const HapticMesh& mesh = *model_.meshes[m];
-    for (int k = 0; k < mesh.substeps; ++k) tool_.remember(master_m - mesh.place_m - touched_m_, states_[m].displacement, tool_memory_[m]);
+    for (int k = 0; k < steps; ++k) tool_.remember(master_m - mesh.place_m - touched_m_, states_[m].displacement, tool_memory_[m]);
 }
 
 /// No force in this tick, whatever slew says, and none until the master has been outside. Meshes go on by themselves.
-Eigen::Vector3d Simulation::stop(bool fault) noexcept {
-    record_.fault = fault;
+Eigen::Vector3d Simulation::stop(TickStatus why) noexcept {
+    record_.status = why;
+    record_.fault = why == TickStatus::refused;
     no_contact(record_.master_m);
     touched_ = -1;
     armed_ = false;
     if (!model_.is_law()) average_stiffness();
     step_meshes(record_.master_m);
+    put_to_rest();
     record_.device_N = safety_.stop();
     return record_.device_N;
 }

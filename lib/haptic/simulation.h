@@ -9,6 +9,7 @@
 #include "haptic/contact.h"
 #include "haptic/contact_stiffness.h"
 #include "haptic/device.h"
+#include "haptic/device_impedance.h"
 #include "haptic/device_map.h"
 #include "haptic/dynamics.h"
 #include "haptic/friction.h"
@@ -35,6 +36,7 @@ struct HapticOptions {
     SelectBy select_by = SelectBy::displacement;
     FrictionOptions friction;                                            ///< of the tool on the tissue
     SafetyOptions safety;             ///< its dt is taken from here
+    DeviceImpedance device;           ///< of the device that the force goes to
     DeviceMap map;
 };
 
@@ -49,7 +51,10 @@ struct HapticMesh {
     std::unique_ptr<RealtimeLaw> law;  ///< nothing where springs alone hold the mesh together
     Point place_m;                     ///< of its origin (D)
     std::string dynamics;              ///< which step runs
-    int substeps;                      ///< that divide dt
+    int substeps;                      ///< steps in a period dt
+    double contact_damping_s;          ///< ContactLoad::ahead_s of a tool on it
+    double static_N_m;                 ///< the most that a tool's force is over its displacement, everything at rest
+    double contact_N_m;                ///< the most that a contact answers a hand with at once, before the mesh under it moves; of springs k_C
     double largest_eigenvalue_1_s2;    ///< of M^-1 K: over all its sets, the coupling's k_C on its node included; of a law as law_spectrum has it
     double lowest_frequency_Hz;        ///< of the mean set, or of the law at rest; 0 when the mesh can move for nothing
     double damping_1_s;                ///< B = damping M
@@ -57,7 +62,8 @@ struct HapticMesh {
 
 /// Everything that is the same in every tick.
 struct HapticModel {
-    /// Throws MismatchError as check_options(), and for options that would do nothing with this model, such as those of sets where it is a law.
+    /// Throws MismatchError as check_options(), for options that would do nothing with this model, such as those of sets where it is a law, and
+    /// for a tissue that is too stiff for the device.
     HapticModel(const TissueModel& model, const HapticOptions& options);
     HapticModel(const HapticModel&) = delete;
     HapticModel& operator=(const HapticModel&) = delete;
@@ -78,6 +84,15 @@ struct HapticModel {
     bool is_solid() const { return rest.is_solid(); }
 };
 
+/// What a tick came to. All but `done`: no force.
+enum class TickStatus {
+    done,
+    refused,    ///< the position: not finite, too fast, too old
+    not_armed,  ///< the tool is inside tissue, and has not been outside since the start, a fault or a reset
+    folded,     ///< a surface crosses itself, or two meshes lie over each other: there is no inside
+    diverged    ///< a mesh flew apart, or came to rest inside out, and was put to rest
+};
+
 /// What a tick leaves behind, for the recorder, the page and the tests. Nothing in it is older than the tick, but where
 /// it says so; what belongs to a contact is as it is here while nothing is pressed.
 struct TickRecord {
@@ -94,7 +109,8 @@ struct TickRecord {
     Eigen::Vector3d weight = Eigen::Vector3d::Zero();  ///< and of the facet's nodes there
     int set = -1;                 ///< that serves; -1 of a law
     bool slipping = false;        ///< the contact went along the surface in this tick
-    bool fault = false;
+    TickStatus status = TickStatus::done;
+    bool fault = false;           ///< refused
     bool reset = false;           ///< before this tick every mesh was put to rest, by someone outside (reset())
 };
 
@@ -102,6 +118,7 @@ struct HapticCounters {
     long long ticks = 0;
     long long folded = 0;         ///< surface not simple, in contact the touched one, or two meshes over each other: no inside, no force
     long long unstable = 0;       ///< a node not finite, or 1 km away; or a law that nothing touches and that does not come back: meshes put to rest
+    double lost_s = 0;            ///< time that passed and that the tissue did not go through: a stall too long to be made up for
     long long unarmed = 0;        ///< inside tissue, but the master has not been outside since the start or a fault
 };
 
@@ -143,6 +160,8 @@ class Simulation {
 
    private:
     Eigen::Vector3d advance(const DeviceSample& sample, double elapsed_s) noexcept;
+    void time_passes(double seconds) noexcept;
+    int steps_due(std::size_t mesh) noexcept;
     void place_surfaces() noexcept;
     bool move_surfaces() noexcept;
     void rest_meshes() noexcept;
@@ -159,11 +178,15 @@ class Simulation {
     void select_set(const Point& on_tissue_N) noexcept;
     void average_stiffness() noexcept;
     Point step_meshes(const Point& master_m) noexcept;
-    void remember_contact(const Point& master_m) noexcept;
-    Eigen::Vector3d stop(bool fault) noexcept;
+    Point advance_mesh(std::size_t mesh, ContactLoad& load, const Point& master_m) noexcept;
+    void remember_contact(const Point& master_m, int steps) noexcept;
+    Eigen::Vector3d stop(TickStatus why) noexcept;
 
     const HapticModel& model_;
     Safety safety_;
+    std::vector<double> due_s_;   ///< how far each mesh is behind a period after now
+    double period_s_;             ///< mean time between ticks: as long as a force is held
+    double since_sample_s_ = 0;
     std::vector<MeshState> states_;
     std::vector<std::unique_ptr<MovingSurface>> surfaces_;
     std::vector<std::unique_ptr<Dynamics>> dynamics_;
@@ -172,13 +195,17 @@ class Simulation {
     double coupling_N_m_ = 0;     ///< k_C of this contact
     ToolSpring tool_, changed_;   ///< of this contact, where the learned mesh is a law; and before it became another
     std::vector<ToolMemory> tool_memory_;  ///< of it on each mesh
+    Point tool_m_;                ///< of this contact, at the time to which the touched mesh has come
+    Point velocity_m_s_;          ///< of the master (D)
+    Point slid_m_;                ///< how far the contact has gone along the surface in this tick (D)
+    NodeColumns held_;            ///< scratch of a tick without a step (N x D)
     Point touched_m_;             ///< X_p of this contact, in the mesh's own coordinates
     Friction friction_;
     bool armed_ = false;          ///< the master has been outside
     bool sound_ = true;           ///< no surface crosses itself
     double rested_s_ = 0;
     bool reset_ = false;          ///< since the last tick
-    long long untouched_ = 0;     ///< ticks since a tool or its force was on the meshes
+    double untouched_s_ = 0;      ///< since a tool or its force was on the meshes
     int set_ = 0;                 ///< (19)'s K_l
     HapticCounters counters_;
     TickRecord record_;

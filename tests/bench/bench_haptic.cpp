@@ -300,7 +300,7 @@ StepTimes time_law_steps(const TissueModel& m, int batches) {
     const RealtimeMesh springs(m.mesh, "geometric", m.node_mass_kg);
     const RealtimeLaw law(m, springs);
     constexpr double dt = 5e-4;
-    const auto dynamics = make_dynamics("symplectic", springs, {dt, 1, 1, &law});
+    const auto dynamics = make_dynamics("symplectic", springs, {dt, 1, &law});
     MeshState state(springs, Eigen::VectorXd::Zero(springs.slot_count()));
     Plain plain(m);
     for (int n = 0; n < m.mesh.node_count(); ++n) {
@@ -344,7 +344,7 @@ std::pair<std::vector<double>, std::vector<double>> time_relaxing_steps(const Ti
     std::unique_ptr<Dynamics> dynamics[2];
     std::vector<MeshState> states;
     for (int which : {0, 1}) {
-        dynamics[which] = make_dynamics("symplectic", springs, {dt, 1, 1, &laws[which]});
+        dynamics[which] = make_dynamics("symplectic", springs, {dt, 1, &laws[which]});
         states.emplace_back(springs, Eigen::VectorXd::Zero(springs.slot_count()));
         states.back().memory = laws[which].memory(dt);
         for (Eigen::Index i = 0; i < states.back().displacement.size(); ++i)

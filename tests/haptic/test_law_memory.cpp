@@ -147,7 +147,7 @@ namespace {
 /// A model's learned mesh under a tool that is held where it is told to be.
 struct HeldTool {
     explicit HeldTool(const TissueModel& model, double damping_1_s = 0)
-        : springs(springs_of(model)), law(model, springs), dynamics(make_dynamics("symplectic", springs, {dt, damping_1_s, substeps, &law})),
+        : springs(springs_of(model)), law(model, springs), dynamics(make_dynamics("symplectic", springs, {dt / substeps, damping_1_s, &law})),
           state(springs, Eigen::VectorXd::Zero(springs.slot_count())), memory(law.tool_memory(dt / substeps)) {
         state.memory = law.memory(dt / substeps);
     }
@@ -156,7 +156,7 @@ struct HeldTool {
         load.tool = &tool;
         load.memory = &memory;
         load.push_m = push_m;
-        return dynamics->step(state, load);
+        return dynamics->advance(state, load, dt / substeps, substeps, substeps);
     }
 
     static constexpr double dt = 1e-3;

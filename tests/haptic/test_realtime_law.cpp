@@ -172,5 +172,5 @@ TEST_CASE("a model of sets is no law, springs that do not turn are not its own, 
     CHECK_THAT(refusal<MismatchError>([&] { law_spectrum(sets, springs); }), Contains("no law"));
     const RealtimeLaw law(model, springs);
     for (const char* name : {"implicit", "paper"})
-        CHECK_THAT(refusal<MismatchError>([&] { make_dynamics(name, springs, {1e-3, 1, 1, &law}); }), Contains(name));
+        CHECK_THAT(refusal<MismatchError>([&] { make_dynamics(name, springs, {1e-3, 1, &law}); }), Contains(name));
 }

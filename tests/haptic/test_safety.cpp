@@ -146,9 +146,9 @@ TEST_CASE("force comes down to nothing within the bound of energy, at slew, befo
         REQUIRE(force.x() >= 0);
         if (k == 19) REQUIRE(force.x() == Approx(3.3));
     }
-    CHECK(given <= energy_bound(o) * (1 + 1e-9));
+    CHECK(given <= energy_bound(o) * (1 + 2 / surplus_fades_s));
     CHECK(given > 0.8 * energy_bound(o));  // the bound is near
-    CHECK(force.norm() < 1e-3);
+    CHECK(force.norm() < 0.01);            // what fades in 2 ms is given anew
 }
 
 TEST_CASE("a tick five periods late gives five periods' energy at most, and the hand takes that back", "[safety]") {
@@ -207,7 +207,7 @@ TEST_CASE("energy, size and change of force keep their bounds, whatever is wante
             Draw draw(7);
             Pace pace(8);
             Eigen::Vector3d x(0, 0, 0), force(0, 0, 0), wanted(0, 0, 0);
-            double given = 0, worst = 0, longest = o.dt_s;
+            double given = 0, total = 0, worst = 0, longest = o.dt_s;
             const long long ticks = adversarial_ticks(300000) / 2;
             for (long long k = 0; k < ticks; ++k) {
                 const double elapsed = on_time ? o.dt_s : pace.next(o.dt_s), reach = o.speed_max_m_s * std::max(elapsed, o.dt_s);
@@ -217,6 +217,8 @@ TEST_CASE("energy, size and change of force keep their bounds, whatever is wante
                 const Eigen::Vector3d before = x;
                 x += step.normalized() * (draw.below(2) ? reach : draw(0, reach)) * (1 - 1e-9);
                 bool let_go = false;
+                if (given > 0) given *= std::exp(-elapsed / surplus_fades_s);  // as the bound is said to be
+                const double before_J = given;
                 if (elapsed > force_held_s / 2) {
                     // the device lets go at some time from half of force_held_s on; the hand ran until then, and came back
                     let_go = true;
@@ -226,6 +228,7 @@ TEST_CASE("energy, size and change of force keep their bounds, whatever is wante
                     if (k > 0) given += force.dot(x - before);
                     longest = std::max(longest, elapsed);
                 }
+                total += given - before_J;
                 worst = std::max(worst, given);
                 DeviceSample sample;
                 sample.position_m = x;
@@ -244,6 +247,6 @@ TEST_CASE("energy, size and change of force keep their bounds, whatever is wante
             }
             CHECK(worst <= longest / o.dt_s * energy_bound(o) * (1 + 1e-9));
             CHECK(worst > 0);
-            if (on_time) CHECK(safety.counters().energy_given_J == Approx(given).margin(1e-9));
+            if (on_time) CHECK(safety.counters().energy_given_J == Approx(total).margin(1e-9));
         }
 }

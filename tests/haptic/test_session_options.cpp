@@ -22,10 +22,12 @@ std::string text(const SessionOption& option, double value) {
     return option.is_list() ? one + " " + one : one;
 }
 
-/// What check_options() says to this value; "" where it takes it. A kinetic friction needs a static one.
+/// What check_options() says to this value; "" where it takes it. A kinetic friction needs a static one, dt a hold of twice its length.
 std::string refused(const SessionOption& option, double value) {
     HapticOptions options;
     if (option.name == std::string("friction-slip")) options.friction.stick = 1e300;
+    if (option.name == std::string("dt")) options.safety.hold_s = 1;
+    if (option.name == std::string("hold")) options.dt_s = 1e-6;
     option.set(options, text(option, value));
     try {
         check_options(options);

@@ -375,7 +375,7 @@ TEST_CASE("tissue-haptic: a law plays, is recorded and replayed, and knows no se
     REQUIRE(ended.status == 0);
     CHECK(ended.err.find("a law") != std::string::npos);
     const nlohmann::json j = nlohmann::json::parse(ended.out);
-    CHECK(j["details"]["dynamics"]["learned"]["substeps"] == 2);
+    CHECK(j["details"]["dynamics"]["learned"]["substeps"] == 3);
     CHECK(j["force_max_N"] > 0.1);
     const Hdf5Reader in(folder.file("s.h5"), "recording");
     CHECK(in.texts("/set_names").empty());

@@ -41,7 +41,7 @@ check "the library shows the symbols of tissue.h, of a version, and no others" s
 for k in range(1000):
     print(0.05 + 0.004 * math.sin(9e-3 * k), "nan" if k == 300 else 0.101 - 0.005 * math.sin(3.14e-3 * k), 0.3)' >"$scratch/way"
 check "the example presses" sh -c "'$scratch/press' '$model' friction 0.3 <'$scratch/way' >'$scratch/c' 2>'$scratch/log'"
-check "it says that a position was refused, and goes on" sh -c "grep -qx 'press: tissue_tick: the position was refused' '$scratch/log' && [ \$(wc -l <'$scratch/c') = 1000 ]"
+check "it says that a position was refused, and goes on" sh -c "grep -qx 'press: the position was refused: not finite, too fast or too old' '$scratch/log' && [ \$(wc -l <'$scratch/c') = 1000 ]"
 check "a wrong option is one line" sh -c "! '$scratch/press' '$model' frction 0.3 </dev/null 2>'$scratch/log' && grep -qx \"press: there is no option 'frction'\" '$scratch/log'"
 check "and a file that is no model" sh -c "! '$scratch/press' '$data' </dev/null 2>'$scratch/log' && [ \$(wc -l <'$scratch/log') = 1 ] && grep -q 'tiny.csv' '$scratch/log'"
 

@@ -22,7 +22,8 @@ int main(int count, char **argument) {
     double position[3], force[3];
     while (scanf("%lf %lf %lf", &position[0], &position[1], &position[2]) == 3) {
         /* a refused position is no reason to stop: the force is zero then */
-        if (tissue_tick(tissue, position, 0, force) == TISSUE_FAULT) fprintf(stderr, "press: %s\n", tissue_error());
+        const tissue_status status = tissue_tick(tissue, position, 0, force);
+        if (status != TISSUE_OK) fprintf(stderr, "press: %s\n", tissue_status_text(status));
         printf("%a %a %a\n", force[0], force[1], force[2]);
     }
 

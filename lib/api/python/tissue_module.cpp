@@ -143,6 +143,8 @@ py::dict contact_of(Session& session) {
     contact["force_N"] = Eigen::VectorXd(-tick.coupling_N);
     contact["slipping"] = tick.slipping;
     contact["fault"] = tick.fault;
+    constexpr const char* statuses[] = {"done", "refused", "not armed", "folded", "diverged"};
+    contact["status"] = statuses[static_cast<int>(tick.status)];
     return contact;
 }
 
@@ -385,7 +387,7 @@ ticks() between two ticks, press() between two contacts and next() between two p
         .def("reset", [](Session& s) { alone(s, [&] { s.simulation.reset(); }); }, "The tissue to rest; the tool must be outside once before there is force again.")
         .def_property_readonly("displacement_m", [](const Session& s) -> const NodeColumns& { return s.simulation.state(0).displacement; },
                                "of the nodes now [m] (N, D): a view that the next tick changes")
-        .def_property_readonly("contact", &contact_of, "as the last tick left it: mesh (-1: nothing is pressed), facet, weight, displacement_m, force_N (on the tissue, before safety), slipping, fault")
+        .def_property_readonly("contact", &contact_of, "as the last tick left it: mesh (-1: nothing is pressed), facet, weight, displacement_m, force_N (on the tissue, before safety), slipping, fault, status (done; without force: refused, not armed, folded, diverged)")
         .def_property_readonly("counts", &counts_of, "of the session")
         .def_property_readonly("energy_given_J", [](Session& s) { return alone(s, [&] { return s.simulation.safety().counters().energy_given_J; }); }, "to the hand since the start; below 0: the hand gave")
         .def_property_readonly("model", [](const Session& s) { return std::const_pointer_cast<TissueModel>(s.tissue); }, "that it plays");
