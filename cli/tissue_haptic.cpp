@@ -122,11 +122,7 @@ struct Learning {
 void run(const Options& o, Provenance provenance) {
     TissueModel tissue = read_model(o.model);
     HapticOptions haptic = o.choices.haptic;
-    if (const DeviceImpedance& known = device_kinds().at(o.device)->impedance; haptic.device.mass_kg == 0 && known.mass_kg > 0) {
-        const double shown_N_m = std::min(haptic.device.stiffness_N_m, known.stiffness_N_m);
-        haptic.device = known;
-        haptic.device.stiffness_N_m = shown_N_m;
-    }
+    haptic.device = stricter(haptic.device, device_kinds().at(o.device)->impedance);
     Learning learning;
     if (!o.learn.empty()) {
         learning.adaptation = live_adaptation(o.model);

@@ -1,9 +1,9 @@
-// Hands with mass, let go on a tissue: hand_probe [--times X] [--limit SHARE] [--all] MODEL
+// Hands with mass, let go on a tissue: hand_probe [--times X] [--stated] [--all] MODEL
 // Four hands and devices (tests/haptic/hand.h), force scales 0.5, 1, 2 and 3, four places, 0.1 N, 1 N and as much as the deepest load case takes (3 N at most), on time,
 // with jitter and late. One line for each that does not come to rest: within 0.1 mm and 5 % of force after 2 s, the passivity controller in less than 1 % of
 // ticks, the force within 2 % of the model's own equilibrium there (not of one that relaxes). The last line says how many of how many.
 //   --times X       a tissue X times as stiff
-//   --limit SHARE   only hands whose K dt^2 / m is at most this: those that option device-mass takes (stable_share)
+//   --stated        the mass of each hand is stated (device-mass), and what the program refuses then is left out
 //   --all           a line for each
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -25,8 +25,8 @@ using namespace tissue::test;
 
 struct Probe {
     std::string model;
-    double times = 1, limit = 1e9;
-    bool all = false;
+    double times = 1;
+    bool stated = false, all = false;
 };
 
 /// In shares of the tissue's box, from its lowest corner (D).
@@ -74,8 +74,11 @@ void run(const Probe& o) {
             for (const Hand& hand : hands)
                 for (const test::Clock& clock : clocks)
                     for (const double force_N : {0.1, 1.0, full_N}) {
-                        const double felt = model.meshes[0]->contact_N_m * force_scale * options.dt_s * options.dt_s / hand.mass_kg;
-                        if (felt > o.limit) {
+                        const HapticMesh& mesh = *model.meshes[0];
+                        const double felt = mesh.contact_N_m * force_scale * options.dt_s * options.dt_s / hand.mass_kg;
+                        DeviceImpedance device;
+                        device.mass_kg = hand.mass_kg;
+                        if (o.stated && mesh.contact_N_m * force_scale > stable_stiffness_N_m(device, options.dt_s, mesh.lead)) {
                             ++refused;
                             continue;
                         }
@@ -111,7 +114,7 @@ int main(int argc, char** argv) {
     CLI::App app("Hands with mass, let go on a tissue.", "hand_probe");
     app.add_option("model", o.model, "model.h5")->required();
     app.add_option("--times", o.times, "a tissue so many times as stiff");
-    app.add_option("--limit", o.limit, "largest K dt^2 / m");
+    app.add_flag("--stated", o.stated, "leave out what device-mass refuses");
     app.add_flag("--all", o.all, "a line for each");
     CLI11_PARSE(app, argc, argv);
     try {

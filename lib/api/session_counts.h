@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -26,7 +27,7 @@ inline constexpr std::array<SessionCount, 13> session_counts{{
     {"slewed", [](const Simulation& s) { return s.safety().counters().slewed; }},
     {"damped", [](const Simulation& s) { return s.safety().counters().damped; }},
     {"capped", [](const Simulation& s) { return s.safety().counters().capped; }},
-    {"lost_ms", [](const Simulation& s) { return std::llround(1e3 * s.counters().lost_s); }},
+    {"lost_ms", [](const Simulation& s) { return std::llround(std::min(1e3 * s.counters().lost_s, 1e15)); }},
 }};
 
 }  // namespace tissue

@@ -61,7 +61,7 @@ TISSUE_API tissue_status tissue_open(const char *model_file, const char *const *
 TISSUE_API void tissue_close(tissue_session *session);
 
 /* One step of dt: where the device is [m], and the force that it puts on the hand [N]. elapsed_s: since the last tick, as the clock
- * says; 0: dt; negative or not finite: unknown, and taken for a late tick (10 ms). The tissue goes through that time, whatever the rate; a stall of more than half a second is lost to it
+ * says; 0: dt; negative or not finite: unknown, and taken for as long as the device holds a force (option "hold"; 10 ms where that is "inf"). The tissue goes through that time, whatever the rate; a stall of more than half a second is lost to it
  * (count "lost_ms"). A force that the device still holds after option "hold" (0.01 s) is in no energy log: a host whose ticks may stall sees to it that the device lets go, or sets
  * hold to "inf". The force is finite and within force-max whatever comes in, and zero where the status is not TISSUE_OK, also where an argument is refused. What it gives the hand is bounded for every device
  * (lib/haptic/safety.h); that a hand comes to rest on the tissue is promised for a device whose mass is stated, option "device-mass". The thread's floating-point mode (rounding, traps, denormals) is set for

@@ -13,13 +13,20 @@ struct DeviceImpedance {
     double force_max_N = std::numeric_limits<double>::infinity();    ///< at its nominal position
 };
 
-/// A Touch, and its predecessor the PHANTOM Omni: mass 45 g, 3.3 N, 1.02 N/mm on its softest axis by the vendor's data sheet. The sheet has no damping;
-/// 0.2 Ns/m is assumed, and nothing here relies on it.
-inline constexpr DeviceImpedance touch_impedance{"Touch", 0.045, 0.2, 1020, 3.3};
+/// A Touch, and its predecessor the PHANTOM Omni: mass 45 g, 3.3 N, 1.02 N/mm on its softest axis by the vendor's data sheet. The sheet has no damping,
+/// and none is relied on.
+inline constexpr DeviceImpedance touch_impedance{"Touch", 0.045, 0, 1020, 3.3};
 
-/// A contact that answers a hand with K at once is stable on a device of mass m, whatever hand holds it, up to K dt^2 / m = 2/3: a spring K and a damper K dt beside it,
-/// force held for dt, on a mass (Jury's criterion on z^3 + (-2 + (a + b) / 2) z^2 + (1 + a / 2) z - b / 2 with a = K dt^2 / m and b = a). Less than half of it
-/// is asked for: ticks come late.
-constexpr double stable_share = 0.3;
+/// What a user says of a device that is known: his mass and damping where he gives them, and of two limits the lower.
+DeviceImpedance stricter(DeviceImpedance said, const DeviceImpedance& known);
+
+/// The most that a contact may answer a hand with at once [N/m], so that a device of this mass and damping is stable on it, with room for ticks that come late, whatever hand
+/// holds the device. lead: how far ahead of the hand, in dt, the force of a tick is. 0 where no contact is stable.
+///
+/// With x_n the hand at tick n, the tool of that tick goes from where the tick before left it, 2 x_{n-1} - x_{n-2}, straight to 2 x_n - x_{n-1}, and a contact K answers with
+///     F_n = -K (2 lead x_n + (2 - 3 lead) x_{n-1} + (lead - 1) x_{n-2}),
+/// held for dt; at lead 1 a spring and a damper K dt. A mass and a damper under it are stable up to some K: K dt^2 / m = 2/3 at lead 1 without damping of its own. 0.45 of that is
+/// asked for.
+double stable_stiffness_N_m(const DeviceImpedance& device, double dt_s, double lead);
 
 }  // namespace tissue

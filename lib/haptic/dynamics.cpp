@@ -84,7 +84,7 @@ int law_substeps(double largest_eigenvalue_1_s2, double dt_s) {
 
 double law_contact_damping_s(double largest_eigenvalue_1_s2, double dt_s, int steps) {
     const double h = dt_s / steps;
-    return std::min(contact_damping_s(dt_s), (2 / (largest_eigenvalue_1_s2 * h) - h) / 2);
+    return std::min(contact_damping_s(dt_s, steps), (2 / (largest_eigenvalue_1_s2 * h) - h) / 2);
 }
 
 }  // namespace tissue

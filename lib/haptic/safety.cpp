@@ -12,10 +12,20 @@ constexpr double negligible_J = 1e-5;
 
 constexpr double rounding = 1 + 1e-9;
 
+constexpr double farthest_m = 1e3;  ///< where no hand is, and no sum of squares overflows
+
+/// Of any finite vector. Its squares may overflow, and where denormals are zero so may the reciprocals that Eigen's stableNorm takes.
+double length_of(const Eigen::Vector3d& v) noexcept {
+    const double largest = v.cwiseAbs().maxCoeff();
+    return largest > 0 ? largest * (v / largest).norm() : 0;
+}
+
 /// The same direction, no longer than `most`.
 Eigen::Vector3d within(const Eigen::Vector3d& v, double most) noexcept {
-    const double length = v.stableNorm();
-    return length > most ? Eigen::Vector3d(v * (most / length)) : v;
+    const double largest = v.cwiseAbs().maxCoeff();
+    if (!(length_of(v) > most)) return v;
+    const Eigen::Vector3d one = v / largest;
+    return one * (most / one.norm());
 }
 
 }  // namespace
@@ -47,7 +57,7 @@ bool Safety::admit(const DeviceSample& sample, double elapsed_s) noexcept {
         lateness_ = std::max(lateness_, std::min(elapsed_s_, o_.hold_s) / o_.dt_s);
         if (elapsed_s_ > o_.hold_s / 2 * rounding) let_go(elapsed_s_);
     }
-    if (!sample.valid || !sample.position_m.allFinite()) {
+    if (!sample.valid || !(sample.position_m.cwiseAbs().maxCoeff() < farthest_m) || !sample.position_m.allFinite()) {
         ++counters_.bad_input;
         return false;
     }
@@ -60,11 +70,12 @@ bool Safety::admit(const DeviceSample& sample, double elapsed_s) noexcept {
     const bool jump = has_position_ && !(motion.norm() <= o_.speed_max_m_s * time * rounding);
     position_m_ = sample.position_m;
     since_good_s_ = 0;
+    has_motion_ = has_position_ && !jump && !jumped_;
+    jumped_ = jump;
     if (jump) {
         ++counters_.jump;
         return false;
     }
-    has_motion_ = has_position_;
     if (has_position_) {
         motion_m_ = motion * (o_.dt_s / time);
         const double given = force_N_.dot(motion);
@@ -78,7 +89,7 @@ bool Safety::admit(const DeviceSample& sample, double elapsed_s) noexcept {
 Eigen::Vector3d Safety::limit(const Eigen::Vector3d& wanted_N) noexcept {
     Eigen::Vector3d wanted = wanted_N;
     if (!wanted.allFinite()) wanted.setZero();
-    if (wanted.stableNorm() > o_.force_max_N) {
+    if (length_of(wanted) > o_.force_max_N) {
         wanted = within(wanted, o_.force_max_N);
         ++counters_.clamped;
     }

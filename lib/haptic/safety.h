@@ -20,7 +20,7 @@ struct SafetyOptions {
 constexpr double surplus_fades_s = 5;
 
 struct SafetyCounters {
-    long long bad_input = 0;   ///< not finite, or the device reported an error
+    long long bad_input = 0;   ///< not finite, farther than a kilometre, or the device reported an error
     long long jump = 0;        ///< master moved by more than speed_max in one tick
     long long stale = 0;       ///< position too old
     long long late = 0;        ///< ticks so late that the device had let go of the force: it begins again at zero
@@ -99,7 +99,7 @@ class Safety {
     Eigen::Vector3d force_N_ = Eigen::Vector3d::Zero();     ///< that went out last, and is still there
     Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero();  ///< last good one
     Eigen::Vector3d motion_m_ = Eigen::Vector3d::Zero();    ///< in one period, as the hand moved in the tick behind
-    bool has_position_ = false, has_motion_ = false;
+    bool has_position_ = false, has_motion_ = false, jumped_ = false;
     double elapsed_s_;                                      ///< of the tick behind
     double since_good_s_ = 0;
     double observed_J_ = 0;

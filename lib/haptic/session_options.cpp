@@ -106,6 +106,8 @@ const std::vector<SessionOption>& session_options() {
          "Default: none. One number for each axis of the model."},
         {"device-mass", "kg", {0, inf, true}, everywhere, [](O& o) -> auto& { return o.device.mass_kg; }, "apparent mass of the device at its tool, nobody holding it; 0: not known",
          "A tissue that no hand could hold still on a device of this mass is refused, with the largest force-scale that is possible. A Touch has 0.045 kg, and tissue-haptic knows it. Without a mass nothing is refused, and nothing promised."},
+        {"device-damping", "Ns/m", {0, inf, true}, everywhere, [](O& o) -> auto& { return o.device.damping_Ns_m; }, "viscous damping of the device itself, beside device-mass",
+         "It makes a stiffer tissue possible. Data sheets seldom have it; 0 relies on none."},
         {"device-stiffness", "N/m", {0, inf, false, true}, everywhere, [](O& o) -> auto& { return o.device.stiffness_N_m; }, "largest stiffness that the device can show; inf: not known",
          "A tissue that is stiffer at rest is refused, with the largest force-scale that is possible. A Touch has 1020 N/m on its softest axis."},
         {"hold", "s", {2e-6, inf, true, true}, interfaces, [](O& o) -> auto& { return o.safety.hold_s; }, "how long the device keeps a force without a new one",

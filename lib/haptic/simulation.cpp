@@ -38,7 +38,7 @@ std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel
     if (!theta.allFinite() || !(theta.minCoeff() > 0))
         throw MismatchError(fmt::format("the {} mesh has springs that are not positive", name));
     auto mesh = std::make_unique<HapticMesh>(
-        HapticMesh{name, RealtimeMesh(model.mesh, law, model.node_mass_kg), {}, nullptr, place_m, "", 1, 0, 0, 0, 0, 0, 0});
+        HapticMesh{name, RealtimeMesh(model.mesh, law, model.node_mass_kg), {}, nullptr, place_m, "", 1, 0, 0, 0, 0, 0, 0, 0});
     mesh->theta_of_set.resize(mesh->springs.slot_count(), theta.rows());
     for (Eigen::Index c = 0; c < theta.rows(); ++c) mesh->theta_of_set.col(c) = mesh->springs.to_slots(theta.row(c).transpose());
     return mesh;
@@ -61,6 +61,11 @@ TissueModel untrained(const TissueModel& model) {
     return heuristic;
 }
 
+/// The tool goes straight on through a tick's steps, so that their mean force is that of (n - 1) / 2n of dt after its start.
+double lead_of(const HapticMesh& mesh, double dt_s) {
+    return (mesh.substeps - 1) / (2.0 * mesh.substeps) + mesh.contact_damping_s / dt_s;
+}
+
 /// Which step runs, and with how much damping: from the spectrum, of the instantaneous stiffness.
 void choose_law_dynamics(const TissueModel& model, HapticMesh& mesh, const HapticOptions& o) {
     const LawSpectrum spectrum = law_spectrum(model, mesh.springs);
@@ -73,6 +78,7 @@ void choose_law_dynamics(const TissueModel& model, HapticMesh& mesh, const Hapti
     mesh.lowest_frequency_Hz = lowest / turn;
     mesh.damping_1_s = 2 * *o.damping_ratio * lowest;
     mesh.contact_damping_s = law_contact_damping_s(o.stiffest * spectrum.largest, o.dt_s, mesh.substeps);
+    mesh.lead = lead_of(mesh, o.dt_s);
     make_dynamics(mesh.dynamics, mesh.springs, {o.dt_s / mesh.substeps, mesh.damping_1_s, mesh.law.get()});  // throws here, if at all
 }
 
@@ -88,11 +94,12 @@ void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double damping_ra
     mesh.contact_N_m = coupling_N_m;
     mesh.static_N_m = coupling_N_m / *o.coupling_ratio;
     mesh.dynamics = o.dynamics == "auto" ? stable_dynamics(mesh.largest_eigenvalue_1_s2, o.dt_s) : o.dynamics;
-    mesh.contact_damping_s = mesh.dynamics == paper_dynamics.name ? 0 : contact_damping_s(o.dt_s);
+    mesh.contact_damping_s = mesh.dynamics == paper_dynamics.name ? 0 : contact_damping_s(o.dt_s, mesh.substeps);
     if (mesh.dynamics == symplectic_dynamics.name) {  // omega^2 + 2 ahead / dt coupling / mass within the step's limit
         const double room = std::pow(symplectic_dynamics.stable_omega_dt / o.dt_s, 2) - mesh.largest_eigenvalue_1_s2;
         mesh.contact_damping_s = std::clamp(room * o.dt_s / (2 * coupling_N_m * lightest), 0.0, mesh.contact_damping_s);
     }
+    mesh.lead = lead_of(mesh, o.dt_s);
     const Eigen::VectorXd mean = mesh.theta_of_set.rowwise().mean();
     const double lowest = std::sqrt(smallest_eigenvalue(mesh.springs, mean));
     mesh.lowest_frequency_Hz = lowest / turn;
@@ -105,13 +112,14 @@ void check_device(const HapticOptions& o, const HapticMesh& mesh) {
     const double scale = o.map.force_scale * o.map.scale;
     const auto refuse = [&](double tissue_N_m, const char* when, double limit_N_m, const std::string& whose) {
         const double most = o.map.force_scale * limit_N_m / (scale * tissue_N_m);
-        if (most < o.map.force_scale)
+        if (!(most >= o.map.force_scale))
             throw MismatchError(fmt::format("the {} mesh is up to {:.0f} N/m stiff to the device {}, at force-scale {:g}; {} {:.0f} N/m: force-scale may be {:.2f} at most", mesh.name, scale * tissue_N_m, when,
                                             o.map.force_scale, whose, limit_N_m, std::floor(100 * most) / 100));
     };
     refuse(mesh.static_N_m, "at rest", o.device.stiffness_N_m, "the device can show");
     if (o.device.mass_kg > 0)
-        refuse(mesh.contact_N_m, "at once", stable_share * o.device.mass_kg / (o.dt_s * o.dt_s), fmt::format("a device of {:g} kg, dt {:g} s, is stable in any hand up to", o.device.mass_kg, o.dt_s));
+        refuse(mesh.contact_N_m, "at once", stable_stiffness_N_m(o.device, o.dt_s, mesh.lead),
+               fmt::format("a device of {:g} kg and {:g} Ns/m, dt {:g} s, is stable in any hand up to", o.device.mass_kg, o.device.damping_Ns_m, o.dt_s));
 }
 
 }  // namespace
@@ -192,7 +200,7 @@ Simulation::Simulation(const HapticModel& model)
     }
     record_.master_m = record_.proxy_m = record_.contact_displacement_m = record_.coupling_N = record_.measured_N = Point::Zero(model.dimension());
     no_contact(record_.proxy_m);
-    velocity_m_s_ = slid_m_ = Point::Zero(model.dimension());
+    velocity_m_s_ = slid_m_ = slide_m_s_ = Point::Zero(model.dimension());
     held_ = states_.front().displacement;
     place_surfaces();
 }
@@ -228,14 +236,17 @@ void Simulation::rest_meshes() noexcept {
 }
 
 /// What is no duration says that nobody knows how late the tick is: as late as the device holds a force.
-static double since_last_s(double elapsed_s, double dt_s) noexcept {
-    if (elapsed_s == 0) return dt_s;
-    return elapsed_s > 0 && std::isfinite(elapsed_s) ? elapsed_s : std::max(dt_s, force_held_s);
+static double since_last_s(double elapsed_s, const HapticOptions& o) noexcept {
+    constexpr double longest_s = 3600;
+    if (elapsed_s == 0) return o.dt_s;
+    if (elapsed_s > 0 && std::isfinite(elapsed_s)) return std::min(elapsed_s, longest_s);
+    return std::isfinite(o.safety.hold_s) ? std::min(o.safety.hold_s, longest_s) : force_held_s;
 }
 
 /// The tissue has to come to the end of the time in which this tick's force is held, which will be as long as the ticks before were.
 void Simulation::time_passes(double seconds) noexcept {
-    constexpr double longest_debt_s = 0.5, longest_period_s = 0.02;
+    constexpr double longest_debt_s = 0.5;
+    const double longest_period_s = std::max(0.02, 4 * model_.options.dt_s);
     record_.time_s += seconds;
     if (seconds <= longest_period_s) period_s_ += std::max(0.02, 1 / static_cast<double>(counters_.ticks)) * (seconds - period_s_);
     for (double& due_s : due_s_) {
@@ -244,13 +255,14 @@ void Simulation::time_passes(double seconds) noexcept {
         if (&due_s == &due_s_.front()) counters_.lost_s += due_s - longest_debt_s;
         due_s = longest_debt_s;
     }
-    untouched_s_ += seconds;
+    untouched_s_ += std::min(seconds, longest_debt_s);  // of a stall, what meshes go through
 }
 
 int Simulation::steps_due(std::size_t m) noexcept {
     const HapticMesh& mesh = *model_.meshes[m];
     const double h = model_.options.dt_s / mesh.substeps, left_s = due_s_[m] - model_.options.dt_s + period_s_;
-    const int steps = static_cast<int>(std::clamp(std::round(left_s / h), 0.0, static_cast<double>(most_periods * mesh.substeps)));
+    const double most = std::max(most_periods * model_.options.dt_s, 2 * period_s_) / h;  // or a slow host would never catch up
+    const int steps = static_cast<int>(std::clamp(std::round(left_s / h), 0.0, std::round(most)));
     due_s_[m] -= steps * h;
     return steps;
 }
@@ -258,6 +270,18 @@ int Simulation::steps_due(std::size_t m) noexcept {
 Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) noexcept {
     const FlushDenormals mode;
     return advance(sample, elapsed_s);
+}
+
+/// How fast the master is. A hand faster than speed-max is none, nor is one whose way since its last position nobody knows.
+void Simulation::follow_hand(const Point& moved_m) noexcept {
+    const HapticOptions& o = model_.options;
+    const double most = o.safety.speed_max_m_s * o.map.scale;
+    if (safety_.has_motion())
+        velocity_m_s_ += std::min(1.0, since_sample_s_ / o.dt_s) * (moved_m / since_sample_s_ - velocity_m_s_);
+    else
+        velocity_m_s_.setZero();
+    if (const double speed = velocity_m_s_.norm(); !(speed <= most)) velocity_m_s_ *= std::isfinite(speed) ? most / speed : 0;
+    since_sample_s_ = 0;
 }
 
 /// In the mode of tick(): out of line, so that nothing of it is computed before or after.
@@ -271,7 +295,7 @@ __attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample
     record_.proxy_m = record_.contact_displacement_m = record_.coupling_N = Point::Zero(model_.dimension());
     record_.measured_N = o.map.force_to_tissue(sample.measured_N);
     record_.time_s = last.time_s;
-    const double since_s = since_last_s(elapsed_s, o.dt_s);
+    const double since_s = since_last_s(elapsed_s, o);
     time_passes(since_s);
     since_sample_s_ += since_s;
     record_.device_m = sample.position_m.allFinite() ? sample.position_m : last.device_m;
@@ -283,8 +307,7 @@ __attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample
     if (!safety_.admit(sample, since_s)) return stop(TickStatus::refused);
     const Point master = o.map.to_tissue(sample.position_m);
     record_.master_m = master;
-    if (safety_.has_motion()) velocity_m_s_ += std::min(1.0, since_sample_s_ / o.dt_s) * ((master - last.master_m) / since_sample_s_ - velocity_m_s_);
-    since_sample_s_ = 0;
+    follow_hand(master - last.master_m);
 
     // 4.2 collision detection
     if (lost) return stop(TickStatus::diverged);
@@ -292,7 +315,6 @@ __attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample
     if (!armed_) record_.status = TickStatus::not_armed;
 
     // Coulomb: the contact goes along the surface
-    slid_m_.setZero();
     if (contact_.pressing) slide(master);
 
     // 4.3 selection of mesh constants, and their moving average (18)-(19)
@@ -307,7 +329,7 @@ __attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample
 
     // safety, device force
     if (untouched_s_ > swings_out_s && safety_.force_N().isZero(0)) safety_.forget_credit();
-    record_.device_N = safety_.limit(o.map.force_to_device(-on_tissue));
+    record_.device_N = armed_ ? safety_.limit(o.map.force_to_device(-on_tissue)) : safety_.stop();
     return record_.device_N;
 }
 
@@ -398,6 +420,8 @@ bool Simulation::find_contact(const Point& master_m) noexcept {
 void Simulation::begin_contact(int mesh, const Point& master_m) noexcept {
     touched_ = mesh;
     tool_m_ = master_m;
+    slid_m_.setZero();
+    slide_m_s_.setZero();
     friction_.begin();
     const HapticMesh& pressed = *model_.meshes[static_cast<std::size_t>(mesh)];
     touched_m_ = pressed.springs.rest_place(contact_.where.facet, contact_.where.weight);
@@ -441,7 +465,7 @@ void Simulation::slide(const Point& master_m) noexcept {
     const auto m = static_cast<std::size_t>(touched_);
     const HapticMesh& mesh = *model_.meshes[m];
     const MovingSurface& now = *surfaces_[m];
-    slid_m_ = mesh.law ? Point(-touched_m_) : Point(-contact_.where.position_m);
+    slid_m_ -= mesh.law ? touched_m_ : Point(contact_.where.position_m);
     if (mesh.law) {
         friction_.slide(model_.surface, mesh.springs, *mesh.law, states_[m].displacement, master_m - mesh.place_m, contact_.where, touched_m_, tool_,
                         tool_memory_[m]);
@@ -525,13 +549,16 @@ Point Simulation::advance_mesh(std::size_t m, ContactLoad& load, const Point& ma
         const Point moved_m = master_m + (model_.options.dt_s - due_s_[m]) * velocity_m_s_ - tool_m_;  // since the last step
         if (load.tool) *load.push_m += moved_m;
         else load.master_m += moved_m;
+        load.velocity_m_s -= slide_m_s_;
         held_ = state.displacement + load.ahead_s * state.velocity;
         return load.force_at(mesh.springs, held_);
     }
     if (load.velocity_m_s.size() > 0) {
         load.velocity_m_s = (master_m + period_s_ * velocity_m_s_ - tool_m_) / (steps * h);
         tool_m_ += steps * h * load.velocity_m_s;
-        load.velocity_m_s -= slid_m_ / period_s_;  // a place that goes along with the tool is neither stretched nor damped by that
+        slide_m_s_ = slid_m_ / (steps * h);
+        slid_m_.setZero();
+        load.velocity_m_s -= slide_m_s_;  // a place that goes along with the tool is neither stretched nor damped by that
     }
     const int of_last = std::clamp(static_cast<int>(std::lround(period_s_ / h)), 1, steps);
     return dynamics_[m]->advance(state, load, h, steps, of_last);
@@ -549,7 +576,8 @@ Point Simulation::step_meshes(const Point& master_m) noexcept {
             advance_mesh(m, free, master_m);
             if (contact_.contact && m == touched) remember_contact(master_m, static_cast<int>(std::lround((before_s - due_s_[m]) * model_.meshes[m]->substeps / model_.options.dt_s)));
         }
-        tool_m_ = master_m;
+        tool_m_ = master_m + period_s_ * velocity_m_s_;  // where meshes have come to
+        slid_m_.setZero();
         return Point::Zero(model_.dimension());
     }
     untouched_s_ = 0;
@@ -600,6 +628,7 @@ void Simulation::remember_contact(const Point& master_m, int steps) noexcept {
 Eigen::Vector3d Simulation::stop(TickStatus why) noexcept {
     record_.status = why;
     record_.fault = why == TickStatus::refused;
+    if (record_.fault) velocity_m_s_.setZero();
     no_contact(record_.master_m);
     touched_ = -1;
     armed_ = false;

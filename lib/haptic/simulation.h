@@ -53,6 +53,7 @@ struct HapticMesh {
     std::string dynamics;              ///< which step runs
     int substeps;                      ///< steps in a period dt
     double contact_damping_s;          ///< ContactLoad::ahead_s of a tool on it
+    double lead;                       ///< how far ahead of the hand, in dt, the force of a tick is: stable_stiffness_N_m
     double static_N_m;                 ///< the most that a tool's force is over its displacement, everything at rest
     double contact_N_m;                ///< the most that a contact answers a hand with at once, before the mesh under it moves; of springs k_C
     double largest_eigenvalue_1_s2;    ///< of M^-1 K: over all its sets, the coupling's k_C on its node included; of a law as law_spectrum has it
@@ -128,8 +129,8 @@ class Simulation {
    public:
     explicit Simulation(const HapticModel& model);
 
-    /// One step of Sec. 4: device position in, device force out [N]. elapsed_s: since the last tick; 0 means dt; negative or not
-    /// finite: unknown, taken for force_held_s, a late tick. In it denormals are zero; the caller's floating-point mode is as it was (flush_denormals.h).
+    /// One step of Sec. 4: device position in, device force out [N]. elapsed_s: since the last tick, an hour at most; 0 means dt; negative or not
+    /// finite: unknown, taken for as long as the device holds a force (force_held_s where it holds it for ever). In it denormals are zero; the caller's floating-point mode is as it was (flush_denormals.h).
     Eigen::Vector3d tick(const DeviceSample& sample, double elapsed_s = 0) noexcept;
 
     /// In place of a tick: everything stays as it is, and no force goes out [N].
@@ -161,6 +162,7 @@ class Simulation {
    private:
     Eigen::Vector3d advance(const DeviceSample& sample, double elapsed_s) noexcept;
     void time_passes(double seconds) noexcept;
+    void follow_hand(const Point& moved_m) noexcept;
     int steps_due(std::size_t mesh) noexcept;
     void place_surfaces() noexcept;
     bool move_surfaces() noexcept;
@@ -197,7 +199,8 @@ class Simulation {
     std::vector<ToolMemory> tool_memory_;  ///< of it on each mesh
     Point tool_m_;                ///< of this contact, at the time to which the touched mesh has come
     Point velocity_m_s_;          ///< of the master (D)
-    Point slid_m_;                ///< how far the contact has gone along the surface in this tick (D)
+    Point slid_m_;                ///< how far the contact has gone along the surface since the last step (D)
+    Point slide_m_s_;             ///< and how fast before it (D)
     NodeColumns held_;            ///< scratch of a tick without a step (N x D)
     Point touched_m_;             ///< X_p of this contact, in the mesh's own coordinates
     Friction friction_;

@@ -48,7 +48,6 @@ struct Rest {
     double controlled = 0;     ///< share of ticks in which the passivity controller worked
     Point touched_m, push_m, tissue_N;  ///< at the end: contact at rest, tool displacement there, and force of the tool on the tissue
     bool contact = false;      ///< at the end
-    double energy_J = 0;
     int faults = 0;
 };
 
@@ -130,7 +129,6 @@ inline Rest let_go(const HapticModel& model, const Hand& hand, const Clock& cloc
     if (simulation.record().mesh == 0) rest.touched_m = model.meshes[0]->springs.rest_place(simulation.record().facet, simulation.record().weight);
     rest.push_m = simulation.record().contact_displacement_m;
     rest.tissue_N = -simulation.record().coupling_N;
-    rest.energy_J = simulation.safety().counters().energy_given_J;
     return rest;
 }
 

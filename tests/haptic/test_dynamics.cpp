@@ -195,7 +195,7 @@ TEST_CASE("which step runs follows from the spectrum", "[dynamics]") {
     CHECK(law_substeps(0, 1e-3) == 1);
     CHECK(law_substeps(1.99e3 * 1.99e3, 1e-3) == 3);
     CHECK(law_substeps(2.01e3 * 2.01e3, 1e-3) == 4);
-    CHECK(law_contact_damping_s(1e6, 1e-3, 2) == contact_damping_s(1e-3));
+    CHECK(law_contact_damping_s(1e6, 1e-3, 2) == contact_damping_s(1e-3, 2));
     CHECK(law_contact_damping_s(36e6, 1e-3, 9) == Approx(1.75e-3 / 9));  // (omega h)^2 = 4 / 9
     for (const double much : {1e9 * 1e9, std::numeric_limits<double>::infinity(), std::nan("")})
         CHECK_THAT(refusal<MismatchError>([&] { law_substeps(much, 1e-3); }), Contains("at most 1000"));

@@ -137,15 +137,179 @@ TEST_CASE("a tissue that is too stiff for a device is refused, with the numbers"
     HapticOptions options = alone(3);
     const double contact_N_m = HapticModel(tissue, options).meshes[0]->contact_N_m;
     options.device.force_max_N = 2;
-    options.device.mass_kg = 0.9 * 3 * contact_N_m * 1e-6 / stable_share;
+    const double lead = HapticModel(tissue, options).meshes[0]->lead;
+    DeviceImpedance one;
+    one.mass_kg = 1;
+    options.device.mass_kg = 0.9 * 3 * contact_N_m / stable_stiffness_N_m(one, 1e-3, lead);
     CHECK_THAT(refusal<MismatchError>([&] { HapticModel(tissue, options); }), Contains("force-scale may be 2.70 at most") || Contains("force-scale may be 2.69 at most"));
     options.map.force_scale = 2.69;
     CHECK(HapticModel(tissue, options).options.safety.force_max_N == 2);
     options.dt_s = 2e-3;  // four times as strict
     CHECK_THAT(refusal<MismatchError>([&] { HapticModel(tissue, options); }), Contains("dt 0.002 s"));
     options.dt_s = 1e-3;
+    options.map.force_scale = std::numeric_limits<double>::infinity();
+    CHECK_THROWS_AS(HapticModel(tissue, options), MismatchError);
+    options.map.force_scale = 2.69;
     options.device.stiffness_N_m = 100;
     CHECK_THAT(refusal<MismatchError>([&] { HapticModel(tissue, options); }), Contains("the device can show 100 N/m"));
+}
+
+TEST_CASE("a contact is stable on a device up to the stiffness that is said, and not far beyond", "[hand]") {
+    constexpr double dt = 1e-3;
+    for (const double damping : {0.0, 2.0})
+        for (const double lead : {0.6, 0.75, 1.0}) {
+            DeviceImpedance device;
+            device.mass_kg = 0.1;
+            device.damping_Ns_m = damping;
+            const double limit_N_m = stable_stiffness_N_m(device, dt, lead) / 0.45;
+            for (const double share : {0.97, 1.03}) {
+                double x = 1e-3, v = 0, before = x, last = x;
+                const auto tick = [&] {
+                    const double force = -share * limit_N_m * (2 * lead * x + (2 - 3 * lead) * last + (lead - 1) * before);
+                    before = last, last = x;
+                    for (int k = 0; k < 1000; ++k) v += 1e-3 * dt * (force - damping * v) / device.mass_kg, x += 1e-3 * dt * v;
+                };
+                for (int k = 0; k < 20000 && std::abs(x) < 1e3; ++k) tick();
+                INFO("damping " << damping << ", lead " << lead << ", " << share << " of " << limit_N_m << " N/m");
+                CHECK((std::abs(x) < 1e-3) == (share < 1));
+            }
+        }
+    DeviceImpedance device;
+    device.mass_kg = 1;
+    CHECK(stable_stiffness_N_m(device, dt, 1) == Approx(0.3e6));
+    CHECK(stable_stiffness_N_m(device, dt, 0.5) == 0);  // nothing is left of the contact's damping
+    DeviceImpedance said;
+    said.mass_kg = 0.06;
+    said.force_max_N = 5;
+    const DeviceImpedance both = stricter(said, touch_impedance);
+    CHECK(both.mass_kg == 0.06);
+    CHECK(both.force_max_N == 3.3);
+    CHECK(both.stiffness_N_m == 1020);
+}
+
+TEST_CASE("the force of a tick is that of a hand so far ahead as is said", "[hand]") {
+    for (const bool law : {true, false})
+        for (const double stiffest : {1.0, 1e6}) {
+            // nodes so heavy that they stand still; of a law, with as many steps as it has otherwise
+            TissueModel tissue = law ? law_example() : haptic_example();
+            tissue.node_mass_kg *= 1e6;
+            HapticOptions options = alone();
+            options.stiffest = stiffest;
+            options.damping_ratio = 0;
+            const HapticModel model(tissue, options);
+            const HapticMesh& mesh = *model.meshes[0];
+            const double dt = options.dt_s, speed = 0.05;
+            const auto hand = [&](double time_s) { return Eigen::Vector3d(0.052, 0.101 - speed * time_s, 0); };
+            DeviceSample sample;
+            Simulation moving(model);
+            double time = 0;
+            for (; time < 0.06; time += dt) {
+                sample.position_m = hand(time);
+                moving.tick(sample);
+            }
+            time -= dt;
+            Simulation still(model);
+            sample.position_m = hand(0);
+            still.tick(sample);
+            for (int k = 0; k < 4; ++k) {
+                sample.position_m = hand(time + mesh.lead * dt);
+                still.tick(sample);
+            }
+            INFO((law ? "law, " : "springs, ") << mesh.substeps << " steps, lead " << mesh.lead);
+            REQUIRE(still.record().coupling_N.norm() > 1e-3);
+            CHECK(moving.record().coupling_N.norm() == Approx(still.record().coupling_N.norm()).epsilon(1e-3));
+            CHECK((mesh.substeps > 1) == (law && stiffest > 1));
+            CHECK((mesh.substeps > 1 || mesh.lead == Approx(1)));
+        }
+}
+
+TEST_CASE("a stall while the tool presses leaves the tissue pressed", "[hand]") {
+    HapticOptions options = alone();
+    options.safety.hold_s = std::numeric_limits<double>::infinity();
+    const HapticModel model(law_example(), options);
+    Simulation s(model);
+    DeviceSample sample;
+    for (int k = 0; k < 400; ++k) {
+        sample.position_m = led(1e-3 * k);
+        s.tick(sample);
+    }
+    const double force = s.record().coupling_N.norm();
+    REQUIRE(force > 0.1);
+    for (const double stall_s : {5.0, 1e308}) {
+        s.tick(sample, stall_s);
+        CHECK(s.record().status == TickStatus::done);
+        for (int k = 0; k < 300; ++k) s.tick(sample);
+        CHECK(s.record().coupling_N.norm() == Approx(force).epsilon(0.02));
+    }
+    CHECK(s.counters().unstable == 0);
+    const double before_s = s.record().time_s;
+    s.tick(sample, std::numeric_limits<double>::quiet_NaN());
+    CHECK(s.record().time_s == Approx(before_s + force_held_s));
+}
+
+TEST_CASE("a tick of unknown length is as late as the device holds a force", "[hand]") {
+    HapticOptions options = alone();
+    options.safety.hold_s = 0.2;
+    const HapticModel model(law_example(), options);
+    Simulation s(model);
+    DeviceSample sample;
+    sample.position_m = led(0);
+    s.tick(sample);
+    s.tick(sample, -1);
+    CHECK(s.record().time_s == Approx(0.201));
+}
+
+TEST_CASE("a reset takes the force away at once", "[hand]") {
+    const HapticModel model(law_example(), alone());
+    Simulation s(model);
+    DeviceSample sample;
+    for (int k = 0; k < 400; ++k) {
+        sample.position_m = led(1e-3 * k);
+        s.tick(sample);
+    }
+    REQUIRE(s.record().device_N.norm() > 0.1);
+    s.reset();
+    CHECK(s.tick(sample).norm() == 0);
+    CHECK(s.record().status == TickStatus::not_armed);
+}
+
+TEST_CASE("no time is lost to a host that is slower than the device's step", "[hand]") {
+    HapticOptions options = alone();
+    options.safety.hold_s = 1;
+    options.dt_s = 1e-3;
+    for (const double rate_Hz : {50.0, 60.0}) {
+        const HapticModel model(law_example(), options);
+        Simulation s(model);
+        DeviceSample sample;
+        sample.position_m = led(0);
+        for (int k = 0; k < 4 * rate_Hz; ++k) s.tick(sample, 1 / rate_Hz);
+        CHECK(s.counters().lost_s == 0);
+        CHECK(s.record().time_s == Approx(4));
+    }
+}
+
+TEST_CASE("a place that slides is not damped by that, at any rate", "[hand]") {
+    HapticOptions options = alone();
+    options.friction.stick = 0.3;
+    const HapticModel model(law_example(), options);
+    const auto dragged = [&](double rate_Hz) {
+        Simulation s(model);
+        DeviceSample sample;
+        Point sum = Point::Zero(2);
+        int count = 0;
+        for (double time = 0; time < 1; time += 1 / rate_Hz) {
+            sample.position_m = led(std::min(time, 0.45));
+            sample.position_m.x() += 0.04 * std::max(0.0, time - 0.5);
+            s.tick(sample, 1 / rate_Hz);
+            if (time < 0.8) continue;
+            sum += s.record().coupling_N;
+            ++count;
+        }
+        return Point(sum / count);
+    };
+    const Point usual = dragged(1000);
+    REQUIRE(std::abs(usual.x()) > 0.2 * std::abs(usual.y()));  // it slips
+    for (const double rate_Hz : {250.0, 4000.0, 8000.0}) CHECK((dragged(rate_Hz) - usual).norm() < 0.01 * usual.norm());
 }
 
 TEST_CASE("the cap that a surplus of energy sets on the force is counted, and goes away", "[hand]") {

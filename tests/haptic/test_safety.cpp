@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "flush_denormals.h"
 #include "haptic/safety.h"
 #include "haptic_example.h"
 
@@ -44,6 +45,32 @@ TEST_CASE("a force that is not finite becomes none", "[safety]") {
     safety.admit(sample_at(0, 0), 1e-3);
     for (double bad : {not_a_number, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()})
         CHECK(safety.limit({0, bad, 1}) == Eigen::Vector3d::Zero());
+}
+
+TEST_CASE("a force whose squares and reciprocals overflow is clamped like another", "[safety]") {
+    for (const double huge : {1e155, 4.6e307, 1.7e308}) {
+        SafetyOptions o = wide();
+        o.force_max_N = 3;
+        Safety safety(o);
+        const FlushDenormals mode;
+        safety.admit(sample_at(0, 0), 1e-3);
+        CHECK((safety.limit({huge, 0, -huge}) - 3 * Eigen::Vector3d(1, 0, -1).normalized()).norm() < 1e-12);
+    }
+}
+
+TEST_CASE("positions that no hand has are refused, and the way to one that jumped is no motion", "[safety]") {
+    Safety safety(wide());
+    for (const double far : {1.1e3, 1e200, -1.7e308}) CHECK_FALSE(safety.admit(sample_at(0, far), 1e-3));
+    CHECK(safety.counters().bad_input == 3);
+    CHECK(safety.admit(sample_at(0, 0), 1e-3));
+    CHECK_FALSE(safety.has_motion());
+    CHECK(safety.admit(sample_at(1e-3, 0), 1e-3));
+    CHECK(safety.has_motion());
+    CHECK_FALSE(safety.admit(sample_at(0.5, 0), 1e-3));
+    CHECK(safety.admit(sample_at(0.501, 0), 1e-3));
+    CHECK_FALSE(safety.has_motion());
+    CHECK(safety.admit(sample_at(0.502, 0), 1e-3));
+    CHECK(safety.has_motion());
 }
 
 TEST_CASE("force changes by at most slew a tick, but stops at once", "[safety]") {
