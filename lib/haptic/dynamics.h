@@ -93,9 +93,9 @@ std::unique_ptr<Dynamics> make_dynamics(const std::string& name, const RealtimeM
 std::string stable_dynamics(double largest_eigenvalue_1_s2, double dt_s);
 
 /// How far ahead a contact takes tool and nodes where a hand's positions come every dt (ContactLoad::ahead_s). The force is held for dt, half of that
-/// late on average: a spring K gives back K dt / 2 as negative damping. The tool's straight way through the steps of dt takes (steps - 1) / steps of that away,
-/// and this the rest and K dt / 2 more, so that K dt / 2 of damping is left, in proportion to whatever K is.
-constexpr double contact_damping_s(double dt_s, int steps) { return dt_s * (steps + 1) / (2.0 * steps); }
+/// late on average: a spring K gives back K dt / 2 as negative damping. The tool's straight way through the steps of dt takes (steps - 1) / steps of that away.
+/// Half of dt more leaves nearly K dt / 2 of damping, in proportion to whatever K is; of a single step three quarters, so that K dt / 4 is left at least.
+constexpr double contact_damping_s(double dt_s, int steps) { return steps == 1 ? 0.75 * dt_s : 0.5 * dt_s; }
 
 /// Into how many steps `symplectic` divides dt for a law: omega h <= 2/3. Springs of a set are never stiffer than
 /// at the bound; a law pressed deeper or drawn out farther than any load case is, its areas by the square of the stretch.

@@ -27,7 +27,7 @@ bool Port::tick(const DeviceSample& sample, double elapsed_s) {
     REQUIRE(now.allFinite());
     REQUIRE(now.norm() <= o_.safety.force_max_N * (1 + 1e-12));
     const bool lost = s_.counters().folded + s_.counters().unstable > no_inside;
-    if (fault || lost) REQUIRE(now == Eigen::Vector3d::Zero());
+    if (fault || lost || s_.record().status != TickStatus::done) REQUIRE(now == Eigen::Vector3d::Zero());
     else REQUIRE(change <= o_.safety.slew_N_s * o_.dt_s * (1 + 1e-9));
     faults_ += fault;
     return !fault && !lost;

@@ -167,11 +167,20 @@ TEST_CASE("a contact is stable on a device up to the stiffness that is said, and
                 const auto tick = [&] {
                     const double force = -share * limit_N_m * (2 * lead * x + (2 - 3 * lead) * last + (lead - 1) * before);
                     before = last, last = x;
-                    for (int k = 0; k < 1000; ++k) v += 1e-3 * dt * (force - damping * v) / device.mass_kg, x += 1e-3 * dt * v;
+                    for (int k = 0; k < 1000; ++k) {
+                        const double faster = 1e-3 * dt * (force - damping * v) / device.mass_kg;
+                        x += 1e-3 * dt * (v + faster / 2);
+                        v += faster;
+                    }
                 };
                 for (int k = 0; k < 20000 && std::abs(x) < 1e3; ++k) tick();
+                double swing = 0;
+                for (int k = 0; k < 500; ++k) {
+                    tick();
+                    swing = std::max(swing, std::abs(x));
+                }
                 INFO("damping " << damping << ", lead " << lead << ", " << share << " of " << limit_N_m << " N/m");
-                CHECK((std::abs(x) < 1e-3) == (share < 1));
+                CHECK((swing < 1e-3) == (share < 1));
             }
         }
     DeviceImpedance device;
@@ -211,15 +220,15 @@ TEST_CASE("the force of a tick is that of a hand so far ahead as is said", "[han
             Simulation still(model);
             sample.position_m = hand(0);
             still.tick(sample);
-            for (int k = 0; k < 4; ++k) {
-                sample.position_m = hand(time + mesh.lead * dt);
+            for (int k = 0; k < 6; ++k) {
+                sample.position_m = hand(k == 0 ? 0.03 : time + mesh.lead * dt);
                 still.tick(sample);
             }
             INFO((law ? "law, " : "springs, ") << mesh.substeps << " steps, lead " << mesh.lead);
             REQUIRE(still.record().coupling_N.norm() > 1e-3);
             CHECK(moving.record().coupling_N.norm() == Approx(still.record().coupling_N.norm()).epsilon(1e-3));
             CHECK((mesh.substeps > 1) == (law && stiffest > 1));
-            CHECK((mesh.substeps > 1 || mesh.lead == Approx(1)));
+            CHECK(mesh.lead >= Approx(mesh.substeps > 1 ? 0.55 : 0.75));
         }
 }
 
@@ -229,8 +238,8 @@ TEST_CASE("a stall while the tool presses leaves the tissue pressed", "[hand]") 
     const HapticModel model(law_example(), options);
     Simulation s(model);
     DeviceSample sample;
-    for (int k = 0; k < 400; ++k) {
-        sample.position_m = led(1e-3 * k);
+    for (int k = 0; k < 2000; ++k) {
+        sample.position_m = led(std::min(1e-3 * k, 0.45));
         s.tick(sample);
     }
     const double force = s.record().coupling_N.norm();
@@ -239,7 +248,7 @@ TEST_CASE("a stall while the tool presses leaves the tissue pressed", "[hand]") 
         s.tick(sample, stall_s);
         CHECK(s.record().status == TickStatus::done);
         for (int k = 0; k < 300; ++k) s.tick(sample);
-        CHECK(s.record().coupling_N.norm() == Approx(force).epsilon(0.02));
+        CHECK(s.record().coupling_N.norm() == Approx(force).epsilon(1e-3));
     }
     CHECK(s.counters().unstable == 0);
     const double before_s = s.record().time_s;
