@@ -60,7 +60,7 @@ std::string options_page() {
                        "`tissue-haptic` and `tissuectl serve` have them as `--NAME VALUE`, `tissue_open` as `\"NAME\", \"VALUE\"`, `tissue.Simulation` as\n"
                        "`NAME=VALUE` with `_` for `-`. Of the programs a `yes|no` is a flag: `--NAME`, or `--no-NAME` where the default is yes. A wrong value is refused\n"
                        "everywhere with the same line.\n\n"
-                       "| name | unit | default | values | where | meaning |\n|---|---|---|---|---|---|\n";
+                       "| name | unit | default | values | where | while it runs | meaning |\n|---|---|---|---|---|---|---|\n";
     const auto cell = [](std::string text) {
         for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
         return text;
@@ -70,8 +70,8 @@ std::string options_page() {
         for (const auto& [place, name] : {std::pair(tissue_haptic, "tissue-haptic"), std::pair(tissuectl_serve, "serve"), std::pair(interfaces, "C, Python")})
             if (row.where & place) where.emplace_back(name);
         const std::string initial = row.initial(programs), other = row.initial(interfaces);
-        page += fmt::format("| `{}` | {} | {} | {} | {} | {}{}{} |\n", row.name, cell(row.unit), initial + (other == initial ? "" : "; C, Python: " + other), row.values(),
-                            fmt::join(where, ", "), cell(row.meaning), row.more.empty() ? "" : ". ", cell(row.more));
+        page += fmt::format("| `{}` | {} | {} | {} | {} | {} | {}{}{} |\n", row.name, cell(row.unit), initial + (other == initial ? "" : "; C, Python: " + other), row.values(),
+                            fmt::join(where, ", "), row.where & live ? "may change" : "", cell(row.meaning), row.more.empty() ? "" : ". ", cell(row.more));
     }
     return page;
 }

@@ -1,7 +1,8 @@
 // Hands with mass, let go on a tissue: hand_probe [--times X] [--stated] [--all] MODEL
 // Four hands and devices (tests/haptic/hand.h), force scales 0.5, 1, 2 and 3, four places, 0.1 N, 1 N and as much as the deepest load case takes (3 N at most), on time,
 // with jitter and late. One line for each that does not come to rest: within 0.1 mm and 5 % of force after 2 s, the passivity controller in less than 1 % of
-// ticks, the force within 2 % of the model's own equilibrium there (not of one that relaxes). The last line says how many of how many.
+// ticks, the force within 2 % of the model's own equilibrium there (not of one that relaxes). Then hands that tap at 0.3 m/s, let go in contact and drag, with friction 0.3 and without slip:
+// one line for each that gets energy out of the tissue, trembles by 0.1 mm or has the passivity controller at work. The last lines say how many of how many.
 //   --times X       a tissue X times as stiff
 //   --stated        the mass of each hand is stated (device-mass), and what the program refuses then is left out
 //   --all           a line for each
@@ -29,6 +30,14 @@ struct Probe {
     bool stated = false, all = false;
 };
 
+constexpr struct {
+    const char* name;
+    double x, y, up;
+} places[] = {{"top", 0.5, 0.5, 1}, {"beside", 0.27, 0.62, 1}, {"side", 0, 0.45, 0.6}, {"corner", 0.98, 0.98, 1}};
+
+/// The largest force of FE on a load case of the model; of one that has none what its deepest case would need is not known: 1 N.
+double full_force_N(const TissueModel& tissue) { return tissue.contact_force_N.size() > 0 ? tissue.contact_force_N.rowwise().norm().maxCoeff() : 2.0; }
+
 /// In shares of the tissue's box, from its lowest corner (D).
 Point place_in(const SpringMesh& mesh, double x, double y, double up) {
     const Point low = mesh.nodes.colwise().minCoeff().transpose(), high = mesh.nodes.colwise().maxCoeff().transpose();
@@ -37,6 +46,51 @@ Point place_in(const SpringMesh& mesh, double x, double y, double up) {
     if (share.size() == 3) share[1] = y;
     share[share.size() - 1] = up;
     return low + share.cwiseProduct(high - low);
+}
+
+/// How many of how many hands are not as they should be in motion.
+struct Moved {
+    int wrong = 0, tried = 0, refused = 0;
+};
+
+bool refused(const Probe& o, const HapticModel& model, const Hand& hand) {
+    DeviceImpedance device;
+    device.mass_kg = hand.mass_kg;
+    const HapticMesh& mesh = *model.meshes[0];
+    return o.stated && mesh.contact_N_m * model.options.map.force_scale > stable_stiffness_N_m(device, model.options.dt_s, mesh.lead);
+}
+
+void in_motion(const Probe& o, const TissueModel& tissue, const FreeSurface& surface, double force_scale, Moved& moved) {
+    for (const double friction : {std::numeric_limits<double>::infinity(), 0.3}) {
+        HapticOptions options;
+        options.heuristic_mesh = false;
+        options.map.force_scale = force_scale;
+        options.friction.stick = friction;
+        const HapticModel model(tissue, options);
+        for (const auto& at : places) {
+            if (at.name == std::string("corner")) continue;  // who drags there falls off
+            const FreeSurface::Place place = surface.nearest(place_in(tissue.mesh, at.x, at.y, at.up));
+            for (const Hand& hand : hands)
+                for (const test::Clock& clock : clocks)
+                    for (const auto& [deed, name] : {std::pair(Deed::taps, "taps"), std::pair(Deed::lets_go, "lets go"), std::pair(Deed::drags, "drags")}) {
+                        if (refused(o, model, hand)) {
+                            ++moved.refused;
+                            continue;
+                        }
+                        Release release;
+                        release.contact_m = place.point_m;
+                        release.inward = place.inward;
+                        release.force_N = std::min(1.0, force_scale * full_force_N(tissue) / 2);
+                        const Ride ride = does(deed, model, hand, clock, release);
+                        const bool right = ride.passive() && ride.controlled < 0.01 && ride.faults == 0 && (deed != Deed::drags || ride.tremor_m < 1e-4);
+                        ++moved.tried;
+                        moved.wrong += !right;
+                        if (right && !o.all) continue;
+                        std::cout << fmt::format("force scale {:3.1f}  {:6} {:10} {:13} {:7} friction {:3g}: given at most {:8.2f} uJ of {:8.1f}, tremor {:7.4f} mm, controller {:5.1f} %, faults {}{}\n", force_scale, at.name,
+                                                 hand.name, clock.name, name, friction, 1e6 * ride.most_given_J, 1e6 * ride.put_in_J, 1e3 * ride.tremor_m, 100 * ride.controlled, ride.faults, right ? ", right" : "");
+                    }
+        }
+    }
 }
 
 void run(const Probe& o) {
@@ -52,12 +106,8 @@ void run(const Probe& o) {
     if (tissue.energy_law) answer.emplace(tissue.mesh, relaxes ? long_term(*tissue.energy_law) : *tissue.energy_law);
     const FreeSurface surface(tissue.mesh);
     const double depth_m = tissue.magnitude_m.maxCoeff();
-    const struct {
-        const char* name;
-        double x, y, up;
-    } places[] = {{"top", 0.5, 0.5, 1}, {"beside", 0.27, 0.62, 1}, {"side", 0, 0.45, 0.6}, {"corner", 0.98, 0.98, 1}};
-
-    int moving = 0, tried = 0, refused = 0;
+    int moving = 0, tried = 0, left_out = 0;
+    Moved moved;
     for (const double force_scale : {0.5, 1.0, 2.0, 3.0}) {
         HapticOptions options;
         options.heuristic_mesh = false;
@@ -65,7 +115,7 @@ void run(const Probe& o) {
         const HapticModel model(tissue, options);
         for (const auto& at : places) {
             const FreeSurface::Place place = surface.nearest(place_in(tissue.mesh, at.x, at.y, at.up));
-            double full_N = tissue.contact_force_N.size() > 0 ? force_scale * tissue.contact_force_N.rowwise().norm().maxCoeff() / 2 : 0;
+            double full_N = tissue.contact_force_N.size() > 0 ? force_scale * full_force_N(tissue) / 2 : 0;
             if (answer) {
                 const Equilibrium deepest = answer->at(place.point_m, depth_m * place.inward);
                 full_N = deepest ? force_scale * deepest.contact_force.norm() : 0;
@@ -74,12 +124,9 @@ void run(const Probe& o) {
             for (const Hand& hand : hands)
                 for (const test::Clock& clock : clocks)
                     for (const double force_N : {0.1, 1.0, full_N}) {
-                        const HapticMesh& mesh = *model.meshes[0];
-                        const double felt = mesh.contact_N_m * force_scale * options.dt_s * options.dt_s / hand.mass_kg;
-                        DeviceImpedance device;
-                        device.mass_kg = hand.mass_kg;
-                        if (o.stated && mesh.contact_N_m * force_scale > stable_stiffness_N_m(device, options.dt_s, mesh.lead)) {
-                            ++refused;
+                        const double felt = model.meshes[0]->contact_N_m * force_scale * options.dt_s * options.dt_s / hand.mass_kg;
+                        if (refused(o, model, hand)) {
+                            ++left_out;
                             continue;
                         }
                         Release release;
@@ -102,8 +149,11 @@ void run(const Probe& o) {
                                                  hand.name, clock.name, felt, rest.force_N, 1e3 * rest.swing_m, rest.swing_N, 100 * rest.controlled, 100 * off, rest.faults, rest.contact ? "" : ", no contact", rests ? ", rests" : "");
                     }
         }
-        if (force_scale == 3)
-            std::cout << fmt::format("{} times {:g}, {:.0f} N/m at once, {} steps a tick: {} of {} do not come to rest, {} left out\n", o.model, o.times, model.meshes[0]->contact_N_m, model.meshes[0]->substeps, moving, tried, refused);
+        in_motion(o, tissue, surface, force_scale, moved);
+        if (force_scale < 3) continue;
+        std::cout << fmt::format("{} times {:g}, {:.0f} N/m at once, {} steps a tick, lead {:.2f}: {} of {} do not come to rest, {} left out\n", o.model, o.times, model.meshes[0]->contact_N_m, model.meshes[0]->substeps,
+                                 model.meshes[0]->lead, moving, tried, left_out);
+        std::cout << fmt::format("in motion: {} of {} get energy, tremble or need the controller, {} left out\n", moved.wrong, moved.tried, moved.refused);
     }
 }
 

@@ -58,7 +58,7 @@ Frame make_frame(const TickState& s, const Scene& scene, const Near& near, const
     put(14, s.contact_displacement_m[0]);
     put(16, s.contact_displacement_m.size() > 1 ? s.contact_displacement_m[1] : nothing);
     put(18, -r.coupling_N);
-    put(20, model.options.map.axes * r.device_N);
+    put(20, model.options.map.force_to_tissue(r.device_N));
     head[22] = number(near.place);
     head[23] = near.force_N;
     head[24] = number(r.set);

@@ -30,4 +30,20 @@ inline constexpr std::array<SessionCount, 13> session_counts{{
     {"lost_ms", [](const Simulation& s) { return std::llround(std::min(1e3 * s.counters().lost_s, 1e15)); }},
 }};
 
+/// The energy log of a session [J], by the names of tissue_energy.
+struct SessionEnergy {
+    const char* name;
+    double (*of)(const Simulation&);
+};
+
+inline constexpr std::array<SessionEnergy, 7> session_energies{{
+    {"given", [](const Simulation& s) { return s.safety().counters().energy_given_J; }},
+    {"observed", [](const Simulation& s) { return s.safety().observed_J(); }},
+    {"bound", [](const Simulation& s) { return s.safety().lateness() * s.safety().bound_J(); }},
+    {"kinetic", [](const Simulation& s) { return s.kinetic_J(); }},
+    {"friction", [](const Simulation& s) { return s.friction().burnt_J(); }},
+    {"stored", [](const Simulation& s) { return s.branches().stored_J; }},
+    {"dissipated", [](const Simulation& s) { return s.branches().burnt_J; }},
+}};
+
 }  // namespace tissue

@@ -6,6 +6,7 @@
 #include <memory>
 #include <new>
 #include <string>
+#include <utility>
 
 #include "api/session_counts.h"
 #include "error.h"
@@ -14,11 +15,18 @@
 
 using namespace tissue;
 
+struct tissue_model {
+    std::shared_ptr<const HapticModel> model;
+};
+
 struct tissue_session {
-    TissueModel tissue;
-    HapticModel model;
-    Simulation simulation;
-    tissue_session(TissueModel read, const HapticOptions& options) : tissue(std::move(read)), model(tissue, options), simulation(model) {}
+    std::shared_ptr<const HapticModel> shared;
+    std::unique_ptr<Simulation> running;
+    explicit tissue_session(std::shared_ptr<const HapticModel> of) : shared(std::move(of)), running(std::make_unique<Simulation>(*shared)) {}
+    tissue_session(const tissue_session& other) : shared(other.shared), running(std::make_unique<Simulation>(*other.running)) {}
+    const HapticModel& model() const { return *shared; }
+    Simulation& simulation() { return *running; }
+    const Simulation& simulation() const { return *running; }
 };
 
 namespace {
@@ -35,6 +43,32 @@ tissue_status fail(tissue_status status, const char* why) noexcept {
 
 tissue_status bad(const char* why) noexcept { return fail(TISSUE_BAD_ARGUMENT, why); }
 
+/// What `act` returns, or what its exception is.
+template <class Act>
+tissue_status caught(Act act) noexcept {
+    try {
+        return act();
+    } catch (const FileError& e) {
+        return fail(TISSUE_BAD_FILE, e.what());
+    } catch (const MismatchError& e) {
+        return fail(TISSUE_MISMATCH, e.what());
+    } catch (const std::exception& e) {
+        return fail(TISSUE_FAILED, e.what());
+    } catch (...) {
+        return fail(TISSUE_FAILED, "what was thrown is not known");
+    }
+}
+
+/// An option that there is not, or whose value is none of its kind, is a wrong argument.
+tissue_status set(HapticOptions& options, const char* name, const char* value, bool while_it_runs) {
+    try {
+        set_option(options, name, value, while_it_runs);
+    } catch (const MismatchError& e) {
+        return bad(e.what());
+    }
+    return TISSUE_OK;
+}
+
 /// In three numbers, the third 0 in the plane.
 void three(const Point& p, double to[3]) noexcept {
     for (Eigen::Index a = 0; a < 3; ++a) to[a] = a < p.size() ? p[a] : 0;
@@ -48,43 +82,57 @@ const char* tissue_version(void) { return version; }
 
 const char* tissue_error(void) { return failure; }
 
-tissue_status tissue_open(const char* model_file, const char* const* options, tissue_session** session) {
-    if (!model_file || !session) return bad("tissue_open: a null pointer");
-    try {
+tissue_status tissue_open_model(const char* model_file, const char* const* options, tissue_model** model) {
+    if (!model_file || !model) return bad("tissue_open_model: a null pointer");
+    return caught([&] {
         HapticOptions haptic = interface_options();
         for (; options && options[0]; options += 2) {
-            if (!options[1]) return bad("tissue_open: an option without a value");
-            try {
-                set_option(haptic, options[0], options[1]);
-            } catch (const MismatchError& e) {
-                return bad(e.what());
-            }
+            if (!options[1]) return bad("an option without a value");
+            if (const tissue_status status = set(haptic, options[0], options[1], false); status != TISSUE_OK) return status;
         }
-        *session = std::make_unique<tissue_session>(read_model(model_file), haptic).release();
+        *model = new tissue_model{std::make_shared<HapticModel>(read_model(model_file), haptic)};
         return TISSUE_OK;
-    } catch (const FileError& e) {
-        return fail(TISSUE_BAD_FILE, e.what());
-    } catch (const MismatchError& e) {
-        return fail(TISSUE_MISMATCH, e.what());
-    } catch (const std::exception& e) {
-        return fail(TISSUE_FAILED, e.what());
-    } catch (...) {
-        return fail(TISSUE_FAILED, "tissue_open: what was thrown is not known");
-    }
+    });
 }
 
-void tissue_close(tissue_session* session) { delete session; }
+tissue_status tissue_begin(const tissue_model* model, tissue_session** session) {
+    if (!model || !session) return bad("tissue_begin: a null pointer");
+    return caught([&] {
+        *session = new tissue_session(model->model);
+        return TISSUE_OK;
+    });
+}
 
-tissue_status tissue_tick(tissue_session* s, const double position_m[3], double elapsed_s, double force_N[3]) {
+tissue_status tissue_open(const char* model_file, const char* const* options, tissue_session** session) {
+    if (!model_file || !session) return bad("tissue_open: a null pointer");
+    tissue_model* model = nullptr;
+    tissue_status status = tissue_open_model(model_file, options, &model);
+    if (status == TISSUE_OK) status = tissue_begin(model, session);
+    tissue_close_model(&model);
+    return status;
+}
+
+void tissue_close_model(tissue_model** model) {
+    if (model) delete std::exchange(*model, nullptr);
+}
+
+void tissue_close(tissue_session** session) {
+    if (session) delete std::exchange(*session, nullptr);
+}
+
+tissue_status tissue_tick(tissue_session* s, const double position_m[3], double elapsed_s, double force_N[3]) { return tissue_tick_aged(s, position_m, 0, elapsed_s, force_N); }
+
+tissue_status tissue_tick_aged(tissue_session* s, const double position_m[3], double age_s, double elapsed_s, double force_N[3]) {
     if (!s || !position_m || !force_N) {
         if (force_N) std::fill_n(force_N, 3, 0.0);  // or a caller who does not look at the status plays the old one for ever
         return TISSUE_BAD_ARGUMENT;
     }
     DeviceSample sample;
     sample.position_m = Eigen::Vector3d(position_m[0], position_m[1], position_m[2]);
-    const Eigen::Vector3d force = s->simulation.tick(sample, elapsed_s);
+    sample.age_s = age_s;
+    const Eigen::Vector3d force = s->simulation().tick(sample, elapsed_s);
     for (int a = 0; a < 3; ++a) force_N[a] = force[a];
-    switch (s->simulation.record().status) {
+    switch (s->simulation().record().status) {
         case TickStatus::refused: return TISSUE_FAULT;
         case TickStatus::not_armed: return TISSUE_NOT_ARMED;
         case TickStatus::folded: return TISSUE_FOLDED;
@@ -92,6 +140,64 @@ tissue_status tissue_tick(tissue_session* s, const double position_m[3], double 
         case TickStatus::done: break;
     }
     return TISSUE_OK;
+}
+
+tissue_status tissue_set(tissue_session* s, const char* name, const char* value) {
+    if (!s || !name || !value) return bad("tissue_set: a null pointer");
+    return caught([&] {
+        HapticOptions options = s->simulation().options();
+        if (const tissue_status status = set(options, name, value, true); status != TISSUE_OK) return status;
+        s->simulation().change(options);
+        return TISSUE_OK;
+    });
+}
+
+tissue_status tissue_clutch(tissue_session* s, int on) {
+    if (!s) return bad("tissue_clutch: a null pointer");
+    s->simulation().clutch(on != 0);
+    return TISSUE_OK;
+}
+
+tissue_status tissue_follow(const tissue_model* model, const tissue_session* leader, tissue_session** session) {
+    if (!model || !leader || !session) return bad("tissue_follow: a null pointer");
+    return caught([&] {
+        auto next = std::make_unique<tissue_session>(model->model);
+        next->simulation().follow(leader->simulation());
+        *session = next.release();
+        return TISSUE_OK;
+    });
+}
+
+tissue_status tissue_take_over(tissue_session* s, const tissue_session* from) {
+    if (!s || !from || s == from) return bad("tissue_take_over: a null pointer, or one session twice");
+    if (s->model().dimension() != from->model().dimension()) return fail(TISSUE_MISMATCH, "tissue_take_over: sessions of different numbers of axes");
+    s->simulation().take_over(from->simulation());
+    return TISSUE_OK;
+}
+
+size_t tissue_state_size(const tissue_session* s) { return s ? s->simulation().state_size() : 0; }
+
+tissue_status tissue_save(const tissue_session* s, void* state, size_t size) {
+    if (!s || !state) return bad("tissue_save: a null pointer");
+    if (size != s->simulation().state_size()) return bad("tissue_save: the size is not tissue_state_size");
+    s->simulation().save(static_cast<std::byte*>(state));
+    return TISSUE_OK;
+}
+
+tissue_status tissue_restore(tissue_session* s, const void* state, size_t size) {
+    if (!s || !state) return bad("tissue_restore: a null pointer");
+    return caught([&] {
+        s->simulation().restore(static_cast<const std::byte*>(state), size);
+        return TISSUE_OK;
+    });
+}
+
+tissue_status tissue_copy(const tissue_session* s, tissue_session** copy) {
+    if (!s || !copy) return bad("tissue_copy: a null pointer");
+    return caught([&] {
+        *copy = new tissue_session(*s);
+        return TISSUE_OK;
+    });
 }
 
 const char* tissue_status_text(tissue_status status) {
@@ -111,18 +217,18 @@ const char* tissue_status_text(tissue_status status) {
 
 tissue_status tissue_reset(tissue_session* s) {
     if (!s) return bad("tissue_reset: a null pointer");
-    s->simulation.reset();
+    s->simulation().reset();
     return TISSUE_OK;
 }
 
-int tissue_dimension(const tissue_session* s) { return s ? s->model.dimension() : 0; }
-int tissue_node_count(const tissue_session* s) { return s ? s->model.rest.node_count() : 0; }
-int tissue_facet_count(const tissue_session* s) { return s ? static_cast<int>(s->model.rest.facets.rows()) : 0; }
-const char* tissue_study(const tissue_session* s) { return s ? s->model.study.c_str() : ""; }
+int tissue_dimension(const tissue_session* s) { return s ? s->model().dimension() : 0; }
+int tissue_node_count(const tissue_session* s) { return s ? s->model().rest.node_count() : 0; }
+int tissue_facet_count(const tissue_session* s) { return s ? static_cast<int>(s->model().rest.facets.rows()) : 0; }
+const char* tissue_study(const tissue_session* s) { return s ? s->model().study.c_str() : ""; }
 
 tissue_status tissue_facets(const tissue_session* s, int* nodes) {
     if (!s || !nodes) return bad("tissue_facets: a null pointer");
-    const auto& facets = s->model.rest.facets;
+    const auto& facets = s->model().rest.facets;
     for (Eigen::Index f = 0; f < facets.rows(); ++f)
         for (Eigen::Index k = 0; k < facets.cols(); ++k) *nodes++ = facets(f, k);
     return TISSUE_OK;
@@ -130,7 +236,7 @@ tissue_status tissue_facets(const tissue_session* s, int* nodes) {
 
 tissue_status tissue_rest_positions(const tissue_session* s, double* position_m) {
     if (!s || !position_m) return bad("tissue_rest_positions: a null pointer");
-    const NodeField& nodes = s->model.rest.nodes;
+    const NodeField& nodes = s->model().rest.nodes;
     for (Eigen::Index n = 0; n < nodes.rows(); ++n)
         for (Eigen::Index a = 0; a < nodes.cols(); ++a) *position_m++ = nodes(n, a);
     return TISSUE_OK;
@@ -138,8 +244,8 @@ tissue_status tissue_rest_positions(const tissue_session* s, double* position_m)
 
 tissue_status tissue_positions(const tissue_session* s, double* position_m) {
     if (!s || !position_m) return bad("tissue_positions: a null pointer");
-    const NodeField& nodes = s->model.rest.nodes;
-    const NodeColumns& u = s->simulation.state(0).displacement;
+    const NodeField& nodes = s->model().rest.nodes;
+    const NodeColumns& u = s->simulation().state(0).displacement;
     for (Eigen::Index n = 0; n < nodes.rows(); ++n)
         for (Eigen::Index a = 0; a < nodes.cols(); ++a) *position_m++ = nodes(n, a) + u(n, a);
     return TISSUE_OK;
@@ -147,7 +253,7 @@ tissue_status tissue_positions(const tissue_session* s, double* position_m) {
 
 tissue_status tissue_read_contact(const tissue_session* s, tissue_contact* contact) {
     if (!s || !contact) return bad("tissue_read_contact: a null pointer");
-    const TickRecord& tick = s->simulation.record();
+    const TickRecord& tick = s->simulation().record();
     *contact = {};
     contact->mesh = tick.mesh;
     contact->facet = tick.facet;
@@ -160,21 +266,29 @@ tissue_status tissue_read_contact(const tissue_session* s, tissue_contact* conta
 
 const char* tissue_stiffness(const tissue_session* s) {
     if (!s) return "";
-    if (s->model.is_law()) return "law";
-    const int set = s->simulation.record().set;
-    return set < 0 ? "" : s->model.set_names[static_cast<std::size_t>(set)].c_str();
+    if (s->model().is_law()) return "law";
+    const int set = s->simulation().record().set;
+    return set < 0 ? "" : s->model().set_names[static_cast<std::size_t>(set)].c_str();
 }
 
 tissue_status tissue_count(const tissue_session* s, const char* name, long long* count) {
     if (!s || !name || !count) return bad("tissue_count: a null pointer");
     for (const SessionCount& one : session_counts)
         if (std::strcmp(name, one.name) == 0) {
-            *count = one.of(s->simulation);
+            *count = one.of(s->simulation());
             return TISSUE_OK;
         }
     return bad("tissue_count: there is no such count");
 }
 
-double tissue_energy_given_J(const tissue_session* s) { return s ? s->simulation.safety().counters().energy_given_J : 0; }
+tissue_status tissue_energy(const tissue_session* s, const char* name, double* energy_J) {
+    if (!s || !name || !energy_J) return bad("tissue_energy: a null pointer");
+    for (const SessionEnergy& one : session_energies)
+        if (std::strcmp(name, one.name) == 0) {
+            *energy_J = one.of(s->simulation());
+            return TISSUE_OK;
+        }
+    return bad("tissue_energy: there is no such energy");
+}
 
 }  // extern "C"

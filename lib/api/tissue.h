@@ -3,7 +3,7 @@
  *   tissue_session *tissue = NULL;
  *   if (tissue_open("model.h5", NULL, &tissue) != TISSUE_OK) puts(tissue_error());
  *   while (running) tissue_tick(tissue, position_m, 0, force_N);
- *   tissue_close(tissue);
+ *   tissue_close(&tissue);
  *
  * SI units. A model has D = 2 or 3 axes; a device has always three, of which a model in the plane takes the first two
  * (option "axes"). Arrays of nodes are N times D doubles, node after node.
@@ -13,8 +13,10 @@
  * tissue_status_text() says what its status is. No function throws, aborts or prints.
  *
  * Threads: a session belongs to one thread at a time; who hands it over does so between two calls. Sessions know nothing of
- * each other. tissue_tick, tissue_reset and everything that only reads take no lock, allocate nothing and never wait, so that they may
- * run at 1 kHz and above; tissue_open and tissue_close read files and allocate.
+ * each other, also those of one model, which never changes. tissue_tick, tissue_reset, tissue_clutch, tissue_save, tissue_take_over and everything that only reads take no lock, allocate nothing and never wait, so
+ * that they may run at 1 kHz and above. What opens, closes, copies, restores, sets or follows allocates, and belongs between two ticks.
+ *
+ * Closing sets the caller's pointer to NULL, and closing NULL does nothing: closing twice is harmless. A second copy of the pointer is the caller's own to forget.
  *
  * Links: -ltissue alone (pkg-config tissue-c). Symbols are versioned (TISSUE_1); what has been in a release stays.
  */
@@ -30,6 +32,7 @@ extern "C" {
 #define TISSUE_API __attribute__((visibility("default")))
 
 typedef struct tissue_session tissue_session;
+typedef struct tissue_model tissue_model;
 
 typedef enum tissue_status {
     TISSUE_OK = 0,
@@ -57,19 +60,51 @@ TISSUE_API const char *tissue_error(void);
  * A value out of its range, and an option that would do nothing with this model, is TISSUE_MISMATCH. */
 TISSUE_API tissue_status tissue_open(const char *model_file, const char *const *options, tissue_session **session);
 
-/* NULL is nothing to close. */
-TISSUE_API void tissue_close(tissue_session *session);
+TISSUE_API void tissue_close(tissue_session **session);
+
+/* The same in two: a model is opened once, with the options that its sessions begin with, and serves any number of them. They keep what they need of it: it may be closed before they are. */
+TISSUE_API tissue_status tissue_open_model(const char *model_file, const char *const *options, tissue_model **model);
+TISSUE_API tissue_status tissue_begin(const tissue_model *model, tissue_session **session);
+TISSUE_API void tissue_close_model(tissue_model **model);
 
 /* One step of dt: where the device is [m], and the force that it puts on the hand [N]. elapsed_s: since the last tick, as the clock
  * says; 0: dt; negative or not finite: unknown, and taken for as long as the device holds a force (option "hold"; 10 ms where that is "inf"). The tissue goes through that time, whatever the rate; a stall of more than half a second is lost to it
  * (count "lost_ms"). A force that the device still holds after option "hold" (0.01 s) is in no energy log: a host whose ticks may stall sees to it that the device lets go, or sets
  * hold to "inf". The force is finite and within force-max whatever comes in, and zero where the status is not TISSUE_OK, also where an argument is refused. What it gives the hand is bounded for every device
- * (lib/haptic/safety.h); that a hand comes to rest on the tissue is promised for a device whose mass is stated, option "device-mass". The thread's floating-point mode (rounding, traps, denormals) is set for
+ * (lib/haptic/safety.h); that a hand comes to rest on the tissue is promised for a device whose mass is stated, option "device-mass", and whose positions come with every tick, every dt. The thread's floating-point mode (rounding, traps, denormals) is set for
  * the tick, and after it is as it was. */
 TISSUE_API tissue_status tissue_tick(tissue_session *session, const double position_m[3], double elapsed_s, double force_N[3]);
 
+/* The same for a device whose positions come less often than ticks: age_s is how long ago this one was measured; a position that is given again has grown older by
+ * as much as has passed. The hand's speed is then judged by the time between two measurements. A position older than option "stale", or whose age is no number, is refused; a negative age is 0. */
+TISSUE_API tissue_status tissue_tick_aged(tissue_session *session, const double position_m[3], double age_s, double elapsed_s, double force_N[3]);
+
 /* The tissue to rest; the tool must be outside once before there is force again. */
 TISSUE_API tissue_status tissue_reset(tissue_session *session);
+
+/* ---- while it runs */
+
+/* One option that may change while a session runs (OPTIONS.md: offset, rotation, axes, scale, force-scale, friction, device-mass, ...). A change that moves the
+ * tool in the tissue by more than a hand does in a tick is a new start: the tool must be outside once. Refused values leave everything as it was. */
+TISSUE_API tissue_status tissue_set(tissue_session *session, const char *name, const char *value);
+
+/* on: the hand moves and the tool stays, without force; the offset follows. Off: the tool goes on from there. */
+TISSUE_API tissue_status tissue_clutch(tissue_session *session, int on);
+
+/* Another model at the same hand, without a jump of force. tissue_follow begins a session of a model of as many axes whose tool is led to where the tool of `leader` is: some hundred ticks,
+ * for which no device can wait, so in another thread, with a copy of the session that plays (tissue_copy). tissue_take_over then puts it in the place of the one that plays, between two
+ * ticks: force, energy given, options and counts go on, and what forces differ by fades within some tenths of a second. TISSUE_MISMATCH: of another number of axes, too stiff for the
+ * device, or of another shape where the tool is. A session that is to take over has ticked no more since tissue_follow. */
+TISSUE_API tissue_status tissue_follow(const tissue_model *model, const tissue_session *leader, tissue_session **session);
+TISSUE_API tissue_status tissue_take_over(tissue_session *session, const tissue_session *from);
+
+/* A session as a value: all that changes while it runs, as bytes, for this version of the library on this machine. A session of the same model goes on from them bit for bit. */
+TISSUE_API size_t tissue_state_size(const tissue_session *session); /* bytes; 0 of NULL; the same for the session's whole life with one model */
+TISSUE_API tissue_status tissue_save(const tissue_session *session, void *state, size_t size);
+TISSUE_API tissue_status tissue_restore(tissue_session *session, const void *state, size_t size); /* TISSUE_MISMATCH: of another model, or damaged; not for bytes of strangers. The force is the saved one: with a hand on the device, restore where it was */
+
+/* Another session that goes on as this one does. */
+TISSUE_API tissue_status tissue_copy(const tissue_session *session, tissue_session **copy);
 
 /* ---- what stays as it is */
 
@@ -106,8 +141,9 @@ TISSUE_API const char *tissue_stiffness(const tissue_session *session);
 /* Counts of the session by name: ticks, folded, unstable, not_yet_outside, bad_input, jumps, stale, late, clamped, slewed, damped, capped, lost_ms. */
 TISSUE_API tissue_status tissue_count(const tissue_session *session, const char *name, long long *count);
 
-/* To the hand since the start [J]; below 0: the hand gave. */
-TISSUE_API double tissue_energy_given_J(const tissue_session *session);
+/* The energy log [J] by name: given (to the hand since the start; below 0: the hand gave), observed and bound (of the passivity observer: E and r B in lib/haptic/safety.h),
+ * kinetic (of the tissue), friction (dissipated between tool and tissue), and of a tissue that relaxes, opened with "energy-book" "yes", stored and dissipated in its branches; 0 otherwise. */
+TISSUE_API tissue_status tissue_energy(const tissue_session *session, const char *name, double *energy_J);
 
 #ifdef __cplusplus
 }

@@ -13,6 +13,8 @@ struct ContactState {
     SurfacePlace where;     ///< facet and weights while in contact
     Point proxy_m;          ///< (D)
     bool has_proxy = false; ///< false before the first position: the proxy starts at the master
+
+    void fields(StateBytes& state) noexcept { state(contact, pressing, where.facet, where.weight, where.position_m, where.distance_m, proxy_m, has_proxy); }
 };
 
 /// One row of the table: what was found, in the order of `ContactRow`'s bits.

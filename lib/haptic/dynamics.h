@@ -8,6 +8,7 @@
 
 #include "haptic/realtime_law.h"
 #include "haptic/realtime_mesh.h"
+#include "haptic/state_bytes.h"
 #include "springs/tool_spring.h"
 
 namespace tissue {
@@ -24,6 +25,11 @@ struct MeshState {
     NodeColumns force;         ///< K u, scratch [N] (N x D)
     BranchMemory memory;       ///< of a law that relaxes (RealtimeLaw::memory); else empty
     Eigen::VectorXd theta;     ///< stiffness in use, by slot [N/m] (P); of a law its springs', which stay
+    void fields(StateBytes& state) noexcept {
+        state(displacement, velocity, acceleration, memory, theta);
+        if (state.reads()) theta_changed = true;
+    }
+
     bool theta_changed = true; ///< since the last step: whoever keeps a factor of K must make it again
 };
 

@@ -38,6 +38,15 @@ class Friction {
     /// as the surface has them.
     void slide(const FreeSurface& surface, const RealtimeMesh& mesh, const MovingSurface& now, double coupling_N_m, const Point& tool_m, SurfacePlace& where) noexcept;
 
+    FrictionOptions options() const { return {stick_, slip_ == stick_ ? std::nullopt : std::optional<double>(slip_)}; }
+    /// Other friction from now on; what was burnt stays.
+    void become(const FrictionOptions& options) {
+        const Friction other(options);  // or it throws
+        stick_ = other.stick_, slip_ = other.slip_;
+    }
+
+    void fields(StateBytes& state) noexcept { state(stick_, slip_, slipping_, burnt_J_); }
+
    private:
     double cone() const { return slipping_ ? slip_ : stick_; }
 

@@ -24,7 +24,7 @@ DeviceSample HiddenTissue::read(double time_s) noexcept {
     simulation_.tick(sample, last_s_ < time_s ? time_s - last_s_ : 0);
     last_s_ = time_s;
     const TickRecord& tick = simulation_.record();
-    sample.measured_N = model_.options.map.axes.transpose() * (tick.mesh >= 0 ? Point(-tick.coupling_N) : Point(Point::Zero(model_.dimension())));
+    sample.measured_N = model_.options.map.force_from_tissue(tick.mesh >= 0 ? Point(-tick.coupling_N) : Point(Point::Zero(model_.dimension())));
     return sample;
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <utility>
 
 #include "error.h"
 #include "haptic/realtime_law.h"
@@ -14,7 +15,7 @@
 namespace tissue {
 namespace {
 
-RealtimeLaw& law_of(HapticModel& model) {
+const RealtimeLaw& law_of(const HapticModel& model) {
     if (!model.is_law()) throw MismatchError("only a law learns while it plays; the stiffness of this model is sets");
     return *model.meshes.front()->law;
 }
@@ -47,9 +48,9 @@ HapticOptions live_options(HapticOptions options, const Adaptation& adaptation) 
     return options;
 }
 
-Learner::Learner(HapticModel& model, Adaptation& adaptation, const LearnerOptions& options)
-    : model_(model), adaptation_(adaptation), options_(options), law_(law_of(model)), now_(law_.stiffness()), readings_to_learn_(64),
-      learned_({law_.stiffness(), 0}) {
+Learner::Learner(const HapticModel& model, Adaptation& adaptation, const LearnerOptions& options)
+    : model_(model), adaptation_(adaptation), options_(options), now_(law_of(model).stiffness()), readings_to_learn_(64),
+      learned_({now_, 0}) {
     const LawModel law = adaptation.law();
     if (law.constants.size() != now_.constants.size() || law.patch.log_N_m.rows() != now_.patch.log_N_m.rows())
         throw MismatchError("what learns is not of the model that plays");
@@ -76,17 +77,19 @@ void Learner::stop() {
 }
 
 bool Learner::before(Simulation& simulation) {
-    if (learned_.fetch()) arrived_ = false;
+    if (learned_.fetch() || std::exchange(restores_, simulation.restores()) != simulation.restores()) arrived_ = false;
     moves_ = !arrived_;
     if (arrived_) return true;
+    RealtimeLaw& law = *simulation.law();
     const LawStiffness& goal = learned_.front().stiffness;
+    now_ = law.stiffness();
     arrived_ = true;
     for (Eigen::Index c = 0; c < now_.constants.size(); ++c) arrived_ &= step_towards(now_.constants[c], goal.constants[c], options_.step * now_.constants[c]);
     for (Eigen::Index n = 0; n < now_.contact_log_scale.size(); ++n) arrived_ &= step_towards(now_.contact_log_scale[n], goal.contact_log_scale[n], options_.step);
     auto patch = now_.patch.log_N_m.reshaped();
     const auto patch_goal = goal.patch.log_N_m.reshaped();
     for (Eigen::Index i = 0; i < patch.size(); ++i) arrived_ &= step_towards(patch[i], patch_goal[i], options_.step);
-    law_.become(now_);
+    law.become(now_);
     simulation.law_changed();
     return true;
 }

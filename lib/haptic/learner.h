@@ -46,9 +46,9 @@ struct LearnerOptions {
 /// would be the greater surprise, and no tick depends on the learner.
 class Learner final : public TickHook {
    public:
-    /// model: of the simulation that plays, with nobody else; it and the adaptation outlive this. Throws MismatchError where adaptation is
+    /// model: of the one simulation that plays under it; it and the adaptation outlive this. Throws MismatchError where adaptation is
     /// of another mesh or may become stiffer than the model's steps bear.
-    Learner(HapticModel& model, Adaptation& adaptation, const LearnerOptions& options = {});
+    Learner(const HapticModel& model, Adaptation& adaptation, const LearnerOptions& options = {});
     ~Learner() override;
 
     bool before(Simulation& simulation) override;
@@ -91,13 +91,13 @@ class Learner final : public TickHook {
     void try_to_learn_from(const Reading& reading) noexcept;
     void learn_from(const Reading& reading);
 
-    HapticModel& model_;
+    const HapticModel& model_;
     Adaptation& adaptation_;
     LearnerOptions options_;
-    RealtimeLaw& law_;
     // the tick's
     LawStiffness now_;
     bool arrived_ = true;
+    int restores_ = 0;  ///< of the session, that it has seen: the law may be an older one
     bool relaxes_ = false, moves_ = false;     ///< the law: over time; in this tick, by what was learned
     int facet_ = -1;
     Eigen::Vector3d weight_ = Eigen::Vector3d::Zero();

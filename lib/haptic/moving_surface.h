@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "haptic/state_bytes.h"
 #include "mesh/spring_mesh.h"
 
 namespace tissue {
@@ -42,6 +43,9 @@ class MovingSurface {
     /// 256 at the most. Until then inside and contact are guesses, and what bounds the hand is Safety alone, which asks nothing of the surface:
     /// force_max, slew, and E <= r B where `passivity` is on.
     virtual bool simple() noexcept = 0;
+
+    /// What it knows beside where its nodes are.
+    virtual void fields(StateBytes&) noexcept {}
 
     /// Inside, and farther than tolerance_m from the surface.
     bool contains_strictly(const Point& p, double tolerance_m) const noexcept { return contains(p) && nearest(p).distance_m > tolerance_m; }

@@ -34,6 +34,7 @@ class MovingTriangles final : public MovingSurface {
     SurfacePlace nearest(const Point& p) const noexcept override;
     std::optional<SurfacePlace> first_crossing(const Point& p, const Point& m) const noexcept override;
     bool simple() noexcept override;
+    void fields(StateBytes& state) noexcept override { state(crossed_, crossings_, next_); }
 
    private:
     using Corners = std::array<int, 3>;

@@ -198,6 +198,17 @@ RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) 
     first_node_ = first_box_ + boxes_.count;
 }
 
+RealtimeLaw::RealtimeLaw(const RealtimeLaw& other)
+    : springs_(other.springs_), now_(other.now_), theta_(other.theta_), relaxation_(other.relaxation_), first_square_(other.first_square_), first_region_(other.first_region_),
+      first_box_(other.first_box_), first_node_(other.first_node_), spring_of_slot_(other.spring_of_slot_), squares_(other.squares_), regions_(other.regions_), walk_(other.walk_),
+      boxes_(other.boxes_), tetrahedra_(other.tetrahedra_), kernel_(other.kernel_->clone()) {}
+
+void RealtimeLaw::fields(StateBytes& state) noexcept {
+    state(now_.constants, now_.patch.log_N_m, now_.contact_log_scale, theta_, squares_.gain, boxes_.gain, tetrahedra_.node_gain);
+    for (Region& region : regions_) state(region.gain);
+    if (state.reads()) kernel_->scale(now_.contact_log_scale);
+}
+
 void RealtimeLaw::become(const LawStiffness& stiffness) noexcept {
     const auto grown = [&](Eigen::Index c) { return stiffness.constants[c] / now_.constants[c]; };
     for (std::size_t slot = 0; slot < spring_of_slot_.size(); ++slot)

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "haptic/realtime_mesh.h"
+#include "haptic/state_bytes.h"
 #include "springs/contact_patch.h"
 #include "springs/tissue_energy.h"
 #include "springs/tissue_model.h"
@@ -33,6 +34,9 @@ class RealtimeLaw {
     /// springs: of the model's mesh, with the law `geometric`, which is a law's own (springs/turning_springs.h); it must outlive this.
     /// Throws MismatchError for a model without a law, and for springs of another law.
     RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs);
+    /// The same law on the same springs, which becomes another by itself: each session has its own.
+    RealtimeLaw(const RealtimeLaw& other);
+    RealtimeLaw& operator=(const RealtimeLaw&) = delete;
 
     /// dW/du: what holds u [N]. Fixed nodes get theirs too. scratch: of the caller, of scratch_size(); what is in it means nothing.
     /// memory: of a law that relaxes, made by memory(); empty, it is the instantaneous one. It goes on by a step, to u.
@@ -60,8 +64,12 @@ class RealtimeLaw {
     double spacing_m() const { return kernel_->spacing_m(); }  ///< mean, of the free surface's nodes
 
     const LawStiffness& stiffness() const { return now_; }
+    const Relaxation& relaxation() const { return relaxation_; }
     /// Another one of the same sizes from now on, between ticks; memory stays what it is. No allocation.
     void become(const LawStiffness& stiffness) noexcept;
+
+    /// What become() changes.
+    void fields(StateBytes& state) noexcept;
 
    private:
     /// Squares whose corners are first + k, + b, + c, + d: one a node; where there is none, gain is 0.

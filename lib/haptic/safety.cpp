@@ -50,43 +50,68 @@ void Safety::let_go(double elapsed_s) noexcept {
 
 bool Safety::admit(const DeviceSample& sample, double elapsed_s) noexcept {
     elapsed_s_ = std::max(0.0, elapsed_s);
-    motion_m_.setZero();
     since_good_s_ += elapsed_s_;
     if (observed_J_ > 0) observed_J_ *= std::exp(-elapsed_s_ / surplus_fades_s);
     if (!force_N_.isZero(0)) {
-        lateness_ = std::max(lateness_, std::min(elapsed_s_, o_.hold_s) / o_.dt_s);
+        const double held_s = std::min(elapsed_s_, o_.hold_s);
+        lateness_ = std::max(lateness_, (held_s + std::min(since_good_s_ - elapsed_s_, o_.stale_s)) / o_.dt_s);
         if (elapsed_s_ > o_.hold_s / 2 * rounding) let_go(elapsed_s_);
     }
-    if (!sample.valid || !(sample.position_m.cwiseAbs().maxCoeff() < farthest_m) || !sample.position_m.allFinite()) {
-        ++counters_.bad_input;
-        return false;
-    }
-    if (!(sample.age_s <= o_.stale_s)) {
-        ++counters_.stale;
-        return false;
-    }
-    const Eigen::Vector3d motion = sample.position_m - position_m_;
-    const double time = std::max(since_good_s_, o_.dt_s);
+    impulse_Ns_ += elapsed_s_ * force_N_;
+    held_for_s_ += elapsed_s_;
+    long long* fault = nullptr;
+    if (!sample.valid || !(sample.position_m.cwiseAbs().maxCoeff() < farthest_m) || !sample.position_m.allFinite())
+        fault = &counters_.bad_input;
+    else if (!(sample.age_s <= o_.stale_s))
+        fault = &counters_.stale;
+    else if (!follow(sample.position_m, std::max(0.0, sample.age_s)))
+        fault = &counters_.jump;
+    if (!fault) return true;
+    ++*fault;
+    motion_m_.setZero();
+    forget_impulse();
+    return false;
+}
+
+/// The hand is at a position that was measured so long ago. False where it would be a jump.
+bool Safety::follow(const Eigen::Vector3d& position_m, double age_s) noexcept {
+    const Eigen::Vector3d motion = position_m - position_m_;
+    const double between_s = std::max(0.0, since_good_s_ - age_s);
+    const bool fresh = !has_position_ || between_s > 0.05 * o_.dt_s || !motion.isZero(0);  // or it is the same position once more
+    between_s_ = 0;
+    if (!fresh) return true;
+    const double time = std::max(between_s, o_.dt_s);
     const bool jump = has_position_ && !(motion.norm() <= o_.speed_max_m_s * time * rounding);
-    position_m_ = sample.position_m;
-    since_good_s_ = 0;
+    position_m_ = position_m;
+    since_good_s_ = std::min(since_good_s_, age_s);  // who measured this one before the last one gains no time by that
     has_motion_ = has_position_ && !jump && !jumped_;
     jumped_ = jump;
-    if (jump) {
-        ++counters_.jump;
-        return false;
-    }
+    if (jump) return false;
     if (has_position_) {
+        between_s_ = std::max(between_s, 1e-3 * o_.dt_s);
         motion_m_ = motion * (o_.dt_s / time);
-        const double given = force_N_.dot(motion);
+        const double given = (held_for_s_ > elapsed_s_ ? Eigen::Vector3d(impulse_Ns_ / held_for_s_) : force_N_).dot(motion);
         counters_.energy_given_J += given;
         observed_J_ += given;
+    } else {
+        since_good_s_ = age_s;
+        motion_m_.setZero();
     }
+    forget_impulse();
     has_position_ = true;
     return true;
 }
 
-Eigen::Vector3d Safety::limit(const Eigen::Vector3d& wanted_N) noexcept {
+void Safety::go_on_from(const Safety& other) noexcept {
+    const SafetyOptions own = o_;
+    *this = other;
+    o_ = own;
+    force_N_ = within(force_N_, o_.force_max_N);
+    lateness_ = std::max(1.0, other.lateness_ * other.o_.dt_s / o_.dt_s);
+    observed_J_ = std::min(observed_J_, lateness_ * (bound_J() - worst_release_J(force_N_.norm())));
+}
+
+Eigen::Vector3d Safety::limit(const Eigen::Vector3d& wanted_N, bool damp) noexcept {
     Eigen::Vector3d wanted = wanted_N;
     if (!wanted.allFinite()) wanted.setZero();
     if (length_of(wanted) > o_.force_max_N) {
@@ -97,7 +122,7 @@ Eigen::Vector3d Safety::limit(const Eigen::Vector3d& wanted_N) noexcept {
     if (o_.passivity) {
         // observer: what will have been given if the hand goes on as it did; controller: damp just that away
         const double surplus = observed_J_ + wanted.dot(motion_m_), motion2 = motion_m_.squaredNorm();
-        if (surplus > negligible_J && motion2 > 1e-18) {
+        if (damp && surplus > negligible_J && motion2 > 1e-18) {
             wanted -= std::min(surplus / motion2, o_.damping_max_Ns_m / o_.dt_s) * motion_m_;
             ++counters_.damped;
         }

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "haptic/device.h"
+#include "haptic/state_bytes.h"
 
 namespace tissue {
 
@@ -30,6 +31,8 @@ struct SafetyCounters {
     long long capped = 0;      ///< force cut to what the bound on energy leaves (4)
     double force_max_N = 0;    ///< largest force that went out
     double energy_given_J = 0; ///< to the hand since the start, over all measured motion; negative: the hand gave
+
+    void fields(StateBytes& state) noexcept { state(bad_input, jump, stale, late, clamped, slewed, damped, capped, force_max_N, energy_given_J); }
 };
 
 /// The last stage of a tick, at the device's port. With F_n the force that goes out in tick n and dt the period:
@@ -47,20 +50,22 @@ struct SafetyCounters {
 /// This is their order: where two disagree, the one that stands higher is kept. The first four never disagree, but that
 /// a fault breaks the second.
 ///
-/// Energy. A force is held for one tick while the hand moves by dx, so the port gives exactly F dx. E_n is the sum of
+/// Energy. A force is held for one tick while the hand moves by dx, so the port gives exactly F dx. A device whose positions come less often than ticks
+/// (DeviceSample::age_s tells) has its dx judged by the time between these, and F is the mean of what was held meanwhile, as if the hand had moved evenly;
+/// what has not been measured yet is in no book. E_n is the sum of
 /// that, credit of ended contacts left out; a surplus fades with the time constant surplus_fades_s, so that the tissue is stiff again
 /// some seconds after a disturbance. A tick that finds its force let go books the worst instead. The motion of a
 /// fault, which nobody measured, is not counted. With
 ///     W(F) = speed_max F (F / (2 slew) + dt),     B = W(force_max)
 /// where W is at least what the fastest hand gets out of a force that comes down by slew dt a tick, ticks on time,
 ///     E_n + r_n W(|F_n|) <= r_n B     at every tick, so E_n <= r_n B.
-/// r_n >= 1 is the longest time between two ticks, in periods, since E + W was last within B: 1 while ticks are on time
-/// (a tick that comes early counts as a whole one), and never more than hold_s / dt. By default B = 0.028 J and
+/// r_n >= 1 is the longest time between two ticks, or since the position in use was measured, in periods, since E + W was last within B: 1 while ticks are on time and bring
+/// positions of their own (a tick that comes early counts as a whole one), and never more than hold_s / dt, of a device whose positions come less often (hold_s + stale_s) / dt. By default B = 0.028 J and
 /// r B <= 0.28 J. What fades may be given anew: at most r B / surplus_fades_s, 6 mW of ticks on time.
 /// This bound is for every device and hand. That a hand comes to rest on the tissue is not its work, and the controller has none to do then: see
 /// contact_damping_s (haptic/dynamics.h) and DeviceImpedance.
 /// Construction: when tick n + 1 comes after r dt at most, the hand has moved by speed_max r dt at most, or it is a
-/// fault: E grows by |F_n| speed_max r dt at most. Then |F_{n+1}| is at most the C with r W(C) = r B - E_{n+1}, which is
+/// fault: E grows by |F_n| speed_max r dt at most (of several ticks between two positions by their mean force times that, which is no more where force has come down in between). Then |F_{n+1}| is at most the C with r W(C) = r B - E_{n+1}, which is
 /// the inequality; or, where |F_n| is more than slew dt above C, it is |F_n| - slew dt or zero, and r W has fallen by at
 /// least |F_n| speed_max r dt.
 class Safety {
@@ -71,8 +76,8 @@ class Safety {
     /// once by its kind; stop() must follow. elapsed_s: since the last call (ticks that were missed make it longer).
     bool admit(const DeviceSample& sample, double elapsed_s) noexcept;
 
-    /// The force that may go out instead of the wanted one [N]. Not finite counts as nothing wanted.
-    Eigen::Vector3d limit(const Eigen::Vector3d& wanted_N) noexcept;
+    /// The force that may go out instead of the wanted one [N]. Not finite counts as nothing wanted. damp: with the controller of 6.
+    Eigen::Vector3d limit(const Eigen::Vector3d& wanted_N, bool damp = true) noexcept;
 
     /// Zero now, whatever slew says.
     Eigen::Vector3d stop() noexcept;
@@ -83,6 +88,14 @@ class Safety {
     }
 
     bool has_motion() const { return has_motion_; }  ///< the last sample admitted and the one before it are one way of the hand
+    double between_s() const { return between_s_; }  ///< these two were measured so far apart; 0: they are one position, that was read twice
+
+    /// The device of another session, within the limits of this one: its force, its energy, its counts.
+    void go_on_from(const Safety& other) noexcept;
+
+    void fields(StateBytes& state) noexcept {
+        state(counters_, force_N_, position_m_, motion_m_, has_position_, has_motion_, jumped_, elapsed_s_, since_good_s_, between_s_, impulse_Ns_, held_for_s_, observed_J_, lateness_);
+    }
     const SafetyCounters& counters() const { return counters_; }
     const Eigen::Vector3d& force_N() const { return force_N_; }
     double observed_J() const { return observed_J_; }                       ///< E
@@ -93,6 +106,11 @@ class Safety {
     double worst_release_J(double force_N) const noexcept;   ///< W
     double releasable_N(double energy_J) const noexcept;     ///< its inverse
     void let_go(double elapsed_s) noexcept;
+    bool follow(const Eigen::Vector3d& position_m, double age_s) noexcept;
+    void forget_impulse() noexcept {
+        impulse_Ns_.setZero();
+        held_for_s_ = 0;
+    }
 
     SafetyOptions o_;
     SafetyCounters counters_;
@@ -101,7 +119,10 @@ class Safety {
     Eigen::Vector3d motion_m_ = Eigen::Vector3d::Zero();    ///< in one period, as the hand moved in the tick behind
     bool has_position_ = false, has_motion_ = false, jumped_ = false;
     double elapsed_s_;                                      ///< of the tick behind
-    double since_good_s_ = 0;
+    double since_good_s_ = 0;                               ///< since the last good position was measured
+    double between_s_ = 0;
+    Eigen::Vector3d impulse_Ns_ = Eigen::Vector3d::Zero();  ///< of the force since that position was used,
+    double held_for_s_ = 0;                                 ///< in so long
     double observed_J_ = 0;
     double lateness_ = 1;
 };

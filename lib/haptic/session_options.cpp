@@ -82,9 +82,9 @@ const std::vector<SessionOption>& session_options() {
          "At 10 the tool sinks in by a tenth more. Refused where no mesh of springs is played.", "10"},
         {"damping", "1", {0, inf, true}, everywhere, [](O& o) -> auto& { return o.damping_ratio; }, "damping ratio of the lowest mode; of an energy model 0.17, of one that relaxes 0.01",
          "0.05 of spring sets is the paper's \"very small values\". With 0.17 an energy model comes to rest before a hand notices. Maxwell branches damp by themselves.", "0.05"},
-        {"friction", "1", {0, inf, true, true}, everywhere, [](O& o) -> auto& { return o.friction.stick; }, "static friction coefficient between tool and tissue; inf: the tool never slips",
+        {"friction", "1", {0, inf, true, true}, everywhere | live, [](O& o) -> auto& { return o.friction.stick; }, "static friction coefficient between tool and tissue; inf: the tool never slips",
          "The paper's contact keeps its place, which is inf."},
-        {"friction-slip", "1", {0, inf, true}, everywhere, [](O& o) -> auto& { return o.friction.slip; }, "kinetic friction coefficient, at most the static one",
+        {"friction-slip", "1", {0, inf, true}, everywhere | live, [](O& o) -> auto& { return o.friction.slip; }, "kinetic friction coefficient, at most the static one",
          "Default: the static one. Refused without friction."},
         {"heuristic", "yes|no", yes_no, everywhere, [](O& o) -> auto& { return o.heuristic_mesh; }, "a second mesh, Van Gelder's, beside the learned one",
          "Off by default in C and Python, whose programs have a scene of their own."},
@@ -94,27 +94,29 @@ const std::vector<SessionOption>& session_options() {
          "500 N/s is half a newton a tick of 1 ms."},
         {"speed-max", "m/s", positive, everywhere, [](O& o) -> auto& { return o.safety.speed_max_m_s; }, "a faster device is a fault: the position is refused, the force is zero",
          "Hands at work stay below about 1 m/s."},
-        {"stale", "s", positive, programs, [](O& o) -> auto& { return o.safety.stale_s; }, "an older position is a fault",
-         "A position that C or Python gives has no age: its time is elapsed_s."},
+        {"stale", "s", positive, everywhere, [](O& o) -> auto& { return o.safety.stale_s; }, "an older position is a fault",
+         "In C and Python the age of a position is an argument of the tick, 0 by default."},
         {"passivity", "yes|no", yes_no, everywhere, [](O& o) -> auto& { return o.safety.passivity; }, "passivity observer and controller",
          "lib/haptic/safety.h has the bound on energy that they keep."},
-        {"force-scale", "1", positive, everywhere, [](O& o) -> auto& { return o.map.force_scale; }, "force on the device over force on the tissue", ""},
-        {"scale", "1", positive, tissue_haptic | interfaces, [](O& o) -> auto& { return o.map.scale; }, "displacement in the tissue over displacement of the device", ""},
-        {"axes", "A,A[,A]", any, tissue_haptic | interfaces, [](O& o) -> auto& { return o.map.axes; }, "device axes of the tissue's, as in x,-z in the plane and x,-z,y in space",
+        {"force-scale", "1", positive, everywhere | live, [](O& o) -> auto& { return o.map.force_scale; }, "force on the device over force on the tissue", ""},
+        {"scale", "1", positive, tissue_haptic | interfaces | live, [](O& o) -> auto& { return o.map.scale; }, "displacement in the tissue over displacement of the device", ""},
+        {"axes", "A,A[,A]", any, tissue_haptic | interfaces | live, [](O& o) -> auto& { return o.map.axes; }, "device axes of the tissue's, as in x,-z in the plane and x,-z,y in space",
          "Default: the first ones."},
-        {"offset", "m", any, tissue_haptic | interfaces, [](O& o) -> auto& { return o.map.offset_m; }, "the device's origin in the tissue's space, two or three numbers",
+        {"offset", "m", any, tissue_haptic | interfaces | live, [](O& o) -> auto& { return o.map.offset_m; }, "the device's origin in the tissue's space, two or three numbers",
          "Default: none. One number for each axis of the model."},
-        {"device-mass", "kg", {0, inf, true}, everywhere, [](O& o) -> auto& { return o.device.mass_kg; }, "apparent mass of the device at its tool, nobody holding it; 0: not known",
+        {"rotation", "rad", {-100, 100, true, true}, tissue_haptic | interfaces | live, [](O& o) -> auto& { return o.map.rotation_rad; }, "rotation of the device before axes: a turn by the length of this vector about its direction, three numbers",
+         "0 0 1.5708 takes the device's x to its y. Default: none."},
+        {"device-mass", "kg", {0, inf, true}, everywhere | live, [](O& o) -> auto& { return o.device.mass_kg; }, "apparent mass of the device at its tool, nobody holding it; 0: not known",
          "A tissue that no hand could hold still on a device of this mass is refused, with the largest force-scale that is possible. A Touch has 0.045 kg, and tissue-haptic knows it. Without a mass nothing is refused, and nothing promised."},
-        {"device-damping", "Ns/m", {0, inf, true}, everywhere, [](O& o) -> auto& { return o.device.damping_Ns_m; }, "viscous damping of the device itself, beside device-mass",
+        {"device-damping", "Ns/m", {0, inf, true}, everywhere | live, [](O& o) -> auto& { return o.device.damping_Ns_m; }, "viscous damping of the device itself, beside device-mass",
          "It makes a stiffer tissue possible. Data sheets seldom have it; 0 relies on none."},
-        {"device-stiffness", "N/m", {0, inf, false, true}, everywhere, [](O& o) -> auto& { return o.device.stiffness_N_m; }, "largest stiffness that the device can show; inf: not known",
+        {"device-stiffness", "N/m", {0, inf, false, true}, everywhere | live, [](O& o) -> auto& { return o.device.stiffness_N_m; }, "largest stiffness that the device can show; inf: not known",
          "A tissue that is stiffer at rest is refused, with the largest force-scale that is possible. A Touch has 1020 N/m on its softest axis."},
         {"hold", "s", {2e-6, inf, true, true}, interfaces, [](O& o) -> auto& { return o.safety.hold_s; }, "how long the device keeps a force without a new one",
          "A host must see to it that the force is gone by then: energy that a device gives later is in no book. inf: it stays until the next tick, and all that it gives is booked. The devices of the programs let go within 0.01 s."},
         {"dt", "s", {1e-6, 0.02, true, true}, interfaces, [](O& o) -> auto& { return o.dt_s; }, "time step of a tick",
          "Of 1e-6 s the loop's clock, which counts nanoseconds, rounds less than 0.1 %. At most half of hold. The time that a host's ticks really take is elapsed_s; this is the one that damping of the contact and the checks on a device are for. Programs tick at 1 kHz."},
-        {"energy-book", "yes|no", yes_no, tissue_haptic, [](O& o) -> auto& { return o.energy_book; }, "energy log of a model that relaxes: stored and dissipated in its branches",
+        {"energy-book", "yes|no", yes_no, tissue_haptic | interfaces, [](O& o) -> auto& { return o.energy_book; }, "energy log of a model that relaxes: stored and dissipated in its branches",
          "A step takes a little longer. Refused by a model that does not relax."},
     };
     // clang-format on
@@ -149,10 +151,10 @@ HapticOptions interface_options() {
     return options;
 }
 
-void set_option(HapticOptions& options, const std::string& name, const std::string& value) {
+void set_option(HapticOptions& options, const std::string& name, const std::string& value, bool while_it_runs) {
     for (const SessionOption& option : session_options()) {
         if (name != option.name) continue;
-        if (!(option.where & interfaces)) throw MismatchError(fmt::format("option '{}' is of the programs alone: {}", name, option.meaning));
+        if (while_it_runs && !(option.where & live)) throw MismatchError(fmt::format("option '{}' stays as it was when the session began", name));
         return option.set(options, value);
     }
     throw MismatchError(fmt::format("there is no option '{}'", name));

@@ -10,7 +10,7 @@
 namespace tissue {
 
 /// Where a session option exists. A set is a sum.
-enum Where : unsigned { tissue_haptic = 1, tissuectl_serve = 2, interfaces = 4 /* C and Python */, programs = 3, everywhere = 7 };
+enum Where : unsigned { tissue_haptic = 1, tissuectl_serve = 2, interfaces = 4 /* C and Python */, programs = 3, everywhere = 7, live = 8 /* may change while a session runs */ };
 
 /// The values of an option: an interval of numbers, or a list of words. Infinity belongs to a range only where an end includes it.
 struct Allowed {
@@ -47,7 +47,7 @@ const std::vector<SessionOption>& session_options();
 /// What a session of C or Python begins with: no heuristic mesh, as their programs have a scene of their own.
 HapticOptions interface_options();
 
-/// One option by its name and as text. Throws MismatchError as SessionOption::set, and for a name that C and Python do not have.
-void set_option(HapticOptions& options, const std::string& name, const std::string& value);
+/// One option by its name and as text. Throws MismatchError as SessionOption::set, for a name that there is not, and of a session that runs for one that is not `live`.
+void set_option(HapticOptions& options, const std::string& name, const std::string& value, bool while_it_runs = false);
 
 }  // namespace tissue

@@ -1,9 +1,11 @@
 #include "haptic/simulation.h"
 
 #include <fmt/format.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "error.h"
@@ -14,6 +16,7 @@
 #include "haptic/spectrum.h"
 #include "hot_loop.h"
 #include "springs/spring_sets.h"
+#include "version.h"
 
 namespace tissue {
 namespace kernel {
@@ -30,6 +33,7 @@ namespace {
 constexpr double elastic_law_damping_ratio = 0.17, relaxing_damping_ratio = 0.01;
 constexpr double usual_innovation = 0.05, usual_coupling_ratio = 10;
 constexpr double swings_out_s = 0.5;  ///< a tool that touches again so soon meets what its last contact has left in motion, and belongs to it
+constexpr double carried_s = 0.1;    ///< a force of a session that was taken over fades with this time constant
 constexpr int most_periods = 16;  ///< that a mesh goes through in one tick, to make up for late ones
 constexpr double turn = 2 * 3.14159265358979323846;
 
@@ -133,6 +137,40 @@ void check_options(const HapticOptions& o) {
     if (!std::isfinite(o.place_m)) throw MismatchError("the position of the second mesh must be finite");
 }
 
+namespace {
+
+std::uint64_t fingerprint_of(const HapticModel& model) {
+    XXH3_state_t* hash = XXH3_createState();
+    XXH3_64bits_reset(hash);
+    const auto add = [&](const void* data, std::size_t bytes) { XXH3_64bits_update(hash, data, bytes); };
+    const auto add_array = [&](const auto& values) { add(values.data(), sizeof(*values.data()) * static_cast<std::size_t>(values.size())); };
+    add_array(std::string(version));
+    const double numbers[] = {model.options.dt_s, model.options.safety.stale_s, model.options.safety.damping_max_Ns_m, *model.options.innovation, static_cast<double>(model.options.select_by), model.options.safety.hold_s, model.options.safety.force_max_N, model.options.safety.slew_N_s, model.options.safety.speed_max_m_s, model.options.stiffest,
+                              static_cast<double>(model.options.safety.passivity), static_cast<double>(model.options.energy_book)};
+    add(numbers, sizeof numbers);
+    for (const auto& mesh : model.meshes) {
+        add_array(mesh->springs.rest());
+        add_array(mesh->springs.mass());
+        add_array(mesh->springs.facets());
+        add_array(mesh->theta_of_set);
+        const double steps[] = {static_cast<double>(mesh->substeps), mesh->contact_damping_s, mesh->damping_1_s, mesh->contact_N_m, mesh->place_m[0]};
+        add(steps, sizeof steps);
+        add_array(mesh->dynamics);
+        add_array(mesh->springs.law().name());
+        if (!mesh->law) continue;
+        add_array(mesh->law->stiffness().constants);
+        add_array(mesh->law->stiffness().patch.log_N_m);
+        add_array(mesh->law->relaxation().tau_s);
+        add_array(mesh->law->relaxation().share);
+        add_array(mesh->law->relaxation().contact_share);
+    }
+    const std::uint64_t fingerprint = XXH3_64bits_digest(hash);
+    XXH3_freeState(hash);
+    return fingerprint;
+}
+
+}  // namespace
+
 HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     : study(model.study), options(given), set_names(model.case_names), surface(model.mesh), rest(model.mesh) {
     check_options(given);
@@ -182,15 +220,17 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
             choose_dynamics(*mesh, o, damping_asked || !model.energy_law ? *o.damping_ratio : elastic_law_damping_ratio, *o.coupling_ratio * stiffness->largest());
         check_device(o, *mesh);
     }
+    fingerprint = fingerprint_of(*this);
 }
 
 Simulation::Simulation(const HapticModel& model)
-    : model_(model), safety_(model.options.safety), due_s_(model.meshes.size(), 0.0), period_s_(model.options.dt_s), friction_(model.options.friction) {
+    : model_(model), options_(model.options), safety_(model.options.safety), due_s_(model.meshes.size(), 0.0), period_s_(model.options.dt_s), friction_(model.options.friction) {
     for (const auto& mesh : model.meshes) {
+        laws_.push_back(mesh->law ? std::make_unique<RealtimeLaw>(*mesh->law) : nullptr);
         states_.emplace_back(mesh->springs, mesh->theta_of_set.col(0));
         surfaces_.push_back(make_moving_surface(model.rest));
         dynamics_.push_back(make_dynamics(mesh->dynamics, mesh->springs,
-                                          {model.options.dt_s / mesh->substeps, mesh->damping_1_s, mesh->law.get()}));
+                                          {model.options.dt_s / mesh->substeps, mesh->damping_1_s, laws_.back().get()}));
         tool_memory_.emplace_back();
         if (!mesh->law) continue;
         const double step_s = model.options.dt_s / mesh->substeps;
@@ -210,13 +250,166 @@ void Simulation::law_changed() noexcept {
     const auto m = static_cast<std::size_t>(touched_);
     const bool remembers = !tool_memory_[m].empty();
     if (remembers) changed_ = tool_;
-    model_.meshes[0]->law->contact(contact_.where.facet, contact_.where.weight, tool_);
+    laws_[0]->contact(contact_.where.facet, contact_.where.weight, tool_);
     if (remembers) tool_.take_over(changed_, record_.master_m - model_.meshes[m]->place_m - touched_m_, states_[m].displacement, tool_memory_[m]);
 }
 
 void Simulation::reset() noexcept {
     rest_meshes();
     reset_ = true;
+}
+
+Simulation::Simulation(const Simulation& other) : Simulation(other.model_) {
+    options_ = other.options_;
+    std::vector<std::byte> state(other.state_size());
+    other.save(state.data());
+    restore(state.data(), state.size());
+}
+
+void Simulation::fields(StateBytes& state) noexcept {
+    DeviceImpedance& device = options_.device;
+    state(options_.map, device_m_, device.mass_kg, device.damping_Ns_m, device.stiffness_N_m, device.force_max_N, safety_, due_s_, period_s_, same_position_s_, expected_s_, has_master_, clutched_,
+          taken_over_, carried_N_, states_, contact_, touched_, coupling_N_m_, tool_memory_, tool_m_, velocity_m_s_, slid_m_, slide_m_s_, touched_m_, friction_, armed_, sound_, rested_s_,
+          reset_, untouched_s_, set_, counters_, record_);
+    for (const auto& law : laws_)
+        if (law) state(*law);
+    for (const auto& surface : surfaces_) surface->fields(state);
+    if (!state.reads()) return;
+    options_.friction = friction_.options();
+    place_surfaces();
+    if (touched_ >= 0 && model_.is_law()) laws_[0]->contact(contact_.where.facet, contact_.where.weight, tool_);
+}
+
+namespace {
+
+/// In front of a state's bytes.
+struct StateHead {
+    char magic[8];
+    std::uint64_t fingerprint, size, checksum;  ///< of the model; of what follows
+};
+
+constexpr char state_magic[8] = {'T', 'S', 'T', 'A', 'T', 'E', '0', '1'};
+
+}  // namespace
+
+std::size_t Simulation::state_size() const noexcept {
+    StateBytes count = StateBytes::counting();
+    const_cast<Simulation*>(this)->fields(count);  // which does not write where it counts
+    return sizeof(StateHead) + count.size();
+}
+
+void Simulation::save(std::byte* to) const noexcept {
+    StateBytes bytes = StateBytes::writing(to + sizeof(StateHead));
+    const_cast<Simulation*>(this)->fields(bytes);
+    StateHead head{{}, model_.fingerprint, bytes.size(), XXH3_64bits(to + sizeof(StateHead), bytes.size())};
+    std::copy_n(state_magic, sizeof state_magic, head.magic);
+    std::memcpy(to, &head, sizeof head);
+}
+
+void Simulation::restore(const std::byte* from, std::size_t size) {
+    StateHead head{};
+    if (size != state_size()) throw MismatchError(fmt::format("a state of {} bytes for a session that has {}", size, state_size()));
+    std::memcpy(&head, from, sizeof head);
+    if (std::memcmp(head.magic, state_magic, sizeof state_magic) != 0) throw MismatchError("these bytes are no session's state");
+    if (head.fingerprint != model_.fingerprint) throw MismatchError("the state is of a session of another model, or of other options");
+    if (head.size != size - sizeof head || head.checksum != XXH3_64bits(from + sizeof head, size - sizeof head)) throw MismatchError("the session's state is damaged");
+    const FlushDenormals mode;
+    StateBytes bytes = StateBytes::reading(from + sizeof head);
+    fields(bytes);
+    ++restores_;
+}
+
+void Simulation::change(const HapticOptions& given) {
+    HapticOptions next = options_;
+    next.map = given.map;
+    next.friction = given.friction;
+    next.device = given.device;
+    next.device.force_max_N = options_.device.force_max_N;
+    next.map.fit(model_.dimension());
+    check_options(next);
+    for (const auto& mesh : model_.meshes) check_device(next, *mesh);
+    const FlushDenormals mode;
+    friction_.become(next.friction);
+    const bool tool_stays = next.map.same_as(options_.map);
+    options_ = std::move(next);
+    if (tool_stays || !has_master_) return;
+    const Point now = options_.map.to_tissue(device_m_), moved = now - record_.master_m;
+    record_.master_m = now;
+    tool_m_ += moved;
+    velocity_m_s_.setZero();
+    if (moved.norm() <= options_.safety.speed_max_m_s * options_.map.scale * options_.dt_s) return;
+    forget_taken_over();
+    no_contact(now);
+    touched_ = -1;
+    armed_ = false;
+}
+
+void Simulation::forget_taken_over() noexcept {
+    carried_N_.setZero();
+    taken_over_ = false;
+}
+
+void Simulation::follow(const Simulation& from) {
+    if (from.model_.dimension() != model_.dimension()) throw MismatchError(fmt::format("a session of {} axes cannot go on where one of {} was", model_.dimension(), from.model_.dimension()));
+    if (counters_.ticks > 0) throw MismatchError("only a session that has not ticked yet follows another");
+    change(from.options_);
+    if (!from.armed_) return;
+    lead_to(from);
+    if (!armed_ || record_.status != TickStatus::done || contact_.contact != (from.touched_ >= 0))
+        throw MismatchError("the tool cannot be led to where the other session's is: this tissue is of another shape there, or too stiff");
+}
+
+/// The tool goes to where the other session's is, as a hand would: from outside to the place that it touches, on to where it is, and waits there.
+void Simulation::lead_to(const Simulation& from) {
+    constexpr double most_ticks = 5000, fewest_ticks = 50, waits_s = 0.3, speed_m_s = 0.05;
+    const auto tick_at = [&](const Point& tool_m) {
+        DeviceSample sample;
+        sample.position_m = options_.map.to_device(tool_m);
+        tick(sample);
+    };
+    const Point tool_m = from.record_.master_m;
+    if (from.touched_ < 0) return tick_at(tool_m);
+    const auto m = static_cast<std::size_t>(from.touched_);
+    const HapticMesh& theirs = *from.model_.meshes[m];
+    if (m >= model_.meshes.size() || (model_.meshes[m]->place_m - theirs.place_m).norm() > 1e-9) throw MismatchError("the other session's tool touches a mesh that is not here");
+    const FreeSurface::Place place = model_.surface.nearest(theirs.springs.rest_place(from.contact_.where.facet, from.contact_.where.weight));
+    const Point touched_m = place.point_m + theirs.place_m, outside_m = touched_m - model_.surface.spacing_m() * place.inward;
+    const auto ticks = [&](double seconds) { return static_cast<int>(std::clamp(seconds / options_.dt_s, fewest_ticks, most_ticks)); };
+    const auto lead = [&](const Point& from_m, const Point& to_m) {
+        const int count = ticks((to_m - from_m).norm() / speed_m_s);
+        for (int k = 0; k <= count; ++k) {
+            const double s = static_cast<double>(k) / count;
+            tick_at(from_m + s * s * (3 - 2 * s) * (to_m - from_m));
+        }
+    };
+    lead(outside_m, touched_m);
+    lead(touched_m, tool_m);
+    for (int k = ticks(waits_s); k > 0; --k) tick_at(tool_m);
+}
+
+void Simulation::take_over(const Simulation& from) noexcept {
+    safety_.go_on_from(from.safety_);
+    counters_ = from.counters_;
+    record_.time_s = rested_s_ = from.record_.time_s;
+    record_.device_m = from.record_.device_m;
+    record_.master_m = from.record_.master_m;
+    options_.map = from.options_.map;  // a clutch may have moved it since
+    device_m_ = from.device_m_;
+    has_master_ = from.has_master_;
+    clutched_ = from.clutched_;
+    period_s_ = from.period_s_;
+    velocity_m_s_ = from.velocity_m_s_;
+    expected_s_ = from.expected_s_;
+    same_position_s_ = from.same_position_s_;
+    tool_m_ = tool_at_the_end(record_.master_m) - period_s_ * velocity_m_s_;
+    taken_over_ = true;
+}
+
+double Simulation::kinetic_J() const noexcept {
+    double twice = 0;
+    const Eigen::VectorXd& mass = model_.meshes[0]->springs.mass();
+    for (Eigen::Index n = 0; n < mass.size(); ++n) twice += mass[n] * states_[0].velocity.row(n).squaredNorm();
+    return twice / 2;
 }
 
 void Simulation::rest_meshes() noexcept {
@@ -228,6 +421,7 @@ void Simulation::rest_meshes() noexcept {
         state.theta_changed = true;
     }
     place_surfaces();
+    forget_taken_over();
     no_contact(Point::Zero(model_.dimension()));
     touched_ = -1;
     armed_ = false;
@@ -274,19 +468,32 @@ Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) n
 
 /// How fast the master is. A hand faster than speed-max is none, nor is one whose way since its last position nobody knows.
 void Simulation::follow_hand(const Point& moved_m) noexcept {
-    const HapticOptions& o = model_.options;
-    const double most = o.safety.speed_max_m_s * o.map.scale;
-    if (safety_.has_motion())
-        velocity_m_s_ += std::min(1.0, since_sample_s_ / o.dt_s) * (moved_m / since_sample_s_ - velocity_m_s_);
-    else
+    const HapticOptions& o = options_;
+    const double most = o.safety.speed_max_m_s * o.map.scale, between_s = safety_.between_s();
+    if (!safety_.has_motion()) {
         velocity_m_s_.setZero();
-    if (const double speed = velocity_m_s_.norm(); !(speed <= most)) velocity_m_s_ *= std::isfinite(speed) ? most / speed : 0;
-    since_sample_s_ = 0;
+        expected_s_ = same_position_s_ = 0;
+    } else if (between_s > 0) {
+        velocity_m_s_ += std::min(1.0, between_s / o.dt_s) * (moved_m / between_s - velocity_m_s_);
+        expected_s_ = std::min(between_s, o.safety.stale_s);
+        same_position_s_ = 0;
+    }
+    const double speed = velocity_m_s_.norm();
+    if (!std::isfinite(speed))
+        velocity_m_s_.setZero();
+    else if (speed > most)
+        velocity_m_s_ *= most / speed;
+}
+
+/// Where the hand will be at the end of the time in which this tick's force is held. Where its positions come less often than ticks it goes on meanwhile, but
+/// not for longer than from one to the next.
+Point Simulation::tool_at_the_end(const Point& master_m) const noexcept {
+    return master_m + (period_s_ + std::min(same_position_s_, expected_s_)) * velocity_m_s_;
 }
 
 /// In the mode of tick(): out of line, so that nothing of it is computed before or after.
 __attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample& sample, double elapsed_s) noexcept {
-    const HapticOptions& o = model_.options;
+    const HapticOptions& o = options_;
     if (sample.reset) reset();
     const TickRecord last = record_;
     ++counters_.ticks;
@@ -297,7 +504,7 @@ __attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample
     record_.time_s = last.time_s;
     const double since_s = since_last_s(elapsed_s, o);
     time_passes(since_s);
-    since_sample_s_ += since_s;
+    same_position_s_ += since_s;
     record_.device_m = sample.position_m.allFinite() ? sample.position_m : last.device_m;
     record_.master_m = last.master_m;
 
@@ -305,8 +512,11 @@ __attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample
 
     // device position
     if (!safety_.admit(sample, since_s)) return stop(TickStatus::refused);
+    if (clutched_ && has_master_) options_.map.offset_m += last.master_m - o.map.to_tissue(sample.position_m);
     const Point master = o.map.to_tissue(sample.position_m);
     record_.master_m = master;
+    device_m_ = sample.position_m;
+    has_master_ = true;
     follow_hand(master - last.master_m);
 
     // 4.2 collision detection
@@ -329,7 +539,14 @@ __attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample
 
     // safety, device force
     if (untouched_s_ > swings_out_s && safety_.force_N().isZero(0)) safety_.forget_credit();
-    record_.device_N = armed_ ? safety_.limit(o.map.force_to_device(-on_tissue)) : safety_.stop();
+    if (!armed_) return record_.device_N = safety_.stop();
+    Eigen::Vector3d wanted = o.map.force_to_device(-on_tissue);
+    if (std::exchange(taken_over_, false)) carried_N_ = safety_.force_N() - wanted;
+    if (!contact_.contact) carried_N_.setZero();
+    wanted += carried_N_;
+    carried_N_ *= std::exp(-since_s / carried_s);
+    if (clutched_) wanted.setZero();
+    record_.device_N = safety_.limit(wanted, !clutched_);
     return record_.device_N;
 }
 
@@ -393,7 +610,7 @@ bool Simulation::find_contact(const Point& master_m) noexcept {
     } else if (touched_ >= 0) {
         const int left = touched_;
         ContactState from = contact_;
-        if (model_.meshes[static_cast<std::size_t>(left)]->law)
+        if (laws_[static_cast<std::size_t>(left)])
             hold_tool(master_m);
         else if (update_contact(*surfaces_[static_cast<std::size_t>(left)], master_m, contact_) == ContactRow::swallowed_release)
             begin_contact(left, master_m);  // at another place of the same surface
@@ -425,7 +642,7 @@ void Simulation::begin_contact(int mesh, const Point& master_m) noexcept {
     friction_.begin();
     const HapticMesh& pressed = *model_.meshes[static_cast<std::size_t>(mesh)];
     touched_m_ = pressed.springs.rest_place(contact_.where.facet, contact_.where.weight);
-    if (model_.is_law()) model_.meshes[0]->law->contact(contact_.where.facet, contact_.where.weight, tool_);
+    if (model_.is_law()) laws_[0]->contact(contact_.where.facet, contact_.where.weight, tool_);
     for (ToolMemory& memory : tool_memory_) memory.forget();
     if (pressed.law)
         contact_.pressing = tool_pushes(master_m);
@@ -437,7 +654,7 @@ void Simulation::begin_contact(int mesh, const Point& master_m) noexcept {
 /// without the imprint on single nodes. That swings fast where it is stiff; a contact let go at each swing would be pumped up by them.
 bool Simulation::tool_pushes(const Point& master_m) const noexcept {
     const auto m = static_cast<std::size_t>(touched_);
-    const Point push = master_m + period_s_ * velocity_m_s_ - model_.meshes[m]->place_m - touched_m_;
+    const Point push = tool_at_the_end(master_m) - model_.meshes[m]->place_m - touched_m_;
     const NodeColumns& u = states_[m].displacement;
     const ToolMemory& memory = tool_memory_[m];
     return tool_.mean_N(push, u, &memory).dot(tool_.inward()) > 0 || tool_.hand_N(push, u, &memory).dot(tool_.inward()) > 0;
@@ -451,7 +668,7 @@ void Simulation::hold_tool(const Point& master_m) noexcept {
     const MovingSurface& surface = *surfaces_[m];
     contact_.pressing = tool_pushes(master_m);
     if (!surface.contains(master_m) &&
-        (!contact_.pressing || surface.nearest(master_m).distance_m > model_.meshes[m]->law->spacing_m())) {
+        (!contact_.pressing || surface.nearest(master_m).distance_m > laws_[m]->spacing_m())) {
         contact_.contact = contact_.pressing = false;
         contact_.proxy_m = master_m;
         return;
@@ -467,7 +684,7 @@ void Simulation::slide(const Point& master_m) noexcept {
     const MovingSurface& now = *surfaces_[m];
     slid_m_ -= mesh.law ? touched_m_ : Point(contact_.where.position_m);
     if (mesh.law) {
-        friction_.slide(model_.surface, mesh.springs, *mesh.law, states_[m].displacement, master_m - mesh.place_m, contact_.where, touched_m_, tool_,
+        friction_.slide(model_.surface, mesh.springs, *laws_[m], states_[m].displacement, master_m - mesh.place_m, contact_.where, touched_m_, tool_,
                         tool_memory_[m]);
         contact_.where.position_m = now.at(contact_.where.facet, contact_.where.weight);
     } else {
@@ -546,7 +763,7 @@ Point Simulation::advance_mesh(std::size_t m, ContactLoad& load, const Point& ma
     const int steps = steps_due(m);
     if (steps == 0) {
         if (load.velocity_m_s.size() == 0) return load.given_N;
-        const Point moved_m = master_m + (model_.options.dt_s - due_s_[m]) * velocity_m_s_ - tool_m_;  // since the last step
+        const Point moved_m = tool_at_the_end(master_m) + (model_.options.dt_s - due_s_[m] - period_s_) * velocity_m_s_ - tool_m_;  // since the last step
         if (load.tool) *load.push_m += moved_m;
         else load.master_m += moved_m;
         load.velocity_m_s -= slide_m_s_;
@@ -554,7 +771,7 @@ Point Simulation::advance_mesh(std::size_t m, ContactLoad& load, const Point& ma
         return load.force_at(mesh.springs, held_);
     }
     if (load.velocity_m_s.size() > 0) {
-        load.velocity_m_s = (master_m + period_s_ * velocity_m_s_ - tool_m_) / (steps * h);
+        load.velocity_m_s = (tool_at_the_end(master_m) - tool_m_) / (steps * h);
         tool_m_ += steps * h * load.velocity_m_s;
         slide_m_s_ = slid_m_ / (steps * h);
         slid_m_.setZero();
@@ -576,7 +793,7 @@ Point Simulation::step_meshes(const Point& master_m) noexcept {
             advance_mesh(m, free, master_m);
             if (contact_.contact && m == touched) remember_contact(master_m, static_cast<int>(std::lround((before_s - due_s_[m]) * model_.meshes[m]->substeps / model_.options.dt_s)));
         }
-        tool_m_ = master_m + period_s_ * velocity_m_s_;  // where meshes have come to
+        tool_m_ = tool_at_the_end(master_m);
         slid_m_.setZero();
         return Point::Zero(model_.dimension());
     }
@@ -588,7 +805,7 @@ Point Simulation::step_meshes(const Point& master_m) noexcept {
     // on springs the ends of the segment, on a law its own contact: held by the hand, then given the force
     ContactLoad load;
     const auto advance = [&](std::size_t m) {
-        load.tool = model_.meshes[m]->law ? &tool_ : nullptr;
+        load.tool = laws_[m] ? &tool_ : nullptr;
         load.memory = tool_memory_[m].empty() ? nullptr : &tool_memory_[m];
         return advance_mesh(m, load, master_m);
     };
@@ -629,6 +846,7 @@ Eigen::Vector3d Simulation::stop(TickStatus why) noexcept {
     record_.status = why;
     record_.fault = why == TickStatus::refused;
     if (record_.fault) velocity_m_s_.setZero();
+    forget_taken_over();
     no_contact(record_.master_m);
     touched_ = -1;
     armed_ = false;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -61,7 +63,7 @@ struct HapticMesh {
     double damping_1_s;                ///< B = damping M
 };
 
-/// Everything that is the same in every tick.
+/// Everything that is the same in every tick, for any number of sessions in any threads.
 struct HapticModel {
     /// Throws MismatchError as check_options(), for options that would do nothing with this model, such as those of sets where it is a law, and
     /// for a tissue that is too stiff for the device.
@@ -79,6 +81,8 @@ struct HapticModel {
 
     FreeSurface surface;                              ///< at rest
     SpringMesh rest;                                  ///< nodes and boundary of every one of them, at rest
+
+    std::uint64_t fingerprint = 0;                    ///< of all that a session's state means something with
 
     bool is_law() const { return meshes.front()->law != nullptr; }
     int dimension() const { return rest.dimension(); }
@@ -113,6 +117,10 @@ struct TickRecord {
     TickStatus status = TickStatus::done;
     bool fault = false;           ///< refused
     bool reset = false;           ///< before this tick every mesh was put to rest, by someone outside (reset())
+
+    void fields(StateBytes& state) noexcept {
+        state(time_s, device_m, device_N, master_m, proxy_m, contact_displacement_m, coupling_N, measured_N, mesh, facet, weight, set, slipping, status, fault, reset);
+    }
 };
 
 struct HapticCounters {
@@ -121,6 +129,8 @@ struct HapticCounters {
     long long unstable = 0;       ///< a node not finite, or 1 km away; or a law that nothing touches and that does not come back: meshes put to rest
     double lost_s = 0;            ///< time that passed and that the tissue did not go through: a stall too long to be made up for
     long long unarmed = 0;        ///< inside tissue, but the master has not been outside since the start or a fault
+
+    void fields(StateBytes& state) noexcept { state(ticks, folded, unstable, lost_s, unarmed); }
 };
 
 /// The state of one session and its tick. Storage is made in the constructor; tick() allocates nothing, takes no lock,
@@ -128,6 +138,32 @@ struct HapticCounters {
 class Simulation {
    public:
     explicit Simulation(const HapticModel& model);
+    Simulation(const Simulation& other);             ///< goes on as the other one does, bit for bit
+    Simulation& operator=(const Simulation&) = delete;
+
+    /// All that changes while a session runs, as bytes: where the tissue is and what it remembers, the contact, the law that it has learned, the
+    /// options that may change, energy and counts. A session of the same model goes on from them bit for bit, on this version and machine. Always as many.
+    std::size_t state_size() const noexcept;
+    void save(std::byte* to) const noexcept;
+    /// Throws MismatchError for bytes that are not of such a session, or not whole; the session is then as it was. What strangers made is not for it: a
+    /// checksum finds accidents alone. The device's force is the saved one too: with a hand on it, restore where the hand was.
+    void restore(const std::byte* from, std::size_t size);
+    int restores() const { return restores_; }  ///< so far
+
+    /// The options that may change while it runs (`live`, haptic/session_options.h), of these; between ticks. The device's largest force stays. A change that moves the tool in the tissue by more than
+    /// a hand does in a tick is a new start: it must be outside once. Throws MismatchError as HapticModel does, and changes nothing then.
+    void change(const HapticOptions& options);
+    const HapticOptions& options() const { return options_; }
+
+    /// While it is on, the hand moves and the tool does not: the offset follows, and there is no force. A position that jumps is a fault as ever.
+    void clutch(bool on) noexcept { clutched_ = on; }
+
+    /// A session that has not ticked yet: its tool is led to where another's is, whose model may be another, with the options that may change of that one. That takes some hundred ticks, a time
+    /// in which no device can wait: in another thread, after a copy of the session that plays. Throws MismatchError for another number of axes, as change(), and where the tool cannot be led there.
+    void follow(const Simulation& from);
+    /// After follow(), between two ticks: the hand, its force, the energy that it was given and counts are those of `from`. What forces differ by fades within some tenths of a second; the
+    /// tissue's own energies are of this session. Allocates nothing.
+    void take_over(const Simulation& from) noexcept;
 
     /// One step of Sec. 4: device position in, device force out [N]. elapsed_s: since the last tick, an hour at most; 0 means dt; negative or not
     /// finite: unknown, taken for as long as the device holds a force (force_held_s where it holds it for ever). In it denormals are zero; the caller's floating-point mode is as it was (flush_denormals.h).
@@ -149,10 +185,14 @@ class Simulation {
     /// x_p - X_p of one mesh; of a law how far the tool has pushed it. 0 where nothing is pressed (D).
     Point displacement_at_contact(std::size_t mesh) const noexcept;
     /// Of the learned law, since the start; nothing unless HapticOptions::energy_book. Between ticks.
-    BranchBook branches() const { return model_.is_law() ? model_.meshes[0]->law->branches(states_[0].memory) : BranchBook{}; }
+    BranchBook branches() const { return law() ? law()->branches(states_[0].memory) : BranchBook{}; }
+    double kinetic_J() const noexcept;  ///< of the learned mesh
+    /// The learned law as it is in this session; nothing of sets.
+    const RealtimeLaw* law() const { return laws_[0].get(); }
+    RealtimeLaw* law() { return laws_[0].get(); }
     const ToolSpring& tool() const { return tool_; }  ///< of a law, where the tool touches it or the other mesh
 
-    /// The learned law has become another (RealtimeLaw::become): a contact that lasts has its stiffness from now on.
+    /// law() has become another (RealtimeLaw::become): a contact that lasts has its stiffness from now on.
     void law_changed() noexcept;
 
     /// Puts every mesh to rest; the master must be outside once before there is force again.
@@ -162,7 +202,11 @@ class Simulation {
    private:
     Eigen::Vector3d advance(const DeviceSample& sample, double elapsed_s) noexcept;
     void time_passes(double seconds) noexcept;
+    void fields(StateBytes& state) noexcept;
+    void lead_to(const Simulation& from);
+    void forget_taken_over() noexcept;
     void follow_hand(const Point& moved_m) noexcept;
+    Point tool_at_the_end(const Point& master_m) const noexcept;
     int steps_due(std::size_t mesh) noexcept;
     void place_surfaces() noexcept;
     bool move_surfaces() noexcept;
@@ -185,10 +229,18 @@ class Simulation {
     Eigen::Vector3d stop(TickStatus why) noexcept;
 
     const HapticModel& model_;
+    HapticOptions options_;       ///< as they are now
+    std::vector<std::unique_ptr<RealtimeLaw>> laws_;  ///< of the meshes that have one
     Safety safety_;
     std::vector<double> due_s_;   ///< how far each mesh is behind a period after now
     double period_s_;             ///< mean time between ticks: as long as a force is held
-    double since_sample_s_ = 0;
+    double same_position_s_ = 0;  ///< that the device has said nothing new for
+    double expected_s_ = 0;       ///< between two positions that it measured
+    Eigen::Vector3d device_m_ = Eigen::Vector3d::Zero();  ///< the last position that was good
+    bool has_master_ = false;     ///< there was one
+    bool clutched_ = false;
+    bool taken_over_ = false;     ///< and no tick since
+    Eigen::Vector3d carried_N_ = Eigen::Vector3d::Zero();  ///< of the session that was taken over, and fades
     std::vector<MeshState> states_;
     std::vector<std::unique_ptr<MovingSurface>> surfaces_;
     std::vector<std::unique_ptr<Dynamics>> dynamics_;
@@ -210,6 +262,7 @@ class Simulation {
     bool reset_ = false;          ///< since the last tick
     double untouched_s_ = 0;      ///< since a tool or its force was on the meshes
     int set_ = 0;                 ///< (19)'s K_l
+    int restores_ = 0;
     HapticCounters counters_;
     TickRecord record_;
 };

@@ -40,6 +40,11 @@ class BranchMemory {
     /// (1 - sum g_k) x^2 + sum g_k s_k^2 of an element, as the last step left it: twice what it stores, by unit constant.
     double stored(int element) const noexcept;
 
+    template <class State>
+    void fields(State& state) noexcept {
+        state(part_, before_, burnt_);
+    }
+
    private:
     Eigen::VectorXd tau_s_, decay_, risen_;  ///< e, c (K)
     Eigen::MatrixXd share_, part_;           ///< g, s (n x K)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -32,6 +33,7 @@ struct ContactRows {
 class ContactKernel {
    public:
     virtual ~ContactKernel() = default;
+    virtual std::unique_ptr<ContactKernel> clone() const = 0;
 
     virtual ContactRows rows_at(const Point& contact_m) const = 0;
     /// The same contact as the tick holds it, at weights of the nodes of a boundary facet (SpringMesh::facets). On a held facet,

@@ -29,6 +29,7 @@ class ContactSurface final : public ContactKernel {
     /// Throws MismatchError as Outline does.
     explicit ContactSurface(const SpringMesh& mesh);
 
+    std::unique_ptr<ContactKernel> clone() const override { return std::make_unique<ContactSurface>(*this); }
     ContactRows rows_at(const Point& contact_m) const override;  ///< at the surface's point nearest to that
     void tool_at(int facet, const Eigen::Vector3d& weight, const PatchLaw& law, ToolSpring& tool) const noexcept override;
     std::vector<std::pair<int, int>> coupled() const override;   ///< four nodes that follow each other

@@ -37,6 +37,7 @@ class DiscContact final : public ContactKernel {
     /// no rows: nothing. Throws MismatchError for a radius that is not positive.
     DiscContact(const SpringMesh& mesh, double radius_m, NodeField ground = NodeField());
 
+    std::unique_ptr<ContactKernel> clone() const override { return std::make_unique<DiscContact>(*this); }
     ContactRows rows_at(const Point& contact_m) const override;  ///< at the surface's point nearest to that
     void tool_at(int facet, const Eigen::Vector3d& weight, const PatchLaw& law, ToolSpring& tool) const noexcept override;
     double spacing_m() const override { return surface_.spacing_m(); }

@@ -40,6 +40,13 @@ class ToolMemory {
     /// The step ends at T0.
     void step(int group, const Eigen::Vector3d& now_N) noexcept;
 
+    template <class State>
+    void fields(State& state) noexcept {
+        if (empty()) return;
+        state(before_, known_);
+        for (int k = 0; k < branches_; ++k) state(part_[k]);
+    }
+
    private:
     void know(int group) noexcept;
 

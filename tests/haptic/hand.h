@@ -69,67 +69,177 @@ double extent(const std::vector<Moment>& way, bool creeps, const Of& of) {
     return (high - low).norm();
 }
 
-/// Integrates the hand with twenty steps a tick, the force held between two ticks, as a device holds it.
-inline Rest let_go(const HapticModel& model, const Hand& hand, const Clock& clock, const Release& release) {
-    constexpr int steps = 20;
-    const double dt = model.options.dt_s, window_s = 0.25, ramp_s = 0.2;
-    Simulation simulation(model);
-    std::mt19937_64 random(2008);
-    const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1.0p-53; };
-    const auto device = [&](const Point& p) { return model.options.map.to_device(p); };
-    const Eigen::Vector3d push = (model.options.map.axes.transpose() * (release.force_N * release.inward)).eval();
+/// A hand on the tissue: twenty integration steps a tick, the force held between two ticks, as a device holds it.
+class HandLoop {
+   public:
+    HandLoop(const HapticModel& model, const Hand& hand, const Clock& clock) : simulation(model), hand_(hand), clock_(clock) {}
 
-    Rest rest;
-    DeviceSample sample;
-    Eigen::Vector3d force = Eigen::Vector3d::Zero(), v = force;
-    // led to just inside of the surface
-    const int lead = static_cast<int>(0.3 / dt);
-    for (int k = 0; k <= lead; ++k) {
-        const double s = static_cast<double>(k) / lead;
-        sample.position_m = device(release.contact_m + (-0.003 + (0.003 + release.inset_m) * s) * release.inward);
-        force = simulation.tick(sample);
+    /// Led there on a straight way, whatever the force is.
+    void lead(const Point& from_m, const Point& to_m, double seconds) {
+        const double dt = simulation.model().options.dt_s;
+        const int count = static_cast<int>(seconds / dt);
+        for (int k = 0; k <= count; ++k) {
+            const Eigen::Vector3d before = x;
+            x = simulation.model().options.map.to_device(from_m + static_cast<double>(k) / count * (to_m - from_m));
+            if (k > 0) book(force.dot(x - before));
+            tick(dt);
+        }
+        v.setZero();
     }
-    Eigen::Vector3d x = sample.position_m;
-    const Eigen::Vector3d anchor = x;
-    const long long damped_before = simulation.safety().counters().damped;
-    double time = 0, offset = 0;
-    long long ticks = 0;
-    std::vector<Moment> way;
-    while (time < release.seconds) {
-        double until = dt;
-        if (clock.jitter_s > 0) {
-            const double next = clock.jitter_s * (2 * uniform() - 1);
-            until = dt + next - offset;
-            offset = next;
-        }
-        if (clock.late_share > 0 && uniform() < clock.late_share) until += dt * (1 + std::floor(3 * uniform()));
-        const double h = until / steps;
-        for (int k = 0; k < steps; ++k) {
-            const Eigen::Vector3d a = (std::min(1.0, (time + k * h) / ramp_s) * push + force - hand.stiffness_N_m * (x - anchor)) / hand.mass_kg;
-            v = (v + h * a) / (1 + h * hand.damping_Ns_m / hand.mass_kg);
-            x += h * v;
-        }
-        time += until;
-        sample.position_m = x;
-        force = simulation.tick(sample, until);
-        ++ticks;
-        rest.faults += simulation.record().fault;
-        if (time > 2 + ramp_s) {
-            way.push_back({time, x, force});
-            if (time - way.front().time_s >= window_s) {
-                rest.swing_m = std::max(rest.swing_m, extent(way, release.creeps, [](const Moment& m) { return m.position_m; }));
-                rest.swing_N = std::max(rest.swing_N, extent(way, release.creeps, [](const Moment& m) { return m.force_N; }));
-                way.clear();
+
+    /// applied(time, x, v): what moves it beside the tissue [N]. each(*this): after every tick.
+    template <class Applied, class Each>
+    void play(double seconds, const Applied& applied, const Each& each) {
+        constexpr int steps = 20;
+        const double end = time + seconds, dt = simulation.model().options.dt_s;
+        while (time < end) {
+            double until = dt;
+            if (clock_.jitter_s > 0) {
+                const double next = clock_.jitter_s * (2 * uniform() - 1);
+                until = dt + next - offset_;
+                offset_ = next;
             }
+            if (clock_.late_share > 0 && uniform() < clock_.late_share) until += dt * (1 + std::floor(3 * uniform()));
+            const double h = until / steps;
+            for (int k = 0; k < steps; ++k) {
+                v = (v + h * (applied(time + k * h, x, v) + force) / hand_.mass_kg) / (1 + h * hand_.damping_Ns_m / hand_.mass_kg);
+                x += h * v;
+                book(h * force.dot(v));
+            }
+            time += until;
+            tick(until);
+            each(*this);
         }
     }
-    rest.force_N = (push - hand.stiffness_N_m * (x - anchor)).norm();
-    rest.controlled = static_cast<double>(simulation.safety().counters().damped - damped_before) / static_cast<double>(ticks);
-    rest.contact = simulation.contact().pressing;
-    if (simulation.record().mesh == 0) rest.touched_m = model.meshes[0]->springs.rest_place(simulation.record().facet, simulation.record().weight);
-    rest.push_m = simulation.record().contact_displacement_m;
-    rest.tissue_N = -simulation.record().coupling_N;
+
+    double controlled(long long damped_before, long long ticks_before) const {
+        return static_cast<double>(simulation.safety().counters().damped - damped_before) / static_cast<double>(std::max(1LL, ticks - ticks_before));
+    }
+    long long damped() const { return simulation.safety().counters().damped; }
+
+    Simulation simulation;
+    Eigen::Vector3d x = Eigen::Vector3d::Zero(), v = x, force = x;
+    double time = 0;                                     ///< in play()
+    double given_J = 0, most_given_J = 0, put_in_J = 0;  ///< of the tissue to hand and device, by the true motion; the most of it since the start; the most that it has taken
+    long long ticks = 0;
+    int faults = 0;
+
+   private:
+    void tick(double seconds) {
+        DeviceSample sample;
+        sample.position_m = x;
+        force = simulation.tick(sample, seconds);
+        faults += simulation.record().fault;
+        ++ticks;
+    }
+    void book(double joule) {
+        given_J += joule;
+        most_given_J = std::max(most_given_J, given_J);
+        put_in_J = std::max(put_in_J, -given_J);
+    }
+    double uniform() { return static_cast<double>(random_() >> 11) * 0x1.0p-53; }
+
+    Hand hand_;
+    Clock clock_;
+    std::mt19937_64 random_{2008};
+    double offset_ = 0;
+};
+
+/// A hand that is led to just inside of the surface, let go and rests.
+inline Rest let_go(const HapticModel& model, const Hand& hand, const Clock& clock, const Release& release) {
+    constexpr double window_s = 0.25, ramp_s = 0.2;
+    HandLoop loop(model, hand, clock);
+    const Eigen::Vector3d push = model.options.map.force_from_tissue(release.force_N * release.inward);
+    loop.lead(release.contact_m - 0.003 * release.inward, release.contact_m + release.inset_m * release.inward, 0.3);
+    const Eigen::Vector3d anchor = loop.x;
+    const long long damped = loop.damped(), ticks = loop.ticks;
+    const int faults = loop.faults;
+    Rest rest;
+    std::vector<Moment> way;
+    loop.play(
+        release.seconds, [&](double time, const Eigen::Vector3d& x, const Eigen::Vector3d&) { return Eigen::Vector3d(std::min(1.0, time / ramp_s) * push - hand.stiffness_N_m * (x - anchor)); },
+        [&](const HandLoop& now) {
+            if (now.time <= 2 + ramp_s) return;
+            way.push_back({now.time, now.x, now.force});
+            if (now.time - way.front().time_s < window_s) return;
+            rest.swing_m = std::max(rest.swing_m, extent(way, release.creeps, [](const Moment& m) { return m.position_m; }));
+            rest.swing_N = std::max(rest.swing_N, extent(way, release.creeps, [](const Moment& m) { return m.force_N; }));
+            way.clear();
+        });
+    const Simulation& s = loop.simulation;
+    rest.faults = loop.faults - faults;
+    rest.force_N = (push - hand.stiffness_N_m * (loop.x - anchor)).norm();
+    rest.controlled = loop.controlled(damped, ticks);
+    rest.contact = s.contact().pressing;
+    if (s.record().mesh == 0) rest.touched_m = model.meshes[0]->springs.rest_place(s.record().facet, s.record().weight);
+    rest.push_m = s.record().contact_displacement_m;
+    rest.tissue_N = -s.record().coupling_N;
     return rest;
+}
+
+/// What a hand gets and feels while it does something.
+struct Ride {
+    double most_given_J = 0, put_in_J = 0;  ///< of the tissue to the hand, and of the hand to the tissue
+    double tremor_m = 0;                    ///< largest extent of the hand's way in a twentieth of a second, off a straight course, after a second and a half
+    double controlled = 0;
+    int faults = 0;
+    bool contact = false;                   ///< at the end
+
+    /// Nothing came out that had not been put in, but for what a tick too late to know better gives.
+    bool passive() const { return most_given_J <= 1e-6 + 0.01 * put_in_J; }
+};
+
+enum class Deed { taps, lets_go, drags };
+
+/// From outside, the tissue at rest. taps: flies in at 0.3 m/s, its grip 3 mm inside of the surface, where it has one. lets_go: presses with the force to rest, then not any more.
+/// drags: presses with the force and is led along the surface, 20 mm there and back in two seconds.
+inline Ride does(Deed deed, const HapticModel& model, const Hand& hand, const Clock& clock, const Release& release) {
+    HandLoop loop(model, hand, clock);
+    const DeviceMap& map = model.options.map;
+    const auto in_device = [&](const Point& direction) { return Eigen::Vector3d(map.force_from_tissue(direction)); };
+    const Eigen::Vector3d inward = in_device(release.inward);
+    Point across = Point::Zero(release.inward.size());
+    across[0] = release.inward[across.size() - 1], across[across.size() - 1] = -release.inward[0];
+    const Eigen::Vector3d along = in_device(across.normalized());
+    const Point start_m = release.contact_m - 0.006 * release.inward;
+    loop.lead(start_m, start_m, 0.02);
+    const Eigen::Vector3d held = map.to_device(release.contact_m + 0.003 * release.inward);
+    if (deed == Deed::taps) loop.v = 0.3 * inward;
+    Ride ride;
+    std::vector<Moment> way;
+    const auto play = [&](double seconds, auto&& applied) {
+        loop.play(seconds, applied, [&](const HandLoop& now) {
+            if (now.time <= 1.5) return;
+            way.push_back({now.time, now.x, now.force});
+            if (now.time - way.front().time_s < 0.05) return;
+            ride.tremor_m = std::max(ride.tremor_m, extent(way, true, [](const Moment& m) { return m.position_m; }));
+            way.clear();
+        });
+    };
+    const auto grip = [&](const Eigen::Vector3d& x) { return Eigen::Vector3d(-hand.stiffness_N_m * (x - held)); };
+    const auto pressed = [&](double time, const Eigen::Vector3d& x, const Eigen::Vector3d& v) {
+        // in slowly, like a hand that looks for the surface: a damper of its own until there is force
+        const Eigen::Vector3d brake = time < 0.5 ? Eigen::Vector3d(-6 * v) : Eigen::Vector3d::Zero().eval();
+        return Eigen::Vector3d(std::min(1.0, time / 0.3) * release.force_N * inward + brake + (hand.stiffness_N_m > 0 ? 0 : -100) * (x - held).dot(along) * along);
+    };
+    if (deed == Deed::taps) play(1.5, [&](double, const Eigen::Vector3d& x, const Eigen::Vector3d&) { return grip(x); });
+    if (deed == Deed::lets_go) {
+        play(1.5, pressed);
+        play(1.0, [&](double, const Eigen::Vector3d&, const Eigen::Vector3d&) { return Eigen::Vector3d::Zero().eval(); });
+    }
+    if (deed == Deed::drags)
+        play(3.5, [&](double time, const Eigen::Vector3d& x, const Eigen::Vector3d& v) {
+            const double since = std::max(0.0, time - 1), at = 0.01 * (1 - std::cos(3.14159 * since)), speed = 0.0314 * std::sin(3.14159 * since);
+            const Eigen::Vector3d led = 300 * (at - (x - held).dot(along)) * along + 6 * (speed - v.dot(along)) * along;
+            const Eigen::Vector3d brake = time < 0.5 ? Eigen::Vector3d(-6 * v) : Eigen::Vector3d::Zero().eval();
+            return Eigen::Vector3d(std::min(1.0, time / 0.3) * release.force_N * inward + brake + led);
+        });
+    ride.most_given_J = loop.most_given_J;
+    ride.put_in_J = loop.put_in_J;
+    ride.controlled = loop.controlled(0, 0);
+    ride.faults = loop.faults;
+    ride.contact = loop.simulation.contact().pressing;
+    return ride;
 }
 
 }  // namespace tissue::test

@@ -102,6 +102,36 @@ TEST_CASE("a hand with mass comes to rest on the tissue, where the tissue's own 
     }
 }
 
+TEST_CASE("who taps, lets go or drags gets no energy out of the tissue, and nothing trembles", "[hand]") {
+    for (const bool relaxes : {false, true})
+        for (const double friction : {std::numeric_limits<double>::infinity(), 0.3}) {
+            HapticOptions options = alone();
+            options.friction.stick = friction;
+            const HapticModel model(relaxes ? relaxing(law_example()) : law_example(), options);
+            const FreeSurface surface(model.rest);
+            for (const Hand& hand : hands)
+                for (const test::Clock& clock : clocks)
+                    for (const Deed deed : {Deed::taps, Deed::lets_go, Deed::drags}) {
+                        Release release;
+                        const FreeSurface::Place place = surface.nearest(Eigen::Vector2d(0.052, 0.1));
+                        release.contact_m = place.point_m;
+                        release.inward = place.inward;
+                        const Ride ride = does(deed, model, hand, clock, release);
+                        INFO(hand.name << ", " << clock.name << (relaxes ? ", relaxing" : "") << ", friction " << friction << ", deed " << static_cast<int>(deed) << ": " << 1e6 * ride.most_given_J
+                                       << " uJ given of " << 1e6 * ride.put_in_J << ", tremor " << 1e3 * ride.tremor_m << " mm, controller in " << 100 * ride.controlled << " %");
+                        CHECK(ride.faults == 0);
+                        CHECK(ride.put_in_J > 1e-5);
+                        CHECK(ride.passive());
+                        CHECK(ride.controlled < 0.01);
+                        if (deed == Deed::drags) {
+                            CHECK(ride.contact);
+                            CHECK(ride.tremor_m < 1e-4);
+                        }
+                        if (deed == Deed::lets_go) CHECK_FALSE(ride.contact);
+                    }
+        }
+}
+
 TEST_CASE("the force does not depend on how often a host ticks", "[hand]") {
     for (const bool relaxes : {false, true}) {
         HapticOptions options = alone();

@@ -125,9 +125,9 @@ TEST_CASE("while it plays a law becomes the tissue that the hand feels, and forc
     double largest_jump = 0, largest_step = 0;
     long long readings = 0;
     for (int k = 0; k < 16000; ++k) {
-        const double before = s.model.meshes[0]->law->stiffness().constants[0];
+        const double before = s.simulation.law()->stiffness().constants[0];
         s.step();
-        largest_step = std::max(largest_step, std::abs(s.model.meshes[0]->law->stiffness().constants[0] / before - 1));
+        largest_step = std::max(largest_step, std::abs(s.simulation.law()->stiffness().constants[0] / before - 1));
         largest_jump = std::max(largest_jump, (s.simulation.record().device_N - last).norm());
         last = s.simulation.record().device_N;
         CHECK_FALSE(!last.allFinite());
@@ -141,7 +141,7 @@ TEST_CASE("while it plays a law becomes the tissue that the hand feels, and forc
     CHECK(largest_step > 0);
     CHECK(s.learner.arrived());
     // what plays is what was learned, and near the truth
-    CHECK((s.model.meshes[0]->law->stiffness().constants - s.adaptation.law().constants).norm() == 0);
+    CHECK((s.simulation.law()->stiffness().constants - s.adaptation.law().constants).norm() == 0);
     const std::vector<Poke> held_out = pokes_of(truth, 20, 9);
     INFO("evidence " << s.adaptation.state().evidence << ", scale " << s.adaptation.state().scale << ", learned " << s.adaptation.state().learned);
     CHECK(worst_error(law, held_out) > 0.35);
@@ -203,7 +203,7 @@ TEST_CASE("a law that becomes stiffer under a held contact has the force of one 
     };
     press(0, 1500);
     const double before_N = a.record().coupling_N.norm();
-    changes.meshes[0]->law->become(RealtimeLaw(other, changes.meshes[0]->springs).stiffness());
+    a.law()->become(RealtimeLaw(other, changes.meshes[0]->springs).stiffness());
     a.law_changed();
     press(1500, 1900);
     const double force_N = a.record().coupling_N.norm(), wanted_N = b.record().coupling_N.norm();
@@ -344,8 +344,8 @@ TEST_CASE("what has learned to be stiffer than a session may teach plays on as i
 TEST_CASE("a law as stiff as it may become stays stable in its steps", "[adapt]") {
     const TissueModel law = law_example();
     HapticModel model(law, options_for_learning());
-    model.meshes[0]->law->become(RealtimeLaw(stiffer(law, most), model.meshes[0]->springs).stiffness());
     Simulation simulation(model);
+    simulation.law()->become(RealtimeLaw(stiffer(law, most), model.meshes[0]->springs).stiffness());
     Port port(simulation);
     Draw draw(2);
     for (int k = 0; k < 3000; ++k) {
@@ -399,7 +399,7 @@ TEST_CASE("a learner that fails ends its learning and nothing else", "[adapt]") 
         // what plays is what the adaptation is, and can be written
         for (int k = 0; k < 3000; ++k) s.step();
         CHECK(s.learner.arrived());
-        CHECK((s.model.meshes[0]->law->stiffness().constants - s.adaptation.law().constants).norm() == 0);
+        CHECK((s.simulation.law()->stiffness().constants - s.adaptation.law().constants).norm() == 0);
     }
 }
 

@@ -277,3 +277,51 @@ TEST_CASE("energy, size and change of force keep their bounds, whatever is wante
             if (on_time) CHECK(safety.counters().energy_given_J == Approx(total).margin(1e-9));
         }
 }
+
+TEST_CASE("energy keeps its bound where positions come less often than ticks", "[safety][adversarial]") {
+    SafetyOptions o;
+    Safety safety(o);
+    Draw draw(9);
+    Eigen::Vector3d x(0, 0, 0), step = x, force = x, wanted = x;
+    double given = 0, worst = 0;
+    int left = 0, between = 1;
+    DeviceSample sample;
+    REQUIRE(safety.admit(sample, o.dt_s));
+    for (long long k = 0; k < adversarial_ticks(300000); ++k) {
+        if (left == 0) {  // the hand goes on straight until the next one, as fast as it may, with the force as it is now
+            left = between = 1 + draw.below(20);
+            Eigen::Vector3d way(draw(-1, 1), draw(-1, 1), draw(-1, 1));
+            if (draw.below(4) > 0 && force.norm() > 0) way = force;
+            step = way.normalized() * o.speed_max_m_s * o.dt_s * (1 - 1e-9);
+        }
+        x += step;
+        if (given > 0) given *= std::exp(-o.dt_s / surplus_fades_s);
+        given += force.dot(step);
+        worst = std::max(worst, given);
+        sample.age_s += o.dt_s;
+        if (--left == 0) sample.position_m = x, sample.age_s = 0;
+        REQUIRE(safety.admit(sample, o.dt_s));
+        if (left == 0) REQUIRE(given <= safety.observed_J() + 1e-3 * energy_bound(o));  // what fades between is not the same to the last digit
+        REQUIRE(safety.observed_J() <= safety.lateness() * energy_bound(o) * (1 + 1e-9));
+        REQUIRE(safety.lateness() <= 21);
+        if (draw.below(50) == 0) wanted = 20 * Eigen::Vector3d(draw(-1, 1), draw(-1, 1), draw(-1, 1));
+        force = safety.limit(wanted);
+        REQUIRE(force.norm() <= o.force_max_N * (1 + 1e-12));
+    }
+    CHECK(worst <= 21 * energy_bound(o));
+    CHECK(worst > energy_bound(o));
+}
+
+TEST_CASE("who says that positions are older than they are gains no speed by that", "[safety]") {
+    Safety safety(wide());
+    DeviceSample sample;
+    REQUIRE(safety.admit(sample, 1e-3));
+    double far_m = 0;
+    for (int k = 1; k <= 2000; ++k) {
+        sample.age_s = k % 2 ? 0.05 : 0;
+        sample.position_m.x() = far_m + 0.01;
+        if (safety.admit(sample, 1e-3)) far_m = sample.position_m.x();
+        else sample.position_m.x() = far_m, safety.admit(sample, 0);
+    }
+    CHECK(far_m < 2.0 * 2000 * 1e-3 + 0.2);
+}

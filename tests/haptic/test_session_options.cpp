@@ -46,7 +46,7 @@ TEST_CASE("names of session options are unique, spelled with -, and each exists 
         INFO(name);
         CHECK(names.insert(name).second);
         CHECK(name.find_first_not_of("abcdefghijklmnopqrstuvwxyz-") == std::string::npos);
-        CHECK((option.where > 0 && option.where <= everywhere));
+        CHECK((option.where > 0 && option.where <= (everywhere | live) && option.where != live));
         CHECK(option.meaning.find('\n') == std::string::npos);
         CHECK(!option.meaning.empty());
         CHECK(*option.unit);
@@ -105,6 +105,10 @@ TEST_CASE("a text that is no value of its option is refused, and names it", "[op
     }
     CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "offset", "1"); }), Catch::Matchers::Equals("offset must be two or three numbers, not '1'"));
     CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "heuristic", "1"); }), Catch::Matchers::Equals("heuristic must be one of yes, no, not '1'"));
-    CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "stale", "1"); }), Catch::Matchers::StartsWith("option 'stale' is of the programs alone"));
+    CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "rotation", "0 0 1 0"); }), Catch::Matchers::StartsWith("rotation must be two or three numbers"));
+    // of a session that runs
+    set_option(options, "scale", "2", true);
+    CHECK(options.map.scale == 2);
+    CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "dt", "0.002", true); }), Catch::Matchers::Equals("option 'dt' stays as it was when the session began"));
     CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "colour", "red"); }), Catch::Matchers::Equals("there is no option 'colour'"));
 }

@@ -485,6 +485,7 @@ TEST_CASE("device space maps to the tissue's by scale, axes and offset, and powe
     map.scale = 2;
     map.offset_m = Eigen::Vector2d(0.05, 0.1);
     map.force_scale = 2;
+    map.fit(2);
     const Eigen::Vector3d p(0.01, 0.5, -0.02), v(1, 2, 3);
     CHECK((map.to_tissue(p) - Eigen::Vector2d(0.05 + 0.04, 0.1 + 0.02)).norm() < 1e-15);
     CHECK((map.to_tissue(map.to_device(Eigen::Vector2d(0.03, 0.07))) - Eigen::Vector2d(0.03, 0.07)).norm() < 1e-15);

@@ -79,6 +79,47 @@ del model, session
 gc.collect()
 assert (nodes == copy).all() and (u == 0).all()
 PY
+check "a session is saved, copied, changed and taken over" "$PYTHON" - "$model" <<'PY'
+import sys
+
+import numpy as np
+import tissue
+model = tissue.Model(sys.argv[1])
+session = tissue.Simulation(model, friction=0.3)
+down = np.column_stack([np.full(400, 0.05), np.linspace(0.101, 0.096, 400), np.zeros(400)])
+session.ticks(down)
+state, copy, other = session.state, session.copy(), tissue.Simulation(model, friction=0.3)
+assert isinstance(state, bytes) and len(state) > 1000
+there = np.tile(down[-1], (300, 1)) + [[0.002, 0, 0]] * np.linspace(0, 1, 300)[:, None]
+went_on = session.ticks(there)
+other.state = state
+assert (copy.ticks(there) == went_on).all() and (other.ticks(there) == went_on).all()
+for wrong in (state[:-1], state[:-1] + bytes([state[-1] ^ 1])):
+    try:
+        other.state = wrong
+    except tissue.Error:
+        continue
+    assert False, wrong
+energies = session.energies_J
+assert set(energies) == {"given", "observed", "bound", "kinetic", "friction", "stored", "dissipated"} and energies["given"] < 0 < energies["bound"] and energies["friction"] > 0, energies
+session.set(force_scale=2, offset=(0, 0))
+for wrong in ({"dt": 0.002}, {"force_scale": -1}, {"colour": "red"}):
+    try:
+        session.set(**wrong)
+    except tissue.Error:
+        continue
+    assert False, wrong
+at = there[-1]
+twice = session.ticks(np.tile(at, (100, 1)))[-1]
+assert np.linalg.norm(twice) > 1.8 * np.linalg.norm(went_on[-1]), (twice, went_on[-1])
+session.clutch(True)
+assert not session.ticks(at + np.outer(np.arange(50), [1e-4, 0, 0]))[-1].any()
+session.clutch(False)
+following = tissue.Simulation(model)
+following.follow(session)
+following.take_over(session)
+assert following.counts["ticks"] == session.counts["ticks"] and following.tick(at + [49e-4, 0, 0], age_s=0.001).shape == (3,) and following.contact["status"] == "done"
+PY
 cp "$model" "$scratch/floppy.h5"
 check "many presses at once are the presses one by one, and one without an answer says why" "$PYTHON" - "$model" "$scratch" <<'PY'
 import sys
@@ -135,7 +176,7 @@ import numpy as np
 import tissue
 model = tissue.Model(sys.argv[1])
 for wrong in (lambda: tissue.Model("nowhere.h5"), lambda: tissue.Model("no\nwhere\033[31m.h5"), lambda: tissue.Simulation(model, dynamics="a\nb"), lambda: tissue.Simulation(model, friction_slip=0.2), lambda: tissue.Simulation(model, colour="red"), lambda: tissue.Simulation(model, friction="much"),
-              lambda: tissue.Simulation(model, stale=0.1), lambda: tissue.Simulation(model, energy_book=True), lambda: tissue.Simulation(model, innovation=0.1),
+              lambda: tissue.Simulation(model, stale=-0.1), lambda: tissue.Simulation(model, energy_book=True), lambda: tissue.Simulation(model, innovation=0.1),
               lambda: tissue.Simulation(model, coupling=5), lambda: tissue.Simulation(model, force_scale=-1), lambda: tissue.Simulation(model, damping=float("inf")),
               lambda: model.press([[0.05, 0.1]], [[0, 0.1, 0]]), lambda: model.press([[np.nan, 0.1]], [[0, -0.01]]), lambda: tissue.Simulation(model).ticks(np.zeros((3, 2))),
               lambda: tissue.Adaptation(sys.argv[1], unknowns="all"), lambda: tissue.Adaptation(sys.argv[1]).learn((0, 0, 0), (0, 0), (0, 0)), lambda: tissue.read_cases(sys.argv[1])):
@@ -163,7 +204,7 @@ manual = {name: open(f"{prefix}/share/man/man1/{words[0].split('/')[-1]}.1").rea
 rows = [[cell.strip().replace("\\|", "|") for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in open(f"{prefix}/share/doc/tissuectl/OPTIONS.md") if line.startswith("| `")]
 assert len(rows) > 15
 compared = 0
-for name, unit, default, values, where, meaning in rows:
+for name, unit, default, values, where, live, meaning in rows:
     name, where, default, here = name.strip("`"), where.split(", "), default.split("; ")[0], default.split(": ")[-1]
     python = name.replace("-", "_")
     in_c = "C" in where
@@ -176,7 +217,7 @@ for name, unit, default, values, where, meaning in rows:
         low, high = (float(end) for end in values[1:-1].split(", "))
         inside = lambda v: low < v < high or (v == low and values[0] == "[") or (v == high and values[-1] == "]")
         wrong += [v for v in ("nan", "-inf", "inf", "-1", "0", "2", f"{2 * high}") if not inside(float(v))]
-    wrong = ["nan 0", "0 inf", "x 0"] if name == "offset" else ["x,x"] if name == "axes" else wrong
+    wrong = ["nan 0", "0 inf", "x 0"] if name == "offset" else ["nan 0 0", "0 0 inf", "x 0 0", "0 0 101"] if name == "rotation" else ["x,x"] if name == "axes" else wrong
     for program, words in programs.items():
         flag = f"--no-{name}" if default == "yes" else f"--{name}"
         assert (f"\n  {flag} " in helps[program]) == (program in where), (program, flag)

@@ -197,7 +197,7 @@ TEST_CASE("the demo finds a hidden tissue at rest when the model is: of the same
         const DeviceSample sample = stage.device().read(1e-3 * k);
         simulation.tick(sample);
         resets += simulation.record().reset;
-        const Eigen::Vector2d own_N = -simulation.record().coupling_N, felt_N = (stage.model().options.map.axes * sample.measured_N).head(2);
+        const Eigen::Vector2d own_N = -simulation.record().coupling_N, felt_N = stage.model().options.map.force_to_tissue(sample.measured_N).head(2);
         still = simulation.record().mesh < 0 || (simulation.record().master_m - before_m).norm() > 1e-5 ? 0 : still + 1;
         before_m = simulation.record().master_m;
         if (still < 200) continue;  // a touch swings, and the two take steps of different sizes

@@ -74,8 +74,10 @@ void needs_init() {
     py::detail::get_type_info(typeid(T), true)->operator_new = &never_initialised;
 }
 
-HapticOptions options_of(const py::kwargs& given) {
-    HapticOptions options = interface_options();
+using Options = std::vector<std::pair<std::string, std::string>>;
+
+Options options_of(const py::kwargs& given) {
+    Options options;
     for (const auto& [key, value] : given) {
         std::string name = py::str(key);
         std::replace(name.begin(), name.end(), '_', '-');
@@ -86,8 +88,13 @@ HapticOptions options_of(const py::kwargs& given) {
             for (const auto& part : value) text += std::string(py::str(part)) + " ";
         else
             text = py::str(value);
-        set_option(options, name, text);
+        options.emplace_back(name, text);
     }
+    return options;
+}
+
+HapticOptions with(HapticOptions options, const Options& given, bool while_it_runs) {
+    for (const auto& [name, value] : given) set_option(options, name, value, while_it_runs);
     return options;
 }
 
@@ -95,10 +102,10 @@ HapticOptions options_of(const py::kwargs& given) {
 std::string options_text() {
     std::string text = "options, each by name:";
     for (const SessionOption& option : session_options()) {
-        if (!(option.where & interfaces)) continue;
         std::string name = option.name;
         std::replace(name.begin(), name.end(), '-', '_');
         text += "\n    " + name + " [" + option.unit + "]: " + option.meaning;
+        if (option.where & live) text += "; may change while it runs";
         if (const std::string values = option.values(); !values.empty()) text += "; " + values;
         if (const std::string initial = option.initial(interfaces); !initial.empty()) text += "; default " + initial;
     }
@@ -108,14 +115,17 @@ std::string options_text() {
 /// A session, with the model that it plays.
 struct Session {
     std::shared_ptr<const TissueModel> tissue;
-    HapticModel model;
+    std::shared_ptr<const HapticModel> model;  // of this session and its copies
     Simulation simulation;
     std::recursive_mutex guard;
-    Session(std::shared_ptr<const TissueModel> t, const HapticOptions& options) : tissue(std::move(t)), model(*tissue, options), simulation(model) {}
+    Session(std::shared_ptr<const TissueModel> t, const HapticOptions& options)
+        : tissue(std::move(t)), model(std::make_shared<HapticModel>(*tissue, options)), simulation(*model) {}
+    Session(const Session& other) : tissue(other.tissue), model(other.model), simulation(other.simulation) {}
 
-    Eigen::Vector3d tick(const Eigen::Vector3d& position_m, double elapsed_s) {
+    Eigen::Vector3d tick(const Eigen::Vector3d& position_m, double elapsed_s, double age_s) {
         DeviceSample sample;
         sample.position_m = position_m;
+        sample.age_s = age_s;
         return simulation.tick(sample, elapsed_s);
     }
 };
@@ -127,7 +137,7 @@ NodeField ticks(Session& session, const Rows& positions_m, double elapsed_s) {
     return alone(session, [&] {
         for (Eigen::Index k = 0; k < forces.rows(); ++k) {
             if (k % 16 == 0) signals.heed();
-            forces.row(k) = session.tick(positions_m.row(k), elapsed_s);
+            forces.row(k) = session.tick(positions_m.row(k), elapsed_s, 0);
         }
         return std::move(forces);
     });
@@ -146,6 +156,29 @@ py::dict contact_of(Session& session) {
     constexpr const char* statuses[] = {"done", "refused", "not armed", "folded", "diverged"};
     contact["status"] = statuses[static_cast<int>(tick.status)];
     return contact;
+}
+
+py::dict energies_of(Session& session) {
+    std::array<double, session_energies.size()> now{};
+    alone(session, [&] {
+        for (std::size_t i = 0; i < now.size(); ++i) now[i] = session_energies[i].of(session.simulation);
+    });
+    py::dict energies;
+    for (std::size_t i = 0; i < now.size(); ++i) energies[session_energies[i].name] = now[i];
+    return energies;
+}
+
+py::bytes state_of(Session& session) {
+    std::string bytes;
+    alone(session, [&] {
+        bytes.resize(session.simulation.state_size());
+        session.simulation.save(reinterpret_cast<std::byte*>(bytes.data()));
+    });
+    return bytes;
+}
+
+void restore(Session& session, const std::string& state) {
+    alone(session, [&] { session.simulation.restore(reinterpret_cast<const std::byte*>(state.data()), state.size()); });
 }
 
 py::dict counts_of(Session& session) {
@@ -373,23 +406,42 @@ ticks() between two ticks, press() between two contacts and next() between two p
 
     py::class_<Session>(m, "Simulation", "The running tissue: the tick of tissue-haptic, with its safety.")
         .def(py::init([](std::shared_ptr<TissueModel> model, const py::kwargs& given) {
-                 const HapticOptions options = options_of(given);
+                 const HapticOptions options = with(interface_options(), options_of(given), false);
                  const py::gil_scoped_release others_may;
                  return std::make_unique<Session>(std::move(model), options);
              }),
              py::arg("model").none(false),
              options_text().c_str())
-        .def("tick", [](Session& s, const Eigen::Vector3d& position_m, double elapsed_s) { return alone(s, [&] { return s.tick(position_m, elapsed_s); }); },
-             py::arg("position_m"), py::arg("elapsed_s") = 0.0,
-             "One step: the device's position [m] (3); returns the force on the hand [N] (3), finite, clamped and passive whatever comes in. elapsed_s: since the last tick; 0: dt; negative or not finite: unknown, taken for a late tick.")
+        .def("tick", [](Session& s, const Eigen::Vector3d& position_m, double elapsed_s, double age_s) { return alone(s, [&] { return s.tick(position_m, elapsed_s, age_s); }); },
+             py::arg("position_m"), py::arg("elapsed_s") = 0.0, py::arg("age_s") = 0.0,
+             "One step: the device's position [m] (3); returns the force on the hand [N] (3), finite and within force_max whatever comes in. elapsed_s: since the last tick; 0: dt; negative or not finite: "
+             "unknown, taken for as long as the device holds a force. age_s: since the position was measured, where positions come less often than ticks.")
         .def("ticks", &ticks, py::arg("positions_m"), py::arg("elapsed_s") = 0.0,
              "A tick for each position (T, 3), one after the other; returns forces [N] (T, 3). After Ctrl-C the session is where it came to.")
         .def("reset", [](Session& s) { alone(s, [&] { s.simulation.reset(); }); }, "The tissue to rest; the tool must be outside once before there is force again.")
+        .def("set", [](Session& s, const py::kwargs& given) {
+                 const Options options = options_of(given);
+                 alone(s, [&] { s.simulation.change(with(s.simulation.options(), options, true)); });
+             },
+             "Options that may change while it runs, by name. A change that moves the tool by more than a hand does in a tick is a new start: it must be outside once.")
+        .def("clutch", [](Session& s, bool on) { alone(s, [&] { s.simulation.clutch(on); }); }, py::arg("on"), "On: the hand moves and the tool stays, without force. Off: the tool goes on from there.")
+        .def_property("state", &state_of, &restore, "All that changes while it runs, as bytes; a session of the same model and options to which they are given goes on from them bit for bit.")
+        .def("copy", [](Session& s) { return alone(s, [&] { return std::make_unique<Session>(s); }); }, "Another session that goes on as this one does.")
+        .def("follow", [](Session& s, Session& leader) {
+                 const Simulation other = alone(leader, [&] { return Simulation(leader.simulation); });
+                 alone(s, [&] { s.simulation.follow(other); });
+             }, py::arg("session"), "Of a session that has not ticked: its tool is led to where that one's is. Takes some hundred ticks' time.")
+        .def("take_over", [](Session& s, Session& from) {
+                 if (&s == &from || s.model->dimension() != from.model->dimension()) throw MismatchError("take_over: the same session, or one of another number of axes");
+                 const Simulation other = alone(from, [&] { return Simulation(from.simulation); });
+                 alone(s, [&] { s.simulation.take_over(other); });
+             }, py::arg("session"), "After follow(): goes on at the hand where that one was. Force, energy given and counts are that one's; what forces differ by fades within some tenths of a second.")
         .def_property_readonly("displacement_m", [](const Session& s) -> const NodeColumns& { return s.simulation.state(0).displacement; },
                                "of the nodes now [m] (N, D): a view that the next tick changes")
         .def_property_readonly("contact", &contact_of, "as the last tick left it: mesh (-1: nothing is pressed), facet, weight, displacement_m, force_N (on the tissue, before safety), slipping, fault, status (done; without force: refused, not armed, folded, diverged)")
         .def_property_readonly("counts", &counts_of, "of the session")
-        .def_property_readonly("energy_given_J", [](Session& s) { return alone(s, [&] { return s.simulation.safety().counters().energy_given_J; }); }, "to the hand since the start; below 0: the hand gave")
+        .def_property_readonly("energies_J", &energies_of, "the energy log: given (to the hand since the start; below 0: the hand gave), observed and bound (of the passivity observer), kinetic (of the tissue), friction (dissipated), "
+                               "and with energy_book=True stored and dissipated in the branches of a tissue that relaxes")
         .def_property_readonly("model", [](const Session& s) { return std::const_pointer_cast<TissueModel>(s.tissue); }, "that it plays");
 
     py::class_<Patient>(m, "Adaptation", "A law that learns from pokes of a tissue that is not the one it was trained on, as tissuectl adapt does.")

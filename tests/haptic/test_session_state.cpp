@@ -1,0 +1,357 @@
+// A session as a value, and what may change while it runs.
+#include <catch2/catch.hpp>
+
+#include <cstring>
+#include <thread>
+
+#include "../allocations.h"
+#include "../example.h"
+#include "../refusal.h"
+#include "error.h"
+#include "haptic_example.h"
+
+using Catch::Contains;
+
+namespace tissue {
+namespace {
+
+struct Kind {
+    const char* name;
+    TissueModel tissue;
+    bool solid = false;
+};
+
+std::vector<Kind> kinds() {
+    std::vector<Kind> all;
+    all.push_back({"linear springs", haptic_example()});
+    all.push_back({"springs that turn", haptic_example({"grid8", "geometric"})});
+    all.push_back({"law", law_example()});
+    all.push_back({"law that relaxes", relaxing(law_example())});
+    all.push_back({"law in space", solid_example(), true});
+    all.push_back({"law in space that relaxes", relaxing(solid_example()), true});
+    return all;
+}
+
+HapticOptions sliding() {
+    HapticOptions o;
+    o.friction.stick = 0.3;
+    o.safety.force_max_N = 0.7;  // so that clamps and the observer have something to do
+    return o;
+}
+
+/// In and out, along the surface, with faults, and late now and then.
+DeviceSample way(int k, bool solid) {
+    const double t = 1e-3 * k, deep = 0.006 * std::sin(3.14 * t);
+    DeviceSample sample = solid ? sample_at({0.03 + 0.004 * std::sin(5 * t), 0.03, 0.051 - deep}) : sample_at(0.05 + 0.006 * std::sin(5 * t), 0.101 - deep);
+    if (k % 377 == 376) sample.valid = false;
+    return sample;
+}
+
+double elapsed(int k) { return k % 50 == 7 ? 0.003 : k % 61 == 3 ? 4e-4 : 0; }
+
+/// What goes out in these ticks, and what is left of the tissue, as bytes.
+std::vector<double> played(Simulation& s, int from, int to, bool solid) {
+    std::vector<double> out;
+    for (int k = from; k < to; ++k) {
+        const Eigen::Vector3d force = s.tick(way(k, solid), elapsed(k));
+        out.insert(out.end(), force.data(), force.data() + 3);
+        out.push_back(s.record().time_s);
+        out.push_back(s.record().facet);
+        out.push_back(s.safety().observed_J());
+        out.push_back(static_cast<double>(s.record().status));
+    }
+    for (std::size_t m = 0; m < s.model().meshes.size(); ++m) {
+        const NodeColumns& u = s.state(m).displacement;
+        out.insert(out.end(), u.data(), u.data() + u.size());
+    }
+    return out;
+}
+
+bool alike(const std::vector<double>& a, const std::vector<double>& b) { return a.size() == b.size() && std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0; }
+
+HapticOptions alone() {
+    HapticOptions o;
+    o.heuristic_mesh = false;
+    return o;
+}
+
+DeviceSample top(double depth_m, double x_m = 0.052) { return sample_at(x_m, 0.1 - depth_m); }
+
+/// In by so much within a fifth of a second from where it was, and waits until nothing swings.
+void press(Simulation& s, double from_m, double to_m, double x_m = 0.052) {
+    for (int k = 0; k <= 3000; ++k) s.tick(top(from_m + std::min(1.0, k / 200.0) * (to_m - from_m), x_m));
+}
+
+}  // namespace
+
+TEST_CASE("a session that was saved, restored or copied goes on bit for bit", "[state]") {
+    for (const Kind& kind : kinds()) {
+        HapticOptions options = sliding();
+        options.stiffest = 2;
+        options.energy_book = std::string(kind.name) == "law that relaxes";
+        const HapticModel model(kind.tissue, options);
+        Simulation s(model), other(model);
+        INFO(kind.name);
+        int at = 0;
+        for (const int until : {40, 223, 390, 751, 1400}) {
+            played(s, at, until, kind.solid);
+            at = until;
+            if (s.law() && until == 390) {  // the law learns while it plays
+                LawStiffness stiffer = s.law()->stiffness();
+                stiffer.constants *= 1.3;
+                s.law()->become(stiffer);
+                s.law_changed();
+            }
+            std::vector<std::byte> state(s.state_size());
+            {
+                const Allocations none;
+                s.save(state.data());
+                CHECK(Allocations::count() == 0);
+            }
+            Simulation copy(s);
+            const std::vector<double> went_on = played(s, at, at + 400, kind.solid);
+            CHECK(alike(went_on, played(copy, at, at + 400, kind.solid)));
+            other.restore(state.data(), state.size());
+            CHECK(alike(went_on, played(other, at, at + 400, kind.solid)));
+            CHECK(other.branches().burnt_J == s.branches().burnt_J);
+            CHECK(other.friction().burnt_J() == s.friction().burnt_J());
+            s.restore(state.data(), state.size());
+            CHECK(alike(went_on, played(s, at, at + 400, kind.solid)));
+            s.restore(state.data(), state.size());
+            CHECK(s.state_size() == state.size());
+        }
+        CHECK(s.friction().burnt_J() > 0);
+        CHECK(s.counters().unarmed > 0);
+    }
+}
+
+TEST_CASE("bytes that are no state of such a session are refused, and it stays as it was", "[state]") {
+    const TissueModel tissue = law_example();
+    const HapticModel model(tissue, alone());
+    HapticOptions finer = alone();
+    finer.dt_s = 5e-4;
+    const HapticModel other(tissue, finer);
+    TissueModel stiffer = tissue;
+    stiffer.energy_law->constants *= 1.01;
+    const HapticModel third(stiffer, alone());
+    Simulation s(model);
+    press(s, -0.002, 0.004);
+    std::vector<std::byte> state(s.state_size());
+    s.save(state.data());
+    Simulation twin(s), of_other(other), of_third(third);
+    CHECK_THAT(refusal<MismatchError>([&] { s.restore(state.data(), state.size() - 1); }), Contains("bytes"));
+    for (const std::size_t at : {std::size_t(2), std::size_t(40), state.size() - 1}) {
+        std::vector<std::byte> damaged = state;
+        damaged[at] ^= std::byte{1};
+        CHECK_THAT(refusal<MismatchError>([&] { s.restore(damaged.data(), damaged.size()); }), Contains("no session's state") || Contains("damaged"));
+    }
+    CHECK_THAT(refusal<MismatchError>([&] { of_other.restore(state.data(), state.size()); }), Contains("another model"));
+    CHECK_THAT(refusal<MismatchError>([&] { of_third.restore(state.data(), state.size()); }), Contains("another model"));
+    CHECK(alike(played(s, 0, 200, false), played(twin, 0, 200, false)));
+}
+
+TEST_CASE("one model serves many sessions in many threads, each by itself", "[state]") {
+    const HapticModel model(relaxing(law_example()), sliding());
+    Simulation lonely(model);
+    const std::vector<double> expected = played(lonely, 0, 1200, false);
+    std::vector<std::vector<double>> got(4);
+    std::vector<std::thread> threads;
+    for (std::vector<double>& mine : got)
+        threads.emplace_back([&] {
+            Simulation s(model);
+            mine = played(s, 0, 1200, false);
+        });
+    for (std::thread& thread : threads) thread.join();
+    for (const std::vector<double>& mine : got) CHECK(alike(mine, expected));
+    // and a law that one of them learns is its own
+    Simulation learns(model), not_touched(model);
+    LawStiffness stiffer = learns.law()->stiffness();
+    stiffer.constants *= 1.3;
+    learns.law()->become(stiffer);
+    CHECK(alike(played(not_touched, 0, 1200, false), expected));
+    CHECK_FALSE(alike(played(learns, 0, 1200, false), expected));
+}
+
+TEST_CASE("offset, rotation, scale and friction change while a session runs", "[state]") {
+    const HapticModel model(law_example(), alone());
+    Simulation s(model);
+    press(s, -0.002, 0.004);
+    const double force_N = s.record().coupling_N.norm();
+    REQUIRE(force_N > 0.2);
+    HapticOptions o = s.options();
+
+    // the force on the hand turns with the device, and the tissue's does not: a quarter turn that leaves the tool where it is
+    const Eigen::Vector3d before_N = s.record().device_N, device_m = s.record().device_m;
+    o.map.rotation_rad = Eigen::Vector3d(0, 0, 1.5707963267948966);
+    o.map.offset_m = Point(s.record().master_m) - Point(Eigen::Vector2d(-device_m.y(), device_m.x()));
+    s.change(o);
+    DeviceSample sample;
+    sample.position_m = device_m;
+    for (int k = 0; k < 300; ++k) s.tick(sample);
+    CHECK(s.record().status == TickStatus::done);
+    CHECK(s.record().coupling_N.norm() == Approx(force_N).epsilon(1e-3));
+    CHECK((s.record().device_N - Eigen::Vector3d(before_N.y(), -before_N.x(), 0)).norm() < 1e-3 * force_N);
+    CHECK(s.options().map.to_tissue(s.options().map.to_device(s.record().master_m)).isApprox(s.record().master_m));
+
+    // a twice as large force
+    o = s.options();
+    o.map.force_scale = 2;
+    s.change(o);
+    for (int k = 0; k < 100; ++k) s.tick(sample);
+    CHECK(s.record().device_N.norm() == Approx(2 * force_N).epsilon(1e-3));
+
+    // what is refused changes nothing
+    for (int which = 0; which < 4; ++which) {
+        HapticOptions wrong = s.options();
+        if (which == 0) wrong.map.scale = -1;
+        if (which == 1) wrong.map.rotation_rad = Eigen::Vector2d(0, 1);
+        if (which == 2) wrong.friction.stick = -1;
+        if (which == 3) wrong.device.mass_kg = 1e-4;
+        CHECK_THROWS_AS(s.change(wrong), MismatchError);
+        CHECK(s.options().map.force_scale == 2);
+        CHECK(s.options().map.scale == 1);
+        CHECK(s.options().device.mass_kg == 0);
+    }
+
+    // friction begins, and the tool slips
+    const double x = s.record().master_m.x();
+    o = s.options();
+    o.friction.stick = 0.2;
+    s.change(o);
+    const auto at = [&](const Point& tool_m) {
+        sample.position_m = s.options().map.to_device(tool_m);
+        return sample;
+    };
+    const double y = s.record().master_m.y();
+    for (int k = 0; k < 300; ++k) s.tick(at(Eigen::Vector2d(x + 2e-5 * k, y)));
+    CHECK(s.friction().burnt_J() > 0);
+
+    // a jump of the tool is a new start
+    o = s.options();
+    o.map.offset_m.y() -= 0.01;
+    s.change(o);
+    CHECK(s.tick(sample).norm() == 0);
+    CHECK(s.record().status == TickStatus::not_armed);
+    CHECK(s.safety().counters().jump == 0);
+}
+
+TEST_CASE("with the clutch the hand moves and the tool stays", "[state]") {
+    for (const Kind& kind : kinds()) {
+        if (kind.solid) continue;
+        const HapticModel model(kind.tissue, alone());
+        Simulation s(model);
+        press(s, -0.002, 0.004);
+        const double force_N = s.record().coupling_N.norm();
+        REQUIRE(force_N > 1e-3);
+        s.clutch(true);
+        DeviceSample sample = top(0.004);
+        for (int k = 0; k < 500; ++k) {
+            sample.position_m += Eigen::Vector3d(1e-4, 5e-5, 2e-4);
+            const Eigen::Vector3d force = s.tick(sample);
+            if (k > 20) REQUIRE(force.norm() == 0);
+            REQUIRE(s.record().status == TickStatus::done);
+            REQUIRE((s.record().master_m - Eigen::Vector2d(0.052, 0.096)).norm() < 1e-12);
+        }
+        s.clutch(false);
+        double change_N = 0;
+        for (int k = 0; k < 200; ++k) {
+            const Eigen::Vector3d before = s.record().device_N;
+            change_N = std::max(change_N, (s.tick(sample) - before).norm());
+        }
+        INFO(kind.name);
+        CHECK(change_N <= model.options.safety.slew_N_s * 1e-3 * (1 + 1e-9));
+        CHECK(s.record().device_N.norm() == Approx(std::string(kind.name) == "law that relaxes" ? s.record().coupling_N.norm() : force_N).epsilon(0.01));
+        // the tool goes on from there
+        sample.position_m.y() -= 1e-3;
+        s.tick(sample);
+        CHECK((s.record().master_m - Eigen::Vector2d(0.052, 0.095)).norm() < 1e-9);
+    }
+}
+
+TEST_CASE("a session goes on where one of another model was, and the force does not jump", "[state]") {
+    TissueModel soft = law_example(), stiff = soft, coarse = law_example(make_lattice("grid8", 8, 8, 0.1, 0.1));
+    stiff.energy_law->constants *= 1.5;
+    const TissueModel after[] = {stiff, coarse, relaxing(soft), haptic_example()};
+    for (const TissueModel& tissue : after) {
+        const HapticModel model(soft, alone()), next_model(tissue, alone());
+        Simulation s(model), fresh(next_model);
+        press(s, -0.002, 0.004);
+        Simulation next(next_model);
+        next.follow(s);
+        next.take_over(s);
+        CHECK(next.record().time_s == s.record().time_s);
+        CHECK(next.counters().ticks == s.counters().ticks);
+        CHECK(next.safety().counters().energy_given_J == s.safety().counters().energy_given_J);
+        Eigen::Vector3d last = s.record().device_N;
+        double change_N = 0;
+        for (int k = 0; k < 3000; ++k) {
+            const Eigen::Vector3d force = next.tick(top(0.004));
+            REQUIRE(next.record().status == TickStatus::done);
+            if (k == 0) CHECK((force - last).norm() < 1e-9);
+            change_N = std::max(change_N, (force - last).norm());
+            last = force;
+        }
+        press(fresh, -0.002, 0.004);
+        CHECK(change_N < 0.02 * std::max(s.record().device_N.norm(), fresh.record().device_N.norm()));
+        const bool relaxes = tissue.energy_law && !tissue.energy_law->relaxation.empty();  // then it matters when the tool came
+        CHECK(last.norm() == Approx(fresh.record().device_N.norm()).epsilon(relaxes ? 0.05 : 0.005));
+    }
+    // of another number of axes, or too stiff for the device: refused
+    const HapticModel plane(soft, alone()), space(solid_example(), alone());
+    Simulation s(plane), in_space(space);
+    CHECK_THROWS_AS(in_space.follow(s), MismatchError);
+    HapticOptions light = s.options();
+    light.device.stiffness_N_m = 1.01 * plane.meshes[0]->static_N_m;
+    s.change(light);
+    const HapticModel harder(stiff, alone());
+    Simulation refuses(harder);
+    CHECK_THAT(refusal<MismatchError>([&] { refuses.follow(s); }), Contains("the device can show"));
+    // a tool outside: nothing but the tissue has changed
+    Simulation outside(plane), next(harder);
+    for (int k = 0; k < 20; ++k) outside.tick(top(-0.01));
+    next.follow(outside);
+    next.take_over(outside);
+    for (int k = 0; k < 300; ++k) next.tick(top(-0.01 + 5e-5 * k));
+    CHECK(next.record().device_N.norm() > 0.1);
+}
+
+TEST_CASE("a hand whose positions come less often than ticks is judged by its own rate", "[state]") {
+    const HapticModel model(law_example(), alone());
+    const auto led = [](double time_s) {
+        const double s = std::clamp(time_s / 0.4, 0.0, 1.0), t = std::clamp((time_s - 0.6) / 0.05, 0.0, 1.0);
+        return top(-0.004 + 0.008 * s * s * (3 - 2 * s) - 0.04 * t);  // in smoothly, and out at 0.8 m/s
+    };
+    struct Heard {
+        std::vector<double> force_N;
+        long long faults = 0, damped_before = 0;
+        double given_before_J = 0;  ///< before it goes out
+    };
+    const auto felt = [&](int each, bool says_age) {
+        Simulation s(model);
+        Heard heard;
+        DeviceSample sample;
+        for (int k = 0; k < 700; ++k) {
+            if (k % each == 0) sample = led(1e-3 * k), sample.age_s = 0;
+            heard.force_N.push_back(s.tick(sample).norm());
+            heard.faults += s.record().fault;
+            if (k == 590) heard.damped_before = s.safety().counters().damped, heard.given_before_J = s.safety().counters().energy_given_J;
+            if (says_age) sample.age_s += 1e-3;
+        }
+        return heard;
+    };
+    const Heard usual = felt(1, true), slow = felt(10, true), none = felt(10, false);
+    CHECK(usual.faults == 0);
+    CHECK(slow.faults == 0);
+    CHECK(none.faults > 0);  // a leap of 8 mm in a tick
+    double off_N = 0, most_N = 0;
+    for (std::size_t k = 0; k < 590; ++k) {
+        off_N = std::max(off_N, std::abs(usual.force_N[k] - slow.force_N[k]));
+        most_N = std::max(most_N, usual.force_N[k]);
+    }
+    CHECK(off_N < 0.06 * most_N);  // where the hand will be in 10 ms is a guess
+    CHECK(slow.force_N[590] == Approx(usual.force_N[590]).epsilon(0.005));
+    CHECK(slow.damped_before == usual.damped_before);
+    CHECK(slow.given_before_J == Approx(usual.given_before_J).epsilon(0.03));
+}
+
+}  // namespace tissue
