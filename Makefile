@@ -448,9 +448,9 @@ fuzz: | build/deps-sanitize
 regress-proof: $(TISSUECTL)
 	@PROOF=paper PYTHON=$(PYTHON) TISSUECTL=$(TISSUECTL) tests/pipeline/test_regress.sh
 
-## hands: hands with mass, let go on the study's tissue: what does not come to rest
+## hands: hands with mass rest on the study's tissue, tap, drag and let go: what does not come to rest, gets energy or trembles
 hands: $(R)/model.h5 $(BUILD)/hand_probe
-	@$(BUILD)/hand_probe --limit 0.3 $<
+	@$(BUILD)/hand_probe --stated $<
 
 ## benches: the programs of bench, gains, patient and hands, without running them
 benches: $(BENCHES) $(PROBES)

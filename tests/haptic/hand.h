@@ -180,7 +180,7 @@ inline Rest let_go(const HapticModel& model, const Hand& hand, const Clock& cloc
 /// What a hand gets and feels while it does something.
 struct Ride {
     double most_given_J = 0, put_in_J = 0;  ///< of the tissue to the hand, and of the hand to the tissue
-    double tremor_m = 0;                    ///< largest extent of the hand's way in a twentieth of a second, off a straight course, after a second and a half
+    double tremor_m = 0;                    ///< largest extent of the hand's way in a fiftieth of a second, off a straight course, after a second and a half
     double controlled = 0;
     int faults = 0;
     bool contact = false;                   ///< at the end
@@ -211,7 +211,7 @@ inline Ride does(Deed deed, const HapticModel& model, const Hand& hand, const Cl
         loop.play(seconds, applied, [&](const HandLoop& now) {
             if (now.time <= 1.5) return;
             way.push_back({now.time, now.x, now.force});
-            if (now.time - way.front().time_s < 0.05) return;
+            if (now.time - way.front().time_s < 0.02) return;
             ride.tremor_m = std::max(ride.tremor_m, extent(way, true, [](const Moment& m) { return m.position_m; }));
             way.clear();
         });

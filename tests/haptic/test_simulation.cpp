@@ -346,7 +346,7 @@ TEST_CASE("a contact that the mesh carries to another segment has that segment's
 }
 
 TEST_CASE("pushing either mesh puts the same force on the other", "[simulation]") {
-    // with equal springs the two meshes then move alike, whichever is touched
+    // with equal springs the two meshes then move alike, whichever is touched, but that the other one gets the mean over the touched one's steps
     TissueModel tissue = haptic_example();
     for (Eigen::Index c = 0; c < tissue.trained[0].theta.rows(); ++c) tissue.trained[0].theta.row(c) = tissue.heuristic_a.transpose();
     const HapticModel model(tissue, {});
@@ -356,7 +356,7 @@ TEST_CASE("pushing either mesh puts the same force on the other", "[simulation]"
         for (long k = 0; k < 3000; ++k) s.tick(pressing(k, 0.008, 0.047 + shift));
         CHECK(s.record().mesh == (shift > 0 ? 1 : 0));
         CHECK(s.state(0).displacement.norm() > 1e-3);
-        CHECK((s.state(0).displacement - s.state(1).displacement).norm() < 1e-9 * s.state(0).displacement.norm());
+        CHECK((s.state(0).displacement - s.state(1).displacement).norm() < 1e-5 * s.state(0).displacement.norm());
     }
 }
 
