@@ -280,6 +280,22 @@ TEST_CASE("a surface in space that crosses itself is found within a round of loo
     CHECK_FALSE(MovingTriangles(crossed).simple());
 }
 
+TEST_CASE("what a surface in space has found goes over to another one with its state", "[solid][state]") {
+    const auto through = [](const Eigen::Vector3d& x) { return Eigen::Vector3d(0, 0, x.z() > 0.049 && (x.head<2>() - Eigen::Vector2d(0.03, 0.03)).norm() < 0.001 ? -0.06 : 0); };
+    Body knows(block(6, 6, 5)), other(block(6, 6, 5));
+    REQUIRE(knows.surface.ticks_to_look() > 3);
+    knows.move(through);
+    other.move(through);
+    while (knows.looked_at_all()) {}
+    StateBytes count = StateBytes::counting();
+    knows.surface.fields(count);
+    std::vector<std::byte> bytes(count.size());
+    StateBytes write = StateBytes::writing(bytes.data()), read = StateBytes::reading(bytes.data());
+    knows.surface.fields(write);
+    other.surface.fields(read);
+    for (int tick = 0; tick < 3 * knows.surface.ticks_to_look(); ++tick) CHECK_FALSE(other.surface.simple());
+}
+
 TEST_CASE("a surface turned inside out is not simple, at once", "[solid]") {
     Body body(block(3, 3, 2));
     CHECK(body.surface.simple());
