@@ -10,6 +10,7 @@
 #include "error.h"
 #include "mesh/topology.h"
 #include "springs/heuristic.h"
+#include "springs/isotropic_springs.h"
 #include "springs/rest_place.h"
 
 namespace tissue {
@@ -75,7 +76,8 @@ LawHeuristic assemble(const SpringMesh& mesh, const Eigen::VectorXd& springs, co
     const auto R = static_cast<Eigen::Index>(strain ? cell_regions(mesh, mesh_cells(mesh)).size() : 0);
     h.constants.resize(S + C + R);
     const Cells pieces = mesh_cells(mesh);
-    h.constants.head(S) = 8.0 / 3 * cell_areas(mesh, pieces).sum() / mesh.incident_measure.sum() * springs;
+    const Eigen::VectorXd measure = isotropic_measure(mesh);
+    h.constants.head(S) = 8.0 / 3 * cell_areas(mesh, pieces).sum() / measure.sum() * springs.cwiseProduct(measure).cwiseQuotient(mesh.incident_measure);
     h.constants.segment(S, C) = strain ? Eigen::VectorXd(start_below_cap * h.cap) : Eigen::VectorXd(share * cell_modulus_N_m / 3);
     h.constants.tail(R).setConstant(h.constants.segment(S, C).mean() / share);
     h.patch.log_N_m.col(0) << std::log(4 * contact_modulus_N_m), std::log(4 * contact_modulus_N_m),
@@ -106,9 +108,8 @@ LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spri
     LawHeuristic h;
     h.cap = (on_lattice(mesh) ? 1 : 0.25) * volume_cap * cell_modulus_Pa;  // of cells that lie over each other in fours
     h.constants.resize(mesh.spring_count() + h.cap.size());
-    const Eigen::VectorXd unit = heuristic_stiffness(mesh, 1.0);
-    h.constants.head(mesh.spring_count()) =
-        5 * mesh.node_measure.sum() / mesh.incident_measure.sum() * unit.cwiseProduct(spring_modulus_Pa);
+    const Eigen::VectorXd measure = isotropic_measure(mesh), unit = heuristic_stiffness(mesh, 1.0).cwiseProduct(measure).cwiseQuotient(mesh.incident_measure);
+    h.constants.head(mesh.spring_count()) = 5 * mesh.node_measure.sum() / measure.sum() * unit.cwiseProduct(spring_modulus_Pa);
     h.constants.tail(h.cap.size()) = start_below_cap * h.cap;
     const double E = surface_modulus_Pa, stiffness = std::log(4 * E * radius_m);
     h.patch.log_N_m.setZero(PatchLaw::disc_rows, on_lattice(mesh) ? PatchLaw::factors : PatchLaw::shape_factors);

@@ -19,8 +19,10 @@ namespace tissue {
 ///   plane strain  lambda is infinite: A is as large as the time step bears. The cap is that choice, not a modulus:
 ///                 at 12 E2 the fastest mode of a 10 mm lattice stays below 1.9e3 rad/s, under the 2 / dt of 1 ms
 /// In space E takes the place of E2, and springs store E V_e (n.strain n)^2 / 2, of which the mean over directions is (tr^2 + 2
-/// strain:strain) / 15: lambda = mu = E / 15 sum V_e / V, with all diagonals 2/5 E, so springs are 5/6 of Van Gelder's for mu =
-/// E / 3. Cells have A up to the cap, as in plane strain.
+/// strain:strain) / 15: lambda = mu = E / 15 sum V_e / V. Scaled so that mu = E / 3. Cells have A up to the cap, as in plane strain.
+/// A lattice has few directions, and is isotropic only with shares of its own (springs/isotropic_springs.h) in place of (7)'s: with those a cube resists a shear at 45
+/// degrees to its axes 2.1 times as much as one along them. Squares have them anyway. Cells
+/// so oblong that no shares are isotropic keep (7)'s.
 /// Contact: between a rigid patch of half width b and the spline on nodes h apart lies the compliance
 /// 3 / (2 pi E2) ln(r_spline / (b / 2)), r_spline = 0.43 h, of a half plane's logarithmic dent (Johnson, Contact
 /// Mechanics, 2.3: both kernels' mean logarithm): 1 / (4 E2) for b = h / 2, the start for normal and tangent; a tenth

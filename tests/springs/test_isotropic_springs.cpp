@@ -1,0 +1,79 @@
+#include "springs/isotropic_springs.h"
+
+#include <catch2/catch.hpp>
+#include <random>
+
+#include "mesh/topology.h"
+#include "springs/energy_law.h"
+#include "springs/heuristic.h"
+#include "springs/tissue_energy.h"
+
+using namespace tissue;
+
+namespace {
+
+constexpr double E = 4524;
+
+/// Springs of a law before training, cells left out: W of an affine displacement over V mu (tr^2 / 2 + strain : strain), largest and smallest over strains of every kind.
+std::array<double, 2> stiffness_range(const SpringMesh& mesh) {
+    const bool solid = mesh.is_solid();
+    const Eigen::Index cells = mesh_cells(mesh).rows();
+    const LawHeuristic heuristic = solid ? solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), E), Eigen::VectorXd::Constant(cells, E), E, 12, 0.007) : law_heuristic(mesh, E, "plane-stress", 12);
+    const EnergyLaw law(mesh, heuristic, {"spring.all"});
+    Eigen::VectorXd constants = law.constants(Eigen::VectorXd::Zero(1));
+    constants.tail(constants.size() - mesh.spring_count()).setZero();
+    const TissueEnergy energy = law.energy(mesh);
+    const NodeField rest = NodeField::Zero(mesh.node_count(), mesh.dimension());
+    const Eigen::SparseMatrix<double> K = energy.tangent(constants, rest);
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> draw(-1, 1);
+    std::array<double, 2> range{1e9, -1e9};
+    for (int k = 0; k < 50; ++k) {
+        PointMatrix strain = PointMatrix::Zero(mesh.dimension(), mesh.dimension());
+        for (Eigen::Index i = 0; i < strain.rows(); ++i)
+            for (Eigen::Index j = 0; j <= i; ++j) strain(i, j) = strain(j, i) = draw(random);
+        if (k == 0) strain.setZero(), strain(0, strain.cols() - 1) = strain(strain.rows() - 1, 0) = 1;                       // a shear along axes,
+        if (k == 1) strain.setZero(), strain(0, 0) = 1, strain(strain.rows() - 1, strain.cols() - 1) = -1;                   // and one at 45 degrees to them
+        const NodeField u = mesh.nodes * strain;
+        Eigen::VectorXd flat(u.size());
+        for (Eigen::Index n = 0; n < u.rows(); ++n) flat.segment(n * u.cols(), u.cols()) = u.row(n).transpose();
+        const double V = mesh.node_measure.sum(), isotropic = V * E / 3 * (std::pow(strain.trace(), 2) / 2 + strain.squaredNorm()), has = flat.dot(K * flat) / 2;
+        range[0] = std::min(range[0], has / isotropic), range[1] = std::max(range[1], has / isotropic);
+    }
+    return range;
+}
+
+}  // namespace
+
+TEST_CASE("springs of a law on a lattice are isotropic at their start, with the shear modulus of incompressible tissue", "[isotropic]") {
+    for (const std::vector<double>& cell_mm : {std::vector<double>{10, 10, 10}, {10, 12, 9}, {7, 9.8, 9.8}, {10, 10}, {6, 10}, {10, 6}})
+        for (const int n : {2, 4}) {
+            std::vector<int> cells(cell_mm.size(), n);
+            std::vector<double> size;
+            for (const double mm : cell_mm) size.push_back(1e-3 * mm * n);
+            const SpringMesh mesh = make_lattice(cell_mm.size() == 3 ? "grid26" : "grid8", Lattice{cells, size});
+            const auto [least, most] = stiffness_range(mesh);
+            INFO(cell_mm[0] << " x " << cell_mm[1] << ", " << n << " cells");
+            CHECK(std::abs(least - 1) < 1e-12);
+            CHECK(std::abs(most - 1) < 1e-12);
+        }
+}
+
+TEST_CASE("cubes and squares have the shares that are said, and cells too oblong keep those of (7)", "[isotropic]") {
+    const std::array<double, 8> cube = *isotropic_shares(Eigen::Vector3d(0.01, 0.01, 0.01)), square = *isotropic_shares(Eigen::Vector2d(0.01, 0.01));
+    for (const std::size_t edge : {1, 2, 4}) CHECK(cube[edge] == Approx(0.15));
+    for (const std::size_t face : {3, 5, 6}) CHECK(cube[face] == Approx(0.2));
+    CHECK(cube[7] == Approx(0.45));
+    CHECK(square[1] == Approx(0.5));
+    CHECK(square[3] == Approx(1));
+    CHECK_FALSE(isotropic_shares(Eigen::Vector3d(0.01, 0.01, 0.018)));
+    CHECK_FALSE(isotropic_shares(Eigen::Vector2d(0.01, 0.018)));
+    const SpringMesh bricks = make_lattice("grid26", Lattice{{2, 2, 2}, {0.02, 0.04, 0.02}});
+    CHECK(isotropic_measure(bricks) == bricks.incident_measure);
+    // the paper's own heuristic (7) stays what it is
+    const SpringMesh mesh = make_lattice("grid26", Lattice{{2, 2, 2}, {0.02, 0.02, 0.02}});
+    CHECK(mesh.incident_measure.maxCoeff() == Approx(1e-6));
+    CHECK(isotropic_measure(mesh).sum() == Approx(mesh.incident_measure.sum()).epsilon(0.2));
+    const SpringMesh plane = make_lattice("grid8", 4, 4, 0.1, 0.1);
+    CHECK(isotropic_measure(plane) == plane.incident_measure);
+}
