@@ -88,6 +88,7 @@ const std::vector<Tool>& tools() {
          "ls \"$(clang++ -print-resource-dir)\"/lib/*/libclang_rt.fuzzer-*.a", false, "make sanitize, make fuzz"},
         {"Chromium", "chromium", "chromium --version", false, "tests of pages"},
         {"chromedriver", "chromium-driver", "chromedriver --version", false, "tests of pages"},
+        {"Liberation fonts", "fonts-liberation", "dpkg-query -W fonts-liberation", false, "tests of pages"},
         {"selenium", "python3-selenium", "$PYTHON -c 'import selenium; print(selenium.__version__)'", false,
          "tests of pages"},
         {"Slurm", "slurm-wlm", "slurmd -V", false, "RUN='srun -n1'"},
