@@ -77,7 +77,7 @@ LawHeuristic assemble(const SpringMesh& mesh, const Eigen::VectorXd& springs, co
     h.constants.resize(S + C + R);
     const Cells pieces = mesh_cells(mesh);
     const Eigen::VectorXd measure = isotropic_measure(mesh);
-    h.constants.head(S) = 8.0 / 3 * cell_areas(mesh, pieces).sum() / measure.sum() * springs.cwiseProduct(measure).cwiseQuotient(mesh.incident_measure);
+    h.constants.head(S) = 8.0 / 3 * cell_areas(mesh, pieces).sum() / measure.sum() * springs.cwiseProduct(measure.cwiseQuotient(mesh.incident_measure));
     h.constants.segment(S, C) = strain ? Eigen::VectorXd(start_below_cap * h.cap) : Eigen::VectorXd(share * cell_modulus_N_m / 3);
     h.constants.tail(R).setConstant(h.constants.segment(S, C).mean() / share);
     h.patch.log_N_m.col(0) << std::log(4 * contact_modulus_N_m), std::log(4 * contact_modulus_N_m),
