@@ -89,6 +89,9 @@ struct HapticModel {
     bool is_solid() const { return rest.is_solid(); }
 };
 
+/// Both limits are on what the device feels: newtons and metres of its own. Throws MismatchError for a mesh that is too stiff for the device.
+void check_device(const HapticOptions& options, const HapticMesh& mesh);
+
 /// What a tick came to. All but `done`: no force.
 enum class TickStatus {
     done,

@@ -64,7 +64,7 @@ Eigen::VectorXd isotropic_measure(const SpringMesh& mesh) {
     for (int s = 0; s < mesh.spring_count(); ++s) span.row(s) = (mesh.nodes.row(mesh.springs(s, 0)) - mesh.nodes.row(mesh.springs(s, 1))).cwiseAbs();
     const Point cell_m = span.colwise().maxCoeff().transpose();
     const std::optional<std::array<double, 8>> share = isotropic_shares(cell_m);
-    if (!share) return measure;
+    if (!share || !(span.rowwise().minCoeff().maxCoeff() > 0)) return measure;  // without diagonals nothing is isotropic
     for (int s = 0; s < mesh.spring_count(); ++s) {
         int axes = 0;
         for (int a = 0; a < D; ++a) axes |= span(s, a) > 0.5 * cell_m[a] ? 1 << a : 0;

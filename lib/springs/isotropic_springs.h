@@ -18,7 +18,7 @@ namespace tissue {
 /// Nothing for cells so oblong that an edge would have to be negative: sides that differ by more than sqrt(3) in the plane, about sqrt(2) in space.
 std::optional<std::array<double, 8>> isotropic_shares(const Point& cell_m);
 
-/// SpringMesh::incident_measure with these shares in place of (7)'s, on a lattice whose cells have them; elsewhere as it is (S).
+/// SpringMesh::incident_measure with these shares in place of (7)'s, on a lattice with diagonals whose cells have them; elsewhere as it is (S).
 Eigen::VectorXd isotropic_measure(const SpringMesh& mesh);
 
 }  // namespace tissue

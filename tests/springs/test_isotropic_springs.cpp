@@ -76,4 +76,6 @@ TEST_CASE("cubes and squares have the shares that are said, and cells too oblong
     CHECK(isotropic_measure(mesh).sum() == Approx(mesh.incident_measure.sum()).epsilon(0.2));
     const SpringMesh plane = make_lattice("grid8", 4, 4, 0.1, 0.1);
     CHECK(isotropic_measure(plane) == plane.incident_measure);
+    const SpringMesh edges = make_lattice("grid4", 4, 4, 0.1, 0.12);
+    CHECK(isotropic_measure(edges) == edges.incident_measure);
 }

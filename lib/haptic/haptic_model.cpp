@@ -1,0 +1,215 @@
+#include "haptic/simulation.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "error.h"
+#include "haptic/dynamics_kinds.h"
+#include "haptic/law_spectrum.h"
+#include "haptic/session_options.h"
+#include "haptic/spectrum.h"
+#include "springs/spring_sets.h"
+#include "version.h"
+
+namespace tissue {
+namespace {
+
+constexpr double elastic_law_damping_ratio = 0.17, relaxing_damping_ratio = 0.01;
+constexpr double usual_innovation = 0.05, usual_coupling_ratio = 10;
+constexpr double turn = 2 * 3.14159265358979323846;
+
+std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel& model, const std::string& law,
+                                      const Eigen::Ref<const NodeField>& theta, const Point& place_m) {
+    if (!theta.allFinite() || !(theta.minCoeff() > 0))
+        throw MismatchError(fmt::format("the {} mesh has springs that are not positive", name));
+    auto mesh = std::make_unique<HapticMesh>(
+        HapticMesh{name, RealtimeMesh(model.mesh, law, model.node_mass_kg), {}, nullptr, place_m, "", 1, 0, 0, 0, 0, 0, 0, 0});
+    mesh->theta_of_set.resize(mesh->springs.slot_count(), theta.rows());
+    for (Eigen::Index c = 0; c < theta.rows(); ++c) mesh->theta_of_set.col(c) = mesh->springs.to_slots(theta.row(c).transpose());
+    return mesh;
+}
+
+std::unique_ptr<HapticMesh> make_law_mesh(const std::string& name, const TissueModel& model, const Point& place_m) {
+    const NodeField theta = model.energy_law->constants.head(model.mesh.spring_count()).transpose();
+    auto mesh = make_mesh(name, model, "geometric", theta, place_m);
+    mesh->law = std::make_unique<RealtimeLaw>(model, mesh->springs);
+    return mesh;
+}
+
+/// In space: Van Gelder's springs as they are, without cells, under the learned law's contact. A point load on a lattice in space
+/// has no stiffness of its own, so that springs under a virtual coupling would say nothing (in the plane they do).
+TissueModel untrained(const TissueModel& model) {
+    TissueModel heuristic = model;
+    Eigen::VectorXd& constants = heuristic.energy_law->constants;
+    constants.setZero();
+    constants.head(model.mesh.spring_count()) = model.heuristic_a;
+    return heuristic;
+}
+
+/// The tool goes straight on through a tick's steps, so that their mean force is that of (n - 1) / 2n of dt after its start.
+double lead_of(const HapticMesh& mesh, double dt_s) {
+    return (mesh.substeps - 1) / (2.0 * mesh.substeps) + mesh.contact_damping_s / dt_s;
+}
+
+/// Which step runs, and with how much damping: from the spectrum, of the instantaneous stiffness.
+void choose_law_dynamics(const TissueModel& model, HapticMesh& mesh, const HapticOptions& o) {
+    const LawSpectrum spectrum = law_spectrum(model, mesh.springs);
+    const double lowest = std::sqrt(spectrum.smallest);
+    mesh.largest_eigenvalue_1_s2 = spectrum.largest;
+    mesh.contact_N_m = o.stiffest * spectrum.contact_N_m;
+    mesh.static_N_m = o.stiffest * spectrum.static_N_m;
+    mesh.dynamics = o.dynamics == "auto" ? "symplectic" : o.dynamics;
+    mesh.substeps = law_substeps(o.stiffest * spectrum.largest, o.dt_s);
+    mesh.lowest_frequency_Hz = lowest / turn;
+    mesh.damping_1_s = 2 * *o.damping_ratio * lowest;
+    mesh.contact_damping_s = law_contact_damping_s(o.stiffest * spectrum.largest, o.dt_s, mesh.substeps);
+    mesh.lead = lead_of(mesh, o.dt_s);
+    make_dynamics(mesh.dynamics, mesh.springs, {o.dt_s / mesh.substeps, mesh.damping_1_s, mesh.law.get()});  // throws here, if at all
+}
+
+void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double damping_ratio, double coupling_N_m) {
+    double bare = 0;
+    for (Eigen::Index c = 0; c < mesh.theta_of_set.cols(); ++c) {
+        const double here = largest_eigenvalue(mesh.springs, mesh.theta_of_set.col(c));
+        if (here > bare || std::isnan(here)) bare = here;  // std::max would lose what is no number
+    }
+    double lightest = 0;
+    for (int node : mesh.springs.outline()) lightest = std::max(lightest, mesh.springs.inverse_mass()[node]);
+    mesh.largest_eigenvalue_1_s2 = bare + coupling_N_m * lightest;
+    mesh.contact_N_m = coupling_N_m;
+    mesh.static_N_m = coupling_N_m / *o.coupling_ratio;
+    mesh.dynamics = o.dynamics == "auto" ? stable_dynamics(mesh.largest_eigenvalue_1_s2, o.dt_s) : o.dynamics;
+    mesh.contact_damping_s = mesh.dynamics == paper_dynamics.name ? 0 : contact_damping_s(o.dt_s, 1);
+    if (mesh.dynamics == symplectic_dynamics.name) {  // as many steps as the contact's damper needs: omega^2 + 2 ahead / h coupling / mass within the step's limit
+        constexpr int most_steps = 8;
+        const auto room = [&](double h) { return std::pow(symplectic_dynamics.stable_omega_dt / h, 2) - mesh.largest_eigenvalue_1_s2; };
+        for (mesh.substeps = 1;; ++mesh.substeps) {
+            const double h = o.dt_s / mesh.substeps, longest_s = room(h) * h / (2 * coupling_N_m * lightest), wanted_s = contact_damping_s(o.dt_s, mesh.substeps);
+            mesh.contact_damping_s = std::clamp(longest_s, 0.0, wanted_s);
+            if (longest_s >= wanted_s || mesh.substeps == most_steps) break;
+        }
+    }
+    mesh.lead = lead_of(mesh, o.dt_s);
+    const Eigen::VectorXd mean = mesh.theta_of_set.rowwise().mean();
+    const double lowest = std::sqrt(smallest_eigenvalue(mesh.springs, mean));
+    mesh.lowest_frequency_Hz = lowest / turn;
+    // a mesh that can move for nothing has no lowest mode: a hundredth of its highest stands in
+    mesh.damping_1_s = 2 * damping_ratio * (lowest > 0 ? lowest : 0.01 * std::sqrt(bare));
+}
+
+}  // namespace
+
+void check_device(const HapticOptions& o, const HapticMesh& mesh) {
+    const double scale = o.map.force_scale * o.map.scale;
+    const auto refuse = [&](double tissue_N_m, const char* when, double limit_N_m, const std::string& whose) {
+        const double most = o.map.force_scale * limit_N_m / (scale * tissue_N_m);
+        if (!(most >= o.map.force_scale))
+            throw MismatchError(fmt::format("the {} mesh is up to {:.0f} N/m stiff to the device {}, at force-scale {:g}; {} {:.0f} N/m: force-scale may be {:.2f} at most", mesh.name, scale * tissue_N_m, when,
+                                            o.map.force_scale, whose, limit_N_m, std::floor(100 * most) / 100));
+    };
+    refuse(mesh.static_N_m, "at rest", o.device.stiffness_N_m, "the device can show");
+    if (o.device.mass_kg > 0)
+        refuse(mesh.contact_N_m, "at once", stable_stiffness_N_m(o.device, o.dt_s, mesh.lead),
+               fmt::format("a device of {:g} kg and {:g} Ns/m, dt {:g} s, is stable in any hand up to", o.device.mass_kg, o.device.damping_Ns_m, o.dt_s));
+}
+
+
+void check_options(const HapticOptions& o) {
+    for (const SessionOption& option : session_options()) option.check(o);
+    if (!(o.dt_s <= o.safety.hold_s / 2)) throw MismatchError(fmt::format("dt must be at most half of hold, {:g} s, not {:g}: the device may let go of an older force", o.safety.hold_s / 2, o.dt_s));
+    Friction{o.friction};  // throws where static and kinetic friction contradict each other
+    if (!(o.stiffest >= 1)) throw MismatchError("a law may become stiffer by a factor of 1 or more");
+    if (!(o.safety.damping_max_Ns_m >= 0)) throw MismatchError("the most that the passivity controller damps must not be negative");
+    if (!std::isfinite(o.place_m)) throw MismatchError("the position of the second mesh must be finite");
+}
+
+namespace {
+
+std::uint64_t fingerprint_of(const HapticModel& model) {
+    XXH3_state_t* hash = XXH3_createState();
+    XXH3_64bits_reset(hash);
+    const auto add = [&](const void* data, std::size_t bytes) { XXH3_64bits_update(hash, data, bytes); };
+    const auto add_array = [&](const auto& values) { add(values.data(), sizeof(*values.data()) * static_cast<std::size_t>(values.size())); };
+    add_array(std::string(version));
+    const double numbers[] = {model.options.dt_s, model.options.safety.stale_s, model.options.safety.damping_max_Ns_m, *model.options.innovation, static_cast<double>(model.options.select_by), model.options.safety.hold_s, model.options.safety.force_max_N, model.options.safety.slew_N_s, model.options.safety.speed_max_m_s, model.options.stiffest,
+                              static_cast<double>(model.options.safety.passivity), static_cast<double>(model.options.energy_book)};
+    add(numbers, sizeof numbers);
+    for (const auto& mesh : model.meshes) {
+        add_array(mesh->springs.rest());
+        add_array(mesh->springs.mass());
+        add_array(mesh->springs.facets());
+        add_array(mesh->theta_of_set);
+        const double steps[] = {static_cast<double>(mesh->substeps), mesh->contact_damping_s, mesh->damping_1_s, mesh->contact_N_m, mesh->place_m[0]};
+        add(steps, sizeof steps);
+        add_array(mesh->dynamics);
+        add_array(mesh->springs.law().name());
+        if (!mesh->law) continue;
+        add_array(mesh->law->stiffness().constants);
+        add_array(mesh->law->stiffness().patch.log_N_m);
+        add_array(mesh->law->relaxation().tau_s);
+        add_array(mesh->law->relaxation().share);
+        add_array(mesh->law->relaxation().contact_share);
+    }
+    const std::uint64_t fingerprint = XXH3_64bits_digest(hash);
+    XXH3_freeState(hash);
+    return fingerprint;
+}
+
+}  // namespace
+
+HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
+    : study(model.study), options(given), set_names(model.case_names), surface(model.mesh), rest(model.mesh) {
+    check_options(given);
+    if (model.mesh.is_solid() && !model.energy_law) throw MismatchError("a model in space is a law; this one has none");
+    if (!model.mesh.nodes.allFinite()) throw MismatchError("positions of nodes must be finite");
+    HapticOptions& o = options;
+    const bool damping_asked = o.damping_ratio.has_value();
+    if (!o.damping_ratio) o.damping_ratio = !model.energy_law ? 0.05 : model.energy_law->relaxation.empty() ? elastic_law_damping_ratio : relaxing_damping_ratio;
+    if (!o.innovation) o.innovation = usual_innovation;
+    if (!o.coupling_ratio) o.coupling_ratio = usual_coupling_ratio;
+    o.map.fit(model.mesh.dimension());
+    o.safety.dt_s = o.dt_s;
+    o.safety.force_max_N = std::min(o.safety.force_max_N, o.device.force_max_N);
+    low_m = model.mesh.nodes.colwise().minCoeff();
+    high_m = model.mesh.nodes.colwise().maxCoeff();
+    if (o.place_m == 0) o.place_m = 1.5 * (high_m - low_m).x();
+
+    std::vector<int> first_set(static_cast<std::size_t>(model.mesh.facets.rows()), 0);  // the heuristic mesh has one
+    if (model.energy_law) {
+        if (!o.sets.empty()) throw MismatchError(fmt::format("spring sets '{}': the model is a law, and has none", o.sets));
+        if (o.select_by != SelectBy::displacement) throw MismatchError("the model is a law: there is nothing to select by force");
+        if (given.innovation) throw MismatchError("innovation: the model is a law, and averages no sets");
+        set_names.clear();
+        meshes.push_back(make_law_mesh("learned", model, Point::Zero(dimension())));
+    } else {
+        const NodeField& theta = sets_of(model, o.sets);
+        if (o.sets.empty()) o.sets = model.trained.front().optimizer;
+        selector = std::make_unique<Selector>(model, theta, o.select_by);
+        for (std::size_t b = 0; b < first_set.size(); ++b) first_set[b] = selector->select(static_cast<int>(b), 0.5, Eigen::Vector2d::Zero());
+        meshes.push_back(make_mesh("learned", model, model.law, theta, Eigen::Vector2d::Zero()));
+    }
+    Point beside = Point::Zero(dimension());
+    beside[0] = o.place_m;
+    if (o.heuristic_mesh && is_solid())
+        meshes.push_back(make_law_mesh("heuristic", untrained(model), beside));
+    else if (o.heuristic_mesh)
+        meshes.push_back(make_mesh("heuristic", model, model.law, model.heuristic_a.transpose(), beside));  // of the instantaneous E: it remembers nothing
+    const auto springs = std::find_if(meshes.begin(), meshes.end(), [](const auto& mesh) { return !mesh->law; });
+    if (springs == meshes.end() && given.coupling_ratio) throw MismatchError("coupling: the model is a law with a contact of its own, and no mesh of springs stands beside it");
+    if (o.energy_book && (!is_law() || model.energy_law->relaxation.empty())) throw MismatchError("energy-book: the model does not relax, and has no branches to book");
+    if (springs != meshes.end())
+        stiffness = std::make_unique<ContactStiffness>((*springs)->springs, first_set, (*springs)->theta_of_set);
+    for (auto& mesh : meshes) {
+        if (mesh->law)
+            choose_law_dynamics(mesh->name == "learned" ? model : untrained(model), *mesh, o);
+        else
+            choose_dynamics(*mesh, o, damping_asked || !model.energy_law ? *o.damping_ratio : elastic_law_damping_ratio, *o.coupling_ratio * stiffness->largest());
+        check_device(o, *mesh);
+    }
+    fingerprint = fingerprint_of(*this);
+}
+
+}  // namespace tissue
