@@ -53,7 +53,7 @@ Frame make_frame(const TickState& s, const Scene& scene, const Near& near, const
     head[7] = sum.p50_us;
     head[8] = sum.p99_us;
     put(9, r.master_m);
-    put(11, r.proxy_m);
+    put(11, s.proxy_m);
     head[13] = number(r.mesh);
     put(14, s.contact_displacement_m[0]);
     put(16, s.contact_displacement_m.size() > 1 ? s.contact_displacement_m[1] : nothing);

@@ -22,8 +22,9 @@ struct tissue_model {
 struct tissue_session {
     std::shared_ptr<const HapticModel> shared;
     std::unique_ptr<Simulation> running;
-    explicit tissue_session(std::shared_ptr<const HapticModel> of) : shared(std::move(of)), running(std::make_unique<Simulation>(*shared)) {}
-    tissue_session(const tissue_session& other) : shared(other.shared), running(std::make_unique<Simulation>(*other.running)) {}
+    mutable NodeColumns seen;  ///< scratch of tissue_positions
+    explicit tissue_session(std::shared_ptr<const HapticModel> of) : shared(std::move(of)), running(std::make_unique<Simulation>(*shared)), seen(running->state(0).displacement) {}
+    tissue_session(const tissue_session& other) : shared(other.shared), running(std::make_unique<Simulation>(*other.running)), seen(running->state(0).displacement) {}
     const HapticModel& model() const { return *shared; }
     Simulation& simulation() { return *running; }
     const Simulation& simulation() const { return *running; }
@@ -170,9 +171,11 @@ tissue_status tissue_follow(const tissue_model* model, const tissue_session* lea
 
 tissue_status tissue_take_over(tissue_session* s, const tissue_session* from) {
     if (!s || !from || s == from) return bad("tissue_take_over: a null pointer, or one session twice");
-    if (s->model().dimension() != from->model().dimension()) return fail(TISSUE_MISMATCH, "tissue_take_over: sessions of different numbers of axes");
-    s->simulation().take_over(from->simulation());
-    return TISSUE_OK;
+    return caught([&] {
+        s->simulation().check_take_over(from->simulation());
+        s->simulation().take_over(from->simulation());
+        return TISSUE_OK;
+    });
 }
 
 size_t tissue_state_size(const tissue_session* s) { return s ? s->simulation().state_size() : 0; }
@@ -245,7 +248,8 @@ tissue_status tissue_rest_positions(const tissue_session* s, double* position_m)
 tissue_status tissue_positions(const tissue_session* s, double* position_m) {
     if (!s || !position_m) return bad("tissue_positions: a null pointer");
     const NodeField& nodes = s->model().rest.nodes;
-    const NodeColumns& u = s->simulation().state(0).displacement;
+    NodeColumns& u = s->seen;
+    s->simulation().seen(0, u);
     for (Eigen::Index n = 0; n < nodes.rows(); ++n)
         for (Eigen::Index a = 0; a < nodes.cols(); ++a) *position_m++ = nodes(n, a) + u(n, a);
     return TISSUE_OK;

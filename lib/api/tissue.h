@@ -9,11 +9,11 @@
  * (option "axes"). Arrays of nodes are N times D doubles, node after node.
  *
  * Errors: every function that can fail returns a tissue_status and leaves its results as they were, but tissue_tick, whose force is then zero.
- * tissue_error() is then one line that says what, in the calling thread; tissue_tick alone leaves it as it was, since a thread's first line takes memory:
+ * tissue_error() is then one line that says what, in the calling thread; tissue_tick and tissue_tick_aged alone leave it as it was, since a thread's first line takes memory:
  * tissue_status_text() says what its status is. No function throws, aborts or prints.
  *
  * Threads: a session belongs to one thread at a time; who hands it over does so between two calls. Sessions know nothing of
- * each other, also those of one model, which never changes. tissue_tick, tissue_reset, tissue_clutch, tissue_save, tissue_take_over and everything that only reads take no lock, allocate nothing and never wait, so
+ * each other, also those of one model, which never changes. tissue_tick, tissue_tick_aged, tissue_reset, tissue_clutch, tissue_save, tissue_take_over and everything that only reads take no lock, allocate nothing and never wait, so
  * that they may run at 1 kHz and above. What opens, closes, copies, restores, sets or follows allocates, and belongs between two ticks.
  *
  * Closing sets the caller's pointer to NULL, and closing NULL does nothing: closing twice is harmless. A second copy of the pointer is the caller's own to forget.
@@ -71,7 +71,7 @@ TISSUE_API void tissue_close_model(tissue_model **model);
  * says; 0: dt; negative or not finite: unknown, and taken for as long as the device holds a force (option "hold"; 10 ms where that is "inf"). The tissue goes through that time, whatever the rate; a stall of more than half a second is lost to it
  * (count "lost_ms"). A force that the device still holds after option "hold" (0.01 s) is in no energy log: a host whose ticks may stall sees to it that the device lets go, or sets
  * hold to "inf". The force is finite and within force-max whatever comes in, and zero where the status is not TISSUE_OK, also where an argument is refused. What it gives the hand is bounded for every device
- * (lib/haptic/safety.h); that a hand comes to rest on the tissue is promised for a device whose mass is stated, option "device-mass", and whose positions come with every tick, every dt. The thread's floating-point mode (rounding, traps, denormals) is set for
+ * (lib/haptic/safety.h); that a hand comes to rest on the tissue is promised for a device whose mass is stated, option "device-mass", and whose positions come with every tick, every dt, measured in it: one that is a third of dt old already may swing. The thread's floating-point mode (rounding, traps, denormals) is set for
  * the tick, and after it is as it was. */
 TISSUE_API tissue_status tissue_tick(tissue_session *session, const double position_m[3], double elapsed_s, double force_N[3]);
 
@@ -121,7 +121,8 @@ TISSUE_API tissue_status tissue_rest_positions(const tissue_session *session, do
 
 /* ---- as the last tick has left it */
 
-/* Where nodes are [m] (N times D). */
+/* Where nodes are [m] (N times D). In space, while the tool touches, nodes of the surface within 2.5 radii of it follow the tool (lib/springs/skin.h): the surface to draw, with the
+ * tool's middle at `displacement_m` of tissue_read_contact from the contact's place at rest. One thread at a time calls it for a session. */
 TISSUE_API tissue_status tissue_positions(const tissue_session *session, double *position_m);
 
 typedef struct tissue_contact {
@@ -135,7 +136,7 @@ typedef struct tissue_contact {
 
 TISSUE_API tissue_status tissue_read_contact(const tissue_session *session, tissue_contact *contact);
 
-/* Which stiffness is at work: the name of the spring set that serves, "law" of a law, "" where nothing was touched yet. Valid until tissue_close. */
+/* Which stiffness is at work: the name of the spring set that serves, "law" of a law, the first one before anything was touched. Valid until tissue_close. */
 TISSUE_API const char *tissue_stiffness(const tissue_session *session);
 
 /* Counts of the session by name: ticks, folded, unstable, not_yet_outside, bad_input, jumps, stale, late, clamped, slewed, damped, capped, lost_ms. */

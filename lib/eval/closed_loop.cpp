@@ -52,6 +52,12 @@ ContactAnswer answer_of(const Equilibrium& state) {
     return {state.contact_force, state.displacement, {}};
 }
 
+ContactAnswer answer_of(const LawPress& law, const Point& contact_m, const Point& push_m) {
+    ContactAnswer answer = answer_of(law.at(contact_m, push_m));
+    if (answer.force_N) answer.displacement_m = law.seen(contact_m, push_m, std::move(answer.displacement_m));
+    return answer;
+}
+
 ContactStatistics contact_statistics(const std::vector<ContactError>& errors, int lost) {
     constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
     std::vector<double> force, shape, farthest;

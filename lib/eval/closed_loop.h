@@ -6,6 +6,7 @@
 
 #include "eval/force_error.h"
 #include "springs/equilibrium.h"
+#include "springs/law_press.h"
 
 namespace tissue {
 
@@ -20,7 +21,7 @@ struct ContactTruth {
 /// What a model of any kind says of a contact held at d.
 struct ContactAnswer {
     std::optional<Eigen::VectorXd> force_N;  ///< r_model (D); nothing without an answer
-    NodeField displacement_m = {};           ///< u_model (N x D); empty where the model has a force alone
+    NodeField displacement_m = {};           ///< u_model (N x D), as it is seen; empty where the model has a force alone
     std::string reason = {};                 ///< why there is no answer, for people; empty where nothing failed
 };
 
@@ -45,6 +46,9 @@ ContactAnswer answer_of(const SpringMesh& mesh, const SpringLaw& law, const Eige
 
 /// The same of any model's rest.
 ContactAnswer answer_of(const Equilibrium& state);
+
+/// The law pressed there, from rest, as it is seen (LawPress::seen).
+ContactAnswer answer_of(const LawPress& law, const Point& contact_m, const Point& push_m);
 
 /// Errors of one model at many contacts.
 struct ContactStatistics {

@@ -171,7 +171,7 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
             const auto c = static_cast<std::size_t>(i);
             CaseError& e = errors.cases[c];
             if (candidate.theta.empty()) {  // the law
-                e.closed_loop = error_of(answer_of(energy->at(loads[c].path->contact_m, truths[c].push_m)), truths[c], model.mesh, seen);
+                e.closed_loop = error_of(answer_of(*energy, loads[c].path->contact_m, truths[c].push_m), truths[c], model.mesh, seen);
                 return;
             }
             if (result.open_loop())

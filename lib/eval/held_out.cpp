@@ -250,7 +250,7 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
     if (cases.measurement) result.models.push_back("repeat");
 
     const auto learned = [&](const LoadPath& path, const PathRecord& record) {
-        if (!sets) return answer_of(laws[0].second->at(path.contact_m, path.push_m(record)));
+        if (!sets) return answer_of(*laws[0].second, path.contact_m, path.push_m(record));
         const int set = sets->nearest(outline->arc_of(path.contact_m), path.direction, record.magnitude_m);
         return answer_of(model.mesh, *law, model.trained.front().theta.row(set).transpose(), truth_of(model.mesh, path, record));
     };
@@ -281,7 +281,7 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
             };
             add(learned(path, record));
             add({tabled.force_N});
-            for (std::size_t l = 1; l < laws.size(); ++l) add(answer_of(laws[l].second->at(path.contact_m, truth.push_m)));
+            for (std::size_t l = 1; l < laws.size(); ++l) add(answer_of(*laws[l].second, path.contact_m, truth.push_m));
             for (const Baseline& b : baselines) add(answer_of(b.setting->mesh, *b.setting->law, b.theta, truth));
             if (cases.measurement && path.again_N) add({*path.again_N});
             if (cases.measurement && !path.again_N) contact.error.push_back({{}, {}, {}, "measured once"});
@@ -300,7 +300,7 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
             const ContactAnswer answer = m > 0 ? learned(path, record) : ContactAnswer{};
             curve.learned_N.push_back(m > 0 ? answer.force_N ? answer.force_N->dot(path.direction) : std::nan("") : 0);
             if (solid && with_baselines) {
-                const ContactAnswer uniform = m > 0 ? answer_of(laws.back().second->at(path.contact_m, path.push_m(record))) : ContactAnswer{};
+                const ContactAnswer uniform = m > 0 ? answer_of(*laws.back().second, path.contact_m, path.push_m(record)) : ContactAnswer{};
                 curve.uniform_N.push_back(m > 0 ? uniform.force_N ? uniform.force_N->dot(path.direction) : std::nan("") : 0);
                 continue;
             }

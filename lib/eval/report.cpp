@@ -76,8 +76,10 @@ std::string no_answer_markdown(const std::string& model, const std::string& reas
 constexpr const char* shape_head = " shape: median / p95 / max | largest node error over depth: median / p95 / max | n of N |";
 
 std::string shape_words(bool solid) {
-    return fmt::format("*Shape*: rms over the free nodes{} of u - u_fe, over the rms of u_fe: what an eye sees where a hand feels the force.",
-                       solid ? " of the surface" : "");
+    return fmt::format("*Shape*: rms over the free nodes{} of u - u_fe, over the rms of u_fe: what an eye sees where a hand feels the force.{}",
+                       solid ? " of the surface" : "",
+                       solid ? " Under the disc u is what the disc imposes, (1 - (r/R)^2 / 2) d, in FE as here, so that nodes there have no error; from its rim to 2.5 R "
+                               "it goes over to the lattice's own, for every law here (lib/springs/skin.h)." : "");
 }
 
 /// What the roles of a solid's contacts are, and its models, before the tables that name them.
@@ -236,6 +238,7 @@ std::string figures_markdown(const std::vector<const char*>& figures) {
 /// What constants are over the heuristic where a term is 1, and others 0. Of cells with a heuristic far below the cap, as in plane
 /// stress, that depends on the cap, which a model does not hold.
 std::string factor_of(const std::string& term, double p, bool starts_below_cap) {
+    if (term.rfind("skin.", 0) == 0) return "none";
     if (term.rfind("cell.", 0) != 0) return fmt::format("{:.3g}", std::exp(p));
     return starts_below_cap ? fmt::format("{:.3g}", bent_factor(p)) : "none";
 }
@@ -247,7 +250,7 @@ std::string law_markdown(const LawModel& law, const LawBook& book, bool measured
     std::string out = fmt::format(
         "\n## The law\n\n{} numbers from {} {} paths, {} pushes, in {:.1f} s. Objective {:.4g}: the mean square of {}, and "
         "the ridge. Every constant is its heuristic{} times exp(coefficient x term, summed), those of cells bent below their "
-        "cap; the {} constants that come of it are in model.h5.\n\n| term | coefficient | factor where the term is 1 |\n|---|---|---|\n",
+        "cap; the {} constants that come of it are in model.h5. Terms of the skin, where there are any, are in no constant (lib/springs/skin.h).\n\n| term | coefficient | factor where the term is 1 |\n|---|---|---|\n",
         law.terms.size(), book.paths, measured ? "measured" : "FE", book.records, book.seconds, book.objective, errors,
         over, law.constants.size());
     for (std::size_t t = 0; t < law.terms.size(); ++t) {

@@ -20,6 +20,7 @@ Files csv_files(const TissueModel& model, const std::vector<NamedSet>& sets);
 ///   surface.csv    node, where along the free surface, log of how much stiffer contacts are there
 ///   presses.csv     case, contact, push, force of the hand, or
 ///   pressed.csv    case, node, displacement, force                         the reason why it has none
+/// Displacement is the lattice's own, with which forces balance: beside a disc the surface is seen elsewhere (springs/skin.h).
 /// Where it relaxes branches.csv (time, the contact's share) and shares.csv (of each constant, springs first, a column a branch).
 /// In space tetrahedra.csv and facets.csv stand in place of triangles.csv, and of areas and surface
 ///   cells.csv      cell, its corners, volume at rest, A    contact_rows.csv  row, case, kind, stiffness, what it takes of the push

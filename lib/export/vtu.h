@@ -22,7 +22,7 @@ Files path_vtu(const Cases& cases, const LoadPath& path);
 ///   points  rest_m, displacement_m, force_N (N x 3), mass_kg, fixed    springs  stiffness_N_m, rest_length_m (S)
 std::string set_vtu(const TissueModel& model, const NamedSet& set, std::string& reason);
 
-/// The same of a law, pressed at a load case: at rest where it has no answer. In space the lattice's hexahedra follow the
+/// The same of a law, pressed at a load case: at rest where it has no answer. Displacement is the lattice's own, without the skin at a disc (springs/skin.h). In space the lattice's hexahedra follow the
 /// springs, with stiffness_Pa; an array is 0 at cells that it does not belong to.
 std::string pressed_vtu(const TissueModel& model, const PressedCase& pressed);
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 #include "error.h"
 #include "haptic/dynamics_kinds.h"
@@ -46,6 +47,8 @@ TissueModel untrained(const TissueModel& model) {
     Eigen::VectorXd& constants = heuristic.energy_law->constants;
     constants.setZero();
     constants.head(model.mesh.spring_count()) = model.heuristic_a;
+    heuristic.energy_law->terms.clear();  // nothing of it is learned, its skin neither
+    heuristic.energy_law->coefficients.resize(0);
     return heuristic;
 }
 
@@ -107,8 +110,8 @@ void check_device(const HapticOptions& o, const HapticMesh& mesh) {
     const auto refuse = [&](double tissue_N_m, const char* when, double limit_N_m, const std::string& whose) {
         const double most = o.map.force_scale * limit_N_m / (scale * tissue_N_m);
         if (!(most >= o.map.force_scale))
-            throw MismatchError(fmt::format("the {} mesh is up to {:.0f} N/m stiff to the device {}, at force-scale {:g}; {} {:.0f} N/m: force-scale may be {:.2f} at most", mesh.name, scale * tissue_N_m, when,
-                                            o.map.force_scale, whose, limit_N_m, std::floor(100 * most) / 100));
+            throw MismatchError(fmt::format("the {} mesh is up to {:.0f} N/m stiff to the device {}, at force-scale {:g}; {} {:.0f} N/m: {}", mesh.name, scale * tissue_N_m, when, o.map.force_scale, whose,
+                                            limit_N_m, most >= 0.01 ? fmt::format("force-scale may be {:.2f} at most", std::floor(100 * most) / 100) : "no force-scale will do"));
     };
     refuse(mesh.static_N_m, "at rest", o.device.stiffness_N_m, "the device can show");
     if (o.device.mass_kg > 0)
@@ -129,7 +132,8 @@ void check_options(const HapticOptions& o) {
 namespace {
 
 std::uint64_t fingerprint_of(const HapticModel& model) {
-    XXH3_state_t* hash = XXH3_createState();
+    XXH3_state_t* const hash = XXH3_createState();
+    if (!hash) throw std::bad_alloc();
     XXH3_64bits_reset(hash);
     const auto add = [&](const void* data, std::size_t bytes) { XXH3_64bits_update(hash, data, bytes); };
     const auto add_array = [&](const auto& values) { add(values.data(), sizeof(*values.data()) * static_cast<std::size_t>(values.size())); };

@@ -162,7 +162,7 @@ TISSUE_HOT void tetrahedra(int n, const double* const* e, const double* __restri
 
 }  // namespace kernel
 
-RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) : springs_(springs), kernel_(make_contact_kernel(model.mesh, law_of(model))) {
+RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) : springs_(springs), skin_(law_of(model).skin()), kernel_(make_contact_kernel(model.mesh, law_of(model))) {
     const LawModel& law = law_of(model);
     if (springs.law().name() != "geometric")
         throw MismatchError(fmt::format("a law's springs are geometric, not {}", springs.law().name()));
@@ -199,7 +199,7 @@ RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) 
 }
 
 RealtimeLaw::RealtimeLaw(const RealtimeLaw& other)
-    : springs_(other.springs_), now_(other.now_), theta_(other.theta_), relaxation_(other.relaxation_), first_square_(other.first_square_), first_region_(other.first_region_),
+    : springs_(other.springs_), skin_(other.skin_), now_(other.now_), theta_(other.theta_), relaxation_(other.relaxation_), first_square_(other.first_square_), first_region_(other.first_region_),
       first_box_(other.first_box_), first_node_(other.first_node_), spring_of_slot_(other.spring_of_slot_), squares_(other.squares_), regions_(other.regions_), walk_(other.walk_),
       boxes_(other.boxes_), tetrahedra_(other.tetrahedra_), kernel_(other.kernel_->clone()) {}
 

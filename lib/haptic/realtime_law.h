@@ -61,6 +61,9 @@ class RealtimeLaw {
     /// The contact at a place of the mesh's boundary, as training and evaluation have it (ContactKernel::tool_at). No allocation.
     void contact(int facet, const Eigen::Vector3d& weight, ToolSpring& tool) const noexcept { kernel_->tool_at(facet, weight, now_.patch, tool); }
 
+    /// What is seen of displacements u while the tool pushes there (ContactKernel::show_skin). No allocation.
+    void show_skin(int facet, const Eigen::Vector3d& weight, const Point& push_m, NodeColumns& u) const noexcept { kernel_->show_skin(facet, weight, skin_, push_m, u); }
+
     double spacing_m() const { return kernel_->spacing_m(); }  ///< mean, of the free surface's nodes
 
     const LawStiffness& stiffness() const { return now_; }
@@ -125,6 +128,7 @@ class RealtimeLaw {
     void all_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch, BranchMemory* memory) const noexcept;
 
     const RealtimeMesh& springs_;
+    SkinLaw skin_;
     LawStiffness now_;
     Eigen::VectorXd theta_;  ///< by slot (P)
     Relaxation relaxation_;

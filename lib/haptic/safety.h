@@ -52,7 +52,8 @@ struct SafetyCounters {
 ///
 /// Energy. A force is held for one tick while the hand moves by dx, so the port gives exactly F dx. A device whose positions come less often than ticks
 /// (DeviceSample::age_s tells) has its dx judged by the time between these, and F is the mean of what was held meanwhile, as if the hand had moved evenly;
-/// what has not been measured yet is in no book. E_n is the sum of
+/// what has not been measured yet is in no book. Of a position that is old when it is used (age_s) the motion is booked with the force of a later time, so that what a late device
+/// gives is not seen: the bound below holds for positions measured in their tick, and of older ones for the part that is seen. E_n is the sum of
 /// that, credit of ended contacts left out; a surplus fades with the time constant surplus_fades_s, so that the tissue is stiff again
 /// some seconds after a disturbance. A tick that finds its force let go books the worst instead. The motion of a
 /// fault, which nobody measured, is not counted. With
@@ -62,7 +63,7 @@ struct SafetyCounters {
 /// r_n >= 1 is the longest time between two ticks, or since the position in use was measured, in periods, since E + W was last within B: 1 while ticks are on time and bring
 /// positions of their own (a tick that comes early counts as a whole one), and never more than hold_s / dt, of a device whose positions come less often (hold_s + stale_s) / dt. By default B = 0.028 J and
 /// r B <= 0.28 J. What fades may be given anew: at most r B / surplus_fades_s, 6 mW of ticks on time.
-/// This bound is for every device and hand. That a hand comes to rest on the tissue is not its work, and the controller has none to do then: see
+/// This bound is for every device and hand whose positions are measured in their tick. That a hand comes to rest on the tissue is not its work, and the controller has none to do then: see
 /// contact_damping_s (haptic/dynamics.h) and DeviceImpedance.
 /// Construction: when tick n + 1 comes after r dt at most, the hand has moved by speed_max r dt at most, or it is a
 /// fault: E grows by |F_n| speed_max r dt at most (of several ticks between two positions by their mean force times that, which is no more where force has come down in between). Then |F_{n+1}| is at most the C with r W(C) = r B - E_{n+1}, which is

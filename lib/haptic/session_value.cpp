@@ -95,7 +95,7 @@ void Simulation::change(const HapticOptions& given) {
     if (moved.norm() <= options_.safety.speed_max_m_s * options_.map.scale * options_.dt_s) return;
     forget_taken_over();
     no_contact(now);
-    touched_ = -1;
+    record_.mesh = touched_ = -1;
     armed_ = false;
 }
 
@@ -116,7 +116,8 @@ void Simulation::follow(const Simulation& from) {
 
 /// The tool goes to where the other session's is, as a hand would: from outside to the place that it touches, on to where it is, and waits there.
 void Simulation::lead_to(const Simulation& from) {
-    constexpr double most_ticks = 5000, fewest_ticks = 50, waits_s = 0.3, speed_m_s = 0.05;
+    constexpr double most_ticks = 5000, fewest_ticks = 50, waits_s = 0.3;
+    const double speed_m_s = std::min(0.05, options_.safety.speed_max_m_s * options_.map.scale / 3);  // on average; the most is half as much again
     const auto tick_at = [&](const Point& tool_m) {
         DeviceSample sample;
         sample.position_m = options_.map.to_device(tool_m);
@@ -158,6 +159,21 @@ void Simulation::take_over(const Simulation& from) noexcept {
     same_position_s_ = from.same_position_s_;
     tool_m_ = tool_at_the_end(record_.master_m) - period_s_ * velocity_m_s_;
     taken_over_ = true;
+    friction_.become(options_.friction = from.options_.friction);
+    if (from.armed_) return;
+    no_contact(record_.master_m);  // it was stopped meanwhile: the tool must be outside once, here too
+    record_.mesh = touched_ = -1;
+    armed_ = false;
+    forget_taken_over();
+}
+
+void Simulation::check_take_over(const Simulation& from) const {
+    if (from.model_.dimension() != model_.dimension()) throw MismatchError("take_over: sessions of different numbers of axes");
+    const auto shown = [](const DeviceMap& map) { return map.force_scale * map.scale; };
+    if (shown(from.options_.map) <= shown(options_.map)) return;
+    HapticOptions next = options_;
+    next.map = from.options_.map;
+    for (const auto& mesh : model_.meshes) check_device(next, *mesh);
 }
 
 }  // namespace tissue

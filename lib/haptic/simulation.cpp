@@ -79,7 +79,7 @@ void Simulation::rest_meshes() noexcept {
     place_surfaces();
     forget_taken_over();
     no_contact(Point::Zero(model_.dimension()));
-    touched_ = -1;
+    record_.mesh = touched_ = -1;
     armed_ = false;
     untouched_s_ = 0;
     rested_s_ = record_.time_s;
@@ -340,11 +340,15 @@ void Simulation::slide(const Point& master_m) noexcept {
     const MovingSurface& now = *surfaces_[m];
     slid_m_ -= mesh.law ? touched_m_ : Point(contact_.where.position_m);
     if (mesh.law) {
-        friction_.slide(model_.surface, mesh.springs, *laws_[m], states_[m].displacement, master_m - mesh.place_m, contact_.where, touched_m_, tool_,
+        const bool beside_remembers = tool_memory_.size() > 1 && !tool_memory_[1 - m].empty();
+        if (beside_remembers) changed_ = tool_;
+        friction_.slide(model_.surface, mesh.springs, *laws_[0], states_[m].displacement, master_m - mesh.place_m, contact_.where, touched_m_, tool_,
                         tool_memory_[m]);
+        if (beside_remembers) tool_memory_[1 - m].follow(changed_, tool_);
         contact_.where.position_m = now.at(contact_.where.facet, contact_.where.weight);
     } else {
         friction_.slide(model_.surface, mesh.springs, now, coupling_N_m_, master_m, contact_.where);
+        if (friction_.slipping() && model_.is_law()) laws_[0]->contact(contact_.where.facet, contact_.where.weight, tool_);  // the law's mesh, which is beside, is pressed there too
     }
     slid_m_ += mesh.law ? touched_m_ : Point(contact_.where.position_m);
     contact_.proxy_m = contact_.where.position_m;
@@ -400,6 +404,12 @@ Point Simulation::displacement_at_contact(std::size_t mesh) const noexcept {
     Point sum = Point::Zero(model_.dimension());
     for (Eigen::Index k = 0; k < facets.cols(); ++k) sum += record_.weight[k] * u.row(facets(record_.facet, k)).transpose();
     return sum;
+}
+
+void Simulation::seen(std::size_t mesh, NodeColumns& displacement_m) const noexcept {
+    displacement_m = states_[mesh].displacement;
+    if (laws_[mesh] && record_.mesh >= 0)
+        laws_[mesh]->show_skin(record_.facet, {record_.weight[0], record_.weight[1], record_.weight[2]}, displacement_at_contact(mesh), displacement_m);
 }
 
 /// (19): K^t = gamma K_l + (1 - gamma) K^{t-1}, on theta, in which K is linear. The heuristic mesh has one set.

@@ -22,7 +22,7 @@
 namespace tissue {
 
 struct HapticOptions {
-    double dt_s = 1e-3;               ///< 1 kHz, the paper's rate; 1e-6 to 0.005
+    double dt_s = 1e-3;               ///< 1 kHz, the paper's rate; 1e-6 to half of what the device holds a force for
     std::optional<double> innovation = {};      ///< gamma of (19), of sets; nothing: 0.05, a new set takes over within about 60 ms
     /// Of critical, at the lowest mode. Nothing: 0.05 for sets, the paper's "very small values"; 0.17 for a law, 5 1/s on the
     /// tissue of `surface`, with which a press comes to rest in the time that a hand takes to notice; 0.01 for a law that relaxes, whose
@@ -159,7 +159,10 @@ class Simulation {
     const HapticOptions& options() const { return options_; }
 
     /// While it is on, the hand moves and the tool does not: the offset follows, and there is no force. A position that jumps is a fault as ever.
-    void clutch(bool on) noexcept { clutched_ = on; }
+    void clutch(bool on) noexcept {
+        clutched_ = on;
+        velocity_m_s_.setZero();
+    }
 
     /// A session that has not ticked yet: its tool is led to where another's is, whose model may be another, with the options that may change of that one. That takes some hundred ticks, a time
     /// in which no device can wait: in another thread, after a copy of the session that plays. Throws MismatchError for another number of axes, as change(), and where the tool cannot be led there.
@@ -167,6 +170,8 @@ class Simulation {
     /// After follow(), between two ticks: the hand, its force, the energy that it was given and counts are those of `from`. What forces differ by fades within some tenths of a second; the
     /// tissue's own energies are of this session. Allocates nothing.
     void take_over(const Simulation& from) noexcept;
+    /// Throws MismatchError where take_over() must not be called: for another number of axes, and where the device cannot show this tissue at the force-scale that `from` has by now. Allocates where that is larger than its own.
+    void check_take_over(const Simulation& from) const;
 
     /// One step of Sec. 4: device position in, device force out [N]. elapsed_s: since the last tick, an hour at most; 0 means dt; negative or not
     /// finite: unknown, taken for as long as the device holds a force (force_held_s where it holds it for ever). In it denormals are zero; the caller's floating-point mode is as it was (flush_denormals.h).
@@ -187,6 +192,9 @@ class Simulation {
     int set() const { return set_; }                                                 ///< (18)'s l
     /// x_p - X_p of one mesh; of a law how far the tool has pushed it. 0 where nothing is pressed (D).
     Point displacement_at_contact(std::size_t mesh) const noexcept;
+    /// Displacement of one mesh's nodes as it is seen, with the skin of a law in space while there is a contact (springs/skin.h), into storage of the right size [m] (N x D).
+    /// A law's mesh that is beside the touched one has its own tool displacement (displacement_at_contact). Allocates nothing.
+    void seen(std::size_t mesh, NodeColumns& displacement_m) const noexcept;
     /// Of the learned law, since the start; nothing unless HapticOptions::energy_book. Between ticks.
     BranchBook branches() const { return law() ? law()->branches(states_[0].memory) : BranchBook{}; }
     double kinetic_J() const noexcept;  ///< of the learned mesh

@@ -13,27 +13,37 @@ TickState empty_state(const HapticModel& model) {
     return state;
 }
 
-void copy(const Simulation& simulation, const TickBooks& books, TickState& state) noexcept {
+void copy(const Simulation& simulation, const TickBooks& books, TickState& state, std::vector<NodeColumns>& seen) noexcept {
     const TickRecord& record = simulation.record();
     state.record = record;
     state.books = books;
     state.safety = simulation.safety().counters();
     state.counters = simulation.counters();
     state.rested_s = simulation.rested_s();
+    state.proxy_m = record.proxy_m;
     float* out = state.nodes_m.data();
     for (std::size_t m = 0; m < state.contact_displacement_m.size(); ++m) {
         const HapticMesh& mesh = *simulation.model().meshes[m];
-        const NodeColumns &rest = mesh.springs.rest(), &u = simulation.state(m).displacement;
+        const NodeColumns &rest = mesh.springs.rest(), &u = seen[m];
+        simulation.seen(m, seen[m]);
         for (int n = 0; n < mesh.springs.node_count(); ++n)
             for (int axis = 0; axis < mesh.springs.dimension(); ++axis) *out++ = static_cast<float>(mesh.place_m[axis] + rest(n, axis) + u(n, axis));
         state.contact_displacement_m[m] = simulation.displacement_at_contact(m);
+        if (!mesh.law || static_cast<int>(m) != record.mesh) continue;
+        state.proxy_m = mesh.place_m;
+        for (Eigen::Index k = 0; k < mesh.springs.facets().cols(); ++k) {
+            const int node = mesh.springs.facets()(record.facet, k);
+            state.proxy_m += record.weight[k] * (rest.row(node) + u.row(node)).transpose();
+        }
     }
 }
 
 }  // namespace
 
 StateChannel::StateChannel(const HapticModel& model, int every, std::size_t times)
-    : every_(every), latest_(empty_state(model)), times_(times) {}
+    : every_(every), latest_(empty_state(model)), times_(times) {
+    for (const auto& mesh : model.meshes) seen_.emplace_back(NodeColumns::Zero(mesh->springs.node_count(), mesh->springs.dimension()));
+}
 
 bool StateChannel::before(Simulation& simulation) noexcept {
     if (reset_.exchange(false, std::memory_order_relaxed)) simulation.reset();
@@ -44,7 +54,7 @@ void StateChannel::after(const Simulation& simulation, const TickBooks& books) n
     if (!books.left_out) times_.push(books.tick_us);
     if (++since_ < every_) return;
     since_ = 0;
-    copy(simulation, books, latest_.back());
+    copy(simulation, books, latest_.back(), seen_);
     latest_.publish();
 }
 

@@ -17,7 +17,8 @@ struct TickState {
     HapticCounters counters;
     double rested_s = 0;                                  ///< when every mesh was last put to rest
     std::vector<Point> contact_displacement_m;  ///< of each mesh at the contact, of a law the tool's own; 0 without one
-    std::vector<float> nodes_m;                           ///< place of every node, D numbers each, mesh after mesh
+    Point proxy_m;                                        ///< the record's; in contact with a law, on the surface as it is seen
+    std::vector<float> nodes_m;                           ///< place of every node as it is seen (Simulation::seen), D numbers each, mesh after mesh
 };
 
 /// Between the tick and one other thread: states and times out, pause and reset in. Neither side locks or waits, and
@@ -42,6 +43,7 @@ class StateChannel final : public TickHook {
     int every_, since_ = 0;
     std::atomic<bool> paused_{false}, reset_{false};
     Latest<TickState> latest_;
+    std::vector<NodeColumns> seen_;  ///< scratch, of each mesh
     SpscRing<double> times_;
 };
 

@@ -15,7 +15,7 @@ namespace tissue {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr double imprint = 2.5;             // its reach, in radii
+constexpr double imprint = 2.5;             // its reach, and the skin's, in radii
 constexpr double under = 1.2, stuck = 4;    // how far the disc itself holds the tissue, in radii, and how much more stiffly
 constexpr double reach = 1.6, shape_reach = 2;  // of the mean's weights, in spacings: at least four nodes of a square lattice
 constexpr double farther = 1.25 * 1.25;  // where too few are there; a place that needs still more looks at the whole surface
@@ -93,9 +93,11 @@ double DiscContact::curved_among(const std::vector<int>& nodes, double within_m,
 }
 
 DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, NodeField ground)
-    : surface_(mesh), rest_(mesh.nodes), radius_m_(radius_m), ground_(std::move(ground)), on_lattice_(on_lattice(mesh)) {
+    : surface_(mesh), rest_(mesh.nodes), radius_m_(radius_m), ground_(std::move(ground)), on_lattice_(on_lattice(mesh)),
+      fixed_(static_cast<std::size_t>(mesh.node_count()), false) {
     if (!mesh.is_solid()) throw MismatchError("a disc needs a surface in space");
     if (!(radius_m > 0)) throw MismatchError("a disc needs a radius > 0");
+    for (int node : mesh.fixed) fixed_[static_cast<std::size_t>(node)] = true;
     carried_ = Eigen::VectorXd::Ones(mesh.node_count());
     if (!on_lattice_) {
         carried_.setZero();
@@ -131,6 +133,48 @@ DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, NodeField grou
 }
 
 double DiscContact::own_reach_m() const noexcept { return (on_lattice_ ? reach : shape_reach) * surface_.spacing_m(); }
+
+Eigen::Matrix3d DiscContact::target_at(const Eigen::Vector3d& from_m, double away_m, const Eigen::Vector3d& normal) const noexcept {
+    // how far the tissue goes along the surface where it is pushed that way: the same all round on average
+    Eigen::Matrix3d target = Eigen::Matrix3d::Identity();
+    if (away_m > radius_m_) {
+        const Eigen::Matrix3d along = Eigen::Matrix3d::Identity() - normal * normal.transpose();
+        const Eigen::Vector3d out = from_m / away_m;
+        const double far = 1 - radius_m_ * radius_m_ / (away_m * away_m);
+        const Eigen::Vector3d out_along = out - out.dot(normal) * normal;
+        target += far / 3 * (2 * out * out_along.transpose() - along);
+    }
+    return profile(away_m / radius_m_) * target;
+}
+
+template <class Each>
+void DiscContact::each_skin_node(const FreeSurface::Place& place, Each&& each) const noexcept {
+    const Eigen::Vector3d centre = place.point_m, normal = place.inward;
+    const Eigen::Matrix3d nn = normal * normal.transpose(), along = Eigen::Matrix3d::Identity() - nn;
+    for (int node : near_[static_cast<std::size_t>(place.facet)]) {
+        const Eigen::Vector3d from = rest_.row(node).transpose() - centre;
+        const double away_m = from.norm(), x = away_m / radius_m_;
+        if (x >= imprint || fixed_[static_cast<std::size_t>(node)] || !surface_.faces(node, place.inward)) continue;
+        const double left = (imprint - std::max(x, 1.0)) / (imprint - 1), w = left * left, beside = std::max(0.0, x - 1) * w;
+        const Eigen::Vector3d out = x > 1 ? Eigen::Vector3d(along * from / away_m) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+        each(SkinNode{node, 1 - w, w * target_at(from, away_m, normal),
+                      {beside * nn, beside * along, beside * normal * out.transpose(), beside * out * normal.transpose()}});
+    }
+}
+
+std::vector<SkinNode> DiscContact::skin_at(const Point& contact_m) const {
+    std::vector<SkinNode> nodes;
+    each_skin_node(surface_.nearest(contact_m), [&](const SkinNode& at) { nodes.push_back(at); });
+    return nodes;
+}
+
+void DiscContact::show_skin(int facet, const Eigen::Vector3d& weight, const SkinLaw& skin, const Point& push_m, NodeColumns& u) const noexcept {
+    const Eigen::Index free = surface_.free_of()[static_cast<std::size_t>(facet)];
+    if (free < 0) return;
+    each_skin_node(surface_.place(free, weight), [&](const SkinNode& at) {
+        u.row(at.node) = at.shown(u.row(at.node).transpose(), skin, push_m).transpose();
+    });
+}
 
 DiscContact::Disc DiscContact::disc_at(const FreeSurface::Place& place, Node* nodes, std::size_t room) const noexcept {
     const Eigen::Vector3d centre = place.point_m, normal = place.inward;
@@ -180,7 +224,6 @@ DiscContact::Disc DiscContact::disc_at(const FreeSurface::Place& place, Node* no
         if (weight > 0) moments += weight * basis(*at) * basis(*at).transpose();
     }
     const Eigen::Vector3d solved = moments.ldlt().solve(Eigen::Vector3d::UnitX());
-    const Eigen::Matrix3d along = Eigen::Matrix3d::Identity() - normal * normal.transpose();
     double crowd = 0, counted = 0, carried = 0;
     for (Node* at = nodes; at != nodes + disc.nodes; ++at) {
         const double r = at->away_m, x = r / (width * h);
@@ -191,15 +234,7 @@ DiscContact::Disc DiscContact::disc_at(const FreeSurface::Place& place, Node* no
         crowd += carried_[at->node] * std::exp(-x * x / 2) / (2 * pi * width * width);
         at->pressed = r < imprint_m;
         if (!at->pressed) continue;
-        // how far the tissue goes along the surface where it is pushed that way: the same all round on average
-        at->target.setIdentity();
-        if (r > radius_m_) {
-            const Eigen::Vector3d out = (rest_.row(at->node).transpose() - centre) / r;
-            const double far = 1 - radius_m_ * radius_m_ / (r * r);
-            const Eigen::Vector3d out_along = out - out.dot(normal) * normal;
-            at->target += far / 3 * (2 * out * out_along.transpose() - along);
-        }
-        at->target *= profile(r / radius_m_);
+        at->target = target_at(rest_.row(at->node).transpose() - centre, r, normal);
         at->share = carried_[at->node] * (bell(r / imprint_m) + stuck * bell(r / (under * radius_m_)));
     }
     for (std::size_t i = 0; i < disc.nodes; ++i) disc.log_scale += nodes[i].mean * log_scale_of(nodes[i].node);

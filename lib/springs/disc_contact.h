@@ -40,6 +40,8 @@ class DiscContact final : public ContactKernel {
     std::unique_ptr<ContactKernel> clone() const override { return std::make_unique<DiscContact>(*this); }
     ContactRows rows_at(const Point& contact_m) const override;  ///< at the surface's point nearest to that
     void tool_at(int facet, const Eigen::Vector3d& weight, const PatchLaw& law, ToolSpring& tool) const noexcept override;
+    std::vector<SkinNode> skin_at(const Point& contact_m) const override;
+    void show_skin(int facet, const Eigen::Vector3d& weight, const SkinLaw& skin, const Point& push_m, NodeColumns& u) const noexcept override;
     double spacing_m() const override { return surface_.spacing_m(); }
 
     /// Nodes that the widest contact has at the most: of one with its middle anywhere on a free facet.
@@ -71,6 +73,12 @@ class DiscContact final : public ContactKernel {
     /// The contact at a place of the surface; fills `nodes`, which has room for so many. Where more are in reach the nearest stay.
     Disc disc_at(const FreeSurface::Place& place, Node* nodes, std::size_t room) const noexcept;
 
+    /// How far a node at a place from the contact goes with the tool, over phi(r / R): of a half space, what follows a push along the surface lies ahead of it and behind.
+    Eigen::Matrix3d target_at(const Eigen::Vector3d& from_m, double away_m, const Eigen::Vector3d& normal) const noexcept;
+    /// Calls each(SkinNode) for the nodes of a place's skin.
+    template <class Each>
+    void each_skin_node(const FreeSurface::Place& place, Each&& each) const noexcept;
+
     double curved_among(const std::vector<int>& nodes, double within_m, const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept;
     double own_reach_m() const noexcept;  ///< of the mean's weights
 
@@ -90,6 +98,7 @@ class DiscContact final : public ContactKernel {
     double radius_m_;
     NodeField ground_;
     bool on_lattice_;
+    std::vector<bool> fixed_;  ///< (N)
     Eigen::VectorXd carried_;  ///< part of the free surface that a node carries, in squared spacings: 1 on a lattice (N)
 };
 

@@ -111,10 +111,10 @@ LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spri
     const Eigen::VectorXd measure = isotropic_measure(mesh), unit = heuristic_stiffness(mesh, 1.0).cwiseProduct(measure).cwiseQuotient(mesh.incident_measure);
     h.constants.head(mesh.spring_count()) = 5 * mesh.node_measure.sum() / measure.sum() * unit.cwiseProduct(spring_modulus_Pa);
     h.constants.tail(h.cap.size()) = start_below_cap * h.cap;
-    const double E = surface_modulus_Pa, stiffness = std::log(4 * E * radius_m);
+    const double E = surface_modulus_Pa, in_ER = std::log(E * radius_m), in_ER3 = -std::log(E * radius_m * radius_m * radius_m);
     h.patch.log_N_m.setZero(PatchLaw::disc_rows, on_lattice(mesh) ? PatchLaw::factors : PatchLaw::shape_factors);
-    h.patch.log_N_m.col(0) << stiffness, stiffness, stiffness - std::log(10), stiffness - std::log(10),
-        std::log(0.2 / (E * radius_m * radius_m * radius_m)), std::log(0.1 / (E * radius_m * radius_m * radius_m)), std::log(E);
+    h.patch.log_N_m.col(0) << std::log(2.2) + in_ER, std::log(1.7) + in_ER, std::log(4.0) + in_ER, std::log(0.4) + in_ER, std::log(0.8) + in_ER3, std::log(0.1) + in_ER3,
+        std::log(E);
     return h;
 }
 
@@ -154,8 +154,12 @@ EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, cons
                 throw MismatchError(fmt::format("term '{}' is zero everywhere", terms[t]));
             continue;
         }
+        if (std::count(skin_terms().begin(), skin_terms().end(), terms[t]) > 0) {
+            if (!mesh.is_solid()) throw MismatchError(fmt::format("term '{}' is of a disc in space, and the tissue is a plane's", terms[t]));
+            continue;
+        }
         if ((parts[0] != "spring" && parts[0] != "cell") || parts.size() < 2)
-            throw MismatchError(fmt::format("term '{}' is not known; allowed: spring., cell. or contact. and its factors", terms[t]));
+            throw MismatchError(fmt::format("term '{}' is not known; allowed: spring., cell. or contact. and its factors, {}", terms[t], fmt::join(skin_terms(), ", ")));
         const bool spring = parts[0] == "spring";
         auto value = value_.col(column).segment(spring ? 0 : springs.rows(), spring ? springs.rows() : cells.rows());
         value.setOnes();

@@ -26,9 +26,10 @@ namespace tissue {
 /// Contact: between a rigid patch of half width b and the spline on nodes h apart lies the compliance
 /// 3 / (2 pi E2) ln(r_spline / (b / 2)), r_spline = 0.43 h, of a half plane's logarithmic dent (Johnson, Contact
 /// Mechanics, 2.3: both kernels' mean logarithm): 1 / (4 E2) for b = h / 2, the start for normal and tangent; a tenth
-/// of it for the rows that keep the patch in line. Of a disc of radius R: 4 E R, about twice
-/// what the half space itself resists with, 16/9 E R (Hertz); the imprint's rows a tenth; it hardens by 0.2 / (E R^3), half of which
-/// saturates it; coupling E.
+/// of it for the rows that keep the patch in line. Of a disc of radius R the force
+/// conjugate to d on a half space is 64/45 E R d (Hertz's pressure times phi). Rows start in E R at 2.2 (normal), 1.7 (tangent), 4 and 0.4 (imprint), hardening at
+/// 0.8 / (E R^3), saturation at 0.1 / (E R^3), coupling at E: chosen on block3-quick's validation contacts. In series with a lattice 7 R deep that gives 1.0 to 1.3
+/// times 64/45 E R where nodes lie 0.8 R to 1.4 R apart, by where between them the disc stands, and 1.1 to 1.6 at 2 R.
 struct LawHeuristic {
     bool incompressible = false; ///< plane strain: regions keep their area too (TissueEnergy), with the cells' mean A
     Eigen::VectorXd constants;   ///< of a TissueEnergy [N/m] (E)
@@ -79,6 +80,7 @@ bool softens(const std::vector<std::string>& terms);
 ///   contact.normal contact.tangent contact.rotation contact.stretch, alone or with one of: phase corner edge (PatchLaw)
 ///   of a disc normal tangent imprint_normal imprint_tangent hardening saturation coupling, with one of: phase ground edge, on a
 ///                   shape curved crowd (DiscContact); softening in place of hardening and saturation (ContactSpring)
+///   skin.normal skin.tangent skin.heave skin.radial   of a disc: in no constant, but in what is seen beside it (springs/skin.h)
 class EnergyLaw {
    public:
     /// Throws MismatchError for a term that is not known, does not fit the mesh, is zero everywhere or stands twice.
@@ -92,6 +94,7 @@ class EnergyLaw {
 
     Eigen::VectorXd constants(const Eigen::VectorXd& p) const;     ///< [N/m] (E)
     Eigen::MatrixXd constants_by(const Eigen::VectorXd& p) const;  ///< their derivative (E x P)
+    SkinLaw skin(const Eigen::VectorXd& p) const { return skin_of(terms_, p); }
     PatchLaw patch(const Eigen::VectorXd& p) const;
     /// Derivative of PatchLaw::values_at a place of these factors (K x P).
     Eigen::MatrixXd stiffness_by(const Eigen::VectorXd& p, const ContactFactors& factors) const;

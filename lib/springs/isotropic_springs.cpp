@@ -31,7 +31,14 @@ std::optional<std::array<double, 8>> isotropic_shares(const Point& cell_m) {
     if (D == 2) {
         w[3] = 1 / (2 * pair(0, 1));
     } else {
-        w[7] = 1 / (8 * std::max({pair(0, 1), pair(1, 2), pair(2, 0)}));
+        double least = 0;  // below it an edge is negative
+        for (int a = 0; a < 3; ++a) {
+            const int b = (a + 1) % 3, c = (a + 2) % 3;
+            least = std::max(least, (h[a] / h[b] + h[a] / h[c] - 3) / (4 * h[a] * h[a]));
+        }
+        const double most = 1 / (4 * std::max({pair(0, 1), pair(1, 2), pair(2, 0)}));
+        if (!(least < most)) return {};
+        w[7] = (least + most) / 2;
         for (int a = 0; a < 3; ++a) {
             const int b = (a + 1) % 3, c = (a + 2) % 3;
             w[static_cast<std::size_t>(all ^ (1 << a))] = (1 - 4 * w[7] * pair(b, c)) * std::pow(h[b] + h[c], 2) / (2 * pair(b, c));
@@ -46,8 +53,8 @@ std::optional<std::array<double, 8>> isotropic_shares(const Point& cell_m) {
             diagonals += directions(axes) * w[static_cast<std::size_t>(axes)] * std::pow(h[a] / length2, 2);
         }
         const double edge = 3 - diagonals;
-        if (!(edge >= -1e-12)) return {};
-        w[static_cast<std::size_t>(1 << a)] = std::max(0.0, edge);
+        if (!(edge > 1e-9)) return {};
+        w[static_cast<std::size_t>(1 << a)] = edge;
     }
     double sum = 0;
     for (int axes = 1; axes <= all; ++axes) sum += directions(axes) * w[static_cast<std::size_t>(axes)];

@@ -54,4 +54,11 @@ Equilibrium LawPress::at(const Point& contact_m, const Point& push_m) const {
     return answer;
 }
 
+NodeField LawPress::seen(const Point& contact_m, const Point& push_m, NodeField displacement_m) const {
+    const SkinLaw skin = law_.skin();
+    for (const SkinNode& at : kernel_->skin_at(contact_m))
+        displacement_m.row(at.node) = at.shown(displacement_m.row(at.node).transpose(), skin, push_m).transpose();
+    return displacement_m;
+}
+
 }  // namespace tissue

@@ -26,6 +26,9 @@ class LawPress {
     /// and mesh do not belong together.
     Equilibrium at(const Point& contact_m, const Point& push_m) const;
 
+    /// What is seen of such an answer's displacement: at a disc the skin (springs/skin.h), everywhere else the nodes' own.
+    NodeField seen(const Point& contact_m, const Point& push_m, NodeField displacement_m) const;
+
    private:
     std::unique_ptr<PressSolver> take() const;  ///< an idle solver, or a new one
 

@@ -23,6 +23,7 @@ struct LawModel {
     Eigen::VectorXd coefficients;          ///< of the terms (P)
     Eigen::VectorXd constants;             ///< what they make of the heuristic: of a TissueEnergy [N/m] (E)
     PatchLaw patch;                        ///< and of the contact
+    SkinLaw skin() const { return skin_of(terms, coefficients); }
     bool incompressible = false;           ///< whether regions keep their area too (TissueEnergy)
     double disc_radius_m = 0;              ///< in space: of the disc that presses,
     NodeField ground = {};                 ///< and what under it is of other stiffness (G x 4, springs/disc_contact.h); often no rows

@@ -162,7 +162,8 @@ WrittenStudy solid_study(const ShapeExtent& shape, const NewStudy& wanted, const
     toml += draw("validation", "contacts to choose with", 1, 10) + draw("held_out", "contacts of the test set", 2, 20);
     toml += "[springs]\ntopology = \"edges3\"    # of the tetrahedra\nstiffness = \"law\"    # an energy model; terms: lib/springs/energy_law.h\nterms = [\n"
             "  \"spring.all\", \"cell.all\", \"contact.normal\", \"contact.tangent\", \"contact.imprint_normal\", \"contact.imprint_tangent\",\n"
-            "  \"contact.softening\", \"contact.coupling\", \"contact.normal.curved\", \"contact.tangent.curved\", \"spring.layer\", \"cell.layer\", \"spring.held\",\n]\n\n";
+            "  \"contact.softening\", \"contact.coupling\", \"contact.normal.curved\", \"contact.tangent.curved\", \"spring.layer\", \"cell.layer\", \"spring.held\",\n"
+            "  \"skin.normal\", \"skin.tangent\", \"skin.heave\", \"skin.radial\",\n]\n\n";
     toml += training;
     return {toml, {fmt::format("tool: a disc of radius {} mm (indenter.radius_m), pushed to {} mm (loads.magnitudes_m)", text(1e3 * radius_m), text(1e3 * depth_m)),
                    fmt::format("{} training contacts all over the free surface (loads.spread), straight in and at 30 degrees", contacts)}};

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <gsl/gsl_randist.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -34,6 +36,33 @@ Eigen::MatrixXd seen_rows(const Matrix& all, const LawTrainingOptions& options, 
     for (std::size_t i = 0; i < options.seen.size(); ++i)
         rows.middleRows(D * static_cast<Eigen::Index>(i), D) = all.middleRows(D * options.seen[i], D);
     return rows;
+}
+
+/// The skin of one contact, and where its parameters stand among the law's, -1 where they do not.
+struct TrainedSkin {
+    std::vector<SkinNode> nodes;
+    SkinLaw law;
+    std::array<Eigen::Index, 4> column;
+
+    /// What is seen of a displacement, and its derivative (N*D x P).
+    void see(const Point& push_m, NodeField& u, Eigen::MatrixXd& by) const {
+        for (const SkinNode& at : nodes) {
+            u.row(at.node) = at.shown(u.row(at.node).transpose(), law, push_m).transpose();
+            auto rows = by.middleRows<3>(3 * at.node);
+            rows *= at.keep;
+            for (std::size_t k = 0; k < column.size(); ++k)
+                if (column[k] >= 0) rows.col(column[k]) += at.by[k] * Eigen::Vector3d(push_m);
+        }
+    }
+};
+
+std::array<Eigen::Index, 4> skin_columns(const std::vector<std::string>& terms) {
+    std::array<Eigen::Index, 4> column{};
+    for (std::size_t k = 0; k < column.size(); ++k) {
+        const auto at = std::find(terms.begin(), terms.end(), skin_terms()[k]);
+        column[k] = at == terms.end() ? -1 : at - terms.begin();
+    }
+    return column;
 }
 
 }  // namespace
@@ -92,6 +121,7 @@ void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vect
         PressSolver solver(energy, *kernel, options.press);
         const ContactSpring contact(kernel->rows_at(path.contact_m), patch_law);
         const Eigen::MatrixXd stiffness_by = law.stiffness_by(p, contact.rows.factors);
+        const TrainedSkin skin{kernel->skin_at(path.contact_m), law.skin(p), skin_columns(law.terms())};
         std::vector<PressState>* known = rests ? &(*rests)[static_cast<std::size_t>(i)] : nullptr;
         if (known) known->resize(path.records.size());
         std::size_t r = 0;
@@ -118,11 +148,13 @@ void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vect
             const double per_force = share / (options.force_scale * record.force_N.norm());
             const double per_shape = dofs > 0 ? share / (options.shape_scale * truth.norm()) : 0;
             if (reached) {
-                const PressDerivative by = solver.derivative(constants_by, stiffness_by);
+                PressDerivative by = solver.derivative(constants_by, stiffness_by);
+                NodeField seen = state.displacement;
+                if (dofs > 0) skin.see(record.push_m, seen, by.displacement);
                 f.segment(row, D) = per_force * (state.contact_force_N - record.force_N);
                 J.middleRows(row, D) = per_force * by.contact_force;
                 if (dofs > 0) {
-                    f.segment(row + D, dofs) = per_shape * (seen_rows(as_vector(state.displacement), options, D) - truth);
+                    f.segment(row + D, dofs) = per_shape * (seen_rows(as_vector(seen), options, D) - truth);
                     J.middleRows(row + D, dofs) = per_shape * seen_rows(by.displacement, options, D);
                 }
             } else {

@@ -58,7 +58,7 @@ struct TrainedLaw {
 /// takes and the shape that results are compared with the truth's:
 ///   mean over records of |F_model - F|^2 / (force_scale |F|)^2 + |u_model - u|^2 / (shape_scale |u|)^2, + |ridge p|^2,
 /// without the second where nobody knows u.
-/// u: of the nodes that are seen. Derivatives of the rest are implicit (PressSolver::derivative). A push that is lost counts as if the model had
+/// u: of the nodes that are seen, as they are seen (springs/skin.h). Derivatives of the rest are implicit (PressSolver::derivative). A push that is lost counts as if the model had
 /// neither moved nor pushed; no step of the fit may lose one that it has (nonlinear_fit), and of several starts those that end with the fewest lost
 /// come first, then the smallest objective. Parallel over paths; the same for any number of threads.
 /// Throws MismatchError when there is nothing to train on.

@@ -69,6 +69,7 @@ TEST_CASE("a session in C ticks as the library does, bit for bit, and reads what
         int different = 0;
         double largest = 0;
         long allocations = 0;
+        int skinned = 0;
         for (int k = 0; k < 1000; ++k) {
             if (k == 700) {
                 simulation.reset();
@@ -89,6 +90,19 @@ TEST_CASE("a session in C ticks as the library does, bit for bit, and reads what
             const TickStatus came_to = simulation.record().status;
             CHECK(status == (k == 300 ? TISSUE_FAULT : came_to == TickStatus::not_armed ? TISSUE_NOT_ARMED : TISSUE_OK));
             CHECK((k >= 300 || came_to == TickStatus::done));
+            if (k == 200 || k == 999) {  // pressed, and out again
+                NodeField shown(N, D);
+                {
+                    const Allocations none;
+                    status = tissue_positions(session.s, shown.data());
+                    allocations += Allocations::count();
+                }
+                CHECK(status == TISSUE_OK);
+                NodeColumns seen;
+                simulation.seen(0, seen);
+                CHECK(shown == NodeField(model.mesh.nodes + seen));
+                if (k == 200) skinned += seen != simulation.state(0).displacement;
+            }
             different += std::memcmp(force.data(), expected.data(), 3 * sizeof(double)) != 0;
             largest = std::max(largest, force.norm());
         }
@@ -96,6 +110,7 @@ TEST_CASE("a session in C ticks as the library does, bit for bit, and reads what
         CHECK(different == 0);
         CHECK(largest > (which == 0 ? 0.002 : 0.05));
         CHECK(allocations == 0);
+        CHECK(skinned == solid);
         NodeField rest(N, D), now(N, D);
         CHECK(tissue_rest_positions(session.s, rest.data()) == TISSUE_OK);
         CHECK(tissue_positions(session.s, now.data()) == TISSUE_OK);

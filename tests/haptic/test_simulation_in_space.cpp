@@ -113,10 +113,30 @@ TEST_CASE("a solid that is pressed in motion comes to rest where its energy is s
     CHECK(r.device_N.dot(push) < 0);
     CHECK(r.device_N.z() > 0);
 
+    // and what is seen of it is what evaluation sees; of the mesh that is not touched its nodes
+    NodeColumns seen = s.state(0).displacement, other = s.state(1).displacement;
+    s.seen(0, seen);
+    s.seen(1, other);
+    const NodeField wanted = press.seen(touched, r.contact_displacement_m, rest.displacement);
+    CHECK((seen - NodeColumns(wanted)).norm() < 1e-3 * wanted.norm());
+    CHECK((seen - s.state(0).displacement).norm() > 1e-2 * wanted.norm());
+    CHECK((other - s.state(1).displacement).norm() > 1e-2 * wanted.norm());
+    {
+        const Allocations counted;
+        s.seen(0, seen);
+        s.seen(1, other);
+    }
+    CHECK(Allocations::count() == 0);
+
     // the other mesh got the same force
     CHECK(s.displacement_at_contact(1).norm() > 0.5 * r.contact_displacement_m.norm());
     CHECK((s.tool().hand_N(s.displacement_at_contact(1), s.state(1).displacement) + r.coupling_N).norm() < 0.02 * r.coupling_N.norm());
     CHECK(s.surface(1).at(0, {1, 0, 0})[0] - s.surface(0).at(0, {1, 0, 0})[0] == Approx(s.model().options.place_m).margin(0.02));
+
+    // without the contact it is the nodes' own
+    s.reset();
+    s.seen(0, seen);
+    CHECK(seen.isZero(0));
 }
 
 TEST_CASE("a contact that swings faster than the hand moves is neither driven by its ticks nor pumped up by letting go", "[simulation][solid]") {

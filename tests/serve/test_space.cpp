@@ -218,7 +218,7 @@ TEST_CASE("a state in space has three numbers of every vector, and the surface's
     state.record.facet = 0;
     state.record.weight = {0.2, 0.3, 0.5};
     state.record.master_m = Eigen::Vector3d(1, 2, 3);
-    state.record.proxy_m = Eigen::Vector3d(4, 5, 6);
+    state.proxy_m = Eigen::Vector3d(4, 5, 6);
     state.record.coupling_N = Eigen::Vector3d(-7, -8, -9);
     state.record.device_N = {10, 11, 12};
     state.contact_displacement_m[0] = Eigen::Vector3d(0.1, 0.2, 0.3);

@@ -46,7 +46,7 @@ std::array<double, 2> stiffness_range(const SpringMesh& mesh) {
 }  // namespace
 
 TEST_CASE("springs of a law on a lattice are isotropic at their start, with the shear modulus of incompressible tissue", "[isotropic]") {
-    for (const std::vector<double>& cell_mm : {std::vector<double>{10, 10, 10}, {10, 12, 9}, {7, 9.8, 9.8}, {10, 10}, {6, 10}, {10, 6}})
+    for (const std::vector<double>& cell_mm : {std::vector<double>{10, 10, 10}, {10, 12, 9}, {7, 9.8, 9.8}, {10, 10, 14.142135623730951}, {10, 10, 16.5}, {10, 16, 16}, {10, 10}, {6, 10}, {10, 6}})
         for (const int n : {2, 4}) {
             std::vector<int> cells(cell_mm.size(), n);
             std::vector<double> size;

@@ -172,8 +172,8 @@ TEST_CASE("in space training finds the law again from the surface alone, the sam
     const double E = 4500, radius_m = 0.007;
     const LawHeuristic heuristic = solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), E),
                                                    Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), E), E, 12, radius_m);
-    const EnergyLaw law(mesh, heuristic, {"spring.all", "contact.normal", "contact.tangent", "contact.hardening"});
-    const Eigen::VectorXd truth = (Eigen::VectorXd(4) << -0.3, 0.2, -0.2, 0.5).finished();
+    const EnergyLaw law(mesh, heuristic, {"spring.all", "contact.normal", "contact.tangent", "contact.hardening", "skin.normal", "skin.tangent", "skin.heave", "skin.radial"});
+    const Eigen::VectorXd truth = (Eigen::VectorXd(8) << -0.3, 0.2, -0.2, 0.5, 0.3, -0.4, 0.2, 0.1).finished();
     const LawPress press(mesh, {law.terms(), truth, law.constants(truth), law.patch(truth), false, radius_m});
     std::vector<PressPath> paths;
     for (const Eigen::Vector3d& direction : {Eigen::Vector3d(0, 0, -1), Eigen::Vector3d(0.5, 0, -1)})
@@ -185,7 +185,7 @@ TEST_CASE("in space training finds the law again from the surface alone, the sam
                 const Eigen::Vector3d push = depth * direction.normalized();
                 const Equilibrium state = press.at(path.contact_m, push);
                 REQUIRE(state);
-                path.records.push_back({push, state.contact_force, state.displacement});
+                path.records.push_back({push, state.contact_force, press.seen(path.contact_m, push, state.displacement)});
             }
         }
     LawTrainingOptions options;
@@ -193,7 +193,7 @@ TEST_CASE("in space training finds the law again from the surface alone, the sam
     options.disc_radius_m = radius_m;
     options.seen = seen_nodes(mesh);
     options.fit = {60, 1e-9, 1e-12, 0};
-    CHECK(law_residual_count(law, paths, options) == 8 * (3 + 3 * static_cast<int>(options.seen.size())) + 4);
+    CHECK(law_residual_count(law, paths, options) == 8 * (3 + 3 * static_cast<int>(options.seen.size())) + 8);
     const TrainedLaw trained = train_law(mesh, law, paths, options);
     CHECK((trained.coefficients - truth).norm() < 1e-4);
     CHECK(trained.objective < 1e-8);
@@ -206,7 +206,7 @@ TEST_CASE("in space training finds the law again from the surface alone, the sam
     LawRests rests;
     Eigen::VectorXd cold(rows), warm(rows);
     RowMatrix J(rows, law.size());
-    law_residuals(mesh, law, paths, options, Eigen::VectorXd::Zero(4), warm, J, nullptr, &rests);
+    law_residuals(mesh, law, paths, options, Eigen::VectorXd::Zero(8), warm, J, nullptr, &rests);
     law_residuals(mesh, law, paths, options, truth, warm, J, nullptr, &rests);
     law_residuals(mesh, law, paths, options, truth, cold, J);
     CHECK((warm - cold).norm() < 1e-6);

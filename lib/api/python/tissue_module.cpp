@@ -230,7 +230,7 @@ py::tuple press(const TissueModel& model, const Rows& contacts_m, const Rows& pu
             const Point contact = contacts_m.row(k), push = pushes_m.row(k);
             ContactAnswer& answer = answers[static_cast<std::size_t>(k)];
             if (law) {
-                answer = answer_of(law->at(contact, push));
+                answer = answer_of(*law, contact, push);
                 return;
             }
             if (push.norm() == 0) {
@@ -397,7 +397,7 @@ ticks() between two ticks, press() between two contacts and next() between two p
                                "of a law's springs and cells [N/m] (E)")
         .def("press", &press, py::arg("contacts_m"), py::arg("pushes_m"), py::arg("threads") = std::max(1u, std::thread::hardware_concurrency()),
              "The tissue at rest with the tool held: contacts (K, D) on the free surface or within 2 mm of it, pushes from there (K, D), none out of the tissue.\n"
-             "Returns force of the tool on the tissue [N] (K, D), displacement [m] (K, N, D), and why there is no answer, "
+             "Returns force of the tool on the tissue [N] (K, D), displacement [m] (K, N, D), in space with the surface beside the tool as it is seen, and why there is no answer, "
              "\"\" where there is one (K); without an answer both are NaN. Of spring sets the nearest serves, as in tissuectl eval.")
         .def("__repr__", [](const TissueModel& t) {
             return "<tissue.Model '" + t.study + "', " + std::to_string(t.mesh.node_count()) + " nodes in " + (t.mesh.is_solid() ? "space" : "the plane") +
@@ -434,10 +434,20 @@ ticks() between two ticks, press() between two contacts and next() between two p
         .def("take_over", [](Session& s, Session& from) {
                  if (&s == &from || s.model->dimension() != from.model->dimension()) throw MismatchError("take_over: the same session, or one of another number of axes");
                  const Simulation other = alone(from, [&] { return Simulation(from.simulation); });
-                 alone(s, [&] { s.simulation.take_over(other); });
+                 alone(s, [&] {
+                     s.simulation.check_take_over(other);
+                     s.simulation.take_over(other);
+                 });
              }, py::arg("session"), "After follow(): goes on at the hand where that one was. Force, energy given and counts are that one's; what forces differ by fades within some tenths of a second.")
         .def_property_readonly("displacement_m", [](const Session& s) -> const NodeColumns& { return s.simulation.state(0).displacement; },
-                               "of the nodes now [m] (N, D): a view that the next tick changes")
+                               "of the lattice's nodes now [m] (N, D): a view that the next tick changes")
+        .def_property_readonly("seen_m", [](Session& s) {
+                 return alone(s, [&] {
+                     NodeColumns seen;
+                     s.simulation.seen(0, seen);
+                     return NodeField(seen);
+                 });
+             }, "of the nodes now as they are drawn and compared with FE [m] (N, D): in space, beside the tool, the surface that it presses (lib/springs/skin.h)")
         .def_property_readonly("contact", &contact_of, "as the last tick left it: mesh (-1: nothing is pressed), facet, weight, displacement_m, force_N (on the tissue, before safety), slipping, fault, status (done; without force: refused, not armed, folded, diverged)")
         .def_property_readonly("counts", &counts_of, "of the session")
         .def_property_readonly("energies_J", &energies_of, "the energy log: given (to the hand since the start; below 0: the hand gave), observed and bound (of the passivity observer), kinetic (of the tissue), friction (dissipated), "
