@@ -23,7 +23,7 @@ DRAWN = {  # studies judged on drawn contacts, and what RESULTS.md calls their m
 }
 SPACE = {  # models of solids, and what RESULTS.md calls them
     ("block3", "learned"): "**learned law**, {numbers} numbers, {paths} FE paths (`block3`)",
-    ("block3-quick", "learned"): "law, {numbers} numbers, {paths} FE paths (`block3-quick`, on the first of these contacts)",
+    ("block3-quick", "learned"): "law, {numbers} numbers, {paths} FE paths (`block3-quick`, its own contacts)",
     ("nodule3", "learned"): "law, {numbers} numbers, {paths} FE paths, a nodule in the block (`nodule3`, its own contacts)",
     ("organ3", "learned"): "law, {numbers} numbers, {paths} FE paths, a solid of any shape (`organ3`, its own contacts)",
     ("block3", "untrained"): "`block3`'s law, nothing learned",
