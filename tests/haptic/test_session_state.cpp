@@ -306,6 +306,31 @@ TEST_CASE("a session goes on where one of another model was, and the force does 
     const HapticModel harder(stiff, alone());
     Simulation refuses(harder);
     CHECK_THAT(refusal<MismatchError>([&] { refuses.follow(s); }), Contains("the device can show"));
+    // stopped after it was followed: no force until the tool has been outside
+    Simulation stopped(plane), follower(plane);
+    press(stopped, -0.002, 0.004);
+    follower.follow(stopped);
+    DeviceSample stale = top(0.004);
+    stale.age_s = 1;
+    CHECK(stopped.tick(stale).isZero(0));
+    follower.take_over(stopped);
+    for (int k = 0; k < 500; ++k) {
+        CHECK(follower.tick(top(0.004)).isZero(0));
+        CHECK(follower.record().status == TickStatus::not_armed);
+    }
+    for (int k = 0; k < 20; ++k) follower.tick(top(-0.01));
+    CHECK(follower.record().status == TickStatus::done);
+    // a force-scale that has grown meanwhile beyond what the device can show of the other tissue
+    HapticOptions few = s.options(), more = few;
+    few.device.stiffness_N_m = more.device.stiffness_N_m = 2.5 * plane.meshes[0]->static_N_m;
+    more.map.force_scale = 2;
+    Simulation grows(plane), other(harder);
+    grows.change(few);
+    other.follow(grows);
+    other.check_take_over(grows);
+    grows.change(more);
+    CHECK_THAT(refusal<MismatchError>([&] { other.check_take_over(grows); }), Contains("the device can show"));
+    CHECK_THROWS_AS(in_space.check_take_over(grows), MismatchError);
     // a tool outside: nothing but the tissue has changed
     Simulation outside(plane), next(harder);
     for (int k = 0; k < 20; ++k) outside.tick(top(-0.01));
