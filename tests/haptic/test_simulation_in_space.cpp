@@ -11,6 +11,7 @@
 #include "../refusal.h"
 #include "error.h"
 #include "haptic/moving_triangles.h"
+#include "haptic/state_channel.h"
 #include "haptic/virtual_device.h"
 #include "haptic_example.h"
 #include "springs/contact_spring.h"
@@ -127,6 +128,23 @@ TEST_CASE("a solid that is pressed in motion comes to rest where its energy is s
         s.seen(1, other);
     }
     CHECK(Allocations::count() == 0);
+    // the page draws that, and the tool on it
+    StateChannel channel(s.model(), 1);
+    {
+        const Allocations counted;
+        channel.after(s, {});
+    }
+    CHECK(Allocations::count() == 0);
+    REQUIRE(channel.fetch());
+    Eigen::Vector3d on_it = Eigen::Vector3d::Zero(), on_lattice = on_it;
+    for (Eigen::Index k = 0; k < 3; ++k) {
+        const int node = s.model().rest.facets(r.facet, k);
+        on_it += r.weight[static_cast<std::size_t>(k)] * (tissue.mesh.nodes.row(node) + seen.row(node)).transpose();
+        on_lattice += r.weight[static_cast<std::size_t>(k)] * (tissue.mesh.nodes.row(node) + s.state(0).displacement.row(node)).transpose();
+    }
+    CHECK((channel.state().proxy_m - on_it).norm() < 1e-12);
+    CHECK((on_it - on_lattice).norm() > 1e-4);
+    CHECK((r.proxy_m - on_lattice).norm() < 1e-4);
 
     // the other mesh got the same force
     CHECK(s.displacement_at_contact(1).norm() > 0.5 * r.contact_displacement_m.norm());

@@ -210,6 +210,21 @@ TEST_CASE("in space training finds the law again from the surface alone, the sam
     law_residuals(mesh, law, paths, options, truth, warm, J, nullptr, &rests);
     law_residuals(mesh, law, paths, options, truth, cold, J);
     CHECK((warm - cold).norm() < 1e-6);
+
+    // and their derivative agrees with differences, of what is seen too
+    options.press.tolerance = 1e-12;
+    RowMatrix ignored(rows, law.size());
+    const auto at = [&](const Eigen::VectorXd& p) {
+        law_residuals(mesh, law, paths, options, p, cold, ignored);
+        return cold;
+    };
+    const Eigen::VectorXd near = 0.5 * truth;
+    law_residuals(mesh, law, paths, options, near, warm, J);
+    for (int t = 0; t < law.size(); ++t) {
+        const Eigen::VectorXd e = 1e-3 * Eigen::VectorXd::Unit(law.size(), t);
+        const Eigen::VectorXd once = at(near + e) - at(near - e), twice = at(near + 2 * e) - at(near - 2 * e);
+        CHECK(((8 * once - twice) / 12e-3 - J.col(t)).norm() <= tolerance::difference * J.col(t).norm());
+    }
 }
 
 TEST_CASE("training loses no push that it has, though losing one costs less than the error that it leaves") {
