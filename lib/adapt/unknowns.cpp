@@ -59,13 +59,12 @@ void add_terms(const TissueModel& model, Unknowns& u, const PriorOptions& option
     for (const std::string& term : law.terms)
         if (term.find("nodule") != std::string::npos || term.find("ground") != std::string::npos)
             throw MismatchError(fmt::format("unknowns 'terms' do not know what term '{}' is of, which a study says; use 'field'", term));
-    std::vector<std::string> felt;  // the skin is in no force
-    for (const std::string& term : law.terms)
-        if (std::count(skin_terms().begin(), skin_terms().end(), term) == 0) felt.push_back(term);
-    const EnergyLaw terms(model.mesh, now, felt);
+    std::vector<std::string> kept = law.terms;  // forces do not depend on the skin
+    kept.erase(std::remove_if(kept.begin(), kept.end(), is_skin_term), kept.end());
+    const EnergyLaw terms(model.mesh, now, kept);
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(terms.size());
     const Eigen::Index P = terms.size() + 1;
-    u.terms = felt;
+    u.terms = kept;
     u.terms.insert(u.terms.begin(), "scale");
     Eigen::MatrixXd by_constant = Eigen::MatrixXd::Ones(law.constants.size(), P), by_node = Eigen::MatrixXd::Zero(model.mesh.node_count(), P);
     by_constant.rightCols(P - 1) = law.constants.cwiseInverse().asDiagonal() * terms.constants_by(zero);

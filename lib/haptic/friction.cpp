@@ -24,7 +24,7 @@ Friction::Friction(const FrictionOptions& options) : stick_(options.stick), slip
 }
 
 void Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const RealtimeLaw& law, const NodeColumns& u, const Point& tool_m,
-                     SurfacePlace& where, Point& touched_m, ToolSpring& tool, ToolMemory& memory) noexcept {
+                     SurfacePlace& where, Point& touched_m, ToolSpring& tool, ToolMemory& memory, ToolMemory* beside) noexcept {
     if (std::isinf(stick_)) return;
     bool slips = false;
     for (int step = 0; step < most_steps; ++step) {
@@ -55,6 +55,7 @@ void Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const
             where.facet = walk.facet;
             where.weight = walk.weight;
             touched_m = place;
+            if (beside) beside->follow(tool, next_);
             tool = next_;
             memory = next_memory_;
         }

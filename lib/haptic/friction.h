@@ -30,9 +30,10 @@ class Friction {
     double burnt_J() const { return burnt_J_; }   ///< so far
 
     /// A law's contact, while the tool presses. tool_m: in the mesh's own coordinates. where, touched_m, tool: its place, that place
-    /// at rest and its energy there; they change as it slips. memory: of the contact; it goes along.
+    /// at rest and its energy there; they change as it slips. memory: of the contact; it goes along, and so does that
+    /// of a mesh beside, if there is one, which has the same contact.
     void slide(const FreeSurface& surface, const RealtimeMesh& mesh, const RealtimeLaw& law, const NodeColumns& u, const Point& tool_m,
-               SurfacePlace& where, Point& touched_m, ToolSpring& tool, ToolMemory& memory) noexcept;
+               SurfacePlace& where, Point& touched_m, ToolSpring& tool, ToolMemory& memory, ToolMemory* beside = nullptr) noexcept;
 
     /// A contact of springs, with a coupling between the tool and the proxy where.position_m on the surface as it stands. All places
     /// as the surface has them.

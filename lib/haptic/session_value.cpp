@@ -93,10 +93,7 @@ void Simulation::change(const HapticOptions& given) {
     tool_m_ += moved;
     velocity_m_s_.setZero();
     if (moved.norm() <= options_.safety.speed_max_m_s * options_.map.scale * options_.dt_s) return;
-    forget_taken_over();
-    no_contact(now);
-    record_.mesh = touched_ = -1;
-    armed_ = false;
+    disarm(now);
 }
 
 void Simulation::forget_taken_over() noexcept {
@@ -160,11 +157,7 @@ void Simulation::take_over(const Simulation& from) noexcept {
     tool_m_ = tool_at_the_end(record_.master_m) - period_s_ * velocity_m_s_;
     taken_over_ = true;
     friction_.become(options_.friction = from.options_.friction);
-    if (from.armed_) return;
-    no_contact(record_.master_m);  // it was stopped meanwhile: the tool must be outside once, here too
-    record_.mesh = touched_ = -1;
-    armed_ = false;
-    forget_taken_over();
+    if (!from.armed_) disarm(record_.master_m);  // it was stopped after follow()
 }
 
 void Simulation::check_take_over(const Simulation& from) const {

@@ -77,10 +77,7 @@ void Simulation::rest_meshes() noexcept {
         state.theta_changed = true;
     }
     place_surfaces();
-    forget_taken_over();
-    no_contact(Point::Zero(model_.dimension()));
-    record_.mesh = touched_ = -1;
-    armed_ = false;
+    disarm(Point::Zero(model_.dimension()));
     untouched_s_ = 0;
     rested_s_ = record_.time_s;
 }
@@ -340,15 +337,12 @@ void Simulation::slide(const Point& master_m) noexcept {
     const MovingSurface& now = *surfaces_[m];
     slid_m_ -= mesh.law ? touched_m_ : Point(contact_.where.position_m);
     if (mesh.law) {
-        const bool beside_remembers = tool_memory_.size() > 1 && !tool_memory_[1 - m].empty();
-        if (beside_remembers) changed_ = tool_;
         friction_.slide(model_.surface, mesh.springs, *laws_[0], states_[m].displacement, master_m - mesh.place_m, contact_.where, touched_m_, tool_,
-                        tool_memory_[m]);
-        if (beside_remembers) tool_memory_[1 - m].follow(changed_, tool_);
+                        tool_memory_[m], tool_memory_.size() > 1 ? &tool_memory_[1 - m] : nullptr);
         contact_.where.position_m = now.at(contact_.where.facet, contact_.where.weight);
     } else {
         friction_.slide(model_.surface, mesh.springs, now, coupling_N_m_, master_m, contact_.where);
-        if (friction_.slipping() && model_.is_law()) laws_[0]->contact(contact_.where.facet, contact_.where.weight, tool_);  // the law's mesh, which is beside, is pressed there too
+        if (friction_.slipping() && model_.is_law()) laws_[0]->contact(contact_.where.facet, contact_.where.weight, tool_);  // the law's mesh beside gets the force there
     }
     slid_m_ += mesh.law ? touched_m_ : Point(contact_.where.position_m);
     contact_.proxy_m = contact_.where.position_m;
@@ -369,6 +363,14 @@ void Simulation::look_for_contact(const ContactState& from, int left, const Poin
 void Simulation::no_contact(const Point& proxy_m) noexcept {
     contact_ = {};
     contact_.proxy_m = proxy_m;
+}
+
+/// No contact, and none before the tool has been outside.
+void Simulation::disarm(const Point& proxy_m) noexcept {
+    forget_taken_over();
+    no_contact(proxy_m);
+    record_.mesh = touched_ = -1;
+    armed_ = false;
 }
 
 /// No contact yet: the proxy is the master's, or while that is inside, the nearest place on the surface.
@@ -512,10 +514,7 @@ Eigen::Vector3d Simulation::stop(TickStatus why) noexcept {
     record_.status = why;
     record_.fault = why == TickStatus::refused;
     if (record_.fault) velocity_m_s_.setZero();
-    forget_taken_over();
-    no_contact(record_.master_m);
-    touched_ = -1;
-    armed_ = false;
+    disarm(record_.master_m);
     if (!model_.is_law()) average_stiffness();
     step_meshes(record_.master_m);
     put_to_rest();

@@ -192,8 +192,8 @@ class Simulation {
     int set() const { return set_; }                                                 ///< (18)'s l
     /// x_p - X_p of one mesh; of a law how far the tool has pushed it. 0 where nothing is pressed (D).
     Point displacement_at_contact(std::size_t mesh) const noexcept;
-    /// Displacement of one mesh's nodes as it is seen, with the skin of a law in space while there is a contact (springs/skin.h), into storage of the right size [m] (N x D).
-    /// A law's mesh that is beside the touched one has its own tool displacement (displacement_at_contact). Allocates nothing.
+    /// Displacement of one mesh's nodes [m] (N x D) with the skin of a law in space while there is a contact (springs/skin.h). The mesh beside the touched one has its own tool
+    /// displacement (displacement_at_contact). Allocates nothing where displacement_m has that size.
     void seen(std::size_t mesh, NodeColumns& displacement_m) const noexcept;
     /// Of the learned law, since the start; nothing unless HapticOptions::energy_book. Between ticks.
     BranchBook branches() const { return law() ? law()->branches(states_[0].memory) : BranchBook{}; }
@@ -232,6 +232,7 @@ class Simulation {
     void look_for_contact(const ContactState& from, int left, const Point& master_m) noexcept;
     void wait_for_outside(const Point& master_m) noexcept;
     void no_contact(const Point& proxy_m) noexcept;
+    void disarm(const Point& proxy_m) noexcept;
     void select_set(const Point& on_tissue_N) noexcept;
     void average_stiffness() noexcept;
     Point step_meshes(const Point& master_m) noexcept;

@@ -73,7 +73,7 @@ class DiscContact final : public ContactKernel {
     /// The contact at a place of the surface; fills `nodes`, which has room for so many. Where more are in reach the nearest stay.
     Disc disc_at(const FreeSurface::Place& place, Node* nodes, std::size_t room) const noexcept;
 
-    /// How far a node at a place from the contact goes with the tool, over phi(r / R): of a half space, what follows a push along the surface lies ahead of it and behind.
+    /// Displacement per d of a half space's surface at a place from the contact: phi(r / R), outside the disc larger ahead of a tangential d and behind it than beside it.
     Eigen::Matrix3d target_at(const Eigen::Vector3d& from_m, double away_m, const Eigen::Vector3d& normal) const noexcept;
     /// Calls each(SkinNode) for the nodes of a place's skin.
     template <class Each>

@@ -154,8 +154,8 @@ EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, cons
                 throw MismatchError(fmt::format("term '{}' is zero everywhere", terms[t]));
             continue;
         }
-        if (std::count(skin_terms().begin(), skin_terms().end(), terms[t]) > 0) {
-            if (!mesh.is_solid()) throw MismatchError(fmt::format("term '{}' is of a disc in space, and the tissue is a plane's", terms[t]));
+        if (is_skin_term(terms[t])) {
+            if (!mesh.is_solid()) throw MismatchError(fmt::format("term '{}' needs a disc, and tissue in space", terms[t]));
             continue;
         }
         if ((parts[0] != "spring" && parts[0] != "cell") || parts.size() < 2)

@@ -9,11 +9,21 @@ const std::array<std::string, 4>& skin_terms() {
     return terms;
 }
 
+bool is_skin_term(const std::string& term) { return std::count(skin_terms().begin(), skin_terms().end(), term) > 0; }
+
+std::array<Eigen::Index, 4> skin_columns(const std::vector<std::string>& terms) {
+    std::array<Eigen::Index, 4> column{};
+    for (std::size_t k = 0; k < column.size(); ++k) {
+        const auto at = std::find(terms.begin(), terms.end(), skin_terms()[k]);
+        column[k] = at == terms.end() ? -1 : at - terms.begin();
+    }
+    return column;
+}
+
 SkinLaw skin_of(const std::vector<std::string>& terms, const Eigen::VectorXd& coefficients) {
-    SkinLaw c = SkinLaw::Zero();
-    for (std::size_t k = 0; k < skin_terms().size(); ++k)
-        if (const auto at = std::find(terms.begin(), terms.end(), skin_terms()[k]); at != terms.end())
-            c[static_cast<Eigen::Index>(k)] = coefficients[at - terms.begin()];
+    SkinLaw c;
+    Eigen::Index k = 0;
+    for (const Eigen::Index column : skin_columns(terms)) c[k++] = column < 0 ? 0 : coefficients[column];
     return c;
 }
 

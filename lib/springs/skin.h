@@ -13,18 +13,22 @@ namespace tissue {
 using SkinLaw = Eigen::Vector4d;
 /// Their terms, in that order: skin.normal, skin.tangent, skin.heave, skin.radial.
 const std::array<std::string, 4>& skin_terms();
-/// The parameters among a law's, by their terms.
+bool is_skin_term(const std::string& term);
+/// Where they stand among a law's terms; -1 where they do not.
+std::array<Eigen::Index, 4> skin_columns(const std::vector<std::string>& terms);
+/// The parameters of the skin among a law's.
 SkinLaw skin_of(const std::vector<std::string>& terms, const Eigen::VectorXd& coefficients);
 
-/// Displacement of a node of the free surface as it is drawn and compared with FE. Springs as long as a disc is wide cannot bend as the
-/// surface does beside it, but the tool's displacement d is known. With x = r / R, phi and the displacement A of a half space's surface per d
+/// Displacement of a node of the free surface, as it is drawn and compared with FE. Springs as long as a disc is wide cannot resolve the surface
+/// beside it, but the tool's displacement d is known. With x = r / R, phi and the displacement A of a half space's surface per d
 /// (DiscContact::target_at), n inward, t the part of the way from the contact to the node that runs along the surface, over r:
 ///   x <= 1        phi(x) d: the disc does not slip
 ///   1 < x < 2.5   (1 - w) u + w A d + (x - 1) w (c_normal n n'd + c_tangent (d - n n'd) + c_heave n t'd + c_radial t n'd),
 ///                 w = ((2.5 - x) / 1.5)^2
 ///   beyond        u, the lattice's own
-/// Continuous in the contact's place and in d. It begins and ends with the contact: where a tool leaves tissue that is still dented, the surface goes to the lattice's in one tick.
-/// It changes no force and no equilibrium, and pokes do not teach it. Exports of a model's displacement (CSV, VTK) are the lattice's, with which forces balance.
+/// Continuous in the contact's place and in d. It begins and ends with the contact: when the tool leaves a surface that is still dented, the shown displacement becomes the
+/// lattice's within one tick. Forces and equilibria do not depend on it, and adaptation does not change it. Exported displacements (CSV, VTK) are the lattice's, which balance the
+/// exported forces.
 struct SkinNode {
     int node;
     double keep;                         ///< 1 - w

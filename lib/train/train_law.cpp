@@ -56,15 +56,6 @@ struct TrainedSkin {
     }
 };
 
-std::array<Eigen::Index, 4> skin_columns(const std::vector<std::string>& terms) {
-    std::array<Eigen::Index, 4> column{};
-    for (std::size_t k = 0; k < column.size(); ++k) {
-        const auto at = std::find(terms.begin(), terms.end(), skin_terms()[k]);
-        column[k] = at == terms.end() ? -1 : at - terms.begin();
-    }
-    return column;
-}
-
 }  // namespace
 
 std::vector<PressPath> press_paths(const Cases& cases) {

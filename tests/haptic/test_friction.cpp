@@ -154,6 +154,31 @@ TEST_CASE("along a curved surface a tool slips on past nodes and edges", "[frict
     CHECK((end - outline.position(from + way)).norm() < 0.01);
 }
 
+TEST_CASE("of tissue that relaxes the memory of the mesh beside goes along with a contact that slips", "[friction]") {
+    Drag drag(relaxing(solid_example()), with_friction(0.3));
+    const HapticMesh& mesh = *drag.model.meshes[0];
+    SurfacePlace where = drag.s.contact().where;
+    Point touched_m = drag.place_m();
+    const Point from_m = touched_m, push_m = Eigen::Vector3d(0, 0, -0.004);
+    const NodeColumns& u = drag.s.state(0).displacement;
+    ToolSpring tool;
+    mesh.law->contact(where.facet, where.weight, tool);
+    ToolMemory memory = mesh.law->tool_memory(1e-3);
+    for (int k = 0; k < 50; ++k) tool.remember(push_m, u, memory);
+    ToolMemory beside = memory;
+    const ToolMemory before = memory;
+    Friction friction(FrictionOptions{0.3, {}});
+    friction.slide(drag.model.surface, mesh.springs, *mesh.law, u, from_m + push_m + Eigen::Vector3d(0.02, 0, 0), where, touched_m, tool, memory, &beside);
+    REQUIRE(friction.slipping());
+    REQUIRE((touched_m - from_m).norm() > 0.004);
+    int other = 0;
+    for (int g = 0; g < tool.group_count(); ++g) {
+        CHECK(beside.known_N(g) == memory.known_N(g));
+        other += before.known_N(g) != memory.known_N(g);
+    }
+    CHECK(other > 0);
+}
+
 TEST_CASE("friction that is negative, kinetic friction above the static, and one without a static one, are refused", "[friction]") {
     const double never = FrictionOptions().stick;
     CHECK(refusal<MismatchError>([&] { Friction({never, 0.2}); }) == "friction-slip does nothing without friction: the tool never slips");
