@@ -196,7 +196,7 @@ $(BUILD)/libtissue.a: $(call objects,$(LIB_SOURCES)) $(BUILD)/libtissue.list
 # the door for C: the library's own symbols stay inside
 $(BUILD)/libtissue.so.1: $(BUILD)/lib/api/tissue.o $(BUILD)/libtissue.a lib/api/tissue.map
 	@$(call alone,$@.lock) && $(CXX) $(CXXFLAGS) -s -shared -Wl,-soname,libtissue.so.1 -Wl,--version-script=lib/api/tissue.map -Wl,-z,defs -Wl,--as-needed \
-	  $(filter %.o %.a,$^) $(LDLIBS) -lcsv -ldl -o $@.tmp && mv $@.tmp $@
+	  $(filter %.o %.a,$^) $(LDLIBS) -lcsv -lcholmod -ldl -o $@.tmp && mv $@.tmp $@
 
 # the door for Python
 # (gcc 12 sees uninitialised numbers in Eigen's where they come precompiled beside pybind11's)
@@ -204,10 +204,10 @@ $(BUILD)/lib/api/python/%.o: private PRECOMPILED :=
 $(BUILD)/lib/api/python/%.o: private CXXFLAGS += $(patsubst -I%,-isystem %,$(shell $(PYTHON)-config --includes))
 $(PYTHON_MODULE): $(BUILD)/lib/api/python/tissue_module.o $(BUILD)/libtissue.a
 	@mkdir -p $(@D)
-	@$(call alone,$@.lock) && $(CXX) $(CXXFLAGS) -s -shared -Wl,--as-needed $(filter %.o %.a,$^) $(LDLIBS) -lcsv -ldl -o $@.tmp && mv $@.tmp $@
+	@$(call alone,$@.lock) && $(CXX) $(CXXFLAGS) -s -shared -Wl,--as-needed $(filter %.o %.a,$^) $(LDLIBS) -lcsv -lcholmod -ldl -o $@.tmp && mv $@.tmp $@
 
 STAGES := shape rim collect import train eval
-link = $(call alone,$@.lock) && $(CXX) $(CXXFLAGS) $(1) $(filter %.o %.a,$^) $(LDLIBS) -lcsv -ldl -o $@.tmp
+link = $(call alone,$@.lock) && $(CXX) $(CXXFLAGS) $(1) $(filter %.o %.a,$^) $(LDLIBS) -lcsv -lcholmod -ldl -o $@.tmp
 $(TISSUECTL): $(call objects,$(CLI_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/tissuectl.list
 	@$(call link) && scripts/stage_code $(BUILD) $(STAGES) && mv $@.tmp $@
 
@@ -260,6 +260,7 @@ endif
 ifneq (,$(filter-out thread,$(SANITIZE)))
 $(call objects,$(filter-out tests/fuzz/%,$(TEST_SOURCES))): private CXXFLAGS += -fno-sanitize=fuzzer-no-link
 endif
+$(call objects,lib/springs/sparse_factor.cpp): private CXXFLAGS += -isystem /usr/include/suitesparse
 # ccache does not see what the assembler takes in
 $(BUILD)/cli/serve/page.o: export CCACHE_DISABLE := 1
 $(THREE): | build/deps

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "mesh/topology.h"
 #include "springs/energy_law.h"
 #include "springs/heuristic.h"
 #include "springs/tissue_energy.h"
@@ -16,8 +17,8 @@ TissueModel solid_law_example(const SpringMesh& mesh) {
     m.mesh = mesh;
     m.modulus_N_m = modulus_Pa;
     m.node_mass_kg = node_masses(mesh, 1000, 1);
-    const TissueEnergy energy(mesh, false);
-    const auto cells = energy.constant_count() - mesh.spring_count();
+    m.heuristic_a = heuristic_stiffness(mesh, modulus_Pa);
+    const Eigen::Index cells = has_cells(mesh) ? mesh_cells(mesh).rows() : mesh.node_count();
     const EnergyLaw law(mesh, solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), modulus_Pa), Eigen::VectorXd::Constant(cells, modulus_Pa), modulus_Pa, 12, radius_m),
                         {"spring.all"});
     const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);

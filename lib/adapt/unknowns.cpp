@@ -54,7 +54,7 @@ void add_terms(const TissueModel& model, Unknowns& u, const PriorOptions& option
     LawHeuristic now;
     now.incompressible = law.incompressible;
     now.constants = law.constants;
-    now.cap = 1e6 * law.constants.segment(model.mesh.springs.rows(), on_lattice(model.mesh) ? mesh_cells(model.mesh).rows() : model.mesh.node_count());
+    now.cap = 1e6 * law.constants.segment(model.mesh.springs.rows(), has_cells(model.mesh) ? mesh_cells(model.mesh).rows() : model.mesh.node_count());
     now.patch = law.patch;
     for (const std::string& term : law.terms)
         if (term.find("nodule") != std::string::npos || term.find("ground") != std::string::npos)
@@ -100,9 +100,16 @@ Unknowns make_unknowns(const TissueModel& model, const std::string& kind, const 
     } else if (kind == "terms") {
         add_terms(model, u, options);
     } else if (kind == "field") {
-        u.place_m = model.mesh.nodes;
-        u.by_constant = element_means(TissueEnergy(model.mesh, law.incompressible));
-        u.by_node = one_each(N, N, 0);
+        const Embedding& embedding = model.mesh.embedding;  // whose solid's own nodes are as stiff as the lattice about them
+        const Eigen::Index K = embedding.node_count(), L = N - K;
+        u.place_m = model.mesh.nodes.bottomRows(L);
+        u.by_constant = element_means(TissueEnergy(model.mesh, law.incompressible)).rightCols(L);
+        std::vector<Eigen::Triplet<double>> entries;
+        for (int i = 0; i < K; ++i)
+            for (int k = 0; k < 8; ++k) entries.emplace_back(i, embedding.corner(i, k) - static_cast<int>(K), embedding.weight(i, k));
+        for (int i = 0; i < L; ++i) entries.emplace_back(static_cast<int>(K) + i, i, 1.0);
+        u.by_node.resize(N, L);
+        u.by_node.setFromTriplets(entries.begin(), entries.end());
         u.prior = covariance(model, u.place_m, options);
     } else if (kind == "elements") {
         u.place_m.resize(E + N, model.mesh.dimension());

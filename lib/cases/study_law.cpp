@@ -106,7 +106,7 @@ Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, con
 
 Eigen::VectorXd solid_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, const Cells& pieces) {
     const double E = study.material.youngs_modulus_Pa();
-    const bool lattice = on_lattice(mesh);
+    const bool lattice = has_cells(mesh);
     const Cells& filled = lattice ? pieces : mesh.simplices;
     Eigen::VectorXd own = lattice ? Eigen::VectorXd::Constant(filled.rows(), E) : triangle_moduli(study, shape, mesh, E);
     if (study.nodule)
@@ -155,7 +155,7 @@ namespace {
 EnergyLaw solid_law(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double factor) {
     const double E = factor * study.material.youngs_modulus_Pa();
     const Eigen::VectorXd springs = factor * solid_moduli(study, shape, mesh, mesh.springs),
-                          cells = factor * solid_moduli(study, shape, mesh, on_lattice(mesh) ? mesh_cells(mesh) : nodes_of(mesh));
+                          cells = factor * solid_moduli(study, shape, mesh, has_cells(mesh) ? mesh_cells(mesh) : nodes_of(mesh));
     LawHeuristic heuristic = solid_heuristic(mesh, springs, cells, E, study.springs.area_cap_E2, study.indenter.radius_m);
     if (study.nodule || !study.material.regions.empty()) {
         heuristic.stiffer.resize(springs.size() + cells.size());
@@ -169,12 +169,12 @@ EnergyLaw solid_law(const Study& study, const std::optional<Shape>& shape, const
 
 namespace {
 
-/// Of each of the law's constants, in whatever unit: linear in the moduli of a study with regions or a nodule.
+/// Of each of the law's constants but supports, in whatever unit: linear in the moduli of a study with regions or a nodule.
 Eigen::VectorXd stiffness_of(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh) {
     if (!mesh.is_solid())
         return law_heuristic(mesh, triangle_moduli(study, shape, mesh, study.modulus_N_m()), study.material.formulation, study.springs.area_cap_E2).constants;
     const Eigen::VectorXd springs = solid_moduli(study, shape, mesh, mesh.springs),
-                          cells = solid_moduli(study, shape, mesh, on_lattice(mesh) ? mesh_cells(mesh) : nodes_of(mesh));
+                          cells = solid_moduli(study, shape, mesh, has_cells(mesh) ? mesh_cells(mesh) : nodes_of(mesh));
     Eigen::VectorXd all(springs.size() + cells.size());
     all << springs, cells;
     return all;
@@ -195,7 +195,8 @@ Relaxation study_relaxation(const Study& study, const std::optional<Shape>& shap
     const auto K = static_cast<Eigen::Index>(study.material.viscosity.size());
     r.tau_s.resize(K);
     r.contact_share.resize(K);
-    r.share.resize(law.energy(mesh).constant_count(), K);
+    const Eigen::Index constants = law.energy(mesh).constant_count(), supports = mesh.embedding.empty() ? 0 : static_cast<Eigen::Index>(mesh.fixed.size());
+    r.share.setZero(constants, K);  // supports are none of the tissue
     for (Eigen::Index k = 0; k < K; ++k) {
         const auto b = static_cast<std::size_t>(k);
         r.tau_s[k] = study.material.viscosity[b].tau_s;
@@ -204,7 +205,7 @@ Relaxation study_relaxation(const Study& study, const std::optional<Shape>& shap
         bool uniform = !study.nodule || !has_own(*study.nodule);
         for (const Study::Region& region : study.material.regions) uniform = uniform && !has_own(region);
         if (uniform) {
-            r.share.col(k).setConstant(r.contact_share[k]);
+            r.share.col(k).head(constants - supports).setConstant(r.contact_share[k]);
             continue;
         }
         Study part = study;  // of whose moduli only this branch is left; a base of share 0 keeps a trace, since moduli are ratios to it
@@ -212,7 +213,7 @@ Relaxation study_relaxation(const Study& study, const std::optional<Shape>& shap
         take_share(part.material, std::max(study.material.viscosity[b].share, least));
         for (Study::Region& region : part.material.regions) take_share(region, std::max(region.share[b], least));
         if (part.nodule) take_share(*part.nodule, std::max(part.nodule->share[b], least));
-        r.share.col(k) = stiffness_of(part, shape, mesh).cwiseQuotient(stiffness_of(study, shape, mesh));
+        r.share.col(k).head(constants - supports) = stiffness_of(part, shape, mesh).cwiseQuotient(stiffness_of(study, shape, mesh));
     }
     return r;
 }

@@ -20,11 +20,12 @@ SpringMesh study_mesh(const Study& study, const std::optional<Shape>& shape, con
     const Topology& kind = topologies().at(topology);
     if (shape->is_solid() != study.geometry.is_solid()) throw MismatchError("study '" + study.name + "' is of other dimensions than its shape");
     if (kind.needs_lattice()) throw MismatchError("topology '" + topology + "' is not possible on a shape");
-    return kind.on_shape(*shape);
+    return kind.on_shape(*shape, study.springs.spacing_m);
 }
 
 NodeField study_nodes(const Study& study, const std::optional<Shape>& shape) {
-    return study_mesh(study, shape, study.geometry.is_solid() ? study.springs.topology : "edges").nodes;
+    if (shape) return shape->nodes;
+    return study_mesh(study, shape, study.springs.topology).nodes;
 }
 
 std::optional<Shape> study_shape(const Study& study, const std::string& mesh_file) {

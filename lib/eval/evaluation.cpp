@@ -98,8 +98,7 @@ const ModelErrors& Evaluation::model(const std::string& name) const {
 
 Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m, int threads) {
     const std::vector<LoadCase> loads = load_cases(cases);
-    bool same = loads.size() == model.case_names.size() && cases.nodes.rows() == model.mesh.nodes.rows() &&
-                cases.nodes.isApprox(model.mesh.nodes, 1e-9);
+    bool same = loads.size() == model.case_names.size() && has_nodes(model.mesh, cases.nodes);
     for (std::size_t c = 0; same && c < loads.size(); ++c) same = loads[c].name == model.case_names[c];
     if (!same) throw MismatchError("the model was trained on other cases than these");
     if (cases.measurement && !model.energy_law)  // of an earlier program

@@ -15,6 +15,7 @@ namespace tissue {
 SolidLawTables solid_law_tables(const TissueModel& model) {
     const Eigen::VectorXd& constants = model.energy_law->constants;
     const Eigen::Index S = model.mesh.spring_count(), C = constants.size() - S;
+    if (!model.mesh.embedding.empty()) throw MismatchError("a law on an embedded lattice is not written as tables; as vtu it is");
     if (on_lattice(model.mesh)) {
         const CellVolumes cells(model.mesh);
         return {constants.head(S), cells.nodes(), {}, cells.volumes(), constants.tail(C)};

@@ -143,7 +143,7 @@ std::string mesh_vtu(const TissueModel& model, const Eigen::VectorXd& theta, con
     const Eigen::Index S = mesh.spring_count(), cells = S + static_cast<Eigen::Index>(volumes.size());
     Eigen::VectorXd stiffness = Eigen::VectorXd::Zero(cells), rest_length = stiffness, volume_stiffness = stiffness;
     stiffness.head(S) = theta;
-    const bool about_nodes = volume_Pa.size() > 0 && mesh.is_solid() && !on_lattice(mesh);  // a shape's cells
+    const bool about_nodes = volume_Pa.size() > 0 && mesh.is_solid() && !has_cells(mesh);  // a shape's cells
     if (volume_Pa.size() > 0 && mesh.is_solid() && !about_nodes) volume_stiffness.tail(cells - S) = volume_Pa;
 
     Grid grid(mesh.node_count());

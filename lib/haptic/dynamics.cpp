@@ -47,6 +47,7 @@ Point Dynamics::advance(MeshState& state, ContactLoad& load, double dt_s, int st
         if (k >= steps - of_last) mean += force / of_last;
         load.move(dt_s);
     }
+    complete(state);
     return mean;
 }
 

@@ -45,7 +45,8 @@ std::unique_ptr<HapticMesh> make_law_mesh(const std::string& name, const TissueM
 TissueModel untrained(const TissueModel& model) {
     TissueModel heuristic = model;
     Eigen::VectorXd& constants = heuristic.energy_law->constants;
-    constants.setZero();
+    const Eigen::Index supports = model.mesh.embedding.empty() ? 0 : static_cast<Eigen::Index>(model.mesh.fixed.size());
+    constants.head(constants.size() - supports).setZero();
     constants.head(model.mesh.spring_count()) = model.heuristic_a;
     heuristic.energy_law->terms.clear();  // nothing of it is learned, its skin neither
     heuristic.energy_law->coefficients.resize(0);

@@ -73,6 +73,10 @@ TISSUE_HOT void times(int n, const double* __restrict gain, const double* __rest
         for (int k = 0; k < n; ++k) g[k] *= gain[k] * y[k];
 }
 
+TISSUE_HOT void add_corner(int n, const double* __restrict g, double* __restrict f) {
+    for (int k = 0; k < n; ++k) f[k] += g[k];
+}
+
 /// f_i -= g, f_j += g: pulls on either end of diagonals, where ends lie in a row.
 TISSUE_HOT void add_pair(int n, const double* __restrict g, double* f_i, double* f_j) {
     for (int k = 0; k < n; ++k) f_i[k] -= g[k];
@@ -140,6 +144,48 @@ TISSUE_HOT void boxes_alike(int n, const Vector& A, const Vector& B, const Vecto
     for (int k = 0; k < n; ++k) box<true>(k, a, b, c, gain[k], ux, uy, uz, up, in, far, g);
 }
 
+/// Cubes that are cut, by the gradients of their corners' hat functions at the tissue's centroid, 3 * corner + axis: g gets what pulls at the corners by unit pull,
+/// 3 x 8 arrays of `chunk`, d * 8 + corner; grown J - 1.
+TISSUE_HOT void cut_cubes(int n, const double* const* gradient, const double* __restrict ux, const double* __restrict uy, const double* __restrict uz, int up, int in,
+                          int far, double* __restrict g, double* __restrict grown) {
+    const int at[8] = {0, 1, up, up + 1, in, in + 1, far, far + 1};
+    double by[9][chunk];  // the displacement's gradient, column by column
+    for (double* column : by) std::fill(column, column + n, 0.0);
+    for (int c = 0; c < 8; ++c) {
+        const double *__restrict x = ux + at[c], *__restrict y = uy + at[c], *__restrict z = uz + at[c];
+        const double *__restrict a = gradient[3 * c], *__restrict b = gradient[3 * c + 1], *__restrict e = gradient[3 * c + 2];
+        for (int k = 0; k < n; ++k) {
+            by[0][k] += a[k] * x[k];
+            by[1][k] += a[k] * y[k];
+            by[2][k] += a[k] * z[k];
+            by[3][k] += b[k] * x[k];
+            by[4][k] += b[k] * y[k];
+            by[5][k] += b[k] * z[k];
+            by[6][k] += e[k] * x[k];
+            by[7][k] += e[k] * y[k];
+            by[8][k] += e[k] * z[k];
+        }
+    }
+    for (int k = 0; k < n; ++k) {
+        const Gained now = gained({1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {by[0][k], by[1][k], by[2][k]}, {by[3][k], by[4][k], by[5][k]}, {by[6][k], by[7][k], by[8][k]});
+        grown[k] = now.by;
+        by[0][k] = now.by_p.x;
+        by[1][k] = now.by_p.y;
+        by[2][k] = now.by_p.z;
+        by[3][k] = now.by_q.x;
+        by[4][k] = now.by_q.y;
+        by[5][k] = now.by_q.z;
+        by[6][k] = now.by_r.x;
+        by[7][k] = now.by_r.y;
+        by[8][k] = now.by_r.z;
+    }
+    for (int c = 0; c < 8; ++c) {
+        const double *__restrict a = gradient[3 * c], *__restrict b = gradient[3 * c + 1], *__restrict e = gradient[3 * c + 2];
+        for (int d = 0; d < 3; ++d)
+            for (int k = 0; k < n; ++k) g[(8 * d + c) * chunk + k] = a[k] * by[d][k] + b[k] * by[3 + d][k] + e[k] * by[6 + d][k];
+    }
+}
+
 /// Tetrahedra by their edges from the first node: v, what has been added to those, e as they were. six: of what the volume has
 /// gained; kept: its derivatives by the edges. v, kept: 9 arrays of `chunk`.
 TISSUE_HOT void tetrahedra(int n, const double* const* e, const double* __restrict v, double* __restrict six, double* __restrict kept) {
@@ -176,16 +222,21 @@ RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) 
     theta_ = springs.to_slots(law.constants.head(energy.kinds().front()->count()));
     spring_of_slot_.assign(static_cast<std::size_t>(springs.slot_count()), -1);
     for (std::size_t s = 0; s < springs.slot_of_spring().size(); ++s) spring_of_slot_[static_cast<std::size_t>(springs.slot_of_spring()[s])] = static_cast<Eigen::Index>(s);
-    if (model.mesh.is_solid() && !on_lattice(model.mesh)) {
+    if (model.mesh.is_solid() && !has_cells(model.mesh)) {
         add_tetrahedra(model, energy);
+    } else if (model.mesh.is_solid()) {
+        add_boxes(model, static_cast<const CellVolumes&>(*energy.kinds()[1]), energy.first_of(1));
+        if (energy.kinds().size() > 2) {
+            supports_.corner = model.mesh.embedding.corner(model.mesh.fixed, Eigen::all);
+            supports_.weight = model.mesh.embedding.weight(model.mesh.fixed, Eigen::all);
+            supports_.first_constant = energy.first_of(2);
+            const auto k = law.constants.tail(energy.kinds()[2]->count());
+            supports_.gain.assign(k.begin(), k.end());
+        }
     } else {
         for (std::size_t k = 1; k < energy.kinds().size(); ++k) {
             const Elements& kind = *energy.kinds()[k];
-            const Eigen::VectorXd constants = law.constants.segment(energy.first_of(k), kind.count());
-            if (model.mesh.is_solid())
-                add_boxes(kind, constants, energy.first_of(k));
-            else
-                add_plane_cells(kind, constants, energy.first_of(k));
+            add_plane_cells(kind, law.constants.segment(energy.first_of(k), kind.count()), energy.first_of(k));
         }
     }
     relaxation_ = law.relaxation;
@@ -195,16 +246,16 @@ RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) 
     first_square_ = springs.slot_count();
     first_region_ = first_square_ + squares_.count;
     first_box_ = first_region_ + static_cast<int>(regions_.size());
-    first_node_ = first_box_ + boxes_.count;
+    first_node_ = first_box_ + boxes_.count();
 }
 
 RealtimeLaw::RealtimeLaw(const RealtimeLaw& other)
     : springs_(other.springs_), skin_(other.skin_), now_(other.now_), theta_(other.theta_), relaxation_(other.relaxation_), first_square_(other.first_square_), first_region_(other.first_region_),
       first_box_(other.first_box_), first_node_(other.first_node_), spring_of_slot_(other.spring_of_slot_), squares_(other.squares_), regions_(other.regions_), walk_(other.walk_),
-      boxes_(other.boxes_), tetrahedra_(other.tetrahedra_), kernel_(other.kernel_->clone()) {}
+      boxes_(other.boxes_), supports_(other.supports_), tetrahedra_(other.tetrahedra_), kernel_(other.kernel_->clone()) {}
 
 void RealtimeLaw::fields(StateBytes& state) noexcept {
-    state(now_.constants, now_.patch.log_N_m, now_.contact_log_scale, theta_, squares_.gain, boxes_.gain, tetrahedra_.node_gain);
+    state(now_.constants, now_.patch.log_N_m, now_.contact_log_scale, theta_, squares_.gain, boxes_.gain, supports_.gain, tetrahedra_.node_gain);
     for (Region& region : regions_) state(region.gain);
     if (state.reads()) kernel_->scale(now_.contact_log_scale);
 }
@@ -218,6 +269,7 @@ void RealtimeLaw::become(const LawStiffness& stiffness) noexcept {
     for (Region& region : regions_) region.gain *= grown(region.constant);
     for (std::size_t k = 0; k < boxes_.constant.size(); ++k)
         if (boxes_.constant[k] >= 0) boxes_.gain[k] *= grown(boxes_.constant[k]);
+    for (std::size_t k = 0; k < supports_.gain.size(); ++k) supports_.gain[k] = stiffness.constants[supports_.first_constant + static_cast<Eigen::Index>(k)];
     for (std::size_t node = 0; node < tetrahedra_.constant.size(); ++node)
         tetrahedra_.node_gain[static_cast<Eigen::Index>(node)] *= grown(tetrahedra_.constant[node]);
     now_.constants = stiffness.constants;
@@ -311,40 +363,46 @@ void RealtimeLaw::add_region(const std::vector<std::array<int, 2>>& edges, doubl
     regions_.push_back({begin, static_cast<int>(walk_.size()), constant / (2 * twice_area), index});
 }
 
-void RealtimeLaw::add_boxes(const Elements& cells, const Eigen::VectorXd& constants, Eigen::Index first_constant) {
+void RealtimeLaw::add_boxes(const TissueModel& model, const CellVolumes& cells, Eigen::Index first_constant) {
     const Cells& nodes = cells.nodes();
-    boxes_.first = nodes.col(0).minCoeff();
-    boxes_.count = nodes.col(0).maxCoeff() - boxes_.first + 1;
-    for (int c = 0; c < 8; ++c) boxes_.corner[c] = nodes(0, c) - nodes(0, 0);
-    const auto n = static_cast<std::size_t>(boxes_.count);
-    std::vector<bool> taken(n, false);
+    const Embedding& embedding = model.mesh.embedding;
+    constexpr int most_missing = 2;  // boxes of a run that is not ended for them
+    const auto cut = [&](int e) { return !embedding.empty() && embedding.fraction[e] < 1 - 1e-9; };
     for (int e = 0; e < cells.count(); ++e) {
-        const auto k = static_cast<std::size_t>(nodes(e, 0) - boxes_.first);
-        bool alike = !taken[k];
-        taken[k] = true;
         for (int c = 0; c < 8; ++c)
-            alike = alike && nodes(e, c) - nodes(e, 0) == boxes_.corner[c] && boxes_.corner[c | 1] == boxes_.corner[c & 6] + 1;
-        if (!alike) throw MismatchError(fmt::format("box {} does not lie from node to node as a lattice's boxes do", e));
-    }
-
-    for (std::vector<double>& list : boxes_.edge) list.assign(n, 0);
-    boxes_.gain.assign(n, 0);
-    boxes_.constant.assign(n, -1);
-    const NodeColumns& rest = springs_.rest();
-    Eigen::Matrix3d first;
-    for (int e = 0; e < cells.count(); ++e) {
-        const auto k = static_cast<std::size_t>(nodes(e, 0) - boxes_.first);
+            if (nodes(e, c | 1) != nodes(e, c & 6) + 1) throw MismatchError(fmt::format("box {} does not lie from node to node as a lattice's boxes do", e));
+        if (e > 0 && nodes(e, 0) <= nodes(e - 1, 0)) throw MismatchError(fmt::format("box {} does not follow the one before", e));
+        bool goes_on = !boxes_.runs.empty();
+        if (goes_on) {
+            Boxes::Run& run = boxes_.runs.back();
+            const int missing = nodes(e, 0) - (run.first_node + run.count);
+            goes_on = run.cut == cut(e) && missing <= most_missing;
+            for (int c = 0; c < 8; ++c) goes_on = goes_on && nodes(e, c) - nodes(e, 0) == run.corner[c];
+            if (goes_on) run.count += missing + 1;
+        }
+        if (!goes_on) {
+            boxes_.runs.push_back({nodes(e, 0), boxes_.count(), 1, {}, cut(e), true});
+            for (int c = 0; c < 8; ++c) boxes_.runs.back().corner[c] = nodes(e, c) - nodes(e, 0);
+        }
+        Boxes::Run& run = boxes_.runs.back();
+        const auto slot = static_cast<std::size_t>(run.first_slot + run.count - 1), first = static_cast<std::size_t>(run.first_slot);
+        boxes_.gain.resize(slot + 1, 0);
+        boxes_.constant.resize(slot + 1, -1);
         Eigen::Matrix3d edges = Eigen::Matrix3d::Zero();
         for (int c = 0; c < 8; ++c)
-            for (int a = 0; a < 3; ++a) edges.col(a) += ((c >> a & 1) ? 1.0 : -1.0) * rest.row(nodes(e, c)).transpose();
-        for (int i = 0; i < 9; ++i) boxes_.edge[i][k] = edges.data()[i];
-        boxes_.constant[k] = first_constant + e;
-        boxes_.gain[k] = constants[e] / (64 * edges.determinant());
-        if (e == 0) first = edges;
-        boxes_.alike = boxes_.alike && (edges - first).norm() < 1e-14 * first.norm();
+            for (int a = 0; a < 3; ++a) edges.col(a) += ((c >> a & 1) ? 1.0 : -1.0) * model.mesh.nodes.row(nodes(e, c)).transpose();
+        for (std::size_t i = 0; i < 9; ++i) {  // where there is none, the first one's edges
+            boxes_.edge[i].resize(slot, boxes_.edge[i].size() > first ? boxes_.edge[i][first] : 0);
+            boxes_.edge[i].push_back(edges.data()[i]);
+            run.alike = run.alike && std::abs(boxes_.edge[i][slot] - boxes_.edge[i][first]) < 1e-13 * edges.norm();
+        }
+        for (int i = 0; i < 24; ++i) {
+            boxes_.gradient[i].resize(slot, 0);
+            boxes_.gradient[i].push_back(cells.gradient(e)(i % 3, i / 3));
+        }
+        boxes_.constant[slot] = first_constant + e;
+        boxes_.gain[slot] = now_.constants[first_constant + e] * (run.cut ? cells.volumes()[e] : 1 / (64 * edges.determinant()));
     }
-    for (std::size_t k = 0; k < n; ++k)  // where there is none, the first one's edges: a run begins with a box
-        for (int i = 0; i < 9 && !taken[k]; ++i) boxes_.edge[i][k] = boxes_.edge[i][0];
 }
 
 void RealtimeLaw::add_tetrahedra(const TissueModel& model, const TissueEnergy& energy) {
@@ -383,6 +441,7 @@ void RealtimeLaw::all_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorX
     squares_force(u, f, memory);
     regions_force(u, f, memory);
     boxes_force(u, f, memory);
+    supports_force(u, f);
     if (tetrahedra_.count > 0) tetrahedra_force(u, f, scratch, memory);
 }
 
@@ -404,36 +463,37 @@ void RealtimeLaw::regions_force(const NodeColumns& u, NodeColumns& f, BranchMemo
 }
 
 void RealtimeLaw::boxes_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept {
-    alignas(64) double g[12 * chunk], grown[chunk], felt[chunk];
+    alignas(64) double g[24 * chunk], grown[chunk], felt[chunk];
     const Eigen::Index N = u.rows();
-    const auto edge = [this](int axis, std::size_t k) {
-        return kernel::Vector{boxes_.edge[3 * axis][k], boxes_.edge[3 * axis + 1][k], boxes_.edge[3 * axis + 2][k]};
-    };
-    for (int done = 0; done < boxes_.count; done += chunk) {
-        const int n = std::min(chunk, boxes_.count - done);
-        const double *u0 = u.data() + boxes_.first + done, *gain = boxes_.gain.data() + done;
-        const int* corner = boxes_.corner;
-        if (memory) {
-            const double* e[9];
-            for (int i = 0; i < 9; ++i) e[i] = boxes_.edge[i].data() + done;
-            kernel::boxes_grown(n, e, u0, u0 + N, u0 + 2 * N, corner[2], corner[4], corner[6], g, grown);
-            memory->step(first_box_ + done, n, grown, felt);
-            kernel::times(n, gain, felt, 12, g);
-        } else if (boxes_.alike) {
-            kernel::boxes_alike(n, edge(0, 0), edge(1, 0), edge(2, 0), gain, u0, u0 + N, u0 + 2 * N, corner[2], corner[4], corner[6], g);
-        } else {
-            const double* e[9];
-            for (int i = 0; i < 9; ++i) e[i] = boxes_.edge[i].data() + done;
-            kernel::boxes(n, e, gain, u0, u0 + N, u0 + 2 * N, corner[2], corner[4], corner[6], g);
+    for (const Boxes::Run& run : boxes_.runs)
+        for (int done = 0; done < run.count; done += chunk) {
+            const int n = std::min(chunk, run.count - done), slot = run.first_slot + done;
+            const double *u0 = u.data() + run.first_node + done, *gain = boxes_.gain.data() + slot;
+            const int* corner = run.corner;
+            const double* e[24];
+            for (int i = 0; i < (run.cut ? 24 : 9); ++i) e[i] = (run.cut ? boxes_.gradient : boxes_.edge)[i].data() + slot;
+            if (run.cut)
+                kernel::cut_cubes(n, e, u0, u0 + N, u0 + 2 * N, corner[2], corner[4], corner[6], g, grown);
+            else if (memory)
+                kernel::boxes_grown(n, e, u0, u0 + N, u0 + 2 * N, corner[2], corner[4], corner[6], g, grown);
+            else if (run.alike)
+                kernel::boxes_alike(n, {*e[0], *e[1], *e[2]}, {*e[3], *e[4], *e[5]}, {*e[6], *e[7], *e[8]}, gain, u0, u0 + N, u0 + 2 * N, corner[2], corner[4], corner[6], g);
+            else
+                kernel::boxes(n, e, gain, u0, u0 + N, u0 + 2 * N, corner[2], corner[4], corner[6], g);
+            if (memory) memory->step(first_box_ + slot, n, grown, felt);
+            if (run.cut || memory) kernel::times(n, gain, memory ? felt : grown, run.cut ? 24 : 12, g);
+            for (int d = 0; d < 3; ++d) {
+                double* f0 = f.data() + d * N + run.first_node + done;
+                if (run.cut) {
+                    for (int c = 0; c < 8; ++c) kernel::add_corner(n, g + (8 * d + c) * chunk, f0 + corner[c]);
+                    continue;
+                }
+                kernel::add_pair(n, g + (4 * d + 0) * chunk, f0, f0 + corner[7]);
+                kernel::add_pair(n, g + (4 * d + 1) * chunk, f0 + corner[1], f0 + corner[6]);
+                kernel::add_pair(n, g + (4 * d + 2) * chunk, f0 + corner[2], f0 + corner[5]);
+                kernel::add_pair(n, g + (4 * d + 3) * chunk, f0 + corner[4], f0 + corner[3]);
+            }
         }
-        for (int d = 0; d < 3; ++d) {
-            double* f0 = f.data() + d * N + boxes_.first + done;
-            kernel::add_pair(n, g + (4 * d + 0) * chunk, f0, f0 + corner[7]);
-            kernel::add_pair(n, g + (4 * d + 1) * chunk, f0 + corner[1], f0 + corner[6]);
-            kernel::add_pair(n, g + (4 * d + 2) * chunk, f0 + corner[2], f0 + corner[5]);
-            kernel::add_pair(n, g + (4 * d + 3) * chunk, f0 + corner[4], f0 + corner[3]);
-        }
-    }
 }
 
 /// Into scratch: by node six times what the volume about it has gained [m3], and then each tetrahedron's derivatives.
@@ -533,9 +593,31 @@ double RealtimeLaw::sum_of_elements(const Of& of_element) const {
     for (int slot : springs_.slot_of_spring()) sum += theta_[slot] * of_element(slot);
     for (int k = 0; k < squares_.count; ++k) sum += squares_.gain[static_cast<std::size_t>(k)] * of_element(first_square_ + k);
     for (std::size_t r = 0; r < regions_.size(); ++r) sum += regions_[r].gain * of_element(first_region_ + static_cast<int>(r));
-    for (int k = 0; k < boxes_.count; ++k) sum += boxes_.gain[static_cast<std::size_t>(k)] * of_element(first_box_ + k);
+    for (int k = 0; k < boxes_.count(); ++k) sum += boxes_.gain[static_cast<std::size_t>(k)] * of_element(first_box_ + k);
     for (Eigen::Index node = 0; node < tetrahedra_.node_gain.size(); ++node) sum += tetrahedra_.node_gain[node] * of_element(first_node_ + static_cast<int>(node));
     return sum;
+}
+
+double RealtimeLaw::supports_energy(const NodeColumns& u) const noexcept {
+    double energy = 0;
+    for (std::size_t m = 0; m < supports_.gain.size(); ++m) energy += supports_.gain[m] * held_at(m, u).squaredNorm() / 2;
+    return energy;
+}
+
+/// Displacement of a held point.
+Eigen::Vector3d RealtimeLaw::held_at(std::size_t support, const NodeColumns& u) const noexcept {
+    const auto m = static_cast<Eigen::Index>(support);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 8; ++k) sum += supports_.weight(m, k) * u.row(supports_.corner(m, k)).transpose();
+    return sum;
+}
+
+void RealtimeLaw::supports_force(const NodeColumns& u, NodeColumns& f) const noexcept {
+    for (std::size_t m = 0; m < supports_.gain.size(); ++m) {
+        const Eigen::RowVector3d pull = supports_.gain[m] * held_at(m, u).transpose();
+        const auto row = static_cast<Eigen::Index>(m);
+        for (int k = 0; k < 8; ++k) f.row(supports_.corner(row, k)) += supports_.weight(row, k) * pull;
+    }
 }
 
 double RealtimeLaw::energy(const NodeColumns& u, BranchMemory memory) const {
@@ -543,7 +625,7 @@ double RealtimeLaw::energy(const NodeColumns& u, BranchMemory memory) const {
     NodeColumns f(u.rows(), u.cols());
     Eigen::VectorXd scratch(scratch_size());
     force(u, f, scratch, memory);
-    return sum_of_elements([&](int element) { return memory.stored(element) / 2; });
+    return sum_of_elements([&](int element) { return memory.stored(element) / 2; }) + supports_energy(u);
 }
 
 BranchBook RealtimeLaw::branches(const BranchMemory& memory) const {
@@ -565,20 +647,25 @@ double RealtimeLaw::energy(const NodeColumns& u) const {
         const double twice = twice_growth(region, u);
         energy += region.gain * twice * twice / 2;
     }
-    for (int k = 0; k < boxes_.count; ++k) {
-        const auto i = static_cast<std::size_t>(k);
-        if (boxes_.gain[i] == 0) continue;
-        kernel::Vector add[3] = {};
-        for (int c = 0; c < 8; ++c)
-            for (int a = 0; a < 3; ++a) {
-                const int node = boxes_.first + k + boxes_.corner[c];
-                const double sign = (c >> a & 1) ? 1 : -1;
-                add[a] = add[a] + kernel::Vector{sign * u(node, 0), sign * u(node, 1), sign * u(node, 2)};
-            }
-        const auto edge = [&](int a) { return kernel::Vector{boxes_.edge[3 * a][i], boxes_.edge[3 * a + 1][i], boxes_.edge[3 * a + 2][i]}; };
-        const double by = kernel::gained(edge(0), edge(1), edge(2), add[0], add[1], add[2]).by;
-        energy += boxes_.gain[i] * by * by / 2;
-    }
+    for (const Boxes::Run& run : boxes_.runs)
+        for (int k = 0; k < run.count; ++k) {
+            const auto i = static_cast<std::size_t>(run.first_slot + k);
+            if (boxes_.gain[i] == 0) continue;
+            kernel::Vector add[3] = {};
+            for (int c = 0; c < 8; ++c)
+                for (int a = 0; a < 3; ++a) {
+                    const int node = run.first_node + k + run.corner[c];
+                    const double by = run.cut ? boxes_.gradient[3 * c + a][i] : (c >> a & 1) ? 1 : -1;
+                    add[a] = add[a] + kernel::Vector{by * u(node, 0), by * u(node, 1), by * u(node, 2)};
+                }
+            const auto edge = [&](int a) {
+                if (run.cut) return kernel::Vector{a == 0 ? 1.0 : 0.0, a == 1 ? 1.0 : 0.0, a == 2 ? 1.0 : 0.0};
+                return kernel::Vector{boxes_.edge[3 * a][i], boxes_.edge[3 * a + 1][i], boxes_.edge[3 * a + 2][i]};
+            };
+            const double by = kernel::gained(edge(0), edge(1), edge(2), add[0], add[1], add[2]).by;
+            energy += boxes_.gain[i] * by * by / 2;
+        }
+    energy += supports_energy(u);
     if (tetrahedra_.count > 0) {
         Eigen::VectorXd scratch(scratch_size());
         tetrahedra_growth(u, scratch);

@@ -6,6 +6,7 @@
 
 #include "haptic/realtime_mesh.h"
 #include "haptic/state_bytes.h"
+#include "springs/cell_volumes.h"
 #include "springs/contact_patch.h"
 #include "springs/tissue_energy.h"
 #include "springs/tissue_model.h"
@@ -26,8 +27,8 @@ struct BranchBook {
 
 /// A model's law laid out for the tick: the forces of a TissueEnergy and its contacts. Constants only. Springs are the bands of a RealtimeMesh. A lattice's squares lie in one run, one a node, as a band's
 /// springs do: the area between a square's diagonals pulls at their ends. Every other region is a walk round its outline.
-/// In space a lattice's boxes lie in one such run: the three mean edges of a box follow from its four diagonals, at whose ends it
-/// pulls. A shape's regions are all tetrahedra about a node each: a node adds up what they have grown by, and a tetrahedron pulls
+/// In space a lattice's boxes lie in such runs: the three mean edges of a box follow from its four diagonals, at whose ends it
+/// pulls. Cubes of an embedded lattice that are cut by the solid's surface have eight gradients each. A shape's regions are all tetrahedra about a node each: a node adds up what they have grown by, and a tetrahedron pulls
 /// with what its four nodes' sums make together, so that each is computed once and not with every region that has it.
 class RealtimeLaw {
    public:
@@ -92,15 +93,29 @@ class RealtimeLaw {
         int node, before, after;
         double x, y;  ///< after's rest place from before's [m]
     };
-    /// Boxes whose corners are first + k + corner[c]: one a node; where there is none, gain is 0. Edges: the sums of a box's four
-    /// along each axis at rest [m], of one axis after the other.
+    /// Boxes of a lattice, or cubes of an embedded one, in slots. In a run the corners of slot first_slot + k are first_node + k + corner[c]; where there is
+    /// none, gain is 0. What a slot has grown by is a number of its own kind: of whole boxes 64 V (J - 1), by determinants of sums of their four edges along each axis;
+    /// of cubes that are cut J - 1, by gradients at their tissue's centroid.
     struct Boxes {
-        int first = 0, count = 0;
-        int corner[8] = {};                ///< corner[1] is 1, and every odd one follows the even one before
-        bool alike = true;                 ///< all have the first one's edges
-        std::vector<double> edge[9];
-        std::vector<double> gain;          ///< A / (4096 V) [N/m5]: of A V (J - 1)^2 / 2, with J - 1 a determinant of sums of four
+        struct Run {
+            int first_node, first_slot, count;
+            int corner[8];               ///< corner[1] is 1, and every odd one follows the even one before
+            bool cut, alike;             ///< alike: whole, and all have the first one's edges
+        };
+        std::vector<Run> runs;
+        std::vector<double> edge[9];     ///< of whole ones: sums of the four along each axis at rest [m], of one axis after the other
+        std::vector<double> gradient[24];  ///< of cut ones: of their corners' hat functions [1/m], 3 * corner + axis
+        std::vector<double> gain;        ///< of A V (J - 1)^2 / 2: A / (4096 V) [N/m5] of whole ones, A V [Nm] of cut ones
         std::vector<Eigen::Index> constant;
+
+        int count() const { return static_cast<int>(gain.size()); }
+    };
+    /// Points of an embedded solid that are held by springs.
+    struct Supports {
+        Cells corner;                    ///< (M x 8)
+        NodeField weight;                ///< of these (M x 8)
+        std::vector<double> gain;        ///< [N/m] (M)
+        Eigen::Index first_constant = 0;
     };
     /// A shape's tetrahedra, T of them: edges from its first node to the others at rest.
     struct Tetrahedra {
@@ -115,8 +130,11 @@ class RealtimeLaw {
     void add_plane_cells(const Elements& cells, const Eigen::VectorXd& constants, Eigen::Index first);
     bool add_squares(const Elements& cells, const Eigen::VectorXd& constants, Eigen::Index first);
     void add_region(const std::vector<std::array<int, 2>>& edges, double constant, Eigen::Index index);
-    void add_boxes(const Elements& cells, const Eigen::VectorXd& constants, Eigen::Index first);
+    void add_boxes(const TissueModel& model, const CellVolumes& cells, Eigen::Index first);
     void add_tetrahedra(const TissueModel& model, const TissueEnergy& energy);
+    Eigen::Vector3d held_at(std::size_t support, const NodeColumns& u) const noexcept;
+    void supports_force(const NodeColumns& u, NodeColumns& f) const noexcept;
+    double supports_energy(const NodeColumns& u) const noexcept;
     template <class Of>
     double sum_of_elements(const Of& of_element) const;
     double twice_growth(const Region& region, const NodeColumns& u) const noexcept;
@@ -138,6 +156,7 @@ class RealtimeLaw {
     std::vector<Region> regions_;
     std::vector<Step> walk_;
     Boxes boxes_;
+    Supports supports_;
     Tetrahedra tetrahedra_;
     std::unique_ptr<ContactKernel> kernel_;
 };

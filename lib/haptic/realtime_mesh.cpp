@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -14,6 +15,7 @@ namespace {
 
 constexpr int chunk = 256;  ///< nodes, or loose springs, at a time: their forces stay in the first-level cache
 constexpr int fewest = 8;   ///< springs of a band
+constexpr double same = 1e-13;  ///< part of a spring's length: what places far from the origin round by
 
 }  // namespace
 
@@ -28,49 +30,58 @@ TISSUE_HOT void add(int n, const double* __restrict g, double* __restrict f) {
 
 RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const Eigen::VectorXd& node_mass_kg) {
     const int N = mesh.node_count(), S = mesh.spring_count();
-    if (node_mass_kg.size() != N || !(node_mass_kg.minCoeff() > 0) || !node_mass_kg.allFinite())
+    const int own = mesh.embedding.node_count();
+    if (node_mass_kg.size() != N || !(node_mass_kg.tail(N - own).minCoeff() > 0) || (own > 0 && !node_mass_kg.head(own).isZero(0)) || !node_mass_kg.allFinite())
         throw MismatchError("every node of the spring mesh must have a positive mass");
     law_ = make_spring_law(law);
     if (mesh.is_solid() && !law_->plays_in_space())
         throw MismatchError(fmt::format("in space the tick knows springs that turn, 'geometric', and not '{}'", law));
+    embedding_ = mesh.embedding;
     rest_ = mesh.nodes;
     mass_ = node_mass_kg;
-    inverse_mass_ = mass_.cwiseInverse();
+    inverse_mass_ = Eigen::VectorXd::Zero(N);
+    inverse_mass_.tail(N - own) = mass_.tail(N - own).cwiseInverse();
     for (int node : mesh.fixed) inverse_mass_[node] = 0;
     if (!mesh.is_solid()) outline_ = mesh.loop();
     facets_ = mesh.facets;
 
-    // bands: offsets that fill at least half of the run they span, and are worth a run of their own
-    std::map<int, std::vector<int>> by_offset;
-    for (int s = 0; s < S; ++s) by_offset[std::abs(mesh.springs(s, 1) - mesh.springs(s, 0))].push_back(s);
+    // bands: runs of one offset that are at least half full and worth a run of their own, each of the springs' first nodes once; springs with one span first
+    using Span = std::array<long, 3>;
+    std::map<int, std::map<Span, std::vector<std::pair<int, int>>>> by_offset;  // first node, spring
+    for (int s = 0; s < S; ++s) {
+        const int i = mesh.springs.row(s).minCoeff(), j = mesh.springs.row(s).maxCoeff();
+        Span span{};
+        for (Eigen::Index d = 0; d < rest_.cols(); ++d) span[static_cast<std::size_t>(d)] = std::lround(1e9 * (rest_(j, d) - rest_(i, d)) / mesh.rest_length(s));
+        by_offset[j - i][span].emplace_back(i, s);
+    }
     slot_of_spring_.assign(static_cast<std::size_t>(S), -1);
     int slots = 0;
     std::vector<int> loose;
-    for (const auto& [offset, springs] : by_offset) {
-        int low = N, high = -1;
-        for (int s : springs) {
-            low = std::min(low, mesh.springs.row(s).minCoeff());
-            high = std::max(high, mesh.springs.row(s).minCoeff());
-        }
-        const int span = high - low + 1;
-        const int before = slots;
-        bool distinct = 2 * static_cast<int>(springs.size()) >= span && static_cast<int>(springs.size()) >= fewest;
-        if (distinct) {
-            std::vector<bool> taken(static_cast<std::size_t>(span), false);
-            for (int s : springs) {
-                const auto k = static_cast<std::size_t>(mesh.springs.row(s).minCoeff() - low);
-                distinct = distinct && !taken[k];
-                taken[k] = true;
+    for (auto& [offset, by_span] : by_offset) {
+        std::vector<std::pair<int, int>> rest;  // of spans that few springs have
+        const auto add_bands = [&, offset = offset](const std::vector<std::pair<int, int>>& springs, auto leave) {
+            for (std::size_t begin = 0, end; begin < springs.size(); begin = end) {
+                std::size_t longest = end = begin + 1;
+                for (; end < springs.size() && springs[end].first > springs[end - 1].first; ++end)
+                    if (2 * static_cast<int>(end + 1 - begin) >= springs[end].first - springs[begin].first + 1) longest = end + 1;
+                end = longest;
+                const int low = springs[begin].first, span = springs[end - 1].first - low + 1;
+                if (static_cast<int>(end - begin) < fewest) {
+                    leave(springs[begin]);
+                    end = begin + 1;
+                    continue;
+                }
+                for (std::size_t k = begin; k < end; ++k) slot_of_spring_[static_cast<std::size_t>(springs[k].second)] = slots + springs[k].first - low;
+                bands_.push_back({low, offset, slots, span, true, true, {}, {}, 0});
+                slots += span;
             }
+        };
+        for (auto& [span, springs] : by_span) {
+            std::sort(springs.begin(), springs.end());
+            add_bands(springs, [&](const std::pair<int, int>& left) { rest.push_back(left); });
         }
-        if (!distinct) {
-            loose.insert(loose.end(), springs.begin(), springs.end());
-            continue;
-        }
-        for (int s : springs)
-            slot_of_spring_[static_cast<std::size_t>(s)] = before + mesh.springs.row(s).minCoeff() - low;
-        bands_.push_back({low, offset, before, span, true, true, {}, {}, 0});
-        slots += span;
+        std::sort(rest.begin(), rest.end());
+        add_bands(rest, [&](const std::pair<int, int>& left) { loose.push_back(left.second); });
     }
     loose_slot_ = slots;
     for (int s : loose) slot_of_spring_[static_cast<std::size_t>(s)] = slots++;
@@ -98,10 +109,32 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const
         band.length = rest_length_[band.first_slot];
         for (int slot = band.first_slot; slot < band.first_slot + band.count; ++slot) {
             if (rest_length_[slot] == 0) continue;
-            band.parallel = band.parallel && (axis_.row(slot) - axis).norm() < 1e-14;
-            band.alike = band.alike && (rest_span_.row(slot) - span).norm() < 1e-14 * band.length;
+            band.parallel = band.parallel && (axis_.row(slot) - axis).norm() < same;
+            band.alike = band.alike && (rest_span_.row(slot) - span).norm() < same * band.length;
         }
     }
+}
+
+void RealtimeMesh::interpolate(int node, NodeColumns& u) const noexcept {
+    const int* corner = &embedding_.corner(node, 0);
+    const double* weight = &embedding_.weight(node, 0);
+    double x = 0, y = 0, z = 0;
+    for (int k = 0; k < 8; ++k) {
+        x += weight[k] * u(corner[k], 0);
+        y += weight[k] * u(corner[k], 1);
+        z += weight[k] * u(corner[k], 2);
+    }
+    u(node, 0) = x;
+    u(node, 1) = y;
+    u(node, 2) = z;
+}
+
+void RealtimeMesh::interpolate(NodeColumns& u) const noexcept {
+    for (int node = 0; node < embedding_.node_count(); ++node) interpolate(node, u);
+}
+
+void RealtimeMesh::spread(int node, NodeColumns& f) const noexcept {
+    for (int k = 0; k < 8; ++k) f.row(embedding_.corner(node, k)) += embedding_.weight(node, k) * f.row(node);
 }
 
 Point RealtimeMesh::rest_place(int facet, const Eigen::Vector3d& weight) const noexcept {

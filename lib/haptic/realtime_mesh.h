@@ -14,8 +14,10 @@ namespace tissue {
 ///
 /// Springs live in slots. Springs that join node i to node i + offset, for one offset, form a band: one run of slots,
 /// one a node, so that force is a few sums over contiguous arrays instead of a walk through pairs of nodes. Slots of a
-/// band that hold no spring have theta = 0. A lattice has four bands in the plane, in space thirteen. Springs of rare offsets
-/// (meshes that are no lattice) are loose: pairs.
+/// band that hold no spring have theta = 0. A lattice has four bands in the plane, in space thirteen; an embedded one, whose rows differ in length, has one or more a row and
+/// direction. Springs of rare offsets (meshes that are no lattice) are loose: pairs.
+///
+/// The nodes of a solid in an embedded lattice have no mass, and move with the lattice: interpolate() and spread() go between the two.
 class RealtimeMesh {
    public:
     struct Band {
@@ -24,7 +26,7 @@ class RealtimeMesh {
         double axis[3], span[3], length;            ///< these [m]
     };
 
-    /// node_mass_kg (N), all positive. law: a name of spring_laws().
+    /// node_mass_kg (N), all positive but those of an embedded solid's own nodes, which are 0. law: a name of spring_laws().
     /// Throws MismatchError when sizes do not fit, and in space for springs that do not turn.
     RealtimeMesh(const SpringMesh& mesh, const std::string& law, const Eigen::VectorXd& node_mass_kg);
 
@@ -34,7 +36,11 @@ class RealtimeMesh {
     const SpringLaw& law() const { return *law_; }
     const NodeColumns& rest() const { return rest_; }                    ///< [m] (N x D)
     const Eigen::VectorXd& mass() const { return mass_; }                ///< [kg] (N)
-    const Eigen::VectorXd& inverse_mass() const { return inverse_mass_; }  ///< [1/kg] (N), 0 where a node is fixed
+    const Eigen::VectorXd& inverse_mass() const { return inverse_mass_; }  ///< [1/kg] (N), 0 where a node is fixed, or an embedded solid's
+    bool is_embedded() const { return !embedding_.empty(); }
+    void interpolate(NodeColumns& u) const noexcept;  ///< rows of an embedded solid's nodes, from the lattice's; of other meshes nothing
+    void interpolate(int node, NodeColumns& u) const noexcept;  ///< of one of them
+    void spread(int node, NodeColumns& f) const noexcept;       ///< force on one of them, onto the lattice's
     bool fixed(int node) const { return inverse_mass_[node] == 0; }
     int dimension() const { return static_cast<int>(rest_.cols()); }
     const std::vector<int>& outline() const { return outline_; }         ///< in the plane: boundary nodes, counter-clockwise (M)
@@ -68,6 +74,7 @@ class RealtimeMesh {
     SpringRun run_at(int slot, const Eigen::VectorXd& theta) const noexcept;
 
     std::shared_ptr<const SpringLaw> law_;
+    Embedding embedding_;
     NodeColumns rest_;
     Eigen::VectorXd mass_, inverse_mass_;
     std::vector<int> outline_;

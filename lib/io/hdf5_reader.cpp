@@ -114,8 +114,8 @@ Hdf5Reader::Hdf5Reader(std::string file, const std::string& kind) : file_(std::m
         if (H5Aexists(id_, "program") <= 0 || text_attribute("/", "program") != "tissuectl")
             refuse("/", "was not written by tissuectl");
         const double file_version = number_attribute("/", "format_version");
-        if (file_version > adapted_format_version)
-            refuse("/", fmt::format("format version {} is later than this program's {}", file_version, adapted_format_version));
+        if (file_version > last_format_version)
+            refuse("/", fmt::format("format version {} is later than this program's {}", file_version, last_format_version));
         if (file_version > law_format_version && file_version < solid_format_version)
             refuse("/", fmt::format("format version {} was of solids under discs with another energy; make it anew", file_version));
         const std::string file_kind = text_attribute("/", "kind");

@@ -6,6 +6,7 @@
 namespace tissue {
 
 Cells mesh_cells(const SpringMesh& mesh) {
+    if (!mesh.embedding.empty()) return mesh.embedding.cubes;
     if (!on_lattice(mesh)) return mesh.simplices;
     if (mesh.is_solid()) {
         // six tetrahedra a cell, as mesh/solid_lattice.cpp divides it; corners bit by bit, 1 along x, 2 along y, 4 along z

@@ -6,7 +6,7 @@
 
 namespace tissue {
 
-/// The pieces of tissue between the springs: a lattice's squares, in space its boxes (C x 8, corners bit by bit: 1 along x,
+/// The pieces of tissue between the springs: a lattice's squares, in space its boxes and an embedded one's cubes (C x 8, corners bit by bit: 1 along x,
 /// 2 along y, 4 along z), a shape's triangles, in space its tetrahedra (C x 4). In the plane counter-clockwise.
 /// Throws MismatchError when the simplices of a lattice do not make up its cells.
 Cells mesh_cells(const SpringMesh& mesh);

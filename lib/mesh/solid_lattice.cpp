@@ -18,10 +18,9 @@ using Corner = std::array<int, 3>;
 /// The eight corners of a cell, bit by bit: 1 along x, 2 along y, 4 along z.
 Corner corner(int k) { return {k & 1, (k >> 1) & 1, (k >> 2) & 1}; }
 
-/// Part of a cell's volume that (7) gives a spring between two of its corners: by the number of axes it runs along.
-constexpr double share[4] = {0, 1.0 / 4, 1.0 / 6, 1.0 / 4};
-
 }  // namespace
+
+double spring_share(int axes) { return axes == 2 ? 1.0 / 6 : 1.0 / 4; }
 
 SpringMesh solid_lattice(const Lattice& lattice) {
     const std::vector<int>& n = lattice.cells;
@@ -54,7 +53,7 @@ SpringMesh solid_lattice(const Lattice& lattice) {
                     mesh.node_measure[at(i)] += volume / 8;
                     for (int j = i + 1; j < 8; ++j) {
                         const int axes = __builtin_popcount(static_cast<unsigned>(i ^ j));
-                        springs[static_cast<std::size_t>(axes)][{std::min(at(i), at(j)), std::max(at(i), at(j))}] += share[axes] * volume;
+                        springs[static_cast<std::size_t>(axes)][{std::min(at(i), at(j)), std::max(at(i), at(j))}] += spring_share(axes) * volume;
                     }
                 }
                 // from corner 0 to corner 7 one axis after the other, in every order; neighbours divide their face alike

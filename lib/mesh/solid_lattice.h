@@ -16,4 +16,7 @@ namespace tissue {
 /// Throws MismatchError for a size that is not positive.
 SpringMesh solid_lattice(const Lattice& lattice);
 
+/// What (7) gives a spring of the volume of a cell that has it: by the number of axes it runs along, 1 to 3.
+double spring_share(int axes);
+
 }  // namespace tissue

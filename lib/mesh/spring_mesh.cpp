@@ -21,6 +21,11 @@ double size_m(const NodeField& nodes) {
     return (nodes.colwise().maxCoeff() - nodes.colwise().minCoeff()).maxCoeff();
 }
 
+bool has_nodes(const SpringMesh& mesh, const NodeField& places) {
+    const Eigen::Index own = mesh.embedding.empty() ? mesh.nodes.rows() : mesh.embedding.node_count();
+    return places.rows() == own && places.cols() == mesh.nodes.cols() && places.isApprox(mesh.nodes.topRows(own), 1e-9);
+}
+
 std::vector<int> SpringMesh::loop() const {
     std::vector<int> nodes_in_order(static_cast<std::size_t>(facets.rows()));
     for (std::size_t b = 0; b < nodes_in_order.size(); ++b) nodes_in_order[b] = facets(static_cast<Eigen::Index>(b), 0);

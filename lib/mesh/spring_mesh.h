@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "field.h"
+#include "mesh/embedding.h"
 
 // Says the pkg-config file of an installed library. Eigen's arrays cross its border: both sides must allocate alike.
 #ifdef TISSUE_EIGEN_ALIGNMENT
@@ -29,6 +30,7 @@ struct SpringMesh {
     std::vector<int> fixed;                    ///< nodes held at rest, ascending
     Eigen::VectorXd incident_measure;          ///< sum of area(T_e) in (7) for each spring [m^2], in space of volumes [m^3] (S)
     Eigen::VectorXd node_measure;              ///< sum of V_j / (4 thickness) in (8) for each node [m^2], in space of V_j / 8 [m^3] (N)
+    Embedding embedding;                       ///< of a solid in a lattice; empty of other meshes. Its own nodes have no measure
 
     /// Longest side of the box about the nodes [m].
     double size_m() const { return tissue::size_m(nodes); }
@@ -43,6 +45,9 @@ struct SpringMesh {
         return (nodes.row(springs(spring, 0)) - nodes.row(springs(spring, 1))).norm();
     }
 };
+
+/// Whether places are those of the mesh's nodes, of an embedded solid of its own [m] (N x D).
+bool has_nodes(const SpringMesh& mesh, const NodeField& places);
 
 /// A point of the outline, between the nodes of one boundary segment: x = weight(0) x_i + weight(1) x_j, the
 /// paper's (16)-(17).

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "error.h"
+#include "mesh/embedded_lattice.h"
 #include "mesh/solid_lattice.h"
 
 namespace tissue {
@@ -82,6 +83,10 @@ SpringMesh edges(const Lattice& of) { return edge_mesh(shape_of(grid4(of))); }
 
 SpringMesh edges3(const Lattice& of) { return edge_mesh(shape_of(solid_lattice(of))); }
 
+SpringMesh embedded(const Lattice& of) { return embedded_lattice(shape_of(solid_lattice(of)), of.size_m[0] / of.cells[0]); }
+
+SpringMesh edges_of(const Shape& shape, double) { return edge_mesh(shape); }
+
 }  // namespace
 
 const Registry<Topology>& topologies() {
@@ -89,15 +94,18 @@ const Registry<Topology>& topologies() {
                                           {
                                               {"grid4", 2, grid4, nullptr},
                                               {"grid8", 2, grid8, nullptr},
-                                              {"edges", 2, edges, edge_mesh},
+                                              {"edges", 2, edges, edges_of},
                                               {"grid26", 3, solid_lattice, nullptr},
-                                              {"edges3", 3, edges3, edge_mesh},
+                                              {"edges3", 3, edges3, edges_of},
+                                              {"embedded", 3, embedded, embedded_lattice},
                                           },
                                           [](const Topology& kind) { return kind.name; });
     return kinds;
 }
 
 bool on_lattice(const SpringMesh& mesh) { return topologies().at(mesh.topology).needs_lattice(); }
+
+bool has_cells(const SpringMesh& mesh) { return on_lattice(mesh) || !mesh.embedding.empty(); }
 
 SpringMesh make_lattice(const std::string& topology, const Lattice& lattice) {
     const Topology& kind = topologies().at(topology);

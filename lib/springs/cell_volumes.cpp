@@ -31,13 +31,17 @@ Eigen::Matrix3d cofactor(const Eigen::Matrix3d& F) {
 
 CellVolumes::CellVolumes(const SpringMesh& mesh) : Elements(solid_cells(mesh)), volume_(nodes().rows()) {
     for (int e = 0; e < count(); ++e) {
+        const Eigen::Vector3d at = mesh.embedding.empty() ? Eigen::Vector3d::Constant(0.5) : Eigen::Vector3d(mesh.embedding.centroid.row(e));
         Eigen::Matrix<double, 3, 8> local;  // gradients by the local coordinates, each from 0 to 1
         Eigen::Matrix3d edges = Eigen::Matrix3d::Zero();
         for (int k = 0; k < 8; ++k) {
-            for (int d = 0; d < 3; ++d) local(d, k) = (k >> d & 1) ? 0.25 : -0.25;
+            for (int d = 0; d < 3; ++d) {
+                local(d, k) = (k >> d & 1) ? 1 : -1;
+                for (int other : {(d + 1) % 3, (d + 2) % 3}) local(d, k) *= (k >> other & 1) ? at[other] : 1 - at[other];
+            }
             edges += mesh.nodes.row(nodes()(e, k)).transpose() * local.col(k).transpose();
         }
-        volume_[e] = edges.determinant();
+        volume_[e] = (mesh.embedding.empty() ? 1 : mesh.embedding.fraction[e]) * edges.determinant();
         if (!(volume_[e] > 0)) throw MismatchError(fmt::format("cell {} is inside out or has no volume", e));
         gradient_.push_back(edges.inverse().transpose() * local);
     }

@@ -6,9 +6,9 @@
 
 namespace tissue {
 
-/// Cells of a lattice in space that keep their true volume: A V (J - 1)^2 / 2, J the determinant of the cell's mean
-/// deformation gradient, from the means of its four edges along each axis: the trilinear map's at the middle (one-point
-/// quadrature; what it does not see, springs hold). Constants A are moduli [Pa]; per unit of them energies are [m^3].
+/// Cells of a lattice in space that keep their true volume: A V (J - 1)^2 / 2, J the determinant of the cell's
+/// deformation gradient, the trilinear map's at the middle, from the means of its four edges along each axis (one-point
+/// quadrature; what it does not see, springs hold). Of an embedded lattice's cube V is its tissue's volume, and J is taken at that tissue's centroid. Constants A are moduli [Pa]; per unit of them energies are [m^3].
 /// What springs alone cannot do is in springs/cell_areas.h.
 class CellVolumes final : public Elements {
    public:
@@ -23,12 +23,14 @@ class CellVolumes final : public Elements {
     /// J; not positive where the cell has turned inside out.
     double volume_ratio(int e, const NodeField& u) const;
     const Eigen::VectorXd& volumes() const { return volume_; }  ///< V [m^3] (C)
+    /// Gradients of the corners' hat functions where J is taken [1/m].
+    const Eigen::Matrix<double, 3, 8>& gradient(int e) const { return gradient_[static_cast<std::size_t>(e)]; }
 
    private:
     Eigen::Matrix3d displacement_gradient(int e, const NodeField& u) const;  ///< F - I of the cell
 
     Eigen::VectorXd volume_;
-    std::vector<Eigen::Matrix<double, 3, 8>> gradient_;  ///< of the corners' hat functions at the cell's middle [1/m] (C)
+    std::vector<Eigen::Matrix<double, 3, 8>> gradient_;  ///< (C)
 };
 
 }  // namespace tissue

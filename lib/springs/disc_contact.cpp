@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "error.h"
 #include "mesh/facet.h"
@@ -93,7 +94,7 @@ double DiscContact::curved_among(const std::vector<int>& nodes, double within_m,
 }
 
 DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, NodeField ground)
-    : surface_(mesh), rest_(mesh.nodes), radius_m_(radius_m), ground_(std::move(ground)), on_lattice_(on_lattice(mesh)),
+    : surface_(mesh), rest_(mesh.nodes), embedding_(mesh.embedding), radius_m_(radius_m), ground_(std::move(ground)), on_lattice_(on_lattice(mesh)),
       fixed_(static_cast<std::size_t>(mesh.node_count()), false) {
     if (!mesh.is_solid()) throw MismatchError("a disc needs a surface in space");
     if (!(radius_m > 0)) throw MismatchError("a disc needs a radius > 0");
@@ -120,6 +121,7 @@ DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, NodeField grou
         }
         most_nodes_ = std::max(most_nodes_, in_reach);
     }
+    if (!embedding_.empty()) count_lattice_nodes(mesh);
     for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
         walls_.emplace_back();
         if (surface_.free_of()[static_cast<std::size_t>(f)] >= 0) continue;
@@ -174,6 +176,35 @@ void DiscContact::show_skin(int facet, const Eigen::Vector3d& weight, const Skin
     each_skin_node(surface_.place(free, weight), [&](const SkinNode& at) {
         u.row(at.node) = at.shown(u.row(at.node).transpose(), skin, push_m).transpose();
     });
+}
+
+double DiscContact::few_of(const Node* nodes, std::size_t count) const noexcept {
+    double sum = 0;
+    for (std::size_t i = 0; i < count; ++i) sum += nodes[i].mean * few_[nodes[i].node];
+    return sum;
+}
+
+/// `crowd` of an embedded solid at every node of its surface.
+void DiscContact::count_lattice_nodes(const SpringMesh& mesh) {
+    const double whole_m3 = std::pow(embedding_.spacing_m, 3);
+    Eigen::VectorXd few = Eigen::VectorXd::Zero(mesh.node_count());
+    few_ = few;
+    std::vector<Node> near(surface_.nodes().size());
+    std::vector<bool> done(few.size(), false);
+    for (Eigen::Index f = 0; f < surface_.facets().rows(); ++f)
+        for (int c = 0; c < 3; ++c) {
+            const int node = surface_.facets()(f, c);
+            if (done[static_cast<std::size_t>(node)]) continue;
+            done[static_cast<std::size_t>(node)] = true;
+            const Disc disc = disc_at(surface_.place(f, Eigen::Vector3d::Unit(c)), near.data(), near.size());
+            std::map<int, double> weight;
+            for (std::size_t i = 0; i < disc.nodes; ++i)
+                for (int k = 0; k < 8; ++k) weight[embedding_.corner(near[i].node, k)] += near[i].mean * embedding_.weight(near[i].node, k);
+            double sum = 0;
+            for (const auto& [corner, w] : weight) sum += w * w * whole_m3 / mesh.node_measure[corner];
+            few[node] = sum > 0 ? std::log(8 * sum) : 0;
+        }
+    few_ = few;
 }
 
 DiscContact::Disc DiscContact::disc_at(const FreeSurface::Place& place, Node* nodes, std::size_t room) const noexcept {
@@ -242,7 +273,7 @@ DiscContact::Disc DiscContact::disc_at(const FreeSurface::Place& place, Node* no
     disc.factors.resize(on_lattice_ ? PatchLaw::factors : PatchLaw::shape_factors);
     disc.factors.head<PatchLaw::factors>() << 1, phase, ground_at(centre, normal), std::exp(-surface_.to_crease_m(place.point_m) / h);
     if (!on_lattice_)
-        disc.factors.tail<2>() << curved_among(near_[static_cast<std::size_t>(place.facet)], near_m_, centre, normal), std::log(counted / carried);
+        disc.factors.tail<2>() << curved_among(near_[static_cast<std::size_t>(place.facet)], near_m_, centre, normal), few_.size() == 0 ? std::log(counted / carried) : few_of(nodes, disc.nodes);
     return disc;
 }
 
@@ -279,6 +310,26 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
         rows.law_row.insert(rows.law_row.end(), {2, 3, 3});
         row += 3;
     }
+    rows.surface_nodes = rows.nodes;
+    return embedding_.empty() ? rows : on_lattice_nodes(std::move(rows), embedding_);
+}
+
+ContactRows on_lattice_nodes(ContactRows rows, const Embedding& embedding) {
+    std::map<int, Eigen::Index> column;
+    for (int node : rows.nodes)
+        for (int corner : embedding.corner.row(node)) column.emplace(corner, 0);
+    std::vector<int> nodes;
+    for (auto& [corner, at] : column) {
+        at = static_cast<Eigen::Index>(nodes.size());
+        nodes.push_back(corner);
+    }
+    Eigen::MatrixXd pull = Eigen::MatrixXd::Zero(rows.pull.rows(), 3 * static_cast<Eigen::Index>(nodes.size()));
+    for (std::size_t i = 0; i < rows.nodes.size(); ++i)
+        for (int k = 0; k < 8; ++k)
+            pull.middleCols(3 * column.at(embedding.corner(rows.nodes[i], k)), 3) +=
+                embedding.weight(rows.nodes[i], k) * rows.pull.middleCols(3 * static_cast<Eigen::Index>(i), 3);
+    rows.pull = std::move(pull);
+    rows.nodes = std::move(nodes);
     return rows;
 }
 

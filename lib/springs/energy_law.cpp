@@ -87,6 +87,9 @@ LawHeuristic assemble(const SpringMesh& mesh, const Eigen::VectorXd& springs, co
 
 }  // namespace
 
+/// Of the supports of an embedded solid, in E / spacing and area: stiff beside a cube of tissue, and 7 % on its highest frequency.
+constexpr double support_stiffness = 8;
+
 double bent_factor(double x) { return 1 / (start_below_cap + (1 - start_below_cap) * std::exp(-x)); }
 
 LawHeuristic law_heuristic(const SpringMesh& mesh, double modulus_N_m, const std::string& formulation, double area_cap) {
@@ -106,11 +109,13 @@ LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spri
     if (!mesh.is_solid()) throw MismatchError("a solid's heuristic needs a mesh in space");
     if (!(volume_cap > 1.0 / 3)) throw MismatchError(fmt::format("a volume cap of {} E is not above E / 3", volume_cap));
     LawHeuristic h;
-    h.cap = (on_lattice(mesh) ? 1 : 0.25) * volume_cap * cell_modulus_Pa;  // of cells that lie over each other in fours
-    h.constants.resize(mesh.spring_count() + h.cap.size());
+    h.cap = (has_cells(mesh) ? 1 : 0.25) * volume_cap * cell_modulus_Pa;  // of cells that lie over each other in fours
+    const Eigen::VectorXd supports = mesh.embedding.empty() ? Eigen::VectorXd() : Eigen::VectorXd(support_stiffness * surface_modulus_Pa / mesh.embedding.spacing_m * held_areas(mesh));
+    h.constants.resize(mesh.spring_count() + h.cap.size() + supports.size());
     const Eigen::VectorXd measure = isotropic_measure(mesh), unit = heuristic_stiffness(mesh, 1.0).cwiseProduct(measure).cwiseQuotient(mesh.incident_measure);
-    h.constants.head(mesh.spring_count()) = 5 * mesh.node_measure.sum() / measure.sum() * unit.cwiseProduct(spring_modulus_Pa);
-    h.constants.tail(h.cap.size()) = start_below_cap * h.cap;
+    h.constants.head(mesh.spring_count()) = 5.0 / 6 * unit.cwiseProduct(spring_modulus_Pa);  // measures sum to six times the volume
+    h.constants.segment(mesh.spring_count(), h.cap.size()) = start_below_cap * h.cap;
+    h.constants.tail(supports.size()) = supports;
     const double E = surface_modulus_Pa, in_ER = std::log(E * radius_m), in_ER3 = -std::log(E * radius_m * radius_m * radius_m);
     h.patch.log_N_m.setZero(PatchLaw::disc_rows, on_lattice(mesh) ? PatchLaw::factors : PatchLaw::shape_factors);
     h.patch.log_N_m.col(0) << std::log(2.2) + in_ER, std::log(1.7) + in_ER, std::log(4.0) + in_ER, std::log(0.4) + in_ER, std::log(0.8) + in_ER3, std::log(0.1) + in_ER3,
@@ -130,7 +135,7 @@ EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, cons
     const RestPlaces places(mesh);
     const Cells springs = mesh.springs;
     Cells cells = mesh_cells(mesh);
-    if (!on_lattice(mesh)) {  // its cells are about its nodes
+    if (!has_cells(mesh)) {  // its cells are about its nodes
         cells.resize(mesh.node_count(), 1);
         for (int node = 0; node < mesh.node_count(); ++node) cells(node, 0) = node;
     }

@@ -23,6 +23,7 @@ namespace tissue {
 /// A lattice has few directions, and is isotropic only with shares of its own (springs/isotropic_springs.h) in place of (7)'s: with those a cube resists a shear at 45
 /// degrees to its axes 2.1 times as much as one along them. Squares have them anyway. Cells
 /// so oblong that no shares are isotropic keep (7)'s.
+/// Supports of a solid in an embedded lattice have 8 E area / spacing, and no terms.
 /// Contact: between a rigid patch of half width b and the spline on nodes h apart lies the compliance
 /// 3 / (2 pi E2) ln(r_spline / (b / 2)), r_spline = 0.43 h, of a half plane's logarithmic dent (Johnson, Contact
 /// Mechanics, 2.3: both kernels' mean logarithm): 1 / (4 E2) for b = h / 2, the start for normal and tangent; a tenth

@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mesh/solid_lattice.h"
 #include "mesh/topology.h"
 
 namespace tissue {
 namespace {
 
-/// (7)'s: in space the mean over the four divisions of a cell into six tetrahedra (mesh/solid_lattice.h).
+/// (7)'s.
 double share_of_7(int axes, int dimension) {
     const int along = __builtin_popcount(static_cast<unsigned>(axes));
-    if (dimension == 2) return along == 1 ? 1.0 / 2 : 1;
-    return along == 2 ? 1.0 / 6 : 1.0 / 4;
+    return dimension == 3 ? spring_share(along) : along == 1 ? 1.0 / 2 : 1;
 }
 
 /// Springs of a cell that run along these axes, one behind the other.
@@ -65,7 +65,7 @@ std::optional<std::array<double, 8>> isotropic_shares(const Point& cell_m) {
 
 Eigen::VectorXd isotropic_measure(const SpringMesh& mesh) {
     Eigen::VectorXd measure = mesh.incident_measure;
-    if (!on_lattice(mesh)) return measure;
+    if (!has_cells(mesh)) return measure;
     const int D = mesh.dimension();
     Eigen::MatrixXd span(mesh.spring_count(), D);
     for (int s = 0; s < mesh.spring_count(); ++s) span.row(s) = (mesh.nodes.row(mesh.springs(s, 0)) - mesh.nodes.row(mesh.springs(s, 1))).cwiseAbs();

@@ -27,7 +27,7 @@ PressSolver::PressSolver(const TissueEnergy& energy, const ContactKernel& kernel
     const int D = energy.dimension();
 
     number_.assign(static_cast<std::size_t>(D * energy.node_count()), 0);
-    for (int node : energy.fixed())
+    for (int node : energy.dependent())
         for (int d = 0; d < D; ++d) number_[static_cast<std::size_t>(D * node + d)] = -1;
     for (int& n : number_)
         if (n >= 0) n = free_++;
@@ -60,7 +60,7 @@ void PressSolver::lay_out(const std::vector<std::pair<int, int>>& coupled) {
     H_.resize(free_, free_);
     H_.setFromTriplets(pattern.begin(), pattern.end());
     H_.makeCompressed();
-    factor_.analyzePattern(H_);
+    factor_.analyse(H_);
 
     slots_.clear();
     for (const auto& kind : energy.kinds()) {
@@ -133,8 +133,7 @@ bool PressSolver::factorise(const Eigen::VectorXd& constants, const ContactSprin
     for (Eigen::Index a = 0; a < block.rows(); ++a)
         for (Eigen::Index b = 0; b < block.cols(); ++b)
             if (dof(b) >= 0 && dof(a) >= dof(b)) *entry(dof(a), dof(b)) += block(a, b);
-    factor_.factorize(H_);
-    return factor_.info() == Eigen::Success;
+    return factor_.factorise(H_);
 }
 
 /// Newton at one push. Leaves u where it was when it does not get there.
@@ -180,12 +179,13 @@ PressState PressSolver::press(const Eigen::VectorXd& constants, const ContactSpr
             break;
         }
     }
+    energy_.complete(state.displacement);
     state.push_m = start_m + done * way_m;
     const ContactSpring::Load load = contact.load(state.push_m, contact.gather(state.displacement));
     state.contact_force_N = load.hand_N;
     state.energy_J = energy_.energy(constants, state.displacement) + load.energy_J;
     const bool regular = factorise(constants, contact, state.push_m, state.displacement);
-    if (state.status == PressStatus::held && !(regular && factor_.vectorD().minCoeff() > 0))
+    if (state.status == PressStatus::held && !(regular && factor_.is_definite()))
         state.status = PressStatus::unstable;
     else if (state.status == PressStatus::held && !(energy_.smallest_ratio(state.displacement) > 0))
         state.status = PressStatus::inside_out;
@@ -225,6 +225,7 @@ PressDerivative PressSolver::derivative(const Eigen::MatrixXd& constants_by, con
     const Eigen::MatrixXd du = -factor_.solve(Eigen::MatrixXd(g));
     for (std::size_t i = 0; i < number_.size(); ++i)
         if (number_[i] >= 0) by.displacement.row(static_cast<Eigen::Index>(i)) = du.row(number_[i]);
+    for (Eigen::Index p = 0; p < P; ++p) energy_.complete(Eigen::Map<NodeField>(by.displacement.col(p).data(), energy_.node_count(), D));
     const Eigen::MatrixXd hand_by = contact_->hand_by_nodes(push_m_, at);
     for (std::size_t i = 0; i < nodes.size(); ++i)
         by.contact_force += hand_by.middleCols(D * static_cast<Eigen::Index>(i), D) * by.displacement.middleRows(D * nodes[i], D);

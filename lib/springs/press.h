@@ -1,12 +1,12 @@
 #pragma once
 
-#include <Eigen/SparseCholesky>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "springs/contact_spring.h"
+#include "springs/sparse_factor.h"
 #include "springs/tissue_energy.h"
 
 namespace tissue {
@@ -52,7 +52,7 @@ struct ForceDerivative {
 };
 
 /// Finds the displacement that makes tissue and contact energy smallest, contact by contact: Newton with load steps,
-/// each from the equilibrium before, halved when lost; sparse LDL'. The pattern is made once where the kernel knows what its
+/// each from the equilibrium before, halved when lost (springs/sparse_factor.h). The pattern is made once where the kernel knows what its
 /// contacts couple, else once for every contact that follows another. One object a thread.
 class PressSolver {
    public:
@@ -91,7 +91,7 @@ class PressSolver {
     int free_ = 0;
     Eigen::SparseMatrix<double> H_;         ///< lower triangle; its pattern holds every contact, or the last
     std::vector<std::vector<int>> slots_;   ///< by kind: where each entry of each element's tangent goes, -1 nowhere
-    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
+    SparseFactor factor_;
     // where the last press() ended
     NodeField u_;
     Point push_m_;

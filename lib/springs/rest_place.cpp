@@ -76,7 +76,7 @@ int RestPlaces::axes_of(const Cells& nodes, Eigen::Index e, int& first) const {
 
 Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) const {
     const Eigen::Index count = nodes.rows();
-    const bool springs = nodes.cols() == 2, lattice = on_lattice(mesh_);
+    const bool springs = nodes.cols() == 2, lattice = on_lattice(mesh_), cells = has_cells(mesh_);
     Eigen::VectorXd value(count);
     const auto each = [&](const auto& at) {
         for (Eigen::Index e = 0; e < count; ++e) value[e] = at(e);
@@ -132,7 +132,7 @@ Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) 
         if (name == "upright")
             return each([&](Eigen::Index e) { return 1 - squared_cosine(nodes, e, nearest(held_, middle(nodes, e)).along); });
         const bool diagonals = mesh_.is_solid() ? name == "face" || name == "body" : name == "diagonal";
-        if (lattice && (name == "horizontal" || name == "vertical" || diagonals))
+        if (cells && (name == "horizontal" || name == "vertical" || diagonals))
             return each([&](Eigen::Index e) {
                 int axis = 0;
                 const int axes = axes_of(nodes, e, axis);
@@ -144,7 +144,7 @@ Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) 
                                     up < 2 ? "" : lattice ? "top, bottom, wall, nodule, " : "top, bottom, nodule, ",
                                     up == 2 ? "x2, x4, y2, y4, z, z2, z3, z4" : "x2, x4, y, y2, y3, y4",
                                     springs ? ", along, across, upright" : "",
-                                    !springs || !lattice ? "" : up == 2 ? ", horizontal, vertical, face, body" : ", horizontal, vertical, diagonal"));
+                                    !springs || !cells ? "" : up == 2 ? ", horizontal, vertical, face, body" : ", horizontal, vertical, diagonal"));
 }
 
 }  // namespace tissue

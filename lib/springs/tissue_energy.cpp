@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 #include "mesh/topology.h"
 #include "springs/region_area.h"
@@ -12,9 +13,13 @@
 namespace tissue {
 
 TissueEnergy::TissueEnergy(const SpringMesh& mesh, bool incompressible)
-    : first_{0}, nodes_(mesh.node_count()), dimension_(mesh.dimension()), fixed_(mesh.fixed) {
+    : first_{0}, embedding_(mesh.embedding), nodes_(mesh.node_count()), dimension_(mesh.dimension()), dependent_(mesh.fixed) {
+    if (!embedding_.empty()) {
+        dependent_.resize(static_cast<std::size_t>(embedding_.node_count()));
+        std::iota(dependent_.begin(), dependent_.end(), 0);
+    }
     kinds_.push_back(std::make_unique<TurningSprings>(mesh));
-    if (mesh.is_solid() && !on_lattice(mesh)) {
+    if (mesh.is_solid() && !has_cells(mesh)) {
         tetrahedra_ = mesh.simplices;
         rest_ = mesh.nodes;
         for (const std::vector<int>& star : node_stars(mesh, tetrahedra_)) kinds_.push_back(std::make_unique<RegionVolume>(mesh, tetrahedra_, star));
@@ -25,6 +30,7 @@ TissueEnergy::TissueEnergy(const SpringMesh& mesh, bool incompressible)
         auto volumes = std::make_unique<CellVolumes>(mesh);
         volumes_ = volumes.get();
         kinds_.push_back(std::move(volumes));
+        if (!embedding_.empty()) kinds_.push_back(std::make_unique<Supports>(mesh));
         for (const auto& kind : kinds_) first_.push_back(first_.back() + kind->count());
         return;
     }

@@ -6,6 +6,7 @@
 
 #include "springs/cell_areas.h"
 #include "springs/cell_volumes.h"
+#include "springs/supports.h"
 
 namespace tissue {
 
@@ -22,6 +23,9 @@ namespace tissue {
 /// node lock the more (average nodal volume: Bonet and Burton 1998): on an organ of 11 mm springs they leave twice the untrained
 /// law's error of force. Four of them lie over each other everywhere.
 ///
+/// A solid embedded in a lattice has the lattice's springs, its cubes' volumes, each with the part of it that is tissue, and supports at the points of its held
+/// surface, whose stiffness [N/m] are the last constants (M). The solid's own nodes follow: they carry no element but by interpolation.
+///
 /// An incompressible tissue in the plane keeps its area as a whole and by quarters too, A of those regions the last constants (R): what
 /// the cells lose one by one, since a time step bounds how stiff they may be, adds up over the tissue, and it bulges too
 /// little. Regions pull softly at many nodes and cost the time step next to nothing: at the cells' own A 4 % of the fastest
@@ -36,7 +40,8 @@ class TissueEnergy {
     int constant_count() const { return first_.back(); }
     int node_count() const { return nodes_; }
     int dimension() const { return dimension_; }
-    const std::vector<int>& fixed() const { return fixed_; }
+    const std::vector<int>& dependent() const { return dependent_; }  ///< nodes that are no unknowns: held ones, of an embedded solid all its own
+    void complete(Eigen::Ref<NodeField> u) const { embedding_.interpolate(u); }   ///< an embedded solid's own rows from the lattice's (N x .)
 
     double energy(const Eigen::VectorXd& constants, const NodeField& u) const;  ///< W [J]
     NodeField force(const Eigen::VectorXd& constants, const NodeField& u) const;  ///< dW/du: what holds u [N] (N x D)
@@ -56,8 +61,9 @@ class TissueEnergy {
     NodeField rest_;                         ///< of its nodes [m]
     std::vector<std::unique_ptr<Elements>> kinds_;
     std::vector<int> first_;
+    Embedding embedding_;
     int nodes_, dimension_;
-    std::vector<int> fixed_;
+    std::vector<int> dependent_;
 };
 
 }  // namespace tissue

@@ -7,6 +7,7 @@
 #include "error.h"
 #include "mesh/mesh_fault.h"
 #include "mesh/topology.h"
+#include "springs/cell_volumes.h"
 #include "springs/energy_law.h"
 #include "springs/spring_law.h"
 #include "springs/tissue_energy.h"
@@ -42,7 +43,7 @@ const DatasetTable& tissue_table(bool solid) {
     };
     static const DatasetTable rest = {
         {"/mesh/fixed", "F", Values::index("N"), "1", "nodes held at rest", Rows::ascending},
-        {"/node_mass", "N", Values::positive(), "kg", "node masses, (8)"},
+        {"/node_mass", "N", Values::not_negative(), "kg", "node masses, (8); 0 of an embedded solid's own nodes, and of no others"},
         {"/cases/names", "C", Values::names(), "text", "load cases trained on"},
         {"/cases/contact", "C x D", Values::place(), "m", "contact at rest"},
         {"/cases/direction", "C x D", Values::finite(), "1", "unit vector of the push", Rows::unit},
@@ -61,7 +62,12 @@ const DatasetTable& tissue_table(bool solid) {
         {"/mesh/tetrahedra", "T x 4", Values::index("N"), "1", "the tissue's division, of positive volume", Rows::distinct},
         {"/mesh/facets", "B x 3", Values::index("N"), "1", "triangles of its surface, normals out", Rows::distinct},
         {"/mesh/incident_volume", "S", Values::positive(), "m3", "(7)'s sum, of volumes (mesh/solid_lattice.h)"},
-        {"/mesh/node_volume", "N", Values::positive(), "m3", "tissue volume that a node carries, (8)"},
+        {"/mesh/node_volume", "N", Values::not_negative(), "m3", "tissue volume that a node carries, (8); 0 of an embedded solid's own nodes"},
+        {"/mesh/lattice/cubes", "Q x 8", Values::index("N"), "1", "of an embedded solid: corners of each cube of its lattice, bit by bit: 1 along x, 2 along y, 4 along z", Rows::any, true},
+        {"/mesh/lattice/fraction", "Q", Values::positive(), "1", "of a cube's volume that is tissue", Rows::any, true},
+        {"/mesh/lattice/centroid", "Q x 3", Values::not_negative(), "1", "of that tissue, from corner 0 in edges", Rows::any, true},
+        {"/mesh/lattice/corner", "K x 8", Values::index("N"), "1", "corners that each of the solid's own nodes moves with, which are the first K", Rows::any, true},
+        {"/mesh/lattice/weight", "K x 8", Values::finite(), "1", "and their weights, sum 1", Rows::any, true},
         {"/heuristic_a", "S", Values::positive(), "N/m", "theta of (7), E in place of E2"},
         {"/heuristic_b", "S", Values::positive(), "N/m", "theta of (7), C1 + C2 in place of E2"},
     }), rest);
@@ -179,6 +185,39 @@ LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
 
 }  // namespace
 
+namespace {
+
+/// in: of the mesh, whose springs and held nodes are read.
+void read_embedding(const Hdf5Reader& file, TableReader& in, SpringMesh& mesh) {
+    if (!in.has("/mesh/lattice/cubes")) return;
+    Embedding& e = mesh.embedding;
+    e.cubes = in.field("/mesh/lattice/cubes").cast<int>();
+    e.fraction = in.vector("/mesh/lattice/fraction");
+    e.centroid = in.field("/mesh/lattice/centroid");
+    e.corner = in.field("/mesh/lattice/corner").cast<int>();
+    e.weight = in.field("/mesh/lattice/weight");
+    e.spacing_m = file.number_attribute("/mesh/lattice", "spacing_m");
+    if (!(e.spacing_m > 0 && e.spacing_m < 1e3)) in.refuse("/mesh/lattice", fmt::format("attribute 'spacing_m' is {}, must be a number > 0", e.spacing_m));
+    const int K = e.node_count();
+    if (!(e.fraction.maxCoeff() <= 1 + 1e-9)) in.refuse("/mesh/lattice/fraction", "is above 1");
+    if (!(e.centroid.maxCoeff() <= 1 + 1e-9)) in.refuse("/mesh/lattice/centroid", "is above 1");
+    if (!((e.weight.rowwise().sum().array() - 1).abs().maxCoeff() < 1e-9) || !(e.weight.cwiseAbs().maxCoeff() < 100)) in.refuse("/mesh/lattice/weight", "does not sum to 1 in each row");
+    const auto lattice = [&](const std::string& name, int least) {
+        if (least < K) in.refuse(name, fmt::format("names node {}, which is the solid's own and not the lattice's", least));
+    };
+    lattice("/mesh/lattice/cubes", e.cubes.minCoeff());
+    lattice("/mesh/lattice/corner", e.corner.minCoeff());
+    lattice("/mesh/springs", mesh.springs.minCoeff());
+    if (mesh.simplices.maxCoeff() >= K) in.refuse("/mesh/tetrahedra", "have a node of the lattice");
+    try {
+        CellVolumes{mesh};
+    } catch (const MismatchError& error) {
+        in.refuse("/mesh/lattice/cubes", error.what());
+    }
+}
+
+}  // namespace
+
 void write_tissue(Hdf5Writer& file, const TissueModel& model) {
     file.attribute("/", "study", model.study);
     file.attribute("/", "law", model.law);
@@ -199,6 +238,14 @@ void write_tissue(Hdf5Writer& file, const TissueModel& model) {
     out.write(names.incident_measure, model.mesh.incident_measure);
     out.write(names.node_measure, model.mesh.node_measure);
     out.write("/node_mass", model.node_mass_kg);
+    if (const Embedding& e = model.mesh.embedding; !e.empty()) {
+        out.write_table("/mesh/lattice/cubes", e.cubes);
+        out.write("/mesh/lattice/fraction", e.fraction);
+        out.write("/mesh/lattice/centroid", e.centroid);
+        out.write_table("/mesh/lattice/corner", e.corner);
+        out.write("/mesh/lattice/weight", e.weight);
+        file.attribute("/mesh/lattice", "spacing_m", e.spacing_m);
+    }
     out.write("/heuristic_a", model.heuristic_a);
     out.write("/heuristic_b", model.heuristic_b);
     out.write_texts("/cases/names", model.case_names);
@@ -213,6 +260,7 @@ void write_tissue(Hdf5Writer& file, const TissueModel& model) {
 }
 
 int format_of(const TissueModel& model) {
+    if (!model.mesh.embedding.empty()) return embedded_format_version;
     if (model.energy_law && model.energy_law->contact_log_scale.size() > 0) return adapted_format_version;
     if (model.energy_law && !model.energy_law->relaxation.empty()) return time_format_version;
     if (model.mesh.is_solid()) return solid_format_version;
@@ -247,9 +295,13 @@ TissueModel read_model(const Hdf5Reader& file) {
     mesh.facets = solid ? Cells(in.field("/mesh/facets").cast<int>()) : loop_facets(in.integers("/mesh/boundary"));
     mesh.fixed = in.integers("/mesh/fixed");
     if (const auto fault = mesh_fault(mesh)) in.refuse("/mesh/" + fault->part, fault->why);
+    if (solid) read_embedding(file, in, mesh);
     mesh.incident_measure = in.vector(names.incident_measure);
     mesh.node_measure = in.vector(names.node_measure);
     model.node_mass_kg = in.vector("/node_mass");
+    for (int node = 0; node < mesh.node_count(); ++node)
+        if ((model.node_mass_kg[node] > 0) != (node >= mesh.embedding.node_count()))
+            in.refuse("/node_mass", fmt::format("of node {} is {} kg; only an embedded solid's own nodes have none", node, model.node_mass_kg[node]));
     model.heuristic_a = in.vector("/heuristic_a");
     model.heuristic_b = in.vector("/heuristic_b");
     model.case_names = in.texts("/cases/names");

@@ -97,6 +97,10 @@ class ToolSpring {
     /// The push at which the tool's force is this one: Newton from where the first group alone would have it.
     Point push_at(const Point& hand_N, const NodeColumns& u, const ToolMemory* memory = nullptr) const noexcept;
 
+    /// Nodes that it touches, some more than once.
+    int touch_count() const { return nodes_; }
+    int touched(int k) const { return node_[k]; }
+
     int group_count() const { return groups_; }
     /// What tells a group from the contact's others, wherever along the surface the contact is: of an imprint's its node, of the others
     /// -1, -2, ..., the first at the front.

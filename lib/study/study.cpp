@@ -203,6 +203,7 @@ Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const St
 Study::Springs read_springs(TomlReader in, const Study::Geometry& geometry, bool measured) {
     Study::Springs s;
     s.topology = in.choice("topology", topologies_of(geometry));
+    if (s.topology == "embedded") s.spacing_m = in.number("spacing_m", positive);
     s.stiffness = in.has("stiffness") ? in.choice("stiffness", {"sets", "law"}) : "sets";
     if (geometry.is_solid() && !s.is_law()) in.refuse("stiffness", fmt::format("must be \"law\" on a solid {}: sets are of the plane", geometry.is_block() ? "block" : "shape"));
     if (measured && !s.is_law())
@@ -443,6 +444,8 @@ Study read_study(const std::string& file) {
         read_fe(in, study);
 
     study.springs = read_springs(in.table("springs"), study.geometry, study.data.has_value());
+    if (study.springs.topology == "embedded" && !study.material.regions.empty())
+        in.table("material").refuse("regions", "need springs on the shape's own edges, springs.topology = \"edges3\"");
     const bool law = study.springs.is_law();
     if (!law && study.material.relaxes()) in.table("material").refuse("viscosity", "needs springs.stiffness = \"law\": sets do not relax");
     const toml::table nothing;  // a law has a default for every key

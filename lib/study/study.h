@@ -156,6 +156,7 @@ struct Study {
         std::string topology, law;       ///< of a stiffness that is a law: geometric, springs that turn
         std::string stiffness;           ///< sets: one theta a load case; law: an energy (springs/energy_law.h)
         std::vector<std::string> terms;  ///< of a law
+        double spacing_m = 0;            ///< of an embedded lattice
         double area_cap_E2 = 0;          ///< of a law: what its cells stay below
         bool is_law() const { return stiffness == "law"; }
     } springs;

@@ -28,12 +28,18 @@ struct Memory {
     std::exception_ptr failure;
     std::vector<char> lost_here;  ///< where the fit stands, as |f|
     double norm_here = 0;
+    Eigen::VectorXd x_here;
+    double most_step;  ///< a longer one is rejected unasked
     bool rejected = false;  ///< whether a step was, because it loses a part
 
     int at(const gsl_vector* where) noexcept {
         if (evaluations > 0 && x == view(where)) return GSL_SUCCESS;
         try {
             x = view(where);
+            if (evaluations > 0 && (x - x_here).lpNorm<Eigen::Infinity>() > most_step) {
+                f.setConstant(1 + norm_here);
+                return GSL_SUCCESS;
+            }
             ++evaluations;
             function(x, f, J);
             if (loses()) {
@@ -57,6 +63,7 @@ struct Memory {
     void stand_here() {
         if (lost) lost_here = *lost;
         norm_here = f.norm();
+        x_here = x;
     }
 };
 
@@ -107,7 +114,7 @@ FitResult nonlinear_fit(const FitFunction& function, int residuals, const Eigen:
     const Eigen::Index P = start.size();
     if (P < 1 || residuals < P)
         throw MismatchError(fmt::format("a fit of {} numbers to {} residuals is not possible", P, residuals));
-    Memory memory{function, lost, {}, Eigen::VectorXd::Zero(residuals), RowMatrix::Zero(residuals, P), 0, nullptr, {}, 0, false};
+    Memory memory{function, lost, {}, Eigen::VectorXd::Zero(residuals), RowMatrix::Zero(residuals, P), 0, nullptr, {}, 0, {}, options.most_step, false};
     gsl_multifit_nlinear_parameters parameters = gsl_multifit_nlinear_default_parameters();
     parameters.trs = gsl_multifit_nlinear_trs_lm;
     parameters.scale = gsl_multifit_nlinear_scale_more;

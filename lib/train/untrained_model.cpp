@@ -11,7 +11,7 @@ namespace tissue {
 
 SpringMesh spring_mesh_of(const Study& study, const Cases& cases) {
     SpringMesh mesh = study_mesh(study, cases.shape, study.springs.topology);
-    if (cases.nodes.rows() != mesh.nodes.rows() || !cases.nodes.isApprox(mesh.nodes, 1e-9))
+    if (!has_nodes(mesh, cases.nodes))
         throw MismatchError(fmt::format("the cases have {} nodes that are not the {} x {} lattice of study '{}'",
                                         cases.nodes.rows(), study.cells[0] + 1, study.cells[1] + 1, study.name));
     return mesh;

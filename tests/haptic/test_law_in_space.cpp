@@ -12,6 +12,7 @@
 #include "../solid_law_example.h"
 #include "error.h"
 #include "haptic/dynamics.h"
+#include "mesh/embedded_lattice.h"
 #include "haptic/law_spectrum.h"
 #include "haptic/realtime_law.h"
 #include "haptic/spectrum.h"
@@ -26,12 +27,12 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// A lattice of bricks, the same with its nodes moved so that no two springs or boxes are alike, and a shape.
+/// A lattice of bricks, the same with its nodes moved so that no two springs or boxes are alike, a shape, and one in an embedded lattice.
 std::vector<SpringMesh> meshes() {
     const SpringMesh bricks = make_lattice("grid26", Lattice{{5, 4, 3}, {0.05, 0.06, 0.02}});
     SpringMesh bent = bricks;
     bent.nodes += scattered(bent, 1e-3);
-    return {bricks, bent, edge_mesh(dome(6))};
+    return {bricks, bent, edge_mesh(dome(6)), embedded_lattice(dome(6), 0.011)};
 }
 
 RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, "geometric", model.node_mass_kg}; }
@@ -57,7 +58,8 @@ TEST_CASE("in space the tick's law asks for the forces of the energy that was tr
             const RealtimeMesh springs = springs_of(model);
             const RealtimeLaw law(model, springs);
             const TissueEnergy energy(mesh, false);
-            const NodeField u = scattered(mesh, size);
+            NodeField u = scattered(mesh, size);
+            energy.complete(u);
             const NodeField expected = energy.force(model.energy_law->constants, u);
             NodeColumns f = NodeColumns::Ones(mesh.node_count(), 3);
             Eigen::VectorXd scratch = Eigen::VectorXd::Ones(law.scratch_size());
@@ -73,6 +75,21 @@ TEST_CASE("in space the tick's law asks for the forces of the energy that was tr
             CHECK(law.energy(u) == Approx(energy.energy(model.energy_law->constants, u)).epsilon(1e-9));
             CHECK(allocations == 0);
         }
+}
+
+TEST_CASE("a force on an embedded solid's node does the same work on its lattice", "[solid][embedded]") {
+    const TissueModel model = solid_law_example(embedded_lattice(dome(6), 0.011));
+    const RealtimeMesh springs = springs_of(model);
+    const int K = model.mesh.embedding.node_count();
+    NodeColumns u = scattered(model.mesh, 1e-3), f = NodeColumns::Zero(model.mesh.node_count(), 3);
+    springs.interpolate(u);
+    for (int node : {0, 7, K - 1}) {
+        f.setZero();
+        f.row(node) << 1, -2, 3;
+        const double work = f.row(node).dot(u.row(node));
+        springs.spread(node, f);
+        CHECK((f.bottomRows(f.rows() - K).array() * u.bottomRows(f.rows() - K).array()).sum() == Approx(work).epsilon(1e-12));
+    }
 }
 
 TEST_CASE("in space every spring of the tick pulls as its law says, in a lattice's thirteen bands and where node numbers have no order", "[solid][dynamics]") {

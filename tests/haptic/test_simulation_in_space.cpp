@@ -8,12 +8,16 @@
 
 #include "../allocations.h"
 #include "../example.h"
+#include "../mesh/dome.h"
 #include "../refusal.h"
+#include "../solid_law_example.h"
 #include "error.h"
 #include "haptic/moving_triangles.h"
 #include "haptic/state_channel.h"
 #include "haptic/virtual_device.h"
 #include "haptic_example.h"
+#include "mesh/embedded_lattice.h"
+#include "mesh/free_surface.h"
 #include "springs/contact_spring.h"
 #include "springs/law_kernel.h"
 #include "springs/law_press.h"
@@ -155,6 +159,30 @@ TEST_CASE("a solid that is pressed in motion comes to rest where its energy is s
     s.reset();
     s.seen(0, seen);
     CHECK(seen.isZero(0));
+}
+
+TEST_CASE("a solid in an embedded lattice comes to rest in the tick where its energy is smallest, and its ticks allocate nothing", "[simulation][solid][embedded]") {
+    const TissueModel tissue = solid_law_example(embedded_lattice(dome(8), 0.011));
+    const LawPress press(tissue);
+    const HapticModel model(tissue, {});
+    Simulation s(model);
+    const Eigen::Vector3d contact = FreeSurface(tissue.mesh).nearest(Eigen::Vector3d(0.012, 0.008, 0.05)).point_m, push(0.001, -0.001, -0.004);
+    Way way(s, contact + Eigen::Vector3d(0, 0, 0.005));
+    way.to(contact, 100);
+    {
+        const Allocations counted;
+        way.to(contact + push, 500, 6000);
+    }
+    CHECK(Allocations::count() == 0);
+    const TickRecord& r = s.record();
+    REQUIRE(r.mesh == 0);
+    const Point touched = s.model().meshes[0]->springs.rest_place(r.facet, r.weight);
+    const Equilibrium rest = press.at(touched, r.contact_displacement_m);
+    REQUIRE(rest);
+    CHECK((r.coupling_N + rest.contact_force).norm() < 1e-3 * rest.contact_force.norm());
+    CHECK((s.state(0).displacement - NodeColumns(rest.displacement)).norm() < 1e-3 * rest.displacement.norm());
+    CHECK(s.state(0).displacement.topRows(tissue.mesh.embedding.node_count()).norm() > 1e-3);
+    for (int node : tissue.mesh.fixed) CHECK(s.state(0).displacement.row(node).norm() < 1e-4);  // supports give way by little
 }
 
 TEST_CASE("a contact that swings faster than the hand moves is neither driven by its ticks nor pumped up by letting go", "[simulation][solid]") {

@@ -328,7 +328,7 @@ TEST_CASE("a file of a later format version, or of another kind, is refused") {
     const std::string file = example_file(folder);
     CHECK_THAT(refusal<FileError>([&] { Hdf5Reader(file, "model"); }), Contains("a.h5") && Contains("'cases'") && Contains("'model'"));
     CHECK_NOTHROW(Hdf5Reader(file, ""));
-    set_format_version(file, adapted_format_version + 1);
+    set_format_version(file, last_format_version + 1);
     CHECK_THAT(refusal<FileError>([&] { Hdf5Reader(file, "cases"); }), Contains("a.h5") && Contains("later"));
     CHECK_THROWS_AS(Hdf5Reader(file, ""), FileError);
     set_format_version(file, solid_format_version - 1);

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "mesh/shape.h"
+
+namespace tissue {
+
+/// The spring mesh of a solid in an embedded lattice (mesh/embedding.h), topology "embedded". spacing_m: edge of a cube.
+///
+/// The lattice stands along the axes. Along each it has the solid's middle in the middle of its own, but where the held surface is a plane across an axis
+/// that plane is one of the lattice's. Cubes of which more than 2 % is tissue are kept. What is in a cube is found along 6 x 6 lines parallel to z, exactly along
+/// them, and kept as fractions of 6 x 6 x 6 parts.
+///
+/// A cut cube has the springs of a whole one, stiffer where its tissue is: of its volume V the tissue's fraction f = sum_n H_n, H_n what the trilinear hat
+/// function of corner n has of it. A body diagonal counts f V, a diagonal of a face 2 V times the sum of H over the face's corners, an edge 4 V times that
+/// over its two ends: f V each of a whole cube. Masses are f V / 8 at each corner, so that stiffness and mass of a cube shrink together and the fastest mode is that of a
+/// whole cube however thin the tissue in it. No node has less than 0.02 of a whole one's, since supports and contacts do not shrink.
+///
+/// incident_measure is (7)'s as of mesh/solid_lattice.h. fixed are the held nodes of the solid: the held surface is supported at points, by TissueEnergy, and the
+/// lattice's nodes are all free.
+/// Throws MismatchError for a spacing that is not positive, and when the solid has no cube, or more than 100,000.
+SpringMesh embedded_lattice(const Shape& shape, double spacing_m);
+
+}  // namespace tissue

@@ -1,0 +1,40 @@
+#include "springs/sparse_factor.h"
+
+#include <Eigen/CholmodSupport>
+#include <Eigen/SparseCholesky>
+
+namespace tissue {
+
+struct SparseFactor::Factors {
+    Eigen::CholmodSupernodalLLT<Matrix> llt;
+    Eigen::SimplicialLDLT<Matrix> ldlt;
+    bool ldlt_analysed = false;
+};
+
+SparseFactor::SparseFactor() : factors_(std::make_unique<Factors>()) {
+    factors_->llt.cholmod().print = 0;  // else it says on standard output that a matrix is not definite
+}
+
+SparseFactor::~SparseFactor() = default;
+
+void SparseFactor::analyse(const Matrix& pattern) {
+    factors_->llt.analyzePattern(pattern);
+    factors_->ldlt_analysed = false;
+}
+
+bool SparseFactor::factorise(const Matrix& K) {
+    factors_->llt.factorize(K);
+    definite_ = factors_->llt.info() == Eigen::Success;
+    if (definite_) return true;
+    if (!factors_->ldlt_analysed) factors_->ldlt.analyzePattern(K);
+    factors_->ldlt_analysed = true;
+    factors_->ldlt.factorize(K);
+    return factors_->ldlt.info() == Eigen::Success;
+}
+
+Eigen::MatrixXd SparseFactor::solve(const Eigen::MatrixXd& right) const {
+    if (definite_) return factors_->llt.solve(right);
+    return factors_->ldlt.solve(right);
+}
+
+}  // namespace tissue

@@ -1,0 +1,93 @@
+#include "mesh/embedded_lattice.h"
+
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <map>
+
+#include "../example.h"
+#include "dome.h"
+#include "error.h"
+#include "mesh/cells.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr double mm = 1e-3;
+
+/// The dome turned, so that its bed and its surface cut cubes at all angles.
+Shape turned_dome() {
+    Shape shape = dome(8);
+    const Eigen::Matrix3d turn = (Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ())).toRotationMatrix();
+    shape.nodes = (shape.nodes * turn.transpose()).eval();
+    return shape;
+}
+
+double volume_of(const Shape& shape) {
+    double sum = 0;
+    for (Eigen::Index t = 0; t < shape.simplices.rows(); ++t) {
+        const auto at = [&](int k) { return Eigen::Vector3d(shape.nodes.row(shape.simplices(t, k))); };
+        sum += (at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0)) / 6;
+    }
+    return sum;
+}
+
+}  // namespace
+
+TEST_CASE("an embedded lattice of a block is the block's own lattice", "[embedded]") {
+    const SpringMesh block = make_lattice("grid26", Lattice{{4, 3, 2}, {0.04, 0.03, 0.02}}), mesh = embedded_lattice(shape_of(block), 0.01);
+    const int K = block.node_count();
+    REQUIRE(mesh.embedding.node_count() == K);
+    REQUIRE(mesh.node_count() == 2 * K);
+    REQUIRE(mesh.spring_count() == block.spring_count());
+    CHECK((mesh.nodes.bottomRows(K) - block.nodes).cwiseAbs().maxCoeff() < 1e-15);
+    CHECK((mesh.node_measure.tail(K) - block.node_measure).cwiseAbs().maxCoeff() < 1e-9 * block.node_measure.maxCoeff());
+    CHECK((mesh.embedding.fraction.array() - 1).abs().maxCoeff() < 1e-9);
+    CHECK((mesh.embedding.centroid.array() - 0.5).abs().maxCoeff() < 1e-9);
+    CHECK(Cells(mesh_cells(mesh).array() - K) == mesh_cells(block));
+    std::map<std::pair<int, int>, double> measure;
+    for (int s = 0; s < block.spring_count(); ++s) measure[std::minmax(block.springs(s, 0), block.springs(s, 1))] = block.incident_measure[s];
+    for (int s = 0; s < mesh.spring_count(); ++s)
+        CHECK(mesh.incident_measure[s] == Approx(measure.at(std::minmax(mesh.springs(s, 0) - K, mesh.springs(s, 1) - K))).epsilon(1e-9));
+}
+
+TEST_CASE("an embedded lattice has the solid's volume in its cubes, wherever its surface cuts them", "[embedded]") {
+    for (const Shape& shape : {dome(8), turned_dome()})
+        for (const double h : {11 * mm, 7.3 * mm}) {
+            const SpringMesh mesh = embedded_lattice(shape, h);
+            const double in_cubes = h * h * h * mesh.embedding.fraction.sum(), volume = volume_of(shape);
+            INFO(h);
+            CHECK(in_cubes == Approx(volume).epsilon(3e-3));
+            CHECK(in_cubes < 1.001 * volume);  // cubes with hardly any are left out
+            CHECK(mesh.embedding.fraction.minCoeff() > 0.02);
+            CHECK(mesh.embedding.fraction.maxCoeff() < 1 + 1e-9);
+            CHECK(mesh.node_measure.sum() == Approx(in_cubes).epsilon(5e-3));  // with the least mass of a node
+            CHECK(mesh.node_measure.head(mesh.embedding.node_count()).isZero(0));
+        }
+}
+
+TEST_CASE("a held plane is a plane of the embedded lattice", "[embedded]") {
+    Shape shape = dome(6);
+    shape.nodes.col(2).array() += 3.3 * mm;
+    const SpringMesh mesh = embedded_lattice(shape, 9 * mm);
+    const Eigen::VectorXd z = mesh.nodes.col(2).tail(mesh.node_count() - mesh.embedding.node_count());
+    CHECK(z.minCoeff() == Approx(3.3 * mm).margin(1e-12));
+    CHECK(mesh.springs.minCoeff() >= mesh.embedding.node_count());
+    CHECK(mesh.fixed == edge_mesh(shape).fixed);
+}
+
+TEST_CASE("an embedded solid's nodes move with the lattice: linear fields exactly", "[embedded]") {
+    const SpringMesh mesh = embedded_lattice(turned_dome(), 9 * mm);
+    const int K = mesh.embedding.node_count();
+    const Eigen::Matrix3d strain = (Eigen::Matrix3d() << 1, 0.3, -2, 0.5, -1, 0.1, 0.2, 0.4, 0.7).finished();
+    NodeField u = mesh.nodes * strain;
+    u.topRows(K).setConstant(7);
+    mesh.embedding.interpolate(u);
+    CHECK((u - mesh.nodes * strain).cwiseAbs().maxCoeff() < 1e-14);
+}
+
+TEST_CASE("an embedded lattice that is not possible is refused", "[embedded]") {
+    CHECK_THROWS_WITH(embedded_lattice(dome(6), 0), Contains("spacing > 0"));
+    CHECK_THROWS_WITH(embedded_lattice(dome(6), 1e-5), Contains("cubes"));
+}
