@@ -139,12 +139,13 @@ Point listed_contact(const Study& study, const std::optional<Shape>& shape, cons
                                                    1e3 * surface.clearance_m(place.point_m), 1e3 * study.indenter.clearance_m()));
         return place.point_m;
     }
-    constexpr double clearance_m = 0.015;  // as everywhere from the fixed edge
+    constexpr double tiny_m = 1e-9;
+    const double clearance_m = study.indenter.clearance_m();
     const Outline outline(study_mesh(study, shape, "edges"));
     const double arc = outline.arc_of(at), off_m = (outline.position(arc) - at).norm(),
                  spacing_m = outline.length() / static_cast<double>(outline.nodes().size() - 1);
     if (off_m > spacing_m) refuse_place(study, group, fmt::format("is {:.3g} mm off the free surface", 1e3 * off_m));
-    if (arc < clearance_m || arc > outline.length() - clearance_m)
+    if (arc < clearance_m - tiny_m || arc > outline.length() - clearance_m + tiny_m)
         refuse_place(study, group, fmt::format("is nearer than {:g} mm to the fixed edge", 1e3 * clearance_m));
     return outline.position(arc);
 }

@@ -73,8 +73,8 @@ void refuse_wrong_unit(const Study& study, const MshFile& mesh) {
     for (const MshFile::Element& e : mesh.triangles) corners(e.node, 3);
     for (const MshFile::Tetrahedron& e : mesh.tetrahedra) corners(e.node, 4);
     if (!(low <= high).all()) return;  // none
-    const Eigen::Array3d sides_m = (high - low) * g.unit_m;
-    const double longest_m = sides_m.maxCoeff(), away_m = ((high + low) / 2 * g.unit_m).matrix().norm();
+    const Eigen::Array3d sides_m = (high - low) * g.unit_m, middle = (high + low) / 2, middle_m = middle * g.unit_m;
+    const double longest_m = sides_m.maxCoeff(), away_m = middle_m.matrix().norm();
     const bool springs = study.spring_size_m > 0;
     const double size_m = springs ? study.spring_size_m : study.sizes_m[1];  // of what the shape is divided into
     const std::string length = fmt::format("{} is {:.3g} m long with geometry.unit_m = {:g}", g.shape, longest_m, g.unit_m);
@@ -89,7 +89,10 @@ void refuse_wrong_unit(const Study& study, const MshFile& mesh) {
             refuse(study, "geometry.unit_m", fmt::format("{}, less than two springs of {}: is the unit another, or are the springs too long?", length, what));
     }
     if (away_m > farthest * longest_m)
-        refuse(study, "geometry.shape", fmt::format("{} and lies {:.3g} m from the origin, where coordinates have too few digits for it; move it to the origin", length, away_m));
+        refuse(study, "geometry.shape",
+               fmt::format("{} and lies {:.3g} m from the origin, where coordinates have too few digits for it. Subtract ({:.6g}) from the coordinates in that file, and "
+                           "({:.6g}) m from every contact_m of the study and of measured data",
+                           length, away_m, fmt::join(middle.begin(), middle.end(), ", "), fmt::join(middle_m.begin(), middle_m.end(), ", ")));
 }
 
 std::string finer_than_asked(const Study& study, const Shape& shape) {
@@ -100,9 +103,9 @@ std::string finer_than_asked(const Study& study, const Shape& shape) {
     for (Eigen::Index s = 0; s < mesh.springs.rows(); ++s) sum_m += (mesh.nodes.row(mesh.springs(s, 0)) - mesh.nodes.row(mesh.springs(s, 1))).norm();
     const double mean_m = sum_m / static_cast<double>(mesh.springs.rows());
     if (mean_m > much * study.spring_size_m) return "";
-    return fmt::format("{} has a contour much finer than lattice.size_m = {:g} m: {} nodes, and springs {:.2g} m long; every stage takes longer, and the tick may "
+    return fmt::format("{} has a contour much finer than lattice.size_m = {:g} m: {} nodes, and springs {:.2g} mm long; every stage takes longer, and the tick may "
                        "take too long. Draw it with points farther apart",
-                       study.geometry.shape, study.spring_size_m, mesh.nodes.rows(), mean_m);
+                       study.geometry.shape, study.spring_size_m, mesh.nodes.rows(), 1e3 * mean_m);
 }
 
 void refuse_tool(const Study& study, const SpringMesh& mesh) {
@@ -110,16 +113,13 @@ void refuse_tool(const Study& study, const SpringMesh& mesh) {
     if (tool.kind == "patch") {
         const Eigen::VectorXd sides_m = (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).transpose();
         if (!(tool.half_width_m < 0.5 * sides_m.minCoeff()))
-            refuse(study, "indenter.half_width_m", fmt::format("{:g} m is not less than half of the tissue's shorter side, {:.4g} m", tool.half_width_m, sides_m.minCoeff()));
-        if (study.loads.sweep && tool.half_width_m > study.loads.sweep->clearance_m)
-            refuse(study, "indenter.half_width_m", fmt::format("{:g} m is more than loads.sweep.clearance_m = {:g} m, how far contacts are from the held part",
-                                                               tool.half_width_m, study.loads.sweep->clearance_m));
+            refuse(study, "indenter.half_width_m", fmt::format("{:g} mm is not less than half of the tissue's shorter side, {:.4g} mm", 1e3 * tool.half_width_m, 1e3 * sides_m.minCoeff()));
     }
     if (tool.kind == "disc" && study.springs.is_law()) {
         const int nodes = DiscContact(mesh, tool.radius_m).most_nodes();
         if (nodes > ToolSpring::most_nodes)
-            refuse(study, "indenter.radius_m", fmt::format("{} nodes lie under a disc of {:g} m, and the tick has room for {}: longer springs, or a smaller disc", nodes,
-                                                           tool.radius_m, ToolSpring::most_nodes));
+            refuse(study, "indenter.radius_m", fmt::format("{} nodes lie under a disc of radius {:g} mm, and the tick has room for {}: longer springs, or a smaller disc", nodes,
+                                                           1e3 * tool.radius_m, ToolSpring::most_nodes));
     }
 }
 
@@ -142,8 +142,8 @@ void refuse_push_through(const Study& study, const SpringMesh& mesh, const std::
         if (!study.geometry.is_solid() && !study.loads.sweep && path.role == "train") needed = true;
         if (!why.empty()) continue;
         key = path.role == "map" ? "map.depth_m" : path.role == "train" || path.role == "check" ? std::string("loads.magnitudes_m") : "draws." + path.role + ".depth_m";
-        why = fmt::format("load path '{}' pushes {:.3g} m deep at ({:.4g}) m, where the tissue is {:.3g} m thick", path.push.name, depth_m,
-                          fmt::join(path.push.contact_m.data(), path.push.contact_m.data() + path.push.contact_m.size(), ", "), thick_m);
+        why = fmt::format("load path '{}' pushes {:.3g} mm deep at ({:.4g}) m, where the tissue is {:.3g} mm thick", path.push.name, 1e3 * depth_m,
+                          fmt::join(path.push.contact_m.data(), path.push.contact_m.data() + path.push.contact_m.size(), ", "), 1e3 * thick_m);
     }
     if (needed || static_cast<double>(through) > most * static_cast<double>(paths.size()))
         refuse(study, key, fmt::format("{}; {} of {} load paths go through", why, through, paths.size()));

@@ -19,7 +19,7 @@ void refuse_wrong_unit(const Study& study, const MshFile& mesh);
 std::string finer_than_asked(const Study& study, const Shape& shape);
 
 /// What would fail after hours of finite elements, asked for before them.
-/// Throws StudyError with the key: a patch wider than half a side or than the contacts' clearance; more nodes under the disc than the tick has
+/// Throws StudyError with the key: a patch wider than half a side; more nodes under the disc than the tick has
 /// room for.
 void refuse_tool(const Study& study, const SpringMesh& mesh);
 

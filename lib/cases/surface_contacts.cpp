@@ -71,8 +71,8 @@ std::vector<double> spaced_arcs(const Outline& outline, const Study::Loads::Swee
     const double gaps = std::floor((outline.length() - 2 * sweep.clearance_m) / sweep.spacing_m + 1e-9);
     if (gaps > most) throw MismatchError(fmt::format("loads.sweep.spacing_m: {:g} makes more than {:.0f} contacts", sweep.spacing_m, most));
     if (!(gaps >= 0))
-        throw MismatchError(fmt::format("loads.sweep.clearance_m: {:g} leaves nothing of a free surface {:g} m long; the least is 0.015 m from either end, so that a tissue "
-                                        "is to be some 40 mm long", sweep.clearance_m, outline.length()));
+        throw MismatchError(fmt::format("loads.sweep.clearance_m: {:g} m leaves nothing of a free surface {:g} mm long; the least is three half widths of the patch "
+                                        "(indenter.half_width_m) up to 15 mm, and 15 mm of a point", sweep.clearance_m, 1e3 * outline.length()));
     Arcs arcs;
     const auto add = [&](double arc) {
         if (mirrors && arc > outline.length() / 2 + tiny_arc_m) return;

@@ -70,19 +70,18 @@ void read_file(TomlReader& in, const Study& study, Study::Histories& h) {
     if (!g.is_block()) return;
     constexpr double tiny_m = 1e-9;
     const auto within = [](double x, double low, double high) { return x >= low - tiny_m && x <= high + tiny_m; };
+    const double c = study.indenter.clearance_m();
     if (g.is_solid()) {
-        const double c = study.indenter.clearance_m();
         if (std::abs(at[2] - g.height_m) > tiny_m || !within(at[0], c, g.width_m - c) || !within(at[1], c, g.length_m - c))
             in.refuse("contact_m", fmt::format("({:g}, {:g}, {:g}) m is not on the top of the {:g} x {:g} x {:g} m block, {:g} mm from every wall", at[0],
                                                at[1], at[2], g.width_m, g.length_m, g.height_m, 1e3 * c));
         return;
     }
-    constexpr double clearance_m = 0.015;  // as paths keep from the fixed edge
-    const bool on_side = (std::abs(at[0]) <= tiny_m || std::abs(at[0] - g.width_m) <= tiny_m) && within(at[1], clearance_m, g.height_m),
+    const bool on_side = (std::abs(at[0]) <= tiny_m || std::abs(at[0] - g.width_m) <= tiny_m) && within(at[1], c, g.height_m),
                on_top = std::abs(at[1] - g.height_m) <= tiny_m && within(at[0], 0, g.width_m);
     if (!on_side && !on_top)
         in.refuse("contact_m", fmt::format("({:g}, {:g}) m is not on the free surface of the {:g} x {:g} m block, {:g} mm from the fixed edge", at[0], at[1],
-                                           g.width_m, g.height_m, 1e3 * clearance_m));
+                                           g.width_m, g.height_m, 1e3 * c));
 }
 
 }  // namespace

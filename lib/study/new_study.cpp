@@ -62,8 +62,8 @@ Size size_of(const ShapeExtent& shape, const NewStudy& wanted) {
     if (!(size.longest <= largest_m))
         throw MismatchError(fmt::format("{}: is {:.3g} m long; is this in millimetres? --unit mm, cm, m or inch says what its numbers are", wanted.shape, size.longest));
     if (!(size.shortest >= smallest_m))
-        throw MismatchError(fmt::format("{}: is {:.3g} m across, and the least is {:g} m; --unit mm, cm, m or inch says what its numbers are", wanted.shape,
-                                        size.shortest, smallest_m));
+        throw MismatchError(fmt::format("{}: is {:.3g} mm across, and the least is {:g} mm; --unit mm, cm, m or inch says what its numbers are", wanted.shape,
+                                        1e3 * size.shortest, 1e3 * smallest_m));
     return size;
 }
 
@@ -115,7 +115,7 @@ constexpr const char* solver = "[solver]\ntolerance = 1e-9    # largest force on
 constexpr const char* training = "[training]\nforce_scale = 0.01    # relative: this much of the force counts as much as\nshape_scale = 0.03    # this much of the displacement\n";
 
 WrittenStudy plane_study(const ShapeExtent& shape, const NewStudy& wanted, const Size& size, double spring_m) {
-    constexpr double widest_m = 0.005, clearance_m = 0.015;
+    constexpr double widest_m = 0.005;
     const double half_width_m = std::min(widest_m, round_down(spring_m / 2));
     const int refine = std::max(2, static_cast<int>(std::ceil(spring_m / half_width_m - 1e-3)));
     const double depth_m = 3 * round_down(size.shortest / 30), step_m = depth_m / 3;
@@ -128,7 +128,7 @@ WrittenStudy plane_study(const ShapeExtent& shape, const NewStudy& wanted, const
     toml += fmt::format("[loads]\nmagnitudes_m = [{}, {}, {}]    # m, depths of the load cases\nrecord_step_m = {}    # m\n\n"
                         "[loads.sweep]    # training contacts along the free outline\nspacing_m = {}    # m\nclearance_m = {}    # m, from the held curve\n"
                         "angles_deg = [-20, 0, 20]    # degrees off the inward normal\n\n",
-                        text(step_m), text(2 * step_m), text(depth_m), text(step_m), text(spacing_m), text(clearance_m));
+                        text(step_m), text(2 * step_m), text(depth_m), text(step_m), text(spacing_m), text(3 * half_width_m));
     const auto draw = [&](const char* role, const char* what, int seed, int count) {
         return fmt::format("[draws.{}]    # {}\nseed = {}\ncount = {}\ndepth_m = [{}, {}]    # m\nmax_angle_deg = 20    # degrees\n\n", role, what, seed, count,
                            text(step_m), text(depth_m));

@@ -150,6 +150,8 @@ Study::Material read_material(TomlReader in, const Study::Geometry& geometry, bo
 }
 
 Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const Study::Indenter& indenter) {
+    constexpr double tiny_m = 1e-9;
+    const double least_m = indenter.clearance_m();
     Study::Loads loads = read_magnitudes(in, geometry);
     if (in.has("sweep")) {
         in.refuse_unless_empty("paths", "must be empty beside a sweep");
@@ -157,7 +159,11 @@ Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const St
         const bool listed = sweep.has("arcs_m");
         if (listed && sweep.has("spacing_m")) sweep.refuse("arcs_m", "cannot stand beside spacing_m: contacts are listed or spaced");
         const double spacing_m = listed ? 0 : sweep.number("spacing_m", positive);
-        loads.sweep = Study::Loads::Sweep{spacing_m, sweep.number("clearance_m", {0.015}), sweep.numbers("angles_deg", {-75, 75})};
+        loads.sweep = Study::Loads::Sweep{spacing_m, sweep.number("clearance_m", positive), sweep.numbers("angles_deg", {-75, 75})};
+        if (loads.sweep->clearance_m < least_m - tiny_m)
+            sweep.refuse("clearance_m", indenter.kind == "patch"
+                                            ? fmt::format("a patch of half width {:g} mm needs {:g} mm to the fixed edge", 1e3 * indenter.half_width_m, 1e3 * least_m)
+                                            : fmt::format("a point needs {:g} mm to the fixed edge", 1e3 * least_m));
         if (listed) loads.sweep->arcs_m = sweep.numbers("arcs_m", positive);
         for (std::size_t i = 1; i < loads.sweep->arcs_m.size(); ++i)
             if (!(loads.sweep->arcs_m[i] > loads.sweep->arcs_m[i - 1])) sweep.refuse("arcs_m", "must be ascending");
@@ -189,10 +195,9 @@ Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const St
             path.refuse("contact_m", fmt::format("({}, {}) m is not on the free surface of the {} x {} m block", x, y,
                                                  w, h));
         // next to the held edge a patch tears rather than dents; FE there is of no use to train on
-        constexpr double clearance_m = 0.015;
-        if (geometry.is_block() && indenter.kind == "patch" && on_side && !on_top && y < clearance_m)
-            path.refuse("contact_m", fmt::format("is {:g} mm from the fixed edge; a patch needs {:g} mm", 1e3 * y,
-                                                 1e3 * clearance_m));
+        if (geometry.is_block() && indenter.kind == "patch" && on_side && !on_top && y < least_m - tiny_m)
+            path.refuse("contact_m", fmt::format("is {:g} mm from the fixed edge; a patch of half width {:g} mm needs {:g} mm", 1e3 * y, 1e3 * indenter.half_width_m,
+                                                 1e3 * least_m));
         path.refuse_the_rest();
         loads.paths.push_back(p);
     }
@@ -379,6 +384,12 @@ std::vector<std::string> Study::Material::region_names() const {
     std::vector<std::string> names;
     for (const Region& r : regions) names.push_back(r.name);
     return names;
+}
+
+double Study::Indenter::clearance_m() const {
+    constexpr double disc_margin_m = 0.005, most_m = 0.015;
+    if (kind == "disc") return radius_m + disc_margin_m;
+    return kind == "patch" ? std::max(half_width_m, std::min(3 * half_width_m, most_m)) : most_m;
 }
 
 Study::Variant Study::whole() const {

@@ -104,8 +104,9 @@ struct Study {
         double half_width_m = 0;  ///< of a patch, along the boundary; 0 for a point
         double radius_m = 0;      ///< of a disc
 
-        /// What a disc's middle keeps from every wall.
-        double clearance_m() const { return radius_m + 0.005; }
+        /// Least distance [m] of a contact from the edge of the free surface: of a disc's middle from every wall; in the plane along the
+        /// surface from the fixed edge, of a patch three half widths up to 15 mm, and its half width where that is more; of a point 15 mm.
+        double clearance_m() const;
     } indenter;
 
     struct Solver {

@@ -39,7 +39,8 @@ TEST_CASE("a shape whose unit is another than the study says is refused before i
     CHECK_THAT(said(1, 0.01, box(120, 0, 0)), Contains("in millimetres?"));  // a curve alone
     CHECK_THAT(said(0.001, 0.0001, box(120, 90, 0)), Contains("at most 100000"));
     CHECK_THAT(said(1e-6, 0.01, box(120, 90, 55)), Contains("less than two springs"));
-    CHECK_THAT(said(0.001, 0.01, box(120, 90, 55, 2'000'000)), Contains("key 'geometry.shape'") && Contains("2e+03 m from the origin") && Contains("move it"));
+    CHECK_THAT(said(0.001, 0.01, box(120, 90, 55, 2'000'000)), Contains("key 'geometry.shape'") && Contains("2e+03 m from the origin") &&
+               Contains("Subtract (2.00006e+06, 45, 27.5) from the coordinates in that file, and (2000.06, 0.045, 0.0275) m from every contact_m"));
     MshFile arc = box(120, 90, 55);
     arc.points.push_back({50, -2'000'000, 0});  // the middle of a circle
     CHECK_NOTHROW(refuse_wrong_unit(shaped(0.001, 0.01), arc));
@@ -66,10 +67,7 @@ TEST_CASE("a patch that is wider than a side is refused by the study's key, befo
         CHECK_NOTHROW(refuse_tool(s, mesh));
     }
     s.indenter.half_width_m = 0.02;
-    CHECK_THAT(refusal<StudyError>([&] { refuse_tool(s, mesh); }), Contains("key 'indenter.half_width_m': 0.02 m is not less than half of the tissue's shorter side, 0.04 m"));
-    s.indenter.half_width_m = 0.018;
-    s.loads.sweep = Study::Loads::Sweep{0.01, 0.015, {0}};
-    CHECK_THAT(refusal<StudyError>([&] { refuse_tool(s, mesh); }), Contains("key 'indenter.half_width_m'") && Contains("clearance_m = 0.015 m"));
+    CHECK_THAT(refusal<StudyError>([&] { refuse_tool(s, mesh); }), Contains("key 'indenter.half_width_m': 20 mm is not less than half of the tissue's shorter side, 40 mm"));
 }
 
 TEST_CASE("a disc over more nodes than the tick has room for is refused before finite elements", "[shape_checks]") {
@@ -99,11 +97,11 @@ TEST_CASE("a push through a plate is refused with its path, depth and thickness"
     CHECK_NOTHROW(refuse_push_through(s, plane, path(Eigen::Vector2d(0.098, 0.01), tilted, 0.009, "train")));  // out at the side, which gives way
     CHECK_NOTHROW(refuse_push_through(s, plane, path(corner, Eigen::Vector2d(-1, 0), 0.05, "train")));
     CHECK_THAT(refusal<StudyError>([&] { refuse_push_through(s, plane, path(top, down, 0.01, "train")); }),
-               Contains("key 'loads.magnitudes_m': load path 'through' pushes 0.01 m deep at (0.05, 0.01) m, where the tissue is 0.01 m thick"));
+               Contains("key 'loads.magnitudes_m': load path 'through' pushes 10 mm deep at (0.05, 0.01) m, where the tissue is 10 mm thick"));
     CHECK_THAT(refusal<StudyError>([&] { refuse_push_through(s, plane, path(top, tilted, 0.0126, "held_out")); }), Contains("key 'draws.held_out.depth_m'"));
     const Point on_plate = Eigen::Vector3d(0.043, 0.05, 0.01), in = Eigen::Vector3d(0, 0, -1);
     CHECK_NOTHROW(refuse_push_through(s, plate, path(on_plate, in, 0.008, "train")));
-    CHECK_THAT(refusal<StudyError>([&] { refuse_push_through(s, plate, path(on_plate, in, 0.012, "train")); }), Contains("0.01 m thick"));
+    CHECK_THAT(refusal<StudyError>([&] { refuse_push_through(s, plate, path(on_plate, in, 0.012, "train")); }), Contains("10 mm thick"));
     Study swept = s;
     swept.loads.sweep = Study::Loads::Sweep{0.01, 0.015, {0}};
     std::vector<PlannedPath> many(10, path(top, down, 0.005, "train")[0]);

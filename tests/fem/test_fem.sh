@@ -394,6 +394,11 @@ solve fold 10 0.015 30 0 0.1 0 -1 -formulation plane-strain
 refused fold $? 1 "refused between .* mm of push.*surface passes through itself.*mm" "a self-crossing corner push is refused with its place and load"
 solve near 10 0.005 5 0 0.012 1 0 -indenter patch
 refused near $? 1 "12 mm along the surface from the fixed edge" "a patch nearer than 15 mm to the fixed edge is refused"
+solve narrow 40 0.002 1 0 0.0085 1 0 -indenter patch -patch_half_width 0.003
+refused narrow $? 1 "8.5 mm along the surface from the fixed edge; a patch needs 9 mm" "a narrower one nearer than three of its half widths is refused"
+if solve small 40 0.002 1 0 0.009 1 0 -indenter patch -patch_half_width 0.003 && grep -q '^end' "$work/small.csv"
+then say "ok - a narrower one there is solved"
+else say "not ok - a narrower one there is solved: $(head -c 200 "$work/small.err") vs an end line"; fi
 solve inside 10 0.005 5 0.03 0.05 1 0 -indenter patch
 refused inside $? 1 "not on the free surface" "a contact off the surface is refused"
 solve between 10 0.005 5 0 0.053 1 0

@@ -120,6 +120,8 @@ TEST_CASE("a new study is one that is read, in the plane and in space, with size
         CHECK(study.spring_size_m > 0.05 * factor * 0.06);
         CHECK(study.spring_size_m <= factor * 0.06 / 8);
         CHECK(study.loads.depth_m() <= factor * 0.0405 / 10 * 1.001);
+        CHECK(study.loads.sweep->clearance_m == Approx(study.indenter.clearance_m()));
+        CHECK(study.loads.sweep->clearance_m <= std::min(0.015, factor * 0.0405 / 3));  // a small tissue has room for contacts
         CHECK(study.draws.size() == 2);
         wanted.shape = folder.file("studies/b.stl", ascii_stl("bed", "skin"));
         wanted.shape_in_study = "b.stl";
@@ -147,7 +149,7 @@ TEST_CASE("a new study is refused where nothing or something unknown is held, an
     wanted.unit_m = 1;
     CHECK_THAT(said(), Contains("is 90 m long; is this in millimetres?"));
     wanted.unit_m = 1e-4;
-    CHECK_THAT(said(), Contains("a.geo: is 0.00405 m across"));
+    CHECK_THAT(said(), Contains("a.geo: is 4.05 mm across"));
     wanted.unit_m = 0.001;
     wanted.shape = folder.file("b.geo", std::string("SetFactory(\"OpenCASCADE\");\n") + outline);
     CHECK_THAT(said(), Contains("gmsh alone knows how large it is; give the length of the springs"));

@@ -142,7 +142,7 @@ TEST_CASE("impossible values are refused with file, line, key and what is allowe
     refused("cells = [4, 4]", "cells = [4, 4, 4]", "lattice.cells", "2 numbers");
     refused("cells = [4, 4]", "cells = [400, 400]", "lattice.cells", "at most 100000");
     refused("record_step_m = 0.002", "record_step_m = 2e-10", "loads.record_step_m", "at most 10000");
-    refused("[0.004, 0.008]", "[0.004, 0.102]", "loads.magnitudes_m", "the block is 0.1 m long");
+    refused("[0.004, 0.008]", "[0.004, 0.102]", "loads.magnitudes_m", "the block is 100 mm long");
     refused("refine = 1", "refine = 0", "mesh.refine", "an integer from 1");
     refused("tolerance = 1e-10", "tolerance = 1", "solver.tolerance", "a number >= ");
     refused("seed = 11", "seed = -1", "training.seed", "an integer from 0");
@@ -168,7 +168,7 @@ TEST_CASE("the neo-Hookean law has no C2") {
     CHECK_THAT(said("law = \"mooney-rivlin\"", "law = \"neo-Hookean\""), Contains("key 'material.C2_Pa'"));
 }
 
-TEST_CASE("a patch has a half width and stays 15 mm from the fixed edge; a point has neither") {
+TEST_CASE("a patch has a half width and stays three of them from the fixed edge, at most 15 mm; a point has neither") {
     const std::string patch = with(text(), "kind = \"point\"", "kind = \"patch\"\nhalf_width_m = 0.005");
     CHECK(example_study(patch).indenter.half_width_m == 0.005);
     const TemporaryFolder folder;
@@ -179,6 +179,14 @@ TEST_CASE("a patch has a half width and stays 15 mm from the fixed edge; a point
     const std::string low = with(patch, "contact_m = [0.0, 0.05]", "contact_m = [0.0, 0.0149]");
     CHECK_THAT(refused(low), Contains("loads.paths[0].contact_m") && Contains("fixed edge") && Contains("15 mm"));
     CHECK(example_study(with(patch, "contact_m = [0.0, 0.05]", "contact_m = [0.0, 0.015]")).loads.paths.size() == 2);
+    const auto at = [&](const std::string& half_width_m, const std::string& y_m) {
+        return with(with(with(text(), "kind = \"point\"", "kind = \"patch\"\nhalf_width_m = " + half_width_m), "refine = 1", "refine = 20"),
+                    "contact_m = [0.0, 0.05]", "contact_m = [0.0, " + y_m + "]");
+    };
+    CHECK(example_study(at("0.003", "0.009")).loads.paths.size() == 2);
+    CHECK_THAT(refused(at("0.003", "0.0089")), Contains("a patch of half width 3 mm needs 9 mm"));
+    CHECK(example_study(at("0.010", "0.015")).loads.paths.size() == 2);
+    CHECK_THAT(refused(at("0.018", "0.0179")), Contains("a patch of half width 18 mm needs 18 mm"));
     CHECK_THAT(refused(with(text(), "kind = \"point\"", "kind = \"patch\"")), Contains("indenter.half_width_m"));
     CHECK_THAT(refused(with(text(), "kind = \"point\"", "kind = \"patch\"\nhalf_width_m = -1")),
                Contains("indenter.half_width_m") && Contains("> 0"));
