@@ -25,7 +25,7 @@ stage.addEventListener("pointermove", event => {
 stage.addEventListener("pointerleave", () => aim_at(null));
 /** Marks the contact at which a press would be. */
 function aim_at(press) {
-  const at = press && press.contact;
+  const at = press && press.known ? press.contact : null;
   if (!at && !aimed.at) return;
   aimed.at = at;
   look.stale = true;

@@ -1,6 +1,7 @@
-// In the plane: a press that comes in close to a contact that finite elements have solved is one at it, along the nearest push that was
-// solved unless it is dragged another way. In space a press is straight in unless it is tilted, and only the first is needed.
-import { ASKEW, BETWEEN, NEAR, SNAP, apart, contact_at_rest, turn } from "./compare.js";
+// In the plane: a press that comes in close to a contact that finite elements have solved is one at it. It goes along the nearest push that
+// was solved there unless it is dragged another way, and so does a press farther off whose force is told beside the one at that contact.
+// In space a press is straight in unless it is tilted, and only the first is needed.
+import { ASKEW, BETWEEN, FAR, NEAR, SNAP, apart, contact_at_rest, turn } from "./compare.js";
 import { IN, control, hand, model, state, vector } from "./state.js";
 import { add, clamp, dot, largest, norm, smallest, unit } from "./vectors.js";
 
@@ -10,7 +11,8 @@ const THERE = 0.0015, COMING = 2000;   // m, and ms: it is, or does not come
 const PRESS = 0.02;          // m/s into the tissue, as the demo: tissue that is struck swings away, and is touched again beside the contact
 const STAYS = 0.03;          // s at rest there: a tool that leaves a press of the demo passes by in 6 ms
 
-let press = null;            // {mesh, contact: null when none is near, entry, pushes, since, came: when the tool came there, out, ready}
+let press = null;            // {mesh, contact: where the push begins, null when none is near; known: it is one that was solved; entry, pushes, since,
+                             //  came: when the tool came there, out, ready}
 let before = null;           // where the pointer was, a frame ago
 
 const outline = mesh => mesh.outline.map((i, k) => [mesh.nodes_m[i], mesh.nodes_m[mesh.outline[(k + 1) % mesh.outline.length]]]);
@@ -49,14 +51,14 @@ function known_way_in(m, p) {
   return best;
 }
 
-/** Where a press that comes in at this point of mesh m is led: {contact, entry, pushes}, contact null when none is near. */
+/** Where a press that comes in at this point of mesh m is led: {contact, known, entry, pushes}, contact null when none is near. */
 function at_entry(m, entry) {
-  let best = null, least = SNAP;
+  let best = null, least = FAR;
   for (const { places } of model.contacts) {
-    const contact = add(model.places[places[0]].contact_m, apart(m)), distance = norm(add(contact, entry, -1));
-    if (distance <= least) [best, least] = [{ contact, pushes: places.map(k => model.places[k].direction) }, distance];
+    const contact = add(model.places[places[0]].contact_m, apart(m)), distance = norm(add(contact, entry, -1)), known = distance <= SNAP;
+    if (distance <= least) [best, least] = [{ contact: known ? contact : entry, known, pushes: places.map(k => model.places[k].direction) }, distance];
   }
-  return { contact: null, pushes: [], entry, mesh: m, ready: false, out: false, since: null, came: null, ...best };
+  return { contact: null, known: false, pushes: [], entry, mesh: m, ready: false, out: false, since: null, came: null, ...best };
 }
 
 /** Where a pointer would press: what at_entry() says, or null beside the tissue. */

@@ -4,6 +4,7 @@ two meshes 0.1 m wide, the second 0.15 m to the right. Prints "ok - sentence" or
 
 What the page knows is read from window.tissue, what it shows from the document."""
 import math
+import random
 import re
 import sys
 import tempfile
@@ -15,6 +16,7 @@ from browser import PATIENCE_S, Browser, Missing, Server
 
 failed = 0
 APART = 0.15                             # from mesh to mesh
+PRESSES = 12
 COUNT_POINTERS = """
     window.sent = [];
     const send = WebSocket.prototype.send;
@@ -266,6 +268,37 @@ def comparing(page, model):
                      "Math.abs(tissue.distance_m - 0.03) < 0.004"), [page.text("verdict"), page.js("tissue.distance_m")])
 
 
+def anywhere(page):
+    """Presses at random within 20 mm of a contact that was solved, up to 24 degrees off straight in: what they are compared with."""
+    page.mouse("Released", 0.006, 0.08)
+    draw, places = random.Random(33), [page.js("tissue.place(arguments[0])", k) for k in range(page.js("tissue.places.length"))]
+    answered, beyond, seen = 0, [], []
+    for k in range(PRESSES):
+        along, tilt, depth = draw.uniform(0.032, 0.068), math.radians(draw.uniform(-24, 24)), draw.uniform(0.004, 0.007)
+        at, (x, y) = ([0, along], (1, 0)) if k % 2 else ([along, 0.1], (0, -1))
+        into = [x * math.cos(tilt) - y * math.sin(tilt), x * math.sin(tilt) + y * math.cos(tilt)]
+        page.drag([a - 0.012 * c for a, c in zip(at, into)], [a + depth * c for a, c in zip(at, into)], steps=12)
+        page.until("tissue.control.holder === 'you' && tissue.pressed === 0 && "
+                   "!/^(In motion|Press a little|Nothing|.*per cent)/.test(document.getElementById('verdict').textContent)", 20)
+        state = page.js("({moved: tissue.contact_moved_m && tissue.contact_moved_m[0], place: tissue.nearest, off: tissue.off_FE, "
+                        "distance: tissue.distance_m, verdict: document.getElementById('verdict').textContent})")
+        page.mouse("Released", *[a + depth * c for a, c in zip(at, into)])
+        page.until("tissue.pressed === -1")
+        page.js("document.getElementById('reset').click()")
+        page.until(at_rest)
+        seen.append(state)
+        compared = state["off"] is not None
+        answered += compared or state["verdict"].startswith("Not solved here: ")
+        if compared or state["verdict"].startswith("Not solved here: "):
+            pushes = [p["direction"] for p in places if p["contact_m"] == places[state["place"]]["contact_m"]]
+            turns = [math.degrees(math.atan2(u[0] * state["moved"][1] - u[1] * state["moved"][0], u[0] * state["moved"][0] + u[1] * state["moved"][1])) for u in pushes]
+            between = [a - b for a in turns if a >= 0 for b in turns if b <= 0]
+            if min(map(abs, turns)) > 5.1 and min(between, default=180) > 30.1 or compared and state["distance"] > 0.00201: beyond.append(state)
+    check(f"of {PRESSES} random presses at most one is not set beside finite elements", answered >= PRESSES - 1, [answered, seen])
+    check("and none beside a push more than 5 degrees off, but between two of them, and none in per cent more than 2 mm away", beyond == [], beyond)
+    page.drag([-0.015, 0.08], [0.006, 0.08])
+
+
 def standing_still(page):
     """The mouse is down in the learned mesh when this begins."""
     page.mouse("Released", 0.006, 0.08)
@@ -483,6 +516,7 @@ def main():
             dragging(page)
             telling_seldom(page)
             comparing(page, models[0])
+            anywhere(page)
             standing_still(page)
             keyboard(page)
             touching(page)
