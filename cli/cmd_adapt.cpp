@@ -197,7 +197,7 @@ void add_adapt(CLI::App& app, const Invocation& invocation) {
     command->add_option("--readings", o->readings, "of tissue that relaxes: long-term, when it had come to rest, or instantaneous, before it had relaxed")
         ->type_name("WORD")->capture_default_str()->check(CLI::IsMember({"long-term", "instantaneous"}));
     command->add_option("--place-error", o->adapt.place_error_m, "standard deviation of a contact's place along the surface")->type_name("m")->capture_default_str()->check(CLI::Range(0.0, 0.05));
-    CLI::Option* live = command->add_flag("--live", o->live, "learn as a session does, from its --journal: contacts 1 mm unsure, at most 4.5 times as stiff or as soft");
+    CLI::Option* live = command->add_flag("--live", o->live, "learn as a session does, from its --journal: contacts 0.001 m unsure, at most 4.5 times as stiff or as soft");
     for (const char* set : {"--unknowns", "--no-rival", "--noise", "--model-error", "--readings", "--place-error"}) live->excludes(command->get_option(set));
     command->add_flag("--json", o->json, "a line of JSON a poke on standard output");
     command->callback([o, command, &invocation] {

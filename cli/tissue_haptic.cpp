@@ -85,8 +85,8 @@ void check(const Options& o, const TissueModel& tissue, const HapticModel& model
         presses.push_back(press(model, tissue, truth));
         const PressResult& p = presses.back();
         std::cerr << (p.reason.empty()
-                          ? fmt::format("  {:<26} {:.1f} s  {:.4g} mN  {:.3f} % off the static answer{}\n", p.name, p.seconds,
-                                        1e3 * p.force_N.norm(), 100 * p.static_error,
+                          ? fmt::format("  {:<26} {:.1f} s  {:.4g} N  {:.3f} % off the static answer{}\n", p.name, p.seconds,
+                                        p.force_N.norm(), 100 * p.static_error,
                                         p.fe_error ? fmt::format(", {:.1f} % off FE", 100 * *p.fe_error) : "")
                           : fmt::format("  {:<26} no answer: {}\n", p.name, p.reason));
     }

@@ -386,14 +386,14 @@ std::string to_markdown(const Evaluation& e) {
     if (std::any_of(e.lower_bound_rel.begin(), e.lower_bound_rel.end(), [](double bound) { return std::isnan(bound); }))
         out += "\n*L_lb* bounds what was minimised, a ridge or the contact's reaction included, and *L relative* is of (9) alone: the bound stands "
                "relative to the FE force only where both are the same.\n";
-    out += "\n| set | L_lb mN | L_lb relative |";
+    out += "\n| set | L_lb N | L_lb relative |";
     for (const TrainingBook& t : e.trained) out += fmt::format(" {}: L relative / gap / restarts / status |", t.optimizer);
     out += "\n|---|---|---|";
     for (std::size_t t = 0; t < e.trained.size(); ++t) out += "---|";
     out += "\n";
     for (std::size_t c = 0; c < e.case_names.size(); ++c) {
         const auto i = static_cast<Eigen::Index>(c);
-        out += fmt::format("| {} | {:.4f} | {} |", e.case_names[c], 1e3 * e.optimum.lower_bound_N[i], percent(e.lower_bound_rel[c]));
+        out += fmt::format("| {} | {:.4g} | {} |", e.case_names[c], e.optimum.lower_bound_N[i], percent(e.lower_bound_rel[c]));
         for (const TrainingBook& t : e.trained)
             out += fmt::format(" {} / {} / {} / {} |", percent(t.rel_loss[i]), percent(t.gap[i]), t.restarts[c],
                                t.status[c]);
@@ -423,17 +423,17 @@ std::string to_markdown(const Evaluation& e) {
     for (const FrontPoint& p : e.front) not_converged += p.not_converged;
     if (not_converged > 0) out += fmt::format("\nOf these exact solutions {} did not converge.\n", not_converged);
 
-    out += "\n## Every case\n\n| case | FE force mN |";
-    for (const ModelErrors& m : e.models) out += fmt::format(" {} rel_loss / force mN / closed loop |", m.name);
+    out += "\n## Every case\n\n| case | FE force N |";
+    for (const ModelErrors& m : e.models) out += fmt::format(" {} rel_loss / force N / closed loop |", m.name);
     out += "\n|---|---|";
     for (std::size_t m = 0; m < e.models.size(); ++m) out += "---|";
     out += "\n";
     for (std::size_t c = 0; c < e.case_names.size(); ++c) {
-        out += fmt::format("| {} | {:.3f} |", e.case_names[c], 1e3 * e.fe_resolved_N[c]);
+        out += fmt::format("| {} | {:.4g} |", e.case_names[c], e.fe_resolved_N[c]);
         for (const ModelErrors& m : e.models) {
             const CaseError& error = m.cases[c];
-            out += fmt::format(" {} / {:.3f} / {} |", percent(error.open_loop.rel_loss),
-                               1e3 * error.open_loop.resolved_force_N,
+            out += fmt::format(" {} / {:.4g} / {} |", percent(error.open_loop.rel_loss),
+                               error.open_loop.resolved_force_N,
                                percent(error.closed_loop.force.value_or(std::nan(""))));
         }
         out += "\n";

@@ -25,7 +25,7 @@ RimmedSurface with_rim(const Surface& surface, const DiscRim& disc) {
                                         disc.radius_m, disc.near_m, disc.far_m));
     const NearestTriangle::Place place = NearestTriangle(surface).nearest(disc.contact_m);
     if (place.distance_m > 2 * disc.radius_m)
-        throw MismatchError(fmt::format("the contact {} is {:.6g} m off the surface, more than two disc radii", at(disc.contact_m), place.distance_m));
+        throw MismatchError(fmt::format("the contact {} is {:.6g} mm off the surface, more than two disc radii", at(disc.contact_m), 1e3 * place.distance_m));
     if (surface.label[static_cast<std::size_t>(place.triangle)] == Surface::fixed_label)
         throw MismatchError(fmt::format("the contact {} is on the held part", at(disc.contact_m)));
     SurfaceRemesh mesh(surface, side_length(disc, place.point_m));

@@ -46,7 +46,7 @@ Study::Loads read_magnitudes(TomlReader& in, const Study::Geometry& geometry) {
     }
     const double longest_m = std::max({geometry.width_m, geometry.length_m, geometry.height_m});
     if (geometry.is_block() && loads.depth_m() > longest_m)
-        in.refuse("magnitudes_m", fmt::format("goes to {:g} m, and the block is {:g} m long", loads.depth_m(), longest_m));
+        in.refuse("magnitudes_m", fmt::format("goes to {:g} mm, and the block is {:g} mm long", 1e3 * loads.depth_m(), 1e3 * longest_m));
     constexpr double most_records = 10'000;  // every one a file's rows, and work
     if (const double records = loads.depth_m() / loads.record_step_m; records > most_records)
         in.refuse("record_step_m", fmt::format("makes {:.6g} records; at most {:.0f} are allowed", records, most_records));

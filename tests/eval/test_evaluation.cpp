@@ -351,15 +351,15 @@ TEST_CASE("no set's relative loss is below the proved bound beside it, which sta
         const TrainedModel model = train_sets(study, perfect().cases, 2);
         const std::string report = to_markdown(evaluated(model, perfect().cases));
         CAPTURE(objective, ridge);
-        std::istringstream table(report.substr(report.find("| set | L_lb mN | L_lb relative |")));
+        std::istringstream table(report.substr(report.find("| set | L_lb N | L_lb relative |")));
         std::string row;
         std::getline(table, row), std::getline(table, row);
         for (std::size_t c = 0; c < model.case_names.size(); ++c) {
             std::getline(table, row);
             INFO(row);
             std::istringstream cells(row);
-            std::string nothing, name, bound_mN, bound;
-            std::getline(cells, nothing, '|'), std::getline(cells, name, '|'), std::getline(cells, bound_mN, '|'), std::getline(cells, bound, '|');
+            std::string nothing, name, bound_N, bound;
+            std::getline(cells, nothing, '|'), std::getline(cells, name, '|'), std::getline(cells, bound_N, '|'), std::getline(cells, bound, '|');
             CHECK(name == " " + model.case_names[c] + " ");
             const bool alone = std::string(objective) == "force" && ridge == 0;
             CHECK((bound != " none ") == alone);

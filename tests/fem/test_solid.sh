@@ -444,7 +444,7 @@ over_refused() { # NAME STATUS WORDS SENTENCE: one line with the shape's name
 }
 organ() { name=$1 held=$2; shift 2; over "$name" "$fem/organ3.geo" "$work/organ-springs.msh" "$held" 0.0045 0.002 1 "$@" 0 0 -1; }
 organ high bed 0.04 0.045 0.08
-over_refused high $? 'organ3.geo: the contact .* m off the surface, more than two disc radii' "a contact far off a shape is refused"
+over_refused high $? 'organ3.geo: the contact .* mm off the surface, more than two disc radii' "a contact far off a shape is refused"
 organ under bed 0.04 0.045 -0.001
 over_refused under $? 'organ3.geo: the contact .* is on the held part' "a contact on what is held is refused"
 organ low bed 0.04 0.002 0.002

@@ -189,7 +189,7 @@ TEST_CASE("a contact off the surface is taken to its nearest point; too far off,
     disc.contact_m.z() = 0.056;
     CHECK((with_rim(whole, disc).contact_m - on_top.contact_m).norm() < 1e-12);
     disc.contact_m.z() = 0.065;
-    CHECK(refusal<MismatchError>([&] { with_rim(whole, disc); }).find("is 0.015 m off the surface, more than two disc radii") != std::string::npos);
+    CHECK(refusal<MismatchError>([&] { with_rim(whole, disc); }).find("is 15 mm off the surface, more than two disc radii") != std::string::npos);
     disc.contact_m = {0.05, 0.05, 0};
     CHECK(refusal<MismatchError>([&] { with_rim(whole, disc); }).find("is on the held part") != std::string::npos);
     disc.contact_m = {0, 0.05, 0.005};

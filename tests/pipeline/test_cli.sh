@@ -29,11 +29,28 @@ for command in new plan shape rim collect import train eval ablate adapt serve i
     tissuectl $command --help
     check "$command --help: the unit column has units alone, options have no underscore" sh -c '! grep -q "^  --[a-z-]*_\|:FLOAT\|:INT\|:{\| in \[" "$1"' - "$said"
 done
+# cli/README.md: options are in SI units, and so is every help text; mm, cm and inch are words that --unit takes
+si_alone() {
+    sed 's/: mm, cm, m or inch//' "$said" | grep -nE '(^|[^A-Za-z0-9])[0-9.]*(mm|cm|um|km|ms|us|ns|mN|kN|kPa|MPa|cN)([^A-Za-z0-9]|$)|%' && return 1
+    grep -qi options "$said"
+}
+for command in "" $(tissuectl --help && sed -n 's/^  \([a-z][a-z]*\)  *[A-Z].*/\1/p' "$said"); do
+    # shellcheck disable=SC2086  # none, or one
+    tissuectl $command --help
+    check "tissuectl $command --help: units are SI alone" si_alone
+done
+run "$TISSUE_HAPTIC" --help
+check "tissue-haptic --help: units are SI alone" si_alone
+for documented in "$TISSUECTL" "$TISSUE_HAPTIC"; do
+    run "$documented" --generate man
+    check "${documented##*/} --generate man: units are SI alone" si_alone
+done
 tissuectl adapt --help
 check "adapt --help: a range is said in words" says '--place-error  *0  *m  *standard deviation.*, 0 to 0.05'
 
 run "$TISSUECTL" --generate options
 check "lib/api/OPTIONS.md is what the table of options makes: tissuectl --generate options >lib/api/OPTIONS.md" cmp "$said" "$root/lib/api/OPTIONS.md"
+check "lib/api/OPTIONS.md: units are SI alone" si_alone
 
 # ---- exit status 2: the command line was wrong
 usage() { # SENTENCE ARGUMENT...
