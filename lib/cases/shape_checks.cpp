@@ -77,7 +77,7 @@ void refuse_wrong_unit(const Study& study, const MshFile& mesh) {
     const double longest_m = sides_m.maxCoeff(), away_m = middle_m.matrix().norm();
     const bool springs = study.spring_size_m > 0;
     const double size_m = springs ? study.spring_size_m : study.sizes_m[1];  // of what the shape is divided into
-    const std::string length = fmt::format("{} is {:.3g} m long with geometry.unit_m = {:g}", g.shape, longest_m, g.unit_m);
+    const std::string length = fmt::format("{} is {:.3g} {} long with geometry.unit_m = {:g}", g.shape, longest_m < 1 ? 1e3 * longest_m : longest_m, longest_m < 1 ? "mm" : "m", g.unit_m);
     const std::string what = fmt::format("{} = {:g} m", springs ? "lattice.size_m" : "mesh.sizes_m", size_m);
     if (size_m > 0) {
         const double along = longest_m / size_m, in_all = (sides_m / size_m).max(1.0).prod();

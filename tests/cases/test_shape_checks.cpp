@@ -38,7 +38,7 @@ TEST_CASE("a shape whose unit is another than the study says is refused before i
     CHECK_THAT(said(1, 0.01, box(120, 90, 55)), Contains("key 'geometry.unit_m': lobe.stl is 120 m long") && Contains("in millimetres?"));
     CHECK_THAT(said(1, 0.01, box(120, 0, 0)), Contains("in millimetres?"));  // a curve alone
     CHECK_THAT(said(0.001, 0.0001, box(120, 90, 0)), Contains("at most 100000"));
-    CHECK_THAT(said(1e-6, 0.01, box(120, 90, 55)), Contains("less than two springs"));
+    CHECK_THAT(said(1e-6, 0.01, box(120, 90, 55)), Contains("lobe.stl is 0.12 mm long") && Contains("less than two springs"));
     CHECK_THAT(said(0.001, 0.01, box(120, 90, 55, 2'000'000)), Contains("key 'geometry.shape'") && Contains("2e+03 m from the origin") &&
                Contains("Subtract (2.00006e+06, 45, 27.5) from the coordinates in that file, and (2000.06, 0.045, 0.0275) m from every contact_m"));
     MshFile arc = box(120, 90, 55);
