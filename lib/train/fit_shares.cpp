@@ -37,6 +37,10 @@ FittedShares fit_shares(const TissueModel& model, const std::vector<History>& hi
         now[k] = NodeField::Zero(h.force_N.rows(), h.force_N.cols());
         for (Eigen::Index n = 0; n < now[k].rows() && lost[k].empty(); ++n) {
             if (h.contact[static_cast<std::size_t>(n)] == 0 || h.push_m.row(n).squaredNorm() == 0) continue;
+            if (n > 0 && h.contact[static_cast<std::size_t>(n)] == h.contact[static_cast<std::size_t>(n - 1)] && h.push_m.row(n) == h.push_m.row(n - 1)) {
+                now[k].row(n) = now[k].row(n - 1);  // held: pressed from rest, it would be the same to the last bit
+                continue;
+            }
             const Point& at = h.contact[static_cast<std::size_t>(n)] == 2 ? *h.second_contact_m : h.contact_m;
             const Equilibrium answer = press.at(at, h.push_m.row(n).transpose());
             if (answer)
