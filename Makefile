@@ -75,7 +75,7 @@ FORCE:
 
 # ---- front door
 
-.PHONY: felupe realtime ablation all mesh cases train eval figures report reference regress regress-proof trust gains patient patient3 peers test test-fe sanitize tsan fuzz bench benches hands doors deps help clean build install uninstall doctor
+.PHONY: felupe realtime ablation all mesh cases train eval figures report reference regress regress-proof trust gains patient patient3 peers test test-fe sanitized sanitize tsan fuzz bench benches hands doors deps help clean build install uninstall doctor
 
 ## all: the whole study, from mesh to report
 all: figures eval report
@@ -280,7 +280,7 @@ FIGURES :=
 CASES_COMMAND :=
 MESH_ARGUMENTS :=
 PATH_ARGUMENTS :=
-ifneq (,$(filter-out help clean deps build doors install uninstall doctor reference regress regress-proof trust felupe gains patient patient3 peers test test-fe sanitize tsan fuzz bench benches $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
+ifneq (,$(filter-out help clean deps build doors install uninstall doctor reference regress regress-proof trust felupe gains patient patient3 peers test test-fe sanitized sanitize tsan fuzz bench benches $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
 include $(R)/plan.mk
 endif
 # A shape has no surface to plan contacts on until it is meshed: its first plan says where it comes from, SHAPE and
@@ -379,11 +379,14 @@ ablation: $(R)/cases.h5 $(TISSUECTL)
 	@mkdir -p $(R)/figures
 	@$(PYTHON) scripts/figures/ablation.py $(R)/ablation.json $(R)/figures/ablation.png
 
-## felupe: contact forces of an independent finite-element program on the same mesh
-felupe: | build/deps
+FELUPE := tests/fem/felupe_patch.py tests/fem/felupe_solid.py
+.PHONY: $(FELUPE:%=%-run)
+$(FELUPE:%=%-run): %-run: | build/deps
 	@PYTHON=$(PYTHON) scripts/venv
-	@FF_LOADPATH="$$(scripts/freefem_plugins)" build/venv/bin/python tests/fem/felupe_patch.py
-	@FF_LOADPATH="$$(scripts/freefem_plugins)" build/venv/bin/python tests/fem/felupe_solid.py
+	@FF_LOADPATH="$$(scripts/freefem_plugins)" build/venv/bin/python $*
+
+## felupe: contact forces of an independent finite-element program on the same mesh
+felupe: $(FELUPE:%=%-run)
 
 ## gains: how gains, iterations and Q follow mesh size and displacement, as results/reference/gains.md
 gains: $(TISSUECTL) $(BUILD)/gains_probe
@@ -427,9 +430,14 @@ $(FE_LONG:%=%-long): %-long: $(TISSUECTL) | build/deps
 ## test-fe: the long checks of finite elements: memory, mass, refinement, shapes in space
 test-fe: $(FE_LONG:%=%-long)
 
+SANITIZED := tissue-haptic tissuectl test_tissue
+## sanitized: what sanitize and fuzz run, without running it
+sanitized: | build/deps-sanitize
+	@$(MAKE) SANITIZE=1 $(addprefix build/sanitize/,$(SANITIZED) $(FUZZ_READERS:%=fuzz_%))
+
 ## sanitize: library tests and the server under address and undefined-behaviour sanitizers
 sanitize: | build/deps-sanitize
-	@$(MAKE) SANITIZE=1 build/sanitize/tissue-haptic build/sanitize/tissuectl build/sanitize/test_tissue
+	@$(MAKE) SANITIZE=1 $(SANITIZED:%=build/sanitize/%)
 	@TISSUE_HAPTIC=build/sanitize/tissue-haptic tests/parts build/sanitize/test_tissue $$(env -u OMP_NUM_THREADS nproc)
 	@TISSUECTL=build/sanitize/tissuectl PYTHON=$(PYTHON) tests/pipeline/test_serve.sh
 
