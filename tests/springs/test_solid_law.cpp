@@ -118,17 +118,17 @@ TEST_CASE("a disc holds the node under its middle five times as fast as its impr
 
 TEST_CASE("a disc's ground is 1 on a half space of one log of stiffness, 0 on none, and falls with the way to a nodule") {
     const SpringMesh mesh = block(6, 6, 2);
-    const double radius_m = 0.007, step_m = 0.003;
-    std::vector<Eigen::Vector3d> places;
+    const double radius_m = 0.007, step_m = 0.004;
     const Eigen::Vector3d at(0.0312, 0.0277, 0.02), down(0, 0, -1);
-    for (double x = -0.2985; x < 0.3; x += step_m)
-        for (double y = -0.2985; y < 0.3; y += step_m)
-            for (double z = step_m / 2; z < 0.3; z += step_m) places.emplace_back(at + Eigen::Vector3d(x, y, -z));
-    NodeField half_space(static_cast<Eigen::Index>(places.size()), 4);
-    for (std::size_t i = 0; i < places.size(); ++i)
-        half_space.row(static_cast<Eigen::Index>(i)) << places[i].transpose(), std::pow(step_m, 3);
-    CHECK(DiscContact(mesh, radius_m, half_space).ground_at(at, down) == Approx(1 - 0.04).margin(0.01));  // what is left lies farther away than 0.3 m
-    CHECK(DiscContact(mesh, radius_m, half_space).ground_at(at + Eigen::Vector3d(0, 0, -0.4), down) == 0);  // all behind it
+    constexpr int side = 150, deep = 75;
+    NodeField half_space(side * side * deep, 4);
+    for (Eigen::Index i = 0; i < half_space.rows(); ++i) {
+        const Eigen::Vector3d cell(static_cast<double>(i % side) - side / 2, static_cast<double>(i / side % side) - side / 2, -static_cast<double>(i / (side * side)) - 1);
+        half_space.row(i) << (at + step_m * (cell + Eigen::Vector3d::Constant(0.5))).transpose(), std::pow(step_m, 3);
+    }
+    const DiscContact over_all(mesh, radius_m, std::move(half_space));
+    CHECK(over_all.ground_at(at, down) == Approx(1 - 0.04).margin(0.01));  // what is left lies farther away than 0.3 m
+    CHECK(over_all.ground_at(at + Eigen::Vector3d(0, 0, -0.4), down) == 0);  // all behind it
     CHECK(DiscContact(mesh, radius_m).rows_at(at).factors[2] == 0);
     NodeField nodule(1, 4);
     nodule << 0.0312, 0.0277, 0.008, 2e-6;
