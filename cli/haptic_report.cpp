@@ -45,6 +45,9 @@ std::string describe(const std::string& program, const HapticModel& model, const
         text += fmt::format("  {:<10} {} step{}: omega dt = {:.3f} (symplectic up to {:g} a step), lowest mode {:.3g} Hz, damping {:.3g}/s\n",
                             mesh->name, mesh->dynamics, mesh->substeps > 1 ? fmt::format(", {} a tick", mesh->substeps) : "",
                             std::sqrt(mesh->largest_eigenvalue_1_s2) * o.dt_s, mesh->law ? 1.4 : 1.8, mesh->lowest_frequency_Hz, mesh->damping_1_s);
+    for (const auto& mesh : model.meshes)
+        if (const double wanted_s = contact_damping_s(o.dt_s, mesh->substeps); mesh->contact_damping_s < wanted_s)
+            text += fmt::format("  the {} mesh: its steps allow a contact damping of {:.2f} ms times the stiffness, not of {:.2f}\n", mesh->name, 1e3 * mesh->contact_damping_s, 1e3 * wanted_s);
     if (model.stiffness && model.stiffness->floppy() > 0)
         text += fmt::format("  the {} mesh can move for nothing: its shape at rest is not determined\n", model.is_law() ? "heuristic" : "learned");
     text += fmt::format("  coupling {}, force scale {:g}, position scale {:g}, at most {:g} N, {:g} N/s, {:g} m/s\n",

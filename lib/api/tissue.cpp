@@ -11,6 +11,7 @@
 #include "api/session_counts.h"
 #include "error.h"
 #include "haptic/session_options.h"
+#include "haptic/tick_clock.h"
 #include "version.h"
 
 using namespace tissue;
@@ -23,6 +24,7 @@ struct tissue_session {
     std::shared_ptr<const HapticModel> shared;
     std::unique_ptr<Simulation> running;
     mutable NodeColumns seen;  ///< scratch of tissue_positions
+    TickClock clock;
     explicit tissue_session(std::shared_ptr<const HapticModel> of) : shared(std::move(of)), running(std::make_unique<Simulation>(*shared)), seen(running->state(0).displacement) {}
     tissue_session(const tissue_session& other) : shared(other.shared), running(std::make_unique<Simulation>(*other.running)), seen(running->state(0).displacement) {}
     const HapticModel& model() const { return *shared; }
@@ -131,7 +133,8 @@ tissue_status tissue_tick_aged(tissue_session* s, const double position_m[3], do
     DeviceSample sample;
     sample.position_m = Eigen::Vector3d(position_m[0], position_m[1], position_m[2]);
     sample.age_s = age_s;
-    const Eigen::Vector3d force = s->simulation().tick(sample, elapsed_s);
+    const Eigen::Vector3d force = s->simulation().tick(sample, elapsed_s, s->clock.start(elapsed_s));
+    s->clock.end();
     for (int a = 0; a < 3; ++a) force_N[a] = force[a];
     switch (s->simulation().record().status) {
         case TickStatus::refused: return TISSUE_FAULT;

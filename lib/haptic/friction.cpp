@@ -16,7 +16,7 @@ constexpr double longest = 0.5;                   // step, in spacings of the su
 
 }  // namespace
 
-Friction::Friction(const FrictionOptions& options) : stick_(options.stick), slip_(options.slip.value_or(options.stick)) {
+Friction::Friction(const FrictionOptions& options) : stick_(options.stick), slip_(options.slip.value_or(options.stick)), has_slip_(options.slip.has_value()) {
     if (!(stick_ >= 0)) throw MismatchError(fmt::format("friction must not be negative, not {}", stick_));
     if (!(slip_ >= 0)) throw MismatchError(fmt::format("friction-slip must not be negative, not {}", slip_));
     if (options.slip && std::isinf(stick_)) throw MismatchError("friction-slip does nothing without friction: the tool never slips");

@@ -39,19 +39,20 @@ class Friction {
     /// as the surface has them.
     void slide(const FreeSurface& surface, const RealtimeMesh& mesh, const MovingSurface& now, double coupling_N_m, const Point& tool_m, SurfacePlace& where) noexcept;
 
-    FrictionOptions options() const { return {stick_, slip_ == stick_ ? std::nullopt : std::optional<double>(slip_)}; }
+    FrictionOptions options() const { return {stick_, has_slip_ ? std::optional<double>(slip_) : std::nullopt}; }
     /// Other friction from now on; what was burnt stays.
     void become(const FrictionOptions& options) {
         const Friction other(options);  // or it throws
-        stick_ = other.stick_, slip_ = other.slip_;
+        stick_ = other.stick_, slip_ = other.slip_, has_slip_ = other.has_slip_;
     }
 
-    void fields(StateBytes& state) noexcept { state(stick_, slip_, slipping_, burnt_J_); }
+    void fields(StateBytes& state) noexcept { state(stick_, slip_, has_slip_, slipping_, burnt_J_); }
 
    private:
     double cone() const { return slipping_ ? slip_ : stick_; }
 
     double stick_, slip_;
+    bool has_slip_;  ///< of its own, even if it is the static one
     bool slipping_ = false;
     double burnt_J_ = 0;
     ToolSpring next_;

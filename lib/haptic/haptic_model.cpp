@@ -88,13 +88,15 @@ void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double damping_ra
     mesh.dynamics = o.dynamics == "auto" ? stable_dynamics(mesh.largest_eigenvalue_1_s2, o.dt_s) : o.dynamics;
     mesh.contact_damping_s = mesh.dynamics == paper_dynamics.name ? 0 : contact_damping_s(o.dt_s, 1);
     if (mesh.dynamics == symplectic_dynamics.name) {  // as many steps as the contact's damper needs: omega^2 + 2 ahead / h coupling / mass within the step's limit
-        constexpr int most_steps = 8;
-        const auto room = [&](double h) { return std::pow(symplectic_dynamics.stable_omega_dt / h, 2) - mesh.largest_eigenvalue_1_s2; };
-        for (mesh.substeps = 1;; ++mesh.substeps) {
-            const double h = o.dt_s / mesh.substeps, longest_s = room(h) * h / (2 * coupling_N_m * lightest), wanted_s = contact_damping_s(o.dt_s, mesh.substeps);
-            mesh.contact_damping_s = std::clamp(longest_s, 0.0, wanted_s);
-            if (longest_s >= wanted_s || mesh.substeps == most_steps) break;
-        }
+        constexpr int most_steps = 1000;  // as of a law
+        const auto stable = [&](int steps) {
+            const double h = o.dt_s / steps;
+            return mesh.largest_eigenvalue_1_s2 + 2 * contact_damping_s(o.dt_s, steps) / h * coupling_N_m * lightest <= std::pow(symplectic_dynamics.stable_omega_dt / h, 2);
+        };
+        for (mesh.substeps = 1; !stable(mesh.substeps); ++mesh.substeps)
+            if (mesh.substeps == most_steps)
+                throw MismatchError(fmt::format("the {} mesh needs more than {} symplectic steps in {:g} ms: it is too stiff for its mass", mesh.name, most_steps, 1e3 * o.dt_s));
+        mesh.contact_damping_s = contact_damping_s(o.dt_s, mesh.substeps);
     }
     mesh.lead = lead_of(mesh, o.dt_s);
     const Eigen::VectorXd mean = mesh.theta_of_set.rowwise().mean();

@@ -84,6 +84,7 @@ void run(Simulation& simulation, Device& given, const LoopOptions& options, Loop
     const long long last_slot =
         options.seconds > 0 ? static_cast<long long>(std::ceil(options.seconds / dt_s - 1e-6)) : -1;
     long long before = -1;
+    double cost_s = 0;  // of the tick before
     for (long long slot = 0; last_slot < 0 || slot < last_slot; ++slot) {
         if (options.stop && options.stop->load(std::memory_order_relaxed)) break;
         const long long due = start + slot * dt_ns;
@@ -106,7 +107,7 @@ void run(Simulation& simulation, Device& given, const LoopOptions& options, Loop
         books.left_out = !wanted;
         if (wanted) {
             const DeviceSample sample = device->read(books.time_s);
-            const Eigen::Vector3d force = simulation.tick(sample, static_cast<double>(slot - before) * dt_s);
+            const Eigen::Vector3d force = simulation.tick(sample, static_cast<double>(slot - before) * dt_s, cost_s);
             device->write(force);
         } else
             device->write(simulation.stand_still());
@@ -120,6 +121,7 @@ void run(Simulation& simulation, Device& given, const LoopOptions& options, Loop
             report.tick_us.add(books.tick_us);
             report.lateness_us.add(books.lateness_us);
             before = slot;
+            cost_s = 1e-9 * static_cast<double>(ended - began);
         }
         const long long over = of_session((ended - due) / dt_ns - late, slot + 1);
         if (over > 0) {

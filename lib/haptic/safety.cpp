@@ -12,6 +12,8 @@ constexpr double negligible_J = 1e-5;
 
 constexpr double rounding = 1 + 1e-9;
 
+constexpr double oldest_s = 0.5;  ///< of positions whose motion is booked in steps of 8 ms; beyond twice of it forces are not kept
+
 constexpr double farthest_m = 1e3;  ///< where no hand is, and no sum of squares overflows
 
 /// Of any finite vector. Its squares may overflow, and where denormals are zero so may the reciprocals that Eigen's stableNorm takes.
@@ -29,6 +31,30 @@ Eigen::Vector3d within(const Eigen::Vector3d& v, double most) noexcept {
 }
 
 }  // namespace
+
+void HeldForces::add(const Eigen::Vector3d& force_N, double seconds, double cell_s) noexcept {
+    if (!(seconds > 0)) return;
+    if (cell_[first_].seconds + newest_.seconds > cell_s) {
+        first_ = (first_ + most_cells - 1) % most_cells;
+        cell_[first_] = {};
+    }
+    cell_[first_].seconds += newest_.seconds;
+    cell_[first_].impulse_Ns += newest_.impulse_Ns;
+    newest_ = {seconds, seconds * force_N};
+}
+
+Eigen::Vector3d HeldForces::mean_N(double from_s, double to_s) const noexcept {
+    Eigen::Vector3d impulse = Eigen::Vector3d::Zero();
+    double ago_s = 0;
+    const auto take = [&](const Cell& cell) {
+        const double shared_s = std::min(from_s, ago_s + cell.seconds) - std::max(to_s, ago_s);
+        if (shared_s > 0) impulse += shared_s / cell.seconds * cell.impulse_Ns;
+        ago_s += cell.seconds;
+    };
+    take(newest_);
+    for (int k = 0; k < most_cells && ago_s < from_s; ++k) take(cell_[(first_ + k) % most_cells]);
+    return impulse / (from_s - to_s);
+}
 
 double Safety::worst_release_J(double force_N) const noexcept {
     return o_.speed_max_m_s * force_N * (force_N / (2 * o_.slew_N_s) + o_.dt_s);
@@ -57,8 +83,7 @@ bool Safety::admit(const DeviceSample& sample, double elapsed_s) noexcept {
         lateness_ = std::max(lateness_, (held_s + std::min(since_good_s_ - elapsed_s_, o_.stale_s)) / o_.dt_s);
         if (elapsed_s_ > o_.hold_s / 2 * rounding) let_go(elapsed_s_);
     }
-    impulse_Ns_ += elapsed_s_ * force_N_;
-    held_for_s_ += elapsed_s_;
+    held_.add(force_N_, elapsed_s_, 2 * std::min(o_.stale_s, oldest_s) / HeldForces::most_cells);
     long long* fault = nullptr;
     if (!sample.valid || !(sample.position_m.cwiseAbs().maxCoeff() < farthest_m) || !sample.position_m.allFinite())
         fault = &counters_.bad_input;
@@ -69,7 +94,7 @@ bool Safety::admit(const DeviceSample& sample, double elapsed_s) noexcept {
     if (!fault) return true;
     ++*fault;
     motion_m_.setZero();
-    forget_impulse();
+    unknown_way_ = true;
     return false;
 }
 
@@ -77,12 +102,14 @@ bool Safety::admit(const DeviceSample& sample, double elapsed_s) noexcept {
 bool Safety::follow(const Eigen::Vector3d& position_m, double age_s) noexcept {
     const Eigen::Vector3d motion = position_m - position_m_;
     const double between_s = std::max(0.0, since_good_s_ - age_s);
-    const bool fresh = !has_position_ || between_s > 0.05 * o_.dt_s || !motion.isZero(0);  // or it is the same position once more
+    // or it is the same position once more, by a clock that is not just ours
+    const bool fresh = !has_position_ || between_s > 0.5 * std::min(elapsed_s_, o_.dt_s) || !motion.isZero(0);
     between_s_ = 0;
     if (!fresh) return true;
     const double time = std::max(between_s, o_.dt_s);
     const bool jump = has_position_ && !(motion.norm() <= o_.speed_max_m_s * time * rounding);
     position_m_ = position_m;
+    const double before_s = std::max(since_good_s_, age_s + 1e-3 * o_.dt_s);
     since_good_s_ = std::min(since_good_s_, age_s);  // who measured this one before the last one gains no time by that
     has_motion_ = has_position_ && !jump && !jumped_;
     jumped_ = jump;
@@ -90,14 +117,14 @@ bool Safety::follow(const Eigen::Vector3d& position_m, double age_s) noexcept {
     if (has_position_) {
         between_s_ = std::max(between_s, 1e-3 * o_.dt_s);
         motion_m_ = motion * (o_.dt_s / time);
-        const double given = (held_for_s_ > elapsed_s_ ? Eigen::Vector3d(impulse_Ns_ / held_for_s_) : force_N_).dot(motion);
+        const double given = unknown_way_ ? 0 : held_.mean_N(before_s, age_s).dot(motion);
         counters_.energy_given_J += given;
         observed_J_ += given;
     } else {
         since_good_s_ = age_s;
         motion_m_.setZero();
     }
-    forget_impulse();
+    unknown_way_ = false;
     has_position_ = true;
     return true;
 }

@@ -35,6 +35,29 @@ struct SafetyCounters {
     void fields(StateBytes& state) noexcept { state(bad_input, jump, stale, late, clamped, slewed, damped, capped, force_max_N, energy_given_J); }
 };
 
+/// The forces that a device has held, from now back to some time ago. The newest is kept by itself, older ones in cells of a length that is given, each its impulse. Fixed size, no allocation.
+class HeldForces {
+   public:
+    /// Held until now, for so long. cell_s: what is shorter shares a cell.
+    void add(const Eigen::Vector3d& force_N, double seconds, double cell_s) noexcept;
+
+    /// Mean over the time from so long ago to so long ago [N], from_s > to_s >= 0. Before what is kept there was none.
+    Eigen::Vector3d mean_N(double from_s, double to_s) const noexcept;
+
+    static constexpr int most_cells = 128;
+
+    void fields(StateBytes& state) noexcept { state(newest_, cell_, first_); }
+
+   private:
+    struct Cell {
+        double seconds = 0;
+        Eigen::Vector3d impulse_Ns = Eigen::Vector3d::Zero();
+        void fields(StateBytes& state) noexcept { state(seconds, impulse_Ns); }
+    };
+    Cell newest_, cell_[most_cells];
+    int first_ = 0;  ///< the newest of them, the next one is older
+};
+
 /// The last stage of a tick, at the device's port. With F_n the force that goes out in tick n and dt the period:
 ///
 ///   1. A fault makes the force zero at once, and so does whoever stops it. A tick that comes later than half of
@@ -51,9 +74,8 @@ struct SafetyCounters {
 /// a fault breaks the second.
 ///
 /// Energy. A force is held for one tick while the hand moves by dx, so the port gives exactly F dx. A device whose positions come less often than ticks
-/// (DeviceSample::age_s tells) has its dx judged by the time between these, and F is the mean of what was held meanwhile, as if the hand had moved evenly;
-/// what has not been measured yet is in no book. Of a position that is old when it is used (age_s) the motion is booked with the force of a later time, so that what a late device
-/// gives is not seen: the bound below holds for positions measured in their tick, and of older ones for the part that is seen. E_n is the sum of
+/// (DeviceSample::age_s tells), or are old when they are used, has its dx judged by the time between the two measurements, and F is the mean of what was held between them, as if the hand had
+/// moved evenly. What has not been measured yet is in no book: of a device whose positions are old all that is given since the last of them. E_n is the sum of
 /// that, credit of ended contacts left out; a surplus fades with the time constant surplus_fades_s, so that the tissue is stiff again
 /// some seconds after a disturbance. A tick that finds its force let go books the worst instead. The motion of a
 /// fault, which nobody measured, is not counted. With
@@ -63,7 +85,7 @@ struct SafetyCounters {
 /// r_n >= 1 is the longest time between two ticks, or since the position in use was measured, in periods, since E + W was last within B: 1 while ticks are on time and bring
 /// positions of their own (a tick that comes early counts as a whole one), and never more than hold_s / dt, of a device whose positions come less often (hold_s + stale_s) / dt. By default B = 0.028 J and
 /// r B <= 0.28 J. What fades may be given anew: at most r B / surplus_fades_s, 6 mW of ticks on time.
-/// This bound is for every device and hand whose positions are measured in their tick. That a hand comes to rest on the tissue is not its work, and the controller has none to do then: see
+/// This bound is for every device and hand whose positions are as old as they say. That a hand comes to rest on the tissue is not its work, and the controller has none to do then: see
 /// contact_damping_s (haptic/dynamics.h) and DeviceImpedance.
 /// Construction: when tick n + 1 comes after r dt at most, the hand has moved by speed_max r dt at most, or it is a
 /// fault: E grows by |F_n| speed_max r dt at most (of several ticks between two positions by their mean force times that, which is no more where force has come down in between). Then |F_{n+1}| is at most the C with r W(C) = r B - E_{n+1}, which is
@@ -95,7 +117,7 @@ class Safety {
     void go_on_from(const Safety& other) noexcept;
 
     void fields(StateBytes& state) noexcept {
-        state(counters_, force_N_, position_m_, motion_m_, has_position_, has_motion_, jumped_, elapsed_s_, since_good_s_, between_s_, impulse_Ns_, held_for_s_, observed_J_, lateness_);
+        state(counters_, force_N_, held_, position_m_, motion_m_, has_position_, has_motion_, jumped_, unknown_way_, elapsed_s_, since_good_s_, between_s_, observed_J_, lateness_);
     }
     const SafetyCounters& counters() const { return counters_; }
     const Eigen::Vector3d& force_N() const { return force_N_; }
@@ -108,22 +130,18 @@ class Safety {
     double releasable_N(double energy_J) const noexcept;     ///< its inverse
     void let_go(double elapsed_s) noexcept;
     bool follow(const Eigen::Vector3d& position_m, double age_s) noexcept;
-    void forget_impulse() noexcept {
-        impulse_Ns_.setZero();
-        held_for_s_ = 0;
-    }
 
     SafetyOptions o_;
     SafetyCounters counters_;
     Eigen::Vector3d force_N_ = Eigen::Vector3d::Zero();     ///< that went out last, and is still there
+    HeldForces held_;                                       ///< up to now
     Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero();  ///< last good one
     Eigen::Vector3d motion_m_ = Eigen::Vector3d::Zero();    ///< in one period, as the hand moved in the tick behind
     bool has_position_ = false, has_motion_ = false, jumped_ = false;
+    bool unknown_way_ = false;                              ///< a fault since the last good position: nobody measured how the hand came to the next one
     double elapsed_s_;                                      ///< of the tick behind
     double since_good_s_ = 0;                               ///< since the last good position was measured
     double between_s_ = 0;
-    Eigen::Vector3d impulse_Ns_ = Eigen::Vector3d::Zero();  ///< of the force since that position was used,
-    double held_for_s_ = 0;                                 ///< in so long
     double observed_J_ = 0;
     double lateness_ = 1;
 };

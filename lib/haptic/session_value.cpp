@@ -23,7 +23,7 @@ Simulation::Simulation(const Simulation& other) : Simulation(other.model_) {
 
 void Simulation::fields(StateBytes& state) noexcept {
     DeviceImpedance& device = options_.device;
-    state(options_.map, device_m_, device.mass_kg, device.damping_Ns_m, device.stiffness_N_m, device.force_max_N, safety_, due_s_, period_s_, same_position_s_, expected_s_, has_master_, clutched_,
+    state(options_.map, device_m_, device.mass_kg, device.damping_Ns_m, device.stiffness_N_m, device.force_max_N, safety_, due_s_, period_s_, went_s_, cost_, same_position_s_, old_s_, expected_s_, has_master_, clutched_,
           taken_over_, carried_N_, states_, contact_, touched_, coupling_N_m_, tool_memory_, tool_m_, velocity_m_s_, slid_m_, slide_m_s_, touched_m_, friction_, armed_, sound_, rested_s_,
           reset_, untouched_s_, set_, counters_, record_);
     for (const auto& law : laws_)
@@ -154,6 +154,8 @@ void Simulation::take_over(const Simulation& from) noexcept {
     velocity_m_s_ = from.velocity_m_s_;
     expected_s_ = from.expected_s_;
     same_position_s_ = from.same_position_s_;
+    old_s_ = from.old_s_;
+    went_s_ = 0;  // its ticks cost what they will
     tool_m_ = tool_at_the_end(record_.master_m) - period_s_ * velocity_m_s_;
     taken_over_ = true;
     friction_.become(options_.friction = from.options_.friction);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "flush_denormals.h"
@@ -49,11 +50,15 @@ Simulation::Simulation(const HapticModel& model)
 
 void Simulation::law_changed() noexcept {
     if (touched_ < 0 || !model_.is_law()) return;
-    const auto m = static_cast<std::size_t>(touched_);
-    const bool remembers = !tool_memory_[m].empty();
-    if (remembers) changed_ = tool_;
+    Point push_m[2];  // before the contact becomes another
+    for (std::size_t m = 0; m < tool_memory_.size(); ++m)
+        if (!tool_memory_[m].empty())
+            push_m[m] = static_cast<int>(m) == touched_ ? Point(record_.master_m - model_.meshes[m]->place_m - touched_m_)
+                                                        : tool_.push_at(-record_.coupling_N, states_[m].displacement, &tool_memory_[m]);
+    changed_ = tool_;
     laws_[0]->contact(contact_.where.facet, contact_.where.weight, tool_);
-    if (remembers) tool_.take_over(changed_, record_.master_m - model_.meshes[m]->place_m - touched_m_, states_[m].displacement, tool_memory_[m]);
+    for (std::size_t m = 0; m < tool_memory_.size(); ++m)
+        if (push_m[m].size() > 0) tool_.take_over(changed_, push_m[m], states_[m].displacement, tool_memory_[m]);
 }
 
 void Simulation::reset() noexcept {
@@ -90,6 +95,17 @@ static double since_last_s(double elapsed_s, const HapticOptions& o) noexcept {
     return std::isfinite(o.safety.hold_s) ? std::min(o.safety.hold_s, longest_s) : force_held_s;
 }
 
+/// Time that is owed can be made up for while a tick costs less than half of the time that it goes through. Where it costs more, in two ticks one after the other (one alone was interrupted), a tick
+/// that goes through all that is owed makes the next one later, which owes more. Then a tick may cost `share` of the time since the last one, and always goes through dt: ticks
+/// become short again whatever they were before, and what is owed beyond that is lost.
+void Simulation::keep_ticks_short(double since_s, double cost_s) noexcept {
+    constexpr double share = 0.45;
+    if (went_s_ > 0) cost_[0] = std::exchange(cost_[1], std::max(0.0, cost_s) / went_s_);
+    const double least = cost_s > 0 ? std::min(cost_[0], cost_[1]) : 0;
+    longest_s_ = least > share ? std::max(model_.options.dt_s, share * since_s / least) : std::numeric_limits<double>::infinity();
+    went_s_ = 0;
+}
+
 /// The tissue has to come to the end of the time in which this tick's force is held, which will be as long as the ticks before were.
 void Simulation::time_passes(double seconds) noexcept {
     constexpr double longest_debt_s = 0.5;
@@ -109,27 +125,38 @@ int Simulation::steps_due(std::size_t m) noexcept {
     const HapticMesh& mesh = *model_.meshes[m];
     const double h = model_.options.dt_s / mesh.substeps, left_s = due_s_[m] - model_.options.dt_s + period_s_;
     const double most = std::max(most_periods * model_.options.dt_s, 2 * period_s_) / h;  // or a slow host would never catch up
-    const int steps = static_cast<int>(std::clamp(std::round(left_s / h), 0.0, std::round(most)));
+    const double due = std::max(0.0, std::round(left_s / h)), longest = std::floor(longest_s_ / h * (1 + 1e-9));
+    if (due > longest) {
+        const double lost_s = (due - longest) * h;
+        due_s_[m] -= lost_s;
+        if (m == 0) {
+            counters_.lost_s += lost_s;
+            untouched_s_ = std::max(0.0, untouched_s_ - lost_s);
+        }
+    }
+    const int steps = static_cast<int>(std::min({due, longest, std::round(most)}));
     due_s_[m] -= steps * h;
+    went_s_ = std::max(went_s_, steps * h);
     return steps;
 }
 
-Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s) noexcept {
+Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s, double cost_s) noexcept {
     const FlushDenormals mode;
-    return advance(sample, elapsed_s);
+    return advance(sample, elapsed_s, cost_s);
 }
 
 /// How fast the master is. A hand faster than speed-max is none, nor is one whose way since its last position nobody knows.
-void Simulation::follow_hand(const Point& moved_m) noexcept {
+void Simulation::follow_hand(const Point& moved_m, double age_s) noexcept {
     const HapticOptions& o = options_;
     const double most = o.safety.speed_max_m_s * o.map.scale, between_s = safety_.between_s();
     if (!safety_.has_motion()) {
         velocity_m_s_.setZero();
-        expected_s_ = same_position_s_ = 0;
+        expected_s_ = same_position_s_ = old_s_ = 0;
     } else if (between_s > 0) {
         velocity_m_s_ += std::min(1.0, between_s / o.dt_s) * (moved_m / between_s - velocity_m_s_);
         expected_s_ = std::min(between_s, o.safety.stale_s);
         same_position_s_ = 0;
+        old_s_ = std::clamp(age_s, 0.0, o.dt_s);
     }
     const double speed = velocity_m_s_.norm();
     if (!std::isfinite(speed))
@@ -139,13 +166,13 @@ void Simulation::follow_hand(const Point& moved_m) noexcept {
 }
 
 /// Where the hand will be at the end of the time in which this tick's force is held. Where its positions come less often than ticks it goes on meanwhile, but
-/// not for longer than from one to the next.
+/// not for longer than from one to the next. Of how old a position was when it came, dt at most: farther ahead the noise of a speed is larger than what it tells.
 Point Simulation::tool_at_the_end(const Point& master_m) const noexcept {
-    return master_m + (period_s_ + std::min(same_position_s_, expected_s_)) * velocity_m_s_;
+    return master_m + (period_s_ + old_s_ + std::min(same_position_s_, expected_s_)) * velocity_m_s_;
 }
 
 /// In the mode of tick(): out of line, so that nothing of it is computed before or after.
-__attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample& sample, double elapsed_s) noexcept {
+__attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample& sample, double elapsed_s, double cost_s) noexcept {
     const HapticOptions& o = options_;
     if (sample.reset) reset();
     const TickRecord last = record_;
@@ -157,6 +184,7 @@ __attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample
     record_.time_s = last.time_s;
     const double since_s = since_last_s(elapsed_s, o);
     time_passes(since_s);
+    keep_ticks_short(since_s, cost_s);
     same_position_s_ += since_s;
     record_.device_m = sample.position_m.allFinite() ? sample.position_m : last.device_m;
     record_.master_m = last.master_m;
@@ -170,7 +198,7 @@ __attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample
     record_.master_m = master;
     device_m_ = sample.position_m;
     has_master_ = true;
-    follow_hand(master - last.master_m);
+    follow_hand(master - last.master_m, sample.age_s);
 
     // 4.2 collision detection
     if (lost) return stop(TickStatus::diverged);

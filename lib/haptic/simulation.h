@@ -130,7 +130,7 @@ struct HapticCounters {
     long long ticks = 0;
     long long folded = 0;         ///< surface not simple, in contact the touched one, or two meshes over each other: no inside, no force
     long long unstable = 0;       ///< a node not finite, or 1 km away; or a law that nothing touches and that does not come back: meshes put to rest
-    double lost_s = 0;            ///< time that passed and that the tissue did not go through: a stall too long to be made up for
+    double lost_s = 0;            ///< time that passed and that the tissue did not go through: a stall too long to be made up for, or ticks that cost more than their time
     long long unarmed = 0;        ///< inside tissue, but the master has not been outside since the start or a fault
 
     void fields(StateBytes& state) noexcept { state(ticks, folded, unstable, lost_s, unarmed); }
@@ -174,13 +174,15 @@ class Simulation {
     void check_take_over(const Simulation& from) const;
 
     /// One step of Sec. 4: device position in, device force out [N]. elapsed_s: since the last tick, an hour at most; 0 means dt; negative or not
-    /// finite: unknown, taken for as long as the device holds a force (force_held_s where it holds it for ever). In it denormals are zero; the caller's floating-point mode is as it was (flush_denormals.h).
-    Eigen::Vector3d tick(const DeviceSample& sample, double elapsed_s = 0) noexcept;
+    /// finite: unknown, taken for as long as the device holds a force (force_held_s where it holds it for ever). cost_s: how long the tick before took by the clock that elapsed_s is of; 0: elapsed_s is of no clock,
+    /// or nobody knows, and ticks may cost what they will. In it denormals are zero; the caller's floating-point mode is as it was (flush_denormals.h).
+    Eigen::Vector3d tick(const DeviceSample& sample, double elapsed_s = 0, double cost_s = 0) noexcept;
 
     /// In place of a tick: everything stays as it is, and no force goes out [N].
     Eigen::Vector3d stand_still() noexcept;
 
     const TickRecord& record() const { return record_; }
+    double went_s() const { return went_s_; }  ///< through which the tissue went in the last tick
     const HapticCounters& counters() const { return counters_; }
     const Friction& friction() const { return friction_; }
     const Safety& safety() const { return safety_; }
@@ -211,12 +213,13 @@ class Simulation {
     double rested_s() const { return rested_s_; }  ///< when they were last put to rest, and remembered nothing
 
    private:
-    Eigen::Vector3d advance(const DeviceSample& sample, double elapsed_s) noexcept;
+    Eigen::Vector3d advance(const DeviceSample& sample, double elapsed_s, double cost_s) noexcept;
     void time_passes(double seconds) noexcept;
+    void keep_ticks_short(double since_s, double cost_s) noexcept;
     void fields(StateBytes& state) noexcept;
     void lead_to(const Simulation& from);
     void forget_taken_over() noexcept;
-    void follow_hand(const Point& moved_m) noexcept;
+    void follow_hand(const Point& moved_m, double age_s) noexcept;
     Point tool_at_the_end(const Point& master_m) const noexcept;
     int steps_due(std::size_t mesh) noexcept;
     void place_surfaces() noexcept;
@@ -246,7 +249,11 @@ class Simulation {
     Safety safety_;
     std::vector<double> due_s_;   ///< how far each mesh is behind a period after now
     double period_s_;             ///< mean time between ticks: as long as a force is held
+    double went_s_ = 0;           ///< through which the meshes went in the last tick
+    double cost_[2] = {0, 0};     ///< of a tick, over the time that its meshes went through, the last two; 0: not known
+    double longest_s_ = 0;        ///< through which meshes may go in this tick
     double same_position_s_ = 0;  ///< that the device has said nothing new for
+    double old_s_ = 0;            ///< how old that position was when it came, dt at most
     double expected_s_ = 0;       ///< between two positions that it measured
     Eigen::Vector3d device_m_ = Eigen::Vector3d::Zero();  ///< the last position that was good
     bool has_master_ = false;     ///< there was one

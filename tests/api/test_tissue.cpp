@@ -2,7 +2,9 @@
 #include "api/tissue.h"
 
 #include <catch2/catch.hpp>
+#include <algorithm>
 #include <cfenv>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -340,4 +342,38 @@ TEST_CASE("one model serves many sessions, which can be saved, copied, changed a
     CHECK(tissue_clutch(nullptr, 1) == TISSUE_BAD_ARGUMENT);
     CHECK(tissue_follow(nullptr, nullptr, nullptr) == TISSUE_BAD_ARGUMENT);
     CHECK(tissue_take_over(nullptr, nullptr) == TISSUE_BAD_ARGUMENT);
+}
+
+TEST_CASE("a host in C whose ticks cost more than their time keeps them short and loses the tissue's time; one that plays another time loses none", "[api]") {
+    const TemporaryFolder folder;
+    const std::string file = model_file(folder, law_example(make_lattice("grid8", 40, 40, 0.1, 0.1)));
+    using Clock = std::chrono::steady_clock;
+    const double at[3] = {0.05, 0.098, 0};
+    struct Run {
+        double median_s;
+        long long lost_ms;
+    };
+    const auto play = [&](double elapsed_s, bool by_the_clock) {  // elapsed_s: of the first tick, or of every one
+        const Session session(file, {"dt", "2e-6"});
+        std::vector<double> took;
+        for (Clock::time_point begin = Clock::now(), last = begin; last - begin < std::chrono::milliseconds(300);) {
+            double force[3];
+            tissue_tick(session.s, at, elapsed_s, force);
+            const Clock::time_point now = Clock::now();
+            took.push_back(std::chrono::duration<double>(now - last).count());
+            if (by_the_clock) elapsed_s = took.back();
+            last = now;
+        }
+        std::nth_element(took.begin(), took.begin() + static_cast<long>(took.size() / 2), took.end());
+        Run run{took[took.size() / 2], -1};
+        CHECK(tissue_count(session.s, "lost_ms", &run.lost_ms) == TISSUE_OK);
+        return run;
+    };
+    const Run usual = play(0, false), late = play(2e-6, true), replay = play(4e-6, false);
+    INFO(1e6 * usual.median_s << " us a tick of one step, " << 1e6 * late.median_s << " us late, of which " << late.lost_ms << " ms are lost, " << 1e6 * replay.median_s << " us of another time");
+    REQUIRE(usual.median_s > 5e-6);
+    CHECK(late.median_s < 2 * usual.median_s);
+    CHECK(late.lost_ms > 50);
+    CHECK(replay.median_s > 4e-6);  // more than its time, which is not the clock's
+    CHECK(replay.lost_ms == 0);
 }

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <random>
 #include <string>
 #include <vector>
@@ -28,6 +29,7 @@ constexpr Hand hands[] = {
 struct Clock {
     const char* name;
     double jitter_s, late_share;  ///< a late tick comes one to three periods late
+    double age_s = 0;             ///< of a position when it is used
 };
 
 constexpr Clock clocks[] = {{"on time", 0, 0}, {"jitter 0.3 ms", 3e-4, 0}, {"2 % late", 0, 0.02}};
@@ -104,6 +106,7 @@ class HandLoop {
             for (int k = 0; k < steps; ++k) {
                 v = (v + h * (applied(time + k * h, x, v) + force) / hand_.mass_kg) / (1 + h * hand_.damping_Ns_m / hand_.mass_kg);
                 x += h * v;
+                way_.emplace_back(now_s_ + (k + 1) * h, x);
                 book(h * force.dot(v));
             }
             time += until;
@@ -127,7 +130,11 @@ class HandLoop {
    private:
     void tick(double seconds) {
         DeviceSample sample;
-        sample.position_m = x;
+        now_s_ += seconds;
+        way_.emplace_back(now_s_, x);
+        while (way_.size() > 1 && way_[1].first <= now_s_ - clock_.age_s + 1e-9) way_.pop_front();
+        sample.position_m = way_.front().second;
+        sample.age_s = clock_.age_s;
         force = simulation.tick(sample, seconds);
         faults += simulation.record().fault;
         ++ticks;
@@ -142,7 +149,8 @@ class HandLoop {
     Hand hand_;
     Clock clock_;
     std::mt19937_64 random_{2008};
-    double offset_ = 0;
+    double offset_ = 0, now_s_ = 0;
+    std::deque<std::pair<double, Eigen::Vector3d>> way_;  ///< of the hand, as far back as positions are old
 };
 
 /// A hand that is led to just inside of the surface, let go and rests.

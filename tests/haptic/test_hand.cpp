@@ -102,6 +102,25 @@ TEST_CASE("a hand with mass comes to rest on the tissue, where the tissue's own 
     }
 }
 
+TEST_CASE("a hand comes to rest also where its positions are old when they are used, up to one dt", "[hand]") {
+    const TissueModel tissue = law_example();
+    const FreeSurface surface(tissue.mesh);
+    const HapticModel model(tissue, alone());
+    for (const double age_s : {3e-4, 1e-3})
+        for (const Hand& hand : hands) {
+            Release release;
+            const FreeSurface::Place place = surface.nearest(Eigen::Vector2d(0.052, 0.1));
+            release.contact_m = place.point_m;
+            release.inward = place.inward;
+            const Rest rest = let_go(model, hand, {"old", 0, 0, age_s}, release);
+            INFO(hand.name << ", " << 1e3 * age_s << " ms old: swing " << 1e3 * rest.swing_m << " mm, " << rest.swing_N << " N of " << rest.force_N << " N, controller in " << 100 * rest.controlled << " %");
+            REQUIRE(rest.contact);
+            CHECK(rest.faults == 0);
+            CHECK(rest.swing_m < 1e-4);
+            CHECK(rest.swing_N < 0.05 * rest.force_N);
+        }
+}
+
 TEST_CASE("who taps, lets go or drags gets no energy out of the tissue, and nothing trembles", "[hand]") {
     for (const bool relaxes : {false, true})
         for (const double friction : {std::numeric_limits<double>::infinity(), 0.3}) {
@@ -324,6 +343,162 @@ TEST_CASE("no time is lost to a host that is slower than the device's step", "[h
         for (int k = 0; k < 4 * rate_Hz; ++k) s.tick(sample, 1 / rate_Hz);
         CHECK(s.counters().lost_s == 0);
         CHECK(s.record().time_s == Approx(4));
+    }
+}
+
+namespace {
+
+/// A host whose tick takes so long a share of the time that the tissue goes through in it. The next one comes at once when it is due, or, as the loop has it, with the next period.
+struct Host {
+    Simulation& s;
+    double period_s, share;
+    bool by_schedule;
+    double elapsed_s = period_s, cost_s = 0, time_s = 0, went_s = 0;
+
+    void tick(double stall_s = 0) {
+        DeviceSample sample;
+        sample.position_m = led(0.4);
+        s.tick(sample, elapsed_s, cost_s);
+        time_s += elapsed_s;
+        went_s += s.went_s();
+        cost_s = share * s.went_s();
+        const double busy_s = cost_s + stall_s;
+        elapsed_s = by_schedule ? period_s * std::max(1.0, std::ceil(busy_s / period_s - 1e-9)) : std::max(period_s, busy_s);
+    }
+};
+
+}  // namespace
+
+TEST_CASE("ticks that cost more than their time stay short, and the time that the tissue loses is told", "[hand]") {
+    HapticOptions options = alone();
+    options.safety.hold_s = 1;
+    const HapticModel model(law_example(), options);
+    for (const double share : {0.95, 1.05, 1.1, 1.5, 3.0})
+        for (const bool by_schedule : {true, false})
+            for (const double stall_s : {0.0, 0.03, 2.0}) {
+                Simulation s(model);
+                Host host{s, 1e-3, share, by_schedule};
+                double longest_s = 0;
+                for (int k = 0; k < 2000; ++k) {
+                    host.tick(k == 1000 ? stall_s : 0);
+                    if (k > 300 && (k < 1000 || k > 1100)) longest_s = std::max(longest_s, host.cost_s);
+                }
+                INFO("a tick costs " << share << " of its time, " << (by_schedule ? "by a schedule" : "at once") << ", a stall of " << stall_s << " s: " << 1e3 * longest_s << " ms, lost " << s.counters().lost_s << " of "
+                                     << host.time_s << " s, went " << host.went_s << " s");
+                CHECK(longest_s < 1.01e-3 * share);
+                CHECK(s.counters().lost_s == Approx(host.time_s - host.went_s).margin(0.005));
+                if (share > 1) CHECK(s.counters().lost_s > 0.02 * host.time_s);
+                CHECK(s.record().time_s == Approx(host.time_s));
+            }
+}
+
+TEST_CASE("a host that is slow by its own choice loses no time, nor does one that stalls", "[hand]") {
+    HapticOptions options = alone();
+    options.safety.hold_s = 1;
+    const HapticModel model(law_example(), options);
+    for (const double share : {0.05, 0.4})
+        for (const double period_s : {1e-3, 0.01, 0.02})
+            for (const bool by_schedule : {true, false}) {
+                Simulation s(model);
+                Host host{s, period_s, share, by_schedule};
+                for (int k = 0; k < 1000; ++k) host.tick(k == 500 ? 0.03 : 0);
+                INFO(period_s << " s, a tick costs " << share << " of its time" << (by_schedule ? ", by a schedule" : ""));
+                CHECK(s.counters().lost_s == 0);
+                CHECK(host.went_s == Approx(host.time_s).margin(0.03));
+                CHECK(host.cost_s == Approx(share * period_s).epsilon(0.2));
+            }
+}
+
+TEST_CASE("a tick that was interrupted once is made up for", "[hand]") {
+    HapticOptions options = alone();
+    options.safety.hold_s = 1;
+    const HapticModel model(law_example(), options);
+    Simulation s(model);
+    DeviceSample sample;
+    sample.position_m = led(0.4);
+    double went_s = 0, time_s = 0;
+    for (int k = 0; k < 200; ++k) {
+        const double elapsed_s = k == 100 ? 0.03 : 1e-3;
+        s.tick(sample, elapsed_s, k == 100 ? 0.0299 : 1e-4);
+        went_s += s.went_s();
+        time_s += elapsed_s;
+    }
+    CHECK(s.counters().lost_s == 0);
+    CHECK(went_s == Approx(time_s).margin(2e-3));
+}
+
+TEST_CASE("the energy log has what a late hand is given by its true motion", "[hand]") {
+    for (const double late_s : {3e-4, 1e-3, 0.0104, 0.03})
+        for (const double jitter_s : {0.0, 3e-4}) {
+            HapticOptions options = alone(2);
+            options.safety.passivity = false;  // the log alone, whatever it is
+            const HapticModel model(law_example(), options);
+            Simulation s(model);
+            Draw draw(2008);
+            const double dt = options.dt_s;
+            const auto hand = [&](double time) { return Eigen::Vector3d(0.052, 0.096 + 0.003 * std::cos(2 * 3.14159265 * 5 * time) + 0.006 * std::clamp(1 - time / 0.1, 0.0, 1.0), 0); };
+            double given_J = 0, most_J = 0;
+            std::vector<double> given_by;  // at each tick
+            for (int k = 0; k < 1500; ++k) {
+                const double time = k * dt, age = late_s + (jitter_s > 0 ? draw(-jitter_s, jitter_s) : 0);
+                DeviceSample sample;
+                sample.position_m = hand(time - age);
+                sample.age_s = age;
+                const Eigen::Vector3d force = s.tick(sample);
+                given_by.push_back(given_J);
+                given_J += force.dot(hand(time + dt) - hand(time));
+                most_J = std::max(most_J, std::abs(given_J));
+            }
+            REQUIRE(s.safety().counters().stale + s.safety().counters().jump == 0);
+            const double known_J = given_by[given_by.size() - 1 - static_cast<std::size_t>(std::lround(late_s / dt))];
+            INFO(1e3 * late_s << " ms late, jitter " << 1e3 * jitter_s << " ms: " << known_J << " J were given, " << s.safety().counters().energy_given_J << " J are in the log; " << most_J);
+            REQUIRE(most_J > 0.003);
+            CHECK(s.safety().counters().energy_given_J == Approx(known_J).margin(0.02 * most_J));
+        }
+}
+
+TEST_CASE("springs with several steps a tick press alike at any rate, and at one that changes", "[hand]") {
+    for (const double stiffer : {1.0, 8.0}) {
+        ExampleModel example;
+        example.spread = 0;  // which of two sets is nearest may differ at a rate of its own
+        example.stiffer = stiffer;
+        HapticOptions options = alone(20);
+        options.dynamics = "symplectic";
+        options.safety.hold_s = 1;
+        const HapticModel model(haptic_example(example), options);
+        const HapticMesh& mesh = *model.meshes[0];
+        REQUIRE(mesh.substeps > 1);
+        REQUIRE(mesh.contact_damping_s == contact_damping_s(1e-3, mesh.substeps));  // however many steps that takes
+        const std::vector<double> usual = held_force(model, 1000);
+        constexpr std::size_t after_landing = 25;
+        INFO(mesh.substeps << " steps a tick, lead " << mesh.lead);
+        for (const double rate_Hz : {250.0, 500.0, 4000.0, 8000.0}) {
+            INFO(rate_Hz << " Hz");
+            CHECK(largest_difference(usual, held_force(model, rate_Hz), after_landing) < 0.02);
+        }
+        // the rate changes while it presses
+        Simulation s(model), on_time(model);
+        Draw draw(2008);
+        double time = 0, ticked = 0;
+        DeviceSample sample;
+        int faults = 0;
+        for (int k = 0; k < 1000; ++k) {
+            time += 1e-3;
+            sample.position_m = led(time);
+            on_time.tick(sample);
+            const double rate_Hz[] = {1000, 250, 4000, 500, 8000};
+            const double period = 1 / rate_Hz[k / 100 % 5];
+            while (ticked + period <= time + 1e-9) {
+                ticked += period;
+                sample.position_m = led(ticked);
+                s.tick(sample, period);
+                faults += s.record().fault;
+            }
+            if (k > 400 && k % 100 > 60) CHECK(s.record().coupling_N.norm() == Approx(on_time.record().coupling_N.norm()).epsilon(0.02));
+        }
+        CHECK(faults == 0);
+        CHECK(s.counters().unstable == 0);
+        CHECK(on_time.record().coupling_N.norm() > 1e-3);
     }
 }
 

@@ -212,6 +212,49 @@ TEST_CASE("a law that becomes stiffer under a held contact has the force of one 
     CHECK(force_N == Approx(wanted_N).epsilon(0.01));
 }
 
+TEST_CASE("a law that becomes stiffer while the mesh beside it is pressed goes on as if it had been so and got as much more force", "[adapt][memory]") {
+    const TissueModel law = relaxing(law_example()), other = stiffer(law, std::log(1.5));
+    HapticOptions options = options_for_learning();
+    options.heuristic_mesh = true;
+    const HapticModel changes(law, options), was(other, options);
+    const double place_m = changes.meshes[1]->place_m[0];
+    const auto tick = [&](Simulation& s, double depth_m) { s.tick(sample_at(place_m + 0.05, 0.1 - depth_m)); };
+    const auto press = [&](Simulation& s, double depth_m, double to_m, int ticks) {
+        for (int k = 1; k <= ticks; ++k) {
+            const double t = std::min(1.0, k / 150.0);
+            tick(s, depth_m + t * t * (3 - 2 * t) * (to_m - depth_m));
+        }
+    };
+    constexpr double shallow_m = 0.001;
+    Simulation a(changes), probe(was);
+    tick(a, -0.004), tick(probe, -0.004);
+    press(a, -0.004, shallow_m, 3000);
+    REQUIRE(a.record().mesh == 1);
+    const double force_N = a.record().coupling_N.norm(), at_first_m = a.displacement_at_contact(0).norm();
+    // how deep the tool is where the springs beside answer with half as much more
+    double low_m = shallow_m, high_m = 3 * shallow_m;
+    for (int k = 0; k < 12; ++k) {
+        const double middle_m = (low_m + high_m) / 2;
+        Simulation s(probe);
+        press(s, -0.004, middle_m, 1500);
+        (s.record().coupling_N.norm() < 1.5 * force_N ? low_m : high_m) = middle_m;
+    }
+    Simulation b(was);
+    tick(b, -0.004);
+    press(b, -0.004, low_m, 3000);
+    REQUIRE(b.record().coupling_N.norm() == Approx(1.5 * force_N).epsilon(0.01));
+    REQUIRE(b.displacement_at_contact(0).norm() == Approx(at_first_m).epsilon(0.01));
+
+    a.law()->become(RealtimeLaw(other, changes.meshes[0]->springs).stiffness());
+    a.law_changed();
+    press(a, shallow_m, shallow_m, 1000);
+    press(b, low_m, shallow_m, 1000);
+    REQUIRE(b.record().coupling_N.norm() == Approx(force_N).epsilon(0.01));
+    const double now_m = a.displacement_at_contact(0).norm(), wanted_m = b.displacement_at_contact(0).norm();
+    INFO("from " << at_first_m << " m to " << now_m << " m, wanted " << wanted_m << " m");
+    CHECK(now_m == Approx(wanted_m).epsilon(0.01));
+}
+
 TEST_CASE("tissue that relaxes is read right in a contact during which the law becomes another", "[adapt][memory]") {
     const TissueModel law = relaxing(law_example());
     TissueModel truth = law;

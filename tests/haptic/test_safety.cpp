@@ -40,6 +40,30 @@ TEST_CASE("no force above the limit goes out, and its direction stays", "[safety
     CHECK(safety.counters().force_max_N == Approx(3.3));
 }
 
+TEST_CASE("a position that is given once more by a clock that jitters is no new one", "[safety]") {
+    Safety safety(wide());
+    Draw draw(7);
+    int fresh = 0;
+    for (int k = 0; k < 1000; ++k) {
+        const int measured = k / 10 * 10;
+        DeviceSample sample = sample_at(1e-5 * measured, 0);
+        sample.age_s = 1e-3 * (k - measured) + (k > measured ? draw(-2e-4, 2e-4) : 0);
+        safety.admit(sample, 1e-3);
+        fresh += safety.between_s() > 0;
+    }
+    CHECK(fresh == 99);
+    // a hand that holds still, measured with every tick
+    for (const double elapsed_s : {1e-3, 1.25e-4}) {
+        Safety still(wide());
+        fresh = 0;
+        for (int k = 0; k < 100; ++k) {
+            still.admit(sample_at(0, 0), elapsed_s);
+            fresh += still.between_s() > 0;
+        }
+        CHECK(fresh == 99);
+    }
+}
+
 TEST_CASE("a force that is not finite becomes none", "[safety]") {
     Safety safety(wide());
     safety.admit(sample_at(0, 0), 1e-3);

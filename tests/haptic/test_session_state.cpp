@@ -125,6 +125,18 @@ TEST_CASE("a session that was saved, restored or copied goes on bit for bit", "[
     }
 }
 
+TEST_CASE("a copy knows whether kinetic friction is of its own, also where it is the static one", "[state]") {
+    for (const bool own : {true, false}) {
+        HapticOptions options = alone();
+        options.friction.stick = 0.3;
+        if (own) options.friction.slip = 0.3;
+        const HapticModel model(law_example(), options);
+        const Simulation s(model), copy(s);
+        CHECK(copy.options().friction.slip == s.options().friction.slip);
+        CHECK(copy.friction().options().slip == options.friction.slip);
+    }
+}
+
 TEST_CASE("bytes that are no state of such a session are refused, and it stays as it was", "[state]") {
     const TissueModel tissue = law_example();
     const HapticModel model(tissue, alone());

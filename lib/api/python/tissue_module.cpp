@@ -17,6 +17,7 @@
 #include "error.h"
 #include "eval/closed_loop.h"
 #include "haptic/session_options.h"
+#include "haptic/tick_clock.h"
 #include "parallel.h"
 #include "springs/law_press.h"
 #include "springs/push_refusal.h"
@@ -117,6 +118,7 @@ struct Session {
     std::shared_ptr<const TissueModel> tissue;
     std::shared_ptr<const HapticModel> model;  // of this session and its copies
     Simulation simulation;
+    TickClock clock;
     std::recursive_mutex guard;
     Session(std::shared_ptr<const TissueModel> t, const HapticOptions& options)
         : tissue(std::move(t)), model(std::make_shared<HapticModel>(*tissue, options)), simulation(*model) {}
@@ -126,7 +128,9 @@ struct Session {
         DeviceSample sample;
         sample.position_m = position_m;
         sample.age_s = age_s;
-        return simulation.tick(sample, elapsed_s);
+        const Eigen::Vector3d force = simulation.tick(sample, elapsed_s, clock.start(elapsed_s));
+        clock.end();
+        return force;
     }
 };
 
