@@ -109,6 +109,7 @@ bool Safety::follow(const Eigen::Vector3d& position_m, double age_s) noexcept {
     const double time = std::max(between_s, o_.dt_s);
     const bool jump = has_position_ && !(motion.norm() <= o_.speed_max_m_s * time * rounding);
     position_m_ = position_m;
+    const bool one_force = age_s == 0 && since_good_s_ <= elapsed_s_;  // from tick to tick, which may take no time
     const double before_s = std::max(since_good_s_, age_s + 1e-3 * o_.dt_s);
     since_good_s_ = std::min(since_good_s_, age_s);  // who measured this one before the last one gains no time by that
     has_motion_ = has_position_ && !jump && !jumped_;
@@ -117,7 +118,7 @@ bool Safety::follow(const Eigen::Vector3d& position_m, double age_s) noexcept {
     if (has_position_) {
         between_s_ = std::max(between_s, 1e-3 * o_.dt_s);
         motion_m_ = motion * (o_.dt_s / time);
-        const double given = unknown_way_ ? 0 : held_.mean_N(before_s, age_s).dot(motion);
+        const double given = unknown_way_ ? 0 : (one_force ? force_N_ : held_.mean_N(before_s, age_s)).dot(motion);
         counters_.energy_given_J += given;
         observed_J_ += given;
     } else {

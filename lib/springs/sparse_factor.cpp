@@ -4,11 +4,16 @@
 #include <Eigen/SparseCholesky>
 
 namespace tissue {
+namespace {
+
+constexpr Eigen::Index few = 1500;  // unknowns, of which LDL' is as quick
+
+}  // namespace
 
 struct SparseFactor::Factors {
     Eigen::CholmodSupernodalLLT<Matrix> llt;
     Eigen::SimplicialLDLT<Matrix> ldlt;
-    bool ldlt_analysed = false;
+    bool supernodal = false, ldlt_analysed = false;
 };
 
 SparseFactor::SparseFactor() : factors_(std::make_unique<Factors>()) {
@@ -18,22 +23,27 @@ SparseFactor::SparseFactor() : factors_(std::make_unique<Factors>()) {
 SparseFactor::~SparseFactor() = default;
 
 void SparseFactor::analyse(const Matrix& pattern) {
-    factors_->llt.analyzePattern(pattern);
+    factors_->supernodal = pattern.rows() > few;
+    if (factors_->supernodal) factors_->llt.analyzePattern(pattern);
     factors_->ldlt_analysed = false;
 }
 
 bool SparseFactor::factorise(const Matrix& K) {
-    factors_->llt.factorize(K);
-    definite_ = factors_->llt.info() == Eigen::Success;
-    if (definite_) return true;
+    if (factors_->supernodal) {
+        factors_->llt.factorize(K);
+        definite_ = factors_->llt.info() == Eigen::Success;
+        if (definite_) return true;
+    }
     if (!factors_->ldlt_analysed) factors_->ldlt.analyzePattern(K);
     factors_->ldlt_analysed = true;
     factors_->ldlt.factorize(K);
-    return factors_->ldlt.info() == Eigen::Success;
+    const bool regular = factors_->ldlt.info() == Eigen::Success;
+    definite_ = regular && factors_->ldlt.vectorD().minCoeff() > 0;
+    return regular;
 }
 
 Eigen::MatrixXd SparseFactor::solve(const Eigen::MatrixXd& right) const {
-    if (definite_) return factors_->llt.solve(right);
+    if (definite_ && factors_->supernodal) return factors_->llt.solve(right);
     return factors_->ldlt.solve(right);
 }
 

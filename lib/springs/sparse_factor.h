@@ -6,7 +6,7 @@
 namespace tissue {
 
 /// Factors of symmetric matrices of one pattern, of which the lower triangle is given: supernodal LL' (CHOLMOD; Chen, Davis, Hager and Rajamanickam 2008, ACM
-/// Transactions on Mathematical Software 35: 22) where they are positive definite, else LDL'.
+/// Transactions on Mathematical Software 35: 22) where they are large and positive definite, else LDL'.
 class SparseFactor {
    public:
     using Matrix = Eigen::SparseMatrix<double>;

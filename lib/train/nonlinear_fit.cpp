@@ -29,7 +29,7 @@ struct Memory {
     std::vector<char> lost_here;  ///< where the fit stands, as |f|
     double norm_here = 0;
     Eigen::VectorXd x_here;
-    double most_step;  ///< a longer one is rejected unasked
+    double most_step;
     bool rejected = false;  ///< whether a step was, because it loses a part
 
     int at(const gsl_vector* where) noexcept {

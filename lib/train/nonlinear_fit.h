@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <functional>
 #include <string>
 #include <vector>
@@ -24,7 +25,7 @@ struct FitOptions {
     double step_tolerance = 1e-4;      ///< numbers are logarithms of stiffness: a hundredth of a percent
     double gradient_tolerance = 1e-6;
     double gain_tolerance = 1e-5;      ///< errors no smaller by five millionths of themselves
-    double most_step = 2;              ///< largest change of a number in a step: beyond it contacts are lost, and losing them takes long
+    double most_step = std::numeric_limits<double>::infinity();  ///< largest change of a number in a step; a longer one is rejected unasked
 };
 
 struct FitResult {

@@ -57,6 +57,7 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     options.threads = threads;
     options.disc_radius_m = study.indenter.radius_m;
     if (model.mesh.is_solid()) options.seen = seen_nodes(model.mesh);
+    if (!model.mesh.embedding.empty()) options.fit.most_step = 2;  // from the heuristic longer steps lose contacts, which takes long to find out
     // a measured tissue's material is a guess: terms start from the heuristic that its forces speak for
     double factor = 1;
     if (cases.measurement)

@@ -2,6 +2,7 @@
 # A closed surface in space, end to end: a .geo on its bed, the same as a mesh of tetrahedra and as an .stl, exports, and what
 # is refused with one line.
 . "$(dirname "$0")/common"
+TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}")
 make_copy
 R=$work/results/dome
 study=fem/studies/dome.toml
@@ -114,6 +115,43 @@ check "load paths as NumPy likewise" exported numpy "$out/cases-numpy" "$R/cases
 check "forces of tissue and hand, worked out from the law's tables, are the model's" exported law-csv "$out/model-csv" "$R/model.h5"
 check "and from the NumPy arrays" exported law-numpy "$out/model-numpy" "$R/model.h5" "$out/model-csv"
 check "VTK reads springs and tetrahedra of the pressed law" exported law-vtu "$out/model-vtu" "$R/model.h5" "$out/model-csv"
+
+# ---- the same load paths on an embedded lattice: the solid's nodes move with it, and its bed is held at points
+cat >"$work/fem/studies/lattice.toml" <<'TOML'
+based_on = "dome"
+
+[springs]
+topology = "embedded"
+spacing_m = 0.013
+TOML
+mkdir "$work/results/lattice"
+tissuectl train --study fem/studies/lattice.toml --cases results/dome/cases.h5 --out results/lattice/model.h5
+check "a law on an embedded lattice is trained on a shape's load paths" exited 0
+tissuectl eval --study fem/studies/lattice.toml --model results/lattice/model.h5 --cases results/dome/cases.h5 --out results/lattice/eval.json
+check "and judged" exited 0
+check "its lattice has the solid's volume, its first nodes are the solid's, and held-out contacts have numbers" "$PYTHON" - "$work/results" <<'PY'
+import json, sys
+import h5py
+import numpy as np
+with h5py.File(sys.argv[1] + "/lattice/model.h5") as m, h5py.File(sys.argv[1] + "/dome/model.h5") as e:
+    assert m.attrs["topology"] == b"embedded" and m.attrs["format_version"] == 7, dict(m.attrs)
+    own = e["mesh/nodes"][()]
+    assert np.array_equal(m["mesh/nodes"][: len(own)], own)
+    lattice = m["mesh/lattice"]
+    volume = lattice["fraction"][()].sum() * lattice.attrs["spacing_m"] ** 3
+    assert abs(volume / e["mesh/node_volume"][()].sum() - 1) < 0.01, volume
+    assert (m["node_mass"][: len(own)] == 0).all() and (m["node_mass"][len(own) :] > 0).all()
+    assert len(m["law/constants"]) == len(m["mesh/springs"]) + len(lattice["cubes"]) + len(m["mesh/fixed"])
+loop = json.load(open(sys.argv[1] + "/lattice/eval.json"))["closed_loop"]["held_out"]["learned"]
+assert loop["n"] == 2 and 0 < loop["median"] < 0.5, loop
+PY
+run "$TISSUE_HAPTIC" results/lattice/model.h5 --seconds 0.2
+check "it plays" exited 0
+tissuectl export results/lattice/model.h5 --to vtu --out "$scratch/lattice-vtu"
+check "and goes to vtu" exited 0
+tissuectl export results/lattice/model.h5 --to csv --out "$scratch/lattice-csv"
+check "as tables it is refused" failed
+check "in one line" one_line "embedded lattice is not written as tables"
 
 # ---- a nodule in it: contacts over it and at the mirror image, where there is none
 stone=fem/studies/stone.toml
