@@ -57,6 +57,7 @@ const std::vector<Tool>& tools() {
         {"GSL", "libgsl-dev", "pkg-config --modversion gsl", true, "random numbers"},
         {"xxHash", "libxxhash-dev", "pkg-config --modversion libxxhash", true, "fingerprints of inputs"},
         {"libcsv", "libcsv-dev", "dpkg-query -W -f '${Version}' libcsv-dev", true, "measured data"},
+        {"CHOLMOD", "libsuitesparse-dev", "dpkg-query -W -f '${Version}' libsuitesparse-dev", true, "equilibria in space"},
         {"CLI11", "libcli11-dev", "pkg-config --modversion CLI11", true, "command lines"},
         {"toml++", "libtomlplusplus-dev", "pkg-config --modversion tomlplusplus", true, "studies"},
         {"nlohmann-json", "nlohmann-json3-dev", "pkg-config --modversion nlohmann_json", true, "eval.json"},

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <set>
 
 #include "error.h"
 #include "mesh/mesh_fault.h"
@@ -38,7 +39,7 @@ const MeshNames& names_of(bool solid) {
 
 const DatasetTable& tissue_table(bool solid) {
     static const DatasetTable all = {
-        {"/mesh/nodes", "N x D", Values::place(), "m", "nodes at rest", Rows::distinct},
+        {"/mesh/nodes", "N x D", Values::place(), "m", "nodes at rest; of an embedded solid its own, then its lattice's, which may lie on them"},
         {"/mesh/springs", "S x 2", Values::index("N"), "1", "node pair of each spring", Rows::distinct},
     };
     static const DatasetTable rest = {
@@ -187,6 +188,15 @@ LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
 
 namespace {
 
+/// No two of a mesh's nodes stand at one place; an embedded solid's may stand at its lattice's.
+void refuse_twins(const TableReader& in, const SpringMesh& mesh) {
+    std::set<std::vector<double>> places;
+    for (int node = 0; node < mesh.node_count(); ++node) {
+        if (node == mesh.embedding.node_count()) places.clear();
+        if (!places.insert({mesh.nodes.row(node).begin(), mesh.nodes.row(node).end()}).second) in.refuse("/mesh/nodes", fmt::format("row {} stands twice", node));
+    }
+}
+
 /// in: of the mesh, whose springs and held nodes are read.
 void read_embedding(const Hdf5Reader& file, TableReader& in, SpringMesh& mesh) {
     if (!in.has("/mesh/lattice/cubes")) return;
@@ -296,6 +306,7 @@ TissueModel read_model(const Hdf5Reader& file) {
     mesh.fixed = in.integers("/mesh/fixed");
     if (const auto fault = mesh_fault(mesh)) in.refuse("/mesh/" + fault->part, fault->why);
     if (solid) read_embedding(file, in, mesh);
+    refuse_twins(in, mesh);
     mesh.incident_measure = in.vector(names.incident_measure);
     mesh.node_measure = in.vector(names.node_measure);
     model.node_mass_kg = in.vector("/node_mass");

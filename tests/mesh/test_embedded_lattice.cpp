@@ -8,6 +8,7 @@
 #include "dome.h"
 #include "error.h"
 #include "mesh/cells.h"
+#include "springs/cell_volumes.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
@@ -65,6 +66,38 @@ TEST_CASE("an embedded lattice has the solid's volume in its cubes, wherever its
             CHECK(mesh.node_measure.sum() == Approx(in_cubes).epsilon(5e-3));  // with the least mass of a node
             CHECK(mesh.node_measure.head(mesh.embedding.node_count()).isZero(0));
         }
+}
+
+TEST_CASE("a cut cube's springs are stiffer where its tissue is, its mass is shared alike, and its volume is that at the tissue's centroid", "[embedded]") {
+    const double h = 0.01, V = h * h * h;
+    const SpringMesh mesh = embedded_lattice(shape_of(make_lattice("grid26", Lattice{{4, 4, 1}, {0.04, 0.04, 0.015}})), h);  // the upper cubes are half full
+    const int K = mesh.embedding.node_count();
+    REQUIRE(mesh.embedding.cubes.rows() == 32);
+    const auto node = [&](int x, int y, int z) { return K + (z * 5 + y) * 5 + x; };
+    const auto measure = [&](int i, int j) {
+        for (int s = 0; s < mesh.spring_count(); ++s)
+            if (std::minmax(mesh.springs(s, 0), mesh.springs(s, 1)) == std::minmax(i, j)) return mesh.incident_measure[s] / V;
+        return 0.0;
+    };
+    // hat moments of the half: 3/32 at each lower corner, 1/32 at each upper one
+    CHECK(measure(node(1, 2, 2), node(2, 2, 2)) == Approx(2 * 4 * 2 / 32.0 / 4));           // an edge of two cubes, on top
+    CHECK(measure(node(1, 2, 1), node(2, 2, 1)) == Approx((2 * 4 * 6 / 32.0 + 2) / 4));     // between half and whole ones
+    CHECK(measure(node(1, 2, 1), node(1, 2, 2)) == Approx(4 * 4 * 4 / 32.0 / 4));           // upright, of four
+    CHECK(measure(node(1, 1, 2), node(2, 2, 2)) == Approx(2 * 4 / 32.0 / 6));               // a face on top
+    CHECK(measure(node(1, 1, 1), node(2, 2, 2)) == Approx(0.5 / 4));                        // a body diagonal
+    CHECK(mesh.node_measure[node(2, 2, 2)] == Approx(4 * 0.5 / 8 * V));
+    CHECK(mesh.node_measure[node(2, 2, 1)] == Approx(4 * 1.5 / 8 * V));
+    const Eigen::Index cut = 31;
+    CHECK(mesh.embedding.fraction[cut] == Approx(0.5));
+    CHECK((mesh.embedding.centroid.row(cut) - Eigen::RowVector3d(0.5, 0.5, 0.25)).norm() < 1e-9);
+    const CellVolumes volumes(mesh);
+    CHECK(volumes.volumes()[cut] == Approx(V / 2));
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();  // of x z, which is trilinear
+    for (int k = 0; k < 8; ++k) {
+        const Eigen::RowVector3d at = mesh.nodes.row(mesh.embedding.cubes(cut, k));
+        gradient += at.x() * at.z() * volumes.gradient(static_cast<int>(cut)).col(k);
+    }
+    CHECK((gradient - Eigen::Vector3d(0.0125, 0, 0.035)).norm() < 1e-12);
 }
 
 TEST_CASE("a held plane is a plane of the embedded lattice", "[embedded]") {

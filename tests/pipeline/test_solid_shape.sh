@@ -122,7 +122,7 @@ based_on = "dome"
 
 [springs]
 topology = "embedded"
-spacing_m = 0.013
+spacing_m = 0.008
 TOML
 mkdir "$work/results/lattice"
 tissuectl train --study fem/studies/lattice.toml --cases results/dome/cases.h5 --out results/lattice/model.h5

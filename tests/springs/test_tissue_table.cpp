@@ -6,9 +6,15 @@
 
 #include "error.h"
 #include "../example.h"
+#include "../mesh/dome.h"
 #include "../mutations.h"
+#include "../refusal.h"
+#include "../solid_law_example.h"
 #include "haptic/simulation.h"
+#include "mesh/embedded_lattice.h"
+#include "mesh/free_surface.h"
 #include "train/books_table.h"
+#include "version.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
@@ -131,4 +137,42 @@ TEST_CASE("attributes that no model has are refused: an unknown law, a modulus t
         model.modulus_N_m = modulus;
         CHECK_THAT(said(), Contains("modulus_N_m"));
     }
+}
+
+TEST_CASE("a model of a solid in an embedded lattice comes back from its file in a format of its own, and parts that do not fit are refused by name", "[embedded]") {
+    const TemporaryFolder folder;
+    const std::string whole = folder.file("whole.h5"), file = folder.file("model.h5");
+    TissueModel model = solid_law_example(embedded_lattice(dome(6), 0.011));
+    model.heuristic_b = model.heuristic_a;
+    model.contact_m = FreeSurface(model.mesh).nearest(Eigen::Vector3d(0, 0, 0.05)).point_m.transpose();
+    model.direction = Eigen::RowVector3d(0, 0, -1);
+    write_model(whole, model, {"tissuectl test", 11, {}});
+    CHECK(Hdf5Reader(whole, "model").number_attribute("/", "format_version") == embedded_format_version);
+    const TissueModel back = read_model(whole);
+    const Embedding &was = model.mesh.embedding, &is = back.mesh.embedding;
+    CHECK(is.cubes == was.cubes);
+    CHECK(is.corner == was.corner);
+    CHECK(is.weight == was.weight);
+    CHECK(is.fraction == was.fraction);
+    CHECK(is.centroid == was.centroid);
+    CHECK(is.spacing_m == was.spacing_m);
+    CHECK(back.energy_law->constants == model.energy_law->constants);
+
+    const auto said = [&](const auto& change) {
+        TissueModel changed = model;
+        change(changed.mesh.embedding, changed.node_mass_kg);
+        write_model(file, changed, {"tissuectl test", 11, {}});
+        return refusal<FileError>([&] { read_model(file); });
+    };
+    using Mass = Eigen::VectorXd;
+    CHECK_THAT(said([](Embedding& e, Mass&) { e.fraction[0] = 1.5; }), Contains("/mesh/lattice/fraction: is above 1"));
+    CHECK_THAT(said([](Embedding& e, Mass&) { e.fraction[0] = 0; }), Contains("/mesh/lattice/fraction: "));
+    CHECK_THAT(said([](Embedding& e, Mass&) { e.centroid(0, 0) = 2; }), Contains("/mesh/lattice/centroid: is above 1"));
+    CHECK_THAT(said([](Embedding& e, Mass&) { e.weight(0, 0) = 7; }), Contains("/mesh/lattice/weight: does not sum to 1"));
+    CHECK_THAT(said([](Embedding& e, Mass&) { e.cubes(0, 0) = 0; }), Contains("/mesh/lattice/cubes: names node 0, which is the solid's own"));
+    CHECK_THAT(said([](Embedding& e, Mass&) { e.corner(0, 0) = 1; }), Contains("/mesh/lattice/corner: names node 1, which is the solid's own"));
+    CHECK_THAT(said([](Embedding& e, Mass&) { e.corner(0, 0) = 1000000; }), Contains("/mesh/lattice/corner"));
+    CHECK_THAT(said([](Embedding& e, Mass&) { for (int k = 0; k < 8; k += 2) std::swap(e.cubes(0, k), e.cubes(0, k + 1)); }), Contains("/mesh/lattice/cubes: cell 0 is inside out"));
+    CHECK_THAT(said([](Embedding&, Mass& mass) { mass[0] = 1; }), Contains("/node_mass: of node 0 is 1 kg"));
+    CHECK_THAT(said([](Embedding&, Mass& mass) { mass[mass.size() - 1] = 0; }), Contains("/node_mass: of node "));
 }
