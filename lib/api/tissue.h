@@ -71,7 +71,7 @@ TISSUE_API void tissue_close_model(tissue_model **model);
  * says; 0: dt; negative or not finite: unknown, and taken for as long as the device holds a force (option "hold"; 10 ms where that is "inf"). The tissue goes through that time, whatever the rate; a stall of more than half a second is lost to it
  * (count "lost_ms"), and so is what ticks could not make up for that cost more than 0.45 of the time that they go through, where elapsed_s agrees with the system's clock: they stay short. Who plays another time loses none. A force that the device still holds after option "hold" (0.01 s) is in no energy log: a host whose ticks may stall sees to it that the device lets go, or sets
  * hold to "inf". The force is finite and within force-max whatever comes in, and zero where the status is not TISSUE_OK, also where an argument is refused. What it gives the hand is bounded for every device
- * (lib/haptic/safety.h); that a hand comes to rest on the tissue is promised for a device whose mass is stated, option "device-mass", and whose positions come with every tick, every dt, at most one dt old (tissue_tick_aged; shown by simulated hands). The thread's floating-point mode (rounding, traps, denormals) is set for
+ * (lib/haptic/safety.h); that a hand comes to rest on the tissue is promised for a device whose mass is stated, option "device-mass", and whose positions come with every tick, every dt, at most half of dt old (tissue_tick_aged); at one dt a device of 45 g may swing. The thread's floating-point mode (rounding, traps, denormals) is set for
  * the tick, and after it is as it was. */
 TISSUE_API tissue_status tissue_tick(tissue_session *session, const double position_m[3], double elapsed_s, double force_N[3]);
 

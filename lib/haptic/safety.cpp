@@ -110,7 +110,7 @@ bool Safety::follow(const Eigen::Vector3d& position_m, double age_s) noexcept {
     const bool jump = has_position_ && !(motion.norm() <= o_.speed_max_m_s * time * rounding);
     position_m_ = position_m;
     const bool one_force = age_s == 0 && since_good_s_ <= elapsed_s_;  // from tick to tick, which may take no time
-    const double before_s = std::max(since_good_s_, age_s + 1e-3 * o_.dt_s);
+    const double before_s = between_s > 0 ? since_good_s_ : age_s + 1e-9 * o_.dt_s;  // of two at one time, the force then
     since_good_s_ = std::min(since_good_s_, age_s);  // who measured this one before the last one gains no time by that
     has_motion_ = has_position_ && !jump && !jumped_;
     jumped_ = jump;
