@@ -28,7 +28,7 @@ bool is_case(const TissueModel& tissue, int c, const LoadCase& load) {
 std::vector<NodeField> displacements(const std::string& file, const TissueModel& tissue) {
     const Cases cases = read_cases(file);
     if (cases.study != tissue.study) throw MismatchError("it is of the study '" + cases.study + "'");
-    if (!alike(tissue.mesh.nodes, cases.nodes)) throw MismatchError("it has other nodes");
+    if (!has_nodes(tissue.mesh, cases.nodes)) throw MismatchError("it has other nodes");
     if (cases.measurement) return {};
     std::map<std::string, LoadCase> by_name;
     for (const LoadCase& load : load_cases(cases)) by_name.emplace(load.name, load);

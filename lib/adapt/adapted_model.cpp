@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "error.h"
@@ -115,10 +116,16 @@ std::optional<LearnedField> learned_field(const std::string& file) {
 std::optional<LearnedField> learned_field(const Adaptation& adaptation) {
     if (adaptation.options().unknowns != "field") return std::nullopt;
     const Adaptation::State& state = adaptation.state();
-    const Eigen::Index N = adaptation.unknowns().size();
-    const bool one = adaptation.rival_plays();
-    return LearnedField{adaptation.x().array().exp(),
-                        one ? Eigen::VectorXd::Constant(N, std::sqrt(state.scale_variance)) : Eigen::VectorXd(state.P.diagonal().cwiseMax(0).cwiseSqrt()), state.learned};
+    const Unknowns::Rows& by_node = adaptation.unknowns().by_node;
+    Eigen::VectorXd sd = Eigen::VectorXd::Constant(by_node.rows(), std::sqrt(state.scale_variance));
+    if (!adaptation.rival_plays())
+        for (Eigen::Index node = 0; node < sd.size(); ++node) {
+            double variance = 0;
+            for (Unknowns::Rows::InnerIterator a(by_node, node); a; ++a)
+                for (Unknowns::Rows::InnerIterator b(by_node, node); b; ++b) variance += a.value() * state.P(a.col(), b.col()) * b.value();
+            sd[node] = std::sqrt(std::max(0.0, variance));
+        }
+    return LearnedField{(by_node * adaptation.x()).array().exp(), sd, state.learned};
 }
 
 std::unique_ptr<Adaptation> read_adaptation(const std::string& file, const AdaptOptions& fresh) {

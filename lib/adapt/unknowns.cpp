@@ -54,7 +54,7 @@ void add_terms(const TissueModel& model, Unknowns& u, const PriorOptions& option
     LawHeuristic now;
     now.incompressible = law.incompressible;
     now.constants = law.constants;
-    now.cap = 1e6 * law.constants.segment(model.mesh.springs.rows(), has_cells(model.mesh) ? mesh_cells(model.mesh).rows() : model.mesh.node_count());
+    now.cap = 1e6 * law.constants.segment(model.mesh.springs.rows(), cell_count(model.mesh));
     now.patch = law.patch;
     for (const std::string& term : law.terms)
         if (term.find("nodule") != std::string::npos || term.find("ground") != std::string::npos)

@@ -194,6 +194,7 @@ tissue_status tissue_restore(tissue_session* s, const void* state, size_t size) 
     if (!s || !state) return bad("tissue_restore: a null pointer");
     return caught([&] {
         s->simulation().restore(static_cast<const std::byte*>(state), size);
+        s->clock = {};
         return TISSUE_OK;
     });
 }

@@ -69,7 +69,7 @@ TISSUE_API void tissue_close_model(tissue_model **model);
 
 /* One step of dt: where the device is [m], and the force that it puts on the hand [N]. elapsed_s: since the last tick, as the clock
  * says; 0: dt; negative or not finite: unknown, and taken for as long as the device holds a force (option "hold"; 10 ms where that is "inf"). The tissue goes through that time, whatever the rate; a stall of more than half a second is lost to it
- * (count "lost_ms"), and so is what ticks could not make up for that cost more than 0.45 of the time that they go through, where elapsed_s agrees with the system's clock: they stay short. Who plays another time loses none. A force that the device still holds after option "hold" (0.01 s) is in no energy log: a host whose ticks may stall sees to it that the device lets go, or sets
+ * (count "lost_ms"). Where ticks take longer than the time that they go through, the tissue runs slower than the clock, and lost_ms counts by how much; where they take more than half of it, a stall is not made up for. That needs an elapsed_s that is the system's clock, taken right before the tick: a host that plays another time loses none. A force that the device still holds after option "hold" (0.01 s) is in no energy log: a host whose ticks may stall sees to it that the device lets go, or sets
  * hold to "inf". The force is finite and within force-max whatever comes in, and zero where the status is not TISSUE_OK, also where an argument is refused. What it gives the hand is bounded for every device
  * (lib/haptic/safety.h); that a hand comes to rest on the tissue is promised for a device whose mass is stated, option "device-mass", and whose positions come with every tick, every dt, at most half of dt old (tissue_tick_aged); at one dt a device of 45 g may swing. The thread's floating-point mode (rounding, traps, denormals) is set for
  * the tick, and after it is as it was. */
@@ -116,7 +116,7 @@ TISSUE_API const char *tissue_study(const tissue_session *session);       /* "" 
 /* Node numbers of each facet (F times D), in space counter-clockwise seen from outside, in the plane the tissue on the left. */
 TISSUE_API tissue_status tissue_facets(const tissue_session *session, int *nodes);
 
-/* Where nodes are without the tool [m] (N times D). */
+/* Where nodes are without the tool [m] (N times D). Nodes of no facet lie inside; of a solid in an embedded lattice the last of them are the lattice's, outside the tissue too: draw facets. */
 TISSUE_API tissue_status tissue_rest_positions(const tissue_session *session, double *position_m);
 
 /* ---- as the last tick has left it */

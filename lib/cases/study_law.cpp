@@ -195,8 +195,8 @@ Relaxation study_relaxation(const Study& study, const std::optional<Shape>& shap
     const auto K = static_cast<Eigen::Index>(study.material.viscosity.size());
     r.tau_s.resize(K);
     r.contact_share.resize(K);
-    const Eigen::Index constants = law.energy(mesh).constant_count(), supports = mesh.embedding.empty() ? 0 : static_cast<Eigen::Index>(mesh.fixed.size());
-    r.share.setZero(constants, K);  // supports are none of the tissue
+    const Eigen::Index constants = law.energy(mesh).constant_count(), supports = mesh.support_count();
+    r.share.setZero(constants, K);  // supports do not relax
     for (Eigen::Index k = 0; k < K; ++k) {
         const auto b = static_cast<std::size_t>(k);
         r.tau_s[k] = study.material.viscosity[b].tau_s;

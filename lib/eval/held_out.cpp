@@ -10,6 +10,7 @@
 #include "mesh/free_surface.h"
 #include "mesh/topology.h"
 #include "parallel.h"
+#include "springs/energy_law.h"
 #include "springs/heuristic.h"
 #include "springs/law_press.h"
 #include "springs/set_grid.h"
@@ -99,8 +100,7 @@ double best_uniform_under_law(const TrainedModel& model, const std::vector<LoadC
     for (std::size_t c = 0; c < loads.size(); c += 1 + loads.size() / 10)
         if (loads[c].record->contact_force_N.squaredNorm() > 0) some.push_back(&loads[c]);
     for (double factor = 0.25; factor < 4.1; factor *= std::sqrt(2.0)) {
-        Eigen::VectorXd constants = Eigen::VectorXd::Zero(book.untrained_constants.size());
-        constants.head(model.mesh.spring_count()) = uniform_stiffness(model.mesh, factor * mean);
+        const Eigen::VectorXd constants = springs_alone(model.mesh, book.untrained_constants, uniform_stiffness(model.mesh, factor * mean));
         const LawPress press(model.mesh, LawModel{{}, {}, constants, book.untrained_patch, false, model.energy_law->disc_radius_m});
         std::vector<double> errors(some.size(), std::numeric_limits<double>::infinity());
         parallel_for(static_cast<int>(some.size()), threads, [&](int i) {
@@ -227,18 +227,13 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
                                                                                          model.energy_law->disc_radius_m}));
         };
         add("untrained", book.untrained_constants);
-        Eigen::VectorXd springs_alone = Eigen::VectorXd::Zero(book.untrained_constants.size());
+        const auto add_springs = [&](const std::string& name, const Eigen::VectorXd& theta) { add(name, springs_alone(model.mesh, book.untrained_constants, theta)); };
         if (with_baselines)
-            for (const Baseline& b : baselines) {
-                if (b.setting != &settings[0]) continue;
-                springs_alone.head(b.theta.size()) = b.theta;
-                add(b.name + "_patch", springs_alone);
-            }
+            for (const Baseline& b : baselines)
+                if (b.setting == &settings[0]) add_springs(b.name + "_patch", b.theta);
         if (with_baselines && solid) {
-            springs_alone.head(model.mesh.spring_count()) = model.heuristic_a;
-            add("heuristic_a_patch", springs_alone);
-            springs_alone.head(model.mesh.spring_count()) = uniform_stiffness(model.mesh, best_uniform_under_law(model, loads, threads));
-            add("uniform_patch", springs_alone);
+            add_springs("heuristic_a_patch", model.heuristic_a);
+            add_springs("uniform_patch", uniform_stiffness(model.mesh, best_uniform_under_law(model, loads, threads)));
         }
     } else {
         sets.emplace(model);
@@ -315,7 +310,7 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
         const auto path = std::find_if(cases.paths.begin(), cases.paths.end(),
                                        [&](const LoadPath& p) { return p.name == name; });
         const PathRecord& record = path->records.back();
-        result.shapes.push_back({name, learned(*path, record).displacement_m});
+        result.shapes.push_back({name, learned(*path, record).displacement_m.topRows(cases.nodes.rows())});
     }
     return result;
 }

@@ -54,7 +54,7 @@ struct DrawnCurve {
 /// Where the tissue's nodes go at one drawn contact, as the first of the models has it.
 struct DrawnShape {
     std::string name;
-    NodeField displacement_m;             ///< u [m] (N x D)
+    NodeField displacement_m;             ///< u of the tissue's own nodes [m] (N x D)
 };
 
 struct HeldOut {

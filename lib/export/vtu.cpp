@@ -144,7 +144,7 @@ std::string mesh_vtu(const TissueModel& model, const Eigen::VectorXd& theta, con
     Eigen::VectorXd stiffness = Eigen::VectorXd::Zero(cells), rest_length = stiffness, volume_stiffness = stiffness;
     stiffness.head(S) = theta;
     const bool about_nodes = volume_Pa.size() > 0 && mesh.is_solid() && !has_cells(mesh);  // a shape's cells
-    if (volume_Pa.size() > 0 && mesh.is_solid() && !about_nodes) volume_stiffness.tail(cells - S) = volume_Pa;
+    if (volume_Pa.size() > 0 && mesh.is_solid() && !about_nodes) volume_stiffness.tail(cells - S) = volume_Pa.head(cells - S);  // supports are no volumes
 
     Grid grid(mesh.node_count());
     for (int s = 0; s < mesh.spring_count(); ++s) {

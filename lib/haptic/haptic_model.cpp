@@ -12,6 +12,7 @@
 #include "haptic/law_spectrum.h"
 #include "haptic/session_options.h"
 #include "haptic/spectrum.h"
+#include "springs/energy_law.h"
 #include "springs/spring_sets.h"
 #include "version.h"
 
@@ -45,9 +46,7 @@ std::unique_ptr<HapticMesh> make_law_mesh(const std::string& name, const TissueM
 TissueModel untrained(const TissueModel& model) {
     TissueModel heuristic = model;
     Eigen::VectorXd& constants = heuristic.energy_law->constants;
-    const Eigen::Index supports = model.mesh.embedding.empty() ? 0 : static_cast<Eigen::Index>(model.mesh.fixed.size());
-    constants.head(constants.size() - supports).setZero();
-    constants.head(model.mesh.spring_count()) = model.heuristic_a;
+    constants = springs_alone(model.mesh, constants, model.heuristic_a);
     heuristic.energy_law->terms.clear();  // nothing of it is learned, its skin neither
     heuristic.energy_law->coefficients.resize(0);
     return heuristic;
@@ -149,6 +148,12 @@ std::uint64_t fingerprint_of(const HapticModel& model) {
         add_array(mesh->springs.mass());
         add_array(mesh->springs.facets());
         add_array(mesh->theta_of_set);
+        const Embedding& embedding = mesh->springs.embedding();
+        add_array(embedding.corner);
+        add_array(embedding.weight);
+        add_array(embedding.cubes);
+        add_array(embedding.fraction);
+        add_array(embedding.centroid);
         const double steps[] = {static_cast<double>(mesh->substeps), mesh->contact_damping_s, mesh->damping_1_s, mesh->contact_N_m, mesh->place_m[0]};
         add(steps, sizeof steps);
         add_array(mesh->dynamics);
@@ -180,8 +185,8 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     o.map.fit(model.mesh.dimension());
     o.safety.dt_s = o.dt_s;
     o.safety.force_max_N = std::min(o.safety.force_max_N, o.device.force_max_N);
-    low_m = model.mesh.nodes.colwise().minCoeff();
-    high_m = model.mesh.nodes.colwise().maxCoeff();
+    low_m = model.mesh.own_nodes().colwise().minCoeff();
+    high_m = model.mesh.own_nodes().colwise().maxCoeff();
     if (o.place_m == 0) o.place_m = 1.5 * (high_m - low_m).x();
 
     std::vector<int> first_set(static_cast<std::size_t>(model.mesh.facets.rows()), 0);  // the heuristic mesh has one

@@ -227,8 +227,7 @@ RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) 
     } else if (model.mesh.is_solid()) {
         add_boxes(model, static_cast<const CellVolumes&>(*energy.kinds()[1]), energy.first_of(1));
         if (energy.kinds().size() > 2) {
-            supports_.corner = model.mesh.embedding.corner(model.mesh.fixed, Eigen::all);
-            supports_.weight = model.mesh.embedding.weight(model.mesh.fixed, Eigen::all);
+            supports_.node = model.mesh.fixed;
             supports_.first_constant = energy.first_of(2);
             const auto k = law.constants.tail(energy.kinds()[2]->count());
             supports_.gain.assign(k.begin(), k.end());
@@ -600,24 +599,13 @@ double RealtimeLaw::sum_of_elements(const Of& of_element) const {
 
 double RealtimeLaw::supports_energy(const NodeColumns& u) const noexcept {
     double energy = 0;
-    for (std::size_t m = 0; m < supports_.gain.size(); ++m) energy += supports_.gain[m] * held_at(m, u).squaredNorm() / 2;
+    for (std::size_t m = 0; m < supports_.node.size(); ++m) energy += supports_.gain[m] * springs_.embedding().at(supports_.node[m], u).squaredNorm() / 2;
     return energy;
 }
 
-/// Displacement of a held point.
-Eigen::Vector3d RealtimeLaw::held_at(std::size_t support, const NodeColumns& u) const noexcept {
-    const auto m = static_cast<Eigen::Index>(support);
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (int k = 0; k < 8; ++k) sum += supports_.weight(m, k) * u.row(supports_.corner(m, k)).transpose();
-    return sum;
-}
-
 void RealtimeLaw::supports_force(const NodeColumns& u, NodeColumns& f) const noexcept {
-    for (std::size_t m = 0; m < supports_.gain.size(); ++m) {
-        const Eigen::RowVector3d pull = supports_.gain[m] * held_at(m, u).transpose();
-        const auto row = static_cast<Eigen::Index>(m);
-        for (int k = 0; k < 8; ++k) f.row(supports_.corner(row, k)) += supports_.weight(row, k) * pull;
-    }
+    const Embedding& embedding = springs_.embedding();
+    for (std::size_t m = 0; m < supports_.node.size(); ++m) embedding.spread(supports_.node[m], supports_.gain[m] * embedding.at(supports_.node[m], u), f);
 }
 
 double RealtimeLaw::energy(const NodeColumns& u, BranchMemory memory) const {

@@ -27,7 +27,7 @@ struct BranchBook {
 
 /// A model's law laid out for the tick: the forces of a TissueEnergy and its contacts. Constants only. Springs are the bands of a RealtimeMesh. A lattice's squares lie in one run, one a node, as a band's
 /// springs do: the area between a square's diagonals pulls at their ends. Every other region is a walk round its outline.
-/// In space a lattice's boxes lie in such runs: the three mean edges of a box follow from its four diagonals, at whose ends it
+/// In space a lattice's boxes lie in runs of consecutive first nodes: the three mean edges of a box follow from its four diagonals, at whose ends it
 /// pulls. Cubes of an embedded lattice that are cut by the solid's surface have eight gradients each. A shape's regions are all tetrahedra about a node each: a node adds up what they have grown by, and a tetrahedron pulls
 /// with what its four nodes' sums make together, so that each is computed once and not with every region that has it.
 class RealtimeLaw {
@@ -112,8 +112,7 @@ class RealtimeLaw {
     };
     /// Points of an embedded solid that are held by springs.
     struct Supports {
-        Cells corner;                    ///< (M x 8)
-        NodeField weight;                ///< of these (M x 8)
+        std::vector<int> node;           ///< of the solid's own (M)
         std::vector<double> gain;        ///< [N/m] (M)
         Eigen::Index first_constant = 0;
     };
@@ -132,7 +131,6 @@ class RealtimeLaw {
     void add_region(const std::vector<std::array<int, 2>>& edges, double constant, Eigen::Index index);
     void add_boxes(const TissueModel& model, const CellVolumes& cells, Eigen::Index first);
     void add_tetrahedra(const TissueModel& model, const TissueEnergy& energy);
-    Eigen::Vector3d held_at(std::size_t support, const NodeColumns& u) const noexcept;
     void supports_force(const NodeColumns& u, NodeColumns& f) const noexcept;
     double supports_energy(const NodeColumns& u) const noexcept;
     template <class Of>

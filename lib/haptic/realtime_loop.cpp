@@ -107,7 +107,9 @@ void run(Simulation& simulation, Device& given, const LoopOptions& options, Loop
         books.left_out = !wanted;
         if (wanted) {
             const DeviceSample sample = device->read(books.time_s);
+            const long long ticked = now_ns(CLOCK_MONOTONIC);
             const Eigen::Vector3d force = simulation.tick(sample, static_cast<double>(slot - before) * dt_s, cost_s);
+            cost_s = 1e-9 * static_cast<double>(now_ns(CLOCK_MONOTONIC) - ticked);
             device->write(force);
         } else
             device->write(simulation.stand_still());
@@ -121,7 +123,6 @@ void run(Simulation& simulation, Device& given, const LoopOptions& options, Loop
             report.tick_us.add(books.tick_us);
             report.lateness_us.add(books.lateness_us);
             before = slot;
-            cost_s = 1e-9 * static_cast<double>(ended - began);
         }
         const long long over = of_session((ended - due) / dt_ns - late, slot + 1);
         if (over > 0) {

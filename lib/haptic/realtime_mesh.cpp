@@ -32,7 +32,7 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const
     const int N = mesh.node_count(), S = mesh.spring_count();
     const int own = mesh.embedding.node_count();
     if (node_mass_kg.size() != N || !(node_mass_kg.tail(N - own).minCoeff() > 0) || (own > 0 && !node_mass_kg.head(own).isZero(0)) || !node_mass_kg.allFinite())
-        throw MismatchError("every node of the spring mesh must have a positive mass");
+        throw MismatchError("every node of the spring mesh must have a positive mass, and an embedded solid's own nodes none");
     law_ = make_spring_law(law);
     if (mesh.is_solid() && !law_->plays_in_space())
         throw MismatchError(fmt::format("in space the tick knows springs that turn, 'geometric', and not '{}'", law));
@@ -45,7 +45,7 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const
     if (!mesh.is_solid()) outline_ = mesh.loop();
     facets_ = mesh.facets;
 
-    // bands: runs of one offset that are at least half full and worth a run of their own, each of the springs' first nodes once; springs with one span first
+    // A band joins node i to i + offset. At least half of its slots hold a spring, and no two springs share a slot. Springs of equal span are put into bands first.
     using Span = std::array<long, 3>;
     std::map<int, std::map<Span, std::vector<std::pair<int, int>>>> by_offset;  // first node, spring
     for (int s = 0; s < S; ++s) {
@@ -115,28 +115,6 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const
     }
 }
 
-void RealtimeMesh::interpolate(int node, NodeColumns& u) const noexcept {
-    const int* corner = &embedding_.corner(node, 0);
-    const double* weight = &embedding_.weight(node, 0);
-    double x = 0, y = 0, z = 0;
-    for (int k = 0; k < 8; ++k) {
-        x += weight[k] * u(corner[k], 0);
-        y += weight[k] * u(corner[k], 1);
-        z += weight[k] * u(corner[k], 2);
-    }
-    u(node, 0) = x;
-    u(node, 1) = y;
-    u(node, 2) = z;
-}
-
-void RealtimeMesh::interpolate(NodeColumns& u) const noexcept {
-    for (int node = 0; node < embedding_.node_count(); ++node) interpolate(node, u);
-}
-
-void RealtimeMesh::spread(int node, NodeColumns& f) const noexcept {
-    for (int k = 0; k < 8; ++k) f.row(embedding_.corner(node, k)) += embedding_.weight(node, k) * f.row(node);
-}
-
 Point RealtimeMesh::rest_place(int facet, const Eigen::Vector3d& weight) const noexcept {
     Point place = Point::Zero(dimension());
     for (Eigen::Index k = 0; k < facets_.cols(); ++k) place += weight[k] * rest_.row(facets_(facet, k)).transpose();
@@ -192,7 +170,7 @@ void RealtimeMesh::bands_force(const Eigen::VectorXd& theta, const NodeColumns& 
                 run.one_span[d] = band.span[d];
                 run.u_i[d] = u.col(d).data() + i;
                 run.u_j[d] = u.col(d).data() + j;
-                run.f_i[d] = own[d] + i - first;
+                run.f_i[d] = own[d] + (i - first);
                 run.f_j[d] = f.col(d).data() + j;
             }
             law_->pull(run, n);

@@ -17,7 +17,7 @@ namespace tissue {
 /// band that hold no spring have theta = 0. A lattice has four bands in the plane, in space thirteen; an embedded one, whose rows differ in length, has one or more a row and
 /// direction. Springs of rare offsets (meshes that are no lattice) are loose: pairs.
 ///
-/// The nodes of a solid in an embedded lattice have no mass, and move with the lattice: interpolate() and spread() go between the two.
+/// The nodes of a solid in an embedded lattice have no mass, and move with the lattice (mesh/embedding.h).
 class RealtimeMesh {
    public:
     struct Band {
@@ -37,10 +37,7 @@ class RealtimeMesh {
     const NodeColumns& rest() const { return rest_; }                    ///< [m] (N x D)
     const Eigen::VectorXd& mass() const { return mass_; }                ///< [kg] (N)
     const Eigen::VectorXd& inverse_mass() const { return inverse_mass_; }  ///< [1/kg] (N), 0 where a node is fixed, or an embedded solid's
-    bool is_embedded() const { return !embedding_.empty(); }
-    void interpolate(NodeColumns& u) const noexcept;  ///< rows of an embedded solid's nodes, from the lattice's; of other meshes nothing
-    void interpolate(int node, NodeColumns& u) const noexcept;  ///< of one of them
-    void spread(int node, NodeColumns& f) const noexcept;       ///< force on one of them, onto the lattice's
+    const Embedding& embedding() const { return embedding_; }            ///< of a solid in a lattice, else empty
     bool fixed(int node) const { return inverse_mass_[node] == 0; }
     int dimension() const { return static_cast<int>(rest_.cols()); }
     const std::vector<int>& outline() const { return outline_; }         ///< in the plane: boundary nodes, counter-clockwise (M)

@@ -12,8 +12,6 @@ constexpr double negligible_J = 1e-5;
 
 constexpr double rounding = 1 + 1e-9;
 
-constexpr double oldest_s = 0.5;  ///< of positions whose motion is booked in steps of 8 ms; beyond twice of it forces are not kept
-
 constexpr double farthest_m = 1e3;  ///< where no hand is, and no sum of squares overflows
 
 /// Of any finite vector. Its squares may overflow, and where denormals are zero so may the reciprocals that Eigen's stableNorm takes.
@@ -44,6 +42,7 @@ void HeldForces::add(const Eigen::Vector3d& force_N, double seconds, double cell
 }
 
 Eigen::Vector3d HeldForces::mean_N(double from_s, double to_s) const noexcept {
+    if (!(from_s > to_s)) return Eigen::Vector3d::Zero();  // so long ago that a double cannot tell them apart
     Eigen::Vector3d impulse = Eigen::Vector3d::Zero();
     double ago_s = 0;
     const auto take = [&](const Cell& cell) {
@@ -83,7 +82,7 @@ bool Safety::admit(const DeviceSample& sample, double elapsed_s) noexcept {
         lateness_ = std::max(lateness_, (held_s + std::min(since_good_s_ - elapsed_s_, o_.stale_s)) / o_.dt_s);
         if (elapsed_s_ > o_.hold_s / 2 * rounding) let_go(elapsed_s_);
     }
-    held_.add(force_N_, elapsed_s_, 2 * std::min(o_.stale_s, oldest_s) / HeldForces::most_cells);
+    held_.add(force_N_, elapsed_s_, 2 * o_.stale_s / HeldForces::most_cells);
     long long* fault = nullptr;
     if (!sample.valid || !(sample.position_m.cwiseAbs().maxCoeff() < farthest_m) || !sample.position_m.allFinite())
         fault = &counters_.bad_input;

@@ -67,7 +67,7 @@ std::vector<std::string> steps() {
 }  // namespace
 
 const std::vector<SessionOption>& session_options() {
-    static const Allowed any{}, positive{0}, yes_no = one_of({"yes", "no"});
+    static const Allowed any{}, positive{0}, up_to_half_s{0, 0.5, false, true}, yes_no = one_of({"yes", "no"});
     // clang-format off
     static const std::vector<SessionOption> rows = {
         {"sets", "NAME", any, everywhere, [](O& o) -> auto& { return o.sets; }, "spring sets to play: an optimiser of the model, or optimum",
@@ -94,7 +94,7 @@ const std::vector<SessionOption>& session_options() {
          "500 N/s is half a newton a tick of 0.001 s."},
         {"speed-max", "m/s", positive, everywhere, [](O& o) -> auto& { return o.safety.speed_max_m_s; }, "a faster device is a fault: the position is refused, the force is zero",
          "Hands at work stay below about 1 m/s."},
-        {"stale", "s", positive, everywhere, [](O& o) -> auto& { return o.safety.stale_s; }, "an older position is a fault",
+        {"stale", "s", up_to_half_s, everywhere, [](O& o) -> auto& { return o.safety.stale_s; }, "an older position is a fault",
          "In C and Python the age of a position is an argument of the tick, 0 by default."},
         {"passivity", "yes|no", yes_no, everywhere, [](O& o) -> auto& { return o.safety.passivity; }, "passivity observer and controller",
          "lib/haptic/safety.h has the bound on energy that they keep."},

@@ -95,14 +95,16 @@ static double since_last_s(double elapsed_s, const HapticOptions& o) noexcept {
     return std::isfinite(o.safety.hold_s) ? std::min(o.safety.hold_s, longest_s) : force_held_s;
 }
 
-/// Time that is owed can be made up for while a tick costs less than half of the time that it goes through. Where it costs more, in two ticks one after the other (one alone was interrupted), a tick
-/// that goes through all that is owed makes the next one later, which owes more. Then a tick may cost `share` of the time since the last one, and always goes through dt: ticks
-/// become short again whatever they were before, and what is owed beyond that is lost.
+/// Time that is owed is made up for while a tick costs less than half of the time that it goes through. Where it costs more, in two ticks one after the other (one alone was interrupted), a tick
+/// that goes through all that is owed makes the next one late, which then owes more. Such a tick goes through the usual time between ticks alone, so that a host that keeps up loses none, and
+/// where ticks cost about that time or more through as much less as makes them cost 0.9 of it. The usual time follows a shorter one at once and a longer one slowly: a stall changes nothing,
+/// and ticks that were long become short again. What is owed beyond that is lost. A tick always goes through dt.
 void Simulation::keep_ticks_short(double since_s, double cost_s) noexcept {
-    constexpr double share = 0.45;
+    constexpr double half = 0.45, most = 0.9, growth = 1.02;
     if (went_s_ > 0) cost_[0] = std::exchange(cost_[1], std::max(0.0, cost_s) / went_s_);
+    usual_s_ = usual_s_ > 0 ? std::min(since_s, growth * usual_s_) : since_s;
     const double least = cost_s > 0 ? std::min(cost_[0], cost_[1]) : 0;
-    longest_s_ = least > share ? std::max(model_.options.dt_s, share * since_s / least) : std::numeric_limits<double>::infinity();
+    longest_s_ = least > half ? std::max(model_.options.dt_s, std::min(1.0, most / least) * usual_s_) : std::numeric_limits<double>::infinity();
     went_s_ = 0;
 }
 

@@ -33,6 +33,8 @@ Cells mesh_cells(const SpringMesh& mesh) {
     return cells;
 }
 
+Eigen::Index cell_count(const SpringMesh& mesh) { return has_cells(mesh) ? mesh_cells(mesh).rows() : mesh.node_count(); }
+
 Eigen::VectorXd cell_areas(const SpringMesh& mesh, const Cells& cells) {
     Eigen::VectorXd areas = Eigen::VectorXd::Zero(cells.rows());
     for (Eigen::Index c = 0; c < cells.rows(); ++c)

@@ -11,6 +11,9 @@ namespace tissue {
 /// Throws MismatchError when the simplices of a lattice do not make up its cells.
 Cells mesh_cells(const SpringMesh& mesh);
 
+/// How many pieces keep their volume or area: cells of a lattice, of a shape what lies about each node.
+Eigen::Index cell_count(const SpringMesh& mesh);
+
 /// Area of each cell at rest [m^2] (C). In the plane.
 Eigen::VectorXd cell_areas(const SpringMesh& mesh, const Cells& cells);
 

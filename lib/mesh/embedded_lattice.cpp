@@ -1,6 +1,5 @@
 #include "mesh/embedded_lattice.h"
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,6 +19,8 @@ namespace {
 constexpr int parts = 6;  // of a cube, along each axis
 constexpr double least_fraction = 0.02, least_mass = 0.02;
 constexpr int most_cubes = 100'000;
+constexpr double most_in_all = 400'000;  // in the box about the solid: their parts are kept at once
+constexpr double most_weight = 100;      // of an interpolation that is extrapolated
 
 using Triple = std::array<int, 3>;
 
@@ -43,6 +44,7 @@ struct Frame {
 
 Frame frame_of(const Shape& shape, double h) {
     Frame frame{{}, {}, h};
+    double all = 1;
     for (int d = 0; d < 3; ++d) {
         const double low = shape.nodes.col(d).minCoeff(), high = shape.nodes.col(d).maxCoeff(), slack = 1e-9 * (high - low);
         double first = std::numeric_limits<double>::infinity(), last = -first;
@@ -57,10 +59,11 @@ Frame frame_of(const Shape& shape, double h) {
         } else {
             frame.origin_m[d] = (low + high) / 2 - h * std::ceil((high - low - slack) / h) / 2;
         }
-        frame.cubes[static_cast<std::size_t>(d)] = std::max(1, static_cast<int>(std::ceil((high - slack - frame.origin_m[d]) / h)));
+        const double along = std::max(1.0, std::ceil((high - slack - frame.origin_m[d]) / h));
+        all *= along;
+        if (!(all <= most_in_all)) throw MismatchError(fmt::format("a lattice of {:g} mm over this solid has {:.3g} cubes and more; {:g} are possible, empty ones too", 1e3 * h, all, most_in_all));
+        frame.cubes[static_cast<std::size_t>(d)] = static_cast<int>(along);
     }
-    const double all = 1.0 * frame.cubes[0] * frame.cubes[1] * frame.cubes[2];
-    if (!(all <= 10.0 * most_cubes)) throw MismatchError(fmt::format("a lattice of {:g} mm over this solid has {:.0f} cubes", 1e3 * h, all));
     return frame;
 }
 
@@ -138,6 +141,23 @@ Part part_of(const Fill& fill, const Triple& cube) {
             }
     if (part.fraction > 0) part.centroid /= part.fraction;
     return part;
+}
+
+/// How many parts cubes make that share no corner.
+int pieces(const Cells& cubes) {
+    std::map<int, int> parent;
+    const auto root = [&](int node) {
+        while (parent.at(node) != node) node = parent.at(node) = parent.at(parent.at(node));
+        return node;
+    };
+    for (int node : cubes.reshaped()) parent.emplace(node, node);
+    int count = static_cast<int>(parent.size());
+    for (Eigen::Index c = 0; c < cubes.rows(); ++c)
+        for (int k = 1; k < 8; ++k) {
+            const int a = root(cubes(c, 0)), b = root(cubes(c, k));
+            if (a != b) parent[a] = b, --count;
+        }
+    return count;
 }
 
 }  // namespace
@@ -223,7 +243,7 @@ SpringMesh embedded_lattice(const Shape& shape, double spacing_m) {
         Triple cube{};
         for (std::size_t d = 0; d < 3; ++d) cube[d] = std::clamp(static_cast<int>(std::floor(at[static_cast<Eigen::Index>(d)])), 0, frame.cubes[d] - 1);
         auto there = cube_at.find(cube);
-        if (there == cube_at.end()) {  // in a cube with hardly any tissue: the map of the nearest kept one goes straight on
+        if (there == cube_at.end()) {  // the node's cube was left out: the nearest kept one's weights are extrapolated to it
             double least = std::numeric_limits<double>::infinity();
             for (auto it = cube_at.begin(); it != cube_at.end(); ++it) {
                 const Eigen::Vector3d low(it->first[0], it->first[1], it->first[2]);
@@ -236,7 +256,10 @@ SpringMesh embedded_lattice(const Shape& shape, double spacing_m) {
         }
         embedding.corner.row(i) = embedding.cubes.row(there->second);
         embedding.weight.row(i) = hats(at - Eigen::Vector3d(there->first[0], there->first[1], there->first[2]));
+        if (!(embedding.weight.row(i).cwiseAbs().maxCoeff() < most_weight))
+            throw MismatchError(fmt::format("a lattice of {:g} mm is too coarse for this solid: a part of it is far from every cube with tissue in it", 1e3 * spacing_m));
     }
+    if (pieces(embedding.cubes) > 1) throw MismatchError(fmt::format("a lattice of {:g} mm is too coarse for this solid: it falls apart where the solid is thin", 1e3 * spacing_m));
     return mesh;
 }
 

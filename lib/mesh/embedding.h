@@ -19,15 +19,23 @@ struct Embedding {
     bool empty() const { return corner.rows() == 0; }
     int node_count() const { return static_cast<int>(corner.rows()); }  ///< K
 
-    /// Sets the solid's rows from the lattice's: of displacements or velocities (N x .), row by row or column by column. Allocates nothing.
+    /// What one of the solid's nodes has of the lattice's: displacements, velocities (N x 3).
+    template <class Field>
+    Eigen::Vector3d at(int node, const Field& u) const noexcept {
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+        for (int k = 0; k < 8; ++k)
+            for (int d = 0; d < 3; ++d) sum[d] += weight(node, k) * u(corner(node, k), d);
+        return sum;
+    }
+    /// Sets the rows of all of the solid's nodes from the lattice's. Allocates nothing.
     template <class Field>
     void interpolate(Field& u) const noexcept {
-        for (Eigen::Index d = 0; d < u.cols(); ++d)
-            for (Eigen::Index i = 0; i < corner.rows(); ++i) {
-                double sum = 0;
-                for (int k = 0; k < 8; ++k) sum += weight(i, k) * u(corner(i, k), d);
-                u(i, d) = sum;
-            }
+        for (int node = 0; node < node_count(); ++node) u.row(node) = at(node, u).transpose();
+    }
+    /// Adds a force on one of the solid's nodes to the lattice's, f (N x 3): the transpose of at(). Allocates nothing.
+    template <class Field>
+    void spread(int node, const Eigen::Vector3d& force, Field& f) const noexcept {
+        for (int k = 0; k < 8; ++k) f.row(corner(node, k)) += weight(node, k) * force.transpose();
     }
 };
 

@@ -22,8 +22,8 @@ double size_m(const NodeField& nodes) {
 }
 
 bool has_nodes(const SpringMesh& mesh, const NodeField& places) {
-    const Eigen::Index own = mesh.embedding.empty() ? mesh.nodes.rows() : mesh.embedding.node_count();
-    return places.rows() == own && places.cols() == mesh.nodes.cols() && places.isApprox(mesh.nodes.topRows(own), 1e-9);
+    const auto own = mesh.own_nodes();
+    return places.rows() == own.rows() && places.cols() == own.cols() && places.isApprox(own, 1e-9);
 }
 
 std::vector<int> SpringMesh::loop() const {

@@ -32,8 +32,12 @@ struct SpringMesh {
     Eigen::VectorXd node_measure;              ///< sum of V_j / (4 thickness) in (8) for each node [m^2], in space of V_j / 8 [m^3] (N)
     Embedding embedding;                       ///< of a solid in a lattice; empty of other meshes. Its own nodes have no measure
 
-    /// Longest side of the box about the nodes [m].
-    double size_m() const { return tissue::size_m(nodes); }
+    /// Places of the tissue's own nodes [m]: all, but of an embedded solid without its lattice's (K x D).
+    auto own_nodes() const { return nodes.topRows(embedding.empty() ? nodes.rows() : embedding.node_count()); }
+    /// Supports at points: one a held node of an embedded solid, else none.
+    int support_count() const { return embedding.empty() ? 0 : static_cast<int>(fixed.size()); }
+    /// Longest side of the box about the tissue's own nodes [m].
+    double size_m() const { return tissue::size_m(own_nodes()); }
     int node_count() const { return static_cast<int>(nodes.rows()); }
     int spring_count() const { return static_cast<int>(springs.rows()); }
     int dimension() const { return static_cast<int>(nodes.cols()); }

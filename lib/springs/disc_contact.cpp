@@ -121,7 +121,7 @@ DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, NodeField grou
         }
         most_nodes_ = std::max(most_nodes_, in_reach);
     }
-    if (!embedding_.empty()) count_lattice_nodes(mesh);
+    if (!embedding_.empty()) find_crowd(mesh);
     for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
         walls_.emplace_back();
         if (surface_.free_of()[static_cast<std::size_t>(f)] >= 0) continue;
@@ -178,19 +178,18 @@ void DiscContact::show_skin(int facet, const Eigen::Vector3d& weight, const Skin
     });
 }
 
-double DiscContact::few_of(const Node* nodes, std::size_t count) const noexcept {
+double DiscContact::crowd_of(const Node* nodes, std::size_t count) const noexcept {
     double sum = 0;
-    for (std::size_t i = 0; i < count; ++i) sum += nodes[i].mean * few_[nodes[i].node];
+    for (std::size_t i = 0; i < count; ++i) sum += nodes[i].mean * crowd_[nodes[i].node];
     return sum;
 }
 
 /// `crowd` of an embedded solid at every node of its surface.
-void DiscContact::count_lattice_nodes(const SpringMesh& mesh) {
+void DiscContact::find_crowd(const SpringMesh& mesh) {
     const double whole_m3 = std::pow(embedding_.spacing_m, 3);
-    Eigen::VectorXd few = Eigen::VectorXd::Zero(mesh.node_count());
-    few_ = few;
+    Eigen::VectorXd crowd = Eigen::VectorXd::Zero(mesh.node_count());
     std::vector<Node> near(surface_.nodes().size());
-    std::vector<bool> done(few.size(), false);
+    std::vector<bool> done(static_cast<std::size_t>(mesh.node_count()), false);
     for (Eigen::Index f = 0; f < surface_.facets().rows(); ++f)
         for (int c = 0; c < 3; ++c) {
             const int node = surface_.facets()(f, c);
@@ -202,9 +201,9 @@ void DiscContact::count_lattice_nodes(const SpringMesh& mesh) {
                 for (int k = 0; k < 8; ++k) weight[embedding_.corner(near[i].node, k)] += near[i].mean * embedding_.weight(near[i].node, k);
             double sum = 0;
             for (const auto& [corner, w] : weight) sum += w * w * whole_m3 / mesh.node_measure[corner];
-            few[node] = sum > 0 ? std::log(8 * sum) : 0;
+            crowd[node] = sum > 0 ? std::log(8 * sum) : 0;
         }
-    few_ = few;
+    crowd_ = crowd;
 }
 
 DiscContact::Disc DiscContact::disc_at(const FreeSurface::Place& place, Node* nodes, std::size_t room) const noexcept {
@@ -273,7 +272,7 @@ DiscContact::Disc DiscContact::disc_at(const FreeSurface::Place& place, Node* no
     disc.factors.resize(on_lattice_ ? PatchLaw::factors : PatchLaw::shape_factors);
     disc.factors.head<PatchLaw::factors>() << 1, phase, ground_at(centre, normal), std::exp(-surface_.to_crease_m(place.point_m) / h);
     if (!on_lattice_)
-        disc.factors.tail<2>() << curved_among(near_[static_cast<std::size_t>(place.facet)], near_m_, centre, normal), few_.size() == 0 ? std::log(counted / carried) : few_of(nodes, disc.nodes);
+        disc.factors.tail<2>() << curved_among(near_[static_cast<std::size_t>(place.facet)], near_m_, centre, normal), crowd_.size() == 0 ? std::log(counted / carried) : crowd_of(nodes, disc.nodes);
     return disc;
 }
 

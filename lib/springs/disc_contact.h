@@ -23,10 +23,10 @@ namespace tissue {
 /// it is `crowd`, log of the nodes in a squared spacing, within the mean's reach and as it weighs them: 0 on a square lattice. How the
 /// surface bends there is `curved`: R times its mean curvature, of a quadratic in the tangent plane fitted to the nodes within 2.2
 /// spacings; above 0 where it is convex, R / radius on a sphere, below 0 in a valley, where more of the tissue stands round the disc.
+/// Both are of shapes alone.
 /// Of a solid in an embedded lattice `crowd` is how few of the lattice's nodes take the mean's force, and how little tissue they have: log of 8 sum_k B_k^2 m / m_k, B the mean's
 /// weights on the lattice, m_k / m the mass of a node over that of one in whole cubes; 0 for a force in the middle of a whole cube. It is made at the surface's nodes,
 /// and is the mean of those under the disc.
-/// Both are of shapes alone.
 /// What of the ground under it is of other stiffness is `ground`: to first order in log E / E_block the force changes by exp of
 /// its mean, weighted with the energy that the disc stores there. Under a force on incompressible ground the stress is along
 /// rays alone, as z / r^3 (Boussinesq; Johnson, (3.19)), so that the weight is z^2 / r^6, with R for what is nearer:
@@ -82,8 +82,8 @@ class DiscContact final : public ContactKernel {
     template <class Each>
     void each_skin_node(const FreeSurface::Place& place, Each&& each) const noexcept;
 
-    double few_of(const Node* nodes, std::size_t count) const noexcept;
-    void count_lattice_nodes(const SpringMesh& mesh);
+    double crowd_of(const Node* nodes, std::size_t count) const noexcept;
+    void find_crowd(const SpringMesh& mesh);
     double curved_among(const std::vector<int>& nodes, double within_m, const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept;
     double own_reach_m() const noexcept;  ///< of the mean's weights
 
@@ -105,7 +105,7 @@ class DiscContact final : public ContactKernel {
     NodeField ground_;
     bool on_lattice_;
     std::vector<bool> fixed_;  ///< (N)
-    Eigen::VectorXd few_;      ///< `crowd` of a contact at a node, in an embedded lattice (N)
+    Eigen::VectorXd crowd_;    ///< `crowd` of a contact at a node, in an embedded lattice (N)
     Eigen::VectorXd carried_;  ///< part of the free surface that a node carries, in squared spacings: 1 on a lattice (N)
 };
 

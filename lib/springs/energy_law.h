@@ -60,6 +60,9 @@ LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triang
 constexpr double start_below_cap = 0.95;
 double bent_factor(double x);
 
+/// An energy model's constants [N/m] (E) with other springs (S), without what keeps volumes or areas, and with the same supports.
+Eigen::VectorXd springs_alone(const SpringMesh& mesh, const Eigen::VectorXd& constants, const Eigen::VectorXd& springs_N_m);
+
 /// Whether terms say that a disc's contact softens, and do not harden.
 bool softens(const std::vector<std::string>& terms);
 

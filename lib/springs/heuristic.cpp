@@ -36,7 +36,7 @@ Eigen::VectorXd heuristic_stiffness(const SpringMesh& mesh, const Eigen::VectorX
 }
 
 Eigen::VectorXd uniform_stiffness(const SpringMesh& mesh, double stiffness_N_m) {
-    const bool lattice = on_lattice(mesh);
+    const bool lattice = has_cells(mesh);
     Eigen::VectorXd theta(mesh.spring_count());
     for (int s = 0; s < mesh.spring_count(); ++s) {
         const Eigen::RowVectorXd along = mesh.nodes.row(mesh.springs(s, 0)) - mesh.nodes.row(mesh.springs(s, 1));

@@ -17,7 +17,7 @@ RestPlaces::RestPlaces(const SpringMesh& mesh) : mesh_(mesh) {
     free_ = surface.facets();
     held_ = surface.held_facets();
     spacing_m_ = surface.spacing_m();
-    const Eigen::VectorXd low = mesh.nodes.colwise().minCoeff().transpose(), high = mesh.nodes.colwise().maxCoeff().transpose();
+    const Eigen::VectorXd low = mesh.own_nodes().colwise().minCoeff().transpose(), high = mesh.own_nodes().colwise().maxCoeff().transpose();
     centre_m_ = (low + high) / 2;
     half_size_m_ = (high - low) / 2;
 }

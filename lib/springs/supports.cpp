@@ -15,26 +15,22 @@ Cells held_corners(const SpringMesh& mesh) {
 
 }  // namespace
 
-Supports::Supports(const SpringMesh& mesh) : Elements(held_corners(mesh)), weight_(mesh.embedding.weight(mesh.fixed, Eigen::all)) {}
+Supports::Supports(const SpringMesh& mesh) : Elements(held_corners(mesh)), held_(mesh.fixed), embedding_(mesh.embedding) {}
 
-Eigen::Vector3d Supports::displacement(int e, const NodeField& u) const {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (int k = 0; k < 8; ++k) sum += weight_(e, k) * u.row(nodes()(e, k)).transpose();
-    return sum;
-}
-
-double Supports::energy(int e, const NodeField& u) const { return displacement(e, u).squaredNorm() / 2; }
+double Supports::energy(int e, const NodeField& u) const { return embedding_.at(held_[static_cast<std::size_t>(e)], u).squaredNorm() / 2; }
 
 void Supports::force(int e, const NodeField& u, ElementVector& out) const {
-    const Eigen::Vector3d there = displacement(e, u);
+    const int node = held_[static_cast<std::size_t>(e)];
+    const Eigen::Vector3d there = embedding_.at(node, u);
     out.resize(24);
-    for (int k = 0; k < 8; ++k) out.segment<3>(3 * k) = weight_(e, k) * there;
+    for (int k = 0; k < 8; ++k) out.segment<3>(3 * k) = embedding_.weight(node, k) * there;
 }
 
 void Supports::tangent(int e, const NodeField& /*u*/, ElementMatrix& out) const {
+    const auto weight = embedding_.weight.row(held_[static_cast<std::size_t>(e)]);
     out.setZero(24, 24);
     for (int m = 0; m < 8; ++m)
-        for (int n = 0; n < 8; ++n) out.block<3, 3>(3 * m, 3 * n).diagonal().setConstant(weight_(e, m) * weight_(e, n));
+        for (int n = 0; n < 8; ++n) out.block<3, 3>(3 * m, 3 * n).diagonal().setConstant(weight[m] * weight[n]);
 }
 
 Eigen::VectorXd held_areas(const SpringMesh& mesh) {

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <vector>
+
 #include "springs/element.h"
 
 namespace tissue {
 
-/// Springs between held points of an embedded solid and where they are at rest: k |u|^2 / 2 each, u of the point, interpolated in its cube.
+/// A spring between each held node of an embedded solid and where it is at rest: k |u|^2 / 2, u interpolated in the node's cube.
 class Supports final : public Elements {
    public:
     /// Of the mesh's fixed nodes (M). Throws MismatchError for a mesh that is no embedded lattice.
@@ -16,9 +18,8 @@ class Supports final : public Elements {
     void tangent(int e, const NodeField& u, ElementMatrix& out) const override;
 
    private:
-    Eigen::Vector3d displacement(int e, const NodeField& u) const;
-
-    NodeField weight_;  ///< of a point's corners (M x 8)
+    std::vector<int> held_;  ///< the solid's nodes that are held (M)
+    Embedding embedding_;
 };
 
 /// What part of the held surface is each fixed node's: a third of its held facets [m^2] (M).

@@ -199,7 +199,8 @@ void refuse_twins(const TableReader& in, const SpringMesh& mesh) {
 
 /// in: of the mesh, whose springs and held nodes are read.
 void read_embedding(const Hdf5Reader& file, TableReader& in, SpringMesh& mesh) {
-    if (!in.has("/mesh/lattice/cubes")) return;
+    if (in.has("/mesh/lattice/cubes") != (mesh.topology == "embedded")) in.refuse("/mesh", "topology '" + mesh.topology + "' and a group 'lattice' do not belong together");
+    if (mesh.topology != "embedded") return;
     Embedding& e = mesh.embedding;
     e.cubes = in.field("/mesh/lattice/cubes").cast<int>();
     e.fraction = in.vector("/mesh/lattice/fraction");
@@ -219,6 +220,7 @@ void read_embedding(const Hdf5Reader& file, TableReader& in, SpringMesh& mesh) {
     lattice("/mesh/lattice/corner", e.corner.minCoeff());
     lattice("/mesh/springs", mesh.springs.minCoeff());
     if (mesh.simplices.maxCoeff() >= K) in.refuse("/mesh/tetrahedra", "have a node of the lattice");
+    if (!mesh.fixed.empty() && mesh.fixed.back() >= K) in.refuse("/mesh/fixed", fmt::format("names node {}, which is the lattice's and not the solid's own", mesh.fixed.back()));
     try {
         CellVolumes{mesh};
     } catch (const MismatchError& error) {
@@ -311,8 +313,9 @@ TissueModel read_model(const Hdf5Reader& file) {
     mesh.node_measure = in.vector(names.node_measure);
     model.node_mass_kg = in.vector("/node_mass");
     for (int node = 0; node < mesh.node_count(); ++node)
-        if ((model.node_mass_kg[node] > 0) != (node >= mesh.embedding.node_count()))
-            in.refuse("/node_mass", fmt::format("of node {} is {} kg; only an embedded solid's own nodes have none", node, model.node_mass_kg[node]));
+        for (const auto& [name, value] : {std::pair<const char*, double>{names.node_measure, mesh.node_measure[node]}, {"/node_mass", model.node_mass_kg[node]}})
+            if ((value > 0) != (node >= mesh.embedding.node_count()))
+                in.refuse(name, fmt::format("of node {} is {:g}; it is 0 of an embedded solid's own nodes, and above 0 of others", node, value));
     model.heuristic_a = in.vector("/heuristic_a");
     model.heuristic_b = in.vector("/heuristic_b");
     model.case_names = in.texts("/cases/names");

@@ -91,6 +91,11 @@ const std::vector<Rule>& rules() {
          either(gives("material.preset"), either(gives("material.law"), gives("material.viscosity")))},
         {{"`material.viscosity` = []", {"material.moduli"}, "elastic tissue has no `moduli`"},
          [](const toml::table& study, const toml::table&) { return gives_list(study, "material", "viscosity", true); }},
+        {{"`springs.topology`, not \"embedded\"", {"springs.spacing_m"}, "it is of an embedded lattice"},
+         [](const toml::table& study, const toml::table&) {
+             const auto topology = study["springs"]["topology"].value<std::string>();
+             return topology && *topology != "embedded";
+         }},
         {{"`springs.stiffness` = \"law\"", std::vector<std::string>{"springs.law", "variants"} + sets_keys, "they are of spring sets"},
          gives("springs.stiffness", "law")},
         {{"`springs.stiffness` = \"sets\"", std::vector<std::string>{"springs.terms", "springs.area_cap_E2", "variants"} + law_keys,

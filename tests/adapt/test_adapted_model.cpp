@@ -10,6 +10,11 @@
 #include "error.h"
 #include "../example.h"
 #include "../haptic/haptic_example.h"
+#include "../mesh/dome.h"
+#include "../solid_law_example.h"
+#include "mesh/embedded_lattice.h"
+#include "mesh/free_surface.h"
+#include "springs/law_press.h"
 #include "springs/tissue_table.h"
 #include "version.h"
 
@@ -159,4 +164,35 @@ TEST_CASE("pokes come out of lines one by one, a bad one with its place", "[adap
     CHECK_THROWS_WITH(read_pokes(folder.file("a.csv", header + "1,2\n"), 2), Contains("a.csv:2"));
     CHECK_THROWS_WITH(read_pokes(folder.file("b.csv", header), 2), Contains("has no rows"));
     CHECK_THROWS_WITH(read_pokes(folder.file("c.csv", header + "1,2,3,4,5,6\n"), 3), Contains("'contact_z' is missing"));
+}
+
+TEST_CASE("what is learned of a solid in an embedded lattice is told at its own nodes too", "[adapt][embedded]") {
+    TissueModel model = solid_law_example(embedded_lattice(dome(6), 0.011));
+    AdaptOptions options;
+    options.unknowns = "field";
+    options.rival = false;
+    Adaptation adaptation(model, options);
+    const Point top = FreeSurface(model.mesh).nearest(Eigen::Vector3d(0.01, 0, 0.05)).point_m, push = Eigen::Vector3d(0, 0, -0.004);
+    const Equilibrium rest = LawPress(model).at(top, push);
+    REQUIRE(rest);
+    adaptation.learn({top, push, 1.3 * rest.contact_force});
+    const LearnedField learned = *learned_field(adaptation);
+    const Embedding& embedding = model.mesh.embedding;
+    const int K = embedding.node_count(), N = model.mesh.node_count();
+    REQUIRE(adaptation.unknowns().size() == N - K);
+    REQUIRE(learned.factor.size() == N);
+    REQUIRE(learned.sd.size() == N);
+    CHECK(learned.factor.maxCoeff() > 1.02);
+    for (int node : {0, 11, K - 1}) {
+        double log_factor = 0, most = 0;
+        for (int k = 0; k < 8; ++k) {
+            const int corner = embedding.corner(node, k);
+            log_factor += embedding.weight(node, k) * std::log(learned.factor[corner]);
+            most += std::abs(embedding.weight(node, k)) * learned.sd[corner];
+        }
+        CHECK(std::log(learned.factor[node]) == Approx(log_factor).margin(1e-12));
+        CHECK(learned.sd[node] > 0);
+        CHECK(learned.sd[node] <= most * (1 + 1e-9));
+    }
+    CHECK(learned.sd[K + 3] == Approx(std::sqrt(adaptation.state().P(3, 3))));
 }

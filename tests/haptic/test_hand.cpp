@@ -386,11 +386,11 @@ TEST_CASE("ticks that cost more than their time stay short, and the time that th
                 double longest_s = 0;
                 for (int k = 0; k < 2000; ++k) {
                     host.tick(k == 1000 ? stall_s : 0);
-                    if (k > 300 && (k < 1000 || k > 1100)) longest_s = std::max(longest_s, host.cost_s);
+                    if (k > 300 && k != 1000 && k != 1001) longest_s = std::max(longest_s, host.cost_s);
                 }
                 INFO("a tick costs " << share << " of its time, " << (by_schedule ? "by a schedule" : "at once") << ", a stall of " << stall_s << " s: " << 1e3 * longest_s << " ms, lost " << s.counters().lost_s << " of "
                                      << host.time_s << " s, went " << host.went_s << " s");
-                CHECK(longest_s < 1.01e-3 * share);
+                CHECK(longest_s < std::max(1.01 * share, by_schedule ? 0.91 * std::ceil(share) : 0) * 1e-3);  // that of 1 ms, or of the periods that it takes
                 CHECK(s.counters().lost_s == Approx(host.time_s - host.went_s).margin(0.005));
                 if (share > 1) CHECK(s.counters().lost_s > 0.02 * host.time_s);
                 CHECK(s.record().time_s == Approx(host.time_s));
@@ -401,15 +401,15 @@ TEST_CASE("a host that is slow by its own choice loses no time, nor does one tha
     HapticOptions options = alone();
     options.safety.hold_s = 1;
     const HapticModel model(law_example(), options);
-    for (const double share : {0.05, 0.4})
+    for (const double share : {0.05, 0.4, 0.5, 0.7, 0.89})
         for (const double period_s : {1e-3, 0.01, 0.02})
             for (const bool by_schedule : {true, false}) {
                 Simulation s(model);
                 Host host{s, period_s, share, by_schedule};
                 for (int k = 0; k < 1000; ++k) host.tick(k == 500 ? 0.03 : 0);
                 INFO(period_s << " s, a tick costs " << share << " of its time" << (by_schedule ? ", by a schedule" : ""));
-                CHECK(s.counters().lost_s == 0);
-                CHECK(host.went_s == Approx(host.time_s).margin(0.03));
+                CHECK(s.counters().lost_s <= (share < 0.45 ? 0 : 0.03 + 2 * period_s));  // where ticks cost half of their time neither the stall nor what a start owes is made up for
+                CHECK(host.went_s + s.counters().lost_s == Approx(host.time_s).margin(0.03));
                 CHECK(host.cost_s == Approx(share * period_s).epsilon(0.2));
             }
 }

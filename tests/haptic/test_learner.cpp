@@ -70,6 +70,7 @@ struct Session {
     /// As much time for the learner as the clock would have given it.
     void wait(long long lines) {
         for (int k = 0; k < 20000 && adaptation_lines < lines; ++k) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        REQUIRE(adaptation_lines >= lines);
     }
     std::atomic<long long> adaptation_lines{0};
     std::vector<Poke> pokes;  ///< of those lines; the learner's, until it stops

@@ -196,3 +196,34 @@ TEST_CASE("a pressed dome rests in balance, and its derivatives are those of its
         CHECK((by.displacement.col(t) - as_vector(moved)).norm() < 1e-5 * state.displacement.norm());
     }
 }
+
+TEST_CASE("an embedded solid stays on its bed, whatever its springs, and others nearby share its cubes or fall apart", "[embedded]") {
+    const SpringMesh mesh = embedded_lattice(dome(8), 0.011);
+    const EnergyLaw law = law_on(mesh, {"spring.all"});
+    const Eigen::VectorXd untrained = law.constants(Eigen::VectorXd::Zero(1)), uniform = springs_alone(mesh, untrained, uniform_stiffness(mesh, 5));
+    CHECK(uniform.head(mesh.spring_count()).maxCoeff() == 5);
+    CHECK(uniform.head(mesh.spring_count()).minCoeff() == 2.5);  // diagonals
+    CHECK(uniform.segment(mesh.spring_count(), cell_count(mesh)).isZero(0));
+    REQUIRE(mesh.support_count() > 10);
+    CHECK(uniform.tail(mesh.support_count()) == untrained.tail(mesh.support_count()));
+    const TissueEnergy energy = law.energy(mesh);
+    const DiscContact kernel(mesh, 0.007);
+    PressSolver solver(energy, kernel);
+    const Point top = FreeSurface(mesh).nearest(Eigen::Vector3d(0, 0, 0.05)).point_m;
+    const PressState state = solver.press(uniform, ContactSpring(kernel.rows_at(top), law.patch(Eigen::VectorXd::Zero(1))), Eigen::Vector3d(0, 0, -0.004));
+    REQUIRE(state.status == PressStatus::held);
+    for (int node : mesh.fixed) CHECK(state.displacement.row(node).norm() < 1e-4);
+
+    const auto two_blocks = [](double gap_m) {
+        Shape one = shape_of(make_lattice("grid26", Lattice{{2, 2, 2}, {0.02, 0.02, 0.02}})), both = one;
+        const auto n = static_cast<int>(one.nodes.rows());
+        both.nodes.conservativeResize(2 * n, 3);
+        both.nodes.bottomRows(n) = one.nodes.rowwise() + Eigen::RowVector3d(0.02 + gap_m, 0, 0);
+        both.simplices.conservativeResize(2 * one.simplices.rows(), 4);
+        both.simplices.bottomRows(one.simplices.rows()) = one.simplices.array() + n;
+        for (const auto& f : one.fixed_facets) both.fixed_facets.push_back({f[0] + n, f[1] + n, f[2] + n});
+        return both;
+    };
+    CHECK_NOTHROW(embedded_lattice(two_blocks(0.001), 0.006));
+    CHECK_THROWS_WITH(embedded_lattice(two_blocks(0.02), 0.006), Contains("falls apart"));
+}

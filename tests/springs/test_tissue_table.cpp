@@ -160,19 +160,23 @@ TEST_CASE("a model of a solid in an embedded lattice comes back from its file in
 
     const auto said = [&](const auto& change) {
         TissueModel changed = model;
-        change(changed.mesh.embedding, changed.node_mass_kg);
+        change(changed.mesh.embedding, changed.node_mass_kg, changed.mesh);
         write_model(file, changed, {"tissuectl test", 11, {}});
         return refusal<FileError>([&] { read_model(file); });
     };
     using Mass = Eigen::VectorXd;
-    CHECK_THAT(said([](Embedding& e, Mass&) { e.fraction[0] = 1.5; }), Contains("/mesh/lattice/fraction: is above 1"));
-    CHECK_THAT(said([](Embedding& e, Mass&) { e.fraction[0] = 0; }), Contains("/mesh/lattice/fraction: "));
-    CHECK_THAT(said([](Embedding& e, Mass&) { e.centroid(0, 0) = 2; }), Contains("/mesh/lattice/centroid: is above 1"));
-    CHECK_THAT(said([](Embedding& e, Mass&) { e.weight(0, 0) = 7; }), Contains("/mesh/lattice/weight: does not sum to 1"));
-    CHECK_THAT(said([](Embedding& e, Mass&) { e.cubes(0, 0) = 0; }), Contains("/mesh/lattice/cubes: names node 0, which is the solid's own"));
-    CHECK_THAT(said([](Embedding& e, Mass&) { e.corner(0, 0) = 1; }), Contains("/mesh/lattice/corner: names node 1, which is the solid's own"));
-    CHECK_THAT(said([](Embedding& e, Mass&) { e.corner(0, 0) = 1000000; }), Contains("/mesh/lattice/corner"));
-    CHECK_THAT(said([](Embedding& e, Mass&) { for (int k = 0; k < 8; k += 2) std::swap(e.cubes(0, k), e.cubes(0, k + 1)); }), Contains("/mesh/lattice/cubes: cell 0 is inside out"));
-    CHECK_THAT(said([](Embedding&, Mass& mass) { mass[0] = 1; }), Contains("/node_mass: of node 0 is 1 kg"));
-    CHECK_THAT(said([](Embedding&, Mass& mass) { mass[mass.size() - 1] = 0; }), Contains("/node_mass: of node "));
+    CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.fraction[0] = 1.5; }), Contains("/mesh/lattice/fraction: is above 1"));
+    CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.fraction[0] = 0; }), Contains("/mesh/lattice/fraction: "));
+    CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.centroid(0, 0) = 2; }), Contains("/mesh/lattice/centroid: is above 1"));
+    CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.weight(0, 0) = 7; }), Contains("/mesh/lattice/weight: does not sum to 1"));
+    CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.cubes(0, 0) = 0; }), Contains("/mesh/lattice/cubes: names node 0, which is the solid's own"));
+    CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.corner(0, 0) = 1; }), Contains("/mesh/lattice/corner: names node 1, which is the solid's own"));
+    CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.corner(0, 0) = 1000000; }), Contains("/mesh/lattice/corner"));
+    CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { for (int k = 0; k < 8; k += 2) std::swap(e.cubes(0, k), e.cubes(0, k + 1)); }), Contains("/mesh/lattice/cubes: cell 0 is inside out"));
+    CHECK_THAT(said([](Embedding&, Mass& mass, SpringMesh&) { mass[0] = 1; }), Contains("/node_mass: of node 0 is 1; it is 0 of an embedded"));
+    CHECK_THAT(said([](Embedding&, Mass& mass, SpringMesh&) { mass[mass.size() - 1] = 0; }), Contains("/node_mass: of node "));
+    CHECK_THAT(said([](Embedding&, Mass&, SpringMesh& mesh) { mesh.node_measure[mesh.node_count() - 1] = 0; }), Contains("/mesh/node_volume: of node "));
+    CHECK_THAT(said([](Embedding&, Mass&, SpringMesh& mesh) { mesh.fixed.push_back(mesh.node_count() - 1); }), Contains("/mesh/fixed: names node "));
+    CHECK_THAT(said([](Embedding&, Mass&, SpringMesh& mesh) { mesh.topology = "edges3"; }), Contains("do not belong together"));
+    CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e = {}; }), Contains("do not belong together"));
 }

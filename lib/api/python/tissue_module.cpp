@@ -141,7 +141,9 @@ NodeField ticks(Session& session, const Rows& positions_m, double elapsed_s) {
     return alone(session, [&] {
         for (Eigen::Index k = 0; k < forces.rows(); ++k) {
             if (k % 16 == 0) signals.heed();
-            forces.row(k) = session.tick(positions_m.row(k), elapsed_s, 0);
+            DeviceSample sample;
+            sample.position_m = positions_m.row(k);
+            forces.row(k) = session.simulation.tick(sample, elapsed_s);  // of no clock
         }
         return std::move(forces);
     });
@@ -182,7 +184,10 @@ py::bytes state_of(Session& session) {
 }
 
 void restore(Session& session, const std::string& state) {
-    alone(session, [&] { session.simulation.restore(reinterpret_cast<const std::byte*>(state.data()), state.size()); });
+    alone(session, [&] {
+        session.simulation.restore(reinterpret_cast<const std::byte*>(state.data()), state.size());
+        session.clock = {};
+    });
 }
 
 py::dict counts_of(Session& session) {
@@ -383,7 +388,7 @@ ticks() between two ticks, press() between two contacts and next() between two p
         .def_readonly("study", &TissueModel::study, "its name")
         .def_property_readonly("dimension", [](const TissueModel& t) { return t.mesh.dimension(); }, "D")
         .def_property_readonly("is_law", [](const TissueModel& t) { return t.energy_law.has_value(); }, "one energy; else spring sets")
-        .def_property_readonly("nodes", [](const TissueModel& t) -> const NodeField& { return t.mesh.nodes; }, "at rest [m] (N, D)")
+        .def_property_readonly("nodes", [](const TissueModel& t) -> const NodeField& { return t.mesh.nodes; }, "at rest [m] (N, D); of a solid in an embedded lattice its own, then the lattice's")
         .def_property_readonly("springs", [](const TissueModel& t) -> const auto& { return t.mesh.springs; }, "node numbers (S, 2)")
         .def_property_readonly("facets", [](const TissueModel& t) -> const auto& { return t.mesh.facets; }, "node numbers of the surface (F, D)")
         .def_property_readonly("fixed", [](const TissueModel& t) { return t.mesh.fixed; }, "nodes that are held")
@@ -398,7 +403,7 @@ ticks() between two ticks, press() between two contacts and next() between two p
         .def_property_readonly("terms", [](const TissueModel& t) { return t.energy_law ? t.energy_law->terms : std::vector<std::string>{}; }, "of a law (P)")
         .def_property_readonly("coefficients", [](const TissueModel& t) { return t.energy_law ? t.energy_law->coefficients : Eigen::VectorXd(); }, "of those terms (P)")
         .def_property_readonly("constants", [](const TissueModel& t) { return t.energy_law ? t.energy_law->constants : Eigen::VectorXd(); },
-                               "of a law's springs and cells [N/m] (E)")
+                               "of a law's springs, cells and an embedded solid's supports [N/m] (E)")
         .def("press", &press, py::arg("contacts_m"), py::arg("pushes_m"), py::arg("threads") = std::max(1u, std::thread::hardware_concurrency()),
              "The tissue at rest with the tool held: contacts (K, D) on the free surface or within 2 mm of it, pushes from there (K, D), none out of the tissue.\n"
              "Returns force of the tool on the tissue [N] (K, D), displacement [m] (K, N, D), in space with the surface beside the tool as it is seen, and why there is no answer, "
