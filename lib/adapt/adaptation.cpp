@@ -110,7 +110,7 @@ PressState Adaptation::press(const Point& contact_m, const Point& push_m, const 
     linear.by_x = Eigen::MatrixXd(by.by_constant * now.constants.asDiagonal()) * unknowns_.by_constant;
     const ContactRows& rows = contact.rows;
     Eigen::RowVectorXd scale = Eigen::RowVectorXd::Zero(unknowns_.size());
-    for (std::size_t i = 0; i < rows.surface_nodes.size(); ++i) scale += rows.mean[static_cast<Eigen::Index>(i)] * unknowns_.by_node.row(rows.surface_nodes[i]);
+    for (std::size_t i = 0; i < rows.nodes.size(); ++i) scale += rows.mean[static_cast<Eigen::Index>(i)] * unknowns_.by_node.row(rows.nodes[i]);
     const Eigen::Index near = std::min<Eigen::Index>(rows.factors.size(), now.patch.log_N_m.cols());
     for (Eigen::Index m = 0; m < by.by_law_row.cols(); ++m) {
         const Point force = by.by_law_row.col(m) * contact.law_value[m];

@@ -39,20 +39,7 @@ class SymplecticDynamics final : public Dynamics {
             mesh_.force(s.theta, s.displacement, s.force);
         const double ahead_s = load.tool ? std::max(load.ahead_s, h_ / 4) : load.ahead_s;
         if (ahead_s > 0) held_ = s.displacement + ahead_s * s.velocity;
-        // a tool touches an embedded solid's own nodes, which have no mass: they get their displacement from the lattice, and it gets their force
-        const Embedding& embedding = mesh_.embedding();
-        const int on_solid = !embedding.empty() && load.tool ? load.tool->touch_count() : 0;
-        for (int k = 0; k < on_solid; ++k) {
-            const int node = load.tool->touched(k);
-            held_.row(node) = embedding.at(node, held_).transpose();
-            s.force.row(node).setZero();
-        }
         const Point tool = load.put_on(mesh_, ahead_s > 0 ? held_ : s.displacement, s.force);
-        for (int k = 0; k < on_solid; ++k) {  // a node may be listed twice: its force is zero the second time
-            const int node = load.tool->touched(k);
-            embedding.spread(node, s.force.row(node).transpose(), s.force);
-            s.force.row(node).setZero();
-        }
         for (int axis = 0; axis < mesh_.dimension(); ++axis)
             kernel::symplectic_axis(N, gain_.data(), keep_, h_, s.force.data() + axis * N, s.velocity.data() + axis * N,
                                     s.displacement.data() + axis * N);

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "error.h"
+#include "mesh/cube_search.h"
 #include "mesh/open_faces.h"
 #include "mesh/solid_lattice.h"
 
@@ -20,7 +21,6 @@ constexpr int parts = 6;  // of a cube, along each axis
 constexpr double least_fraction = 0.02, least_mass = 0.02;
 constexpr int most_cubes = 100'000;
 constexpr double most_in_all = 400'000;  // in the box about the solid: their parts are kept at once
-constexpr double most_weight = 100;      // of an interpolation that is extrapolated
 
 using Triple = std::array<int, 3>;
 
@@ -169,13 +169,11 @@ SpringMesh embedded_lattice(const Shape& shape, double spacing_m) {
 
     std::vector<Triple> cubes;
     std::vector<Part> part;
-    std::map<Triple, int> cube_at;
     for (int z = 0; z < frame.cubes[2]; ++z)
         for (int y = 0; y < frame.cubes[1]; ++y)
             for (int x = 0; x < frame.cubes[0]; ++x) {
                 const Part here = part_of(fill, {x, y, z});
                 if (!(here.fraction > least_fraction)) continue;
-                cube_at[{x, y, z}] = static_cast<int>(cubes.size());
                 cubes.push_back({x, y, z});
                 part.push_back(here);
             }
@@ -238,26 +236,13 @@ SpringMesh embedded_lattice(const Shape& shape, double spacing_m) {
 
     embedding.corner.resize(K, 8);
     embedding.weight.resize(K, 8);
+    const CubeSearch search(mesh.nodes, embedding.cubes, spacing_m);
     for (int i = 0; i < K; ++i) {
-        const Eigen::Vector3d at = frame.local(shape.nodes.row(i).transpose());
-        Triple cube{};
-        for (std::size_t d = 0; d < 3; ++d) cube[d] = std::clamp(static_cast<int>(std::floor(at[static_cast<Eigen::Index>(d)])), 0, frame.cubes[d] - 1);
-        auto there = cube_at.find(cube);
-        if (there == cube_at.end()) {  // the node's cube was left out: the nearest kept one's weights are extrapolated to it
-            double least = std::numeric_limits<double>::infinity();
-            for (auto it = cube_at.begin(); it != cube_at.end(); ++it) {
-                const Eigen::Vector3d low(it->first[0], it->first[1], it->first[2]);
-                const double away = (at - at.cwiseMax(low).cwiseMin((low.array() + 1).matrix())).squaredNorm();
-                if (away < least) {
-                    least = away;
-                    there = it;
-                }
-            }
-        }
-        embedding.corner.row(i) = embedding.cubes.row(there->second);
-        embedding.weight.row(i) = hats(at - Eigen::Vector3d(there->first[0], there->first[1], there->first[2]));
-        if (!(embedding.weight.row(i).cwiseAbs().maxCoeff() < most_weight))
+        const CubeSearch::Found found = search.at(shape.nodes.row(i).transpose());
+        if (found.cube < 0)
             throw MismatchError(fmt::format("a lattice of {:g} mm is too coarse for this solid: a part of it is far from every cube with tissue in it", 1e3 * spacing_m));
+        embedding.corner.row(i) = embedding.cubes.row(found.cube);
+        for (int k = 0; k < 8; ++k) embedding.weight(i, k) = found.weight[k];
     }
     if (pieces(embedding.cubes) > 1) throw MismatchError(fmt::format("a lattice of {:g} mm is too coarse for this solid: it falls apart where the solid is thin", 1e3 * spacing_m));
     return mesh;

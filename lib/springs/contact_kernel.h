@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "field.h"
-#include "mesh/embedding.h"
 #include "springs/skin.h"
 #include "springs/tool_spring.h"
 
@@ -26,13 +25,9 @@ struct ContactRows {
     std::vector<int> law_row;    ///< of PatchLaw, for each row (R)
     Eigen::VectorXd share;       ///< of that stiffness (R)
     ContactFactors factors;      ///< of the place: PatchLaw's
-    std::vector<int> surface_nodes;  ///< that the tool touches: `nodes`, but of a solid in an embedded lattice its own, which the lattice's nodes move (S)
-    Eigen::VectorXd mean;        ///< weight of each of these in what is between tool and surface (S), sum 1
+    Eigen::VectorXd mean;        ///< weight of each node in log_scale (K), sum 1: that in what is between tool and surface
     double log_scale = 0;        ///< of the law's stiffnesses there (ContactKernel::scale)
 };
-
-/// Rows on an embedded solid's own nodes, as rows on the nodes of its lattice.
-ContactRows on_lattice_nodes(ContactRows rows, const Embedding& embedding);
 
 /// Makes contacts of one kind on the surface of one mesh: the patch in the plane (springs/contact_patch.h), the disc in
 /// space (springs/disc_contact.h). Const, and serves many threads.

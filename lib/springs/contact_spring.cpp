@@ -24,7 +24,6 @@ ContactRows rows_of(const ContactPatch& patch) {
         rows.pull.block<1, 2>(2, 2 * at) += patch.slope[i] * patch.normal.transpose();
         rows.pull.block<1, 2>(3, 2 * at) += patch.slope[i] * patch.tangent.transpose();
     }
-    rows.surface_nodes = rows.nodes;
     rows.mean = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(rows.nodes.size()));
     for (int i = 0; i < ContactPatch::size; ++i)
         rows.mean[std::find(rows.nodes.begin(), rows.nodes.end(), patch.node[i]) - rows.nodes.begin()] += patch.weight[i];

@@ -2,6 +2,7 @@
 
 #include "mesh/free_surface.h"
 #include "springs/contact_kernel.h"
+#include "springs/polar_points.h"
 
 namespace tissue {
 
@@ -24,15 +25,14 @@ namespace tissue {
 /// surface bends there is `curved`: R times its mean curvature, of a quadratic in the tangent plane fitted to the nodes within 2.2
 /// spacings; above 0 where it is convex, R / radius on a sphere, below 0 in a valley, where more of the tissue stands round the disc.
 /// Both are of shapes alone.
-/// Of a solid in an embedded lattice `crowd` is how few of the lattice's nodes take the mean's force, and how little tissue they have: log of 8 sum_k B_k^2 m / m_k, B the mean's
-/// weights on the lattice, m_k / m the mass of a node over that of one in whole cubes; 0 for a force in the middle of a whole cube. It is made at the surface's nodes,
-/// and is the mean of those under the disc.
+/// On a solid in an embedded lattice the disc stands on points of its own in place of the surface's nodes (springs/polar_points.h): they have the same rows with weights and shares, and a
+/// `crowd`, of their own, and no `phase`. They lie on the quadric, fitted to the surface's nodes within 2.5 R at least.
 /// What of the ground under it is of other stiffness is `ground`: to first order in log E / E_block the force changes by exp of
 /// its mean, weighted with the energy that the disc stores there. Under a force on incompressible ground the stress is along
 /// rays alone, as z / r^3 (Boussinesq; Johnson, (3.19)), so that the weight is z^2 / r^6, with R for what is nearer:
 ///   ground = sum_g (8 R / pi^2) z_g^2 / (R^2 + r_g^2)^3 weight_g, 1 for a half space with log E / E_block = 1 everywhere
 /// Nodes round a crease do not belong to it.
-/// The tick's contact has room for ToolSpring::most_nodes: where more are in reach it keeps the nearest. most_nodes() says how many
+/// A contact has room for ToolSpring::most_nodes: where more are in reach it keeps the nearest. most_nodes() says how many
 /// there can be; whoever plays a model refuses one that has more.
 class DiscContact final : public ContactKernel {
    public:
@@ -59,22 +59,14 @@ class DiscContact final : public ContactKernel {
     double curved_at(const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept;
 
    private:
-    /// What a contact takes of one node.
-    struct Node {
-        int node;
-        double away_m, mean;  ///< mean: w
-        bool pressed;         ///< in the imprint's reach: then also
-        double share;         ///< of the imprint's stiffness
-        Eigen::Matrix3d target;  ///< how far it goes there, by d
-    };
     struct Disc {
         Eigen::Vector3d normal;
         ContactFactors factors;
-        double log_scale = 0;
-        std::size_t nodes;    ///< 0 where too few are near
+        double log_scale;
     };
-    /// The contact at a place of the surface; fills `nodes`, which has room for so many. Where more are in reach the nearest stay.
-    Disc disc_at(const FreeSurface::Place& place, Node* nodes, std::size_t room) const noexcept;
+    /// The contact at a place of the surface; fills the footing. Without means where too few nodes are near.
+    Disc disc_at(const FreeSurface::Place& place, Footing& footing) const noexcept;
+    void stand_on_nodes(const FreeSurface::Place& place, Footing& footing) const noexcept;
 
     /// Displacement per d of a half space's surface at a place from the contact: phi(r / R), outside the disc larger ahead of a tangential d and behind it than beside it.
     Eigen::Matrix3d target_at(const Eigen::Vector3d& from_m, double away_m, const Eigen::Vector3d& normal) const noexcept;
@@ -82,9 +74,8 @@ class DiscContact final : public ContactKernel {
     template <class Each>
     void each_skin_node(const FreeSurface::Place& place, Each&& each) const noexcept;
 
-    double crowd_of(const Node* nodes, std::size_t count) const noexcept;
-    void find_crowd(const SpringMesh& mesh);
-    double curved_among(const std::vector<int>& nodes, double within_m, const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept;
+    SurfaceQuadric quadric_among(const std::vector<int>& nodes, double within_m, const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept;
+    double curved_of(const SurfaceQuadric& quadric) const noexcept;
     double own_reach_m() const noexcept;  ///< of the mean's weights
 
     /// A held facet: the free place nearest to its middle.
@@ -96,7 +87,7 @@ class DiscContact final : public ContactKernel {
 
     FreeSurface surface_;
     NodeField rest_;
-    Embedding embedding_;
+    std::shared_ptr<const PolarPoints> polar_;  ///< of a solid in an embedded lattice
     std::vector<Wall> walls_;              ///< of each facet of the mesh; of free ones as made
     std::vector<std::vector<int>> near_;   ///< of each free facet: surface nodes in near_m_ of it, ascending
     double near_m_ = 0;
@@ -105,7 +96,6 @@ class DiscContact final : public ContactKernel {
     NodeField ground_;
     bool on_lattice_;
     std::vector<bool> fixed_;  ///< (N)
-    Eigen::VectorXd crowd_;    ///< `crowd` of a contact at a node, in an embedded lattice (N)
     Eigen::VectorXd carried_;  ///< part of the free surface that a node carries, in squared spacings: 1 on a lattice (N)
 };
 

@@ -84,7 +84,7 @@ bool ToolSpring::add_group(const PointMatrix& target, const PointMatrix& stiffne
 }
 
 bool ToolSpring::add_node(int node, double weight) noexcept {
-    if (nodes_ >= 2 * most_nodes) return false;
+    if (nodes_ >= most_entries) return false;
     node_[nodes_] = node;
     weight_[nodes_] = weight;
     group_[groups_ - 1].end = ++nodes_;

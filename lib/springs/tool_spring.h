@@ -64,7 +64,8 @@ class ToolMemory {
 /// allocates or throws.
 class ToolSpring {
    public:
-    static constexpr int most_nodes = 128;
+    static constexpr int most_nodes = 128;     ///< of the imprint: a group each
+    static constexpr int most_entries = 704;   ///< of all groups' nodes
 
     /// Empties it: a contact of so many axes at a surface with this inward normal at rest.
     void begin(int dimension, const Point& inward) noexcept;
@@ -97,10 +98,6 @@ class ToolSpring {
     /// The push at which the tool's force is this one: Newton from where the first group alone would have it.
     Point push_at(const Point& hand_N, const NodeColumns& u, const ToolMemory* memory = nullptr) const noexcept;
 
-    /// Nodes that it touches, some more than once.
-    int touch_count() const { return nodes_; }
-    int touched(int k) const { return node_[k]; }
-
     int group_count() const { return groups_; }
     /// What tells a group from the contact's others, wherever along the surface the contact is: of an imprint's its node, of the others
     /// -1, -2, ..., the first at the front.
@@ -127,8 +124,8 @@ class ToolSpring {
     Eigen::Vector3d inward_ = Eigen::Vector3d::Zero();
     double hardening_1_J_ = 0, saturation_1_J_ = 0, coupling_N_m2_ = 0;
     Group group_[most_nodes + 1];
-    int node_[2 * most_nodes];
-    double weight_[2 * most_nodes];
+    int node_[most_entries];
+    double weight_[most_entries];
 };
 
 }  // namespace tissue

@@ -6,7 +6,9 @@
 
 #include "../allocations.h"
 #include "../haptic/haptic_example.h"
+#include "../mesh/dome.h"
 #include "../tolerances.h"
+#include "mesh/embedded_lattice.h"
 #include "springs/contact_patch.h"
 #include "springs/contact_spring.h"
 #include "springs/disc_contact.h"
@@ -25,6 +27,14 @@ PatchLaw disc_law() {
     law.log_N_m.col(1) << 0.1, -0.2, 0.1, 0.05, 0.1, 0, 0.2;
     law.log_N_m.col(2) << 0.5, 0.3, 0.2, 0.4, 0, 0, 0;
     law.log_N_m.col(3) << -0.3, 0.2, 0.1, -0.1, 0.3, 0, 0;
+    return law;
+}
+
+/// The same of a disc on a shape.
+PatchLaw shape_law() {
+    PatchLaw law = disc_law();
+    law.log_N_m.conservativeResize(Eigen::NoChange, PatchLaw::shape_factors);
+    law.log_N_m.rightCols<2>().setConstant(0.1);
     return law;
 }
 
@@ -95,29 +105,31 @@ void check_derivatives(const ToolSpring& tool, const NodeColumns& u, const Point
 
 }  // namespace
 
-TEST_CASE("a disc's contact in the tick is the one that trains: same energy, same force of the hand, same forces on nodes", "[solid]") {
-    const SpringMesh mesh = solid(6, 5, 3);
-    const DiscContact kernel(mesh, 0.007, some_ground());
-    const FreeSurface surface(mesh);
-    const PatchLaw law = disc_law();
-    Draw draw(1);
-    ToolSpring tool;
-    int free = 0;
-    for (int i = 0; i < 400; ++i) {
-        const int facet = draw.below(static_cast<int>(mesh.facets.rows()));
-        if (surface.free_of()[static_cast<std::size_t>(facet)] < 0) continue;
-        ++free;
-        const Eigen::Vector3d weight = some_weight(draw, 3);
-        Eigen::Vector3d place = Eigen::Vector3d::Zero();
-        for (int k = 0; k < 3; ++k) place += weight[k] * mesh.nodes.row(mesh.facets(facet, k)).transpose();
-        kernel.tool_at(facet, weight, law, tool);
-        const ContactSpring spring(kernel.rows_at(place), law);
-        const NodeColumns u = some_displacement(mesh, draw);
-        const Point push = some_push(draw, 3);
-        check_same(tool, spring, u, push);
-        if (i < 20) check_derivatives(tool, u, push);
+TEST_CASE("a disc's contact in the tick is the one that trains: same energy, same force of the hand, same forces on nodes", "[solid][embedded]") {
+    for (const SpringMesh& mesh : {solid(6, 5, 3), embedded_lattice(dome(6), 0.011)}) {
+        const PatchLaw law = mesh.embedding.empty() ? disc_law() : shape_law();
+        DiscContact kernel(mesh, 0.007, some_ground());
+        kernel.scale(Eigen::VectorXd::LinSpaced(mesh.node_count(), -0.2, 0.3));
+        const FreeSurface surface(mesh);
+        Draw draw(1);
+        ToolSpring tool;
+        int free = 0;
+        for (int i = 0; i < 400; ++i) {
+            const int facet = draw.below(static_cast<int>(mesh.facets.rows()));
+            if (surface.free_of()[static_cast<std::size_t>(facet)] < 0) continue;
+            ++free;
+            const Eigen::Vector3d weight = some_weight(draw, 3);
+            Eigen::Vector3d place = Eigen::Vector3d::Zero();
+            for (int k = 0; k < 3; ++k) place += weight[k] * mesh.nodes.row(mesh.facets(facet, k)).transpose();
+            kernel.tool_at(facet, weight, law, tool);
+            const ContactSpring spring(kernel.rows_at(place), law);
+            const NodeColumns u = some_displacement(mesh, draw);
+            const Point push = some_push(draw, 3);
+            check_same(tool, spring, u, push);
+            if (i < 20) check_derivatives(tool, u, push);
+        }
+        CHECK(free > 200);
     }
-    CHECK(free > 200);
 }
 
 TEST_CASE("a patch's contact in the tick is the one that trains", "[tool]") {
@@ -214,22 +226,23 @@ TEST_CASE("a contact with more nodes in reach than the tick has room for keeps t
     CHECK(farthest <= nearest_left);
 }
 
-TEST_CASE("a contact of the tick is made and used without allocation", "[solid]") {
-    const SpringMesh mesh = solid(6, 5, 3);
-    const DiscContact kernel(mesh, 0.007, some_ground());
-    const PatchLaw law = disc_law();
-    const FreeSurface surface(mesh);
-    ToolSpring tool;
-    const NodeColumns u = NodeColumns::Zero(mesh.node_count(), 3);
-    NodeColumns f = u;
-    const Point push = Eigen::Vector3d(1e-3, 0, -2e-3);
-    double sum = 0;
-    const Allocations counted;
-    for (int facet = 0; facet < mesh.facets.rows(); ++facet) {
-        kernel.tool_at(facet, {0.2, 0.3, 0.5}, law, tool);
-        sum += tool.put_on(push, u, f).norm() + tool.push_at(push, u).norm() + tool.stiffness_N_m(push, u).norm() + tool.energy_J(push, u);
-        sum += surface.walk(facet, {0.2, 0.3, 0.5}, push).walked_m;
+TEST_CASE("a contact of the tick is made and used without allocation", "[solid][embedded]") {
+    for (const SpringMesh& mesh : {solid(6, 5, 3), embedded_lattice(dome(6), 0.011)}) {
+        const PatchLaw law = mesh.embedding.empty() ? disc_law() : shape_law();
+        const DiscContact kernel(mesh, 0.007, some_ground());
+        const FreeSurface surface(mesh);
+        ToolSpring tool;
+        const NodeColumns u = NodeColumns::Zero(mesh.node_count(), 3);
+        NodeColumns f = u;
+        const Point push = Eigen::Vector3d(1e-3, 0, -2e-3);
+        double sum = 0;
+        const Allocations counted;
+        for (int facet = 0; facet < mesh.facets.rows(); ++facet) {
+            kernel.tool_at(facet, {0.2, 0.3, 0.5}, law, tool);
+            sum += tool.put_on(push, u, f).norm() + tool.push_at(push, u).norm() + tool.stiffness_N_m(push, u).norm() + tool.energy_J(push, u);
+            sum += surface.walk(facet, {0.2, 0.3, 0.5}, push).walked_m;
+        }
+        CHECK(Allocations::count() == 0);
+        CHECK(sum > 0);
     }
-    CHECK(Allocations::count() == 0);
-    CHECK(sum > 0);
 }

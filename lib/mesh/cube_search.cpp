@@ -1,0 +1,68 @@
+#include "mesh/cube_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tissue {
+
+CubeSearch::CubeSearch(const NodeField& nodes, const Cells& cubes, double spacing_m) : spacing_m_(spacing_m) {
+    const NodeField low = nodes(cubes.col(0), Eigen::all);
+    origin_m_ = low.colwise().minCoeff().transpose();
+    const auto place_of = [&](Eigen::Index c) {
+        std::array<int, 3> place{};
+        for (int d = 0; d < 3; ++d) place[static_cast<std::size_t>(d)] = static_cast<int>(std::lround((low(c, d) - origin_m_[d]) / spacing_m));
+        return place;
+    };
+    for (Eigen::Index c = 0; c < cubes.rows(); ++c) {
+        const std::array<int, 3> place = place_of(c);
+        for (std::size_t d = 0; d < 3; ++d) size_[d] = std::max(size_[d], place[d] + 1);
+    }
+    cube_.assign(static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1]) * static_cast<std::size_t>(size_[2]), -1);
+    for (Eigen::Index c = 0; c < cubes.rows(); ++c) {
+        const std::array<int, 3> place = place_of(c);
+        cube_[static_cast<std::size_t>((place[2] * size_[1] + place[1]) * size_[0] + place[0])] = static_cast<int>(c);
+    }
+}
+
+int CubeSearch::cube_at(const std::array<int, 3>& place) const noexcept {
+    for (std::size_t d = 0; d < 3; ++d)
+        if (place[d] < 0 || place[d] >= size_[d]) return -1;
+    return cube_[static_cast<std::size_t>((place[2] * size_[1] + place[1]) * size_[0] + place[0])];
+}
+
+CubeSearch::Found CubeSearch::at(const Eigen::Vector3d& place_m) const noexcept {
+    const Eigen::Vector3d local = (place_m - origin_m_) / spacing_m_;
+    std::array<int, 3> here{}, best{};
+    for (std::size_t d = 0; d < 3; ++d)  // beyond the box, but within what an int can say
+        here[d] = static_cast<int>(std::floor(std::clamp(local[static_cast<Eigen::Index>(d)], -2.0, size_[d] + 1.0)));
+    Found found;
+    found.cube = cube_at(here);
+    best = here;
+    if (found.cube < 0) {
+        double least = std::numeric_limits<double>::infinity();
+        for (int around = 0; around < 27; ++around) {
+            const std::array<int, 3> place{here[0] + around % 3 - 1, here[1] + around / 3 % 3 - 1, here[2] + around / 9 - 1};
+            const int cube = cube_at(place);
+            if (cube < 0) continue;
+            const Eigen::Vector3d low(place[0], place[1], place[2]);
+            const double away = (local - local.cwiseMax(low).cwiseMin((low.array() + 1).matrix())).norm();
+            if (away >= least) continue;
+            least = away;
+            found.cube = cube;
+            best = place;
+        }
+        if (found.cube < 0) return found;
+        found.away = least;
+    }
+    for (int k = 0; k < 8; ++k) {
+        found.weight[k] = 1;
+        for (int d = 0; d < 3; ++d) {
+            const double along = local[d] - best[static_cast<std::size_t>(d)];
+            found.weight[k] *= (k >> d & 1) ? along : 1 - along;
+        }
+    }
+    return found;
+}
+
+}  // namespace tissue

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "mesh/embedding.h"
+
+namespace tissue {
+
+/// Which cube of an embedded lattice a place lies in.
+class CubeSearch {
+   public:
+    CubeSearch() = default;
+    /// nodes: of the mesh that the cubes are of (N x 3) [m].
+    CubeSearch(const NodeField& nodes, const Cells& cubes, double spacing_m);
+
+    struct Found {
+        int cube = -1;               ///< -1: neither here nor among the cubes around is there one with tissue
+        double away = 0;             ///< from it, in edges
+        double weight[8] = {};       ///< of its corners there, sum 1; extrapolated outside it
+    };
+    /// The cube at a place [m]; where it was left out the nearest of the 26 around. Allocates nothing.
+    Found at(const Eigen::Vector3d& place_m) const noexcept;
+
+   private:
+    int cube_at(const std::array<int, 3>& place) const noexcept;
+
+    Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();
+    double spacing_m_ = 1;
+    std::array<int, 3> size_{};
+    std::vector<int> cube_;  ///< of each place of the box about them, along x first; -1: none
+};
+
+}  // namespace tissue

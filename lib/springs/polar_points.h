@@ -1,0 +1,68 @@
+#pragma once
+
+#include "mesh/cube_search.h"
+#include "mesh/spring_mesh.h"
+#include "springs/footing.h"
+
+namespace tissue {
+
+/// The surface about a place, as a quadric over its tangent plane: depth(x, y) = slope . (x, y) + (x, y) bend (x, y)' / 2 [m], inward; 0 at the place.
+struct SurfaceQuadric {
+    Eigen::Vector3d place_m, inward;
+    Eigen::Matrix<double, 3, 2> tangents;
+    Eigen::Vector2d slope;
+    Eigen::Matrix2d bend_1_m;
+
+    Eigen::Vector3d at(const Eigen::Vector2d& along_m) const noexcept {
+        const double depth_m = slope.dot(along_m) + along_m.dot(bend_1_m * along_m) / 2, most_m = along_m.norm();
+        return place_m + tangents * along_m + std::min(std::max(depth_m, -most_m), most_m) * inward;  // 45 degrees at the most
+    }
+};
+
+/// Points of a disc's footing on a solid in an embedded lattice: they go with the disc, and depend neither on the nodes of the surface's mesh nor, but for the cubes that move
+/// them, on the lattice. 24 lie under the disc, in three rings of equal areas, and 36 beyond it to the imprint's end, likewise; each ring is turned by half a step.
+///   mean     of those under the disc, weights phi / sum phi^2 (phi 1 - (r / R)^2 / 2): d - mean is zero where they go as the disc has it, and its force is the one
+///            conjugate to d. They sum to 9/7 where all are on tissue
+///   imprint  shares: 1/24 each under the disc, 1/36 (1 - (r / 2.5 R)^2)^2 beyond it
+///   crowd    log of 8 sum_k B_k^2 m / m_k, B the mean's weights on the lattice over their sum, m_k / m the mass of a node over that of one in whole cubes: how few of the
+///            lattice's nodes take the mean's force, and how little tissue they have; 0 for a force in the middle of a whole cube
+/// A point beyond all tissue fades with its distance from the nearest cube, and is none at one edge from it.
+class PolarPoints {
+   public:
+    static constexpr int under = 24, beyond = 36;
+
+    /// reach: of the imprint, in radii.
+    PolarPoints(const SpringMesh& mesh, double radius_m, double reach);
+
+    /// Fills the footing of a disc. target(from_m, away_m): Footing::Point's. Allocates nothing.
+    template <class Target>
+    void lay(const SurfaceQuadric& surface, Target&& target, Footing& footing) const noexcept {
+        lay_mean(surface, footing);
+        for (int k = 0; k < under + beyond; ++k) {
+            const Eigen::Vector3d place_m = surface.at(along_m_.row(k).transpose());
+            const CubeSearch::Found found = search_.at(place_m);
+            const Eigen::Vector3d from_m = place_m - surface.place_m;
+            const double share = share_of(k, from_m.norm()) * left_at(found);
+            if (!(share > 0)) continue;
+            Footing::Point& point = footing.point[footing.points++];
+            point.target = target(from_m, from_m.norm());
+            point.share = share;
+            point.begin = footing.entries;
+            for (int c = 0; c < 8; ++c) footing.add(cubes_(found.cube, c), found.weight[c]);
+            point.end = footing.entries;
+        }
+    }
+
+   private:
+    double share_of(int point, double away_m) const noexcept { return point < under ? 1.0 / under : bell(away_m / reach_m_) / beyond; }
+    static double left_at(const CubeSearch::Found& found) noexcept { return found.cube < 0 ? 0 : bell(found.away); }
+    void lay_mean(const SurfaceQuadric& surface, Footing& footing) const noexcept;
+
+    CubeSearch search_;
+    Cells cubes_;
+    Eigen::VectorXd light_;  ///< m / m_k (N)
+    double radius_m_, reach_m_;
+    Eigen::Matrix<double, under + beyond, 2> along_m_;  ///< of each point in the tangent plane
+};
+
+}  // namespace tissue

@@ -1,0 +1,124 @@
+#include "springs/polar_points.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "../mesh/dome.h"
+#include "mesh/embedded_lattice.h"
+#include "springs/contact_errors.h"
+#include "springs/disc_contact.h"
+
+using namespace tissue;
+
+namespace {
+
+constexpr double h = 0.008, R = 0.007;
+const Eigen::Vector3d down(0, 0, -1);
+
+/// Of 64 x 64 x 32 mm, in whole cubes of 8 mm.
+SpringMesh flat() { return embedded_lattice(shape_of(make_lattice("grid26", Lattice{{5, 5, 3}, {0.064, 0.064, 0.032}})), h); }
+
+/// What rows take of displacements.
+Eigen::VectorXd taken(const ContactRows& rows, const NodeField& u) {
+    Eigen::VectorXd own(3 * static_cast<Eigen::Index>(rows.nodes.size()));
+    for (std::size_t i = 0; i < rows.nodes.size(); ++i) own.segment<3>(3 * static_cast<Eigen::Index>(i)) = u.row(rows.nodes[i]).transpose();
+    return rows.pull * own;
+}
+
+double shares(const ContactRows& rows) { return rows.share.tail(rows.share.size() - 3).sum() / 3; }
+
+}  // namespace
+
+TEST_CASE("the mean of a disc's own points is zero off the disc's displacement, and linear fields are exact in it", "[embedded]") {
+    const SpringMesh mesh = flat();
+    const DiscContact kernel(mesh, R);
+    const Eigen::Vector3d at(0.0331, 0.0287, 0.032);
+    const ContactRows rows = kernel.rows_at(at);
+    REQUIRE(rows.share.size() == 3 + 3 * (PolarPoints::under + PolarPoints::beyond));
+    CHECK(rows.mean.sum() == Approx(1));
+    // rings at the middles of equal areas: phi is 11/12, 3/4, 7/12 there
+    const double sum = 3 * (11.0 / 12 + 3.0 / 4 + 7.0 / 12) / (3 * (121.0 / 144 + 9.0 / 16 + 49.0 / 144));
+    CHECK(sum == Approx(9.0 / 7).epsilon(0.01));
+    NodeField u = NodeField::Ones(mesh.node_count(), 3);
+    CHECK((rows.push.topRows<3>() * Eigen::Vector3d::Ones() * sum - taken(rows, u).head<3>()).norm() < 1e-12);
+    Eigen::Matrix3d strain;
+    strain << 1, 0.3, -2, 0.5, -1, 0.1, 0.2, 0.4, 0.7;
+    u = (mesh.nodes.rowwise() - at.transpose()) * strain;
+    CHECK(taken(rows, u).head<3>().norm() < 1e-12);
+}
+
+TEST_CASE("shares of a disc's own points are 1 in all under it, and fall to none at the imprint's end", "[embedded]") {
+    const SpringMesh mesh = flat();
+    const ContactRows rows = DiscContact(mesh, R).rows_at(Eigen::Vector3d(0.0331, 0.0287, 0.032));
+    for (int k = 0; k < PolarPoints::under; ++k) CHECK(rows.share[3 + 3 * k] == Approx(1.0 / 24));
+    for (int ring = 0; ring < 3; ++ring) {
+        const double x2 = 1 + (2.5 * 2.5 - 1) * (ring + 0.5) / 3;
+        for (int k = 0; k < 12; ++k) CHECK(rows.share[3 + 3 * (24 + 12 * ring + k)] == Approx(std::pow(1 - x2 / (2.5 * 2.5), 2) / 36));
+    }
+}
+
+TEST_CASE("beyond all tissue a disc's own points fade; far from it there is no contact", "[embedded]") {
+    const SpringMesh mesh = flat();
+    const DiscContact kernel(mesh, R);
+    const double whole = shares(kernel.rows_at(Eigen::Vector3d(0.032, 0.032, 0.032)));
+    double before = whole;
+    for (double x : {0.015, 0.011, 0.006, 0.002, 0.0001}) {
+        const double here = shares(kernel.rows_at(Eigen::Vector3d(x, 0.032, 0.032)));
+        CHECK(here < before);
+        CHECK(here > 0.4 * whole);  // half of the disc stands on tissue at the edge
+        before = here;
+    }
+    const PolarPoints points(mesh, R, 2.5);
+    Footing footing;
+    SurfaceQuadric away{Eigen::Vector3d(1, 1, 1), down, Eigen::Matrix<double, 3, 2>::Identity(), Eigen::Vector2d::Zero(), Eigen::Matrix2d::Zero()};
+    points.lay(away, [](const Eigen::Vector3d&, double) { return Eigen::Matrix3d(Eigen::Matrix3d::Identity()); }, footing);
+    CHECK(footing.means == 0);
+    CHECK(footing.points == 0);
+}
+
+TEST_CASE("a disc that goes along an embedded solid's surface takes of the lattice what moves without jumps, over cubes' faces too", "[embedded]") {
+    const SpringMesh mesh = embedded_lattice(dome(8), 0.009);
+    const DiscContact kernel(mesh, R);
+    const NodeField u = (mesh.nodes.array() * 300).sin().matrix();  // smooth, of size 1
+    const FreeSurface surface(mesh);
+    Eigen::VectorXd before;
+    double largest = 0;
+    for (int i = 0; i < 400; ++i) {
+        const ContactRows rows = kernel.rows_at(surface.nearest(Eigen::Vector3d(-0.01 + 5e-5 * i, 0.0043, 0.05)).point_m);
+        REQUIRE(rows.share.size() == 3 + 3 * (PolarPoints::under + PolarPoints::beyond));
+        Eigen::VectorXd now = taken(rows, u);
+        for (Eigen::Index r = 3; r < now.size(); ++r) now[r] *= rows.share[r];
+        now.conservativeResize(now.size() + 2);
+        now.tail<2>() = rows.factors.tail<2>();
+        if (i > 0) largest = std::max(largest, (now - before).cwiseAbs().maxCoeff());
+        before = now;
+    }
+    CHECK(largest < 0.05);  // 0.05 mm of 300 / m are 0.015, and facets' normals turn
+}
+
+TEST_CASE("crowd is the lattice's share in a disc's force: log 4 in the middle of a cube's face, more at the face's corner and over little tissue", "[embedded]") {
+    const SpringMesh mesh = flat();
+    const DiscContact small(mesh, 0.05 * h);
+    CHECK(small.rows_at(Eigen::Vector3d(3.5 * h, 3.5 * h, 4 * h)).factors[5] == Approx(std::log(4)).epsilon(0.01));  // four nodes of half a mass
+    CHECK(small.rows_at(Eigen::Vector3d(3 * h, 3 * h, 4 * h)).factors[5] == Approx(std::log(16)).epsilon(0.1));      // one
+    CHECK(small.rows_at(Eigen::Vector3d(0.1 * h, 0.1 * h, 4 * h)).factors[5] > std::log(30));                        // one of an eighth
+}
+
+TEST_CASE("a place in an embedded lattice is found by its cube, and where that was left out by the nearest", "[embedded]") {
+    const SpringMesh mesh = flat();
+    const CubeSearch search(mesh.nodes, mesh.embedding.cubes, h);
+    for (Eigen::Index c = 0; c < mesh.embedding.cubes.rows(); ++c) {
+        const Eigen::Vector3d in = mesh.nodes.row(mesh.embedding.cubes(c, 0)).transpose() + h * Eigen::Vector3d(0.2, 0.5, 0.9);
+        const CubeSearch::Found found = search.at(in);
+        REQUIRE(found.cube == c);
+        CHECK(found.away == 0);
+        CHECK(found.weight[6] == Approx(0.8 * 0.5 * 0.9));
+    }
+    const CubeSearch::Found above = search.at(Eigen::Vector3d(0.5 * h, 0.5 * h, 4.5 * h));
+    REQUIRE(above.cube >= 0);
+    CHECK(above.away == Approx(0.5));
+    CHECK(above.weight[4] == Approx(1.5 / 4));
+    CHECK(above.weight[0] == Approx(-0.5 / 4));
+    CHECK(search.at(Eigen::Vector3d(0.5 * h, 0.5 * h, 6.5 * h)).cube == -1);
+    CHECK(search.at(Eigen::Vector3d(-1e9, 0.5 * h, 1e30)).cube == -1);
+}
