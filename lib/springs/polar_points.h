@@ -26,7 +26,7 @@ struct SurfaceQuadric {
 ///   imprint  shares: 1/24 each under the disc, 1/36 (1 - (r / 2.5 R)^2)^2 beyond it
 ///   crowd    log of 8 sum_k B_k^2 m / m_k, B the mean's weights on the lattice over their sum, m_k / m the mass of a node over that of one in whole cubes: how few of the
 ///            lattice's nodes take the mean's force, and how little tissue they have; 0 for a force in the middle of a whole cube
-/// A point beyond all tissue fades with its distance from the nearest cube, and is none at one edge from it.
+/// A point beyond all tissue fades with its distance from the nearest cube, and is none at one edge from it: its share is 0 then.
 class PolarPoints {
    public:
     static constexpr int under = 24, beyond = 36;
@@ -42,13 +42,11 @@ class PolarPoints {
             const Eigen::Vector3d place_m = surface.at(along_m_.row(k).transpose());
             const CubeSearch::Found found = search_.at(place_m);
             const Eigen::Vector3d from_m = place_m - surface.place_m;
-            const double share = share_of(k, from_m.norm()) * left_at(found);
-            if (!(share > 0)) continue;
-            Footing::Point& point = footing.point[footing.points++];
+            Footing::Point& point = footing.point[footing.points++];  // those that fade to none too: what a contact remembers goes by their number
             point.target = target(from_m, from_m.norm());
-            point.share = share;
+            point.share = share_of(k, from_m.norm()) * left_at(found);
             point.begin = footing.entries;
-            for (int c = 0; c < 8; ++c) footing.add(cubes_(found.cube, c), found.weight[c]);
+            for (int c = 0; c < 8 && point.share > 0; ++c) footing.add(cubes_(found.cube, c), found.weight[c]);
             point.end = footing.entries;
         }
     }

@@ -73,7 +73,8 @@ TEST_CASE("beyond all tissue a disc's own points fade; far from it there is no c
     SurfaceQuadric away{Eigen::Vector3d(1, 1, 1), down, Eigen::Matrix<double, 3, 2>::Identity(), Eigen::Vector2d::Zero(), Eigen::Matrix2d::Zero()};
     points.lay(away, [](const Eigen::Vector3d&, double) { return Eigen::Matrix3d(Eigen::Matrix3d::Identity()); }, footing);
     CHECK(footing.means == 0);
-    CHECK(footing.points == 0);
+    CHECK(footing.entries == 0);
+    for (int k = 0; k < footing.points; ++k) CHECK(footing.point[k].share == 0);
 }
 
 TEST_CASE("a disc that goes along an embedded solid's surface takes of the lattice what moves without jumps, over cubes' faces too", "[embedded]") {
