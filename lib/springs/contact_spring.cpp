@@ -123,7 +123,14 @@ Eigen::MatrixXd ContactSpring::curvature_pull(const Point& push_m, const Eigen::
 }
 
 Eigen::MatrixXd ContactSpring::tangent(const Point& push_m, const Eigen::VectorXd& u) const {
-    return rows.pull.transpose() * curvature_pull(push_m, u);
+    const Eigen::MatrixXd product = curvature_pull(push_m, u);
+    if (rows.touched.empty()) return rows.pull.transpose() * product;
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(product.cols(), product.cols());
+    for (std::size_t g = 0; g < rows.touched.size(); ++g)
+        for (int i : rows.touched[g])
+            for (int j : rows.touched[g])
+                sum.block<3, 3>(3 * i, 3 * j) += rows.pull.block<3, 3>(static_cast<Eigen::Index>(3 * g), 3 * i).transpose() * product.block<3, 3>(static_cast<Eigen::Index>(3 * g), 3 * j);
+    return sum;
 }
 
 Eigen::MatrixXd ContactSpring::hand_by_nodes(const Point& push_m, const Eigen::VectorXd& u) const {

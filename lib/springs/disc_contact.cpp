@@ -288,6 +288,10 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
     rows.mean.setZero(K);
     rows.push.topRows<3>() = axes.transpose();
     rows.law_row = {0, 1, 1};
+    if (polar_) {
+        rows.touched.resize(static_cast<std::size_t>(1 + footing.points));
+        for (int i = 0; i < footing.means; ++i) rows.touched[0].push_back(i);
+    }
     for (int i = 0; i < footing.means; ++i) {  // the mean's nodes are the first
         rows.mean[i] = footing.weight[i] / footing.mean_sum;
         rows.pull.block<3, 3>(0, 3 * i) = footing.weight[i] * axes.transpose();
@@ -296,7 +300,11 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
         const Footing::Point& point = footing.point[p];
         const Eigen::Index row = 3 + 3 * p;
         rows.push.middleRows<3>(row) = axes.transpose() * point.target;
-        for (int i = point.begin; i < point.end; ++i) rows.pull.block<3, 3>(row, 3 * column.at(footing.node[i])) += footing.weight[i] * axes.transpose();
+        for (int i = point.begin; i < point.end; ++i) {
+            const Eigen::Index node = column.at(footing.node[i]);
+            rows.pull.block<3, 3>(row, 3 * node) += footing.weight[i] * axes.transpose();
+            if (polar_) rows.touched[static_cast<std::size_t>(1 + p)].push_back(static_cast<int>(node));
+        }
         rows.share.segment<3>(row).setConstant(point.share);
         rows.law_row.insert(rows.law_row.end(), {2, 3, 3});
     }

@@ -5,7 +5,7 @@
 
 #include "../mesh/dome.h"
 #include "mesh/embedded_lattice.h"
-#include "springs/contact_errors.h"
+#include "springs/contact_spring.h"
 #include "springs/disc_contact.h"
 
 using namespace tissue;
@@ -45,6 +45,21 @@ TEST_CASE("the mean of a disc's own points is zero off the disc's displacement, 
     strain << 1, 0.3, -2, 0.5, -1, 0.1, 0.2, 0.4, 0.7;
     u = (mesh.nodes.rowwise() - at.transpose()) * strain;
     CHECK(taken(rows, u).head<3>().norm() < 1e-12);
+}
+
+TEST_CASE("the tangent of a disc's own points is that of all its rows", "[embedded]") {
+    const SpringMesh mesh = flat();
+    const DiscContact kernel(mesh, R);
+    PatchLaw law;
+    law.log_N_m.setConstant(PatchLaw::disc_rows, PatchLaw::shape_factors, 0.3);
+    ContactRows rows = kernel.rows_at(Eigen::Vector3d(0.0011, 0.0287, 0.032));  // some points off the tissue
+    const Eigen::VectorXd u = Eigen::VectorXd::LinSpaced(rows.pull.cols(), -1e-3, 2e-3);
+    const Eigen::Vector3d push(1e-3, -2e-3, -4e-3);
+    REQUIRE(rows.touched.size() == 61);
+    const Eigen::MatrixXd sparse = ContactSpring(rows, law).tangent(push, u);
+    rows.touched.clear();
+    const Eigen::MatrixXd dense = ContactSpring(rows, law).tangent(push, u);
+    CHECK((sparse - dense).norm() < 1e-13 * dense.norm());
 }
 
 TEST_CASE("shares of a disc's own points are 1 in all under it, and fall to none at the imprint's end", "[embedded]") {
