@@ -1,34 +1,41 @@
 #include "mesh/cube_search.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "error.h"
+
 namespace tissue {
 
 CubeSearch::CubeSearch(const NodeField& nodes, const Cells& cubes, double spacing_m) : spacing_m_(spacing_m) {
+    constexpr double most_places = 1e6;  // a lattice that is made has 400,000
     const NodeField low = nodes(cubes.col(0), Eigen::all);
     origin_m_ = low.colwise().minCoeff().transpose();
-    const auto place_of = [&](Eigen::Index c) {
-        std::array<int, 3> place{};
-        for (int d = 0; d < 3; ++d) place[static_cast<std::size_t>(d)] = static_cast<int>(std::lround((low(c, d) - origin_m_[d]) / spacing_m));
-        return place;
-    };
+    const NodeField place = (low.rowwise() - origin_m_.transpose()) / spacing_m;
+    const Eigen::RowVector3d size = place.colwise().maxCoeff().array().round() + 1;
+    if (!(size.prod() <= most_places)) throw MismatchError(fmt::format("cubes of {:g} mm stand in a box of {:g}; {:g} are possible", 1e3 * spacing_m, size.prod(), most_places));
+    for (std::size_t d = 0; d < 3; ++d) size_[d] = static_cast<int>(size[static_cast<Eigen::Index>(d)]);
+    cube_.assign(static_cast<std::size_t>(size.prod()), -1);
     for (Eigen::Index c = 0; c < cubes.rows(); ++c) {
-        const std::array<int, 3> place = place_of(c);
-        for (std::size_t d = 0; d < 3; ++d) size_[d] = std::max(size_[d], place[d] + 1);
-    }
-    cube_.assign(static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1]) * static_cast<std::size_t>(size_[2]), -1);
-    for (Eigen::Index c = 0; c < cubes.rows(); ++c) {
-        const std::array<int, 3> place = place_of(c);
-        cube_[static_cast<std::size_t>((place[2] * size_[1] + place[1]) * size_[0] + place[0])] = static_cast<int>(c);
+        const Eigen::RowVector3d whole = place.row(c).array().round();
+        for (int k = 0; k < 8; ++k) {
+            const Eigen::RowVector3d corner = whole + Eigen::RowVector3d(k & 1, k >> 1 & 1, k >> 2);
+            if (!(((nodes.row(cubes(c, k)) - origin_m_.transpose()) / spacing_m - corner).cwiseAbs().maxCoeff() < 1e-6))
+                throw MismatchError(fmt::format("corner {} of cube {} does not stand on a lattice of {:g} mm", k, c, 1e3 * spacing_m));
+        }
+        cube_[index({static_cast<int>(whole[0]), static_cast<int>(whole[1]), static_cast<int>(whole[2])})] = static_cast<int>(c);
     }
 }
+
+std::size_t CubeSearch::index(const std::array<int, 3>& place) const noexcept { return static_cast<std::size_t>((place[2] * size_[1] + place[1]) * size_[0] + place[0]); }
 
 int CubeSearch::cube_at(const std::array<int, 3>& place) const noexcept {
     for (std::size_t d = 0; d < 3; ++d)
         if (place[d] < 0 || place[d] >= size_[d]) return -1;
-    return cube_[static_cast<std::size_t>((place[2] * size_[1] + place[1]) * size_[0] + place[0])];
+    return cube_[index(place)];
 }
 
 CubeSearch::Found CubeSearch::at(const Eigen::Vector3d& place_m) const noexcept {

@@ -11,7 +11,7 @@ namespace tissue {
 class CubeSearch {
    public:
     CubeSearch() = default;
-    /// nodes: of the mesh that the cubes are of (N x 3) [m].
+    /// nodes: of the mesh that the cubes are of (N x 3) [m]. Throws MismatchError for cubes that are not whole ones of one lattice with this spacing, or lie in a box of more than a million.
     CubeSearch(const NodeField& nodes, const Cells& cubes, double spacing_m);
 
     struct Found {
@@ -19,10 +19,11 @@ class CubeSearch {
         double away = 0;             ///< from it, in edges
         double weight[8] = {};       ///< of its corners there, sum 1; extrapolated outside it
     };
-    /// The cube at a place [m]; where it was left out the nearest of the 26 around. Allocates nothing.
+    /// The cube at a place [m]; where it was left out the nearest of the 26 around: where two of them are as near, what moves the place jumps from one's to the other's. Allocates nothing.
     Found at(const Eigen::Vector3d& place_m) const noexcept;
 
    private:
+    std::size_t index(const std::array<int, 3>& place) const noexcept;
     int cube_at(const std::array<int, 3>& place) const noexcept;
 
     Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();

@@ -239,7 +239,7 @@ SpringMesh embedded_lattice(const Shape& shape, double spacing_m) {
     const CubeSearch search(mesh.nodes, embedding.cubes, spacing_m);
     for (int i = 0; i < K; ++i) {
         const CubeSearch::Found found = search.at(shape.nodes.row(i).transpose());
-        if (found.cube < 0)
+        if (found.cube < 0 || found.away >= 1)
             throw MismatchError(fmt::format("a lattice of {:g} mm is too coarse for this solid: a part of it is far from every cube with tissue in it", 1e3 * spacing_m));
         embedding.corner.row(i) = embedding.cubes.row(found.cube);
         for (int k = 0; k < 8; ++k) embedding.weight(i, k) = found.weight[k];

@@ -20,7 +20,7 @@ namespace tissue {
 /// Parts of a solid that lie within a cube of each other, a fold or two bodies, share the cube's corners and move together: the spacing has to be smaller than such gaps, which
 /// nothing checks. A third of the thinnest part that is pressed is enough (findings of trials), or less.
 /// Throws MismatchError for a spacing that is not positive, for no cube, more than 100,000 or 400,000 in the box about the solid, and where the lattice is so coarse that it falls apart or
-/// leaves a part of the solid out.
+/// has a node of the solid an edge or more away from every cube.
 SpringMesh embedded_lattice(const Shape& shape, double spacing_m);
 
 }  // namespace tissue

@@ -20,9 +20,9 @@ struct SurfaceQuadric {
 };
 
 /// Points of a disc's footing on a solid in an embedded lattice: they go with the disc, and depend neither on the nodes of the surface's mesh nor, but for the cubes that move
-/// them, on the lattice. 24 lie under the disc, in three rings of equal areas, and 36 beyond it to the imprint's end, likewise; each ring is turned by half a step.
+/// them, on the lattice. 24 lie under the disc, in three rings of equal areas, and 36 beyond it to the imprint's end, likewise; the middle one of three is turned by half a step.
 ///   mean     of those under the disc, weights phi / sum phi^2 (phi 1 - (r / R)^2 / 2): d - mean is zero where they go as the disc has it, and its force is the one
-///            conjugate to d. They sum to 9/7 where all are on tissue
+///            conjugate to d. They sum to 9/7 where the surface is flat and all are on tissue; where it bends so that points lie beyond R that is so to 3 %
 ///   imprint  shares: 1/24 each under the disc, 1/36 (1 - (r / 2.5 R)^2)^2 beyond it
 ///   crowd    log of 8 sum_k B_k^2 m / m_k, B the mean's weights on the lattice over their sum, m_k / m the mass of a node over that of one in whole cubes: how few of the
 ///            lattice's nodes take the mean's force, and how little tissue they have; 0 for a force in the middle of a whole cube
@@ -46,7 +46,7 @@ class PolarPoints {
             point.target = target(from_m, from_m.norm());
             point.share = share_of(k, from_m.norm()) * left_at(found);
             point.begin = footing.entries;
-            for (int c = 0; c < 8 && point.share > 0; ++c) footing.add(cubes_(found.cube, c), found.weight[c]);
+            for (int c = 0; c < 8 && found.cube >= 0; ++c) footing.add(cubes_(found.cube, c), found.weight[c]);
             point.end = footing.entries;
         }
     }

@@ -7,6 +7,7 @@
 
 #include "error.h"
 #include "mesh/mesh_fault.h"
+#include "mesh/cube_search.h"
 #include "mesh/topology.h"
 #include "springs/cell_volumes.h"
 #include "springs/energy_law.h"
@@ -223,6 +224,7 @@ void read_embedding(const Hdf5Reader& file, TableReader& in, SpringMesh& mesh) {
     if (!mesh.fixed.empty() && mesh.fixed.back() >= K) in.refuse("/mesh/fixed", fmt::format("names node {}, which is the lattice's and not the solid's own", mesh.fixed.back()));
     try {
         CellVolumes{mesh};
+        CubeSearch(mesh.nodes, e.cubes, e.spacing_m);
     } catch (const MismatchError& error) {
         in.refuse("/mesh/lattice/cubes", error.what());
     }

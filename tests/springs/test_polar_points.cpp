@@ -9,6 +9,7 @@
 #include "springs/disc_contact.h"
 
 using namespace tissue;
+using Catch::Matchers::Contains;
 
 namespace {
 
@@ -92,6 +93,18 @@ TEST_CASE("beyond all tissue a disc's own points fade; far from it there is no c
     for (int k = 0; k < footing.points; ++k) CHECK(footing.point[k].share == 0);
 }
 
+TEST_CASE("a disc's own point that fades to nothing still has nodes to give back what it remembers", "[embedded]") {
+    const SpringMesh mesh = flat();
+    const PolarPoints points(mesh, R, 2.5);
+    Footing footing;
+    Eigen::Matrix<double, 3, 2> tangents = Eigen::Matrix<double, 3, 2>::Identity();
+    const SurfaceQuadric ridge{Eigen::Vector3d(0.032, 0.032, 0.032), down, tangents, Eigen::Vector2d::Zero(), Eigen::Matrix2d::Identity() / R};
+    points.lay(ridge, [](const Eigen::Vector3d&, double) { return Eigen::Matrix3d(Eigen::Matrix3d::Identity()); }, footing);
+    const Footing::Point& outer = footing.point[PolarPoints::under + PolarPoints::beyond - 1];
+    CHECK(outer.share == 0);
+    CHECK(outer.end - outer.begin == 8);
+}
+
 TEST_CASE("a disc that goes along an embedded solid's surface takes of the lattice what moves without jumps, over cubes' faces too", "[embedded]") {
     const SpringMesh mesh = embedded_lattice(dome(8), 0.009);
     const DiscContact kernel(mesh, R);
@@ -137,4 +150,7 @@ TEST_CASE("a place in an embedded lattice is found by its cube, and where that w
     CHECK(above.weight[0] == Approx(-0.5 / 4));
     CHECK(search.at(Eigen::Vector3d(0.5 * h, 0.5 * h, 6.5 * h)).cube == -1);
     CHECK(search.at(Eigen::Vector3d(-1e9, 0.5 * h, 1e30)).cube == -1);
+    CHECK_THROWS_WITH(CubeSearch(mesh.nodes, mesh.embedding.cubes, 2 * h), Contains("does not stand on a lattice of 16 mm"));
+    CHECK_THROWS_WITH(CubeSearch(mesh.nodes, mesh.embedding.cubes, h / 3), Contains("does not stand on a lattice of"));
+    CHECK_THROWS_WITH(CubeSearch(mesh.nodes, mesh.embedding.cubes, 1e-6 * h), Contains("stand in a box of"));
 }

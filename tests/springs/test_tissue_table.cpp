@@ -167,6 +167,8 @@ TEST_CASE("a model of a solid in an embedded lattice comes back from its file in
     using Mass = Eigen::VectorXd;
     CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.fraction[0] = 1.5; }), Contains("/mesh/lattice/fraction: is above 1"));
     CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.fraction[0] = 0; }), Contains("/mesh/lattice/fraction: "));
+    CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.spacing_m /= 1000; }), Contains("/mesh/lattice/cubes: cubes of 0.011 mm stand in a box of"));
+    CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.spacing_m *= 1.5; }), Contains("/mesh/lattice/cubes: corner "));
     CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.centroid(0, 0) = 2; }), Contains("/mesh/lattice/centroid: is above 1"));
     CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.weight(0, 0) = 7; }), Contains("/mesh/lattice/weight: does not sum to 1"));
     CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.cubes(0, 0) = 0; }), Contains("/mesh/lattice/cubes: names node 0, which is the solid's own"));
