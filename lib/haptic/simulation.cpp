@@ -96,8 +96,8 @@ static double since_last_s(double elapsed_s, const HapticOptions& o) noexcept {
 }
 
 /// Time that is owed is made up for while a tick costs less than half of the time that it goes through. Where it costs more, in two ticks one after the other (one alone was interrupted), a tick
-/// that goes through all that is owed makes the next one late, which then owes more. Such a tick goes through the usual time between ticks alone, so that a host that keeps up loses none, and
-/// where ticks cost about that time or more through as much less as makes them cost 0.9 of it. The usual time follows a shorter one at once and a longer one slowly: a stall changes nothing,
+/// that goes through all that is owed makes the next one late, which then owes more. Such a tick goes through the usual time between ticks, so that a host that keeps up loses none. Where it would cost more than 0.9
+/// of that time, it goes through less, so that it costs 0.9. The usual time follows a shorter one at once and a longer one slowly: a stall changes nothing,
 /// and ticks that were long become short again. What is owed beyond that is lost. A tick always goes through dt.
 void Simulation::keep_ticks_short(double since_s, double cost_s) noexcept {
     constexpr double half = 0.45, most = 0.9, growth = 1.02;

@@ -19,7 +19,7 @@ class CubeSearch {
         double away = 0;             ///< from it, in edges
         double weight[8] = {};       ///< of its corners there, sum 1; extrapolated outside it
     };
-    /// The cube at a place [m]; where it was left out the nearest of the 26 around: where two of them are as near, what moves the place jumps from one's to the other's. Allocates nothing.
+    /// The cube at a place [m]; where there is none, the nearest of the 26 around it. At a place equally near two of them the weights jump. Allocates nothing.
     Found at(const Eigen::Vector3d& place_m) const noexcept;
 
    private:

@@ -22,7 +22,7 @@ struct ContactRows {
     std::vector<int> nodes;      ///< (K), none twice
     Eigen::MatrixXd push;        ///< (R x D)
     Eigen::MatrixXd pull;        ///< (R x D*K), columns D * node + axis
-    std::vector<std::vector<int>> touched;  ///< of each three rows those nodes (of K) that pull takes anything of; empty: of all
+    std::vector<std::vector<int>> touched;  ///< of each three rows in their order, the nodes (of K) whose columns of pull are not zero; empty: every row takes all nodes
     std::vector<int> law_row;    ///< of PatchLaw, for each row (R)
     Eigen::VectorXd share;       ///< of that stiffness (R)
     ContactFactors factors;      ///< of the place: PatchLaw's

@@ -33,7 +33,7 @@ namespace tissue {
 ///   ground = sum_g (8 R / pi^2) z_g^2 / (R^2 + r_g^2)^3 weight_g, 1 for a half space with log E / E_block = 1 everywhere
 /// Nodes round a crease do not belong to it.
 /// A contact has room for ToolSpring::most_nodes: where more are in reach it keeps the nearest. most_nodes() says how many
-/// there can be; whoever plays a model refuses one that has more.
+/// there can be; whoever plays a model refuses one that has more. On an embedded solid they are the 60 points.
 class DiscContact final : public ContactKernel {
    public:
     /// ground: what is of other stiffness than the block, as points (G x 4): place [m], volume times log(E / E_block) [m3];

@@ -24,7 +24,7 @@ namespace tissue {
 /// law's error of force. Four of them lie over each other everywhere.
 ///
 /// A solid embedded in a lattice has the lattice's springs, its cubes' volumes, each with the part of it that is tissue, and supports at the points of its held
-/// surface, whose stiffness [N/m] are the last constants (M). No element joins the solid's own nodes: contacts and supports act on them through the interpolation.
+/// surface, whose stiffness [N/m] are the last constants (M). No element joins the solid's own nodes.
 ///
 /// An incompressible tissue in the plane keeps its area as a whole and by quarters too, A of those regions the last constants (R): what
 /// the cells lose one by one, since a time step bounds how stiff they may be, adds up over the tissue, and it bulges too

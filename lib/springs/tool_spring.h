@@ -99,7 +99,7 @@ class ToolSpring {
     Point push_at(const Point& hand_N, const NodeColumns& u, const ToolMemory* memory = nullptr) const noexcept;
 
     int group_count() const { return groups_; }
-    /// What tells a group from the contact's others, wherever along the surface the contact is: of an imprint's its node, of the others
+    /// What tells a group from the contact's others, wherever along the surface the contact is: of an imprint's its node where it has one alone, of the others
     /// -1, -2, ..., the first at the front.
     int group_key(int group) const noexcept;
 
