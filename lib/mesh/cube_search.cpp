@@ -10,6 +10,15 @@
 
 namespace tissue {
 
+CubeWeights cube_weights(const Eigen::Vector3d& at) noexcept {
+    CubeWeights weight;
+    for (int k = 0; k < 8; ++k) {
+        weight[k] = 1;
+        for (int d = 0; d < 3; ++d) weight[k] *= (k >> d & 1) ? at[d] : 1 - at[d];
+    }
+    return weight;
+}
+
 CubeSearch::CubeSearch(const NodeField& nodes, const Cells& cubes, double spacing_m) : spacing_m_(spacing_m) {
     constexpr double most_places = 1e6;  // a lattice that is made has 400,000
     const NodeField low = nodes(cubes.col(0), Eigen::all);
@@ -62,13 +71,7 @@ CubeSearch::Found CubeSearch::at(const Eigen::Vector3d& place_m) const noexcept 
         if (found.cube < 0) return found;
         found.away = least;
     }
-    for (int k = 0; k < 8; ++k) {
-        found.weight[k] = 1;
-        for (int d = 0; d < 3; ++d) {
-            const double along = local[d] - best[static_cast<std::size_t>(d)];
-            found.weight[k] *= (k >> d & 1) ? along : 1 - along;
-        }
-    }
+    found.weight = cube_weights(local - Eigen::Vector3d(best[0], best[1], best[2]));
     return found;
 }
 

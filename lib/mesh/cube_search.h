@@ -7,6 +7,10 @@
 
 namespace tissue {
 
+/// Trilinear weights of a cube's corners at a place in it, from corner 0 in edges; extrapolated outside it.
+using CubeWeights = Eigen::Matrix<double, 1, 8>;
+CubeWeights cube_weights(const Eigen::Vector3d& at) noexcept;
+
 /// Which cube of an embedded lattice a place lies in.
 class CubeSearch {
    public:
@@ -15,9 +19,9 @@ class CubeSearch {
     CubeSearch(const NodeField& nodes, const Cells& cubes, double spacing_m);
 
     struct Found {
-        int cube = -1;               ///< -1: neither here nor among the cubes around is there one with tissue
-        double away = 0;             ///< from it, in edges
-        double weight[8] = {};       ///< of its corners there, sum 1; extrapolated outside it
+        int cube = -1;       ///< -1: neither here nor among the cubes around is there one with tissue
+        double away = 0;     ///< from it, in edges
+        CubeWeights weight;  ///< of its corners there, sum 1
     };
     /// The cube at a place [m]; where there is none, the nearest of the 26 around it. At a place equally near two of them the weights jump. Allocates nothing.
     Found at(const Eigen::Vector3d& place_m) const noexcept;

@@ -24,16 +24,6 @@ constexpr double most_in_all = 400'000;  // in the box about the solid: their pa
 
 using Triple = std::array<int, 3>;
 
-/// Weights of a cube's corners at a place in it, from corner 0 in edges.
-Eigen::Matrix<double, 1, 8> hats(const Eigen::Vector3d& at) {
-    Eigen::Matrix<double, 1, 8> weight;
-    for (int k = 0; k < 8; ++k) {
-        weight[k] = 1;
-        for (int d = 0; d < 3; ++d) weight[k] *= (k >> d & 1) ? at[d] : 1 - at[d];
-    }
-    return weight;
-}
-
 /// Where the lattice is: node (0, 0, 0), and its cubes along each axis.
 struct Frame {
     Eigen::Vector3d origin_m;
@@ -136,7 +126,7 @@ Part part_of(const Fill& fill, const Triple& cube) {
                 const double own = fill.at(parts * cube[0] + i, parts * cube[1] + j, parts * cube[2] + k) / (parts * parts * parts);
                 const Eigen::Vector3d middle = (Eigen::Vector3d(i, j, k).array() + 0.5) / parts;
                 part.fraction += own;
-                part.hat += own * hats(middle);
+                part.hat += own * cube_weights(middle);
                 part.centroid += own * middle;
             }
     if (part.fraction > 0) part.centroid /= part.fraction;
@@ -242,7 +232,7 @@ SpringMesh embedded_lattice(const Shape& shape, double spacing_m) {
         if (found.cube < 0 || found.away >= 1)
             throw MismatchError(fmt::format("a lattice of {:g} mm is too coarse for this solid: a part of it is far from every cube with tissue in it", 1e3 * spacing_m));
         embedding.corner.row(i) = embedding.cubes.row(found.cube);
-        for (int k = 0; k < 8; ++k) embedding.weight(i, k) = found.weight[k];
+        embedding.weight.row(i) = found.weight;
     }
     if (pieces(embedding.cubes) > 1) throw MismatchError(fmt::format("a lattice of {:g} mm is too coarse for this solid: it falls apart where the solid is thin", 1e3 * spacing_m));
     return mesh;

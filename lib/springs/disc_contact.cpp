@@ -63,7 +63,7 @@ double DiscContact::curved_of(const SurfaceQuadric& quadric) const noexcept { re
 SurfaceQuadric DiscContact::quadric_among(const std::vector<int>& nodes, double within_m, const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept {
     using Terms = Eigen::Matrix<double, 6, 1>;
     constexpr int enough = 8;  // six numbers of the surface, and two to even out
-    const Eigen::Matrix<double, 3, 2> tangents = tangents_of(inward);
+    const Eigen::Matrix<double, 3, 2> tangents = polar_ ? polar_->tangents(inward) : tangents_of(inward);
     const Point in = inward;
     Eigen::Matrix<double, 6, 6> moments;
     Terms below;
@@ -270,7 +270,7 @@ void DiscContact::stand_on_nodes(const FreeSurface::Place& place, Footing& footi
 ContactRows DiscContact::rows_at(const Point& contact_m) const {
     Footing footing;
     const Disc disc = disc_at(surface_.nearest(contact_m), footing);
-    if (footing.means == 0) throw NoContactError("the surface's mesh has no nodes near the contact");
+    if (footing.means == 0) throw NoContactError(polar_ ? "the lattice has no tissue near the contact" : "the surface's mesh has no nodes near the contact");
 
     ContactRows rows;
     std::map<int, Eigen::Index> column;

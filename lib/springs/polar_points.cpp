@@ -1,5 +1,7 @@
 #include "springs/polar_points.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 namespace tissue {
@@ -8,6 +10,16 @@ PolarPoints::PolarPoints(const SpringMesh& mesh, double radius_m, double reach)
     : search_(mesh.nodes, mesh.embedding.cubes, mesh.embedding.spacing_m), cubes_(mesh.embedding.cubes), light_(Eigen::VectorXd::Zero(mesh.node_count())), radius_m_(radius_m), reach_m_(reach * radius_m) {
     const double whole_m3 = std::pow(mesh.embedding.spacing_m, 3);
     for (int node = mesh.embedding.node_count(); node < mesh.node_count(); ++node) light_[node] = whole_m3 / mesh.node_measure[node];
+
+    Eigen::Vector3d held = Eigen::Vector3d::Zero();  // twice its area, outward
+    for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
+        const auto facet = mesh.facets.row(f);
+        if (!std::all_of(facet.begin(), facet.end(), [&](int node) { return std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), node); })) continue;
+        const Eigen::Vector3d a = mesh.nodes.row(facet[0]), b = mesh.nodes.row(facet[1]), c = mesh.nodes.row(facet[2]);
+        held += (b - a).cross(c - a);
+    }
+    if (!(held.norm() > 0)) held = -Eigen::Vector3d::UnitZ();
+    axes_ = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), -held).toRotationMatrix();
 
     constexpr double pi = 3.14159265358979323846;
     constexpr int rings = 3;
@@ -18,6 +30,16 @@ PolarPoints::PolarPoints(const SpringMesh& mesh, double radius_m, double reach)
         const double away_m = radius_m * std::sqrt(low + (high - low) * (ring + 0.5) / rings), angle = 2 * pi * (of % in_ring + 0.5 * (ring % 2)) / in_ring;
         along_m_.row(k) << away_m * std::cos(angle), away_m * std::sin(angle);
     }
+}
+
+Eigen::Matrix<double, 3, 2> PolarPoints::tangents(const Eigen::Vector3d& inward) const noexcept {
+    // the third axis is turned to the outward normal by the shortest way, and the first two with it
+    const Eigen::Vector3d n = axes_.transpose() * -inward;
+    const double a = 1 / std::max(1e-12, 1 + n.z()), across = -n.x() * n.y() * a;
+    Eigen::Matrix<double, 3, 2> turned;
+    turned.col(0) << 1 - n.x() * n.x() * a, across, -n.x();
+    turned.col(1) << across, 1 - n.y() * n.y() * a, -n.y();
+    return axes_ * turned;
 }
 
 void PolarPoints::lay_mean(const SurfaceQuadric& surface, Footing& footing) const noexcept {

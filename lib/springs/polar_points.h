@@ -34,6 +34,9 @@ class PolarPoints {
     /// reach: of the imprint, in radii.
     PolarPoints(const SpringMesh& mesh, double radius_m, double reach);
 
+    /// Two unit vectors across a unit normal, which points lie along: they turn with it without jumps, but where the surface faces as the held one does.
+    Eigen::Matrix<double, 3, 2> tangents(const Eigen::Vector3d& inward) const noexcept;
+
     /// Fills the footing of a disc. target(from_m, away_m): Footing::Point's. Allocates nothing.
     template <class Target>
     void lay(const SurfaceQuadric& surface, Target&& target, Footing& footing) const noexcept {
@@ -59,6 +62,7 @@ class PolarPoints {
     CubeSearch search_;
     Cells cubes_;
     Eigen::VectorXd light_;  ///< m / m_k (N)
+    Eigen::Matrix3d axes_;   ///< columns; the third out of the held surface's inside, against its mean normal
     double radius_m_, reach_m_;
     Eigen::Matrix<double, under + beyond, 2> along_m_;  ///< of each point in the tangent plane
 };
