@@ -21,7 +21,7 @@ enum class FitStatus {
 const char* to_string(FitStatus status);
 
 struct FitOptions {
-    int max_iterations = 60;
+    int max_iterations = 200;          ///< a contact's stiffness in series with the tissue's is found slowly: a fit of six numbers took 67
     double step_tolerance = 1e-4;      ///< numbers are logarithms of stiffness: a hundredth of a percent
     double gradient_tolerance = 1e-6;
     double gain_tolerance = 1e-5;      ///< errors no smaller by five millionths of themselves
