@@ -7,3 +7,10 @@
 #else
 #define TISSUE_HOT
 #endif
+
+/// Marks what is called in such a loop: for a call that stays one the loop is not built for wide registers.
+#if defined(__GNUC__)
+#define TISSUE_INLINE inline __attribute__((always_inline))
+#else
+#define TISSUE_INLINE inline
+#endif

@@ -50,7 +50,7 @@ double swing(const RealtimeMesh& springs, const ContactSpring& contact) {
 
 /// In space: few places, first where the contact swings fastest, then each farthest from those before; straight in and 30 degrees off.
 std::vector<Place> places_over(const SpringMesh& mesh, const RealtimeMesh& springs, const ContactKernel& kernel, const PatchLaw& law) {
-    const std::size_t few = mesh.node_count() > 1500 ? 1 : 4;
+    const std::size_t few = mesh.node_count() - mesh.embedding.node_count() > 1500 ? 1 : 4;
     constexpr double slant = 0.5235987755982988;
     const FreeSurface surface(mesh);
     const std::vector<Point> points = surface.points(2);

@@ -8,7 +8,7 @@
 #include <map>
 
 #include "error.h"
-#include "hot_loop.h"
+#include "haptic/cell_kernels.h"
 #include "mesh/topology.h"
 #include "springs/disc_contact.h"
 #include "springs/law_kernel.h"
@@ -18,7 +18,7 @@
 namespace tissue {
 namespace {
 
-constexpr int chunk = 256;  ///< cells at a time: their forces stay in the first-level cache
+constexpr int chunk = kernel::cells_at_once;
 
 const LawModel& law_of(const TissueModel& model) {
     if (!model.energy_law) throw MismatchError("the model's stiffness is no law");
@@ -26,187 +26,6 @@ const LawModel& law_of(const TissueModel& model) {
 }
 
 }  // namespace
-
-namespace kernel {
-
-/// With P, Q the diagonals at rest and p, q what has been added to them, a square has grown by half of
-///   P x q + p x Q + p x q,
-/// in which nothing cancels, and its area's derivative is half of the other diagonal, turned: g by the first diagonal's
-/// ends, h by the second's.
-TISSUE_HOT void squares(int n, const double* __restrict px, const double* __restrict py, const double* __restrict qx,
-                        const double* __restrict qy, const double* __restrict gain, const double* __restrict ax,
-                        const double* __restrict ay, const double* __restrict bx, const double* __restrict by,
-                        const double* __restrict cx, const double* __restrict cy, const double* __restrict dx,
-                        const double* __restrict dy, double* __restrict gx, double* __restrict gy, double* __restrict hx,
-                        double* __restrict hy) {
-    for (int k = 0; k < n; ++k) {
-        const double ux = cx[k] - ax[k], uy = cy[k] - ay[k], vx = dx[k] - bx[k], vy = dy[k] - by[k];
-        const double x = qx[k] + vx, y = qy[k] + vy;
-        const double pull = gain[k] * ((px[k] * vy - py[k] * vx) + (ux * y - uy * x));
-        gx[k] = pull * y;
-        gy[k] = -pull * x;
-        hx[k] = -pull * (py[k] + uy);
-        hy[k] = pull * (px[k] + ux);
-    }
-}
-
-/// The same in two parts, for squares that relax: how far each has grown, twice, with both diagonals as they are now; then what pulls.
-TISSUE_HOT void squares_grown(int n, const double* __restrict px, const double* __restrict py, const double* __restrict qx,
-                              const double* __restrict qy, const double* __restrict ax, const double* __restrict ay, const double* __restrict bx,
-                              const double* __restrict by, const double* __restrict cx, const double* __restrict cy, const double* __restrict dx,
-                              const double* __restrict dy, double* __restrict gx, double* __restrict gy, double* __restrict hx, double* __restrict hy,
-                              double* __restrict grown) {
-    for (int k = 0; k < n; ++k) {
-        const double ux = cx[k] - ax[k], uy = cy[k] - ay[k], vx = dx[k] - bx[k], vy = dy[k] - by[k];
-        const double x = qx[k] + vx, y = qy[k] + vy;
-        grown[k] = (px[k] * vy - py[k] * vx) + (ux * y - uy * x);
-        gx[k] = y;
-        gy[k] = -x;
-        hx[k] = -(py[k] + uy);
-        hy[k] = px[k] + ux;
-    }
-}
-
-/// each of the arrays of `chunk` times gain y.
-TISSUE_HOT void times(int n, const double* __restrict gain, const double* __restrict y, int arrays, double* __restrict g) {
-    for (int a = 0; a < arrays; ++a, g += chunk)
-        for (int k = 0; k < n; ++k) g[k] *= gain[k] * y[k];
-}
-
-TISSUE_HOT void add_corner(int n, const double* __restrict g, double* __restrict f) {
-    for (int k = 0; k < n; ++k) f[k] += g[k];
-}
-
-/// f_i -= g, f_j += g: pulls on either end of diagonals, where ends lie in a row.
-TISSUE_HOT void add_pair(int n, const double* __restrict g, double* f_i, double* f_j) {
-    for (int k = 0; k < n; ++k) f_i[k] -= g[k];
-    for (int k = 0; k < n; ++k) f_j[k] += g[k];
-}
-
-struct Vector {
-    double x, y, z;
-};
-inline Vector operator+(const Vector& a, const Vector& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline double dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline Vector cross(const Vector& a, const Vector& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
-
-/// What det (A B C) gains when p, q, r are added to its columns, in which nothing cancels, and its derivatives by them.
-struct Gained {
-    double by;
-    Vector by_p, by_q, by_r;
-};
-inline Gained gained(const Vector& A, const Vector& B, const Vector& C, const Vector& p, const Vector& q, const Vector& r) {
-    const Vector a = A + p, b = B + q, c = C + r, before = cross(B, C), more = cross(q, C) + cross(b, r);
-    return {dot(p, before) + dot(a, more), before + more, cross(c, a), cross(a, b)};
-}
-
-/// A box by its diagonals from corners 0, 1, 2, 4 to 7, 6, 5, 3: g gets what pulls at their ends, by unit pull or `pulled`, 3 x 4 arrays of `chunk`.
-/// ux, uy, uz: of corner 0. Returns what it has grown by.
-template <bool pulled>
-inline double box(int k, const Vector& A, const Vector& B, const Vector& C, double gain, const double* __restrict ux, const double* __restrict uy,
-                  const double* __restrict uz, int up, int in, int far, double* __restrict g) {
-    const Vector s = {ux[far + 1 + k] - ux[k], uy[far + 1 + k] - uy[k], uz[far + 1 + k] - uz[k]};
-    const Vector x = {ux[far + k] - ux[1 + k], uy[far + k] - uy[1 + k], uz[far + k] - uz[1 + k]};
-    const Vector y = {ux[in + 1 + k] - ux[up + k], uy[in + 1 + k] - uy[up + k], uz[in + 1 + k] - uz[up + k]};
-    const Vector z = {ux[up + 1 + k] - ux[in + k], uy[up + 1 + k] - uy[in + k], uz[up + 1 + k] - uz[in + k]};
-    const Gained now = gained(A, B, C, {s.x - x.x + y.x + z.x, s.y - x.y + y.y + z.y, s.z - x.z + y.z + z.z},
-                              {s.x + x.x - y.x + z.x, s.y + x.y - y.y + z.y, s.z + x.z - y.z + z.z},
-                              {s.x + x.x + y.x - z.x, s.y + x.y + y.y - z.y, s.z + x.z + y.z - z.z});
-    const double t = pulled ? gain * now.by : 1;
-    const double p[3] = {t * now.by_p.x, t * now.by_p.y, t * now.by_p.z}, q[3] = {t * now.by_q.x, t * now.by_q.y, t * now.by_q.z},
-                 r[3] = {t * now.by_r.x, t * now.by_r.y, t * now.by_r.z};
-    for (int d = 0; d < 3; ++d) {
-        g[(4 * d + 0) * chunk + k] = p[d] + q[d] + r[d];
-        g[(4 * d + 1) * chunk + k] = q[d] + r[d] - p[d];
-        g[(4 * d + 2) * chunk + k] = p[d] + r[d] - q[d];
-        g[(4 * d + 3) * chunk + k] = p[d] + q[d] - r[d];
-    }
-    return now.by;
-}
-
-/// up, in, far: nodes from corner 0 to 2, 4 and 6; 1, 3, 5 and 7 lie one behind 0, 2, 4 and 6. e: edges, one after the other.
-TISSUE_HOT void boxes(int n, const double* const* e, const double* __restrict gain, const double* __restrict ux, const double* __restrict uy,
-                      const double* __restrict uz, int up, int in, int far, double* __restrict g) {
-    for (int k = 0; k < n; ++k)
-        box<true>(k, {e[0][k], e[1][k], e[2][k]}, {e[3][k], e[4][k], e[5][k]}, {e[6][k], e[7][k], e[8][k]}, gain[k], ux, uy, uz, up, in, far, g);
-}
-
-/// Of boxes that relax: how far each has grown, and g by unit pull.
-TISSUE_HOT void boxes_grown(int n, const double* const* e, const double* __restrict ux, const double* __restrict uy, const double* __restrict uz, int up,
-                            int in, int far, double* __restrict g, double* __restrict grown) {
-    for (int k = 0; k < n; ++k)
-        grown[k] = box<false>(k, {e[0][k], e[1][k], e[2][k]}, {e[3][k], e[4][k], e[5][k]}, {e[6][k], e[7][k], e[8][k]}, 1, ux, uy, uz, up, in, far, g);
-}
-
-TISSUE_HOT void boxes_alike(int n, const Vector& A, const Vector& B, const Vector& C, const double* __restrict gain, const double* __restrict ux,
-                            const double* __restrict uy, const double* __restrict uz, int up, int in, int far, double* __restrict g) {
-    const Vector a = A, b = B, c = C;
-    for (int k = 0; k < n; ++k) box<true>(k, a, b, c, gain[k], ux, uy, uz, up, in, far, g);
-}
-
-/// Cubes that are cut, by the gradients of their corners' hat functions at the tissue's centroid, 3 * corner + axis: g gets what pulls at the corners by unit pull,
-/// 3 x 8 arrays of `chunk`, d * 8 + corner; grown J - 1.
-TISSUE_HOT void cut_cubes(int n, const double* const* gradient, const double* __restrict ux, const double* __restrict uy, const double* __restrict uz, int up, int in,
-                          int far, double* __restrict g, double* __restrict grown) {
-    const int at[8] = {0, 1, up, up + 1, in, in + 1, far, far + 1};
-    double by[9][chunk];  // the displacement's gradient, column by column
-    for (double* column : by) std::fill(column, column + n, 0.0);
-    for (int c = 0; c < 8; ++c) {
-        const double *__restrict x = ux + at[c], *__restrict y = uy + at[c], *__restrict z = uz + at[c];
-        const double *__restrict a = gradient[3 * c], *__restrict b = gradient[3 * c + 1], *__restrict e = gradient[3 * c + 2];
-        for (int k = 0; k < n; ++k) {
-            by[0][k] += a[k] * x[k];
-            by[1][k] += a[k] * y[k];
-            by[2][k] += a[k] * z[k];
-            by[3][k] += b[k] * x[k];
-            by[4][k] += b[k] * y[k];
-            by[5][k] += b[k] * z[k];
-            by[6][k] += e[k] * x[k];
-            by[7][k] += e[k] * y[k];
-            by[8][k] += e[k] * z[k];
-        }
-    }
-    for (int k = 0; k < n; ++k) {
-        const Gained now = gained({1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {by[0][k], by[1][k], by[2][k]}, {by[3][k], by[4][k], by[5][k]}, {by[6][k], by[7][k], by[8][k]});
-        grown[k] = now.by;
-        by[0][k] = now.by_p.x;
-        by[1][k] = now.by_p.y;
-        by[2][k] = now.by_p.z;
-        by[3][k] = now.by_q.x;
-        by[4][k] = now.by_q.y;
-        by[5][k] = now.by_q.z;
-        by[6][k] = now.by_r.x;
-        by[7][k] = now.by_r.y;
-        by[8][k] = now.by_r.z;
-    }
-    for (int c = 0; c < 8; ++c) {
-        const double *__restrict a = gradient[3 * c], *__restrict b = gradient[3 * c + 1], *__restrict e = gradient[3 * c + 2];
-        for (int d = 0; d < 3; ++d)
-            for (int k = 0; k < n; ++k) g[(8 * d + c) * chunk + k] = a[k] * by[d][k] + b[k] * by[3 + d][k] + e[k] * by[6 + d][k];
-    }
-}
-
-/// Tetrahedra by their edges from the first node: v, what has been added to those, e as they were. six: of what the volume has
-/// gained; kept: its derivatives by the edges. v, kept: 9 arrays of `chunk`.
-TISSUE_HOT void tetrahedra(int n, const double* const* e, const double* __restrict v, double* __restrict six, double* __restrict kept) {
-    for (int k = 0; k < n; ++k) {
-        const Gained now = gained({e[0][k], e[1][k], e[2][k]}, {e[3][k], e[4][k], e[5][k]}, {e[6][k], e[7][k], e[8][k]},
-                                  {v[k], v[chunk + k], v[2 * chunk + k]}, {v[3 * chunk + k], v[4 * chunk + k], v[5 * chunk + k]},
-                                  {v[6 * chunk + k], v[7 * chunk + k], v[8 * chunk + k]});
-        six[k] = now.by;
-        kept[k] = now.by_p.x;
-        kept[chunk + k] = now.by_p.y;
-        kept[2 * chunk + k] = now.by_p.z;
-        kept[3 * chunk + k] = now.by_q.x;
-        kept[4 * chunk + k] = now.by_q.y;
-        kept[5 * chunk + k] = now.by_q.z;
-        kept[6 * chunk + k] = now.by_r.x;
-        kept[7 * chunk + k] = now.by_r.y;
-        kept[8 * chunk + k] = now.by_r.z;
-    }
-}
-
-}  // namespace kernel
 
 RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) : springs_(springs), skin_(law_of(model).skin()), kernel_(make_contact_kernel(model.mesh, law_of(model))) {
     const LawModel& law = law_of(model);
@@ -365,28 +184,42 @@ void RealtimeLaw::add_region(const std::vector<std::array<int, 2>>& edges, doubl
 void RealtimeLaw::add_boxes(const TissueModel& model, const CellVolumes& cells, Eigen::Index first_constant) {
     const Cells& nodes = cells.nodes();
     const Embedding& embedding = model.mesh.embedding;
-    constexpr int most_missing = 2;  // boxes of a run that is not ended for them
-    const auto cut = [&](int e) { return !embedding.empty() && embedding.fraction[e] < 1 - 1e-9; };
+    boxes_.cubes = !embedding.empty();
+    if (boxes_.cubes) boxes_.per_m = 1 / embedding.spacing_m;
+    const int most_missing = boxes_.cubes ? 12 : 2;  // boxes of a run that is not ended for them
+    int before = -1;
     for (int e = 0; e < cells.count(); ++e) {
+        int row[8];
+        for (int c = 0; c < 8; ++c) row[c] = springs_.rows().of(nodes(e, c));
         for (int c = 0; c < 8; ++c)
-            if (nodes(e, c | 1) != nodes(e, c & 6) + 1) throw MismatchError(fmt::format("box {} does not lie from node to node as a lattice's boxes do", e));
-        if (e > 0 && nodes(e, 0) <= nodes(e - 1, 0)) throw MismatchError(fmt::format("box {} does not follow the one before", e));
+            if (row[c | 1] != row[c & 6] + 1) throw MismatchError(fmt::format("box {} does not lie from node to node as a lattice's boxes do", e));
+        if (row[0] <= before) throw MismatchError(fmt::format("box {} does not follow the one before", e));
+        before = row[0];
         bool goes_on = !boxes_.runs.empty();
         if (goes_on) {
             Boxes::Run& run = boxes_.runs.back();
-            const int missing = nodes(e, 0) - (run.first_node + run.count);
-            goes_on = run.cut == cut(e) && missing <= most_missing;
-            for (int c = 0; c < 8; ++c) goes_on = goes_on && nodes(e, c) - nodes(e, 0) == run.corner[c];
+            const int missing = row[0] - (run.first_row + run.count);
+            goes_on = missing <= most_missing;
+            for (int c = 0; c < 8; ++c) goes_on = goes_on && row[c] - row[0] == run.corner[c];
             if (goes_on) run.count += missing + 1;
         }
         if (!goes_on) {
-            boxes_.runs.push_back({nodes(e, 0), boxes_.count(), 1, {}, cut(e), true});
-            for (int c = 0; c < 8; ++c) boxes_.runs.back().corner[c] = nodes(e, c) - nodes(e, 0);
+            boxes_.runs.push_back({row[0], boxes_.count(), 1, {}, true});
+            for (int c = 0; c < 8; ++c) boxes_.runs.back().corner[c] = row[c] - row[0];
         }
         Boxes::Run& run = boxes_.runs.back();
         const auto slot = static_cast<std::size_t>(run.first_slot + run.count - 1), first = static_cast<std::size_t>(run.first_slot);
         boxes_.gain.resize(slot + 1, 0);
         boxes_.constant.resize(slot + 1, -1);
+        boxes_.constant[slot] = first_constant + e;
+        if (boxes_.cubes) {
+            for (std::size_t i = 0; i < 3; ++i) {
+                boxes_.centroid[i].resize(slot, 0);
+                boxes_.centroid[i].push_back(embedding.centroid(e, static_cast<Eigen::Index>(i)));
+            }
+            boxes_.gain[slot] = now_.constants[first_constant + e] * cells.volumes()[e];
+            continue;
+        }
         Eigen::Matrix3d edges = Eigen::Matrix3d::Zero();
         for (int c = 0; c < 8; ++c)
             for (int a = 0; a < 3; ++a) edges.col(a) += ((c >> a & 1) ? 1.0 : -1.0) * model.mesh.nodes.row(nodes(e, c)).transpose();
@@ -395,12 +228,7 @@ void RealtimeLaw::add_boxes(const TissueModel& model, const CellVolumes& cells, 
             boxes_.edge[i].push_back(edges.data()[i]);
             run.alike = run.alike && std::abs(boxes_.edge[i][slot] - boxes_.edge[i][first]) < 1e-13 * edges.norm();
         }
-        for (int i = 0; i < 24; ++i) {
-            boxes_.gradient[i].resize(slot, 0);
-            boxes_.gradient[i].push_back(cells.gradient(e)(i % 3, i / 3));
-        }
-        boxes_.constant[slot] = first_constant + e;
-        boxes_.gain[slot] = now_.constants[first_constant + e] * (run.cut ? cells.volumes()[e] : 1 / (64 * edges.determinant()));
+        boxes_.gain[slot] = now_.constants[first_constant + e] / (64 * edges.determinant());
     }
 }
 
@@ -423,25 +251,44 @@ void RealtimeLaw::add_tetrahedra(const TissueModel& model, const TissueEnergy& e
 }
 
 /// By node, then of every `chunk` tetrahedra what the kernel keeps.
-Eigen::Index RealtimeLaw::scratch_size() const {
+Eigen::Index RealtimeLaw::cells_size() const {
     return tetrahedra_.node_gain.size() + 9 * ((tetrahedra_.count + chunk - 1) / chunk) * chunk;
 }
 
-void RealtimeLaw::force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch) const noexcept {
+RealtimeLaw::Scratch RealtimeLaw::scratch() const {
+    const LatticeRows& rows = springs_.rows();
+    NodeColumns none(0, 0);
+    if (!rows.by_node()) none.setZero(rows.count(), springs_.dimension());
+    return {Eigen::VectorXd::Zero(cells_size()), none, none};
+}
+
+void RealtimeLaw::force(const NodeColumns& u, NodeColumns& f, Scratch& scratch) const noexcept {
     all_force(u, f, scratch, nullptr);
 }
 
-void RealtimeLaw::force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch, BranchMemory& memory) const noexcept {
+void RealtimeLaw::force(const NodeColumns& u, NodeColumns& f, Scratch& scratch, BranchMemory& memory) const noexcept {
     all_force(u, f, scratch, memory.empty() ? nullptr : &memory);
 }
 
-void RealtimeLaw::all_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch, BranchMemory* memory) const noexcept {
+void RealtimeLaw::all_force(const NodeColumns& u, NodeColumns& f, Scratch& scratch, BranchMemory* memory) const noexcept {
+    if (springs_.rows().by_node()) {
+        elements_force(u, f, scratch.cells, memory);
+    } else {
+        springs_.rows().scatter(u, scratch.u);
+        elements_force(scratch.u, scratch.f, scratch.cells, memory);
+        springs_.rows().gather(scratch.f, f);
+    }
+    supports_force(u, f);
+}
+
+/// By row.
+void RealtimeLaw::elements_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& cells, BranchMemory* memory) const noexcept {
     springs_.force(theta_, u, f, memory);
     squares_force(u, f, memory);
     regions_force(u, f, memory);
-    boxes_force(u, f, memory);
-    supports_force(u, f);
-    if (tetrahedra_.count > 0) tetrahedra_force(u, f, scratch, memory);
+    if (boxes_.cubes) cubes_force(u, f, memory);
+    else boxes_force(u, f, memory);
+    if (tetrahedra_.count > 0) tetrahedra_force(u, f, cells, memory);
 }
 
 void RealtimeLaw::regions_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept {
@@ -461,38 +308,80 @@ void RealtimeLaw::regions_force(const NodeColumns& u, NodeColumns& f, BranchMemo
     }
 }
 
+/// What n boxes or cubes of a run have grown by, and into g what pulls at them by unit pull.
+void RealtimeLaw::boxes_grown(const Boxes::Run& run, int done, int n, const NodeColumns& u, double* g, double* grown) const noexcept {
+    const int slot = run.first_slot + done, row = run.first_row + done, *corner = run.corner;
+    const double *ux = u.col(0).data() + row, *uy = u.col(1).data() + row, *uz = u.col(2).data() + row;
+    if (boxes_.cubes) {
+        const std::vector<double>* at = boxes_.centroid;
+        kernel::cubes_grown(n, boxes_.per_m, at[0].data() + slot, at[1].data() + slot, at[2].data() + slot, ux, uy, uz, corner[2], corner[4], corner[6], g, grown);
+    } else {
+        const double* of[9];
+        for (std::size_t i = 0; i < 9; ++i) of[i] = boxes_.edge[i].data() + slot;
+        kernel::boxes_grown(n, of, ux, uy, uz, corner[2], corner[4], corner[6], g, grown);
+    }
+}
+
 void RealtimeLaw::boxes_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept {
-    alignas(64) double g[24 * chunk], grown[chunk], felt[chunk];
-    const Eigen::Index N = u.rows();
+    alignas(64) double g[12 * chunk], grown[chunk], felt[chunk];
     for (const Boxes::Run& run : boxes_.runs)
         for (int done = 0; done < run.count; done += chunk) {
-            const int n = std::min(chunk, run.count - done), slot = run.first_slot + done;
-            const double *u0 = u.data() + run.first_node + done, *gain = boxes_.gain.data() + slot;
-            const int* corner = run.corner;
-            const double* e[24];
-            for (int i = 0; i < (run.cut ? 24 : 9); ++i) e[i] = (run.cut ? boxes_.gradient : boxes_.edge)[i].data() + slot;
-            if (run.cut)
-                kernel::cut_cubes(n, e, u0, u0 + N, u0 + 2 * N, corner[2], corner[4], corner[6], g, grown);
-            else if (memory)
-                kernel::boxes_grown(n, e, u0, u0 + N, u0 + 2 * N, corner[2], corner[4], corner[6], g, grown);
-            else if (run.alike)
-                kernel::boxes_alike(n, {*e[0], *e[1], *e[2]}, {*e[3], *e[4], *e[5]}, {*e[6], *e[7], *e[8]}, gain, u0, u0 + N, u0 + 2 * N, corner[2], corner[4], corner[6], g);
-            else
-                kernel::boxes(n, e, gain, u0, u0 + N, u0 + 2 * N, corner[2], corner[4], corner[6], g);
-            if (memory) memory->step(first_box_ + slot, n, grown, felt);
-            if (run.cut || memory) kernel::times(n, gain, memory ? felt : grown, run.cut ? 24 : 12, g);
+            const int n = std::min(chunk, run.count - done), slot = run.first_slot + done, row = run.first_row + done, *corner = run.corner;
+            const double *gain = boxes_.gain.data() + slot;
+            const double *ux = u.col(0).data() + row, *uy = u.col(1).data() + row, *uz = u.col(2).data() + row;
+            const double* e[9];
+            for (std::size_t i = 0; i < 9; ++i) e[i] = boxes_.edge[i].data() + slot;
+            if (memory) {
+                boxes_grown(run, done, n, u, g, grown);
+                memory->step(first_box_ + slot, n, grown, felt);
+                kernel::times(n, gain, felt, 12, chunk, g);
+            } else if (run.alike) {
+                kernel::boxes_alike(n, {*e[0], *e[1], *e[2]}, {*e[3], *e[4], *e[5]}, {*e[6], *e[7], *e[8]}, gain, ux, uy, uz, corner[2], corner[4], corner[6], g);
+            } else {
+                kernel::boxes(n, e, gain, ux, uy, uz, corner[2], corner[4], corner[6], g);
+            }
             for (int d = 0; d < 3; ++d) {
-                double* f0 = f.data() + d * N + run.first_node + done;
-                if (run.cut) {
-                    for (int c = 0; c < 8; ++c) kernel::add_corner(n, g + (8 * d + c) * chunk, f0 + corner[c]);
-                    continue;
-                }
+                double* f0 = f.col(d).data() + row;
                 kernel::add_pair(n, g + (4 * d + 0) * chunk, f0, f0 + corner[7]);
                 kernel::add_pair(n, g + (4 * d + 1) * chunk, f0 + corner[1], f0 + corner[6]);
                 kernel::add_pair(n, g + (4 * d + 2) * chunk, f0 + corner[2], f0 + corner[5]);
                 kernel::add_pair(n, g + (4 * d + 3) * chunk, f0 + corner[4], f0 + corner[3]);
             }
         }
+}
+
+void RealtimeLaw::cubes_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept {
+    constexpr int few = kernel::cubes_at_once;
+    alignas(64) double g[24 * few], grown[few], felt[few];
+    for (const Boxes::Run& run : boxes_.runs)
+        for (int done = 0; done < run.count; done += few) {
+            const int n = std::min(few, run.count - done), slot = run.first_slot + done, row = run.first_row + done, *corner = run.corner;
+            const double* gain = boxes_.gain.data() + slot;
+            if (memory) {
+                boxes_grown(run, done, n, u, g, grown);
+                memory->step(first_box_ + slot, n, grown, felt);
+                kernel::times(n, gain, felt, 24, few, g);
+            } else {
+                const std::vector<double>* at = boxes_.centroid;
+                kernel::cubes(n, boxes_.per_m, at[0].data() + slot, at[1].data() + slot, at[2].data() + slot, gain, u.col(0).data() + row, u.col(1).data() + row,
+                              u.col(2).data() + row, corner[2], corner[4], corner[6], g);
+            }
+            for (int d = 0; d < 3; ++d)
+                for (int c = 0; c < 8; ++c) kernel::add(n, g + (8 * d + c) * few, f.col(d).data() + row + corner[c]);
+        }
+}
+
+double RealtimeLaw::boxes_energy(const NodeColumns& u) const noexcept {
+    constexpr int few = kernel::cubes_at_once;
+    alignas(64) double g[12 * chunk], grown[few];
+    double energy = 0;
+    for (const Boxes::Run& run : boxes_.runs)
+        for (int done = 0; done < run.count; done += few) {
+            const int n = std::min(few, run.count - done);
+            boxes_grown(run, done, n, u, g, grown);
+            for (int k = 0; k < n; ++k) energy += boxes_.gain[static_cast<std::size_t>(run.first_slot + done + k)] * grown[k] * grown[k] / 2;
+        }
+    return energy;
 }
 
 /// Into scratch: by node six times what the volume about it has gained [m3], and then each tetrahedron's derivatives.
@@ -574,7 +463,7 @@ void RealtimeLaw::squares_force(const NodeColumns& u, NodeColumns& f, BranchMemo
         if (memory) {
             kernel::squares_grown(n, px, py, qx, qy, ux, uy, ux + b, uy + b, ux + c, uy + c, ux + d, uy + d, gx, gy, hx, hy, grown);
             memory->step(first_square_ + done, n, grown, felt);
-            kernel::times(n, gain, felt, 4, g);
+            kernel::times(n, gain, felt, 4, chunk, g);
         } else {
             kernel::squares(n, px, py, qx, qy, gain, ux, uy, ux + b, uy + b, ux + c, uy + c, ux + d, uy + d, gx, gy, hx, hy);
         }
@@ -611,8 +500,8 @@ void RealtimeLaw::supports_force(const NodeColumns& u, NodeColumns& f) const noe
 double RealtimeLaw::energy(const NodeColumns& u, BranchMemory memory) const {
     if (memory.empty()) return energy(u);
     NodeColumns f(u.rows(), u.cols());
-    Eigen::VectorXd scratch(scratch_size());
-    force(u, f, scratch, memory);
+    Scratch work = scratch();
+    force(u, f, work, memory);
     return sum_of_elements([&](int element) { return memory.stored(element) / 2; }) + supports_energy(u);
 }
 
@@ -635,29 +524,13 @@ double RealtimeLaw::energy(const NodeColumns& u) const {
         const double twice = twice_growth(region, u);
         energy += region.gain * twice * twice / 2;
     }
-    for (const Boxes::Run& run : boxes_.runs)
-        for (int k = 0; k < run.count; ++k) {
-            const auto i = static_cast<std::size_t>(run.first_slot + k);
-            if (boxes_.gain[i] == 0) continue;
-            kernel::Vector add[3] = {};
-            for (int c = 0; c < 8; ++c)
-                for (int a = 0; a < 3; ++a) {
-                    const int node = run.first_node + k + run.corner[c];
-                    const double by = run.cut ? boxes_.gradient[3 * c + a][i] : (c >> a & 1) ? 1 : -1;
-                    add[a] = add[a] + kernel::Vector{by * u(node, 0), by * u(node, 1), by * u(node, 2)};
-                }
-            const auto edge = [&](int a) {
-                if (run.cut) return kernel::Vector{a == 0 ? 1.0 : 0.0, a == 1 ? 1.0 : 0.0, a == 2 ? 1.0 : 0.0};
-                return kernel::Vector{boxes_.edge[3 * a][i], boxes_.edge[3 * a + 1][i], boxes_.edge[3 * a + 2][i]};
-            };
-            const double by = kernel::gained(edge(0), edge(1), edge(2), add[0], add[1], add[2]).by;
-            energy += boxes_.gain[i] * by * by / 2;
-        }
+    Scratch work = scratch();
+    if (!springs_.rows().by_node()) springs_.rows().scatter(u, work.u);
+    energy += boxes_energy(springs_.rows().by_node() ? u : work.u);
     energy += supports_energy(u);
     if (tetrahedra_.count > 0) {
-        Eigen::VectorXd scratch(scratch_size());
-        tetrahedra_growth(u, scratch);
-        energy += tetrahedra_.node_gain.dot(scratch.head(u.rows()).cwiseAbs2()) / 2;
+        tetrahedra_growth(u, work.cells);
+        energy += tetrahedra_.node_gain.dot(work.cells.head(u.rows()).cwiseAbs2()) / 2;
     }
     return energy;
 }

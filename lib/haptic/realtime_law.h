@@ -28,7 +28,7 @@ struct BranchBook {
 /// A model's law laid out for the tick: the forces of a TissueEnergy and its contacts. Constants only. Springs are the bands of a RealtimeMesh. A lattice's squares lie in one run, one a node, as a band's
 /// springs do: the area between a square's diagonals pulls at their ends. Every other region is a walk round its outline.
 /// In space a lattice's boxes lie in runs of consecutive first nodes: the three mean edges of a box follow from its four diagonals, at whose ends it
-/// pulls. Cubes of an embedded lattice that are cut by the solid's surface have eight gradients each. A shape's regions are all tetrahedra about a node each: a node adds up what they have grown by, and a tetrahedron pulls
+/// pulls. Cubes of an embedded lattice pull at all eight corners, by the gradient at their tissue's centroid. A shape's regions are all tetrahedra about a node each: a node adds up what they have grown by, and a tetrahedron pulls
 /// with what its four nodes' sums make together, so that each is computed once and not with every region that has it.
 class RealtimeLaw {
    public:
@@ -39,12 +39,18 @@ class RealtimeLaw {
     RealtimeLaw(const RealtimeLaw& other);
     RealtimeLaw& operator=(const RealtimeLaw&) = delete;
 
-    /// dW/du: what holds u [N]. Fixed nodes get theirs too. scratch: of the caller, of scratch_size(); what is in it means nothing.
+    /// What force() works in, and leaves in no state that matters: a caller's own.
+    struct Scratch {
+        Eigen::VectorXd cells;
+        NodeColumns u, f;  ///< by row, where that is not by node
+    };
+    Scratch scratch() const;
+
+    /// dW/du: what holds u [N]. Fixed nodes get theirs too. scratch: made by scratch().
     /// memory: of a law that relaxes, made by memory(); empty, it is the instantaneous one. It goes on by a step, to u.
     /// No allocation; cost in proportion to springs, outlines and cells.
-    void force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch, BranchMemory& memory) const noexcept;
-    void force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch) const noexcept;  ///< of the instantaneous law
-    Eigen::Index scratch_size() const;
+    void force(const NodeColumns& u, NodeColumns& f, Scratch& scratch, BranchMemory& memory) const noexcept;
+    void force(const NodeColumns& u, NodeColumns& f, Scratch& scratch) const noexcept;  ///< of the instantaneous law
 
     /// At rest from all time, for steps of this length; empty where the law does not relax.
     BranchMemory memory(double dt_s) const;
@@ -93,19 +99,21 @@ class RealtimeLaw {
         int node, before, after;
         double x, y;  ///< after's rest place from before's [m]
     };
-    /// Boxes of a lattice, or cubes of an embedded one, in slots. In a run the corners of slot first_slot + k are first_node + k + corner[c]; where there is
-    /// none, gain is 0. What a slot has grown by is a number of its own kind: of whole boxes 64 V (J - 1), by determinants of sums of their four edges along each axis;
-    /// of cubes that are cut J - 1, by gradients at their tissue's centroid.
+    /// Boxes of a lattice, or cubes of an embedded one, in slots. In a run the corners of slot first_slot + k are rows first_row + k + corner[c]; where there is
+    /// none, gain is 0. What a slot has grown by is a number of its own kind: of boxes 64 V (J - 1), by determinants of sums of their four edges along each axis;
+    /// of cubes, which the solid's surface may cut, J - 1 at their tissue's centroid.
     struct Boxes {
         struct Run {
-            int first_node, first_slot, count;
+            int first_row, first_slot, count;
             int corner[8];               ///< corner[1] is 1, and every odd one follows the even one before
-            bool cut, alike;             ///< alike: whole, and all have the first one's edges
+            bool alike;                  ///< boxes that all have the first one's edges
         };
         std::vector<Run> runs;
-        std::vector<double> edge[9];     ///< of whole ones: sums of the four along each axis at rest [m], of one axis after the other
-        std::vector<double> gradient[24];  ///< of cut ones: of their corners' hat functions [1/m], 3 * corner + axis
-        std::vector<double> gain;        ///< of A V (J - 1)^2 / 2: A / (4096 V) [N/m5] of whole ones, A V [Nm] of cut ones
+        bool cubes = false;
+        double per_m = 0;                ///< 1 / edge of cubes
+        std::vector<double> edge[9];     ///< of boxes: sums of the four along each axis at rest [m], of one axis after the other
+        std::vector<double> centroid[3]; ///< of cubes: of their tissue, from corner 0 in edges
+        std::vector<double> gain;        ///< of A V (J - 1)^2 / 2: A / (4096 V) [N/m5] of boxes, A V [Nm] of cubes
         std::vector<Eigen::Index> constant;
 
         int count() const { return static_cast<int>(gain.size()); }
@@ -138,10 +146,15 @@ class RealtimeLaw {
     double twice_growth(const Region& region, const NodeColumns& u) const noexcept;
     void squares_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
     void regions_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
+    void boxes_grown(const Boxes::Run& run, int done, int n, const NodeColumns& u, double* g, double* grown) const noexcept;
     void boxes_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
+    void cubes_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
+    double boxes_energy(const NodeColumns& u) const noexcept;
     void tetrahedra_growth(const NodeColumns& u, Eigen::VectorXd& scratch) const noexcept;
     void tetrahedra_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch, BranchMemory* memory) const noexcept;
-    void all_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch, BranchMemory* memory) const noexcept;
+    void elements_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& cells, BranchMemory* memory) const noexcept;
+    void all_force(const NodeColumns& u, NodeColumns& f, Scratch& scratch, BranchMemory* memory) const noexcept;
+    Eigen::Index cells_size() const;
 
     const RealtimeMesh& springs_;
     SkinLaw skin_;

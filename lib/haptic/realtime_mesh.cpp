@@ -8,27 +8,19 @@
 #include <map>
 
 #include "error.h"
-#include "hot_loop.h"
+#include "haptic/cell_kernels.h"
 
 namespace tissue {
 namespace {
 
-constexpr int chunk = 256;  ///< nodes, or loose springs, at a time: their forces stay in the first-level cache
+constexpr int chunk = 256;  ///< rows, or loose springs, at a time: their forces stay in the first-level cache
 constexpr int fewest = 8;   ///< springs of a band
+constexpr int most_empty = 12;  ///< slots in a row of an embedded lattice's band: as many cost as much as one band more
 constexpr double same = 1e-13;  ///< part of a spring's length: what places far from the origin round by
 
 }  // namespace
 
-namespace kernel {
-
-/// f += g, one axis.
-TISSUE_HOT void add(int n, const double* __restrict g, double* __restrict f) {
-    for (int k = 0; k < n; ++k) f[k] += g[k];
-}
-
-}  // namespace kernel
-
-RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const Eigen::VectorXd& node_mass_kg) {
+RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const Eigen::VectorXd& node_mass_kg) : embedding_(mesh.embedding), rows_(mesh) {
     const int N = mesh.node_count(), S = mesh.spring_count();
     const int own = mesh.embedding.node_count();
     if (node_mass_kg.size() != N || !(node_mass_kg.tail(N - own).minCoeff() > 0) || (own > 0 && !node_mass_kg.head(own).isZero(0)) || !node_mass_kg.allFinite())
@@ -36,7 +28,6 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const
     law_ = make_spring_law(law);
     if (mesh.is_solid() && !law_->plays_in_space())
         throw MismatchError(fmt::format("in space the tick knows springs that turn, 'geometric', and not '{}'", law));
-    embedding_ = mesh.embedding;
     rest_ = mesh.nodes;
     mass_ = node_mass_kg;
     inverse_mass_ = Eigen::VectorXd::Zero(N);
@@ -45,24 +36,25 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const
     if (!mesh.is_solid()) outline_ = mesh.loop();
     facets_ = mesh.facets;
 
-    // A band joins node i to i + offset. At least half of its slots hold a spring, and no two springs share a slot. Springs of equal span are put into bands first.
+    // A band joins row i to i + offset. At least half of its slots hold a spring, and no two springs share a slot. Springs of equal span are put into bands first.
     using Span = std::array<long, 3>;
-    std::map<int, std::map<Span, std::vector<std::pair<int, int>>>> by_offset;  // first node, spring
+    std::map<int, std::map<Span, std::vector<std::pair<int, int>>>> by_offset;  // first row, spring
     for (int s = 0; s < S; ++s) {
         const int i = mesh.springs.row(s).minCoeff(), j = mesh.springs.row(s).maxCoeff();
         Span span{};
         for (Eigen::Index d = 0; d < rest_.cols(); ++d) span[static_cast<std::size_t>(d)] = std::lround(1e9 * (rest_(j, d) - rest_(i, d)) / mesh.rest_length(s));
-        by_offset[j - i][span].emplace_back(i, s);
+        by_offset[rows_.of(j) - rows_.of(i)][span].emplace_back(rows_.of(i), s);
     }
     slot_of_spring_.assign(static_cast<std::size_t>(S), -1);
     int slots = 0;
+    const int most_apart = rows_.by_node() ? rows_.count() : most_empty + 1;
     std::vector<int> loose;
     for (auto& [offset, by_span] : by_offset) {
         std::vector<std::pair<int, int>> rest;  // of spans that few springs have
         const auto add_bands = [&, offset = offset](const std::vector<std::pair<int, int>>& springs, auto leave) {
             for (std::size_t begin = 0, end; begin < springs.size(); begin = end) {
                 std::size_t longest = end = begin + 1;
-                for (; end < springs.size() && springs[end].first > springs[end - 1].first; ++end)
+                for (; end < springs.size() && springs[end].first > springs[end - 1].first && springs[end].first - springs[end - 1].first <= most_apart; ++end)
                     if (2 * static_cast<int>(end + 1 - begin) >= springs[end].first - springs[begin].first + 1) longest = end + 1;
                 end = longest;
                 const int low = springs[begin].first, span = springs[end - 1].first - low + 1;
@@ -101,6 +93,10 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const
         if (!(rest_length_[slot] > 0))
             throw MismatchError(fmt::format("spring {} of the mesh has no length", s));
         axis_.row(slot) = rest_span_.row(slot) / rest_length_[slot];
+    }
+    for (int slot = loose_slot_; slot < slots; ++slot) {
+        loose_first_.push_back(rows_.of(first_[static_cast<std::size_t>(slot)]));
+        loose_second_.push_back(rows_.of(second_[static_cast<std::size_t>(slot)]));
     }
     for (Band& band : bands_) {  // a band starts with a spring
         const Eigen::RowVectorXd axis = axis_.row(band.first_slot), span = rest_span_.row(band.first_slot);
@@ -148,20 +144,20 @@ SpringRun RealtimeMesh::run_at(int slot, const Eigen::VectorXd& theta) const noe
     return run;
 }
 
-/// All bands of a few nodes, then the next: what they read and write is still near. Forces on the first ends gather in an
+/// All bands of a few rows, then the next: what they read and write is still near. Forces on the first ends gather in an
 /// array of their own, so that no run overlaps itself.
 void RealtimeMesh::bands_force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept {
     alignas(64) double own[3][chunk];
-    const int D = dimension(), N = node_count();
+    const int D = dimension(), N = rows_.count();
     for (int first = 0; first < N && !bands_.empty(); first += chunk) {
         const int last = std::min(first + chunk, N);
         for (int d = 0; d < D; ++d) std::fill(own[d], own[d] + (last - first), 0.0);
         for (const Band& band : bands_) {
-            const int i = std::max(first, band.first_node), n = std::min(last, band.first_node + band.count) - i, j = i + band.offset;
+            const int i = std::max(first, band.first_row), n = std::min(last, band.first_row + band.count) - i, j = i + band.offset;
             if (n <= 0) continue;
-            SpringRun run = run_at(band.first_slot + i - band.first_node, theta);
+            SpringRun run = run_at(band.first_slot + i - band.first_row, theta);
             run.memory = memory;
-            run.first = band.first_slot + i - band.first_node;
+            run.first = band.first_slot + i - band.first_row;
             run.parallel = band.parallel;
             run.alike = band.alike;
             run.one_length = band.length;
@@ -185,7 +181,7 @@ void RealtimeMesh::loose_force(const Eigen::VectorXd& theta, const NodeColumns& 
     const int D = dimension();
     for (int first = loose_slot_; first < slot_count(); first += chunk) {
         const int n = std::min(chunk, slot_count() - first);
-        const int *i = first_.data() + first, *j = second_.data() + first;
+        const int *i = loose_first_.data() + first - loose_slot_, *j = loose_second_.data() + first - loose_slot_;
         SpringRun run = run_at(first, theta);
         run.memory = memory;
         run.first = first;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "haptic/lattice_rows.h"
 #include "springs/spring_law.h"
 
 namespace tissue {
@@ -12,16 +13,16 @@ namespace tissue {
 /// The spring mesh of Sec. 4 laid out for the tick: constants only, nothing here changes while it runs. In space, D = 3, only
 /// springs that turn play (SpringLaw::plays_in_space).
 ///
-/// Springs live in slots. Springs that join node i to node i + offset, for one offset, form a band: one run of slots,
-/// one a node, so that force is a few sums over contiguous arrays instead of a walk through pairs of nodes. Slots of a
-/// band that hold no spring have theta = 0. A lattice has four bands in the plane, in space thirteen; an embedded one, whose rows differ in length, has one or more a row and
-/// direction. Springs of rare offsets (meshes that are no lattice) are loose: pairs.
+/// Springs live in slots. Springs that join row i to row i + offset (LatticeRows), for one offset, form a band: one run of slots,
+/// one a row, so that force is a few sums over contiguous arrays instead of a walk through pairs of nodes. Slots of a
+/// band that hold no spring have theta = 0. A lattice has four bands in the plane, in space thirteen; an embedded one some more for each layer.
+/// Springs of rare offsets (meshes that are no lattice) are loose: pairs.
 ///
 /// The nodes of a solid in an embedded lattice have no mass, and move with the lattice (mesh/embedding.h).
 class RealtimeMesh {
    public:
     struct Band {
-        int first_node, offset, first_slot, count;  ///< slot first_slot + k joins first_node + k and that + offset
+        int first_row, offset, first_slot, count;  ///< slot first_slot + k joins first_row + k and that + offset
         bool parallel, alike;                       ///< all its springs have one axis; and one length, as on a lattice
         double axis[3], span[3], length;            ///< these [m]
     };
@@ -38,6 +39,7 @@ class RealtimeMesh {
     const Eigen::VectorXd& mass() const { return mass_; }                ///< [kg] (N)
     const Eigen::VectorXd& inverse_mass() const { return inverse_mass_; }  ///< [1/kg] (N), 0 where a node is fixed, or an embedded solid's
     const Embedding& embedding() const { return embedding_; }            ///< of a solid in a lattice, else empty
+    const LatticeRows& rows() const { return rows_; }
     bool fixed(int node) const { return inverse_mass_[node] == 0; }
     int dimension() const { return static_cast<int>(rest_.cols()); }
     const std::vector<int>& outline() const { return outline_; }         ///< in the plane: boundary nodes, counter-clockwise (M)
@@ -50,7 +52,7 @@ class RealtimeMesh {
     /// theta (S) [N/m] by spring -> by slot (P).
     Eigen::VectorXd to_slots(const Eigen::Ref<const Eigen::VectorXd>& theta) const;
 
-    /// f = K(theta) u, (10): the external nodal force [N] that holds u. theta by slot. Fixed nodes get theirs too.
+    /// f = K(theta) u, (10): the external nodal force [N] that holds u. u, f by row, theta by slot. Fixed nodes get theirs too.
     /// No allocation; cost in proportion to the springs.
     /// memory: of the elongation of springs that turn and relax, by slot; null where they do not. It goes on by a step.
     void force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f, BranchMemory* memory = nullptr) const noexcept;
@@ -72,6 +74,7 @@ class RealtimeMesh {
 
     std::shared_ptr<const SpringLaw> law_;
     Embedding embedding_;
+    LatticeRows rows_;
     NodeColumns rest_;
     Eigen::VectorXd mass_, inverse_mass_;
     std::vector<int> outline_;
@@ -80,6 +83,7 @@ class RealtimeMesh {
     int loose_slot_ = 0;                ///< slots from here on are loose springs
     std::vector<int> slot_of_spring_;   ///< (S)
     std::vector<int> first_, second_;   ///< nodes of each slot (P); equal where there is no spring
+    std::vector<int> loose_first_, loose_second_;  ///< rows of loose springs' ends
     NodeColumns axis_;                  ///< rest direction of each slot, a unit vector (P x D)
     NodeColumns rest_span_;             ///< X_j - X_i of each slot [m] (P x D)
     Eigen::VectorXd rest_length_;       ///< [m] (P)

@@ -28,7 +28,7 @@ class SymplecticDynamics final : public Dynamics {
    public:
     SymplecticDynamics(const RealtimeMesh& mesh, const DynamicsOptions& options)
         : mesh_(mesh), law_(options.law), h_(options.dt_s), keep_(1 / (1 + h_ * options.damping_1_s)), gain_(h_ * keep_ * mesh.inverse_mass()),
-          scratch_(options.law ? options.law->scratch_size() : 0), held_(NodeColumns::Zero(mesh.node_count(), mesh.dimension())) {}
+          scratch_(options.law ? options.law->scratch() : RealtimeLaw::Scratch{}), held_(NodeColumns::Zero(mesh.node_count(), mesh.dimension())) {}
     std::string name() const override { return symplectic_dynamics.name; }
 
     Point step(MeshState& s, const ContactLoad& load) noexcept override {
@@ -46,10 +46,7 @@ class SymplecticDynamics final : public Dynamics {
         s.theta_changed = false;
         return tool;
     }
-    void complete(MeshState& s) const noexcept override {
-        mesh_.embedding().interpolate(s.displacement);
-        mesh_.embedding().interpolate(s.velocity);
-    }
+    void complete(MeshState& s) const noexcept override { mesh_.embedding().interpolate(s.displacement); }
 
    private:
     const RealtimeMesh& mesh_;
@@ -57,7 +54,7 @@ class SymplecticDynamics final : public Dynamics {
     double h_;  ///< [s]
     double keep_;
     Eigen::VectorXd gain_;
-    Eigen::VectorXd scratch_;  ///< of the law
+    RealtimeLaw::Scratch scratch_;  ///< of the law
     NodeColumns held_;         ///< [m] (N x D)
 };
 

@@ -62,7 +62,8 @@ TEST_CASE("in space the tick's law asks for the forces of the energy that was tr
             energy.complete(u);
             const NodeField expected = energy.force(model.energy_law->constants, u);
             NodeColumns f = NodeColumns::Ones(mesh.node_count(), 3);
-            Eigen::VectorXd scratch = Eigen::VectorXd::Ones(law.scratch_size());
+            RealtimeLaw::Scratch scratch = law.scratch();
+            scratch.cells.setOnes();
             long allocations = 0;
             {
                 const NodeColumns columns = u;

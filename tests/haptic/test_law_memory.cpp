@@ -64,7 +64,7 @@ TEST_CASE("each element of a law that relaxes pulls with what its own branches m
         BranchMemory memory = law.memory(dt);
         CHECK(memory.size() >= E - model.mesh.support_count());
         NodeColumns f(model.mesh.node_count(), D);
-        Eigen::VectorXd scratch(law.scratch_size());
+        RealtimeLaw::Scratch scratch = law.scratch();
         // with all of a field growing and shrinking together, a measure is the root of its own energy
         Eigen::VectorXd before = Eigen::VectorXd::Zero(E);
         Eigen::MatrixXd part = Eigen::MatrixXd::Zero(E, 3);
@@ -121,7 +121,7 @@ TEST_CASE("a law that relaxes is its instantaneous self at once, and its long-te
         CHECK(rest.slowest_s() == 0);
         const NodeColumns u = scattered(model.mesh, 2e-3);
         NodeColumns f(u.rows(), u.cols()), now = f;
-        Eigen::VectorXd scratch(law.scratch_size());
+        RealtimeLaw::Scratch scratch = law.scratch();
         law.force(u, now, scratch);
         BranchMemory quick = law.memory(1e-9);
         law.force(u, f, scratch, quick);

@@ -106,7 +106,7 @@ TEST_CASE("a law that becomes another has the forces of one that was made so, an
         }
         const NodeColumns u = scattered(model.mesh, 1e-3);
         NodeColumns f = u, g = u;
-        Eigen::VectorXd scratch(law.scratch_size());
+        RealtimeLaw::Scratch scratch = law.scratch();
         law.force(u, f, scratch);
         wanted.force(u, g, scratch);
         CHECK((f - g).norm() < 1e-12 * g.norm());

@@ -44,7 +44,7 @@ TEST_CASE("the tick's law asks for the forces of the energy that was trained, an
             const NodeField u = scattered(mesh, size);
             const NodeField expected = energy.force(model.energy_law->constants, u);
             NodeColumns f(mesh.node_count(), 2);
-            Eigen::VectorXd scratch(law.scratch_size());
+            RealtimeLaw::Scratch scratch = law.scratch();
             long allocations = 0;
             {
                 const NodeColumns columns = u;

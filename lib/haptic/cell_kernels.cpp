@@ -1,0 +1,168 @@
+#include "haptic/cell_kernels.h"
+
+#include "hot_loop.h"
+
+namespace tissue::kernel {
+
+TISSUE_HOT void squares(int n, const double* __restrict px, const double* __restrict py, const double* __restrict qx,
+                        const double* __restrict qy, const double* __restrict gain, const double* __restrict ax,
+                        const double* __restrict ay, const double* __restrict bx, const double* __restrict by,
+                        const double* __restrict cx, const double* __restrict cy, const double* __restrict dx,
+                        const double* __restrict dy, double* __restrict gx, double* __restrict gy, double* __restrict hx,
+                        double* __restrict hy) {
+    for (int k = 0; k < n; ++k) {
+        const double ux = cx[k] - ax[k], uy = cy[k] - ay[k], vx = dx[k] - bx[k], vy = dy[k] - by[k];
+        const double x = qx[k] + vx, y = qy[k] + vy;
+        const double pull = gain[k] * ((px[k] * vy - py[k] * vx) + (ux * y - uy * x));
+        gx[k] = pull * y;
+        gy[k] = -pull * x;
+        hx[k] = -pull * (py[k] + uy);
+        hy[k] = pull * (px[k] + ux);
+    }
+}
+
+TISSUE_HOT void squares_grown(int n, const double* __restrict px, const double* __restrict py, const double* __restrict qx,
+                              const double* __restrict qy, const double* __restrict ax, const double* __restrict ay, const double* __restrict bx,
+                              const double* __restrict by, const double* __restrict cx, const double* __restrict cy, const double* __restrict dx,
+                              const double* __restrict dy, double* __restrict gx, double* __restrict gy, double* __restrict hx, double* __restrict hy,
+                              double* __restrict grown) {
+    for (int k = 0; k < n; ++k) {
+        const double ux = cx[k] - ax[k], uy = cy[k] - ay[k], vx = dx[k] - bx[k], vy = dy[k] - by[k];
+        const double x = qx[k] + vx, y = qy[k] + vy;
+        grown[k] = (px[k] * vy - py[k] * vx) + (ux * y - uy * x);
+        gx[k] = y;
+        gy[k] = -x;
+        hx[k] = -(py[k] + uy);
+        hy[k] = px[k] + ux;
+    }
+}
+
+TISSUE_HOT void times(int n, const double* __restrict gain, const double* __restrict y, int arrays, int apart, double* __restrict g) {
+    for (int a = 0; a < arrays; ++a, g += apart)
+        for (int k = 0; k < n; ++k) g[k] *= gain[k] * y[k];
+}
+
+TISSUE_HOT void add(int n, const double* __restrict g, double* __restrict f) {
+    for (int k = 0; k < n; ++k) f[k] += g[k];
+}
+
+TISSUE_HOT void add_pair(int n, const double* __restrict g, double* f_i, double* f_j) {
+    for (int k = 0; k < n; ++k) f_i[k] -= g[k];
+    for (int k = 0; k < n; ++k) f_j[k] += g[k];
+}
+
+namespace {
+
+TISSUE_INLINE double dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+TISSUE_INLINE Vector cross(const Vector& a, const Vector& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+
+/// What det (A B C) gains when p, q, r are added to its columns, in which nothing cancels, and its derivatives by them.
+struct Gained {
+    double by;
+    Vector by_p, by_q, by_r;
+};
+TISSUE_INLINE Gained gained(const Vector& A, const Vector& B, const Vector& C, const Vector& p, const Vector& q, const Vector& r) {
+    const Vector a = A + p, b = B + q, c = C + r, before = cross(B, C), more = cross(q, C) + cross(b, r);
+    return {dot(p, before) + dot(a, more), before + more, cross(c, a), cross(a, b)};
+}
+
+/// Unit pull or `pulled`. Returns what the box has grown by.
+template <bool pulled>
+TISSUE_INLINE double box(int k, const Vector& A, const Vector& B, const Vector& C, double gain, const double* __restrict ux, const double* __restrict uy,
+                         const double* __restrict uz, int up, int in, int far, double* __restrict g) {
+    const Vector s = {ux[far + 1 + k] - ux[k], uy[far + 1 + k] - uy[k], uz[far + 1 + k] - uz[k]};
+    const Vector x = {ux[far + k] - ux[1 + k], uy[far + k] - uy[1 + k], uz[far + k] - uz[1 + k]};
+    const Vector y = {ux[in + 1 + k] - ux[up + k], uy[in + 1 + k] - uy[up + k], uz[in + 1 + k] - uz[up + k]};
+    const Vector z = {ux[up + 1 + k] - ux[in + k], uy[up + 1 + k] - uy[in + k], uz[up + 1 + k] - uz[in + k]};
+    const Gained now = gained(A, B, C, {s.x - x.x + y.x + z.x, s.y - x.y + y.y + z.y, s.z - x.z + y.z + z.z},
+                              {s.x + x.x - y.x + z.x, s.y + x.y - y.y + z.y, s.z + x.z - y.z + z.z},
+                              {s.x + x.x + y.x - z.x, s.y + x.y + y.y - z.y, s.z + x.z + y.z - z.z});
+    const double t = pulled ? gain * now.by : 1;
+    const double p[3] = {t * now.by_p.x, t * now.by_p.y, t * now.by_p.z}, q[3] = {t * now.by_q.x, t * now.by_q.y, t * now.by_q.z},
+                 r[3] = {t * now.by_r.x, t * now.by_r.y, t * now.by_r.z};
+    for (int d = 0; d < 3; ++d) {
+        g[(4 * d + 0) * cells_at_once + k] = p[d] + q[d] + r[d];
+        g[(4 * d + 1) * cells_at_once + k] = q[d] + r[d] - p[d];
+        g[(4 * d + 2) * cells_at_once + k] = p[d] + r[d] - q[d];
+        g[(4 * d + 3) * cells_at_once + k] = p[d] + q[d] - r[d];
+    }
+    return now.by;
+}
+
+/// Unit pull or `pulled`. Returns J - 1.
+template <bool pulled>
+TISSUE_INLINE double cube(int k, double per_m, const double* __restrict cx, const double* __restrict cy, const double* __restrict cz, double gain,
+                          const double* __restrict ux, const double* __restrict uy, const double* __restrict uz, int up, int in, int far, double* __restrict g) {
+    const int corner[8] = {0, 1, up, up + 1, in, in + 1, far, far + 1};
+    const double x = cx[k], y = cy[k], z = cz[k], X = per_m * (1 - x), Y = per_m * (1 - y), Z = 1 - z;
+    const double hx = per_m * x, hy = per_m * y;
+    const double along_x[4] = {Y * Z, hy * Z, Y * z, hy * z}, along_y[4] = {X * Z, hx * Z, X * z, hx * z}, along_z[4] = {X * (1 - y), hx * (1 - y), X * y, hx * y};
+    double by[3][3];  // axis, component
+    for (int d = 0; d < 3; ++d) {
+        const double* __restrict from = d == 0 ? ux : d == 1 ? uy : uz;
+        double v[8];
+        for (int c = 0; c < 8; ++c) v[c] = from[corner[c] + k];
+        by[0][d] = along_x[0] * (v[1] - v[0]) + along_x[1] * (v[3] - v[2]) + along_x[2] * (v[5] - v[4]) + along_x[3] * (v[7] - v[6]);
+        by[1][d] = along_y[0] * (v[2] - v[0]) + along_y[1] * (v[3] - v[1]) + along_y[2] * (v[6] - v[4]) + along_y[3] * (v[7] - v[5]);
+        by[2][d] = along_z[0] * (v[4] - v[0]) + along_z[1] * (v[5] - v[1]) + along_z[2] * (v[6] - v[2]) + along_z[3] * (v[7] - v[3]);
+    }
+    const Gained now = gained({1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {by[0][0], by[0][1], by[0][2]}, {by[1][0], by[1][1], by[1][2]}, {by[2][0], by[2][1], by[2][2]});
+    const double t = pulled ? gain * now.by : 1;
+    const double p[3] = {t * now.by_p.x, t * now.by_p.y, t * now.by_p.z}, q[3] = {t * now.by_q.x, t * now.by_q.y, t * now.by_q.z},
+                 r[3] = {t * now.by_r.x, t * now.by_r.y, t * now.by_r.z};
+    for (int d = 0; d < 3; ++d)
+        for (int c = 0; c < 8; ++c)
+            g[(8 * d + c) * cubes_at_once + k] = ((c & 1) ? p[d] : -p[d]) * along_x[c >> 1] + ((c & 2) ? q[d] : -q[d]) * along_y[(c & 1) + (c >> 2) * 2] + ((c & 4) ? r[d] : -r[d]) * along_z[c & 3];
+    return now.by;
+}
+
+}  // namespace
+
+TISSUE_HOT void boxes(int n, const double* const* e, const double* __restrict gain, const double* __restrict ux, const double* __restrict uy,
+                      const double* __restrict uz, int up, int in, int far, double* __restrict g) {
+    for (int k = 0; k < n; ++k) box<true>(k, {e[0][k], e[1][k], e[2][k]}, {e[3][k], e[4][k], e[5][k]}, {e[6][k], e[7][k], e[8][k]}, gain[k], ux, uy, uz, up, in, far, g);
+}
+
+TISSUE_HOT void boxes_grown(int n, const double* const* e, const double* __restrict ux, const double* __restrict uy, const double* __restrict uz, int up,
+                            int in, int far, double* __restrict g, double* __restrict grown) {
+    for (int k = 0; k < n; ++k) grown[k] = box<false>(k, {e[0][k], e[1][k], e[2][k]}, {e[3][k], e[4][k], e[5][k]}, {e[6][k], e[7][k], e[8][k]}, 1, ux, uy, uz, up, in, far, g);
+}
+
+TISSUE_HOT void boxes_alike(int n, const Vector& A, const Vector& B, const Vector& C, const double* __restrict gain, const double* __restrict ux,
+                            const double* __restrict uy, const double* __restrict uz, int up, int in, int far,
+                            double* __restrict g) {
+    const Vector a = A, b = B, c = C;
+    for (int k = 0; k < n; ++k) box<true>(k, a, b, c, gain[k], ux, uy, uz, up, in, far, g);
+}
+
+TISSUE_HOT void cubes(int n, double per_m, const double* __restrict cx, const double* __restrict cy, const double* __restrict cz,
+                      const double* __restrict gain, const double* __restrict ux, const double* __restrict uy, const double* __restrict uz, int up, int in,
+                      int far, double* __restrict g) {
+    for (int k = 0; k < n; ++k) cube<true>(k, per_m, cx, cy, cz, gain[k], ux, uy, uz, up, in, far, g);
+}
+
+TISSUE_HOT void cubes_grown(int n, double per_m, const double* __restrict cx, const double* __restrict cy, const double* __restrict cz,
+                            const double* __restrict ux, const double* __restrict uy, const double* __restrict uz, int up, int in, int far,
+                            double* __restrict g, double* __restrict grown) {
+    for (int k = 0; k < n; ++k) grown[k] = cube<false>(k, per_m, cx, cy, cz, 1, ux, uy, uz, up, in, far, g);
+}
+
+TISSUE_HOT void tetrahedra(int n, const double* const* e, const double* __restrict v, double* __restrict six, double* __restrict kept) {
+    for (int k = 0; k < n; ++k) {
+        const Gained now = gained({e[0][k], e[1][k], e[2][k]}, {e[3][k], e[4][k], e[5][k]}, {e[6][k], e[7][k], e[8][k]},
+                                  {v[k], v[cells_at_once + k], v[2 * cells_at_once + k]}, {v[3 * cells_at_once + k], v[4 * cells_at_once + k], v[5 * cells_at_once + k]},
+                                  {v[6 * cells_at_once + k], v[7 * cells_at_once + k], v[8 * cells_at_once + k]});
+        six[k] = now.by;
+        kept[k] = now.by_p.x;
+        kept[cells_at_once + k] = now.by_p.y;
+        kept[2 * cells_at_once + k] = now.by_p.z;
+        kept[3 * cells_at_once + k] = now.by_q.x;
+        kept[4 * cells_at_once + k] = now.by_q.y;
+        kept[5 * cells_at_once + k] = now.by_q.z;
+        kept[6 * cells_at_once + k] = now.by_r.x;
+        kept[7 * cells_at_once + k] = now.by_r.y;
+        kept[8 * cells_at_once + k] = now.by_r.z;
+    }
+}
+
+}  // namespace tissue::kernel

@@ -1,0 +1,57 @@
+#pragma once
+
+namespace tissue::kernel {
+
+/// Inner loops of a law's cells in the tick (haptic/realtime_law.h), over n of them that lie one row apart. Pointers stand at the first one's. All arrays are
+/// of the caller, and g is where pulls go before they are added up: several arrays, a fixed number of doubles apart.
+constexpr int cells_at_once = 256;  ///< squares, boxes, tetrahedra: their pulls stay in the first-level cache
+constexpr int cubes_at_once = 64;
+
+struct Vector {
+    double x, y, z;
+};
+inline Vector operator+(const Vector& a, const Vector& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+
+void add(int n, const double* __restrict g, double* __restrict f);  ///< f += g
+void add_pair(int n, const double* __restrict g, double* f_i, double* f_j);  ///< f_i -= g, f_j += g, which may overlap
+/// Each of so many arrays of g, `apart` doubles apart, times gain y.
+void times(int n, const double* __restrict gain, const double* __restrict y, int arrays, int apart, double* __restrict g);
+
+/// With P, Q the diagonals at rest and p, q what has been added to them, a square has grown by half of
+///   P x q + p x Q + p x q,
+/// in which nothing cancels, and its area's derivative is half of the other diagonal, turned: g by the first diagonal's
+/// ends, h by the second's. a, b, c, d: displacement of the corners.
+void squares(int n, const double* __restrict px, const double* __restrict py, const double* __restrict qx, const double* __restrict qy,
+             const double* __restrict gain,
+             const double* __restrict ax, const double* __restrict ay, const double* __restrict bx, const double* __restrict by, const double* __restrict cx,
+             const double* __restrict cy, const double* __restrict dx, const double* __restrict dy, double* __restrict gx, double* __restrict gy, double* __restrict hx,
+             double* __restrict hy);
+/// The same in two parts, for squares that relax: twice what each has grown by, with both diagonals as they are now; then times() pulls.
+void squares_grown(int n, const double* __restrict px, const double* __restrict py, const double* __restrict qx, const double* __restrict qy,
+                   const double* __restrict ax, const double* __restrict ay, const double* __restrict bx, const double* __restrict by, const double* __restrict cx,
+                   const double* __restrict cy, const double* __restrict dx, const double* __restrict dy, double* __restrict gx, double* __restrict gy,
+                   double* __restrict hx, double* __restrict hy, double* __restrict grown);
+
+/// Boxes by their diagonals from corners 0, 1, 2, 4 to 7, 6, 5, 3: g gets what pulls at the diagonals' ends, 4 * axis + diagonal, cells_at_once apart.
+/// e: sums of four edges along each axis at rest, 9 arrays. ux, uy, uz: displacement of corner 0; up, in, far: rows from corner 0 to 2, 4 and 6; 1, 3, 5 and 7
+/// lie one behind 0, 2, 4 and 6. grown: 64 V (J - 1), and g then by unit pull.
+void boxes(int n, const double* const* e, const double* __restrict gain, const double* __restrict ux, const double* __restrict uy, const double* __restrict uz,
+           int up, int in, int far, double* __restrict g);
+void boxes_alike(int n, const Vector& A, const Vector& B, const Vector& C, const double* __restrict gain, const double* __restrict ux,
+                 const double* __restrict uy, const double* __restrict uz, int up, int in, int far,
+                 double* __restrict g);
+void boxes_grown(int n, const double* const* e, const double* __restrict ux, const double* __restrict uy, const double* __restrict uz, int up, int in, int far,
+                 double* __restrict g, double* __restrict grown);
+
+/// Cubes of which a part may be tissue, by its centroid cx, cy, cz, from corner 0 in edges: there the displacement's gradient along an axis is the mean of the
+/// four edges', with bilinear weights. g gets what pulls at the corners, 8 * axis + corner, cubes_at_once apart. per_m: 1 / edge. grown: J - 1.
+void cubes(int n, double per_m, const double* __restrict cx, const double* __restrict cy, const double* __restrict cz, const double* __restrict gain,
+           const double* __restrict ux, const double* __restrict uy, const double* __restrict uz, int up, int in, int far, double* __restrict g);
+void cubes_grown(int n, double per_m, const double* __restrict cx, const double* __restrict cy, const double* __restrict cz, const double* __restrict ux,
+                 const double* __restrict uy, const double* __restrict uz, int up, int in, int far, double* __restrict g, double* __restrict grown);
+
+/// Tetrahedra by their edges from the first node: v, what has been added to those, e as they were. six: of what the volume has
+/// gained; kept: its derivatives by the edges. v, kept: 9 arrays, cells_at_once apart.
+void tetrahedra(int n, const double* const* e, const double* __restrict v, double* __restrict six, double* __restrict kept);
+
+}  // namespace tissue::kernel
