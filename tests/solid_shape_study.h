@@ -62,7 +62,8 @@ tilt_deg = [10, 30]
 clearance_m = [0.012, 0.03]
 
 [springs]
-topology = "edges3"
+topology = "embedded"
+spacing_m = 0.011
 stiffness = "law"
 terms = ["spring.all", "cell.all"]
 )";

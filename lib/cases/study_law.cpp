@@ -3,21 +3,27 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <vector>
 
-#include "mesh/topology.h"
+#include "mesh/cells.h"
+#include "mesh/region_lookup.h"
 
 namespace tissue {
+
+namespace {
+
+const Study::LawParameters& parameters_of(const Study& study, int region) {
+    if (region == 0) return study.material;
+    return study.material.regions.at(static_cast<std::size_t>(region - 1));
+}
+
+}  // namespace
 
 Eigen::VectorXd triangle_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_N_m) {
     Eigen::VectorXd modulus = Eigen::VectorXd::Constant(mesh.simplices.rows(), modulus_N_m);
     if (study.material.regions.empty()) return modulus;
     for (Eigen::Index t = 0; t < modulus.size(); ++t) {
-        const int region = shape->region[static_cast<std::size_t>(t)];
-        const Study::LawParameters& own =
-            region == 0 ? study.material
-                        : static_cast<const Study::LawParameters&>(study.material.regions.at(static_cast<std::size_t>(region - 1)));
+        const Study::LawParameters& own = parameters_of(study, shape->region[static_cast<std::size_t>(t)]);
         modulus[t] = modulus_N_m * own.youngs_modulus_Pa() / study.material.youngs_modulus_Pa();
     }
     return modulus;
@@ -35,9 +41,8 @@ Eigen::MatrixXd even_in_tetrahedron(int along) {
     return weights / along;
 }
 
-/// The same of any piece (P x K): 4 along a spring, 64 in a lattice's cell, 120 in a tetrahedron.
+/// The same of springs and cells (P x K).
 Eigen::MatrixXd even_points(Eigen::Index corners) {
-    if (corners == 4) return even_in_tetrahedron(8);
     constexpr int along = 4;
     int axes = 0;  // a spring's ends, or a cell's corners bit by bit
     while ((1 << axes) < corners) ++axes;
@@ -58,35 +63,10 @@ double volume_of(const SpringMesh& mesh, Eigen::Index tetrahedron) {
     return (at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0)) / 6;
 }
 
-/// Mean of a value of the tetrahedra (T), by their volumes, over those that have all nodes of a row of `pieces`.
-Eigen::VectorXd mean_about(const SpringMesh& mesh, const Eigen::VectorXd& value, const Cells& pieces) {
-    std::map<std::vector<int>, std::pair<double, double>> sums;  // of value times volume, and of volume
-    const Eigen::Index size = pieces.cols();
-    for (Eigen::Index t = 0; t < mesh.simplices.rows(); ++t) {
-        const double volume = volume_of(mesh, t);
-        for (int a = 0; a < 4; ++a)
-            for (int b = 0; b < (size == 1 ? 1 : a); ++b) {
-                std::vector<int> key{mesh.simplices(t, a)};
-                if (size == 2) key.push_back(mesh.simplices(t, b));
-                std::sort(key.begin(), key.end());
-                sums[key].first += value[t] * volume;
-                sums[key].second += volume;
-            }
-    }
-    Eigen::VectorXd mean(pieces.rows());
-    for (Eigen::Index e = 0; e < pieces.rows(); ++e) {
-        std::vector<int> key(pieces.row(e).begin(), pieces.row(e).end());
-        std::sort(key.begin(), key.end());
-        mean[e] = sums.at(key).first / sums.at(key).second;
-    }
-    return mean;
-}
-
-/// Every node, a row each.
-Cells nodes_of(const SpringMesh& mesh) {
-    Cells nodes(mesh.node_count(), 1);
-    for (int node = 0; node < mesh.node_count(); ++node) nodes(node, 0) = node;
-    return nodes;
+NodeField places_of(const SpringMesh& mesh, const Cells& pieces, Eigen::Index e) {
+    NodeField corners(pieces.cols(), mesh.dimension());
+    for (Eigen::Index k = 0; k < pieces.cols(); ++k) corners.row(k) = mesh.nodes.row(pieces(e, k));
+    return corners;
 }
 
 }  // namespace
@@ -95,9 +75,7 @@ Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, con
     const Eigen::MatrixXd weights = even_points(pieces.cols());
     Eigen::VectorXd part = Eigen::VectorXd::Zero(pieces.rows());
     for (Eigen::Index e = 0; e < pieces.rows(); ++e) {
-        NodeField corners(pieces.cols(), mesh.dimension());
-        for (Eigen::Index k = 0; k < pieces.cols(); ++k) corners.row(k) = mesh.nodes.row(pieces(e, k));
-        const Eigen::MatrixXd at = weights * corners;
+        const Eigen::MatrixXd at = weights * places_of(mesh, pieces, e);
         for (Eigen::Index p = 0; p < at.rows(); ++p)
             part[e] += (at.row(p).transpose() - centre_m).norm() < radius_m ? 1.0 / static_cast<double>(at.rows()) : 0.0;
     }
@@ -106,12 +84,18 @@ Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, con
 
 Eigen::VectorXd solid_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, const Cells& pieces) {
     const double E = study.material.youngs_modulus_Pa();
-    const bool lattice = has_cells(mesh);
-    const Cells& filled = lattice ? pieces : mesh.simplices;
-    Eigen::VectorXd own = lattice ? Eigen::VectorXd::Constant(filled.rows(), E) : triangle_moduli(study, shape, mesh, E);
+    Eigen::VectorXd own = Eigen::VectorXd::Constant(pieces.rows(), E);
     if (study.nodule)
-        own += (study.nodule->youngs_modulus_Pa() - E) * fraction_inside(mesh, filled, study.nodule->centre_m, study.nodule->radius_m);
-    return lattice ? own : mean_about(mesh, own, pieces);
+        own += (study.nodule->youngs_modulus_Pa() - E) * fraction_inside(mesh, pieces, study.nodule->centre_m, study.nodule->radius_m);
+    if (study.material.regions.empty()) return own;
+    const RegionLookup regions(*shape);
+    const Eigen::MatrixXd weights = even_points(pieces.cols());
+    for (Eigen::Index e = 0; e < pieces.rows(); ++e) {
+        own[e] = 0;
+        const Eigen::MatrixXd at = weights * places_of(mesh, pieces, e);
+        for (Eigen::Index p = 0; p < at.rows(); ++p) own[e] += parameters_of(study, regions.at(at.row(p).transpose())).youngs_modulus_Pa() / static_cast<double>(at.rows());
+    }
+    return own;
 }
 
 NodeField nodule_points(const Study& study) {
@@ -155,7 +139,7 @@ namespace {
 EnergyLaw solid_law(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double factor) {
     const double E = factor * study.material.youngs_modulus_Pa();
     const Eigen::VectorXd springs = factor * solid_moduli(study, shape, mesh, mesh.springs),
-                          cells = factor * solid_moduli(study, shape, mesh, has_cells(mesh) ? mesh_cells(mesh) : nodes_of(mesh));
+                          cells = factor * solid_moduli(study, shape, mesh, mesh_cells(mesh));
     LawHeuristic heuristic = solid_heuristic(mesh, springs, cells, E, study.springs.area_cap_E2, study.indenter.radius_m);
     if (study.nodule || !study.material.regions.empty()) {
         heuristic.stiffer.resize(springs.size() + cells.size());
@@ -174,7 +158,7 @@ Eigen::VectorXd stiffness_of(const Study& study, const std::optional<Shape>& sha
     if (!mesh.is_solid())
         return law_heuristic(mesh, triangle_moduli(study, shape, mesh, study.modulus_N_m()), study.material.formulation, study.springs.area_cap_E2).constants;
     const Eigen::VectorXd springs = solid_moduli(study, shape, mesh, mesh.springs),
-                          cells = solid_moduli(study, shape, mesh, has_cells(mesh) ? mesh_cells(mesh) : nodes_of(mesh));
+                          cells = solid_moduli(study, shape, mesh, mesh_cells(mesh));
     Eigen::VectorXd all(springs.size() + cells.size());
     all << springs, cells;
     return all;

@@ -13,8 +13,8 @@ namespace tissue {
 /// of its own, in proportion to its E.
 Eigen::VectorXd triangle_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_N_m);
 
-/// E of each row of springs or cells in space [Pa]: of the base material, and in proportion to what of it lies in the nodule. On a
-/// shape, of springs or of nodes (one column): means, by volume, over the tetrahedra about them, as in Van Gelder's sum.
+/// E of each row of springs or cells in space [Pa]: its mean over points spread evenly, 4 along a spring and 64 in a cell, of the base material, the nodule or the
+/// shape's regions. A point outside the tissue, in a cube that the surface cuts, counts as what is nearest.
 Eigen::VectorXd solid_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, const Cells& pieces);
 
 /// The study's nodule as points that fill it evenly, 8 across (G x 4): place [m], volume times log(E / E_block) [m3].
@@ -23,8 +23,7 @@ NodeField nodule_points(const Study& study);
 /// The study's regions of a solid shape likewise, four points a tetrahedron.
 NodeField region_points(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh);
 
-/// Part of each row's pieces that lies in a ball, by points spread evenly over it: 4 along a spring, 64 in a
-/// lattice's cell, 120 in a tetrahedron.
+/// Part of each row's pieces that lies in a ball, by the same points.
 Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, const Point& centre_m, double radius_m);
 
 /// The study's terms on its mesh, over the heuristic of its material, E2 taken `factor` times as large (train_law.h's

@@ -109,11 +109,10 @@ Files solid_csv(const TissueModel& model, const std::vector<PressedCase>& cases)
     std::vector<int> load_cases;
     for (const PressedCase& c : cases) load_cases.push_back(c.load_case);
     const ContactTable contact = contact_table(model, load_cases);
-    const bool lattice = tables.cells.cols() == 8;
-    std::string cells = lattice ? "cell,node_000,node_100,node_010,node_110,node_001,node_101,node_011,node_111,rest_volume_m3,stiffness_Pa\n"
-                                : "cell,node,rest_volume_m3,stiffness_Pa\n";
+    const std::string corners = "node_000,node_100,node_010,node_110,node_001,node_101,node_011,node_111";
+    std::string cells = "cell," + corners + ",at_x,at_y,at_z,rest_volume_m3,stiffness_Pa\n";
     for (Eigen::Index c = 0; c < tables.cells.rows(); ++c)
-        cells += fmt::format("{},{},{},{}\n", c, values(tables.cells.row(c)), tables.volume_m3[c], tables.cell_Pa[c]);
+        cells += fmt::format("{},{},{},{},{}\n", c, values(tables.cells.row(c)), values(tables.at.row(c)), tables.volume_m3[c], tables.cell_Pa[c]);
     const auto name = [&](int load_case) { return field(model.case_names[static_cast<std::size_t>(load_case)]); };
     std::string rows = "row,case,kind,k_N_m,push_x,push_y,push_z\n", pull = "row,node,pull_x,pull_y,pull_z\n",
                 hardening = "case,hardening_1_J,saturation_1_J,coupling_N_m2\n";
@@ -130,10 +129,12 @@ Files solid_csv(const TissueModel& model, const std::vector<PressedCase>& cases)
             {"contact_rows.csv", rows},
             {"contact_pull.csv", pull},
             {"contact_hardening.csv", hardening}};
-    if (!lattice) {
-        std::string& facets = files["cell_facets.csv"] = "cell,node_i,node_j,node_k\n";
-        for (Eigen::Index f = 0; f < tables.cell_facets.rows(); ++f) facets += values(tables.cell_facets.row(f)) + "\n";
-    }
+    const Embedding& embedding = model.mesh.embedding;
+    if (embedding.empty()) return files;
+    std::string& inside = files["embedding.csv"] = "node," + corners + ",weight_000,weight_100,weight_010,weight_110,weight_001,weight_101,weight_011,weight_111\n";
+    for (int node = 0; node < embedding.node_count(); ++node) inside += fmt::format("{},{},{}\n", node, values(embedding.corner.row(node)), values(embedding.weight.row(node)));
+    std::string& supports = files["supports.csv"] = "node,stiffness_N_m\n";
+    for (Eigen::Index m = 0; m < tables.support_N_m.size(); ++m) supports += fmt::format("{},{}\n", model.mesh.fixed[static_cast<std::size_t>(m)], tables.support_N_m[m]);
     return files;
 }
 

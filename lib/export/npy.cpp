@@ -97,7 +97,8 @@ Files npy_files(const SolidLawTables& law, const ContactTable& contact) {
     const std::size_t R = contact.k_N_m.size(), Q = contact.pull_row.size();
     const auto numbers = [](const auto& values) { return std::vector<double>(values.data(), values.data() + values.size()); };
     const std::vector<int> corners(law.cells.data(), law.cells.data() + law.cells.size());
-    Files files = {{"law/cells.npy", header("<i4", {static_cast<std::size_t>(law.cells.rows()), static_cast<std::size_t>(law.cells.cols())}) + bytes(corners)},
+    return {{"law/cells.npy", header("<i4", {static_cast<std::size_t>(law.cells.rows()), static_cast<std::size_t>(law.cells.cols())}) + bytes(corners)},
+            {"law/cell_at.npy", header("<f8", {static_cast<std::size_t>(law.at.rows()), 3}) + bytes(numbers(law.at))},
             {"law/cell_rest.npy", header("<f8", {static_cast<std::size_t>(law.volume_m3.size())}) + bytes(numbers(law.volume_m3))},
             {"law/contact_case.npy", header("<i4", {R}) + bytes(contact.load_case)},
             {"law/contact_kind.npy", npy_texts(contact.kind, {R})},
@@ -107,11 +108,6 @@ Files npy_files(const SolidLawTables& law, const ContactTable& contact) {
             {"law/contact_pull_node.npy", header("<i4", {Q}) + bytes(contact.pull_node)},
             {"law/contact_pull.npy", header("<f8", {Q, 3}) + bytes(numbers(contact.pull))},
             {"law/contact_hardening.npy", header("<f8", {static_cast<std::size_t>(contact.hardening.rows()), 3}) + bytes(numbers(contact.hardening))}};
-    if (law.cell_facets.rows() > 0) {
-        const std::vector<int> facets(law.cell_facets.data(), law.cell_facets.data() + law.cell_facets.size());
-        files["law/cell_facets.npy"] = header("<i4", {static_cast<std::size_t>(law.cell_facets.rows()), 4}) + bytes(facets);
-    }
-    return files;
 }
 
 }  // namespace tissue

@@ -3,37 +3,18 @@
 #include <array>
 
 #include "error.h"
-#include "mesh/topology.h"
 #include "springs/cell_volumes.h"
 #include "springs/contact_spring.h"
 #include "springs/law_kernel.h"
-#include "springs/region_volume.h"
-#include "springs/tissue_energy.h"
 
 namespace tissue {
 
 SolidLawTables solid_law_tables(const TissueModel& model) {
+    const SpringMesh& mesh = model.mesh;
     const Eigen::VectorXd& constants = model.energy_law->constants;
-    const Eigen::Index S = model.mesh.spring_count(), C = constants.size() - S;
-    if (!model.mesh.embedding.empty()) throw MismatchError("a law on an embedded lattice is not written as tables; as vtu it is");
-    if (on_lattice(model.mesh)) {
-        const CellVolumes cells(model.mesh);
-        return {constants.head(S), cells.nodes(), {}, cells.volumes(), constants.tail(C)};
-    }
-    SolidLawTables t{constants.head(S), Cells(C, 1), {}, Eigen::VectorXd(C), constants.tail(C)};
-    std::vector<std::array<int, 4>> facets;
-    const TissueEnergy energy(model.mesh, false);
-    for (Eigen::Index c = 0; c < C; ++c) {
-        const auto& cell = dynamic_cast<const RegionVolume&>(*energy.kinds()[static_cast<std::size_t>(c + 1)]);  // springs are the first
-        t.cells(c, 0) = static_cast<int>(c);
-        t.volume_m3[c] = cell.volume_m3();
-        for (const auto& [i, j, k] : cell.facets())
-            facets.push_back({static_cast<int>(c), cell.nodes()(0, i), cell.nodes()(0, j), cell.nodes()(0, k)});
-    }
-    t.cell_facets.resize(static_cast<Eigen::Index>(facets.size()), 4);
-    for (std::size_t f = 0; f < facets.size(); ++f)
-        for (std::size_t k = 0; k < 4; ++k) t.cell_facets(static_cast<Eigen::Index>(f), static_cast<Eigen::Index>(k)) = facets[f][k];
-    return t;
+    const CellVolumes cells(mesh);
+    const NodeField at = mesh.embedding.empty() ? NodeField::Constant(cells.count(), 3, 0.5) : mesh.embedding.centroid;
+    return {constants.head(mesh.spring_count()), cells.nodes(), at, cells.volumes(), constants.segment(mesh.spring_count(), cells.count()), constants.tail(mesh.support_count())};
 }
 
 ContactTable contact_table(const TissueModel& model, const std::vector<int>& load_cases) {

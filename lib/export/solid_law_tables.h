@@ -8,15 +8,16 @@
 namespace tissue {
 
 /// A law's energy in space as tables, as LawTables in the plane (results/FORMATS.md):
-///   W(u) = sum_s theta_s (l_s - L_s)^2 / 2 + sum_c A_c V_c (V_c(u) / V_c - 1)^2 / 2
-/// over springs and cells; V_c(u) the determinant of the means of a cell's four edges along each axis. On a shape a cell is what
-/// lies around a node, and V_c(u) what its closed surface of triangles encloses: a sixth of the sum of x_i . (x_j x x_k).
+///   W(u) = sum_s theta_s (l_s - L_s)^2 / 2 + sum_c A_c V_c (J_c(u) - 1)^2 / 2 + sum_m k_m |u_m|^2 / 2
+/// over springs, cells and supports; J_c the determinant of the deformation gradient of the trilinear map at `at` in the cell, which along each axis is the mean of
+/// its four edges with bilinear weights. A support holds a node of an embedded solid, whose u is that of a cell's corners with weights.
 struct SolidLawTables {
     Eigen::VectorXd spring_N_m;  ///< theta_s
-    Cells cells;                 ///< corners bit by bit: 1 along x, 2 along y, 4 along z (C x 8); on a shape its node (C x 1)
-    Cells cell_facets;           ///< on a shape: cell, then the nodes of a triangle of its surface, normals out (X x 4)
+    Cells cells;                 ///< corners bit by bit: 1 along x, 2 along y, 4 along z (C x 8)
+    NodeField at;                ///< from corner 0, in edges: the middle, or the centroid of a cut cube's tissue (C x 3)
     Eigen::VectorXd volume_m3;   ///< V_c
     Eigen::VectorXd cell_Pa;     ///< A_c
+    Eigen::VectorXd support_N_m; ///< k_m, of the mesh's fixed nodes; empty of a block (M)
 };
 
 /// What contacts take of push and displacement, of several load cases one after the other: with e_r = push_r . d - sum of

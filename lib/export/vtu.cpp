@@ -143,8 +143,7 @@ std::string mesh_vtu(const TissueModel& model, const Eigen::VectorXd& theta, con
     const Eigen::Index S = mesh.spring_count(), cells = S + static_cast<Eigen::Index>(volumes.size());
     Eigen::VectorXd stiffness = Eigen::VectorXd::Zero(cells), rest_length = stiffness, volume_stiffness = stiffness;
     stiffness.head(S) = theta;
-    const bool about_nodes = volume_Pa.size() > 0 && mesh.is_solid() && !has_cells(mesh);  // a shape's cells
-    if (volume_Pa.size() > 0 && mesh.is_solid() && !about_nodes) volume_stiffness.tail(cells - S) = volume_Pa.head(cells - S);  // supports are no volumes
+    if (volume_Pa.size() > 0 && mesh.is_solid()) volume_stiffness.tail(cells - S) = volume_Pa.head(cells - S);  // supports are no volumes
 
     Grid grid(mesh.node_count());
     for (int s = 0; s < mesh.spring_count(); ++s) {
@@ -160,8 +159,7 @@ std::string mesh_vtu(const TissueModel& model, const Eigen::VectorXd& theta, con
     for (const std::vector<int>& nodes : volumes) grid.cell(nodes.size() == 8 ? hexahedron : tetrahedron, nodes);
     grid.at_cells("stiffness_N_m", stiffness);
     grid.at_cells("rest_length_m", rest_length);
-    if (about_nodes) grid.at_points("stiffness_Pa", volume_Pa);
-    else if (!volumes.empty()) grid.at_cells("stiffness_Pa", volume_stiffness);
+    if (!volumes.empty()) grid.at_cells("stiffness_Pa", volume_stiffness);
     return grid.xml();
 }
 

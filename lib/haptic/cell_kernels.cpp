@@ -147,22 +147,4 @@ TISSUE_HOT void cubes_grown(int n, double per_m, const double* __restrict cx, co
     for (int k = 0; k < n; ++k) grown[k] = cube<false>(k, per_m, cx, cy, cz, 1, ux, uy, uz, up, in, far, g);
 }
 
-TISSUE_HOT void tetrahedra(int n, const double* const* e, const double* __restrict v, double* __restrict six, double* __restrict kept) {
-    for (int k = 0; k < n; ++k) {
-        const Gained now = gained({e[0][k], e[1][k], e[2][k]}, {e[3][k], e[4][k], e[5][k]}, {e[6][k], e[7][k], e[8][k]},
-                                  {v[k], v[cells_at_once + k], v[2 * cells_at_once + k]}, {v[3 * cells_at_once + k], v[4 * cells_at_once + k], v[5 * cells_at_once + k]},
-                                  {v[6 * cells_at_once + k], v[7 * cells_at_once + k], v[8 * cells_at_once + k]});
-        six[k] = now.by;
-        kept[k] = now.by_p.x;
-        kept[cells_at_once + k] = now.by_p.y;
-        kept[2 * cells_at_once + k] = now.by_p.z;
-        kept[3 * cells_at_once + k] = now.by_q.x;
-        kept[4 * cells_at_once + k] = now.by_q.y;
-        kept[5 * cells_at_once + k] = now.by_q.z;
-        kept[6 * cells_at_once + k] = now.by_r.x;
-        kept[7 * cells_at_once + k] = now.by_r.y;
-        kept[8 * cells_at_once + k] = now.by_r.z;
-    }
-}
-
 }  // namespace tissue::kernel

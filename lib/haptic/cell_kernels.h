@@ -4,7 +4,7 @@ namespace tissue::kernel {
 
 /// Inner loops of a law's cells in the tick (haptic/realtime_law.h), over n of them that lie one row apart. Pointers stand at the first one's. All arrays are
 /// of the caller, and g is where pulls go before they are added up: several arrays, a fixed number of doubles apart.
-constexpr int cells_at_once = 256;  ///< squares, boxes, tetrahedra: their pulls stay in the first-level cache
+constexpr int cells_at_once = 256;  ///< squares and boxes: their pulls stay in the first-level cache
 constexpr int cubes_at_once = 64;
 
 struct Vector {
@@ -49,9 +49,5 @@ void cubes(int n, double per_m, const double* __restrict cx, const double* __res
            const double* __restrict ux, const double* __restrict uy, const double* __restrict uz, int up, int in, int far, double* __restrict g);
 void cubes_grown(int n, double per_m, const double* __restrict cx, const double* __restrict cy, const double* __restrict cz, const double* __restrict ux,
                  const double* __restrict uy, const double* __restrict uz, int up, int in, int far, double* __restrict g, double* __restrict grown);
-
-/// Tetrahedra by their edges from the first node: v, what has been added to those, e as they were. six: of what the volume has
-/// gained; kept: its derivatives by the edges. v, kept: 9 arrays, cells_at_once apart.
-void tetrahedra(int n, const double* const* e, const double* __restrict v, double* __restrict six, double* __restrict kept);
 
 }  // namespace tissue::kernel

@@ -13,7 +13,6 @@
 #include "springs/disc_contact.h"
 #include "springs/law_kernel.h"
 #include "springs/region_area.h"
-#include "springs/region_volume.h"
 
 namespace tissue {
 namespace {
@@ -41,9 +40,7 @@ RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) 
     theta_ = springs.to_slots(law.constants.head(energy.kinds().front()->count()));
     spring_of_slot_.assign(static_cast<std::size_t>(springs.slot_count()), -1);
     for (std::size_t s = 0; s < springs.slot_of_spring().size(); ++s) spring_of_slot_[static_cast<std::size_t>(springs.slot_of_spring()[s])] = static_cast<Eigen::Index>(s);
-    if (model.mesh.is_solid() && !has_cells(model.mesh)) {
-        add_tetrahedra(model, energy);
-    } else if (model.mesh.is_solid()) {
+    if (model.mesh.is_solid()) {
         add_boxes(model, static_cast<const CellVolumes&>(*energy.kinds()[1]), energy.first_of(1));
         if (energy.kinds().size() > 2) {
             supports_.node = model.mesh.fixed;
@@ -64,16 +61,15 @@ RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) 
     first_square_ = springs.slot_count();
     first_region_ = first_square_ + squares_.count;
     first_box_ = first_region_ + static_cast<int>(regions_.size());
-    first_node_ = first_box_ + boxes_.count();
 }
 
 RealtimeLaw::RealtimeLaw(const RealtimeLaw& other)
     : springs_(other.springs_), skin_(other.skin_), now_(other.now_), theta_(other.theta_), relaxation_(other.relaxation_), first_square_(other.first_square_), first_region_(other.first_region_),
-      first_box_(other.first_box_), first_node_(other.first_node_), spring_of_slot_(other.spring_of_slot_), squares_(other.squares_), regions_(other.regions_), walk_(other.walk_),
-      boxes_(other.boxes_), supports_(other.supports_), tetrahedra_(other.tetrahedra_), kernel_(other.kernel_->clone()) {}
+      first_box_(other.first_box_), spring_of_slot_(other.spring_of_slot_), squares_(other.squares_), regions_(other.regions_), walk_(other.walk_),
+      boxes_(other.boxes_), supports_(other.supports_), kernel_(other.kernel_->clone()) {}
 
 void RealtimeLaw::fields(StateBytes& state) noexcept {
-    state(now_.constants, now_.patch.log_N_m, now_.contact_log_scale, theta_, squares_.gain, boxes_.gain, supports_.gain, tetrahedra_.node_gain);
+    state(now_.constants, now_.patch.log_N_m, now_.contact_log_scale, theta_, squares_.gain, boxes_.gain, supports_.gain);
     for (Region& region : regions_) state(region.gain);
     if (state.reads()) kernel_->scale(now_.contact_log_scale);
 }
@@ -88,8 +84,6 @@ void RealtimeLaw::become(const LawStiffness& stiffness) noexcept {
     for (std::size_t k = 0; k < boxes_.constant.size(); ++k)
         if (boxes_.constant[k] >= 0) boxes_.gain[k] *= grown(boxes_.constant[k]);
     for (std::size_t k = 0; k < supports_.gain.size(); ++k) supports_.gain[k] = stiffness.constants[supports_.first_constant + static_cast<Eigen::Index>(k)];
-    for (std::size_t node = 0; node < tetrahedra_.constant.size(); ++node)
-        tetrahedra_.node_gain[static_cast<Eigen::Index>(node)] *= grown(tetrahedra_.constant[node]);
     now_.constants = stiffness.constants;
     now_.patch = stiffness.patch;
     now_.contact_log_scale = stiffness.contact_log_scale;
@@ -102,7 +96,6 @@ BranchMemory RealtimeLaw::memory(double dt_s) const {
     constant.insert(constant.end(), squares_.constant.begin(), squares_.constant.end());
     for (const Region& region : regions_) constant.push_back(region.constant);
     constant.insert(constant.end(), boxes_.constant.begin(), boxes_.constant.end());
-    constant.insert(constant.end(), tetrahedra_.constant.begin(), tetrahedra_.constant.end());
     Eigen::MatrixXd share(static_cast<Eigen::Index>(constant.size()), relaxation_.branches());
     for (std::size_t i = 0; i < constant.size(); ++i)  // where there is nothing, as the first one's
         share.row(static_cast<Eigen::Index>(i)) = relaxation_.share.row(std::max<Eigen::Index>(constant[i], 0));
@@ -232,34 +225,11 @@ void RealtimeLaw::add_boxes(const TissueModel& model, const CellVolumes& cells, 
     }
 }
 
-void RealtimeLaw::add_tetrahedra(const TissueModel& model, const TissueEnergy& energy) {
-    const Cells& nodes = model.mesh.simplices;
-    tetrahedra_.count = nodes.rows();
-    for (int c = 0; c < 4; ++c) tetrahedra_.node[c].assign(nodes.col(c).begin(), nodes.col(c).end());
-    for (int i = 0; i < 9; ++i) {
-        std::vector<double>& list = tetrahedra_.edge[i];
-        for (Eigen::Index t = 0; t < nodes.rows(); ++t)
-            list.push_back(model.mesh.nodes(nodes(t, 1 + i / 3), i % 3) - model.mesh.nodes(nodes(t, 0), i % 3));
-    }
-    tetrahedra_.node_gain.resize(model.mesh.node_count());
-    for (int node = 0; node < model.mesh.node_count(); ++node) {
-        const auto kind = static_cast<std::size_t>(1 + node);
-        const auto& around = static_cast<const RegionVolume&>(*energy.kinds()[kind]);
-        tetrahedra_.constant.push_back(energy.first_of(kind));
-        tetrahedra_.node_gain[node] = model.energy_law->constants[energy.first_of(kind)] / (36 * around.volume_m3());
-    }
-}
-
-/// By node, then of every `chunk` tetrahedra what the kernel keeps.
-Eigen::Index RealtimeLaw::cells_size() const {
-    return tetrahedra_.node_gain.size() + 9 * ((tetrahedra_.count + chunk - 1) / chunk) * chunk;
-}
-
 RealtimeLaw::Scratch RealtimeLaw::scratch() const {
     const LatticeRows& rows = springs_.rows();
     NodeColumns none(0, 0);
     if (!rows.by_node()) none.setZero(rows.count(), springs_.dimension());
-    return {Eigen::VectorXd::Zero(cells_size()), none, none};
+    return {none, none};
 }
 
 void RealtimeLaw::force(const NodeColumns& u, NodeColumns& f, Scratch& scratch) const noexcept {
@@ -272,23 +242,22 @@ void RealtimeLaw::force(const NodeColumns& u, NodeColumns& f, Scratch& scratch, 
 
 void RealtimeLaw::all_force(const NodeColumns& u, NodeColumns& f, Scratch& scratch, BranchMemory* memory) const noexcept {
     if (springs_.rows().by_node()) {
-        elements_force(u, f, scratch.cells, memory);
+        elements_force(u, f, memory);
     } else {
         springs_.rows().scatter(u, scratch.u);
-        elements_force(scratch.u, scratch.f, scratch.cells, memory);
+        elements_force(scratch.u, scratch.f, memory);
         springs_.rows().gather(scratch.f, f);
     }
     supports_force(u, f);
 }
 
 /// By row.
-void RealtimeLaw::elements_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& cells, BranchMemory* memory) const noexcept {
+void RealtimeLaw::elements_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept {
     springs_.force(theta_, u, f, memory);
     squares_force(u, f, memory);
     regions_force(u, f, memory);
     if (boxes_.cubes) cubes_force(u, f, memory);
     else boxes_force(u, f, memory);
-    if (tetrahedra_.count > 0) tetrahedra_force(u, f, cells, memory);
 }
 
 void RealtimeLaw::regions_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept {
@@ -384,61 +353,6 @@ double RealtimeLaw::boxes_energy(const NodeColumns& u) const noexcept {
     return energy;
 }
 
-/// Into scratch: by node six times what the volume about it has gained [m3], and then each tetrahedron's derivatives.
-void RealtimeLaw::tetrahedra_growth(const NodeColumns& u, Eigen::VectorXd& scratch) const noexcept {
-    alignas(64) double v[9 * chunk], six[chunk];
-    const Eigen::Index N = u.rows();
-    scratch.head(N).setZero();
-    for (Eigen::Index done = 0; done < tetrahedra_.count; done += chunk) {
-        const int n = static_cast<int>(std::min<Eigen::Index>(chunk, tetrahedra_.count - done));
-        const int* node[4];
-        for (int c = 0; c < 4; ++c) node[c] = tetrahedra_.node[c].data() + done;
-        for (int d = 0; d < 3; ++d) {
-            const double* from = u.data() + d * N;
-            for (int k = 0; k < n; ++k) {
-                const double first = from[node[0][k]];
-                for (int c = 0; c < 3; ++c) v[(3 * c + d) * chunk + k] = from[node[1 + c][k]] - first;
-            }
-        }
-        const double* e[9];
-        for (int i = 0; i < 9; ++i) e[i] = tetrahedra_.edge[i].data() + done;
-        kernel::tetrahedra(n, e, v, six, scratch.data() + N + 9 * done);
-        for (int k = 0; k < n; ++k)
-            for (int c = 0; c < 4; ++c) scratch[node[c][k]] += six[k];
-    }
-}
-
-void RealtimeLaw::tetrahedra_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch, BranchMemory* memory) const noexcept {
-    tetrahedra_growth(u, scratch);
-    const Eigen::Index N = u.rows(), T = tetrahedra_.count;
-    alignas(64) double grown[chunk];
-    for (int done = 0; memory && done < N; done += chunk) {
-        const int n = static_cast<int>(std::min<Eigen::Index>(chunk, N - done));
-        std::copy(scratch.data() + done, scratch.data() + done + n, grown);
-        memory->step(first_node_ + done, n, grown, scratch.data() + done);
-    }
-    scratch.head(N).array() *= tetrahedra_.node_gain.array();
-    const double *pull = scratch.data(), *kept = pull + N;
-    double *fx = f.data(), *fy = fx + N, *fz = fy + N;
-    for (Eigen::Index t = 0; t < T; ++t) {
-        const auto k = static_cast<std::size_t>(t);
-        const int at = tetrahedra_.node[0][k], to[3] = {tetrahedra_.node[1][k], tetrahedra_.node[2][k], tetrahedra_.node[3][k]};
-        const double* derivative = kept + 9 * (t - t % chunk) + t % chunk;
-        const double together = pull[at] + pull[to[0]] + pull[to[1]] + pull[to[2]];
-        kernel::Vector sum = {0, 0, 0};
-        for (int c = 0; c < 3; ++c, derivative += 3 * chunk) {
-            const kernel::Vector g = {together * derivative[0], together * derivative[chunk], together * derivative[2 * chunk]};
-            fx[to[c]] += g.x;
-            fy[to[c]] += g.y;
-            fz[to[c]] += g.z;
-            sum = sum + g;
-        }
-        fx[at] -= sum.x;
-        fy[at] -= sum.y;
-        fz[at] -= sum.z;
-    }
-}
-
 /// Twice the area that a region has gained [m2]: edge by edge, as it changes with u, so that nothing cancels.
 double RealtimeLaw::twice_growth(const Region& region, const NodeColumns& u) const noexcept {
     double twice = 0;
@@ -482,7 +396,6 @@ double RealtimeLaw::sum_of_elements(const Of& of_element) const {
     for (int k = 0; k < squares_.count; ++k) sum += squares_.gain[static_cast<std::size_t>(k)] * of_element(first_square_ + k);
     for (std::size_t r = 0; r < regions_.size(); ++r) sum += regions_[r].gain * of_element(first_region_ + static_cast<int>(r));
     for (int k = 0; k < boxes_.count(); ++k) sum += boxes_.gain[static_cast<std::size_t>(k)] * of_element(first_box_ + k);
-    for (Eigen::Index node = 0; node < tetrahedra_.node_gain.size(); ++node) sum += tetrahedra_.node_gain[node] * of_element(first_node_ + static_cast<int>(node));
     return sum;
 }
 
@@ -528,10 +441,6 @@ double RealtimeLaw::energy(const NodeColumns& u) const {
     if (!springs_.rows().by_node()) springs_.rows().scatter(u, work.u);
     energy += boxes_energy(springs_.rows().by_node() ? u : work.u);
     energy += supports_energy(u);
-    if (tetrahedra_.count > 0) {
-        tetrahedra_growth(u, work.cells);
-        energy += tetrahedra_.node_gain.dot(work.cells.head(u.rows()).cwiseAbs2()) / 2;
-    }
     return energy;
 }
 

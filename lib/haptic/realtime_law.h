@@ -28,8 +28,7 @@ struct BranchBook {
 /// A model's law laid out for the tick: the forces of a TissueEnergy and its contacts. Constants only. Springs are the bands of a RealtimeMesh. A lattice's squares lie in one run, one a node, as a band's
 /// springs do: the area between a square's diagonals pulls at their ends. Every other region is a walk round its outline.
 /// In space a lattice's boxes lie in runs of consecutive first nodes: the three mean edges of a box follow from its four diagonals, at whose ends it
-/// pulls. Cubes of an embedded lattice pull at all eight corners, by the gradient at their tissue's centroid. A shape's regions are all tetrahedra about a node each: a node adds up what they have grown by, and a tetrahedron pulls
-/// with what its four nodes' sums make together, so that each is computed once and not with every region that has it.
+/// pulls. Cubes of an embedded lattice pull at all eight corners, by the gradient at their tissue's centroid.
 class RealtimeLaw {
    public:
     /// springs: of the model's mesh, with the law `geometric`, which is a law's own (springs/turning_springs.h); it must outlive this.
@@ -41,7 +40,6 @@ class RealtimeLaw {
 
     /// What force() works in, and leaves in no state that matters: a caller's own.
     struct Scratch {
-        Eigen::VectorXd cells;
         NodeColumns u, f;  ///< by row, where that is not by node
     };
     Scratch scratch() const;
@@ -124,21 +122,11 @@ class RealtimeLaw {
         std::vector<double> gain;        ///< [N/m] (M)
         Eigen::Index first_constant = 0;
     };
-    /// A shape's tetrahedra, T of them: edges from its first node to the others at rest.
-    struct Tetrahedra {
-        Eigen::Index count = 0;
-        std::vector<int> node[4];
-        std::vector<double> edge[9];       ///< [m]
-        Eigen::VectorXd node_gain;         ///< A / (36 V) of what lies around a node [N/m5] (N): of six times what it has grown by
-        std::vector<Eigen::Index> constant;  ///< (N)
-    };
-
     // first: of the kind's constants among the law's
     void add_plane_cells(const Elements& cells, const Eigen::VectorXd& constants, Eigen::Index first);
     bool add_squares(const Elements& cells, const Eigen::VectorXd& constants, Eigen::Index first);
     void add_region(const std::vector<std::array<int, 2>>& edges, double constant, Eigen::Index index);
     void add_boxes(const TissueModel& model, const CellVolumes& cells, Eigen::Index first);
-    void add_tetrahedra(const TissueModel& model, const TissueEnergy& energy);
     void supports_force(const NodeColumns& u, NodeColumns& f) const noexcept;
     double supports_energy(const NodeColumns& u) const noexcept;
     template <class Of>
@@ -150,25 +138,21 @@ class RealtimeLaw {
     void boxes_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
     void cubes_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
     double boxes_energy(const NodeColumns& u) const noexcept;
-    void tetrahedra_growth(const NodeColumns& u, Eigen::VectorXd& scratch) const noexcept;
-    void tetrahedra_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& scratch, BranchMemory* memory) const noexcept;
-    void elements_force(const NodeColumns& u, NodeColumns& f, Eigen::VectorXd& cells, BranchMemory* memory) const noexcept;
+    void elements_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
     void all_force(const NodeColumns& u, NodeColumns& f, Scratch& scratch, BranchMemory* memory) const noexcept;
-    Eigen::Index cells_size() const;
 
     const RealtimeMesh& springs_;
     SkinLaw skin_;
     LawStiffness now_;
     Eigen::VectorXd theta_;  ///< by slot (P)
     Relaxation relaxation_;
-    int first_square_ = 0, first_region_ = 0, first_box_ = 0, first_node_ = 0;  ///< in a memory, after the springs' slots
+    int first_square_ = 0, first_region_ = 0, first_box_ = 0;  ///< in a memory, after the springs' slots
     std::vector<Eigen::Index> spring_of_slot_;                                   ///< (P), -1 where there is none
     Squares squares_;
     std::vector<Region> regions_;
     std::vector<Step> walk_;
     Boxes boxes_;
     Supports supports_;
-    Tetrahedra tetrahedra_;
     std::unique_ptr<ContactKernel> kernel_;
 };
 

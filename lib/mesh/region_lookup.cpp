@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "error.h"
-#include "mesh/shape.h"
 
 namespace tissue {
 
@@ -15,28 +14,43 @@ RegionLookup::RegionLookup(const MshFile& mesh, const std::vector<std::string>& 
     if (mesh.tetrahedra.empty()) throw FileError(mesh.file + ": has no tetrahedra, and so no regions");
     const std::vector<int> tags = group_tags(regions, mesh.tetrahedron_names, "volume", mesh.file);
     for (const MshFile::Tetrahedron& e : mesh.tetrahedra) {
-        const auto corner = [&](int k) {
+        Eigen::Matrix<double, 4, 3> corners_m;
+        for (int k = 0; k < 4; ++k) {
             const MshFile::Point& p = mesh.points[static_cast<std::size_t>(e.node[k])];
-            return Eigen::Vector3d(Eigen::Vector3d(p.x, p.y, p.z) * unit_m);
-        };
-        Tetrahedron t;
-        t.origin_m = t.low_m = t.high_m = corner(0);
-        Eigen::Matrix3d sides;
-        for (int k = 1; k < 4; ++k) {
-            t.low_m = t.low_m.cwiseMin(corner(k));
-            t.high_m = t.high_m.cwiseMax(corner(k));
-            sides.col(k - 1) = corner(k) - t.origin_m;
+            corners_m.row(k) << p.x * unit_m, p.y * unit_m, p.z * unit_m;
         }
-        if (!(std::abs(sides.determinant()) > 0)) continue;  // flat: nothing lies in it
-        const Eigen::Matrix3d weights = sides.inverse();  // rows: slopes of the corners' weights
-        t.inward << -weights.colwise().sum(), weights;
-        t.far_m = 1 / t.inward.row(0).norm();
-        t.inward.rowwise().normalize();
         const auto tag = std::find(tags.begin(), tags.end(), e.physical);
-        t.region = tag == tags.end() ? 0 : static_cast<int>(tag - tags.begin()) + 1;
-        longest_m_ = std::max(longest_m_, t.high_m.x() - t.low_m.x());
-        tetrahedra_.push_back(t);
+        add(corners_m, tag == tags.end() ? 0 : static_cast<int>(tag - tags.begin()) + 1);
     }
+    sort();
+}
+
+RegionLookup::RegionLookup(const Shape& shape) {
+    for (Eigen::Index t = 0; t < shape.simplices.rows(); ++t) {
+        Eigen::Matrix<double, 4, 3> corners_m;
+        for (int k = 0; k < 4; ++k) corners_m.row(k) = shape.nodes.row(shape.simplices(t, k));
+        add(corners_m, shape.region[static_cast<std::size_t>(t)]);
+    }
+    sort();
+}
+
+void RegionLookup::add(const Eigen::Matrix<double, 4, 3>& corners_m, int region) {
+    Tetrahedron t;
+    t.origin_m = corners_m.row(0).transpose();
+    t.low_m = corners_m.colwise().minCoeff().transpose();
+    t.high_m = corners_m.colwise().maxCoeff().transpose();
+    const Eigen::Matrix3d sides = (corners_m.bottomRows<3>().rowwise() - corners_m.row(0)).transpose();
+    if (!(std::abs(sides.determinant()) > 0)) return;  // flat: nothing lies in it
+    const Eigen::Matrix3d weights = sides.inverse();  // rows: slopes of the corners' weights
+    t.inward << -weights.colwise().sum(), weights;
+    t.far_m = 1 / t.inward.row(0).norm();
+    t.inward.rowwise().normalize();
+    t.region = region;
+    longest_m_ = std::max(longest_m_, t.high_m.x() - t.low_m.x());
+    tetrahedra_.push_back(t);
+}
+
+void RegionLookup::sort() {
     // one that stands twice, in a region and in the whole, counts as the region's
     std::stable_sort(tetrahedra_.begin(), tetrahedra_.end(), [](const Tetrahedron& a, const Tetrahedron& b) {
         return a.low_m.x() != b.low_m.x() ? a.low_m.x() < b.low_m.x() : a.region > b.region;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "mesh/msh_file.h"
+#include "mesh/shape.h"
 
 namespace tissue {
 
@@ -15,6 +15,8 @@ class RegionLookup {
     /// regions: names of physical volumes; unit_m [m] is the mesh's unit of length.
     /// Throws FileError where the mesh has no tetrahedra, or no volume of a name.
     RegionLookup(const MshFile& mesh, const std::vector<std::string>& regions, double unit_m);
+    /// The same of a shape in space.
+    explicit RegionLookup(const Shape& shape);
 
     /// 0 in none of them, else 1 + its number. A place a little outside, where a curved surface is divided otherwise, has the
     /// region of the tetrahedron from whose faces' planes it is least far.
@@ -27,6 +29,9 @@ class RegionLookup {
         double far_m;                        ///< which lies so far from there
         int region;
     };
+    void add(const Eigen::Matrix<double, 4, 3>& corners_m, int region);
+    void sort();
+
     std::vector<Tetrahedron> tetrahedra_;  ///< by low_m.x()
     double longest_m_ = 0;                 ///< of them along x
 };

@@ -244,7 +244,6 @@ Shape read_solid_shape(const std::string& file) {
 
 SpringMesh solid_edge_mesh(const Shape& shape) {
     SpringMesh mesh;
-    mesh.topology = "edges3";
     mesh.nodes = shape.nodes;
     mesh.simplices = shape.simplices;
     mesh.facets = open_faces(mesh.simplices);

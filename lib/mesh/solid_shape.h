@@ -22,8 +22,7 @@ std::string solid_to_msh(const Shape& shape, const std::vector<std::string>& reg
 /// Reads what solid_to_msh wrote, nodes in the order of the file. Throws FileError.
 Shape read_solid_shape(const std::string& file);
 
-/// The shape's spring mesh, topology "edges3": one spring an edge; (7)'s volumes are the tetrahedra on it (Van Gelder 1998,
-/// Journal of Graphics Tools 3: 21-42), and (8)'s give each corner a quarter.
+/// The edges of the shape's tetrahedra, its surface and what of it is held, for checks: a mesh of no topology, which no model has.
 SpringMesh solid_edge_mesh(const Shape& shape);
 
 /// The tetrahedra of another mesh in space, as a shape.

@@ -81,8 +81,6 @@ SpringMesh grid8(const Lattice& of) { return plane_lattice("grid8", true, of); }
 
 SpringMesh edges(const Lattice& of) { return edge_mesh(shape_of(grid4(of))); }
 
-SpringMesh edges3(const Lattice& of) { return edge_mesh(shape_of(solid_lattice(of))); }
-
 SpringMesh embedded(const Lattice& of) { return embedded_lattice(shape_of(solid_lattice(of)), of.size_m[0] / of.cells[0]); }
 
 SpringMesh edges_of(const Shape& shape, double) { return edge_mesh(shape); }
@@ -96,7 +94,6 @@ const Registry<Topology>& topologies() {
                                               {"grid8", 2, grid8, nullptr},
                                               {"edges", 2, edges, edges_of},
                                               {"grid26", 3, solid_lattice, nullptr},
-                                              {"edges3", 3, edges3, edges_of},
                                               {"embedded", 3, embedded, embedded_lattice},
                                           },
                                           [](const Topology& kind) { return kind.name; });

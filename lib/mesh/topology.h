@@ -15,7 +15,7 @@ struct Topology {
     /// The springs of a block's lattice: make_lattice.
     SpringMesh (*on_lattice)(const Lattice& lattice);
 
-    /// Those of any shape's triangles or tetrahedra, spacing_m long where they are of an embedded lattice; null where springs follow the cells of a lattice.
+    /// Those of any shape, spacing_m long where they are of an embedded lattice; null where springs follow the cells of a lattice.
     SpringMesh (*on_shape)(const Shape& shape, double spacing_m);
 
     bool needs_lattice() const { return on_shape == nullptr; }
@@ -26,15 +26,13 @@ struct Topology {
 ///   grid8  both diagonals of every cell as well
 ///   edges  the edges of any mesh of triangles
 ///   grid26 in space: edges, face and body diagonals of every cell of a lattice
-///   edges3 in space: the edges of any mesh of tetrahedra
 ///   embedded in space: a lattice that any solid is embedded in (mesh/embedded_lattice.h)
 const Registry<Topology>& topologies();
 
-/// Whether a mesh's springs follow the cells of a lattice; else its pieces are triangles, in space
-/// tetrahedra.
+/// Whether a mesh's springs follow the cells of a block's lattice.
 bool on_lattice(const SpringMesh& mesh);
 
-/// Whether its springs are the edges and diagonals of cells, of a lattice or an embedded one; else of its pieces.
+/// Whether its springs are the edges and diagonals of cells, of a lattice or an embedded one; else the edges of its triangles.
 bool has_cells(const SpringMesh& mesh);
 
 }  // namespace tissue

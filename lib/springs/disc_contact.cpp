@@ -18,7 +18,7 @@ namespace {
 constexpr double pi = 3.14159265358979323846;
 constexpr double imprint = 2.5;             // its reach, and the skin's, in radii
 constexpr double under = 1.2, stuck = 4;    // how far the disc itself holds the tissue, in radii, and how much more stiffly
-constexpr double reach = 1.6, shape_reach = 2;  // of the mean's weights, in spacings: at least four nodes of a square lattice
+constexpr double reach = 1.6;  // of the mean's weights, in spacings: at least four nodes of a square lattice
 constexpr double farther = 1.25 * 1.25;  // where too few are there; a place that needs still more looks at the whole surface
 
 constexpr double curved_reach = 2.2;  // of the nodes that say how curved the surface is, in spacings
@@ -63,11 +63,11 @@ double DiscContact::curved_of(const SurfaceQuadric& quadric) const noexcept { re
 SurfaceQuadric DiscContact::quadric_among(const std::vector<int>& nodes, double within_m, const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept {
     using Terms = Eigen::Matrix<double, 6, 1>;
     constexpr int enough = 8;  // six numbers of the surface, and two to even out
-    const Eigen::Matrix<double, 3, 2> tangents = polar_ ? polar_->tangents(inward) : tangents_of(inward);
+    const Eigen::Matrix<double, 3, 2> tangents = polar_->tangents(inward);
     const Point in = inward;
     Eigen::Matrix<double, 6, 6> moments;
     Terms below;
-    double reach_m = std::max(curved_reach * surface_.spacing_m(), polar_ ? imprint * radius_m_ : 0);
+    double reach_m = std::max(curved_reach * surface_.spacing_m(), imprint * radius_m_);
     for (int tries = 0, found = 0; tries < 10 && found < enough; ++tries, reach_m *= 1.15) {
         moments.setZero();
         below.setZero();
@@ -93,18 +93,12 @@ SurfaceQuadric DiscContact::quadric_among(const std::vector<int>& nodes, double 
 }
 
 DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, NodeField ground)
-    : surface_(mesh), rest_(mesh.nodes), radius_m_(radius_m), ground_(std::move(ground)), on_lattice_(on_lattice(mesh)),
+    : surface_(mesh), rest_(mesh.nodes), radius_m_(radius_m), ground_(std::move(ground)),
       fixed_(static_cast<std::size_t>(mesh.node_count()), false) {
     if (!mesh.is_solid()) throw MismatchError("a disc needs a surface in space");
+    if (!has_cells(mesh)) throw MismatchError("a disc needs a lattice, a block's or an embedded one");
     if (!(radius_m > 0)) throw MismatchError("a disc needs a radius > 0");
     for (int node : mesh.fixed) fixed_[static_cast<std::size_t>(node)] = true;
-    carried_ = Eigen::VectorXd::Ones(mesh.node_count());
-    if (!on_lattice_) {
-        carried_.setZero();
-        const double square_m2 = surface_.spacing_m() * surface_.spacing_m();
-        for (Eigen::Index f = 0; f < surface_.facets().rows(); ++f)
-            for (int node : surface_.facets().row(f)) carried_[node] += surface_.measure()[f] / (3 * square_m2);
-    }
 
     near_m_ = std::max(farther * own_reach_m(), imprint * radius_m_);
     for (Eigen::Index f = 0; f < surface_.facets().rows(); ++f) {
@@ -136,7 +130,7 @@ DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, NodeField grou
     }
 }
 
-double DiscContact::own_reach_m() const noexcept { return (on_lattice_ ? reach : shape_reach) * surface_.spacing_m(); }
+double DiscContact::own_reach_m() const noexcept { return reach * surface_.spacing_m(); }
 
 Eigen::Matrix3d DiscContact::target_at(const Eigen::Vector3d& from_m, double away_m, const Eigen::Vector3d& normal) const noexcept {
     // how far the tissue goes along the surface where it is pushed that way: the same all round on average
@@ -184,15 +178,15 @@ DiscContact::Disc DiscContact::disc_at(const FreeSurface::Place& place, Footing&
     const Eigen::Vector3d centre = place.point_m, normal = place.inward;
     Disc disc{normal, {}, 0};
     SurfaceQuadric quadric;
-    if (!on_lattice_) quadric = quadric_among(near_[static_cast<std::size_t>(place.facet)], near_m_, centre, normal);
+    if (polar_) quadric = quadric_among(near_[static_cast<std::size_t>(place.facet)], near_m_, centre, normal);
     if (polar_)
         polar_->lay(quadric, [&](const Eigen::Vector3d& from_m, double away_m) { return target_at(from_m, away_m, normal); }, footing);
     else
         stand_on_nodes(place, footing);
     for (int i = 0; i < footing.means; ++i) disc.log_scale += footing.weight[i] * log_scale_of(footing.node[i]) / footing.mean_sum;
-    disc.factors.resize(on_lattice_ ? PatchLaw::factors : PatchLaw::shape_factors);
+    disc.factors.resize(polar_ ? PatchLaw::shape_factors : PatchLaw::factors);
     disc.factors.head<PatchLaw::factors>() << 1, footing.phase, ground_at(centre, normal), std::exp(-surface_.to_crease_m(place.point_m) / surface_.spacing_m());
-    if (!on_lattice_) disc.factors.tail<2>() << curved_of(quadric), footing.crowd;
+    if (polar_) disc.factors.tail<2>() << curved_of(quadric), footing.crowd;
     return disc;
 }
 
@@ -240,27 +234,24 @@ void DiscContact::stand_on_nodes(const FreeSurface::Place& place, Footing& footi
         return Eigen::Vector3d(1, across[0], across[1]);
     };
     for (Near* at = near; at != near + count; ++at) {
-        const double weight = carried_[at->node] * bell(at->away_m / reach_m);
+        const double weight = bell(at->away_m / reach_m);
         if (weight > 0) moments += weight * basis(*at) * basis(*at).transpose();
     }
     const Eigen::Vector3d solved = moments.ldlt().solve(Eigen::Vector3d::UnitX());
-    double crowd = 0, counted = 0, carried = 0;
+    double crowd = 0;
     for (Near* at = near; at != near + count; ++at) {
         const double r = at->away_m, x = r / (width * h);
         const double bare = r < reach_m ? bell(r / reach_m) : 0;
-        counted += bare;
-        carried += carried_[at->node] * bare;
-        footing.add(at->node, carried_[at->node] * bare * basis(*at).dot(solved));
-        crowd += carried_[at->node] * std::exp(-x * x / 2) / (2 * pi * width * width);
+        footing.add(at->node, bare * basis(*at).dot(solved));
+        crowd += std::exp(-x * x / 2) / (2 * pi * width * width);
     }
     footing.means = footing.entries;
     footing.phase = (crowd - 1) / (4 * std::exp(-2 * pi * pi * width * width));
-    footing.crowd = std::log(counted / carried);
     for (Near* at = near; at != near + count; ++at) {
         if (!(at->away_m < imprint_m)) continue;
         Footing::Point& point = footing.point[footing.points++];
         point.target = target_at(rest_.row(at->node).transpose() - centre, at->away_m, normal);
-        point.share = carried_[at->node] * (bell(at->away_m / imprint_m) + stuck * bell(at->away_m / (under * radius_m_)));
+        point.share = bell(at->away_m / imprint_m) + stuck * bell(at->away_m / (under * radius_m_));
         point.begin = footing.entries;
         footing.add(at->node, 1);
         point.end = footing.entries;

@@ -9,7 +9,7 @@ namespace tissue {
 /// Contact of a tapered disc on a surface in space: under it the tissue follows phi(r) d, phi = 1 - (r / R)^2 / 2 within its
 /// radius R, without slip; the force that a hand feels is the one conjugate to d. Rows, all along the surface's inward
 /// normal at the contact and along two tangents:
-///   mean     d - sum_i w_i u_i, w the moving-least-squares weights of the surface's nodes within 1.6 spacings, on a shape 2, which
+///   mean     d - sum_i w_i u_i, w the moving-least-squares weights of the surface's nodes within 1.6 spacings, which
 ///            sum to 1 and reproduce linear fields whatever the surface's mesh (Lancaster and Salkauskas 1981, Mathematics
 ///            of Computation 37: 141-158)
 ///   imprint  phi(r_i) d - u_i of every node within 2.5 R, times (1 - (r_i / 2.5 R)^2)^2: the shape that the disc presses in;
@@ -19,14 +19,10 @@ namespace tissue {
 ///            follows a force the more where it points to, (1 + cos^2) for incompressible tissue far away (Cerruti; Johnson,
 ///            (3.75)), and the imprint goes over to that with 1 - (R / r)^2
 /// Where between the nodes it stands is `phase`: how far the nodes crowd there, as a sum of Gaussian bells of 0.35 spacings
-/// about them, over its mean; scaled so that on a square lattice it is cos 2 pi x + cos 2 pi y over 2, to a tenth. On a shape, whose
-/// nodes do not lie equally dense, each counts as the part of the surface that it carries, here as in the rows above. What that leaves of
-/// it is `crowd`, log of the nodes in a squared spacing, within the mean's reach and as it weighs them: 0 on a square lattice. How the
-/// surface bends there is `curved`: R times its mean curvature, of a quadratic in the tangent plane fitted to the nodes within 2.2
-/// spacings; above 0 where it is convex, R / radius on a sphere, below 0 in a valley, where more of the tissue stands round the disc.
-/// Both are of shapes alone.
-/// On a solid in an embedded lattice the disc stands on points of its own in place of the surface's nodes (springs/polar_points.h): they have the same rows with weights and shares, and a
-/// `crowd`, of their own, and no `phase`. They lie on the quadric, fitted to the surface's nodes within 2.5 R at least.
+/// about them, over its mean; scaled so that on a square lattice it is cos 2 pi x + cos 2 pi y over 2, to a tenth.
+/// On a solid in an embedded lattice the disc stands on points of its own in place of the surface's nodes (springs/polar_points.h): they have the same rows with weights and shares, no
+/// `phase`, and two factors more: `crowd`, of the points, and `curved`, how the surface bends: R times its mean curvature, of a quadric over the tangent plane fitted to the surface's nodes
+/// within 2.2 spacings, and 2.5 R at least, on which the points lie; above 0 where it is convex, R / radius on a sphere, below 0 in a valley, where more of the tissue stands round the disc.
 /// What of the ground under it is of other stiffness is `ground`: to first order in log E / E_block the force changes by exp of
 /// its mean, weighted with the energy that the disc stores there. Under a force on incompressible ground the stress is along
 /// rays alone, as z / r^3 (Boussinesq; Johnson, (3.19)), so that the weight is z^2 / r^6, with R for what is nearer:
@@ -37,7 +33,7 @@ namespace tissue {
 class DiscContact final : public ContactKernel {
    public:
     /// ground: what is of other stiffness than the block, as points (G x 4): place [m], volume times log(E / E_block) [m3];
-    /// no rows: nothing. Throws MismatchError for a radius that is not positive.
+    /// no rows: nothing. Throws MismatchError for a radius that is not positive, and for a mesh that is no lattice.
     DiscContact(const SpringMesh& mesh, double radius_m, NodeField ground = NodeField());
 
     std::unique_ptr<ContactKernel> clone() const override { return std::make_unique<DiscContact>(*this); }
@@ -94,9 +90,7 @@ class DiscContact final : public ContactKernel {
     int most_nodes_ = 0;
     double radius_m_;
     NodeField ground_;
-    bool on_lattice_;
     std::vector<bool> fixed_;  ///< (N)
-    Eigen::VectorXd carried_;  ///< part of the free surface that a node carries, in squared spacings: 1 on a lattice (N)
 };
 
 }  // namespace tissue

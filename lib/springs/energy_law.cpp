@@ -109,7 +109,7 @@ LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spri
     if (!mesh.is_solid()) throw MismatchError("a solid's heuristic needs a mesh in space");
     if (!(volume_cap > 1.0 / 3)) throw MismatchError(fmt::format("a volume cap of {} E is not above E / 3", volume_cap));
     LawHeuristic h;
-    h.cap = (has_cells(mesh) ? 1 : 0.25) * volume_cap * cell_modulus_Pa;  // of cells that lie over each other in fours
+    h.cap = volume_cap * cell_modulus_Pa;
     const Eigen::VectorXd supports = mesh.embedding.empty() ? Eigen::VectorXd() : Eigen::VectorXd(support_stiffness * surface_modulus_Pa / mesh.embedding.spacing_m * held_areas(mesh));
     h.constants.resize(mesh.spring_count() + h.cap.size() + supports.size());
     const Eigen::VectorXd measure = isotropic_measure(mesh), unit = heuristic_stiffness(mesh, 1.0).cwiseProduct(measure).cwiseQuotient(mesh.incident_measure);
@@ -162,7 +162,9 @@ EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, cons
                 throw MismatchError(fmt::format("term '{}': a contact hardens and saturates, or it softens", terms[t]));
             softens_ = softens_ || softer;
             hardens = hardens || (mesh.is_solid() && (parts[1] == "hardening" || parts[1] == "saturation"));
-            if (mesh.is_solid() && on_patch_.back().second == PatchLaw::ground_factor && heuristic.ground.rows() == 0)
+            constexpr int phase_factor = 1;  // of a disc's points, which lie alike wherever it stands, always 0
+            const int factor = on_patch_.back().second;
+            if (mesh.is_solid() && ((factor == PatchLaw::ground_factor && heuristic.ground.rows() == 0) || (factor == phase_factor && !on_lattice(mesh))))
                 throw MismatchError(fmt::format("term '{}' is zero everywhere", terms[t]));
             continue;
         }

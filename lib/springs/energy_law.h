@@ -45,9 +45,7 @@ struct LawHeuristic {
 /// Cells of a shape, which lie over each other in threes, have a third each.
 LawHeuristic law_heuristic(const SpringMesh& mesh, double modulus_N_m, const std::string& formulation, double area_cap);
 
-/// In space: moduli E of springs (S) and cells (C), of a shape those about its nodes, which lie over each other in fours and
-/// have a quarter each, and of what lies at the surface [Pa]; volume_cap of cells over E; radius of
-/// the disc that presses [m].
+/// In space: moduli E of springs (S) and cells (C), and of what lies at the surface [Pa]; volume_cap of cells over E; radius of the disc that presses [m].
 LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spring_modulus_Pa, const Eigen::VectorXd& cell_modulus_Pa,
                              double surface_modulus_Pa, double volume_cap, double radius_m);
 

@@ -7,7 +7,6 @@
 
 #include "mesh/topology.h"
 #include "springs/region_area.h"
-#include "springs/region_volume.h"
 #include "springs/turning_springs.h"
 
 namespace tissue {
@@ -19,13 +18,6 @@ TissueEnergy::TissueEnergy(const SpringMesh& mesh, bool incompressible)
         std::iota(dependent_.begin(), dependent_.end(), 0);
     }
     kinds_.push_back(std::make_unique<TurningSprings>(mesh));
-    if (mesh.is_solid() && !has_cells(mesh)) {
-        tetrahedra_ = mesh.simplices;
-        rest_ = mesh.nodes;
-        for (const std::vector<int>& star : node_stars(mesh, tetrahedra_)) kinds_.push_back(std::make_unique<RegionVolume>(mesh, tetrahedra_, star));
-        for (const auto& kind : kinds_) first_.push_back(first_.back() + kind->count());
-        return;
-    }
     if (mesh.is_solid()) {
         auto volumes = std::make_unique<CellVolumes>(mesh);
         volumes_ = volumes.get();
@@ -109,14 +101,6 @@ double TissueEnergy::smallest_ratio(const NodeField& u) const {
     double smallest = std::numeric_limits<double>::infinity();
     for (int e = 0; areas_ && e < areas_->count(); ++e) smallest = std::min(smallest, areas_->area_ratio(e, u));
     for (int e = 0; volumes_ && e < volumes_->count(); ++e) smallest = std::min(smallest, volumes_->volume_ratio(e, u));
-    const auto six = [&](const NodeField& x, Eigen::Index t) {
-        const Eigen::RowVector3d from = x.row(tetrahedra_(t, 0));
-        const auto edge = [&](int k) { return Eigen::RowVector3d(x.row(tetrahedra_(t, k)) - from); };
-        return edge(1).cross(edge(2)).dot(edge(3));
-    };
-    if (tetrahedra_.rows() == 0) return smallest;
-    const NodeField now = rest_ + u;
-    for (Eigen::Index t = 0; t < tetrahedra_.rows(); ++t) smallest = std::min(smallest, six(now, t) / six(rest_, t));
     return smallest;
 }
 

@@ -19,9 +19,7 @@ namespace tissue {
 /// area: Bonet and Burton 1998, Communications in Numerical Methods in Engineering 14: 437-449); three of them lie over
 /// each other everywhere.
 ///
-/// In space cells are a lattice's boxes, each with its volume, and a shape's are what lies around its nodes: five tetrahedra a
-/// node lock the more (average nodal volume: Bonet and Burton 1998): on an organ of 11 mm springs they leave twice the untrained
-/// law's error of force. Four of them lie over each other everywhere.
+/// In space cells are a lattice's boxes, each with its volume.
 ///
 /// A solid embedded in a lattice has the lattice's springs, its cubes' volumes, each with the part of it that is tissue, and supports at the points of its held
 /// surface, whose stiffness [N/m] are the last constants (M). No element joins the solid's own nodes.
@@ -57,8 +55,6 @@ class TissueEnergy {
    private:
     std::unique_ptr<CellAreas> areas_;       ///< in the plane
     const CellVolumes* volumes_ = nullptr;   ///< in space: of kinds_, on a lattice
-    Cells tetrahedra_;                       ///< of a shape in space
-    NodeField rest_;                         ///< of its nodes [m]
     std::vector<std::unique_ptr<Elements>> kinds_;
     std::vector<int> first_;
     Embedding embedding_;

@@ -160,9 +160,11 @@ WrittenStudy solid_study(const ShapeExtent& shape, const NewStudy& wanted, const
                            seed, count, text(depth_m / 4), text(depth_m), text(clearance_m), text(std::max(size.longest, 2 * clearance_m)));
     };
     toml += draw("validation", "contacts to choose with", 1, 10) + draw("held_out", "contacts of the test set", 2, 20);
-    toml += "[springs]\ntopology = \"edges3\"    # of the tetrahedra\nstiffness = \"law\"    # an energy model; terms: lib/springs/energy_law.h\nterms = [\n"
-            "  \"spring.all\", \"cell.all\", \"contact.normal\", \"contact.tangent\", \"contact.imprint_normal\", \"contact.imprint_tangent\",\n"
-            "  \"contact.softening\", \"contact.coupling\", \"contact.normal.curved\", \"contact.tangent.curved\", \"spring.layer\", \"cell.layer\", \"spring.held\",\n"
+    toml += fmt::format("[springs]\ntopology = \"embedded\"    # in cubes, with springs along their edges and diagonals\nspacing_m = {}    # m, edge of a cube\n"
+                        "stiffness = \"law\"    # an energy model; terms: lib/springs/energy_law.h\n", text(spring_m));
+    toml += "terms = [\n"
+            "  \"spring.all\", \"spring.face\", \"spring.body\", \"cell.all\", \"contact.normal\", \"contact.tangent\", \"contact.imprint_normal\", \"contact.imprint_tangent\",\n"
+            "  \"contact.softening\", \"contact.coupling\", \"contact.normal.crowd\", \"contact.tangent.crowd\", \"contact.imprint_normal.crowd\", \"contact.imprint_tangent.crowd\",\n"
             "  \"skin.normal\", \"skin.tangent\", \"skin.heave\", \"skin.radial\",\n]\n\n";
     toml += training;
     return {toml, {fmt::format("tool: a disc of radius {} mm (indenter.radius_m), pushed to {} mm (loads.magnitudes_m)", text(1e3 * radius_m), text(1e3 * depth_m)),

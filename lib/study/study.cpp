@@ -455,8 +455,6 @@ Study read_study(const std::string& file) {
         read_fe(in, study);
 
     study.springs = read_springs(in.table("springs"), study.geometry, study.data.has_value());
-    if (study.springs.topology == "embedded" && !study.material.regions.empty())
-        in.table("material").refuse("regions", "need springs on the shape's own edges, springs.topology = \"edges3\"");
     const bool law = study.springs.is_law();
     if (!law && study.material.relaxes()) in.table("material").refuse("viscosity", "needs springs.stiffness = \"law\": sets do not relax");
     const toml::table nothing;  // a law has a default for every key

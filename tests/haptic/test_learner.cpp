@@ -18,6 +18,7 @@
 #include "haptic/hidden_tissue.h"
 #include "haptic/realtime_law.h"
 #include "haptic/virtual_device.h"
+#include "mesh/embedded_lattice.h"
 #include "haptic_example.h"
 #include "springs/law_press.h"
 
@@ -87,7 +88,7 @@ struct Session {
 }  // namespace
 
 TEST_CASE("a law that becomes another has the forces of one that was made so, and allocates nothing", "[adapt][law]") {
-    SpringMesh shape = edge_mesh(dome(6));
+    const SpringMesh shape = embedded_lattice(dome(6), 0.011);
     for (const TissueModel& model : {law_example(), solid_law_example(make_lattice("grid26", Lattice{{5, 4, 3}, {0.05, 0.06, 0.02}})), solid_law_example(shape)}) {
         Draw draw(5);
         TissueModel other = model;

@@ -282,23 +282,24 @@ class Law:
 class SolidLaw:
     """The same in space: energies element by element, so that complex steps take few of them."""
 
-    def __init__(self, nodes, springs, theta, cells, volume, stiffness, contacts):
-        """contacts: of each case k (R), push (R x 3), row (Q), node (Q), pull (Q x 3), hardening."""
+    def __init__(self, nodes, springs, theta, cells, at, volume, stiffness, contacts, held=None):
+        """contacts: of each case k (R), push (R x 3), row (Q), node (Q), pull (Q x 3), hardening. held, of a solid in an embedded lattice: k (M), and of each held
+        node the lattice's nodes that move it (M x 8) and their weights."""
         self.nodes, self.springs, self.theta = nodes, springs.astype(int), theta
-        self.cells, self.volume, self.stiffness, self.contacts = cells.astype(int), volume, stiffness, contacts
-        self.shape = self.cells.shape[1] == 4  # facets of what lies about the nodes: cell and corners
-        same("volumes at rest", self.enclosed(nodes) if self.shape else self.volumes(nodes[self.cells]), volume, 1e-12)
+        self.cells, self.volume, self.stiffness, self.contacts, self.held = cells.astype(int), volume, stiffness, contacts, held
+        self.side = np.ones((len(at), 8, 3))  # of each corner in the gradient along each axis
+        for corner in range(8):
+            for axis in range(3):
+                for other in range(3):
+                    far = corner >> other & 1
+                    self.side[:, corner, axis] *= (1 if far else -1) if other == axis else at[:, other] if far else 1 - at[:, other]
+        whole = (at == 0.5).all(axis=1)
+        same("volumes at rest", self.volumes(nodes[self.cells])[whole] if held is None else np.minimum(volume, self.volumes(nodes[self.cells])),
+             volume[whole] if held is None else volume, 1e-12)
 
-    def enclosed(self, x):
-        """By closed surfaces of facets."""
-        cell, i, j, k = self.cells.T
-        return np.bincount(cell, (np.cross(x[i], x[j]) * x[k]).sum(axis=1) / 6, len(self.volume))
-
-    @staticmethod
-    def volumes(x):
-        """Of cells with corners x (C x 8 x 3): the determinant of their mean edges."""
-        side = np.array([[(1 if corner >> axis & 1 else -1) / 4 for axis in range(3)] for corner in range(8)])
-        a, b, c = np.einsum("cki,kj->jci", x, side)
+    def volumes(self, x):
+        """Of cells with corners x (C x 8 x 3): the determinant of the means of their edges."""
+        a, b, c = np.einsum("cki,ckj->jci", x, self.side)
         return (np.cross(a, b) * c).sum(axis=1)
 
     def force(self, u):
@@ -315,14 +316,12 @@ class SolidLaw:
         length = lambda x: np.sqrt(((x[:, 0] - x[:, 1]) ** 2).sum(axis=1))  # no abs: x may be complex
         rest = length(self.nodes[self.springs])
         scatter(self.springs, lambda x: self.theta * (length(x) - rest) ** 2 / 2)
-        if self.shape:
-            cell, i, j, k = self.cells.T
-            x = self.nodes + u
-            pressure = (self.stiffness * (self.enclosed(x) / self.volume - 1))[cell, None] / 6
-            for a, b, c in ((i, j, k), (j, k, i), (k, i, j)):
-                np.add.at(total, a, pressure * np.cross(x[b], x[c]))
-            return total
-        scatter(self.cells, lambda x: self.stiffness * self.volume * (self.volumes(x) / self.volume - 1) ** 2 / 2)
+        rest_volume = self.volumes(self.nodes[self.cells])
+        scatter(self.cells, lambda x: self.stiffness * self.volume * (self.volumes(x) / rest_volume - 1) ** 2 / 2)
+        if self.held is not None:
+            k, corner, weight = self.held
+            moved = np.einsum("mk,mki->mi", weight, u[corner])
+            np.add.at(total, corner, (k[:, None] * weight)[:, :, None] * moved[:, None, :])
         return total
 
     def contact(self, name, d, u):
@@ -359,16 +358,22 @@ def solid_law_csv(export, h5):
             ("nodes", "springs", "tetrahedra", "facets", "cells", "terms", "contact", "contact_rows", "contact_pull", "contact_hardening")}
     constants, S, names = h5["law/constants"][:], len(h5["mesh/springs"]), names_of(h5)
     corners = [f"node_{k >> 0 & 1}{k >> 1 & 1}{k >> 2 & 1}" for k in range(8)]
-    shape = (export / "cell_facets.csv").exists()
+    shape = (export / "embedding.csv").exists()
+    cells = column(read["cells"], *corners)
     if shape:
-        same("a cell a node", column(read["cells"], "node")[:, 0], np.arange(len(h5["mesh/nodes"])))
-    cells = column(table(export / "cell_facets.csv"), "cell", "node_i", "node_j", "node_k") if shape else column(read["cells"], *corners)
+        supports, inside = table(export / "supports.csv"), table(export / "embedding.csv")
+        fixed = column(supports, "node")[:, 0].astype(int)
+        corner, weight = column(inside, *corners).astype(int), column(inside, *(name.replace("node", "weight") for name in corners))
+        same("held nodes", fixed, h5["mesh/fixed"][:])
+        same("supports", column(supports, "stiffness_N_m")[:, 0], constants[S + len(cells):])
+        for press in presses_of(export):
+            same("what moves the solid's own nodes", np.einsum("nk,nki->ni", weight, press[3][corner]), press[3][:len(corner)], 1e-12)
     same("nodes", column(read["nodes"], "x_m", "y_m", "z_m"), h5["mesh/nodes"][:])
     same("springs", column(read["springs"], "node_i", "node_j"), h5["mesh/springs"][:])
     same("tetrahedra", column(read["tetrahedra"], "node_i", "node_j", "node_k", "node_l"), h5["mesh/tetrahedra"][:])
     same("facets", column(read["facets"], "node_i", "node_j", "node_k"), h5["mesh/facets"][:])
     same("stiffness of springs", column(read["springs"], "stiffness_N_m")[:, 0], constants[:S])
-    same("stiffness of cells", column(read["cells"], "stiffness_Pa")[:, 0], constants[S:])
+    same("stiffness of cells", column(read["cells"], "stiffness_Pa")[:, 0], constants[S:S + len(cells)])
     same("terms", [row["term"] for row in read["terms"]], [name.decode() for name in h5["law/terms"]])
     same("coefficients", column(read["terms"], "coefficient")[:, 0], h5["law/coefficients"][:])
     same("rows", [row["row"] for row in read["contact"]], ["normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"])
@@ -376,11 +381,12 @@ def solid_law_csv(export, h5):
     hardening = {row["case"]: [float(row[c]) for c in ("hardening_1_J", "saturation_1_J", "coupling_N_m2")] for row in read["contact_hardening"]}
     case = np.array([names.index(row["case"]) for row in read["contact_rows"]])
     law = SolidLaw(column(read["nodes"], "x_m", "y_m", "z_m"), column(read["springs"], "node_i", "node_j"),
-                   column(read["springs"], "stiffness_N_m")[:, 0], cells,
+                   column(read["springs"], "stiffness_N_m")[:, 0], cells, column(read["cells"], "at_x", "at_y", "at_z"),
                    column(read["cells"], "rest_volume_m3")[:, 0], column(read["cells"], "stiffness_Pa")[:, 0],
                    contacts_of(names, case, column(read["contact_rows"], "k_N_m")[:, 0], column(read["contact_rows"], "push_x", "push_y", "push_z"),
                                column(read["contact_pull"], "row")[:, 0].astype(int), column(read["contact_pull"], "node")[:, 0].astype(int),
-                               column(read["contact_pull"], "pull_x", "pull_y", "pull_z"), [hardening[name] for name in names]))
+                               column(read["contact_pull"], "pull_x", "pull_y", "pull_z"), [hardening[name] for name in names]),
+                   (constants[S + len(cells):], corner[fixed], weight[fixed]) if shape else None)
     presses = list(presses_of(export))
     same("cases", [press[0] for press in presses], names)
     for press in presses:
@@ -424,12 +430,16 @@ def law_csv(export, h5):
 
 def solid_law_numpy(export, h5, csv_export):
     parts = ["case", "k", "push", "pull_row", "pull_node", "pull", "hardening"]
-    facets = ["law/cell_facets"] if (export / "law/cell_facets.npy").exists() else []
-    numpy_files(export, h5, ["law/cells", *facets, "law/cell_rest", "law/contact_kind", *(f"law/contact_{part}" for part in parts)])
+    numpy_files(export, h5, ["law/cells", "law/cell_at", "law/cell_rest", "law/contact_kind", *(f"law/contact_{part}" for part in parts)])
     load = lambda name: np.load(export / f"{name}.npy")
     springs, constants = load("mesh/springs"), load("law/constants")
-    law = SolidLaw(load("mesh/nodes"), springs, constants[:len(springs)], load((facets or ["law/cells"])[0]), load("law/cell_rest"),
-                   constants[len(springs):], contacts_of(names_of(h5), *(load(f"law/contact_{part}") for part in parts)))
+    S, cells = len(springs), load("law/cells")
+    held = None
+    if "mesh/lattice" in h5:
+        fixed = load("mesh/fixed")
+        held = constants[S + len(cells):], load("mesh/lattice/corner")[fixed], load("mesh/lattice/weight")[fixed]
+    law = SolidLaw(load("mesh/nodes"), springs, constants[:S], cells, load("law/cell_at"), load("law/cell_rest"),
+                   constants[S:S + len(cells)], contacts_of(names_of(h5), *(load(f"law/contact_{part}") for part in parts)), held)
     for press in presses_of(Path(csv_export)):
         law.check(load("mesh/fixed"), *press)
 
@@ -455,13 +465,11 @@ def law_vtu(export, h5, csv_export):
         S = len(h5["mesh/springs"])
         same(f"{name}: springs", grid.nodes[:2 * S].reshape(-1, 2), h5["mesh/springs"][:])
         same(f"{name}: stiffness", grid.cells["stiffness_N_m"][:S], h5["law/constants"][:S])
-        if "stiffness_Pa" in grid.points:
-            same(f"{name}: stiffness about nodes", grid.points["stiffness_Pa"], h5["law/constants"][S:])
-            same(f"{name}: tetrahedra", grid.nodes[2 * S:].reshape(-1, 4), h5["mesh/tetrahedra"][:])
-        elif "mesh/tetrahedra" in h5:
+        if "mesh/tetrahedra" in h5:
             volume, jacobian = grid.hexahedra()
-            same(f"{name}: stiffness of cells", grid.cells["stiffness_Pa"][S:], h5["law/constants"][S:])
-            same(f"{name}: a cell each", len(volume), len(h5["mesh/tetrahedra"]) // 6)
+            cells = len(h5["mesh/lattice/cubes"]) if "mesh/lattice" in h5 else len(h5["mesh/tetrahedra"]) // 6
+            same(f"{name}: stiffness of cells", grid.cells["stiffness_Pa"][S:], h5["law/constants"][S:S + cells])
+            same(f"{name}: a cell each", len(volume), cells)
             if min(volume.min(), jacobian.min()) <= 0:
                 sys.exit(f"{name}: a cell is inside out")
         same(f"{name}: displacement", grid.points["displacement_m"], in_space(u))

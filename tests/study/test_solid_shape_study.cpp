@@ -44,7 +44,7 @@ TEST_CASE("a study with geometry.solid is a shape in space: incompressible, no t
     CHECK(s.material.formulation == "incompressible");
     CHECK(s.modulus_N_m() == s.material.youngs_modulus_Pa());
     CHECK(s.spring_size_m == 0.01);
-    CHECK(s.springs.topology == "edges3");
+    CHECK(s.springs.topology == "embedded");
     CHECK(s.sizes_m == std::array<double, 2>{0.005, 0.02});
     REQUIRE(s.loads.contacts.size() == 2);
     CHECK(s.loads.paths.empty());
@@ -92,8 +92,8 @@ TEST_CASE("keys that a solid shape has not, or must have, are refused by name", 
     said("[lattice]\nsize_m = 0.01\n", "", "lattice");
     said("size_m = 0.01", "cells = [5, 4, 3]", "lattice.size_m");
     said("size_m = 0.01", "size_m = -1", "lattice.size_m");
-    CHECK_THAT(said("edges3", "grid26", "springs.topology"), Contains("allowed: edges3"));
-    CHECK_THAT(said("edges3", "edges", "springs.topology"), Contains("allowed: edges3"));
+    CHECK_THAT(said("\"embedded\"", "\"grid26\"", "springs.topology"), Contains("allowed: embedded"));
+    CHECK_THAT(said("\"embedded\"", "\"edges\"", "springs.topology"), Contains("allowed: embedded"));
     CHECK_THAT(said("stiffness = \"law\"\nterms = [\"spring.all\", \"cell.all\"]", "law = \"axial\"", "springs.stiffness"), Contains("solid shape"));
     CHECK_THAT(said("kind = \"disc\"", "kind = \"patch\"", "indenter.kind"), Contains("solid shape"));
     CHECK_THAT(said("law = \"mooney-rivlin\"\nC1_Pa = 263.0\nC2_Pa = 491.0", "law = \"gent\"", "material.law"), Contains("ogden"));
@@ -157,7 +157,7 @@ TEST_CASE("a study based on another takes its own kind of contacts and geometry"
     folder.file("spread.toml", spread_text());
     CHECK_FALSE(read_study(folder.file("b.toml", "based_on = \"spread\"\n[loads]\ncontacts = [{ at_m = [0, 0, 0.05], pushes_deg = [[0, 0]] }]\n")).loads.spread);
     const std::string on_block = "based_on = \"" + (std::filesystem::current_path() / "fem/studies/block3-quick").string() +
-                                 "\"\n[geometry]\nsolid = true\nshape = \"dome.geo\"\ntrust_geo = true\nfixed = [\"bed\"]\n[lattice]\nsize_m = 0.01\n[springs]\ntopology = \"edges3\"\nterms = [\"spring.all\"]\n";
+                                 "\"\n[geometry]\nsolid = true\nshape = \"dome.geo\"\ntrust_geo = true\nfixed = [\"bed\"]\n[lattice]\nsize_m = 0.01\n[springs]\ntopology = \"embedded\"\nspacing_m = 0.01\nterms = [\"spring.all\"]\n";
     CHECK(read_study(folder.file("c.toml", on_block + spread)).geometry.is_solid());
 }
 
