@@ -43,7 +43,7 @@ void add_rim(CLI::App& app, const Invocation&) {
     CLI::App* command = app.add_subcommand("rim", "Divide a solid's surface anew for a disc that presses on it; prints the contact on the surface.");
     command->add_option("--mesh", o->mesh, "the shape as gmsh saved it, MSH 2.2, or an .stl")->required()->type_name("FILE");
     command->add_option("--named", o->named, "what messages call it (default: --mesh)")->type_name("FILE");
-    command->add_option("--fixed", o->fixed, "surfaces that are held")->delimiter(',')->type_name("NAME,..")->capture_default_str();
+    command->add_option("--fixed", o->fixed, "surfaces that are held, or regions (below_z_0.01)")->delimiter(',')->type_name("NAME,..")->capture_default_str();
     command->add_option("--unit", o->unit_m, "the mesh's unit of length")->type_name("m")->capture_default_str();
     command->add_option("--contact", o->contact_m, "about which the disc presses")->expected(3)->type_name("m m m");
     command->add_option("--radius", o->radius_m, "of the disc")->type_name("m")->capture_default_str();

@@ -23,7 +23,7 @@ struct Options {
     bool words = false, curves = false, surface = false, filled = false;
 };
 
-/// A surface of triangles alone, divided into sides of the springs' length, for gmsh to fill.
+/// A surface of triangles alone, divided into sides of lattice.size_m, for gmsh to fill.
 std::string divided_surface(const Study& study, const MshFile& mesh) {
     constexpr int rounds = 8;
     const Study::Geometry& g = study.geometry;
@@ -38,7 +38,7 @@ void run(const Options& o) {
     const Study::Geometry& g = study.geometry;
     if (g.is_block()) throw MismatchError("study '" + study.name + "' is of the block; it has no geometry.shape");
     if ((o.surface || o.filled) && !(g.is_solid() && study.spring_size_m > 0))
-        throw MismatchError("study '" + study.name + "' has no surface in space to fill with springs of lattice.size_m");
+        throw MismatchError("study '" + study.name + "' has no surface in space to divide into sides of lattice.size_m");
     if (o.words) {
         std::cout << shape_words(study) << '\n';
         return;
@@ -65,7 +65,7 @@ void run(const Options& o) {
 
 void add_shape(CLI::App& app, const Invocation&) {
     auto o = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("shape", "Check a study's own shape and write the mesh of its springs.");
+    CLI::App* command = app.add_subcommand("shape", "Check a study's own shape and write its mesh.");
     command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
     command->add_option("--mesh", o->mesh, "the shape as gmsh saved it, MSH 2.2; with --surface the .stl itself")->type_name("FILE");
     command->add_option("--out", o->out, "mesh.msh to write")->type_name("FILE");

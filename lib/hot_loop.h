@@ -8,7 +8,7 @@
 #define TISSUE_HOT
 #endif
 
-/// Marks what is called in such a loop: for a call that stays one the loop is not built for wide registers.
+/// Marks a function that such a loop calls: the compiler does not build a loop with a call in it for wide registers, so the function has to be inlined.
 #if defined(__GNUC__)
 #define TISSUE_INLINE inline __attribute__((always_inline))
 #else

@@ -18,7 +18,7 @@ TissueModel solid_law_example(const SpringMesh& mesh) {
     m.modulus_N_m = modulus_Pa;
     m.node_mass_kg = node_masses(mesh, 1000, 1);
     m.heuristic_a = heuristic_stiffness(mesh, modulus_Pa);
-    const Eigen::Index cells = has_cells(mesh) ? mesh_cells(mesh).rows() : mesh.node_count();
+    const Eigen::Index cells = cell_count(mesh);
     const EnergyLaw law(mesh, solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), modulus_Pa), Eigen::VectorXd::Constant(cells, modulus_Pa), modulus_Pa, 12, radius_m),
                         {"spring.all"});
     const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);

@@ -222,12 +222,19 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         plan.parts["shape"] = shape_part(study);
         if (!shape) return plan;
     }
+    const SpringMesh springs = [&] {
+        try {
+            return study_mesh(study, shape, study.springs.topology);
+        } catch (const MismatchError& e) {
+            if (!shape) throw;
+            throw StudyError(one_line(fmt::format("{}: key '{}': {}", study.file, study.springs.spacing_m > 0 ? "springs.spacing_m" : "geometry.shape", e.what())));
+        }
+    }();
     if (study.springs.is_law()) try {
-            study_law(study, shape, study_mesh(study, shape, study.springs.topology));
+            study_law(study, shape, springs);
         } catch (const MismatchError& e) {  // before hours of FE, not after
             throw StudyError(one_line(fmt::format("{}: key 'springs.terms': {}", study.file, e.what())));
         }
-    const SpringMesh springs = study_mesh(study, shape, study.springs.topology);
     if (!study.data) refuse_tool(study, springs);
     const std::vector<PlannedPath> paths = study.data ? std::vector<PlannedPath>() : planned_paths(study, shape);
     const std::vector<PlannedHistory> histories = study.data ? std::vector<PlannedHistory>() : planned_histories(study, shape);

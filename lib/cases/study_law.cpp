@@ -3,10 +3,18 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <array>
+#include <fmt/format.h>
+#include <limits>
+#include <map>
 #include <vector>
 
+#include "error.h"
 #include "mesh/cells.h"
+#include "mesh/facet.h"
+#include "mesh/open_faces.h"
 #include "mesh/region_lookup.h"
+#include "study/one_line.h"
 
 namespace tissue {
 
@@ -69,6 +77,41 @@ NodeField places_of(const SpringMesh& mesh, const Cells& pieces, Eigen::Index e)
     return corners;
 }
 
+/// Part of each piece that lies in the base material and in each region (P x (1 + R)).
+Eigen::MatrixXd parts_by_region(const Shape& shape, Eigen::Index regions, const SpringMesh& mesh, const Cells& pieces) {
+    const RegionLookup lookup(shape);
+    const Eigen::MatrixXd weights = even_points(pieces.cols());
+    Eigen::MatrixXd part = Eigen::MatrixXd::Zero(pieces.rows(), 1 + regions);
+    std::map<std::array<int, 3>, int> behind;  // region behind a face of the surface, by its nodes in order; made when asked
+    for (Eigen::Index e = 0; e < pieces.rows(); ++e) {
+        const Eigen::MatrixXd at = weights * places_of(mesh, pieces, e);
+        for (Eigen::Index p = 0; p < at.rows(); ++p)
+            if (const auto region = lookup.inside(at.row(p).transpose())) part(e, *region) += 1;
+        if (const double found = part.row(e).sum(); found > 0) {
+            part.row(e) /= found;
+            continue;
+        }
+        const auto sorted = [](std::array<int, 3> face) {
+            std::sort(face.begin(), face.end());
+            return face;
+        };
+        if (behind.empty())
+            for (Eigen::Index t = 0; t < shape.simplices.rows(); ++t)
+                for (const auto& face : tetrahedron_faces)
+                    behind[sorted({shape.simplices(t, face[0]), shape.simplices(t, face[1]), shape.simplices(t, face[2])})] = shape.region[static_cast<std::size_t>(t)];
+        const Eigen::Vector3d middle_m = at.colwise().mean().transpose();
+        double least_m = std::numeric_limits<double>::infinity();
+        Eigen::Index nearest = 0;
+        for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f)
+            if (const double away_m = nearest_on_facet(mesh.nodes, mesh.facets, f, middle_m).distance_m; away_m < least_m) {
+                least_m = away_m;
+                nearest = f;
+            }
+        part(e, behind.at(sorted({mesh.facets(nearest, 0), mesh.facets(nearest, 1), mesh.facets(nearest, 2)}))) = 1;
+    }
+    return part;
+}
+
 }  // namespace
 
 Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, const Point& centre_m, double radius_m) {
@@ -88,14 +131,15 @@ Eigen::VectorXd solid_moduli(const Study& study, const std::optional<Shape>& sha
     if (study.nodule)
         own += (study.nodule->youngs_modulus_Pa() - E) * fraction_inside(mesh, pieces, study.nodule->centre_m, study.nodule->radius_m);
     if (study.material.regions.empty()) return own;
-    const RegionLookup regions(*shape);
-    const Eigen::MatrixXd weights = even_points(pieces.cols());
-    for (Eigen::Index e = 0; e < pieces.rows(); ++e) {
-        own[e] = 0;
-        const Eigen::MatrixXd at = weights * places_of(mesh, pieces, e);
-        for (Eigen::Index p = 0; p < at.rows(); ++p) own[e] += parameters_of(study, regions.at(at.row(p).transpose())).youngs_modulus_Pa() / static_cast<double>(at.rows());
+    const Eigen::MatrixXd part = parts_by_region(*shape, static_cast<Eigen::Index>(study.material.regions.size()), mesh, pieces);
+    Eigen::VectorXd moduli(part.cols());
+    for (Eigen::Index r = 0; r < part.cols(); ++r) {
+        moduli[r] = parameters_of(study, static_cast<int>(r)).youngs_modulus_Pa();
+        if (r > 0 && pieces.cols() > 2 && part.col(r).isZero(0) && std::count(shape->region.begin(), shape->region.end(), static_cast<int>(r)) > 0)
+            throw StudyError(one_line(fmt::format("{}: key 'material.regions.{}': a lattice of {:g} mm does not see this volume of {}: it is too small; a smaller springs.spacing_m", study.file,
+                                                  study.material.regions[static_cast<std::size_t>(r - 1)].name, 1e3 * study.springs.spacing_m, study.geometry.shape)));
     }
-    return own;
+    return part * moduli;
 }
 
 NodeField nodule_points(const Study& study) {
@@ -135,12 +179,25 @@ NodeField region_points(const Study& study, const std::optional<Shape>& shape, c
 
 namespace {
 
-/// The law of a solid: of what is of other stiffness than its base material springs, cells and contacts know.
+/// E at each held node [Pa] (M): the mean over the tetrahedra about it, by volume.
+Eigen::VectorXd support_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_Pa) {
+    if (mesh.embedding.empty()) return {};
+    const Eigen::VectorXd own = triangle_moduli(study, shape, mesh, modulus_Pa);
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(mesh.embedding.node_count()), volume = sum;
+    for (Eigen::Index t = 0; t < mesh.simplices.rows(); ++t)
+        for (int node : mesh.simplices.row(t)) {
+            sum[node] += own[t] * volume_of(mesh, t);
+            volume[node] += volume_of(mesh, t);
+        }
+    return sum(mesh.fixed).cwiseQuotient(volume(mesh.fixed));
+}
+
+/// The law of a solid. Springs, cells, supports and contacts all take account of parts of another stiffness.
 EnergyLaw solid_law(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double factor) {
     const double E = factor * study.material.youngs_modulus_Pa();
     const Eigen::VectorXd springs = factor * solid_moduli(study, shape, mesh, mesh.springs),
                           cells = factor * solid_moduli(study, shape, mesh, mesh_cells(mesh));
-    LawHeuristic heuristic = solid_heuristic(mesh, springs, cells, E, study.springs.area_cap_E2, study.indenter.radius_m);
+    LawHeuristic heuristic = solid_heuristic(mesh, springs, cells, E, study.springs.area_cap_E2, study.indenter.radius_m, support_moduli(study, shape, mesh, E));
     if (study.nodule || !study.material.regions.empty()) {
         heuristic.stiffer.resize(springs.size() + cells.size());
         heuristic.stiffer << (springs / E).array().log(), (cells / E).array().log();
@@ -148,10 +205,6 @@ EnergyLaw solid_law(const Study& study, const std::optional<Shape>& shape, const
     }
     return {mesh, heuristic, study.springs.terms};
 }
-
-}  // namespace
-
-namespace {
 
 /// Of each of the law's constants but supports, in whatever unit: linear in the moduli of a study with regions or a nodule.
 Eigen::VectorXd stiffness_of(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh) {

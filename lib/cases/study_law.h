@@ -14,7 +14,8 @@ namespace tissue {
 Eigen::VectorXd triangle_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_N_m);
 
 /// E of each row of springs or cells in space [Pa]: its mean over points spread evenly, 4 along a spring and 64 in a cell, of the base material, the nodule or the
-/// shape's regions. A point outside the tissue, in a cube that the surface cuts, counts as what is nearest.
+/// shape's regions. Of a piece that reaches out of the tissue, in a cube that the surface cuts, points inside alone count; where there are none, the tissue nearest to
+/// its middle. Throws StudyError for a region that no cell has a point in.
 Eigen::VectorXd solid_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, const Cells& pieces);
 
 /// The study's nodule as points that fill it evenly, 8 across (G x 4): place [m], volume times log(E / E_block) [m3].

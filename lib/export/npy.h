@@ -16,7 +16,7 @@ Files npy_files(const Hdf5Reader& in);
 Files npy_files(const LawTables& law);
 
 /// The same in space:
-///   law/cells (C x 8), cell_rest [m^3]    of the contacts of all load cases, one row after the other: law/contact_case, contact_kind,
+///   law/cells (C x 8), cell_at (C x 3), cell_rest [m^3]    of the contacts of all load cases, one row after the other: law/contact_case, contact_kind,
 ///   contact_k [N/m], contact_push (R x 3), contact_pull_row, contact_pull_node, contact_pull (Q x 3); contact_hardening [1/J]
 Files npy_files(const SolidLawTables& law, const ContactTable& contact);
 

@@ -119,7 +119,7 @@ std::vector<std::vector<int>> lattice_cells(const NodeField& nodes) {
     return cells;
 }
 
-/// In space, what lies between the springs: a cell's corners in VTK's order, or a tetrahedron's.
+/// In space, the cells' corners in VTK's order.
 std::vector<std::vector<int>> volumes_of(const SpringMesh& mesh) {
     constexpr int around[] = {0, 1, 3, 2, 4, 5, 7, 6};
     std::vector<std::vector<int>> volumes;
@@ -127,7 +127,7 @@ std::vector<std::vector<int>> volumes_of(const SpringMesh& mesh) {
     const Cells cells = mesh_cells(mesh);
     for (Eigen::Index c = 0; c < cells.rows(); ++c) {
         volumes.emplace_back();
-        for (Eigen::Index k = 0; k < cells.cols(); ++k) volumes.back().push_back(cells(c, cells.cols() == 8 ? around[k] : k));
+        for (Eigen::Index k = 0; k < cells.cols(); ++k) volumes.back().push_back(cells(c, around[k]));
     }
     return volumes;
 }
@@ -156,7 +156,7 @@ std::string mesh_vtu(const TissueModel& model, const Eigen::VectorXd& theta, con
     grid.at_points("force_N", force);
     grid.at_points("mass_kg", model.node_mass_kg);
     grid.at_points("fixed", fixed);
-    for (const std::vector<int>& nodes : volumes) grid.cell(nodes.size() == 8 ? hexahedron : tetrahedron, nodes);
+    for (const std::vector<int>& nodes : volumes) grid.cell(hexahedron, nodes);
     grid.at_cells("stiffness_N_m", stiffness);
     grid.at_cells("rest_length_m", rest_length);
     if (!volumes.empty()) grid.at_cells("stiffness_Pa", volume_stiffness);

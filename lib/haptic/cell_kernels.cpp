@@ -1,7 +1,5 @@
 #include "haptic/cell_kernels.h"
 
-#include "hot_loop.h"
-
 namespace tissue::kernel {
 
 TISSUE_HOT void squares(int n, const double* __restrict px, const double* __restrict py, const double* __restrict qx,

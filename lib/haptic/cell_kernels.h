@@ -1,5 +1,7 @@
 #pragma once
 
+#include "hot_loop.h"
+
 namespace tissue::kernel {
 
 /// Inner loops of a law's cells in the tick (haptic/realtime_law.h), over n of them that lie one row apart. Pointers stand at the first one's. All arrays are
@@ -10,17 +12,17 @@ constexpr int cubes_at_once = 64;
 struct Vector {
     double x, y, z;
 };
-inline Vector operator+(const Vector& a, const Vector& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+TISSUE_INLINE Vector operator+(const Vector& a, const Vector& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 
 void add(int n, const double* __restrict g, double* __restrict f);  ///< f += g
 void add_pair(int n, const double* __restrict g, double* f_i, double* f_j);  ///< f_i -= g, f_j += g, which may overlap
-/// Each of so many arrays of g, `apart` doubles apart, times gain y.
+/// Multiplies each of the arrays of g by gain y; arrays begin `apart` doubles after each other.
 void times(int n, const double* __restrict gain, const double* __restrict y, int arrays, int apart, double* __restrict g);
 
 /// With P, Q the diagonals at rest and p, q what has been added to them, a square has grown by half of
 ///   P x q + p x Q + p x q,
-/// in which nothing cancels, and its area's derivative is half of the other diagonal, turned: g by the first diagonal's
-/// ends, h by the second's. a, b, c, d: displacement of the corners.
+/// in which nothing cancels. g is the pull at the ends of the first diagonal, h at those of the second; each is along the other diagonal, turned by
+/// 90 degrees. a, b, c, d: displacement of the corners.
 void squares(int n, const double* __restrict px, const double* __restrict py, const double* __restrict qx, const double* __restrict qy,
              const double* __restrict gain,
              const double* __restrict ax, const double* __restrict ay, const double* __restrict bx, const double* __restrict by, const double* __restrict cx,
@@ -34,7 +36,7 @@ void squares_grown(int n, const double* __restrict px, const double* __restrict 
 
 /// Boxes by their diagonals from corners 0, 1, 2, 4 to 7, 6, 5, 3: g gets what pulls at the diagonals' ends, 4 * axis + diagonal, cells_at_once apart.
 /// e: sums of four edges along each axis at rest, 9 arrays. ux, uy, uz: displacement of corner 0; up, in, far: rows from corner 0 to 2, 4 and 6; 1, 3, 5 and 7
-/// lie one behind 0, 2, 4 and 6. grown: 64 V (J - 1), and g then by unit pull.
+/// lie one behind 0, 2, 4 and 6. boxes_grown writes 64 V (J - 1) to grown, and its g is for a pull of 1; times() scales it.
 void boxes(int n, const double* const* e, const double* __restrict gain, const double* __restrict ux, const double* __restrict uy, const double* __restrict uz,
            int up, int in, int far, double* __restrict g);
 void boxes_alike(int n, const Vector& A, const Vector& B, const Vector& C, const double* __restrict gain, const double* __restrict ux,
@@ -43,8 +45,8 @@ void boxes_alike(int n, const Vector& A, const Vector& B, const Vector& C, const
 void boxes_grown(int n, const double* const* e, const double* __restrict ux, const double* __restrict uy, const double* __restrict uz, int up, int in, int far,
                  double* __restrict g, double* __restrict grown);
 
-/// Cubes of which a part may be tissue, by its centroid cx, cy, cz, from corner 0 in edges: there the displacement's gradient along an axis is the mean of the
-/// four edges', with bilinear weights. g gets what pulls at the corners, 8 * axis + corner, cubes_at_once apart. per_m: 1 / edge. grown: J - 1.
+/// Cubes of which a part may be tissue. cx, cy, cz: its centroid, from corner 0 in edge lengths; the displacement's gradient along an axis there is the bilinear mean of
+/// the differences along the four edges. g gets what pulls at the corners, 8 * axis + corner, cubes_at_once apart. per_m: 1 / edge. grown: J - 1.
 void cubes(int n, double per_m, const double* __restrict cx, const double* __restrict cy, const double* __restrict cz, const double* __restrict gain,
            const double* __restrict ux, const double* __restrict uy, const double* __restrict uz, int up, int in, int far, double* __restrict g);
 void cubes_grown(int n, double per_m, const double* __restrict cx, const double* __restrict cy, const double* __restrict cz, const double* __restrict ux,

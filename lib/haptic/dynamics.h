@@ -77,7 +77,7 @@ class Dynamics {
     /// Returns the force on the mesh at the contact in this step [N]: the force of the tool on the tissue, put on its
     /// segment's end nodes as w(j) f, or at its own contact.
     virtual Point step(MeshState& state, const ContactLoad& load) noexcept = 0;
-    /// After the last step of a tick: displacements of an embedded solid's own nodes, which steps do not need; their velocities stay 0.
+    /// Called after the last step of a tick: sets the displacements of an embedded solid's own nodes. Nothing sets or reads their velocities.
     virtual void complete(MeshState& /*state*/) const noexcept {}
 
     /// So many steps one after the other, in which the tool moves on. Returns the mean force of the last `of_last` of them.

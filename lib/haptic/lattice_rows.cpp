@@ -15,10 +15,12 @@ LatticeRows::LatticeRows(const SpringMesh& mesh) : count_(mesh.node_count()) {
     if (mesh.embedding.empty()) return;
     const NodeField place = ((mesh.nodes.bottomRows(lattice).rowwise() - mesh.nodes.bottomRows(lattice).colwise().minCoeff()) / mesh.embedding.spacing_m).array().round();
     const double width = place.col(0).maxCoeff() + 1, layer = width * (place.col(1).maxCoeff() + 1);
+    if (!(layer < 1e15)) return;  // beyond it whole numbers are not exact
 
-    // A layer's rows follow those of the one below. What is one layer up is thus equally far for all of a layer, if not for all of the lattice.
+    // A layer's rows follow those of the one below: the offset to the next layer is one number a layer.
     struct Layer {
         double low, high;  // of x + width y
+        double first = 0;  // row of x = y = 0
     };
     std::map<double, Layer> layers;
     for (int n = 0; n < lattice; ++n) {
@@ -28,16 +30,15 @@ LatticeRows::LatticeRows(const SpringMesh& mesh) : count_(mesh.node_count()) {
         of.high = std::max(of.high, at);
     }
     double rows = 0;
-    std::map<double, double> first;  // row of x = y = 0, by layer
-    for (const auto& [z, of] : layers) {
-        first[z] = rows - of.low;
+    for (auto& [z, of] : layers) {
+        of.first = rows - of.low;
         rows += of.high - of.low + 1;
     }
     if (!(rows <= most_rows * lattice)) return;
     std::vector<bool> taken(static_cast<std::size_t>(rows), false);
     row_.assign(static_cast<std::size_t>(N), -1);
     for (int n = 0; n < lattice; ++n) {
-        const int row = static_cast<int>(first[place(n, 2)] + place(n, 0) + width * place(n, 1));
+        const int row = static_cast<int>(layers.at(place(n, 2)).first + place(n, 0) + width * place(n, 1));
         if (taken[static_cast<std::size_t>(row)]) throw MismatchError(fmt::format("node {} of the lattice has the place of another", own + n));
         taken[static_cast<std::size_t>(row)] = true;
         row_[static_cast<std::size_t>(own + n)] = row;

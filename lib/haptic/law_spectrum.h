@@ -15,8 +15,8 @@ struct LawSpectrum {
 
 /// The largest over presses as deep as the deepest load case. In the plane straight in and 45 degrees to either side, at places
 /// spread evenly over the free surface and at its corners. In space a press takes a tenth of a second: straight in and 30 degrees
-/// off, at four places: where the contact itself swings fastest, and three as far apart as the surface has them. Of more than 1,500
-/// nodes with mass, where a press takes seconds, at the first of them alone. Presses whose rest is lost are left out.
+/// off, at four places: where the contact itself swings fastest, and three as far apart as the surface has them. With more than
+/// 1,500 nodes that have mass a press takes seconds; then only the first place is pressed. Presses whose rest is lost are left out.
 /// springs: of the model's mesh. Throws MismatchError for a model without a law.
 LawSpectrum law_spectrum(const TissueModel& model, const RealtimeMesh& springs);
 

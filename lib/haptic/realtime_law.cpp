@@ -179,7 +179,7 @@ void RealtimeLaw::add_boxes(const TissueModel& model, const CellVolumes& cells, 
     const Embedding& embedding = model.mesh.embedding;
     boxes_.cubes = !embedding.empty();
     if (boxes_.cubes) boxes_.per_m = 1 / embedding.spacing_m;
-    const int most_missing = boxes_.cubes ? 12 : 2;  // boxes of a run that is not ended for them
+    const int most_missing = boxes_.cubes ? 12 : 2;  // a run ends at a gap of more missing boxes
     int before = -1;
     for (int e = 0; e < cells.count(); ++e) {
         int row[8];
@@ -227,9 +227,9 @@ void RealtimeLaw::add_boxes(const TissueModel& model, const CellVolumes& cells, 
 
 RealtimeLaw::Scratch RealtimeLaw::scratch() const {
     const LatticeRows& rows = springs_.rows();
-    NodeColumns none(0, 0);
-    if (!rows.by_node()) none.setZero(rows.count(), springs_.dimension());
-    return {none, none};
+    NodeColumns zero(0, 0);
+    if (!rows.by_node()) zero.setZero(rows.count(), springs_.dimension());
+    return {zero, zero};
 }
 
 void RealtimeLaw::force(const NodeColumns& u, NodeColumns& f, Scratch& scratch) const noexcept {

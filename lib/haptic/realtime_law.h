@@ -38,7 +38,7 @@ class RealtimeLaw {
     RealtimeLaw(const RealtimeLaw& other);
     RealtimeLaw& operator=(const RealtimeLaw&) = delete;
 
-    /// What force() works in, and leaves in no state that matters: a caller's own.
+    /// Working memory of force(): each caller has its own. Rows of u without a node stay 0.
     struct Scratch {
         NodeColumns u, f;  ///< by row, where that is not by node
     };
@@ -98,7 +98,7 @@ class RealtimeLaw {
         double x, y;  ///< after's rest place from before's [m]
     };
     /// Boxes of a lattice, or cubes of an embedded one, in slots. In a run the corners of slot first_slot + k are rows first_row + k + corner[c]; where there is
-    /// none, gain is 0. What a slot has grown by is a number of its own kind: of boxes 64 V (J - 1), by determinants of sums of their four edges along each axis;
+    /// none, gain is 0. A slot's growth has another unit for boxes and for cubes: of boxes 64 V (J - 1), by determinants of sums of their four edges along each axis;
     /// of cubes, which the solid's surface may cut, J - 1 at their tissue's centroid.
     struct Boxes {
         struct Run {

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int chunk = 256;  ///< rows, or loose springs, at a time: their forces stay in the first-level cache
 constexpr int fewest = 8;   ///< springs of a band
-constexpr int most_empty = 12;  ///< slots in a row of an embedded lattice's band: as many cost as much as one band more
+constexpr int most_empty = 12;  ///< a band of an embedded lattice ends at a gap of more empty slots: so many cost as much as a new band
 constexpr double same = 1e-13;  ///< part of a spring's length: what places far from the origin round by
 
 }  // namespace

@@ -28,7 +28,7 @@ class RealtimeMesh {
     };
 
     /// node_mass_kg (N), all positive but those of an embedded solid's own nodes, which are 0. law: a name of spring_laws().
-    /// Throws MismatchError when sizes do not fit, and in space for springs that do not turn.
+    /// Throws MismatchError when sizes do not fit, in space for springs that do not turn, and as LatticeRows does.
     RealtimeMesh(const SpringMesh& mesh, const std::string& law, const Eigen::VectorXd& node_mass_kg);
 
     int node_count() const { return static_cast<int>(rest_.rows()); }
@@ -57,10 +57,10 @@ class RealtimeMesh {
     /// memory: of the elongation of springs that turn and relax, by slot; null where they do not. It goes on by a step.
     void force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f, BranchMemory* memory = nullptr) const noexcept;
 
-    /// Energy in the springs [J]. No allocation.
+    /// Energy in the springs [J], u by node. No allocation.
     double potential_energy(const Eigen::VectorXd& theta, const NodeColumns& u) const noexcept;
 
-    /// In the plane, the block k = d f_i / d u_i of one slot per unit theta at u (the block of i, j is -k). `convex` keeps it
+    /// In the plane, the block k = d f_i / d u_i of one slot per unit theta at u, by node (the block of i, j is -k). `convex` keeps it
     /// positive semi-definite where a compressed spring that turns would buckle.
     Eigen::Matrix2d unit_stiffness(int slot, const NodeColumns& u, bool convex) const noexcept;
 

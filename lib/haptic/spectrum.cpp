@@ -16,7 +16,7 @@ class ScaledStiffness {
 
     NodeColumns operator()(const NodeColumns& x) {
         NodeColumns y = root_.asDiagonal() * x;
-        if (mesh_.law().linear_in_displacement()) {
+        if (mesh_.law().linear_in_displacement()) {  // in the plane alone, where rows are nodes
             mesh_.force(theta_, y, force_);
         } else {  // the isotropic bound
             force_.setZero();

@@ -7,11 +7,11 @@
 namespace tissue {
 
 /// The pieces of tissue between the springs: a lattice's squares, in space its boxes and an embedded one's cubes (C x 8, corners bit by bit: 1 along x,
-/// 2 along y, 4 along z), a shape's triangles, in space its tetrahedra (C x 4). In the plane counter-clockwise.
+/// 2 along y, 4 along z), a shape's triangles. In the plane counter-clockwise.
 /// Throws MismatchError when the simplices of a lattice do not make up its cells.
 Cells mesh_cells(const SpringMesh& mesh);
 
-/// How many pieces keep their volume or area: cells of a lattice, of a shape what lies about each node.
+/// How many pieces keep their volume or area: cells of a lattice, of a shape in the plane what lies about each node.
 Eigen::Index cell_count(const SpringMesh& mesh);
 
 /// Area of each cell at rest [m^2] (C). In the plane.

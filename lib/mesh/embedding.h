@@ -19,7 +19,7 @@ struct Embedding {
     bool empty() const { return corner.rows() == 0; }
     int node_count() const { return static_cast<int>(corner.rows()); }  ///< K
 
-    /// What one of the solid's nodes has of the lattice's: displacements, velocities (N x 3).
+    /// What one of the solid's nodes has of the lattice's displacements (N x 3).
     template <class Field>
     Eigen::Vector3d at(int node, const Field& u) const noexcept {
         Eigen::Vector3d sum = Eigen::Vector3d::Zero();

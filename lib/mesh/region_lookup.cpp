@@ -57,21 +57,27 @@ void RegionLookup::sort() {
     });
 }
 
-int RegionLookup::at(const Eigen::Vector3d& position_m) const {
+double RegionLookup::out_of_m(const Tetrahedron& t, const Eigen::Vector3d& position_m) {
     constexpr double rounding_m = 1e-12;
-    const auto out_of_m = [&](const Tetrahedron& t) {  // 0 inside
-        Eigen::Vector4d into = t.inward * (position_m - t.origin_m);
-        into[0] += t.far_m;
-        return std::max(0.0, -into.minCoeff() - rounding_m);
-    };
+    Eigen::Vector4d into = t.inward * (position_m - t.origin_m);
+    into[0] += t.far_m;
+    return std::max(0.0, -into.minCoeff() - rounding_m);
+}
+
+std::optional<int> RegionLookup::inside(const Eigen::Vector3d& position_m) const {
     const auto first = std::lower_bound(tetrahedra_.begin(), tetrahedra_.end(), position_m.x() - longest_m_,
                                         [](const Tetrahedron& t, double x) { return t.low_m.x() < x; });
     for (auto t = first; t != tetrahedra_.end() && t->low_m.x() <= position_m.x(); ++t)
-        if ((position_m.array() >= t->low_m.array()).all() && (position_m.array() <= t->high_m.array()).all() && out_of_m(*t) == 0) return t->region;
+        if ((position_m.array() >= t->low_m.array()).all() && (position_m.array() <= t->high_m.array()).all() && out_of_m(*t, position_m) == 0) return t->region;
+    return {};
+}
+
+int RegionLookup::at(const Eigen::Vector3d& position_m) const {
+    if (const auto region = inside(position_m)) return *region;
     double least_m = std::numeric_limits<double>::infinity();
     int region = 0;
     for (const Tetrahedron& t : tetrahedra_)
-        if (const double out = out_of_m(t); out < least_m) {
+        if (const double out = out_of_m(t, position_m); out < least_m) {
             least_m = out;
             region = t.region;
         }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,8 @@ class RegionLookup {
     /// 0 in none of them, else 1 + its number. A place a little outside, where a curved surface is divided otherwise, has the
     /// region of the tetrahedron from whose faces' planes it is least far.
     int at(const Eigen::Vector3d& position_m) const;
+    /// The region of the tetrahedron that has the place inside; nothing where none has.
+    std::optional<int> inside(const Eigen::Vector3d& position_m) const;
 
    private:
     struct Tetrahedron {
@@ -31,6 +34,8 @@ class RegionLookup {
     };
     void add(const Eigen::Matrix<double, 4, 3>& corners_m, int region);
     void sort();
+
+    static double out_of_m(const Tetrahedron& t, const Eigen::Vector3d& position_m);  ///< 0 inside
 
     std::vector<Tetrahedron> tetrahedra_;  ///< by low_m.x()
     double longest_m_ = 0;                 ///< of them along x

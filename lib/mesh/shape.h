@@ -9,8 +9,8 @@
 namespace tissue {
 
 /// Any closed outline in the plane, filled with triangles: their corners are the springs' nodes, their edges the
-/// springs, and finite elements are their parts. Or any closed surface in space, filled with tetrahedra, whose edges are the
-/// springs; there finite elements have meshes of their own (mesh/solid_shape.h).
+/// springs, and finite elements are their parts. Or any closed surface in space, filled with tetrahedra: springs are of a lattice that it is embedded in
+/// (mesh/embedded_lattice.h), displacements are compared at its nodes, and finite elements have meshes of their own (mesh/solid_shape.h).
 struct Shape {
     NodeField nodes;                              ///< [m] (N x D)
     Cells simplices;                              ///< triangles, counter-clockwise (T x 3); tetrahedra of positive volume (T x 4)
@@ -46,7 +46,7 @@ Shape read_shape(const std::string& file);
 /// each corner a third. In space mesh/solid_shape.h's.
 SpringMesh edge_mesh(const Shape& shape);
 
-/// The triangles or tetrahedra of another mesh, as a shape: the same tissue with the springs on their edges.
+/// The triangles or tetrahedra of another mesh, as a shape.
 Shape shape_of(const SpringMesh& mesh);
 
 /// Numbers of nodes that keep neighbours close to each other: along the longest axis of the places (N x D), then along the

@@ -8,7 +8,8 @@
 namespace tissue {
 
 /// A shape in space from a mesh with tetrahedra: turned to positive volume, points of no tetrahedron left out, nodes
-/// numbered along the shape's longest axis. `fixed` and `regions` are names of physical surfaces and volumes; unit_m [m] is
+/// numbered along the shape's longest axis. `fixed` and `regions` are names of physical surfaces and volumes, `fixed` regions too (mesh/held_region.h), of which facets
+/// with their middles there are held; unit_m [m] is
 /// the mesh's unit of length.
 /// Throws FileError with file, place and cause: no tetrahedra, a sliver, tetrahedra that lie over each other, a surface that
 /// is not one closed one without a hole through it or meets itself, no group of a name (with those there are), a fixed
@@ -22,7 +23,7 @@ std::string solid_to_msh(const Shape& shape, const std::vector<std::string>& reg
 /// Reads what solid_to_msh wrote, nodes in the order of the file. Throws FileError.
 Shape read_solid_shape(const std::string& file);
 
-/// The edges of the shape's tetrahedra, its surface and what of it is held, for checks: a mesh of no topology, which no model has.
+/// The shape's edges, surface and held nodes, for checks only: it has no topology, and no model has such a mesh.
 SpringMesh solid_edge_mesh(const Shape& shape);
 
 /// The tetrahedra of another mesh in space, as a shape.

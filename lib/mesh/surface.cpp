@@ -12,6 +12,7 @@
 
 #include "error.h"
 #include "mesh/facet.h"
+#include "mesh/held_region.h"
 
 namespace tissue {
 namespace {
@@ -157,7 +158,8 @@ std::vector<int> parts_between_creases(const Surface& s, const std::string& file
 
 }  // namespace
 
-Surface make_surface(const MshFile& mesh, const std::vector<std::string>& fixed, double unit_m) {
+Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, double unit_m) {
+    const auto [fixed, regions] = held_parts(held);
     const std::string& file = mesh.file;
     std::vector<Face> faces;
     if (!mesh.tetrahedra.empty()) {
@@ -199,7 +201,7 @@ Surface make_surface(const MshFile& mesh, const std::vector<std::string>& fixed,
     // ---- what is held
     s.label.assign(faces.size(), Surface::free_label);
     std::vector<std::string> known;
-    const auto hold = [&](const std::string& name, const std::vector<std::size_t>& triangles) {
+    const auto hold_group = [&, &fixed = fixed](const std::string& name, const std::vector<std::size_t>& triangles) {
         if (std::find(fixed.begin(), fixed.end(), name) != fixed.end())
             for (std::size_t t : triangles) s.label[t] = Surface::fixed_label;
         known.push_back(name);
@@ -219,7 +221,7 @@ Surface make_surface(const MshFile& mesh, const std::vector<std::string>& fixed,
             const bool wanted = std::find(fixed.begin(), fixed.end(), name) != fixed.end();
             if (wanted && group.size() < all) throw FileError(fmt::format("{}: '{}', to be held, has triangles that are not on the surface", file, name));
             if (wanted && all == 0) throw FileError(fmt::format("{}: '{}', to be held, has no triangles", file, name));
-            hold(name, group);
+            hold_group(name, group);
         }
     } else {
         const std::vector<int> part = parts_between_creases(s, file);
@@ -228,7 +230,7 @@ Surface make_surface(const MshFile& mesh, const std::vector<std::string>& fixed,
             std::vector<std::size_t> group;
             for (std::size_t t = 0; t < part.size(); ++t)
                 if (part[t] == k) group.push_back(t);
-            hold(fmt::format("surface-{}", k + 1), group);
+            hold_group(fmt::format("surface-{}", k + 1), group);
         }
     }
     for (const std::string& name : fixed)
@@ -236,7 +238,11 @@ Surface make_surface(const MshFile& mesh, const std::vector<std::string>& fixed,
             if (known.size() > 12) known.assign({known[0], known[1], "...", known.back()});
             throw FileError(fmt::format("{}: has no surface '{}' to hold; it has {}", file, name, fmt::join(known, ", ")));
         }
-    if (fixed.empty()) throw FileError(file + ": no surface of it is held");
+    for (const HeldRegion& region : regions)
+        if (!hold(s, region))
+            throw FileError(fmt::format("{}: '{}' holds nothing of its surface, which reaches from {} to {}", file, region.word(), at(s.nodes.colwise().minCoeff().transpose()),
+                                        at(s.nodes.colwise().maxCoeff().transpose())));
+    if (held.empty()) throw FileError(file + ": no surface of it is held");
     if (std::count(s.label.begin(), s.label.end(), Surface::free_label) == 0) throw FileError(file + ": all of the surface is held");
     return s;
 }

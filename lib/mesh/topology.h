@@ -32,7 +32,7 @@ const Registry<Topology>& topologies();
 /// Whether a mesh's springs follow the cells of a block's lattice.
 bool on_lattice(const SpringMesh& mesh);
 
-/// Whether its springs are the edges and diagonals of cells, of a lattice or an embedded one; else the edges of its triangles.
+/// Whether springs follow cells, of a block's lattice or an embedded one. Otherwise they are the edges of triangles.
 bool has_cells(const SpringMesh& mesh);
 
 }  // namespace tissue

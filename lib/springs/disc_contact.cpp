@@ -3,7 +3,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "error.h"
@@ -51,10 +50,6 @@ double DiscContact::ground_at(const Eigen::Vector3d& contact_m, const Eigen::Vec
         sum += ground_(g, 3) * depth * depth / (away * away * away);
     }
     return 8 * radius_m_ / (pi * pi) * sum;
-}
-
-double DiscContact::curved_at(const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept {
-    return curved_of(quadric_among(surface_.nodes(), std::numeric_limits<double>::infinity(), contact_m, inward));
 }
 
 double DiscContact::curved_of(const SurfaceQuadric& quadric) const noexcept { return radius_m_ * quadric.bend_1_m.trace() / 2; }

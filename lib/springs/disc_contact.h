@@ -20,9 +20,9 @@ namespace tissue {
 ///            (3.75)), and the imprint goes over to that with 1 - (R / r)^2
 /// Where between the nodes it stands is `phase`: how far the nodes crowd there, as a sum of Gaussian bells of 0.35 spacings
 /// about them, over its mean; scaled so that on a square lattice it is cos 2 pi x + cos 2 pi y over 2, to a tenth.
-/// On a solid in an embedded lattice the disc stands on points of its own in place of the surface's nodes (springs/polar_points.h): they have the same rows with weights and shares, no
-/// `phase`, and two factors more: `crowd`, of the points, and `curved`, how the surface bends: R times its mean curvature, of a quadric over the tangent plane fitted to the surface's nodes
-/// within 2.2 spacings, and 2.5 R at least, on which the points lie; above 0 where it is convex, R / radius on a sphere, below 0 in a valley, where more of the tissue stands round the disc.
+/// On a solid in an embedded lattice the disc stands on points of its own in place of the surface's nodes (springs/polar_points.h). Rows are the same, with weights and shares
+/// of the points. There is no `phase`. `crowd` is of the points. `curved` is R times the mean curvature of a quadric over the tangent plane, fitted to the surface's nodes
+/// within 2.2 spacings, and 2.5 R at least; the points lie on it. It is R / radius on a sphere, and negative in a valley, where more of the tissue stands round the disc.
 /// What of the ground under it is of other stiffness is `ground`: to first order in log E / E_block the force changes by exp of
 /// its mean, weighted with the energy that the disc stores there. Under a force on incompressible ground the stress is along
 /// rays alone, as z / r^3 (Boussinesq; Johnson, (3.19)), so that the weight is z^2 / r^6, with R for what is nearer:
@@ -50,9 +50,6 @@ class DiscContact final : public ContactKernel {
     static double profile(double x);
     /// `ground` of a contact there, `inward` into the tissue.
     double ground_at(const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const;
-
-    /// `curved` of a contact there.
-    double curved_at(const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept;
 
    private:
     struct Disc {

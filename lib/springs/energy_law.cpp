@@ -38,12 +38,13 @@ std::pair<int, int> patch_term(const std::string& term, const std::vector<std::s
     std::vector<std::string> rows = mesh.is_solid() ? disc_rows : patch_rows;
     const std::vector<std::string>& factors = !mesh.is_solid() ? patch_factors : on_lattice(mesh) ? disc_factors : shape_factors;
     const std::string name = parts.size() > 1 ? parts[1] : "";
+    const int first_factor = mesh.embedding.empty() ? 1 : 2;  // a disc that stands on points of its own has no phase
     if (mesh.is_solid()) rows.push_back(softening);
     auto row = std::find(rows.begin(), rows.end(), name);
-    const auto factor = parts.size() == 2 ? factors.begin() : std::find(factors.begin() + 1, factors.end(), parts.size() == 3 ? parts[2] : "");
+    const auto factor = parts.size() == 2 ? factors.begin() : std::find(factors.begin() + first_factor, factors.end(), parts.size() == 3 ? parts[2] : "");
     if (row == rows.end() || factor == factors.end())
         throw MismatchError(fmt::format("term '{}' is not known; allowed: contact. and one of {}, then nothing or one of .{}", term,
-                                        fmt::join(rows, ", "), fmt::join(factors.begin() + 1, factors.end(), ", .")));
+                                        fmt::join(rows, ", "), fmt::join(factors.begin() + first_factor, factors.end(), ", .")));
     if (name == softening) row = rows.begin() + PatchLaw::hardening_row;
     return {static_cast<int>(row - rows.begin()), static_cast<int>(factor - factors.begin())};
 }
@@ -105,12 +106,14 @@ LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triang
 }
 
 LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spring_modulus_Pa, const Eigen::VectorXd& cell_modulus_Pa,
-                             double surface_modulus_Pa, double volume_cap, double radius_m) {
+                             double surface_modulus_Pa, double volume_cap, double radius_m, const Eigen::VectorXd& support_modulus_Pa) {
     if (!mesh.is_solid()) throw MismatchError("a solid's heuristic needs a mesh in space");
     if (!(volume_cap > 1.0 / 3)) throw MismatchError(fmt::format("a volume cap of {} E is not above E / 3", volume_cap));
     LawHeuristic h;
     h.cap = volume_cap * cell_modulus_Pa;
-    const Eigen::VectorXd supports = mesh.embedding.empty() ? Eigen::VectorXd() : Eigen::VectorXd(support_stiffness * surface_modulus_Pa / mesh.embedding.spacing_m * held_areas(mesh));
+    Eigen::VectorXd supports;
+    if (!mesh.embedding.empty()) supports = support_stiffness * surface_modulus_Pa / mesh.embedding.spacing_m * held_areas(mesh);
+    if (support_modulus_Pa.size() > 0) supports = supports.cwiseProduct(support_modulus_Pa) / surface_modulus_Pa;
     h.constants.resize(mesh.spring_count() + h.cap.size() + supports.size());
     const Eigen::VectorXd measure = isotropic_measure(mesh), unit = heuristic_stiffness(mesh, 1.0).cwiseProduct(measure).cwiseQuotient(mesh.incident_measure);
     h.constants.head(mesh.spring_count()) = 5.0 / 6 * unit.cwiseProduct(spring_modulus_Pa);  // measures sum to six times the volume
@@ -162,9 +165,7 @@ EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, cons
                 throw MismatchError(fmt::format("term '{}': a contact hardens and saturates, or it softens", terms[t]));
             softens_ = softens_ || softer;
             hardens = hardens || (mesh.is_solid() && (parts[1] == "hardening" || parts[1] == "saturation"));
-            constexpr int phase_factor = 1;  // of a disc's points, which lie alike wherever it stands, always 0
-            const int factor = on_patch_.back().second;
-            if (mesh.is_solid() && ((factor == PatchLaw::ground_factor && heuristic.ground.rows() == 0) || (factor == phase_factor && !on_lattice(mesh))))
+            if (mesh.is_solid() && on_patch_.back().second == PatchLaw::ground_factor && heuristic.ground.rows() == 0)
                 throw MismatchError(fmt::format("term '{}' is zero everywhere", terms[t]));
             continue;
         }

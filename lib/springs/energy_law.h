@@ -45,9 +45,10 @@ struct LawHeuristic {
 /// Cells of a shape, which lie over each other in threes, have a third each.
 LawHeuristic law_heuristic(const SpringMesh& mesh, double modulus_N_m, const std::string& formulation, double area_cap);
 
-/// In space: moduli E of springs (S) and cells (C), and of what lies at the surface [Pa]; volume_cap of cells over E; radius of the disc that presses [m].
+/// In space: moduli E of springs (S) and cells (C), and of what lies at the surface [Pa]; volume_cap of cells over E; radius of the disc that presses [m]; moduli at
+/// the held nodes of an embedded solid (M), where they are not the surface's.
 LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spring_modulus_Pa, const Eigen::VectorXd& cell_modulus_Pa,
-                             double surface_modulus_Pa, double volume_cap, double radius_m);
+                             double surface_modulus_Pa, double volume_cap, double radius_m, const Eigen::VectorXd& support_modulus_Pa = {});
 
 /// Where E2 differs from triangle to triangle (T) [N/m], on a shape; a contact has the largest of them.
 LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triangle_modulus_N_m,
@@ -69,9 +70,9 @@ bool softens(const std::vector<std::string>& terms);
 ///   A_c = cap / (1 + (cap / heuristic_c - 1) exp(-sum_t p_t term_t(c))): the same, bending below the cap.
 /// Positive whatever p, the same whatever pushes. A term is WHAT.FACTOR.FACTOR..., the product of its factors:
 ///   spring, cell    all         1
-///                   surface     1 for a segment of the free surface, for a cell that has one, and about a node on it
+///                   surface     1 for a segment of the free surface, for a cell that has one, and about a node on it; not of an embedded solid
 ///                   layer       exp(-depth / spacing) below the free surface; spacing: mean of the surface's segments
-///                   held        1 where one but not all nodes are held
+///                   held        1 where one but not all nodes are held; not of an embedded solid
 ///                   x2 x4 y y2 y3 y4   powers of the place, over the half sizes of the mesh, from its middle
 ///   spring alone    along across    squared cosine to the nearest free surface, and to its normal
 ///                   upright         squared cosine to the normal of the nearest held edge
@@ -80,8 +81,8 @@ bool softens(const std::vector<std::string>& terms);
 ///                   z z2 z3 z4, and of x and y the even powers; spring alone horizontal vertical face body
 ///                   nodule      log(E / E_base), E in proportion to what of it lies in the nodule, or in named regions of a shape
 ///   contact.normal contact.tangent contact.rotation contact.stretch, alone or with one of: phase corner edge (PatchLaw)
-///   of a disc normal tangent imprint_normal imprint_tangent hardening saturation coupling, with one of: phase ground edge, on a
-///                   shape curved crowd (DiscContact); softening in place of hardening and saturation (ContactSpring)
+///   of a disc normal tangent imprint_normal imprint_tangent hardening saturation coupling, with one of: phase ground edge, on an
+///                   embedded solid ground edge curved crowd (DiscContact); softening in place of hardening and saturation (ContactSpring)
 ///   skin.normal skin.tangent skin.heave skin.radial   of a disc: in no constant, but in what is seen beside it (springs/skin.h)
 class EnergyLaw {
    public:

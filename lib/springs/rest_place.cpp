@@ -77,6 +77,7 @@ int RestPlaces::axes_of(const Cells& nodes, Eigen::Index e, int& first) const {
 Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) const {
     const Eigen::Index count = nodes.rows();
     const bool springs = nodes.cols() == 2, lattice = on_lattice(mesh_), cells = has_cells(mesh_);
+    const bool embedded = !mesh_.embedding.empty();  // its lattice's nodes are neither on the surface nor held
     Eigen::VectorXd value(count);
     const auto each = [&](const auto& at) {
         for (Eigen::Index e = 0; e < count; ++e) value[e] = at(e);
@@ -90,7 +91,7 @@ Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) 
     const auto scaled = [&](Eigen::Index e, int axis) { return (middle(nodes, e)[axis] - centre_m_[axis]) / half_size_m_[axis]; };
 
     if (name == "all") return Eigen::VectorXd::Ones(count);
-    if (name == "surface")
+    if (name == "surface" && !embedded)
         return each([&](Eigen::Index e) {
             for (Eigen::Index f = 0; f < free_.rows(); ++f) {
                 Eigen::Index shared = 0;
@@ -100,7 +101,7 @@ Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) 
             return 0.0;
         });
     if (name == "layer") return each([&](Eigen::Index e) { return std::exp(-nearest_free(nodes)[static_cast<std::size_t>(e)].distance_m / spacing_m_); });
-    if (name == "held")
+    if (name == "held" && !embedded)
         return each([&](Eigen::Index e) {
             Eigen::Index held = 0;
             for (Eigen::Index k = 0; k < nodes.cols(); ++k)
@@ -140,7 +141,7 @@ Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) 
                 return name == family ? 1.0 : 0.0;
             });
     }
-    throw MismatchError(fmt::format("factor '{}' is not possible here; allowed: all, surface, layer, held, {}{}{}{}", name,
+    throw MismatchError(fmt::format("factor '{}' is not possible here; allowed: all, layer, {}{}{}{}{}", name, embedded ? "" : "surface, held, ",
                                     up < 2 ? "" : lattice ? "top, bottom, wall, nodule, " : "top, bottom, nodule, ",
                                     up == 2 ? "x2, x4, y2, y4, z, z2, z3, z4" : "x2, x4, y, y2, y3, y4",
                                     springs ? ", along, across, upright" : "",

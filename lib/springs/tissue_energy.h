@@ -48,7 +48,7 @@ class TissueEnergy {
     /// Derivative of force by the constants [m] (N*D x E): column e is element e's force per unit.
     Eigen::SparseMatrix<double> unit_forces(const NodeField& u) const;
 
-    /// Smallest area, of a lattice's square or a shape's triangle, or volume of a cell or a shape's tetrahedron in space, over that at rest: 0 or
+    /// Smallest area, of a lattice's square or a shape's triangle, or volume of a cell in space, over that at rest: 0 or
     /// less, and it has turned inside out, where what lies around a node may still have its area.
     double smallest_ratio(const NodeField& u) const;
 

@@ -220,6 +220,10 @@ void read_embedding(const Hdf5Reader& file, TableReader& in, SpringMesh& mesh) {
     lattice("/mesh/lattice/cubes", e.cubes.minCoeff());
     lattice("/mesh/lattice/corner", e.corner.minCoeff());
     lattice("/mesh/springs", mesh.springs.minCoeff());
+    std::vector<bool> cornered(static_cast<std::size_t>(mesh.node_count()), false);
+    for (int node : e.cubes.reshaped()) cornered[static_cast<std::size_t>(node)] = true;
+    const auto alone = std::find(cornered.begin() + K, cornered.end(), false);
+    if (alone != cornered.end()) in.refuse("/mesh/lattice/cubes", fmt::format("leave out node {} of the lattice", alone - cornered.begin()));
     if (mesh.simplices.maxCoeff() >= K) in.refuse("/mesh/tetrahedra", "have a node of the lattice");
     if (!mesh.fixed.empty() && mesh.fixed.back() >= K) in.refuse("/mesh/fixed", fmt::format("names node {}, which is the lattice's and not the solid's own", mesh.fixed.back()));
     try {
@@ -297,6 +301,9 @@ TissueModel read_model(const Hdf5Reader& file) {
     model.law = file.text_attribute("/", "law");
     model.modulus_N_m = file.number_attribute("/", "modulus_N_m");
     model.mesh.topology = file.text_attribute("/", "topology");
+    const std::vector<std::string>& known = topologies().names();
+    if (std::find(known.begin(), known.end(), model.mesh.topology) == known.end())
+        file.refuse("/", fmt::format("attribute 'topology' is '{}', which this program does not have; train the study again", model.mesh.topology));
     if (!(model.modulus_N_m > 0) || !std::isfinite(model.modulus_N_m))
         file.refuse("/", fmt::format("attribute 'modulus_N_m' is {}, must be a finite number > 0", model.modulus_N_m));
     const bool solid = file.has("/mesh/tetrahedra");

@@ -61,7 +61,7 @@ std::vector<std::string> operator+(std::vector<std::string> a, const std::vector
 const std::vector<Rule>& rules() {
     static const std::vector<Rule> all = {
         {{"`geometry.shape` = a file",
-          {"geometry.width_m", "geometry.height_m", "geometry.length_m", "geometry.trust_geo", "lattice", "nodule", "map"},
+          {"geometry.width_m", "geometry.height_m", "geometry.length_m", "geometry.trust_geo", "lattice", "springs.spacing_m", "nodule", "map"},
           "size, lattice and nodule are of the base's tissue; trust is of one file"},
          gives_file},
         {{"`geometry.shape` = \"block\"", {"geometry.unit_m", "geometry.fixed", "geometry.solid", "geometry.trust_geo", "lattice"}, "they are of a shape"},

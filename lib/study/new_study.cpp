@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "error.h"
+#include "mesh/held_region.h"
 #include "study/shape_extent.h"
 
 namespace tissue {
@@ -73,19 +74,18 @@ void check_held(const ShapeExtent& shape, const NewStudy& wanted) {
     const std::string there = !shape.boundaries.empty() ? fmt::format("it names {}", fmt::join(shape.boundaries, ", "))
                               : unnamed_stl ? "it names none: parts between edges that turn by more than 40 degrees are surface-1 (the largest), surface-2, ..."
                                             : "it names none: name its physical curves in gmsh";
-    if (wanted.held.empty()) throw MismatchError(fmt::format("{}: --held must say which {}s are held; {}", wanted.shape, what, there));
+    if (wanted.held.empty()) throw MismatchError(fmt::format("{}: --held must say which {}s are held; {}{}", wanted.shape, what, there, shape.solid ? "; or a region, in m: --held 'below z = 0.01'" : ""));
     for (const std::string& name : wanted.held)
-        if (!unnamed_stl && std::find(shape.boundaries.begin(), shape.boundaries.end(), name) == shape.boundaries.end())
+        if (!(shape.solid && HeldRegion::of(name)) && !unnamed_stl && std::find(shape.boundaries.begin(), shape.boundaries.end(), name) == shape.boundaries.end())
             throw MismatchError(fmt::format("{}: has no {} '{}' to hold; {}", wanted.shape, what, name, there));
 }
 
-/// Springs of a mesh are the edges of its elements: as long as that many nodes lie apart.
+/// Springs of a mesh in the plane are the edges of its elements: as long as that many nodes lie apart. A solid has a lattice of its own.
 double spring_length(const ShapeExtent& shape, const NewStudy& wanted, const Size& size) {
-    if (shape.nodes > 0) {
-        constexpr double filled = 0.7;  // part of the box that tissue fills
-        return size.mean * std::pow(filled / static_cast<double>(shape.nodes), shape.solid ? 1.0 / 3 : 0.5);
-    }
-    return wanted.size_m ? *wanted.size_m : round_down(size.mean / 8);
+    constexpr double filled = 0.7;  // part of the box that tissue fills
+    if (shape.nodes > 0 && !shape.solid) return size.mean * std::sqrt(filled / static_cast<double>(shape.nodes));
+    if (wanted.size_m) return *wanted.size_m;
+    return round_down(shape.solid ? std::min(size.mean / 8, size.shortest / 3) : size.mean / 8);
 }
 
 std::string head(const ShapeExtent& shape, const NewStudy& wanted) {
@@ -95,14 +95,14 @@ std::string head(const ShapeExtent& shape, const NewStudy& wanted) {
                       shape.solid ? "volumes" : "surfaces", fmt::join(shape.regions, ", "));
     return fmt::format("# Written by tissuectl new. Every key is in SI units and says which; results/FORMATS.md lists them all.\n{}\n[geometry]\n{}"
                        "shape = {}    # beside this file\n{}unit_m = {}    # m, of that file's numbers\n"
-                       "fixed = {}    # its named {} that are held; the rest is free\n{}\n",
+                       "fixed = {}    # its named {} that are held{}; the rest is free\n{}\n",
                        regions, shape.solid ? "solid = true    # in space\n" : "", quoted(wanted.shape_in_study), wanted.trust_geo ? "trust_geo = true    # gmsh runs it as a program\n" : "",
-                       text(wanted.unit_m), list(wanted.held), shape.solid ? "surfaces" : "curves",
+                       text(wanted.unit_m), list(wanted.held), shape.solid ? "surfaces" : "curves", shape.solid ? ", or regions, in m" : "",
                        shape.solid ? "" : fmt::format("thickness_m = {}    # m, of the slice; forces scale with it\n", text(wanted.thickness_m)));
 }
 
 std::string lattice(const ShapeExtent& shape, double spring_m) {
-    return shape.nodes > 0 ? "" : fmt::format("[lattice]\nsize_m = {}    # m, length of the springs\n\n", text(spring_m));
+    return shape.nodes > 0 ? "" : fmt::format("[lattice]\nsize_m = {}    # m, {}\n\n", text(spring_m), shape.solid ? "of the facets of its surface" : "length of the springs");
 }
 
 std::string material(const ShapeExtent& shape, const NewStudy& wanted) {
@@ -185,8 +185,10 @@ WrittenStudy new_study(const NewStudy& wanted) {
     const std::string how_large = sides.empty() ? "of a size that gmsh alone knows" : fmt::format("{} mm", fmt::join(sides, " x "));
     study.choices.insert(study.choices.begin(),
                          {fmt::format("{}: {}, {}; held: {}", wanted.shape, shape.solid ? "in space" : "in the plane", how_large, fmt::join(wanted.held, ", ")),
-                          shape.nodes > 0 ? fmt::format("springs: the edges of its {} nodes' mesh, about {:.2g} mm long", shape.nodes, 1e3 * spring_m)
-                                          : fmt::format("springs {} mm long (lattice.size_m){}", text(1e3 * spring_m), wanted.size_m ? "" : ", an eighth of its mean size")});
+                          shape.solid     ? fmt::format("springs in cubes of {} mm (springs.spacing_m){}", text(1e3 * spring_m),
+                                                        wanted.size_m ? "" : ", an eighth of its mean size or a third of its shortest side")
+                          : shape.nodes > 0 ? fmt::format("springs: the edges of its {} nodes' mesh, about {:.2g} mm long", shape.nodes, 1e3 * spring_m)
+                                            : fmt::format("springs {} mm long (lattice.size_m){}", text(1e3 * spring_m), wanted.size_m ? "" : ", an eighth of its mean size")});
     return study;
 }
 

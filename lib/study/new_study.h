@@ -15,7 +15,7 @@ struct NewStudy {
     std::vector<std::string> held;   ///< its named curves, in space surfaces, that are held
     std::string preset = "liver";    ///< fem/materials/NAME.toml
     double thickness_m = 0.1;        ///< in the plane
-    std::optional<double> size_m;    ///< of the springs; absent: a part of the tissue's size
+    std::optional<double> size_m;    ///< of the springs, in space of their cubes; absent: a part of the tissue's size
 };
 
 struct WrittenStudy {

@@ -14,7 +14,7 @@ struct ShapeExtent {
     std::vector<std::string> boundaries;               ///< named curves; in space surfaces
     std::vector<std::string> regions;                  ///< named surfaces; in space volumes
     std::optional<std::array<double, 3>> low, high;    ///< box of its points, in the file's unit; none where gmsh alone knows it
-    std::size_t nodes = 0;                             ///< of a mesh whose elements are the springs' own; 0 of any other file
+    std::size_t nodes = 0;                             ///< of a mesh, whose elements in the plane are the springs' own; 0 of any other file
 };
 
 /// Reads .msh (2.2 and 4.1, ASCII), .stl and .geo. A .geo is read, never run: its points are known where all of them stand there as

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "error.h"
+#include "mesh/held_region.h"
 #include "mesh/stl_file.h"
 #include "mesh/topology.h"
 #include "springs/spring_law.h"
@@ -90,9 +91,16 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
             in.refuse("shape", g.shape + " is a program, which gmsh runs and which may run any command; geometry.trust_geo = true says that you trust it");
         g.unit_m = in.optional_number("unit_m", positive).value_or(1);
         g.fixed = in.texts("fixed");
-        if (g.fixed.empty()) in.refuse("fixed", fmt::format("must name at least one physical {} of the shape", g.solid ? "surface" : "curve"));
-        for (const std::string& name : g.fixed)
-            if (g.solid && name.find(',') != std::string::npos) in.refuse("fixed", "'" + name + "' has a comma, which stands between names");
+        if (g.fixed.empty()) in.refuse("fixed", g.solid ? "must name at least one physical surface of the shape, or a region: \"below z = 0.01\"" : "must name at least one physical curve of the shape");
+        for (std::string& name : g.fixed) {
+            if (!g.solid) continue;
+            if (name.find(',') != std::string::npos) in.refuse("fixed", "'" + name + "' has a comma, which stands between names");
+            try {
+                if (const auto region = HeldRegion::of(name)) name = region->word();
+            } catch (const MismatchError& e) {
+                in.refuse("fixed", e.what());
+            }
+        }
     }
     in.refuse_the_rest();
     return g;

@@ -82,7 +82,7 @@ struct Study {
     std::optional<Map> map;
 
     std::vector<int> cells = {0, 0};  ///< of the block's spring lattice, along x and y, of a solid z too
-    double spring_size_m = 0;  ///< length of the springs that gmsh fills an outline or a surface with; 0 for a shape that is a mesh
+    double spring_size_m = 0;  ///< sides of the triangles or tetrahedra that gmsh fills an outline or a surface with, in the plane the springs; 0 for a shape that is a mesh
 
     /// Measured contact forces in place of finite elements.
     struct Data {

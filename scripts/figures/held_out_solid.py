@@ -74,7 +74,7 @@ def from_above(figure, axis, results, drawn):
     handles += [Line2D([], [], color="black", marker="x", linestyle="", label="trained on"),
                 Line2D([], [], color="0.25", label="sideways part of the push"),
                 Line2D([], [], color="0.8", marker="+", linestyle="", label="nodes of the springs") if results.on_lattice else
-                Line2D([], [], color="0.85", label="springs of the surface")]
+                Line2D([], [], color="0.85", label="edges of the surface")]
     axis.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False, fontsize=9)
     axis.set_aspect("equal")
     axis.set_xlabel("x (mm), the surface from above")

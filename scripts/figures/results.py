@@ -115,10 +115,8 @@ def load(folder):
             results.triangles = f["mesh/triangles"][()]
             results.boundary = f["mesh/boundary"][()]
         results.fixed = f["mesh/fixed"][()]
-        if "mesh/lattice" in f:  # the solid's own nodes come first; drawn are the edges of its tetrahedra
+        if "mesh/lattice" in f:  # the solid's own nodes come first
             results.nodes = results.nodes[: len(f["mesh/lattice/corner"])]
-            pairs = np.vstack([results.tetrahedra[:, [i, j]] for i in range(4) for j in range(i)])
-            results.springs = np.unique(np.sort(pairs, axis=1), axis=0)
         results.modulus = float(f.attrs["modulus_N_m"])
         results.case_names = list(f["cases/names"].asstr())
         results.magnitude = f["cases/magnitude"][()]

@@ -238,8 +238,67 @@ TEST_CASE("regions of a solid shape stiffen springs and cells by what of them li
     const Eigen::VectorXd own = untrained_model(s, cases, {}).heuristic_a, even = untrained_model(study(), dome_cases(), {}).heuristic_a;
     CHECK((own.cwiseQuotient(even) - ratio.head(mesh.spring_count())).norm() < 1e-9 * own.size());  // Van Gelder's
     stony->region.assign(stony->region.size(), 1);
-    const Eigen::Index tissue = soft.size() - mesh.support_count();  // supports are as the base material
-    CHECK((study_law(s, stony, mesh).constants(none) - 10 * soft).head(tissue).norm() < 1e-9 * soft.norm());
+    CHECK((study_law(s, stony, mesh).constants(none) - 10 * soft).norm() < 1e-9 * soft.norm());  // supports too
+}
+
+TEST_CASE("of what reaches out of a solid shape the tissue inside counts, or the nearest; supports are as stiff as what they hold; what is too small to be seen is refused", "[solid_shape]") {
+    Study s = study();
+    s.file = "dome.toml";
+    s.material.regions = {{{}, "stone"}};
+    s.material.regions[0].C1_Pa = 10 * (263 + 491);
+    std::optional<Shape> stony = shape();
+    const auto middle = [&](std::size_t t) {
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+        for (int node : stony->simplices.row(static_cast<Eigen::Index>(t))) sum += stony->nodes.row(node).transpose() / 4;
+        return sum;
+    };
+    for (std::size_t t = 0; t < stony->region.size(); ++t) stony->region[t] = middle(t).x() > 0 ? 1 : 0;
+    const SpringMesh mesh = study_mesh(s, stony, "embedded");
+    const double E = 6 * 754.0;
+    for (const Cells& pieces : {Cells(mesh.springs), mesh_cells(mesh)}) {
+        const Eigen::VectorXd moduli = solid_moduli(s, stony, mesh, pieces);
+        int right = 0, left = 0;
+        for (Eigen::Index e = 0; e < pieces.rows(); ++e) {  // 10 mm boxes: the border is jagged by no more than one
+            double low = 1, high = -1;
+            for (int node : pieces.row(e)) {
+                low = std::min(low, mesh.nodes(node, 0));
+                high = std::max(high, mesh.nodes(node, 0));
+            }
+            if (low > 0.011) CHECK(moduli[e] == Approx(10 * E).epsilon(tolerance::rounding));
+            if (high < -0.011) CHECK(moduli[e] == Approx(E).epsilon(tolerance::rounding));
+            right += low > 0.011;
+            left += high < -0.011;
+        }
+        CHECK(right > 10);
+        CHECK(left > 10);
+    }
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(2);
+    const Eigen::Index M = mesh.support_count();
+    const Eigen::VectorXd ratio = study_law(s, stony, mesh).constants(none).tail(M).cwiseQuotient(study_law(study(), shape(), mesh).constants(none).tail(M));
+    CHECK(ratio.minCoeff() == Approx(1).epsilon(tolerance::rounding));
+    CHECK(ratio.maxCoeff() == Approx(10).epsilon(tolerance::rounding));
+
+    // a branch that the stone alone has: no support has it
+    s.material.viscosity = {{0.3, 1.0}};
+    s.material.share = {0.3};
+    s.material.regions[0].share = {0.0};
+    const Relaxation r = study_relaxation(s, stony, mesh, study_law(s, stony, mesh));
+    REQUIRE(r.share.rows() == ratio.size() + mesh.spring_count() + cell_count(mesh));
+    CHECK(r.share.bottomRows(M).isZero(0));
+    const Eigen::VectorXd springs = r.share.col(0).head(mesh.spring_count());
+    CHECK(springs.maxCoeff() == Approx(0.3).epsilon(1e-6));
+    CHECK(springs.minCoeff() == Approx(0).margin(1e-6));
+
+    // one tetrahedron of a fine mesh, between all points
+    std::optional<Shape> fine = dome(30);
+    fine->region.assign(fine->region.size(), 0);
+    std::size_t least = 0;
+    const auto near = [&](std::size_t t) { return (fine->nodes.row(fine->simplices(static_cast<Eigen::Index>(t), 0)).transpose() - Eigen::Vector3d(0, 0, 0.025)).norm(); };
+    for (std::size_t t = 0; t < fine->region.size(); ++t) least = near(t) < near(least) ? t : least;
+    fine->region[least] = 1;
+    s.springs.spacing_m = 0.025;
+    const SpringMesh coarse = study_mesh(s, fine, "embedded");
+    CHECK_THAT(refusal<StudyError>([&] { study_law(s, fine, coarse); }), StartsWith("dome.toml: key 'material.regions.stone': a lattice of 25 mm does not see this volume"));
 }
 
 TEST_CASE("a nodule in a solid shape stiffens springs and cells by what of them lies in it, and the contacts above", "[solid_shape]") {

@@ -5,6 +5,7 @@
 #include "edited_store.h"
 #include "fuzz_file.h"
 
+#include "mesh/embedded_lattice.h"
 using namespace tissue;
 
 namespace {
@@ -30,10 +31,17 @@ TissueModel in_space() {
     return model;
 }
 
+TissueModel embedded() {
+    TissueModel model = solid_law_example(embedded_lattice(shape_of(make_lattice("grid26", Lattice{{2, 2, 2}, {0.02, 0.02, 0.01}})), 0.006));
+    model.contact_m = Eigen::RowVector3d(0.01, 0.01, 0.01);
+    model.direction = Eigen::RowVector3d(0, 0, -1);
+    return model;
+}
+
 const std::vector<EditedStore>& bases() {
     static const TissueModel law = law_example(make_lattice("grid8", 2, 2, 0.1, 0.1));
     static const std::vector<EditedStore> all = {stored("sets", haptic_example({"grid4", "isotropic", 2})), stored("law", law), stored("relaxing", relaxing(law)),
-                                                 stored("solid", in_space()), learned(law)};
+                                                 stored("solid", in_space()), stored("embedded", embedded()), learned(law)};
     return all;
 }
 

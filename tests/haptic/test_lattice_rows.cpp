@@ -103,6 +103,12 @@ TEST_CASE("a lattice that would leave most rows empty, and a mesh that is none, 
     const LatticeRows lattice(make_lattice("grid26", Lattice{{3, 3, 3}, {0.03, 0.03, 0.03}}));
     CHECK(lattice.by_node());
 
+    // so far apart that places are no exact numbers
+    SpringMesh far = at_places({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+    far.embedding.spacing_m = std::ldexp(1.0, -44);
+    far.nodes.row(1) << 512 * far.embedding.spacing_m, 498.7, 0;
+    CHECK(LatticeRows(far).by_node());
+
     CHECK(!LatticeRows(at_places({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}})).by_node());
     CHECK_THAT(refusal<MismatchError>([] { LatticeRows(at_places({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}})); }), Contains("node 3"));
 }

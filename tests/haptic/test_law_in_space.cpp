@@ -199,6 +199,9 @@ TEST_CASE("in space springs that do not turn are refused, and boxes that no latt
     const TissueModel model = solid_law_example(meshes().front());
     for (const char* law : {"axial", "isotropic"})
         CHECK_THAT(refusal<MismatchError>([&] { RealtimeMesh(model.mesh, law, model.node_mass_kg); }), Contains("geometric"));
+    const TissueModel embedded = solid_law_example(embedded_lattice(dome(6), 0.011));
+    const RealtimeMesh its = springs_of(embedded);
+    CHECK_THAT(refusal<MismatchError>([&] { make_dynamics("symplectic", its, {1e-3, 0, nullptr}); }), Contains("by its law alone"));
     const RealtimeMesh springs = springs_of(model);
     for (const char* name : {"implicit", "paper"})
         CHECK_THAT(refusal<MismatchError>([&] { const RealtimeLaw law(model, springs); make_dynamics(name, springs, {1e-3, 1, &law}); }), Contains(name));

@@ -293,9 +293,8 @@ class SolidLaw:
                 for other in range(3):
                     far = corner >> other & 1
                     self.side[:, corner, axis] *= (1 if far else -1) if other == axis else at[:, other] if far else 1 - at[:, other]
-        whole = (at == 0.5).all(axis=1)
-        same("volumes at rest", self.volumes(nodes[self.cells])[whole] if held is None else np.minimum(volume, self.volumes(nodes[self.cells])),
-             volume[whole] if held is None else volume, 1e-12)
+        if held is None:
+            same("volumes at rest", self.volumes(nodes[self.cells]), volume, 1e-12)
 
     def volumes(self, x):
         """Of cells with corners x (C x 8 x 3): the determinant of the means of their edges."""
@@ -365,6 +364,7 @@ def solid_law_csv(export, h5):
         fixed = column(supports, "node")[:, 0].astype(int)
         corner, weight = column(inside, *corners).astype(int), column(inside, *(name.replace("node", "weight") for name in corners))
         same("held nodes", fixed, h5["mesh/fixed"][:])
+        same("tissue in cells", column(read["cells"], "rest_volume_m3")[:, 0], h5["mesh/lattice/fraction"][:] * h5["mesh/lattice"].attrs["spacing_m"]**3, 1e-12)
         same("supports", column(supports, "stiffness_N_m")[:, 0], constants[S + len(cells):])
         for press in presses_of(export):
             same("what moves the solid's own nodes", np.einsum("nk,nki->ni", weight, press[3][corner]), press[3][:len(corner)], 1e-12)
@@ -470,6 +470,8 @@ def law_vtu(export, h5, csv_export):
             cells = len(h5["mesh/lattice/cubes"]) if "mesh/lattice" in h5 else len(h5["mesh/tetrahedra"]) // 6
             same(f"{name}: stiffness of cells", grid.cells["stiffness_Pa"][S:], h5["law/constants"][S:S + cells])
             same(f"{name}: a cell each", len(volume), cells)
+            if "mesh/lattice" in h5:
+                same(f"{name}: its corners", grid.nodes[2 * S:].reshape(-1, 8), h5["mesh/lattice/cubes"][:][:, [0, 1, 3, 2, 4, 5, 7, 6]])
             if min(volume.min(), jacobian.min()) <= 0:
                 sys.exit(f"{name}: a cell is inside out")
         same(f"{name}: displacement", grid.points["displacement_m"], in_space(u))

@@ -81,7 +81,7 @@ with open(sys.argv[1], "w") as out:
         print("endsolid", name, file=out)
 PY
 tissuectl new box --shape fem/box.stl --unit mm
-check "a surface of two solids: they are listed" one_line '^tissuectl: fem/box.stl: --held must say which surfaces are held; it names \(free, under\|under, free\)$'
+check "a surface of two solids: they are listed" one_line '^tissuectl: fem/box.stl: --held must say which surfaces are held; it names \(free, under\|under, free\); or a region, in m: --held .below z = 0.01.$'
 tissuectl new box --shape fem/box.stl --unit mm --held under
 check "a surface in space: exit 0" exited 0
 check "a surface in space: its size, and what is held" says '^fem/box.stl: in space, 80 x 60 x 50 mm; held: under$'
@@ -94,4 +94,31 @@ check "and no study is written" absent "$work/fem/studies/blank.toml"
 run make PYTHON="$PYTHON" STUDY=box mesh
 check "its study is meshed" exited 0
 check "its study is planned on its mesh: 24 pushes to train on" trains box = 24
+
+# ---- held by a region: a surface that names nothing
+sed 's/^solid.*/solid skin/; s/^endsolid.*/endsolid skin/' "$work/fem/box.stl" | awk '/^solid/ && n++ {next} {print}' | grep -v '^endsolid' >"$work/fem/skin.stl"
+echo 'endsolid skin' >>"$work/fem/skin.stl"
+tissuectl new skin --shape fem/skin.stl --unit mm --held 'below z = 0.0125'
+check "a surface held by a region: exit 0" exited 0
+check "a surface held by a region: it is said" says 'held: below z = 0.0125$'
+run make PYTHON="$PYTHON" STUDY=skin mesh
+check "its study is meshed" exited 0
+check "held is what lies there: the bottom, and the walls as high as that" "$PYTHON" - "$work/results/skin/mesh.msh" <<'PY'
+import sys
+import numpy as np
+lines = open(sys.argv[1]).read().split("\n")
+k, e = lines.index("$Nodes"), lines.index("$Elements")
+x = np.array([[float(w) for w in l.split()[1:]] for l in lines[k + 2:k + 2 + int(lines[k + 1])]])
+facets = np.array([[int(w) for w in l.split()[3:]] for l in lines[e + 2:e + 2 + int(lines[e + 1])] if l.split()[1] == "2"])
+at = x[facets[:, 2:] - 1]
+area = np.linalg.norm(np.cross(at[:, 1] - at[:, 0], at[:, 2] - at[:, 0]), axis=1) / 2
+held = facets[:, 0] == 1
+assert abs(area[held].sum() / (0.08 * 0.06 + 0.0125 * 2 * (0.08 + 0.06)) - 1) < 1e-3, area[held].sum()
+assert at[held][..., 2].max() < 0.0126 and at[~held][..., 2].min() > 0.0124
+PY
+tissuectl new skin2 --shape fem/skin.stl --unit mm --held 'below z = deep'
+check "a region that is none: one line says how they are written" one_line "'below z = deep' is no region that holds; such are, in metres: below z = 0.01, above x = 0.1, ball"
+tissuectl new skin2 --shape fem/skin.stl --unit mm --held 'above z = 1'
+run make PYTHON="$PYTHON" STUDY=skin2 mesh
+check "a region beside the surface: one line names both" one_line "fem/skin.stl: 'above_z_1' holds nothing of its surface, which reaches from (-0.04, -0.03, 0) m to (0.04, 0.03, 0.05) m"
 finish

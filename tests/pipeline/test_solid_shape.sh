@@ -166,11 +166,12 @@ assert over / beside > 1.1, (over, beside)
 assert law_over / law_beside > 1 + 0.5 * (over / beside - 1), (law_over, law_beside, over / beside)
 assert learned["trained"]["learned"]["max"] < 0.1, learned["trained"]["learned"]
 PY
-check "the law knows the nodule" "$PYTHON" - "$work/results" <<'PY'
-import json, sys
+knows() { # SENTENCE STUDY
+    check "$1" "$PYTHON" - "$work/results/$2" <<'PY'
+import sys
 import h5py
 import numpy as np
-with h5py.File(sys.argv[1] + "/stone/model.h5") as m:
+with h5py.File(sys.argv[1] + "/model.h5") as m:
     own = m["law/constants"][()][: len(m["mesh/springs"])]
     nodes, springs = m["mesh/nodes"][()], m["mesh/springs"][()]
     inside = np.linalg.norm(nodes[springs].mean(axis=1) - [0.020, 0.0, 0.016], axis=1) < 0.006
@@ -178,6 +179,8 @@ with h5py.File(sys.argv[1] + "/stone/model.h5") as m:
     print("springs in the nodule over all: %.2f" % (np.median(own[inside]) / np.median(own)))
     assert np.median(own[inside]) > 2 * np.median(own)
 PY
+}
+knows "the law knows the nodule" stone
 cp -p "$work/$stone" "$scratch/stone.toml"
 wrong() { # SENTENCE SED LINE-PATTERN
     sed "$2" "$scratch/stone.toml" >"$work/$stone"
@@ -197,7 +200,7 @@ bed[] = Surface In BoundingBox{-60, -60, -0.01, 60, 60, 0.01};
 Physical Surface("table") = {bed[]};
 GEO
 pit=fem/studies/pit.toml
-sed -e 's|^\[nodule\]|[geometry]\nshape = "../pit.geo"\ntrust_geo = true\n[lattice]\nsize_m = 0.014\n[material.regions.stone]|' -e '/^centre_m/d' -e '/^radius_m/d' "$scratch/stone.toml" >"$work/$pit"
+sed -e 's|^\[nodule\]|[geometry]\nshape = "../pit.geo"\ntrust_geo = true\n[lattice]\nsize_m = 0.014\n[material.regions.stone]|' -e 's/^\[springs\]/[springs]\nspacing_m = 0.008/' -e '/^centre_m/d' -e '/^radius_m/d' "$scratch/stone.toml" >"$work/$pit"
 run make PYTHON="$PYTHON" STUDY=pit eval
 check "a solid shape with a region of its own goes from mesh to evaluation" exited 0
 check "a ball as a named volume is felt as the nodule is" "$PYTHON" - "$work/results/pit" "$work/results/stone" <<'PY'
@@ -213,6 +216,7 @@ off = {n: pit[n] / stone[n] - 1 for n in pit}
 print(off)
 assert max(map(abs, off.values())) < 0.03, off
 PY
+knows "the law knows the volume as it does the nodule" pit
 sed -i 's/regions.stone/regions.peach/' "$work/$pit"
 run make PYTHON="$PYTHON" STUDY=pit mesh
 check "a region that the shape has not: one line says so" one_line "fem/pit.geo: has no physical volume 'peach'; it has: .*stone"

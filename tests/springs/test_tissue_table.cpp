@@ -181,4 +181,16 @@ TEST_CASE("a model of a solid in an embedded lattice comes back from its file in
     CHECK_THAT(said([](Embedding&, Mass&, SpringMesh& mesh) { mesh.fixed.push_back(mesh.node_count() - 1); }), Contains("/mesh/fixed: names node "));
     CHECK_THAT(said([](Embedding&, Mass&, SpringMesh& mesh) { mesh.topology = "grid26"; }), Contains("do not belong together"));
     CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e = {}; }), Contains("do not belong together"));
+    CHECK_THAT(said([](Embedding&, Mass&, SpringMesh& mesh) { mesh.topology = "edges3"; }), Contains("attribute 'topology' is 'edges3', which this program does not have; train the study again"));
+    // a node of the lattice that no cube has could stand anywhere
+    CHECK_THAT(said([](Embedding&, Mass& mass, SpringMesh& mesh) {
+                   const Eigen::Index N = mesh.node_count();
+                   mesh.nodes.conservativeResize(N + 1, 3);
+                   mesh.nodes.row(N) << 500, 500, 500;
+                   for (Eigen::VectorXd* of : {&mass, &mesh.node_measure}) {
+                       of->conservativeResize(N + 1);
+                       (*of)[N] = 1;
+                   }
+               }),
+               Contains("/mesh/lattice/cubes: leave out node "));
 }

@@ -129,10 +129,21 @@ TEST_CASE("a new study is one that is read, in the plane and in space, with size
         CHECK(solid.geometry.is_solid());
         CHECK(solid.loads.path_count() == 24);
         CHECK(solid.indenter.radius_m <= 0.007);
+        CHECK(solid.springs.topology == "embedded");
+        CHECK(solid.springs.spacing_m == solid.spring_size_m);
+        CHECK(solid.springs.spacing_m <= factor * 0.0061);
     }
     wanted.shape = folder.file("studies/a.msh", tetrahedron);
     wanted.shape_in_study = "a.msh";
-    CHECK(read_study(folder.file("studies/mesh.toml", new_study(wanted).toml)).spring_size_m == 0);  // its elements are the springs
+    const auto of_mesh = [&] { return read_study(folder.file("studies/mesh.toml", new_study(wanted).toml)); };
+    CHECK(of_mesh().spring_size_m == 0);  // displacements are compared at its nodes
+    CHECK(of_mesh().springs.spacing_m > 0.001);
+    wanted.size_m = 0.0123;
+    CHECK(of_mesh().springs.spacing_m == 0.0123);
+    wanted.held = {"below z = 0.01"};
+    CHECK(of_mesh().geometry.fixed == std::vector<std::string>{"below_z_0.01"});
+    wanted.held = {"below z"};
+    CHECK_THAT(refusal<MismatchError>([&] { new_study(wanted); }), Contains("'below z' is no region that holds"));
 }
 
 TEST_CASE("a new study is refused where nothing or something unknown is held, and where the unit cannot be", "[new]") {

@@ -149,7 +149,7 @@ TEST_CASE("a study based on another takes its own kind of contacts and geometry"
     CHECK(read_study(folder.file("a.toml", std::string("based_on = \"base\"\n") + spread)).geometry.shape == folder.file("dome.geo", ""));
     folder.file("other.geo", "");
     for (const char* trust : {"", "trust_geo = false\n", "trust_geo = true\n"}) {  // of the base's file, not of another
-        const std::string file = folder.file("d.toml", std::string("based_on = \"base\"\n[geometry]\nshape = \"other.geo\"\n") + trust + "[lattice]\nsize_m = 0.01\n" + spread);
+        const std::string file = folder.file("d.toml", std::string("based_on = \"base\"\n[geometry]\nshape = \"other.geo\"\n") + trust + "[lattice]\nsize_m = 0.01\n[springs]\nspacing_m = 0.01\n" + spread);
         CAPTURE(trust);
         if (std::string(trust).find("= true") != std::string::npos) CHECK_NOTHROW(read_study(file));
         else CHECK_THAT(refusal<StudyError>([&] { read_study(file); }), Contains("d.toml:3: key 'geometry.shape'") && Contains("trust_geo = true"));
