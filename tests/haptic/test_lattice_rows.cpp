@@ -103,10 +103,14 @@ TEST_CASE("a lattice that would leave most rows empty, and a mesh that is none, 
     const LatticeRows lattice(make_lattice("grid26", Lattice{{3, 3, 3}, {0.03, 0.03, 0.03}}));
     CHECK(lattice.by_node());
 
-    // so far apart that places are no exact numbers
-    SpringMesh far = at_places({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+    // so far apart that rows are no exact numbers, and yet few: they would lie beside their array
+    SpringMesh far = at_places(std::vector<std::array<int, 3>>(710, {0, 0, 0}));
     far.embedding.spacing_m = std::ldexp(1.0, -44);
-    far.nodes.row(1) << 512 * far.embedding.spacing_m, 498.7, 0;
+    far.nodes.row(1) << 512, 8773495498113277, 0;
+    for (int k = 0; k < 8; ++k) far.nodes.row(2 + k) << k % 2, k / 2 % 2, 1 + k / 4;
+    far.nodes.row(10) << 999, 0, 3;
+    for (int n = 11; n <= 710; ++n) far.nodes.row(n) << 0, 0, n - 7;
+    far.nodes *= far.embedding.spacing_m;
     CHECK(LatticeRows(far).by_node());
 
     CHECK(!LatticeRows(at_places({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}})).by_node());

@@ -69,6 +69,12 @@ TEST_CASE("what of a surface lies in a region is held, to its border, and the su
     const MshFile bare = bare_dome(8);
     const Parts whole = parts_of(make_surface(bare, {"surface-1"}, 0.001));
     const double all_m2 = whole.held_m2 + whole.free_m2;
+    double shortest_side_m = 1;
+    for (const MshFile::Element& e : bare.triangles)
+        for (int i = 0; i < 3; ++i) {
+            const MshFile::Point &a = bare.points[static_cast<std::size_t>(e.node[i])], &b = bare.points[static_cast<std::size_t>(e.node[(i + 1) % 3])];
+            shortest_side_m = std::min(shortest_side_m, 1e-3 * std::hypot(a.x - b.x, a.y - b.y, a.z - b.z));
+        }
     for (const auto& texts : std::vector<std::vector<std::string>>{{"below z = 0.0203"}, {"above x = 0.0117"}, {"ball 0.03 0.01 0.03 radius 0.02"}, {"box -0.1 -0.1 0.011 to 0.007 0.1 0.1"}, {"below z = 0.0101", "above z = 0.041"}}) {
         const Surface s = make_surface(bare, texts, 0.001);
         INFO(texts[0]);
@@ -86,6 +92,10 @@ TEST_CASE("what of a surface lies in a region is held, to its border, and the su
             CHECK(sides.count({side.second, side.first}) == 1);
         }
         CHECK(s.nodes.rows() - s.triangles.rows() / 2 == 2);
+        double shortest_m = 1;
+        for (Eigen::Index t = 0; t < s.triangles.rows(); ++t)
+            for (int i = 0; i < 3; ++i) shortest_m = std::min(shortest_m, (s.corner(t, i) - s.corner(t, (i + 1) % 3)).norm());
+        CHECK(shortest_m > 0.09 * shortest_side_m);
         // no triangle reaches across the border by more than a tenth of a side
         for (Eigen::Index t = 0; t < s.triangles.rows(); ++t) {
             double least = 1, most = -1, longest = 0;
