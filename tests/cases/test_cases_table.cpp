@@ -51,7 +51,12 @@ TEST_CASE("load cases, changed in any one dataset in any way, are refused in one
         const auto found = datasets_of(whole, table);
         REQUIRE(found.size() == Hdf5Reader(whole, "cases").datasets().size());
         int refused = 0;
-        for (const auto& [dataset, rule] : found)
+        const auto of_another_path = [&](const std::string& dataset) {  // those of the first and the last are alike
+            return dataset.rfind("/paths/", 0) == 0 && dataset.find("/" + cases.paths.front().name + "/") == std::string::npos &&
+                   dataset.find("/" + cases.paths.back().name + "/") == std::string::npos;
+        };
+        for (const auto& [dataset, rule] : found) {
+            if (of_another_path(dataset)) continue;
             for (const Mutation& mutation : mutations(whole, dataset, table)) {
                 INFO(dataset << ": " << mutation.name);
                 std::filesystem::copy_file(whole, file, std::filesystem::copy_options::overwrite_existing);
@@ -67,6 +72,7 @@ TEST_CASE("load cases, changed in any one dataset in any way, are refused in one
                     CHECK_FALSE(mutation.must_be_refused);
                 }
             }
+        }
         CHECK(refused > 100);
     }
 }

@@ -142,10 +142,10 @@ TEST_CASE("draws on a solid shape are uniform by area, as clear and as tilted as
     CHECK(count == std::map<std::string, int>{{"train", 5}, {"validation", 10}, {"held_out", 40}, {"check", 20}});
     Study many = study();
     many.draws.resize(1);
-    many.draws[0].count = 4000;
+    many.draws[0].count = 1000;
     many.draws[0].clearance_m[0] = 0.012;
     double high = 0, east = 0, all = 0, area_high = 0, area = 0;
-    for (const Point& p : surface.points(6)) {  // parts of a facet are alike, facets nearly
+    for (const Point& p : surface.points(3)) {  // parts of a facet are alike, facets nearly
         const double part = surface.measure()[surface.nearest(p).facet];
         if (surface.clearance_m(p) < 0.012) continue;
         area += part;
@@ -159,10 +159,10 @@ TEST_CASE("draws on a solid shape are uniform by area, as clear and as tilted as
         aside += p.push.direction - surface.nearest(p.push.contact_m).inward * surface.nearest(p.push.contact_m).inward.dot(p.push.direction);
         ++all;
     }
-    CHECK(all == 4000);
-    CHECK(high / all == Approx(area_high / area).margin(0.03));
-    CHECK(east / all == Approx(0.5).margin(0.03));
-    CHECK((aside / all).norm() < 0.02);
+    CHECK(all == 1000);
+    CHECK(high / all == Approx(area_high / area).margin(0.04));
+    CHECK(east / all == Approx(0.5).margin(0.04));
+    CHECK((aside / all).norm() < 0.03);
     Study other = study();
     other.draws[0].seed = 77;
     const auto before = planned_paths(study(), shape()), after = planned_paths(other, shape());
