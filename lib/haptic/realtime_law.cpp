@@ -43,7 +43,16 @@ RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) 
     if (model.mesh.is_solid()) {
         add_boxes(model, static_cast<const CellVolumes&>(*energy.kinds()[1]), energy.first_of(1));
         if (energy.kinds().size() > 2) {
-            supports_.node = model.mesh.fixed;
+            const Embedding& embedding = model.mesh.embedding;
+            supports_.begin.push_back(0);
+            for (int node : model.mesh.fixed) {
+                for (int k = 0; k < 8; ++k) {
+                    if (std::abs(embedding.weight(node, k)) < 1e-12) continue;
+                    supports_.corner.push_back(embedding.corner(node, k));
+                    supports_.weight.push_back(embedding.weight(node, k));
+                }
+                supports_.begin.push_back(static_cast<int>(supports_.corner.size()));
+            }
             supports_.first_constant = energy.first_of(2);
             const auto k = law.constants.tail(energy.kinds()[2]->count());
             supports_.gain.assign(k.begin(), k.end());
@@ -399,15 +408,40 @@ double RealtimeLaw::sum_of_elements(const Of& of_element) const {
     return sum;
 }
 
+/// How far a support's point has moved.
+kernel::Vector RealtimeLaw::Supports::moved(std::size_t m, const NodeColumns& u) const noexcept {
+    const double *x = u.col(0).data(), *y = u.col(1).data(), *z = u.col(2).data();
+    kernel::Vector sum = {0, 0, 0};
+    for (int e = begin[m]; e < begin[m + 1]; ++e) {
+        const double w = weight[static_cast<std::size_t>(e)];
+        const int c = corner[static_cast<std::size_t>(e)];
+        sum = sum + kernel::Vector{w * x[c], w * y[c], w * z[c]};
+    }
+    return sum;
+}
+
 double RealtimeLaw::supports_energy(const NodeColumns& u) const noexcept {
     double energy = 0;
-    for (std::size_t m = 0; m < supports_.node.size(); ++m) energy += supports_.gain[m] * springs_.embedding().at(supports_.node[m], u).squaredNorm() / 2;
+    for (std::size_t m = 0; m < supports_.gain.size(); ++m) {
+        const kernel::Vector moved = supports_.moved(m, u);
+        energy += supports_.gain[m] * (moved.x * moved.x + moved.y * moved.y + moved.z * moved.z) / 2;
+    }
     return energy;
 }
 
 void RealtimeLaw::supports_force(const NodeColumns& u, NodeColumns& f) const noexcept {
-    const Embedding& embedding = springs_.embedding();
-    for (std::size_t m = 0; m < supports_.node.size(); ++m) embedding.spread(supports_.node[m], supports_.gain[m] * embedding.at(supports_.node[m], u), f);
+    if (supports_.gain.empty()) return;
+    double *x = f.col(0).data(), *y = f.col(1).data(), *z = f.col(2).data();
+    for (std::size_t m = 0; m < supports_.gain.size(); ++m) {
+        const kernel::Vector moved = supports_.moved(m, u);
+        for (int e = supports_.begin[m]; e < supports_.begin[m + 1]; ++e) {
+            const double pull = supports_.gain[m] * supports_.weight[static_cast<std::size_t>(e)];
+            const int c = supports_.corner[static_cast<std::size_t>(e)];
+            x[c] += pull * moved.x;
+            y[c] += pull * moved.y;
+            z[c] += pull * moved.z;
+        }
+    }
 }
 
 double RealtimeLaw::energy(const NodeColumns& u, BranchMemory memory) const {

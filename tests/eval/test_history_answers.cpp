@@ -131,7 +131,7 @@ TEST_CASE("while the tool is away nothing holds the tissue, and a second touch f
 }
 
 TEST_CASE("of models beside the learned one each is what it says: the truth is played, and they are as far from it as they must be", "[histories]") {
-    const TissueModel model = relaxing(law_example());
+    const TissueModel model = relaxing(law_example(make_lattice("grid8", 6, 6, 0.1, 0.1)));
     HapticOptions still = alone();
     const HapticModel haptic(model, still);
     still.damping_ratio = haptic.options.damping_ratio;

@@ -24,7 +24,7 @@ TEST_CASE("in motion the force comes to the static closed-loop answer at every c
         const TissueModel tissue = haptic_example(e);
         const HapticModel model(tissue, {});
         int answered = 0, asked = 0;
-        for (int c = 0; c < tissue.case_count(); c += e.law == "isotropic" ? 1 : 3) {
+        for (int c = 0; c < tissue.case_count(); c += e.law == "isotropic" ? 2 : 4) {
             const PressResult r = press(model, tissue, {tissue.case_names[static_cast<std::size_t>(c)], tissue.contact_m.row(c), tissue.direction.row(c), tissue.magnitude_m[c], {}});
             if (!r.rested) WARN(e.law << " " << r.name << " does not rest");
             INFO(e.law << " " << r.name << ": " << r.reason << " after " << r.seconds << " s");
