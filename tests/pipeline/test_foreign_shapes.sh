@@ -14,6 +14,9 @@ based_on = "organ3"
 shape = "foreign.msh"
 unit_m = 0.001
 fixed = ["bed"]
+
+[springs]
+spacing_m = 0.008
 TOML
 shapes=$work/fem/studies
 cat >"$scratch/cube.geo" <<'GEO'
