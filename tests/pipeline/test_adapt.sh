@@ -130,11 +130,13 @@ wait $!
 ended=$?
 check "a recording that cannot be kept ends in an error" test $ended = 1
 check "which takes neither model nor ledger along" sh -c "'$TISSUECTL' info '$scratch/kept.h5' | grep -q adaptation/x && grep -q ticks '$scratch/out'"
-"$PYTHON" -c 'import resource, signal, subprocess, sys, time
+"$PYTHON" -c 'import os, resource, signal, subprocess, sys, time
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+journal = sys.argv[-1]
 session = subprocess.Popen(sys.argv[1:], restore_signals=False, stderr=subprocess.PIPE, text=True)  # the log would be full, too
-time.sleep(0.5)
-resource.prlimit(session.pid, resource.RLIMIT_FSIZE, (250, 250))
+while session.poll() is None and not (os.path.exists(journal) and os.path.getsize(journal)):
+    time.sleep(0.001)
+resource.prlimit(session.pid, resource.RLIMIT_FSIZE, (250, 250))  # the columns and a reading, before the session has more
 sys.stderr.write(session.communicate()[1])
 sys.exit(session.returncode)' "$TISSUE_HAPTIC" "$model" --motion probe --depth 0.004 --seconds 6 --no-realtime --hidden "$scratch/whole.h5" --learn "$scratch/full.h5" --journal "$scratch/full.csv" \
     >"$scratch/out" 2>"$scratch/log"
