@@ -1,10 +1,11 @@
 #include "cases/study_law.h"
 
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-#include <array>
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <vector>
@@ -22,7 +23,9 @@ namespace {
 
 const Study::LawParameters& parameters_of(const Study& study, int region) {
     if (region == 0) return study.material;
-    return study.material.regions.at(static_cast<std::size_t>(region - 1));
+    if (static_cast<std::size_t>(region) > study.material.regions.size())
+        throw MismatchError(fmt::format("the shape has a region {}, and study '{}' names {}", region, study.name, study.material.regions.size()));
+    return study.material.regions[static_cast<std::size_t>(region - 1)];
 }
 
 }  // namespace
@@ -131,12 +134,13 @@ Eigen::VectorXd solid_moduli(const Study& study, const std::optional<Shape>& sha
     if (study.nodule)
         own += (study.nodule->youngs_modulus_Pa() - E) * fraction_inside(mesh, pieces, study.nodule->centre_m, study.nodule->radius_m);
     if (study.material.regions.empty()) return own;
+    for (int region : shape->region) parameters_of(study, region);  // none beyond those that the study names
     const Eigen::MatrixXd part = parts_by_region(*shape, static_cast<Eigen::Index>(study.material.regions.size()), mesh, pieces);
     Eigen::VectorXd moduli(part.cols());
     for (Eigen::Index r = 0; r < part.cols(); ++r) {
         moduli[r] = parameters_of(study, static_cast<int>(r)).youngs_modulus_Pa();
         if (r > 0 && pieces.cols() > 2 && part.col(r).isZero(0) && std::count(shape->region.begin(), shape->region.end(), static_cast<int>(r)) > 0)
-            throw StudyError(one_line(fmt::format("{}: key 'material.regions.{}': a lattice of {:g} mm does not see this volume of {}: it is too small; a smaller springs.spacing_m", study.file,
+            throw StudyError(one_line(fmt::format("{}: key 'material.regions.{}': no point of the lattice's cubes ({:g} mm, 64 points each) lies in this volume of {}; make springs.spacing_m smaller", study.file,
                                                   study.material.regions[static_cast<std::size_t>(r - 1)].name, 1e3 * study.springs.spacing_m, study.geometry.shape)));
     }
     return part * moduli;
@@ -179,9 +183,9 @@ NodeField region_points(const Study& study, const std::optional<Shape>& shape, c
 
 namespace {
 
-/// E at each held node [Pa] (M): the mean over the tetrahedra about it, by volume.
+/// E at each held node [Pa] (M): the mean over the tetrahedra about it, by volume. Empty where it is the base material's everywhere.
 Eigen::VectorXd support_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_Pa) {
-    if (mesh.embedding.empty()) return {};
+    if (mesh.embedding.empty() || study.material.regions.empty()) return {};
     const Eigen::VectorXd own = triangle_moduli(study, shape, mesh, modulus_Pa);
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(mesh.embedding.node_count()), volume = sum;
     for (Eigen::Index t = 0; t < mesh.simplices.rows(); ++t)

@@ -28,7 +28,7 @@ NodeField region_points(const Study& study, const std::optional<Shape>& shape, c
 Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, const Point& centre_m, double radius_m);
 
 /// The study's terms on its mesh, over the heuristic of its material, E2 taken `factor` times as large (train_law.h's
-/// heuristic_factor, where the material is a guess). Throws MismatchError for terms that are not possible there.
+/// heuristic_factor, where the material is a guess). Throws MismatchError for terms that are not possible there, and for a shape with more regions than the study names; as solid_moduli.
 EnergyLaw study_law(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double factor = 1);
 
 /// How the study's tissue relaxes, for a law of its terms on its mesh: a constant's share of a branch is the mean of what its element lies

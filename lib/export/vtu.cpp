@@ -7,7 +7,6 @@
 #include <set>
 
 #include "mesh/cells.h"
-#include "mesh/topology.h"
 #include "springs/equilibrium.h"
 #include "springs/spring_law.h"
 

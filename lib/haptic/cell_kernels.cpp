@@ -1,5 +1,7 @@
 #include "haptic/cell_kernels.h"
 
+#include "hot_loop.h"
+
 namespace tissue::kernel {
 
 TISSUE_HOT void squares(int n, const double* __restrict px, const double* __restrict py, const double* __restrict qx,
@@ -51,6 +53,10 @@ TISSUE_HOT void add_pair(int n, const double* __restrict g, double* f_i, double*
 
 namespace {
 
+struct Vector {
+    double x, y, z;
+};
+TISSUE_INLINE Vector operator+(const Vector& a, const Vector& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 TISSUE_INLINE double dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 TISSUE_INLINE Vector cross(const Vector& a, const Vector& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 
@@ -126,10 +132,9 @@ TISSUE_HOT void boxes_grown(int n, const double* const* e, const double* __restr
     for (int k = 0; k < n; ++k) grown[k] = box<false>(k, {e[0][k], e[1][k], e[2][k]}, {e[3][k], e[4][k], e[5][k]}, {e[6][k], e[7][k], e[8][k]}, 1, ux, uy, uz, up, in, far, g);
 }
 
-TISSUE_HOT void boxes_alike(int n, const Vector& A, const Vector& B, const Vector& C, const double* __restrict gain, const double* __restrict ux,
-                            const double* __restrict uy, const double* __restrict uz, int up, int in, int far,
-                            double* __restrict g) {
-    const Vector a = A, b = B, c = C;
+TISSUE_HOT void boxes_alike(int n, const double* const* e, const double* __restrict gain, const double* __restrict ux, const double* __restrict uy,
+                            const double* __restrict uz, int up, int in, int far, double* __restrict g) {
+    const Vector a = {*e[0], *e[1], *e[2]}, b = {*e[3], *e[4], *e[5]}, c = {*e[6], *e[7], *e[8]};
     for (int k = 0; k < n; ++k) box<true>(k, a, b, c, gain[k], ux, uy, uz, up, in, far, g);
 }
 

@@ -1,18 +1,11 @@
 #pragma once
 
-#include "hot_loop.h"
-
 namespace tissue::kernel {
 
 /// Inner loops of a law's cells in the tick (haptic/realtime_law.h), over n of them that lie one row apart. Pointers stand at the first one's. All arrays are
 /// of the caller, and g is where pulls go before they are added up: several arrays, a fixed number of doubles apart.
 constexpr int cells_at_once = 256;  ///< squares and boxes: their pulls stay in the first-level cache
 constexpr int cubes_at_once = 64;
-
-struct Vector {
-    double x, y, z;
-};
-TISSUE_INLINE Vector operator+(const Vector& a, const Vector& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 
 void add(int n, const double* __restrict g, double* __restrict f);  ///< f += g
 void add_pair(int n, const double* __restrict g, double* f_i, double* f_j);  ///< f_i -= g, f_j += g, which may overlap
@@ -39,9 +32,9 @@ void squares_grown(int n, const double* __restrict px, const double* __restrict 
 /// lie one behind 0, 2, 4 and 6. boxes_grown writes 64 V (J - 1) to grown, and its g is for a pull of 1; times() scales it.
 void boxes(int n, const double* const* e, const double* __restrict gain, const double* __restrict ux, const double* __restrict uy, const double* __restrict uz,
            int up, int in, int far, double* __restrict g);
-void boxes_alike(int n, const Vector& A, const Vector& B, const Vector& C, const double* __restrict gain, const double* __restrict ux,
-                 const double* __restrict uy, const double* __restrict uz, int up, int in, int far,
-                 double* __restrict g);
+/// The same of boxes that all have the first one's edges.
+void boxes_alike(int n, const double* const* e, const double* __restrict gain, const double* __restrict ux, const double* __restrict uy, const double* __restrict uz,
+                 int up, int in, int far, double* __restrict g);
 void boxes_grown(int n, const double* const* e, const double* __restrict ux, const double* __restrict uy, const double* __restrict uz, int up, int in, int far,
                  double* __restrict g, double* __restrict grown);
 

@@ -9,7 +9,6 @@
 
 #include "error.h"
 #include "haptic/cell_kernels.h"
-#include "mesh/topology.h"
 #include "springs/disc_contact.h"
 #include "springs/law_kernel.h"
 #include "springs/region_area.h"
@@ -305,18 +304,16 @@ void RealtimeLaw::boxes_force(const NodeColumns& u, NodeColumns& f, BranchMemory
     for (const Boxes::Run& run : boxes_.runs)
         for (int done = 0; done < run.count; done += chunk) {
             const int n = std::min(chunk, run.count - done), slot = run.first_slot + done, row = run.first_row + done, *corner = run.corner;
-            const double *gain = boxes_.gain.data() + slot;
-            const double *ux = u.col(0).data() + row, *uy = u.col(1).data() + row, *uz = u.col(2).data() + row;
-            const double* e[9];
-            for (std::size_t i = 0; i < 9; ++i) e[i] = boxes_.edge[i].data() + slot;
+            const double* gain = boxes_.gain.data() + slot;
             if (memory) {
                 boxes_grown(run, done, n, u, g, grown);
                 memory->step(first_box_ + slot, n, grown, felt);
                 kernel::times(n, gain, felt, 12, chunk, g);
-            } else if (run.alike) {
-                kernel::boxes_alike(n, {*e[0], *e[1], *e[2]}, {*e[3], *e[4], *e[5]}, {*e[6], *e[7], *e[8]}, gain, ux, uy, uz, corner[2], corner[4], corner[6], g);
             } else {
-                kernel::boxes(n, e, gain, ux, uy, uz, corner[2], corner[4], corner[6], g);
+                const double* e[9];
+                for (std::size_t i = 0; i < 9; ++i) e[i] = boxes_.edge[i].data() + slot;
+                const auto boxes = run.alike ? kernel::boxes_alike : kernel::boxes;
+                boxes(n, e, gain, u.col(0).data() + row, u.col(1).data() + row, u.col(2).data() + row, corner[2], corner[4], corner[6], g);
             }
             for (int d = 0; d < 3; ++d) {
                 double* f0 = f.col(d).data() + row;
@@ -408,24 +405,20 @@ double RealtimeLaw::sum_of_elements(const Of& of_element) const {
     return sum;
 }
 
-/// How far a support's point has moved.
-kernel::Vector RealtimeLaw::Supports::moved(std::size_t m, const NodeColumns& u) const noexcept {
+Eigen::Vector3d RealtimeLaw::Supports::moved(std::size_t m, const NodeColumns& u) const noexcept {
     const double *x = u.col(0).data(), *y = u.col(1).data(), *z = u.col(2).data();
-    kernel::Vector sum = {0, 0, 0};
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (int e = begin[m]; e < begin[m + 1]; ++e) {
         const double w = weight[static_cast<std::size_t>(e)];
         const int c = corner[static_cast<std::size_t>(e)];
-        sum = sum + kernel::Vector{w * x[c], w * y[c], w * z[c]};
+        sum += w * Eigen::Vector3d(x[c], y[c], z[c]);
     }
     return sum;
 }
 
 double RealtimeLaw::supports_energy(const NodeColumns& u) const noexcept {
     double energy = 0;
-    for (std::size_t m = 0; m < supports_.gain.size(); ++m) {
-        const kernel::Vector moved = supports_.moved(m, u);
-        energy += supports_.gain[m] * (moved.x * moved.x + moved.y * moved.y + moved.z * moved.z) / 2;
-    }
+    for (std::size_t m = 0; m < supports_.gain.size(); ++m) energy += supports_.gain[m] * supports_.moved(m, u).squaredNorm() / 2;
     return energy;
 }
 
@@ -433,13 +426,13 @@ void RealtimeLaw::supports_force(const NodeColumns& u, NodeColumns& f) const noe
     if (supports_.gain.empty()) return;
     double *x = f.col(0).data(), *y = f.col(1).data(), *z = f.col(2).data();
     for (std::size_t m = 0; m < supports_.gain.size(); ++m) {
-        const kernel::Vector moved = supports_.moved(m, u);
+        const Eigen::Vector3d moved = supports_.moved(m, u);
         for (int e = supports_.begin[m]; e < supports_.begin[m + 1]; ++e) {
             const double pull = supports_.gain[m] * supports_.weight[static_cast<std::size_t>(e)];
             const int c = supports_.corner[static_cast<std::size_t>(e)];
-            x[c] += pull * moved.x;
-            y[c] += pull * moved.y;
-            z[c] += pull * moved.z;
+            x[c] += pull * moved.x();
+            y[c] += pull * moved.y();
+            z[c] += pull * moved.z();
         }
     }
 }

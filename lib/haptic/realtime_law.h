@@ -4,7 +4,6 @@
 #include <memory>
 #include <vector>
 
-#include "haptic/cell_kernels.h"
 #include "haptic/realtime_mesh.h"
 #include "haptic/state_bytes.h"
 #include "springs/cell_volumes.h"
@@ -119,13 +118,13 @@ class RealtimeLaw {
     };
     /// Points of an embedded solid that are held by springs.
     struct Supports {
-        std::vector<int> begin;          ///< of each one's corners below, and the last one's end (M + 1)
+        std::vector<int> begin;          ///< where each support's corners begin in the two arrays below, and where the last one's end (M + 1)
         std::vector<int> corner;         ///< lattice nodes that move it, but for those of weight 0: a bed on a plane of the lattice has four
         std::vector<double> weight;
         std::vector<double> gain;        ///< [N/m] (M)
         Eigen::Index first_constant = 0;
 
-        kernel::Vector moved(std::size_t m, const NodeColumns& u) const noexcept;
+        Eigen::Vector3d moved(std::size_t m, const NodeColumns& u) const noexcept;  ///< how far its point has
     };
     // first: of the kind's constants among the law's
     void add_plane_cells(const Elements& cells, const Eigen::VectorXd& constants, Eigen::Index first);

@@ -40,7 +40,7 @@ class SymplecticDynamics final : public Dynamics {
         const double ahead_s = load.tool ? std::max(load.ahead_s, h_ / 4) : load.ahead_s;
         if (ahead_s > 0) held_ = s.displacement + ahead_s * s.velocity;
         const Point tool = load.put_on(mesh_, ahead_s > 0 ? held_ : s.displacement, s.force);
-        const int own = mesh_.embedding().node_count();  // of an embedded solid, first, without mass
+        const int own = mesh_.embedding().node_count();  // an embedded solid's own nodes come first and have no mass
         for (int axis = 0; axis < mesh_.dimension(); ++axis)
             kernel::symplectic_axis(N - own, gain_.data() + own, keep_, h_, s.force.data() + axis * N + own, s.velocity.data() + axis * N + own,
                                     s.displacement.data() + axis * N + own);

@@ -7,29 +7,112 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "error.h"
+#include "mesh/spring_mesh.h"
 #include "mesh/surface.h"
 
 namespace tissue {
 namespace {
 
 std::vector<std::string> words_of(const std::string& text) {
-    std::vector<std::string> words{""};
+    std::vector<std::string> words;
+    bool open = false;
     for (const char c : text) {
-        if (c == ' ' || c == '_' || c == '=') words.emplace_back();
-        else words.back() += c;
+        if (c == ' ' || c == '_' || c == '=' || c == '\t') {
+            open = false;
+            continue;
+        }
+        if (!open) words.emplace_back();
+        words.back() += c;
+        open = true;
     }
-    words.erase(std::remove(words.begin(), words.end(), ""), words.end());
     return words;
 }
 
 std::optional<double> number(const std::string& word) {
+    const char* begin = word.data() + (word.size() > 1 && word[0] == '+' ? 1 : 0);
     double value = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    const auto [end, error] = std::from_chars(begin, word.data() + word.size(), value);
     if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value)) return {};
     return value;
+}
+
+/// Three numbers from a word on.
+std::optional<Eigen::Vector3d> place_in(const std::vector<std::string>& words, std::size_t first) {
+    Eigen::Vector3d place;
+    for (std::size_t d = 0; d < 3; ++d) {
+        const auto value = number(words[first + d]);
+        if (!value) return {};
+        place[static_cast<Eigen::Index>(d)] = *value;
+    }
+    return place;
+}
+
+/// Divides triangles that a region's border may cross until their sides are no longer than that, with their neighbours, so that the surface stays closed.
+void divide_near(Surface& s, const HeldRegion& region, double side_m) {
+    const auto place = [&](int node) { return Eigen::Vector3d(s.nodes.row(node).transpose()); };
+    using Side = std::pair<int, int>;
+    while (true) {
+        std::map<Side, int> middle;  // of sides to be divided: the node there
+        std::vector<Eigen::Vector3d> added;
+        for (Eigen::Index t = 0; t < s.triangles.rows(); ++t) {
+            double longest_m = 0, nearest_m = std::numeric_limits<double>::infinity();
+            Side longest;
+            for (int i = 0; i < 3; ++i) {
+                const Side side = std::minmax({s.triangles(t, i), s.triangles(t, (i + 1) % 3)});
+                const double length_m = (place(side.first) - place(side.second)).norm();
+                if (length_m > longest_m) {
+                    longest_m = length_m;
+                    longest = side;
+                }
+                nearest_m = std::min(nearest_m, std::abs(region.outside_m(place(s.triangles(t, i)))));
+            }
+            if (longest_m <= side_m || nearest_m > longest_m) continue;
+            if (middle.emplace(longest, static_cast<int>(s.nodes.rows()) + static_cast<int>(added.size())).second) added.push_back((place(longest.first) + place(longest.second)) / 2);
+        }
+        if (middle.empty()) return;
+        std::vector<std::array<int, 3>> triangles;
+        std::vector<int> label;
+        for (Eigen::Index t = 0; t < s.triangles.rows(); ++t) {
+            std::array<int, 3> c{s.triangles(t, 0), s.triangles(t, 1), s.triangles(t, 2)};
+            const auto on = [&](int i) {  // of the side from corner i on; -1: it stays whole
+                const auto there = middle.find(std::minmax({c[static_cast<std::size_t>(i)], c[static_cast<std::size_t>((i + 1) % 3)]}));
+                return there == middle.end() ? -1 : there->second;
+            };
+            const auto add = [&](int i, int j, int k) {
+                triangles.push_back({i, j, k});
+                label.push_back(s.label[static_cast<std::size_t>(t)]);
+            };
+            const int count = (on(0) >= 0) + (on(1) >= 0) + (on(2) >= 0);
+            // turned so that a lone side is the first, and of two the third is whole
+            while ((count == 1 && on(0) < 0) || (count == 2 && on(2) >= 0)) std::rotate(c.begin(), c.begin() + 1, c.end());
+            const int m = on(0), n = on(1), o = on(2);
+            if (count == 0) {
+                add(c[0], c[1], c[2]);
+            } else if (count == 1) {
+                add(c[0], m, c[2]);
+                add(m, c[1], c[2]);
+            } else if (count == 2) {
+                add(m, c[1], n);
+                add(c[0], m, n);
+                add(c[0], n, c[2]);
+            } else {
+                add(c[0], m, o);
+                add(m, c[1], n);
+                add(o, n, c[2]);
+                add(m, n, o);
+            }
+        }
+        const Eigen::Index N = s.nodes.rows();
+        s.nodes.conservativeResize(N + static_cast<Eigen::Index>(added.size()), 3);
+        for (std::size_t k = 0; k < added.size(); ++k) s.nodes.row(N + static_cast<Eigen::Index>(k)) = added[k].transpose();
+        s.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
+        for (std::size_t t = 0; t < triangles.size(); ++t) s.triangles.row(static_cast<Eigen::Index>(t)) << triangles[t][0], triangles[t][1], triangles[t][2];
+        s.label = label;
+    }
 }
 
 /// Where an edge from inside to outside meets the border, as a part of it.
@@ -46,47 +129,53 @@ double border_on(const HeldRegion& region, const Eigen::Vector3d& inside_m, cons
 
 std::optional<HeldRegion> HeldRegion::of(const std::string& text) {
     const std::vector<std::string> words = words_of(text);
-    static const std::vector<std::string> kinds = {"below", "above", "ball", "box"};
-    const auto kind = words.empty() ? kinds.end() : std::find(kinds.begin(), kinds.end(), words[0]);
-    if (kind == kinds.end() || words.size() < 2) return {};
-    std::vector<double> at;
-    std::vector<std::string> others;  // what is no number
-    for (auto word = words.begin() + 1; word != words.end(); ++word) {
-        if (const auto value = number(*word)) at.push_back(*value);
-        else others.push_back(*word);
+    const std::string kind = words.empty() ? "" : words[0];
+    const bool half = kind == "below" || kind == "above", spaced = text.find_first_of(" =\t") != std::string::npos;
+    if (!half && kind != "ball" && kind != "box") return {};
+    const bool along = half && words.size() > 1 && (words[1] == "x" || words[1] == "y" || words[1] == "z");
+    if (!spaced && !along && (half || words.size() < 2 || !number(words[1]))) return {};
+    if (along && words.size() == 3)
+        if (const auto at = number(words[2])) {
+            const int axis = words[1][0] - 'x', sign = kind == "below" ? 1 : -1;
+            return HeldRegion(fmt::format("{} {} = {}", kind, words[1], words[2]), [axis, sign, at = *at](const Eigen::Vector3d& x) { return sign * (x[axis] - at); });
+        }
+    const std::string joined = fmt::format("{}", fmt::join(words, " "));
+    if (kind == "ball" && words.size() == 6 && words[4] == "radius")
+        if (const auto centre = place_in(words, 1))
+            if (const auto r = number(words[5]); r && *r > 0) return HeldRegion(joined, [c = *centre, r = *r](const Eigen::Vector3d& x) { return (x - c).norm() - r; });
+    if (kind == "box" && words.size() == 8 && words[4] == "to") {
+        const auto low = place_in(words, 1), high = place_in(words, 5);
+        if (low && high && (low->array() < high->array()).all())
+            return HeldRegion(joined, [low = low->array().eval(), high = high->array().eval()](const Eigen::Vector3d& x) { return (low - x.array()).max(x.array() - high).maxCoeff(); });
     }
-    const std::string word = fmt::format("{}", fmt::join(words, "_"));
-    const auto along = [&](const Eigen::Vector3d& x, int axis) { return x[axis]; };
-    if ((*kind == "below" || *kind == "above") && words.size() == 3 && others.size() == 1 && (others[0] == "x" || others[0] == "y" || others[0] == "z")) {
-        const int axis = others[0][0] - 'x', sign = *kind == "below" ? 1 : -1;
-        return HeldRegion(word, [=](const Eigen::Vector3d& x) { return sign * (along(x, axis) - at[0]); });
-    }
-    if (*kind == "ball" && words.size() == 6 && others == std::vector<std::string>{"radius"} && words[4] == "radius" && at[3] > 0) {
-        const Eigen::Vector3d centre(at[0], at[1], at[2]);
-        return HeldRegion(word, [=](const Eigen::Vector3d& x) { return (x - centre).norm() - at[3]; });
-    }
-    if (*kind == "box" && words.size() == 8 && others == std::vector<std::string>{"to"} && words[4] == "to") {
-        const Eigen::Array3d low(at[0], at[1], at[2]), high(at[3], at[4], at[5]);
-        if ((low < high).all()) return HeldRegion(word, [=](const Eigen::Vector3d& x) { return (low - x.array()).max(x.array() - high).maxCoeff(); });
-    }
-    throw MismatchError(fmt::format("'{}' is no region that holds; such are, in metres: below z = 0.01, above x = 0.1, ball 0.03 0.02 0.01 radius 0.015, box 0 0 0 to 0.1 0.05 0.01",
+    throw MismatchError(fmt::format("'{}' begins like a region of space and is none; regions are written, in metres: below z = 0.01, above x = 0.1, ball 0.03 0.02 0.01 radius 0.015, "
+                                    "box 0 0 0 to 0.1 0.05 0.01",
                                     text));
 }
 
-HeldParts held_parts(const std::vector<std::string>& texts) {
+std::string HeldRegion::word() const { return fmt::format("{}", fmt::join(words_of(text_), "_")); }
+
+double border_m(const NodeField& nodes) { return 1e-6 * size_m(nodes); }
+
+HeldParts held_parts(const std::vector<std::string>& texts, const std::string& file) try {
     HeldParts parts;
     for (const std::string& text : texts) {
         if (const auto region = HeldRegion::of(text)) parts.regions.push_back(*region);
         else parts.names.push_back(text);
     }
     return parts;
+} catch (const MismatchError& e) {
+    throw FileError(file + ": " + e.what());
 }
 
 bool hold(Surface& s, const HeldRegion& region) {
     constexpr double least = 0.1;  // of a side: what is nearer is on the border
+    constexpr double finest = 40;  // sides along the surface's longest
+    const double tiny_m = border_m(s.nodes);
+    divide_near(s, region, size_m(s.nodes) / finest);
     std::vector<int> side(static_cast<std::size_t>(s.nodes.rows()));  // -1 inside, 1 outside, 0 on the border
     const auto place = [&](int node) { return Eigen::Vector3d(s.nodes.row(node).transpose()); };
-    const auto sign = [](double x) { return (x > 0) - (x < 0); };
+    const auto sign = [&](double x) { return (x > tiny_m) - (x < -tiny_m); };
     for (std::size_t n = 0; n < side.size(); ++n) side[n] = sign(region.outside_m(place(static_cast<int>(n))));
     const std::vector<int> before = side;
     std::map<std::pair<int, int>, double> cut;  // nodes inside and outside: where between them
@@ -123,7 +212,7 @@ bool hold(Surface& s, const HeldRegion& region) {
         const int sum = of(0) + of(1) + of(2);
         if (!(std::min({of(0), of(1), of(2)}) < 0 && std::max({of(0), of(1), of(2)}) > 0)) {
             const bool border = of(0) == 0 && of(1) == 0 && of(2) == 0;
-            add(corner, old, border ? region.outside_m((place(corner[0]) + place(corner[1]) + place(corner[2])) / 3) < 0 : sum < 0);
+            add(corner, old, border ? region.outside_m((place(corner[0]) + place(corner[1]) + place(corner[2])) / 3) <= tiny_m : sum < 0);
             continue;
         }
         // turned so that its first corner is alone on its side, or on the border

@@ -124,7 +124,7 @@ Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixe
     const std::string& file = mesh.file;
     if (mesh.tetrahedra.empty())
         throw FileError(file + ": has no tetrahedra: is its surface closed, and its volume in a physical group?");
-    const HeldParts held_by = held_parts(fixed);
+    const HeldParts held_by = held_parts(fixed, file);
     const std::vector<int> fixed_tags = group_tags(held_by.names, mesh.triangle_names, "surface", file),
                            region_tags = group_tags(regions, mesh.tetrahedron_names, "volume", file);
     const Picked picked = pick(mesh, region_tags);
@@ -183,13 +183,20 @@ Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixe
         }
         held.insert(sorted(face));
     }
-    const auto in_a_region = [&](Eigen::Index f) {
+    const double border = border_m(shape.nodes);
+    std::vector<bool> holds(held_by.regions.size(), false);
+    for (Eigen::Index f = 0; f < facets.rows(); ++f) {
         Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
         for (int node : facets.row(f)) middle_m += shape.nodes.row(node).transpose() / 3;
-        return std::any_of(held_by.regions.begin(), held_by.regions.end(), [&](const HeldRegion& region) { return region.outside_m(middle_m) < 0; });
-    };
-    for (Eigen::Index f = 0; f < facets.rows(); ++f)
-        if (held.erase(sorted(face_of(facets, f))) > 0 || in_a_region(f)) shape.fixed_facets.push_back(face_of(facets, f));
+        bool fixed_here = held.erase(sorted(face_of(facets, f))) > 0;
+        for (std::size_t r = 0; r < holds.size(); ++r)
+            if (held_by.regions[r].outside_m(middle_m) <= border) fixed_here = holds[r] = true;
+        if (fixed_here) shape.fixed_facets.push_back(face_of(facets, f));
+    }
+    for (std::size_t r = 0; r < holds.size(); ++r)
+        if (!holds[r])
+            throw FileError(fmt::format("{}: '{}' holds no facet of its surface, which reaches from {} to {}", file, held_by.regions[r].text(), at(shape.nodes.colwise().minCoeff()),
+                                        at(shape.nodes.colwise().maxCoeff())));
     if (!held.empty())
         throw FileError(fmt::format("{}: the fixed surface at {} is not on the outside", file, at(shape.nodes.row((*held.begin())[0]))));
     if (shape.fixed_facets.empty())

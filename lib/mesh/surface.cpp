@@ -22,6 +22,8 @@ using Face = std::array<int, 3>;
 
 std::string at(const Eigen::Vector3d& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", p.x(), p.y(), p.z()); }
 
+std::string extent(const NodeField& nodes) { return at(nodes.colwise().minCoeff().transpose()) + " to " + at(nodes.colwise().maxCoeff().transpose()); }
+
 Face sorted(Face face) {
     std::sort(face.begin(), face.end());
     return face;
@@ -159,7 +161,7 @@ std::vector<int> parts_between_creases(const Surface& s, const std::string& file
 }  // namespace
 
 Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, double unit_m) {
-    const auto [fixed, regions] = held_parts(held);
+    const auto [fixed, regions] = held_parts(held, mesh.file);
     const std::string& file = mesh.file;
     std::vector<Face> faces;
     if (!mesh.tetrahedra.empty()) {
@@ -240,10 +242,10 @@ Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, 
         }
     for (const HeldRegion& region : regions)
         if (!hold(s, region))
-            throw FileError(fmt::format("{}: '{}' holds nothing of its surface, which reaches from {} to {}", file, region.word(), at(s.nodes.colwise().minCoeff().transpose()),
-                                        at(s.nodes.colwise().maxCoeff().transpose())));
+            throw FileError(fmt::format("{}: '{}' holds nothing of its surface, which reaches from {}", file, region.text(), extent(s.nodes)));
     if (held.empty()) throw FileError(file + ": no surface of it is held");
-    if (std::count(s.label.begin(), s.label.end(), Surface::free_label) == 0) throw FileError(file + ": all of the surface is held");
+    if (std::count(s.label.begin(), s.label.end(), Surface::free_label) == 0)
+        throw FileError(fmt::format("{}: all of the surface is held: it reaches from {}", file, extent(s.nodes)));
     return s;
 }
 

@@ -112,8 +112,10 @@ LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spri
     LawHeuristic h;
     h.cap = volume_cap * cell_modulus_Pa;
     Eigen::VectorXd supports;
-    if (!mesh.embedding.empty()) supports = support_stiffness * surface_modulus_Pa / mesh.embedding.spacing_m * held_areas(mesh);
-    if (support_modulus_Pa.size() > 0) supports = supports.cwiseProduct(support_modulus_Pa) / surface_modulus_Pa;
+    if (!mesh.embedding.empty()) {
+        supports = support_stiffness * surface_modulus_Pa / mesh.embedding.spacing_m * held_areas(mesh);
+        if (support_modulus_Pa.size() > 0) supports = support_stiffness / mesh.embedding.spacing_m * held_areas(mesh).cwiseProduct(support_modulus_Pa);
+    }
     h.constants.resize(mesh.spring_count() + h.cap.size() + supports.size());
     const Eigen::VectorXd measure = isotropic_measure(mesh), unit = heuristic_stiffness(mesh, 1.0).cwiseProduct(measure).cwiseQuotient(mesh.incident_measure);
     h.constants.head(mesh.spring_count()) = 5.0 / 6 * unit.cwiseProduct(spring_modulus_Pa);  // measures sum to six times the volume

@@ -1,5 +1,6 @@
 #include "study/new_study.h"
 
+#include <Eigen/Core>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -78,6 +79,28 @@ void check_held(const ShapeExtent& shape, const NewStudy& wanted) {
     for (const std::string& name : wanted.held)
         if (!(shape.solid && HeldRegion::of(name)) && !unnamed_stl && std::find(shape.boundaries.begin(), shape.boundaries.end(), name) == shape.boundaries.end())
             throw MismatchError(fmt::format("{}: has no {} '{}' to hold; {}", wanted.shape, what, name, there));
+}
+
+/// A region beside the tissue's box, or about all of it, is refused here and not when it is meshed.
+void check_regions(const ShapeExtent& shape, const NewStudy& wanted) {
+    if (!shape.low || !shape.solid) return;
+    constexpr int along = 20;
+    const Eigen::Vector3d low = wanted.unit_m * Eigen::Vector3d(shape.low->data()), high = wanted.unit_m * Eigen::Vector3d(shape.high->data());
+    const double near_m = (high - low).norm() / along / 2;  // how far a place of the box is from the nearest that is asked, at the most
+    for (const std::string& name : wanted.held) {
+        const auto region = HeldRegion::of(name);
+        if (!region) continue;
+        double least_m = std::numeric_limits<double>::infinity(), most_m = -least_m;
+        for (int i = 0; i < (along + 1) * (along + 1) * (along + 1); ++i) {
+            const Eigen::Array3d part = Eigen::Array3d(i % (along + 1), i / (along + 1) % (along + 1), i / (along + 1) / (along + 1)) / along;
+            const double out_m = region->outside_m(low + (part * (high - low).array()).matrix());
+            least_m = std::min(least_m, out_m);
+            most_m = std::max(most_m, out_m);
+        }
+        if (least_m > near_m || most_m <= 0)
+            throw MismatchError(fmt::format("{}: '{}' holds {} of it; in metres it reaches from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g})", wanted.shape, region->text(),
+                                            most_m <= 0 ? "all" : "nothing", low[0], low[1], low[2], high[0], high[1], high[2]));
+    }
 }
 
 /// Springs of a mesh in the plane are the edges of its elements: as long as that many nodes lie apart. A solid has a lattice of its own.
@@ -177,6 +200,7 @@ WrittenStudy new_study(const NewStudy& wanted) {
     const ShapeExtent shape = shape_extent(wanted.shape);
     check_held(shape, wanted);
     const Size size = size_of(shape, wanted);
+    check_regions(shape, wanted);
     const double spring_m = spring_length(shape, wanted, size);
     WrittenStudy study = (shape.solid ? solid_study : plane_study)(shape, wanted, size, spring_m);
     std::vector<std::string> sides;
@@ -186,7 +210,7 @@ WrittenStudy new_study(const NewStudy& wanted) {
     study.choices.insert(study.choices.begin(),
                          {fmt::format("{}: {}, {}; held: {}", wanted.shape, shape.solid ? "in space" : "in the plane", how_large, fmt::join(wanted.held, ", ")),
                           shape.solid     ? fmt::format("springs in cubes of {} mm (springs.spacing_m){}", text(1e3 * spring_m),
-                                                        wanted.size_m ? "" : ", an eighth of its mean size or a third of its shortest side")
+                                                        wanted.size_m ? "" : ", the smaller of an eighth of its mean size and a third of its shortest side")
                           : shape.nodes > 0 ? fmt::format("springs: the edges of its {} nodes' mesh, about {:.2g} mm long", shape.nodes, 1e3 * spring_m)
                                             : fmt::format("springs {} mm long (lattice.size_m){}", text(1e3 * spring_m), wanted.size_m ? "" : ", an eighth of its mean size")});
     return study;

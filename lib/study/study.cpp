@@ -94,12 +94,12 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
         if (g.fixed.empty()) in.refuse("fixed", g.solid ? "must name at least one physical surface of the shape, or a region: \"below z = 0.01\"" : "must name at least one physical curve of the shape");
         for (std::string& name : g.fixed) {
             if (!g.solid) continue;
-            if (name.find(',') != std::string::npos) in.refuse("fixed", "'" + name + "' has a comma, which stands between names");
             try {
                 if (const auto region = HeldRegion::of(name)) name = region->word();
             } catch (const MismatchError& e) {
                 in.refuse("fixed", e.what());
             }
+            if (name.find(',') != std::string::npos) in.refuse("fixed", "'" + name + "' has a comma, which stands between names");
         }
     }
     in.refuse_the_rest();

@@ -278,7 +278,7 @@ TEST_CASE("of what reaches out of a solid shape the tissue inside counts, or the
     CHECK(ratio.minCoeff() == Approx(1).epsilon(tolerance::rounding));
     CHECK(ratio.maxCoeff() == Approx(10).epsilon(tolerance::rounding));
 
-    // a branch that the stone alone has: no support has it
+    // a branch that the stone has not, and no support
     s.material.viscosity = {{0.3, 1.0}};
     s.material.share = {0.3};
     s.material.regions[0].share = {0.0};
@@ -289,6 +289,10 @@ TEST_CASE("of what reaches out of a solid shape the tissue inside counts, or the
     CHECK(springs.maxCoeff() == Approx(0.3).epsilon(1e-6));
     CHECK(springs.minCoeff() == Approx(0).margin(1e-6));
 
+    std::optional<Shape> more = stony;
+    more->region[7] = 2;
+    CHECK_THAT(refusal<MismatchError>([&] { study_law(s, more, mesh); }), Contains("has a region 2, and study") && Contains("names 1"));
+
     // one tetrahedron of a fine mesh, between all points
     std::optional<Shape> fine = dome(30);
     fine->region.assign(fine->region.size(), 0);
@@ -298,7 +302,7 @@ TEST_CASE("of what reaches out of a solid shape the tissue inside counts, or the
     fine->region[least] = 1;
     s.springs.spacing_m = 0.025;
     const SpringMesh coarse = study_mesh(s, fine, "embedded");
-    CHECK_THAT(refusal<StudyError>([&] { study_law(s, fine, coarse); }), StartsWith("dome.toml: key 'material.regions.stone': a lattice of 25 mm does not see this volume"));
+    CHECK_THAT(refusal<StudyError>([&] { study_law(s, fine, coarse); }), StartsWith("dome.toml: key 'material.regions.stone': no point of the lattice's cubes (25 mm, 64 points each) lies in this volume"));
 }
 
 TEST_CASE("a nodule in a solid shape stiffens springs and cells by what of them lies in it, and the contacts above", "[solid_shape]") {

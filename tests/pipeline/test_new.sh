@@ -117,8 +117,12 @@ assert abs(area[held].sum() / (0.08 * 0.06 + 0.0125 * 2 * (0.08 + 0.06)) - 1) < 
 assert at[held][..., 2].max() < 0.0126 and at[~held][..., 2].min() > 0.0124
 PY
 tissuectl new skin2 --shape fem/skin.stl --unit mm --held 'below z = deep'
-check "a region that is none: one line says how they are written" one_line "'below z = deep' is no region that holds; such are, in metres: below z = 0.01, above x = 0.1, ball"
-tissuectl new skin2 --shape fem/skin.stl --unit mm --held 'above z = 1'
+check "a region that is none: one line says how they are written" one_line "'below z = deep' begins like a region of space and is none; regions are written, in metres: below z = 0.01, above x = 0.1, ball"
+for region in 'above z = 1' 'below z = 20'; do
+    tissuectl new skin2 --shape fem/skin.stl --unit mm --held "$region"
+    check "$region: one line says how far the tissue reaches" one_line "fem/skin.stl: '$region' holds .* of it; in metres it reaches from (-0.04, -0.03, 0) to (0.04, 0.03, 0.05)"
+done
+sed 's/below z = 0.0125/above z = 1/' "$work/fem/studies/skin.toml" >"$work/fem/studies/skin2.toml"
 run make PYTHON="$PYTHON" STUDY=skin2 mesh
-check "a region beside the surface: one line names both" one_line "fem/skin.stl: 'above_z_1' holds nothing of its surface, which reaches from (-0.04, -0.03, 0) m to (0.04, 0.03, 0.05) m"
+check "a region beside the surface: one line names both" one_line "fem/skin.stl: 'above z = 1' holds nothing of its surface, which reaches from (-0.04, -0.03, 0) m to (0.04, 0.03, 0.05) m"
 finish

@@ -4,7 +4,6 @@
 #include "error.h"
 #include "mesh/embedded_lattice.h"
 #include "mesh/cells.h"
-#include "mesh/topology.h"
 #include "springs/disc_contact.h"
 #include "springs/energy_law.h"
 #include "springs/heuristic.h"

@@ -143,7 +143,7 @@ TEST_CASE("a new study is one that is read, in the plane and in space, with size
     wanted.held = {"below z = 0.01"};
     CHECK(of_mesh().geometry.fixed == std::vector<std::string>{"below_z_0.01"});
     wanted.held = {"below z"};
-    CHECK_THAT(refusal<MismatchError>([&] { new_study(wanted); }), Contains("'below z' is no region that holds"));
+    CHECK_THAT(refusal<MismatchError>([&] { new_study(wanted); }), Contains("'below z' begins like a region"));
 }
 
 TEST_CASE("a new study is refused where nothing or something unknown is held, and where the unit cannot be", "[new]") {
