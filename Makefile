@@ -196,7 +196,7 @@ $(BUILD)/libtissue.a: $(call objects,$(LIB_SOURCES)) $(BUILD)/libtissue.list
 # the door for C: the library's own symbols stay inside
 $(BUILD)/libtissue.so.1: $(BUILD)/lib/api/tissue.o $(BUILD)/libtissue.a lib/api/tissue.map
 	@$(call alone,$@.lock) && $(CXX) $(CXXFLAGS) -s -shared -Wl,-soname,libtissue.so.1 -Wl,--version-script=lib/api/tissue.map -Wl,-z,defs -Wl,--as-needed \
-	  $(filter %.o %.a,$^) $(LDLIBS) -lcsv -lcholmod -ldl -o $@.tmp && mv $@.tmp $@
+	  $(filter %.o %.a,$^) $(LDLIBS) -lcsv -lcholmod -lgmp -lmpfr -ldl -o $@.tmp && mv $@.tmp $@
 
 # the door for Python
 # (gcc 12 sees uninitialised numbers in Eigen's where they come precompiled beside pybind11's)
@@ -204,10 +204,10 @@ $(BUILD)/lib/api/python/%.o: private PRECOMPILED :=
 $(BUILD)/lib/api/python/%.o: private CXXFLAGS += $(patsubst -I%,-isystem %,$(shell $(PYTHON)-config --includes))
 $(PYTHON_MODULE): $(BUILD)/lib/api/python/tissue_module.o $(BUILD)/libtissue.a
 	@mkdir -p $(@D)
-	@$(call alone,$@.lock) && $(CXX) $(CXXFLAGS) -s -shared -Wl,--as-needed $(filter %.o %.a,$^) $(LDLIBS) -lcsv -lcholmod -ldl -o $@.tmp && mv $@.tmp $@
+	@$(call alone,$@.lock) && $(CXX) $(CXXFLAGS) -s -shared -Wl,--as-needed $(filter %.o %.a,$^) $(LDLIBS) -lcsv -lcholmod -lgmp -lmpfr -ldl -o $@.tmp && mv $@.tmp $@
 
 STAGES := shape rim collect import train eval
-link = $(call alone,$@.lock) && $(CXX) $(CXXFLAGS) $(1) $(filter %.o %.a,$^) $(LDLIBS) -lcsv -lcholmod -ldl -o $@.tmp
+link = $(call alone,$@.lock) && $(CXX) $(CXXFLAGS) $(1) $(filter %.o %.a,$^) $(LDLIBS) -lcsv -lcholmod -lgmp -lmpfr -ldl -o $@.tmp
 $(TISSUECTL): $(call objects,$(CLI_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/tissuectl.list
 	@$(call link) && scripts/stage_code $(BUILD) $(STAGES) && mv $@.tmp $@
 
@@ -305,13 +305,13 @@ $(R)/plan/%:
 # any shape: gmsh fills an outline with triangles, or takes the format of a mesh to 2.2; then it is checked. The mesh keeps its
 # time stamp while it stays the same, so that another program does not solve every load path again: mesh.made says when it was
 # last made, and after it make reads the plan, and with it the mesh's time stamp, anew.
-STL := $(if $(filter %.stl %.STL,$(SHAPE)),fem/fill3.geo)
+FILLED := $(if $(filter-out %.geo %.msh,$(SHAPE)),fem/fill3.geo)
 ifneq (,$(SHAPE))
 # the study itself is asked for its words: the plan of before may be of another unit or file
 shape_mesh = echo "mesh  $(R)/mesh.msh" && words=$$($(TISSUECTL) shape --study fem/studies/$(STUDY).toml --words) && \
   scripts/mesh $(R)/mesh.msh $$words -- $(TISSUECTL) shape --study fem/studies/$(STUDY).toml
 $(R)/plan.mk: $(R)/mesh.made
-$(R)/mesh.made: $(wildcard $(SHAPE)) $(R)/plan/shape $(BUILD)/stage/shape scripts/mesh scripts/run_gmsh $(STL) | $(TISSUECTL)
+$(R)/mesh.made: $(wildcard $(SHAPE)) $(R)/plan/shape $(BUILD)/stage/shape scripts/mesh scripts/run_gmsh $(FILLED) | $(TISSUECTL)
 	@$(shape_mesh) && touch $@
 
 $(R)/mesh.msh: | $(R)/mesh.made  # a lost one

@@ -14,9 +14,9 @@
 #include "eval/statistics_json.h"
 #include "haptic/learner.h"
 #include "io/atomic_file.h"
+#include "io/one_line.h"
 #include "springs/law_press.h"
 #include "springs/push_refusal.h"
-#include "study/one_line.h"
 
 namespace tissue::cli {
 namespace {

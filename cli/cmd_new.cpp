@@ -5,7 +5,6 @@
 #include <cstring>
 #include <filesystem>
 #include <iostream>
-#include <map>
 
 #include "cases/plan.h"
 #include "command.h"
@@ -22,8 +21,6 @@ struct Options {
     NewStudy study;
     double size_m = 0;
 };
-
-const std::map<std::string, double> units_m = {{"mm", 0.001}, {"cm", 0.01}, {"m", 1}, {"inch", 0.0254}};
 
 void run(const Options& o) {
     namespace fs = std::filesystem;
@@ -59,14 +56,11 @@ void add_new(CLI::App& app, const Invocation&) {
     auto o = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("new", "Write a study of your own tissue from the file of its shape.");
     command->add_option("name", o->name, "of the study, as in fem/studies/NAME.toml; nothing is overwritten")->required()->type_name("NAME");
-    command->add_option("--shape", o->study.shape, "outline or surface: .geo, .msh or .stl; a .geo is read here, and run by gmsh when it is meshed")
+    command->add_option("--shape", o->study.shape, "outline or surface: .geo, .msh, .stl, .obj, .ply, .off or .glb; a .geo is read here, and run by gmsh when it is meshed")
         ->required()
         ->type_name("FILE");
     command->add_flag("--trust-geo,--trust_geo", o->study.trust_geo, "a .geo is a program, which gmsh runs: this one is trusted");
-    command->add_option("--unit", o->unit, "of the file's numbers: mm, cm, m or inch")
-        ->check(CLI::IsMember({"mm", "cm", "m", "inch"}))
-        ->type_name("unit")
-        ->capture_default_str();
+    add_unit_option(*command, o->unit);
     command->add_option("--held", o->study.held, "its named curves, in space surfaces or regions [m], that are held: 'below z = 0.01', 'ball X Y Z radius R', 'box X Y Z to X Y Z'; without it names are listed")->type_name("NAME|REGION..");
     command->add_option("--preset", o->study.preset, "material: brain, liver, muscle, or another of fem/materials")->type_name("NAME")->capture_default_str();
     command->add_option("--size", o->size_m, "length of the springs, in space edge of their cubes; default: an eighth of the tissue's mean size, in space a third of its shortest side if that is less")->type_name("m")->check(CLI::PositiveNumber);

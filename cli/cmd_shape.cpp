@@ -10,10 +10,10 @@
 #include "io/atomic_file.h"
 #include "mesh/shape.h"
 #include "mesh/solid_shape.h"
-#include "mesh/stl_file.h"
 #include "mesh/surface.h"
 #include "mesh/surface_remesh.h"
 #include "study/study.h"
+#include "surface_file/surface_file.h"
 
 namespace tissue::cli {
 namespace {
@@ -45,7 +45,7 @@ void run(const Options& o) {
     }
     if (o.mesh.empty() || o.out.empty()) throw CLI::RequiredError(o.mesh.empty() ? "--mesh" : "--out");
     // messages name what the user knows of; the mesh is what gmsh made of it
-    const MshFile mesh = o.surface ? read_surface_file(o.mesh, g.shape) : read_msh(o.mesh, g.is_solid(), g.shape);
+    const MshFile mesh = o.surface ? read_surface_or_msh(o.mesh, g.shape) : read_msh(o.mesh, g.is_solid(), g.shape);
     if (!o.filled) refuse_wrong_unit(study, mesh);
     if (o.curves) return;
     if (o.surface) return write_file(o.out, divided_surface(study, mesh));
@@ -67,11 +67,11 @@ void add_shape(CLI::App& app, const Invocation&) {
     auto o = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("shape", "Check a study's own shape and write its mesh.");
     command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
-    command->add_option("--mesh", o->mesh, "the shape as gmsh saved it, MSH 2.2; with --surface the .stl itself")->type_name("FILE");
+    command->add_option("--mesh", o->mesh, "the shape as gmsh saved it, MSH 2.2; with --surface the surface's file itself")->type_name("FILE");
     command->add_option("--out", o->out, "mesh.msh to write")->type_name("FILE");
     command->add_flag("--words", o->words, "print the shape's file and gmsh's arguments, for scripts/mesh, and do nothing else");
     command->add_flag("--curves", o->curves, "the mesh is the curves of a .geo alone: say whether it is of the study's unit, and write nothing");
-    command->add_flag("--surface", o->surface, "write the surface of an .stl, divided into sides of lattice.size_m, for gmsh to fill");
+    command->add_flag("--surface", o->surface, "write the surface of an .stl, .obj, .ply, .off or .glb, divided into sides of lattice.size_m, for gmsh to fill");
     command->add_flag("--filled", o->filled, "the mesh is that surface, filled");
     command->callback([o] { run(*o); });
 }

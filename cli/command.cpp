@@ -8,6 +8,12 @@
 
 namespace tissue::cli {
 
+const std::map<std::string, double> units_m = {{"mm", 0.001}, {"cm", 0.01}, {"m", 1}, {"inch", 0.0254}};
+
+void add_unit_option(CLI::App& command, std::string& unit) {
+    command.add_option("--unit", unit, "of the file's numbers: mm, cm, m or inch")->check(CLI::IsMember({"mm", "cm", "m", "inch"}))->type_name("unit")->capture_default_str();
+}
+
 void echo_options(const CLI::App& command) {
     std::string line = "tissuectl " + command.get_name() + ":";
     for (const CLI::Option* option : command.get_options()) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <map>
 #include <string>
 
 #include "error.h"
@@ -22,6 +23,7 @@ struct NotAsPromised : Error {
 void add_new(CLI::App& app, const Invocation& invocation);
 void add_plan(CLI::App& app, const Invocation& invocation);
 void add_shape(CLI::App& app, const Invocation& invocation);
+void add_surface(CLI::App& app, const Invocation& invocation);
 void add_rim(CLI::App& app, const Invocation& invocation);
 void add_collect(CLI::App& app, const Invocation& invocation);
 void add_import(CLI::App& app, const Invocation& invocation);
@@ -33,6 +35,10 @@ void add_serve(CLI::App& app, const Invocation& invocation);
 void add_info(CLI::App& app, const Invocation& invocation);
 void add_export(CLI::App& app, const Invocation& invocation);
 void add_doctor(CLI::App& app, const Invocation& invocation);
+
+/// Units of length that a file's numbers may have [m], and the option that names one.
+extern const std::map<std::string, double> units_m;
+void add_unit_option(CLI::App& command, std::string& unit);
 
 /// Prints the options in use, given and default, on standard error: "tissuectl train: study=... threads=2".
 void echo_options(const CLI::App& command);

@@ -1,7 +1,7 @@
 #include "haptic_options.h"
 
 #include "error.h"
-#include "study/one_line.h"
+#include "io/one_line.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

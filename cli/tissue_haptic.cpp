@@ -32,9 +32,9 @@
 #include "haptic_options.h"
 #include "haptic_report.h"
 #include "io/atomic_file.h"
+#include "io/one_line.h"
 #include "journal.h"
 #include "session_end.h"
-#include "study/one_line.h"
 #include "version.h"
 
 namespace {

@@ -14,8 +14,8 @@
 
 #include "command.h"
 #include "generate.h"
+#include "io/one_line.h"
 #include "parallel.h"
-#include "study/one_line.h"
 #include "version.h"
 
 namespace {
@@ -48,6 +48,7 @@ int main(int argc, char** argv) {
     add_new(app, invocation);
     add_plan(app, invocation);
     add_shape(app, invocation);
+    add_surface(app, invocation);
     add_rim(app, invocation);
     add_collect(app, invocation);
     add_import(app, invocation);

@@ -10,7 +10,7 @@
 #include "cases/study_mesh.h"
 #include "cases/surface_contacts.h"
 #include "error.h"
-#include "study/one_line.h"
+#include "io/one_line.h"
 #include "study/solid_push.h"
 
 namespace tissue {

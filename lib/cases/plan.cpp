@@ -13,8 +13,8 @@
 #include "cases/study_mesh.h"
 #include "cases/sweep.h"
 #include "error.h"
-#include "mesh/stl_file.h"
-#include "study/one_line.h"
+#include "io/one_line.h"
+#include "surface_file/surface_file.h"
 
 namespace tissue {
 namespace {
@@ -189,7 +189,7 @@ PlannedPath path_of(const Study& s, const PlannedHistory& history, bool elastic)
 
 /// How gmsh makes the shape's triangles or tetrahedra: an outline or a surface is filled, a mesh is converted.
 std::string shape_arguments(const Study& s) {
-    if (is_stl(s.geometry.shape))
+    if (is_surface_file(s.geometry.shape))
         return fmt::format("-setnumber size_near {0} -setnumber size_far {0}", s.spring_size_m);  // fem/fill3.geo
     if (s.spring_size_m > 0 && s.geometry.is_solid()) return fmt::format("-3 -clmin {0} -clmax {0}", s.spring_size_m / s.geometry.unit_m);
     if (s.spring_size_m > 0) return fmt::format("-2 -clmin {0} -clmax {0}", s.spring_size_m / s.geometry.unit_m);

@@ -9,10 +9,10 @@
 #include <limits>
 
 #include "error.h"
+#include "io/one_line.h"
 #include "mesh/facet.h"
 #include "springs/disc_contact.h"
 #include "springs/tool_spring.h"
-#include "study/one_line.h"
 
 namespace tissue {
 namespace {

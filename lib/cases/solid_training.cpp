@@ -9,7 +9,7 @@
 
 #include "cases/study_mesh.h"
 #include "error.h"
-#include "study/one_line.h"
+#include "io/one_line.h"
 #include "study/solid_push.h"
 
 namespace tissue {

@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "error.h"
+#include "io/one_line.h"
 #include "mesh/cells.h"
 #include "mesh/facet.h"
 #include "mesh/open_faces.h"
 #include "mesh/region_lookup.h"
-#include "study/one_line.h"
 
 namespace tissue {
 

@@ -6,11 +6,11 @@
 #include <limits>
 
 #include "error.h"
+#include "io/one_line.h"
 #include "mesh/facet.h"
 #include "mesh/open_faces.h"
 #include "mesh/solid_shape.h"
 #include "mesh/topology.h"
-#include "study/one_line.h"
 
 namespace tissue {
 

@@ -7,7 +7,7 @@
 
 #include "error.h"
 #include "io/atomic_file.h"
-#include "study/one_line.h"
+#include "io/one_line.h"
 #include "study/toml_reader.h"
 
 namespace tissue {

@@ -8,7 +8,7 @@ namespace tissue {
 
 /// What a person says of a tissue of their own; everything else a new study chooses.
 struct NewStudy {
-    std::string shape;               ///< file: .geo, .msh or .stl
+    std::string shape;               ///< file: .geo, .msh, or one of surface_endings (surface_file/surface_file.h)
     std::string shape_in_study;      ///< the same as the study is to name it, from its own folder
     double unit_m = 1;               ///< of that file
     bool trust_geo = false;          ///< whether gmsh may run it, where it is a .geo

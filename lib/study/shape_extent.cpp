@@ -13,7 +13,8 @@
 
 #include "error.h"
 #include "io/atomic_file.h"
-#include "mesh/stl_file.h"
+#include "mesh/surface_report.h"
+#include "surface_file/surface_file.h"
 
 namespace tissue {
 namespace {
@@ -127,13 +128,14 @@ ShapeExtent msh_extent(const std::string& text, const std::string& file) {
     return shape;
 }
 
-// ---- .stl
+// ---- surfaces
 
-ShapeExtent stl_extent(const std::string& file) {
-    const MshFile mesh = read_stl(file);
+ShapeExtent surface_extent(const std::string& file) {
+    const MshFile mesh = read_surface_file(file);
     ShapeExtent shape;
     shape.solid = true;
     for (const MshFile::Point& p : mesh.points) include(shape, {p.x, p.y, p.z}, file);
+    if (const SurfaceReport report = report_on(mesh); !report.faults.empty()) shape.fault = fault_text(report.faults.front(), "", 1);
     for (const auto& [solid, name] : mesh.triangle_names) add_name(shape.boundaries, name);
     return shape;
 }
@@ -196,12 +198,12 @@ ShapeExtent geo_extent(const std::string& text, const std::string& file) {
 }  // namespace
 
 ShapeExtent shape_extent(const std::string& file) {
-    if (is_stl(file)) return stl_extent(file);
+    if (is_surface_file(file)) return surface_extent(file);
     const std::string text = read_file(file);
     const std::string ending = file.substr(std::min(file.rfind('.'), file.size()));
     if (ending == ".msh") return msh_extent(text, file);
     if (ending == ".geo") return geo_extent(text, file);
-    throw FileError(file + ": a shape is a .geo, .msh or .stl");
+    throw FileError(fmt::format("{}: a shape is a .geo, .msh, {}", file, surface_endings));
 }
 
 }  // namespace tissue

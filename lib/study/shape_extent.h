@@ -14,10 +14,11 @@ struct ShapeExtent {
     std::vector<std::string> boundaries;               ///< named curves; in space surfaces
     std::vector<std::string> regions;                  ///< named surfaces; in space volumes
     std::optional<std::array<double, 3>> low, high;    ///< box of its points, in the file's unit; none where gmsh alone knows it
+    std::string fault;                                 ///< what keeps a surface from being filled, if anything does
     std::size_t nodes = 0;                             ///< of a mesh, whose elements in the plane are the springs' own; 0 of any other file
 };
 
-/// Reads .msh (2.2 and 4.1, ASCII), .stl and .geo. A .geo is read, never run: its points are known where all of them stand there as
+/// Reads .msh (2.2 and 4.1, ASCII), .geo and surfaces (surface_file/surface_file.h). A .geo is read, never run: its points are known where all of them stand there as
 /// numbers. Throws FileError with file and cause.
 ShapeExtent shape_extent(const std::string& file);
 

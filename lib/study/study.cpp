@@ -8,18 +8,18 @@
 #include <filesystem>
 
 #include "error.h"
+#include "io/one_line.h"
 #include "mesh/held_region.h"
-#include "mesh/stl_file.h"
 #include "mesh/topology.h"
 #include "springs/spring_law.h"
 #include "study/based_on.h"
 #include "study/histories.h"
 #include "study/kinds.h"
-#include "study/one_line.h"
 #include "study/read_parts.h"
 #include "study/solid_study.h"
 #include "study/toml_reader.h"
 #include "study/viscosity.h"
+#include "surface_file/surface_file.h"
 
 namespace tissue {
 namespace {
@@ -79,8 +79,8 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
         g.width_m = in.number("width_m", positive);
         g.height_m = in.number("height_m", positive);
     } else {
-        if (g.solid && !ends_with(shape, ".geo") && !ends_with(shape, ".msh") && !is_stl(shape))
-            in.refuse("shape", "'" + shape + "' must be a file that ends in .geo, .msh or .stl");
+        if (g.solid && !ends_with(shape, ".geo") && !ends_with(shape, ".msh") && !is_surface_file(shape))
+            in.refuse("shape", fmt::format("'{}' must be a file that ends in .geo, .msh, {}", shape, surface_endings));
         if (!g.solid && !ends_with(shape, ".geo") && !ends_with(shape, ".msh"))
             in.refuse("shape", "'" + shape + "' must be block, or a file that ends in .geo or .msh");
         g.shape = beside(*table["geometry"]["shape"].node(), file, shape);
@@ -137,7 +137,7 @@ Study::Material read_material(TomlReader in, const Study::Geometry& geometry, bo
     if (geometry.is_solid()) {
         if (in.has("formulation")) in.refuse("formulation", fmt::format("belongs to the plane; a solid {} is incompressible", geometry.is_block() ? "block" : "shape"));
         if (in.has("regions") && geometry.is_block()) in.refuse("regions", "needs a geometry.shape whose file names them; a solid block has [nodule]");
-        if (in.has("regions") && is_stl(geometry.shape)) in.refuse("regions", "are physical volumes, and an .stl has a surface alone");
+        if (in.has("regions") && is_surface_file(geometry.shape)) in.refuse("regions", "are physical volumes, and this file has a surface alone");
         m.formulation = "incompressible";
     } else {
         m.formulation = in.choice("formulation", {"plane-stress", "plane-strain"});
@@ -446,7 +446,7 @@ Study read_study(const std::string& file) {
         study.spring_size_m = lattice.number("size_m", positive);
         lattice.refuse_the_rest();
     } else if (in.has("lattice")) {
-        in.refuse("lattice", solid ? "is for the block, or a shape that is a .geo or .stl; a .msh has its tetrahedra already"
+        in.refuse("lattice", solid ? "is for the block, or a shape that is a .geo or a surface; a .msh has its tetrahedra already"
                                    : "is for the block, or a shape that is a .geo; a .msh has its triangles already");
     }
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "error.h"
-#include "study/one_line.h"
+#include "io/one_line.h"
 
 namespace tissue {
 namespace {

@@ -121,7 +121,7 @@ TEST_CASE("what of a surface lies in a region is held, to its border, and the su
     }
     // the border belongs to the region, though a file's numbers are rounded: all of the flat bed
     MshFile rounded = bare;
-    for (std::size_t n = 0; n < rounded.points.size(); n += 3) rounded.points[n].z += rounded.points[n].z == 0 ? -1e-13 : 0;
+    for (std::size_t n = 0; n < rounded.points.size(); ++n) rounded.points[n].z += rounded.points[n].z != 0 ? 0 : n % 3 == 0 ? -1e-13 : 1e-13;
     for (const char* text : {"below z = 0", "below z = 1e-9"}) {
         const Parts bed = parts_of(make_surface(rounded, {text}, 0.001));
         CHECK(bed.held_m2 == Approx(bed_m2(bare)).epsilon(1e-6));

@@ -2,7 +2,7 @@
 # Arrows run one way: a folder of lib/ includes its own headers, those of folders before it, io and the headers of lib/
 # itself; io, at the bottom, includes no other folder. Needs no built program. SOURCES: another lib/ to look at.
 . "$(dirname "$0")/common"
-order="mesh springs study cases train adapt haptic eval export api"
+order="mesh surface_file springs study cases train adapt haptic eval export api"
 SOURCES=${SOURCES:-$root/lib}
 
 # arrows FOLDER: every include of another folder as "FROM TO FILE", once

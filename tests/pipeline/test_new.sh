@@ -125,4 +125,58 @@ done
 sed 's/below z = 0.0125/above z = 1/' "$work/fem/studies/skin.toml" >"$work/fem/studies/skin2.toml"
 run make PYTHON="$PYTHON" STUDY=skin2 mesh
 check "a region beside the surface: one line names both" one_line "fem/skin.stl: 'above z = 1' holds nothing of its surface, which reaches from (-0.04, -0.03, 0) m to (0.04, 0.03, 0.05) m"
+
+# ---- other files of a surface, and damaged ones
+"$PYTHON" - "$work/fem/box.stl" "$work/fem" <<'PY'
+import sys
+points, named, name = [], {}, None
+for line in open(sys.argv[1]):
+    words = line.split()
+    if words[0] == "solid":
+        name = words[1]
+    if words[0] == "vertex":
+        named.setdefault(name, []).append(tuple(words[1:]))
+points = sorted({p for all in named.values() for p in all})
+with open(sys.argv[2] + "/box.obj", "w") as out:
+    for p in points:
+        print("v", *p, file=out)
+    for name, corners in named.items():
+        print("g", name, file=out)
+        for k in range(0, len(corners), 3):
+            print("f", *(points.index(p) + 1 for p in corners[k:k + 3]), file=out)
+lines = open(sys.argv[2] + "/box.obj").read().split("\n")
+del lines[-2]  # the last facet
+with open(sys.argv[2] + "/torn.obj", "w") as out:
+    print("\n".join(lines), file=out)
+PY
+tissuectl surface fem/box.obj --unit mm
+check "a surface is told of: exit 0" exited 0
+check "its triangles and its volume" says '^fem/box.obj: 12 triangles, 8 points, 80 x 60 x 50 mm, 240 ml$'
+tissuectl new object --shape fem/box.obj --unit mm --held under
+check "a study of an .obj: exit 0" exited 0
+check "its group is held" says '^fem/box.obj: in space, 80 x 60 x 50 mm; held: under$'
+run make PYTHON="$PYTHON" STUDY=object mesh
+check "its study is meshed" exited 0
+check "as the same surface in .stl is" "$PYTHON" -c 'import sys
+of = [sorted(l.split()[3] for l in open(f).read().split("$Elements")[1].split("\n")[2:-2] if l.split()[1] == "2") for f in sys.argv[1:]]
+assert of[0] == of[1] and len(of[0]) > 100, [len(o) for o in of]' "$work/results/object/mesh.msh" "$work/results/box/mesh.msh"
+tissuectl new torn --shape fem/torn.obj --unit mm --held under
+check "a surface with a hole: one line says what, where and what to do" one_line '^tissuectl: fem/torn.obj: cannot be filled: 1 hole, .* round; at (.*); .tissuectl surface. tells all of it'
+check "and no study is written" absent "$work/fem/studies/torn.toml"
+tissuectl surface fem/torn.obj --unit mm --json; grep '^{' "$said" >"$said.json"
+check "it is told of: exit 3" exited 3
+check "in JSON, with the place" "$PYTHON" -c 'import json, sys
+r = json.load(open(sys.argv[1]))
+assert not r["usable"] and r["faults"]["holes"]["count"] == 1 and len(r["faults"]["holes"]["first"][0]) == 3 and r["faults"]["holes"]["largest_m"] > 0.1, r' "$said.json"
+tissuectl surface fem/torn.obj --unit mm --repair fem/mended.stl --closes 0.1
+check "it is repaired: exit 0" exited 0
+check "and said how far it lies from the given one" says 'wrapped about it at 10 mm, holes and gaps narrower than 100 mm closed: 10 mm from it in the median'
+tissuectl new mended --shape fem/mended.stl --unit mm --held 'below z = 0.01'
+check "a study of what was repaired" exited 0
+run make PYTHON="$PYTHON" STUDY=mended mesh
+check "is meshed" exited 0
+tissuectl surface fem/box.geo
+check "another file: one line" one_line "fem/box.geo: is not a surface's file, which ends in .stl, .obj"
+tissuectl surface fem/torn.obj --unit mm --repair fem/mended.obj
+check "another ending: one line" one_line "fem/mended.obj: what is repaired is written as .stl"
 finish

@@ -31,8 +31,9 @@ std::string binary_stl(std::uint32_t facets) {
 }
 
 std::string ascii_stl(const std::string& first, const std::string& second) {
-    const std::string facet = " facet normal 0 0 1\n outer loop\n vertex 0 0 0\n VERTEX 60 0 0\n vertex 0 50 40\n endloop\n endfacet\n";
-    return "solid " + first + "\n" + facet + "endsolid\nSolid " + second + "\r\n" + facet + "endsolid\n";
+    const std::string a = " vertex 0 0 0\n", b = " VERTEX 60 0 0\n", c = " vertex 0 50 40\n", d = " vertex 0 50 0\n";
+    const auto facet = [](const std::string& corners) { return " facet normal 0 0 1\n outer loop\n" + corners + " endloop\n endfacet\n"; };
+    return "solid " + first + "\n" + facet(a + b + c) + "endsolid\nSolid " + second + "\r\n" + facet(b + a + d) + facet(c + b + d) + facet(a + c + d) + "endsolid\n";
 }
 
 std::string why_not(const TemporaryFolder& folder, const std::string& name, const std::string& text) {
@@ -87,7 +88,7 @@ TEST_CASE("a shape's file that is none is refused by name and cause", "[new]") {
     CHECK_THAT(why_not(folder, "a.stl", "solid\nendsolid\n"), Contains("a.stl: has no facets"));
     CHECK_THAT(why_not(folder, "b.stl", "solid\n vertex 60 nan 0\nendsolid\n"), Contains("b.stl: "));
     CHECK_THAT(why_not(folder, "huge.geo", "Point(1) = {1e999, 0, 0};\n"), Contains("a coordinate is not a finite number"));
-    CHECK_THAT(why_not(folder, "a.obj", "v 0 0 0"), Contains("a shape is a .geo, .msh or .stl"));
+    CHECK_THAT(why_not(folder, "a.step", "v 0 0 0"), Contains("a shape is a .geo, .msh, .stl, .obj"));
     CHECK_NOTHROW(shape_extent(folder.file("long.geo", "Point(1) = {" + std::string(3'000'000, ' ') + "0, 0, 0};")));
     for (const char* repeated : {"1", "Point(", "Circle(1) = {", " "}) {  // no line takes the square of its length: this is seconds, not minutes
         std::string text;
@@ -167,8 +168,9 @@ TEST_CASE("a new study is refused where nothing or something unknown is held, an
     wanted.size_m = 0.01;
     CHECK_THAT(new_study(wanted).toml, Contains("size_m = 0.01 "));
     wanted.size_m.reset();
-    wanted.shape = folder.file("c.stl", binary_stl(1));
+    wanted.shape = folder.file("c.stl", ascii_stl("", ""));
     wanted.held = {};
-    wanted.unit_m = 0.01;
     CHECK_THAT(said(), Contains("surface-1 (the largest)"));
+    wanted.shape = folder.file("d.stl", binary_stl(1));
+    CHECK_THAT(said(), Contains("d.stl: cannot be filled: 1 hole, 14") && Contains("round; at (0.666667, 1, 1.66667)") && Contains("--repair OUT.stl"));
 }

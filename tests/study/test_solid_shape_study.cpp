@@ -81,8 +81,8 @@ TEST_CASE("keys that a solid shape has not, or must have, are refused by name", 
     CHECK_THAT(said("solid = true", "solid = true\nlength_m = 0.1", "geometry.solid"), Contains("block"));
     CHECK_THAT(said("solid = true", "solid = true\nwidth_m = 0.1", "geometry.width_m"), Contains("not known"));
     CHECK_THAT(said("shape = \"dome.geo\"\n", "", "geometry.solid"), Contains("geometry.shape"));
-    CHECK_THAT(said("dome.geo", "dome.obj", "geometry.shape"), Contains(".geo, .msh or .stl"));
-    CHECK_THAT(said("dome.geo", "block", "geometry.shape"), Contains(".geo, .msh or .stl"));
+    CHECK_THAT(said("dome.geo", "dome.step", "geometry.shape"), Contains(".geo, .msh, .stl, .obj"));
+    CHECK_THAT(said("dome.geo", "block", "geometry.shape"), Contains(".geo, .msh, .stl, .obj"));
     CHECK_THAT(said("dome.geo", "cone.geo", "geometry.shape"), Contains("there is no file"));
     CHECK_THAT(said("trust_geo = true\n", "", "geometry.shape"), Contains("a program") && Contains("trust_geo = true"));
     CHECK_THAT(said("trust_geo = true\n", "trust_geo = false\n", "geometry.shape"), Contains("trust_geo = true"));

@@ -18,11 +18,11 @@
 #include "eval/closed_loop.h"
 #include "haptic/session_options.h"
 #include "haptic/tick_clock.h"
+#include "io/one_line.h"
 #include "parallel.h"
 #include "springs/law_press.h"
 #include "springs/push_refusal.h"
 #include "springs/set_grid.h"
-#include "study/one_line.h"
 #include "version.h"
 
 namespace py = pybind11;

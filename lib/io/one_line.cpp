@@ -1,4 +1,4 @@
-#include "study/one_line.h"
+#include "io/one_line.h"
 
 #include <fmt/format.h>
 

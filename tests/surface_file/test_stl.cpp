@@ -6,8 +6,8 @@
 #include <string>
 
 #include "error.h"
-#include "mesh/stl_file.h"
 #include "mesh/surface.h"
+#include "surface_file/surface_file.h"
 #include "../refusal.h"
 #include "../example.h"
 
@@ -76,7 +76,7 @@ std::string upper(std::string text) {
 
 TEST_CASE("an ASCII .stl has points once, facets in its order and solids by name", "[stl]") {
     const TemporaryFolder folder;
-    const MshFile mesh = read_stl(folder.file("box.stl", solid(" bed", 0, 2) + solid(" top", 2, 4) + solid(" sides", 4, 12)));
+    const MshFile mesh = read_surface_file(folder.file("box.stl", solid(" bed", 0, 2) + solid(" top", 2, 4) + solid(" sides", 4, 12)));
     CHECK(mesh.points.size() == 8);
     CHECK(mesh.triangles.size() == 12);
     CHECK(mesh.triangle_names == std::map<int, std::string>{{1, "bed"}, {2, "top"}, {3, "sides"}});
@@ -88,12 +88,12 @@ TEST_CASE("a solid without a name does not shift the names of the others; it is 
     const TemporaryFolder folder;
     for (const char* none : {"", " ", "\t", " \r"}) {
         CAPTURE(none);
-        const MshFile mesh = read_stl(folder.file("box.stl", solid(none, 0, 4) + solid(" sides", 4, 12)));
+        const MshFile mesh = read_surface_file(folder.file("box.stl", solid(none, 0, 4) + solid(" sides", 4, 12)));
         CHECK(mesh.triangle_names == std::map<int, std::string>{{1, "1"}, {2, "sides"}});
         CHECK(held_area(mesh, "sides") == Approx(40));
         CHECK(held_area(mesh, "1") == Approx(12));
     }
-    const MshFile none = read_stl(folder.file("box.stl", solid("", 0, 4) + solid("", 4, 12)));
+    const MshFile none = read_surface_file(folder.file("box.stl", solid("", 0, 4) + solid("", 4, 12)));
     CHECK(none.triangle_names.empty());
     CHECK(held_area(none, "surface-1") == Approx(12));  // between creases
 }
@@ -103,26 +103,26 @@ TEST_CASE("line ends, blanks and capitals change neither names nor facets", "[st
     const std::string plain = solid(" left lobe", 0, 2) + solid(" rest", 2, 12), dos = solid(" left lobe", 0, 2, "\r\n") + solid(" rest", 2, 12, "\r\n");
     const std::string blank = "\n \n" + solid("  \tleft lobe  ", 0, 2, "\n\n \t") + solid(" rest ", 2, 12);
     for (const std::string& text : {plain, dos, blank}) {
-        const MshFile mesh = read_stl(folder.file("box.stl", text));
+        const MshFile mesh = read_surface_file(folder.file("box.stl", text));
         CHECK(mesh.triangle_names == std::map<int, std::string>{{1, "left lobe"}, {2, "rest"}});
         CHECK(held_area(mesh, "left lobe") == Approx(6));
     }
-    CHECK(held_area(read_stl(folder.file("BOX.STL", upper(plain))), "LEFT LOBE") == Approx(6));
-    CHECK(is_stl("a.stl"));
-    CHECK(is_stl("A.STL"));
-    CHECK_FALSE(is_stl(".stl"));
-    CHECK_FALSE(is_stl("a.stl.msh"));
+    CHECK(held_area(read_surface_file(folder.file("BOX.STL", upper(plain))), "LEFT LOBE") == Approx(6));
+    CHECK(is_surface_file("a.stl"));
+    CHECK(is_surface_file("A.STL"));
+    CHECK_FALSE(is_surface_file(".stl"));
+    CHECK_FALSE(is_surface_file("a.stl.msh"));
 }
 
 TEST_CASE("a binary .stl is read whatever its head begins with", "[stl]") {
     const TemporaryFolder folder;
     for (const char* head : {"", "made by somebody", "solid of somebody", "solid\n"}) {
         CAPTURE(head);
-        const MshFile mesh = read_stl(folder.file("box.stl", binary(head, 12)));
+        const MshFile mesh = read_surface_file(folder.file("box.stl", binary(head, 12)));
         CHECK(mesh.points.size() == 8);
         CHECK(mesh.triangles.size() == 12);
         CHECK(held_area(mesh, "surface-6") == Approx(6));
-        CHECK(read_stl(folder.file("box.stl", binary(head, 12) + std::string(10, '\0'))).triangles.size() == 12);
+        CHECK(read_surface_file(folder.file("box.stl", binary(head, 12) + std::string(10, '\0'))).triangles.size() == 12);
     }
 }
 
@@ -133,14 +133,14 @@ TEST_CASE("corners that differ by rounding are one; a facet of less than three i
     text.replace(text.find(corner), corner.size(), "2.00000001 2.99999999 4");
     const std::string facet = "facet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 0 0 0.00000001\nvertex 2 3 4\nendloop\nendfacet\n";
     text.insert(text.find("endsolid"), facet);
-    const MshFile mesh = read_stl(folder.file("box.stl", text));
+    const MshFile mesh = read_surface_file(folder.file("box.stl", text));
     CHECK(mesh.points.size() == 8);
     CHECK(mesh.triangles.size() == 12);
 }
 
 TEST_CASE("what is no .stl, or is cut off, is refused with file, place and cause", "[stl]") {
     const TemporaryFolder folder;
-    const auto said = [&](const std::string& text) { return refusal<FileError>([&] { read_stl(folder.file("box.stl", text)); }); };
+    const auto said = [&](const std::string& text) { return refusal<FileError>([&] { read_surface_file(folder.file("box.stl", text)); }); };
     const std::string good = solid(" box", 0, 12), cut = good.substr(0, good.find("endloop"));
     CHECK_THAT(said(""), Contains("box.stl: is no .stl"));
     CHECK_THAT(said("SystemCall \"rm\";\n"), Contains("box.stl: is no .stl"));

@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "study/one_line.h"
+#include "io/one_line.h"
 
 using tissue::one_line;
 

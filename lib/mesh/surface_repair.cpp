@@ -1,0 +1,129 @@
+#include "mesh/surface_repair.h"
+
+#include <CGAL/AABB_face_graph_triangle_primitive.h>
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/AABB_triangle_primitive.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/connected_components.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/alpha_wrap_3.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "error.h"
+
+namespace tissue {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Point = Kernel::Point_3;
+using Triangle = Kernel::Triangle_3;
+using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, CGAL::AABB_triangle_primitive<Kernel, std::vector<Triangle>::const_iterator>>>;
+
+std::vector<Point> points_of(const MshFile& mesh) {
+    std::vector<Point> points;
+    for (const MshFile::Point& p : mesh.points) points.emplace_back(p.x, p.y, p.z);
+    return points;
+}
+
+std::vector<Triangle> triangles_of(const MshFile& mesh, const std::vector<Point>& points) {
+    std::vector<Triangle> all;
+    for (const MshFile::Element& e : mesh.triangles) {
+        const Triangle t(points[static_cast<std::size_t>(e.node[0])], points[static_cast<std::size_t>(e.node[1])], points[static_cast<std::size_t>(e.node[2])]);
+        if (!t.is_degenerate()) all.push_back(t);
+    }
+    return all;
+}
+
+/// Of the mesh's points that triangles have.
+std::vector<std::pair<double, Point>> distances(const MshFile& from, const std::vector<Point>& points, const std::vector<Triangle>& to) {
+    Tree tree(to.begin(), to.end());
+    std::vector<char> used(points.size(), 0);
+    for (const MshFile::Element& e : from.triangles)
+        for (int n : e.node) used[static_cast<std::size_t>(n)] = 1;
+    std::vector<std::pair<double, Point>> all;
+    for (std::size_t n = 0; n < points.size(); ++n)
+        if (used[n]) all.emplace_back(std::sqrt(tree.squared_distance(points[n])), points[n]);
+    std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    return all;
+}
+
+double extent_of(const MshFile& mesh) {
+    CGAL::Bbox_3 box;
+    for (const MshFile::Element& e : mesh.triangles)
+        for (int n : e.node) {
+            const MshFile::Point& p = mesh.points[static_cast<std::size_t>(n)];
+            box += CGAL::Bbox_3(p.x, p.y, p.z, p.x, p.y, p.z);
+        }
+    return std::max({box.x_span(), box.y_span(), box.z_span()});
+}
+
+}  // namespace
+
+SurfaceRepair usual_repair(const MshFile& mesh) { return {extent_of(mesh) / 100, extent_of(mesh) / 1000}; }
+
+RepairedSurface repaired(const MshFile& mesh, const SurfaceRepair& repair) {
+    const double extent = extent_of(mesh);
+    if (!(repair.closes >= extent / 500) || !(repair.offset >= extent / 1e5) || !std::isfinite(repair.closes + repair.offset))
+        throw MismatchError(fmt::format("{}: is {:.4g} across; a repair closes what is narrower than at least {:.2g}, and lies at least {:.2g} outside", mesh.file, extent, extent / 500, extent / 1e5));
+    const std::vector<Point> points = points_of(mesh);
+    const std::vector<Triangle> given = triangles_of(mesh, points);
+    if (given.empty()) throw FileError(mesh.file + ": has no triangle with an area");
+    std::vector<Point> corners;
+    std::vector<std::array<std::size_t, 3>> faces;
+    for (const Triangle& t : given) {
+        faces.push_back({corners.size(), corners.size() + 1, corners.size() + 2});
+        for (int i = 0; i < 3; ++i) corners.push_back(t[i]);
+    }
+    CGAL::Surface_mesh<Point> wrap;
+    CGAL::alpha_wrap_3(corners, faces, repair.closes, repair.offset, wrap);
+    RepairedSurface made{};
+    made.distances.left_out = CGAL::Polygon_mesh_processing::keep_largest_connected_components(wrap, 1);
+    wrap.collect_garbage();
+    made.mesh.file = mesh.file;
+    for (const auto vertex : wrap.vertices()) {
+        const Point& p = wrap.point(vertex);
+        made.mesh.points.push_back({p.x(), p.y(), p.z()});
+    }
+    for (const auto face : wrap.faces()) {
+        MshFile::Element e{static_cast<long>(made.mesh.triangles.size()) + 1, {}, 0};
+        int i = 0;
+        for (const auto vertex : CGAL::vertices_around_face(wrap.halfedge(face), wrap)) e.node[i++] = static_cast<int>(vertex.idx());
+        made.mesh.triangles.push_back(e);
+    }
+    const std::vector<Point> new_points = points_of(made.mesh);
+    const auto out = distances(made.mesh, new_points, given), back = distances(mesh, points, triangles_of(made.mesh, new_points));
+    made.distances.median = out[out.size() / 2].first;
+    made.distances.most = out.back().first;
+    made.distances.given_median = back[back.size() / 2].first;
+    made.distances.given_most = back.back().first;
+    made.distances.given_at = {back.back().second.x(), back.back().second.y(), back.back().second.z()};
+    return made;
+}
+
+std::string to_stl(const MshFile& mesh) {
+    std::string bytes(80, ' ');
+    const auto put = [&](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };  // little-endian, as every machine that we support
+    put(static_cast<std::uint32_t>(mesh.triangles.size()));
+    for (const MshFile::Element& e : mesh.triangles) {
+        std::array<float, 12> facet{};  // its normal is left to the order of its corners
+        for (int i = 0; i < 3; ++i) {
+            const MshFile::Point& p = mesh.points[static_cast<std::size_t>(e.node[i])];
+            facet[static_cast<std::size_t>(3 * i + 3)] = static_cast<float>(p.x);
+            facet[static_cast<std::size_t>(3 * i + 4)] = static_cast<float>(p.y);
+            facet[static_cast<std::size_t>(3 * i + 5)] = static_cast<float>(p.z);
+        }
+        put(facet);
+        put(std::uint16_t{0});
+    }
+    return bytes;
+}
+
+}  // namespace tissue

@@ -1,0 +1,290 @@
+#include "mesh/surface_report.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/box_intersection_d.h>
+#include <CGAL/intersections.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "error.h"
+
+namespace tissue {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Edge = std::pair<int, int>;
+using Kind = SurfaceFault::Kind;
+
+constexpr std::size_t most_places = 3;
+
+/// Parts that are joined one by one.
+class Joined {
+   public:
+    explicit Joined(std::size_t count) : of_(count) { std::iota(of_.begin(), of_.end(), 0); }
+    int operator[](int k) {
+        while (of_[static_cast<std::size_t>(k)] != k) k = of_[static_cast<std::size_t>(k)] = of_[static_cast<std::size_t>(of_[static_cast<std::size_t>(k)])];
+        return k;
+    }
+    void join(int a, int b) { of_[static_cast<std::size_t>((*this)[a])] = (*this)[b]; }
+
+   private:
+    std::vector<int> of_;
+};
+
+class Surveyor {
+   public:
+    explicit Surveyor(const MshFile& mesh) : mesh_(mesh) {
+        std::set<std::array<int, 3>> seen;
+        for (const MshFile::Element& e : mesh.triangles) {
+            std::array<int, 3> corners{e.node[0], e.node[1], e.node[2]}, key = corners;
+            std::sort(key.begin(), key.end());
+            if (seen.insert(key).second) triangles_.push_back(corners);  // one in two groups stands twice
+        }
+        if (triangles_.empty()) throw FileError(mesh.file + ": has no triangles");
+        for (int t = 0; t < static_cast<int>(triangles_.size()); ++t)
+            for (int i = 0; i < 3; ++i) {
+                const int a = corner(t, i), b = corner(t, (i + 1) % 3);
+                sides_[{std::min(a, b), std::max(a, b)}].push_back(a < b ? t : ~t);
+            }
+    }
+
+    SurfaceReport report() {
+        SurfaceReport r;
+        measure(r);
+        const bool closed = edges(r), whole = parts(r, closed);
+        if (!closed) r.volume = 0;
+        if (closed && whole) handles(r);
+        crossings(r);
+        return r;
+    }
+
+   private:
+    int corner(int t, int i) const { return triangles_[static_cast<std::size_t>(t)][static_cast<std::size_t>(i)]; }
+    Eigen::Vector3d place(int n) const {
+        const MshFile::Point& p = mesh_.points[static_cast<std::size_t>(n)];
+        return {p.x, p.y, p.z};
+    }
+    Eigen::Vector3d middle(int t) const { return (place(corner(t, 0)) + place(corner(t, 1)) + place(corner(t, 2))) / 3; }
+
+    static void note(SurfaceReport& r, Kind kind, const Eigen::Vector3d& at) {
+        const auto there = std::find_if(r.faults.begin(), r.faults.end(), [&](const SurfaceFault& f) { return f.kind == kind; });
+        SurfaceFault& fault = there != r.faults.end() ? *there : r.faults.emplace_back(SurfaceFault{kind, 0, {}});
+        ++fault.count;
+        if (fault.first.size() < most_places) fault.first.push_back(at);
+    }
+
+    void measure(SurfaceReport& r) const {
+        r.triangles = triangles_.size();
+        constexpr double most = std::numeric_limits<double>::infinity();
+        r.low = Eigen::Vector3d::Constant(most);
+        r.high = -r.low;
+        r.shortest = most;
+        const Eigen::Vector3d origin = place(corner(0, 0));
+        double sum = 0;
+        std::vector<char> used(mesh_.points.size(), 0);
+        for (int t = 0; t < static_cast<int>(r.triangles); ++t) {
+            std::array<Eigen::Vector3d, 3> x;
+            for (int i = 0; i < 3; ++i) {
+                x[static_cast<std::size_t>(i)] = place(corner(t, i));
+                used[static_cast<std::size_t>(corner(t, i))] = 1;
+                r.low = r.low.cwiseMin(x[static_cast<std::size_t>(i)]);
+                r.high = r.high.cwiseMax(x[static_cast<std::size_t>(i)]);
+            }
+            const double twice = (x[1] - x[0]).cross(x[2] - x[0]).norm();
+            double longest = 0;
+            for (std::size_t i = 0; i < 3; ++i) {
+                const double side = (x[(i + 1) % 3] - x[i]).norm();
+                r.shortest = std::min(r.shortest, side);
+                longest = std::max(longest, side);
+                sum += side;
+            }
+            r.area += twice / 2;
+            r.volume += (x[0] - origin).dot((x[1] - origin).cross(x[2] - origin)) / 6;
+            if (!(twice > 1e-12 * longest * longest)) note(r, Kind::flat, middle(t));
+            // the smallest angle lies between the two longest sides: sin = twice the area / their product, of which the longest is the larger
+            else if (twice / (longest * longest) < std::sin(sliver_angle_deg * 3.14159265358979 / 180)) ++r.slivers;
+        }
+        r.volume = std::abs(r.volume);
+        r.mean = sum / (3 * static_cast<double>(r.triangles));
+        r.points = static_cast<std::size_t>(std::count(used.begin(), used.end(), 1));
+    }
+
+    /// Whether every side has two triangles that run it in opposite directions.
+    bool edges(SurfaceReport& r) const {
+        std::map<int, std::vector<int>> open;  // from each point along sides that one triangle has
+        for (const auto& [edge, triangles] : sides_) {
+            const Eigen::Vector3d at = (place(edge.first) + place(edge.second)) / 2;
+            if (triangles.size() > 2) note(r, Kind::crowded, at);
+            if (triangles.size() == 2 && (triangles[0] < 0) == (triangles[1] < 0)) note(r, Kind::turned, at);
+            if (triangles.size() != 1) continue;
+            open[edge.first].push_back(edge.second);
+            open[edge.second].push_back(edge.first);
+        }
+        std::map<int, char> seen;
+        double longest = 0;
+        for (const auto& [first, ends] : open) {  // what is connected counts as one hole
+            if (seen[first]) continue;
+            std::vector<int> next{first};
+            seen[first] = 1;
+            Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+            double count = 0, length = 0;
+            while (!next.empty()) {
+                const int n = next.back();
+                next.pop_back();
+                sum += place(n);
+                ++count;
+                for (int other : open.at(n)) {
+                    length += (place(other) - place(n)).norm() / 2;
+                    if (!seen[other]) next.push_back(other);
+                    seen[other] = 1;
+                }
+            }
+            note(r, Kind::holes, sum / count);
+            longest = std::max(longest, length);
+        }
+        for (SurfaceFault& fault : r.faults)
+            if (fault.kind == Kind::holes) fault.largest = longest;
+        return open.empty();
+    }
+
+    /// Whether there is one.
+    bool parts(SurfaceReport& r, bool closed) {
+        Joined part(triangles_.size());
+        for (const auto& [edge, triangles] : sides_)
+            for (int t : triangles) part.join(t < 0 ? ~t : t, triangles[0] < 0 ? ~triangles[0] : triangles[0]);
+        struct Part {
+            double six = 0, size = 0;
+            std::size_t count = 0;
+            Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+        };
+        std::map<int, Part> all;
+        const Eigen::Vector3d origin = place(corner(0, 0));
+        for (int t = 0; t < static_cast<int>(triangles_.size()); ++t) {
+            Part& p = all[part[t]];
+            const Eigen::Vector3d a = place(corner(t, 0)), b = place(corner(t, 1)), c = place(corner(t, 2));
+            p.six += (a - origin).dot((b - origin).cross(c - origin));
+            ++p.count;
+            p.low = p.low.cwiseMin(a).cwiseMin(b).cwiseMin(c);
+            p.high = p.high.cwiseMax(a).cwiseMax(b).cwiseMax(c);
+        }
+        std::vector<Part> order;
+        for (auto& [key, p] : all) {
+            p.size = (p.high - p.low).maxCoeff();
+            order.push_back(p);
+        }
+        std::stable_sort(order.begin(), order.end(), [](const Part& a, const Part& b) { return a.size > b.size; });
+        for (std::size_t k = 1; k < order.size(); ++k) {
+            note(r, Kind::parts, (order[k].low + order[k].high) / 2);
+            if (k == 1) r.faults.back().largest = order[k].size;
+        }
+        if (closed) {
+            r.volume = 0;
+            for (const Part& p : order) r.volume = std::max(r.volume, std::abs(p.six) / 6);
+        }
+        return order.size() == 1;
+    }
+
+    /// Euler: points - sides + triangles = 2 - 2 handles.
+    void handles(SurfaceReport& r) const {
+        const long euler = static_cast<long>(r.points) - static_cast<long>(sides_.size()) + static_cast<long>(r.triangles);
+        if (euler < 2) r.faults.push_back({Kind::handles, static_cast<std::size_t>((2 - euler + 1) / 2), {}});
+    }
+
+    /// Of two triangles: whether they have more in common than their common corners and side.
+    bool cut(int s, int t) const {
+        std::vector<int> common, of_s, of_t;
+        for (int i = 0; i < 3; ++i) {
+            const bool both = corner(s, i) == corner(t, 0) || corner(s, i) == corner(t, 1) || corner(s, i) == corner(t, 2);
+            (both ? common : of_s).push_back(corner(s, i));
+        }
+        for (int i = 0; i < 3; ++i)
+            if (std::find(common.begin(), common.end(), corner(t, i)) == common.end()) of_t.push_back(corner(t, i));
+        const auto point = [&](int n) {
+            const MshFile::Point& p = mesh_.points[static_cast<std::size_t>(n)];
+            return Kernel::Point_3(p.x, p.y, p.z);
+        };
+        const auto triangle = [&](int k) { return Kernel::Triangle_3(point(corner(k, 0)), point(corner(k, 1)), point(corner(k, 2))); };
+        if (common.size() == 2) {  // folded onto each other
+            const auto a = point(common[0]), b = point(common[1]), c = point(of_s[0]), d = point(of_t[0]);
+            return CGAL::coplanar(a, b, c, d) && CGAL::coplanar_orientation(a, b, c, d) == CGAL::POSITIVE;
+        }
+        const Kernel::Triangle_3 first = triangle(s), second = triangle(t);
+        if (first.is_degenerate() || second.is_degenerate()) return false;  // told as flat
+        if (common.empty()) return CGAL::do_intersect(first, second);
+        // one corner in common: else one side opposite to it goes through the other triangle
+        return CGAL::do_intersect(second, Kernel::Segment_3(point(of_s[0]), point(of_s[1]))) || CGAL::do_intersect(first, Kernel::Segment_3(point(of_t[0]), point(of_t[1])));
+    }
+
+    void crossings(SurfaceReport& r) const {
+        struct Box : CGAL::Box_intersection_d::Box_d<double, 3> {
+            using Base = CGAL::Box_intersection_d::Box_d<double, 3>;
+            Box(const CGAL::Bbox_3& box, int of) : Base(box), triangle(of) {}
+            int triangle;
+        };
+        std::vector<Box> boxes;
+        for (int t = 0; t < static_cast<int>(triangles_.size()); ++t) {
+            CGAL::Bbox_3 box;
+            for (int i = 0; i < 3; ++i) {
+                const Eigen::Vector3d x = place(corner(t, i));
+                box += CGAL::Bbox_3(x.x(), x.y(), x.z(), x.x(), x.y(), x.z());
+            }
+            boxes.emplace_back(box, t);
+        }
+        std::vector<std::pair<int, int>> pairs;
+        CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) {
+            if (cut(a.triangle, b.triangle)) pairs.emplace_back(std::minmax(a.triangle, b.triangle));
+        });
+        std::sort(pairs.begin(), pairs.end());
+        for (const auto& [s, t] : pairs) note(r, Kind::crossings, (middle(s) + middle(t)) / 2);
+    }
+
+    const MshFile& mesh_;
+    std::vector<std::array<int, 3>> triangles_;
+    std::map<Edge, std::vector<int>> sides_;  // triangles of each, ~ of those that run it from its second end
+};
+
+}  // namespace
+
+SurfaceReport report_on(const MshFile& mesh) { return Surveyor(mesh).report(); }
+
+const char* fault_name(Kind kind) {
+    switch (kind) {
+        case Kind::holes: return "holes";
+        case Kind::crowded: return "crowded";
+        case Kind::turned: return "turned";
+        case Kind::crossings: return "crossings";
+        case Kind::parts: return "parts";
+        case Kind::handles: return "handles";
+        case Kind::flat: return "flat";
+    }
+    return "";
+}
+
+std::string fault_text(const SurfaceFault& fault, const std::string& unit, double factor) {
+    const auto said = [&](const char* one, const char* many) { return fmt::format("{} {}", fault.count, fault.count == 1 ? one : many); };
+    std::string line;
+    switch (fault.kind) {
+        case Kind::holes: line = fmt::format("{}, {}{:.3g}{} round", said("hole", "holes"), fault.count == 1 ? "" : "the longest ", factor * fault.largest, unit); break;
+        case Kind::crowded: line = said("side", "sides") + " of more than two triangles"; break;
+        case Kind::turned: line = said("side", "sides") + " between triangles that are turned against each other"; break;
+        case Kind::crossings: line = said("pair", "pairs") + " of triangles that cut each other"; break;
+        case Kind::parts: line = fmt::format("{} beside the largest, {}{:.3g}{} across", said("part", "parts"), fault.count == 1 ? "" : "the next ", factor * fault.largest, unit); break;
+        case Kind::handles: line = said("hole", "holes") + " through the tissue (as of a ring), where a shape has none"; break;
+        case Kind::flat: line = said("triangle", "triangles") + " without area"; break;
+    }
+    std::vector<std::string> places;
+    for (const Eigen::Vector3d& at : fault.first) places.push_back(fmt::format("({:.6g}, {:.6g}, {:.6g})", at.x(), at.y(), at.z()));
+    if (!places.empty()) line += fmt::format("; {} {}{}", fault.count > fault.first.size() ? "the first at" : "at", fmt::join(places, ", "), fault.count > fault.first.size() ? ", .." : "");
+    return line;
+}
+
+}  // namespace tissue

@@ -1,0 +1,136 @@
+#include "surface_file/facets.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <unordered_map>
+
+#include "error.h"
+#include "surface_file/divide_facet.h"
+
+namespace tissue::surface_file {
+namespace {
+
+constexpr double same_point = 1e-8;  // of the extent's diagonal
+
+bool usable(const MshFile::Point& p) {
+    return std::isfinite(p.x + p.y + p.z) && std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= largest_coordinate;
+}
+
+/// Points that are one where they are nearer to each other than a tolerance along every axis.
+class Points {
+   public:
+    Points(const std::vector<std::array<MshFile::Point, 3>>& facets, std::vector<MshFile::Point>& points) : points_(points) {
+        constexpr double most = std::numeric_limits<double>::infinity();
+        MshFile::Point high{-most, -most, -most};
+        low_ = {most, most, most};
+        for (const auto& corners : facets)
+            for (const MshFile::Point& p : corners) {
+                low_ = {std::min(low_.x, p.x), std::min(low_.y, p.y), std::min(low_.z, p.z)};
+                high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+            }
+        tolerance_ = same_point * std::hypot(high.x - low_.x, high.y - low_.y, high.z - low_.z);
+    }
+
+    int place_of(const MshFile::Point& p) {
+        if (!(tolerance_ > 0)) return first_or_new(p, {});
+        const Box box{box_along(p.x - low_.x), box_along(p.y - low_.y), box_along(p.z - low_.z)};
+        int found = -1;
+        for (int i = -1; i <= 1; ++i)
+            for (int j = -1; j <= 1; ++j)
+                for (int k = -1; k <= 1; ++k) {
+                    const auto there = in_box_.find({box[0] + i, box[1] + j, box[2] + k});
+                    if (there == in_box_.end()) continue;
+                    for (int place : there->second)
+                        if ((found < 0 || place < found) && near(points_[static_cast<std::size_t>(place)], p)) found = place;
+                }
+        return found >= 0 ? found : first_or_new(p, box);
+    }
+
+   private:
+    using Box = std::array<std::int64_t, 3>;
+    struct Hash {
+        std::size_t operator()(const Box& b) const {
+            return static_cast<std::size_t>(b[0]) * 73856093u ^ static_cast<std::size_t>(b[1]) * 19349663u ^ static_cast<std::size_t>(b[2]) * 83492791u;
+        }
+    };
+
+    std::int64_t box_along(double x) const { return static_cast<std::int64_t>(std::floor(x / tolerance_)); }
+
+    bool near(const MshFile::Point& a, const MshFile::Point& b) const {
+        return std::abs(a.x - b.x) <= tolerance_ && std::abs(a.y - b.y) <= tolerance_ && std::abs(a.z - b.z) <= tolerance_;
+    }
+
+    int first_or_new(const MshFile::Point& p, const Box& box) {
+        if (!(tolerance_ > 0) && !points_.empty()) return 0;  // all are one
+        points_.push_back(p);
+        in_box_[box].push_back(static_cast<int>(points_.size()) - 1);
+        return static_cast<int>(points_.size()) - 1;
+    }
+
+    std::vector<MshFile::Point>& points_;
+    MshFile::Point low_{};
+    double tolerance_ = 0;
+    std::unordered_map<Box, std::vector<int>, Hash> in_box_;
+};
+
+}  // namespace
+
+std::string_view without_mark(std::string_view text) {
+    if (text.substr(0, 3) == "\xef\xbb\xbf") text.remove_prefix(3);
+    return text;
+}
+
+int Facets::begin_group(const std::string& name) {
+    names_.push_back(name);
+    return now_ = static_cast<int>(names_.size());
+}
+
+void Facets::add(const std::array<MshFile::Point, 3>& corners) {
+    if (corners_.size() == most_facets) throw FileError(fmt::format("{}: has more than {} facets; at most as many are read", file_, most_facets));
+    for (const MshFile::Point& p : corners)
+        if (!usable(p)) throw FileError(fmt::format("{}: facet {} has a coordinate that is no finite number, or beyond {:g}", file_, corners_.size() + 1, largest_coordinate));
+    corners_.push_back(corners);
+    group_.push_back(now_);
+}
+
+void Facets::add(const std::vector<MshFile::Point>& points, const std::vector<long long>& of_points) {
+    std::vector<MshFile::Point> polygon;
+    for (const long long there : of_points) {
+        if (there < 0 || there >= static_cast<long long>(points.size()))
+            throw FileError(fmt::format("{}: facet {} names a point that the file does not have: it has {}", file_, corners_.size() + 1, points.size()));
+        polygon.push_back(points[static_cast<std::size_t>(there)]);
+    }
+    if (polygon.size() < 3 || polygon.size() > most_corners)
+        throw FileError(fmt::format("{}: facet {} has {} corners; it has 3 to {}", file_, corners_.size() + 1, polygon.size(), most_corners));
+    if (polygon.size() == 3) return add({polygon[0], polygon[1], polygon[2]});
+    for (const MshFile::Point& p : polygon)
+        if (!usable(p)) return add({p, p, p});  // which refuses it
+    for (const auto& t : divide_facet(polygon)) add({polygon[t[0]], polygon[t[1]], polygon[t[2]]});
+}
+
+MshFile Facets::mesh() const {
+    MshFile mesh;
+    mesh.file = file_;
+    std::vector<bool> used(names_.size(), false), named = used;
+    for (int k : group_) {
+        used[static_cast<std::size_t>(k - 1)] = true;
+        named[static_cast<std::size_t>(k - 1)] = !names_[static_cast<std::size_t>(k - 1)].empty();
+    }
+    const bool grouped = std::count(used.begin(), used.end(), true) > 1 && std::count(named.begin(), named.end(), true) > 0;
+    for (std::size_t k = 0; grouped && k < names_.size(); ++k)
+        if (used[k]) mesh.triangle_names[static_cast<int>(k) + 1] = named[k] ? names_[k] : std::to_string(k + 1);
+    Points points(corners_, mesh.points);
+    for (std::size_t f = 0; f < corners_.size(); ++f) {
+        MshFile::Element e{static_cast<long>(f) + 1, {}, grouped ? group_[f] : 0};
+        for (int i = 0; i < 3; ++i) e.node[i] = points.place_of(corners_[f][static_cast<std::size_t>(i)]);
+        if (e.node[0] != e.node[1] && e.node[1] != e.node[2] && e.node[2] != e.node[0]) mesh.triangles.push_back(e);
+    }
+    if (mesh.triangles.empty()) throw FileError(file_ + ": has no facets");
+    return mesh;
+}
+
+}  // namespace tissue::surface_file

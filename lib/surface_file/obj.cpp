@@ -1,0 +1,58 @@
+#include <fmt/format.h>
+
+#include <map>
+
+#include "error.h"
+#include "surface_file/facets.h"
+#include "surface_file/text_lines.h"
+
+namespace tissue::surface_file {
+namespace {
+
+constexpr const char *vertex = "v x y z", *facet = "f i j k ..";
+
+}  // namespace
+
+// Of our own: CGAL's reader knows no groups and refuses lines of edges, tinyobjloader reads a damaged number as zero.
+Facets read_obj(const std::string& file, std::string_view content) {
+    TextLines lines(file, without_mark(content), '#');
+    Facets facets(file);
+    std::map<std::string, int> group_of{{"", facets.begin_group("")}};
+    std::vector<MshFile::Point> points;
+    std::vector<std::vector<long long>> polygons;  // a facet may name points that follow
+    std::vector<int> group;
+    int now = 1;
+    for (std::string_view line = lines.next(); !line.empty(); line = lines.next()) {
+        const std::string_view word = take_word(line);
+        if (word == "v") {
+            MshFile::Point p{};
+            for (double* value : {&p.x, &p.y, &p.z}) *value = lines.take_number(line, vertex);
+            points.push_back(p);
+        } else if (word == "f") {
+            std::vector<long long> corners;
+            while (!(line = trimmed(line)).empty()) {
+                std::string_view corner = take_word(line);
+                corner = corner.substr(0, corner.find('/'));
+                const long long number = lines.take_count(corner, facet), there = number > 0 ? number - 1 : static_cast<long long>(points.size()) + number;
+                if (number == 0 || there < 0) lines.refuse(fmt::format("names point {} of {}", number, points.size()));
+                corners.push_back(there);
+            }
+            if (corners.size() < 3) lines.refuse(fmt::format("is not '{}'", facet));
+            if (polygons.size() == most_facets) lines.refuse(fmt::format("is facet {}; at most {} are read", most_facets + 1, most_facets));
+            polygons.push_back(std::move(corners));
+            group.push_back(now);
+        } else if (word == "g" || word == "o") {
+            const std::string name(trimmed(line));
+            const auto [there, fresh] = group_of.emplace(name, 0);
+            if (fresh) there->second = facets.begin_group(name);
+            now = there->second;
+        }
+    }
+    for (std::size_t f = 0; f < polygons.size(); ++f) {
+        facets.go_on_with(group[f]);
+        facets.add(points, polygons[f]);
+    }
+    return facets;
+}
+
+}  // namespace tissue::surface_file

@@ -1,0 +1,39 @@
+#include "surface_file/surface_file.h"
+
+#include <array>
+#include <optional>
+
+#include "io/atomic_file.h"
+#include "surface_file/facets.h"
+#include "surface_file/text_lines.h"
+
+namespace tissue {
+namespace {
+
+using namespace surface_file;
+
+struct Kind {
+    std::string_view ending;
+    Facets (*read)(const std::string& file, std::string_view content);
+};
+constexpr std::array<Kind, 5> kinds{{{".stl", read_stl}, {".obj", read_obj}, {".ply", read_ply}, {".off", read_off}, {".glb", read_glb}}};
+
+const Kind* kind_of(const std::string& file) {
+    for (const Kind& kind : kinds)
+        if (file.size() > kind.ending.size() && is_word(std::string_view(file).substr(file.size() - kind.ending.size()), kind.ending)) return &kind;
+    return nullptr;
+}
+
+}  // namespace
+
+bool is_surface_file(const std::string& file) { return kind_of(file) != nullptr; }
+
+MshFile read_surface_file(const std::string& file) {
+    const std::string content = read_file(file);
+    const Kind* kind = kind_of(file);
+    return (kind ? kind->read : read_stl)(file, content).mesh();
+}
+
+MshFile read_surface_or_msh(const std::string& file, const std::string& named) { return is_surface_file(file) ? read_surface_file(file) : read_msh(file, true, named); }
+
+}  // namespace tissue

@@ -1,0 +1,213 @@
+#include <catch2/catch.hpp>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <string>
+
+#include "error.h"
+#include "mesh/surface.h"
+#include "surface_file/surface_file.h"
+#include "../refusal.h"
+#include "../example.h"
+
+namespace tissue {
+namespace {
+
+using Catch::Matchers::Contains;
+
+// A box of 2 x 3 x 4 in each format: corners by the bits of their number, sides z = 0, z = 4, then the four upright ones, outwards.
+const std::string points = "0 0 0\n2 0 0\n0 3 0\n2 3 0\n0 0 4\n2 0 4\n0 3 4\n2 3 4\n";
+constexpr int sides[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+
+std::string lines(const std::string& before) {
+    std::string text;
+    for (std::size_t begin = 0; begin < points.size();) {
+        const std::size_t end = points.find('\n', begin);
+        text += before + points.substr(begin, end - begin) + "\n";
+        begin = end + 1;
+    }
+    return text;
+}
+
+std::string obj_facet(int side, const std::string& behind = "") {
+    std::string text = "f";
+    for (int corner : sides[side]) text += " " + std::to_string(corner + 1) + behind;
+    return text + "\n";
+}
+
+std::string obj() { return "# a box\nmtllib none.mtl\n" + lines("v ") + "vn 0 0 1\ng bed\n" + obj_facet(0) + "g top\nusemtl red\n" + obj_facet(1, "//1") + "g sides\ns off\n" + obj_facet(2, "/1/1") + obj_facet(3) + obj_facet(4) + obj_facet(5); }
+
+std::string off() {
+    std::string text = "OFF\n# a box\n8 6 0\n" + points;
+    for (const auto& side : sides) {
+        text += "4";
+        for (int corner : side) text += " " + std::to_string(corner);
+        text += "\n";
+    }
+    return text;
+}
+
+void put(std::string& bytes, const void* value, std::size_t size) { bytes.append(static_cast<const char*>(value), size); }
+
+std::string ply(const std::string& format, const std::string& list = "uchar int", const std::string& real = "float") {
+    std::string text = "ply\nformat " + format + " 1.0\nelement vertex 8\nproperty " + real + " x\nproperty " + real + " y\nproperty " + real + " z\nelement face 6\nproperty list " + list + " vertex_indices\nend_header\n";
+    if (format == "ascii") {
+        text += points;
+        for (const auto& side : sides) {
+            text += "4";
+            for (int corner : side) text += " " + std::to_string(corner);
+            text += "\n";
+        }
+        return text;
+    }
+    for (int n = 0; n < 8; ++n)
+        for (const float x : {n & 1 ? 2.f : 0.f, n & 2 ? 3.f : 0.f, n & 4 ? 4.f : 0.f}) put(text, &x, 4);
+    for (const auto& side : sides) {
+        text += '\4';
+        for (std::int32_t corner : side) put(text, &corner, 4);
+    }
+    return text;
+}
+
+/// The sides z = 0 and z = 4 are nodes of their own beside the rest; all are moved by (10, 0, 0) and turned by 90 degrees about z.
+std::string glb(std::string json = "") {
+    std::string bytes;
+    for (int n = 0; n < 8; ++n)
+        for (const float x : {n & 1 ? 2.f : 0.f, n & 2 ? 3.f : 0.f, n & 4 ? 4.f : 0.f}) put(bytes, &x, 4);
+    for (const auto& s : sides)
+        for (const int k : {0, 1, 2, 0, 2, 3}) {
+            const auto corner = static_cast<std::uint16_t>(s[k]);
+            put(bytes, &corner, 2);
+        }
+    const auto accessor = [](int from, int count) { return R"({"bufferView":1,"byteOffset":)" + std::to_string(12 * from) + R"(,"componentType":5123,"type":"SCALAR","count":)" + std::to_string(6 * count) + "}"; };
+    if (json.empty())
+        json = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+            "nodes":[{"children":[1,2,3],"translation":[10,0,0],"rotation":[0,0,0.70710678118,0.70710678118]},{"mesh":0,"name":"bed"},{"mesh":1,"name":"top"},{"mesh":2}],
+            "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]},{"primitives":[{"attributes":{"POSITION":0},"indices":2}]},{"name":"walls","primitives":[{"attributes":{"POSITION":0},"indices":3}]}],
+            "accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":8},)" +
+               accessor(0, 1) + "," + accessor(1, 1) + "," + accessor(2, 4) + R"(],"bufferViews":[{"buffer":0,"byteLength":96},{"buffer":0,"byteOffset":96,"byteLength":72}],"buffers":[{"byteLength":168}]})";
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    std::string file = "glTF";
+    const auto word = [&](std::size_t value) {
+        const auto bits = static_cast<std::uint32_t>(value);
+        put(file, &bits, 4);
+    };
+    word(2);
+    word(12 + 8 + json.size() + 8 + bytes.size());
+    word(json.size());
+    file += "JSON" + json;
+    word(bytes.size());
+    file += std::string("BIN\0", 4) + bytes;
+    return file;
+}
+
+struct Held {
+    double held_m2 = 0, all_m2 = 0, volume_m3 = 0;
+};
+Held held(const MshFile& mesh, const std::string& name) {
+    const Surface s = make_surface(mesh, {name}, 1);
+    Held sum;
+    for (Eigen::Index t = 0; t < s.triangles.rows(); ++t) {
+        const double area = (s.corner(t, 1) - s.corner(t, 0)).cross(s.corner(t, 2) - s.corner(t, 0)).norm() / 2;
+        sum.all_m2 += area;
+        if (s.label[static_cast<std::size_t>(t)] == Surface::fixed_label) sum.held_m2 += area;
+        sum.volume_m3 += s.corner(t, 0).dot(s.corner(t, 1).cross(s.corner(t, 2))) / 6;
+    }
+    return sum;
+}
+
+}  // namespace
+
+TEST_CASE("a box is the same surface in every format that is read", "[surface_file]") {
+    const TemporaryFolder folder;
+    std::string negative = obj();
+    for (std::size_t at; (at = negative.find("f 1 3 4 2\n")) != std::string::npos;) negative.replace(at, 10, "f -8 -6 -5 -7\n");
+    for (const auto& [name, content] : std::map<std::string, std::string>{{"a.obj", obj()}, {"b.OBJ", negative}, {"c.off", off()}, {"d.off", "OFF 8 6 12\n" + off().substr(off().find("8 6 0") + 6)}, {"e.ply", ply("ascii")},
+                                                                        {"f.ply", ply("binary_little_endian")}, {"g.ply", ply("ascii", "uint8 uint32", "double")}, {"h.glb", glb()}}) {
+        CAPTURE(name);
+        REQUIRE(is_surface_file(name));
+        const MshFile mesh = read_surface_file(folder.file(name, content));
+        CHECK(mesh.points.size() == 8);
+        CHECK(mesh.triangles.size() == 12);
+        const bool named = name.find(".ply") == std::string::npos && name.find(".off") == std::string::npos;
+        CHECK(mesh.triangle_names.size() == (named ? 3u : 0u));
+        const Held box = held(mesh, named ? "bed" : "surface-5");
+        CHECK(box.held_m2 == Approx(6).epsilon(1e-6));
+        CHECK(box.all_m2 == Approx(52).epsilon(1e-6));
+        CHECK(box.volume_m3 == Approx(24).epsilon(1e-6));
+    }
+    const MshFile moved = read_surface_file(folder.file("h.glb", glb()));
+    CHECK(moved.triangle_names == std::map<int, std::string>{{1, "bed"}, {2, "top"}, {3, "walls"}});
+    CHECK(moved.points.front().x == Approx(10).epsilon(1e-6));  // (0, 0, 0)
+    double low = 1e9;
+    for (const auto& p : moved.points) low = std::min(low, p.x);
+    CHECK(low == Approx(7).epsilon(1e-6));  // (0, 3, 0) is turned to (-3, 0, 0)
+}
+
+TEST_CASE("a group of an .obj may go on later, and one object alone names nothing", "[surface_file]") {
+    const TemporaryFolder folder;
+    const std::string parts = lines("v ") + "o bed\n" + obj_facet(0) + "o rest\n" + obj_facet(1) + obj_facet(2) + "o bed\n" + obj_facet(3) + "o rest\n" + obj_facet(4) + obj_facet(5);
+    CHECK(held(read_surface_file(folder.file("parts.obj", parts)), "bed").held_m2 == Approx(6 + 8));
+    std::string alone = lines("v ") + "o liver\n";
+    for (int s = 0; s < 6; ++s) alone += obj_facet(s);
+    CHECK(read_surface_file(folder.file("alone.obj", alone)).triangle_names.empty());
+    // a facet of six corners, which turns inwards at one of them, is divided along it
+    const std::string hook = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5 6\n";
+    const MshFile mesh = read_surface_file(folder.file("hook.obj", hook));
+    double area = 0;
+    for (const auto& t : mesh.triangles) {
+        const auto& a = mesh.points[static_cast<std::size_t>(t.node[0])];
+        const auto& b = mesh.points[static_cast<std::size_t>(t.node[1])];
+        const auto& c = mesh.points[static_cast<std::size_t>(t.node[2])];
+        const double twice = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+        CHECK(twice > 0);
+        area += twice / 2;
+    }
+    CHECK(mesh.triangles.size() == 4);
+    CHECK(area == Approx(3));
+}
+
+TEST_CASE("a damaged surface is refused with file, place and cause", "[surface_file]") {
+    const TemporaryFolder folder;
+    const auto said = [&](const std::string& name, const std::string& content) { return refusal<FileError>([&] { read_surface_file(folder.file(name, content)); }); };
+    CHECK_THAT(said("a.obj", "v 0 0\n"), Contains("a.obj:1: is not 'v x y z'"));
+    CHECK_THAT(said("a.obj", "v 0 0 1,5\n"), Contains("a.obj:1: is not 'v x y z'"));
+    CHECK_THAT(said("a.obj", "v 0 0 nan\n"), Contains("a.obj:1: has a coordinate that is no finite number"));
+    CHECK_THAT(said("a.obj", "v 0 0 0\nf 0 1 1\n"), Contains("a.obj:2: names point 0 of 1"));
+    CHECK_THAT(said("a.obj", "v 0 0 0\nf 1 1 -2\n"), Contains("a.obj:2: names point -2 of 1"));
+    CHECK_THAT(said("a.obj", "v 0 0 0\nf 1 1 2\n"), Contains("a.obj: facet 1 names a point that the file does not have: it has 1"));
+    CHECK_THAT(said("a.obj", "v 0 0 0\nf 1 1\n"), Contains("a.obj:2: is not 'f i j k ..'"));
+    CHECK_THAT(said("a.obj", "v 0 0 0\nf 1 1 1 \\\n1\n"), Contains("a.obj:2: is not 'f i j k ..'"));
+    CHECK_THAT(said("a.obj", "SystemCall \"rm\";\n"), Contains("a.obj: has no facets"));
+    CHECK_THAT(said("a.off", "8 6 0\n"), Contains("a.off:1: is not 'OFF'"));
+    CHECK_THAT(said("a.off", "OFF BINARY\n"), Contains("a.off:1: is a binary .off"));
+    CHECK_THAT(said("a.off", "OFF\n1000000000000 1 0\n0 0 0\n"), Contains("a.off: breaks off where 'x y z' should stand"));
+    CHECK_THAT(said("a.off", "OFF\n1 1 0\n0 0 0\n1000000000 0 0 0\n"), Contains("a.off:4: is a facet of 1000000000 corners"));
+    CHECK_THAT(said("a.off", "OFF\n1 1 0\n0 0 0\n3 0 0\n"), Contains("a.off:4: is not 'COUNT i j k ..'"));
+    CHECK_THAT(said("a.off", "OFF\n1 1 0\n0 0 0\n3 0 0 -1\n"), Contains("names a point that the file does not have"));
+    CHECK_THAT(said("a.ply", "pl\n"), Contains("a.ply:1: is no .ply"));
+    CHECK_THAT(said("a.ply", ply("ascii", "int int")), Contains("a.ply:8: has lists whose length is a int"));
+    CHECK_THAT(said("a.ply", ply("ascii", "uchar int", "short")), Contains("a.ply:4: a coordinate is a short"));
+    CHECK_THAT(said("a.ply", ply("binary_little_endian").substr(0, 300)), Contains("a.ply: is cut off, or damaged: reading stopped at byte"));
+    CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelement vertex 4000000000\n"), Contains("a.ply:3: says 4000000000 elements"));
+    CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n"), Contains("a.ply: has points and no facets"));
+    std::string wrong = ply("ascii");
+    wrong.replace(wrong.rfind("4 1 3"), 5, "4 1 8");
+    CHECK_THAT(said("a.ply", wrong), Contains("a.ply: facet 11 names a point that the file does not have: it has 8"));
+    const std::string good = glb();
+    CHECK_THAT(said("a.glb", good.substr(0, 40)), Contains("a.glb: is no .glb: "));
+    CHECK_THAT(said("a.glb", "glTF"), Contains("a.glb: is no .glb: "));
+    const auto changed = [&](const std::string& from, const std::string& to) {
+        std::string json = good.substr(20, good.find("BIN") - 24);
+        REQUIRE(json.find(from) != std::string::npos);
+        return glb(json.replace(json.find(from), from.size(), to));
+    };
+    CHECK_THAT(said("a.glb", changed("\"count\":8", "\"count\":9")), Contains("a.glb: mesh '': its numbers lie beyond their part of the file, of 96 bytes"));
+    CHECK_THAT(said("a.glb", changed("\"count\":24", "\"count\":25")), Contains("beyond their part of the file, of 72 bytes"));
+    CHECK_THAT(said("a.glb", changed("\"children\":[1,2,3]", "\"children\":[0]")), Contains("a.glb: has nodes within nodes, 64 deep"));
+    CHECK_THAT(said("a.glb", changed("\"mesh\":2", "\"mesh\":7")), Contains("a.glb: has no mesh 7"));
+    CHECK_THAT(said("a.glb", changed("\"componentType\":5126", "\"componentType\":5123")), Contains("positions are not three floats"));
+    CHECK_THAT(said("a.glb", changed("{\"byteLength\":168}", "{\"byteLength\":168,\"uri\":\"/etc/passwd\"}")), Contains("a.glb: "));
+}
+
+}  // namespace tissue
