@@ -38,6 +38,13 @@ constexpr struct {
 /// The largest force of FE on a load case of the model; of one that has none what its deepest case would need is not known: 1 N.
 double full_force_N(const TissueModel& tissue) { return tissue.contact_force_N.size() > 0 ? tissue.contact_force_N.rowwise().norm().maxCoeff() : 2.0; }
 
+/// What as much as the deepest load case takes at a place [N], of the model itself where it has an energy.
+double deepest_force_N(const TissueModel& tissue, std::optional<LawPress>& answer, const FreeSurface::Place& place) {
+    if (!answer) return tissue.contact_force_N.size() > 0 ? full_force_N(tissue) / 2 : 0;
+    const Equilibrium deepest = answer->at(place.point_m, tissue.magnitude_m.maxCoeff() * place.inward);
+    return deepest ? deepest.contact_force.norm() : 0;
+}
+
 /// In shares of the tissue's box, from its lowest corner (D).
 Point place_in(const SpringMesh& mesh, double x, double y, double up) {
     const Point low = mesh.nodes.colwise().minCoeff().transpose(), high = mesh.nodes.colwise().maxCoeff().transpose();
@@ -60,7 +67,7 @@ bool refused(const Probe& o, const HapticModel& model, const Hand& hand) {
     return o.stated && mesh.contact_N_m * model.options.map.force_scale > stable_stiffness_N_m(device, model.options.dt_s, mesh.lead);
 }
 
-void in_motion(const Probe& o, const TissueModel& tissue, const FreeSurface& surface, double force_scale, Moved& moved) {
+void in_motion(const Probe& o, const TissueModel& tissue, std::optional<LawPress>& answer, const FreeSurface& surface, double force_scale, Moved& moved) {
     for (const double friction : {std::numeric_limits<double>::infinity(), 0.3}) {
         HapticOptions options;
         options.heuristic_mesh = false;
@@ -70,6 +77,8 @@ void in_motion(const Probe& o, const TissueModel& tissue, const FreeSurface& sur
         for (const auto& at : places) {
             if (at.name == std::string("corner")) continue;  // who drags there falls off
             const FreeSurface::Place place = surface.nearest(place_in(tissue.mesh, at.x, at.y, at.up));
+            const double full_N = force_scale * deepest_force_N(tissue, answer, place);
+            if (!(full_N > 0)) continue;
             for (const Hand& hand : hands)
                 for (const test::Clock& clock : clocks)
                     for (const auto& [deed, name] : {std::pair(Deed::taps, "taps"), std::pair(Deed::lets_go, "lets go"), std::pair(Deed::drags, "drags")}) {
@@ -80,7 +89,7 @@ void in_motion(const Probe& o, const TissueModel& tissue, const FreeSurface& sur
                         Release release;
                         release.contact_m = place.point_m;
                         release.inward = place.inward;
-                        release.force_N = std::min(1.0, force_scale * full_force_N(tissue) / 2);
+                        release.force_N = std::min(1.0, full_N);
                         const Ride ride = does(deed, model, hand, clock, release);
                         const bool right = ride.passive() && ride.controlled < 0.01 && ride.faults == 0 && (deed != Deed::drags || ride.tremor_m < 5e-5);
                         ++moved.tried;
@@ -115,11 +124,7 @@ void run(const Probe& o) {
         const HapticModel model(tissue, options);
         for (const auto& at : places) {
             const FreeSurface::Place place = surface.nearest(place_in(tissue.mesh, at.x, at.y, at.up));
-            double full_N = tissue.contact_force_N.size() > 0 ? force_scale * full_force_N(tissue) / 2 : 0;
-            if (answer) {
-                const Equilibrium deepest = answer->at(place.point_m, depth_m * place.inward);
-                full_N = deepest ? force_scale * deepest.contact_force.norm() : 0;
-            }
+            const double full_N = force_scale * deepest_force_N(tissue, answer, place);
             if (!(full_N > 0)) continue;
             for (const Hand& hand : hands)
                 for (const test::Clock& clock : clocks)
@@ -149,7 +154,7 @@ void run(const Probe& o) {
                                                  hand.name, clock.name, felt, rest.force_N, 1e3 * rest.swing_m, rest.swing_N, 100 * rest.controlled, 100 * off, rest.faults, rest.contact ? "" : ", no contact", rests ? ", rests" : "");
                     }
         }
-        in_motion(o, tissue, surface, force_scale, moved);
+        in_motion(o, tissue, answer, surface, force_scale, moved);
         if (force_scale < 3) continue;
         std::cout << fmt::format("{} times {:g}, {:.0f} N/m at once, {} steps a tick, lead {:.2f}: {} of {} do not come to rest, {} left out\n", o.model, o.times, model.meshes[0]->contact_N_m, model.meshes[0]->substeps,
                                  model.meshes[0]->lead, moving, tried, left_out);
