@@ -1,8 +1,7 @@
-// Shapes: MSH of the plane, of solids and of surfaces, and .stl; what is made of them, and read again.
+// Shapes: MSH of the plane, of solids and of surfaces; what is made of them, and read again.
 #include "fuzz_file.h"
 #include "mesh/shape.h"
 #include "mesh/solid_shape.h"
-#include "surface_file/surface_file.h"
 #include "mesh/surface.h"
 #include "mesh/surface_remesh.h"
 
@@ -35,9 +34,8 @@ FUZZ_TARGET(msh)(const std::uint8_t* data, std::size_t size) {
         reads([&] { make(read_msh(file, in_space), in_space); });
         reads([&] { edge_mesh(in_space ? read_solid_shape(file) : read_shape(file)); });
     }
-    const FuzzFile as_stl(data, size, "shape.stl");
-    for (const bool stl : {false, true}) reads([&] {
-        const MshFile mesh = stl ? read_surface_file(as_stl) : read_msh(file, true);
+    reads([&] {
+        const MshFile mesh = read_msh(file, true);
         const std::vector<std::string> held = names_of(mesh.triangle_names);
         const Surface surface = make_surface(mesh, held.empty() ? std::vector<std::string>{"surface-1"} : std::vector<std::string>{held.front()}, 0.001);
         const double size_m = (surface.nodes.colwise().maxCoeff() - surface.nodes.colwise().minCoeff()).maxCoeff();

@@ -9,7 +9,7 @@
 
 #define TARGET(reader) extern "C" int fuzz_##reader(const std::uint8_t* data, std::size_t size);
 #define TARGETS(use) \
-    use(study) use(measured) use(histories) use(fe) use(msh) use(pokes) use(replay) use(datagram) use(message) use(request) use(model) use(cases) use(store)
+    use(study) use(measured) use(histories) use(fe) use(msh) use(pokes) use(replay) use(datagram) use(message) use(request) use(model) use(cases) use(store) use(surface)
 TARGETS(TARGET)
 
 namespace {
