@@ -77,7 +77,6 @@ const std::vector<Tool>& tools() {
          "echo '#include <boost/version.hpp>\nBOOST_LIB_VERSION' | g++ -E -P -x c++ - | tail -n 1 | tr _ .", true,
          "tissuectl serve"},
         {"CGAL", "libcgal-dev", "sed -n 's/^#define CGAL_VERSION \\([0-9.]*\\).*/\\1/p' /usr/include/CGAL/version.h | grep .", true, "surfaces"},
-        {"tinygltf", "libtinygltf-dev", "dpkg-query -W -f '${Version}' libtinygltf-dev", true, "surfaces in .glb"},
         {"three.js", "libjs-three", "sed -n \"s/^var REVISION = '\\(.*\\)';/0.\\1/p\" /usr/share/javascript/three/three.module.js | grep .", true,
          "the page, in space"},
         {"pybind11", "pybind11-dev", "pkg-config --modversion pybind11", true, "import tissue"},

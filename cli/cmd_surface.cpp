@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -38,12 +39,13 @@ nlohmann::json json_of(const SurfaceReport& r, const std::string& file, const Un
             {"points", r.points},
             {"triangles", r.triangles},
             {"slivers", r.slivers},
+            {"turned", r.turned},
             {"low", place(r.low)},
             {"high", place(r.high)},
             {"area_m2", unit.m * unit.m * r.area},
             {"volume_m3", unit.m * unit.m * unit.m * r.volume},
-            {"shortest_side_m", unit.m * r.shortest},
-            {"mean_side_m", unit.m * r.mean},
+            {"shortest_edge_m", unit.m * r.shortest},
+            {"mean_edge_m", unit.m * r.mean},
             {"faults", faults},
             {"usable", r.faults.empty()}};
 }
@@ -52,14 +54,14 @@ void print(const SurfaceReport& r, const std::string& file, const Unit& unit) {
     const Eigen::Vector3d size_mm = unit.mm * (r.high - r.low);
     std::cout << fmt::format("{}: {} triangles, {} points, {:.4g} x {:.4g} x {:.4g} mm, {}\n", file, r.triangles, r.points, size_mm.x(), size_mm.y(), size_mm.z(),
                              r.volume > 0 ? fmt::format("{:.4g} ml", 1e6 * unit.m * unit.m * unit.m * r.volume) : "not closed");
-    std::cout << fmt::format("  sides of {:.3g} mm in the mean, the shortest {:.3g} mm; {} triangles with an angle below {:g} degree\n", unit.mm * r.mean, unit.mm * r.shortest, r.slivers, sliver_angle_deg);
+    std::cout << fmt::format("  mean edge {:.3g} mm, shortest {:.3g} mm; triangles with an angle below {:g} degree: {}; that point inwards, which are turned: {}\n", unit.mm * r.mean, unit.mm * r.shortest, sliver_angle_deg, r.slivers,
+                             r.turned);
     for (const SurfaceFault& fault : r.faults) std::cout << "  " << fault_text(fault, " mm", unit.mm) << '\n';
     std::cout << (r.faults.empty() ? "  it can be filled\n" : "  it cannot be filled as it is\n");
 }
 
 void run(const Options& o) {
     const Unit unit{o.unit, units_m.at(o.unit), 1e3 * units_m.at(o.unit)};
-    if (!is_surface_file(o.file)) throw MismatchError(fmt::format("{}: is not a surface's file, which ends in {}", o.file, surface_endings));
     const MshFile mesh = read_surface_file(o.file);
     const SurfaceReport report = report_on(mesh);
     if (o.out.empty()) {
@@ -69,8 +71,10 @@ void run(const Options& o) {
         return;
     }
     if (o.out.size() < 5 || o.out.substr(o.out.size() - 4) != ".stl") throw MismatchError(o.out + ": what is repaired is written as .stl");
+    std::error_code error;
+    if (std::filesystem::equivalent(o.file, o.out, error)) throw MismatchError(o.out + ": is the given file itself; name another for what is repaired");
     SurfaceRepair repair = usual_repair(mesh);
-    if (o.closes_m > 0) repair = {o.closes_m / unit.m, o.closes_m / unit.m / 10};
+    if (o.closes_m > 0) repair = {o.closes_m / unit.m, o.closes_m / unit.m / 20};
     if (o.offset_m > 0) repair.offset = o.offset_m / unit.m;
     RepairedSurface made = repaired(mesh, repair);
     made.mesh.file = o.out;
@@ -92,8 +96,8 @@ void run(const Options& o) {
         print(after, o.out, unit);
         std::cout << fmt::format("  wrapped about it at {:.3g} mm, holes and gaps narrower than {:.3g} mm closed: {:.3g} mm from it in the median, {:.3g} mm at most\n", unit.mm * repair.offset, unit.mm * repair.closes,
                                  unit.mm * d.median, unit.mm * d.most);
-        std::cout << fmt::format("  points of {} are {:.3g} mm from it in the median, {:.3g} mm at most, at ({:.6g}, {:.6g}, {:.6g}){}\n", o.file, unit.mm * d.given_median, unit.mm * d.given_most, d.given_at.x(),
-                                 d.given_at.y(), d.given_at.z(), d.left_out > 0 ? fmt::format("; {} parts beside the largest are left out", d.left_out) : "");
+        std::cout << fmt::format("  {} is {:.3g} mm from it in the median, {:.3g} mm at most, at ({:.6g}, {:.6g}, {:.6g}){}\n", o.file, unit.mm * d.given_median, unit.mm * d.given_most, d.given_at.x(),
+                                 d.given_at.y(), d.given_at.z(), d.left_out > 0 ? fmt::format("; parts beside the largest that are left out: {}", d.left_out) : "");
     }
     if (!after.faults.empty()) throw NotAsPromised(fmt::format("{}: {}; a larger --closes closes more", o.out, fault_text(after.faults.front(), " mm", unit.mm)));
 }
@@ -105,9 +109,9 @@ void add_surface(CLI::App& app, const Invocation&) {
     CLI::App* command = app.add_subcommand("surface", "Say whether a surface can be filled with tissue, what is wrong with it and where, and make one without faults.");
     command->add_option("file", o->file, std::string("the surface: ") + surface_endings)->required()->type_name("FILE");
     add_unit_option(*command, o->unit);
-    command->add_option("--repair", o->out, "write a closed surface without crossings that lies about it, in the same unit; for one that can be filled too")->type_name("OUT.stl");
-    command->add_option("--closes", o->closes_m, "holes, gaps and cavities narrower than this are closed; default: a hundredth of the extent")->type_name("m")->check(CLI::PositiveNumber);
-    command->add_option("--offset", o->offset_m, "how far outside of the given surface the new one lies; default: a tenth of --closes")->type_name("m")->check(CLI::PositiveNumber);
+    command->add_option("--repair", o->out, "write a closed surface without crossings that lies about it, in the same unit, without names of groups")->type_name("OUT.stl");
+    command->add_option("--closes", o->closes_m, "holes, gaps and cavities narrower than this are closed; default: a fiftieth of the extent")->type_name("m")->check(CLI::PositiveNumber)->needs("--repair");
+    command->add_option("--offset", o->offset_m, "how far outside of the given surface the new one lies; default: a twentieth of --closes")->type_name("m")->check(CLI::PositiveNumber)->needs("--repair");
     command->add_flag("--json", o->json, "print JSON");
     command->callback([o] { run(*o); });
 }

@@ -1,6 +1,5 @@
 #include "mesh/surface_repair.h"
 
-#include <CGAL/AABB_face_graph_triangle_primitive.h>
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
@@ -14,7 +13,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <vector>
 
 #include "error.h"
@@ -42,17 +40,40 @@ std::vector<Triangle> triangles_of(const MshFile& mesh, const std::vector<Point>
     return all;
 }
 
-/// Of the mesh's points that triangles have.
-std::vector<std::pair<double, Point>> distances(const MshFile& from, const std::vector<Point>& points, const std::vector<Triangle>& to) {
+/// Distances of one surface from another, at points all over its triangles no farther apart than a spacing.
+struct Distances {
+    double median = 0, most = 0;
+    Point at;  // where it is most
+};
+Distances distances(const std::vector<Triangle>& from, const std::vector<Triangle>& to, double spacing) {
+    constexpr int most_along = 200;
     Tree tree(to.begin(), to.end());
-    std::vector<char> used(points.size(), 0);
-    for (const MshFile::Element& e : from.triangles)
-        for (int n : e.node) used[static_cast<std::size_t>(n)] = 1;
-    std::vector<std::pair<double, Point>> all;
-    for (std::size_t n = 0; n < points.size(); ++n)
-        if (used[n]) all.emplace_back(std::sqrt(tree.squared_distance(points[n])), points[n]);
-    std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    return all;
+    std::vector<std::pair<double, double>> all;  // and the area that each stands for
+    double area = 0;
+    Distances d;
+    for (const Triangle& t : from) {
+        const double longest = std::sqrt(std::max({CGAL::squared_distance(t[0], t[1]), CGAL::squared_distance(t[1], t[2]), CGAL::squared_distance(t[2], t[0])}));
+        const int along = std::clamp(static_cast<int>(std::ceil(longest / spacing)), 1, most_along);
+        const double each = std::sqrt(t.squared_area()) / (along * along);
+        for (int i = 0; i < along; ++i)
+            for (int j = 0; j < along - i; ++j)
+                for (int up = 0; up < (i + j + 1 < along ? 2 : 1); ++up) {  // the middle of each part
+                    const double a = (i + (up ? 2 : 1) / 3.0) / along, b = (j + (up ? 2 : 1) / 3.0) / along;
+                    const Point x = CGAL::barycenter(t[0], 1 - a - b, t[1], a, t[2], b);
+                    const double there = std::sqrt(tree.squared_distance(x));
+                    all.emplace_back(there, each);
+                    area += each;
+                    if (there >= d.most) d.most = there, d.at = x;
+                }
+    }
+    std::sort(all.begin(), all.end());
+    double sum = 0;
+    for (const auto& [there, each] : all)
+        if ((sum += each) >= area / 2) {
+            d.median = there;
+            break;
+        }
+    return d;
 }
 
 double extent_of(const MshFile& mesh) {
@@ -67,12 +88,12 @@ double extent_of(const MshFile& mesh) {
 
 }  // namespace
 
-SurfaceRepair usual_repair(const MshFile& mesh) { return {extent_of(mesh) / 100, extent_of(mesh) / 1000}; }
+SurfaceRepair usual_repair(const MshFile& mesh) { return {extent_of(mesh) / 50, extent_of(mesh) / 1000}; }
 
 RepairedSurface repaired(const MshFile& mesh, const SurfaceRepair& repair) {
     const double extent = extent_of(mesh);
-    if (!(repair.closes >= extent / 500) || !(repair.offset >= extent / 1e5) || !std::isfinite(repair.closes + repair.offset))
-        throw MismatchError(fmt::format("{}: is {:.4g} across; a repair closes what is narrower than at least {:.2g}, and lies at least {:.2g} outside", mesh.file, extent, extent / 500, extent / 1e5));
+    if (!(repair.closes >= extent / 250) || !(repair.offset >= extent / 1e5) || !std::isfinite(repair.closes + repair.offset))
+        throw MismatchError(fmt::format("{}: is {:.4g} across in its file's unit; in that unit a repair closes what is narrower than at least {:.2g}, and lies at least {:.2g} outside", mesh.file, extent, extent / 250, extent / 1e5));
     const std::vector<Point> points = points_of(mesh);
     const std::vector<Triangle> given = triangles_of(mesh, points);
     if (given.empty()) throw FileError(mesh.file + ": has no triangle with an area");
@@ -83,14 +104,14 @@ RepairedSurface repaired(const MshFile& mesh, const SurfaceRepair& repair) {
         for (int i = 0; i < 3; ++i) corners.push_back(t[i]);
     }
     CGAL::Surface_mesh<Point> wrap;
-    CGAL::alpha_wrap_3(corners, faces, repair.closes, repair.offset, wrap);
+    CGAL::alpha_wrap_3(corners, faces, repair.closes / 2, repair.offset, wrap);  // a radius
     RepairedSurface made{};
     made.distances.left_out = CGAL::Polygon_mesh_processing::keep_largest_connected_components(wrap, 1);
     wrap.collect_garbage();
     made.mesh.file = mesh.file;
     for (const auto vertex : wrap.vertices()) {
         const Point& p = wrap.point(vertex);
-        made.mesh.points.push_back({p.x(), p.y(), p.z()});
+        made.mesh.points.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())});
     }
     for (const auto face : wrap.faces()) {
         MshFile::Element e{static_cast<long>(made.mesh.triangles.size()) + 1, {}, 0};
@@ -98,13 +119,10 @@ RepairedSurface repaired(const MshFile& mesh, const SurfaceRepair& repair) {
         for (const auto vertex : CGAL::vertices_around_face(wrap.halfedge(face), wrap)) e.node[i++] = static_cast<int>(vertex.idx());
         made.mesh.triangles.push_back(e);
     }
-    const std::vector<Point> new_points = points_of(made.mesh);
-    const auto out = distances(made.mesh, new_points, given), back = distances(mesh, points, triangles_of(made.mesh, new_points));
-    made.distances.median = out[out.size() / 2].first;
-    made.distances.most = out.back().first;
-    made.distances.given_median = back[back.size() / 2].first;
-    made.distances.given_most = back.back().first;
-    made.distances.given_at = {back.back().second.x(), back.back().second.y(), back.back().second.z()};
+    const std::vector<Triangle> new_triangles = triangles_of(made.mesh, points_of(made.mesh));
+    if (new_triangles.empty()) throw FileError(mesh.file + ": is too far from the origin for the floats of an .stl");
+    const Distances out = distances(new_triangles, given, repair.closes / 4), back = distances(given, new_triangles, repair.closes / 4);
+    made.distances = {out.median, out.most, back.median, back.most, {back.at.x(), back.at.y(), back.at.z()}, made.distances.left_out};
     return made;
 }
 

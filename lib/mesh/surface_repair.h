@@ -14,21 +14,22 @@ struct SurfaceRepair {
 
 /// How far the new surface lies from the given one, in the file's unit.
 struct RepairDistances {
-    double median, most;           ///< from points of the new surface to the given triangles
-    double given_median, given_most;  ///< from points of the given surface to the new triangles
+    double median, most;           ///< from all over the new surface to the given triangles
+    double given_median, given_most;  ///< from all over the given triangles to the new ones
     Eigen::Vector3d given_at;      ///< where that is most: what was inside, or was left out
     std::size_t left_out;          ///< parts of the new surface beside the largest
 };
 
-/// A closed surface without crossings about a mesh's triangles, however damaged they are: CGAL's alpha wrap, its largest part.
-/// Throws MismatchError for lengths that are not positive or finer than a five-hundredth of the extent (closes) and a 100,000th of it (offset).
+/// A closed surface without crossings about a mesh's triangles, however damaged they are: CGAL's alpha wrap, its largest part, with the numbers of an .stl. Groups are
+/// lost.
+/// Throws MismatchError for lengths that are not positive or finer than a 250th of the extent (closes) and a 100,000th of it (offset).
 struct RepairedSurface {
     MshFile mesh;
     RepairDistances distances;
 };
 RepairedSurface repaired(const MshFile& mesh, const SurfaceRepair& repair);
 
-/// A hundredth of a mesh's longest extent to close, a tenth of that as offset.
+/// A fiftieth of a mesh's longest extent to close, a thousandth as offset.
 SurfaceRepair usual_repair(const MshFile& mesh);
 
 /// As a binary .stl, whose numbers are floats.

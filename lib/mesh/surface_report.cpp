@@ -24,20 +24,20 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Edge = std::pair<int, int>;
 using Kind = SurfaceFault::Kind;
 
-constexpr std::size_t most_places = 3;
+constexpr std::size_t most_places = 3, most_crossings = 10'000;
 
 /// Parts that are joined one by one.
 class Joined {
    public:
     explicit Joined(std::size_t count) : of_(count) { std::iota(of_.begin(), of_.end(), 0); }
-    int operator[](int k) {
+    int operator[](int k) const {
         while (of_[static_cast<std::size_t>(k)] != k) k = of_[static_cast<std::size_t>(k)] = of_[static_cast<std::size_t>(of_[static_cast<std::size_t>(k)])];
         return k;
     }
     void join(int a, int b) { of_[static_cast<std::size_t>((*this)[a])] = (*this)[b]; }
 
    private:
-    std::vector<int> of_;
+    mutable std::vector<int> of_;  // shortened as it is asked
 };
 
 class Surveyor {
@@ -60,9 +60,10 @@ class Surveyor {
     SurfaceReport report() {
         SurfaceReport r;
         measure(r);
-        const bool closed = edges(r), whole = parts(r, closed);
-        if (!closed) r.volume = 0;
-        if (closed && whole) handles(r);
+        const bool closed = edges(r);
+        orient(r);
+        const std::size_t count = parts(r, closed);
+        if (closed) handles(r, count);
         crossings(r);
         return r;
     }
@@ -88,7 +89,6 @@ class Surveyor {
         r.low = Eigen::Vector3d::Constant(most);
         r.high = -r.low;
         r.shortest = most;
-        const Eigen::Vector3d origin = place(corner(0, 0));
         double sum = 0;
         std::vector<char> used(mesh_.points.size(), 0);
         for (int t = 0; t < static_cast<int>(r.triangles); ++t) {
@@ -100,31 +100,28 @@ class Surveyor {
                 r.high = r.high.cwiseMax(x[static_cast<std::size_t>(i)]);
             }
             const double twice = (x[1] - x[0]).cross(x[2] - x[0]).norm();
-            double longest = 0;
+            std::array<double, 3> side;
             for (std::size_t i = 0; i < 3; ++i) {
-                const double side = (x[(i + 1) % 3] - x[i]).norm();
-                r.shortest = std::min(r.shortest, side);
-                longest = std::max(longest, side);
-                sum += side;
+                side[i] = (x[(i + 1) % 3] - x[i]).norm();
+                sum += side[i];
             }
+            std::sort(side.begin(), side.end());
+            r.shortest = std::min(r.shortest, side[0]);
             r.area += twice / 2;
-            r.volume += (x[0] - origin).dot((x[1] - origin).cross(x[2] - origin)) / 6;
-            if (!(twice > 1e-12 * longest * longest)) note(r, Kind::flat, middle(t));
-            // the smallest angle lies between the two longest sides: sin = twice the area / their product, of which the longest is the larger
-            else if (twice / (longest * longest) < std::sin(sliver_angle_deg * 3.14159265358979 / 180)) ++r.slivers;
+            if (!(twice > 1e-12 * side[2] * side[2])) note(r, Kind::flat, middle(t));
+            // the smallest angle lies between the two longest sides
+            else if (twice / (side[1] * side[2]) < std::sin(sliver_angle_deg * 3.14159265358979 / 180)) ++r.slivers;
         }
-        r.volume = std::abs(r.volume);
         r.mean = sum / (3 * static_cast<double>(r.triangles));
         r.points = static_cast<std::size_t>(std::count(used.begin(), used.end(), 1));
     }
 
-    /// Whether every side has two triangles that run it in opposite directions.
+    /// Whether two triangles share every edge.
     bool edges(SurfaceReport& r) const {
         std::map<int, std::vector<int>> open;  // from each point along sides that one triangle has
         for (const auto& [edge, triangles] : sides_) {
             const Eigen::Vector3d at = (place(edge.first) + place(edge.second)) / 2;
             if (triangles.size() > 2) note(r, Kind::crowded, at);
-            if (triangles.size() == 2 && (triangles[0] < 0) == (triangles[1] < 0)) note(r, Kind::turned, at);
             if (triangles.size() != 1) continue;
             open[edge.first].push_back(edge.second);
             open[edge.second].push_back(edge.first);
@@ -153,17 +150,59 @@ class Surveyor {
         }
         for (SurfaceFault& fault : r.faults)
             if (fault.kind == Kind::holes) fault.largest = longest;
-        return open.empty();
+        return open.empty() && std::none_of(r.faults.begin(), r.faults.end(), [](const SurfaceFault& f) { return f.kind == Kind::crowded; });
     }
 
-    /// Whether there is one.
-    bool parts(SurfaceReport& r, bool closed) {
+    /// Which triangles are to be turned so that each part agrees on what is outside, as mesh/surface.cpp does when it is filled.
+    void orient(SurfaceReport& r) {
+        turn_.assign(triangles_.size(), 0);
+        std::vector<std::vector<std::pair<int, bool>>> across(triangles_.size());  // neighbours, and whether they run the edge the same way
+        for (const auto& [edge, triangles] : sides_) {
+            if (triangles.size() != 2) continue;
+            const auto of = [](int t) { return t < 0 ? ~t : t; };
+            const bool same = (triangles[0] < 0) == (triangles[1] < 0);
+            across[static_cast<std::size_t>(of(triangles[0]))].emplace_back(of(triangles[1]), same);
+            across[static_cast<std::size_t>(of(triangles[1]))].emplace_back(of(triangles[0]), same);
+        }
+        std::vector<char> seen(triangles_.size(), 0);
+        for (int first = 0; first < static_cast<int>(triangles_.size()); ++first) {
+            if (seen[static_cast<std::size_t>(first)]) continue;
+            std::vector<int> part{first};
+            seen[static_cast<std::size_t>(first)] = 1;
+            double six = 0;
+            for (std::size_t k = 0; k < part.size(); ++k) {
+                const int t = part[k];
+                six += six_volumes(t, place(corner(first, 0)));
+                for (const auto& [other, same] : across[static_cast<std::size_t>(t)]) {
+                    const char turn = turn_[static_cast<std::size_t>(t)] != static_cast<char>(same);
+                    if (!seen[static_cast<std::size_t>(other)]) {
+                        seen[static_cast<std::size_t>(other)] = 1;
+                        turn_[static_cast<std::size_t>(other)] = turn;
+                        part.push_back(other);
+                    } else if (turn_[static_cast<std::size_t>(other)] != turn && t < other) {
+                        note(r, Kind::one_sided, (middle(t) + middle(other)) / 2);
+                    }
+                }
+            }
+            for (int t : part) {
+                if (six < 0) turn_[static_cast<std::size_t>(t)] = !turn_[static_cast<std::size_t>(t)];
+                r.turned += static_cast<std::size_t>(turn_[static_cast<std::size_t>(t)]);
+            }
+        }
+    }
+
+    double six_volumes(int t, const Eigen::Vector3d& origin) const {
+        const double six = (place(corner(t, 0)) - origin).dot((place(corner(t, 1)) - origin).cross(place(corner(t, 2)) - origin));
+        return turn_[static_cast<std::size_t>(t)] ? -six : six;
+    }
+
+    /// How many there are.
+    std::size_t parts(SurfaceReport& r, bool closed) {
         Joined part(triangles_.size());
         for (const auto& [edge, triangles] : sides_)
             for (int t : triangles) part.join(t < 0 ? ~t : t, triangles[0] < 0 ? ~triangles[0] : triangles[0]);
         struct Part {
             double six = 0, size = 0;
-            std::size_t count = 0;
             Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
         };
         std::map<int, Part> all;
@@ -171,8 +210,7 @@ class Surveyor {
         for (int t = 0; t < static_cast<int>(triangles_.size()); ++t) {
             Part& p = all[part[t]];
             const Eigen::Vector3d a = place(corner(t, 0)), b = place(corner(t, 1)), c = place(corner(t, 2));
-            p.six += (a - origin).dot((b - origin).cross(c - origin));
-            ++p.count;
+            p.six += six_volumes(t, origin);
             p.low = p.low.cwiseMin(a).cwiseMin(b).cwiseMin(c);
             p.high = p.high.cwiseMax(a).cwiseMax(b).cwiseMax(c);
         }
@@ -186,17 +224,29 @@ class Surveyor {
             note(r, Kind::parts, (order[k].low + order[k].high) / 2);
             if (k == 1) r.faults.back().largest = order[k].size;
         }
-        if (closed) {
-            r.volume = 0;
-            for (const Part& p : order) r.volume = std::max(r.volume, std::abs(p.six) / 6);
-        }
-        return order.size() == 1;
+        if (closed) r.volume = std::abs(order.front().six) / 6;
+        return order.size();
     }
 
-    /// Euler: points - sides + triangles = 2 - 2 handles.
-    void handles(SurfaceReport& r) const {
-        const long euler = static_cast<long>(r.points) - static_cast<long>(sides_.size()) + static_cast<long>(r.triangles);
-        if (euler < 2) r.faults.push_back({Kind::handles, static_cast<std::size_t>((2 - euler + 1) / 2), {}});
+    /// Of a closed surface: points with more than one fan of triangles, each of which counts as a point of its own for Euler's number:
+    /// points - edges + triangles = 2 parts - 2 handles.
+    void handles(SurfaceReport& r, std::size_t parts) const {
+        Joined fan(3 * triangles_.size());
+        const auto at = [&](int t, int n) { return 3 * t + (corner(t, 0) == n ? 0 : corner(t, 1) == n ? 1 : 2); };
+        for (const auto& [edge, triangles] : sides_) {
+            const int s = triangles[0] < 0 ? ~triangles[0] : triangles[0], t = triangles[1] < 0 ? ~triangles[1] : triangles[1];
+            for (int n : {edge.first, edge.second}) fan.join(at(s, n), at(t, n));
+        }
+        std::map<int, int> fans;  // of each point
+        long count = 0;
+        for (int t = 0; t < static_cast<int>(triangles_.size()); ++t)
+            for (int i = 0; i < 3; ++i)
+                if (fan[3 * t + i] == 3 * t + i) {
+                    ++count;
+                    if (++fans[corner(t, i)] == 2) note(r, Kind::pinched, place(corner(t, i)));
+                }
+        const long euler = count - static_cast<long>(sides_.size()) + static_cast<long>(triangles_.size()), lacking = 2 * static_cast<long>(parts) - euler;
+        if (lacking > 0) r.faults.push_back({Kind::handles, static_cast<std::size_t>((lacking + 1) / 2), {}});
     }
 
     /// Of two triangles: whether they have more in common than their common corners and side.
@@ -213,12 +263,12 @@ class Surveyor {
             return Kernel::Point_3(p.x, p.y, p.z);
         };
         const auto triangle = [&](int k) { return Kernel::Triangle_3(point(corner(k, 0)), point(corner(k, 1)), point(corner(k, 2))); };
+        const Kernel::Triangle_3 first = triangle(s), second = triangle(t);
+        if (first.is_degenerate() || second.is_degenerate()) return false;  // told as flat
         if (common.size() == 2) {  // folded onto each other
             const auto a = point(common[0]), b = point(common[1]), c = point(of_s[0]), d = point(of_t[0]);
             return CGAL::coplanar(a, b, c, d) && CGAL::coplanar_orientation(a, b, c, d) == CGAL::POSITIVE;
         }
-        const Kernel::Triangle_3 first = triangle(s), second = triangle(t);
-        if (first.is_degenerate() || second.is_degenerate()) return false;  // told as flat
         if (common.empty()) return CGAL::do_intersect(first, second);
         // one corner in common: else one side opposite to it goes through the other triangle
         return CGAL::do_intersect(second, Kernel::Segment_3(point(of_s[0]), point(of_s[1]))) || CGAL::do_intersect(first, Kernel::Segment_3(point(of_t[0]), point(of_t[1])));
@@ -240,15 +290,22 @@ class Surveyor {
             boxes.emplace_back(box, t);
         }
         std::vector<std::pair<int, int>> pairs;
-        CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) {
-            if (cut(a.triangle, b.triangle)) pairs.emplace_back(std::minmax(a.triangle, b.triangle));
-        });
+        struct Enough {};
+        try {
+            CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) {
+                if (!cut(a.triangle, b.triangle)) return;
+                pairs.emplace_back(std::minmax(a.triangle, b.triangle));
+                if (pairs.size() == most_crossings) throw Enough();
+            });
+        } catch (const Enough&) {
+        }
         std::sort(pairs.begin(), pairs.end());
         for (const auto& [s, t] : pairs) note(r, Kind::crossings, (middle(s) + middle(t)) / 2);
     }
 
     const MshFile& mesh_;
     std::vector<std::array<int, 3>> triangles_;
+    std::vector<char> turn_;
     std::map<Edge, std::vector<int>> sides_;  // triangles of each, ~ of those that run it from its second end
 };
 
@@ -259,12 +316,13 @@ SurfaceReport report_on(const MshFile& mesh) { return Surveyor(mesh).report(); }
 const char* fault_name(Kind kind) {
     switch (kind) {
         case Kind::holes: return "holes";
-        case Kind::crowded: return "crowded";
-        case Kind::turned: return "turned";
+        case Kind::crowded: return "non_manifold_edges";
+        case Kind::one_sided: return "one_sided";
+        case Kind::pinched: return "pinched";
         case Kind::crossings: return "crossings";
         case Kind::parts: return "parts";
-        case Kind::handles: return "handles";
-        case Kind::flat: return "flat";
+        case Kind::handles: return "through_holes";
+        case Kind::flat: return "without_area";
     }
     return "";
 }
@@ -273,12 +331,13 @@ std::string fault_text(const SurfaceFault& fault, const std::string& unit, doubl
     const auto said = [&](const char* one, const char* many) { return fmt::format("{} {}", fault.count, fault.count == 1 ? one : many); };
     std::string line;
     switch (fault.kind) {
-        case Kind::holes: line = fmt::format("{}, {}{:.3g}{} round", said("hole", "holes"), fault.count == 1 ? "" : "the longest ", factor * fault.largest, unit); break;
-        case Kind::crowded: line = said("side", "sides") + " of more than two triangles"; break;
-        case Kind::turned: line = said("side", "sides") + " between triangles that are turned against each other"; break;
-        case Kind::crossings: line = said("pair", "pairs") + " of triangles that cut each other"; break;
+        case Kind::holes: line = fmt::format("{}, {}perimeter {:.3g}{}", said("hole", "holes"), fault.count == 1 ? "" : "longest ", factor * fault.largest, unit); break;
+        case Kind::crowded: line = said("edge", "edges") + " shared by more than two triangles"; break;
+        case Kind::one_sided: line = said("edge", "edges") + " where inside and outside cannot be told apart"; break;
+        case Kind::pinched: line = said("point", "points") + " where the surface touches itself"; break;
+        case Kind::crossings: line = fmt::format("{}{} of triangles that cut each other", fault.count == most_crossings ? "at least " : "", said("pair", "pairs")); break;
         case Kind::parts: line = fmt::format("{} beside the largest, {}{:.3g}{} across", said("part", "parts"), fault.count == 1 ? "" : "the next ", factor * fault.largest, unit); break;
-        case Kind::handles: line = said("hole", "holes") + " through the tissue (as of a ring), where a shape has none"; break;
+        case Kind::handles: line = said("hole", "holes") + " through the tissue (as of a ring), which are not supported"; break;
         case Kind::flat: line = said("triangle", "triangles") + " without area"; break;
     }
     std::vector<std::string> places;

@@ -198,8 +198,8 @@ WrittenStudy solid_study(const ShapeExtent& shape, const NewStudy& wanted, const
 
 WrittenStudy new_study(const NewStudy& wanted) {
     const ShapeExtent shape = shape_extent(wanted.shape);
-    if (!shape.fault.empty())
-        throw MismatchError(fmt::format("{}: cannot be filled: {}; `tissuectl surface` tells all of it, and with --repair OUT.stl makes a surface without", wanted.shape, shape.fault));
+    if (shape.fault)
+        throw MismatchError(fmt::format("{}: cannot be filled: {}; `tissuectl surface` tells all of it, and with --repair OUT.stl makes a surface without", wanted.shape, fault_text(*shape.fault, " mm", 1e3 * wanted.unit_m)));
     check_held(shape, wanted);
     const Size size = size_of(shape, wanted);
     check_regions(shape, wanted);

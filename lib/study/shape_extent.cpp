@@ -13,7 +13,6 @@
 
 #include "error.h"
 #include "io/atomic_file.h"
-#include "mesh/surface_report.h"
 #include "surface_file/surface_file.h"
 
 namespace tissue {
@@ -135,7 +134,7 @@ ShapeExtent surface_extent(const std::string& file) {
     ShapeExtent shape;
     shape.solid = true;
     for (const MshFile::Point& p : mesh.points) include(shape, {p.x, p.y, p.z}, file);
-    if (const SurfaceReport report = report_on(mesh); !report.faults.empty()) shape.fault = fault_text(report.faults.front(), "", 1);
+    if (const SurfaceReport report = report_on(mesh); !report.faults.empty()) shape.fault = report.faults.front();
     for (const auto& [solid, name] : mesh.triangle_names) add_name(shape.boundaries, name);
     return shape;
 }

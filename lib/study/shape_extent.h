@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "mesh/surface_report.h"
+
 namespace tissue {
 
 /// What a shape's file shows to a reader that does not mesh it: how large it is, and which of its parts have names.
@@ -14,7 +16,7 @@ struct ShapeExtent {
     std::vector<std::string> boundaries;               ///< named curves; in space surfaces
     std::vector<std::string> regions;                  ///< named surfaces; in space volumes
     std::optional<std::array<double, 3>> low, high;    ///< box of its points, in the file's unit; none where gmsh alone knows it
-    std::string fault;                                 ///< what keeps a surface from being filled, if anything does
+    std::optional<SurfaceFault> fault;                 ///< the first that keeps a surface from being filled
     std::size_t nodes = 0;                             ///< of a mesh, whose elements in the plane are the springs' own; 0 of any other file
 };
 

@@ -15,6 +15,7 @@ namespace tissue::surface_file {
 namespace {
 
 constexpr double same_point = 1e-8;  // of the extent's diagonal
+constexpr std::size_t most_divided = 1'000'000'000;  // corners to the third: what dividing costs, some twenty seconds
 
 bool usable(const MshFile::Point& p) {
     return std::isfinite(p.x + p.y + p.z) && std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= largest_coordinate;
@@ -89,27 +90,42 @@ int Facets::begin_group(const std::string& name) {
     return now_ = static_cast<int>(names_.size());
 }
 
+void Facets::refuse(const std::string& why, long line) const {
+    throw FileError(line > 0 ? fmt::format("{}:{}: {}", file_, line, why) : fmt::format("{}: facet {} {}", file_, given_, why));
+}
+
 void Facets::add(const std::array<MshFile::Point, 3>& corners) {
+    ++given_;
+    add_triangle(corners, 0);
+}
+
+void Facets::add_triangle(const std::array<MshFile::Point, 3>& corners, long line) {
     if (corners_.size() == most_facets) throw FileError(fmt::format("{}: has more than {} facets; at most as many are read", file_, most_facets));
     for (const MshFile::Point& p : corners)
-        if (!usable(p)) throw FileError(fmt::format("{}: facet {} has a coordinate that is no finite number, or beyond {:g}", file_, corners_.size() + 1, largest_coordinate));
+        if (!usable(p)) refuse(fmt::format("has a coordinate that is no finite number, or beyond {:g}", largest_coordinate), line);
     corners_.push_back(corners);
     group_.push_back(now_);
 }
 
-void Facets::add(const std::vector<MshFile::Point>& points, const std::vector<long long>& of_points) {
+void Facets::add(const std::vector<MshFile::Point>& points, const std::vector<long long>& of_points, long line) {
+    ++given_;
+    if (of_points.size() < 3 || of_points.size() > most_corners) refuse(fmt::format("has {} corners; a facet has 3 to {}", of_points.size(), most_corners), line);
     std::vector<MshFile::Point> polygon;
+    const auto same = [](const MshFile::Point& a, const MshFile::Point& b) { return a.x == b.x && a.y == b.y && a.z == b.z; };
     for (const long long there : of_points) {
-        if (there < 0 || there >= static_cast<long long>(points.size()))
-            throw FileError(fmt::format("{}: facet {} names a point that the file does not have: it has {}", file_, corners_.size() + 1, points.size()));
-        polygon.push_back(points[static_cast<std::size_t>(there)]);
+        if (there < 0 || there >= static_cast<long long>(points.size())) refuse(fmt::format("names a point that the file does not have: it has {}", points.size()), line);
+        const MshFile::Point& p = points[static_cast<std::size_t>(there)];
+        if (!usable(p)) refuse(fmt::format("has a coordinate that is no finite number, or beyond {:g}", largest_coordinate), line);
+        if (polygon.empty() || !same(polygon.back(), p)) polygon.push_back(p);  // programs write a triangle as a quadrilateral with a corner twice
     }
-    if (polygon.size() < 3 || polygon.size() > most_corners)
-        throw FileError(fmt::format("{}: facet {} has {} corners; it has 3 to {}", file_, corners_.size() + 1, polygon.size(), most_corners));
-    if (polygon.size() == 3) return add({polygon[0], polygon[1], polygon[2]});
-    for (const MshFile::Point& p : polygon)
-        if (!usable(p)) return add({p, p, p});  // which refuses it
-    for (const auto& t : divide_facet(polygon)) add({polygon[t[0]], polygon[t[1]], polygon[t[2]]});
+    while (polygon.size() > 1 && same(polygon.front(), polygon.back())) polygon.pop_back();
+    if (polygon.size() < 3) return;
+    if (polygon.size() == 3) return add_triangle({polygon[0], polygon[1], polygon[2]}, line);
+    divided_ += polygon.size() * polygon.size() * polygon.size();
+    if (divided_ > most_divided) refuse("is one of too many facets with many corners", line);
+    const auto triangles = divide_facet(polygon);
+    if (triangles.size() != polygon.size() - 2) refuse("cannot be divided into triangles", line);
+    for (const auto& t : triangles) add_triangle({polygon[t[0]], polygon[t[1]], polygon[t[2]]}, line);
 }
 
 MshFile Facets::mesh() const {

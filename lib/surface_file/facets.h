@@ -20,16 +20,21 @@ class Facets {
     void go_on_with(int group) { now_ = group; }
     void add(const std::array<MshFile::Point, 3>& corners);
     /// A plane facet of three corners or more, which is divided. of_points: where they stand in `points`, checked here.
-    void add(const std::vector<MshFile::Point>& points, const std::vector<long long>& of_points);
-    std::size_t size() const { return corners_.size(); }
+    /// line: where it stands, for messages; 0 where the file has no lines.
+    void add(const std::vector<MshFile::Point>& points, const std::vector<long long>& of_points, long line = 0);
     MshFile mesh() const;
 
    private:
+    void add_triangle(const std::array<MshFile::Point, 3>& corners, long line);
+    [[noreturn]] void refuse(const std::string& why, long line) const;
+
     const std::string& file_;
     std::vector<std::array<MshFile::Point, 3>> corners_;
     std::vector<int> group_;          // of each, from 1
     std::vector<std::string> names_;  // of the groups
     int now_ = 0;
+    long given_ = 0;           // facets of the file
+    std::size_t divided_ = 0;  // corners to the third, of those that were divided
 };
 
 constexpr double largest_coordinate = 1e12;  ///< as read_msh has it
@@ -38,7 +43,7 @@ constexpr std::size_t most_facets = 1'000'000, most_corners = 255;
 /// A text without the three bytes with which UTF-8 may mark itself.
 std::string_view without_mark(std::string_view text);
 
-/// content: the file's. Each begins with a group without a name where the file has none.
+/// content: the file's. Each begins a group.
 Facets read_stl(const std::string& file, std::string_view content);
 Facets read_obj(const std::string& file, std::string_view content);
 Facets read_off(const std::string& file, std::string_view content);

@@ -1,145 +1,183 @@
-#define TINYGLTF_IMPLEMENTATION
-#define TINYGLTF_NO_STB_IMAGE
-#define TINYGLTF_NO_STB_IMAGE_WRITE
-#define TINYGLTF_NO_EXTERNAL_IMAGE
-#include <tiny_gltf.h>
-
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cstdint>
 #include <cstring>
+#include <nlohmann/json.hpp>
 
 #include "error.h"
-#include "io/one_line.h"
 #include "surface_file/facets.h"
 
 namespace tissue::surface_file {
 namespace {
 
-constexpr int deepest = 64;  // of nodes within nodes
+using Json = nlohmann::json;
+
+constexpr int deepest = 64;  // of nodes within nodes, and of the JSON itself
+constexpr int triangles_mode = 4, of_bytes = 5121, of_shorts = 5123, of_ints = 5125, of_floats = 5126;  // glTF 2.0, 3.6 and 3.7
+
+std::uint32_t word_at(std::string_view bytes, std::size_t at) {
+    std::uint32_t value = 0;
+    std::memcpy(&value, bytes.data() + at, sizeof value);  // little-endian, as every machine that we support
+    return value;
+}
 
 class Reader {
    public:
-    Reader(const std::string& file, const tinygltf::Model& model) : file_(file), model_(model), facets_(file) {}
+    Reader(const std::string& file, const Json& model, std::string_view bytes) : file_(file), model_(model), bytes_(bytes), facets_(file), seen_(part("nodes").size(), false) {}
 
     Facets read() {
-        if (model_.scenes.empty()) refuse("has no scene");
-        const std::size_t scene = static_cast<std::size_t>(std::max(model_.defaultScene, 0));
-        if (scene >= model_.scenes.size()) refuse(fmt::format("has no scene {}", scene));
-        for (int node : model_.scenes[scene].nodes) add_node(node, Eigen::Affine3d::Identity(), 0);
+        for (const std::string& name : model_.value("extensionsRequired", std::vector<std::string>{})) {
+            const auto begins = [&](std::string_view with) { return name.compare(0, with.size(), with) == 0; };
+            if (!begins("KHR_materials_") && !begins("KHR_texture_") && !begins("EXT_texture_")) refuse(fmt::format("needs the extension {}, which is not read", name));
+        }
+        for (const Json& buffer : part("buffers"))
+            if (buffer.contains("uri")) refuse("has a buffer in another file, which is not read");
+        const Json& scenes = part("scenes");
+        if (scenes.empty()) refuse("has no scene");
+        for (const Json& node : one_of("scenes", model_.value("scene", 0)).value("nodes", Json::array())) add_node(node, Eigen::Affine3d::Identity(), 0);
         return std::move(facets_);
     }
 
    private:
     [[noreturn]] void refuse(const std::string& why) const { throw FileError(file_ + ": " + why); }
 
-    template <class Of>
-    const Of& one_of(const std::vector<Of>& all, int k, const char* name) const {
-        if (k < 0 || static_cast<std::size_t>(k) >= all.size()) refuse(fmt::format("has no {} {}", name, k));
-        return all[static_cast<std::size_t>(k)];
+    const Json& part(const char* name) const {
+        static const Json none = Json::array();
+        return model_.contains(name) ? model_.at(name) : none;
+    }
+    const Json& one_of(const char* name, const Json& k) const {
+        const Json& all = part(name);
+        const auto number = k.get<long long>();
+        if (number < 0 || static_cast<std::size_t>(number) >= all.size()) refuse(fmt::format("has no {} {}", name, number));
+        return all.at(static_cast<std::size_t>(number));
+    }
+    template <class Vector>
+    Vector numbers(const Json& node, const char* name, const Vector& otherwise) const {
+        if (!node.contains(name)) return otherwise;
+        const Json& all = node.at(name);
+        Vector x = otherwise;
+        if (all.size() != static_cast<std::size_t>(x.size())) refuse(fmt::format("a node's {} has {} numbers; it has {}", name, all.size(), x.size()));
+        for (Eigen::Index i = 0; i < x.size(); ++i) x.data()[i] = all.at(static_cast<std::size_t>(i)).get<double>();
+        return x;
     }
 
-    static Eigen::Affine3d place_of(const tinygltf::Node& node) {
+    Eigen::Affine3d place_of(const Json& node) const {
         Eigen::Affine3d place = Eigen::Affine3d::Identity();
-        if (node.matrix.size() == 16) {
-            place.matrix() = Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());
+        if (node.contains("matrix")) {
+            place.matrix() = numbers(node, "matrix", Eigen::Matrix4d(Eigen::Matrix4d::Identity()));
             return place;
         }
-        if (node.translation.size() == 3) place.translate(Eigen::Map<const Eigen::Vector3d>(node.translation.data()));
-        if (node.rotation.size() == 4) place.rotate(Eigen::Quaterniond(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]).normalized());
-        if (node.scale.size() == 3) place.scale(Eigen::Map<const Eigen::Vector3d>(node.scale.data()));
+        const Eigen::Vector4d turn = numbers(node, "rotation", Eigen::Vector4d(0, 0, 0, 1));
+        place.translate(numbers(node, "translation", Eigen::Vector3d(0, 0, 0)));
+        place.rotate(Eigen::Quaterniond(turn[3], turn[0], turn[1], turn[2]).normalized());
+        place.scale(numbers(node, "scale", Eigen::Vector3d(1, 1, 1)));
         return place;
     }
 
-    void add_node(int k, const Eigen::Affine3d& above, int depth) {
+    void add_node(const Json& k, const Eigen::Affine3d& above, int depth) {
         if (depth == deepest) refuse(fmt::format("has nodes within nodes, {} deep", deepest));
-        const tinygltf::Node& node = one_of(model_.nodes, k, "node");
+        const Json& node = one_of("nodes", k);
+        if (seen_[k.get<std::size_t>()]) refuse(fmt::format("node {} is reached twice; a scene is a tree", k.get<std::size_t>()));
+        seen_[k.get<std::size_t>()] = true;
         const Eigen::Affine3d place = above * place_of(node);
-        if (node.skin >= 0) refuse(fmt::format("node '{}' has a skin, which is not read", node.name));
-        if (node.mesh >= 0) {
-            const tinygltf::Mesh& mesh = one_of(model_.meshes, node.mesh, "mesh");
-            facets_.begin_group(node.name.empty() ? mesh.name : node.name);
-            for (const tinygltf::Primitive& part : mesh.primitives) add(part, place, mesh.name);
+        if (node.contains("skin")) refuse(fmt::format("node {} has a skin, which is not read", k.get<std::size_t>()));
+        if (node.contains("extensions") && node.at("extensions").contains("EXT_mesh_gpu_instancing")) refuse("has instances (EXT_mesh_gpu_instancing), which are not read");
+        if (node.contains("mesh")) {
+            const Json& mesh = one_of("meshes", node.at("mesh"));
+            const std::string name = mesh.value("name", "");
+            facets_.begin_group(node.value("name", "").empty() ? name : node.value("name", ""));
+            for (const Json& primitive : mesh.at("primitives")) add(primitive, place, name);
         }
-        for (int child : node.children) add_node(child, place, depth + 1);
+        for (const Json& child : node.value("children", Json::array())) add_node(child, place, depth + 1);
     }
 
-    void add(const tinygltf::Primitive& part, const Eigen::Affine3d& place, const std::string& name) {
-        if (part.mode != TINYGLTF_MODE_TRIANGLES && part.mode != -1) refuse(fmt::format("mesh '{}' has primitives of mode {}; triangles (4) are read", name, part.mode));
-        const auto position = part.attributes.find("POSITION");
-        if (position == part.attributes.end()) refuse(fmt::format("mesh '{}' has no positions", name));
-        const Values at(*this, position->second, name);
-        if (at.accessor.type != TINYGLTF_TYPE_VEC3 || at.accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) refuse(fmt::format("mesh '{}': its positions are not three floats", name));
+    /// Bytes of an accessor, whose bounds are checked.
+    struct View {
+        const char* begin;
+        std::size_t stride, count;
+        int type;
+        const char* of(std::size_t n) const { return begin + n * stride; }
+    };
+    View view(const Json& k, const char* shape, std::size_t components, const std::string& mesh) const {
+        const Json& accessor = one_of("accessors", k);
+        if (accessor.contains("sparse") || !accessor.contains("bufferView")) refuse(fmt::format("mesh '{}' is sparse or compressed, which is not read", mesh));
+        const Json& all = one_of("bufferViews", accessor.at("bufferView"));
+        if (all.contains("extensions") && all.at("extensions").contains("EXT_meshopt_compression")) refuse(fmt::format("mesh '{}' is compressed, which is not read", mesh));
+        if (all.value("buffer", 0) != 0) refuse(fmt::format("mesh '{}' lies in a second buffer, which a .glb does not hold", mesh));
+        const int type = accessor.at("componentType").get<int>();
+        const std::size_t each = type == of_bytes ? 1 : type == of_shorts ? 2 : type == of_ints || type == of_floats ? 4 : 0;
+        if (accessor.at("type").get<std::string>() != shape || each == 0) refuse(fmt::format("mesh '{}': numbers of another kind than glTF's", mesh));
+        const auto number = [&](const Json& of, const char* name, std::uint64_t otherwise) { return of.value(name, otherwise); };
+        const std::uint64_t from = number(all, "byteOffset", 0), length = number(all, "byteLength", 0), offset = number(accessor, "byteOffset", 0), count = number(accessor, "count", 0),
+                            stride = number(all, "byteStride", each * components);
+        const std::uint64_t there = bytes_.size();
+        const bool inside = from <= there && length <= there - from && offset <= length && stride >= each * components && stride <= 255 && count <= there && (count == 0 || (count - 1) * stride + each * components <= length - offset);
+        if (!inside) refuse(fmt::format("mesh '{}': its numbers lie beyond their part of the file, of {} bytes", mesh, length));
+        return {bytes_.data() + from + offset, static_cast<std::size_t>(stride), static_cast<std::size_t>(count), type};
+    }
+
+    void add(const Json& primitive, const Eigen::Affine3d& place, const std::string& name) {
+        if (primitive.value("mode", triangles_mode) != triangles_mode) refuse(fmt::format("mesh '{}' has primitives of mode {}; triangles (4) are read", name, primitive.value("mode", triangles_mode)));
+        if (!primitive.at("attributes").contains("POSITION")) refuse(fmt::format("mesh '{}' has no positions", name));
+        const View at = view(primitive.at("attributes").at("POSITION"), "VEC3", 3, name);
+        if (at.type != of_floats) refuse(fmt::format("mesh '{}': its positions are no floats", name));
         std::vector<MshFile::Point> points;
-        for (std::size_t n = 0; n < at.accessor.count; ++n) {
+        for (std::size_t n = 0; n < at.count; ++n) {
             Eigen::Vector3f x;
             std::memcpy(x.data(), at.of(n), sizeof x);
             const Eigen::Vector3d p = place * x.cast<double>();
             points.push_back({p.x(), p.y(), p.z()});
         }
         std::vector<long long> corners;
-        if (part.indices < 0) {
+        if (!primitive.contains("indices")) {
             for (std::size_t n = 0; n < points.size(); ++n) corners.push_back(static_cast<long long>(n));
         } else {
-            const Values indices(*this, part.indices, name);
-            if (indices.accessor.type != TINYGLTF_TYPE_SCALAR) refuse(fmt::format("mesh '{}': its indices are no numbers", name));
-            for (std::size_t n = 0; n < indices.accessor.count; ++n) corners.push_back(indices.whole(n));
+            const View indices = view(primitive.at("indices"), "SCALAR", 1, name);
+            if (indices.type == of_floats) refuse(fmt::format("mesh '{}': its indices are no whole numbers", name));
+            for (std::size_t n = 0; n < indices.count; ++n) {
+                std::uint32_t value = 0;
+                std::memcpy(&value, indices.of(n), indices.type == of_bytes ? 1 : indices.type == of_shorts ? 2 : 4);
+                corners.push_back(value);
+            }
         }
         if (corners.size() % 3 != 0) refuse(fmt::format("mesh '{}' has {} corners of triangles", name, corners.size()));
-        for (std::size_t c = 0; c < corners.size(); c += 3) facets_.add(points, {corners[c], corners[c + 1], corners[c + 2]});
+        const bool mirrored = place.linear().determinant() < 0;  // glTF 2.0, 3.5.3: then triangles are wound the other way
+        for (std::size_t c = 0; c < corners.size(); c += 3) facets_.add(points, {corners[c], corners[c + (mirrored ? 2 : 1)], corners[c + (mirrored ? 1 : 2)]});
     }
 
-    /// What an accessor shows of a buffer, whose bounds are checked.
-    struct Values {
-        Values(const Reader& reader, int k, const std::string& name) : accessor(reader.one_of(reader.model_.accessors, k, "accessor")) {
-            if (accessor.sparse.isSparse || accessor.bufferView < 0) reader.refuse(fmt::format("mesh '{}' is sparse or compressed, which is not read", name));
-            const tinygltf::BufferView& view = reader.one_of(reader.model_.bufferViews, accessor.bufferView, "bufferView");
-            const std::vector<unsigned char>& bytes = reader.one_of(reader.model_.buffers, view.buffer, "buffer").data;
-            const int each = accessor.ByteStride(view), whole = tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(accessor.componentType)) * tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type));
-            const bool small = std::max({view.byteOffset, view.byteLength, accessor.byteOffset, accessor.count}) <= bytes.size() && view.byteOffset + view.byteLength <= bytes.size();
-            if (each <= 0 || whole <= 0 || !small || (accessor.count > 0 && accessor.byteOffset + static_cast<std::size_t>(each) * (accessor.count - 1) + static_cast<std::size_t>(whole) > view.byteLength))
-                reader.refuse(fmt::format("mesh '{}': its numbers lie beyond their part of the file, of {} bytes", name, view.byteLength));
-            begin = bytes.data() + view.byteOffset + accessor.byteOffset;
-            stride = static_cast<std::size_t>(each);
-            refuse_type = [&reader, name] { reader.refuse(fmt::format("mesh '{}': its indices are no whole numbers without a sign", name)); };
-        }
-        const unsigned char* of(std::size_t n) const { return begin + n * stride; }
-        long long whole(std::size_t n) const {
-            const auto as = [&](auto value) {
-                std::memcpy(&value, of(n), sizeof value);
-                return static_cast<long long>(value);
-            };
-            if (accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return as(std::uint8_t{});
-            if (accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) return as(std::uint16_t{});
-            if (accessor.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) refuse_type();
-            return as(std::uint32_t{});
-        }
-
-        const tinygltf::Accessor& accessor;
-        const unsigned char* begin = nullptr;
-        std::size_t stride = 0;
-        std::function<void()> refuse_type;
-    };
-
     const std::string& file_;
-    const tinygltf::Model& model_;
+    const Json& model_;
+    std::string_view bytes_;
     Facets facets_;
+    std::vector<bool> seen_;
 };
 
 }  // namespace
 
-Facets read_glb(const std::string& file, std::string_view content) {
-    tinygltf::TinyGLTF loader;
-    // whatever lies in another file is not looked for
-    loader.SetFsCallbacks({[](const std::string&, void*) { return false; }, [](const std::string& name, void*) { return name; },
-                           [](std::vector<unsigned char>*, std::string*, const std::string&, void*) { return false; },
-                           [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; }, nullptr});
-    loader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int, void*) { return true; }, nullptr);
-    tinygltf::Model model;
-    std::string error, warning;
-    if (!loader.LoadBinaryFromMemory(&model, &error, &warning, reinterpret_cast<const unsigned char*>(content.data()), static_cast<unsigned int>(content.size())))
-        throw FileError(one_line(fmt::format("{}: is no .glb: {}", file, error)));
-    return Reader(file, model).read();
+Facets read_glb(const std::string& file, std::string_view content) try {
+    constexpr std::size_t head = 12, chunk = 8;
+    const auto refuse = [&](const char* why) { throw FileError(fmt::format("{}: is no .glb: {}", file, why)); };
+    if (content.size() < head + chunk || content.substr(0, 4) != "glTF") refuse("it does not begin with 'glTF' and its lengths");
+    if (word_at(content, 4) != 2) refuse("its version is not 2");
+    const std::size_t length = word_at(content, head);
+    if (content.substr(head + 4, 4) != "JSON" || length > content.size() - head - chunk) refuse("its JSON is cut off");
+    const Json model = Json::parse(content.substr(head + chunk, length), [&](int depth, Json::parse_event_t, Json&) {
+        if (depth > deepest) refuse("its JSON is nested too deep");
+        return true;
+    });
+    std::string_view bytes = content.substr(head + chunk + length);
+    if (bytes.size() >= chunk) {
+        const std::size_t there = word_at(bytes, 0);
+        if (bytes.substr(4, 4) != std::string_view("BIN\0", 4) || there > bytes.size() - chunk) refuse("its numbers are cut off");
+        bytes = bytes.substr(chunk, there);
+    } else {
+        bytes = {};
+    }
+    return Reader(file, model, bytes).read();
+} catch (const Json::exception& e) {
+    throw FileError(fmt::format("{}: is no .glb as glTF 2.0 says: {}", file, e.what()));
 }
 
 }  // namespace tissue::surface_file

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include <map>
+#include <algorithm>
 
 #include "error.h"
 #include "surface_file/facets.h"
@@ -15,15 +15,20 @@ constexpr const char *vertex = "v x y z", *facet = "f i j k ..";
 
 // Of our own: CGAL's reader knows no groups and refuses lines of edges, tinyobjloader reads a damaged number as zero.
 Facets read_obj(const std::string& file, std::string_view content) {
-    TextLines lines(file, without_mark(content), '#');
-    Facets facets(file);
-    std::map<std::string, int> group_of{{"", facets.begin_group("")}};
+    TextLines lines(file, without_mark(content));
+    struct Group {
+        std::string object, name;
+        bool operator==(const Group& other) const { return object == other.object && name == other.name; }
+    };
     std::vector<MshFile::Point> points;
     std::vector<std::vector<long long>> polygons;  // a facet may name points that follow
-    std::vector<int> group;
-    int now = 1;
+    std::vector<long> line_of;
+    std::vector<std::size_t> group;
+    std::vector<Group> groups;  // that have facets
+    Group now;
     for (std::string_view line = lines.next(); !line.empty(); line = lines.next()) {
         const std::string_view word = take_word(line);
+        if (word == "v" || word == "f") line = line.substr(0, line.find('#'));  // a name may have one
         if (word == "v") {
             MshFile::Point p{};
             for (double* value : {&p.x, &p.y, &p.z}) *value = lines.take_number(line, vertex);
@@ -40,17 +45,29 @@ Facets read_obj(const std::string& file, std::string_view content) {
             if (corners.size() < 3) lines.refuse(fmt::format("is not '{}'", facet));
             if (polygons.size() == most_facets) lines.refuse(fmt::format("is facet {}; at most {} are read", most_facets + 1, most_facets));
             polygons.push_back(std::move(corners));
-            group.push_back(now);
-        } else if (word == "g" || word == "o") {
-            const std::string name(trimmed(line));
-            const auto [there, fresh] = group_of.emplace(name, 0);
-            if (fresh) there->second = facets.begin_group(name);
-            now = there->second;
+            line_of.push_back(lines.number());
+            if (groups.empty() || !(groups[group.back()] == now)) {
+                const auto there = std::find(groups.begin(), groups.end(), now);
+                group.push_back(static_cast<std::size_t>(there - groups.begin()));
+                if (there == groups.end()) groups.push_back(now);
+            } else {
+                group.push_back(group.back());
+            }
+        } else if (word == "o") {
+            now = {std::string(trimmed(line)), ""};
+        } else if (word == "g") {
+            now.name = trimmed(line);
         }
     }
+    Facets facets(file);
+    const auto name_of = [](const Group& g) { return g.name.empty() ? g.object : g.name; };
+    for (const Group& g : groups) {
+        const bool alone = std::count_if(groups.begin(), groups.end(), [&](const Group& other) { return name_of(other) == name_of(g); }) == 1;
+        facets.begin_group(alone || g.object.empty() || g.name.empty() ? name_of(g) : g.object + "/" + g.name);
+    }
     for (std::size_t f = 0; f < polygons.size(); ++f) {
-        facets.go_on_with(group[f]);
-        facets.add(points, polygons[f]);
+        facets.go_on_with(static_cast<int>(group[f]) + 1);
+        facets.add(points, polygons[f], line_of[f]);
     }
     return facets;
 }

@@ -22,6 +22,7 @@ Facets read_off(const std::string& file, std::string_view content) {
         line = lines.want(vertex);
         MshFile::Point p{};
         for (double* value : {&p.x, &p.y, &p.z}) *value = lines.take_number(line, vertex);
+        if (kind == "OFF" && !trimmed(line).empty()) lines.refuse(fmt::format("is not '{}'", vertex));
         points.push_back(p);
     }
     Facets facets(file);
@@ -32,7 +33,7 @@ Facets read_off(const std::string& file, std::string_view content) {
         if (count < 3 || count > static_cast<long long>(most_corners)) lines.refuse(fmt::format("is a facet of {} corners; it has 3 to {}", count, most_corners));
         std::vector<long long> corners;
         for (long long k = 0; k < count; ++k) corners.push_back(lines.take_count(line, facet));
-        facets.add(points, corners);
+        facets.add(points, corners, lines.number());
     }
     return facets;
 }

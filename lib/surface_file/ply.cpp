@@ -1,12 +1,11 @@
-#include <CGAL/IO/PLY.h>
-#include <CGAL/Simple_cartesian.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <set>
-#include <sstream>
-#include <streambuf>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <optional>
 
 #include "error.h"
 #include "surface_file/facets.h"
@@ -15,68 +14,169 @@
 namespace tissue::surface_file {
 namespace {
 
-/// What CGAL's reader would take otherwise without a word: lists that may be as long as their four bytes say, whose memory it takes, and
-/// coordinates of another type, which it leaves as they are. Returns how many points the head says.
-void check_head(const std::string& file, std::string_view content) {
-    TextLines lines(file, content);
+enum class Type { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+
+constexpr struct {
+    std::string_view name, also;
+    Type type;
+    std::size_t bytes;
+} types[] = {{"char", "int8", Type::int8, 1},      {"uchar", "uint8", Type::uint8, 1},    {"short", "int16", Type::int16, 2},    {"ushort", "uint16", Type::uint16, 2},
+             {"int", "int32", Type::int32, 4},     {"uint", "uint32", Type::uint32, 4},   {"float", "float32", Type::float32, 4}, {"double", "float64", Type::float64, 8}};
+
+struct Property {
+    std::string name;
+    Type type;
+    std::optional<Type> length;  // of a list
+};
+
+struct Element {
+    std::string name;
+    long long count = 0;
+    std::vector<Property> properties;
+    bool is(std::string_view one, std::string_view many) const { return name == one || name == many; }
+};
+
+/// One value after another, of an ASCII file or of either binary kind.
+class Values {
+   public:
+    enum class Kind { ascii, little, big };
+    Values(const std::string& file, TextLines& lines, Kind kind) : file_(file), lines_(lines), kind_(kind), bytes_(lines.rest()) {}
+
+    void begin_item() {
+        if (kind_ == Kind::ascii) line_ = lines_.want("the values of an element");
+    }
+    double take(Type type) {
+        if (kind_ == Kind::ascii) return lines_.take_number(line_, "as many numbers as the element has");
+        const std::size_t size = types[static_cast<std::size_t>(type)].bytes;
+        if (bytes_.size() - at_ < size) throw FileError(fmt::format("{}: breaks off at byte {}, within an element", file_, at_));
+        std::array<char, 8> raw{};
+        std::memcpy(raw.data(), bytes_.data() + at_, size);
+        at_ += size;
+        if (kind_ == Kind::big) std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(size));
+        const auto as = [&](auto value) {
+            std::memcpy(&value, raw.data(), sizeof value);
+            return static_cast<double>(value);
+        };
+        switch (type) {
+            case Type::int8: return as(std::int8_t{});
+            case Type::uint8: return as(std::uint8_t{});
+            case Type::int16: return as(std::int16_t{});
+            case Type::uint16: return as(std::uint16_t{});
+            case Type::int32: return as(std::int32_t{});
+            case Type::uint32: return as(std::uint32_t{});
+            case Type::float32: return as(float{});
+            case Type::float64: return as(double{});
+        }
+        return 0;
+    }
+    long line() const { return kind_ == Kind::ascii ? lines_.number() : 0; }
+
+   private:
+    const std::string& file_;
+    TextLines& lines_;
+    Kind kind_;
+    std::string_view bytes_, line_;
+    std::size_t at_ = 0;
+};
+
+Type type_of(std::string_view word, const TextLines& lines) {
+    for (const auto& type : types)
+        if (word == type.name || word == type.also) return type.type;
+    lines.refuse(fmt::format("'{}' is no type of a .ply's numbers", word));
+}
+
+struct Head {
+    std::vector<Element> elements;
+    Values::Kind kind = Values::Kind::ascii;
+};
+
+Head read_head(TextLines& lines) {
     if (lines.want("ply") != "ply") lines.refuse("is no .ply: it does not begin with 'ply'");
-    std::set<std::string> coordinates;
-    bool of_points = false, facets = false;
+    Head head;
+    bool has_format = false;
     for (;;) {
         std::string_view line = lines.want("end_header");
         const std::string_view word = take_word(line);
         if (word == "end_header") break;
-        if (word == "element") {
-            const std::string_view name = take_word(line);
-            of_points = name == "vertex" || name == "vertices";
-            facets = facets || name == "face" || name == "faces";
-            const long long count = lines.take_count(line, "element NAME COUNT");
-            if (count < 0 || count > static_cast<long long>(content.size())) lines.refuse(fmt::format("says {} elements, in a file of {} bytes", count, content.size()));
+        if (word == "format") {
+            const std::string_view kind = take_word(line);
+            if (kind != "ascii" && kind != "binary_little_endian" && kind != "binary_big_endian") lines.refuse(fmt::format("'{}' is no format of a .ply", kind));
+            head.kind = kind == "ascii" ? Values::Kind::ascii : kind == "binary_big_endian" ? Values::Kind::big : Values::Kind::little;
+            has_format = true;
+        } else if (word == "element") {
+            Element element;
+            element.name = take_word(line);
+            element.count = lines.take_count(line, "element NAME COUNT");
+            if (element.count < 0 || element.count > static_cast<long long>(4 * most_facets)) lines.refuse(fmt::format("has {} elements; at most {} are read", element.count, 4 * most_facets));
+            for (const Element& before : head.elements)
+                if (before.name == element.name) lines.refuse(fmt::format("a second element '{}'", element.name));
+            head.elements.push_back(element);
         } else if (word == "property") {
-            const std::string_view type = take_word(line);
+            if (head.elements.empty()) lines.refuse("is a property of no element");
+            Property property{};
+            std::string_view type = take_word(line);
             if (type == "list") {
-                const std::string_view size = take_word(line);
-                if (size != "uchar" && size != "uint8" && size != "char" && size != "int8")
-                    lines.refuse(fmt::format("has lists whose length is a {}; lengths of a uchar are read", size));
-            } else if (of_points) {
-                const std::string_view name = take_word(line);
-                if (name == "x" || name == "y" || name == "z") {
-                    if (type != "float" && type != "float32" && type != "double" && type != "float64") lines.refuse(fmt::format("a coordinate is a {}; float and double are read", type));
-                    coordinates.emplace(name);
-                }
+                property.length = type_of(take_word(line), lines);
+                type = take_word(line);
             }
+            property.type = type_of(type, lines);
+            property.name = take_word(line);
+            for (const Property& before : head.elements.back().properties)
+                if (before.name == property.name) lines.refuse(fmt::format("a second property '{}'", property.name));
+            head.elements.back().properties.push_back(property);
+        } else if (word != "comment" && word != "obj_info") {
+            lines.refuse("is no line of a .ply's head");
         }
     }
-    if (coordinates.size() != 3) throw FileError(file + ": has no points with x, y and z");
-    if (!facets) throw FileError(file + ": has points and no facets");
+    if (!has_format) lines.refuse("a .ply's head has a line 'format'");
+    return head;
 }
-
-/// A text where it stands.
-class Bytes : public std::streambuf {
-   public:
-    explicit Bytes(std::string_view text) {
-        char* begin = const_cast<char*>(text.data());  // read only
-        setg(begin, begin, begin + text.size());
-    }
-    std::size_t taken() const { return static_cast<std::size_t>(gptr() - eback()); }
-};
 
 }  // namespace
 
+// Of our own: CGAL's reader takes as much memory as a damaged length says, and shifts all values behind a type that it does not know.
 Facets read_ply(const std::string& file, std::string_view content) {
-    using Point = CGAL::Simple_cartesian<double>::Point_3;
-    check_head(file, content);
-    Bytes bytes(content);
-    std::istream in(&bytes);
-    std::vector<Point> places;
-    std::vector<std::vector<long long>> polygons;
-    if (!CGAL::IO::read_PLY(in, places, polygons))
-        throw FileError(fmt::format("{}: is cut off, or damaged: reading stopped at byte {} of {}, after {} points and {} facets", file, bytes.taken(), content.size(), places.size(), polygons.size()));
+    TextLines lines(file, content);
+    const Head head = read_head(lines);
+    Values values(file, lines, head.kind);
     std::vector<MshFile::Point> points;
-    for (const Point& p : places) points.push_back({p.x(), p.y(), p.z()});
+    std::vector<std::vector<long long>> polygons;  // points may stand behind them
+    std::vector<long> line_of;
+    bool facets_there = false;
+    for (const Element& element : head.elements) {
+        if (element.count > 0 && element.properties.empty()) throw FileError(fmt::format("{}: element '{}' has no properties", file, element.name));
+        const bool vertex = element.is("vertex", "vertices"), face = element.is("face", "faces");
+        const auto has = [&](std::string_view name, bool list) {
+            return std::any_of(element.properties.begin(), element.properties.end(), [&](const Property& p) { return p.name == name && p.length.has_value() == list; });
+        };
+        if (vertex && !(has("x", false) && has("y", false) && has("z", false))) throw FileError(file + ": has no points with x, y and z");
+        if (face && !has("vertex_indices", true) && !has("vertex_index", true)) throw FileError(file + ": its faces have no list 'vertex_indices'");
+        if (face && element.count > static_cast<long long>(most_facets)) throw FileError(fmt::format("{}: has {} facets; at most {} are read", file, element.count, most_facets));
+        facets_there = facets_there || face;
+        for (long long n = 0; n < element.count; ++n) {
+            values.begin_item();
+            MshFile::Point p{};
+            std::vector<long long> corners;
+            for (const Property& property : element.properties) {
+                const bool corner = face && (property.name == "vertex_indices" || property.name == "vertex_index");
+                const double count = property.length ? values.take(*property.length) : 1;
+                if (!(count >= 0 && count <= 1e6) || (corner && count > most_corners)) throw FileError(fmt::format("{}: {} {} has a list '{}' of {:g}", file, element.name, n + 1, property.name, count));
+                for (int k = 0; k < static_cast<int>(count); ++k) {
+                    const double value = values.take(property.type);
+                    if (corner) corners.push_back(std::isfinite(value) ? static_cast<long long>(value) : -1);
+                    if (vertex && !property.length && property.name.size() == 1 && property.name >= "x" && property.name <= "z") (property.name == "x" ? p.x : property.name == "y" ? p.y : p.z) = value;
+                }
+            }
+            if (vertex) points.push_back(p);
+            if (!face) continue;
+            polygons.push_back(std::move(corners));
+            line_of.push_back(values.line());
+        }
+    }
+    if (!facets_there) throw FileError(file + ": has points and no facets");
     Facets facets(file);
     facets.begin_group("");
-    for (const auto& corners : polygons) facets.add(points, corners);
+    for (std::size_t f = 0; f < polygons.size(); ++f) facets.add(points, polygons[f], line_of[f]);
     return facets;
 }
 

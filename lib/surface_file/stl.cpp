@@ -102,10 +102,12 @@ Facets read_binary(const std::string& file, std::string_view bytes) {
 
 /// Whether the text goes on as ASCII after a first line with `solid`: a binary file's head may begin with that word too.
 bool is_ascii(std::string_view text) {
+    const bool no_zero = text.find('\0') == std::string_view::npos;
     text.remove_prefix(std::min(text.find_first_not_of(" \t\r\v\f\n"), text.size()));
     const std::size_t end = std::min(text.find('\n'), text.size());
     std::string_view first = text.substr(0, end), rest = text.substr(std::min(end + 1, text.size()));
     if (!is_word(take_word(first), "solid") || first.find('\0') != std::string_view::npos) return false;
+    if (no_zero) return true;
     const std::size_t next = rest.find_first_not_of(" \t\r\v\f\n");
     if (next == std::string_view::npos) return true;
     std::string_view line = rest.substr(next, 20);

@@ -1,8 +1,10 @@
 #include "surface_file/surface_file.h"
 
-#include <array>
-#include <optional>
+#include <fmt/format.h>
 
+#include <array>
+
+#include "error.h"
 #include "io/atomic_file.h"
 #include "surface_file/facets.h"
 #include "surface_file/text_lines.h"
@@ -31,7 +33,8 @@ bool is_surface_file(const std::string& file) { return kind_of(file) != nullptr;
 MshFile read_surface_file(const std::string& file) {
     const std::string content = read_file(file);
     const Kind* kind = kind_of(file);
-    return (kind ? kind->read : read_stl)(file, content).mesh();
+    if (kind == nullptr) throw FileError(fmt::format("{}: is not a surface's file, which ends in {}", file, surface_endings));
+    return kind->read(file, content).mesh();
 }
 
 MshFile read_surface_or_msh(const std::string& file, const std::string& named) { return is_surface_file(file) ? read_surface_file(file) : read_msh(file, true, named); }

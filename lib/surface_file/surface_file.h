@@ -18,8 +18,8 @@ bool is_surface_file(const std::string& file);
 /// called by its number. Else all facets are in group 0. Groups are, of
 ///   .stl  the solids of an ASCII file. A name is all that follows `solid`, without blanks and line ends about it; keywords may be in capitals. What stands
 ///         behind the facets of a binary file does not count.
-///   .obj  what follows the same `g` or `o`; lines that are neither v nor f do not count
-///   .glb  the nodes with a mesh, moved as their scene says, which are called by their own name or their mesh's. A file's unit is the metre, by its standard.
+///   .obj  what follows the same `o` and `g`, called by its `g`, or its `o` where it has none, or OBJECT/GROUP where several objects have a group of that name
+///   .glb  the nodes with a mesh, moved as their scene says (z stays z: the standard has y upwards), which are called by their own name or their mesh's. A file's unit is the metre, by its standard.
 ///   .ply, .off  none
 /// Throws FileError with file, line or facet, and cause: missing, of another kind, cut off, a coordinate that is no finite number, a corner that does
 /// not exist, no facets, more than a million.

@@ -43,9 +43,9 @@ bool is_word(std::string_view text, std::string_view lower) {
 
 std::string_view TextLines::next() {
     while (!text_.empty()) {
-        const std::size_t end = std::min(text_.find('\n'), text_.size());
+        const std::size_t end = std::min(text_.find_first_of("\n\r"), text_.size());
         std::string_view line = text_.substr(0, end);
-        text_.remove_prefix(std::min(end + 1, text_.size()));
+        text_.remove_prefix(std::min(end + (text_.substr(end, 2) == "\r\n" ? 2 : 1), text_.size()));
         ++number_;
         if (comment_ != 0) line = line.substr(0, line.find(comment_));
         if (line = trimmed(line); !line.empty()) return line;

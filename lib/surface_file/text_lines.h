@@ -11,7 +11,7 @@ std::string_view take_word(std::string_view& text);
 /// Whether it is this word in small letters, in capitals or not.
 bool is_word(std::string_view text, std::string_view lower);
 
-/// A text by its lines, of which messages give the number.
+/// A text by its lines, of which messages give the number. Lines end as those of Linux, Windows or old Macs.
 class TextLines {
    public:
     /// comment: what of a line stands behind this does not count, if it is not 0.
@@ -25,6 +25,8 @@ class TextLines {
     double take_number(std::string_view& line, const char* whole) const;
     /// The next word as a whole number.
     long long take_count(std::string_view& line, const char* whole) const;
+    long number() const { return number_; }          ///< of the last line
+    std::string_view rest() const { return text_; }  ///< what follows it
     [[noreturn]] void refuse(const std::string& why) const;  ///< FileError: FILE:LINE: why
 
    private:

@@ -283,7 +283,7 @@ refused "no surface of that name" "fem/dome.msh: has no physical surface 'chair'
 edit3 'dome.msh' 'cone.msh'
 refused "a shape that is not there" "dome.toml:[0-9]*: key 'geometry.shape': there is no file fem/cone.msh"
 edit3 'dome.msh' 'dome.step'
-refused "a shape of another kind" "'dome.step' must be a file that ends in .geo, .msh, .stl, .obj"
+refused "a shape of another kind" "dome.step' must be a file that ends in .geo, .msh, .stl, .obj"
 (cd "$work/fem" && sed '/Physical Volume/d' dome.geo >skin.geo && gmsh -v 1 -2 -clmin 14 -clmax 14 -format msh41 skin.geo -o dome.msh >/dev/null 2>&1)
 refused "a surface without tetrahedra" "fem/dome.msh: has no tetrahedra: is its surface closed, and its volume in a physical group?"
 head -c 3000 "$scratch/dome.msh" >"$work/fem/dome.msh"

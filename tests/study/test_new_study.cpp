@@ -86,7 +86,7 @@ TEST_CASE("a shape's file that is none is refused by name and cause", "[new]") {
     CHECK_THAT(why_not(folder, "e.msh", with(tetrahedron, "$Nodes\n4", "$Nodes\n900000000")), Contains("cannot read $Nodes"));
     CHECK_THAT(why_not(folder, "f.msh", with(tetrahedron, "2 4 2 2 2 1 2 3 4", "2 2 2 1 1 1 2 4")), Contains("no tetrahedra; save its surface as .stl"));
     CHECK_THAT(why_not(folder, "a.stl", "solid\nendsolid\n"), Contains("a.stl: has no facets"));
-    CHECK_THAT(why_not(folder, "b.stl", "solid\n vertex 60 nan 0\nendsolid\n"), Contains("b.stl: "));
+    CHECK_THAT(why_not(folder, "b.stl", "solid\n vertex 60 nan 0\nendsolid\n"), Contains("b.stl:2: "));
     CHECK_THAT(why_not(folder, "huge.geo", "Point(1) = {1e999, 0, 0};\n"), Contains("a coordinate is not a finite number"));
     CHECK_THAT(why_not(folder, "a.step", "v 0 0 0"), Contains("a shape is a .geo, .msh, .stl, .obj"));
     CHECK_NOTHROW(shape_extent(folder.file("long.geo", "Point(1) = {" + std::string(3'000'000, ' ') + "0, 0, 0};")));
@@ -172,5 +172,5 @@ TEST_CASE("a new study is refused where nothing or something unknown is held, an
     wanted.held = {};
     CHECK_THAT(said(), Contains("surface-1 (the largest)"));
     wanted.shape = folder.file("d.stl", binary_stl(1));
-    CHECK_THAT(said(), Contains("d.stl: cannot be filled: 1 hole, 14") && Contains("round; at (0.666667, 1, 1.66667)") && Contains("--repair OUT.stl"));
+    CHECK_THAT(said(), Contains("d.stl: cannot be filled: 1 hole, perimeter 14 mm; at (0.666667, 1, 1.66667)") && Contains("--repair OUT.stl"));
 }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdint>
 #include <cstring>
@@ -60,12 +61,24 @@ std::string ply(const std::string& format, const std::string& list = "uchar int"
         }
         return text;
     }
+    const auto add = [&](const auto& value) {
+        std::string bytes;
+        put(bytes, &value, 4);
+        if (format == "binary_big_endian") std::reverse(bytes.begin(), bytes.end());
+        text += bytes;
+    };
     for (int n = 0; n < 8; ++n)
-        for (const float x : {n & 1 ? 2.f : 0.f, n & 2 ? 3.f : 0.f, n & 4 ? 4.f : 0.f}) put(text, &x, 4);
+        for (const float x : {n & 1 ? 2.f : 0.f, n & 2 ? 3.f : 0.f, n & 4 ? 4.f : 0.f}) add(x);
     for (const auto& side : sides) {
         text += '\4';
-        for (std::int32_t corner : side) put(text, &corner, 4);
+        for (std::int32_t corner : side) add(corner);
     }
+    return text;
+}
+
+/// With line ends of an old Mac.
+std::string cr(std::string text) {
+    std::replace(text.begin(), text.end(), '\n', '\r');
     return text;
 }
 
@@ -123,7 +136,7 @@ TEST_CASE("a box is the same surface in every format that is read", "[surface_fi
     std::string negative = obj();
     for (std::size_t at; (at = negative.find("f 1 3 4 2\n")) != std::string::npos;) negative.replace(at, 10, "f -8 -6 -5 -7\n");
     for (const auto& [name, content] : std::map<std::string, std::string>{{"a.obj", obj()}, {"b.OBJ", negative}, {"c.off", off()}, {"d.off", "OFF 8 6 12\n" + off().substr(off().find("8 6 0") + 6)}, {"e.ply", ply("ascii")},
-                                                                        {"f.ply", ply("binary_little_endian")}, {"g.ply", ply("ascii", "uint8 uint32", "double")}, {"h.glb", glb()}}) {
+                                                                        {"f.ply", ply("binary_little_endian")}, {"g.ply", ply("ascii", "uint8 uint32", "double")}, {"i.ply", ply("ascii", "int uint", "double")}, {"j.ply", ply("binary_big_endian")}, {"k.obj", cr(obj())}, {"h.glb", glb()}}) {
         CAPTURE(name);
         REQUIRE(is_surface_file(name));
         const MshFile mesh = read_surface_file(folder.file(name, content));
@@ -165,6 +178,28 @@ TEST_CASE("a group of an .obj may go on later, and one object alone names nothin
     }
     CHECK(mesh.triangles.size() == 4);
     CHECK(area == Approx(3));
+    // a triangle as a quadrilateral with a corner twice
+    for (const char* facet : {"f 1 2 3 3", "f 1 2 2 3", "f 1 1 2 3", "f 1 2 3 1"}) CHECK(read_surface_file(folder.file("three.obj", std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\n") + facet + "\n")).triangles.size() == 1);
+    // groups of one name in two objects, and names with a #
+    std::string objects = lines("v ") + "o bed\ng mat\n" + obj_facet(0) + "o rest\ng mat\n" + obj_facet(1) + "g part #1\n" + obj_facet(2) + obj_facet(3) + "g part #2\n" + obj_facet(4) + obj_facet(5) + "# end\n";
+    CHECK(read_surface_file(folder.file("objects.obj", objects)).triangle_names == std::map<int, std::string>{{1, "bed/mat"}, {2, "rest/mat"}, {3, "part #1"}, {4, "part #2"}});
+}
+
+TEST_CASE("a mirrored node of a .glb is not turned inside out", "[surface_file]") {
+    const TemporaryFolder folder;
+    std::string json = glb().substr(20, glb().find("BIN") - 24);
+    const std::string from = "\"translation\":[10,0,0]";
+    REQUIRE(json.find(from) != std::string::npos);
+    json.replace(json.find(from), from.size(), "\"scale\":[1,1,-1]");
+    const MshFile mesh = read_surface_file(folder.file("mirrored.glb", glb(json)));
+    double six = 0;
+    for (const auto& t : mesh.triangles) {
+        const auto& a = mesh.points[static_cast<std::size_t>(t.node[0])];
+        const auto& b = mesh.points[static_cast<std::size_t>(t.node[1])];
+        const auto& c = mesh.points[static_cast<std::size_t>(t.node[2])];
+        six += a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) + a.z * (b.x * c.y - b.y * c.x);
+    }
+    CHECK(six == Approx(6 * 24).epsilon(1e-5));
 }
 
 TEST_CASE("a damaged surface is refused with file, place and cause", "[surface_file]") {
@@ -175,7 +210,7 @@ TEST_CASE("a damaged surface is refused with file, place and cause", "[surface_f
     CHECK_THAT(said("a.obj", "v 0 0 nan\n"), Contains("a.obj:1: has a coordinate that is no finite number"));
     CHECK_THAT(said("a.obj", "v 0 0 0\nf 0 1 1\n"), Contains("a.obj:2: names point 0 of 1"));
     CHECK_THAT(said("a.obj", "v 0 0 0\nf 1 1 -2\n"), Contains("a.obj:2: names point -2 of 1"));
-    CHECK_THAT(said("a.obj", "v 0 0 0\nf 1 1 2\n"), Contains("a.obj: facet 1 names a point that the file does not have: it has 1"));
+    CHECK_THAT(said("a.obj", "v 0 0 0\nf 1 1 2\n"), Contains("a.obj:2: names a point that the file does not have: it has 1"));
     CHECK_THAT(said("a.obj", "v 0 0 0\nf 1 1\n"), Contains("a.obj:2: is not 'f i j k ..'"));
     CHECK_THAT(said("a.obj", "v 0 0 0\nf 1 1 1 \\\n1\n"), Contains("a.obj:2: is not 'f i j k ..'"));
     CHECK_THAT(said("a.obj", "SystemCall \"rm\";\n"), Contains("a.obj: has no facets"));
@@ -184,16 +219,21 @@ TEST_CASE("a damaged surface is refused with file, place and cause", "[surface_f
     CHECK_THAT(said("a.off", "OFF\n1000000000000 1 0\n0 0 0\n"), Contains("a.off: breaks off where 'x y z' should stand"));
     CHECK_THAT(said("a.off", "OFF\n1 1 0\n0 0 0\n1000000000 0 0 0\n"), Contains("a.off:4: is a facet of 1000000000 corners"));
     CHECK_THAT(said("a.off", "OFF\n1 1 0\n0 0 0\n3 0 0\n"), Contains("a.off:4: is not 'COUNT i j k ..'"));
-    CHECK_THAT(said("a.off", "OFF\n1 1 0\n0 0 0\n3 0 0 -1\n"), Contains("names a point that the file does not have"));
+    CHECK_THAT(said("a.off", "OFF\n1 1 0\n0 0 0\n3 0 0 -1\n"), Contains("a.off:4: names a point that the file does not have"));
+    CHECK_THAT(said("a.off", "OFF\n2 1 0\n0 0 0 1 1 1\n3 0 0 1\n"), Contains("a.off:3: is not 'x y z'"));
     CHECK_THAT(said("a.ply", "pl\n"), Contains("a.ply:1: is no .ply"));
-    CHECK_THAT(said("a.ply", ply("ascii", "int int")), Contains("a.ply:8: has lists whose length is a int"));
-    CHECK_THAT(said("a.ply", ply("ascii", "uchar int", "short")), Contains("a.ply:4: a coordinate is a short"));
-    CHECK_THAT(said("a.ply", ply("binary_little_endian").substr(0, 300)), Contains("a.ply: is cut off, or damaged: reading stopped at byte"));
-    CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelement vertex 4000000000\n"), Contains("a.ply:3: says 4000000000 elements"));
+    CHECK_THAT(said("a.ply", ply("ascii", "uchar int", "int64")), Contains("a.ply:4: 'int64' is no type of a .ply's numbers"));
+    CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar float x\nproperty float x\n"), Contains("a.ply:5: a second property 'x'"));
+    CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelement face 1\nproperty list char int vertex_indices\nend_header\n-1\n"), Contains("a.ply: face 1 has a list 'vertex_indices' of -1"));
+    CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelement vertex 190000\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n"), Contains("element 'vertex' has no properties"));
+    CHECK_THAT(said("a.ply", ply("binary_little_endian").substr(0, 300)), Contains("a.ply: breaks off at byte 1"));
+    CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelement vertex 4000000000\n"), Contains("a.ply:3: has 4000000000 elements"));
     CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n"), Contains("a.ply: has points and no facets"));
+    CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nproperty float x\n"), Contains("a.ply:3: is a property of no element"));
+    CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelemen vertex 8\n"), Contains("a.ply:3: is no line of a .ply's head"));
     std::string wrong = ply("ascii");
     wrong.replace(wrong.rfind("4 1 3"), 5, "4 1 8");
-    CHECK_THAT(said("a.ply", wrong), Contains("a.ply: facet 11 names a point that the file does not have: it has 8"));
+    CHECK_THAT(said("a.ply", wrong), Contains("a.ply:23: names a point that the file does not have: it has 8"));
     const std::string good = glb();
     CHECK_THAT(said("a.glb", good.substr(0, 40)), Contains("a.glb: is no .glb: "));
     CHECK_THAT(said("a.glb", "glTF"), Contains("a.glb: is no .glb: "));
@@ -204,10 +244,16 @@ TEST_CASE("a damaged surface is refused with file, place and cause", "[surface_f
     };
     CHECK_THAT(said("a.glb", changed("\"count\":8", "\"count\":9")), Contains("a.glb: mesh '': its numbers lie beyond their part of the file, of 96 bytes"));
     CHECK_THAT(said("a.glb", changed("\"count\":24", "\"count\":25")), Contains("beyond their part of the file, of 72 bytes"));
-    CHECK_THAT(said("a.glb", changed("\"children\":[1,2,3]", "\"children\":[0]")), Contains("a.glb: has nodes within nodes, 64 deep"));
-    CHECK_THAT(said("a.glb", changed("\"mesh\":2", "\"mesh\":7")), Contains("a.glb: has no mesh 7"));
-    CHECK_THAT(said("a.glb", changed("\"componentType\":5126", "\"componentType\":5123")), Contains("positions are not three floats"));
-    CHECK_THAT(said("a.glb", changed("{\"byteLength\":168}", "{\"byteLength\":168,\"uri\":\"/etc/passwd\"}")), Contains("a.glb: "));
+    CHECK_THAT(said("a.glb", changed("\"children\":[1,2,3]", "\"children\":[0]")), Contains("a.glb: node 0 is reached twice; a scene is a tree"));
+    CHECK_THAT(said("a.glb", changed("\"mesh\":2", "\"mesh\":7")), Contains("a.glb: has no meshes 7"));
+    CHECK_THAT(said("a.glb", changed("\"componentType\":5126", "\"componentType\":5123")), Contains("positions are no floats"));
+    CHECK_THAT(said("a.glb", changed("{\"byteLength\":168}", "{\"byteLength\":168,\"uri\":\"/etc/passwd\"}")), Contains("a.glb: has a buffer in another file"));
+    CHECK_THAT(said("a.glb", changed("\"scene\":0", "\"scene\":0,\"extensionsRequired\":[\"EXT_meshopt_compression\"]")), Contains("a.glb: needs the extension EXT_meshopt_compression"));
+    CHECK_THAT(said("a.glb", changed("\"mesh\":0", "\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{}}")), Contains("a.glb: has instances"));
+    CHECK_THAT(said("a.glb", changed("\"children\":[1,2,3]", "\"children\":[1,1]")), Contains("a.glb: node 1 is reached twice"));
+    CHECK_THAT(said("a.glb", glb("{\"extras\":" + std::string(200000, '[') + std::string(200000, ']') + "}")), Contains("a.glb: is no .glb: its JSON is nested too deep"));
+    CHECK_THAT(said("a.glb", glb("{\"scenes\":7}")), Contains("a.glb: "));
+    CHECK_NOTHROW(read_surface_file(folder.file("a.glb", changed("\"scene\":0", "\"scene\":0,\"extensionsRequired\":[\"KHR_materials_unlit\"]"))));
 }
 
 }  // namespace tissue
