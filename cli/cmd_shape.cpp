@@ -8,6 +8,7 @@
 #include "command.h"
 #include "error.h"
 #include "io/atomic_file.h"
+#include "io/one_line.h"
 #include "mesh/shape.h"
 #include "mesh/solid_shape.h"
 #include "mesh/surface.h"
@@ -30,6 +31,11 @@ std::string divided_surface(const Study& study, const MshFile& mesh) {
     const Surface surface = make_surface(mesh, g.fixed, g.unit_m);
     SurfaceRemesh divided(surface, {Eigen::Vector3d::Zero(), 0, study.spring_size_m, study.spring_size_m});
     divided.remesh(rounds);
+    try {
+        check_held_area(surface, divided.surface());
+    } catch (const MismatchError& e) {
+        throw StudyError(one_line(fmt::format("{}: key 'lattice.size_m': {}", study.file, e.what())));
+    }
     return to_msh(divided.surface());
 }
 

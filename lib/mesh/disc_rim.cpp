@@ -35,6 +35,7 @@ RimmedSurface with_rim(const Surface& surface, const DiscRim& disc) {
     mesh.remesh(rounds);
 
     RimmedSurface made{mesh.surface(), place.point_m, 1};
+    check_held_area(surface, made.surface);
     for (Eigen::Index t = 0; t < made.surface.triangles.rows(); ++t) {
         const Surface& s = made.surface;
         const double quality = triangle_quality(s.corner(t, 0), s.corner(t, 1), s.corner(t, 2));

@@ -17,6 +17,9 @@
 namespace tissue {
 namespace {
 
+constexpr double endless = std::numeric_limits<double>::infinity();
+constexpr Eigen::Index most_triangles = 500'000;
+
 std::vector<std::string> words_of(const std::string& text) {
     std::vector<std::string> words;
     bool open = false;
@@ -74,6 +77,9 @@ void divide_near(Surface& s, const HeldRegion& region, double side_m) {
             if (middle.emplace(longest, static_cast<int>(s.nodes.rows()) + static_cast<int>(added.size())).second) added.push_back((place(longest.first) + place(longest.second)) / 2);
         }
         if (middle.empty()) return;
+        if (s.triangles.rows() + static_cast<Eigen::Index>(middle.size()) > most_triangles)
+            throw MismatchError(fmt::format("'{}' would need more than {} triangles near its border: the surface's are long and thin there; divide it evenly first", region.text(), most_triangles));
+        const auto middle_of = [&](int node) { return added[static_cast<std::size_t>(node - s.nodes.rows())]; };
         std::vector<std::array<int, 3>> triangles;
         std::vector<int> label;
         for (Eigen::Index t = 0; t < s.triangles.rows(); ++t) {
@@ -97,8 +103,13 @@ void divide_near(Surface& s, const HeldRegion& region, double side_m) {
                 add(m, c[1], c[2]);
             } else if (count == 2) {
                 add(m, c[1], n);
-                add(c[0], m, n);
-                add(c[0], n, c[2]);
+                if ((place(c[0]) - middle_of(n)).norm() <= (middle_of(m) - place(c[2])).norm()) {
+                    add(c[0], m, n);
+                    add(c[0], n, c[2]);
+                } else {
+                    add(c[0], m, c[2]);
+                    add(m, n, c[2]);
+                }
             } else {
                 add(c[0], m, o);
                 add(m, c[1], n);
@@ -137,16 +148,16 @@ std::optional<HeldRegion> HeldRegion::of(const std::string& text) {
     if (along && words.size() == 3)
         if (const auto at = number(words[2])) {
             const int axis = words[1][0] - 'x', sign = kind == "below" ? 1 : -1;
-            return HeldRegion(fmt::format("{} {} = {}", kind, words[1], words[2]), [axis, sign, at = *at](const Eigen::Vector3d& x) { return sign * (x[axis] - at); });
+            return HeldRegion(fmt::format("{} {} = {}", kind, words[1], words[2]), endless, [axis, sign, at = *at](const Eigen::Vector3d& x) { return sign * (x[axis] - at); });
         }
     const std::string joined = fmt::format("{}", fmt::join(words, " "));
     if (kind == "ball" && words.size() == 6 && words[4] == "radius")
         if (const auto centre = place_in(words, 1))
-            if (const auto r = number(words[5]); r && *r > 0) return HeldRegion(joined, [c = *centre, r = *r](const Eigen::Vector3d& x) { return (x - c).norm() - r; });
+            if (const auto r = number(words[5]); r && *r > 0) return HeldRegion(joined, 2 * *r, [c = *centre, r = *r](const Eigen::Vector3d& x) { return (x - c).norm() - r; });
     if (kind == "box" && words.size() == 8 && words[4] == "to") {
         const auto low = place_in(words, 1), high = place_in(words, 5);
         if (low && high && (low->array() < high->array()).all())
-            return HeldRegion(joined, [low = low->array().eval(), high = high->array().eval()](const Eigen::Vector3d& x) { return (low - x.array()).max(x.array() - high).maxCoeff(); });
+            return HeldRegion(joined, (*high - *low).minCoeff(), [low = low->array().eval(), high = high->array().eval()](const Eigen::Vector3d& x) { return (low - x.array()).max(x.array() - high).maxCoeff(); });
     }
     throw MismatchError(fmt::format("'{}' begins like a region of space and is none; regions are written, in metres: below z = 0.01, above x = 0.1, ball 0.03 0.02 0.01 radius 0.015, "
                                     "box 0 0 0 to 0.1 0.05 0.01",
@@ -169,10 +180,12 @@ HeldParts held_parts(const std::vector<std::string>& texts, const std::string& f
 }
 
 bool hold(Surface& s, const HeldRegion& region) {
-    constexpr double least = 0.1;  // of a side: what is nearer is on the border
-    constexpr double finest = 40;  // sides along the surface's longest
-    const double tiny_m = border_m(s.nodes);
-    divide_near(s, region, size_m(s.nodes) / finest);
+    constexpr double finest = 40;      // sides along the surface's longest
+    constexpr double narrowest = 130;  // regions along it
+    const double tiny_m = border_m(s.nodes), near_m = size_m(s.nodes) / 400, across_m = region.narrowest_m();
+    if (across_m < size_m(s.nodes) / narrowest)
+        throw MismatchError(fmt::format("'{}' is {:.3g} mm across, which is less than a {:.0f}th of the tissue", region.text(), 1e3 * across_m, narrowest));
+    if (across_m < endless) divide_near(s, region, std::min(size_m(s.nodes) / finest, across_m / 3));  // a plane cuts straight edges where it meets them
     std::vector<int> side(static_cast<std::size_t>(s.nodes.rows()));  // -1 inside, 1 outside, 0 on the border
     const auto place = [&](int node) { return Eigen::Vector3d(s.nodes.row(node).transpose()); };
     const auto sign = [&](double x) { return (x > tiny_m) - (x < -tiny_m); };
@@ -185,8 +198,9 @@ bool hold(Surface& s, const HeldRegion& region) {
             if (before[static_cast<std::size_t>(in)] >= 0 || before[static_cast<std::size_t>(out)] <= 0 || cut.count({in, out})) continue;
             const double part = border_on(region, place(in), place(out));
             cut[{in, out}] = part;
-            if (part < least) side[static_cast<std::size_t>(in)] = 0;
-            if (part > 1 - least) side[static_cast<std::size_t>(out)] = 0;
+            const double length_m = (place(in) - place(out)).norm();
+            if (part * length_m < near_m) side[static_cast<std::size_t>(in)] = 0;
+            if ((1 - part) * length_m < near_m) side[static_cast<std::size_t>(out)] = 0;
         }
     std::map<std::pair<int, int>, int> added;
     std::vector<Eigen::Vector3d> places;

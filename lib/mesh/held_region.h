@@ -17,19 +17,22 @@ struct Surface;
 /// or as one word, as make and a shell carry it: below_z_0.012.
 class HeldRegion {
    public:
-    /// Nothing for the name of a surface: what does not begin with one of these four words; and what has neither blank nor = and no axis, of a ball or box no number,
-    /// behind it, as box_bottom. Throws MismatchError for any other text that is no region.
+    /// Nothing for a surface's name: a text that does not begin with one of these four words; or one without blanks and '=' whose second part is no axis (below, above)
+    /// or no number (ball, box), such as box_bottom. Throws MismatchError for any other text that is no region.
     static std::optional<HeldRegion> of(const std::string& text);
 
     /// Below 0 inside, 0 on its border, above 0 outside; between two places it differs by no more than they lie apart [m].
     double outside_m(const Eigen::Vector3d& place_m) const { return outside_(place_m); }
+    /// Its shortest way across [m]; infinite of a half space, whose border is a plane.
+    double narrowest_m() const { return narrowest_m_; }
     const std::string& text() const { return text_; }
     std::string word() const;
 
    private:
-    HeldRegion(std::string text, std::function<double(const Eigen::Vector3d&)> outside) : text_(std::move(text)), outside_(std::move(outside)) {}
+    HeldRegion(std::string text, double narrowest_m, std::function<double(const Eigen::Vector3d&)> outside) : text_(std::move(text)), narrowest_m_(narrowest_m), outside_(std::move(outside)) {}
 
     std::string text_;
+    double narrowest_m_;
     std::function<double(const Eigen::Vector3d&)> outside_;
 };
 
@@ -43,8 +46,9 @@ struct HeldParts {
 };
 HeldParts held_parts(const std::vector<std::string>& texts, const std::string& file);
 
-/// Labels what of the surface lies in a region as fixed. Near its border triangles are divided to sides of a fortieth of the surface's longest side, then along the border; a corner
-/// within a tenth of a side of it counts as on it. Returns whether anything is held by it. A region smaller than that fortieth may not be found.
+/// Labels what of the surface lies in a region as fixed, to a 400th of the surface's longest side: triangles are divided along the border, and a corner that near to where an edge meets it
+/// counts as on it. Near the border of a ball or box triangles are divided before, to sides of a fortieth of that longest side, or a third of the region's narrowest. Returns whether anything
+/// is held by it. Throws MismatchError for a region narrower than a 130th, and where that would make more than half a million triangles.
 bool hold(Surface& surface, const HeldRegion& region);
 
 }  // namespace tissue

@@ -158,6 +158,12 @@ std::vector<int> parts_between_creases(const Surface& s, const std::string& file
     return part;
 }
 
+bool held_by(Surface& s, const HeldRegion& region, const std::string& file) try {
+    return hold(s, region);
+} catch (const MismatchError& e) {
+    throw FileError(file + ": " + e.what());
+}
+
 }  // namespace
 
 Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, double unit_m) {
@@ -241,12 +247,24 @@ Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, 
             throw FileError(fmt::format("{}: has no surface '{}' to hold; it has {}", file, name, fmt::join(known, ", ")));
         }
     for (const HeldRegion& region : regions)
-        if (!hold(s, region))
+        if (!held_by(s, region, file))
             throw FileError(fmt::format("{}: '{}' holds nothing of its surface, which reaches from {}", file, region.text(), extent(s.nodes)));
     if (held.empty()) throw FileError(file + ": no surface of it is held");
     if (std::count(s.label.begin(), s.label.end(), Surface::free_label) == 0)
         throw FileError(fmt::format("{}: all of the surface is held: it reaches from {}", file, extent(s.nodes)));
     return s;
+}
+
+double held_area_m2(const Surface& s) {
+    double area = 0;
+    for (Eigen::Index t = 0; t < s.triangles.rows(); ++t)
+        if (s.label[static_cast<std::size_t>(t)] == Surface::fixed_label) area += facet_measure(s.nodes, s.triangles, t);
+    return area;
+}
+
+void check_held_area(const Surface& before, const Surface& divided) {
+    const double had = held_area_m2(before), has = held_area_m2(divided);
+    if (has < 0.9 * had) throw MismatchError(fmt::format("of {:.3g} mm2 that are held {:.3g} mm2 are left when the surface is divided: sides are too long for what is held", 1e6 * had, 1e6 * has));
 }
 
 std::string to_msh(const Surface& s) {

@@ -32,6 +32,11 @@ constexpr double crease_cosine = 0.766;  ///< of 40 degrees: where neighbours tu
 Surface make_surface(const MshFile& mesh, const std::vector<std::string>& fixed, double unit_m);
 
 /// As MSH 2.2 in metres: triangles "fixed" 1, "free" 2 and "disc" 3.
+double held_area_m2(const Surface& surface);
+
+/// Throws MismatchError where a tenth or more of what is held is lost when a surface was divided anew.
+void check_held_area(const Surface& before, const Surface& divided);
+
 std::string to_msh(const Surface& surface);
 
 /// 4 sqrt(3) area / sum of squared sides: 1 of the regular triangle, 0 of a flat one.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "error.h"
 #include "mesh/facet.h"
@@ -61,6 +62,7 @@ SurfaceRemesh::SurfaceRemesh(const Surface& base, const SideLength& wanted) : ba
     for (std::size_t k = 0; k < found.size(); ++k) base_lines_.row(static_cast<Eigen::Index>(k)) << found[k][0], found[k][1];
     for (std::size_t i = 0; i < N; ++i)
         base_limit_m_.push_back(sides_at[i] > 0 && turn[i] > 0 ? std::max(wanted.near_m, by_radius * sides_at[i] / turn[i]) : wanted.far_m);
+    limit_on_short_lines(found);
     for (int sweep = 0; sweep < 30; ++sweep) {
         bool changed = false;
         for (const auto& [a, b] : all)
@@ -75,6 +77,31 @@ SurfaceRemesh::SurfaceRemesh(const Surface& base, const SideLength& wanted) : ba
     }
     limit_m_ = base_limit_m_;
     pin_corners();
+}
+
+/// Lines that are connected keep a number of sides, or a small held part is worn away.
+void SurfaceRemesh::limit_on_short_lines(const std::vector<std::array<int, 2>>& lines) {
+    constexpr double least_sides = 16;
+    std::map<int, std::vector<int>> across;
+    for (const auto& [a, b] : lines) {
+        across[a].push_back(b);
+        across[b].push_back(a);
+    }
+    std::set<int> seen;
+    for (const auto& [first, others] : across) {
+        if (!seen.insert(first).second) continue;
+        std::vector<int> nodes{first};
+        double length_m = 0;
+        for (std::size_t k = 0; k < nodes.size(); ++k)
+            for (int other : across.at(nodes[k])) {
+                length_m += length(nodes[k], other) / 2;
+                if (seen.insert(other).second) nodes.push_back(other);
+            }
+        for (int node : nodes) {
+            double& limit_m = base_limit_m_[static_cast<std::size_t>(node)];
+            limit_m = std::min(limit_m, std::max(wanted_.near_m, length_m / least_sides));
+        }
+    }
 }
 
 /// Nodes where lines end, meet or turn sharply stay where they are.

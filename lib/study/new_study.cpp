@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 #include "error.h"
@@ -83,7 +84,8 @@ void check_held(const ShapeExtent& shape, const NewStudy& wanted) {
 
 /// A region beside the tissue's box, or about all of it, is refused here and not when it is meshed.
 void check_regions(const ShapeExtent& shape, const NewStudy& wanted) {
-    if (!shape.low || !shape.solid) return;
+    const bool points_alone = std::filesystem::path(wanted.shape).extension() == ".geo";  // whose arcs bulge beyond them
+    if (!shape.low || !shape.solid || points_alone) return;
     constexpr int along = 20;
     const Eigen::Vector3d low = wanted.unit_m * Eigen::Vector3d(shape.low->data()), high = wanted.unit_m * Eigen::Vector3d(shape.high->data());
     const double near_m = (high - low).norm() / along / 2;  // how far a place of the box is from the nearest that is asked, at the most

@@ -40,6 +40,7 @@ struct Release {
     double force_N = 1;
     double seconds = 3.2;
     bool creeps = false;       ///< the tissue relaxes
+    double drag_m = 0.02;      ///< how far a hand that drags goes
     double inset_m = 5e-4;     ///< how deep the hand leads the tool before it lets go
 };
 
@@ -188,10 +189,11 @@ inline Rest let_go(const HapticModel& model, const Hand& hand, const Clock& cloc
 /// What a hand gets and feels while it does something.
 struct Ride {
     double most_given_J = 0, put_in_J = 0;  ///< of the tissue to the hand, and of the hand to the tissue
-    double tremor_m = 0;                    ///< largest extent of the hand's way in a fiftieth of a second, off a straight course, after a second and a half
+    double tremor_m = 0;                    ///< largest extent of the hand's way in a fiftieth of a second, off a straight course, after a second and a half; of one that drags on the tissue
     double controlled = 0;
     int faults = 0;
     bool contact = false;                   ///< at the end
+    bool lost = false;                      ///< whether a hand that drags was ever off the tissue
 
     /// Nothing came out that had not been put in, but for what a tick too late to know better gives.
     bool passive() const { return most_given_J <= 1e-6 + 0.01 * put_in_J; }
@@ -200,7 +202,7 @@ struct Ride {
 enum class Deed { taps, lets_go, drags };
 
 /// From outside, the tissue at rest. taps: flies in at 0.3 m/s, its grip 3 mm inside of the surface, where it has one. lets_go: presses with the force to rest, then not any more.
-/// drags: presses with the force and is led along the surface, 20 mm there and back in two seconds.
+/// drags: presses with the force and is led along the surface, 20 mm there and back in two seconds, or as far as release.drag_m.
 inline Ride does(Deed deed, const HapticModel& model, const Hand& hand, const Clock& clock, const Release& release) {
     HandLoop loop(model, hand, clock);
     const DeviceMap& map = model.options.map;
@@ -218,6 +220,11 @@ inline Ride does(Deed deed, const HapticModel& model, const Hand& hand, const Cl
     const auto play = [&](double seconds, auto&& applied) {
         loop.play(seconds, applied, [&](const HandLoop& now) {
             if (now.time <= 1.5) return;
+            if (deed == Deed::drags && !now.simulation.contact().pressing) {
+                ride.lost = true;
+                way.clear();
+                return;
+            }
             way.push_back({now.time, now.x, now.force});
             if (now.time - way.front().time_s < 0.02) return;
             ride.tremor_m = std::max(ride.tremor_m, extent(way, true, [](const Moment& m) { return m.position_m; }));
@@ -237,7 +244,7 @@ inline Ride does(Deed deed, const HapticModel& model, const Hand& hand, const Cl
     }
     if (deed == Deed::drags)
         play(3.5, [&](double time, const Eigen::Vector3d& x, const Eigen::Vector3d& v) {
-            const double since = std::max(0.0, time - 1), at = 0.01 * (1 - std::cos(3.14159 * since)), speed = 0.0314 * std::sin(3.14159 * since);
+            const double since = std::max(0.0, time - 1), at = release.drag_m / 2 * (1 - std::cos(3.14159 * since)), speed = 1.57 * release.drag_m * std::sin(3.14159 * since);
             const Eigen::Vector3d led = 300 * (at - (x - held).dot(along)) * along + 6 * (speed - v.dot(along)) * along;
             const Eigen::Vector3d brake = time < 0.5 ? Eigen::Vector3d(-6 * v) : Eigen::Vector3d::Zero().eval();
             return Eigen::Vector3d(std::min(1.0, time / 0.3) * release.force_N * inward + brake + led);

@@ -1,15 +1,21 @@
 // Parts of space that hold a solid's surface.
 #include "mesh/held_region.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 
 #include "../refusal.h"
 #include "error.h"
+#include "mesh/disc_rim.h"
 #include "mesh/open_faces.h"
 #include "mesh/solid_shape.h"
 #include "mesh/surface.h"
+#include "mesh/surface_remesh.h"
 #include "dome.h"
 
 using namespace tissue;
@@ -147,6 +153,66 @@ TEST_CASE("of large triangles too what lies in a region is held, to a few parts 
         CHECK(parts.held_m2 == Approx(wanted_m2).epsilon(0.03));
         CHECK(parts.held_m2 + parts.free_m2 == Approx(2 * (4.8e-3 + 4e-3 + 3e-3)).epsilon(1e-9));
         CHECK(s.nodes.rows() - s.triangles.rows() / 2 == 2);
+    }
+}
+
+TEST_CASE("a thin slab is held all round, a region that is too narrow is refused, and a plane divides no more than it cuts", "[solid_shape]") {
+    const auto box_of = [](const std::vector<int>& cells) {
+        const SpringMesh corners = make_lattice("grid26", Lattice{cells, {0.1, 0.08, 0.05}});
+        MshFile box;
+        box.file = "box.stl";
+        for (Eigen::Index n = 0; n < corners.nodes.rows(); ++n) box.points.push_back({corners.nodes(n, 0), corners.nodes(n, 1), corners.nodes(n, 2)});
+        for (Eigen::Index f = 0; f < corners.facets.rows(); ++f) box.triangles.push_back({f + 1, {corners.facets(f, 0), corners.facets(f, 1), corners.facets(f, 2)}, 0});
+        return box;
+    };
+    for (const auto& cells : {std::vector<int>{1, 1, 1}, {10, 8, 5}}) {
+        for (const char* slab : {"box -1 -1 0.020 to 1 1 0.021", "box -1 -1 0.0203 to 1 1 0.0213"}) {
+            const Parts parts = parts_of(make_surface(box_of(cells), {slab}, 1));
+            CHECK(parts.held_m2 == Approx(0.36 * 0.001).epsilon(0.1));
+        }
+        CHECK_THAT(refusal<FileError>([&] { make_surface(box_of(cells), {"box -1 -1 0.02 to 1 1 0.0205"}, 1); }), Contains("box.stl: 'box -1 -1 0.02 to 1 1 0.0205' is 0.5 mm across, which is less than a 130th"));
+        const Surface flat = make_surface(box_of(cells), {"below z = 0"}, 1);
+        CHECK(flat.triangles.rows() == static_cast<Eigen::Index>(box_of(cells).triangles.size()));
+    }
+    // a cylinder as CAD programs write it: two ends, and sides as long as it is
+    const auto cylinder_of = [](int n) {
+        MshFile cylinder;
+        cylinder.file = "cylinder.stl";
+        for (int k = 0; k < n; ++k)
+            for (const double z : {0.0, 0.1}) cylinder.points.push_back({0.03 * std::cos(2 * 3.14159265358979 * k / n), 0.03 * std::sin(2 * 3.14159265358979 * k / n), z});
+        for (int k = 0; k < n; ++k) {
+            const int a = 2 * k, b = 2 * ((k + 1) % n);
+            cylinder.triangles.push_back({1, {a, b, b + 1}, 0});
+            cylinder.triangles.push_back({1, {a, b + 1, a + 1}, 0});
+            if (k == 0 || k == n - 1) continue;
+            cylinder.triangles.push_back({1, {0, b, a}, 0});
+            cylinder.triangles.push_back({1, {1, a + 1, b + 1}, 0});
+        }
+        return cylinder;
+    };
+    const MshFile cylinder = cylinder_of(500);
+    const Surface half = make_surface(cylinder, {"below z = 0.05"}, 1);
+    CHECK(half.triangles.rows() < 4 * static_cast<Eigen::Index>(cylinder.triangles.size()));
+    CHECK(parts_of(half).held_m2 == Approx(3.14159 * 0.0009 + 2 * 3.14159 * 0.03 * 0.05).epsilon(0.01));
+    CHECK_THAT(refusal<FileError>([&] { make_surface(cylinder_of(2000), {"ball 0 0 0.05 radius 0.0301"}, 1); }), Contains("more than 500000 triangles near its border"));
+}
+
+TEST_CASE("a small held part keeps its area when the surface is divided anew, or the loss is told", "[solid_shape]") {
+    const SpringMesh corners = make_lattice("grid26", Lattice{{50, 40, 25}, {0.1, 0.08, 0.05}});
+    MshFile box;
+    box.file = "box.stl";
+    for (Eigen::Index k = 0; k < corners.nodes.rows(); ++k) box.points.push_back({corners.nodes(k, 0), corners.nodes(k, 1), corners.nodes(k, 2)});
+    for (Eigen::Index f = 0; f < corners.facets.rows(); ++f) box.triangles.push_back({f + 1, {corners.facets(f, 0), corners.facets(f, 1), corners.facets(f, 2)}, 0});
+    for (const double radius : {0.004, 0.006, 0.01}) {
+        const Surface s = make_surface(box, {fmt::format("ball 0.05 0.04 0.05 radius {}", radius)}, 1);
+        const RimmedSurface made = with_rim(s, {{0.1, 0.04, 0.03}, 0.005, 0.002, 0.008});
+        INFO(radius);
+        CHECK(held_area_m2(made.surface) == Approx(3.14159 * radius * radius).epsilon(0.08));
+        SurfaceRemesh even(s, {Eigen::Vector3d::Zero(), 0, 0.008, 0.008});
+        even.remesh(8);
+        const double kept = held_area_m2(even.surface()) / held_area_m2(s);
+        if (kept >= 0.9) CHECK_NOTHROW(check_held_area(s, even.surface()));
+        else CHECK_THAT(refusal<MismatchError>([&] { check_held_area(s, even.surface()); }), Contains("mm2 that are held"));
     }
 }
 
