@@ -31,10 +31,9 @@ const Kind* kind_of(const std::string& file) {
 bool is_surface_file(const std::string& file) { return kind_of(file) != nullptr; }
 
 MshFile read_surface_file(const std::string& file) {
-    const std::string content = read_file(file);
     const Kind* kind = kind_of(file);
     if (kind == nullptr) throw FileError(fmt::format("{}: is not a surface's file, which ends in {}", file, surface_endings));
-    return kind->read(file, content).mesh();
+    return kind->read(file, read_file(file)).mesh();
 }
 
 MshFile read_surface_or_msh(const std::string& file, const std::string& named) { return is_surface_file(file) ? read_surface_file(file) : read_msh(file, true, named); }
