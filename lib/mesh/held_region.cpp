@@ -54,6 +54,16 @@ std::optional<Eigen::Vector3d> place_in(const std::vector<std::string>& words, s
     return place;
 }
 
+/// Gives the surface more nodes, and these triangles in place of its own.
+void divide(Surface& s, const std::vector<Eigen::Vector3d>& added, const std::vector<std::array<int, 3>>& triangles, const std::vector<int>& label) {
+    const Eigen::Index N = s.nodes.rows();
+    s.nodes.conservativeResize(N + static_cast<Eigen::Index>(added.size()), 3);
+    for (std::size_t k = 0; k < added.size(); ++k) s.nodes.row(N + static_cast<Eigen::Index>(k)) = added[k].transpose();
+    s.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
+    for (std::size_t t = 0; t < triangles.size(); ++t) s.triangles.row(static_cast<Eigen::Index>(t)) << triangles[t][0], triangles[t][1], triangles[t][2];
+    s.label = label;
+}
+
 /// Divides triangles that a region's border may cross until their sides are no longer than that, with their neighbours, so that the surface stays closed.
 void divide_near(Surface& s, const HeldRegion& region, double side_m) {
     const auto place = [&](int node) { return Eigen::Vector3d(s.nodes.row(node).transpose()); };
@@ -117,12 +127,7 @@ void divide_near(Surface& s, const HeldRegion& region, double side_m) {
                 add(m, n, o);
             }
         }
-        const Eigen::Index N = s.nodes.rows();
-        s.nodes.conservativeResize(N + static_cast<Eigen::Index>(added.size()), 3);
-        for (std::size_t k = 0; k < added.size(); ++k) s.nodes.row(N + static_cast<Eigen::Index>(k)) = added[k].transpose();
-        s.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
-        for (std::size_t t = 0; t < triangles.size(); ++t) s.triangles.row(static_cast<Eigen::Index>(t)) << triangles[t][0], triangles[t][1], triangles[t][2];
-        s.label = label;
+        divide(s, added, triangles, label);
     }
 }
 
@@ -243,12 +248,7 @@ bool hold(Surface& s, const HeldRegion& region) {
         add({p, b, c}, old, of(1) < 0);
         add({p, c, q}, old, of(1) < 0);
     }
-    const Eigen::Index N = s.nodes.rows();
-    s.nodes.conservativeResize(N + static_cast<Eigen::Index>(places.size()), 3);
-    for (std::size_t k = 0; k < places.size(); ++k) s.nodes.row(N + static_cast<Eigen::Index>(k)) = places[k].transpose();
-    s.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
-    for (std::size_t t = 0; t < triangles.size(); ++t) s.triangles.row(static_cast<Eigen::Index>(t)) << triangles[t][0], triangles[t][1], triangles[t][2];
-    s.label = label;
+    divide(s, places, triangles, label);
     return held;
 }
 
