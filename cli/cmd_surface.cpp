@@ -21,7 +21,6 @@ struct Options {
 };
 
 struct Unit {
-    std::string word;
     double m, mm;  ///< of one, in these
 };
 
@@ -54,14 +53,14 @@ void print(const SurfaceReport& r, const std::string& file, const Unit& unit) {
     const Eigen::Vector3d size_mm = unit.mm * (r.high - r.low);
     std::cout << fmt::format("{}: {} triangles, {} points, {:.4g} x {:.4g} x {:.4g} mm, {}\n", file, r.triangles, r.points, size_mm.x(), size_mm.y(), size_mm.z(),
                              r.volume > 0 ? fmt::format("{:.4g} ml", 1e6 * unit.m * unit.m * unit.m * r.volume) : "not closed");
-    std::cout << fmt::format("  mean edge {:.3g} mm, shortest {:.3g} mm; triangles with an angle below {:g} degree: {}; that point inwards, which are turned: {}\n", unit.mm * r.mean, unit.mm * r.shortest, sliver_angle_deg, r.slivers,
+    std::cout << fmt::format("  mean edge {:.3g} mm, shortest {:.3g} mm; triangles with an angle below {:g} degree: {}; triangles that point inwards, turned when it is filled: {}\n", unit.mm * r.mean, unit.mm * r.shortest, sliver_angle_deg, r.slivers,
                              r.turned);
     for (const SurfaceFault& fault : r.faults) std::cout << "  " << fault_text(fault, " mm", unit.mm) << '\n';
     std::cout << (r.faults.empty() ? "  it can be filled\n" : "  it cannot be filled as it is\n");
 }
 
 void run(const Options& o) {
-    const Unit unit{o.unit, units_m.at(o.unit), 1e3 * units_m.at(o.unit)};
+    const Unit unit{units_m.at(o.unit), 1e3 * units_m.at(o.unit)};
     const MshFile mesh = read_surface_file(o.file);
     const SurfaceReport report = report_on(mesh);
     if (o.out.empty()) {

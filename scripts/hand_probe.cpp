@@ -1,7 +1,8 @@
 // Hands with mass, let go on a tissue: hand_probe [--times X] [--stated] [--all] MODEL
 // Four hands and devices (tests/haptic/hand.h), force scales 0.5, 1, 2 and 3, four places, 0.1 N, 1 N and as much as the deepest load case takes (3 N at most), on time,
 // with jitter and late. One line for each that does not come to rest: within 0.1 mm and 5 % of force after 2 s, the passivity controller in less than 1 % of
-// ticks, the force within 2 % of the model's own equilibrium there (not of one that relaxes). Then hands that tap at 0.3 m/s, let go in contact and drag as far as the deepest load case pushes (20 mm at most), with friction 0.3 and without slip:
+// ticks, the force within 2 % of the model's own equilibrium there (not of one that relaxes). Then hands that tap at 0.3 m/s, let go in contact and drag as far as the
+// deepest load case pushes (20 mm at most), with friction 0.3 and without slip:
 // one line for each that gets energy out of the tissue, trembles by 0.05 mm or has the passivity controller at work. The last lines say how many of how many.
 //   --times X       a tissue X times as stiff
 //   --stated        the mass of each hand is stated (device-mass), and what the program refuses then is left out

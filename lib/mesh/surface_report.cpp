@@ -9,10 +9,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include "error.h"
@@ -25,20 +25,6 @@ using Edge = std::pair<int, int>;
 using Kind = SurfaceFault::Kind;
 
 constexpr std::size_t most_places = 3, most_crossings = 10'000;
-
-/// Parts that are joined one by one.
-class Joined {
-   public:
-    explicit Joined(std::size_t count) : of_(count) { std::iota(of_.begin(), of_.end(), 0); }
-    int operator[](int k) const {
-        while (of_[static_cast<std::size_t>(k)] != k) k = of_[static_cast<std::size_t>(k)] = of_[static_cast<std::size_t>(of_[static_cast<std::size_t>(k)])];
-        return k;
-    }
-    void join(int a, int b) { of_[static_cast<std::size_t>((*this)[a])] = (*this)[b]; }
-
-   private:
-    mutable std::vector<int> of_;  // shortened as it is asked
-};
 
 class Surveyor {
    public:
@@ -69,6 +55,7 @@ class Surveyor {
     }
 
    private:
+    static int number_of(int in_sides) { return in_sides < 0 ? ~in_sides : in_sides; }
     int corner(int t, int i) const { return triangles_[static_cast<std::size_t>(t)][static_cast<std::size_t>(i)]; }
     Eigen::Vector3d place(int n) const {
         const MshFile::Point& p = mesh_.points[static_cast<std::size_t>(n)];
@@ -159,10 +146,10 @@ class Surveyor {
         std::vector<std::vector<std::pair<int, bool>>> across(triangles_.size());  // neighbours, and whether they run the edge the same way
         for (const auto& [edge, triangles] : sides_) {
             if (triangles.size() != 2) continue;
-            const auto of = [](int t) { return t < 0 ? ~t : t; };
             const bool same = (triangles[0] < 0) == (triangles[1] < 0);
-            across[static_cast<std::size_t>(of(triangles[0]))].emplace_back(of(triangles[1]), same);
-            across[static_cast<std::size_t>(of(triangles[1]))].emplace_back(of(triangles[0]), same);
+            const int s = number_of(triangles[0]), t = number_of(triangles[1]);
+            across[static_cast<std::size_t>(s)].emplace_back(t, same);
+            across[static_cast<std::size_t>(t)].emplace_back(s, same);
         }
         std::vector<char> seen(triangles_.size(), 0);
         for (int first = 0; first < static_cast<int>(triangles_.size()); ++first) {
@@ -198,17 +185,17 @@ class Surveyor {
 
     /// How many there are.
     std::size_t parts(SurfaceReport& r, bool closed) {
-        Joined part(triangles_.size());
+        boost::disjoint_sets_with_storage<> part(triangles_.size());
         for (const auto& [edge, triangles] : sides_)
-            for (int t : triangles) part.join(t < 0 ? ~t : t, triangles[0] < 0 ? ~triangles[0] : triangles[0]);
+            for (int t : triangles) part.union_set(number_of(t), number_of(triangles[0]));
         struct Part {
             double six = 0, size = 0;
             Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
         };
-        std::map<int, Part> all;
+        std::map<std::size_t, Part> all;
         const Eigen::Vector3d origin = place(corner(0, 0));
         for (int t = 0; t < static_cast<int>(triangles_.size()); ++t) {
-            Part& p = all[part[t]];
+            Part& p = all[part.find_set(static_cast<std::size_t>(t))];
             const Eigen::Vector3d a = place(corner(t, 0)), b = place(corner(t, 1)), c = place(corner(t, 2));
             p.six += six_volumes(t, origin);
             p.low = p.low.cwiseMin(a).cwiseMin(b).cwiseMin(c);
@@ -231,17 +218,15 @@ class Surveyor {
     /// Of a closed surface: points with more than one fan of triangles, each of which counts as a point of its own for Euler's number:
     /// points - edges + triangles = 2 parts - 2 handles.
     void handles(SurfaceReport& r, std::size_t parts) const {
-        Joined fan(3 * triangles_.size());
-        const auto at = [&](int t, int n) { return 3 * t + (corner(t, 0) == n ? 0 : corner(t, 1) == n ? 1 : 2); };
-        for (const auto& [edge, triangles] : sides_) {
-            const int s = triangles[0] < 0 ? ~triangles[0] : triangles[0], t = triangles[1] < 0 ? ~triangles[1] : triangles[1];
-            for (int n : {edge.first, edge.second}) fan.join(at(s, n), at(t, n));
-        }
+        boost::disjoint_sets_with_storage<> fan(3 * triangles_.size());
+        const auto at = [&](int t, int n) { return static_cast<std::size_t>(3 * t + (corner(t, 0) == n ? 0 : corner(t, 1) == n ? 1 : 2)); };
+        for (const auto& [edge, triangles] : sides_)
+            for (int n : {edge.first, edge.second}) fan.union_set(at(number_of(triangles[0]), n), at(number_of(triangles[1]), n));
         std::map<int, int> fans;  // of each point
         long count = 0;
         for (int t = 0; t < static_cast<int>(triangles_.size()); ++t)
             for (int i = 0; i < 3; ++i)
-                if (fan[3 * t + i] == 3 * t + i) {
+                if (const auto k = static_cast<std::size_t>(3 * t + i); fan.find_set(k) == k) {
                     ++count;
                     if (++fans[corner(t, i)] == 2) note(r, Kind::pinched, place(corner(t, i)));
                 }

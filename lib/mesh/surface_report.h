@@ -28,7 +28,7 @@ struct SurfaceFault {
 
 struct SurfaceReport {
     std::size_t points = 0, triangles = 0, slivers = 0;
-    std::size_t turned = 0;            ///< triangles that point inwards, or against most of their part; they are turned when it is filled
+    std::size_t turned = 0;            ///< triangles that point inwards; no fault, as they are turned when the surface is filled
     Eigen::Vector3d low, high;
     double area = 0, volume = 0;       ///< volume: of the largest part; 0 where it does not close
     double shortest = 0, mean = 0;     ///< edges

@@ -85,9 +85,9 @@ std::string_view without_mark(std::string_view text) {
     return text;
 }
 
-int Facets::begin_group(const std::string& name) {
+void Facets::begin_group(const std::string& name) {
     names_.push_back(name);
-    return now_ = static_cast<int>(names_.size());
+    now_ = static_cast<int>(names_.size());
 }
 
 void Facets::refuse(const std::string& why, long line) const {

@@ -14,8 +14,8 @@ class Facets {
    public:
     explicit Facets(const std::string& file) : file_(file) {}
 
-    /// What is added from here on is of a new group; returns its number, from 1. An empty name is none.
-    int begin_group(const std::string& name);
+    /// What is added from here on is of a new group; they are numbered from 1. An empty name is none.
+    void begin_group(const std::string& name);
     /// What is added from here on is of this group.
     void go_on_with(int group) { now_ = group; }
     void add(const std::array<MshFile::Point, 3>& corners);

@@ -202,7 +202,7 @@ struct Ride {
 enum class Deed { taps, lets_go, drags };
 
 /// From outside, the tissue at rest. taps: flies in at 0.3 m/s, its grip 3 mm inside of the surface, where it has one. lets_go: presses with the force to rest, then not any more.
-/// drags: presses with the force and is led along the surface, 20 mm there and back in two seconds, or as far as release.drag_m.
+/// drags: presses with the force and is led along the surface, release.drag_m there and back in two seconds.
 inline Ride does(Deed deed, const HapticModel& model, const Hand& hand, const Clock& clock, const Release& release) {
     HandLoop loop(model, hand, clock);
     const DeviceMap& map = model.options.map;

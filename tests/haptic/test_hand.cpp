@@ -149,6 +149,7 @@ TEST_CASE("who taps, lets go or drags gets no energy out of the tissue, and noth
                         CHECK(ride.controlled < 0.01);
                         if (deed == Deed::drags) {
                             CHECK(ride.contact);
+                            CHECK_FALSE(ride.lost);
                             CHECK(ride.tremor_m < 5e-5);
                         }
                         if (deed == Deed::lets_go) CHECK_FALSE(ride.contact);

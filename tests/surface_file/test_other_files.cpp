@@ -213,6 +213,9 @@ TEST_CASE("a damaged surface is refused with file, place and cause", "[surface_f
     CHECK_THAT(said("a.obj", "v 0 0 0\nf 1 1 2\n"), Contains("a.obj:2: names a point that the file does not have: it has 1"));
     CHECK_THAT(said("a.obj", "v 0 0 0\nf 1 1\n"), Contains("a.obj:2: is not 'f i j k ..'"));
     CHECK_THAT(said("a.obj", "v 0 0 0\nf 1 1 1 \\\n1\n"), Contains("a.obj:2: is not 'f i j k ..'"));
+    std::string many = "v 0 0 0\nf";
+    for (int k = 0; k < 256; ++k) many += " 1";
+    CHECK_THAT(said("a.obj", many + "\n"), Contains("a.obj:2: has 256 corners; a facet has 3 to 255"));
     CHECK_THAT(said("a.obj", "SystemCall \"rm\";\n"), Contains("a.obj: has no facets"));
     CHECK_THAT(said("a.off", "8 6 0\n"), Contains("a.off:1: is not 'OFF'"));
     CHECK_THAT(said("a.off", "OFF BINARY\n"), Contains("a.off:1: is a binary .off"));
