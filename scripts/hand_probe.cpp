@@ -160,7 +160,7 @@ void run(const Probe& o) {
         if (force_scale < 3) continue;
         std::cout << fmt::format("{} times {:g}, {:.0f} N/m at once, {} steps a tick, lead {:.2f}: {} of {} do not come to rest, {} left out\n", o.model, o.times, model.meshes[0]->contact_N_m, model.meshes[0]->substeps,
                                  model.meshes[0]->lead, moving, tried, left_out);
-        std::cout << fmt::format("in motion: {} of {} get energy, tremble or need the controller, {} left out\n", moved.wrong, moved.tried, moved.refused);
+        std::cout << fmt::format("in motion: {} of {} get energy, tremble, leave the tissue that they drag over or need the controller, {} left out\n", moved.wrong, moved.tried, moved.refused);
     }
 }
 

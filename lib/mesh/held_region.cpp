@@ -18,7 +18,7 @@ namespace tissue {
 namespace {
 
 constexpr double endless = std::numeric_limits<double>::infinity();
-constexpr Eigen::Index most_triangles = 500'000;
+constexpr Eigen::Index most_added = 500'000;
 
 std::vector<std::string> words_of(const std::string& text) {
     std::vector<std::string> words;
@@ -68,6 +68,7 @@ void divide(Surface& s, const std::vector<Eigen::Vector3d>& added, const std::ve
 void divide_near(Surface& s, const HeldRegion& region, double side_m) {
     const auto place = [&](int node) { return Eigen::Vector3d(s.nodes.row(node).transpose()); };
     using Side = std::pair<int, int>;
+    const Eigen::Index given = s.triangles.rows();
     while (true) {
         std::map<Side, int> middle;  // of sides to be divided: the node there
         std::vector<Eigen::Vector3d> added;
@@ -87,8 +88,8 @@ void divide_near(Surface& s, const HeldRegion& region, double side_m) {
             if (middle.emplace(longest, static_cast<int>(s.nodes.rows()) + static_cast<int>(added.size())).second) added.push_back((place(longest.first) + place(longest.second)) / 2);
         }
         if (middle.empty()) return;
-        if (s.triangles.rows() + static_cast<Eigen::Index>(middle.size()) > most_triangles)
-            throw MismatchError(fmt::format("'{}' would need more than {} triangles near its border: the surface's are long and thin there; divide it evenly first", region.text(), most_triangles));
+        if (s.triangles.rows() - given + static_cast<Eigen::Index>(middle.size()) > most_added)
+            throw MismatchError(fmt::format("'{}' would need more than {} triangles more near its border, as where they are long and thin; divide the surface evenly first", region.text(), most_added));
         const auto middle_of = [&](int node) { return added[static_cast<std::size_t>(node - s.nodes.rows())]; };
         std::vector<std::array<int, 3>> triangles;
         std::vector<int> label;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -263,8 +264,22 @@ double held_area_m2(const Surface& s) {
 }
 
 void check_held_area(const Surface& before, const Surface& divided) {
-    const double had = held_area_m2(before), has = held_area_m2(divided);
-    if (has < 0.9 * had) throw MismatchError(fmt::format("of {:.3g} mm2 that are held {:.3g} mm2 are left when the surface is divided: sides are too long for what is held", 1e6 * had, 1e6 * has));
+    const auto held = [](const Surface& s, Eigen::Index t) { return s.label[static_cast<std::size_t>(t)] == Surface::fixed_label; };
+    boost::disjoint_sets_with_storage<> part(static_cast<std::size_t>(before.nodes.rows()));  // nodes of held triangles that are connected
+    for (Eigen::Index t = 0; t < before.triangles.rows(); ++t)
+        for (int i = 1; i < 3 && held(before, t); ++i) part.union_set(static_cast<std::size_t>(before.triangles(t, 0)), static_cast<std::size_t>(before.triangles(t, i)));
+    const auto part_of = [&](Eigen::Index t) { return part.find_set(static_cast<std::size_t>(before.triangles(t, 0))); };
+    std::map<std::size_t, double> had, has;
+    for (Eigen::Index t = 0; t < before.triangles.rows(); ++t)
+        if (held(before, t)) had[part_of(t)] += facet_measure(before.nodes, before.triangles, t);
+    const NearestTriangle nearest(before);
+    for (Eigen::Index t = 0; t < divided.triangles.rows(); ++t)
+        if (held(divided, t))
+            if (const Eigen::Index there = nearest.nearest((divided.corner(t, 0) + divided.corner(t, 1) + divided.corner(t, 2)) / 3).triangle; held(before, there)) has[part_of(there)] += facet_measure(divided.nodes, divided.triangles, t);
+    for (const auto& [number, area] : had)
+        if (has[number] < 0.9 * area)
+            throw MismatchError(fmt::format("of {:.3g} mm2 that are held about {} {:.3g} mm2 are left when the surface is divided: sides are too long for what is held", 1e6 * area, at(before.nodes.row(static_cast<Eigen::Index>(number))),
+                                            1e6 * has[number]));
 }
 
 std::string to_msh(const Surface& s) {

@@ -31,12 +31,12 @@ constexpr double crease_cosine = 0.766;  ///< of 40 degrees: where neighbours tu
 /// not on the surface or is all of it, nothing that is held.
 Surface make_surface(const MshFile& mesh, const std::vector<std::string>& fixed, double unit_m);
 
-/// As MSH 2.2 in metres: triangles "fixed" 1, "free" 2 and "disc" 3.
 double held_area_m2(const Surface& surface);
 
-/// Throws MismatchError where a tenth or more of what is held is lost when a surface was divided anew.
+/// Throws MismatchError where a connected held part has lost a tenth or more of its area when its surface was divided anew.
 void check_held_area(const Surface& before, const Surface& divided);
 
+/// As MSH 2.2 in metres: triangles "fixed" 1, "free" 2 and "disc" 3.
 std::string to_msh(const Surface& surface);
 
 /// 4 sqrt(3) area / sum of squared sides: 1 of the regular triangle, 0 of a flat one.

@@ -41,12 +41,14 @@ SurfaceRemesh::SurfaceRemesh(const Surface& base, const SideLength& wanted) : ba
     }
     // ---- lines to keep, and how the surface turns where there are none
     std::vector<double> turn(N, 0), sides_at(N, 0);
-    std::vector<std::array<int, 2>> found;
+    std::vector<std::array<int, 2>> found, borders;  // borders: of labels
     const std::vector<std::array<int, 2>> all = sides();
     for (const auto& [a, b] : all) {
         const auto [left, right] = triangles_at(a, b);
         const double cosine = nearest_.normal(left).dot(nearest_.normal(right));
-        if (triangles_[static_cast<std::size_t>(left)].label != triangles_[static_cast<std::size_t>(right)].label || cosine < crease_cosine) {
+        const bool border = triangles_[static_cast<std::size_t>(left)].label != triangles_[static_cast<std::size_t>(right)].label;
+        if (border) borders.push_back({a, b});
+        if (border || cosine < crease_cosine) {
             lines_.insert(side(a, b));
             found.push_back({a, b});
             continue;
@@ -62,7 +64,7 @@ SurfaceRemesh::SurfaceRemesh(const Surface& base, const SideLength& wanted) : ba
     for (std::size_t k = 0; k < found.size(); ++k) base_lines_.row(static_cast<Eigen::Index>(k)) << found[k][0], found[k][1];
     for (std::size_t i = 0; i < N; ++i)
         base_limit_m_.push_back(sides_at[i] > 0 && turn[i] > 0 ? std::max(wanted.near_m, by_radius * sides_at[i] / turn[i]) : wanted.far_m);
-    limit_on_short_lines(found);
+    limit_on_borders(borders);
     for (int sweep = 0; sweep < 30; ++sweep) {
         bool changed = false;
         for (const auto& [a, b] : all)
@@ -79,8 +81,8 @@ SurfaceRemesh::SurfaceRemesh(const Surface& base, const SideLength& wanted) : ba
     pin_corners();
 }
 
-/// Lines that are connected keep a number of sides, or a small held part is worn away.
-void SurfaceRemesh::limit_on_short_lines(const std::vector<std::array<int, 2>>& lines) {
+/// The border of a held part keeps a number of sides, or a small part is worn away.
+void SurfaceRemesh::limit_on_borders(const std::vector<std::array<int, 2>>& lines) {
     constexpr double least_sides = 16;
     std::map<int, std::vector<int>> across;
     for (const auto& [a, b] : lines) {
@@ -99,7 +101,7 @@ void SurfaceRemesh::limit_on_short_lines(const std::vector<std::array<int, 2>>& 
             }
         for (int node : nodes) {
             double& limit_m = base_limit_m_[static_cast<std::size_t>(node)];
-            limit_m = std::min(limit_m, std::max(wanted_.near_m, length_m / least_sides));
+            limit_m = std::min(limit_m, length_m / least_sides);
         }
     }
 }

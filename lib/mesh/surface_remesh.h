@@ -75,7 +75,7 @@ class SurfaceRemesh {
     void split_long();
     void collapse_short();
     void flip_all();
-    void limit_on_short_lines(const std::vector<std::array<int, 2>>& lines);
+    void limit_on_borders(const std::vector<std::array<int, 2>>& lines);
     void pin_corners();
 
     Surface base_;

@@ -40,31 +40,37 @@ std::vector<Triangle> triangles_of(const MshFile& mesh, const std::vector<Point>
     return all;
 }
 
-/// Distances of one surface from another, at points all over its triangles no farther apart than a spacing.
+/// Distances of one surface from another, at the middles of parts of its triangles that are no longer than a spacing, or a larger one that makes no more than half a million of them.
 struct Distances {
     double median = 0, most = 0;
     Point at;  // where it is most
 };
 Distances distances(const std::vector<Triangle>& from, const std::vector<Triangle>& to, double spacing) {
-    constexpr int most_along = 200;
+    constexpr double most_parts = 5e5;
     Tree tree(to.begin(), to.end());
-    std::vector<std::pair<double, double>> all;  // and the area that each stands for
     double area = 0;
+    for (const Triangle& t : from) area += std::sqrt(t.squared_area());
+    spacing = std::max(spacing, std::sqrt(2 * area / most_parts));
+    std::vector<std::pair<double, double>> all;  // and the area that each stands for
     Distances d;
-    for (const Triangle& t : from) {
-        const double longest = std::sqrt(std::max({CGAL::squared_distance(t[0], t[1]), CGAL::squared_distance(t[1], t[2]), CGAL::squared_distance(t[2], t[0])}));
-        const int along = std::clamp(static_cast<int>(std::ceil(longest / spacing)), 1, most_along);
-        const double each = std::sqrt(t.squared_area()) / (along * along);
-        for (int i = 0; i < along; ++i)
-            for (int j = 0; j < along - i; ++j)
-                for (int up = 0; up < (i + j + 1 < along ? 2 : 1); ++up) {  // the middle of each part
-                    const double a = (i + (up ? 2 : 1) / 3.0) / along, b = (j + (up ? 2 : 1) / 3.0) / along;
-                    const Point x = CGAL::barycenter(t[0], 1 - a - b, t[1], a, t[2], b);
-                    const double there = std::sqrt(tree.squared_distance(x));
-                    all.emplace_back(there, each);
-                    area += each;
-                    if (there >= d.most) d.most = there, d.at = x;
-                }
+    std::vector<Triangle> left(from.rbegin(), from.rend());
+    while (!left.empty()) {
+        const Triangle t = left.back();
+        left.pop_back();
+        int longest = 0;
+        for (int i = 1; i < 3; ++i)
+            if (CGAL::squared_distance(t[i], t[i + 1]) > CGAL::squared_distance(t[longest], t[longest + 1])) longest = i;
+        const Point a = t[longest], b = t[longest + 1], c = t[longest + 2];
+        if (CGAL::squared_distance(a, b) > spacing * spacing && all.size() + left.size() < 4 * most_parts + from.size()) {  // long thin ones have more parts than their area says
+            const Point middle = CGAL::midpoint(a, b);
+            left.push_back({a, middle, c});
+            left.push_back({middle, b, c});
+            continue;
+        }
+        const Point x = CGAL::centroid(t);
+        const double there = std::sqrt(tree.squared_distance(x));
+        all.emplace_back(there, std::sqrt(t.squared_area()));
+        if (there >= d.most) d.most = there, d.at = x;
     }
     std::sort(all.begin(), all.end());
     double sum = 0;

@@ -247,6 +247,13 @@ class Surveyor {
             const MshFile::Point& p = mesh_.points[static_cast<std::size_t>(n)];
             return Kernel::Point_3(p.x, p.y, p.z);
         };
+        if (common.size() == 1) {  // what lies on one side of the other's plane, but for that corner, does not cut it: triangles of a fan
+            const auto beside = [&](int k, const std::vector<int>& others) {
+                const auto side = [&](int n) { return CGAL::orientation(point(corner(k, 0)), point(corner(k, 1)), point(corner(k, 2)), point(n)); };
+                return side(others[0]) != CGAL::COPLANAR && side(others[0]) == side(others[1]);
+            };
+            if (beside(t, of_s) || beside(s, of_t)) return false;
+        }
         const auto triangle = [&](int k) { return Kernel::Triangle_3(point(corner(k, 0)), point(corner(k, 1)), point(corner(k, 2))); };
         const Kernel::Triangle_3 first = triangle(s), second = triangle(t);
         if (first.is_degenerate() || second.is_degenerate()) return false;  // told as flat

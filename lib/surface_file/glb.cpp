@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "error.h"
 #include "surface_file/facets.h"
@@ -32,8 +33,7 @@ class Reader {
             const auto begins = [&](std::string_view with) { return name.compare(0, with.size(), with) == 0; };
             if (!begins("KHR_materials_") && !begins("KHR_texture_") && !begins("EXT_texture_")) refuse(fmt::format("needs the extension {}, which is not read", name));
         }
-        for (const Json& buffer : part("buffers"))
-            if (buffer.contains("uri")) refuse("has a buffer in another file, which is not read");
+        if (!part("buffers").empty() && part("buffers").front().contains("uri")) refuse("has its numbers outside of it, which is not read");
         const Json& scenes = part("scenes");
         if (scenes.empty()) refuse("has no scene");
         for (const Json& node : one_of("scenes", model_.value("scene", 0)).value("nodes", Json::array())) add_node(node, Eigen::Affine3d::Identity(), 0);
@@ -120,31 +120,29 @@ class Reader {
 
     void add(const Json& primitive, const Eigen::Affine3d& place, const std::string& name) {
         if (primitive.value("mode", triangles_mode) != triangles_mode) refuse(fmt::format("mesh '{}' has primitives of mode {}; triangles (4) are read", name, primitive.value("mode", triangles_mode)));
+        if (primitive.contains("targets")) refuse(fmt::format("mesh '{}' has morph targets, which are not read", name));
         if (!primitive.at("attributes").contains("POSITION")) refuse(fmt::format("mesh '{}' has no positions", name));
         const View at = view(primitive.at("attributes").at("POSITION"), "VEC3", 3, name);
         if (at.type != of_floats) refuse(fmt::format("mesh '{}': its positions are no floats", name));
-        std::vector<MshFile::Point> points;
-        for (std::size_t n = 0; n < at.count; ++n) {
+        const auto point = [&](std::uint32_t n) {
+            if (n >= at.count) refuse(fmt::format("mesh '{}' names point {} of {}", name, n, at.count));
             Eigen::Vector3f x;
             std::memcpy(x.data(), at.of(n), sizeof x);
             const Eigen::Vector3d p = place * x.cast<double>();
-            points.push_back({p.x(), p.y(), p.z()});
-        }
-        std::vector<long long> corners;
-        if (!primitive.contains("indices")) {
-            for (std::size_t n = 0; n < points.size(); ++n) corners.push_back(static_cast<long long>(n));
-        } else {
-            const View indices = view(primitive.at("indices"), "SCALAR", 1, name);
-            if (indices.type == of_floats) refuse(fmt::format("mesh '{}': its indices are no whole numbers", name));
-            for (std::size_t n = 0; n < indices.count; ++n) {
-                std::uint32_t value = 0;
-                std::memcpy(&value, indices.of(n), indices.type == of_bytes ? 1 : indices.type == of_shorts ? 2 : 4);
-                corners.push_back(value);
-            }
-        }
-        if (corners.size() % 3 != 0) refuse(fmt::format("mesh '{}' has {} corners of triangles", name, corners.size()));
+            return MshFile::Point{p.x(), p.y(), p.z()};
+        };
+        std::optional<View> indices;
+        if (primitive.contains("indices")) indices = view(primitive.at("indices"), "SCALAR", 1, name);
+        if (indices && indices->type == of_floats) refuse(fmt::format("mesh '{}': its indices are no whole numbers", name));
+        const auto corner = [&](std::size_t n) {
+            auto value = static_cast<std::uint32_t>(n);
+            if (indices) value = 0, std::memcpy(&value, indices->of(n), indices->type == of_bytes ? 1 : indices->type == of_shorts ? 2 : 4);
+            return point(value);
+        };
+        const std::size_t count = indices ? indices->count : at.count;
+        if (count % 3 != 0) refuse(fmt::format("mesh '{}' has {} corners of triangles", name, count));
         const bool mirrored = place.linear().determinant() < 0;  // glTF 2.0, 3.5.3: then triangles are wound the other way
-        for (std::size_t c = 0; c < corners.size(); c += 3) facets_.add(points, {corners[c], corners[c + (mirrored ? 2 : 1)], corners[c + (mirrored ? 1 : 2)]});
+        for (std::size_t c = 0; c < count; c += 3) facets_.add({corner(c), corner(c + (mirrored ? 2 : 1)), corner(c + (mirrored ? 1 : 2))});
     }
 
     const std::string& file_;

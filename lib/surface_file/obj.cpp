@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <map>
 
 #include "error.h"
 #include "surface_file/facets.h"
@@ -16,15 +16,13 @@ constexpr const char *vertex = "v x y z", *facet = "f i j k ..";
 // Of our own: CGAL's reader knows no groups and refuses lines of edges, tinyobjloader reads a damaged number as zero.
 Facets read_obj(const std::string& file, std::string_view content) {
     TextLines lines(file, without_mark(content));
-    struct Group {
-        std::string object, name;
-        bool operator==(const Group& other) const { return object == other.object && name == other.name; }
-    };
+    using Group = std::pair<std::string, std::string>;  // object and group
     std::vector<MshFile::Point> points;
     std::vector<std::vector<long long>> polygons;  // a facet may name points that follow
     std::vector<long> line_of;
     std::vector<std::size_t> group;
     std::vector<Group> groups;  // that have facets
+    std::map<Group, std::size_t> place_of;
     Group now;
     for (std::string_view line = lines.next(); !line.empty(); line = lines.next()) {
         const std::string_view word = take_word(line);
@@ -46,25 +44,20 @@ Facets read_obj(const std::string& file, std::string_view content) {
             if (polygons.size() == most_facets) lines.refuse(fmt::format("is facet {}; at most {} are read", most_facets + 1, most_facets));
             polygons.push_back(std::move(corners));
             line_of.push_back(lines.number());
-            if (groups.empty() || !(groups[group.back()] == now)) {
-                const auto there = std::find(groups.begin(), groups.end(), now);
-                group.push_back(static_cast<std::size_t>(there - groups.begin()));
-                if (there == groups.end()) groups.push_back(now);
-            } else {
-                group.push_back(group.back());
-            }
+            const auto [place, fresh] = place_of.emplace(now, groups.size());
+            if (fresh) groups.push_back(now);
+            group.push_back(place->second);
         } else if (word == "o") {
             now = {std::string(trimmed(line)), ""};
         } else if (word == "g") {
-            now.name = trimmed(line);
+            now.second = trimmed(line);
         }
     }
     Facets facets(file);
-    const auto name_of = [](const Group& g) { return g.name.empty() ? g.object : g.name; };
-    for (const Group& g : groups) {
-        const bool alone = std::count_if(groups.begin(), groups.end(), [&](const Group& other) { return name_of(other) == name_of(g); }) == 1;
-        facets.begin_group(alone || g.object.empty() || g.name.empty() ? name_of(g) : g.object + "/" + g.name);
-    }
+    const auto name_of = [](const Group& g) { return g.second.empty() ? g.first : g.second; };
+    std::map<std::string, int> count;
+    for (const Group& g : groups) ++count[name_of(g)];
+    for (const Group& g : groups) facets.begin_group(count[name_of(g)] == 1 || g.first.empty() || g.second.empty() ? name_of(g) : g.first + "/" + g.second);
     for (std::size_t f = 0; f < polygons.size(); ++f) {
         facets.go_on_with(static_cast<int>(group[f]) + 1);
         facets.add(points, polygons[f], line_of[f]);

@@ -22,7 +22,7 @@ Facets read_off(const std::string& file, std::string_view content) {
         line = lines.want(vertex);
         MshFile::Point p{};
         for (double* value : {&p.x, &p.y, &p.z}) *value = lines.take_number(line, vertex);
-        if (kind == "OFF" && !trimmed(line).empty()) lines.refuse(fmt::format("is not '{}'", vertex));
+        if (kind == "OFF" && !trimmed(line).empty()) lines.refuse(fmt::format("is more than '{}'; a file with colours begins with COFF", vertex));
         points.push_back(p);
     }
     Facets facets(file);

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <optional>
 
 #include "error.h"
@@ -22,6 +22,8 @@ constexpr struct {
     std::size_t bytes;
 } types[] = {{"char", "int8", Type::int8, 1},      {"uchar", "uint8", Type::uint8, 1},    {"short", "int16", Type::int16, 2},    {"ushort", "uint16", Type::uint16, 2},
              {"int", "int32", Type::int32, 4},     {"uint", "uint32", Type::uint32, 4},   {"float", "float32", Type::float32, 4}, {"double", "float64", Type::float64, 8}};
+
+constexpr std::size_t most_properties = 1000;
 
 struct Property {
     std::string name;
@@ -46,9 +48,9 @@ class Values {
         if (kind_ == Kind::ascii) line_ = lines_.want("the values of an element");
     }
     double take(Type type) {
-        if (kind_ == Kind::ascii) return lines_.take_number(line_, "as many numbers as the element has");
+        if (kind_ == Kind::ascii) return lines_.take_real(line_, "as many numbers as the element has");
         const std::size_t size = types[static_cast<std::size_t>(type)].bytes;
-        if (bytes_.size() - at_ < size) throw FileError(fmt::format("{}: breaks off at byte {}, within an element", file_, at_));
+        if (bytes_.size() - at_ < size) throw FileError(fmt::format("{}: breaks off within an element, {} bytes behind its head", file_, at_));
         std::array<char, 8> raw{};
         std::memcpy(raw.data(), bytes_.data() + at_, size);
         at_ += size;
@@ -108,8 +110,9 @@ Head read_head(TextLines& lines) {
             element.name = take_word(line);
             element.count = lines.take_count(line, "element NAME COUNT");
             if (element.count < 0 || element.count > static_cast<long long>(4 * most_facets)) lines.refuse(fmt::format("has {} elements; at most {} are read", element.count, 4 * most_facets));
+            if (head.elements.size() == most_properties) lines.refuse(fmt::format("is element {}; at most {} are read", most_properties + 1, most_properties));
             for (const Element& before : head.elements)
-                if (before.name == element.name) lines.refuse(fmt::format("a second element '{}'", element.name));
+                if (before.name == element.name || (before.is("vertex", "vertices") && element.is("vertex", "vertices")) || (before.is("face", "faces") && element.is("face", "faces"))) lines.refuse(fmt::format("a second element '{}'", element.name));
             head.elements.push_back(element);
         } else if (word == "property") {
             if (head.elements.empty()) lines.refuse("is a property of no element");
@@ -121,6 +124,7 @@ Head read_head(TextLines& lines) {
             }
             property.type = type_of(type, lines);
             property.name = take_word(line);
+            if (head.elements.back().properties.size() == most_properties) lines.refuse(fmt::format("is property {}; an element has at most {}", most_properties + 1, most_properties));
             for (const Property& before : head.elements.back().properties)
                 if (before.name == property.name) lines.refuse(fmt::format("a second property '{}'", property.name));
             head.elements.back().properties.push_back(property);
@@ -150,7 +154,7 @@ Facets read_ply(const std::string& file, std::string_view content) {
             return std::any_of(element.properties.begin(), element.properties.end(), [&](const Property& p) { return p.name == name && p.length.has_value() == list; });
         };
         if (vertex && !(has("x", false) && has("y", false) && has("z", false))) throw FileError(file + ": has no points with x, y and z");
-        if (face && !has("vertex_indices", true) && !has("vertex_index", true)) throw FileError(file + ": its faces have no list 'vertex_indices'");
+        if (face && has("vertex_indices", true) == has("vertex_index", true)) throw FileError(file + ": its faces have not one list 'vertex_indices' or 'vertex_index'");
         if (face && element.count > static_cast<long long>(most_facets)) throw FileError(fmt::format("{}: has {} facets; at most {} are read", file, element.count, most_facets));
         facets_there = facets_there || face;
         for (long long n = 0; n < element.count; ++n) {
@@ -158,12 +162,12 @@ Facets read_ply(const std::string& file, std::string_view content) {
             MshFile::Point p{};
             std::vector<long long> corners;
             for (const Property& property : element.properties) {
-                const bool corner = face && (property.name == "vertex_indices" || property.name == "vertex_index");
+                const bool corner = face && property.length && (property.name == "vertex_indices" || property.name == "vertex_index");
                 const double count = property.length ? values.take(*property.length) : 1;
-                if (!(count >= 0 && count <= 1e6) || (corner && count > most_corners)) throw FileError(fmt::format("{}: {} {} has a list '{}' of {:g}", file, element.name, n + 1, property.name, count));
+                if (!(count >= 0 && count <= 1e6 && count == std::floor(count)) || (corner && count > most_corners)) throw FileError(fmt::format("{}: {} {} has a list '{}' of {:g}", file, element.name, n + 1, property.name, count));
                 for (int k = 0; k < static_cast<int>(count); ++k) {
                     const double value = values.take(property.type);
-                    if (corner) corners.push_back(std::isfinite(value) ? static_cast<long long>(value) : -1);
+                    if (corner) corners.push_back(value >= 0 && value < 1e15 && value == std::floor(value) ? static_cast<long long>(value) : -1);  // -1: refused as no point
                     if (vertex && !property.length && property.name.size() == 1 && property.name >= "x" && property.name <= "z") (property.name == "x" ? p.x : property.name == "y" ? p.y : p.z) = value;
                 }
             }

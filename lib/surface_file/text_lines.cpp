@@ -59,9 +59,14 @@ std::string_view TextLines::want(const char* whole) {
     return line;
 }
 
-double TextLines::take_number(std::string_view& line, const char* whole) const {
+double TextLines::take_real(std::string_view& line, const char* whole) const {
     double value = 0;
     if (!reads(take_word(line), value)) refuse(fmt::format("is not '{}'", whole));
+    return value;
+}
+
+double TextLines::take_number(std::string_view& line, const char* whole) const {
+    const double value = take_real(line, whole);
     if (!(std::abs(value) <= largest_coordinate)) refuse(fmt::format("has a coordinate that is no finite number, or beyond {:g}", largest_coordinate));
     return value;
 }

@@ -21,7 +21,9 @@ class TextLines {
     std::string_view next();
     /// As next. Throws FileError at the end of the file: `whole` should stand there.
     std::string_view want(const char* whole);
-    /// The next word of a line of this form, as a number; any but a finite one up to largest_coordinate is refused.
+    /// The next word of a line of this form, as a number, infinite or not a number too.
+    double take_real(std::string_view& line, const char* whole) const;
+    /// As take_real; any but a finite one up to largest_coordinate is refused.
     double take_number(std::string_view& line, const char* whole) const;
     /// The next word as a whole number.
     long long take_count(std::string_view& line, const char* whole) const;

@@ -189,11 +189,11 @@ inline Rest let_go(const HapticModel& model, const Hand& hand, const Clock& cloc
 /// What a hand gets and feels while it does something.
 struct Ride {
     double most_given_J = 0, put_in_J = 0;  ///< of the tissue to the hand, and of the hand to the tissue
-    double tremor_m = 0;                    ///< largest extent of the hand's way in a fiftieth of a second, off a straight course, after a second and a half; of one that drags on the tissue
+    double tremor_m = 0;                    ///< largest extent of the hand's way in a fiftieth of a second, off a straight course, after a second and a half; of one that drags while it is on the tissue
     double controlled = 0;
     int faults = 0;
     bool contact = false;                   ///< at the end
-    bool lost = false;                      ///< whether a hand that drags was ever off the tissue
+    bool lost = false;                      ///< whether a hand was off the tissue while it was dragged
 
     /// Nothing came out that had not been put in, but for what a tick too late to know better gives.
     bool passive() const { return most_given_J <= 1e-6 + 0.01 * put_in_J; }
@@ -202,7 +202,7 @@ struct Ride {
 enum class Deed { taps, lets_go, drags };
 
 /// From outside, the tissue at rest. taps: flies in at 0.3 m/s, its grip 3 mm inside of the surface, where it has one. lets_go: presses with the force to rest, then not any more.
-/// drags: presses with the force and is led along the surface, release.drag_m there and back in two seconds.
+/// drags: presses with the force and is led along the surface after a second, release.drag_m there, back and half the way again.
 inline Ride does(Deed deed, const HapticModel& model, const Hand& hand, const Clock& clock, const Release& release) {
     HandLoop loop(model, hand, clock);
     const DeviceMap& map = model.options.map;
@@ -219,12 +219,10 @@ inline Ride does(Deed deed, const HapticModel& model, const Hand& hand, const Cl
     std::vector<Moment> way;
     const auto play = [&](double seconds, auto&& applied) {
         loop.play(seconds, applied, [&](const HandLoop& now) {
-            if (now.time <= 1.5) return;
-            if (deed == Deed::drags && !now.simulation.contact().pressing) {
-                ride.lost = true;
-                way.clear();
-                return;
-            }
+            const bool away = deed == Deed::drags && !now.simulation.contact().pressing;
+            if (away && now.time > 1) ride.lost = true;
+            if (away) way.clear();
+            if (away || now.time <= 1.5) return;
             way.push_back({now.time, now.x, now.force});
             if (now.time - way.front().time_s < 0.02) return;
             ride.tremor_m = std::max(ride.tremor_m, extent(way, true, [](const Moment& m) { return m.position_m; }));
