@@ -251,7 +251,7 @@ def lost(page):
     page.states(5, pressed=-1)
     said = page.verdict()
     check("as before", said.startswith("Nothing touches the tissue. Drag") and page.browser.text("tick_rate") == "1000 Hz", said)
-    page.browser.js("window.silent = true; window.refuse = true")  # or it is connected again before the verdict is read
+    page.browser.js("(window.silent = true, window.refuse = true)")  # or it is connected again before the verdict is read
     began = time.monotonic()
     silent = page.browser.until("document.getElementById('connection').textContent !== 'connected'", 60)
     check("a server that falls silent is no connection either", silent and time.monotonic() - began > 4 and page.verdict().startswith("No connection"), time.monotonic() - began)
