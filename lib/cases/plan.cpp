@@ -108,9 +108,10 @@ std::string solid_shape_arguments(const Study& s, const PlannedPath& path, const
     const StudyPath& p = path.push;
     const std::vector<std::string> regions = s.material.region_names();
     return fmt::format(
-        "-shape {} -unit_m {} -fixed {}{} -springs {} -size_near {} -size_far {} {}{} -contact_x {} -contact_y {} -contact_z {} "
+        "-shape {} -unit_m {} -fixed {}{}{} -springs {} -size_near {} -size_far {} {}{} -contact_x {} -contact_y {} -contact_z {} "
         "-direction_x {} -direction_y {} -direction_z {} -disc_radius {} -depth {} -records {} -tolerance {} -max_newton {} -allow_lost 1",
         s.geometry.shape, s.geometry.unit_m, fmt::join(s.geometry.fixed, ","),
+        s.geometry.bed_Pa_m > 0 ? fmt::format(" -bed {}", s.geometry.bed_Pa_m) : "",
         regions.empty() ? "" : fmt::format(" -regions {}", fmt::join(regions, ",")), springs, path.sizes_m[0], path.sizes_m[1],
         law_arguments(s.material), nodule_arguments(s), p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1],
         p.direction[2], s.indenter.radius_m, path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton);
@@ -156,7 +157,7 @@ std::string collect_part(const Study& s, const std::vector<PlannedPath>& paths, 
 std::string train_part(const Study& s) {
     const Study::Training& t = s.training;
     const auto optional = [](const std::optional<double>& v) { return v ? fmt::format("{}", *v) : std::string("none"); };
-    std::string regions;
+    std::string regions = s.geometry.bed_Pa_m > 0 ? fmt::format("bed {}\n", s.geometry.bed_Pa_m) : "";
     for (const Study::Region& r : s.material.regions) regions += fmt::format("region {} {}\n", r.name, r.youngs_modulus_Pa());
     if (s.nodule)
         regions += fmt::format("nodule {} {} {} {} {}\n", s.nodule->centre_m[0], s.nodule->centre_m[1], s.nodule->centre_m[2],

@@ -184,7 +184,7 @@ NodeField region_points(const Study& study, const std::optional<Shape>& shape, c
 namespace {
 
 /// E at each held node [Pa] (M): the mean over the tetrahedra about it, by volume. Empty where it is the base material's everywhere.
-Eigen::VectorXd support_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_Pa) {
+Eigen::VectorXd tissue_at_supports(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_Pa) {
     if (mesh.embedding.empty() || study.material.regions.empty()) return {};
     const Eigen::VectorXd own = triangle_moduli(study, shape, mesh, modulus_Pa);
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(mesh.embedding.node_count()), volume = sum;
@@ -194,6 +194,16 @@ Eigen::VectorXd support_moduli(const Study& study, const std::optional<Shape>& s
             volume[node] += volume_of(mesh, t);
         }
     return sum(mesh.fixed).cwiseQuotient(volume(mesh.fixed));
+}
+
+/// What supports are made of [Pa] (M), 8 of it times area over spacing each: the tissue's E, or on an elastic bed less, such that the support is a rigid bed's and the
+/// bed one after the other. Empty where it is the base material's E everywhere.
+Eigen::VectorXd support_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_Pa) {
+    Eigen::VectorXd moduli = tissue_at_supports(study, shape, mesh, modulus_Pa);
+    if (mesh.embedding.empty() || study.geometry.bed_Pa_m == 0) return moduli;
+    if (moduli.size() == 0) moduli.setConstant(static_cast<Eigen::Index>(mesh.fixed.size()), modulus_Pa);
+    const double bed_Pa = study.geometry.bed_Pa_m * mesh.embedding.spacing_m / support_stiffness;
+    return (moduli.array() * bed_Pa / (moduli.array() + bed_Pa)).matrix();
 }
 
 /// The law of a solid. Springs, cells, supports and contacts all take account of parts of another stiffness.

@@ -20,7 +20,9 @@ using Edge = std::array<int, 2>;
 using Face = std::array<int, 3>;
 
 constexpr int fixed_label = 1, free_label = 2, tissue_label = 10;
-constexpr double sliver = 1e-3;  // volume over the longest edge's cube; a regular tetrahedron has 0.118
+// volume over the longest edge's cube; a regular tetrahedron has 0.118. Positions and forces are interpolated in it, so it may be thin but not flat:
+// gmsh leaves one of 5e-4 between two triangles of a curved surface that it may not divide
+constexpr double sliver = 1e-4;
 
 std::string at(const Eigen::RowVector3d& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", p.x(), p.y(), p.z()); }
 

@@ -88,9 +88,6 @@ LawHeuristic assemble(const SpringMesh& mesh, const Eigen::VectorXd& springs, co
 
 }  // namespace
 
-/// Of the supports of an embedded solid, k = 8 E area / spacing: a cube gives way far more than its supports, which raise the fastest frequency by 2 to 11 %.
-constexpr double support_stiffness = 8;
-
 double bent_factor(double x) { return 1 / (start_below_cap + (1 - start_below_cap) * std::exp(-x)); }
 
 LawHeuristic law_heuristic(const SpringMesh& mesh, double modulus_N_m, const std::string& formulation, double area_cap) {

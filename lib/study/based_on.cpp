@@ -61,10 +61,10 @@ std::vector<std::string> operator+(std::vector<std::string> a, const std::vector
 const std::vector<Rule>& rules() {
     static const std::vector<Rule> all = {
         {{"`geometry.shape` = a file",
-          {"geometry.width_m", "geometry.height_m", "geometry.length_m", "geometry.trust_geo", "lattice", "springs.spacing_m", "nodule", "map"},
-          "size, lattice and nodule are of the base's tissue; trust is of one file"},
+          {"geometry.width_m", "geometry.height_m", "geometry.length_m", "geometry.trust_geo", "geometry.bed_Pa_m", "lattice", "springs.spacing_m", "nodule", "map"},
+          "size, bed, lattice and nodule are of the base's tissue; trust is of one file"},
          gives_file},
-        {{"`geometry.shape` = \"block\"", {"geometry.unit_m", "geometry.fixed", "geometry.solid", "geometry.trust_geo", "lattice"}, "they are of a shape"},
+        {{"`geometry.shape` = \"block\"", {"geometry.unit_m", "geometry.fixed", "geometry.bed_Pa_m", "geometry.solid", "geometry.trust_geo", "lattice"}, "they are of a shape"},
          gives("geometry.shape", "block")},
         {{"`geometry.length_m` or `geometry.solid`, over a base in the plane",
           {"geometry.thickness_m", "material.formulation", "mesh", "indenter", "loads", "draws", "histories", "springs", "training", "variants",

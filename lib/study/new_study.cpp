@@ -120,9 +120,10 @@ std::string head(const ShapeExtent& shape, const NewStudy& wanted) {
                       shape.solid ? "volumes" : "surfaces", fmt::join(shape.regions, ", "));
     return fmt::format("# Written by tissuectl new. Every key is in SI units and says which; results/FORMATS.md lists them all.\n{}\n[geometry]\n{}"
                        "shape = {}    # beside this file\n{}unit_m = {}    # m, of that file's numbers\n"
-                       "fixed = {}    # its named {} that are held{}; the rest is free\n{}\n",
+                       "fixed = {}    # its named {} that are held{}; the rest is free\n{}{}\n",
                        regions, shape.solid ? "solid = true    # in space\n" : "", quoted(wanted.shape_in_study), wanted.trust_geo ? "trust_geo = true    # gmsh runs it as a program\n" : "",
                        text(wanted.unit_m), list(wanted.held), shape.solid ? "surfaces" : "curves", shape.solid ? ", or regions, in m" : "",
+                       wanted.bed_Pa_m > 0 ? fmt::format("bed_Pa_m = {}    # Pa/m, stiffness per area of the bed that these lie on; without it they do not move\n", text(wanted.bed_Pa_m)) : "",
                        shape.solid ? "" : fmt::format("thickness_m = {}    # m, of the slice; forces scale with it\n", text(wanted.thickness_m)));
 }
 
@@ -203,6 +204,7 @@ WrittenStudy new_study(const NewStudy& wanted) {
     if (shape.fault)
         throw MismatchError(fmt::format("{}: cannot be filled: {}; `tissuectl surface` tells all of it, and with --repair OUT.stl makes a surface without", wanted.shape, fault_text(*shape.fault, " mm", 1e3 * wanted.unit_m)));
     check_held(shape, wanted);
+    if (wanted.bed_Pa_m > 0 && !shape.solid) throw MismatchError(wanted.shape + ": --bed is of a tissue in space; what is held in the plane does not move");
     const Size size = size_of(shape, wanted);
     check_regions(shape, wanted);
     const double spring_m = spring_length(shape, wanted, size);
@@ -212,7 +214,8 @@ WrittenStudy new_study(const NewStudy& wanted) {
         sides.push_back(fmt::format("{:.3g}", 1e3 * wanted.unit_m * ((*shape.high)[i] - (*shape.low)[i])));
     const std::string how_large = sides.empty() ? "of a size that gmsh alone knows" : fmt::format("{} mm", fmt::join(sides, " x "));
     study.choices.insert(study.choices.begin(),
-                         {fmt::format("{}: {}, {}; held: {}", wanted.shape, shape.solid ? "in space" : "in the plane", how_large, fmt::join(wanted.held, ", ")),
+                         {fmt::format("{}: {}, {}; held: {}{}", wanted.shape, shape.solid ? "in space" : "in the plane", how_large, fmt::join(wanted.held, ", "),
+                                      wanted.bed_Pa_m > 0 ? fmt::format(", on a bed of {} Pa/m", text(wanted.bed_Pa_m)) : ""),
                           shape.solid     ? fmt::format("springs in cubes of {} mm (springs.spacing_m){}", text(1e3 * spring_m),
                                                         wanted.size_m ? "" : ", the smaller of an eighth of its mean size and a third of its shortest side")
                           : shape.nodes > 0 ? fmt::format("springs: the edges of its {} nodes' mesh, about {:.2g} mm long", shape.nodes, 1e3 * spring_m)

@@ -13,6 +13,7 @@ struct NewStudy {
     double unit_m = 1;               ///< of that file
     bool trust_geo = false;          ///< whether gmsh may run it, where it is a .geo
     std::vector<std::string> held;   ///< its named curves, in space surfaces, that are held
+    double bed_Pa_m = 0;             ///< in space, stiffness per area of the bed that these lie on [Pa/m]; 0: rigid
     std::string preset = "liver";    ///< fem/materials/NAME.toml
     double thickness_m = 0.1;        ///< in the plane
     std::optional<double> size_m;    ///< of the springs, in space of their cubes; absent: a part of the tissue's size

@@ -60,6 +60,7 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
         if (in.has("solid")) in.refuse("solid", "is for a shape; a block with length_m is a solid already");
         for (const char* key : {"thickness_m", "shape", "unit_m", "fixed"})
             if (in.has(key)) in.refuse(key, "belongs to the plane; a block with length_m is a solid");
+        if (in.has("bed_Pa_m")) in.refuse("bed_Pa_m", "is of a solid shape; the bottom of a block does not move");
         g.length_m = in.number("length_m", positive);
         g.width_m = in.number("width_m", positive);
         g.height_m = in.number("height_m", positive);
@@ -85,7 +86,10 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
             in.refuse("shape", "'" + shape + "' must be block, or a file that ends in .geo or .msh");
         g.shape = beside(*table["geometry"]["shape"].node(), file, shape);
         std::error_code error;
-        if (!std::filesystem::is_regular_file(g.shape, error)) in.refuse("shape", "there is no file " + g.shape);
+        if (!std::filesystem::is_regular_file(g.shape, error)) {
+            const std::string readme = (std::filesystem::path(g.shape).parent_path() / "README.md").string();
+            in.refuse("shape", "there is no file " + g.shape + (std::filesystem::is_regular_file(readme, error) ? "; " + readme + " says where to get it" : ""));
+        }
         const bool trusted = in.has("trust_geo") && in.flag("trust_geo");
         if (ends_with(shape, ".geo") && !trusted)
             in.refuse("shape", g.shape + " is a program, which gmsh runs and which may run any command; geometry.trust_geo = true says that you trust it");
@@ -101,6 +105,8 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
             }
             if (name.find(',') != std::string::npos) in.refuse("fixed", "'" + name + "' has a comma, which stands between names");
         }
+        if (in.has("bed_Pa_m") && !g.solid) in.refuse("bed_Pa_m", "is of a solid shape; what is held in the plane does not move");
+        g.bed_Pa_m = in.optional_number("bed_Pa_m", positive).value_or(0);
     }
     in.refuse_the_rest();
     return g;

@@ -37,6 +37,7 @@ struct Study {
         std::string shape;                ///< mesh or outline file of any other tissue; empty for the block
         double unit_m = 1;                ///< that file's unit of length
         std::vector<std::string> fixed;   ///< names of its physical curves, in space surfaces, that are held
+        double bed_Pa_m = 0;              ///< in space, stiffness per area of the bed that what is held lies on [Pa/m]; 0: rigid
         bool is_block() const { return shape.empty(); }
         bool is_solid() const { return length_m > 0 || solid; }
     } geometry;

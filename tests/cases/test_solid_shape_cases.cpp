@@ -15,6 +15,7 @@
 #include "cases/sweep.h"
 #include "error.h"
 #include "mesh/cells.h"
+#include "springs/supports.h"
 #include "train/untrained_model.h"
 #include "../mutations.h"
 #include "../refusal.h"
@@ -277,6 +278,17 @@ TEST_CASE("of what reaches out of a solid shape the tissue inside counts, or the
     const Eigen::VectorXd ratio = study_law(s, stony, mesh).constants(none).tail(M).cwiseQuotient(study_law(study(), shape(), mesh).constants(none).tail(M));
     CHECK(ratio.minCoeff() == Approx(1).epsilon(tolerance::rounding));
     CHECK(ratio.maxCoeff() == Approx(10).epsilon(tolerance::rounding));
+
+    // on an elastic bed: a rigid bed's support and the bed, one after the other; nothing else changes
+    for (const auto& [of, on] : {std::pair<Study, std::optional<Shape>>{study(), shape()}, {s, stony}}) {
+        Study bedded = of;
+        bedded.geometry.bed_Pa_m = 3e5;
+        const Eigen::VectorXd rigid = study_law(of, on, mesh).constants(none), elastic = study_law(bedded, on, mesh).constants(none);
+        const Eigen::Index others = rigid.size() - M;
+        CHECK(elastic.head(others) == rigid.head(others));
+        const Eigen::ArrayXd compliance = rigid.tail(M).array().inverse() + (3e5 * held_areas(mesh)).array().inverse();
+        CHECK((elastic.tail(M).array() * compliance - 1).abs().maxCoeff() < tolerance::rounding);
+    }
 
     // a branch that the stone has not, and no support
     s.material.viscosity = {{0.3, 1.0}};

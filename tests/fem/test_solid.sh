@@ -59,6 +59,7 @@ if group scripts; then
   script solid_homogeneous.edp "-state uniaxial"
   script solid_homogeneous.edp "-state shear"
   script solid_tangent.edp
+  script solid_tangent.edp "-bed 100000"
   branches="-branches 2 -g1 0.45 -tau1 0.5 -g2 0.365 -tau2 50"
   script solid_memory.edp "-state uniaxial $branches"
   script solid_memory.edp "-state shear $branches"
@@ -73,6 +74,7 @@ if group scripts; then
   script solid_ogden.edp "$as_mooney"
   script solid_balance.edp "-mesh $work/off.msh -contact_x 0.043 -contact_y 0.05 -direction_x 0 -direction_y 0 -direction_z -1"
   script solid_balance.edp "-mesh $work/off.msh -contact_x 0.043 -contact_y 0.05 -direction_x 0.3 -direction_y -0.4 -direction_z -0.86602540378443865"
+  script solid_balance.edp "-mesh $work/off.msh -contact_x 0.043 -contact_y 0.05 -direction_x 0.3 -direction_y -0.4 -direction_z -0.86602540378443865 -bed 20000"
 fi
 
 # ---- a smooth solution: P2 displacement of order 3 in L2 and 2 in H1, P1 pressure of order 2 in L2
@@ -100,6 +102,22 @@ step() { awk -F, -v r="$2" -v c="$3" '$1 == "step" && $2 == r { print $c }' "$wo
 if group paths; then
   solve a off 0.01 5 0.043 0.05 $tilt
   solve b off 0.01 5 0.043 0.05 $tilt
+  # 10,000 times as stiff as the block; and one that gives way about as much as the block does
+  solve stiff off 0.01 5 0.043 0.05 $tilt -bed 1e9
+  solve soft off 0.01 5 0.043 0.05 $tilt -bed 30000
+  awk -F, '
+    $1 == "step" && $2 == 5 { n++; for (c = 3; c <= 10; ++c) of[n, c] = $c }
+    function part(n, c) { return of[n, c] / of[1, c] }
+    END {
+      worst = 0
+      for (c = 4; c <= 10; c += 1) if (c != 6 && c != 9) { d = part(2, c) - 1; if (d < 0) d = -d; if (d > worst) worst = d }
+      if (n == 3 && worst > 0 && worst < 1e-4) print "ok - on a bed 10,000 times as stiff as the tissue energy and forces are those of a rigid one: " worst
+      else print "not ok - on a bed 10,000 times as stiff as the tissue energy and forces are those of a rigid one: " worst " vs 1e-4"
+      if (part(3, 7) > 0.5 && part(3, 7) < 0.9) print "ok - on a soft bed the same push meets less force: " part(3, 7)
+      else print "not ok - on a soft bed the same push meets less force: " part(3, 7) " vs 0.5 to 0.9"
+    }' "$work/a.csv" "$work/stiff.csv" "$work/soft.csv" | tee -a "$results"
+  solve none off 0.01 5 0.043 0.05 $tilt -bed 0
+  refused none $? 2 "bed must be positive" "a bed of no stiffness is refused"
   if cmp -s "$work/a.csv" "$work/b.csv"; then say "ok - a path has the same bytes twice"
   else say "not ok - a path has the same bytes twice: $(cmp "$work/a.csv" "$work/b.csv" 2>&1) vs none"; fi
   awk -F, '

@@ -143,6 +143,8 @@ TEST_CASE("a new study is one that is read, in the plane and in space, with size
     CHECK(of_mesh().springs.spacing_m == 0.0123);
     wanted.held = {"below z = 0.01"};
     CHECK(of_mesh().geometry.fixed == std::vector<std::string>{"below_z_0.01"});
+    wanted.bed_Pa_m = 2e5;
+    CHECK(of_mesh().geometry.bed_Pa_m == 2e5);
     wanted.held = {"below z"};
     CHECK_THAT(refusal<MismatchError>([&] { new_study(wanted); }), Contains("'below z' begins like a region"));
 }
@@ -158,6 +160,9 @@ TEST_CASE("a new study is refused where nothing or something unknown is held, an
     wanted.held = {"bad"};
     CHECK_THAT(said(), Contains("has no curve 'bad' to hold; it names bed, wall"));
     wanted.held = {"bed"};
+    wanted.bed_Pa_m = 2e5;
+    CHECK_THAT(said(), Contains("a.geo: --bed is of a tissue in space"));
+    wanted.bed_Pa_m = 0;
     wanted.unit_m = 1;
     CHECK_THAT(said(), Contains("is 90 m long; is this in millimetres?"));
     wanted.unit_m = 1e-4;

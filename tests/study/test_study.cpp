@@ -1,6 +1,7 @@
 #include "study/study.h"
 
 #include <catch2/catch.hpp>
+#include <algorithm>
 #include <filesystem>
 
 #include "error.h"
@@ -90,9 +91,16 @@ TEST_CASE("a study based on another changes what it says and keeps the rest; lis
 }
 
 TEST_CASE("the committed studies are allowed, and the paper's has its 18 cases and 0.75 N/m") {
+    const std::vector<std::string> organs{"brain", "kidney", "liver", "spleen"};
     int studies = 0;
     for (const auto& entry : std::filesystem::directory_iterator("fem/studies")) {
         if (entry.path().extension() != ".toml") continue;
+        const std::filesystem::path brought = std::filesystem::path("fem/organs") / (entry.path().stem().string() + ".stl");  // by the user: fem/organs/README.md
+        if (std::find(organs.begin(), organs.end(), entry.path().stem()) != organs.end() && !std::filesystem::exists(brought)) {
+            CHECK_THAT(refusal<StudyError>([&] { read_study(entry.path().string()); }),
+                       Contains("key 'geometry.shape': there is no file " + brought.string() + "; fem/organs/README.md says where to get it"));
+            continue;
+        }
         const Study s = read_study(entry.path().string());
         CHECK(s.name == entry.path().stem());
         ++studies;
