@@ -131,6 +131,8 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
             } else {
                 row["contact_m"] = c.contact_m;
                 row["direction"] = c.direction;
+                row["clearance_m"] = or_null(c.clearance_m);
+                row["thickness_m"] = or_null(c.thickness_m);
             }
             row.update({{"angle_deg", c.angle_deg}, {"depth_m", c.depth_m}, {"fe_force_N", c.fe_force_N}, {"extrapolated", c.extrapolated}});
             for (std::size_t m = 0; m < held_out.models.size(); ++m) {

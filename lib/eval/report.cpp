@@ -124,6 +124,33 @@ std::string shape_cells(const ContactStatistics& s) {
 /// Whether the first of the models has an error there.
 bool answered(const DrawnContact& c) { return c.error[0].force && std::isfinite(*c.error[0].force); }
 
+/// Errors of the first model by thirds of the contacts in space: by how thick the tissue is there, and how far from where its free surface ends or turns. Thirds of a
+/// few contacts say nothing.
+std::string by_place_markdown(const DrawnContacts& role, const std::string& model) {
+    constexpr std::size_t fewest = 12;
+    if (role.contacts.size() < fewest) return "";
+    std::string out;
+    const auto thirds = [&](const std::string& what, double DrawnContact::*place_m) {
+        std::vector<DrawnContact> sorted;
+        for (const DrawnContact& c : role.contacts)
+            if (std::isfinite(c.*place_m)) sorted.push_back(c);
+        if (sorted.size() < fewest) return;
+        std::sort(sorted.begin(), sorted.end(), [&](const DrawnContact& a, const DrawnContact& b) { return a.*place_m < b.*place_m; });
+        for (std::size_t third = 0; third < 3; ++third) {
+            const auto at = [&](std::size_t part) { return sorted.begin() + static_cast<std::ptrdiff_t>(part * sorted.size() / 3); };
+            const DrawnContacts some{role.role, {at(third), at(third + 1)}, {}};
+            const ContactStatistics s = some.statistics(0);
+            out += fmt::format("| {} {:.1f} to {:.1f} mm | {} | {} | {} | {} |\n", what, 1e3 * some.contacts.front().*place_m, 1e3 * some.contacts.back().*place_m,
+                               summary(s.force), n_of_N(s.force), summary(s.shape), n_of_N(s.shape));
+        }
+    };
+    thirds("tissue thick", &DrawnContact::thickness_m);
+    thirds("from where the free surface ends or turns", &DrawnContact::clearance_m);
+    if (out.empty()) return "";
+    return fmt::format("\nOf `{}`, by thirds of the contacts (thickness straight in at rest; the free surface ends at what is held, and turns where facets meet at more than 45 degrees):\n\n"
+                       "| contacts | force: median / p95 / max | n of N | shape: median / p95 / max | n of N |\n|---|---|---|---|---|\n", model) + out;
+}
+
 std::string held_out_markdown(const HeldOut& h, bool measured, bool solid) {
     std::string out = solid ? solid_words(h) : "";
     for (const DrawnContacts& role : h.roles) {
@@ -145,6 +172,7 @@ std::string held_out_markdown(const HeldOut& h, bool measured, bool solid) {
         if (!measured) out += " " + shape_words(solid);
         out += measured ? "\n" : fmt::format(" FE lost {}{}\n", role.lost.size(), role.lost.empty() ? "." : ":");
         for (const std::string& lost : role.lost) out += "- " + lost + "\n";
+        if (solid && !measured) out += by_place_markdown(role, h.models[0]);
         std::vector<const DrawnContact*> worst;
         for (const DrawnContact& c : role.contacts)
             if (answered(c)) worst.push_back(&c);

@@ -1,5 +1,6 @@
 #include "mesh/free_surface.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -221,6 +222,23 @@ Point FreeSurface::at(Eigen::Index facet, const Eigen::Vector3d& weight) const {
 double FreeSurface::clearance_m(const Point& position_m) const {
     double least = std::numeric_limits<double>::infinity();
     for (Eigen::Index e = 0; e < ends_.rows(); ++e) least = std::min(least, nearest_on_facet(rest_, ends_, e, position_m).distance_m);
+    return least;
+}
+
+double FreeSurface::thickness_m(const Point& position_m, const Point& inward) const {
+    const double own_facet_m = 1e-6 * spacing_m_;
+    double least = std::numeric_limits<double>::infinity();
+    const Eigen::Vector3d from = position_m, along = inward;
+    for (const Cells* facets : {&facets_, &held_facets_})
+        for (Eigen::Index f = 0; f < facets->rows(); ++f) {
+            const Eigen::Vector3d a = rest_.row((*facets)(f, 0)), b = rest_.row((*facets)(f, 1)), c = rest_.row((*facets)(f, 2));
+            Eigen::Matrix3d sides;  // from + t along = a + v (b - a) + w (c - a)
+            sides << b - a, c - a, -along;
+            const double determinant = sides.determinant();
+            if (std::abs(determinant) < 1e-12 * (b - a).norm() * (c - a).norm()) continue;  // along the facet
+            const Eigen::Vector3d at = sides.inverse() * (from - a);
+            if (at[0] >= 0 && at[1] >= 0 && at[0] + at[1] <= 1 && at[2] > own_facet_m) least = std::min(least, at[2]);
+        }
     return least;
 }
 

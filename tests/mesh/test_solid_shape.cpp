@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <set>
 
 #include "dome.h"
@@ -196,4 +197,9 @@ TEST_CASE("a dome's clearance is the distance from the bed's edge, and its surfa
     }
     CHECK(distinct.size() == points.size());
     CHECK(surface.nearest(Eigen::Vector3d(0, 0, 0.06)).inward[2] < -0.99);
+    const Eigen::Vector3d top(0, 0, 0.05), right(0.05, 0, 0.013), down(0, 0, -1), left(-1, 0, 0);
+    const Point start = surface.nearest(top).point_m, side = surface.nearest(right).point_m;
+    CHECK(surface.thickness_m(start, down) == Approx(start[2]).epsilon(1e-9));                        // to the bed, which is held
+    CHECK(surface.thickness_m(side, left) == Approx(2 * side[0]).epsilon(0.02));                      // to the other side, which is free
+    CHECK(surface.thickness_m(start, Eigen::Vector3d(-down)) == std::numeric_limits<double>::infinity());
 }
