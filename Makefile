@@ -75,13 +75,17 @@ FORCE:
 
 # ---- front door
 
-.PHONY: felupe realtime ablation all mesh cases train eval figures report reference regress regress-proof trust gains patient patient3 peers test test-fe sanitized sanitize tsan fuzz bench benches hands doors deps help clean build install uninstall doctor
+.PHONY: felupe realtime ablation all mesh contacts cases train eval figures report reference regress regress-proof trust gains patient patient3 peers test test-fe sanitized sanitize tsan fuzz bench benches hands doors deps help clean build install uninstall doctor
 
 ## all: the whole study, from mesh to report
 all: figures eval report
 
 ## mesh: gmsh meshes the block (Sec. 2.2), or your shape; a solid block's paths mesh for themselves
 mesh:
+
+## contacts: draw what of a shape in space is held and where its contacts are, before any path is solved: results/NAME/contacts.png
+contacts: $(R)/mesh.msh $(R)/plan.mk
+	@$(PYTHON) scripts/figures/contacts.py $(R) $(R)/contacts.png
 
 ## cases: FreeFEM solves every load path (Sec. 2)
 cases: $(R)/cases.h5

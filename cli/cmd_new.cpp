@@ -47,7 +47,8 @@ void run(const Options& o) {
         throw;
     }
     for (const std::string& line : written.choices) std::cout << line << '\n';
-    std::cout << fmt::format("{} is written; make all STUDY={} runs it\n", file, o.name);
+    std::cout << fmt::format("{} is written; {}make all STUDY={} runs it\n", file,
+                             written.solid ? fmt::format("make contacts STUDY={} draws what is held and where the contacts are, ", o.name) : "", o.name);
 }
 
 }  // namespace

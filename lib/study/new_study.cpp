@@ -163,7 +163,7 @@ WrittenStudy plane_study(const ShapeExtent& shape, const NewStudy& wanted, const
     toml += "[springs]\ntopology = \"edges\"    # of the triangles\nstiffness = \"law\"    # an energy model; terms: lib/springs/energy_law.h\nterms = [\n"
             "  \"spring.all\", \"spring.held\", \"spring.upright.held\", \"contact.normal\", \"contact.tangent\", \"contact.rotation\", \"contact.stretch\",\n]\n\n";
     toml += training;
-    return {toml, {fmt::format("tool: a patch {} mm wide (indenter.half_width_m), pushed to {} mm (loads.magnitudes_m)", text(2e3 * half_width_m), text(1e3 * depth_m)),
+    return {toml, false, {fmt::format("tool: a patch {} mm wide (indenter.half_width_m), pushed to {} mm (loads.magnitudes_m)", text(2e3 * half_width_m), text(1e3 * depth_m)),
                    fmt::format("training contacts every {} mm (loads.sweep.spacing_m), at -20, 0 and 20 degrees", text(1e3 * spacing_m))}};
 }
 
@@ -193,7 +193,7 @@ WrittenStudy solid_study(const ShapeExtent& shape, const NewStudy& wanted, const
             "  \"contact.softening\", \"contact.coupling\", \"contact.normal.crowd\", \"contact.tangent.crowd\", \"contact.imprint_normal.crowd\", \"contact.imprint_tangent.crowd\",\n"
             "  \"skin.normal\", \"skin.tangent\", \"skin.heave\", \"skin.radial\",\n]\n\n";
     toml += training;
-    return {toml, {fmt::format("tool: a disc of radius {} mm (indenter.radius_m), pushed to {} mm (loads.magnitudes_m)", text(1e3 * radius_m), text(1e3 * depth_m)),
+    return {toml, true, {fmt::format("tool: a disc of radius {} mm (indenter.radius_m), pushed to {} mm (loads.magnitudes_m)", text(1e3 * radius_m), text(1e3 * depth_m)),
                    fmt::format("{} training contacts all over the free surface (loads.spread), straight in and at 30 degrees", contacts)}};
 }
 

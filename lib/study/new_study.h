@@ -21,6 +21,7 @@ struct NewStudy {
 
 struct WrittenStudy {
     std::string toml;                 ///< every key with its unit
+    bool solid;                       ///< of a tissue in space
     std::vector<std::string> choices;  ///< lines for a person: what was chosen, and from what
 };
 

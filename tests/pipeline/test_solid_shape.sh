@@ -68,6 +68,10 @@ check "a surface that is kept is one of its unit: another unit meshes it anew, o
     'grep -o "clmin [^ ]*" "$0" | tr "\n" " " | grep -qx "clmin 5 clmin 0.5 " || { cat "$0"; exit 1; }' "$scratch/fake/gmsh.calls"
 
 make_dome() { run make PYTHON="$PYTHON" STUDY=dome "$@"; }
+make_dome contacts
+check "what is held and the contacts are drawn before any path is solved" exited 0
+check "the drawing says how many, and how much is held" says '^results/dome/contacts.png: 5 load paths (2 training, 1 validation, 2 test); [34][0-9] % of the surface is held$'
+check "the drawing is there, and no path" sh -c 'head -c 8 "$1/contacts.png" | tail -c 7 | grep -q PNG && ! ls "$1"/cases/*.csv 2>/dev/null' - "$R"
 make_dome all -j2
 check "a solid shape's study runs from mesh to report" exited 0
 check "its results are there" exist "$R/mesh.msh" "$R/cases.h5" "$R/model.h5" "$R/eval.json" "$R/report.html" "$R/figures/solid.png"
@@ -126,6 +130,28 @@ check "VTK reads springs and cubes of the pressed law" exported law-vtu "$out/mo
 
 run "$TISSUE_HAPTIC" results/dome/model.h5 --seconds 0.2
 check "it plays" exited 0
+
+# ---- the same on an elastic bed, about as stiff as the tissue: the law knows the bed from the study
+sed 's/^fixed = .*/&\nbed_Pa_m = 2e5/' "$work/$study" >"$work/fem/studies/bedded.toml"
+run make PYTHON="$PYTHON" STUDY=bedded eval -j2
+check "on an elastic bed a study runs as well" exited 0
+check "what was held moves, contact and bed are in balance, and the law is as good on it" "$PYTHON" - "$R" "$work/results/bedded" <<'PY'
+import json, sys
+import h5py
+import numpy as np
+rigid, bedded = sys.argv[1:]
+with h5py.File(bedded + "/cases.h5") as c, h5py.File(rigid + "/cases.h5") as r, h5py.File(bedded + "/model.h5") as m:
+    fixed = m["mesh/fixed"][()]
+    for name in c["path_names"].asstr():
+        p, q = c["paths"][name], r["paths"][name]
+        u = np.linalg.norm(p["displacement"][-1], axis=1)
+        assert u[fixed].max() > 0.01 * u.max() and np.abs(q["displacement"][-1][fixed]).max() == 0, name
+        contact, bed = (np.linalg.norm(p[k][-1]) for k in ("contact_force", "support_force"))
+        assert 0.5 < np.linalg.norm(p["contact_force"][-1]) / np.linalg.norm(q["contact_force"][-1]) < 0.999, name
+        assert bed > 0.5 * contact, (name, contact, bed)
+errors = [json.load(open(folder + "/eval.json"))["closed_loop"]["held_out"]["learned"] for folder in (rigid, bedded)]
+assert errors[1]["n"] == errors[1]["of"] == 2 and errors[1]["max"] < 2 * errors[0]["max"] + 0.05, errors
+PY
 
 # ---- a nodule in it: contacts over it and at the mirror image, where there is none
 stone=fem/studies/stone.toml
