@@ -66,7 +66,7 @@ def main():
         inside, outside = np.where(is_in, middle, inside), np.where(is_in, outside, middle)
     points = CENTRE + directions * inside[:, None]
     points -= points.min(axis=0)
-    lines = ["# An organ that there is not: scripts/make_organ.py wrote it. Millimetres."]
+    lines = ["# A made-up organ, in millimetres, written by scripts/make_organ.py"]
     lines += ["v {:.2f} {:.2f} {:.2f}".format(*point) for point in points] + ["f {} {} {}".format(*t) for t in triangles + 1]
     with written(sys.argv[1]) as part:
         Path(part).write_text("\n".join(lines) + "\n")

@@ -157,23 +157,23 @@ std::string collect_part(const Study& s, const std::vector<PlannedPath>& paths, 
 std::string train_part(const Study& s) {
     const Study::Training& t = s.training;
     const auto optional = [](const std::optional<double>& v) { return v ? fmt::format("{}", *v) : std::string("none"); };
-    std::string regions = s.geometry.bed_Pa_m > 0 ? fmt::format("bed {}\n", s.geometry.bed_Pa_m) : "";
-    for (const Study::Region& r : s.material.regions) regions += fmt::format("region {} {}\n", r.name, r.youngs_modulus_Pa());
+    std::string parts = s.geometry.bed_Pa_m > 0 ? fmt::format("bed {}\n", s.geometry.bed_Pa_m) : "";
+    for (const Study::Region& r : s.material.regions) parts += fmt::format("region {} {}\n", r.name, r.youngs_modulus_Pa());
     if (s.nodule)
-        regions += fmt::format("nodule {} {} {} {} {}\n", s.nodule->centre_m[0], s.nodule->centre_m[1], s.nodule->centre_m[2],
+        parts += fmt::format("nodule {} {} {} {} {}\n", s.nodule->centre_m[0], s.nodule->centre_m[1], s.nodule->centre_m[2],
                                s.nodule->radius_m, s.nodule->youngs_modulus_Pa());
     if (s.material.relaxes()) {  // which branches the law gets
-        regions += fmt::format("relaxes {}{}\n", s.material.fits_shares ? "as measured " : "", s.material.long_term ? "long-term" : "instantaneous");
-        for (const Branch& b : s.material.viscosity) regions += fmt::format("branch {} {}\n", b.share, b.tau_s);
-        for (const Study::Region& r : s.material.regions) regions += fmt::format("shares {} {}\n", r.name, fmt::join(r.share, " "));
-        if (s.nodule) regions += fmt::format("shares nodule {}\n", fmt::join(s.nodule->share, " "));
+        parts += fmt::format("relaxes {}{}\n", s.material.fits_shares ? "as measured " : "", s.material.long_term ? "long-term" : "instantaneous");
+        for (const Branch& b : s.material.viscosity) parts += fmt::format("branch {} {}\n", b.share, b.tau_s);
+        for (const Study::Region& r : s.material.regions) parts += fmt::format("shares {} {}\n", r.name, fmt::join(r.share, " "));
+        if (s.nodule) parts += fmt::format("shares nodule {}\n", fmt::join(s.nodule->share, " "));
     }
     if (s.springs.is_law())
-        return regions + (s.springs.spacing_m > 0 ? fmt::format("spacing {}\n", s.springs.spacing_m) : "") + fmt::format("law {} cap {} {}\nterms {}\nmodulus {}\ndensity {}\nthickness {}\nscales {} {} ridge {}\nstarts {} seed {}\n",
+        return parts + (s.springs.spacing_m > 0 ? fmt::format("spacing {}\n", s.springs.spacing_m) : "") + fmt::format("law {} cap {} {}\nterms {}\nmodulus {}\ndensity {}\nthickness {}\nscales {} {} ridge {}\nstarts {} seed {}\n",
                                      s.springs.topology, s.springs.area_cap_E2, s.material.formulation, fmt::join(s.springs.terms, " "),
                                      s.modulus_N_m(), s.material.density_kg_m3, s.geometry.thickness_m, t.force_scale,
                                      t.shape_scale, t.ridge, t.starts, t.seed);
-    return regions + fmt::format(
+    return parts + fmt::format(
         "springs {} {}\nobjective {} ridge {}\nmodulus {}\ndensity {}\nthickness {}\noptimizer {} also {}\nseed {}\niterations {}\n"
         "max_seconds {}\ntarget_rel_loss {}\nbox {} {}\nweight_near {} {}\nweight_far {} {}\n",
         s.springs.topology, s.springs.law, t.objective, t.ridge, s.modulus_N_m(), s.material.density_kg_m3,

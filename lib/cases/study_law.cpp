@@ -196,8 +196,8 @@ Eigen::VectorXd tissue_at_supports(const Study& study, const std::optional<Shape
     return sum(mesh.fixed).cwiseQuotient(volume(mesh.fixed));
 }
 
-/// What supports are made of [Pa] (M), 8 of it times area over spacing each: the tissue's E, or on an elastic bed less, such that the support is a rigid bed's and the
-/// bed one after the other. Empty where it is the base material's E everywhere.
+/// Modulus of each support [Pa] (M); its stiffness is 8 moduli x area / spacing. On a rigid bed it is the tissue's E there. On an elastic bed it is smaller, so that the
+/// support is the rigid bed's support and the bed in series. Empty where it is the base material's E everywhere.
 Eigen::VectorXd support_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_Pa) {
     Eigen::VectorXd moduli = tissue_at_supports(study, shape, mesh, modulus_Pa);
     if (mesh.embedding.empty() || study.geometry.bed_Pa_m == 0) return moduli;

@@ -267,10 +267,10 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
                                                    : table->at(arc, path.direction, record.magnitude_m);
             const ContactTruth truth = truth_of(model.mesh, path, record);
             DrawnContact& contact = role.contacts[static_cast<std::size_t>(p)];
-            const Point inward = solid ? surface.nearest(path.contact_m).inward : Point();
-            const double angle = solid ? std::acos(std::clamp(inward.dot(path.direction), -1.0, 1.0)) : outline->angle(arc, path.direction);
+            const FreeSurface::Place place = solid ? surface.nearest(path.contact_m) : FreeSurface::Place{};
+            const double angle = solid ? std::acos(std::clamp(place.inward.dot(path.direction), -1.0, 1.0)) : outline->angle(arc, path.direction);
             contact = {path.name, path.contact_m, path.direction, arc, angle / degree, record.magnitude_m, solid ? surface.clearance_m(path.contact_m) : std::nan(""),
-                       solid ? surface.thickness_m(path.contact_m, inward) : std::nan(""), record.contact_force_N, tabled.extrapolated, {}};
+                       solid ? surface.thickness_m(place.point_m, place.inward) : std::nan(""), record.contact_force_N, tabled.extrapolated, {}};
             const auto add = [&](const ContactAnswer& answer) {
                 contact.error.push_back(error_of(answer, truth, model.mesh, seen));
             };

@@ -18,7 +18,7 @@ struct DrawnContact {
     double arc_m;                         ///< in the plane: place along the surface
     double angle_deg;                     ///< of the push off the inward normal; in space not signed
     double depth_m;                       ///< length of the push
-    double clearance_m, thickness_m;      ///< in space, as of FreeSurface: to where the free surface ends or turns; of the tissue straight below
+    double clearance_m, thickness_m;      ///< in space, as of FreeSurface: to where the free surface ends or turns; of the tissue straight in
     Point fe_force_N;
     bool extrapolated;                    ///< outside what the sets were trained on
     std::vector<ContactError> error;      ///< of each model, in closed loop

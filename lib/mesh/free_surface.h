@@ -51,8 +51,8 @@ class FreeSurface {
     /// it does neither.
     double clearance_m(const Point& position_m) const;
 
-    /// In space, how far the tissue reaches from a point of its surface along a direction into it [m]: to the nearest other facet, held ones too;
-    /// infinite where the direction leads out of it.
+    /// In space, how far the tissue reaches from a point of its surface along a direction into it [m]: to where that leaves the tissue, through a free or a held
+    /// facet; infinite where it meets none.
     double thickness_m(const Point& position_m, const Point& inward) const;
 
     /// In space: the middles of parts of the free facets, parts^2 of each, all alike.

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "error.h"
 #include "io/one_line.h"
@@ -53,6 +55,15 @@ std::string beside(const toml::node& node, const std::string& study_file, const 
     return (std::filesystem::path(file).parent_path() / name).lexically_normal().string();
 }
 
+/// Whether a text file, as a README.md, has a name in it.
+bool names_file(const std::string& readme, const std::string& name) {
+    std::ifstream in(readme);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    return text.find("`" + name + "`") != std::string::npos;
+}
+
+constexpr double bed_least_Pa_m = 10, bed_most_Pa_m = 1e9;  // softer, tissue floats; stiffer, it is held
+
 Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std::string& file) {
     Study::Geometry g{};
     g.unit_m = 1;
@@ -77,6 +88,7 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
     g.thickness_m = g.solid ? 1 : in.number("thickness_m", positive);
     const std::string shape = in.has("shape") ? in.text("shape") : "block";
     if (shape == "block" && !g.solid) {
+        if (in.has("bed_Pa_m")) in.refuse("bed_Pa_m", "is of a solid shape; the bottom of a block does not move");
         g.width_m = in.number("width_m", positive);
         g.height_m = in.number("height_m", positive);
     } else {
@@ -88,7 +100,7 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
         std::error_code error;
         if (!std::filesystem::is_regular_file(g.shape, error)) {
             const std::string readme = (std::filesystem::path(g.shape).parent_path() / "README.md").string();
-            in.refuse("shape", "there is no file " + g.shape + (std::filesystem::is_regular_file(readme, error) ? "; " + readme + " says where to get it" : ""));
+            in.refuse("shape", "there is no file " + g.shape + (names_file(readme, std::filesystem::path(g.shape).filename().string()) ? "; " + readme + " says where to get it" : ""));
         }
         const bool trusted = in.has("trust_geo") && in.flag("trust_geo");
         if (ends_with(shape, ".geo") && !trusted)
@@ -106,7 +118,9 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
             if (name.find(',') != std::string::npos) in.refuse("fixed", "'" + name + "' has a comma, which stands between names");
         }
         if (in.has("bed_Pa_m") && !g.solid) in.refuse("bed_Pa_m", "is of a solid shape; what is held in the plane does not move");
-        g.bed_Pa_m = in.optional_number("bed_Pa_m", positive).value_or(0);
+        g.bed_Pa_m = in.optional_number("bed_Pa_m", {0, bed_most_Pa_m}).value_or(0);
+        if (g.bed_Pa_m > 0 && g.bed_Pa_m < bed_least_Pa_m)
+            in.refuse("bed_Pa_m", fmt::format("{:g} Pa/m is no bed; allowed: 0, which is rigid, or {:g} to {:g} (fat of 2 kPa, 10 mm thick, has 200000)", g.bed_Pa_m, bed_least_Pa_m, bed_most_Pa_m));
     }
     in.refuse_the_rest();
     return g;

@@ -139,6 +139,22 @@ TEST_CASE("what is no solid shape is refused with its place", "[solid_shape]") {
     const MshFile::Tetrahedron& first = file.tetrahedra[0];
     file.points[static_cast<std::size_t>(first.node[1])] = file.points[static_cast<std::size_t>(first.node[0])];
     CHECK_THAT(refused(file), Contains("is a sliver") && Contains(" m "));
+    for (const auto& [thin, is_sliver] : {std::pair{5e-4, false}, std::pair{5e-5, true}}) {  // volume over the longest edge's cube
+        MshFile flat = good;
+        flat.tetrahedra.clear();
+        flat.triangles.clear();
+        flat.points = {{0, 0, 0}, {100, 0, 0}, {0, 100, 0}, {30, 30, thin * 1200 * std::sqrt(2)}};
+        flat.tetrahedra.push_back({1, {0, 1, 2, 3}, good.tetrahedra[0].physical});
+        flat.triangles.push_back({2, {0, 1, 2}, good.triangles[0].physical});
+        std::string words;
+        try {
+            make_solid_shape(flat, {"bed"}, {}, 0.001);
+        } catch (const FileError& e) {
+            words = e.what();
+        }
+        INFO(words);
+        CHECK((words.find("is a sliver") != std::string::npos) == is_sliver);
+    }
 
     file = good;  // a node inside, pushed through the faces across
     file.points[static_cast<std::size_t>(good.tetrahedra[6 * 255].node[3])].x += 17;

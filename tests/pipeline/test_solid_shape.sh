@@ -145,6 +145,8 @@ with h5py.File(bedded + "/cases.h5") as c, h5py.File(rigid + "/cases.h5") as r, 
     for name in c["path_names"].asstr():
         p, q = c["paths"][name], r["paths"][name]
         u = np.linalg.norm(p["displacement"][-1], axis=1)
+        f = p["force"][-1]
+        assert np.abs(f.sum(axis=0)).max() < 1e-6 * np.abs(f).max(), f.sum(axis=0)
         assert u[fixed].max() > 0.01 * u.max() and np.abs(q["displacement"][-1][fixed]).max() == 0, name
         contact, bed = (np.linalg.norm(p[k][-1]) for k in ("contact_force", "support_force"))
         assert 0.5 < np.linalg.norm(p["contact_force"][-1]) / np.linalg.norm(q["contact_force"][-1]) < 0.999, name

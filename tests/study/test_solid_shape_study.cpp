@@ -88,8 +88,9 @@ TEST_CASE("keys that a solid shape has not, or must have, are refused by name", 
     CHECK_THAT(said("trust_geo = true\n", "trust_geo = false\n", "geometry.shape"), Contains("trust_geo = true"));
     CHECK_THAT(said("fixed = [\"bed\"]", "fixed = []", "geometry.fixed"), Contains("physical surface"));
     CHECK_THAT(said("[\"bed\"]", "[\"bed,two\"]", "geometry.fixed"), Contains("comma"));
-    for (const char* stiffness : {"0", "-1.0", "inf", "\"soft\""}) said("[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = " + std::string(stiffness) + "\n", "geometry.bed_Pa_m");
+    for (const char* stiffness : {"9.9", "1.1e9", "-1.0", "inf", "\"soft\""}) said("[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = " + std::string(stiffness) + "\n", "geometry.bed_Pa_m");
     CHECK(shape_study(with(shape_study_text(), "[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = 2e5\n")).geometry.bed_Pa_m == 2e5);
+    CHECK(shape_study(with(shape_study_text(), "[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = 0\n")).geometry.bed_Pa_m == 0);
     said("fixed = [\"bed\"]\n", "", "geometry.fixed");
     said("[lattice]\nsize_m = 0.01\n", "", "lattice");
     said("size_m = 0.01", "cells = [5, 4, 3]", "lattice.size_m");
@@ -113,8 +114,11 @@ TEST_CASE("keys that a solid shape has not, or must have, are refused by name", 
                }),
                Contains("key 'nodule': cannot stand beside material.regions"));
     const TemporaryFolder folder;
-    folder.file("README.md", "");
-    CHECK_THAT(refusal<StudyError>([&] { read_study(folder.file("b.toml", shape_study_text())); }), Contains("there is no file") && Contains("README.md says where to get it"));
+    const auto none_said = [&] { return refusal<StudyError>([&] { read_study(folder.file("b.toml", shape_study_text())); }); };
+    folder.file("README.md", "| `home.geo` |");
+    CHECK_THAT(none_said(), Contains("there is no file") && !Contains("README.md"));
+    folder.file("README.md", "| `dome.geo` | from there |");
+    CHECK_THAT(none_said(), Contains("there is no file") && Contains("README.md says where to get it"));
     folder.file("dome.stl", "");
     CHECK_THAT(refusal<StudyError>([&] {
                    read_study(folder.file("a.toml", with(with(shape_study_text(), "density_kg_m3 = 1000.0", stone), "dome.geo", "dome.stl")));
