@@ -84,8 +84,9 @@ all: figures eval report
 mesh:
 
 ## contacts: draw what of a shape in space is held and where its contacts are, before any path is solved: results/NAME/contacts.png
-contacts: $(R)/mesh.msh $(R)/plan.mk
-	@$(PYTHON) scripts/figures/contacts.py $(R) $(R)/contacts.png
+contacts: $(R)/contacts.png
+$(R)/contacts.png: $(if $(SHAPE),$(R)/mesh.msh) $(R)/plan.mk scripts/figures/contacts.py scripts/figures/save.py
+	@$(PYTHON) scripts/figures/contacts.py $(R) $@
 
 ## cases: FreeFEM solves every load path (Sec. 2)
 cases: $(R)/cases.h5

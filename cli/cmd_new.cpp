@@ -10,6 +10,7 @@
 #include "command.h"
 #include "error.h"
 #include "io/atomic_file.h"
+#include "study/bed.h"
 #include "study/new_study.h"
 #include "study/study.h"
 
@@ -63,7 +64,7 @@ void add_new(CLI::App& app, const Invocation&) {
     command->add_flag("--trust-geo,--trust_geo", o->study.trust_geo, "a .geo is a program, which gmsh runs: this one is trusted");
     add_unit_option(*command, o->unit);
     command->add_option("--held", o->study.held, "its named curves, in space surfaces or regions [m], that are held: 'below z = 0.01', 'ball X Y Z radius R', 'box X Y Z to X Y Z'; without it names are listed")->type_name("NAME|REGION..");
-    command->add_option("--bed", o->study.bed_Pa_m, "stiffness per area of the bed that these lie on, in space (fat of 2 kPa, 10 mm thick: 200000); without it they do not move")->type_name("Pa/m")->check(CLI::PositiveNumber);
+    command->add_option("--bed", o->study.bed_Pa_m, "in space, stiffness per area of an elastic bed under what is held (fat of 2000 Pa, 0.01 m thick: 200000); without it what is held does not move")->type_name("Pa/m")->check(CLI::Range(bed_least_Pa_m, bed_most_Pa_m));
     command->add_option("--preset", o->study.preset, "material: brain, liver, muscle, or another of fem/materials")->type_name("NAME")->capture_default_str();
     command->add_option("--size", o->size_m, "length of the springs, in space edge of their cubes; default: an eighth of the tissue's mean size, in space a third of its shortest side if that is less")->type_name("m")->check(CLI::PositiveNumber);
     command->add_option("--thickness", o->study.thickness_m, "of the slice, in the plane")->type_name("m")->check(CLI::PositiveNumber)->capture_default_str();

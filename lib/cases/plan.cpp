@@ -161,7 +161,7 @@ std::string train_part(const Study& s) {
     for (const Study::Region& r : s.material.regions) parts += fmt::format("region {} {}\n", r.name, r.youngs_modulus_Pa());
     if (s.nodule)
         parts += fmt::format("nodule {} {} {} {} {}\n", s.nodule->centre_m[0], s.nodule->centre_m[1], s.nodule->centre_m[2],
-                               s.nodule->radius_m, s.nodule->youngs_modulus_Pa());
+                             s.nodule->radius_m, s.nodule->youngs_modulus_Pa());
     if (s.material.relaxes()) {  // which branches the law gets
         parts += fmt::format("relaxes {}{}\n", s.material.fits_shares ? "as measured " : "", s.material.long_term ? "long-term" : "instantaneous");
         for (const Branch& b : s.material.viscosity) parts += fmt::format("branch {} {}\n", b.share, b.tau_s);

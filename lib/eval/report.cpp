@@ -136,18 +136,19 @@ std::string by_place_markdown(const DrawnContacts& role, const std::string& mode
             if (std::isfinite(c.*place_m)) sorted.push_back(c);
         if (sorted.size() < fewest) return;
         std::sort(sorted.begin(), sorted.end(), [&](const DrawnContact& a, const DrawnContact& b) { return a.*place_m < b.*place_m; });
+        if (sorted.back().*place_m - sorted.front().*place_m < 0.05 * sorted.back().*place_m) return;  // a block is as thick everywhere
         for (std::size_t third = 0; third < 3; ++third) {
             const auto at = [&](std::size_t part) { return sorted.begin() + static_cast<std::ptrdiff_t>(part * sorted.size() / 3); };
             const DrawnContacts some{role.role, {at(third), at(third + 1)}, {}};
             const ContactStatistics s = some.statistics(0);
-            out += fmt::format("| {} {:.1f} to {:.1f} mm | {} | {} | {} | {} |\n", what, 1e3 * some.contacts.front().*place_m, 1e3 * some.contacts.back().*place_m,
+            out += fmt::format("| {}, {:.1f} to {:.1f} mm | {} | {} | {} | {} |\n", what, 1e3 * some.contacts.front().*place_m, 1e3 * some.contacts.back().*place_m,
                                summary(s.force), n_of_N(s.force), summary(s.shape), n_of_N(s.shape));
         }
     };
-    thirds("tissue thick", &DrawnContact::thickness_m);
-    thirds("from where the free surface ends or turns", &DrawnContact::clearance_m);
+    thirds("thickness", &DrawnContact::thickness_m);
+    thirds("distance from the free surface's edge", &DrawnContact::clearance_m);
     if (out.empty()) return "";
-    return fmt::format("\nOf `{}`, by thirds of the contacts (thickness straight in at rest; the free surface ends at what is held, and turns where facets meet at more than 45 degrees):\n\n"
+    return fmt::format("\nOf `{}`, by thirds of the contacts (thickness of the tissue straight in, at rest; edge: where the free surface ends, as at what is held, or turns by more than 45 degrees):\n\n"
                        "| contacts | force: median / p95 / max | n of N | shape: median / p95 / max | n of N |\n|---|---|---|---|---|\n", model) + out;
 }
 

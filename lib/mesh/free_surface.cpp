@@ -226,7 +226,7 @@ double FreeSurface::clearance_m(const Point& position_m) const {
 }
 
 double FreeSurface::thickness_m(const Point& position_m, const Point& inward) const {
-    constexpr double rounding = 1e-9;  // of weights: no way leads between two facets
+    constexpr double rounding = 1e-9;  // of weights, so that a ray cannot pass between two facets
     double least = std::numeric_limits<double>::infinity();
     const Eigen::Vector3d from = position_m, along = inward;
     for (const Cells* facets : {&facets_, &held_facets_})
@@ -235,7 +235,7 @@ double FreeSurface::thickness_m(const Point& position_m, const Point& inward) co
             Eigen::Matrix3d sides;  // from + t along = a + v (b - a) + w (c - a)
             sides << b - a, c - a, -along;
             const double determinant = sides.determinant();
-            if (determinant > -1e-12 * (b - a).norm() * (c - a).norm()) continue;  // the facet's outside faces the way, as the own one's does, or it is along the way
+            if (determinant > -1e-12 * (b - a).norm() * (c - a).norm()) continue;  // the ray enters through it, or runs along it
             const Eigen::Vector3d at = sides.inverse() * (from - a);
             if (at[0] >= -rounding && at[1] >= -rounding && at[0] + at[1] <= 1 + rounding && at[2] > 0) least = std::min(least, at[2]);
         }

@@ -23,7 +23,7 @@ namespace tissue {
 /// A lattice has few directions, and is isotropic only with shares of its own (springs/isotropic_springs.h) in place of (7)'s: with those a cube resists a shear at 45
 /// degrees to its axes 2.1 times as much as one along them. Squares have them anyway. Cells
 /// so oblong that no shares are isotropic keep (7)'s.
-/// Supports of a solid in an embedded lattice have 8 E area / spacing, and no terms.
+/// Supports of a solid in an embedded lattice have 8 E area / spacing, on an elastic bed that and the bed in series, and no terms.
 /// Contact: between a rigid patch of half width b and the spline on nodes h apart lies the compliance
 /// 3 / (2 pi E2) ln(r_spline / (b / 2)), r_spline = 0.43 h, of a half plane's logarithmic dent (Johnson, Contact
 /// Mechanics, 2.3: both kernels' mean logarithm): 1 / (4 E2) for b = h / 2, the start for normal and tangent; a tenth
@@ -40,7 +40,7 @@ struct LawHeuristic {
     NodeField ground = {};         ///< and these as points (springs/disc_contact.h)
 };
 
-/// Of the supports of an embedded solid, k = 8 E area / spacing: a cube gives way far more than its supports, which raise the fastest frequency by 2 to 11 %.
+/// Of the supports of an embedded solid on a rigid bed, k = 8 E area / spacing: a cube gives way far more than its supports, which raise the fastest frequency by 2 to 11 %.
 constexpr double support_stiffness = 8;
 
 /// formulation: plane-stress or plane-strain. area_cap: of cells, over E2; plane strain starts 5 % below it.

@@ -15,6 +15,7 @@
 #include "mesh/topology.h"
 #include "springs/spring_law.h"
 #include "study/based_on.h"
+#include "study/bed.h"
 #include "study/histories.h"
 #include "study/kinds.h"
 #include "study/read_parts.h"
@@ -61,8 +62,6 @@ bool names_file(const std::string& readme, const std::string& name) {
     const std::string text{std::istreambuf_iterator<char>(in), {}};
     return text.find("`" + name + "`") != std::string::npos;
 }
-
-constexpr double bed_least_Pa_m = 10, bed_most_Pa_m = 1e9;  // softer, tissue floats; stiffer, it is held
 
 Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std::string& file) {
     Study::Geometry g{};
@@ -118,9 +117,10 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
             if (name.find(',') != std::string::npos) in.refuse("fixed", "'" + name + "' has a comma, which stands between names");
         }
         if (in.has("bed_Pa_m") && !g.solid) in.refuse("bed_Pa_m", "is of a solid shape; what is held in the plane does not move");
-        g.bed_Pa_m = in.optional_number("bed_Pa_m", {0, bed_most_Pa_m}).value_or(0);
-        if (g.bed_Pa_m > 0 && g.bed_Pa_m < bed_least_Pa_m)
-            in.refuse("bed_Pa_m", fmt::format("{:g} Pa/m is no bed; allowed: 0, which is rigid, or {:g} to {:g} (fat of 2 kPa, 10 mm thick, has 200000)", g.bed_Pa_m, bed_least_Pa_m, bed_most_Pa_m));
+        g.bed_Pa_m = in.optional_number("bed_Pa_m", not_negative).value_or(0);
+        if (g.bed_Pa_m != 0 && !(g.bed_Pa_m >= bed_least_Pa_m && g.bed_Pa_m <= bed_most_Pa_m))
+            in.refuse("bed_Pa_m", fmt::format("must be 0, which is rigid, or {:g} to {:g} Pa/m (fat of E = 2000 Pa, 0.01 m thick: 200000), not {:g}", bed_least_Pa_m,
+                                              bed_most_Pa_m, g.bed_Pa_m));
     }
     in.refuse_the_rest();
     return g;

@@ -1,6 +1,7 @@
-"""Draws what of a solid shape is held and where its contacts are, before any finite element is solved: contacts.py RESULTS OUT.png.
+"""Draws what of a solid shape is held and where its contacts are, before any path is solved: contacts.py RESULTS OUT.png.
 
-Reads RESULTS/mesh.msh and RESULTS/plan.mk, which `make mesh` leaves there. Says how many load paths there are, of which kind, and how much is held.
+Reads RESULTS/mesh.msh, plan.mk and plan/collect, which `make mesh` leaves there. Says how many places and pushes there are of each role, and how much is held.
+A contact that tissue hides is not drawn in that view.
 """
 import re
 import sys
@@ -16,85 +17,118 @@ from matplotlib.collections import PolyCollection  # noqa: E402
 from save import save  # noqa: E402
 
 MM = 1e3
-HELD = 1  # label of facets
-VIEWS = [(-0.45, -1.0, 0.62), (0.45, 1.0, -0.62)]  # towards the eye: from the front and above, from behind and below
-KINDS = {"validation": ("validation", "#009E73", "s"), "held-out": ("test", "#D55E00", "^"), "check": (None, None, None)}
-TRAINING = ("training", "#0072B2", "o")
+HELD_LABEL, TRIANGLE, TETRAHEDRON = 1, "2", "4"
+HELD_COLOUR, FREE_COLOUR = [0.80, 0.25, 0.20], [0.88, 0.88, 0.86]
+VIEWS = {"from the front and above": (-0.45, -1.0, 0.62), "from behind and below": (0.45, 1.0, -0.62)}  # towards the eye
+STYLES = {"train": ("#0072B2", "o"), "validation": ("#009E73", "s"), "held_out": ("#D55E00", "^"), "history": ("#CC79A7", "D")}
+
+
+class Refusal(Exception):
+    """One line for a person."""
+
+
+def section(text, name):
+    """Lines of one section of a mesh, without their count."""
+    return text.split(f"${name}\n")[1].split(f"$End{name}")[0].splitlines()[1:]
 
 
 def read_surface(file):
-    """Nodes (N x 3, in mm), facets (F x 3) and which of them are held (F)."""
-    text = Path(file).read_text()
-    nodes = np.array([line.split()[1:] for line in text.split("$Nodes\n")[1].split("$EndNodes")[0].splitlines()[1:]], float)
-    rows = [line.split() for line in text.split("$Elements\n")[1].split("$EndElements")[0].splitlines()[1:]]
-    facets = np.array([row[-3:] for row in rows if row[1] == "2"], int) - 1
-    return MM * nodes, facets, np.array([int(row[3]) == HELD for row in rows if row[1] == "2"])
+    """Nodes (N x 3, in mm), facets (F x 3), outward by the right hand, and which of them are held (F)."""
+    try:
+        text = Path(file).read_text()
+        nodes = np.array([line.split()[1:] for line in section(text, "Nodes")], float)
+        rows = [line.split() for line in section(text, "Elements")]
+        facets = np.array([row[-3:] for row in rows if row[1] == TRIANGLE], int) - 1
+        held = np.array([int(row[3]) == HELD_LABEL for row in rows if row[1] == TRIANGLE])
+        corners = MM * nodes[facets]
+        whole = "$EndElements" in text and nodes.shape[1] == 3
+    except (ValueError, IndexError):  # ValueError: text in another encoding, too
+        whole = False
+    if not whole:
+        raise Refusal(f"{file}: is no whole mesh of a solid shape")
+    if not any(row[1] == TETRAHEDRON for row in rows):
+        raise Refusal(f"{file}: is a mesh in the plane; contacts are drawn of a study with a solid shape")
+    return corners, held
 
 
-def read_contacts(file):
-    """Of each load path but the checks: kind and place [mm]."""
-    number = r"-contact_{} (\S+)"
-    contacts = []
-    for name, arguments in re.findall(r"^\$\(R\)/cases/(\S+)\.csv: PATH_ARGUMENTS = (.*)$", Path(file).read_text(), re.M):
-        kind = next((KINDS[k] for k in KINDS if name.startswith(k)), TRAINING)
-        if kind[0]:
-            contacts.append((kind, MM * np.array([float(re.search(number.format(axis), arguments)[1]) for axis in "xyz"])))
-    return contacts
+def read_contacts(folder):
+    """Of each role its pushes' places [mm], those of a history under "history"; held_out_WORD counts as held_out."""
+    arguments = dict(re.findall(r"^\$\(R\)/cases/(\S+)\.csv: PATH_ARGUMENTS = (.*)$", (folder / "plan.mk").read_text(), re.M))
+    contacts = {role: [] for role in STYLES}
+    for line in (folder / "plan" / "collect").read_text().splitlines():
+        first, *rest = line.split() or [""]
+        role = "held_out" if first.startswith("held_out") else first
+        if role in STYLES and rest and rest[-1] in arguments:
+            found = [re.search(rf"-contact_{axis} (\S+)", arguments[rest[-1]]) for axis in "xyz"]
+            if all(found):
+                contacts[role].append([MM * float(word[1]) for word in found])
+    if not any(contacts.values()):
+        raise Refusal(f"{folder}: its plan has no contacts on a solid shape")
+    return {role: np.array(places) for role, places in contacts.items() if places}
 
 
-def draw_view(axis, towards, surface, contacts):
-    nodes, facets, held = surface
+def hidden(place, eye, corners):
+    """Whether a facet lies between a place on the surface and the eye."""
+    sides = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], np.broadcast_to(-eye, corners[:, 0].shape)], axis=2)
+    met = np.abs(np.linalg.det(sides)) > 1e-9
+    v, w, away = np.linalg.solve(sides[met], (place - corners[met, 0])[:, :, None])[:, :, 0].T
+    own_facet_mm = 0.1
+    return bool(np.any((v >= 0) & (w >= 0) & (v + w <= 1) & (away > own_facet_mm)))
+
+
+def draw_view(axis, towards, corners, held, contacts):
+    """Returns which places of each role are seen."""
     eye = np.array(towards) / np.linalg.norm(towards)
     right = np.cross([0, 0, 1], eye)
     right /= np.linalg.norm(right)
-    flat = np.stack([nodes @ right, nodes @ np.cross(eye, right)], axis=1)
-    corners = nodes[facets]
+    flat = np.stack([right, np.cross(eye, right)], axis=1)
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     seen = np.flatnonzero(normal @ eye > 0)
     seen = seen[np.argsort((corners[seen] @ eye).mean(axis=1))]
-    light = 0.55 + 0.45 * (normal[seen] @ eye)
-    colour = np.where(held[seen, None], [0.80, 0.25, 0.20], [0.88, 0.88, 0.86]) * light[:, None]
-    axis.add_collection(PolyCollection(flat[facets[seen]], facecolors=colour, edgecolors=0.8 * colour, linewidths=0.3))
-    middles = corners.mean(axis=1)
-    for (_, tint, marker), place in contacts:
-        facing = normal[np.argmin(np.linalg.norm(middles - place, axis=1))] @ eye
-        if facing > 0:
-            axis.plot(place @ right, place @ np.cross(eye, right), marker, color=tint, markersize=6, markeredgecolor="white", markeredgewidth=0.7)
-    axis.set_xlim(flat[:, 0].min() - 3, flat[:, 0].max() + 3)
-    axis.set_ylim(flat[:, 1].min() - 3, flat[:, 1].max() + 3)
+    colour = np.where(held[seen, None], HELD_COLOUR, FREE_COLOUR) * (0.55 + 0.45 * (normal[seen] @ eye))[:, None]
+    axis.add_collection(PolyCollection(corners[seen] @ flat, facecolors=colour, edgecolors=0.8 * colour, linewidths=0.3))
+    for role, places in contacts.items():
+        tint, marker = STYLES[role]
+        for place in np.unique(places, axis=0):
+            if not hidden(place, eye, corners):
+                axis.plot(*(place @ flat), marker, color=tint, markersize=6, markeredgecolor="white", markeredgewidth=0.7)
+    low, high = (corners @ flat).min(axis=(0, 1)) - 3, (corners @ flat).max(axis=(0, 1)) + 3
+    axis.set_xlim(low[0], high[0])
+    axis.set_ylim(low[1], high[1])
     axis.set_aspect("equal")
     axis.set_axis_off()
+
+
+def draw(folder, out):
+    corners, held = read_surface(folder / "mesh.msh")
+    contacts = read_contacts(folder)
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+    counts = {role: f"{role} {len(np.unique(places, axis=0))} places, {len(places)} pushes" for role, places in contacts.items()}
+    words = f"{'; '.join(counts.values())}; {100 * area[held].sum() / area.sum():.0f} % of the surface is held"
+    figure, axes = plt.subplots(1, len(VIEWS), figsize=(12, 5.6))
+    figure.set_layout_engine("constrained", rect=(0, 0.07, 1, 0.93))  # room for the legend below
+    for axis, (title, towards) in zip(axes, VIEWS.items()):
+        draw_view(axis, towards, corners, held, contacts)
+        axis.set_title(title, fontsize=10)
+    handles = [plt.Line2D([], [], color=STYLES[role][0], marker=STYLES[role][1], linestyle="", label=label) for role, label in counts.items()]
+    handles.append(plt.Rectangle((0, 0), 1, 1, color=HELD_COLOUR, label="held"))
+    figure.legend(handles=handles, loc="lower center", ncols=len(handles), frameon=False, fontsize=9)
+    size = np.ptp(corners, axis=(0, 1))
+    figure.suptitle(f"{folder.name}: {size[0]:.0f} x {size[1]:.0f} x {size[2]:.0f} mm, {100 * area[held].sum() / area.sum():.0f} % of the surface held", fontsize=11)
+    save(figure, out)
+    print(f"{out}: {words}")
 
 
 def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
-    folder, out = Path(sys.argv[1]), sys.argv[2]
     try:
-        surface = read_surface(folder / "mesh.msh")
-        contacts = read_contacts(folder / "plan.mk")
+        draw(Path(sys.argv[1]), sys.argv[2])
     except OSError as error:
-        sys.exit(f"contacts.py: {error}; make mesh makes it, of a study whose geometry.shape is in space")
-    except (IndexError, TypeError):  # no elements, or no -contact_z
-        sys.exit(f"contacts.py: {folder}: is of no study whose geometry.shape is in space")
-    corners = surface[0][surface[1]]
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
-    kinds = [TRAINING, KINDS["validation"], KINDS["held-out"]]
-    counts = {kind: sum(k == kind for k, _ in contacts) for kind in kinds}
-    words = f"{len(contacts)} load paths ({', '.join(f'{counts[kind]} {kind[0]}' for kind in kinds)}); {100 * area[surface[2]].sum() / area.sum():.0f} % of the surface is held"
-    figure, axes = plt.subplots(1, 2, figsize=(12, 5.6))
-    figure.set_layout_engine("constrained", rect=(0, 0.07, 1, 0.93))  # room for the legend below
-    for axis, view, title in zip(axes, VIEWS, ("from the front and above", "from behind and below")):
-        draw_view(axis, view, surface, contacts)
-        axis.set_title(title, fontsize=10)
-    handles = [plt.Line2D([], [], color=tint, marker=marker, linestyle="", label=f"{label} ({counts[label, tint, marker]})") for label, tint, marker in kinds]
-    handles.append(plt.Rectangle((0, 0), 1, 1, color=(0.80, 0.25, 0.20), label="held"))
-    figure.legend(handles=handles, loc="lower center", ncols=4, frameon=False)
-    size = np.ptp(surface[0], axis=0)
-    figure.suptitle(f"{folder.name}, {size[0]:.0f} x {size[1]:.0f} x {size[2]:.0f} mm: {words}", fontsize=11)
-    save(figure, out)
-    print(f"{out}: {words}")
+        sys.exit(f"contacts.py: {error.filename}: {error.strerror}; contacts are drawn of a study with a solid shape, once make mesh has meshed it")
+    except (Refusal, UnicodeDecodeError) as error:
+        sys.exit(f"contacts.py: {error}")
 
 
 if __name__ == "__main__":

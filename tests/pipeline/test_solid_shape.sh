@@ -70,8 +70,14 @@ check "a surface that is kept is one of its unit: another unit meshes it anew, o
 make_dome() { run make PYTHON="$PYTHON" STUDY=dome "$@"; }
 make_dome contacts
 check "what is held and the contacts are drawn before any path is solved" exited 0
-check "the drawing says how many, and how much is held" says '^results/dome/contacts.png: 5 load paths (2 training, 1 validation, 2 test); [34][0-9] % of the surface is held$'
+check "the drawing says how many, and how much is held" says '^results/dome/contacts.png: train 2 places, 2 pushes; validation 1 places, 1 pushes; held_out 2 places, 2 pushes; [34][0-9] % of the surface is held$'
 check "the drawing is there, and no path" sh -c 'head -c 8 "$1/contacts.png" | tail -c 7 | grep -q PNG && ! ls "$1"/cases/*.csv 2>/dev/null' - "$R"
+run make PYTHON="$PYTHON" STUDY=tiny contacts
+check "contacts of a study in the plane: one line, and no picture" one_line 'contacts are drawn of a study with a solid shape'
+head -c 20000 "$R/mesh.msh" >"$scratch/mesh.msh"
+cp -pR "$R" "$scratch/cut" && cp "$scratch/mesh.msh" "$scratch/cut/mesh.msh"
+run "$PYTHON" "$root/scripts/figures/contacts.py" "$scratch/cut" "$scratch/cut.png"
+check "a mesh that is cut off: one line" one_line 'mesh.msh: is no whole mesh of a solid shape'
 make_dome all -j2
 check "a solid shape's study runs from mesh to report" exited 0
 check "its results are there" exist "$R/mesh.msh" "$R/cases.h5" "$R/model.h5" "$R/eval.json" "$R/report.html" "$R/figures/solid.png"
@@ -149,10 +155,10 @@ with h5py.File(bedded + "/cases.h5") as c, h5py.File(rigid + "/cases.h5") as r, 
         assert np.abs(f.sum(axis=0)).max() < 1e-6 * np.abs(f).max(), f.sum(axis=0)
         assert u[fixed].max() > 0.01 * u.max() and np.abs(q["displacement"][-1][fixed]).max() == 0, name
         contact, bed = (np.linalg.norm(p[k][-1]) for k in ("contact_force", "support_force"))
-        assert 0.5 < np.linalg.norm(p["contact_force"][-1]) / np.linalg.norm(q["contact_force"][-1]) < 0.999, name
+        assert 0.5 < np.linalg.norm(p["contact_force"][-1]) / np.linalg.norm(q["contact_force"][-1]) < 0.95, name
         assert bed > 0.5 * contact, (name, contact, bed)
 errors = [json.load(open(folder + "/eval.json"))["closed_loop"]["held_out"]["learned"] for folder in (rigid, bedded)]
-assert errors[1]["n"] == errors[1]["of"] == 2 and errors[1]["max"] < 2 * errors[0]["max"] + 0.05, errors
+assert errors[1]["n"] == errors[1]["of"] == 2 and errors[1]["max"] < 2 * errors[0]["max"] and errors[1]["shape"]["max"] < 0.15, errors
 PY
 
 # ---- a nodule in it: contacts over it and at the mirror image, where there is none
