@@ -58,6 +58,8 @@ std::string beside(const toml::node& node, const std::string& study_file, const 
 
 /// Whether a text file, as a README.md, has a name in it.
 bool names_file(const std::string& readme, const std::string& name) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(readme, error)) return false;  // one that blocks, for instance
     std::ifstream in(readme);
     const std::string text{std::istreambuf_iterator<char>(in), {}};
     return text.find("`" + name + "`") != std::string::npos;
