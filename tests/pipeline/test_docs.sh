@@ -1,6 +1,6 @@
 #!/bin/sh
 # What is written for people: README is one sitting, links and pictures lead to files that there are, and tables say what the records in
-# results/reference say. Needs no built program.
+# results/reference say.
 . "$(dirname "$0")/common"
 pages="README.md results/RESULTS.md results/FORMATS.md cli/README.md lib/README.md fem/README.md fem/organs/README.md lib/api/ENGINES.md lib/api/OPTIONS.md cli/view/PROTOCOL.md"
 sitting() { [ "$(wc -l <"$1")" -le 200 ] || { echo "$1: $(wc -l <"$1") lines"; return 1; }; }
