@@ -68,11 +68,11 @@ bool names_file(const std::string& readme, const std::string& name) {
 Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std::string& file) {
     Study::Geometry g{};
     g.unit_m = 1;
+    if (in.has("bed_Pa_m") && !in.has("solid")) in.refuse("bed_Pa_m", "is of a shape with geometry.solid; what is held of other tissue does not move");
     if (in.has("length_m")) {
         if (in.has("solid")) in.refuse("solid", "is for a shape; a block with length_m is a solid already");
         for (const char* key : {"thickness_m", "shape", "unit_m", "fixed"})
             if (in.has(key)) in.refuse(key, "belongs to the plane; a block with length_m is a solid");
-        if (in.has("bed_Pa_m")) in.refuse("bed_Pa_m", "is of a solid shape; the bottom of a block does not move");
         g.length_m = in.number("length_m", positive);
         g.width_m = in.number("width_m", positive);
         g.height_m = in.number("height_m", positive);
@@ -89,7 +89,6 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
     g.thickness_m = g.solid ? 1 : in.number("thickness_m", positive);
     const std::string shape = in.has("shape") ? in.text("shape") : "block";
     if (shape == "block" && !g.solid) {
-        if (in.has("bed_Pa_m")) in.refuse("bed_Pa_m", "is of a solid shape; the bottom of a block does not move");
         g.width_m = in.number("width_m", positive);
         g.height_m = in.number("height_m", positive);
     } else {
@@ -118,7 +117,6 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
             }
             if (name.find(',') != std::string::npos) in.refuse("fixed", "'" + name + "' has a comma, which stands between names");
         }
-        if (in.has("bed_Pa_m") && !g.solid) in.refuse("bed_Pa_m", "is of a solid shape; what is held in the plane does not move");
         g.bed_Pa_m = in.optional_number("bed_Pa_m", not_negative).value_or(0);
         if (g.bed_Pa_m != 0 && !(g.bed_Pa_m >= bed_least_Pa_m && g.bed_Pa_m <= bed_most_Pa_m))
             in.refuse("bed_Pa_m", fmt::format("must be 0, which is rigid, or {:g} to {:g} Pa/m (fat of E = 2000 Pa, 0.01 m thick: 200000), not {:g}", bed_least_Pa_m,

@@ -105,7 +105,7 @@ def draw(folder, out):
     contacts = read_contacts(folder)
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
     counts = {role: f"{role} {len(np.unique(places, axis=0))} places, {len(places)} pushes" for role, places in contacts.items()}
-    words = f"{'; '.join(counts.values())}; {100 * area[held].sum() / area.sum():.0f} % of the surface is held"
+    share = f"{100 * area[held].sum() / area.sum():.0f} % of the surface is held"
     figure, axes = plt.subplots(1, len(VIEWS), figsize=(12, 5.6))
     figure.set_layout_engine("constrained", rect=(0, 0.07, 1, 0.93))  # room for the legend below
     for axis, (title, towards) in zip(axes, VIEWS.items()):
@@ -115,9 +115,9 @@ def draw(folder, out):
     handles.append(plt.Rectangle((0, 0), 1, 1, color=HELD_COLOUR, label="held"))
     figure.legend(handles=handles, loc="lower center", ncols=len(handles), frameon=False, fontsize=9)
     size = np.ptp(corners, axis=(0, 1))
-    figure.suptitle(f"{folder.name}: {size[0]:.0f} x {size[1]:.0f} x {size[2]:.0f} mm, {100 * area[held].sum() / area.sum():.0f} % of the surface held", fontsize=11)
+    figure.suptitle(f"{folder.name}: {size[0]:.0f} x {size[1]:.0f} x {size[2]:.0f} mm, {share}", fontsize=11)
     save(figure, out)
-    print(f"{out}: {words}")
+    print(f"{out}: {'; '.join(counts.values())}; {share}")
 
 
 def main():

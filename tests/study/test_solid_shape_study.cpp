@@ -91,6 +91,7 @@ TEST_CASE("keys that a solid shape has not, or must have, are refused by name", 
     for (const char* stiffness : {"9.9", "1.1e9", "-1.0", "inf", "\"soft\""}) said("[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = " + std::string(stiffness) + "\n", "geometry.bed_Pa_m");
     CHECK(shape_study(with(shape_study_text(), "[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = 2e5\n")).geometry.bed_Pa_m == 2e5);
     CHECK(shape_study(with(shape_study_text(), "[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = 0\n")).geometry.bed_Pa_m == 0);
+    CHECK_THAT(said("solid = true", "bed_Pa_m = 2e5", "geometry.bed_Pa_m"), Contains("geometry.solid"));
     said("fixed = [\"bed\"]\n", "", "geometry.fixed");
     said("[lattice]\nsize_m = 0.01\n", "", "lattice");
     said("size_m = 0.01", "cells = [5, 4, 3]", "lattice.size_m");
