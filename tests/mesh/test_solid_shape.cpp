@@ -216,6 +216,7 @@ TEST_CASE("a dome's clearance is the distance from the bed's edge, and its surfa
     const Eigen::Vector3d top(0, 0, 0.05), right(0.05, 0, 0.013), down(0, 0, -1), left(-1, 0, 0);
     const Point start = surface.nearest(top).point_m, side = surface.nearest(right).point_m;
     CHECK(surface.thickness_m(start, down) == Approx(start[2]).epsilon(1e-9));                        // to the bed, which is held
+    CHECK(surface.thickness_m(Eigen::Vector3d(start - 1e-4 * down), down) == Approx(start[2] + 1e-4).epsilon(1e-9));  // not to where the ray enters
     CHECK(surface.thickness_m(side, left) == Approx(2 * side[0]).epsilon(0.02));                      // to the other side, which is free
     CHECK(surface.thickness_m(start, Eigen::Vector3d(-down)) == std::numeric_limits<double>::infinity());
 }
