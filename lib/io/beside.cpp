@@ -29,7 +29,7 @@ bool is_open_as(int descriptor, const std::string& name) {
     return ::fstat(descriptor, &ours) == 0 && ::lstat(name.c_str(), &there) == 0 && ours.st_ino == there.st_ino && ours.st_dev == there.st_dev;
 }
 
-bool locked(int descriptor) { return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0; }
+bool locked(int descriptor, int how) { return ::flock(descriptor, how | LOCK_NB) == 0; }
 
 /// Whether a file's name is one that was drawn for `last`: one of a date, or of another program's, is not.
 bool drawn_for(const std::string& last, const std::string& name) {
@@ -49,7 +49,7 @@ void remove_left_over(const std::filesystem::path& place) {
         if (descriptor < 0) continue;
         struct stat status {};
         std::error_code ignored;
-        if (::fstat(descriptor, &status) == 0 && status.st_uid == ::geteuid() && locked(descriptor) && is_open_as(descriptor, name))
+        if (::fstat(descriptor, &status) == 0 && status.st_uid == ::geteuid() && locked(descriptor, LOCK_EX) && is_open_as(descriptor, name))
             std::filesystem::remove_all(name, ignored);
         ::close(descriptor);
     }
@@ -78,7 +78,8 @@ Beside make_beside(std::string place, Kind kind) {
         const int descriptor = make(name, kind);
         if (descriptor < 0 && errno == EEXIST) continue;
         if (descriptor < 0) throw FileError(fmt::format("{}: cannot write: {}", place, std::strerror(errno)));
-        const bool ours = locked(descriptor) || errno != EWOULDBLOCK;  // some network disks have no locks
+        // shared: the file has its final name a moment before it is closed, and HDF5 opens no file that is locked exclusively
+        const bool ours = locked(descriptor, LOCK_SH) || errno != EWOULDBLOCK;  // some network disks have no locks
         if (ours && is_open_as(descriptor, name)) return {name, descriptor};
         ::close(descriptor);
     }

@@ -29,7 +29,7 @@ def drawn(out):
         except FileExistsError:
             continue
         with contextlib.suppress(OSError):
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
             if os.path.samestat(os.fstat(file.fileno()), os.lstat(beside)):
                 return file, beside
         file.close()  # another program took it for left over

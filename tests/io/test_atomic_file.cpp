@@ -1,5 +1,7 @@
 #include "io/atomic_file.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -198,6 +200,17 @@ TEST_CASE("what a killed writer left beside is removed by the next; what another
         CHECK(read_file(folder.file("a")).empty());
     }
     CHECK(folder.names() == std::vector<std::string>{"a", "a.20251125.tmp", "a.tmp", "ba.tissue-0123abcd.tmp"});
+}
+
+TEST_CASE("a file that is being written may be opened as HDF5 opens it, and nobody takes it for left over") {
+    const TemporaryFolder folder;
+    NewFile writer(folder.file("a"));
+    REQUIRE(folder.names().size() == 1);
+    const int reader = ::open(folder.file(folder.names()[0]).c_str(), O_RDONLY | O_CLOEXEC);
+    REQUIRE(reader >= 0);
+    CHECK(::flock(reader, LOCK_SH | LOCK_NB) == 0);  // what HDF5 asks for, and does without waiting
+    CHECK(::flock(reader, LOCK_EX | LOCK_NB) != 0);
+    ::close(reader);
 }
 
 TEST_CASE("a link planted where a file is made beside is not followed, and no user's file is written through it") {
