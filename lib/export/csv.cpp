@@ -76,11 +76,14 @@ std::string terms_csv(const LawModel& law) {
     return terms;
 }
 
-std::string contact_csv(const PatchLaw& patch, const std::vector<std::string>& rows) {
+std::string contact_csv(const LawModel& law, const std::vector<std::string>& rows) {
+    const PatchLaw& patch = law.patch;
     std::string contact = fmt::format("row,log_k_N_m,phase,{},edge{}\n", patch.hardens() ? "ground" : "corner",
                                       patch.log_N_m.cols() > PatchLaw::factors ? ",curved,crowd" : "");
     for (std::size_t m = 0; m < rows.size(); ++m)
         contact += fmt::format("{},{}\n", rows[m], values(patch.log_N_m.row(static_cast<Eigen::Index>(m))));
+    for (Eigen::Index bound = 0; law.factor_range.rows() > 0 && bound < 2; ++bound)
+        contact += fmt::format("{},,,,,{}\n", bound == 0 ? "least" : "most", values(law.factor_range.col(bound).transpose()));
     return contact;
 }
 
@@ -125,7 +128,7 @@ Files solid_csv(const TissueModel& model, const std::vector<PressedCase>& cases)
         hardening += fmt::format("{},{}\n", name(load_cases[c]), values(contact.hardening.row(static_cast<Eigen::Index>(c))));
     Files files = {{"springs.csv", springs_csv(model, "stiffness_N_m", tables.spring_N_m)},
             {"cells.csv", cells},
-            {"contact.csv", contact_csv(model.energy_law->patch, {"normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"})},
+            {"contact.csv", contact_csv(*model.energy_law, {"normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"})},
             {"contact_rows.csv", rows},
             {"contact_pull.csv", pull},
             {"contact_hardening.csv", hardening}};
@@ -153,7 +156,7 @@ Files plane_csv(const TissueModel& model) {
     return {{"springs.csv", springs_csv(model, "stiffness_N_m", tables.spring_N_m)},
             {"areas.csv", areas},
             {"area_edges.csv", edges},
-            {"contact.csv", contact_csv(model.energy_law->patch, {"normal", "tangent", "rotation", "stretch"})},
+            {"contact.csv", contact_csv(*model.energy_law, {"normal", "tangent", "rotation", "stretch"})},
             {"surface.csv", surface}};
 }
 

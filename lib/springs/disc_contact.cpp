@@ -87,12 +87,13 @@ SurfaceQuadric DiscContact::quadric_among(const std::vector<int>& nodes, double 
     return quadric;
 }
 
-DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, NodeField ground)
+DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, NodeField ground, const NodeField& factor_range)
     : surface_(mesh), rest_(mesh.nodes), radius_m_(radius_m), ground_(std::move(ground)),
       fixed_(static_cast<std::size_t>(mesh.node_count()), false) {
     if (!mesh.is_solid()) throw MismatchError("a disc needs a surface in space");
     if (!has_cells(mesh)) throw MismatchError("a disc needs a lattice, a block's or an embedded one");
     if (!(radius_m > 0)) throw MismatchError("a disc needs a radius > 0");
+    if (factor_range.rows() > 0) factor_range_ = factor_range;
     for (int node : mesh.fixed) fixed_[static_cast<std::size_t>(node)] = true;
 
     near_m_ = std::max(farther * own_reach_m(), imprint * radius_m_);
@@ -181,7 +182,7 @@ DiscContact::Disc DiscContact::disc_at(const FreeSurface::Place& place, Footing&
     for (int i = 0; i < footing.means; ++i) disc.log_scale += footing.weight[i] * log_scale_of(footing.node[i]) / footing.mean_sum;
     disc.factors.resize(polar_ ? PatchLaw::shape_factors : PatchLaw::factors);
     disc.factors.head<PatchLaw::factors>() << 1, footing.phase, ground_at(centre, normal), std::exp(-surface_.to_crease_m(place.point_m) / surface_.spacing_m());
-    if (polar_) disc.factors.tail<2>() << curved_of(quadric), footing.crowd;
+    if (polar_) disc.factors.tail<2>() = Eigen::Vector2d(curved_of(quadric), footing.crowd).cwiseMax(factor_range_.col(0)).cwiseMin(factor_range_.col(1));
     return disc;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "mesh/free_surface.h"
 #include "springs/contact_kernel.h"
 #include "springs/polar_points.h"
@@ -27,14 +29,15 @@ namespace tissue {
 /// its mean, weighted with the energy that the disc stores there. Under a force on incompressible ground the stress is along
 /// rays alone, as z / r^3 (Boussinesq; Johnson, (3.19)), so that the weight is z^2 / r^6, with R for what is nearer:
 ///   ground = sum_g (8 R / pi^2) z_g^2 / (R^2 + r_g^2)^3 weight_g, 1 for a half space with log E / E_block = 1 everywhere
-/// Nodes round a crease do not belong to it.
+/// Nodes round a crease do not belong to it. `curved` and `crowd` have no bounds of their own, and a stiffness goes exponentially with them: a trained law keeps them within
+/// what its training contacts had.
 /// A contact has room for ToolSpring::most_nodes: where more are in reach it keeps the nearest. most_nodes() says how many
 /// there can be; whoever plays a model refuses one that has more. On an embedded solid they are the 60 points.
 class DiscContact final : public ContactKernel {
    public:
     /// ground: what is of other stiffness than the block, as points (G x 4): place [m], volume times log(E / E_block) [m3];
-    /// no rows: nothing. Throws MismatchError for a radius that is not positive, and for a mesh that is no lattice.
-    DiscContact(const SpringMesh& mesh, double radius_m, NodeField ground = NodeField());
+    /// no rows: nothing. factor_range: LawModel's. Throws MismatchError for a radius that is not positive, and for a mesh that is no lattice.
+    DiscContact(const SpringMesh& mesh, double radius_m, NodeField ground = NodeField(), const NodeField& factor_range = NodeField());
 
     std::unique_ptr<ContactKernel> clone() const override { return std::make_unique<DiscContact>(*this); }
     ContactRows rows_at(const Point& contact_m) const override;  ///< at the surface's point nearest to that
@@ -52,6 +55,8 @@ class DiscContact final : public ContactKernel {
     double ground_at(const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const;
 
    private:
+    static constexpr double infinity = std::numeric_limits<double>::infinity();
+
     struct Disc {
         Eigen::Vector3d normal;
         ContactFactors factors;
@@ -87,6 +92,7 @@ class DiscContact final : public ContactKernel {
     int most_nodes_ = 0;
     double radius_m_;
     NodeField ground_;
+    Eigen::Matrix2d factor_range_ = (Eigen::Matrix2d() << -infinity, infinity, -infinity, infinity).finished();
     std::vector<bool> fixed_;  ///< (N)
 };
 

@@ -101,6 +101,7 @@ const DatasetTable& law_table(bool solid) {
     };
     static const DatasetTable space = joined(plane, {
         {"/law/ground", "G x 4", Values::place(), "m, m3", "what under a disc is of other stiffness: place, volume times log(E / E_block)", Rows::any, true},
+        {"/law/factor_range", "R x 2", Values::finite(), "1", "on a solid shape: least and most of curved and of crowd, which a contact's are kept within", Rows::any, true},
     });
     return solid ? space : plane;
 }
@@ -127,6 +128,7 @@ void write_law(Hdf5Writer& file, const LawModel& law) {
     out.write("/law/patch_log", NodeField(law.patch.log_N_m));
     file.attribute("/law", "incompressible", law.incompressible ? 1.0 : 0.0);
     if (law.ground.rows() > 0) out.write("/law/ground", law.ground);
+    if (law.factor_range.rows() > 0) out.write("/law/factor_range", law.factor_range);
     if (law.patch.hardens()) file.attribute("/law", "disc_radius_m", law.disc_radius_m);
     if (law.contact_log_scale.size() > 0) out.write("/law/contact_log_scale", law.contact_log_scale);
     if (law.relaxation.empty()) return;
@@ -159,6 +161,12 @@ LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
     law.patch.softens = softens(law.terms);
     if (mesh.is_solid()) {
         if (in.has("/law/ground")) law.ground = in.field("/law/ground");
+        if (in.has("/law/factor_range")) {
+            law.factor_range = in.field("/law/factor_range");
+            if (on_lattice(mesh)) in.refuse("/law/factor_range", "is of a solid shape, and the mesh is a block");
+            if (law.factor_range.rows() != 2) in.refuse("/law/factor_range", fmt::format("has {} rows, wanted 2: curved, crowd", law.factor_range.rows()));
+            if (!(law.factor_range.col(0).array() <= law.factor_range.col(1).array()).all()) in.refuse("/law/factor_range", "has a least above its most");
+        }
         law.disc_radius_m = file.number_attribute("/law", "disc_radius_m");
         if (!(law.disc_radius_m > 0 && law.disc_radius_m < 1e3))
             in.refuse("/law", fmt::format("attribute 'disc_radius_m' is {}, must be a number > 0", law.disc_radius_m));

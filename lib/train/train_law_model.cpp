@@ -6,6 +6,7 @@
 #include "cases/study_law.h"
 #include "error.h"
 #include "mesh/free_surface.h"
+#include "springs/law_kernel.h"
 #include "train/fit_shares.h"
 #include "train/train_law.h"
 
@@ -16,6 +17,17 @@ namespace {
 void grow(LawModel& law, double factor) {
     law.constants *= factor;
     law.patch.log_N_m.col(0).array() += std::log(factor);
+}
+
+/// Least and most of curved and crowd over the training contacts (2 x 2), LawModel's; no rows where a contact has no such factors.
+NodeField factor_range(const SpringMesh& mesh, double disc_radius_m, const std::vector<PressPath>& paths) {
+    if (mesh.embedding.empty()) return {};
+    const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, disc_radius_m);
+    Eigen::Matrix2Xd seen(2, static_cast<Eigen::Index>(paths.size()));
+    for (Eigen::Index i = 0; i < seen.cols(); ++i) seen.col(i) = kernel->rows_at(paths[static_cast<std::size_t>(i)].contact_m).factors.tail<2>();
+    NodeField range(2, 2);
+    range << seen.rowwise().minCoeff(), seen.rowwise().maxCoeff();
+    return range;
 }
 
 /// The law's branches, as measured histories say; those that they have no use for are left out.
@@ -66,7 +78,7 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     const TrainedLaw trained = train_law(model.mesh, law, paths, options);
     model.energy_law = {law.terms(), trained.coefficients, law.constants(trained.coefficients), law.patch(trained.coefficients),
                         law.incompressible(), options.disc_radius_m, law.ground(), {},
-                        study_relaxation(study, kept.shape, model.mesh, law)};
+                        study_relaxation(study, kept.shape, model.mesh, law), factor_range(model.mesh, options.disc_radius_m, paths)};
 
     LawBook& book = model.books.law.emplace();
     const auto R = static_cast<Eigen::Index>(trained.starts.size());

@@ -159,6 +159,15 @@ TEST_CASE("a law in space comes back from its file with its ground, and one with
     CHECK_THAT(refusal<FileError>(back), Contains("model.h5: /law/ground"));
 }
 
+TEST_CASE("a block's file has no range of a shape's factors", "[export][solid]") {
+    const TemporaryFolder folder;
+    TissueModel model = solid_example();
+    CHECK(model.energy_law->factor_range.rows() == 0);
+    model.energy_law->factor_range = NodeField::Zero(2, 2);
+    write_model(folder.file("model.h5"), model, {"tissuectl test", 0, {}});
+    CHECK_THAT(refusal<FileError>([&] { read_model(folder.file("model.h5")); }), Contains("model.h5: /law/factor_range: is of a solid shape, and the mesh is a block"));
+}
+
 TEST_CASE("a law in space is pressed at its cases too, where no arc length says the place", "[export][solid]") {
     const TissueModel model = solid_example();
     const std::vector<PressedCase> cases = pressed_cases(model, "");

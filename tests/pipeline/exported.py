@@ -376,6 +376,9 @@ def solid_law_csv(export, h5):
     same("stiffness of cells", column(read["cells"], "stiffness_Pa")[:, 0], constants[S:S + len(cells)])
     same("terms", [row["term"] for row in read["terms"]], [name.decode() for name in h5["law/terms"]])
     same("coefficients", column(read["terms"], "coefficient")[:, 0], h5["law/coefficients"][:])
+    bounds = [[float(row["curved"]), float(row["crowd"])] for row in read["contact"][7:]]
+    same("range of factors", np.transpose(bounds), h5["law/factor_range"][:] if shape else np.empty(0))
+    del read["contact"][7:]
     same("rows", [row["row"] for row in read["contact"]], ["normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"])
     same("contact", column(read["contact"], "log_k_N_m", "phase", "ground", "edge", *(["curved", "crowd"] if shape else [])), h5["law/patch_log"][:])
     hardening = {row["case"]: [float(row[c]) for c in ("hardening_1_J", "saturation_1_J", "coupling_N_m2")] for row in read["contact_hardening"]}

@@ -87,6 +87,7 @@ import h5py
 import numpy as np
 with h5py.File(sys.argv[1] + "/model.h5") as m, h5py.File(sys.argv[1] + "/cases.h5") as c:
     nodes, springs, tetrahedra, facets = (m["mesh/" + k][()] for k in ("nodes", "springs", "tetrahedra", "facets"))
+    assert (m["law/factor_range"][:, 0] < m["law/factor_range"][:, 1]).all() and m["law/factor_range"].shape == (2, 2), m["law/factor_range"][()]
     assert m.attrs["topology"] == b"embedded" and m.attrs["format_version"] == 7, dict(m.attrs)
     own = c["nodes"][()]
     assert np.array_equal(nodes[: len(own)], own)

@@ -151,6 +151,24 @@ TEST_CASE("crowd is the lattice's share in a disc's force: log 4 in the middle o
     CHECK(small.rows_at(Eigen::Vector3d(0.1 * h, 0.1 * h, 4 * h)).factors[5] > std::log(30));                        // one of an eighth
 }
 
+TEST_CASE("how a surface bends and its nodes crowd counts as far as it was trained", "[embedded]") {
+    const SpringMesh mesh = flat();
+    const Eigen::Vector3d place(3 * h, 3 * h, 4 * h);
+    NodeField range(2, 2);
+    range << 0.1, 0.2, 1.0, 1.2;
+    const DiscContact free(mesh, R), bounded(mesh, R, NodeField(), range), wide(mesh, R, NodeField(), NodeField((Eigen::Matrix2d() << -9, 9, -9, 9).finished()));
+    REQUIRE(free.rows_at(place).factors[5] > 1.25);
+    REQUIRE(std::abs(free.rows_at(place).factors[4]) < 1e-9);
+    CHECK(bounded.rows_at(place).factors.tail<2>() == Eigen::Vector2d(0.1, 1.2));
+    CHECK(bounded.rows_at(place).factors.head<4>() == free.rows_at(place).factors.head<4>());
+    CHECK(wide.rows_at(place).factors == free.rows_at(place).factors);
+
+    PatchLaw law;
+    law.log_N_m.setConstant(PatchLaw::disc_rows, PatchLaw::shape_factors, 0.1);
+    law.log_N_m.col(5).setConstant(3);
+    CHECK(ContactSpring(bounded.rows_at(place), law).k_N_m[0] == Approx(std::exp(0.1 * (1 + 0.1) + 3 * 1.2 + 0.1 * bounded.rows_at(place).factors[3])));
+}
+
 TEST_CASE("a place in an embedded lattice is found by its cube, and where that was left out by the nearest", "[embedded]") {
     const SpringMesh mesh = flat();
     const CubeSearch search(mesh.nodes, mesh.embedding.cubes, h);

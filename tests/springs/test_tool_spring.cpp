@@ -108,7 +108,8 @@ void check_derivatives(const ToolSpring& tool, const NodeColumns& u, const Point
 TEST_CASE("a disc's contact in the tick is the one that trains: same energy, same force of the hand, same forces on nodes", "[solid][embedded]") {
     for (const SpringMesh& mesh : {solid(6, 5, 3), embedded_lattice(dome(6), 0.011)}) {
         const PatchLaw law = mesh.embedding.empty() ? disc_law() : shape_law();
-        DiscContact kernel(mesh, 0.007, some_ground());
+        const NodeField trained = mesh.embedding.empty() ? NodeField() : NodeField((Eigen::Matrix2d() << 0.2, 0.3, 1.3, 1.4).finished());
+        DiscContact kernel(mesh, 0.007, some_ground(), trained);
         kernel.scale(Eigen::VectorXd::LinSpaced(mesh.node_count(), -0.2, 0.3));
         const FreeSurface surface(mesh);
         Draw draw(1);
