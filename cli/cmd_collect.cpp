@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iostream>
 
 #include "cases/history_plan.h"
@@ -16,7 +17,19 @@ namespace {
 
 struct Options {
     std::string study, paths, mesh, out;
+    std::vector<std::string> only;  ///< names; none: all of the plan
 };
+
+/// What of a plan is asked for. Throws MismatchError for a name that is not in it, and where none of them is trained on.
+void keep_only(std::vector<PlannedPath>& planned, const std::vector<std::string>& only) {
+    const auto asked = [&](const std::string& name) { return std::find(only.begin(), only.end(), name) != only.end(); };
+    for (const std::string& name : only)
+        if (std::none_of(planned.begin(), planned.end(), [&](const PlannedPath& p) { return p.push.name == name; }))
+            throw MismatchError(fmt::format("--only: the study has no load path '{}'", name));
+    planned.erase(std::remove_if(planned.begin(), planned.end(), [&](const PlannedPath& p) { return !asked(p.push.name); }), planned.end());
+    if (std::none_of(planned.begin(), planned.end(), [](const PlannedPath& p) { return p.role == "train"; }))
+        throw MismatchError("--only: none of these load paths is one to train on");
+}
 
 /// One line, where FE did not come to the end of every history.
 void say_lost(const std::vector<History>& histories) {
@@ -40,7 +53,9 @@ void run(const Options& o, Provenance provenance) {
     cases.shape = study_shape(study, o.mesh);
     cases.nodes = study_nodes(study, cases.shape);
     std::string hashes;
-    for (const PlannedPath& planned : planned_paths(study, cases.shape)) {
+    std::vector<PlannedPath> plan = planned_paths(study, cases.shape);
+    if (!o.only.empty()) keep_only(plan, o.only);
+    for (const PlannedPath& planned : plan) {
         const std::string file = o.paths + "/" + planned.push.name + ".csv";
         LoadPath path = read_path_csv(file, cases.nodes);
         path.name = planned.push.name;
@@ -57,7 +72,7 @@ void run(const Options& o, Provenance provenance) {
             if (!itself) cases.paths.push_back(std::move(image));
         }
     }
-    for (const PlannedHistory& planned : planned_histories(study, cases.shape)) {
+    for (const PlannedHistory& planned : o.only.empty() ? planned_histories(study, cases.shape) : std::vector<PlannedHistory>()) {
         cases.histories.push_back(read_planned_history(planned, o.paths, planned.has_elastic(study)));
         hashes += file_hash(o.paths + "/" + planned.push.name + ".csv");
         if (planned.has_elastic(study)) hashes += file_hash(o.paths + "/" + planned.elastic_name() + ".csv");
@@ -76,6 +91,8 @@ void add_collect(CLI::App& app, const Invocation& invocation) {
     command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
     command->add_option("--paths", o->paths, "folder of NAME.csv, one a load path")->required()->type_name("FOLDER");
     command->add_option("--mesh", o->mesh, "mesh.msh of tissuectl shape, for a study that has a shape")->type_name("FILE");
+    command->add_option("--only", o->only, "load paths to gather, where not all of the study's are solved yet; histories are left out then")
+        ->delimiter(',')->type_name("NAME,...");
     command->add_option("--out", o->out, "cases.h5 to write")->required()->type_name("FILE");
     command->callback([o, &invocation] { run(*o, {invocation.command, 0, {}}); });
 }

@@ -46,14 +46,14 @@ def held_out(folder):
             np.array([p["force_N"][-1] for p in paths]))
 
 
-def ticks_of(model, contacts, pushes):
+def ticks_of(model, contacts, pushes, outward):
     """Microseconds of each tick along the same ways, one by one as the peers' steps are, and the force that a session ends with on the tissue."""
     times, forces = [], []
-    for contact, push in zip(contacts, pushes):
+    for contact, push, out in zip(contacts, pushes, outward):
         session = tissue.Simulation(model, force_max=100, slew=1e6)
         t = np.arange(round(SECONDS / 1e-3)) * 1e-3
         way = np.minimum(1, t / 0.15)[:, None]
-        positions = contact + way * push + (1 - way) * [0, 0, 5e-4]
+        positions = contact + way * push + (1 - way) * 5e-4 * out
         for k in range(len(positions)):
             begin_ns = time.perf_counter_ns()
             session.ticks(positions[k:k + 1])
@@ -78,7 +78,7 @@ def main():
     question = {"size_m": size.tolist(), "counts": counts, "modulus_Pa": model.modulus, "shear_Pa": model.modulus / 3, "radius_m": model.disc_radius_m,
                 "mass_kg": float(model.node_mass_kg.sum()), "pushes": [[c.tolist(), p.tolist()] for c, p in zip(contacts, pushes)], "seconds": SECONDS}
 
-    ticks, in_motion = ticks_of(model, contacts, pushes)
+    ticks, in_motion = ticks_of(model, contacts, pushes, np.tile([0, 0, 1], (len(contacts), 1)))
     presses = []
     for c, p in zip(contacts, pushes):
         begin = time.perf_counter()

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""MuJoCo's flex on the lattice of a solid block: the peer of a tick and of a press in scripts/peers_study.py.
+"""MuJoCo's flex on the lattice of a solid block, or on an organ's own tetrahedra: the peer of a tick and of a press in scripts/peers_study.py and peers_organ.py.
 
-Equations: Saint Venant-Kirchhoff tetrahedra, five a box, on the same nodes; Young's modulus as ours, Poisson's ratio 0.45, since nearer to 1/2
-           its solver says that it does not converge. Bottom pinned.
+Equations: Saint Venant-Kirchhoff tetrahedra, of a block five a box, on the same nodes; Young's modulus as ours, Poisson's ratio 0.45, since nearer to 1/2
+           its solver says that it does not converge. Bottom, or what is held, pinned.
 Contact:   a rigid cylinder of the disc's radius, led along the same push in 0.15 s and held; friction 3, so that it does not slip, and
            contacts as stiff as steps of 1 ms bear. It touches what lies between nodes too, and so presses all nodes of a facet. Its
            force is the sum of MuJoCo's contact forces, the mean of the last 50 ms.
 Method:    integrator `discrete`, its implicit one for flex, conjugate gradients, steps of 1 ms as a tick.
 
-Reads {"size_m", "counts", "modulus_Pa", "radius_m", "mass_kg", "pushes": [[contact], [push]], "seconds"} from standard input; prints {"version",
-"step_us": [...], "force_N": [[x, y, z], ...]} as one line of JSON.
+Reads {"size_m" and "counts" of a block, or "nodes", "tetrahedra", "held" and "outward" (of each push), "modulus_Pa", "radius_m", "mass_kg", "pushes": [[contact], [push]],
+"seconds"} from standard input; prints {"version", "step_us": [...], "force_N": [[x, y, z], ...]} as one line of JSON, of tetrahedra "displacement_m" of their nodes too.
 Sample run: scripts/peers_study.py feeds it.
 """
 import json
@@ -25,29 +25,49 @@ XML = """<mujoco>
  <option timestep="{step}" gravity="0 0 0" integrator="discrete" solver="CG" iterations="50" tolerance="1e-8"/>
  <size memory="200M"/>
  <worldbody>
-  <flexcomp name="tissue" type="grid" dim="3" count="{count}" spacing="{spacing}" pos="{middle}" mass="{mass}" radius="{node}">
+  <flexcomp name="tissue" dim="3" {mesh} mass="{mass}" radius="{node}">
    <elasticity young="{young}" poisson="0.45" damping="0.01"/>
    <contact selfcollide="none" condim="4" friction="3" solref="0.002 1" solimp="0.99 0.9999 0.0001"/>
-   <pin gridrange="0 0 0 {last_x} {last_y} 0"/>
+   <pin {pinned}/>
   </flexcomp>
   <body name="tool" mocap="true" pos="0 0 1"><geom type="cylinder" size="{radius} {half}" friction="3" solref="0.002 1" solimp="0.99 0.9999 0.0001"/></body>
  </worldbody>
 </mujoco>"""
 
 
+def words(values):
+    return " ".join(f"{v:.9g}" for v in np.ravel(values))
+
+
+def meshed(asked):
+    """What flexcomp is told of the mesh, and of what is pinned."""
+    if "nodes" in asked:
+        return (f'type="direct" point="{words(asked["nodes"])}" element="{words(asked["tetrahedra"])}"', f'id="{words(asked["held"])}"')
+    size, counts = np.array(asked["size_m"]), asked["counts"]
+    return (f'type="grid" count="{words(counts)}" spacing="{words(size / (np.array(counts) - 1))}" pos="{words(size / 2)}"',
+            f'gridrange="0 0 0 {counts[0] - 1} {counts[1] - 1} 0"')
+
+
+def turned(outward):
+    """Quaternion that turns z to there."""
+    w = 1 + outward[2]
+    quaternion = np.array([w, -outward[1], outward[0], 0]) if w > 1e-6 else np.array([0, 1, 0, 0])
+    return quaternion / np.linalg.norm(quaternion)
+
+
 def main():
     asked = json.load(sys.stdin)
-    size, counts = np.array(asked["size_m"]), asked["counts"]
-    words = lambda values: " ".join(f"{v:g}" for v in values)  # noqa: E731
-    model = mujoco.MjModel.from_xml_string(XML.format(
-        step=STEP_S, count=words(counts), spacing=words(size / (np.array(counts) - 1)), middle=words(size / 2), mass=asked["mass_kg"],
-        young=asked["modulus_Pa"], last_x=counts[0] - 1, last_y=counts[1] - 1, radius=asked["radius_m"], half=HALF_HEIGHT_M, node=NODE_RADIUS_M))
-    times, forces = [], []
-    for contact, push in asked["pushes"]:
+    mesh, pinned = meshed(asked)
+    model = mujoco.MjModel.from_xml_string(XML.format(step=STEP_S, mesh=mesh, pinned=pinned, mass=asked["mass_kg"], young=asked["modulus_Pa"],
+                                                      radius=asked["radius_m"], half=HALF_HEIGHT_M, node=NODE_RADIUS_M))
+    times, forces, displacements = [], [], []
+    for i, (contact, push) in enumerate(asked["pushes"]):
+        outward = np.array(asked["outward"][i] if "nodes" in asked else [0, 0, 1])
         data, force = mujoco.MjData(model), []
         for k in range(round(asked["seconds"] / STEP_S)):
             way = min(1, k * STEP_S / PUSH_S)
-            data.mocap_pos[0] = np.array(contact) + way * np.array(push) + [0, 0, HALF_HEIGHT_M + NODE_RADIUS_M + APPROACH_M * (1 - way)]
+            data.mocap_pos[0] = np.array(contact) + way * np.array(push) + (HALF_HEIGHT_M + NODE_RADIUS_M + APPROACH_M * (1 - way)) * outward
+            data.mocap_quat[0] = turned(outward)
             begin = time.perf_counter()
             mujoco.mj_step(model, data)
             times.append(1e6 * (time.perf_counter() - begin))
@@ -58,7 +78,9 @@ def main():
             force.append(total)
         mean = np.mean(force[-50:], axis=0)
         forces.append((mean if mean @ np.array(push) > 0 else -mean).tolist())
-    print(json.dumps({"version": mujoco.__version__, "step_us": times, "force_N": forces}))
+        if "nodes" in asked:
+            displacements.append((data.flexvert_xpos - asked["nodes"]).tolist())
+    print(json.dumps({"version": mujoco.__version__, "step_us": times, "force_N": forces, "displacement_m": displacements}))
 
 
 if __name__ == "__main__":

@@ -78,7 +78,17 @@ head -c 20000 "$R/mesh.msh" >"$scratch/mesh.msh"
 cp -pR "$R" "$scratch/cut" && cp "$scratch/mesh.msh" "$scratch/cut/mesh.msh"
 run "$PYTHON" "$root/scripts/figures/contacts.py" "$scratch/cut" "$scratch/cut.png"
 check "a mesh that is cut off: one line" one_line 'mesh.msh: is no whole mesh of a solid shape'
+make_dome first FIRST_PATHS=2 -j2
+check "a first model of two paths" exited 0
+check "says of how many" says '^first  2 of 5 load paths$'
+check "no other path is solved, and nothing of the whole study is there" sh -c '[ "$(ls "$1"/cases/*.csv | wc -l)" = 2 ] && [ ! -e "$1/model.h5" ]' - "$R"
+cp -p "$R/cases/c01-t00-a000.csv" "$scratch/first.csv"
+run "$TISSUE_HAPTIC" "$R/first/model.h5" --seconds 0.1
+check "it plays" exited 0
+run make PYTHON="$PYTHON" STUDY=measured first
+check "of measured pushes there is none: one line" one_line "first: study 'measured' has no load paths to begin with"
 make_dome all -j2
+check "the whole study keeps the paths of the first" sh -c '[ -z "$(find "$1/cases/c01-t00-a000.csv" -newer "$2")" ]' - "$R" "$scratch/first.csv"
 check "a solid shape's study runs from mesh to report" exited 0
 check "its results are there" exist "$R/mesh.msh" "$R/cases.h5" "$R/model.h5" "$R/eval.json" "$R/report.html" "$R/figures/solid.png"
 check "its lattice has the solid's volume, its first nodes are the solid's, one closed surface, held at points; forces are in balance" "$PYTHON" - "$R" <<'PY'

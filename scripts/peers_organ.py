@@ -1,0 +1,173 @@
+"""Our organ beside what others would make of it, in one run: peers_organ.py STUDY OUT.md
+
+A tick and a press of the study's law, Van Gelder's springs and one stiffness on our lattice (as `tissuectl eval` has them), and two of the usual
+ways: felupe's neo-Hookean and MuJoCo's Saint Venant-Kirchhoff tetrahedra, of the mesh that the study's shape was filled with. Each of those has its
+forces once as they are, and once times one factor, which is best at the validation contacts. Needs results/STUDY/{model,cases}.h5 and eval.json,
+build/release/python and build/venv (scripts/venv); a peer that is not there is left out, and the page says so."""
+import json
+import sys
+import time
+from pathlib import Path
+
+sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parent / "figures"), "build/release/python"]
+import h5py  # noqa: E402
+import numpy as np  # noqa: E402
+import tissue  # noqa: E402
+from peers_study import SECONDS, ask, spread, ticks_of  # noqa: E402
+from save import save, written  # noqa: E402
+
+FITTED = 6  # validation contacts that a peer's factor is fitted to
+
+
+class Organ:
+    """The solid that peers get: its own nodes, tetrahedra, facets and held nodes; and contacts with finite elements' answers."""
+
+    def __init__(self, folder):
+        with h5py.File(f"{folder}/model.h5") as f:
+            if "mesh/lattice" not in f:
+                sys.exit(f"peers_organ.py: {folder}/model.h5 is of no solid shape")
+            own = len(f["mesh/lattice/corner"])
+            self.nodes, self.tetrahedra, self.facets = f["mesh/nodes"][:own], f["mesh/tetrahedra"][()], f["mesh/facets"][()]
+            self.held = f["mesh/fixed"][()]
+        self.seen = np.setdiff1d(self.facets, self.held)
+        self.paths = [p for p in tissue.read_cases(f"{folder}/cases.h5") if not p["lost"]]
+
+    def of(self, role):
+        """Contacts, pushes, unit vectors out of the tissue, FE's forces, FE's displacements of the nodes that are seen."""
+        paths = [p for p in self.paths if p["role"] == role]
+        contacts = np.array([p["contact_m"] for p in paths])
+        return (contacts, np.array([p["direction"] * p["magnitude_m"][-1] for p in paths]), np.array([self.outward(c) for c in contacts]),
+                np.array([p["force_N"][-1] for p in paths]), np.array([p["displacement_m"][-1][self.seen] for p in paths]))
+
+    def outward(self, contact):
+        a, b, c = (self.nodes[self.facets[:, k]] for k in range(3))
+        nearest = np.argmin(np.linalg.norm((a + b + c) / 3 - contact, axis=1))
+        normal = np.cross(b[nearest] - a[nearest], c[nearest] - a[nearest])
+        return normal / np.linalg.norm(normal)
+
+    def question(self, model, role, count=None):
+        contacts, pushes, outward = (x[:count] for x in self.of(role)[:3])
+        return {"nodes": self.nodes.tolist(), "tetrahedra": self.tetrahedra.tolist(), "held": self.held.tolist(), "surface": self.seen.tolist(),
+                "modulus_Pa": model.modulus, "radius_m": model.disc_radius_m, "mass_kg": float(model.node_mass_kg.sum()), "seconds": SECONDS,
+                "outward": outward.tolist(), "pushes": [[c.tolist(), p.tolist()] for c, p in zip(contacts, pushes)]}
+
+
+def off(answers, truth):
+    """Relative errors in per cent, of vectors or of fields; without an answer infinite."""
+    return np.array([np.inf if a is None or not np.isfinite(a).all() else 100 * np.linalg.norm(np.array(a) - t) / np.linalg.norm(t) for a, t in zip(answers, truth)])
+
+
+def factor(answers, truth):
+    """What answers are multiplied with so that their errors relative to the truth are least in the mean square."""
+    there = [(np.array(a) / np.linalg.norm(t), t / np.linalg.norm(t)) for a, t in zip(answers, truth) if a is not None]
+    return sum(a @ t for a, t in there) / sum(a @ a for a, t in there)
+
+
+def quantiles(errors):
+    """Median / p95 (n of N), as `tissuectl eval` has them; what has no answer counts as infinite."""
+    there, n = np.sort(errors), len(errors)
+    words = []
+    for place in (0.5 * (n - 1), 0.95 * (n - 1)):
+        low, high = there[int(np.floor(place))], there[int(np.ceil(place))]
+        words.append(f"{low + (place % 1) * (high - low):.3g}" if np.isfinite(high) else "none")
+    return " / ".join(words) + f" ({np.isfinite(errors).sum()} of {n})"
+
+
+def ours(model, organ):
+    """Rows of the law: a tick, a press."""
+    contacts, pushes, outward, force, shape = organ.of("held_out")
+    ticks, in_motion = ticks_of(model, contacts, pushes, outward)
+    presses, seconds = [], []
+    for c, p in zip(contacts, pushes):
+        begin = time.perf_counter()
+        presses.append(model.press([c], [p], threads=1))
+        seconds.append(1e6 * (time.perf_counter() - begin))
+    shapes = off([u[0][organ.seen] for _, u, _ in presses], shape)
+    return [(f"**a tick of the law**; its force after {SECONDS} s, which is not all at rest", f"tissuectl {tissue.__version__}", ticks, off(in_motion, force), None, None),
+            ("**a press of the law, to rest**", f"tissuectl {tissue.__version__}", seconds, off([f[0] for f, _, _ in presses], force), None, shapes)]
+
+
+def peer(name, script, time_key, model, organ):
+    """A peer's row; None where it is not there."""
+    fitted, answer = ask(script, organ.question(model, "validation", FITTED)), ask(script, organ.question(model, "held_out"))
+    if not fitted or not answer:
+        return None
+    force, shape = organ.of("held_out")[3:]
+    by = factor(fitted["force_N"], organ.of("validation")[3])
+    scaled = [None if f is None else by * np.array(f) for f in answer["force_N"]]
+    shapes = [None if u is None else np.array(u)[organ.seen] for u in answer["displacement_m"]]
+    return (name, answer["version"], answer[time_key], off(answer["force_N"], force), (by, off(scaled, force)), off(shapes, shape))
+
+
+def baselines(evaluation):
+    """Rows of what `tissuectl eval` compares with, on our lattice: force and shape in per cent."""
+    named = {"untrained": "our law, untrained", "heuristic_a_patch": "Van Gelder's springs on our lattice", "uniform_patch": "springs of one stiffness, best at the trained contacts"}
+    held_out = evaluation["drawn"]["held_out"]
+    percent = lambda value: np.inf if value is None else 100 * value  # noqa: E731
+    return [(words, f"tissuectl {tissue.__version__}", None, np.array([percent(c["error"][key]) for c in held_out]), None,
+             np.array([percent(c["shape"][key]) for c in held_out])) for key, words in named.items()]
+
+
+def draw(rows, study, out):
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 5), layout="constrained", sharey=True)
+    for name, _, _, force, scaled, shape in rows:
+        if shape is None:  # in motion
+            continue
+        label, wide = name.replace("*", ""), 2.6 if name.startswith("**") else 1.4
+        for axis, errors, line in ((left, force, "-"), (left, scaled[1] if scaled else None, "--"), (right, shape, "-")):
+            if errors is None:
+                continue
+            x = np.sort(errors)
+            axis.step(np.clip(x, 0.5, 1e3), np.arange(1, len(x) + 1) / len(x), line, where="post", linewidth=wide, label=label if line == "-" else f"{label}, times {scaled[0]:.2f}",
+                      color=None if line == "-" else axis.lines[-1].get_color())
+    for axis, what in ((left, "force"), (right, "shape of the free surface")):
+        axis.set_xscale("log")
+        axis.set_xlim(0.5, 200)
+        axis.set_xlabel(f"error of {what} (%)")
+        axis.grid(alpha=0.3)
+    left.set_ylabel("share of held-out contacts below")
+    figure.legend(*left.get_legend_handles_labels(), frameon=False, fontsize=8, ncols=2, loc="outside lower center")
+    figure.suptitle(f"{study}: contacts that nothing was fitted to")
+    save(figure, out)
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit("usage: peers_organ.py STUDY OUT.md")
+    study, out = sys.argv[1], Path(sys.argv[2])
+    folder = f"results/{study}"
+    model, organ, evaluation = tissue.Model(f"{folder}/model.h5"), Organ(folder), json.loads(Path(f"{folder}/eval.json").read_text())
+    peers = {"felupe": peer("neo-Hookean tetrahedra, felupe, to rest", "peer_felupe_tetrahedra.py", "press_us", model, organ),
+             "MuJoCo": peer("Saint Venant-Kirchhoff tetrahedra, a step of MuJoCo's flex", "peer_mujoco.py", "step_us", model, organ)}
+    rows = ours(model, organ) + [row for row in peers.values() if row] + baselines(evaluation)
+    table = "\n".join(f"| {name} | {version} | {spread(us) if us else ''} | {quantiles(force)} | {f'{quantiles(scaled[1])}, times {scaled[0]:.2f}' if scaled else ''} | "
+                      f"{quantiles(shape) if shape is not None else ''} |" for name, version, us, force, scaled, shape in rows)
+    missing = [name for name, row in peers.items() if not row]
+    training = evaluation["training"]
+    text = f"""# `{study}` beside what else one could do
+
+Written by `make peers STUDY={study}`. All {len(organ.of("held_out")[0])} held-out contacts, the same pushes, in one run, so that ratios of times mean something and microseconds little. Errors in per cent of finite
+elements' force and of the free surface's displacement: median / p95 (n of N). Ours is a lattice of {len(model.nodes) - len(organ.nodes)} nodes, trained in {training["seconds"]:.0f} s on {training["paths"]} paths of finite
+elements; tetrahedra are the {len(organ.tetrahedra)} that the shape was filled with, of {len(organ.nodes)} nodes, and need no training: Young's modulus as ours, Poisson's ratio 0.45, nearer to 1/2 they lock. Their forces are
+told as they are, and times the one factor that is best at the first {FITTED} validation contacts.
+
+| | version | us | force, % | force times a factor, % | shape, % |
+|---|---|---|---|---|---|
+{table}
+
+![Errors of force and of shape]({out.with_suffix(".png").name})
+
+felupe presses the surface nodes under the disc. MuJoCo presses all nodes of the facets that a rigid disc touches, and they slip along it where the push is tilted: friction 3 did not hold them, nor did an
+elliptic cone with `impratio` 100. {"Not there in this run: " + ", ".join(missing) + "." if missing else ""}
+"""
+    print(text)
+    draw(rows, study, out.with_suffix(".png"))
+    with written(out) as beside:
+        Path(beside).write_text(text)
+
+
+if __name__ == "__main__":
+    main()
