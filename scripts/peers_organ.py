@@ -129,7 +129,8 @@ def draw(rows, study, out):
         axis.set_xlabel(f"error of {what} (%)")
         axis.grid(alpha=0.3)
     left.set_ylabel("share of held-out contacts below")
-    figure.legend(*left.get_legend_handles_labels(), frameon=False, fontsize=8, ncols=2, loc="outside lower center")
+    figure.legend(*left.get_legend_handles_labels(), frameon=False, fontsize=8, ncols=2, loc="lower center")
+    figure.get_layout_engine().set(rect=(0, 0.2, 1, 0.8))  # room for the legend
     figure.suptitle(f"{study}: contacts that nothing was fitted to")
     save(figure, out)
 

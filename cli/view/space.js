@@ -85,17 +85,22 @@ function set_arrow(arrow, from, to, size) {
   arrow.head.position.set(0, length - head / 2, 0);
 }
 
-/** What is held: the rim of its facets as a band below it. */
+/** What is held: the rim of its facets as a band below it, which goes with it where it lies on an elastic bed. */
 function band_of(surface, size) {
-  const places = [], depth = 0.035 * size, out = surface.normals.filter((_, f) => surface.held[f]).reduce((a, n) => add(a, n), [0, 0, 0]);
-  const down = norm(out) > 0 ? unit(out) : [0, 0, -1];
-  const at = i => [...surface.rest.subarray(3 * i, 3 * i + 3)];
-  for (const [i, j] of surface.rim) {
-    const [a, b, c, d] = [at(i), at(j), add(at(j), down, depth), add(at(i), down, depth)];
-    places.push(...a, ...b, ...c, ...a, ...c, ...d);
-  }
-  const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute("position", new THREE.BufferAttribute(Float32Array.from(places), 3));
+  const out = surface.normals.filter((_, f) => surface.held[f]).reduce((a, n) => add(a, n), [0, 0, 0]);
+  const down = (norm(out) > 0 ? unit(out) : [0, 0, -1]).map(x => 0.035 * size * x);
+  const geometry = new THREE.BufferGeometry(), places = new Float32Array(18 * surface.rim.length);
+  geometry.setAttribute("position", new THREE.BufferAttribute(places, 3));
+  geometry.lay = position => {
+    let at = 0;
+    for (const [i, j] of surface.rim)
+      for (const [node, below] of [[i, 0], [j, 0], [j, 1], [i, 0], [j, 1], [i, 1]])
+        for (let axis = 0; axis < 3; ++axis) places[at++] = position[3 * node + axis] + below * down[axis];
+    geometry.attributes.position.needsUpdate = true;
+  };
+  geometry.lay(surface.rest);
+  const rest = places.slice();
+  geometry.moved_m = () => rest.reduce((most, at, k) => Math.max(most, Math.abs(places[k] - at)), 0);
   return geometry;
 }
 
@@ -208,6 +213,7 @@ function follow_tissue(w) {
   moved[w.m] = false;
   const { factor, span } = model.learned || {};
   w.surface.update(state ? state.nodes[w.m] : w.surface.rest, w.m === LEARNED && shows_learned() ? factor.map(f => Math.log(f) / span) : null);
+  w.held.geometry.lay(state ? state.nodes[w.m] : w.surface.rest);
   for (const name of ["position", "normal", "uv"]) w.solid.geometry.attributes[name].needsUpdate = true;
   move_lines(w.wire, w.surface.edges, state ? state.nodes[w.m] : w.surface.rest);
 }
@@ -331,4 +337,5 @@ export function space_to_screen(point) {
   return [w.box.left + (p.x + 1) / 2 * w.box.width, w.box.top + (1 - p.y) / 2 * w.box.height];
 }
 
-export const drawn_points = m => windows[m] ? { points: windows[m].surface.node_of.length, facets: windows[m].surface.facets.length } : null;
+export const drawn_points = m => windows[m] ? { points: windows[m].surface.node_of.length, facets: windows[m].surface.facets.length,
+                                                 band_moved_m: windows[m].held.geometry.moved_m() } : null;

@@ -110,6 +110,7 @@ def pressing(page, block):
     page.until(f"tissue.pressing.depth_m > {1e-3 * deepest - 1e-5}")
     deep = page.rests(force)
     check("the deeper, the greater the force", deep > 1.3 * shallow > 0, [shallow, deep])
+    check("the band under what is held has not", page.js("Math.max(...tissue.solids.map(s => s.band_moved_m))") == 0, page.js("tissue.solids"))
     check("both solids have moved", page.js(f"Math.min(...{moved})") > 1e-3, page.js(moved))
     x, y = page.on_screen(*block.top(0.5, 0.5))
     wheel(page, x, y, 100)
