@@ -136,6 +136,10 @@ check "finished results that say what the record says: silent" silent
 alone --finished --all
 check "--all --finished: exit 0" exited 0
 check "--all --finished says in one line what was not compared" one_line '^regress: of 2 studies with a record: 1 same, 1 not finished (tiny)$'
+cp -p "$work/fem/studies/tiny.toml" "$work/fem/studies/bare.toml" && cp -pR "$work/results/done" "$work/results/bare"
+alone --finished --all
+check "--all --finished names finished results that have no record" one_line '^regress: of 2 studies with a record: 1 same, 1 not finished (tiny); finished, but without a record: bare$'
+rm -r "$work/results/bare" "$work/fem/studies/bare.toml"
 alone --finished --all --verbose
 check "--all --finished: exit 0" exited 0
 check "--all --finished counts those that are not finished" says '^regress: of 2 studies with a record: 1 same, 1 not finished (tiny)$'
