@@ -94,7 +94,7 @@ cases: $(R)/cases.h5
 ## train: learn a spring set for every load case (Sec. 3)
 train: $(R)/model.h5
 
-## first: a coarse model in minutes, of STUDY's first 8 load paths (FIRST_PATHS) and of what else is solved by now: results/NAME/first/model.h5; asked again, it is better
+## first: solve 8 load paths, spread over those to train on, and train a model on all that are solved: results/NAME/first/model.h5; run it again to include more
 ## eval: measure learned springs and baselines against FE
 eval: $(R)/eval.json
 
@@ -281,6 +281,9 @@ $(THREE): | build/deps
 SHAPE :=
 SHAPE_ARGUMENTS :=
 SOLID :=
+TRAINED :=
+FIRST_TRAINED :=
+TRAINED_MADE_OF :=
 PATHS :=
 FIGURES :=
 CASES_COMMAND :=
@@ -335,14 +338,14 @@ $(R)/cases/%.csv: $(call files,fem/*.edp fem/*.idp) scripts/solve_path
 $(R)/cases.h5: $(PATHS:%=$(R)/cases/%.csv) | $(TISSUECTL)
 	@$(TISSUECTL) $(CASES_COMMAND) --study fem/studies/$(STUDY).toml $(MESH_OPTION) --out $@
 
-FIRST_PATHS ?= 8
 FIRST := $(R)/first
-first: $(patsubst %,$(R)/cases/%.csv,$(wordlist 1,$(FIRST_PATHS),$(PATHS))) | $(TISSUECTL)
-	@[ -n "$(PATHS)" ] || { echo "first: study '$(STUDY)' has no load paths to begin with" >&2; exit 2; }
+first: $(patsubst %,$(R)/cases/%.csv,$(FIRST_TRAINED)) | $(TISSUECTL)
+	@[ -n "$(TRAINED)" ] || { echo "first: study '$(STUDY)' has no load paths to train on" >&2; exit 2; }
 	@mkdir -p $(FIRST)
-	@solved=; for path in $(PATHS); do [ ! $(R)/cases/$$path.csv -nt $(R)/plan/path-$$path ] || solved=$$solved,$$path; done; \
-	  echo "first  $$(echo $$solved | tr -cd , | wc -c) of $(words $(PATHS)) load paths"; \
-	  $(TISSUECTL) collect --study fem/studies/$(STUDY).toml $(MESH_OPTION) --paths $(R)/cases --only $${solved#,} --out $(FIRST)/cases.h5
+	@newest=$$(ls -td $(TRAINED_MADE_OF) $(call files,fem/*.edp fem/*.idp) scripts/solve_path | head -n 1); solved=; for path in $(TRAINED); do \
+	    [ ! $(R)/cases/$$path.csv -nt $(R)/plan/path-$$path ] || [ ! $(R)/cases/$$path.csv -nt "$$newest" ] || solved=$$solved,$$path; \
+	  done; echo "first  $$(echo $$solved | tr -cd , | wc -c) of $(words $(TRAINED)) load paths to train on"; \
+	  $(TISSUECTL) collect --study fem/studies/$(STUDY).toml $(MESH_OPTION) --paths $(R)/cases --only "$${solved#,}" --out $(FIRST)/cases.h5
 	@$(TISSUECTL) train --study fem/studies/$(STUDY).toml --cases $(FIRST)/cases.h5 --out $(FIRST)/model.h5 || [ $$? = 3 ]
 
 $(R)/model.h5: $(R)/cases.h5 $(BUILD)/stage/train | $(TISSUECTL)
@@ -409,12 +412,15 @@ gains: $(TISSUECTL) $(BUILD)/gains_probe
 	@for nodes in 6 11 21 41; do $(MAKE) cases STUDY=lattice-$$nodes || exit 1; done
 	@$(PYTHON) scripts/gains_study.py $(BUILD)/gains_probe results/reference/gains
 
-## peers: our block in space beside MuJoCo and felupe on the same lattice, as results/reference/peers.md; a solid shape, STUDY=NAME, beside tetrahedra, as results/reference/peers-NAME.md
-PEERS_STUDY := $(if $(filter file,$(origin STUDY)),block3-quick,$(STUDY))
+## peers: compare block3-quick with MuJoCo and felupe on the same lattice (results/reference/peers.md), or a solid shape, STUDY=NAME, whose evaluation is finished, with tetrahedra (peers-NAME.md)
 peers: doors $(TISSUECTL)
-	@$(MAKE) eval STUDY=$(PEERS_STUDY)
 	@PYTHON=$(PYTHON) scripts/venv || echo "peers: goes on without them" >&2
-	@$(PYTHON) scripts/$(if $(filter block3-quick,$(PEERS_STUDY)),peers_study.py block3-quick results/reference/peers.md,peers_organ.py $(PEERS_STUDY) results/reference/peers-$(PEERS_STUDY).md)
+ifeq (file,$(origin STUDY))
+	@$(MAKE) train STUDY=block3-quick
+	@$(PYTHON) scripts/peers_study.py block3-quick results/reference/peers.md
+else
+	@$(PYTHON) scripts/peers_organ.py $(STUDY) results/reference/peers-$(STUDY).md
+endif
 
 PATIENTS := stiff soft ogden lump layers
 ## patient: what a model that learns from pokes is off on tissues it was not trained on, as results/reference/patient.md

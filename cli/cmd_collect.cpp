@@ -20,7 +20,7 @@ struct Options {
     std::vector<std::string> only;  ///< names; none: all of the plan
 };
 
-/// What of a plan is asked for. Throws MismatchError for a name that is not in it, and where none of them is trained on.
+/// Removes the paths that are not in `only`. Throws MismatchError for a name that is not in it, and where none of them is trained on.
 void keep_only(std::vector<PlannedPath>& planned, const std::vector<std::string>& only) {
     const auto asked = [&](const std::string& name) { return std::find(only.begin(), only.end(), name) != only.end(); };
     for (const std::string& name : only)

@@ -10,6 +10,7 @@
 #include "command.h"
 #include "error.h"
 #include "io/atomic_file.h"
+#include "mesh/held_region.h"
 #include "study/bed.h"
 #include "study/new_study.h"
 #include "study/study.h"
@@ -35,7 +36,12 @@ void run(const Options& o) {
     NewStudy wanted = o.study;
     wanted.unit_m = units_m.at(o.unit);
     if (o.size_m > 0) wanted.size_m = o.size_m;
-    wanted.shape_in_study = fs::proximate(fs::absolute(wanted.shape), fs::absolute(o.folder)).string();
+    const auto in_study = [&](const std::string& named) { return fs::proximate(fs::absolute(named), fs::absolute(o.folder)).string(); };
+    wanted.shape_in_study = in_study(wanted.shape);
+    for (const std::string& held : wanted.held) {
+        const auto other = HeldRegion::within(held);
+        wanted.held_in_study.push_back(other ? fmt::format("within {} of {}", other->distance_m, in_study(other->file)) : held);
+    }
     if (fs::path(wanted.shape).extension() != ".geo") wanted.trust_geo = false;
     else if (!wanted.trust_geo)
         throw MismatchError(wanted.shape + ": is a program, which gmsh runs and which may run any command; --trust-geo says that you trust it");
@@ -63,7 +69,7 @@ void add_new(CLI::App& app, const Invocation&) {
         ->type_name("FILE");
     command->add_flag("--trust-geo,--trust_geo", o->study.trust_geo, "a .geo is a program, which gmsh runs: this one is trusted");
     add_unit_option(*command, o->unit);
-    command->add_option("--held", o->study.held, "its named curves, in space surfaces or regions [m], that are held: 'below z = 0.01', 'ball X Y Z radius R', 'box X Y Z to X Y Z'; without it names are listed")->type_name("NAME|REGION..");
+    command->add_option("--held", o->study.held, "its named curves, in space surfaces or regions [m], that are held: 'below z = 0.01', 'ball X Y Z radius R', 'box X Y Z to X Y Z', 'within D of FILE'; without it names are listed")->type_name("NAME|REGION..");
     command->add_option("--bed", o->study.bed_Pa_m, "in space, stiffness per area of an elastic bed under what is held (fat of 2000 Pa, 0.01 m thick: 200000); without it what is held does not move")->type_name("Pa/m")->check(CLI::Range(bed_least_Pa_m, bed_most_Pa_m));
     command->add_option("--preset", o->study.preset, "material: brain, liver, muscle, or another of fem/materials")->type_name("NAME")->capture_default_str();
     command->add_option("--size", o->size_m, "length of the springs, in space edge of their cubes; default: an eighth of the tissue's mean size, in space a third of its shortest side if that is less")->type_name("m")->check(CLI::PositiveNumber);

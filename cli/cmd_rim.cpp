@@ -25,7 +25,7 @@ void run(const Options& o) {
         return write_file(o.out, to_msh(read_msh(o.filled, true), RegionLookup(mesh, o.regions, o.unit_m)));
     }
     if (o.contact_m.empty()) throw CLI::RequiredError("--contact");
-    const Surface surface = make_surface(read_surface_or_msh(o.mesh, o.named), o.fixed, o.unit_m);
+    const Surface surface = make_surface(read_surface_or_msh(o.mesh, o.named), o.fixed, o.unit_m, read_other_surface);
     try {
         const RimmedSurface made = with_rim(surface, {{o.contact_m[0], o.contact_m[1], o.contact_m[2]}, o.radius_m, o.near_m, o.far_m});
         write_file(o.out, to_msh(made.surface));
@@ -43,7 +43,7 @@ void add_rim(CLI::App& app, const Invocation&) {
     CLI::App* command = app.add_subcommand("rim", "Divide a solid's surface anew for a disc that presses on it; prints the contact on the surface.");
     command->add_option("--mesh", o->mesh, "the shape as gmsh saved it, MSH 2.2, or a surface: .stl, .obj, .ply, .off, .glb")->required()->type_name("FILE");
     command->add_option("--named", o->named, "what messages call it (default: --mesh)")->type_name("FILE");
-    command->add_option("--fixed", o->fixed, "surfaces that are held, or regions (below_z_0.01)")->delimiter(',')->type_name("NAME,..")->capture_default_str();
+    command->add_option("--fixed", o->fixed, "surfaces that are held, or regions (below_z_0.01, within_0.003_of_FILE)")->delimiter(',')->type_name("NAME,..")->capture_default_str();
     command->add_option("--unit", o->unit_m, "the mesh's unit of length")->type_name("m")->capture_default_str();
     command->add_option("--contact", o->contact_m, "about which the disc presses")->expected(3)->type_name("m m m");
     command->add_option("--radius", o->radius_m, "of the disc")->type_name("m")->capture_default_str();

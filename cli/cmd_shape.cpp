@@ -28,7 +28,7 @@ struct Options {
 std::string divided_surface(const Study& study, const MshFile& mesh) {
     constexpr int rounds = 8;
     const Study::Geometry& g = study.geometry;
-    const Surface surface = make_surface(mesh, g.fixed, g.unit_m);
+    const Surface surface = make_surface(mesh, g.fixed, g.unit_m, read_other_surface);
     SurfaceRemesh divided(surface, {Eigen::Vector3d::Zero(), 0, study.spring_size_m, study.spring_size_m});
     divided.remesh(rounds);
     try {
@@ -56,15 +56,16 @@ void run(const Options& o) {
     if (o.curves) return;
     if (o.surface) return write_file(o.out, divided_surface(study, mesh));
     ShapeNotes notes;
-    const auto make = g.is_solid() ? make_solid_shape : make_shape;
-    const std::vector<std::string> of_ours{"fixed"};
-    const Shape shape = o.filled ? make_solid_shape(mesh, of_ours, {}, 1, &notes) : make(mesh, g.fixed, study.material.region_names(), g.unit_m, &notes);
+    const std::vector<std::string> of_ours{"fixed"}, regions = study.material.region_names();
+    const Shape shape = o.filled ? make_solid_shape(mesh, of_ours, {}, 1, &notes)
+                        : g.is_solid() ? make_solid_shape(mesh, g.fixed, regions, g.unit_m, &notes, read_other_surface)
+                                       : make_shape(mesh, g.fixed, regions, g.unit_m, &notes);
     refuse_nodule_outside(study, shape);
     if (notes.turned > 0)
         std::cerr << fmt::format("shape: {} {} of {} {} and were turned\n", notes.turned, g.is_solid() ? "tetrahedra" : "triangles", g.shape,
                                  g.is_solid() ? "were inside out" : "ran clockwise");
     if (const std::string finer = finer_than_asked(study, shape); !finer.empty()) std::cerr << "shape: warning: " << finer << '\n';
-    write_file(o.out, to_msh(shape, study.material.region_names()));
+    write_file(o.out, to_msh(shape, regions));
 }
 
 }  // namespace

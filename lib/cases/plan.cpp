@@ -14,6 +14,7 @@
 #include "cases/sweep.h"
 #include "error.h"
 #include "io/one_line.h"
+#include "mesh/held_region.h"
 #include "surface_file/surface_file.h"
 
 namespace tissue {
@@ -197,6 +198,29 @@ std::string shape_arguments(const Study& s) {
     return "-save";
 }
 
+/// Files of the surfaces that regions of geometry.fixed are within, each after a blank.
+std::string other_surfaces(const Study& s) {
+    std::string files;
+    for (const std::string& name : s.geometry.fixed)
+        if (const auto other = HeldRegion::within(name)) files += " " + other->file;
+    return files;
+}
+
+/// Load paths to train on, and so many of them spread over all, for a first model: names, each after a blank.
+struct TrainingNames {
+    std::string all, first;
+};
+TrainingNames training_names(const std::vector<PlannedPath>& paths) {
+    constexpr std::size_t most = 8;
+    std::vector<std::string> trained;
+    for (const PlannedPath& path : paths)
+        if (path.role == "train") trained.push_back(path.push.name);
+    TrainingNames names;
+    for (const std::string& name : trained) names.all += " " + name;
+    for (std::size_t k = 0; k < std::min(most, trained.size()); ++k) names.first += " " + trained[k * trained.size() / std::min(most, trained.size())];
+    return names;
+}
+
 std::string shape_part(const Study& s) {
     return fmt::format("{}\n{}\nunit {}\nfixed {}\nregions {}\n", s.geometry.shape, shape_arguments(s), s.geometry.unit_m,
                        fmt::join(s.geometry.fixed, ","), fmt::join(s.material.region_names(), ","));
@@ -218,6 +242,7 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
                                      for_make(study, "geometry.shape", study.geometry.shape), shape_arguments(study));
         if (solid) {
             for (const std::string& name : study.geometry.fixed) for_make(study, "geometry.fixed", name);
+            if (const std::string others = other_surfaces(study); !others.empty()) plan.fragment += fmt::format("$(R)/mesh.made:{}\n", others);
             for (const std::string& name : study.material.region_names()) for_make(study, "material.regions", name);
         }
         plan.parts["shape"] = shape_part(study);
@@ -299,12 +324,16 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
     };
     const auto solve_of = [&](const PlannedPath& path) -> Solve {
         if (solid && shaped)  // tissuectl rim divides its surface
-            return {solid_shape_arguments(study, path, "$(R)/mesh.msh"), "$(R)/mesh.msh $(BUILD)/stage/rim scripts/run_gmsh fem/fill3.geo " + study.geometry.shape,
+            return {solid_shape_arguments(study, path, "$(R)/mesh.msh"), "$(R)/mesh.msh $(BUILD)/stage/rim scripts/run_gmsh fem/fill3.geo " + study.geometry.shape + other_surfaces(study),
                     solid_shape_arguments(study, path, "mesh.msh")};
         if (solid) return {solid_arguments(study, path), std::string("scripts/run_gmsh ") + solid_geo, solid_arguments(study, path)};
         const std::string arguments = path_arguments(study, path), mesh = !block || path.refine == study.refine ? "mesh.msh" : "mesh-fine.msh";
         return {"-mesh $(R)/" + mesh + " " + arguments, "$(R)/" + mesh, mesh + " " + arguments};
     };
+    const TrainingNames trained = training_names(paths);
+    plan.fragment += fmt::format("TRAINED :={}\nFIRST_TRAINED :={}\n", trained.all, trained.first);
+    if (const auto first = std::find_if(paths.begin(), paths.end(), [](const PlannedPath& path) { return path.role == "train"; }); first != paths.end())
+        plan.fragment += "TRAINED_MADE_OF := " + solve_of(*first).made_of + "\n";
     if (solid && !shaped) plan.fragment += fmt::format("SOLID := {}\n", solid_geo);
     for (const PlannedPath& path : paths) {
         const Solve solve = solve_of(path);

@@ -133,7 +133,7 @@ void check_options(const HapticOptions& o) {
 
 namespace {
 
-std::uint64_t fingerprint_of(const HapticModel& model) {
+std::uint64_t fingerprint_of(const HapticModel& model, const TissueModel& tissue) {
     XXH3_state_t* const hash = XXH3_createState();
     if (!hash) throw std::bad_alloc();
     XXH3_64bits_reset(hash);
@@ -164,6 +164,11 @@ std::uint64_t fingerprint_of(const HapticModel& model) {
         add_array(mesh->law->relaxation().tau_s);
         add_array(mesh->law->relaxation().share);
         add_array(mesh->law->relaxation().contact_share);
+    }
+    if (tissue.energy_law) {  // of what its contacts are, beside the rows
+        add_array(tissue.energy_law->ground);
+        add_array(tissue.energy_law->factor_range);
+        add(&tissue.energy_law->disc_radius_m, sizeof tissue.energy_law->disc_radius_m);
     }
     const std::uint64_t fingerprint = XXH3_64bits_digest(hash);
     XXH3_freeState(hash);
@@ -221,7 +226,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
             choose_dynamics(*mesh, o, damping_asked || !model.energy_law ? *o.damping_ratio : elastic_law_damping_ratio, *o.coupling_ratio * stiffness->largest());
         check_device(o, *mesh);
     }
-    fingerprint = fingerprint_of(*this);
+    fingerprint = fingerprint_of(*this, model);
 }
 
 }  // namespace tissue

@@ -9,10 +9,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <string_view>
 
 #include "error.h"
 #include "mesh/spring_mesh.h"
 #include "mesh/surface.h"
+#include "mesh/surface_distance.h"
 
 namespace tissue {
 namespace {
@@ -144,40 +146,62 @@ double border_on(const HeldRegion& region, const Eigen::Vector3d& inside_m, cons
 
 }  // namespace
 
-std::optional<HeldRegion> HeldRegion::of(const std::string& text) {
+std::optional<HeldRegion::Within> HeldRegion::within(const std::string& text) {
+    constexpr std::string_view separators = " _=\t";
+    std::string left = text;
+    const auto next = [&](std::size_t end) {  // the word that ends there, and what stands behind its separators is left
+        std::string word = left.substr(0, end);
+        const std::size_t begin = left.find_first_not_of(separators, end);
+        left = begin == std::string::npos ? "" : left.substr(begin);
+        return word;
+    };
+    const auto end_of_word = [&] { return std::min(left.find_first_of(separators), left.size()); };
+    next(0);
+    if (next(end_of_word()) != "within") return {};
+    const std::string distance = next(end_of_word());
+    if (!number(distance) || next(end_of_word()) != "of" || left.empty()) return {};
+    return Within{distance, left.substr(0, left.find_last_not_of(" \t") + 1)};  // a file's name may have a _
+}
+
+std::optional<HeldRegion> HeldRegion::of(const std::string& text, const Reader& read, double unit_m) {
     const std::vector<std::string> words = words_of(text);
     const std::string kind = words.empty() ? "" : words[0];
     const bool half = kind == "below" || kind == "above", spaced = text.find_first_of(" =\t") != std::string::npos;
-    if (!half && kind != "ball" && kind != "box") return {};
+    if (!half && kind != "ball" && kind != "box" && kind != "within") return {};
+    const std::string joined = fmt::format("{}", fmt::join(words, " ")), word = fmt::format("{}", fmt::join(words, "_"));
     const bool along = half && words.size() > 1 && (words[1] == "x" || words[1] == "y" || words[1] == "z");
     if (!spaced && !along && (half || words.size() < 2 || !number(words[1]))) return {};
     if (along && words.size() == 3)
         if (const auto at = number(words[2])) {
             const int axis = words[1][0] - 'x', sign = kind == "below" ? 1 : -1;
-            return HeldRegion(fmt::format("{} {} = {}", kind, words[1], words[2]), endless, [axis, sign, at = *at](const Eigen::Vector3d& x) { return sign * (x[axis] - at); });
+            return HeldRegion(fmt::format("{} {} = {}", kind, words[1], words[2]), word, endless, [axis, sign, at = *at](const Eigen::Vector3d& x) { return sign * (x[axis] - at); });
         }
-    const std::string joined = fmt::format("{}", fmt::join(words, " "));
     if (kind == "ball" && words.size() == 6 && words[4] == "radius")
         if (const auto centre = place_in(words, 1))
-            if (const auto r = number(words[5]); r && *r > 0) return HeldRegion(joined, 2 * *r, [c = *centre, r = *r](const Eigen::Vector3d& x) { return (x - c).norm() - r; });
+            if (const auto r = number(words[5]); r && *r > 0) return HeldRegion(joined, word, 2 * *r, [c = *centre, r = *r](const Eigen::Vector3d& x) { return (x - c).norm() - r; });
     if (kind == "box" && words.size() == 8 && words[4] == "to") {
         const auto low = place_in(words, 1), high = place_in(words, 5);
         if (low && high && (low->array() < high->array()).all())
-            return HeldRegion(joined, (*high - *low).minCoeff(), [low = low->array().eval(), high = high->array().eval()](const Eigen::Vector3d& x) { return (low - x.array()).max(x.array() - high).maxCoeff(); });
+            return HeldRegion(joined, word, (*high - *low).minCoeff(), [low = low->array().eval(), high = high->array().eval()](const Eigen::Vector3d& x) { return (low - x.array()).max(x.array() - high).maxCoeff(); });
     }
+    if (const auto parts = within(text))
+        if (const double most_m = *number(parts->distance_m); most_m > 0) {
+            if (!read) throw MismatchError(fmt::format("'{}': no other surface can be read here", text));
+            const SurfaceDistance distance(read(parts->file), unit_m);
+            return HeldRegion(fmt::format("within {} of {}", parts->distance_m, parts->file), fmt::format("within_{}_of_{}", parts->distance_m, parts->file), 2 * most_m,
+                              [distance, most_m](const Eigen::Vector3d& x) { return distance(x) - most_m; });
+        }
     throw MismatchError(fmt::format("'{}' begins like a region of space and is none; regions are written, in metres: below z = 0.01, above x = 0.1, ball 0.03 0.02 0.01 radius 0.015, "
-                                    "box 0 0 0 to 0.1 0.05 0.01",
+                                    "box 0 0 0 to 0.1 0.05 0.01, within 0.003 of spine.stl",
                                     text));
 }
 
-std::string HeldRegion::word() const { return fmt::format("{}", fmt::join(words_of(text_), "_")); }
-
 double border_m(const NodeField& nodes) { return 1e-6 * size_m(nodes); }
 
-HeldParts held_parts(const std::vector<std::string>& texts, const std::string& file) try {
+HeldParts held_parts(const std::vector<std::string>& texts, const std::string& file, const HeldRegion::Reader& read, double unit_m) try {
     HeldParts parts;
     for (const std::string& text : texts) {
-        if (const auto region = HeldRegion::of(text)) parts.regions.push_back(*region);
+        if (const auto region = HeldRegion::of(text, read, unit_m)) parts.regions.push_back(*region);
         else parts.names.push_back(text);
     }
     return parts;

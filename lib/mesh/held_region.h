@@ -7,31 +7,42 @@
 #include <vector>
 
 #include "field.h"
+#include "mesh/msh_file.h"
 
 namespace tissue {
 
 struct Surface;
 
 /// A part of space, in metres: what of a solid's surface lies in it is held, its border included. As text, in the list of a shape's held surfaces:
-///   below z = 0.012    above x = -0.03    ball 0.03 0.02 0.01 radius 0.015    box 0 0 0 to 0.1 0.05 0.01
-/// or as one word, as make and a shell carry it: below_z_0.012.
+///   below z = 0.012    above x = -0.03    ball 0.03 0.02 0.01 radius 0.015    box 0 0 0 to 0.1 0.05 0.01    within 0.003 of spine.stl
+/// or as one word, as make and a shell carry it: below_z_0.012. `within` is of the facets of another surface, which is in the same unit of length as the shape, on either side of them.
 class HeldRegion {
    public:
-    /// Nothing for a surface's name: a text that does not begin with one of these four words; or one without blanks and '=' whose second part is no axis (below, above)
-    /// or no number (ball, box), such as box_bottom. Throws MismatchError for any other text that is no region.
-    static std::optional<HeldRegion> of(const std::string& text);
+    /// Reads the surface of a file.
+    using Reader = std::function<MshFile(const std::string& file)>;
+
+    /// Nothing for a surface's name: a text that does not begin with one of these five words; or one without blanks and '=' whose second part is no axis (below, above)
+    /// or no number (ball, box, within), such as box_bottom. Throws MismatchError for any other text that is no region, and for `within` without a reader; what the reader throws.
+    static std::optional<HeldRegion> of(const std::string& text, const Reader& read = {}, double unit_m = 1);
+
+    /// The distance, as it is written, and the file of a text that begins as `within` does; else nothing.
+    struct Within {
+        std::string distance_m, file;
+    };
+    static std::optional<Within> within(const std::string& text);
 
     /// Below 0 inside, 0 on its border, above 0 outside; between two places it differs by no more than they lie apart [m].
     double outside_m(const Eigen::Vector3d& place_m) const { return outside_(place_m); }
     /// Its shortest way across [m]; infinite of a half space, whose border is a plane.
     double narrowest_m() const { return narrowest_m_; }
     const std::string& text() const { return text_; }
-    std::string word() const;
+    const std::string& word() const { return word_; }
 
    private:
-    HeldRegion(std::string text, double narrowest_m, std::function<double(const Eigen::Vector3d&)> outside) : text_(std::move(text)), narrowest_m_(narrowest_m), outside_(std::move(outside)) {}
+    HeldRegion(std::string text, std::string word, double narrowest_m, std::function<double(const Eigen::Vector3d&)> outside)
+        : text_(std::move(text)), word_(std::move(word)), narrowest_m_(narrowest_m), outside_(std::move(outside)) {}
 
-    std::string text_;
+    std::string text_, word_;
     double narrowest_m_;
     std::function<double(const Eigen::Vector3d&)> outside_;
 };
@@ -39,12 +50,12 @@ class HeldRegion {
 /// How near to a border of a region a place of this surface or solid counts as on it [m]: a millionth of its longest side, as a file's numbers are rounded.
 double border_m(const NodeField& nodes);
 
-/// Of some texts those that name surfaces, and the regions of the others. Throws FileError, which names the file, as HeldRegion::of does.
+/// Of some texts those that name surfaces, and the regions of the others. Throws FileError, which names the file, where HeldRegion::of throws MismatchError.
 struct HeldParts {
     std::vector<std::string> names;
     std::vector<HeldRegion> regions;
 };
-HeldParts held_parts(const std::vector<std::string>& texts, const std::string& file);
+HeldParts held_parts(const std::vector<std::string>& texts, const std::string& file, const HeldRegion::Reader& read, double unit_m);
 
 /// Labels what of the surface lies in a region as fixed, to a 400th of the surface's longest side: triangles are divided along the border, and a corner that near to where an edge meets it
 /// counts as on it. Near the border of a ball or box triangles are divided before, to sides of a fortieth of that longest side, or a third of the region's narrowest. Returns whether anything

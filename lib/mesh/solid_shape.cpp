@@ -122,11 +122,11 @@ Picked pick(const MshFile& mesh, const std::vector<int>& region_tags) {
 }  // namespace
 
 Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixed, const std::vector<std::string>& regions,
-                       double unit_m, ShapeNotes* notes) {
+                       double unit_m, ShapeNotes* notes, const HeldRegion::Reader& read) {
     const std::string& file = mesh.file;
     if (mesh.tetrahedra.empty())
         throw FileError(file + ": has no tetrahedra: is its surface closed, and its volume in a physical group?");
-    const HeldParts held_by = held_parts(fixed, file);
+    const HeldParts held_by = held_parts(fixed, file, read, unit_m);
     const std::vector<int> fixed_tags = group_tags(held_by.names, mesh.triangle_names, "surface", file),
                            region_tags = group_tags(regions, mesh.tetrahedron_names, "volume", file);
     const Picked picked = pick(mesh, region_tags);

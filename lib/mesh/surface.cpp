@@ -167,8 +167,8 @@ bool held_by(Surface& s, const HeldRegion& region, const std::string& file) try 
 
 }  // namespace
 
-Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, double unit_m) {
-    const auto [fixed, regions] = held_parts(held, mesh.file);
+Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, double unit_m, const HeldRegion::Reader& read) {
+    const auto [fixed, regions] = held_parts(held, mesh.file, read, unit_m);
     const std::string& file = mesh.file;
     std::vector<Face> faces;
     if (!mesh.tetrahedra.empty()) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "field.h"
+#include "mesh/held_region.h"
 #include "mesh/msh_file.h"
 
 namespace tissue {
@@ -24,12 +25,13 @@ constexpr double crease_cosine = 0.766;  ///< of 40 degrees: where neighbours tu
 
 /// The surface of a mesh of tetrahedra, or, where it has none, its triangles, turned so that they point out. `fixed` are
 /// names of physical surfaces; where no surface has a name, its parts between edges that turn by more than 40 degrees
-/// are "surface-1", "surface-2", ... from the largest on. `fixed` may also have regions (mesh/held_region.h), along whose border triangles are divided. unit_m [m] is the mesh's
+/// are "surface-1", "surface-2", ... from the largest on. `fixed` may also have regions (mesh/held_region.h), along whose border triangles are divided; `read` reads the other surface of
+/// one that is `within` it. unit_m [m] is the mesh's
 /// unit of length.
 /// Throws FileError with file, place and cause: no triangles, one without area, a surface that does not close or that
 /// meets itself, more than one piece, a hole through it, no group of a name (with those there are), a fixed group that is
 /// not on the surface or is all of it, nothing that is held.
-Surface make_surface(const MshFile& mesh, const std::vector<std::string>& fixed, double unit_m);
+Surface make_surface(const MshFile& mesh, const std::vector<std::string>& fixed, double unit_m, const HeldRegion::Reader& read = {});
 
 double held_area_m2(const Surface& surface);
 

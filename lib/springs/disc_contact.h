@@ -29,8 +29,8 @@ namespace tissue {
 /// its mean, weighted with the energy that the disc stores there. Under a force on incompressible ground the stress is along
 /// rays alone, as z / r^3 (Boussinesq; Johnson, (3.19)), so that the weight is z^2 / r^6, with R for what is nearer:
 ///   ground = sum_g (8 R / pi^2) z_g^2 / (R^2 + r_g^2)^3 weight_g, 1 for a half space with log E / E_block = 1 everywhere
-/// Nodes round a crease do not belong to it. `curved` and `crowd` have no bounds of their own, and a stiffness goes exponentially with them: a trained law keeps them within
-/// what its training contacts had.
+/// Nodes round a crease do not belong to it. `curved` and `crowd` have no bounds of their own, and a stiffness is exponential in them: a trained
+/// law clamps both to the range of its training contacts.
 /// A contact has room for ToolSpring::most_nodes: where more are in reach it keeps the nearest. most_nodes() says how many
 /// there can be; whoever plays a model refuses one that has more. On an embedded solid they are the 60 points.
 class DiscContact final : public ContactKernel {

@@ -29,8 +29,8 @@ struct LawModel {
     NodeField ground = {};                 ///< and what under it is of other stiffness (G x 4, springs/disc_contact.h); often no rows
     Eigen::VectorXd contact_log_scale = {};  ///< of contacts by node (N), ContactKernel::scale; often none
     Relaxation relaxation = {};            ///< of constants and contact, which are the instantaneous ones; often none
-    NodeField factor_range = {};           ///< least and most of a disc's factors curved and crowd, which a contact's are kept within (2 x 2): those of the training
-                                           ///< contacts, beyond which nothing says how they go on; no rows but on a solid shape
+    NodeField factor_range = {};           ///< least and most of a disc's factors curved and crowd, to which a contact's are clamped (2 x 2): the range of the training
+                                           ///< contacts. No rows: they are not; so it is on a block, and in files of before
 };
 
 /// What plays: everything that the realtime core, the exports and the page need. What training wrote down beside it is

@@ -12,6 +12,7 @@
 #include "error.h"
 #include "mesh/held_region.h"
 #include "study/shape_extent.h"
+#include "surface_file/surface_file.h"
 
 namespace tissue {
 namespace {
@@ -78,7 +79,7 @@ void check_held(const ShapeExtent& shape, const NewStudy& wanted) {
                                             : "it names none: name its physical curves in gmsh";
     if (wanted.held.empty()) throw MismatchError(fmt::format("{}: --held must say which {}s are held; {}{}", wanted.shape, what, there, shape.solid ? "; or a region, in m: --held 'below z = 0.01'" : ""));
     for (const std::string& name : wanted.held)
-        if (!(shape.solid && HeldRegion::of(name)) && !unnamed_stl && std::find(shape.boundaries.begin(), shape.boundaries.end(), name) == shape.boundaries.end())
+        if (!(shape.solid && HeldRegion::of(name, read_other_surface, wanted.unit_m)) && !unnamed_stl && std::find(shape.boundaries.begin(), shape.boundaries.end(), name) == shape.boundaries.end())
             throw MismatchError(fmt::format("{}: has no {} '{}' to hold; {}", wanted.shape, what, name, there));
 }
 
@@ -90,7 +91,7 @@ void check_regions(const ShapeExtent& shape, const NewStudy& wanted) {
     const Eigen::Vector3d low = wanted.unit_m * Eigen::Vector3d(shape.low->data()), high = wanted.unit_m * Eigen::Vector3d(shape.high->data());
     const double near_m = (high - low).norm() / along / 2;  // how far a place of the box is from the nearest that is asked, at the most
     for (const std::string& name : wanted.held) {
-        const auto region = HeldRegion::of(name);
+        const auto region = HeldRegion::of(name, read_other_surface, wanted.unit_m);
         if (!region) continue;
         double least_m = std::numeric_limits<double>::infinity(), most_m = -least_m;
         for (int i = 0; i < (along + 1) * (along + 1) * (along + 1); ++i) {
@@ -122,7 +123,7 @@ std::string head(const ShapeExtent& shape, const NewStudy& wanted) {
                        "shape = {}    # beside this file\n{}unit_m = {}    # m, of that file's numbers\n"
                        "fixed = {}    # its named {} that are held{}; the rest is free\n{}{}\n",
                        regions, shape.solid ? "solid = true    # in space\n" : "", quoted(wanted.shape_in_study), wanted.trust_geo ? "trust_geo = true    # gmsh runs it as a program\n" : "",
-                       text(wanted.unit_m), list(wanted.held), shape.solid ? "surfaces" : "curves", shape.solid ? ", or regions, in m" : "",
+                       text(wanted.unit_m), list(wanted.held_in_study.empty() ? wanted.held : wanted.held_in_study), shape.solid ? "surfaces" : "curves", shape.solid ? ", or regions, in m" : "",
                        wanted.bed_Pa_m > 0 ? fmt::format("bed_Pa_m = {}    # Pa/m, stiffness per area of the bed that these lie on; without it they do not move\n", text(wanted.bed_Pa_m)) : "",
                        shape.solid ? "" : fmt::format("thickness_m = {}    # m, of the slice; forces scale with it\n", text(wanted.thickness_m)));
 }

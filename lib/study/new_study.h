@@ -12,7 +12,8 @@ struct NewStudy {
     std::string shape_in_study;      ///< the same as the study is to name it, from its own folder
     double unit_m = 1;               ///< of that file
     bool trust_geo = false;          ///< whether gmsh may run it, where it is a .geo
-    std::vector<std::string> held;   ///< its named curves, in space surfaces, that are held
+    std::vector<std::string> held;   ///< its named curves, in space surfaces or regions (mesh/held_region.h), that are held
+    std::vector<std::string> held_in_study;  ///< the same as the study is to name them, from its own folder; none: as they are
     double bed_Pa_m = 0;             ///< in space, stiffness per area of the bed that these lie on [Pa/m]; 0: rigid
     std::string preset = "liver";    ///< fem/materials/NAME.toml
     double thickness_m = 0.1;        ///< in the plane

@@ -111,8 +111,9 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
         for (std::string& name : g.fixed) {
             if (!g.solid) continue;
             try {
-                if (const auto region = HeldRegion::of(name)) name = region->word();
-            } catch (const MismatchError& e) {
+                if (const auto other = HeldRegion::within(name)) name = fmt::format("within {} of {}", other->distance_m, beside(*table["geometry"]["fixed"].node(), file, other->file));
+                if (const auto region = HeldRegion::of(name, read_other_surface, g.unit_m)) name = region->word();
+            } catch (const Error& e) {
                 in.refuse("fixed", e.what());
             }
             if (name.find(',') != std::string::npos) in.refuse("fixed", "'" + name + "' has a comma, which stands between names");

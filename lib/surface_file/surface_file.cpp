@@ -38,4 +38,6 @@ MshFile read_surface_file(const std::string& file) {
 
 MshFile read_surface_or_msh(const std::string& file, const std::string& named) { return is_surface_file(file) ? read_surface_file(file) : read_msh(file, true, named); }
 
+MshFile read_other_surface(const std::string& file) { return read_surface_or_msh(file, file); }
+
 }  // namespace tissue

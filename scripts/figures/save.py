@@ -21,18 +21,24 @@ def left_over(out):
 
 
 def drawn(out):
-    """A new file beside `out`, open and locked, and its name, which is drawn: nothing that somebody has planted is followed."""
-    while True:
+    """A new file beside `out`, open and locked where the disk has locks, and its name, which is drawn: nothing that somebody has planted is followed."""
+    for _ in range(100):
         beside = f"{out}.tissue-{secrets.token_hex(4)}.tmp"
         try:
             file = open(os.open(beside, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666), "rb+")
         except FileExistsError:
             continue
-        with contextlib.suppress(OSError):
-            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        with contextlib.suppress(FileNotFoundError, BlockingIOError):  # another program has taken it for left over
+            try:
+                fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise
+            except OSError:
+                pass  # some network disks have no locks
             if os.path.samestat(os.fstat(file.fileno()), os.lstat(beside)):
                 return file, beside
-        file.close()  # another program took it for left over
+        file.close()
+    raise OSError(f"no name beside {out} is free")
 
 
 @contextlib.contextmanager

@@ -6,7 +6,7 @@ Contact:   surface nodes within the disc's radius of the contact, or the nearest
            force is sum phi f, conjugate to d.
 Method:    felupe's own Newton and default solver, four load steps.
 
-Reads {"nodes", "tetrahedra", "held", "surface", "modulus_Pa", "radius_m", "pushes": [[contact], [push]]} from standard input; prints
+Reads {"nodes", "tetrahedra", "held", "surface", "normals" (of its nodes, out), "modulus_Pa", "radius_m", "pushes": [[contact], [push]], "outward" (of each)} from standard input; prints
 {"version", "press_us": [...], "force_N": [[x, y, z], ...], "displacement_m": [[[x, y, z], ...], ...]} as one line of JSON, none of a press that it has no answer for.
 Sample run: scripts/peers_organ.py feeds it.
 """
@@ -24,13 +24,14 @@ import numpy as np  # noqa: E402
 POISSON = 0.45
 
 
-def press(mesh, asked, contact, push):
+def press(mesh, asked, contact, push, outward):
     """Force [N] and displacement of all nodes [m]; felupe raises where Newton finds no rest."""
     field = fem.FieldContainer([fem.Field(fem.RegionTetra(mesh), dim=3)])
     shear = asked["modulus_Pa"] / (2 * (1 + POISSON))
     solid = fem.SolidBody(fem.NeoHookeCompressible(mu=shear, lmbda=2 * shear * POISSON / (1 - 2 * POISSON)), field)
     surface = np.array(asked["surface"])
     away = np.linalg.norm(mesh.points[surface] - contact, axis=1)
+    away[np.array(asked["normals"]) @ outward <= 0] = np.inf  # on the other side of thin tissue
     near = (away <= asked["radius_m"]) | (away <= away.min())
     phi = np.zeros(len(mesh.points))
     phi[surface[near]] = 1 - np.minimum(1, away[near] / asked["radius_m"]) ** 2 / 2
@@ -48,10 +49,10 @@ def main():
     asked = json.load(sys.stdin)
     mesh = fem.Mesh(np.array(asked["nodes"]), np.array(asked["tetrahedra"]), "tetra")
     times, forces, displacements = [], [], []
-    for contact, push in asked["pushes"]:
+    for (contact, push), outward in zip(asked["pushes"], asked["outward"]):
         begin = time.perf_counter()
         try:
-            force, displacement = press(mesh, asked, np.array(contact), push)
+            force, displacement = press(mesh, asked, np.array(contact), push, np.array(outward))
             forces.append(force.tolist())
             displacements.append(displacement.tolist())
         except Exception as error:  # its own, of many kinds

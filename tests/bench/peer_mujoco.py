@@ -3,13 +3,13 @@
 
 Equations: Saint Venant-Kirchhoff tetrahedra, of a block five a box, on the same nodes; Young's modulus as ours, Poisson's ratio 0.45, since nearer to 1/2
            its solver says that it does not converge. Bottom, or what is held, pinned.
-Contact:   a rigid cylinder of the disc's radius, led along the same push in 0.15 s and held; friction 3, so that it does not slip, and
+Contact:   a rigid cylinder of the disc's radius, led along the same push in 0.15 s and held; friction 3, and
            contacts as stiff as steps of 1 ms bear. It touches what lies between nodes too, and so presses all nodes of a facet. Its
            force is the sum of MuJoCo's contact forces, the mean of the last 50 ms.
 Method:    integrator `discrete`, its implicit one for flex, conjugate gradients, steps of 1 ms as a tick.
 
 Reads {"size_m" and "counts" of a block, or "nodes", "tetrahedra", "held" and "outward" (of each push), "modulus_Pa", "radius_m", "mass_kg", "pushes": [[contact], [push]],
-"seconds"} from standard input; prints {"version", "step_us": [...], "force_N": [[x, y, z], ...]} as one line of JSON, of tetrahedra "displacement_m" of their nodes too.
+"seconds"} from standard input; prints {"version", "step_us": [...], "force_N": [[x, y, z], ...]} as one line of JSON, of tetrahedra "displacement_m" of their nodes too; null of a push that became unstable.
 Sample run: scripts/peers_study.py feeds it.
 """
 import json
@@ -77,9 +77,11 @@ def main():
                 total += data.contact[c].frame.reshape(3, 3).T @ one[:3]
             force.append(total)
         mean = np.mean(force[-50:], axis=0)
-        forces.append((mean if mean @ np.array(push) > 0 else -mean).tolist())
+        # it begins anew, and goes on, where a position, a velocity or an acceleration is none
+        lost = any(data.warning[kind].number > 0 for kind in (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC))
+        forces.append(None if lost else (mean if mean @ np.array(push) > 0 else -mean).tolist())
         if "nodes" in asked:
-            displacements.append((data.flexvert_xpos - asked["nodes"]).tolist())
+            displacements.append(None if lost else (data.flexvert_xpos - asked["nodes"]).tolist())
     print(json.dumps({"version": mujoco.__version__, "step_us": times, "force_N": forces, "displacement_m": displacements}))
 
 

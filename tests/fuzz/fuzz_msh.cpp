@@ -19,9 +19,10 @@ std::vector<std::string> names_of(const std::map<int, std::string>& names) {
 void make(const MshFile& mesh, bool in_space) {
     const std::vector<std::string> held = names_of(in_space ? mesh.triangle_names : mesh.line_names), regions = names_of(in_space ? mesh.tetrahedron_names : mesh.triangle_names);
     const std::vector<std::string> fixed(held.begin(), held.begin() + (held.empty() ? 0 : 1));
-    const Shape shape = (in_space ? make_solid_shape : make_shape)(mesh, fixed, {}, 0.001, nullptr);
+    const auto made = [&](const std::vector<std::string>& of) { return in_space ? make_solid_shape(mesh, fixed, of, 0.001) : make_shape(mesh, fixed, of, 0.001); };
+    const Shape shape = made({});
     must(shape.nodes.allFinite(), "not finite");
-    reads([&] { (in_space ? make_solid_shape : make_shape)(mesh, fixed, regions, 0.001, nullptr); });
+    reads([&] { made(regions); });
     const FuzzFile again(to_msh(shape, {}), "mesh.msh");
     edge_mesh(in_space ? read_solid_shape(again) : read_shape(again));
 }

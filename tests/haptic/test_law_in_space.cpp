@@ -14,12 +14,14 @@
 #include "haptic/dynamics.h"
 #include "mesh/embedded_lattice.h"
 #include "haptic/law_spectrum.h"
+#include "haptic/simulation.h"
 #include "haptic/realtime_law.h"
 #include "haptic/spectrum.h"
 #include "mesh/free_surface.h"
 #include "springs/energy_law.h"
 #include "springs/heuristic.h"
 #include "springs/law_kernel.h"
+#include "springs/law_press.h"
 #include "springs/press.h"
 
 using namespace tissue;
@@ -90,6 +92,46 @@ TEST_CASE("a force on an embedded solid's node does the same work on its lattice
         embedding.spread(node, force, f);
         CHECK((f.bottomRows(f.rows() - K).array() * u.bottomRows(f.rows() - K).array()).sum() == Approx(work).epsilon(1e-12));
     }
+}
+
+TEST_CASE("a shape's contact is clamped to what training saw in a press, in the tick and after its file, and a session's state knows", "[solid][embedded]") {
+    TissueModel free = solid_law_example(embedded_lattice(dome(6), 0.011));
+    free.energy_law->patch.log_N_m.col(5).head<4>().setConstant(1.5);
+    const SpringMesh& mesh = free.mesh;
+    const FreeSurface surface(mesh);
+    const auto facet = static_cast<int>(std::find_if(surface.free_of().begin(), surface.free_of().end(), [](Eigen::Index number) { return number > 20; }) - surface.free_of().begin());
+    REQUIRE(facet < mesh.facets.rows());
+    const Eigen::Vector3d weight = Eigen::Vector3d::Constant(1.0 / 3);
+    const FreeSurface::Place at = surface.place(surface.free_of()[static_cast<std::size_t>(facet)], weight);
+    const double crowd = make_contact_kernel(mesh, *free.energy_law)->rows_at(at.point_m).factors[5];
+    TissueModel model = free;
+    model.energy_law->factor_range = (Eigen::Matrix2d() << -9, 9, crowd - 0.6, crowd - 0.4).finished();
+    const TemporaryFolder folder;
+    free.heuristic_b = model.heuristic_b = model.heuristic_a;
+    for (TissueModel* m : {&free, &model}) {
+        m->contact_m = at.point_m.transpose();
+        m->direction = at.inward.transpose();
+    }
+    write_model(folder.file("model.h5"), model, {"tissuectl test", 0, {}});
+    const TissueModel back = read_model(folder.file("model.h5"));
+
+    const Point push = 0.002 * at.inward;
+    const double soft_N = LawPress(model).at(at.point_m, push).contact_force.norm();
+    CHECK(soft_N < 0.9 * LawPress(free).at(at.point_m, push).contact_force.norm());
+    CHECK(LawPress(back).at(at.point_m, push).contact_force.norm() == soft_N);
+
+    const RealtimeMesh springs = springs_of(model);
+    const RealtimeLaw law(model, springs);
+    ToolSpring tool;
+    law.contact(facet, weight, tool);
+    const ContactSpring trained(make_contact_kernel(mesh, *model.energy_law)->rows_at(at.point_m), model.energy_law->patch);
+    const NodeColumns rest = NodeColumns::Zero(mesh.node_count(), 3);
+    CHECK(tool.energy_J(push, rest) == Approx(trained.load(push, Eigen::VectorXd::Zero(trained.rows.pull.cols())).energy_J).epsilon(1e-9));
+    const ContactSpring unclamped(make_contact_kernel(mesh, *free.energy_law)->rows_at(at.point_m), free.energy_law->patch);
+    CHECK(unclamped.k_N_m[0] == Approx(trained.k_N_m[0] * std::exp(1.5 * 0.4)));
+
+    CHECK(HapticModel(model, {}).fingerprint == HapticModel(back, {}).fingerprint);
+    CHECK(HapticModel(model, {}).fingerprint != HapticModel(free, {}).fingerprint);
 }
 
 TEST_CASE("in space every spring of the tick pulls as its law says, in a lattice's thirteen bands and where node numbers have no order", "[solid][dynamics]") {

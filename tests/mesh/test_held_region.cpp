@@ -86,6 +86,37 @@ TEST_CASE("a region that holds is read from text and from its word, and what beg
         CHECK_THAT(refusal<MismatchError>([&] { HeldRegion::of(wrong); }), Contains(wrong) && Contains("below z = 0.01"));
 }
 
+TEST_CASE("a region within a distance of another surface has its facets in the middle, and needs a reader", "[solid_shape]") {
+    MshFile table;  // 200 mm by 200 mm at z = 10 mm, in millimetres, and a point that nothing uses
+    table.file = "table.stl";
+    for (const auto& [x, y] : {std::pair(-100, -100), {100, -100}, {100, 100}, {-100, 100}}) table.points.push_back({static_cast<double>(x), static_cast<double>(y), 10});
+    table.points.push_back({0, 0, 0});
+    table.triangles = {{1, {0, 1, 2}, 0}, {2, {0, 2, 3}, 0}};
+    std::vector<std::string> asked;
+    const HeldRegion::Reader read = [&](const std::string& file) { return asked.push_back(file), table; };
+    const auto region = HeldRegion::of("within 0.003 of my_own/table__1.stl ", read, 0.001);
+    REQUIRE(region);
+    CHECK(region->word() == "within_0.003_of_my_own/table__1.stl");
+    CHECK(region->text() == "within 0.003 of my_own/table__1.stl");
+    CHECK(region->narrowest_m() == Approx(0.006));
+    for (const auto& [x, y, z, out_m] : {std::tuple(0.01, 0.02, 0.010, -0.003), {0.01, 0.02, 0.014, 0.001}, {0.01, 0.02, 0.006, 0.001}, {0.103, 0.02, 0.014, 0.002}, {0.103, 0.104, 0.022, 0.010}})
+        CHECK(region->outside_m({x, y, z}) == Approx(out_m).margin(1e-12));
+    REQUIRE(HeldRegion::of(region->word(), read, 0.001));
+    CHECK(HeldRegion::of(region->word(), read, 0.001)->outside_m({0, 0, 0}) == Approx(0.007));
+    CHECK(asked == std::vector<std::string>(3, "my_own/table__1.stl"));
+
+    const Parts held = parts_of(make_surface(bare_dome(8), {"within 0.003 of table.stl"}, 0.001, read)),
+                half_spaces = parts_of(make_surface(bare_dome(8), {"below z = 0.013"}, 0.001)), less = parts_of(make_surface(bare_dome(8), {"below z = 0.007"}, 0.001));
+    CHECK(held.held_m2 == Approx(half_spaces.held_m2 - less.held_m2).epsilon(0.01));
+
+    for (const char* name : {"within", "within_reach", "within_reach_of_it"}) CHECK_FALSE(HeldRegion::of(name, read));
+    for (const char* wrong : {"within 0.003", "within 0.003 of", "within 0 of table.stl", "within -1 of table.stl", "within reach of table.stl", "within_0.003_table.stl"})
+        CHECK_THAT(refusal<MismatchError>([&] { HeldRegion::of(wrong, read); }), Contains(wrong) && Contains("within 0.003 of spine.stl"));
+    CHECK_THAT(refusal<MismatchError>([&] { HeldRegion::of("within 0.003 of table.stl"); }), Contains("no other surface can be read here"));
+    table.triangles = {{1, {0, 1, 1}, 0}};
+    CHECK_THAT(refusal<FileError>([&] { HeldRegion::of("within 0.003 of table.stl", read); }), Contains("table.stl: has no triangle that has an area"));
+}
+
 TEST_CASE("what of a surface lies in a region is held, to its border, and the surface stays what it was", "[solid_shape]") {
     const MshFile bare = bare_dome(8);
     const Parts whole = parts_of(make_surface(bare, {"surface-1"}, 0.001));

@@ -103,7 +103,7 @@ check "a surface held by a region: exit 0" exited 0
 check "a surface held by a region: it is said" says 'held: below z = 0.0125$'
 run make PYTHON="$PYTHON" STUDY=skin mesh
 check "its study is meshed" exited 0
-check "held is what lies there: the bottom, and the walls as high as that" "$PYTHON" - "$work/results/skin/mesh.msh" <<'PY'
+cat >"$scratch/held.py" <<'PY'
 import sys
 import numpy as np
 lines = open(sys.argv[1]).read().split("\n")
@@ -116,6 +116,33 @@ held = facets[:, 0] == 1
 assert abs(area[held].sum() / (0.08 * 0.06 + 0.0125 * 2 * (0.08 + 0.06)) - 1) < 1e-3, area[held].sum()
 assert at[held][..., 2].max() < 0.0126 and at[~held][..., 2].min() > 0.0124
 PY
+check "held is what lies there: the bottom, and the walls as high as that" "$PYTHON" "$scratch/held.py" "$work/results/skin/mesh.msh"
+table() { # Z: of 200 by 200 mm, two facets
+    printf 'solid table\n'
+    for corners in '-100 -100 100 -100 100 100' '-100 -100 100 100 -100 100'; do
+        printf 'facet normal 0 0 1\nouter loop\n'
+        echo "$corners" | awk -v z="$1" '{ for (i = 1; i < 6; i += 2) print "vertex", $i, $(i + 1), z }'
+        printf 'endloop\nendfacet\n'
+    done
+    printf 'endsolid table\n'
+}
+mkdir "$work/fem/bone" && table -2 >"$work/fem/bone/big_table.stl"
+tissuectl new perch --shape fem/skin.stl --unit mm --held 'within 0.0145 of fem/bone/big_table.stl'
+check "a surface held near another one: exit 0" exited 0
+check "the study names that file from its own folder" grep -q '^fixed = \["within 0.0145 of ../bone/big_table.stl"\]' "$work/fem/studies/perch.toml"
+run make PYTHON="$PYTHON" STUDY=perch mesh
+check "its study is meshed" exited 0
+check "held is what lies so near" "$PYTHON" "$scratch/held.py" "$work/results/perch/mesh.msh"
+check "every path is solved anew where that file changes" sh -c '[ "$(grep -c "cases/.*csv: .* fem/bone/big_table.stl$" "$1")" = "$(grep -c "PATH_ARGUMENTS = .* -fixed within_0.0145_of_fem/bone/big_table.stl " "$1")" ] &&
+    grep -q PATH_ARGUMENTS "$1"' - "$work/results/perch/plan.mk"
+table -20 >"$work/fem/bone/big_table.stl"
+run make PYTHON="$PYTHON" STUDY=perch mesh
+check "another one farther away: it is meshed anew, and one line says that it holds nothing" one_line "fem/skin.stl: 'within 0.0145 of fem/bone/big_table.stl' holds nothing of its surface"
+rm "$work/fem/bone/big_table.stl"
+tissuectl plan --study fem/studies/perch.toml --out "$scratch/plan.mk"
+check "none at all: one line names the key and the file" one_line "perch.toml: key 'geometry.fixed': fem/bone/big_table.stl"
+tissuectl new perch2 --shape fem/skin.stl --unit mm --held 'within 0.003 of fem/none.stl'
+check "none for a new study: one line names it" one_line 'fem/none.stl'
 tissuectl new skin2 --shape fem/skin.stl --unit mm --held 'below z = deep'
 check "a region that is none: one line says how they are written" one_line "'below z = deep' begins like a region of space and is none; regions are written, in metres: below z = 0.01, above x = 0.1, ball"
 for region in 'above z = 1' 'below z = 20'; do

@@ -164,6 +164,14 @@ TEST_CASE("a model of a solid in an embedded lattice comes back from its file in
         write_model(file, changed, {"tissuectl test", 11, {}});
         return refusal<FileError>([&] { read_model(file); });
     };
+    const auto said_of = [&](const NodeField& range) {
+        TissueModel changed = model;
+        changed.energy_law->factor_range = range;
+        write_model(file, changed, {"tissuectl test", 11, {}});
+        return refusal<FileError>([&] { read_model(file); });
+    };
+    CHECK_THAT(said_of(NodeField::Zero(1, 2)), Contains("/law/factor_range: has 1 rows, wanted 2: curved, crowd"));
+    CHECK_THAT(said_of((Eigen::Matrix2d() << 0, 1, 2, 1.5).finished()), Contains("/law/factor_range: has a least above its most"));
     using Mass = Eigen::VectorXd;
     CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.fraction[0] = 1.5; }), Contains("/mesh/lattice/fraction: is above 1"));
     CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.fraction[0] = 0; }), Contains("/mesh/lattice/fraction: "));
