@@ -241,8 +241,11 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         plan.fragment += fmt::format("SHAPE := {}\nSHAPE_ARGUMENTS := {}\n$(R)/plan.mk: $(R)/mesh.msh\n",
                                      for_make(study, "geometry.shape", study.geometry.shape), shape_arguments(study));
         if (solid) {
-            for (const std::string& name : study.geometry.fixed) for_make(study, "geometry.fixed", name);
-            if (const std::string others = other_surfaces(study); !others.empty()) plan.fragment += fmt::format("$(R)/mesh.made:{}\n", others);
+            for (const std::string& name : study.geometry.fixed) {
+                const auto other = HeldRegion::within(name);
+                for_make(study, "geometry.fixed", other ? other->file : name);
+            }
+            if (const std::string others = other_surfaces(study); !others.empty()) plan.fragment += fmt::format("$(R)/mesh.made: $(wildcard{})\n", others);  // one that is gone stops no new plan
             for (const std::string& name : study.material.region_names()) for_make(study, "material.regions", name);
         }
         plan.parts["shape"] = shape_part(study);

@@ -147,20 +147,21 @@ double border_on(const HeldRegion& region, const Eigen::Vector3d& inside_m, cons
 }  // namespace
 
 std::optional<HeldRegion::Within> HeldRegion::within(const std::string& text) {
-    constexpr std::string_view separators = " _=\t";
-    std::string left = text;
-    const auto next = [&](std::size_t end) {  // the word that ends there, and what stands behind its separators is left
-        std::string word = left.substr(0, end);
-        const std::size_t begin = left.find_first_not_of(separators, end);
-        left = begin == std::string::npos ? "" : left.substr(begin);
-        return word;
-    };
-    const auto end_of_word = [&] { return std::min(left.find_first_of(separators), left.size()); };
-    next(0);
-    if (next(end_of_word()) != "within") return {};
-    const std::string distance = next(end_of_word());
-    if (!number(distance) || next(end_of_word()) != "of" || left.empty()) return {};
-    return Within{distance, left.substr(0, left.find_last_not_of(" \t") + 1)};  // a file's name may have a _
+    constexpr std::string_view blanks = " \t";
+    // three words and what stands behind them, which is a file and may begin with a _; between words of one word there is one _ each
+    std::string words[3], left = text;
+    for (std::string& word : words) {
+        left.erase(0, left.find_first_not_of(blanks));
+        const std::size_t end = std::min(left.find_first_of(" \t_"), left.size());
+        word = left.substr(0, end);
+        left.erase(0, end);
+        if (!left.empty() && left[0] == '_') left.erase(0, 1);
+    }
+    left.erase(0, left.find_first_not_of(blanks));
+    left.erase(left.find_last_not_of(blanks) + 1);
+    const auto distance_m = number(words[1]);
+    if (words[0] != "within" || words[2] != "of" || left.empty() || !distance_m || !(*distance_m > 0)) return {};
+    return Within{words[1], left};
 }
 
 std::optional<HeldRegion> HeldRegion::of(const std::string& text, const Reader& read, double unit_m) {
@@ -184,13 +185,12 @@ std::optional<HeldRegion> HeldRegion::of(const std::string& text, const Reader& 
         if (low && high && (low->array() < high->array()).all())
             return HeldRegion(joined, word, (*high - *low).minCoeff(), [low = low->array().eval(), high = high->array().eval()](const Eigen::Vector3d& x) { return (low - x.array()).max(x.array() - high).maxCoeff(); });
     }
-    if (const auto parts = within(text))
-        if (const double most_m = *number(parts->distance_m); most_m > 0) {
-            if (!read) throw MismatchError(fmt::format("'{}': no other surface can be read here", text));
-            const SurfaceDistance distance(read(parts->file), unit_m);
-            return HeldRegion(fmt::format("within {} of {}", parts->distance_m, parts->file), fmt::format("within_{}_of_{}", parts->distance_m, parts->file), 2 * most_m,
-                              [distance, most_m](const Eigen::Vector3d& x) { return distance(x) - most_m; });
-        }
+    if (const auto parts = within(text)) {
+        if (!read) throw MismatchError(fmt::format("'{}': no other surface can be read here", text));
+        const double most_m = *number(parts->distance_m);
+        return HeldRegion(fmt::format("within {} of {}", parts->distance_m, parts->file), parts->word(), 2 * most_m,
+                          [distance = SurfaceDistance(read(parts->file), unit_m), most_m](const Eigen::Vector3d& x) { return distance(x) - most_m; });
+    }
     throw MismatchError(fmt::format("'{}' begins like a region of space and is none; regions are written, in metres: below z = 0.01, above x = 0.1, ball 0.03 0.02 0.01 radius 0.015, "
                                     "box 0 0 0 to 0.1 0.05 0.01, within 0.003 of spine.stl",
                                     text));

@@ -25,9 +25,10 @@ class HeldRegion {
     /// or no number (ball, box, within), such as box_bottom. Throws MismatchError for any other text that is no region, and for `within` without a reader; what the reader throws.
     static std::optional<HeldRegion> of(const std::string& text, const Reader& read = {}, double unit_m = 1);
 
-    /// The distance, as it is written, and the file of a text that begins as `within` does; else nothing.
+    /// The distance, as it is written and above 0, and the file of a text that is such a region; else nothing. Reads no file.
     struct Within {
         std::string distance_m, file;
+        std::string word() const { return "within_" + distance_m + "_of_" + file; }
     };
     static std::optional<Within> within(const std::string& text);
 

@@ -111,9 +111,15 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
         for (std::string& name : g.fixed) {
             if (!g.solid) continue;
             try {
-                if (const auto other = HeldRegion::within(name)) name = fmt::format("within {} of {}", other->distance_m, beside(*table["geometry"]["fixed"].node(), file, other->file));
-                if (const auto region = HeldRegion::of(name, read_other_surface, g.unit_m)) name = region->word();
-            } catch (const Error& e) {
+                if (auto other = HeldRegion::within(name)) {
+                    other->file = beside(*table["geometry"]["fixed"].node(), file, other->file);
+                    std::error_code none;
+                    if (!std::filesystem::is_regular_file(other->file, none)) in.refuse("fixed", "'" + name + "': there is no file " + other->file);
+                    name = other->word();
+                } else if (const auto region = HeldRegion::of(name)) {
+                    name = region->word();
+                }
+            } catch (const MismatchError& e) {
                 in.refuse("fixed", e.what());
             }
             if (name.find(',') != std::string::npos) in.refuse("fixed", "'" + name + "' has a comma, which stands between names");

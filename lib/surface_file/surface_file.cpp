@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <filesystem>
 
 #include "error.h"
 #include "io/atomic_file.h"
@@ -38,6 +39,10 @@ MshFile read_surface_file(const std::string& file) {
 
 MshFile read_surface_or_msh(const std::string& file, const std::string& named) { return is_surface_file(file) ? read_surface_file(file) : read_msh(file, true, named); }
 
-MshFile read_other_surface(const std::string& file) { return read_surface_or_msh(file, file); }
+MshFile read_other_surface(const std::string& file) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error)) throw FileError("there is no file " + file);
+    return read_surface_or_msh(file, file);
+}
 
 }  // namespace tissue

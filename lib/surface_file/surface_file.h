@@ -28,7 +28,7 @@ MshFile read_surface_file(const std::string& file);
 /// The surface of a file by its ending, MSH 2.2 too; read_msh's arguments.
 MshFile read_surface_or_msh(const std::string& file, const std::string& named);
 
-/// The same under its own name: HeldRegion's reader.
+/// The same under its own name: HeldRegion's reader. Throws FileError for what is no regular file, such as a pipe, which would not end.
 MshFile read_other_surface(const std::string& file);
 
 }  // namespace tissue

@@ -1,5 +1,6 @@
 """How every figure is saved: save(figure, out); and any file that must be whole: with written(out) as beside."""
 import contextlib
+import errno
 import fcntl
 import os
 import re
@@ -38,7 +39,7 @@ def drawn(out):
             if os.path.samestat(os.fstat(file.fileno()), os.lstat(beside)):
                 return file, beside
         file.close()
-    raise OSError(f"no name beside {out} is free")
+    raise OSError(errno.EEXIST, "no name beside it is free", out)
 
 
 @contextlib.contextmanager

@@ -104,6 +104,9 @@ TEST_CASE("a region within a distance of another surface has its facets in the m
     REQUIRE(HeldRegion::of(region->word(), read, 0.001));
     CHECK(HeldRegion::of(region->word(), read, 0.001)->outside_m({0, 0, 0}) == Approx(0.007));
     CHECK(asked == std::vector<std::string>(3, "my_own/table__1.stl"));
+    CHECK(HeldRegion::within("within 0.003 of _b.stl")->file == "_b.stl");
+    CHECK(HeldRegion::within("within_0.003_of__b.stl")->file == "_b.stl");
+    CHECK(HeldRegion::within("\twithin  3e-3  of\ta b.stl\t")->word() == "within_3e-3_of_a b.stl");
 
     const Parts held = parts_of(make_surface(bare_dome(8), {"within 0.003 of table.stl"}, 0.001, read)),
                 half_spaces = parts_of(make_surface(bare_dome(8), {"below z = 0.013"}, 0.001)), less = parts_of(make_surface(bare_dome(8), {"below z = 0.007"}, 0.001));

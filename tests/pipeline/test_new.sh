@@ -140,7 +140,14 @@ run make PYTHON="$PYTHON" STUDY=perch mesh
 check "another one farther away: it is meshed anew, and one line says that it holds nothing" one_line "fem/skin.stl: 'within 0.0145 of fem/bone/big_table.stl' holds nothing of its surface"
 rm "$work/fem/bone/big_table.stl"
 tissuectl plan --study fem/studies/perch.toml --out "$scratch/plan.mk"
-check "none at all: one line names the key and the file" one_line "perch.toml:[0-9]*: key 'geometry.fixed': fem/bone/big_table.stl"
+check "none at all: one line names the key and the file" one_line "perch.toml:[0-9]*: key 'geometry.fixed': .*: there is no file fem/bone/big_table.stl"
+sed 's|within 0.0145 of ../bone/big_table.stl|below z = 0.0125|' "$work/fem/studies/perch.toml" >"$scratch/perch.toml" && cp "$scratch/perch.toml" "$work/fem/studies/perch.toml"
+run make PYTHON="$PYTHON" STUDY=perch mesh
+check "a study that does without it is planned again, though the plan of before named it" exited 0
+check "and is held as it says now" "$PYTHON" "$scratch/held.py" "$work/results/perch/mesh.msh"
+mkfifo "$work/fem/pipe.stl"
+run timeout 20 "$TISSUECTL" new perch2 --shape fem/skin.stl --unit mm --held 'within 0.003 of fem/pipe.stl'
+check "a pipe: one line, and nothing waits for it" one_line 'there is no file fem/pipe.stl'
 tissuectl new perch2 --shape fem/skin.stl --unit mm --held 'within 0.003 of fem/none.stl'
 check "none for a new study: one line names it" one_line 'fem/none.stl'
 tissuectl new skin2 --shape fem/skin.stl --unit mm --held 'below z = deep'
