@@ -1,5 +1,7 @@
 #include "cases/plan.h"
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <cstring>
@@ -59,6 +61,15 @@ TEST_CASE("the plan has a part for mesh, collect, train and every load path") {
     for (const char* line : {"PATHS := left corner\n", "$(R)/mesh.msh: $(R)/plan/mesh\n", "$(R)/cases.h5: $(R)/plan/collect\n",
                              "$(R)/model.h5: $(R)/plan/train\n"})
         CHECK_THAT(plan.fragment, Contains(line));
+}
+
+TEST_CASE("a first model's paths are eight, spread over all to train on, or all where there are fewer") {
+    CHECK_THAT(make_plan(example_study()).fragment, Contains("TRAINED := left corner\nFIRST_TRAINED := left corner\nTRAINED_MADE_OF := $(R)/mesh.msh\n"));
+    const std::string corner = "  { name = \"corner\", contact_m = [0.1, 0.1], push = [-3, -1] },\n";
+    std::string more = corner;
+    for (int k = 0; k < 18; ++k) more += fmt::format("  {{ name = \"p{:02}\", contact_m = [0.0, 0.05], push = [1, {}] }},\n", k, 0.01 * (k + 1));
+    const Plan plan = make_plan(example_study(with(example_study_text(), corner, more)));
+    CHECK_THAT(plan.fragment, Contains("FIRST_TRAINED := left p00 p03 p05 p08 p10 p13 p15\n"));
 }
 
 TEST_CASE("names that make would take apart, or run, are refused by file and key") {
