@@ -95,6 +95,7 @@ cases: $(R)/cases.h5
 train: $(R)/model.h5
 
 ## first: solve 8 load paths, spread over those to train on, and train a model on all that are solved: results/NAME/first/model.h5; run it again to include more
+
 ## eval: measure learned springs and baselines against FE
 eval: $(R)/eval.json
 

@@ -245,7 +245,7 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
                 const auto other = HeldRegion::within(name);
                 for_make(study, "geometry.fixed", other ? other->file : name);
             }
-            if (const std::string others = other_surfaces(study); !others.empty()) plan.fragment += fmt::format("$(R)/mesh.made: $(wildcard{})\n", others);  // one that is gone stops no new plan
+            if (const std::string others = other_surfaces(study); !others.empty()) plan.fragment += fmt::format("$(R)/mesh.made: $(wildcard{})\n", others);  // without wildcard a removed file would stop make before it rewrites the plan
             for (const std::string& name : study.material.region_names()) for_make(study, "material.regions", name);
         }
         plan.parts["shape"] = shape_part(study);

@@ -165,7 +165,7 @@ std::uint64_t fingerprint_of(const HapticModel& model, const TissueModel& tissue
         add_array(mesh->law->relaxation().share);
         add_array(mesh->law->relaxation().contact_share);
     }
-    if (tissue.energy_law) {  // of what its contacts are, beside the rows
+    if (tissue.energy_law) {  // what contacts depend on beside patch_log
         add_array(tissue.energy_law->ground);
         add_array(tissue.energy_law->factor_range);
         add(&tissue.energy_law->disc_radius_m, sizeof tissue.energy_law->disc_radius_m);

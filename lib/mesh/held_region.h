@@ -15,7 +15,7 @@ struct Surface;
 
 /// A part of space, in metres: what of a solid's surface lies in it is held, its border included. As text, in the list of a shape's held surfaces:
 ///   below z = 0.012    above x = -0.03    ball 0.03 0.02 0.01 radius 0.015    box 0 0 0 to 0.1 0.05 0.01    within 0.003 of spine.stl
-/// or as one word, as make and a shell carry it: below_z_0.012. `within` is of the facets of another surface, which is in the same unit of length as the shape, on either side of them.
+/// or as one word, as make and a shell carry it: below_z_0.012. `within` counts the distance from another surface's facets, on either side; that file has the shape's unit of length.
 class HeldRegion {
    public:
     /// Reads the surface of a file.

@@ -8,7 +8,7 @@
 
 namespace tissue {
 
-/// Contacts of a law on a mesh: the patch in the plane; in space a disc of that radius [m] on that ground (springs/disc_contact.h), its factors within LawModel's factor_range.
+/// Contacts of a law on a mesh: the patch in the plane; in space a disc of that radius [m] on that ground (springs/disc_contact.h), its factors clamped to LawModel's factor_range.
 std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, double disc_radius_m, const NodeField& ground = NodeField(), const NodeField& factor_range = NodeField());
 /// Those of a model's law, with its contact_log_scale.
 std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, const LawModel& law);

@@ -30,7 +30,7 @@ struct LawModel {
     Eigen::VectorXd contact_log_scale = {};  ///< of contacts by node (N), ContactKernel::scale; often none
     Relaxation relaxation = {};            ///< of constants and contact, which are the instantaneous ones; often none
     NodeField factor_range = {};           ///< least and most of a disc's factors curved and crowd, to which a contact's are clamped (2 x 2): the range of the training
-                                           ///< contacts. No rows: they are not; so it is on a block, and in files of before
+                                           ///< contacts. No rows: nothing is clamped, as on a block and in older files
 };
 
 /// What plays: everything that the realtime core, the exports and the page need. What training wrote down beside it is
