@@ -9,15 +9,20 @@
 #include "export/csv.h"
 #include "export/npy.h"
 #include "export/sofa.h"
+#include "export/surface_files.h"
 #include "export/vtu.h"
 #include "io/atomic_file.h"
 #include "progress.h"
+#include "springs/law_press.h"
+#include "surface_file/surface_file.h"
 
 namespace tissue::cli {
 namespace {
 
 struct Options {
-    std::string file, to, out, sets, set, path;
+    std::string file, to, out, sets, set, path, surface, unit = "m";
+
+    bool draws_surface() const { return to == "vtp" || to == "glb"; }
 };
 
 /// The paths asked for: one by its name, or all.
@@ -31,6 +36,7 @@ std::vector<const LoadPath*> chosen_paths(const Cases& cases, const Options& o) 
 
 void export_cases(const Options& o) {
     if (o.to == "sofa") throw MismatchError(o.file + ": holds load cases; a SOFA scene needs springs: a model.h5");
+    if (o.draws_surface()) throw MismatchError(fmt::format("{}: holds load cases; --to {} draws what a model.h5 answers", o.file, o.to));
     if (!o.sets.empty() || !o.set.empty())
         throw MismatchError(o.file + ": holds load cases; --sets and --set choose among the springs of a model.h5");
     const Cases cases = read_cases(o.file);
@@ -42,6 +48,25 @@ void export_cases(const Options& o) {
     write_files(o.out, files);
 }
 
+/// The surface that a person sees, under each press.
+void export_surfaces(const Options& o, const TissueModel& model, const std::vector<PressedCase>& cases) {
+    if (!model.mesh.is_solid()) throw MismatchError(fmt::format("{}: is in the plane; --to {} draws the surface of a model in space", o.file, o.to));
+    const CarriedSurface surface = o.surface.empty() ? own_surface(model.mesh) : carried_surface(model.mesh, read_surface_or_msh(o.surface, o.surface), units_m.at(o.unit));
+    const LawPress press(model);
+    Files files;
+    for (const PressedCase& c : cases) {
+        const std::string& name = model.case_names[static_cast<std::size_t>(c.load_case)];
+        if (!c.state) {
+            std::cerr << "tissuectl export: " << name << ", left out: " << reason_of(c.state.status) << '\n';
+            continue;
+        }
+        const Point contact_m = model.contact_m.row(c.load_case).transpose();
+        const PressedSurface pressed{surface, name, surface.moved(press.seen(contact_m, c.push_m, c.state.displacement)), contact_m, c.push_m, c.state.contact_force};
+        files[name + "." + o.to] = o.to == "vtp" ? surface_vtp(pressed) : surface_glb(pressed);
+    }
+    write_files(o.out, files);
+}
+
 void export_law(const Options& o, const TissueModel& model) {
     if (!o.sets.empty())
         throw MismatchError(o.file + ": is a law, the same whatever pushes; --sets chooses among spring sets");
@@ -50,6 +75,7 @@ void export_law(const Options& o, const TissueModel& model) {
         std::cerr << "tissuectl export: " << o.file << " relaxes: pushes are answered by its instantaneous constants, before anything has relaxed\n";
     const std::vector<PressedCase> cases = pressed_cases(model, o.set);
     if (o.to == "csv") return write_files(o.out, csv_files(model, cases));
+    if (o.draws_surface()) return export_surfaces(o, model, cases);
     Files files;
     for (const PressedCase& c : cases) {
         const std::string& name = model.case_names[static_cast<std::size_t>(c.load_case)];
@@ -73,6 +99,7 @@ void export_model(const Options& o) {
         throw MismatchError(o.file + ": holds springs; --path chooses among the paths of a cases.h5");
     const TissueModel model = read_model(Hdf5Reader(o.file, "model"));
     if (model.energy_law) return export_law(o, model);
+    if (o.draws_surface()) throw MismatchError(fmt::format("{}: is of spring sets, in the plane; --to {} draws the surface of a model in space", o.file, o.to));
     if (model.mesh.is_solid()) throw MismatchError(o.file + ": is a model in space without a law; spring sets are of the plane");
     if (o.to == "sofa" && o.set.empty())
         throw MismatchError(
@@ -123,9 +150,9 @@ void add_export(CLI::App& app, const Invocation&) {
     command->add_option("file", o->file, "cases.h5, model.h5, or for numpy a recording too")
         ->required()
         ->type_name("FILE");
-    CLI::Validator known = CLI::IsMember({"vtu", "sofa", "csv", "numpy"});
+    CLI::Validator known = CLI::IsMember({"vtu", "vtp", "glb", "sofa", "csv", "numpy"});
     known.description("");
-    command->add_option("--to", o->to, "vtu (ParaView), sofa (a scene), csv, numpy")
+    command->add_option("--to", o->to, "vtu (ParaView); of a model in space vtp (ParaView) and glb (glTF: Blender, Unity), the surface as it is seen; sofa (a scene), csv, numpy")
         ->required()
         ->type_name("NAME")
         ->check(known);
@@ -137,7 +164,12 @@ void add_export(CLI::App& app, const Invocation&) {
                      "of a model: one load case's, or of sets one_set, heuristic_a or heuristic_b; else all")
         ->type_name("NAME");
     command->add_option("--path", o->path, "of cases: this load path alone")->type_name("NAME");
-    command->callback([o] { run(*o); });
+    command->add_option("--surface", o->surface, "of vtp and glb: the organ's own surface, such as its .stl, which the model carries; else the model's coarser one")->type_name("FILE");
+    add_unit_option(*command, o->unit);
+    command->callback([o] {
+        if (!o->surface.empty() && !o->draws_surface()) throw CLI::ValidationError("--surface", "is drawn by --to vtp and --to glb");
+        run(*o);
+    });
 }
 
 }  // namespace tissue::cli

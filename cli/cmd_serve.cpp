@@ -20,7 +20,7 @@ namespace {
 
 struct Options {
     std::vector<std::string> models;
-    std::string record, hidden, learn, journal;
+    std::string record, hidden, learn, journal, surface, unit = "m";
     std::string token;  // "true" as a flag; what else stands behind --token= is refused
     bool json = false;
     HapticChoices choices;
@@ -30,7 +30,7 @@ struct Options {
 void run(const Options& o, Provenance provenance) {
     std::unique_ptr<Recorder> recorder;  // outlives the tick that pushes into it
     std::unique_ptr<Journal> journal;    // and the learner that writes into it
-    serve::Stage stage(o.models, {o.choices.haptic, !o.choices.no_realtime, o.hidden});
+    serve::Stage stage(o.models, {o.choices.haptic, !o.choices.no_realtime, o.surface, units_m.at(o.unit), o.hidden});
     if (!o.learn.empty()) const Hdf5Writer can_be_written(o.learn, "model", provenance);  // or a session would be lost at its end
     serve::Server server(stage, o.server);
     for (const std::string& warning : stage.warnings()) std::cerr << "tissuectl serve: warning: " << warning << '\n';
@@ -116,6 +116,8 @@ void add_serve(CLI::App& app, const Invocation& invocation) {
     add_number(*command, "--seconds", o->server.seconds, "s", "how long; 0: until a signal comes")->check(quiet(CLI::Range(0.0, longest_session_s)));
     command->add_flag("--json", o->json, "print the ledger as JSON");
     command->add_option("--record", o->record, "HDF5 file for every tick, of one model")->type_name("FILE");
+    command->add_option("--surface", o->surface, "the organ's own surface, such as its .stl, which the page draws in place of the model's coarser one; of the first model, in space")->type_name("FILE");
+    add_unit_option(*command, o->unit);
     CLI::Option* hidden = command->add_option("--hidden", o->hidden, "model.h5 of another tissue: the tool touches it too, unseen, and the model, a law, "
                                                                     "learns from its force whenever the hand holds still")->type_name("FILE");
     command->add_option("--learn", o->learn, "model.h5 to write at the end, as it has learned to be")->type_name("FILE")->needs(hidden);

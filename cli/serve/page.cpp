@@ -14,6 +14,7 @@
     DO(page, "/page.js", "page.js", javascript)             \
     DO(branches, "/branches.js", "branches.js", javascript) \
     DO(canvas, "/canvas.js", "canvas.js", javascript)       \
+    DO(carried, "/carried.js", "carried.js", javascript)    \
     DO(compare, "/compare.js", "compare.js", javascript)    \
     DO(controls, "/controls.js", "controls.js", javascript) \
     DO(faces, "/faces.js", "faces.js", javascript)          \

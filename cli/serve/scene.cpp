@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -40,6 +41,16 @@ Json learned_json(const LearnedField& learned, const std::vector<int>& shown) {
     Json factor = Json::array(), sd = Json::array();
     for (int n : shown) factor.push_back(learned.factor[n]), sd.push_back(learned.sd[n]);
     return {{"pokes", learned.pokes}, {"factor", factor}, {"sd", sd}};
+}
+
+/// Adds a matrix's numbers to bytes, row by row, little endian.
+template <class Number, class Matrix>
+void append(std::string& bytes, const Matrix& matrix) {
+    for (Eigen::Index i = 0; i < matrix.rows(); ++i)
+        for (Eigen::Index k = 0; k < matrix.cols(); ++k) {
+            const auto number = static_cast<Number>(matrix(i, k));
+            bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+        }
 }
 
 }  // namespace
@@ -96,6 +107,16 @@ Scene::Scene(const TissueModel& tissue, const HapticModel& model, const std::vec
         const double merit = places_[k].direction.dot(places_[k].inward) - (places_[k].contact_m - top).norm() / width;
         if (merit > best) best = merit, first_ = static_cast<int>(k);
     }
+}
+
+void Scene::carry(const CarriedSurface& surface) {
+    const auto shown_as = [&](int node) { return std::lower_bound(shown_.begin(), shown_.end(), node) - shown_.begin(); };
+    carried_.clear();
+    append<std::uint32_t>(carried_, Eigen::RowVector2i(static_cast<int>(surface.vertices.rows()), static_cast<int>(surface.facets.rows())));
+    append<float>(carried_, surface.vertices.rowwise() + model_.meshes[0]->place_m.transpose());
+    append<std::uint32_t>(carried_, surface.facets);
+    append<std::uint32_t>(carried_, surface.node.unaryExpr(shown_as));
+    append<float>(carried_, surface.weight);
 }
 
 Touch Scene::nearest(const Point& p) const {
@@ -190,6 +211,7 @@ std::string Scene::message(const std::vector<std::string>& names, int index) con
     j["high_m"] = numbers(high);
     j["meshes"] = meshes;
     if (mesh_.is_solid()) j["disc_radius_m"] = disc_radius_m_;
+    if (!carried_.empty()) j["surface"] = true;
     Json places = Json::array();
     for (const Place& p : places_) {
         Json curve = Json::array();

@@ -8,6 +8,7 @@
 #include "lesson.h"
 #include "fe_outline.h"
 #include "haptic/state_channel.h"
+#include "mesh/carried_surface.h"
 #include "mesh/free_surface.h"
 #include "springs/tissue_model.h"
 
@@ -46,6 +47,7 @@ class Scene {
     const std::vector<Place>& places() const { return places_; }
     int first_place() const { return first_; }     ///< where the demo begins: the middle of the top, straight in
     const HapticModel& model() const { return model_; }
+    const SpringMesh& mesh() const { return mesh_; }
     int dimension() const { return model_.dimension(); }
     bool learns() const { return model_.options.stiffest > 1; }   ///< while it plays
     bool relaxes() const { return tau_s_.size() > 0; }
@@ -65,6 +67,12 @@ class Scene {
     /// Asked of tissue that nothing has touched for a while; what still swings then is nearer.
     bool away_from_rest(const TickState& state) const;
 
+    /// A finer surface that the page draws in place of the model's boundary.
+    void carry(const CarriedSurface& surface);
+
+    /// The bytes of it that a page fetches (cli/view/PROTOCOL.md, `surface`); empty where there is none.
+    const std::string& carried() const { return carried_; }
+
     /// Of a model that learns while it plays.
     void learn(LearnedField field) { learned_ = std::move(field); }
 
@@ -82,6 +90,7 @@ class Scene {
     Eigen::VectorXd tau_s_, contact_share_;   ///< how the law relaxes under the tool (K); often none
     std::optional<LearnedField> learned_;
     std::vector<int> shown_;
+    std::string carried_;
     std::vector<Place> places_;
     std::vector<Box> boxes_;
     int first_ = 0;

@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "error.h"
+#include "surface_file/surface_file.h"
 
 namespace tissue::serve {
 namespace {
@@ -62,6 +63,14 @@ Stage::Stage(const std::vector<std::string>& files, const StageOptions& options)
             const FeCases fe = learned ? FeCases() : read_fe_cases(file, tissue);  // of another tissue than it has become
             if (!fe.warning.empty()) warnings_.push_back(fe.warning);
             serve(file, tissue, some_sets && tissue.energy_law ? without_sets(options_.haptic, tissue) : options_.haptic, fe.displacement_m, learned);
+        }
+    }
+    if (!options_.surface.empty()) {
+        const MshFile surface = read_surface_or_msh(options_.surface, options_.surface);
+        try {
+            scene().carry(carried_surface(scene().mesh(), surface, options_.unit_m));
+        } catch (const MismatchError& e) {
+            throw MismatchError(files.front() + ": " + e.what());
         }
     }
     take_pointer();

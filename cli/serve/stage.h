@@ -19,6 +19,8 @@ namespace tissue::serve {
 struct StageOptions {
     HapticOptions haptic;
     bool realtime = true;
+    std::string surface = {};  ///< a surface's file that the first model carries and the page draws; often none
+    double unit_m = 1;         ///< [m] of its numbers
     std::string hidden = {};   ///< model.h5 of a tissue that the pointer touches in truth, and the one model learns from; often none
 };
 

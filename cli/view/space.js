@@ -1,5 +1,6 @@
 // The stage of a model in space, drawn by WebGL: each mesh in its own window of one canvas, all seen from the same side.
 import * as THREE from "./three.module.js";
+import { Carried, fetch_carried } from "./carried.js";
 import { begin, colours, shade, warmth } from "./canvas.js";
 import { apart, contact_at_rest, fe_curve, fe_outline, on_curve } from "./compare.js";
 import { shows_learned } from "./learned.js";
@@ -8,7 +9,7 @@ import { IN, LEARNED, look, model, moved, state, vector, work } from "./state.js
 import { Surface } from "./surface.js";
 import { is_open } from "./transport.js";
 import { add, clamp, norm, unit } from "./vectors.js";
-import { $ } from "./words.js";
+import { $, say } from "./words.js";
 
 export const stage = $("space");
 const FIELD = 26;                                    // degrees, of view
@@ -104,6 +105,36 @@ function band_of(surface, size) {
   return geometry;
 }
 
+function solid_of(surface, middle, size) {
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute("position", new THREE.BufferAttribute(surface.position, 3));
+  geometry.setAttribute("normal", new THREE.BufferAttribute(surface.normal, 3));
+  geometry.setAttribute("uv", new THREE.BufferAttribute(surface.shade, 2));
+  geometry.setIndex(new THREE.BufferAttribute(surface.corners, 1));
+  geometry.boundingSphere = new THREE.Sphere(new THREE.Vector3(...middle), 3 * size);
+  const solid = new THREE.Mesh(geometry, new THREE.MeshLambertMaterial({ map: scale, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
+  solid.frustumCulled = false;
+  return solid;
+}
+
+/** The organ's own surface in each window, when it has come. */
+async function take_carried() {
+  const of = model;
+  $("carried_row").hidden = true;
+  if (!of.surface) return;
+  const told = await fetch_carried();
+  if (of !== model) return;
+  for (const w of windows) {
+    w.carried = new Carried(told, w.mesh, apart(w.m), model.deepest_m);
+    w.fine = solid_of(w.carried, w.middle, w.size);
+    w.root.add(w.fine);
+    moved[w.m] = true;
+  }
+  $("carried_row").hidden = false;
+  look.stale = true;
+}
+const update_solid = solid => { for (const name of ["position", "normal", "uv"]) solid.geometry.attributes[name].needsUpdate = true; };
+
 function make_window(mesh, m) {
   const surface = new Surface(mesh, model.deepest_m), scene = new THREE.Scene(), root = new THREE.Group();
   const low = model.box.low, high = model.box.high, middle = add(add(low, high).map(x => x / 2), apart(m));
@@ -113,14 +144,7 @@ function make_window(mesh, m) {
   const sun = new THREE.DirectionalLight(0xffffff, 0.5);
   scene.add(new THREE.AmbientLight(0xffffff, 0.66), sun);
 
-  const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute("position", new THREE.BufferAttribute(surface.position, 3));
-  geometry.setAttribute("normal", new THREE.BufferAttribute(surface.normal, 3));
-  geometry.setAttribute("uv", new THREE.BufferAttribute(surface.shade, 2));
-  geometry.setIndex(new THREE.BufferAttribute(surface.corners, 1));
-  geometry.boundingSphere = new THREE.Sphere(new THREE.Vector3(...middle), 3 * size);
-  const solid = new THREE.Mesh(geometry, new THREE.MeshLambertMaterial({ map: scale, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
-  solid.frustumCulled = false;
+  const solid = solid_of(surface, middle, size);
   const wire = lines(surface.edges, surface.rest, flat(0.2, { color: 0xffffff }));
   const rest_edges = surface.creases.length >= 8 ? surface.creases : surface.edges;
   const rest = lines(rest_edges, surface.rest, new THREE.LineDashedMaterial({ dashSize: 0.03 * size, gapSize: 0.022 * size, transparent: true,
@@ -149,7 +173,7 @@ function make_window(mesh, m) {
   ring.renderOrder = 4;
   root.add(solid, wire, rest, held, fe_wire, dots, force, fe_force, tool, idle, ring);
   return { m, mesh, surface, scene, root, sun, middle, size, thick, solid, wire, rest, held, fe_wire, dots, force, fe_force, tool, tool_rim,
-           idle, ring, box: { left: 0, top: 0, width: 1, height: 1 }, contact: null, inward: null };
+           idle, ring, carried: null, fine: null, box: { left: 0, top: 0, width: 1, height: 1 }, contact: null, inward: null };
 }
 
 /** Another model. */
@@ -168,7 +192,9 @@ export function prepare_space() {
   }));
   Object.assign(view, { azimuth: -62, elevation: 30, zoom: 1 });
   Object.assign(aim, { mesh: 0, at: null, inward: null });
+  take_carried().catch(error => say("space_fault", error.message));
 }
+$("carried_wanted").addEventListener("change", () => { moved.fill(true); look.stale = true; });
 
 export const narrow = () => stage.clientWidth < 520;
 
@@ -211,11 +237,20 @@ export function screen_axes() {
 function follow_tissue(w) {
   if (!moved[w.m]) return;
   moved[w.m] = false;
-  const { factor, span } = model.learned || {};
-  w.surface.update(state ? state.nodes[w.m] : w.surface.rest, w.m === LEARNED && shows_learned() ? factor.map(f => Math.log(f) / span) : null);
-  w.held.geometry.lay(state ? state.nodes[w.m] : w.surface.rest);
-  for (const name of ["position", "normal", "uv"]) w.solid.geometry.attributes[name].needsUpdate = true;
-  move_lines(w.wire, w.surface.edges, state ? state.nodes[w.m] : w.surface.rest);
+  const { factor, span } = model.learned || {}, nodes = state ? state.nodes[w.m] : w.surface.rest;
+  const stiffness = w.m === LEARNED && shows_learned() ? factor.map(f => Math.log(f) / span) : null;
+  w.surface.update(nodes, stiffness);   // it is touched though the other one is drawn
+  w.held.geometry.lay(nodes);
+  const fine = w.fine !== null && $("carried_wanted").checked;
+  w.solid.visible = w.wire.visible = !fine;
+  if (w.fine) w.fine.visible = fine;
+  if (fine) {
+    w.carried.follow(nodes, stiffness);
+    update_solid(w.fine);
+    return;
+  }
+  update_solid(w.solid);
+  move_lines(w.wire, w.surface.edges, nodes);
 }
 
 function place_tool(w) {
@@ -337,5 +372,9 @@ export function space_to_screen(point) {
   return [w.box.left + (p.x + 1) / 2 * w.box.width, w.box.top + (1 - p.y) / 2 * w.box.height];
 }
 
-export const drawn_points = m => windows[m] ? { points: windows[m].surface.node_of.length, facets: windows[m].surface.facets.length,
-                                                 band_moved_m: windows[m].held.geometry.moved_m() } : null;
+export const drawn_points = m => {
+  if (!windows[m]) return null;
+  const w = windows[m], shown = w.fine && w.fine.visible ? w.carried : w.surface;
+  return { points: shown.node_of.length, facets: shown.facets.length, band_moved_m: w.held.geometry.moved_m(),
+           deepest_m: shown.position.reduce((most, x, k) => Math.max(most, Math.abs(x - shown.rest[3 * shown.node_of[Math.floor(k / 3)] + k % 3])), 0) };
+};

@@ -68,8 +68,11 @@ std::vector<Contact> spread_contacts(const Study& study, const FreeSurface& surf
         if (contacts.empty()) std::fill(rank.begin(), rank.end(), std::numeric_limits<double>::infinity());
         for (std::size_t c = 0; c < candidates.size(); ++c) rank[c] = std::min(rank[c], (candidates[c] - candidates[best]).norm());
         const double turn_deg = golden_angle_deg * static_cast<double>(contacts.size());
-        Contact contact{surface.nearest(candidates[best]), spread.pushes_deg, study.loads.depth_m()};
-        for (std::array<double, 2>& push : contact.pushes_deg) push[1] = std::fmod(push[1] + turn_deg + 360, 360);
+        Contact contact{surface.nearest(candidates[best]), {}, study.loads.depth_m()};
+        for (int k = 0; k < spread.pushes_each; ++k) {
+            const auto [tilt, azimuth] = spread.pushes_deg[(contacts.size() * static_cast<std::size_t>(spread.pushes_each) + static_cast<std::size_t>(k)) % spread.pushes_deg.size()];
+            contact.pushes_deg.push_back({tilt, std::fmod(azimuth + turn_deg + 360, 360)});
+        }
         contacts.push_back(contact);
     }
     return contacts;

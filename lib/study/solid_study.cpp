@@ -168,6 +168,8 @@ void read_shape_contacts(TomlReader& in, Study& study) {
         spread.refuse("clearance_m", fmt::format("a disc of radius {:g} mm needs {:g} mm to where the surface ends or turns",
                                                  1e3 * study.indenter.radius_m, 1e3 * study.indenter.clearance_m()));
     s.pushes_deg = read_pushes(spread);
+    const auto pushes = static_cast<long>(s.pushes_deg.size());
+    s.pushes_each = static_cast<int>(spread.has("pushes_each") ? spread.integer("pushes_each", 1, pushes) : pushes);
     spread.refuse_the_rest();
     loads.spread = s;
 }

@@ -439,7 +439,7 @@ Lattice Study::lattice() const {
 }
 
 std::size_t Study::Loads::path_count() const {
-    std::size_t count = paths.size() + (spread ? static_cast<std::size_t>(spread->count) * spread->pushes_deg.size() : 0);
+    std::size_t count = paths.size() + (spread ? static_cast<std::size_t>(spread->count * spread->pushes_each) : 0);
     for (const Contact& contact : contacts) count += contact.pushes_deg.size();
     return count;
 }

@@ -146,6 +146,7 @@ struct Study {
             int count;
             double clearance_m;  ///< from where the surface ends or turns
             Pushes pushes_deg;   ///< azimuths turn from contact to contact
+            int pushes_each;     ///< of pushes_deg, which the contacts take in turn
         };
         std::optional<Spread> spread;
 

@@ -40,10 +40,10 @@ const std::optional<Shape>& shape() {
     return s;
 }
 
-Study spread_study(int count, double clearance_m = 0.015) {
+Study spread_study(int count, double clearance_m = 0.015, int each = 3) {
     Study s = study();
     s.loads.contacts.clear();
-    s.loads.spread = Study::Loads::Spread{count, clearance_m, {{0, 0}, {30, 0}, {30, 180}}};
+    s.loads.spread = Study::Loads::Spread{count, clearance_m, {{0, 0}, {30, 0}, {30, 180}}, each};
     return s;
 }
 
@@ -122,6 +122,10 @@ TEST_CASE("spread contacts lie far from each other, clear of the bed's edge, and
     const std::vector<StudyPath> again = solid_training(s, shape());
     for (std::size_t i = 0; i < 30; ++i) CHECK(again[i].contact_m == paths[i].contact_m);
     CHECK(solid_training(spread_study(4), shape())[9].contact_m == paths[9].contact_m);  // more of them come after
+    const std::vector<StudyPath> in_turn = solid_training(spread_study(4, 0.015, 2), shape());
+    REQUIRE(in_turn.size() == 8);
+    const std::vector<int> same{0, 1, 5, 3, 7, 8, 9, 10};  // pushes 1 2, 3 1, 2 3, 1 2
+    for (std::size_t i = 0; i < 8; ++i) CHECK((in_turn[i].contact_m == paths[static_cast<std::size_t>(same[i])].contact_m && in_turn[i].direction == paths[static_cast<std::size_t>(same[i])].direction));
     CHECK_THAT(refusal<StudyError>([&] { solid_training(spread_study(2, 0.09), shape()); }), Contains("key 'loads.spread': the free surface has 0 places 90 mm"));
 }
 

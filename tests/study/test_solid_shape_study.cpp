@@ -54,6 +54,7 @@ TEST_CASE("a study with geometry.solid is a shape in space: incompressible, no t
     const Study spread_out = shape_study(spread_text());
     REQUIRE(spread_out.loads.spread);
     CHECK(spread_out.loads.path_count() == 10);
+    CHECK(shape_study(with(spread_text(), "count = 5", "count = 5\npushes_each = 1")).loads.path_count() == 5);
     CHECK(spread_out.loads.spread->clearance_m == 0.015);
 }
 
@@ -147,6 +148,7 @@ TEST_CASE("contacts of a solid shape are listed or spread, one of the two, and e
     CHECK_THAT(spread_said("count = 5", "count = 0"), Contains("key 'loads.spread.count'"));
     CHECK_THAT(spread_said("clearance_m = 0.015\npushes", "clearance_m = 0.011\npushes"), Contains("key 'loads.spread.clearance_m'") && Contains("12 mm"));
     CHECK_THAT(spread_said("[[0, 0], [30, 0]]", "[]"), Contains("key 'loads.spread.pushes_deg'"));
+    for (const char* each : {"0", "3"}) CHECK_THAT(spread_said("count = 5", std::string("count = 5\npushes_each = ") + each), Contains("key 'loads.spread.pushes_each'"));
     CHECK_THAT(spread_said("count = 5", "count = 5\ndepth_m = 0.001"), Contains("key 'loads.spread.depth_m'"));
 }
 

@@ -95,6 +95,11 @@ Visitor::Answer Visitor::answer_to(const http::request<http::empty_body>& reques
     const std::string_view path = path_of(target);
     if (path == "/ws") return text(http::status::bad_request, "a WebSocket");
     if (path == "/healthz") return text(http::status::ok, "ok");
+    if (const std::string& surface = server_.show.stage().scene().carried(); path == "/surface" && !surface.empty()) {
+        Answer bytes = text(http::status::ok, surface);
+        bytes.head.set(http::field::content_type, "application/octet-stream");
+        return bytes;
+    }
     if (path == "/metrics") {
         Answer metrics = text(http::status::ok, metrics_text(server_.show, server_.traffic));
         metrics.head.set(http::field::content_type, "text/plain; version=0.0.4; charset=utf-8");

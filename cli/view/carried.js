@@ -1,0 +1,40 @@
+// The organ's own surface, finer than the model's boundary, which carries it. PROTOCOL.md says how it is told.
+import { Surface } from "./surface.js";
+
+/** Its bytes as arrays: rest, facets, node and weight of each vertex. */
+export async function fetch_carried() {
+  const answer = await fetch("surface");
+  if (!answer.ok) throw new Error(`the surface cannot be had: ${answer.status}`);
+  const bytes = await answer.arrayBuffer(), [V, F] = new Uint32Array(bytes, 0, 2);
+  let from = 8;
+  const take = (Type, count) => {
+    from += 4 * count;
+    return new Type(bytes, from - 4 * count, count);
+  };
+  return { rest: take(Float32Array, 3 * V), facets: take(Uint32Array, 3 * F), node: take(Uint32Array, 3 * V), weight: take(Float32Array, 3 * V) };
+}
+
+const threes = numbers => Array.from({ length: numbers.length / 3 }, (_, i) => [...numbers.subarray(3 * i, 3 * i + 3)]);
+
+/** That surface on one of the model's meshes, which stands apart from where the file has it. */
+export class Carried extends Surface {
+  constructor({ rest, facets, node, weight }, mesh, apart, deepest_m) {
+    const fixed = new Set(mesh.fixed), vertices = threes(rest).map(p => p.map((x, a) => x + apart[a]));
+    const held = vertices.map((_, v) => v).filter(v => [0, 1, 2].every(k => fixed.has(node[3 * v + k])));
+    super({ nodes_m: vertices, facets: threes(facets), fixed: held }, deepest_m);
+    Object.assign(this, { node, weight, mesh_rest: Float32Array.from(mesh.nodes_m.flat()), places: this.rest.slice() });
+  }
+
+  /** nodes, stiffness: of the mesh, as Surface.update has them. */
+  follow(nodes, stiffness = null) {
+    const { places, rest, node, weight, mesh_rest } = this;
+    for (let v = 0; v < rest.length; v += 3)
+      for (let a = 0; a < 3; a++) {
+        let moved = 0;
+        for (let k = v; k < v + 3; k++) moved += weight[k] * (nodes[3 * node[k] + a] - mesh_rest[3 * node[k] + a]);
+        places[v + a] = rest[v + a] + moved;
+      }
+    const own = stiffness && Array.from({ length: rest.length / 3 }, (_, v) => [0, 1, 2].reduce((sum, k) => sum + weight[3 * v + k] * stiffness[node[3 * v + k]], 0));
+    this.update(places, own);
+  }
+}

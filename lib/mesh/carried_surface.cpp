@@ -1,0 +1,90 @@
+#include "mesh/carried_surface.h"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "error.h"
+#include "mesh/surface.h"
+
+namespace tissue {
+namespace {
+
+constexpr double farthest = 0.1;  ///< a vertex may lie from the boundary, of the mesh's size
+
+void refuse_the_plane(const SpringMesh& mesh) {
+    if (!mesh.is_solid()) throw MismatchError("the model is in the plane, and a surface is carried by one in space");
+}
+
+}  // namespace
+
+NodeField vertex_normals(const NodeField& vertices, const Cells& facets) {
+    NodeField normals = NodeField::Zero(vertices.rows(), 3);
+    for (const auto& facet : facets.rowwise()) {
+        const Eigen::RowVector3d a = vertices.row(facet[0]), b = vertices.row(facet[1]), c = vertices.row(facet[2]);
+        const Eigen::RowVector3d normal = (b - a).cross(c - a);
+        for (const int corner : facet) normals.row(corner) += normal;
+    }
+    for (Eigen::Index v = 0; v < normals.rows(); ++v)
+        if (const double length = normals.row(v).norm(); length > 0) normals.row(v) /= length;
+    return normals;
+}
+
+NodeField CarriedSurface::moved(const NodeField& u) const {
+    NodeField places = vertices;
+    for (Eigen::Index v = 0; v < places.rows(); ++v)
+        for (int k = 0; k < 3; ++k) places.row(v) += weight(v, k) * u.row(node(v, k));
+    return places;
+}
+
+CarriedSurface carried_surface(const SpringMesh& mesh, const MshFile& file, double unit_m) {
+    refuse_the_plane(mesh);
+    if (file.triangles.empty()) throw MismatchError(file.file + ": has no triangles");
+    CarriedSurface carried;
+    const auto V = static_cast<Eigen::Index>(file.points.size()), F = static_cast<Eigen::Index>(file.triangles.size());
+    carried.vertices.resize(V, 3);
+    for (Eigen::Index v = 0; v < V; ++v) {
+        const MshFile::Point& p = file.points[static_cast<std::size_t>(v)];
+        carried.vertices.row(v) << unit_m * p.x, unit_m * p.y, unit_m * p.z;
+    }
+    carried.facets.resize(F, 3);
+    for (Eigen::Index f = 0; f < F; ++f)
+        for (int k = 0; k < 3; ++k) carried.facets(f, k) = file.triangles[static_cast<std::size_t>(f)].node[k];
+
+    const NearestTriangle boundary({mesh.nodes, mesh.facets, std::vector<int>(static_cast<std::size_t>(mesh.facets.rows()), Surface::free_label)});
+    const NodeField normals = vertex_normals(carried.vertices, carried.facets);
+    carried.node.resize(V, 3);
+    carried.weight.resize(V, 3);
+    double most_m = 0;
+    for (Eigen::Index v = 0; v < V; ++v) {
+        const Eigen::Vector3d at = carried.vertices.row(v).transpose();
+        NearestTriangle::Place place = boundary.nearest(at, normals.row(v).transpose());
+        if (place.triangle < 0) place = boundary.nearest(at);
+        most_m = std::max(most_m, place.distance_m);
+        carried.node.row(v) = mesh.facets.row(place.triangle);
+        carried.weight.row(v) = place.weight.transpose();
+    }
+    if (!(most_m <= farthest * mesh.size_m()))
+        throw MismatchError(fmt::format("{}: lies up to {:.3g} mm from the model, which is {:.3g} mm long: is it another organ's, or are its numbers in another unit (--unit mm, cm, m or inch)?",
+                                        file.file, 1e3 * most_m, 1e3 * mesh.size_m()));
+    return carried;
+}
+
+CarriedSurface own_surface(const SpringMesh& mesh) {
+    refuse_the_plane(mesh);
+    CarriedSurface carried;
+    std::vector<int> shown(mesh.facets.data(), mesh.facets.data() + mesh.facets.size());
+    std::sort(shown.begin(), shown.end());
+    shown.erase(std::unique(shown.begin(), shown.end()), shown.end());
+    const auto V = static_cast<Eigen::Index>(shown.size());
+    carried.vertices = mesh.nodes(shown, Eigen::all);
+    carried.facets = mesh.facets.unaryExpr([&](int node) { return static_cast<int>(std::lower_bound(shown.begin(), shown.end(), node) - shown.begin()); });
+    carried.node.resize(V, 3);
+    carried.weight = NodeField::Zero(V, 3);
+    carried.weight.col(0).setOnes();
+    for (Eigen::Index v = 0; v < V; ++v) carried.node.row(v).setConstant(shown[static_cast<std::size_t>(v)]);
+    return carried;
+}
+
+}  // namespace tissue
