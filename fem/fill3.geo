@@ -1,6 +1,6 @@
 // Fills a closed surface with tetrahedra for a disc that presses on it: finely about the disc, as `tissuectl rim` has divided
 // the surface already. The surface's triangles stay as they are: held 1, free 2, under the disc 3. The tissue is 10, a nodule
-// inside it 11, along whose sphere elements end.
+// inside it 11, along whose surface elements end: a sphere, or where nodule_shape is 1 the triangles of gmsh's surface 4.
 //
 // Parameters, set with gmsh -setnumber [m]: contact_x, contact_y, contact_z, disc_radius, size_near, size_far, nodule_x,
 // nodule_y, nodule_z, nodule_radius (0: none), as block3.geo; better: gmsh works on tetrahedra of less than this quality
@@ -8,11 +8,19 @@
 //   -setnumber contact_z 0.055 surface.msh fem/fill3.geo -o path.msh
 
 DefineConstant[ contact_x = 0, contact_y = 0, contact_z = 0, disc_radius = 0.007, size_near = 0.0035, size_far = 0.015,
-                nodule_x = 0, nodule_y = 0, nodule_z = 0, nodule_radius = 0, better = 0.6 ];
+                nodule_x = 0, nodule_y = 0, nodule_z = 0, nodule_radius = 0, nodule_shape = 0, better = 0.6 ];
 
 all[] = Surface{:};
+If (nodule_shape)
+  all[] -= {4};
+EndIf
 Surface Loop(1) = {all[]};
-If (nodule_radius > 0)
+If (nodule_shape)
+  Surface Loop(2) = {4};
+  Volume(1) = {1, 2};
+  Volume(2) = {2};
+  Physical Volume("nodule", 11) = {2};
+ElseIf (nodule_radius > 0)
   // Its nodes lie 1.03 radii out: what its flat sides of 0.6 radii enclose is then the ball's volume, within 3 %. On the radius
   // itself it is 8 % less, and a press 5 mm above a nodule of 8 mm that is four times as stiff 2 % softer.
   r = 1.03 * nodule_radius;

@@ -87,8 +87,10 @@ std::string history_arguments(const Study& s, const PlannedHistory& history, con
 /// The nodule's place for gmsh and its material for FreeFEM; nothing where there is none.
 std::string nodule_arguments(const Study& s) {
     if (!s.nodule) return "";
-    return fmt::format(" -nodule_x {} -nodule_y {} -nodule_z {} -nodule_radius {} {}", s.nodule->centre_m[0], s.nodule->centre_m[1],
-                       s.nodule->centre_m[2], s.nodule->radius_m, parameter_arguments(*s.nodule, fmt::format("_{}", nodule_label)));
+    const Inclusion at = study_inclusion(s);
+    const std::string& shape = s.nodule->shape;
+    return fmt::format("{} -nodule_x {} -nodule_y {} -nodule_z {} -nodule_radius {} {}", shape.empty() ? "" : " -nodule_shape " + for_make(s, "nodule.shape", shape), at.centre_m()[0], at.centre_m()[1],
+                       at.centre_m()[2], shape.empty() ? s.nodule->radius_m : at.radius_m(), parameter_arguments(*s.nodule, fmt::format("_{}", nodule_label)));
 }
 
 /// For scripts/solve_path, which shares them between gmsh and fem/solve_solid.edp.
@@ -160,9 +162,11 @@ std::string train_part(const Study& s) {
     const auto optional = [](const std::optional<double>& v) { return v ? fmt::format("{}", *v) : std::string("none"); };
     std::string parts = s.geometry.bed_Pa_m > 0 ? fmt::format("bed {}\n", s.geometry.bed_Pa_m) : "";
     for (const Study::Region& r : s.material.regions) parts += fmt::format("region {} {}\n", r.name, r.youngs_modulus_Pa());
-    if (s.nodule)
-        parts += fmt::format("nodule {} {} {} {} {}\n", s.nodule->centre_m[0], s.nodule->centre_m[1], s.nodule->centre_m[2],
-                             s.nodule->radius_m, s.nodule->youngs_modulus_Pa());
+    if (s.nodule) {
+        const Inclusion at = study_inclusion(s);
+        parts += fmt::format("nodule {}{} {} {} {} {}\n", s.nodule->shape.empty() ? "" : s.nodule->shape + " ", at.centre_m()[0], at.centre_m()[1], at.centre_m()[2],
+                             s.nodule->shape.empty() ? s.nodule->radius_m : at.radius_m(), s.nodule->youngs_modulus_Pa());
+    }
     if (s.material.relaxes()) {  // which branches the law gets
         parts += fmt::format("relaxes {}{}\n", s.material.fits_shares ? "as measured " : "", s.material.long_term ? "long-term" : "instantaneous");
         for (const Branch& b : s.material.viscosity) parts += fmt::format("branch {} {}\n", b.share, b.tau_s);
@@ -198,11 +202,12 @@ std::string shape_arguments(const Study& s) {
     return "-save";
 }
 
-/// Files of the surfaces that regions of geometry.fixed are within, each after a blank.
+/// Files of the surfaces that regions of geometry.fixed are within, and of the nodule's, each after a blank.
 std::string other_surfaces(const Study& s) {
     std::string files;
     for (const std::string& name : s.geometry.fixed)
         if (const auto other = HeldRegion::within(name)) files += " " + other->file;
+    if (s.nodule && !s.nodule->shape.empty()) files += " " + s.nodule->shape;
     return files;
 }
 
@@ -217,7 +222,9 @@ TrainingNames training_names(const std::vector<PlannedPath>& paths) {
         if (path.role == "train") trained.push_back(path.push.name);
     TrainingNames names;
     for (const std::string& name : trained) names.all += " " + name;
-    for (std::size_t k = 0; k < std::min(most, trained.size()); ++k) names.first += " " + trained[k * trained.size() / std::min(most, trained.size())];
+    const std::size_t all = trained.size(), some = std::min(most, all);
+    const bool even = some > 0 && all % some == 0 && all / some % 2 == 0;  // of two pushes that take turns, such steps would meet one alone
+    for (std::size_t k = 0; k < some; ++k) names.first += " " + trained[k * all / some + (even ? k % 2 : 0)];
     return names;
 }
 
@@ -246,6 +253,7 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
                 for_make(study, "geometry.fixed", other ? other->file : name);
             }
             if (const std::string others = other_surfaces(study); !others.empty()) plan.fragment += fmt::format("$(R)/mesh.made: $(wildcard{})\n", others);  // without wildcard a removed file would stop make before it rewrites the plan
+            if (study.nodule && !study.nodule->shape.empty()) plan.fragment += fmt::format("$(R)/plan.mk: $(wildcard {})\n", for_make(study, "nodule.shape", study.nodule->shape));
             for (const std::string& name : study.material.region_names()) for_make(study, "material.regions", name);
         }
         plan.parts["shape"] = shape_part(study);

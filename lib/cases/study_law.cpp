@@ -10,6 +10,7 @@
 #include <map>
 #include <vector>
 
+#include "cases/study_mesh.h"
 #include "error.h"
 #include "io/one_line.h"
 #include "mesh/cells.h"
@@ -117,13 +118,13 @@ Eigen::MatrixXd parts_by_region(const Shape& shape, Eigen::Index regions, const 
 
 }  // namespace
 
-Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, const Point& centre_m, double radius_m) {
+Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, const Inclusion& inclusion) {
     const Eigen::MatrixXd weights = even_points(pieces.cols());
     Eigen::VectorXd part = Eigen::VectorXd::Zero(pieces.rows());
     for (Eigen::Index e = 0; e < pieces.rows(); ++e) {
         const Eigen::MatrixXd at = weights * places_of(mesh, pieces, e);
         for (Eigen::Index p = 0; p < at.rows(); ++p)
-            part[e] += (at.row(p).transpose() - centre_m).norm() < radius_m ? 1.0 / static_cast<double>(at.rows()) : 0.0;
+            part[e] += inclusion.contains(at.row(p).transpose()) ? 1.0 / static_cast<double>(at.rows()) : 0.0;
     }
     return part;
 }
@@ -132,7 +133,7 @@ Eigen::VectorXd solid_moduli(const Study& study, const std::optional<Shape>& sha
     const double E = study.material.youngs_modulus_Pa();
     Eigen::VectorXd own = Eigen::VectorXd::Constant(pieces.rows(), E);
     if (study.nodule)
-        own += (study.nodule->youngs_modulus_Pa() - E) * fraction_inside(mesh, pieces, study.nodule->centre_m, study.nodule->radius_m);
+        own += (study.nodule->youngs_modulus_Pa() - E) * fraction_inside(mesh, pieces, study_inclusion(study));
     if (study.material.regions.empty()) return own;
     for (int region : shape->region) parameters_of(study, region);  // none beyond those that the study names
     const Eigen::MatrixXd part = parts_by_region(*shape, static_cast<Eigen::Index>(study.material.regions.size()), mesh, pieces);
@@ -148,17 +149,18 @@ Eigen::VectorXd solid_moduli(const Study& study, const std::optional<Shape>& sha
 
 NodeField nodule_points(const Study& study) {
     constexpr int across = 8;
-    const Study::Nodule& nodule = *study.nodule;
+    const Inclusion nodule = study_inclusion(study);
+    const Eigen::Array3d middle_m = (nodule.low_m() + nodule.high_m()) / 2, half_m = (nodule.high_m() - nodule.low_m()) / 2;
     std::vector<Eigen::Vector3d> places;
     for (int i = 0; i < across * across * across; ++i) {
-        const Eigen::Vector3d at = (2 * Eigen::Vector3d(i % across, i / across % across, i / across / across).array() + 1) / across - 1;
-        if (at.norm() < 1) places.emplace_back(nodule.centre_m + nodule.radius_m * at);
+        const Eigen::Array3d at = (2 * Eigen::Array3d(i % across, i / across % across, i / across / across) + 1) / across - 1;
+        const Eigen::Vector3d place_m = middle_m + half_m * at;
+        if (nodule.contains(place_m)) places.push_back(place_m);
     }
-    const double volume_m3 = 4 * 3.14159265358979323846 / 3 * std::pow(nodule.radius_m, 3);
     NodeField points(static_cast<Eigen::Index>(places.size()), 4);
     for (Eigen::Index g = 0; g < points.rows(); ++g)
         points.row(g) << places[static_cast<std::size_t>(g)].transpose(),
-            volume_m3 / static_cast<double>(places.size()) * std::log(nodule.youngs_modulus_Pa() / study.material.youngs_modulus_Pa());
+            nodule.volume_m3() / static_cast<double>(places.size()) * std::log(study.nodule->youngs_modulus_Pa() / study.material.youngs_modulus_Pa());
     return points;
 }
 

@@ -18,14 +18,14 @@ Eigen::VectorXd triangle_moduli(const Study& study, const std::optional<Shape>& 
 /// its middle. Throws StudyError for a region that no cell has a point in.
 Eigen::VectorXd solid_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, const Cells& pieces);
 
-/// The study's nodule as points that fill it evenly, 8 across (G x 4): place [m], volume times log(E / E_block) [m3].
+/// The study's nodule as points that fill it evenly, 8 across the box about it (G x 4): place [m], volume times log(E / E_block) [m3].
 NodeField nodule_points(const Study& study);
 
 /// The study's regions of a solid shape likewise, four points a tetrahedron.
 NodeField region_points(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh);
 
 /// Part of each row's pieces that lies in a ball, by the same points.
-Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, const Point& centre_m, double radius_m);
+Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, const Inclusion& inclusion);
 
 /// The study's terms on its mesh, over the heuristic of its material, E2 taken `factor` times as large (train_law.h's
 /// heuristic_factor, where the material is a guess). Throws MismatchError for terms that are not possible there, and for a shape with more regions than the study names; as solid_moduli.

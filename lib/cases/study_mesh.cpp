@@ -37,30 +37,38 @@ std::optional<Shape> study_shape(const Study& study, const std::string& mesh_fil
     return shape;
 }
 
+Inclusion study_inclusion(const Study& study) {
+    const Study::Nodule& nodule = *study.nodule;
+    if (nodule.shape.empty()) return {nodule.centre_m, nodule.radius_m};
+    return Inclusion(inclusion_surface(read_surface_file(nodule.shape), study.geometry.unit_m));
+}
+
 void refuse_nodule_outside(const Study& study, const Shape& shape) {
     if (!study.nodule) return;
     const Study::Nodule& nodule = *study.nodule;
-    const auto refuse = [&](const char* key, const std::string& cause) {
-        throw StudyError(one_line(fmt::format("{}: key 'nodule.{}': ({:g}, {:g}, {:g}) m {}", study.file, key, nodule.centre_m[0], nodule.centre_m[1],
-                                              nodule.centre_m[2], cause)));
+    const auto refuse = [&](const char* key, const Eigen::Vector3d& place_m, const std::string& cause) {
+        throw StudyError(one_line(fmt::format("{}: key 'nodule.{}': ({:g}, {:g}, {:g}) m {}", study.file, key, place_m[0], place_m[1], place_m[2], cause)));
     };
-    bool inside = false;
-    for (Eigen::Index t = 0; t < shape.simplices.rows() && !inside; ++t) {
-        Eigen::Matrix4d corners;  // [places; 1], of which the centre is a mean with no negative weight
-        for (int k = 0; k < 4; ++k) corners.col(k) << shape.nodes.row(shape.simplices(t, k)).transpose(), 1;
-        const Eigen::Vector4d centre(nodule.centre_m[0], nodule.centre_m[1], nodule.centre_m[2], 1);
-        inside = corners.lu().solve(centre).minCoeff() >= 0;
+    const Cells facets = open_faces(shape.simplices);
+    const Surface surface{shape.nodes, facets, std::vector<int>(static_cast<std::size_t>(facets.rows()), Surface::free_label)};
+    const Inclusion tissue(surface);
+    const NearestTriangle nearest(surface);
+    if (nodule.shape.empty()) {
+        if (!tissue.contains(nodule.centre_m)) refuse("centre_m", nodule.centre_m, "is not inside " + study.geometry.shape);
+        constexpr double out = 1.03;  // where the sphere's nodes are, over its radius (fem/fill3.geo)
+        const double surface_m = nearest.nearest(nodule.centre_m).distance_m, least_m = out * nodule.radius_m + study.sizes_m[0] / 2;
+        if (surface_m < least_m)
+            refuse("radius_m", nodule.centre_m, fmt::format("is {:.3g} mm from the surface of {}; a nodule of {:g} mm needs {:g} mm, half of mesh.sizes_m[0] more "
+                                                            "than {:g} of its radius", 1e3 * surface_m, study.geometry.shape, 1e3 * nodule.radius_m, 1e3 * least_m, out));
+        return;
     }
-    if (!inside) refuse("centre_m", "is not inside " + study.geometry.shape);
-    const Cells surface = open_faces(shape.simplices);
-    double surface_m = std::numeric_limits<double>::infinity();
-    for (Eigen::Index f = 0; f < surface.rows(); ++f)
-        surface_m = std::min(surface_m, nearest_on_facet(shape.nodes, surface, f, nodule.centre_m).distance_m);
-    constexpr double out = 1.03;  // where the sphere's nodes are, over its radius (fem/fill3.geo)
-    const double least_m = out * nodule.radius_m + study.sizes_m[0] / 2;
-    if (surface_m < least_m)
-        refuse("radius_m", fmt::format("is {:.3g} mm from the surface of {}; a nodule of {:g} mm needs {:g} mm, half of mesh.sizes_m[0] more "
-                                       "than {:g} of its radius", 1e3 * surface_m, study.geometry.shape, 1e3 * nodule.radius_m, 1e3 * least_m, out));
+    const double least_m = study.sizes_m[0] / 2;
+    for (const auto& node : inclusion_surface(read_surface_file(nodule.shape), study.geometry.unit_m).nodes.rowwise()) {
+        const Eigen::Vector3d place_m = node.transpose();
+        if (!tissue.contains(place_m)) refuse("shape", place_m, fmt::format("of {} is not inside {}", nodule.shape, study.geometry.shape));
+        if (const double surface_m = nearest.nearest(place_m).distance_m; surface_m < least_m)
+            refuse("shape", place_m, fmt::format("of {} is {:.3g} mm from the surface of {}; it needs {:g} mm, half of mesh.sizes_m[0]", nodule.shape, 1e3 * surface_m, study.geometry.shape, 1e3 * least_m));
+    }
 }
 
 }  // namespace tissue

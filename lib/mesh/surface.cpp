@@ -167,8 +167,14 @@ bool held_by(Surface& s, const HeldRegion& region, const std::string& file) try 
 
 }  // namespace
 
-Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, double unit_m, const HeldRegion::Reader& read) {
-    const auto [fixed, regions] = held_parts(held, mesh.file, read, unit_m);
+namespace {
+
+/// A closed surface, all of it free, and of each triangle its nodes in the file.
+struct Closed {
+    Surface surface;
+    std::vector<Face> faces;
+};
+Closed closed(const MshFile& mesh, double unit_m) {
     const std::string& file = mesh.file;
     std::vector<Face> faces;
     if (!mesh.tetrahedra.empty()) {
@@ -206,11 +212,20 @@ Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, 
         s.nodes.row(static_cast<Eigen::Index>(i)) << unit_m * p.x, unit_m * p.y, unit_m * p.z;
     }
     close(s, file);
-
-    // ---- what is held
     s.label.assign(faces.size(), Surface::free_label);
+    return {s, faces};
+}
+
+}  // namespace
+
+Surface closed_surface(const MshFile& mesh, double unit_m) { return closed(mesh, unit_m).surface; }
+
+Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, double unit_m, const HeldRegion::Reader& read) {
+    const auto [fixed, regions] = held_parts(held, mesh.file, read, unit_m);
+    const std::string& file = mesh.file;
+    auto [s, faces] = closed(mesh, unit_m);
     std::vector<std::string> known;
-    const auto hold_group = [&, &fixed = fixed](const std::string& name, const std::vector<std::size_t>& triangles) {
+    const auto hold_group = [&, &fixed = fixed, &s = s](const std::string& name, const std::vector<std::size_t>& triangles) {
         if (std::find(fixed.begin(), fixed.end(), name) != fixed.end())
             for (std::size_t t : triangles) s.label[t] = Surface::fixed_label;
         known.push_back(name);
@@ -282,14 +297,23 @@ void check_held_area(const Surface& before, const Surface& divided) {
                                             1e6 * has[number]));
 }
 
-std::string to_msh(const Surface& s) {
+std::string to_msh(const Surface& outer, const Surface* inner) {
+    constexpr int inner_label = 4;  // an entity of gmsh's, in no physical group
+    Surface s = outer;
+    if (inner != nullptr) {
+        s.nodes.conservativeResize(outer.nodes.rows() + inner->nodes.rows(), 3);
+        s.nodes.bottomRows(inner->nodes.rows()) = inner->nodes;
+        s.triangles.conservativeResize(outer.triangles.rows() + inner->triangles.rows(), 3);
+        s.triangles.bottomRows(inner->triangles.rows()) = inner->triangles.array() + static_cast<int>(outer.nodes.rows());
+        s.label.resize(static_cast<std::size_t>(s.triangles.rows()), inner_label);
+    }
     std::string text = fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n2 {} \"fixed\"\n2 {} \"free\"\n2 {} \"disc\"\n$EndPhysicalNames\n"
                                    "$Nodes\n{}\n", Surface::fixed_label, Surface::free_label, Surface::disc_label, s.nodes.rows());
     for (Eigen::Index i = 0; i < s.nodes.rows(); ++i) text += fmt::format("{} {} {} {}\n", i + 1, s.nodes(i, 0), s.nodes(i, 1), s.nodes(i, 2));
     text += fmt::format("$EndNodes\n$Elements\n{}\n", s.triangles.rows());
     for (Eigen::Index t = 0; t < s.triangles.rows(); ++t) {
         const int label = s.label[static_cast<std::size_t>(t)];
-        text += fmt::format("{} 2 2 {} {} {} {} {}\n", t + 1, label, label, s.triangles(t, 0) + 1, s.triangles(t, 1) + 1, s.triangles(t, 2) + 1);
+        text += fmt::format("{} 2 2 {} {} {} {} {}\n", t + 1, label == inner_label ? 0 : label, label, s.triangles(t, 0) + 1, s.triangles(t, 1) + 1, s.triangles(t, 2) + 1);
     }
     return text + "$EndElements\n";
 }

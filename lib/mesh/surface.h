@@ -38,8 +38,11 @@ double held_area_m2(const Surface& surface);
 /// Throws MismatchError where a connected held part has lost a tenth or more of its area when its surface was divided anew.
 void check_held_area(const Surface& before, const Surface& divided);
 
-/// As MSH 2.2 in metres: triangles "fixed" 1, "free" 2 and "disc" 3.
-std::string to_msh(const Surface& surface);
+/// The same without what is held, all of it free.
+Surface closed_surface(const MshFile& mesh, double unit_m);
+
+/// As MSH 2.2 in metres: triangles "fixed" 1, "free" 2 and "disc" 3; those of an inclusion's surface inside it are gmsh's surface 4, in no physical group.
+std::string to_msh(const Surface& surface, const Surface* inclusion = nullptr);
 
 /// 4 sqrt(3) area / sum of squared sides: 1 of the regular triangle, 0 of a flat one.
 double triangle_quality(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);

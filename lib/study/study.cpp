@@ -65,6 +65,14 @@ bool names_file(const std::string& readme, const std::string& name) {
     return text.find("`" + name + "`") != std::string::npos;
 }
 
+/// Refuses a key whose file is not there.
+void refuse_missing(const TomlReader& in, const std::string& key, const std::string& file) {
+    std::error_code error;
+    if (std::filesystem::is_regular_file(file, error)) return;
+    const std::string readme = (std::filesystem::path(file).parent_path() / "README.md").string();
+    in.refuse(key, "there is no file " + file + (names_file(readme, std::filesystem::path(file).filename().string()) ? "; " + readme + " says where to get it" : ""));
+}
+
 Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std::string& file) {
     Study::Geometry g{};
     g.unit_m = 1;
@@ -97,11 +105,7 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
         if (!g.solid && !ends_with(shape, ".geo") && !ends_with(shape, ".msh"))
             in.refuse("shape", "'" + shape + "' must be block, or a file that ends in .geo or .msh");
         g.shape = beside(*table["geometry"]["shape"].node(), file, shape);
-        std::error_code error;
-        if (!std::filesystem::is_regular_file(g.shape, error)) {
-            const std::string readme = (std::filesystem::path(g.shape).parent_path() / "README.md").string();
-            in.refuse("shape", "there is no file " + g.shape + (names_file(readme, std::filesystem::path(g.shape).filename().string()) ? "; " + readme + " says where to get it" : ""));
-        }
+        refuse_missing(in, "shape", g.shape);
         const bool trusted = in.has("trust_geo") && in.flag("trust_geo");
         if (ends_with(shape, ".geo") && !trusted)
             in.refuse("shape", g.shape + " is a program, which gmsh runs and which may run any command; geometry.trust_geo = true says that you trust it");
@@ -484,9 +488,14 @@ Study read_study(const std::string& file) {
     if (in.has("map") && (!solid || !block)) in.refuse("map", "needs a solid block, one with geometry.length_m");
     if (in.has("data"))
         read_data(in, study);
-    else if (solid)
+    else if (solid) {
         read_solid_fe(in, study);
-    else
+        if (study.nodule && !study.nodule->shape.empty()) {
+            std::string& surface = study.nodule->shape;
+            surface = beside(*table["nodule"]["shape"].node(), file, surface);
+            refuse_missing(in.table("nodule"), "shape", surface);
+        }
+    } else
         read_fe(in, study);
 
     study.springs = read_springs(in.table("springs"), study.geometry, study.data.has_value());

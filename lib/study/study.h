@@ -67,10 +67,11 @@ struct Study {
         bool relaxes() const { return fits_shares || !viscosity.empty(); }
     } material;
 
-    /// A ball of other material inside a solid.
+    /// A part of other material inside a solid: a ball, or of a shape what a closed surface encloses. cases/study_mesh.h's study_inclusion says where it is.
     struct Nodule : LawParameters {
-        Point centre_m;  ///< (3)
+        Point centre_m;     ///< of a ball (3)
         double radius_m;
+        std::string shape;  ///< file of a surface, in the unit of the shape's; empty of a ball
     };
     std::optional<Nodule> nodule;
 

@@ -407,7 +407,7 @@ TEST_CASE("a law's shares are its material's, and in a nodule's springs and cell
     s.nodule->share = {0.1, 0.2};
     const Relaxation own = study_relaxation(s, {}, mesh, law);
     CHECK((own.share.col(1).array() == 0.2).all());
-    const Eigen::VectorXd inside = fraction_inside(mesh, mesh.springs, s.nodule->centre_m, s.nodule->radius_m);
+    const Eigen::VectorXd inside = fraction_inside(mesh, mesh.springs, study_inclusion(s));
     CHECK(inside.maxCoeff() > 0.3);
     const double E = s.material.youngs_modulus_Pa(), hard = s.nodule->youngs_modulus_Pa();
     for (Eigen::Index i = 0; i < inside.size(); ++i) {

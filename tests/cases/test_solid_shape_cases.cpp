@@ -17,6 +17,9 @@
 #include "mesh/cells.h"
 #include "springs/supports.h"
 #include "train/untrained_model.h"
+#include "mesh/surface_repair.h"
+#include "../example.h"
+#include "../mesh/ball.h"
 #include "../mutations.h"
 #include "../refusal.h"
 #include "../solid_shape_study.h"
@@ -329,7 +332,7 @@ TEST_CASE("a nodule in a solid shape stiffens springs and cells by what of them 
     stone.radius_m = 0.009;
     s.nodule = stone;
     const SpringMesh mesh = study_mesh(s, shape(), "embedded");
-    const Eigen::VectorXd inside = fraction_inside(mesh, mesh_cells(mesh), stone.centre_m, stone.radius_m);
+    const Eigen::VectorXd inside = fraction_inside(mesh, mesh_cells(mesh), {stone.centre_m, stone.radius_m});
     const double ball_m3 = 4.0 / 3 * 3.14159265358979 * std::pow(0.009, 3);
     CHECK(inside.sum() * std::pow(0.011, 3) == Approx(ball_m3).epsilon(0.03));  // by 64 points a cube
     const double E = 6 * 754.0;
@@ -352,6 +355,32 @@ TEST_CASE("a nodule in a solid shape stiffens springs and cells by what of them 
     s.name = "dome";
     CHECK_THAT(make_plan(s, shape()).parts.at("path-" + solid_training(s, shape())[0].name),
                Contains(" -nodule_x 0.01 -nodule_y 0 -nodule_z 0.03 -nodule_radius 0.009 -C1_11 3016 -C2_11 0 -contact_x "));
+}
+
+TEST_CASE("a nodule of a surface's file stiffens what the ball does that it goes round", "[solid_shape]") {
+    TemporaryFolder folder;
+    Study s = study();
+    s.name = "dome", s.file = "dome.toml", s.geometry.shape = "fem/dome.geo", s.geometry.unit_m = 1e-3;
+    Study::Nodule stone{};
+    stone.C1_Pa = 4 * (263 + 491);
+    stone.centre_m = Eigen::Vector3d(0.01, 0.0, 0.03);
+    stone.radius_m = 0.009;
+    s.nodule = stone;
+    const SpringMesh mesh = study_mesh(s, shape(), "embedded");
+    const Eigen::VectorXd ball = solid_moduli(s, shape(), mesh, mesh_cells(mesh));
+    const NodeField points = nodule_points(s);
+    const auto written = [&](const char* name, const Eigen::Vector3d& centre_m) { return folder.file(name, to_stl(ball_surface(1e3 * centre_m, 9, 5))); };
+    s.nodule->shape = written("stone.stl", stone.centre_m);
+    const double E = s.material.youngs_modulus_Pa();
+    CHECK((solid_moduli(s, shape(), mesh, mesh_cells(mesh)) - ball).cwiseAbs().maxCoeff() < 0.05 * 3 * E);  // one of 64 points of a cube may lie between
+    CHECK(nodule_points(s).col(3).sum() == Approx(points.col(3).sum()).epsilon(2e-3));
+    refuse_nodule_outside(s, *shape());
+    CHECK_THAT(make_plan(s, shape()).parts.at("path-" + solid_training(s, shape())[0].name), Contains(" -nodule_shape " + s.nodule->shape + " -nodule_x 0.0"));
+    CHECK_THAT(make_plan(s, shape()).fragment, Contains("$(R)/plan.mk: $(wildcard " + s.nodule->shape + ")"));
+    s.nodule->shape = written("low.stl", {0.01, 0, 0.0095});
+    CHECK_THAT(refusal<StudyError>([&] { refuse_nodule_outside(s, *shape()); }), StartsWith("dome.toml: key 'nodule.shape': (") && Contains("low.stl is ") && Contains("half of mesh.sizes_m[0]"));
+    s.nodule->shape = written("out.stl", {0.01, 0, 0.2});
+    CHECK_THAT(refusal<StudyError>([&] { refuse_nodule_outside(s, *shape()); }), Contains("out.stl is not inside fem/dome.geo"));
 }
 
 TEST_CASE("a nodule that is not well inside its shape is refused by key and place", "[solid_shape]") {

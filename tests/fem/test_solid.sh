@@ -503,9 +503,10 @@ study=$work/study
 mkdir -p "$study/plan"
 # so many that not every path is followed by a count of all
 i=0
-while [ $i -lt 297 ]; do : > "$study/plan/path-$i"; i=$((i + 1)); done
-for i in a b c; do echo plan > "$study/plan/path-$i"; done
-touch "$study/plan.mk"
+paths=
+while [ $i -lt 297 ]; do : > "$study/plan/path-$i"; paths="$paths $i"; i=$((i + 1)); done
+for i in a b c gone; do echo plan > "$study/plan/path-$i"; done
+echo "PATHS :=$paths a b c" > "$study/plan.mk"  # what is planned no more does not count
 path() { # NAME [more]: what it says
   name=$1
   shift

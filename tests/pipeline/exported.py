@@ -482,6 +482,36 @@ def law_vtu(export, h5, csv_export):
         same(f"{name}: places", grid.places, in_space(nodes + u))
 
 
+def law_vtp(export, h5, csv_export):
+    """The surface as it is seen: under the disc phi(r) times the push, beyond 2.5 radii the lattice's displacement (springs/skin.h)."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+
+    nodes, facets, radius = h5["mesh/nodes"][:], h5["mesh/facets"][:], h5["law"].attrs["disc_radius_m"]
+    shown = np.unique(facets)
+    same("files", sorted(file.stem for file in export.glob("*.vtp")), sorted(names_of(h5)))
+    for (name, _, push, u, _, force), contact in zip(presses_of(Path(csv_export)), h5["cases/contact"][:]):
+        reader = vtkXMLPolyDataReader()
+        reader.SetFileName(str(export / f"{name}.vtp"))
+        reader.Update()
+        surface = reader.GetOutput()
+        at = {key: vtk_to_numpy(surface.GetPointData().GetArray(key)) for key in ("rest_m", "displacement_m")}
+        whole = {key: vtk_to_numpy(surface.GetFieldData().GetArray(key))[0] for key in ("contact_m", "push_m", "force_N")}
+        same(f"{name}: rest", at["rest_m"], nodes[shown])
+        same(f"{name}: facets", shown[vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3)], facets)
+        same(f"{name}: places", vtk_to_numpy(surface.GetPoints().GetData()), at["rest_m"] + at["displacement_m"], 1e-12)
+        for key, wanted in (("contact_m", contact), ("push_m", push), ("force_N", force)):
+            same(f"{name}: {key}", whole[key], wanted)
+        r = np.linalg.norm(nodes[shown] - contact, axis=1) / radius
+        same(f"{name}: beyond the disc", at["displacement_m"][r > 2.6], u[shown][r > 2.6])
+        deepest = np.linalg.norm(at["displacement_m"], axis=1)
+        if r.min() < 0.9:
+            near = r < 0.9
+            same(f"{name}: under the disc", at["displacement_m"][near], (1 - r[near, None]**2 / 2) * push, 0.05)  # r along a surface that is not flat
+        if deepest[np.argmin(r)] < 0.5 * np.linalg.norm(push):
+            sys.exit(f"{name}: nothing has gone in at the contact")
+
+
 def numpy_files(export, h5, more=()):
     datasets = {}
     h5.visititems(lambda name, item: datasets.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
@@ -500,4 +530,4 @@ def numpy_files(export, h5, more=()):
 what, export, file, *rest = sys.argv[1:]
 with h5py.File(file) as h5:
     {"cases-vtu": cases_vtu, "model-vtu": model_vtu, "sofa": sofa, "cases-csv": cases_csv, "model-csv": model_csv,
-     "numpy": numpy_files, "law-csv": law_csv, "law-numpy": law_numpy, "law-vtu": law_vtu}[what](Path(export), h5, *rest)
+     "numpy": numpy_files, "law-csv": law_csv, "law-numpy": law_numpy, "law-vtu": law_vtu, "law-vtp": law_vtp}[what](Path(export), h5, *rest)

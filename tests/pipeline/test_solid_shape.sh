@@ -149,6 +149,18 @@ check "load paths as NumPy likewise" exported numpy "$out/cases-numpy" "$R/cases
 check "forces of tissue and hand, worked out from the law's tables, are the model's" exported law-csv "$out/model-csv" "$R/model.h5"
 check "and from the NumPy arrays" exported law-numpy "$out/model-numpy" "$R/model.h5" "$out/model-csv"
 check "VTK reads springs and cubes of the pressed law" exported law-vtu "$out/model-vtu" "$R/model.h5" "$out/model-csv"
+tissuectl export results/dome/model.h5 --to vtp --out "$out/model-vtp"
+check "VTK reads the surface under each press as it is seen" exported law-vtp "$out/model-vtp" "$R/model.h5" "$out/model-csv"
+first=$(basename "$(find "$out/model-vtp" -name '*.vtp' | sort | head -n 1)" .vtp)
+tissuectl export results/dome/model.h5 --to glb --out "$out/rest" --set "$first"
+tissuectl export results/dome/model.h5 --to glb --out "$out/carried" --set "$first" --surface "$out/rest/$first.glb"
+check "a surface that is not where the model is, as with y up, is refused" says "lies up to .* mm from the model, .* another unit (--unit mm, cm, m or inch)"
+tissuectl surface "$out/rest/$first.glb"
+check "a .glb of it is a closed surface" exited 0
+tissuectl export results/dome/model.h5 --to vtu --out "$out/none" --surface fem/dome.geo
+check "--surface is drawn by some formats alone" says "surface: is drawn by --to vtp and --to glb"
+tissuectl export results/dome/cases.h5 --to glb --out "$out/none"
+check "and of a model alone" says "cases.h5: holds load cases; --to glb draws what a model.h5 answers"
 
 run "$TISSUE_HAPTIC" results/dome/model.h5 --seconds 0.2
 check "it plays" exited 0
@@ -216,6 +228,45 @@ assert over / beside > 1.1, (over, beside)
 assert law_over / law_beside > 1 + 0.5 * (over / beside - 1), (law_over, law_beside, over / beside)
 assert learned["trained"]["learned"]["max"] < 0.1, learned["trained"]["learned"]
 PY
+
+# ---- the same nodule by a surface: finite elements and the law feel the ball
+"$PYTHON" - "$work/fem/stone.obj" <<'PY'
+import sys
+import numpy as np
+points, facets = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float), [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
+for _ in range(4):
+    corners = points[facets]
+    middles = (corners + np.roll(corners, -1, 1)) / 2
+    every = np.concatenate([np.stack([corners[:, 0], middles[:, 0], middles[:, 2]], 1), np.stack([middles[:, 0], corners[:, 1], middles[:, 1]], 1),
+                            np.stack([middles[:, 2], middles[:, 1], corners[:, 2]], 1), middles])
+    every /= np.linalg.norm(every, axis=2, keepdims=True)
+    points, facets = np.unique(every.reshape(-1, 3).round(12), axis=0, return_inverse=True)
+    facets = facets.reshape(-1, 3)
+with open(sys.argv[1], "w") as out:
+    for p in points: out.write("v %.12g %.12g %.12g\n" % tuple(1e3 * np.array([0.020, 0, 0.016]) + 8 * p))
+    for f in facets: out.write("f %d %d %d\n" % tuple(f + 1))
+PY
+sed -e '/^centre_m/d' -e 's|^radius_m.*|shape = "../stone.obj"|' -e '/at_m = \[-0.020/d' -e '/at_m = \[0.008/d' "$work/$stone" >"$work/fem/studies/carved.toml"
+printf '\n[draws.validation]\ncount = 1\n[draws.held_out]\ncount = 1\n' >>"$work/fem/studies/carved.toml"
+run make PYTHON="$PYTHON" STUDY=carved train
+check "a nodule by its surface goes from mesh to model" exited 0
+check "finite elements and the law feel the ball that it goes round" "$PYTHON" - "$work/results/stone" "$work/results/carved" <<'PY'
+import sys
+import h5py
+import numpy as np
+def force(folder):
+    with h5py.File(folder + "/cases.h5") as c:
+        name = next(n for n in c["path_names"].asstr() if n.startswith("c01"))
+        return np.linalg.norm(c["paths"][name]["contact_force"][()], axis=1)[-1]
+ball, carved = (force(folder) for folder in sys.argv[1:])
+print("by its surface / ball: %.4f" % (carved / ball))
+assert abs(carved / ball - 1) < 0.01, (carved, ball)
+stiff = [h5py.File(folder + "/model.h5")["law/ground"][:, 3].sum() for folder in sys.argv[1:]]
+assert abs(stiff[1] / stiff[0] - 1) < 0.02, stiff
+PY
+touch "$work/fem/stone.obj"
+run make PYTHON="$PYTHON" STUDY=carved -n cases
+check "another surface is solved anew" says "solve_path results/carved c01"
 knows() { # SENTENCE STUDY
     check "$1" "$PYTHON" - "$work/results/$2" <<'PY'
 import sys

@@ -442,6 +442,39 @@ def ending(page, program, models, folder, server, block):
         again.end()
 
 
+def carried(page, program, models, folder, block):
+    """The block's surface with each facet divided into four, in millimetres, as a segmentation's would be: finer than the model's."""
+    corners = 1e3 * block.nodes[block.facets]
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
+    triangles = numpy.concatenate([numpy.stack(t, 1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
+    file = Path(folder) / "organ.stl"
+    file.write_text("solid organ\n" + "".join("facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {x:.17g} {y:.17g} {z:.17g}\n" for x, y, z in t) + "endloop\nendfacet\n"
+                                              for t in triangles) + "endsolid organ\n")
+    server = Server(program, models, folder, "--surface", str(file), "--unit", "mm")
+    try:
+        page.open(server.url)
+        drawn = "(tissue.solids || [{facets: 0}])"
+        check("the organ's own surface is drawn, on both meshes", page.until(f"{drawn}.every(s => s.facets === {len(triangles)})"), page.js("tissue.solids"))
+        page.until(f"tissue.pressed === 0 && Math.min(...{drawn}.map(s => s.deepest_m)) > 1e-3")
+        deepest = page.js(f"[{drawn}.map(s => s.deepest_m), tissue.largest_displacement_m]")
+        check("and goes with them", all(0.5 < own / mesh < 1.5 for own, mesh in zip(*deepest)), deepest)
+        page.js("document.getElementById('carried_wanted').click()")
+        check("who wants the model's own surface has it", page.until(f"{drawn}[0].facets === {len(block.facets)}"), page.js("tissue.solids"))
+        page.js("document.getElementById('carried_wanted').click()")
+        page.until(f"{drawn}[0].facets === {len(triangles)}")
+        x, y = page.on_screen(*block.top(0.5, 0.5))
+        page.cdp("Input.dispatchMouseEvent", type="mousePressed", x=x, y=y, button="left", clickCount=1)
+        check("it is pressed where it is touched", page.until(f"tissue.control.holder === 'you' && tissue.pressed === 0 && {force} > 0"), page.js("tissue.control"))
+        page.cdp("Input.dispatchMouseEvent", type="mouseReleased", x=x, y=y, button="left", clickCount=1)
+        page.choose("model", 1)
+        page.until("tissue.dimension === 2")
+        page.choose("model", 0)
+        check("after another model it is there again", page.until(f"tissue.dimension === 3 && {drawn}[0].facets === {len(triangles)}"), page.js("tissue.solids"))
+    finally:
+        server.end()
+
+
 def main():
     program, *models = sys.argv[1:]
     block = Block(models[0])
@@ -467,6 +500,7 @@ def main():
             without_webgl(server)
             ending(page, program, models, folder, server, block)
             relaxes(page, program, models[0], folder)
+            carried(page, program, models, folder, block)
         finally:
             page.end()
             if server:

@@ -1,0 +1,92 @@
+#include "mesh/carried_surface.h"
+
+#include <catch2/catch.hpp>
+
+#include "../refusal.h"
+#include "dome.h"
+#include "error.h"
+#include "mesh/embedded_lattice.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const SpringMesh& mesh() {
+    static const SpringMesh m = embedded_lattice(dome(8), 0.011);
+    return m;
+}
+
+/// The mesh's boundary in millimetres, each facet divided into four, and pushed out of it by so much.
+MshFile finer(double out_mm = 0) {
+    MshFile file;
+    file.file = "organ.stl";
+    const auto at = [&](int node) -> Eigen::RowVector3d { return 1e3 * mesh().nodes.row(node); };
+    for (const auto& facet : mesh().facets.rowwise()) {
+        const Eigen::RowVector3d a = at(facet[0]), b = at(facet[1]), c = at(facet[2]), normal = (b - a).cross(c - a).normalized();
+        const auto first = static_cast<int>(file.points.size());
+        for (const Eigen::RowVector3d& corner : {a, b, c, Eigen::RowVector3d((a + b) / 2), Eigen::RowVector3d((b + c) / 2), Eigen::RowVector3d((c + a) / 2)}) {
+            const Eigen::RowVector3d p = corner + out_mm * normal;
+            file.points.push_back({p[0], p[1], p[2]});
+        }
+        for (const auto& [i, j, k] : {std::array{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}) file.triangles.push_back({0, {first + i, first + j, first + k}, 0});
+    }
+    return file;
+}
+
+/// Another displacement at every node.
+NodeField waves() {
+    return (37 * mesh().nodes.array()).sin() * 1e-3;
+}
+
+}  // namespace
+
+TEST_CASE("a finer surface goes with the facets that carry it, and keeps its distance", "[carried]") {
+    const NodeField u = waves();
+    const CarriedSurface on = carried_surface(mesh(), finer(), 1e-3);
+    REQUIRE(on.facets.rows() == 4 * mesh().facets.rows());
+    CHECK((on.moved(0 * u) - on.vertices).cwiseAbs().maxCoeff() == 0);
+    const NodeField moved = on.moved(u) - on.vertices;
+    for (Eigen::Index f = 0; f < mesh().facets.rows(); ++f) {  // corners as the nodes, midpoints half as each of two
+        const auto node = [&](int k) { return u.row(mesh().facets(f, k % 3)); };
+        for (int k = 0; k < 3; ++k) {
+            CHECK((moved.row(6 * f + k) - node(k)).norm() < 1e-12);
+            CHECK((moved.row(6 * f + 3 + k) - (node(k) + node(k + 1)) / 2).norm() < 1e-12);
+        }
+    }
+    const CarriedSurface off = carried_surface(mesh(), finer(0.5), 1e-3);
+    CHECK((off.moved(0 * u) - off.vertices).cwiseAbs().maxCoeff() == 0);
+    for (Eigen::Index f = 0; f < mesh().facets.rows(); ++f) {
+        const Eigen::RowVector3d middle = (moved.row(6 * f + 3) + moved.row(6 * f + 4) + moved.row(6 * f + 5)) / 3;
+        const NodeField now = off.moved(u) - off.vertices;
+        CHECK(((now.row(6 * f + 3) + now.row(6 * f + 4) + now.row(6 * f + 5)) / 3 - middle).norm() < 2e-4);  // near an edge the next facet may carry it
+    }
+}
+
+TEST_CASE("a thin sheet's vertices are carried by the side that looks their way", "[carried]") {
+    // pushed in so far that the other side of the flat is nearer to some of them
+    const SpringMesh plate = embedded_lattice(shape_of(make_lattice("grid26", Lattice{{6, 6, 1}, {0.06, 0.06, 0.01}})), 0.01);
+    MshFile top;
+    top.file = "top.stl";
+    top.points = {{0.02, 0.02, 0.004}, {0.04, 0.02, 0.004}, {0.02, 0.04, 0.004}};  // nearer to the bottom, looks up
+    top.triangles = {{0, {0, 1, 2}, 0}};
+    const CarriedSurface carried = carried_surface(plate, top, 1);
+    for (Eigen::Index v = 0; v < 3; ++v)
+        for (int k = 0; k < 3; ++k) CHECK(plate.nodes(carried.node(v, k), 2) == 0.01);
+}
+
+TEST_CASE("a mesh's own surface is its boundary", "[carried]") {
+    const NodeField u = waves();
+    const CarriedSurface own = own_surface(mesh());
+    REQUIRE(own.facets.rows() == mesh().facets.rows());
+    const NodeField moved = own.moved(u);
+    for (Eigen::Index f = 0; f < own.facets.rows(); ++f)
+        for (int k = 0; k < 3; ++k) CHECK(moved.row(own.facets(f, k)) == mesh().nodes.row(mesh().facets(f, k)) + u.row(mesh().facets(f, k)));
+}
+
+TEST_CASE("a surface of another organ or in another unit is refused, and so is the plane", "[carried]") {
+    CHECK_THAT(refusal<MismatchError>([] { carried_surface(mesh(), finer(), 1); }), Contains("organ.stl: lies up to ") && Contains("another unit (--unit"));
+    CHECK_THAT(refusal<MismatchError>([] { carried_surface(mesh(), MshFile{"empty.msh", {}, {}, {}, {}, {}, {}, {}}, 1); }), Contains("empty.msh: has no triangles"));
+    CHECK_THAT(refusal<MismatchError>([] { carried_surface(make_lattice("grid8", 2, 2, 0.1, 0.1), finer(), 1e-3); }), Contains("in the plane"));
+    CHECK_THAT(refusal<MismatchError>([] { own_surface(make_lattice("grid8", 2, 2, 0.1, 0.1)); }), Contains("in the plane"));
+}
