@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "mesh/inclusion.h"
 #include "mesh/shape.h"
 #include "springs/energy_law.h"
 #include "springs/relaxation.h"

@@ -1,16 +1,14 @@
 #include "cases/study_mesh.h"
 
-#include <Eigen/LU>
 #include <fmt/format.h>
-
-#include <limits>
 
 #include "error.h"
 #include "io/one_line.h"
-#include "mesh/facet.h"
 #include "mesh/open_faces.h"
 #include "mesh/solid_shape.h"
+#include "mesh/surface.h"
 #include "mesh/topology.h"
+#include "surface_file/surface_file.h"
 
 namespace tissue {
 
@@ -63,7 +61,8 @@ void refuse_nodule_outside(const Study& study, const Shape& shape) {
         return;
     }
     const double least_m = study.sizes_m[0] / 2;
-    for (const auto& node : inclusion_surface(read_surface_file(nodule.shape), study.geometry.unit_m).nodes.rowwise()) {
+    const Surface given = inclusion_surface(read_surface_file(nodule.shape), study.geometry.unit_m);
+    for (const auto& node : given.nodes.rowwise()) {
         const Eigen::Vector3d place_m = node.transpose();
         if (!tissue.contains(place_m)) refuse("shape", place_m, fmt::format("of {} is not inside {}", nodule.shape, study.geometry.shape));
         if (const double surface_m = nearest.nearest(place_m).distance_m; surface_m < least_m)
