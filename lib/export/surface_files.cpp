@@ -105,8 +105,8 @@ std::string surface_glb(const PressedSurface& press) {
     Buffer buffer;
     Json primitive = {{"attributes", {{"POSITION", buffer.add(s.vertices, true)}, {"NORMAL", buffer.add(at_rest, false)}}}, {"indices", buffer.add(s.facets)}, {"material", 0}};
     primitive["targets"] = Json::array({{{"POSITION", buffer.add(press.places - s.vertices, true)}, {"NORMAL", buffer.add(pressed - at_rest, false)}}});
-    const int time_s = buffer.add(std::vector<float>{0, 1});
-    const Json sampler = {{"input", time_s}, {"output", time_s}, {"interpolation", "LINEAR"}};  // the weight is 0 at 0 s and 1 at 1 s
+    const int time_s = buffer.add(std::vector<float>{0, 1}), weight = buffer.add(std::vector<float>{0, 1});  // an accessor has one use
+    const Json sampler = {{"input", time_s}, {"output", weight}, {"interpolation", "LINEAR"}};
     const double half = std::sqrt(0.5);
     const Json model = {
         {"asset", {{"version", "2.0"}, {"generator", std::string("tissuectl ") + version}}},

@@ -13,6 +13,27 @@ constexpr int rounds = 6;
 
 std::string at(const Eigen::Vector3d& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", p.x(), p.y(), p.z()); }
 
+struct Divided {
+    RimmedSurface rimmed;
+    Eigen::Vector3d worst_m;  // a corner of the triangle of least quality
+};
+Divided divided(const Surface& surface, const DiscRim& disc, const Eigen::Vector3d& contact_m, double crease) {
+    SurfaceRemesh mesh(surface, side_length(disc, contact_m), crease);
+    mesh.remesh(rounds);
+    const int centre = mesh.insert(contact_m);
+    mesh.cut(centre, disc.radius_m);
+    mesh.remesh(rounds);
+
+    Divided made{{mesh.surface(), contact_m, 1}, contact_m};
+    check_held_area(surface, made.rimmed.surface);
+    for (Eigen::Index t = 0; t < made.rimmed.surface.triangles.rows(); ++t) {
+        const Surface& s = made.rimmed.surface;
+        const double quality = triangle_quality(s.corner(t, 0), s.corner(t, 1), s.corner(t, 2));
+        if (quality < made.rimmed.least_quality) made.rimmed.least_quality = quality, made.worst_m = s.corner(t, 0);
+    }
+    return made;
+}
+
 }  // namespace
 
 SideLength side_length(const DiscRim& disc, const Eigen::Vector3d& contact_m) {
@@ -28,22 +49,11 @@ RimmedSurface with_rim(const Surface& surface, const DiscRim& disc) {
         throw MismatchError(fmt::format("the contact {} is {:.6g} mm off the surface, more than two disc radii", at(disc.contact_m), 1e3 * place.distance_m));
     if (surface.label[static_cast<std::size_t>(place.triangle)] == Surface::fixed_label)
         throw MismatchError(fmt::format("the contact {} is on the held part", at(disc.contact_m)));
-    SurfaceRemesh mesh(surface, side_length(disc, place.point_m));
-    mesh.remesh(rounds);
-    const int centre = mesh.insert(place.point_m);
-    mesh.cut(centre, disc.radius_m);
-    mesh.remesh(rounds);
-
-    RimmedSurface made{mesh.surface(), place.point_m, 1};
-    check_held_area(surface, made.surface);
-    for (Eigen::Index t = 0; t < made.surface.triangles.rows(); ++t) {
-        const Surface& s = made.surface;
-        const double quality = triangle_quality(s.corner(t, 0), s.corner(t, 1), s.corner(t, 2));
-        made.least_quality = std::min(made.least_quality, quality);
-        if (quality < least_quality)
-            throw MismatchError(fmt::format("the surface has no good triangles at {}: quality {:.3g}, wanted {}", at(s.corner(t, 0)), quality, least_quality));
-    }
-    return made;
+    Divided made = divided(surface, disc, place.point_m, crease_cosine);
+    if (made.rimmed.least_quality < least_quality) made = divided(surface, disc, place.point_m, -1);
+    if (made.rimmed.least_quality < least_quality)
+        throw MismatchError(fmt::format("the surface has no good triangles at {}: quality {:.3g}, wanted {}", at(made.worst_m), made.rimmed.least_quality, least_quality));
+    return made.rimmed;
 }
 
 }  // namespace tissue

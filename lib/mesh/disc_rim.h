@@ -23,6 +23,7 @@ struct RimmedSurface {
     double least_quality;  ///< of its triangles
 };
 
+/// Where edges that turn sharply leave no good triangles, as short ones of a segmentation do, all of it is divided as if it were smooth.
 /// Throws MismatchError: a contact farther than two radii from the surface, a disc over the held part, one that covers the
 /// surface or is no patch with one rim, a surface that has no triangles of quality 0.1 there; a size that is not positive.
 RimmedSurface with_rim(const Surface& surface, const DiscRim& disc);

@@ -30,7 +30,7 @@ double SideLength::at(const Eigen::Vector3d& position_m) const {
     return out < over ? near_m + out / over * (far_m - near_m) : far_m;
 }
 
-SurfaceRemesh::SurfaceRemesh(const Surface& base, const SideLength& wanted) : base_(base), nearest_(base), wanted_(wanted) {
+SurfaceRemesh::SurfaceRemesh(const Surface& base, const SideLength& wanted, double crease) : base_(base), nearest_(base), wanted_(wanted) {
     const auto N = static_cast<std::size_t>(base.nodes.rows());
     for (std::size_t i = 0; i < N; ++i) place_.emplace_back(base.nodes.row(static_cast<Eigen::Index>(i)));
     pinned_.assign(N, 0);
@@ -48,7 +48,7 @@ SurfaceRemesh::SurfaceRemesh(const Surface& base, const SideLength& wanted) : ba
         const double cosine = nearest_.normal(left).dot(nearest_.normal(right));
         const bool border = triangles_[static_cast<std::size_t>(left)].label != triangles_[static_cast<std::size_t>(right)].label;
         if (border) borders.push_back({a, b});
-        if (border || cosine < crease_cosine) {
+        if (border || cosine < crease) {
             lines_.insert(side(a, b));
             found.push_back({a, b});
             continue;

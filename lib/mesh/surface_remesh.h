@@ -25,7 +25,8 @@ struct SideLength {
 /// are no longer than 0.6 of its radius.
 class SurfaceRemesh {
    public:
-    SurfaceRemesh(const Surface& base, const SideLength& wanted);
+    /// crease: cosine of the angle by which neighbours turn at least at an edge that is kept; -1: those between labels alone are.
+    SurfaceRemesh(const Surface& base, const SideLength& wanted, double crease = crease_cosine);
 
     /// One round is a pass of each operation. Deterministic.
     void remesh(int rounds);

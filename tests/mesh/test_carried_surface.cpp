@@ -1,5 +1,6 @@
 #include "mesh/carried_surface.h"
 
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
 #include "../refusal.h"

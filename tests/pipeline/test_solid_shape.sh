@@ -153,10 +153,10 @@ tissuectl export results/dome/model.h5 --to vtp --out "$out/model-vtp"
 check "VTK reads the surface under each press as it is seen" exported law-vtp "$out/model-vtp" "$R/model.h5" "$out/model-csv"
 first=$(basename "$(find "$out/model-vtp" -name '*.vtp' | sort | head -n 1)" .vtp)
 tissuectl export results/dome/model.h5 --to glb --out "$out/rest" --set "$first"
-tissuectl export results/dome/model.h5 --to glb --out "$out/carried" --set "$first" --surface "$out/rest/$first.glb"
-check "a surface that is not where the model is, as with y up, is refused" says "lies up to .* mm from the model, .* another unit (--unit mm, cm, m or inch)"
-tissuectl surface "$out/rest/$first.glb"
-check "a .glb of it is a closed surface" exited 0
+check "one press goes to glTF" exited 0
+printf 'v 0 0 0\nv 90 0 0\nv 0 90 0\nf 1 2 3\n' >"$out/millimetres.obj"
+tissuectl export results/dome/model.h5 --to glb --out "$out/none" --set "$first" --surface "$out/millimetres.obj"
+check "a surface in another unit is refused" says "millimetres.obj: lies up to .* mm from the model, .* another unit (--unit mm, cm, m or inch)"
 tissuectl export results/dome/model.h5 --to vtu --out "$out/none" --surface fem/dome.geo
 check "--surface is drawn by some formats alone" says "surface: is drawn by --to vtp and --to glb"
 tissuectl export results/dome/cases.h5 --to glb --out "$out/none"

@@ -150,7 +150,7 @@ TEST_CASE("contacts of a solid shape are listed or spread, one of the two, and e
     CHECK_THAT(spread_said("[[0, 0], [30, 0]]", "[]"), Contains("key 'loads.spread.pushes_deg'"));
     for (const char* each : {"0", "3"}) CHECK_THAT(spread_said("count = 5", std::string("count = 5\npushes_each = ") + each), Contains("key 'loads.spread.pushes_each'"));
     CHECK_THAT(spread_said("count = 5", "count = 5\ndepth_m = 0.001"), Contains("key 'loads.spread.depth_m'"));
-    const auto nodule = [](const std::string& rows) { return refusal<StudyError>([&] { shape_study(shape_study_text() + "\n[nodule]\nC1_Pa = 4000\n" + rows); }); };
+    const auto nodule = [](const std::string& rows) { return refusal<StudyError>([&] { shape_study(shape_study_text() + "\n[nodule]\nC1_Pa = 4000\nC2_Pa = 0\n" + rows); }); };
     CHECK_THAT(nodule("shape = \"none.stl\"\n"), Contains("key 'nodule.shape': there is no file ") && Contains("none.stl"));
     CHECK_THAT(nodule("shape = \"ball.geo\"\n"), Contains("key 'nodule.shape': 'ball.geo' must be a file that ends in .stl"));
     CHECK_THAT(nodule("shape = \"none.stl\"\nradius_m = 0.01\n"), Contains("key 'nodule.shape': cannot stand beside centre_m and radius_m"));
