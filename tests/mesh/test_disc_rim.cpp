@@ -8,11 +8,13 @@
 #include <filesystem>
 #include <map>
 #include <numeric>
+#include <random>
 
 #include "error.h"
 #include "io/atomic_file.h"
 #include "mesh/surface_remesh.h"
 #include "../refusal.h"
+#include "ball.h"
 
 using namespace tissue;
 
@@ -268,6 +270,26 @@ TEST_CASE("a mesh of tetrahedra has the surface of its outer faces", "[solid][ri
     CHECK(area(s, Surface::fixed_label) == Approx(0.5));
     mesh.triangles[0] = {3, {1, 2, 3}, 1};
     CHECK(refusal<FileError>([&] { make_surface(mesh, {"bed"}, 1); }).find("'bed', to be held, has triangles that are not on the surface") != std::string::npos);
+}
+
+TEST_CASE("a segmentation's short creases about the disc leave good triangles", "[solid][rim]") {
+    for (unsigned seed = 0; seed < 24; ++seed) {
+        CAPTURE(seed);
+        std::mt19937 draw(seed);
+        const auto number = [&] { return static_cast<double>(draw()) / 2147483648.0 - 1; };  // -1 to 1
+        MshFile organ = ball_surface(Eigen::Vector3d::Zero(), 40, 5);
+        std::vector<std::size_t> near;
+        for (std::size_t v = 0; v < organ.points.size(); ++v) {
+            const MshFile::Point& p = organ.points[v];
+            if (const double away = std::hypot(p.x, p.y, p.z - 40); away > 5 && away < 14) near.push_back(v);
+        }
+        for (int k = 0; k < 6; ++k) {
+            MshFile::Point& p = organ.points[near[draw() % near.size()]];
+            const double out = 1 + number() * 1.5 / 40;
+            p = {out * p.x + 0.6 * number(), out * p.y + 0.6 * number(), out * p.z + 0.6 * number()};
+        }
+        CHECK(with_rim(make_surface(organ, {"below z = -0.02"}, 1e-3), {{0, 0, 0.04}, 0.007, 0.003, 0.013}).least_quality > 0.1);
+    }
 }
 
 TEST_CASE("a surface reads back as it was written", "[solid][rim]") {
