@@ -166,6 +166,7 @@ void add_export(CLI::App& app, const Invocation&) {
     command->add_option("--path", o->path, "of cases: this load path alone")->type_name("NAME");
     command->add_option("--surface", o->surface, "of vtp and glb: the organ's own surface, such as its .stl, which the model carries; else the model's coarser one")->type_name("FILE");
     add_unit_option(*command, o->unit);
+    command->get_option("--unit")->needs("--surface");
     command->callback([o] {
         if (!o->surface.empty() && !o->draws_surface()) throw CLI::ValidationError("--surface", "is drawn by --to vtp and --to glb");
         run(*o);

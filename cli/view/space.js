@@ -192,7 +192,8 @@ export function prepare_space() {
   }));
   Object.assign(view, { azimuth: -62, elevation: 30, zoom: 1 });
   Object.assign(aim, { mesh: 0, at: null, inward: null });
-  take_carried().catch(error => say("space_fault", error.message));
+  const of = model;
+  take_carried().catch(error => { if (of === model) say("space_fault", error.message); });
 }
 $("carried_wanted").addEventListener("change", () => { moved.fill(true); look.stale = true; });
 
