@@ -243,7 +243,7 @@ function follow_tissue(w) {
   w.surface.update(nodes, stiffness);   // it is touched though the other one is drawn
   w.held.geometry.lay(nodes);
   const fine = w.fine !== null && $("carried_wanted").checked;
-  w.solid.visible = w.wire.visible = !fine;
+  w.solid.material.visible = w.wire.visible = !fine;   // of a solid that is not visible itself three.js meets no ray
   if (w.fine) w.fine.visible = fine;
   if (fine) {
     w.carried.follow(nodes, stiffness);
