@@ -52,6 +52,11 @@ CarriedSurface carried_surface(const SpringMesh& mesh, const MshFile& file, doub
     for (Eigen::Index f = 0; f < F; ++f)
         for (int k = 0; k < 3; ++k) carried.facets(f, k) = file.triangles[static_cast<std::size_t>(f)].node[k];
 
+    double volume = 0;
+    for (const auto& f : carried.facets.rowwise())
+        volume += (carried.vertices.row(f[0]) - carried.vertices.row(0)).head<3>().dot((carried.vertices.row(f[1]) - carried.vertices.row(0)).head<3>().cross((carried.vertices.row(f[2]) - carried.vertices.row(0)).head<3>()));
+    if (volume < 0) carried.facets.col(1).swap(carried.facets.col(2));  // all of it points inwards
+
     const NearestTriangle boundary({mesh.nodes, mesh.facets, std::vector<int>(static_cast<std::size_t>(mesh.facets.rows()), Surface::free_label)});
     const NodeField normals = vertex_normals(carried.vertices, carried.facets);
     carried.node.resize(V, 3);

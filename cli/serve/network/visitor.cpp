@@ -96,7 +96,8 @@ Visitor::Answer Visitor::answer_to(const http::request<http::empty_body>& reques
     if (path == "/ws") return text(http::status::bad_request, "a WebSocket");
     if (path == "/healthz") return text(http::status::ok, "ok");
     if (const std::string& surface = server_.show.stage().scene().carried(); path == "/surface" && !surface.empty()) {
-        Answer bytes = text(http::status::ok, surface);
+        Answer bytes = text(http::status::ok, "");
+        bytes.file = surface;  // which stays as it is while the server runs
         bytes.head.set(http::field::content_type, "application/octet-stream");
         return bytes;
     }
