@@ -49,12 +49,12 @@ void export_cases(const Options& o) {
 }
 
 /// The surface that a person sees, under each press.
-void export_surfaces(const Options& o, const TissueModel& model, const std::vector<PressedCase>& cases) {
+void export_surfaces(const Options& o, const TissueModel& model) {
     if (!model.mesh.is_solid()) throw MismatchError(fmt::format("{}: is in the plane; --to {} draws the surface of a model in space", o.file, o.to));
     const CarriedSurface surface = o.surface.empty() ? own_surface(model.mesh) : carried_surface(model.mesh, read_surface_or_msh(o.surface, o.surface), units_m.at(o.unit));
     const LawPress press(model);
     Files files;
-    for (const PressedCase& c : cases) {
+    for (const PressedCase& c : pressed_cases(model, o.set)) {
         const std::string& name = model.case_names[static_cast<std::size_t>(c.load_case)];
         if (!c.state) {
             std::cerr << "tissuectl export: " << name << ", left out: " << reason_of(c.state.status) << '\n';
@@ -64,6 +64,7 @@ void export_surfaces(const Options& o, const TissueModel& model, const std::vect
         const PressedSurface pressed{surface, name, surface.moved(press.seen(contact_m, c.push_m, c.state.displacement)), contact_m, c.push_m, c.state.contact_force};
         files[name + "." + o.to] = o.to == "vtp" ? surface_vtp(pressed) : surface_glb(pressed);
     }
+    if (files.empty()) throw MismatchError(o.file + ": no press has an answer; nothing is written");
     write_files(o.out, files);
 }
 
@@ -73,9 +74,9 @@ void export_law(const Options& o, const TissueModel& model) {
     if (o.to == "sofa") throw MismatchError(o.file + ": is a law, and " + sofa_lacks);
     if (!model.energy_law->relaxation.empty())
         std::cerr << "tissuectl export: " << o.file << " relaxes: pushes are answered by its instantaneous constants, before anything has relaxed\n";
+    if (o.draws_surface()) return export_surfaces(o, model);
     const std::vector<PressedCase> cases = pressed_cases(model, o.set);
     if (o.to == "csv") return write_files(o.out, csv_files(model, cases));
-    if (o.draws_surface()) return export_surfaces(o, model, cases);
     Files files;
     for (const PressedCase& c : cases) {
         const std::string& name = model.case_names[static_cast<std::size_t>(c.load_case)];

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <iostream>
 #include <optional>
 
@@ -22,27 +21,33 @@ struct Options {
     double unit_m = 1, radius_m = 0.007, near_m = 0.003, far_m = 0.015;
 };
 
+/// What is made of a file; a refusal names it.
+template <class Make>
+auto about(const std::string& file, Make&& make) try {
+    return make();
+} catch (const MismatchError& e) {
+    throw MismatchError(file + ": " + e.what());
+}
+
 void run(const Options& o) {
     if (!o.filled.empty()) {
         const MshFile mesh = read_msh(o.mesh, true, o.named);
         return write_file(o.out, to_msh(read_msh(o.filled, true), RegionLookup(mesh, o.regions, o.unit_m)));
     }
     if (o.contact_m.empty()) throw CLI::RequiredError("--contact");
+    const std::string& named = o.named.empty() ? o.mesh : o.named;
     const Surface surface = make_surface(read_surface_or_msh(o.mesh, o.named), o.fixed, o.unit_m, read_other_surface);
-    try {
-        const RimmedSurface made = with_rim(surface, {{o.contact_m[0], o.contact_m[1], o.contact_m[2]}, o.radius_m, o.near_m, o.far_m});
-        std::optional<Surface> nodule;
-        if (!o.nodule.empty()) {
-            const Surface given = inclusion_surface(read_surface_file(o.nodule), o.unit_m);
-            constexpr double part = 0.6;  // of its radius: sides of its triangles, as of a ball's in fem/fill3.geo
-            nodule = inclusion_facets(given, std::min(o.far_m, part * Inclusion(given).radius_m()));
-        }
-        write_file(o.out, to_msh(made.surface, nodule ? &*nodule : nullptr));
-        const Eigen::Vector3d& c = made.contact_m;
-        std::cout << fmt::format("-contact_x {} -contact_y {} -contact_z {}\n", c.x(), c.y(), c.z());
-    } catch (const MismatchError& e) {
-        throw MismatchError((o.named.empty() ? o.mesh : o.named) + ": " + e.what());
+    const RimmedSurface made = about(named, [&] { return with_rim(surface, {{o.contact_m[0], o.contact_m[1], o.contact_m[2]}, o.radius_m, o.near_m, o.far_m}); });
+    std::optional<Surface> nodule;
+    if (!o.nodule.empty()) {
+        nodule = about(o.nodule, [&] { return inclusion_facets(inclusion_surface(read_surface_file(o.nodule), o.unit_m), o.far_m); });
+        const Inclusion tissue(made.surface);
+        for (const auto& place : nodule->nodes.rowwise())
+            if (!tissue.contains(place.transpose())) throw MismatchError(fmt::format("{}: ({:.6g}, {:.6g}, {:.6g}) m of it is not inside {}", o.nodule, place[0], place[1], place[2], named));
     }
+    write_file(o.out, to_msh(made.surface, nodule ? &*nodule : nullptr));
+    const Eigen::Vector3d& c = made.contact_m;
+    std::cout << fmt::format("-contact_x {} -contact_y {} -contact_z {}\n", c.x(), c.y(), c.z());
 }
 
 }  // namespace
@@ -58,9 +63,9 @@ void add_rim(CLI::App& app, const Invocation&) {
     command->add_option("--radius", o->radius_m, "of the disc")->type_name("m")->capture_default_str();
     command->add_option("--size-near,--size_near", o->near_m, "sides of triangles near the disc")->type_name("m")->capture_default_str();
     command->add_option("--size-far,--size_far", o->far_m, "and far away")->type_name("m")->capture_default_str();
-    command->add_option("--nodule", o->nodule, "a closed surface inside it, in the same unit, along which elements are to end: written too")->type_name("FILE");
+    CLI::Option* nodule = command->add_option("--nodule", o->nodule, "a closed surface inside it, in the same unit, along which elements are to end: written too")->type_name("FILE");
     CLI::Option* regions = command->add_option("--regions", o->regions, "volumes of the shape with a material of their own")->delimiter(',')->type_name("NAME,..");
-    command->add_option("--filled", o->filled, "that surface, filled with tetrahedra: label them by --regions instead")->needs(regions)->type_name("FILE");
+    command->add_option("--filled", o->filled, "that surface, filled with tetrahedra: label them by --regions instead")->needs(regions)->excludes(nodule)->type_name("FILE");
     command->add_option("--out", o->out, "surface to write: fixed 1, free 2, disc 3")->required()->type_name("FILE");
     command->callback([o] { run(*o); });
 }

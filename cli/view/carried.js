@@ -4,7 +4,7 @@ import { Surface } from "./surface.js";
 /** Its bytes as arrays: rest, facets, node and weight of each vertex. */
 export async function fetch_carried() {
   const answer = await fetch("surface");
-  if (!answer.ok) throw new Error(`the surface cannot be had: ${answer.status}`);
+  if (!answer.ok) throw new Error(`The organ's own surface could not be fetched (${answer.status}); the model's is drawn.`);
   const bytes = await answer.arrayBuffer(), [V, F] = new Uint32Array(bytes, 0, 2);
   let from = 8;
   const take = (Type, count) => {
@@ -19,11 +19,11 @@ const threes = numbers => Array.from({ length: numbers.length / 3 }, (_, i) => [
 /** That surface on one of the model's meshes, which stands apart from where the file has it. */
 export class Carried extends Surface {
   constructor({ rest, facets, node, weight }, mesh, apart, deepest_m) {
-    const fixed = new Set(mesh.fixed), vertices = threes(rest).map(p => p.map((x, a) => x + apart[a]));
-    const held = vertices.map((_, v) => v).filter(v => [0, 1, 2].every(k => fixed.has(node[3 * v + k])));
-    super({ nodes_m: vertices, facets: threes(facets), fixed: held }, deepest_m);
+    super({ nodes_m: threes(rest).map(p => p.map((x, a) => x + apart[a])), facets: threes(facets), fixed: [] }, deepest_m);
     Object.assign(this, { node, weight, mesh_rest: Float32Array.from(mesh.nodes_m.flat()), places: this.rest.slice() });
   }
+
+  find_edges() {}   // none are drawn
 
   /** nodes, stiffness: of the mesh, as Surface.update has them. */
   follow(nodes, stiffness = null) {

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "cases/history_plan.h"
+#include "cases/path_arguments.h"
 #include "cases/shape_checks.h"
 #include "cases/study_law.h"
 #include "cases/study_mesh.h"
@@ -19,10 +20,6 @@
 
 namespace tissue {
 namespace {
-
-constexpr const char* solid_geo = "fem/block3.geo";  ///< of which scripts/solve_path makes a mesh a path
-constexpr int nodule_label = 11;                     ///< of its elements there
-constexpr const char* history_role = "history";      ///< of a path that is solved along a course
 
 /// Words that a person wrote, as they stand in the fragment. make and the shell would take others apart, or run them.
 /// key: where they stand in the study; "" is the name of its file.
@@ -37,103 +34,6 @@ const std::string& for_make(const Study& s, const std::string& key, const std::s
 std::string mesh_arguments(const Study& s, int refine) {
     return fmt::format("-setnumber width {} -setnumber height {} -setnumber cells_x {} -setnumber cells_y {}",
                        s.geometry.width_m, s.geometry.height_m, s.cells[0] * refine, s.cells[1] * refine);
-}
-
-/// A law's parameters for FreeFEM. ending: "" of the base material, "_11" of the elements labelled so.
-std::string parameter_arguments(const Study::LawParameters& p, const std::string& ending) {
-    if (p.alpha.empty()) return fmt::format("-C1{2} {0} -C2{2} {1}", p.C1_Pa, p.C2_Pa, ending);
-    std::string text;
-    for (std::size_t k = 0; k < p.alpha.size(); ++k)
-        text += fmt::format("{4}-mu{0}{3} {1} -alpha{0}{3} {2}", k + 1, p.mu_Pa[k], p.alpha[k], ending, k ? " " : "");
-    return text;
-}
-
-/// The law and its parameters for FreeFEM; those of the named regions after the base material's.
-std::string law_arguments(const Study::Material& m) {
-    std::string text = parameter_arguments(m, "");
-    if (m.law == "ogden") text = fmt::format("-law ogden -terms {} ", m.alpha.size()) + text;
-    int label = 10;
-    for (const Study::Region& r : m.regions) text += " " + parameter_arguments(r, fmt::format("_{}", ++label));
-    return text;
-}
-
-/// The branches of one material for FreeFEM.
-std::string branch_arguments(const Study::LawParameters& p, const std::vector<Branch>& branches, const std::string& ending) {
-    std::string text;
-    for (std::size_t k = 0; k < branches.size(); ++k) {
-        text += fmt::format(" -g{}{} {}", k + 1, ending, p.share[k]);
-        if (ending.empty()) text += fmt::format(" -tau{} {}", k + 1, branches[k].tau_s);
-    }
-    return text;
-}
-
-/// How the tissue relaxes, for FreeFEM: times and shares of the base material, then shares of the regions or the nodule.
-std::string viscosity_arguments(const Study& s) {
-    const std::vector<Branch>& branches = s.material.viscosity;
-    std::string text = fmt::format(" -branches {}", branches.size()) + branch_arguments(s.material, branches, "");
-    int label = 10;
-    for (const Study::Region& r : s.material.regions) text += branch_arguments(r, branches, fmt::format("_{}", ++label));
-    if (s.nodule) text += branch_arguments(*s.nodule, branches, fmt::format("_{}", nodule_label));
-    return text;
-}
-
-/// What a history needs beside the arguments of a path. file: of its course.
-std::string history_arguments(const Study& s, const PlannedHistory& history, const std::string& file, bool relaxes) {
-    std::string text = fmt::format(" -history {} -density {}", file, s.material.density_kg_m3);
-    if (history.second_contact_m) text += fmt::format(" -second_x {} -second_y {}", history.second_contact_m->x(), history.second_contact_m->y());
-    return relaxes ? text + viscosity_arguments(s) : text;
-}
-
-/// The nodule's place for gmsh and its material for FreeFEM; nothing where there is none.
-std::string nodule_arguments(const Study& s) {
-    if (!s.nodule) return "";
-    const Inclusion at = study_inclusion(s);
-    const std::string& shape = s.nodule->shape;
-    return fmt::format("{} -nodule_x {} -nodule_y {} -nodule_z {} -nodule_radius {} {}", shape.empty() ? "" : " -nodule_shape " + for_make(s, "nodule.shape", shape), at.centre_m()[0], at.centre_m()[1],
-                       at.centre_m()[2], shape.empty() ? s.nodule->radius_m : at.radius_m(), parameter_arguments(*s.nodule, fmt::format("_{}", nodule_label)));
-}
-
-/// For scripts/solve_path, which shares them between gmsh and fem/solve_solid.edp.
-std::string solid_arguments(const Study& s, const PlannedPath& path) {
-    const Study::Geometry& g = s.geometry;
-    const StudyPath& p = path.push;
-    return fmt::format(
-        "-geo {} -width {} -length {} -height {} -cells_x {} -cells_y {} -cells_z {} -size_near {} -size_far {} {}{} -contact_x {} "
-        "-contact_y {} -contact_z {} -direction_x {} -direction_y {} -direction_z {} -disc_radius {} -depth {} -records {} -tolerance {} "
-        "-max_newton {} -allow_lost 1",
-        solid_geo, g.width_m, g.length_m, g.height_m, s.cells[0], s.cells[1], s.cells[2], path.sizes_m[0], path.sizes_m[1],
-        law_arguments(s.material), nodule_arguments(s), p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1],
-        p.direction[2], s.indenter.radius_m, path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton);
-}
-
-/// For scripts/solve_path, of a solid shape. springs: the mesh whose nodes are asked for.
-std::string solid_shape_arguments(const Study& s, const PlannedPath& path, const std::string& springs) {
-    const StudyPath& p = path.push;
-    const std::vector<std::string> regions = s.material.region_names();
-    return fmt::format(
-        "-shape {} -unit_m {} -fixed {}{}{} -springs {} -size_near {} -size_far {} {}{} -contact_x {} -contact_y {} -contact_z {} "
-        "-direction_x {} -direction_y {} -direction_z {} -disc_radius {} -depth {} -records {} -tolerance {} -max_newton {} -allow_lost 1",
-        s.geometry.shape, s.geometry.unit_m, fmt::join(s.geometry.fixed, ","),
-        s.geometry.bed_Pa_m > 0 ? fmt::format(" -bed {}", s.geometry.bed_Pa_m) : "",
-        regions.empty() ? "" : fmt::format(" -regions {}", fmt::join(regions, ",")), springs, path.sizes_m[0], path.sizes_m[1],
-        law_arguments(s.material), nodule_arguments(s), p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1],
-        p.direction[2], s.indenter.radius_m, path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton);
-}
-
-/// For FreeFEM, fem/solve_path.edp. Numbers are written so that they read back to the same bits.
-std::string path_arguments(const Study& s, const PlannedPath& path) {
-    const StudyPath& p = path.push;
-    const Study::Geometry& g = s.geometry;
-    const std::string size = g.is_block() ? fmt::format("-width {} -height {} ", g.width_m, g.height_m) : "",
-                      lattice = g.is_block() ? fmt::format("-cells_x {} -cells_y {}", s.cells[0], s.cells[1])
-                                             : fmt::format("-refine {}", path.refine);
-    return fmt::format(
-        "{}-thickness {} {} {} -contact_x {} -contact_y {} "
-        "-direction_x {} -direction_y {} -depth {} -records {} -tolerance {} -max_newton {} -formulation {} "
-        "-indenter {} -patch_half_width {} -allow_lost {}",
-        size, g.thickness_m, law_arguments(s.material), lattice, p.contact_m.x(), p.contact_m.y(), p.direction.x(),
-        p.direction.y(), path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton, s.material.formulation,
-        s.indenter.kind, s.indenter.half_width_m, s.loads.sweep || path.role == "check" || path.role == history_role ? 1 : 0);
 }
 
 std::string collect_part(const Study& s, const std::vector<PlannedPath>& paths, const std::vector<PlannedHistory>& histories) {
@@ -163,9 +63,9 @@ std::string train_part(const Study& s) {
     std::string parts = s.geometry.bed_Pa_m > 0 ? fmt::format("bed {}\n", s.geometry.bed_Pa_m) : "";
     for (const Study::Region& r : s.material.regions) parts += fmt::format("region {} {}\n", r.name, r.youngs_modulus_Pa());
     if (s.nodule) {
-        const Inclusion at = study_inclusion(s);
-        parts += fmt::format("nodule {}{} {} {} {} {}\n", s.nodule->shape.empty() ? "" : s.nodule->shape + " ", at.centre_m()[0], at.centre_m()[1], at.centre_m()[2],
-                             s.nodule->shape.empty() ? s.nodule->radius_m : at.radius_m(), s.nodule->youngs_modulus_Pa());
+        const Inclusion& at = s.nodule->inclusion;
+        parts += fmt::format("nodule {}{} {} {} {} {}\n", s.nodule->shape.empty() ? "" : s.nodule->shape + " ", at.centre_m()[0], at.centre_m()[1], at.centre_m()[2], at.radius_m(),
+                             s.nodule->youngs_modulus_Pa());
     }
     if (s.material.relaxes()) {  // which branches the law gets
         parts += fmt::format("relaxes {}{}\n", s.material.fits_shares ? "as measured " : "", s.material.long_term ? "long-term" : "instantaneous");
@@ -202,12 +102,11 @@ std::string shape_arguments(const Study& s) {
     return "-save";
 }
 
-/// Files of the surfaces that regions of geometry.fixed are within, and of the nodule's, each after a blank.
+/// Files of the surfaces that regions of geometry.fixed are within, each after a blank.
 std::string other_surfaces(const Study& s) {
     std::string files;
     for (const std::string& name : s.geometry.fixed)
         if (const auto other = HeldRegion::within(name)) files += " " + other->file;
-    if (s.nodule && !s.nodule->shape.empty()) files += " " + s.nodule->shape;
     return files;
 }
 
@@ -215,16 +114,22 @@ std::string other_surfaces(const Study& s) {
 struct TrainingNames {
     std::string all, first;
 };
-TrainingNames training_names(const std::vector<PlannedPath>& paths) {
+/// turns: kinds of pushes that the paths take in turn, of which a first model has as many of each.
+TrainingNames training_names(const std::vector<PlannedPath>& paths, std::size_t turns) {
     constexpr std::size_t most = 8;
-    std::vector<std::string> trained;
-    for (const PlannedPath& path : paths)
-        if (path.role == "train") trained.push_back(path.push.name);
+    std::vector<std::vector<std::string>> of_kind(turns);
     TrainingNames names;
-    for (const std::string& name : trained) names.all += " " + name;
-    const std::size_t all = trained.size(), some = std::min(most, all);
-    const bool even = some > 0 && all % some == 0 && all / some % 2 == 0;  // of two pushes that take turns, such steps would meet one alone
-    for (std::size_t k = 0; k < some; ++k) names.first += " " + trained[k * all / some + (even ? k % 2 : 0)];
+    std::size_t all = 0;
+    for (const PlannedPath& path : paths) {
+        if (path.role != "train") continue;
+        names.all += " " + path.push.name;
+        of_kind[all++ % turns].push_back(path.push.name);
+    }
+    const std::size_t some = std::min(most, all);
+    for (std::size_t k = 0; k < some; ++k) {
+        const std::size_t kind = k % turns, picks = (some - kind + turns - 1) / turns;  // of this kind; each of them a part of a step after the kind before
+        names.first += " " + of_kind[kind][k * of_kind[kind].size() / (picks * turns)];
+    }
     return names;
 }
 
@@ -335,13 +240,13 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
     };
     const auto solve_of = [&](const PlannedPath& path) -> Solve {
         if (solid && shaped)  // tissuectl rim divides its surface
-            return {solid_shape_arguments(study, path, "$(R)/mesh.msh"), "$(R)/mesh.msh $(BUILD)/stage/rim scripts/run_gmsh fem/fill3.geo " + study.geometry.shape + other_surfaces(study),
+            return {solid_shape_arguments(study, path, "$(R)/mesh.msh"), "$(R)/mesh.msh $(BUILD)/stage/rim scripts/run_gmsh fem/fill3.geo " + study.geometry.shape + other_surfaces(study) + (study.nodule && !study.nodule->shape.empty() ? " " + study.nodule->shape : ""),
                     solid_shape_arguments(study, path, "mesh.msh")};
         if (solid) return {solid_arguments(study, path), std::string("scripts/run_gmsh ") + solid_geo, solid_arguments(study, path)};
         const std::string arguments = path_arguments(study, path), mesh = !block || path.refine == study.refine ? "mesh.msh" : "mesh-fine.msh";
         return {"-mesh $(R)/" + mesh + " " + arguments, "$(R)/" + mesh, mesh + " " + arguments};
     };
-    const TrainingNames trained = training_names(paths);
+    const TrainingNames trained = training_names(paths, study.loads.spread && study.loads.spread->pushes_each == 1 ? study.loads.spread->pushes_deg.size() : 1);
     plan.fragment += fmt::format("TRAINED :={}\nFIRST_TRAINED :={}\n", trained.all, trained.first);
     if (const auto first = std::find_if(paths.begin(), paths.end(), [](const PlannedPath& path) { return path.role == "train"; }); first != paths.end())
         plan.fragment += "TRAINED_MADE_OF := " + solve_of(*first).made_of + "\n";

@@ -10,7 +10,6 @@
 #include <map>
 #include <vector>
 
-#include "cases/study_mesh.h"
 #include "error.h"
 #include "io/one_line.h"
 #include "mesh/cells.h"
@@ -132,31 +131,43 @@ Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, con
 Eigen::VectorXd solid_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, const Cells& pieces) {
     const double E = study.material.youngs_modulus_Pa();
     Eigen::VectorXd own = Eigen::VectorXd::Constant(pieces.rows(), E);
-    if (study.nodule)
-        own += (study.nodule->youngs_modulus_Pa() - E) * fraction_inside(mesh, pieces, study_inclusion(study));
+    const auto in_no_cell = [&](const std::string& key, const std::string& volume) {
+        throw StudyError(one_line(fmt::format("{}: key '{}': no point of the lattice's cubes ({:g} mm, 64 points each) lies in {}; make springs.spacing_m smaller", study.file, key,
+                                              1e3 * study.springs.spacing_m, volume)));
+    };
+    const bool cells = pieces.cols() > 2;
+    if (study.nodule) {
+        const Eigen::VectorXd inside = fraction_inside(mesh, pieces, study.nodule->inclusion);
+        if (cells && !study.nodule->shape.empty() && inside.isZero(0)) in_no_cell("nodule.shape", study.nodule->shape);
+        own += (study.nodule->youngs_modulus_Pa() - E) * inside;
+    }
     if (study.material.regions.empty()) return own;
     for (int region : shape->region) parameters_of(study, region);  // none beyond those that the study names
     const Eigen::MatrixXd part = parts_by_region(*shape, static_cast<Eigen::Index>(study.material.regions.size()), mesh, pieces);
     Eigen::VectorXd moduli(part.cols());
     for (Eigen::Index r = 0; r < part.cols(); ++r) {
         moduli[r] = parameters_of(study, static_cast<int>(r)).youngs_modulus_Pa();
-        if (r > 0 && pieces.cols() > 2 && part.col(r).isZero(0) && std::count(shape->region.begin(), shape->region.end(), static_cast<int>(r)) > 0)
-            throw StudyError(one_line(fmt::format("{}: key 'material.regions.{}': no point of the lattice's cubes ({:g} mm, 64 points each) lies in this volume of {}; make springs.spacing_m smaller", study.file,
-                                                  study.material.regions[static_cast<std::size_t>(r - 1)].name, 1e3 * study.springs.spacing_m, study.geometry.shape)));
+        if (r > 0 && cells && part.col(r).isZero(0) && std::count(shape->region.begin(), shape->region.end(), static_cast<int>(r)) > 0)
+            in_no_cell("material.regions." + study.material.regions[static_cast<std::size_t>(r - 1)].name, "this volume of " + study.geometry.shape);
     }
     return part * moduli;
 }
 
 NodeField nodule_points(const Study& study) {
-    constexpr int across = 8;
-    const Inclusion nodule = study_inclusion(study);
+    constexpr int least_across = 8, most_across = 64;
+    constexpr std::size_t least = 50;  // of one that is thin, more across
+    const Inclusion& nodule = study.nodule->inclusion;
     const Eigen::Array3d middle_m = (nodule.low_m() + nodule.high_m()) / 2, half_m = (nodule.high_m() - nodule.low_m()) / 2;
     std::vector<Eigen::Vector3d> places;
-    for (int i = 0; i < across * across * across; ++i) {
-        const Eigen::Array3d at = (2 * Eigen::Array3d(i % across, i / across % across, i / across / across) + 1) / across - 1;
-        const Eigen::Vector3d place_m = middle_m + half_m * at;
-        if (nodule.contains(place_m)) places.push_back(place_m);
+    for (int across = least_across; places.size() < least && across <= most_across; across *= 2) {
+        places.clear();
+        for (int i = 0; i < across * across * across; ++i) {
+            const Eigen::Array3d at = (2 * Eigen::Array3d(i % across, i / across % across, i / across / across) + 1) / across - 1;
+            const Eigen::Vector3d place_m = middle_m + half_m * at;
+            if (nodule.contains(place_m)) places.push_back(place_m);
+        }
     }
+    if (places.empty()) throw StudyError(one_line(fmt::format("{}: key 'nodule.shape': {} is too thin: none of {} points across the box about it lies in it", study.file, study.nodule->shape, most_across)));
     NodeField points(static_cast<Eigen::Index>(places.size()), 4);
     for (Eigen::Index g = 0; g < points.rows(); ++g)
         points.row(g) << places[static_cast<std::size_t>(g)].transpose(),

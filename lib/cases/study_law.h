@@ -2,7 +2,6 @@
 
 #include <optional>
 
-#include "mesh/inclusion.h"
 #include "mesh/shape.h"
 #include "springs/energy_law.h"
 #include "springs/relaxation.h"
@@ -16,16 +15,17 @@ Eigen::VectorXd triangle_moduli(const Study& study, const std::optional<Shape>& 
 
 /// E of each row of springs or cells in space [Pa]: its mean over points spread evenly, 4 along a spring and 64 in a cell, of the base material, the nodule or the
 /// shape's regions. Of a piece that reaches out of the tissue, in a cube that the surface cuts, points inside alone count; where there are none, the tissue nearest to
-/// its middle. Throws StudyError for a region that no cell has a point in.
+/// its middle. Throws StudyError for a region, or a nodule of a surface's file, that no cell has a point in.
 Eigen::VectorXd solid_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, const Cells& pieces);
 
-/// The study's nodule as points that fill it evenly, 8 across the box about it (G x 4): place [m], volume times log(E / E_block) [m3].
+/// The study's nodule as points that fill it evenly, 8 or more across the box about it (G x 4): place [m], volume times log(E / E_block) [m3].
+/// Throws StudyError for one that is too thin to have any.
 NodeField nodule_points(const Study& study);
 
 /// The study's regions of a solid shape likewise, four points a tetrahedron.
 NodeField region_points(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh);
 
-/// Part of each row's pieces that lies in a ball, by the same points.
+/// Part of each row's pieces that lies in an inclusion, by the points of solid_moduli.
 Eigen::VectorXd fraction_inside(const SpringMesh& mesh, const Cells& pieces, const Inclusion& inclusion);
 
 /// The study's terms on its mesh, over the heuristic of its material, E2 taken `factor` times as large (train_law.h's

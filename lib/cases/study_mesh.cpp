@@ -2,13 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "error.h"
 #include "io/one_line.h"
+#include "mesh/inclusion.h"
 #include "mesh/open_faces.h"
 #include "mesh/solid_shape.h"
+#include "mesh/nearest_triangle.h"
 #include "mesh/surface.h"
 #include "mesh/topology.h"
-#include "surface_file/surface_file.h"
 
 namespace tissue {
 
@@ -35,39 +39,47 @@ std::optional<Shape> study_shape(const Study& study, const std::string& mesh_fil
     return shape;
 }
 
-Inclusion study_inclusion(const Study& study) {
-    const Study::Nodule& nodule = *study.nodule;
-    if (nodule.shape.empty()) return {nodule.centre_m, nodule.radius_m};
-    return Inclusion(inclusion_surface(read_surface_file(nodule.shape), study.geometry.unit_m));
+namespace {
+
+/// Places all over a triangle, no farther from each other than apart_m, with its corners.
+std::vector<Eigen::Vector3d> places_on(const Surface& surface, Eigen::Index triangle, double apart_m) {
+    constexpr double most = 100;
+    const Eigen::Vector3d a = surface.corner(triangle, 0), b = surface.corner(triangle, 1) - a, c = surface.corner(triangle, 2) - a;
+    const int parts = static_cast<int>(std::clamp(std::ceil(std::max({b.norm(), c.norm(), (c - b).norm()}) / apart_m), 1.0, most));
+    std::vector<Eigen::Vector3d> places;
+    for (int i = 0; i <= parts; ++i)
+        for (int j = 0; i + j <= parts; ++j) places.push_back(a + i * b / parts + j * c / parts);
+    return places;
 }
+
+}  // namespace
 
 void refuse_nodule_outside(const Study& study, const Shape& shape) {
     if (!study.nodule) return;
-    const Study::Nodule& nodule = *study.nodule;
     const auto refuse = [&](const char* key, const Eigen::Vector3d& place_m, const std::string& cause) {
         throw StudyError(one_line(fmt::format("{}: key 'nodule.{}': ({:g}, {:g}, {:g}) m {}", study.file, key, place_m[0], place_m[1], place_m[2], cause)));
     };
+    const Inclusion& nodule = study.nodule->inclusion;
     const Cells facets = open_faces(shape.simplices);
-    const Surface surface{shape.nodes, facets, std::vector<int>(static_cast<std::size_t>(facets.rows()), Surface::free_label)};
-    const Inclusion tissue(surface);
-    const NearestTriangle nearest(surface);
-    if (nodule.shape.empty()) {
-        if (!tissue.contains(nodule.centre_m)) refuse("centre_m", nodule.centre_m, "is not inside " + study.geometry.shape);
+    const Surface boundary{shape.nodes, facets, std::vector<int>(static_cast<std::size_t>(facets.rows()), Surface::free_label)};
+    const Inclusion tissue(boundary);
+    const NearestTriangle nearest(boundary);
+    const double half_m = study.sizes_m[0] / 2;
+    if (!nodule.surface()) {
+        if (!tissue.contains(nodule.centre_m())) refuse("centre_m", nodule.centre_m(), "is not inside " + study.geometry.shape);
         constexpr double out = 1.03;  // where the sphere's nodes are, over its radius (fem/fill3.geo)
-        const double surface_m = nearest.nearest(nodule.centre_m).distance_m, least_m = out * nodule.radius_m + study.sizes_m[0] / 2;
+        const double surface_m = nearest.nearest(nodule.centre_m()).distance_m, least_m = out * nodule.radius_m() + half_m;
         if (surface_m < least_m)
-            refuse("radius_m", nodule.centre_m, fmt::format("is {:.3g} mm from the surface of {}; a nodule of {:g} mm needs {:g} mm, half of mesh.sizes_m[0] more "
-                                                            "than {:g} of its radius", 1e3 * surface_m, study.geometry.shape, 1e3 * nodule.radius_m, 1e3 * least_m, out));
+            refuse("radius_m", nodule.centre_m(), fmt::format("is {:.3g} mm from the surface of {}; a nodule of {:g} mm needs {:g} mm, half of mesh.sizes_m[0] more "
+                                                              "than {:g} of its radius", 1e3 * surface_m, study.geometry.shape, 1e3 * nodule.radius_m(), 1e3 * least_m, out));
         return;
     }
-    const double least_m = study.sizes_m[0] / 2;
-    const Surface given = inclusion_surface(read_surface_file(nodule.shape), study.geometry.unit_m);
-    for (const auto& node : given.nodes.rowwise()) {
-        const Eigen::Vector3d place_m = node.transpose();
-        if (!tissue.contains(place_m)) refuse("shape", place_m, fmt::format("of {} is not inside {}", nodule.shape, study.geometry.shape));
-        if (const double surface_m = nearest.nearest(place_m).distance_m; surface_m < least_m)
-            refuse("shape", place_m, fmt::format("of {} is {:.3g} mm from the surface of {}; it needs {:g} mm, half of mesh.sizes_m[0]", nodule.shape, 1e3 * surface_m, study.geometry.shape, 1e3 * least_m));
-    }
+    for (Eigen::Index t = 0; t < nodule.surface()->triangles.rows(); ++t)
+        for (const Eigen::Vector3d& place_m : places_on(*nodule.surface(), t, half_m)) {
+            if (!tissue.contains(place_m)) refuse("shape", place_m, fmt::format("of {} is not inside {}", study.nodule->shape, study.geometry.shape));
+            if (const double surface_m = nearest.nearest(place_m).distance_m; surface_m < half_m)
+                refuse("shape", place_m, fmt::format("of {} is {:.3g} mm from the surface of {}; it needs {:g} mm, half of mesh.sizes_m[0]", study.nodule->shape, 1e3 * surface_m, study.geometry.shape, 1e3 * half_m));
+        }
 }
 
 }  // namespace tissue

@@ -3,7 +3,6 @@
 #include <optional>
 #include <string>
 
-#include "mesh/inclusion.h"
 #include "mesh/shape.h"
 #include "study/study.h"
 
@@ -19,9 +18,6 @@ NodeField study_nodes(const Study& study, const std::optional<Shape>& shape);
 /// The shape of a study that has one, from the mesh file that tissuectl shape wrote; nothing for the block.
 /// Throws MismatchError when the file is needed and its name is empty; FileError; as refuse_nodule_outside.
 std::optional<Shape> study_shape(const Study& study, const std::string& mesh_file);
-
-/// Where a study's nodule is. Throws FileError for a surface that cannot be read or filled.
-Inclusion study_inclusion(const Study& study);
 
 /// Throws StudyError where the study's nodule does not lie in the shape, half an element from its surface: there the mesh of a
 /// path has slivers.

@@ -116,7 +116,7 @@ std::string surface_glb(const PressedSurface& press) {
                                 {"mesh", 0},
                                 {"rotation", {-half, 0, 0, half}},
                                 {"extras", {{"case", press.name}, {"contact_m", list(press.contact_m)}, {"push_m", list(press.push_m)}, {"force_N", list(press.force_N)}}}}})},
-        {"meshes", Json::array({{{"primitives", Json::array({primitive})}, {"weights", {0}}, {"extras", {{"targetNames", {"pressed"}}}}}})},
+        {"meshes", Json::array({{{"name", press.name}, {"primitives", Json::array({primitive})}, {"weights", {0}}, {"extras", {{"targetNames", {"pressed"}}}}}})},
         {"materials", Json::array({{{"pbrMetallicRoughness", {{"baseColorFactor", {0.72, 0.36, 0.32, 1.0}}, {"metallicFactor", 0}, {"roughnessFactor", 0.6}}}, {"doubleSided", true}}})},
         {"animations", Json::array({{{"name", "press"}, {"samplers", Json::array({sampler})}, {"channels", Json::array({{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}})}}})},
         {"accessors", buffer.accessors},

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <vector>
 
 #include "error.h"
+#include "mesh/nearest_triangle.h"
 #include "mesh/surface.h"
 
 namespace tissue {
@@ -42,20 +44,21 @@ CarriedSurface carried_surface(const SpringMesh& mesh, const MshFile& file, doub
     refuse_the_plane(mesh);
     if (file.triangles.empty()) throw MismatchError(file.file + ": has no triangles");
     CarriedSurface carried;
-    const auto V = static_cast<Eigen::Index>(file.points.size()), F = static_cast<Eigen::Index>(file.triangles.size());
+    std::vector<int> used;  // points that a triangle has, ascending
+    for (const MshFile::Element& e : file.triangles) used.insert(used.end(), e.node, e.node + 3);
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    const auto V = static_cast<Eigen::Index>(used.size()), F = static_cast<Eigen::Index>(file.triangles.size());
     carried.vertices.resize(V, 3);
     for (Eigen::Index v = 0; v < V; ++v) {
-        const MshFile::Point& p = file.points[static_cast<std::size_t>(v)];
+        const MshFile::Point& p = file.points[static_cast<std::size_t>(used[static_cast<std::size_t>(v)])];
         carried.vertices.row(v) << unit_m * p.x, unit_m * p.y, unit_m * p.z;
     }
     carried.facets.resize(F, 3);
     for (Eigen::Index f = 0; f < F; ++f)
-        for (int k = 0; k < 3; ++k) carried.facets(f, k) = file.triangles[static_cast<std::size_t>(f)].node[k];
-
-    double volume = 0;
-    for (const auto& f : carried.facets.rowwise())
-        volume += (carried.vertices.row(f[0]) - carried.vertices.row(0)).head<3>().dot((carried.vertices.row(f[1]) - carried.vertices.row(0)).head<3>().cross((carried.vertices.row(f[2]) - carried.vertices.row(0)).head<3>()));
-    if (volume < 0) carried.facets.col(1).swap(carried.facets.col(2));  // all of it points inwards
+        for (int k = 0; k < 3; ++k)
+            carried.facets(f, k) = static_cast<int>(std::lower_bound(used.begin(), used.end(), file.triangles[static_cast<std::size_t>(f)].node[k]) - used.begin());
+    if (enclosed_by({carried.vertices, carried.facets, {}}).volume_m3 < 0) carried.facets.col(1).swap(carried.facets.col(2));  // all of it points inwards
 
     const NearestTriangle boundary({mesh.nodes, mesh.facets, std::vector<int>(static_cast<std::size_t>(mesh.facets.rows()), Surface::free_label)});
     const NodeField normals = vertex_normals(carried.vertices, carried.facets);

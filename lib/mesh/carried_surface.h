@@ -20,7 +20,8 @@ struct CarriedSurface {
 /// Unit normals of the vertices (V x 3), each facet counted by its area; 0 where they cancel.
 NodeField vertex_normals(const NodeField& vertices, const Cells& facets);
 
-/// The triangles of a file carried by a mesh in space. unit_m [m]: of the file's numbers. Each vertex is carried by a facet that looks the same way where there is one.
+/// The triangles of a file carried by a mesh in space. unit_m [m]: of the file's numbers. Points that no triangle has are left out; a surface that points inwards is turned. Each vertex is
+/// carried by the nearest facet that faces the same way as it does, or the nearest one where none does.
 /// Throws MismatchError for a mesh in the plane, a file without triangles, and where a vertex is farther from the boundary than 0.1 of the mesh's size: another organ, or another unit.
 CarriedSurface carried_surface(const SpringMesh& mesh, const MshFile& file, double unit_m);
 

@@ -1,6 +1,9 @@
 #include "mesh/disc_rim.h"
+#include "mesh/nearest_triangle.h"
 
 #include <fmt/format.h>
+
+#include <cmath>
 
 #include "error.h"
 
@@ -9,6 +12,7 @@ namespace {
 
 constexpr double least_quality = 0.1;  // 1 of the regular triangle
 constexpr double beyond_m = 0.002;     // beyond the rim, sides are still near_m
+constexpr double most_lost = 0.003;    // of the volume, where edges are not kept
 constexpr int rounds = 6;
 
 std::string at(const Eigen::Vector3d& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", p.x(), p.y(), p.z()); }
@@ -50,7 +54,10 @@ RimmedSurface with_rim(const Surface& surface, const DiscRim& disc) {
     if (surface.label[static_cast<std::size_t>(place.triangle)] == Surface::fixed_label)
         throw MismatchError(fmt::format("the contact {} is on the held part", at(disc.contact_m)));
     Divided made = divided(surface, disc, place.point_m, crease_cosine);
-    if (made.rimmed.least_quality < least_quality) made = divided(surface, disc, place.point_m, -1);
+    if (made.rimmed.least_quality < least_quality) {
+        Divided smooth = divided(surface, disc, place.point_m, -1);
+        if (std::abs(enclosed_by(smooth.rimmed.surface).volume_m3 / enclosed_by(made.rimmed.surface).volume_m3 - 1) < most_lost) made = smooth;  // no edge of a box
+    }
     if (made.rimmed.least_quality < least_quality)
         throw MismatchError(fmt::format("the surface has no good triangles at {}: quality {:.3g}, wanted {}", at(made.worst_m), made.rimmed.least_quality, least_quality));
     return made.rimmed;

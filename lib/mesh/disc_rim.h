@@ -23,7 +23,8 @@ struct RimmedSurface {
     double least_quality;  ///< of its triangles
 };
 
-/// Where edges that turn sharply leave no good triangles, as short ones of a segmentation do, all of it is divided as if it were smooth.
+/// If keeping edges that turn by more than 40 degrees leaves a triangle of quality below 0.1, as short ones of a segmentation do, the whole surface is divided again
+/// without keeping them, and that is taken where it encloses the same volume to 0.3 %.
 /// Throws MismatchError: a contact farther than two radii from the surface, a disc over the held part, one that covers the
 /// surface or is no patch with one rim, a surface that has no triangles of quality 0.1 there; a size that is not positive.
 RimmedSurface with_rim(const Surface& surface, const DiscRim& disc);

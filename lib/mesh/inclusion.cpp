@@ -5,7 +5,7 @@
 #include <CGAL/Surface_mesh.h>
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -19,25 +19,7 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
-constexpr double pi = 3.14159265358979323846;
-
-struct Volume {
-    double m3;
-    Eigen::Vector3d centre_m;
-};
-/// By tetrahedra from a point to every triangle.
-Volume volume_of(const Surface& s) {
-    const Eigen::Vector3d from = s.corner(0, 0);
-    Volume sum{0, Eigen::Vector3d::Zero()};
-    for (Eigen::Index t = 0; t < s.triangles.rows(); ++t) {
-        const Eigen::Vector3d a = s.corner(t, 0) - from, b = s.corner(t, 1) - from, c = s.corner(t, 2) - from;
-        const double m3 = a.cross(b).dot(c) / 6;
-        sum.m3 += m3;
-        sum.centre_m += m3 * (a + b + c) / 4;
-    }
-    sum.centre_m = from + sum.centre_m / sum.m3;
-    return sum;
-}
+constexpr double ball = 4 * 3.14159265358979323846 / 3;  // volume over radius^3
 
 Mesh mesh_of(const Surface& s) {
     Mesh mesh;
@@ -51,42 +33,51 @@ Mesh mesh_of(const Surface& s) {
 }  // namespace
 
 struct Inclusion::Inside {
-    explicit Inside(const Surface& s) : mesh(mesh_of(s)), side(mesh) {}
+    explicit Inside(const Surface& s) : surface(s), mesh(mesh_of(s)), side(mesh) {}
+    Surface surface;
     Mesh mesh;
     CGAL::Side_of_triangle_mesh<Mesh, Kernel> side;
 };
 
 Inclusion::Inclusion(const Eigen::Vector3d& centre_m, double radius_m)
-    : centre_m_(centre_m), low_m_(centre_m.array() - radius_m), high_m_(centre_m.array() + radius_m), volume_m3_(4 * pi / 3 * std::pow(radius_m, 3)) {}
+    : centre_m_(centre_m), low_m_(centre_m.array() - radius_m), high_m_(centre_m.array() + radius_m), radius_m_(radius_m) {}
 
 Inclusion::Inclusion(const Surface& surface)
     : inside_(std::make_shared<Inside>(surface)), low_m_(surface.nodes.colwise().minCoeff().transpose()), high_m_(surface.nodes.colwise().maxCoeff().transpose()) {
-    const Volume volume = volume_of(surface);
-    centre_m_ = volume.centre_m;
-    volume_m3_ = volume.m3;
+    const Enclosed enclosed = enclosed_by(surface);
+    centre_m_ = enclosed.centre_m;
+    radius_m_ = std::cbrt(enclosed.volume_m3 / ball);
 }
 
 bool Inclusion::contains(const Eigen::Vector3d& place_m) const {
-    if (!inside_) return (place_m - centre_m_).norm() < high_m_.x() - centre_m_.x();
+    if (!inside_) return (place_m - centre_m_).norm() < radius_m_;
     if ((place_m.array() < low_m_.array()).any() || (place_m.array() > high_m_.array()).any()) return false;
     return inside_->side({place_m.x(), place_m.y(), place_m.z()}) == CGAL::ON_BOUNDED_SIDE;
 }
 
-double Inclusion::radius_m() const { return std::cbrt(volume_m3_ / (4 * pi / 3)); }
+const Surface* Inclusion::surface() const { return inside_ ? &inside_->surface : nullptr; }
+
+double Inclusion::volume_m3() const { return ball * std::pow(radius_m_, 3); }
 
 Surface inclusion_surface(const MshFile& file, double unit_m) {
     if (const SurfaceReport report = report_on(file); !report.faults.empty())
-        throw FileError(fmt::format("{}: {}; tissuectl surface says more, and repairs it", file.file, fault_text(report.faults.front(), "", 1)));
+        throw FileError(fmt::format("{}: {}; tissuectl surface says more, and repairs it", file.file, fault_text(report.faults.front(), " mm", 1e3 * unit_m)));
     return closed_surface(file, unit_m);
 }
 
-Surface inclusion_facets(const Surface& surface, double size_m) {
+Surface inclusion_facets(const Surface& surface, double most_m) {
+    constexpr double part = 0.6, least_quality = 0.1;
     constexpr int rounds = 6;
-    SurfaceRemesh mesh(surface, {Eigen::Vector3d::Zero(), 0, size_m, size_m});
+    const Enclosed wanted = enclosed_by(surface);
+    const double size_m = std::min(most_m, part * std::cbrt(wanted.volume_m3 / ball));
+    SurfaceRemesh mesh(surface, {Eigen::Vector3d::Zero(), 0, size_m, size_m}, -1);
     mesh.remesh(rounds);
     Surface made = mesh.surface();
-    const Volume wanted = volume_of(surface), has = volume_of(made);
-    made.nodes = ((made.nodes.rowwise() - has.centre_m.transpose()) * std::cbrt(wanted.m3 / has.m3)).rowwise() + wanted.centre_m.transpose();
+    const Enclosed has = enclosed_by(made);
+    made.nodes = ((made.nodes.rowwise() - has.centre_m.transpose()) * std::cbrt(wanted.volume_m3 / has.volume_m3)).rowwise() + wanted.centre_m.transpose();
+    for (Eigen::Index t = 0; t < made.triangles.rows(); ++t)
+        if (const double quality = triangle_quality(made.corner(t, 0), made.corner(t, 1), made.corner(t, 2)); quality < least_quality)
+            throw MismatchError(fmt::format("it has no good triangles with sides of {:.3g} mm: quality {:.3g}, wanted {}", 1e3 * size_m, quality, least_quality));
     return made;
 }
 

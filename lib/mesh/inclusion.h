@@ -15,9 +15,10 @@ class Inclusion {
     explicit Inclusion(const Surface& surface);
 
     bool contains(const Eigen::Vector3d& place_m) const;
+    const Surface* surface() const;                                ///< none of a ball
     const Eigen::Vector3d& centre_m() const { return centre_m_; }  ///< of its volume
-    double volume_m3() const { return volume_m3_; }
-    double radius_m() const;                                       ///< of the ball of that volume
+    double radius_m() const { return radius_m_; }                  ///< of the ball of its volume
+    double volume_m3() const;
     const Eigen::Vector3d& low_m() const { return low_m_; }        ///< of the box about it
     const Eigen::Vector3d& high_m() const { return high_m_; }
 
@@ -25,14 +26,16 @@ class Inclusion {
     struct Inside;
     std::shared_ptr<const Inside> inside_;  ///< none of a ball
     Eigen::Vector3d centre_m_, low_m_, high_m_;
-    double volume_m3_;
+    double radius_m_;
 };
 
 /// The closed surface of a file, normals out, as an inclusion's. unit_m [m]: of the file's numbers.
 /// Throws FileError with the file and the first fault (mesh/surface_report.h) of a surface that cannot be filled.
 Surface inclusion_surface(const MshFile& file, double unit_m);
 
-/// The same surface in triangles with sides of about size_m, for finite elements: about its centre as much larger as it takes to enclose the same volume.
-Surface inclusion_facets(const Surface& surface, double size_m);
+/// The same surface in triangles for finite elements, with sides of about 0.6 of the radius of the ball of its volume, or most_m where that is less: edges of the given
+/// triangles are not kept, and it is scaled about its centroid so that it encloses the same volume.
+/// Throws MismatchError where it has no triangles of quality 0.1.
+Surface inclusion_facets(const Surface& surface, double most_m);
 
 }  // namespace tissue

@@ -33,6 +33,13 @@ constexpr double crease_cosine = 0.766;  ///< of 40 degrees: where neighbours tu
 /// not on the surface or is all of it, nothing that is held.
 Surface make_surface(const MshFile& mesh, const std::vector<std::string>& fixed, double unit_m, const HeldRegion::Reader& read = {});
 
+/// Volume and its centroid, of a closed surface; the volume is below 0 where normals point inwards.
+struct Enclosed {
+    double volume_m3;
+    Eigen::Vector3d centre_m;
+};
+Enclosed enclosed_by(const Surface& surface);
+
 double held_area_m2(const Surface& surface);
 
 /// Throws MismatchError where a connected held part has lost a tenth or more of its area when its surface was divided anew.
@@ -46,36 +53,5 @@ std::string to_msh(const Surface& surface, const Surface* inclusion = nullptr);
 
 /// 4 sqrt(3) area / sum of squared sides: 1 of the regular triangle, 0 of a flat one.
 double triangle_quality(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
-
-/// Nearest point of a surface, by a grid of boxes that know their triangles.
-class NearestTriangle {
-   public:
-    explicit NearestTriangle(const Surface& surface);
-
-    struct Place {
-        Eigen::Index triangle;   ///< -1: none faces that way
-        Eigen::Vector3d weight;  ///< of its nodes
-        Eigen::Vector3d point_m;
-        double distance_m;
-    };
-    /// Among triangles whose normal has a positive part along `outward`, to 78 degrees; a zero vector asks all.
-    Place nearest(const Eigen::Vector3d& position_m, const Eigen::Vector3d& outward = Eigen::Vector3d::Zero()) const;
-
-    const Eigen::Vector3d& normal(Eigen::Index triangle) const { return normal_[static_cast<std::size_t>(triangle)]; }
-
-   private:
-    Eigen::Vector3i box_of(const Eigen::Vector3d& position_m) const;
-    std::size_t place_of(int i, int j, int k) const {
-        return (static_cast<std::size_t>(k) * static_cast<std::size_t>(count_.y()) + static_cast<std::size_t>(j)) * static_cast<std::size_t>(count_.x()) + static_cast<std::size_t>(i);
-    }
-
-    NodeField nodes_;
-    Cells triangles_;
-    std::vector<Eigen::Vector3d> normal_;
-    Eigen::Vector3d low_m_;
-    double box_m_;
-    Eigen::Vector3i count_;
-    std::vector<std::vector<int>> inside_;  ///< triangles that reach into each box
-};
 
 }  // namespace tissue

@@ -1,4 +1,5 @@
 #include "mesh/surface_remesh.h"
+#include "mesh/nearest_triangle.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

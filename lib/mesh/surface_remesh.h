@@ -6,6 +6,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "mesh/nearest_triangle.h"
 #include "mesh/surface.h"
 
 namespace tissue {
@@ -25,7 +26,7 @@ struct SideLength {
 /// are no longer than 0.6 of its radius.
 class SurfaceRemesh {
    public:
-    /// crease: cosine of the angle by which neighbours turn at least at an edge that is kept; -1: those between labels alone are.
+    /// crease: cosine of the angle by which neighbours turn at least at an edge that is kept; -1: those between labels alone are (a flip still turns no edge that turns by more than 40 degrees).
     SurfaceRemesh(const Surface& base, const SideLength& wanted, double crease = crease_cosine);
 
     /// One round is a pass of each operation. Deterministic.

@@ -27,8 +27,8 @@ SkinLaw skin_of(const std::vector<std::string>& terms, const Eigen::VectorXd& co
 ///                 w = ((2.5 - x) / 1.5)^2
 ///   beyond        u, the lattice's own
 /// Continuous in the contact's place and in d. It begins and ends with the contact: when the tool leaves a surface that is still dented, the shown displacement becomes the
-/// lattice's within one tick. Forces and equilibria do not depend on it, and adaptation does not change it. Exported displacements (CSV, VTK) are the lattice's, which balance the
-/// exported forces.
+/// lattice's within one tick. Forces and equilibria do not depend on it, and adaptation does not change it. Exported displacements (CSV, VTU) are the lattice's, which balance the
+/// exported forces; VTP and glTF have what is seen.
 struct SkinNode {
     int node;
     double keep;                         ///< 1 - w

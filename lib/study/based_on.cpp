@@ -101,6 +101,8 @@ const std::vector<Rule>& rules() {
         {{"`springs.stiffness` = \"sets\"", std::vector<std::string>{"springs.terms", "springs.area_cap_E2", "variants"} + law_keys,
           "they are of an energy model"},
          gives("springs.stiffness", "sets")},
+        {{"`nodule.shape`", {"nodule.centre_m", "nodule.radius_m"}, "they are a ball's"}, gives("nodule.shape")},
+        {{"`nodule.centre_m`", {"nodule.shape"}, "a ball has no file"}, gives("nodule.centre_m")},
         {{"`data`", {"mesh", "indenter", "solver", "loads", "draws", "histories", "variants", "nodule", "map", "training.shape_scale"},
           "a study of measured forces has no finite elements"},
          gives("data")},

@@ -4,8 +4,32 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 
 namespace tissue {
+namespace {
+
+/// Whether a text file, as a README.md, has a name in it.
+bool names_file(const std::string& readme, const std::string& name) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(readme, error)) return false;  // one that blocks, for instance
+    std::ifstream in(readme);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    return text.find("`" + name + "`") != std::string::npos;
+}
+
+}  // namespace
+
+std::string file_beside(const TomlReader& in, const std::string& key, const std::string& name) {
+    const std::string file = in.beside(key, name);
+    std::error_code error;
+    if (std::filesystem::is_regular_file(file, error)) return file;
+    const std::filesystem::path path(file);
+    const std::string readme = (path.parent_path() / "README.md").string();
+    in.refuse(key, "there is no file " + file + (names_file(readme, path.filename().string()) ? "; " + readme + " says where to get it" : ""));
+}
 
 bool is_multiple(double value, double step) {
     return std::abs(value / step - std::round(value / step)) < 1e-9 * value / step;

@@ -13,6 +13,9 @@ namespace tissue {
 constexpr Range positive{0, std::numeric_limits<double>::infinity(), true};
 constexpr Range not_negative{0};
 
+/// A file that has to be there, beside the one in which the key stands. A README.md beside it that has its name is pointed to.
+std::string file_beside(const TomlReader& in, const std::string& key, const std::string& name);
+
 bool is_multiple(double value, double step);
 
 /// Lower-case letters, digits and '-', one at least.

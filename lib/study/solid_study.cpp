@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "error.h"
 #include "study/read_parts.h"
 #include "study/solid_push.h"
 #include "study/viscosity.h"
@@ -33,23 +34,32 @@ void name_paths(std::vector<StudyPath>& paths, const std::vector<std::array<doub
     }
 }
 
-/// Of a shape also a surface's file, by the name that the study gives it. A ball lies well inside the block: half an element from every wall, or the mesh has slivers. Of a shape the surface is known once it
-/// is meshed: cases/study_mesh.h.
+/// The inclusion that the surface of a file encloses. Whether it lies in the shape is known once that is meshed: cases/study_mesh.h.
+Study::Nodule read_enclosed_nodule(TomlReader& in, const Study& study) {
+    const std::string shape = in.text("shape");
+    if (study.geometry.is_block()) in.refuse("shape", "is of a tissue that has a shape itself; in a block a nodule is a ball, of centre_m and radius_m");
+    if (in.has("centre_m") || in.has("radius_m")) in.refuse("shape", "cannot stand beside centre_m and radius_m, which are a ball's");
+    if (!is_surface_file(shape)) in.refuse("shape", fmt::format("'{}' must be a file that ends in {}", shape, surface_endings));
+    const std::string file = file_beside(in, "shape", shape);
+    try {
+        return {read_law_parameters(in, study.material.law, study.material.alpha.size()), Inclusion(inclusion_surface(read_surface_file(file), study.geometry.unit_m)), file};
+    } catch (const FileError& e) {
+        in.refuse("shape", e.what());
+    }
+}
+
+/// A ball of a block lies half an element from every wall, or the mesh has slivers.
 Study::Nodule read_nodule(TomlReader in, const Study& study) {
     const Study::Geometry& g = study.geometry;
     if (in.has("shape")) {
-        const std::string shape = in.text("shape");
-        if (g.is_block()) in.refuse("shape", "is of a tissue that has a shape itself; in a block a nodule is a ball, of centre_m and radius_m");
-        if (in.has("centre_m") || in.has("radius_m")) in.refuse("shape", "cannot stand beside centre_m and radius_m, which are a ball's");
-        if (!is_surface_file(shape)) in.refuse("shape", fmt::format("'{}' must be a file that ends in {}", shape, surface_endings));
-        Study::Nodule nodule{read_law_parameters(in, study.material.law, study.material.alpha.size()), Eigen::Vector3d::Zero(), 0, shape};
+        Study::Nodule nodule = read_enclosed_nodule(in, study);
         read_own_viscosity(in, study.material, nodule);
         in.refuse_the_rest();
         return nodule;
     }
     const std::vector<double> centre = in.numbers("centre_m", 3);
     const double radius_m = in.number("radius_m", positive);
-    Study::Nodule nodule{read_law_parameters(in, study.material.law, study.material.alpha.size()), Eigen::Vector3d(centre[0], centre[1], centre[2]), radius_m, {}};
+    Study::Nodule nodule{read_law_parameters(in, study.material.law, study.material.alpha.size()), Inclusion(Eigen::Vector3d(centre[0], centre[1], centre[2]), radius_m), {}};
     read_own_viscosity(in, study.material, nodule);
     if (!g.is_block()) {
         in.refuse_the_rest();

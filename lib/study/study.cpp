@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "error.h"
 #include "io/one_line.h"
@@ -50,30 +48,7 @@ bool ends_with(const std::string& text, const std::string& end) {
     return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-/// A file that a key names, beside the file in which the key stands.
-std::string beside(const toml::node& node, const std::string& study_file, const std::string& name) {
-    const std::string& file = node.source().path ? *node.source().path : study_file;
-    return (std::filesystem::path(file).parent_path() / name).lexically_normal().string();
-}
-
-/// Whether a text file, as a README.md, has a name in it.
-bool names_file(const std::string& readme, const std::string& name) {
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(readme, error)) return false;  // one that blocks, for instance
-    std::ifstream in(readme);
-    const std::string text{std::istreambuf_iterator<char>(in), {}};
-    return text.find("`" + name + "`") != std::string::npos;
-}
-
-/// Refuses a key whose file is not there.
-void refuse_missing(const TomlReader& in, const std::string& key, const std::string& file) {
-    std::error_code error;
-    if (std::filesystem::is_regular_file(file, error)) return;
-    const std::string readme = (std::filesystem::path(file).parent_path() / "README.md").string();
-    in.refuse(key, "there is no file " + file + (names_file(readme, std::filesystem::path(file).filename().string()) ? "; " + readme + " says where to get it" : ""));
-}
-
-Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std::string& file) {
+Study::Geometry read_geometry(TomlReader in) {
     Study::Geometry g{};
     g.unit_m = 1;
     if (in.has("bed_Pa_m") && !in.has("solid")) in.refuse("bed_Pa_m", "is of a shape with geometry.solid; what is held of other tissue does not move");
@@ -104,8 +79,7 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
             in.refuse("shape", fmt::format("'{}' must be a file that ends in .geo, .msh, {}", shape, surface_endings));
         if (!g.solid && !ends_with(shape, ".geo") && !ends_with(shape, ".msh"))
             in.refuse("shape", "'" + shape + "' must be block, or a file that ends in .geo or .msh");
-        g.shape = beside(*table["geometry"]["shape"].node(), file, shape);
-        refuse_missing(in, "shape", g.shape);
+        g.shape = file_beside(in, "shape", shape);
         const bool trusted = in.has("trust_geo") && in.flag("trust_geo");
         if (ends_with(shape, ".geo") && !trusted)
             in.refuse("shape", g.shape + " is a program, which gmsh runs and which may run any command; geometry.trust_geo = true says that you trust it");
@@ -116,7 +90,7 @@ Study::Geometry read_geometry(TomlReader in, const toml::table& table, const std
             if (!g.solid) continue;
             try {
                 if (auto other = HeldRegion::within(name)) {
-                    other->file = beside(*table["geometry"]["fixed"].node(), file, other->file);
+                    other->file = in.beside("fixed", other->file);
                     std::error_code none;
                     if (!std::filesystem::is_regular_file(other->file, none)) in.refuse("fixed", "'" + name + "': there is no file " + other->file);
                     name = other->word();
@@ -146,7 +120,7 @@ void apply_preset(toml::table& table, const std::string& file) {
     if (!is_plain_name(name)) in.refuse("preset", "must be the name of a file in materials/, without its ending");
     for (const char* key : {"law", "C1_Pa", "C2_Pa", "mu_Pa", "alpha"})
         if (in.has(key)) in.refuse(key, "cannot stand beside material.preset, which says it");
-    const std::string preset_file = beside(*material->get("preset"), file, "../materials/" + name + ".toml");
+    const std::string preset_file = in.beside("preset", "../materials/" + name + ".toml");
     std::error_code error;
     if (!std::filesystem::is_regular_file(preset_file, error)) {
         std::vector<std::string> known;
@@ -460,7 +434,7 @@ Study read_study(const std::string& file) {
     study.file = file;
     study.name = std::filesystem::path(file).stem().string();
 
-    study.geometry = read_geometry(in.table("geometry"), table, file);
+    study.geometry = read_geometry(in.table("geometry"));
     study.material = read_material(in.table("material"), study.geometry, in.has("data"));
     const bool block = study.geometry.is_block(), solid = study.geometry.is_solid();
     if (block) {
@@ -488,14 +462,9 @@ Study read_study(const std::string& file) {
     if (in.has("map") && (!solid || !block)) in.refuse("map", "needs a solid block, one with geometry.length_m");
     if (in.has("data"))
         read_data(in, study);
-    else if (solid) {
+    else if (solid)
         read_solid_fe(in, study);
-        if (study.nodule && !study.nodule->shape.empty()) {
-            std::string& surface = study.nodule->shape;
-            surface = beside(*table["nodule"]["shape"].node(), file, surface);
-            refuse_missing(in.table("nodule"), "shape", surface);
-        }
-    } else
+    else
         read_fe(in, study);
 
     study.springs = read_springs(in.table("springs"), study.geometry, study.data.has_value());

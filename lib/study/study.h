@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "field.h"
+#include "mesh/inclusion.h"
 #include "mesh/spring_mesh.h"
 
 namespace tissue {
@@ -67,11 +68,10 @@ struct Study {
         bool relaxes() const { return fits_shares || !viscosity.empty(); }
     } material;
 
-    /// A part of other material inside a solid: a ball, or of a shape what a closed surface encloses. cases/study_mesh.h's study_inclusion says where it is.
+    /// A part of other material inside a solid.
     struct Nodule : LawParameters {
-        Point centre_m;     ///< of a ball (3)
-        double radius_m;
-        std::string shape;  ///< file of a surface, in the unit of the shape's; empty of a ball
+        Inclusion inclusion;
+        std::string shape;  ///< file of its surface, in the unit of the shape's; empty of a ball
     };
     std::optional<Nodule> nodule;
 

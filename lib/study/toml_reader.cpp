@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "error.h"
 #include "io/one_line.h"
@@ -65,6 +66,10 @@ std::string TomlReader::file_of(const std::string& key) const {
     const toml::node* node = table_->get(key);
     const toml::source_region& source = node ? node->source() : table_->source();
     return source.path ? *source.path : file_;
+}
+
+std::string TomlReader::beside(const std::string& key, const std::string& name) const {
+    return (std::filesystem::path(file_of(key)).parent_path() / name).lexically_normal().string();
 }
 
 /// A key that is there is named where it stands. One that is not there is the study's to give: the study is named, and beside it

@@ -50,6 +50,9 @@ class TomlReader {
     /// The file in which a key stands: a base study's, where it comes from there.
     std::string file_of(const std::string& key) const;
 
+    /// A file of this name beside that one.
+    std::string beside(const std::string& key, const std::string& name) const;
+
     /// For a list that another key stands in for.
     void refuse_unless_empty(const std::string& key, const std::string& why);
 

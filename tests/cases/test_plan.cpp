@@ -70,9 +70,6 @@ TEST_CASE("a first model's paths are eight, spread over all to train on, or all 
     for (int k = 0; k < 18; ++k) more += fmt::format("  {{ name = \"p{:02}\", contact_m = [0.0, 0.05], push = [1, {}] }},\n", k, 0.01 * (k + 1));
     const Plan plan = make_plan(example_study(with(example_study_text(), corner, more)));
     CHECK_THAT(plan.fragment, Contains("FIRST_TRAINED := left p00 p03 p05 p08 p10 p13 p15\n"));
-    std::string sixteen;  // of two kinds that take turns, both are among them
-    for (int k = 0; k < 15; ++k) sixteen += fmt::format("  {{ name = \"p{:02}\", contact_m = [0.0, 0.05], push = [1, {}] }},\n", k, 0.01 * (k + 1));
-    CHECK_THAT(make_plan(example_study(with(example_study_text(), corner, sixteen))).fragment, Contains("FIRST_TRAINED := left p02 p03 p06 p07 p10 p11 p14\n"));
 }
 
 TEST_CASE("names that make would take apart, or run, are refused by file and key") {

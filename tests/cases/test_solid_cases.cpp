@@ -127,8 +127,8 @@ TEST_CASE("a nodule stiffens springs and cells by what of it lies in them, and i
     CHECK(((moduli.array() / E - 1) / (18000 / E - 1)).sum() * volume_m3 == Approx(4.0 / 3 * 3.14159265 * std::pow(0.008, 3)).epsilon(0.3));  // by 64 points a cell
     const NodeField points = nodule_points(solid());
     CHECK(points.col(3).sum() == Approx(std::log(18000 / E) * 4.0 / 3 * 3.14159265 * std::pow(0.008, 3)).epsilon(1e-6));
-    CHECK((points.leftCols(3).colwise().mean().transpose() - solid().nodule->centre_m).norm() < 1e-12);
-    CHECK((points.leftCols(3).rowwise() - solid().nodule->centre_m.transpose()).rowwise().norm().maxCoeff() < 0.008);
+    CHECK((points.leftCols(3).colwise().mean().transpose() - solid().nodule->inclusion.centre_m()).norm() < 1e-12);
+    CHECK((points.leftCols(3).rowwise() - solid().nodule->inclusion.centre_m().transpose()).rowwise().norm().maxCoeff() < 0.008);
 
     Study other = solid();
     other.springs.terms = {"spring.nodule", "cell.nodule", "contact.normal.ground"};
@@ -407,7 +407,7 @@ TEST_CASE("a law's shares are its material's, and in a nodule's springs and cell
     s.nodule->share = {0.1, 0.2};
     const Relaxation own = study_relaxation(s, {}, mesh, law);
     CHECK((own.share.col(1).array() == 0.2).all());
-    const Eigen::VectorXd inside = fraction_inside(mesh, mesh.springs, study_inclusion(s));
+    const Eigen::VectorXd inside = fraction_inside(mesh, mesh.springs, s.nodule->inclusion);
     CHECK(inside.maxCoeff() > 0.3);
     const double E = s.material.youngs_modulus_Pa(), hard = s.nodule->youngs_modulus_Pa();
     for (Eigen::Index i = 0; i < inside.size(); ++i) {

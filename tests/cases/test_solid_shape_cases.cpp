@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <set>
+#include <sstream>
 #include <fmt/format.h>
 
 #include "cases/cases_table.h"
@@ -17,7 +18,6 @@
 #include "mesh/cells.h"
 #include "springs/supports.h"
 #include "train/untrained_model.h"
-#include "mesh/surface_repair.h"
 #include "../example.h"
 #include "../mesh/ball.h"
 #include "../mutations.h"
@@ -48,6 +48,13 @@ Study spread_study(int count, double clearance_m = 0.015, int each = 3) {
     s.loads.contacts.clear();
     s.loads.spread = Study::Loads::Spread{count, clearance_m, {{0, 0}, {30, 0}, {30, 180}}, each};
     return s;
+}
+
+/// A ball four times as stiff.
+Study::Nodule stone() {
+    Study::Nodule nodule{{}, Inclusion(Eigen::Vector3d(0.01, 0.0, 0.03), 0.009), {}};
+    nodule.C1_Pa = 4 * (263 + 491);
+    return nodule;
 }
 
 double tilt_deg(const FreeSurface& surface, const StudyPath& p) {
@@ -324,15 +331,36 @@ TEST_CASE("of what reaches out of a solid shape the tissue inside counts, or the
     CHECK_THAT(refusal<StudyError>([&] { study_law(s, fine, coarse); }), StartsWith("dome.toml: key 'material.regions.stone': no point of the lattice's cubes (25 mm, 64 points each) lies in this volume"));
 }
 
+TEST_CASE("of pushes that take turns a first model has as many of each, from all over", "[solid_shape]") {
+    for (const std::size_t kinds : {2U, 3U})
+        for (int count = 9; count <= 34; ++count) {
+            CAPTURE(kinds, count);
+            Study s = spread_study(count, 0.015, 1);
+            s.name = "dome", s.geometry.shape = "fem/dome.geo";
+            s.loads.spread->pushes_deg.resize(kinds);
+            const std::string fragment = make_plan(s, shape()).fragment, key = "FIRST_TRAINED :=";
+            std::istringstream names(fragment.substr(fragment.find(key) + key.size(), fragment.find('\n', fragment.find(key)) - fragment.find(key) - key.size()));
+            std::set<std::string> all;
+            std::map<std::size_t, int> of_kind;
+            int last = 0;
+            for (std::string name; names >> name;) {
+                all.insert(name);
+                const int contact = std::stoi(name.substr(1, 2));
+                ++of_kind[static_cast<std::size_t>(contact - 1) % kinds];
+                last = std::max(last, contact);
+            }
+            CHECK(all.size() == 8);
+            REQUIRE(of_kind.size() == kinds);
+            for (const auto& [kind, found] : of_kind) CHECK(found >= 8 / static_cast<int>(kinds));
+            CHECK(last > 0.7 * count);
+        }
+}
+
 TEST_CASE("a nodule in a solid shape stiffens springs and cells by what of them lies in it, and the contacts above", "[solid_shape]") {
     Study s = study();
-    Study::Nodule stone{};
-    stone.C1_Pa = 4 * (263 + 491);
-    stone.centre_m = Eigen::Vector3d(0.01, 0.0, 0.03);
-    stone.radius_m = 0.009;
-    s.nodule = stone;
+    s.nodule = stone();
     const SpringMesh mesh = study_mesh(s, shape(), "embedded");
-    const Eigen::VectorXd inside = fraction_inside(mesh, mesh_cells(mesh), {stone.centre_m, stone.radius_m});
+    const Eigen::VectorXd inside = fraction_inside(mesh, mesh_cells(mesh), s.nodule->inclusion);
     const double ball_m3 = 4.0 / 3 * 3.14159265358979 * std::pow(0.009, 3);
     CHECK(inside.sum() * std::pow(0.011, 3) == Approx(ball_m3).epsilon(0.03));  // by 64 points a cube
     const double E = 6 * 754.0;
@@ -358,39 +386,58 @@ TEST_CASE("a nodule in a solid shape stiffens springs and cells by what of them 
 }
 
 TEST_CASE("a nodule of a surface's file stiffens what the ball does that it goes round", "[solid_shape]") {
-    TemporaryFolder folder;
     Study s = study();
-    s.name = "dome", s.file = "dome.toml", s.geometry.shape = "fem/dome.geo", s.geometry.unit_m = 1e-3;
-    Study::Nodule stone{};
-    stone.C1_Pa = 4 * (263 + 491);
-    stone.centre_m = Eigen::Vector3d(0.01, 0.0, 0.03);
-    stone.radius_m = 0.009;
-    s.nodule = stone;
+    s.name = "dome", s.file = "dome.toml", s.geometry.shape = "fem/dome.geo";
+    s.nodule = stone();
+    const Eigen::Vector3d centre_m = s.nodule->inclusion.centre_m();
     const SpringMesh mesh = study_mesh(s, shape(), "embedded");
     const Eigen::VectorXd ball = solid_moduli(s, shape(), mesh, mesh_cells(mesh));
     const NodeField points = nodule_points(s);
-    const auto written = [&](const char* name, const Eigen::Vector3d& centre_m) { return folder.file(name, to_stl(ball_surface(1e3 * centre_m, 9, 5))); };
-    s.nodule->shape = written("stone.stl", stone.centre_m);
+    const auto enclosed = [&](const Eigen::Vector3d& at_m, double thin = 1) {
+        MshFile file = ball_surface(Eigen::Vector3d::Zero(), 9, 5);
+        for (MshFile::Point& p : file.points) p = {p.x + 1e3 * at_m[0], p.y + 1e3 * at_m[1], thin * p.z + 1e3 * at_m[2]};
+        s.nodule->inclusion = Inclusion(inclusion_surface(file, 1e-3));
+        s.nodule->shape = "stone.stl";
+    };
+    enclosed(centre_m);
     const double E = s.material.youngs_modulus_Pa();
     CHECK((solid_moduli(s, shape(), mesh, mesh_cells(mesh)) - ball).cwiseAbs().maxCoeff() < 0.05 * 3 * E);  // one of 64 points of a cube may lie between
-    CHECK(nodule_points(s).col(3).sum() == Approx(points.col(3).sum()).epsilon(2e-3));
+    const NodeField round = nodule_points(s);
+    CHECK(round.col(3).sum() == Approx(points.col(3).sum()).epsilon(2e-3));
+    CHECK((round.leftCols(3).colwise().mean() - points.leftCols(3).colwise().mean()).norm() < 1e-4);
+    const auto spread_m = [&](const NodeField& p) { return std::sqrt((p.leftCols(3).rowwise() - centre_m.transpose()).rowwise().squaredNorm().mean()); };
+    CHECK(spread_m(round) == Approx(spread_m(points)).epsilon(0.01));
     refuse_nodule_outside(s, *shape());
-    CHECK_THAT(make_plan(s, shape()).parts.at("path-" + solid_training(s, shape())[0].name), Contains(" -nodule_shape " + s.nodule->shape + " -nodule_x 0.0"));
-    CHECK_THAT(make_plan(s, shape()).fragment, Contains("$(R)/plan.mk: $(wildcard " + s.nodule->shape + ")"));
-    s.nodule->shape = written("low.stl", {0.01, 0, 0.0095});
-    CHECK_THAT(refusal<StudyError>([&] { refuse_nodule_outside(s, *shape()); }), StartsWith("dome.toml: key 'nodule.shape': (") && Contains("low.stl is ") && Contains("half of mesh.sizes_m[0]"));
-    s.nodule->shape = written("out.stl", {0.01, 0, 0.2});
-    CHECK_THAT(refusal<StudyError>([&] { refuse_nodule_outside(s, *shape()); }), Contains("out.stl is not inside fem/dome.geo"));
+    CHECK_THAT(make_plan(s, shape()).parts.at("path-" + solid_training(s, shape())[0].name), Contains(" -nodule_shape stone.stl -nodule_x 0.0"));
+    CHECK_THAT(make_plan(s, shape()).fragment, Contains("$(R)/plan.mk: $(wildcard stone.stl)"));
+    s.nodule->shape = "a stone.stl";
+    CHECK_THAT(refusal<StudyError>([&] { make_plan(s, shape()); }), Contains("key 'nodule.shape': 'a stone.stl': make cannot carry this name"));
+
+    enclosed({0.01, 0, 0.0095});
+    CHECK_THAT(refusal<StudyError>([&] { refuse_nodule_outside(s, *shape()); }), StartsWith("dome.toml: key 'nodule.shape': (") && Contains("stone.stl is ") && Contains("half of mesh.sizes_m[0]"));
+    enclosed({0.01, 0, 0.2});
+    CHECK_THAT(refusal<StudyError>([&] { refuse_nodule_outside(s, *shape()); }), Contains("stone.stl is not inside fem/dome.geo"));
+    // its corners lie inside, and its middle does not
+    MshFile bar;
+    bar.file = "bar.stl";
+    bar.points = {{-30, 0, 12}, {30, 0, 12}, {0, 6, 12}, {0, 0, -12}};
+    bar.triangles = {{0, {0, 1, 2}, 0}, {0, {1, 0, 3}, 0}, {0, {2, 1, 3}, 0}, {0, {0, 2, 3}, 0}};
+    s.nodule->inclusion = Inclusion(inclusion_surface(bar, 1e-3));
+    CHECK_THAT(refusal<StudyError>([&] { refuse_nodule_outside(s, *shape()); }), Contains("key 'nodule.shape'"));
+
+    enclosed(centre_m, 0.2);  // 3.6 mm thick: points enough
+    CHECK(nodule_points(s).rows() >= 50);
+    enclosed(centre_m, 1e-3);
+    CHECK_THAT(refusal<StudyError>([&] { study_law(s, shape(), mesh); }), StartsWith("dome.toml: key 'nodule.shape': no point of the lattice's cubes") && Contains("make springs.spacing_m smaller"));
 }
 
 TEST_CASE("a nodule that is not well inside its shape is refused by key and place", "[solid_shape]") {
     Study s = study();
     s.file = "dome.toml";
     s.geometry.shape = "dome.geo";
-    s.nodule = Study::Nodule{};
+    s.nodule = stone();
     const auto said = [&](const Eigen::Vector3d& centre_m, double radius_m) {
-        s.nodule->centre_m = centre_m;
-        s.nodule->radius_m = radius_m;
+        s.nodule->inclusion = Inclusion(centre_m, radius_m);
         return refusal<StudyError>([&] { refuse_nodule_outside(s, *shape()); });
     };
     CHECK_THAT(said({0, 0, 0.06}, 0.005), StartsWith("dome.toml: key 'nodule.centre_m': (0, 0, 0.06) m is not inside dome.geo"));
@@ -398,7 +445,7 @@ TEST_CASE("a nodule that is not well inside its shape is refused by key and plac
     CHECK_THAT(said({0, 0, 0.009}, 0.009), StartsWith("dome.toml: key 'nodule.radius_m': (0, 0, 0.009) m is 9 mm from the surface of dome.geo") &&
                                                Contains("needs 11.77 mm"));  // 1.03 x 9 + 5 / 2
     CHECK_THAT(said({0, 0, 0.0117}, 0.009), Contains("key 'nodule.radius_m'"));
-    s.nodule->centre_m = Eigen::Vector3d(0, 0, 0.0118);
+    s.nodule->inclusion = Inclusion(Eigen::Vector3d(0, 0, 0.0118), 0.009);
     refuse_nodule_outside(s, *shape());
     s.nodule.reset();
     refuse_nodule_outside(s, *shape());

@@ -7,6 +7,7 @@
 #include "dome.h"
 #include "error.h"
 #include "mesh/embedded_lattice.h"
+#include "mesh/surface.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
@@ -74,6 +75,16 @@ TEST_CASE("a thin sheet's vertices are carried by the side that looks their way"
     const CarriedSurface carried = carried_surface(plate, top, 1);
     for (Eigen::Index v = 0; v < 3; ++v)
         for (int k = 0; k < 3; ++k) CHECK(plate.nodes(carried.node(v, k), 2) == 0.01);
+}
+
+TEST_CASE("a surface that points inwards is turned, and points of no triangle are left out", "[carried]") {
+    MshFile inward = finer();
+    inward.points.insert(inward.points.begin(), {0, 0, 0});  // in the middle of the bed
+    for (MshFile::Element& e : inward.triangles) e = {0, {e.node[0] + 1, e.node[2] + 1, e.node[1] + 1}, 0};
+    const CarriedSurface turned = carried_surface(mesh(), inward, 1e-3), given = carried_surface(mesh(), finer(), 1e-3);
+    REQUIRE(turned.vertices.rows() == given.vertices.rows());
+    CHECK(enclosed_by({turned.vertices, turned.facets, {}}).volume_m3 == Approx(enclosed_by({given.vertices, given.facets, {}}).volume_m3).epsilon(1e-9));
+    CHECK(turned.moved(waves()).colwise().sum().isApprox(given.moved(waves()).colwise().sum(), 1e-9));
 }
 
 TEST_CASE("a mesh's own surface is its boundary", "[carried]") {

@@ -38,26 +38,31 @@ TEST_CASE("what a closed surface encloses is what the ball is that it goes round
 }
 
 TEST_CASE("triangles of finite elements enclose the volume of the surface that they are made of", "[inclusion]") {
-    const Surface given = surface(5);
-    for (const double size_m : {0.003, 0.0048}) {
-        const Surface coarse = inclusion_facets(given, size_m);
-        const Inclusion made(coarse);
-        CHECK(made.volume_m3() == Approx(Inclusion(given).volume_m3()).epsilon(1e-9));
-        CHECK((made.centre_m() - centre).norm() < 1e-9);
-        double longest = 0;
-        for (Eigen::Index t = 0; t < coarse.triangles.rows(); ++t) {
-            longest = std::max(longest, (coarse.corner(t, 0) - coarse.corner(t, 1)).norm());
-            CHECK(triangle_quality(coarse.corner(t, 0), coarse.corner(t, 1), coarse.corner(t, 2)) > 0.4);
+    MshFile steps = ball_surface(1e3 * centre, 1e3 * radius_m, 5);  // as of voxels of 0.5 mm
+    for (MshFile::Point& p : steps.points)
+        for (double* x : {&p.x, &p.y, &p.z}) *x = std::round(2 * *x) / 2 + 0.2 * (*x - std::round(2 * *x) / 2);
+    for (const Surface& given : {surface(5), inclusion_surface(steps, 1e-3)})
+        for (const double most_m : {0.003, 1.0}) {
+            const double size_m = std::min(most_m, 0.6 * radius_m);
+            const Surface coarse = inclusion_facets(given, most_m);
+            const Inclusion made(coarse);
+            CHECK(made.volume_m3() == Approx(Inclusion(given).volume_m3()).epsilon(1e-9));
+            CHECK((made.centre_m() - Inclusion(given).centre_m()).norm() < 1e-9);
+            double sum_m = 0;
+            for (Eigen::Index t = 0; t < coarse.triangles.rows(); ++t) {
+                for (int k = 0; k < 3; ++k) sum_m += (coarse.corner(t, k) - coarse.corner(t, (k + 1) % 3)).norm();
+                CHECK(triangle_quality(coarse.corner(t, 0), coarse.corner(t, 1), coarse.corner(t, 2)) > 0.1);
+            }
+            const double mean_m = sum_m / static_cast<double>(3 * coarse.triangles.rows());
+            CHECK(mean_m > 0.7 * size_m);
+            CHECK(mean_m < 1.3 * size_m);
         }
-        CHECK(longest < 1.8 * size_m);
-        CHECK(longest > 0.8 * size_m);
-    }
 }
 
 TEST_CASE("an inclusion's surface with a hole is refused by its file, and by the first fault", "[inclusion]") {
     MshFile open = ball_surface(centre, radius_m, 2);
     open.triangles.pop_back();
-    CHECK_THAT(refusal<FileError>([&] { inclusion_surface(open, 1); }), Contains("ball.stl: 1 hole") && Contains("tissuectl surface"));
+    CHECK_THAT(refusal<FileError>([&] { inclusion_surface(open, 1); }), Contains("ball.stl: 1 hole, perimeter") && Contains(" mm") && Contains("tissuectl surface"));
 }
 
 TEST_CASE("an inclusion stands in the file of the surface about it, in no physical group", "[inclusion]") {

@@ -154,7 +154,8 @@ TEST_CASE("contacts of a solid shape are listed or spread, one of the two, and e
     CHECK_THAT(nodule("shape = \"none.stl\"\n"), Contains("key 'nodule.shape': there is no file ") && Contains("none.stl"));
     CHECK_THAT(nodule("shape = \"ball.geo\"\n"), Contains("key 'nodule.shape': 'ball.geo' must be a file that ends in .stl"));
     CHECK_THAT(nodule("shape = \"none.stl\"\nradius_m = 0.01\n"), Contains("key 'nodule.shape': cannot stand beside centre_m and radius_m"));
-    CHECK_THAT(nodule("shape = \"none.stl\"\nunit_m = 1\n"), Contains("key 'nodule.unit_m': is not known"));
+    CHECK_THAT(nodule("shape = \"none.stl\"\nradius_m = 0.01\nunit_m = 1\n"), Contains("cannot stand beside"));
+    CHECK_THAT(nodule("centre_m = [0, 0, 0.03]\nradius_m = 0.01\nunit_m = 1\n"), Contains("key 'nodule.unit_m': is not known"));
 }
 
 TEST_CASE("a study based on another takes its own kind of contacts and geometry", "[solid_shape]") {

@@ -142,7 +142,7 @@ TEST_CASE("meshes of a solid that would miss the disc, or check nothing, are ref
 TEST_CASE("a nodule lies inside its block, or is refused") {
     const Study s = example_study(solid_study_text());
     REQUIRE(s.nodule);
-    CHECK(s.nodule->centre_m == Eigen::Vector3d(0.06, 0.04, 0.025));
+    CHECK(s.nodule->inclusion.centre_m() == Eigen::Vector3d(0.06, 0.04, 0.025));
     CHECK(s.nodule->youngs_modulus_Pa() == 6 * 3000.0);
     const std::string& text = solid_study_text();
     CHECK_FALSE(example_study(text.substr(0, text.find("[nodule]"))).nodule);

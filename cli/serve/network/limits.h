@@ -20,7 +20,7 @@ inline constexpr int connections_max = 64;                 ///< of all kinds at 
 inline constexpr int connections_of_address = 48;          ///< above 32 pages and what they load
 inline constexpr int addresses_max = 1024;                 ///< that are remembered
 inline constexpr double messages_s = 250;                  ///< of one page: a mouse sends 60 to 125
-inline constexpr double requests_s = 250;                  ///< of one address: a page loads 27 files
+inline constexpr double requests_s = 250;                  ///< of one address: a page loads 30 files
 inline constexpr std::size_t frame_header = 14;            ///< bytes, at most, before what a page says
 
 inline double now_s() {

@@ -1,0 +1,106 @@
+#include "cases/path_arguments.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace tissue {
+namespace {
+
+constexpr int nodule_label = 11;  ///< of its elements
+
+/// A law's parameters for FreeFEM. ending: "" of the base material, "_11" of the elements labelled so.
+std::string parameter_arguments(const Study::LawParameters& p, const std::string& ending) {
+    if (p.alpha.empty()) return fmt::format("-C1{2} {0} -C2{2} {1}", p.C1_Pa, p.C2_Pa, ending);
+    std::string text;
+    for (std::size_t k = 0; k < p.alpha.size(); ++k)
+        text += fmt::format("{4}-mu{0}{3} {1} -alpha{0}{3} {2}", k + 1, p.mu_Pa[k], p.alpha[k], ending, k ? " " : "");
+    return text;
+}
+
+/// The law and its parameters for FreeFEM; those of the named regions after the base material's.
+std::string law_arguments(const Study::Material& m) {
+    std::string text = parameter_arguments(m, "");
+    if (m.law == "ogden") text = fmt::format("-law ogden -terms {} ", m.alpha.size()) + text;
+    int label = 10;
+    for (const Study::Region& r : m.regions) text += " " + parameter_arguments(r, fmt::format("_{}", ++label));
+    return text;
+}
+
+/// The branches of one material for FreeFEM.
+std::string branch_arguments(const Study::LawParameters& p, const std::vector<Branch>& branches, const std::string& ending) {
+    std::string text;
+    for (std::size_t k = 0; k < branches.size(); ++k) {
+        text += fmt::format(" -g{}{} {}", k + 1, ending, p.share[k]);
+        if (ending.empty()) text += fmt::format(" -tau{} {}", k + 1, branches[k].tau_s);
+    }
+    return text;
+}
+
+/// How the tissue relaxes, for FreeFEM: times and shares of the base material, then shares of the regions or the nodule.
+std::string viscosity_arguments(const Study& s) {
+    const std::vector<Branch>& branches = s.material.viscosity;
+    std::string text = fmt::format(" -branches {}", branches.size()) + branch_arguments(s.material, branches, "");
+    int label = 10;
+    for (const Study::Region& r : s.material.regions) text += branch_arguments(r, branches, fmt::format("_{}", ++label));
+    if (s.nodule) text += branch_arguments(*s.nodule, branches, fmt::format("_{}", nodule_label));
+    return text;
+}
+
+/// The nodule's place for gmsh and its material for FreeFEM; nothing where there is none.
+std::string nodule_arguments(const Study& s) {
+    if (!s.nodule) return "";
+    const Inclusion& at = s.nodule->inclusion;
+    const std::string& shape = s.nodule->shape;
+    return fmt::format("{} -nodule_x {} -nodule_y {} -nodule_z {} -nodule_radius {} {}", shape.empty() ? "" : " -nodule_shape " + shape, at.centre_m()[0], at.centre_m()[1],
+                       at.centre_m()[2], at.radius_m(), parameter_arguments(*s.nodule, fmt::format("_{}", nodule_label)));
+}
+
+}  // namespace
+
+std::string history_arguments(const Study& s, const PlannedHistory& history, const std::string& file, bool relaxes) {
+    std::string text = fmt::format(" -history {} -density {}", file, s.material.density_kg_m3);
+    if (history.second_contact_m) text += fmt::format(" -second_x {} -second_y {}", history.second_contact_m->x(), history.second_contact_m->y());
+    return relaxes ? text + viscosity_arguments(s) : text;
+}
+
+std::string solid_arguments(const Study& s, const PlannedPath& path) {
+    const Study::Geometry& g = s.geometry;
+    const StudyPath& p = path.push;
+    return fmt::format(
+        "-geo {} -width {} -length {} -height {} -cells_x {} -cells_y {} -cells_z {} -size_near {} -size_far {} {}{} -contact_x {} "
+        "-contact_y {} -contact_z {} -direction_x {} -direction_y {} -direction_z {} -disc_radius {} -depth {} -records {} -tolerance {} "
+        "-max_newton {} -allow_lost 1",
+        solid_geo, g.width_m, g.length_m, g.height_m, s.cells[0], s.cells[1], s.cells[2], path.sizes_m[0], path.sizes_m[1],
+        law_arguments(s.material), nodule_arguments(s), p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1],
+        p.direction[2], s.indenter.radius_m, path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton);
+}
+
+std::string solid_shape_arguments(const Study& s, const PlannedPath& path, const std::string& springs) {
+    const StudyPath& p = path.push;
+    const std::vector<std::string> regions = s.material.region_names();
+    return fmt::format(
+        "-shape {} -unit_m {} -fixed {}{}{} -springs {} -size_near {} -size_far {} {}{} -contact_x {} -contact_y {} -contact_z {} "
+        "-direction_x {} -direction_y {} -direction_z {} -disc_radius {} -depth {} -records {} -tolerance {} -max_newton {} -allow_lost 1",
+        s.geometry.shape, s.geometry.unit_m, fmt::join(s.geometry.fixed, ","),
+        s.geometry.bed_Pa_m > 0 ? fmt::format(" -bed {}", s.geometry.bed_Pa_m) : "",
+        regions.empty() ? "" : fmt::format(" -regions {}", fmt::join(regions, ",")), springs, path.sizes_m[0], path.sizes_m[1],
+        law_arguments(s.material), nodule_arguments(s), p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1],
+        p.direction[2], s.indenter.radius_m, path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton);
+}
+
+std::string path_arguments(const Study& s, const PlannedPath& path) {
+    const StudyPath& p = path.push;
+    const Study::Geometry& g = s.geometry;
+    const std::string size = g.is_block() ? fmt::format("-width {} -height {} ", g.width_m, g.height_m) : "",
+                      lattice = g.is_block() ? fmt::format("-cells_x {} -cells_y {}", s.cells[0], s.cells[1])
+                                             : fmt::format("-refine {}", path.refine);
+    return fmt::format(
+        "{}-thickness {} {} {} -contact_x {} -contact_y {} "
+        "-direction_x {} -direction_y {} -depth {} -records {} -tolerance {} -max_newton {} -formulation {} "
+        "-indenter {} -patch_half_width {} -allow_lost {}",
+        size, g.thickness_m, law_arguments(s.material), lattice, p.contact_m.x(), p.contact_m.y(), p.direction.x(),
+        p.direction.y(), path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton, s.material.formulation,
+        s.indenter.kind, s.indenter.half_width_m, s.loads.sweep || path.role == "check" || path.role == history_role ? 1 : 0);
+}
+
+}  // namespace tissue
