@@ -1,4 +1,5 @@
 #include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -393,9 +394,12 @@ TEST_CASE("a nodule of a surface's file stiffens what the ball does that it goes
     const SpringMesh mesh = study_mesh(s, shape(), "embedded");
     const Eigen::VectorXd ball = solid_moduli(s, shape(), mesh, mesh_cells(mesh));
     const NodeField points = nodule_points(s);
-    const auto enclosed = [&](const Eigen::Vector3d& at_m, double thin = 1) {
+    const auto enclosed = [&](const Eigen::Vector3d& at_m, double thin = 1, double turned = 0) {
         MshFile file = ball_surface(Eigen::Vector3d::Zero(), 9, 5);
-        for (MshFile::Point& p : file.points) p = {p.x + 1e3 * at_m[0], p.y + 1e3 * at_m[1], thin * p.z + 1e3 * at_m[2]};
+        for (MshFile::Point& p : file.points) {
+            const Eigen::Vector3d at = 1e3 * at_m + Eigen::AngleAxisd(turned, Eigen::Vector3d::UnitX()) * Eigen::Vector3d(p.x, p.y, thin * p.z);
+            p = {at[0], at[1], at[2]};
+        }
         s.nodule->inclusion = Inclusion(inclusion_surface(file, 1e-3));
         s.nodule->shape = "stone.stl";
     };
@@ -417,18 +421,36 @@ TEST_CASE("a nodule of a surface's file stiffens what the ball does that it goes
     CHECK_THAT(refusal<StudyError>([&] { refuse_nodule_outside(s, *shape()); }), StartsWith("dome.toml: key 'nodule.shape': (") && Contains("stone.stl is ") && Contains("half of mesh.sizes_m[0]"));
     enclosed({0.01, 0, 0.2});
     CHECK_THAT(refusal<StudyError>([&] { refuse_nodule_outside(s, *shape()); }), Contains("stone.stl is not inside fem/dome.geo"));
-    // its corners lie inside, and its middle does not
-    MshFile bar;
-    bar.file = "bar.stl";
-    bar.points = {{-30, 0, 12}, {30, 0, 12}, {0, 6, 12}, {0, 0, -12}};
-    bar.triangles = {{0, {0, 1, 2}, 0}, {0, {1, 0, 3}, 0}, {0, {2, 1, 3}, 0}, {0, {0, 2, 3}, 0}};
-    s.nodule->inclusion = Inclusion(inclusion_surface(bar, 1e-3));
-    CHECK_THAT(refusal<StudyError>([&] { refuse_nodule_outside(s, *shape()); }), Contains("key 'nodule.shape'"));
-
-    enclosed(centre_m, 0.2);  // 3.6 mm thick: points enough
+    enclosed(centre_m, 0.05, 0.7);  // a slanted disc, in which a box has few points
     CHECK(nodule_points(s).rows() >= 50);
     enclosed(centre_m, 1e-3);
     CHECK_THAT(refusal<StudyError>([&] { study_law(s, shape(), mesh); }), StartsWith("dome.toml: key 'nodule.shape': no point of the lattice's cubes") && Contains("make springs.spacing_m smaller"));
+}
+
+TEST_CASE("all of a nodule's surface lies inside, not its corners alone", "[solid_shape]") {
+    const SpringMesh block = make_lattice("grid26", Lattice{{3, 1, 2}, {0.09, 0.04, 0.06}});
+    Shape notched{block.nodes, Cells(0, 4), {}, {}, {}};  // the middle of its upper half is missing
+    for (const auto& t : block.simplices.rowwise()) {
+        const Eigen::RowVector3d middle_m = block.nodes({t[0], t[1], t[2], t[3]}, Eigen::all).colwise().mean();
+        if (middle_m[2] > 0.03 && middle_m[0] > 0.03 && middle_m[0] < 0.06) continue;
+        notched.simplices.conservativeResize(notched.simplices.rows() + 1, 4);
+        notched.simplices.bottomRows(1) = t;
+    }
+    Study s = study();
+    s.file = "notched.toml";
+    s.nodule = stone();
+    s.nodule->shape = "bar.stl";
+    const auto bar = [&](double z_mm) {
+        MshFile file;
+        file.file = "bar.stl";
+        file.points = {{10, 15, z_mm}, {80, 15, z_mm}, {80, 25, z_mm}, {10, 20, z_mm + 8}};
+        file.triangles = {{0, {0, 2, 1}, 0}, {0, {0, 1, 3}, 0}, {0, {1, 2, 3}, 0}, {0, {2, 0, 3}, 0}};
+        s.nodule->inclusion = Inclusion(inclusion_surface(file, 1e-3));
+    };
+    bar(10);
+    refuse_nodule_outside(s, notched);
+    bar(40);
+    CHECK_THAT(refusal<StudyError>([&] { refuse_nodule_outside(s, notched); }), StartsWith("notched.toml: key 'nodule.shape': (") && Contains(" of bar.stl is "));
 }
 
 TEST_CASE("a nodule that is not well inside its shape is refused by key and place", "[solid_shape]") {
