@@ -207,6 +207,33 @@ TEST_CASE("of a solid a page is told the surface alone: its nodes, its facets by
         CHECK(deep.displacement_m.row(static_cast<Eigen::Index>(k)) == s.fe_m[1].row(s.scene->shown()[k]));
 }
 
+TEST_CASE("a carried surface is told in bytes: places, facets, and which of the page's nodes carry a vertex", "[serve]") {
+    Solid s;
+    CHECK((s.scene->carried().empty() && !Json::parse(s.scene->message({"solid"}, 0)).contains("surface")));
+    CarriedSurface surface = own_surface(s.tissue.mesh);
+    surface.node.row(3) = s.tissue.mesh.facets.row(7);
+    surface.weight.row(3) << 0.5, 0.25, 0.25;
+    s.scene->carry(surface);
+    const Json j = Json::parse(s.scene->message({"solid"}, 0));
+    CHECK(j["surface"] == true);
+    const std::string& bytes = s.scene->carried();
+    const std::size_t V = 66, F = static_cast<std::size_t>(surface.facets.rows());
+    REQUIRE(bytes.size() == 8 + 12 * (3 * V + F));
+    const auto word = [&](std::size_t at) { std::uint32_t x = 0; std::memcpy(&x, bytes.data() + 4 * at, 4); return static_cast<std::size_t>(x); };
+    const auto real = [&](std::size_t at) { float x = 0; std::memcpy(&x, bytes.data() + 4 * at, 4); return x; };
+    CHECK((word(0) == V && word(1) == F));
+    const std::size_t rest = 2, facets = rest + 3 * V, node = facets + 3 * F, weight = node + 3 * V;
+    const Json& learned = j["meshes"][0];
+    for (std::size_t v = 0; v < V; ++v)
+        for (std::size_t k = 0; k < 3; ++k) {
+            CHECK(real(rest + 3 * v + k) == static_cast<float>(learned["nodes_m"][v][k].get<double>()));
+            CHECK(word(node + 3 * v + k) == (v == 3 ? learned["facets"][7][k].get<std::size_t>() : v));
+            CHECK(real(weight + 3 * v + k) == (v == 3 ? (k == 0 ? 0.5F : 0.25F) : k == 0 ? 1.0F : 0.0F));
+        }
+    for (std::size_t f = 0; f < F; ++f)
+        for (std::size_t k = 0; k < 3; ++k) CHECK(word(facets + 3 * f + k) == learned["facets"][f][k].get<std::size_t>());
+}
+
 TEST_CASE("a state in space has three numbers of every vector, and the surface's nodes of each mesh", "[serve]") {
     const Solid s;
     Simulation simulation(*s.model);
