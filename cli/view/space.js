@@ -377,5 +377,5 @@ export const drawn_points = m => {
   if (!windows[m]) return null;
   const w = windows[m], shown = w.fine && w.fine.visible ? w.carried : w.surface;
   return { points: shown.node_of.length, facets: shown.facets.length, band_moved_m: w.held.geometry.moved_m(),
-           deepest_m: shown.position.reduce((most, x, k) => Math.max(most, Math.abs(x - shown.rest[3 * shown.node_of[Math.floor(k / 3)] + k % 3])), 0) };
+           farthest_m: shown.farthest_m() };
 };

@@ -92,6 +92,11 @@ export class Surface {
     }
   }
 
+  /** How far the point that is farthest from rest has moved, m. */
+  farthest_m() {
+    return this.node_of.reduce((most, i, p) => Math.max(most, Math.hypot(...[0, 1, 2].map(a => this.position[3 * p + a] - this.rest[3 * i + a]))), 0);
+  }
+
   /** Unit normal into the tissue at rest, at a point of the surface at rest: of the nearest facet. */
   inward_at(point) {
     let best = Infinity, inward = [0, 0, -1];

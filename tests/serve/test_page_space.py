@@ -456,10 +456,10 @@ def carried(page, program, models, folder, block):
         page.open(server.url)
         drawn = "(tissue.solids || [{facets: 0}])"
         check("the organ's own surface is drawn, on both meshes", page.until(f"{drawn}.every(s => s.facets === {len(triangles)})"), page.js("tissue.solids"))
-        page.until(f"tissue.pressed === 0 && Math.min(...{drawn}.map(s => s.deepest_m)) > 1e-3")
+        page.until(f"tissue.pressed === 0 && Math.min(...{drawn}.map(s => s.farthest_m)) > 1e-3")
         page.js("document.getElementById('pause').click()")
         page.until("tissue.control.paused")
-        both = f"[{drawn}.map(s => s.deepest_m), tissue.largest_displacement_m]"   # its corners are the mesh's nodes, and the rest lies between them
+        both = f"[{drawn}.map(s => s.farthest_m), tissue.largest_displacement_m]"   # its corners are the mesh's nodes, and the rest lies between them
         check("and goes with them", page.until(f"(([own, mesh]) => own.every((x, m) => Math.abs(x / mesh[m] - 1) < 1e-3))({both})"), page.js(both))
         page.js("document.getElementById('pause').click()")
         page.js("document.getElementById('carried_wanted').click()")
