@@ -78,7 +78,7 @@ def http(port):
     answers = [get(port, "/", method) for method in ("POST", "PUT", "DELETE", "OPTIONS", "BREW")]
     check("other methods: 405, with those allowed", all(a[0] == 405 and "Allow: GET, HEAD" in a[1] for a in answers[:4])
           and answers[4][0] in (400, 405), [a[0] for a in answers])
-    check("other paths: 404", [get(port, p)[0] for p in ("/index.html", "/../Makefile", "/%2e%2e/etc/passwd", "//")] == [404] * 4)
+    check("other paths: 404", [get(port, p)[0] for p in ("/index.html", "/../Makefile", "/%2e%2e/etc/passwd", "//", "/surface")] == [404] * 5)
     check("a Host that is a name: 403", [get(port, "/", host=h)[0] for h in ("evil.example", f"evil.example:{port}", "")] == [403] * 3)
     check("a Host in digits or localhost is served", [get(port, "/healthz", host=h)[0] for h in (f"localhost:{port}", "[::1]:1", "10.0.0.1")] == [200] * 3)
     check("a request of another Origin: 403", get(port, "/", headers="Origin: http://evil.example\r\n")[0] == 403)

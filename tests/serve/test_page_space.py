@@ -11,6 +11,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from urllib.request import Request, urlopen
 
 import h5py
 import matplotlib.image
@@ -456,6 +457,9 @@ def carried(page, program, models, folder, block):
         page.open(server.url)
         drawn = "(tissue.solids || [{facets: 0}])"
         check("the organ's own surface is drawn, on both meshes", page.until(f"{drawn}.every(s => s.facets === {len(triangles)})"), page.js("tissue.solids"))
+        answers = [urlopen(Request(server.url + "surface", method=method)) for method in ("GET", "HEAD")]
+        sent, long = answers[0].read(), 8 + 36 * len(numpy.unique(triangles.reshape(-1, 3), axis=0)) + 12 * len(triangles)
+        check("its bytes are as many as PROTOCOL.md says, for GET as for HEAD", len(sent) == long and [int(a.headers["Content-Length"]) for a in answers] == [long] * 2, [len(sent), long])
         page.until(f"tissue.pressed === 0 && Math.min(...{drawn}.map(s => s.farthest_m)) > 1e-3")
         page.js("document.getElementById('pause').click()")
         page.until("tissue.control.paused")
