@@ -459,10 +459,10 @@ SANITIZED := tissue-haptic tissuectl test_tissue
 sanitized: | build/deps-sanitize
 	@$(MAKE) SANITIZE=1 $(addprefix build/sanitize/,$(SANITIZED) $(FUZZ_READERS:%=fuzz_%))
 
-## sanitize: library tests and the server under address and undefined-behaviour sanitizers
+## sanitize: library tests and the server under address and undefined-behaviour sanitizers; TESTS='~[long]' without the tests that take longest
 sanitize: | build/deps-sanitize
 	@$(MAKE) SANITIZE=1 $(SANITIZED:%=build/sanitize/%)
-	@TISSUE_HAPTIC=build/sanitize/tissue-haptic tests/parts build/sanitize/test_tissue $$(env -u OMP_NUM_THREADS nproc)
+	@TISSUE_HAPTIC=build/sanitize/tissue-haptic tests/parts build/sanitize/test_tissue $$(env -u OMP_NUM_THREADS nproc) '$(TESTS)'
 	@TISSUECTL=build/sanitize/tissuectl PYTHON=$(PYTHON) tests/pipeline/test_serve.sh
 
 ## tsan: what has threads (loop, recorder, devices, learning, page, parallel work) under the sanitizer for races

@@ -222,7 +222,7 @@ TEST_CASE("a sensor that drifts is told before it is believed for long", "[adapt
     for (const Poke& poke : pokes) CHECK(steady.learn(poke).warning.empty());
 }
 
-TEST_CASE("what the model says it does not know is what it is off, over many tissues", "[adapt]") {
+TEST_CASE("what the model says it does not know is what it is off, over many tissues", "[adapt][long]") {
     const TissueModel law = law_example();
     AdaptOptions o = options();
     o.model_error = 0.005;  // the truths are laws of the same mesh

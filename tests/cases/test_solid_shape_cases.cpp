@@ -332,7 +332,7 @@ TEST_CASE("of what reaches out of a solid shape the tissue inside counts, or the
     CHECK_THAT(refusal<StudyError>([&] { study_law(s, fine, coarse); }), StartsWith("dome.toml: key 'material.regions.stone': no point of the lattice's cubes (25 mm, 64 points each) lies in this volume"));
 }
 
-TEST_CASE("of pushes that take turns a first model has as many of each, from all over", "[solid_shape]") {
+TEST_CASE("of pushes that take turns a first model has as many of each, from all over", "[solid_shape][long]") {
     for (const std::size_t kinds : {2U, 3U})
         for (int count = 9; count <= 34; ++count) {
             CAPTURE(kinds, count);
@@ -386,7 +386,7 @@ TEST_CASE("a nodule in a solid shape stiffens springs and cells by what of them 
                Contains(" -nodule_x 0.01 -nodule_y 0 -nodule_z 0.03 -nodule_radius 0.009 -C1_11 3016 -C2_11 0 -contact_x "));
 }
 
-TEST_CASE("a nodule of a surface's file stiffens what the ball does that it goes round", "[solid_shape]") {
+TEST_CASE("a nodule of a surface's file stiffens what the ball does that it goes round", "[solid_shape][long]") {
     Study s = study();
     s.name = "dome", s.file = "dome.toml", s.geometry.shape = "fem/dome.geo";
     s.nodule = stone();

@@ -19,7 +19,7 @@ TEST_CASE("at a switch of sets energy jumps by gamma of the difference at most, 
     CHECK(smooth.force_jump_N < 0.25 * sudden.force_jump_N);
 }
 
-TEST_CASE("in motion the force comes to the static closed-loop answer at every contact", "[truth]") {
+TEST_CASE("in motion the force comes to the static closed-loop answer at every contact", "[truth][long]") {
     for (const ExampleModel& e : {ExampleModel{"grid4", "isotropic", 10, 0.2}, ExampleModel{"grid8", "axial", 10, 0.2}, ExampleModel{"grid8", "geometric", 10, 0.2}}) {
         const TissueModel tissue = haptic_example(e);
         const HapticModel model(tissue, {});

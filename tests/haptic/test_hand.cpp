@@ -68,7 +68,7 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
 
 }  // namespace
 
-TEST_CASE("a hand with mass comes to rest on the tissue, where the tissue's own equilibrium is", "[hand]") {
+TEST_CASE("a hand with mass comes to rest on the tissue, where the tissue's own equilibrium is", "[hand][long]") {
     // a small part of tests/bench/bench_hand
     for (const bool relaxes : {false, true}) {
         const TissueModel tissue = relaxes ? relaxing(law_example()) : law_example();
@@ -102,7 +102,7 @@ TEST_CASE("a hand with mass comes to rest on the tissue, where the tissue's own 
     }
 }
 
-TEST_CASE("a hand comes to rest also where its positions are up to half of dt old when they are used", "[hand]") {
+TEST_CASE("a hand comes to rest also where its positions are up to half of dt old when they are used", "[hand][long]") {
     const TissueModel tissue = law_example();
     const FreeSurface surface(tissue.mesh);
     for (const double scale : {1.0, 2.0})
@@ -126,7 +126,7 @@ TEST_CASE("a hand comes to rest also where its positions are up to half of dt ol
             }
 }
 
-TEST_CASE("who taps, lets go or drags gets no energy out of the tissue, and nothing trembles", "[hand]") {
+TEST_CASE("who taps, lets go or drags gets no energy out of the tissue, and nothing trembles", "[hand][long]") {
     for (const bool relaxes : {false, true})
         for (const double friction : {std::numeric_limits<double>::infinity(), 0.3}) {
             HapticOptions options = alone();

@@ -94,7 +94,7 @@ TEST_CASE("a force on an embedded solid's node does the same work on its lattice
     }
 }
 
-TEST_CASE("a shape's contact is clamped to what training saw in a press, in the tick and after its file, and a session's state knows", "[solid][embedded]") {
+TEST_CASE("a shape's contact is clamped to what training saw in a press, in the tick and after its file, and a session's state knows", "[solid][embedded][long]") {
     TissueModel free = solid_law_example(embedded_lattice(dome(6), 0.011));
     free.energy_law->patch.log_N_m.col(5).head<4>().setConstant(1.5);
     const SpringMesh& mesh = free.mesh;
@@ -170,7 +170,7 @@ TEST_CASE("in space every spring of the tick pulls as its law says, in a lattice
     }
 }
 
-TEST_CASE("in space a law's undamped step keeps its energy within a band, without drift", "[solid][law]") {
+TEST_CASE("in space a law's undamped step keeps its energy within a band, without drift", "[solid][law][long]") {
     for (const SpringMesh& mesh : meshes()) {
         const TissueModel model = solid_law_example(mesh);
         const RealtimeMesh springs = springs_of(model);

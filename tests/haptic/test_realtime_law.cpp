@@ -145,7 +145,7 @@ TEST_CASE("a law's spectrum is that of its tangents, at rest and pressed", "[law
     CHECK(spectrum.largest < 1.2 * stiffest);
 }
 
-TEST_CASE("however small the masses are, a law's highest frequency is right or no number", "[law]") {
+TEST_CASE("however small the masses are, a law's highest frequency is right or no number", "[law][long]") {
     TissueModel model = law_example();
     const double largest = law_spectrum(model, springs_of(model)).largest;
     const Eigen::VectorXd mass_kg = model.node_mass_kg;

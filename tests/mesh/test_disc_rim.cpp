@@ -146,7 +146,7 @@ TEST_CASE("what is held keeps its border within a flat face", "[solid][rim]") {
     CHECK(volume(made.surface) == Approx(5e-4).epsilon(1e-9));
 }
 
-TEST_CASE("a curved surface keeps its volume and its disc's area to second order", "[solid][rim]") {
+TEST_CASE("a curved surface keeps its volume and its disc's area to second order", "[solid][rim][long]") {
     const Surface whole = ellipsoid(5);
     const double all = area(whole, Surface::free_label) + area(whole, Surface::fixed_label);
     std::vector<double> volumes, areas;
@@ -272,7 +272,7 @@ TEST_CASE("a mesh of tetrahedra has the surface of its outer faces", "[solid][ri
     CHECK(refusal<FileError>([&] { make_surface(mesh, {"bed"}, 1); }).find("'bed', to be held, has triangles that are not on the surface") != std::string::npos);
 }
 
-TEST_CASE("a segmentation's short creases about the disc leave good triangles", "[solid][rim]") {
+TEST_CASE("a segmentation's short creases about the disc leave good triangles", "[solid][rim][long]") {
     for (unsigned seed = 0; seed < 24; ++seed) {
         CAPTURE(seed);
         std::mt19937 draw(seed);

@@ -112,7 +112,7 @@ TEST_CASE("a contact that softens gives way to half its stiffness, and hardens i
     }
 }
 
-TEST_CASE("a pressed dome rests in balance, and its derivatives are those of its rest", "[solid_shape]") {
+TEST_CASE("a pressed dome rests in balance, and its derivatives are those of its rest", "[solid_shape][long]") {
     const SpringMesh mesh = embedded_lattice(dome(8), 0.011);
     const EnergyLaw law = law_on(mesh, {"spring.all", "cell.layer", "spring.along.layer", "contact.normal", "contact.imprint_normal", "contact.softening", "contact.normal.curved",
                                        "contact.tangent.crowd", "contact.softening.crowd"});

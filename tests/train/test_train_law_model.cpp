@@ -167,7 +167,7 @@ TEST_CASE("the report's factor of a term is what the law's constants are over th
     CHECK_THAT(to_markdown(e), Contains(fmt::format("| cell.all | {:.3f} | none |", p)));
 }
 
-TEST_CASE("from forces alone a law finds its constants again, whatever the material was taken for", "[law][measured]") {
+TEST_CASE("from forces alone a law finds its constants again, whatever the material was taken for", "[law][measured][long]") {
     const Study study = measured_study();
     const SpringMesh mesh = measured_mesh();
     constexpr double stiffer = 3;  // than the study's material says
