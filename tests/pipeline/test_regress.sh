@@ -148,9 +148,12 @@ alone --finished --all
 check "--all --finished with a record that moved: exit 1" exited 1
 check "--all --finished: the value that moved is named" says '^    paths/left/newton: 99 -> [0-9]* (exact)'
 check "--all --finished: the last line counts" sh -c 'tail -n 1 "$1" | grep -q "of 2 studies with a record: 1 moved (done), 1 not finished (tiny)"' - "$said"
+printf 'based_on = "tiny"\n[geometry]\nshape = "../organs/brought.stl"\n' >"$work/fem/studies/brought.toml" && cp "$work/results/reference/done.json" "$work/results/reference/brought.json"
 alone --all
 check "--all runs every study with a record anew: exit 1 where one moved" exited 1
-check "--all goes on after one that moved" sh -c 'tail -n 1 "$1" | grep -q "of 2 studies with a record: 1 moved (done), 1 same$"' - "$said"
+check "--all goes on after one that moved, and passes over one whose shape is not there" sh -c \
+    'tail -n 1 "$1" | grep -q "of 3 studies with a record: 1 moved (done), 1 same, 1 without the shape (brought)$"' - "$said"
+rm "$work/fem/studies/brought.toml" "$work/results/reference/brought.json"
 check "--all: a line of history a study, --finished none" test "$(runs)" = $((before + 2))
 touch "$work/fem/newton.idp"
 alone --finished --study done
