@@ -15,6 +15,7 @@
 #include "progress.h"
 #include "springs/law_press.h"
 #include "surface_file/surface_file.h"
+#include "surface_file/vtk_file.h"
 
 namespace tissue::cli {
 namespace {
@@ -51,6 +52,7 @@ void export_cases(const Options& o) {
 /// The surface that a person sees, under each press.
 void export_surfaces(const Options& o, const TissueModel& model) {
     if (!model.mesh.is_solid()) throw MismatchError(fmt::format("{}: is in the plane; --to {} draws the surface of a model in space", o.file, o.to));
+    refuse_vtk(o.surface);
     const CarriedSurface surface = o.surface.empty() ? own_surface(model.mesh) : carried_surface(model.mesh, read_surface_or_msh(o.surface, o.surface), units_m.at(o.unit));
     const LawPress press(model);
     Files files;

@@ -10,6 +10,7 @@
 #include "mesh/surface_repair.h"
 #include "mesh/surface_report.h"
 #include "surface_file/surface_file.h"
+#include "surface_file/vtk_file.h"
 
 namespace tissue::cli {
 namespace {
@@ -61,6 +62,7 @@ void print(const SurfaceReport& r, const std::string& file, const Unit& unit) {
 
 void run(const Options& o) {
     const Unit unit{units_m.at(o.unit), 1e3 * units_m.at(o.unit)};
+    refuse_vtk(o.file);
     const MshFile mesh = read_surface_file(o.file);
     const SurfaceReport report = report_on(mesh);
     if (o.out.empty()) {

@@ -8,6 +8,7 @@
 
 #include "error.h"
 #include "surface_file/surface_file.h"
+#include "surface_file/vtk_file.h"
 
 namespace tissue::serve {
 namespace {
@@ -66,6 +67,7 @@ Stage::Stage(const std::vector<std::string>& files, const StageOptions& options)
         }
     }
     if (!options_.surface.empty()) {
+        refuse_vtk(options_.surface);
         const MshFile surface = read_surface_or_msh(options_.surface, options_.surface);
         try {
             scene().carry(carried_surface(scene().mesh(), surface, options_.unit_m));

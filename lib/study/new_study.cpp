@@ -13,6 +13,7 @@
 #include "mesh/held_region.h"
 #include "study/shape_extent.h"
 #include "surface_file/surface_file.h"
+#include "surface_file/vtk_file.h"
 
 namespace tissue {
 namespace {
@@ -78,6 +79,8 @@ void check_held(const ShapeExtent& shape, const NewStudy& wanted) {
                               : unnamed_stl ? "it names none: parts between edges that turn by more than 40 degrees are surface-1 (the largest), surface-2, ..."
                                             : "it names none: name its physical curves in gmsh";
     if (wanted.held.empty()) throw MismatchError(fmt::format("{}: --held must say which {}s are held; {}{}", wanted.shape, what, there, shape.solid ? "; or a region, in m: --held 'below z = 0.01'" : ""));
+    for (const std::string& name : wanted.held)
+        if (const auto other = HeldRegion::within(name)) refuse_vtk(other->file);
     for (const std::string& name : wanted.held)
         if (!(shape.solid && HeldRegion::of(name, read_other_surface, wanted.unit_m)) && !unnamed_stl && std::find(shape.boundaries.begin(), shape.boundaries.end(), name) == shape.boundaries.end())
             throw MismatchError(fmt::format("{}: has no {} '{}' to hold; {}", wanted.shape, what, name, there));

@@ -14,6 +14,7 @@
 #include "error.h"
 #include "io/atomic_file.h"
 #include "surface_file/surface_file.h"
+#include "surface_file/vtk_file.h"
 
 namespace tissue {
 namespace {
@@ -197,6 +198,7 @@ ShapeExtent geo_extent(const std::string& text, const std::string& file) {
 }  // namespace
 
 ShapeExtent shape_extent(const std::string& file) {
+    refuse_vtk(file);
     if (is_surface_file(file)) return surface_extent(file);
     const std::string text = read_file(file);
     const std::string ending = file.substr(std::min(file.rfind('.'), file.size()));

@@ -148,6 +148,70 @@ run make PYTHON="$PYTHON" STUDY=tiny results/tiny/cases/left.csv
 check "a path is solved" exited 0
 check "nor are paths counted through a link" absent "$scratch/by-count"
 
+# ---- files of VTK: a program of their own converts them, and all else refuses them
+tissuectl surface fem/organ.vtp
+check "a .vtp: one line names the program that converts it" one_line '^tissuectl: fem/organ.vtp: VTK surfaces are converted first: scripts/vtk_surface fem/organ.vtp fem/organ.obj$'
+tissuectl new foreign2 --shape fem/organ.VTK --unit mm --held part_7
+check "nor is a study written of one" one_line '^tissuectl: fem/organ.VTK: VTK surfaces are converted first: scripts/vtk_surface fem/organ.VTK fem/organ.obj$'
+tissuectl new foreign2 --shape "$scratch/cube.stl" --unit mm --held 'within 0.003 of spine.vtp'
+check "nor is anything held near one" one_line '^tissuectl: spine.vtp: VTK surfaces are converted first'
+sed 's/foreign.geo/organ.vtu/' "$work/$study" >"$shapes/grid.toml"
+tissuectl plan --study fem/studies/grid.toml --out "$scratch/plan.mk"
+check "a study that names a .vtu: one line says that it is a grid, and what to do" one_line "grid.toml:[0-9]*: key 'geometry.shape': organ.vtu: is an unstructured grid: .* scripts/vtk_surface organ.vtp organ.obj; or bring its tetrahedra as a .msh"
+
+run "$PYTHON" -S scripts/vtk_surface "$study" organ.stl
+check "what is converted is an .obj: one line" one_line '^vtk_surface: organ.stl: what is converted is written as .obj'
+readers=$PYTHON
+[ -z "${TISSUE_READERS-}" ] || readers=$TISSUE_READERS  # one that is named must have VTK
+"$readers" -c 'import vtkmodules' 2>/dev/null || readers=$root/build/venv/bin/python
+if [ -n "${TISSUE_READERS-}" ] || "$readers" -c 'import vtkmodules' 2>/dev/null; then
+    check "VTK writes a box" "$readers" "$root/tests/pipeline/vtk_boxes.py" "$work/fem"
+    converts() { run "$readers" scripts/vtk_surface "$@"; }
+    for box in box.vtp box.vtk; do
+        rm -f "$work/fem/box.obj"
+        converts fem/$box fem/box.obj --groups part
+        check "$box is converted: exit 0" exited 0
+        check "$box: its size and groups are said" says '^fem/box.obj: 12 triangles, 8 points; groups: part_7, part_-1$'
+        check "$box: coordinates are those of the file, in double precision" grep -qx 'v 0.1 0.2 0.30000000000000004' "$work/fem/box.obj"
+        tissuectl surface fem/box.obj --unit mm
+        check "$box: it is closed" says '^fem/box.obj: 12 triangles, 8 points, 80 x 60 x 50 mm, 240 ml$'
+        rm -f "$shapes/box.toml"
+        tissuectl new box --shape fem/box.obj --unit mm --held part_7
+        check "$box: a study holds one of its groups" says '^fem/box.obj: in space, 80 x 60 x 50 mm; held: part_7$'
+    done
+    converts fem/box.vtp fem/box.obj --groups label
+    check "texts are groups, with names that make can carry" says '; groups: bed, all_the_rest$'
+    rm -f "$work/fem/box.obj" "$ran"
+    echo "$script" >"$work/fem/script.vtk"
+    while IFS='|' read -r file options words; do
+        # shellcheck disable=SC2086  # options are words
+        converts "fem/$file" fem/box.obj $options
+        check "$file $options: one line" one_line "^vtk_surface: fem/$file: $words"
+    done <<'REFUSALS'
+points.vtp||has no polygons: save the surface itself
+grid.vtp||is an unstructured grid, not a surface: save its surface as .vtp (ParaView: Extract Surface)
+grid.vtk||is an unstructured grid, not a surface
+grid.vtu||is an unstructured grid, not a surface
+cut.vtp||is cut off or damaged, save it again; VTK: Error reading
+cut.vtk||is cut off or damaged, save it again; VTK: Error reading
+huge.vtp||VTK failed while it read the file
+beyond.vtk||cell 4 names a point that the file does not have: it has 9; save it again
+nan.vtp||point 7 of cell [0-9]* has a coordinate that is no finite number
+box.vtp|--groups pat|has no cell data 'pat'; --groups takes one of: part, label, share$
+box.vtp|--groups share|cell data 'share' is not an integer or a text of every cell
+script.vtk||is no VTK file of PolyData
+REFUSALS
+    check "nothing was written where it was refused, and nothing was run" sh -c '[ ! -e "$1" ] && [ ! -e "$2" ]' - "$work/fem/box.obj" "$ran"
+    ln -s "$scratch/precious" "$work/fem/linked.obj"
+    echo precious >"$scratch/precious"
+    converts fem/box.vtp fem/linked.obj
+    check "nor is anything written through a link" grep -qx precious "$scratch/precious"
+    run "$PYTHON" -S scripts/vtk_surface fem/box.vtp fem/box.obj
+    check "without VTK: one line names the package" one_line 'has no VTK, which reads the file: apt-get install python3-vtk9, or scripts/venv (PyPI: vtk)$'
+else
+    skip "surfaces of VTK are converted" "python3-vtk9 is not installed, nor has scripts/venv installed vtk"
+fi
+
 # ---- the environment's words are not the plan's
 run env SHAPE=fem/organ.geo SOLID=none PATHS=none FIGURES=none make PYTHON="$PYTHON" STUDY=tiny mesh
 check "SHAPE and SOLID in the environment: the block is meshed" exist "$work/results/tiny/mesh.msh"

@@ -8,6 +8,7 @@
 #include "error.h"
 #include "mesh/surface.h"
 #include "surface_file/surface_file.h"
+#include "surface_file/vtk_file.h"
 #include "../refusal.h"
 #include "../example.h"
 
@@ -200,6 +201,16 @@ TEST_CASE("a mirrored node of a .glb is not turned inside out", "[surface_file]"
         six += a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) + a.z * (b.x * c.y - b.y * c.x);
     }
     CHECK(six == Approx(6 * 24).epsilon(1e-5));
+}
+
+TEST_CASE("a file of VTK is refused with the program that converts it", "[surface_file]") {
+    CHECK(vtk_refusal("a/organ.vtp") == "a/organ.vtp: VTK surfaces are converted first: scripts/vtk_surface a/organ.vtp a/organ.obj");
+    CHECK(vtk_refusal("ORGAN.VTK") == "ORGAN.VTK: VTK surfaces are converted first: scripts/vtk_surface ORGAN.VTK ORGAN.obj");
+    CHECK_THAT(refusal<FileError>([] { refuse_vtk("organ.vTu"); }), Contains("organ.vTu: is an unstructured grid") && Contains("scripts/vtk_surface organ.vtp organ.obj; or bring its tetrahedra as a .msh"));
+    for (const char* other : {"organ.obj", "vtp", ".vtp", "organ.vtp.obj", "organvtp", ""}) {
+        CHECK(vtk_refusal(other).empty());
+        CHECK_NOTHROW(refuse_vtk(other));
+    }
 }
 
 TEST_CASE("a damaged surface is refused with file, place and cause", "[surface_file]") {
