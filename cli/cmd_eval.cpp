@@ -18,12 +18,13 @@ struct Options {
 
 void run(const Options& o) {
     const Study study = read_study(o.study);
+    const std::string model_hash = file_hash(o.model), cases_hash = file_hash(o.cases);
     const TrainedModel model = read_trained_model(o.model);
     if (model.study != study.name)
         throw MismatchError(o.model + ": was trained for study '" + model.study + "', not '" + study.name + "'");
     const Evaluation evaluation = evaluate(model, read_cases(o.cases), study.training.k_min_E2 * study.modulus_N_m(),
                                            study.training.k_max_E2 * study.modulus_N_m(), o.threads);
-    const std::string json = to_json(evaluation, model.books.seed);
+    const std::string json = to_json(evaluation, model.books.seed, {model_hash, cases_hash});
     if (!o.report.empty()) write_file(o.report, to_markdown(evaluation));
     write_file(o.out, json);
     if (o.json) std::cout << json;

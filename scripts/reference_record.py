@@ -30,7 +30,7 @@ from save import written  # noqa: E402
 SCHEMA = 2
 FOLDER = Path(__file__).resolve().parent.parent / "results" / "reference"
 NOT_COMPARED = {"schema", "made", "machine", "unique"}
-NOT_KEPT = {"study", "version", "format_version", "seed", "seconds", "curves", "drawn", "drawn_curves", "drawn_shapes", "places", "each",
+NOT_KEPT = {"study", "version", "format_version", "seed", "seconds", "model_hash", "cases_hash", "trained_errors", "curves", "drawn", "drawn_curves", "drawn_shapes", "places", "each",
             "kkt_residual", "kkt_residual_max"}  # said elsewhere, wall times, bulk, and residuals that are rounding alone
 PACKAGES = ["gmsh", "freefem++", "libfreefem++", "libc6", "libeigen3-dev", "libgsl27", "libhdf5-103-1", "libnlopt0",
             "libopenblas0-pthread", "libstdc++6", "libumfpack5"]

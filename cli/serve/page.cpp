@@ -17,11 +17,13 @@
     DO(carried, "/carried.js", "carried.js", javascript)    \
     DO(compare, "/compare.js", "compare.js", javascript)    \
     DO(controls, "/controls.js", "controls.js", javascript) \
+    DO(errors, "/errors.js", "errors.js", javascript)       \
     DO(faces, "/faces.js", "faces.js", javascript)          \
     DO(follow, "/follow.js", "follow.js", javascript)       \
     DO(hand, "/hand.js", "hand.js", javascript)             \
     DO(learned, "/learned.js", "learned.js", javascript)    \
     DO(legend, "/legend.js", "legend.js", javascript)       \
+    DO(nodule, "/nodule.js", "nodule.js", javascript)       \
     DO(numbers, "/numbers.js", "numbers.js", javascript)    \
     DO(places, "/places.js", "places.js", javascript)       \
     DO(plane, "/plane.js", "plane.js", javascript)          \

@@ -43,6 +43,25 @@ Json learned_json(const LearnedField& learned, const std::vector<int>& shown) {
     return {{"pokes", learned.pokes}, {"factor", factor}, {"sd", sd}};
 }
 
+/// node_shown: the page's number of a node.
+template <class NodeShown>
+Json nodule_json(const NoduleSurface& nodule, const CarriedPoints& carried, const Point& place_m, const NodeShown& node_shown) {
+    Json points = Json::array(), facets = Json::array(), nodes = Json::array(), weights = Json::array();
+    for (const auto& p : nodule.points.rowwise()) points.push_back(numbers(p.transpose() + place_m));
+    for (const auto& t : nodule.triangles.rowwise()) facets.push_back({t[0], t[1], t[2]});
+    for (const auto& n : carried.node.rowwise()) nodes.push_back({node_shown(n[0]), node_shown(n[1]), node_shown(n[2]), node_shown(n[3])});
+    for (const auto& w : carried.weight.rowwise()) weights.push_back({w[0], w[1], w[2], w[3]});
+    return {{"points_m", points}, {"facets", facets}, {"nodes", nodes}, {"weights", weights}};
+}
+
+Json errors_json(const std::vector<KnownError>& errors, const FreeSurface& surface) {
+    Json all = Json::array();
+    for (const KnownError& e : errors)
+        all.push_back({{"role", e.role}, {"contact_m", numbers(e.contact_m)}, {"direction", numbers(e.direction)}, {"inward", numbers(surface.nearest(e.contact_m).inward)},
+                       {"depth_m", e.depth_m}, {"error", e.force ? Json(*e.force) : Json()}});
+    return all;
+}
+
 /// Adds a matrix's numbers to bytes, row by row, little endian.
 template <class Number, class Matrix>
 void append(std::string& bytes, const Matrix& matrix) {
@@ -57,11 +76,13 @@ void append(std::string& bytes, const Matrix& matrix) {
 
 Scene::Scene(const TissueModel& tissue, const HapticModel& model, const std::vector<NodeField>& fe_displacement_m, std::optional<LearnedField> learned)
     : model_(model), mesh_(tissue.mesh), surface_(tissue.mesh),
-      disc_radius_m_(tissue.energy_law ? tissue.energy_law->disc_radius_m : 0), learned_(std::move(learned)) {
+      disc_radius_m_(tissue.energy_law ? tissue.energy_law->disc_radius_m : 0), learned_(std::move(learned)), nodule_(tissue.nodule) {
     if (tissue.energy_law) tau_s_ = tissue.energy_law->relaxation.tau_s, contact_share_ = tissue.energy_law->relaxation.contact_share;
     for (const auto& mesh : model.meshes) boxes_.emplace_back(mesh->place_m + model.low_m, mesh->place_m + model.high_m);
     if (mesh_.is_solid()) {
         shown_.assign(mesh_.facets.data(), mesh_.facets.data() + mesh_.facets.size());
+        if (!nodule_.empty()) nodule_carried_ = carried_points(mesh_, nodule_.points);
+        shown_.insert(shown_.end(), nodule_carried_.node.data(), nodule_carried_.node.data() + nodule_carried_.node.size());
         std::sort(shown_.begin(), shown_.end());
         shown_.erase(std::unique(shown_.begin(), shown_.end()), shown_.end());
     } else {
@@ -212,6 +233,8 @@ std::string Scene::message(const std::vector<std::string>& names, int index) con
     j["meshes"] = meshes;
     if (mesh_.is_solid()) j["disc_radius_m"] = disc_radius_m_;
     if (!carried_.empty()) j["surface"] = true;
+    if (!nodule_.empty()) j["nodule"] = nodule_json(nodule_, nodule_carried_, model_.meshes[0]->place_m, shown_as);
+    if (!errors_.empty()) j["errors"] = errors_json(errors_, surface_);
     Json places = Json::array();
     for (const Place& p : places_) {
         Json curve = Json::array();

@@ -7,7 +7,9 @@
 
 #include "lesson.h"
 #include "fe_outline.h"
+#include "known_errors.h"
 #include "haptic/state_channel.h"
+#include "mesh/carried_points.h"
 #include "mesh/carried_surface.h"
 #include "mesh/free_surface.h"
 #include "springs/tissue_model.h"
@@ -55,7 +57,7 @@ class Scene {
     /// Boxes of every mesh at rest.
     const std::vector<Box>& boxes() const { return boxes_; }
 
-    /// Nodes that a page draws, ascending: in the plane all, in space those of the boundary.
+    /// Nodes that a page is told, ascending: in the plane all, in space those of the boundary and those that carry the nodule.
     const std::vector<int>& shown() const { return shown_; }
 
     /// Where the free surface of any mesh at rest is nearest to a point.
@@ -72,6 +74,9 @@ class Scene {
 
     /// The bytes of it that a page fetches (cli/view/PROTOCOL.md, `surface`); empty where there is none.
     const std::string& carried() const { return carried_; }
+
+    /// How far the model is off where FE know it; of a model in space.
+    void know(std::vector<KnownError> errors) { errors_ = std::move(errors); }
 
     /// Of a model that learns while it plays.
     void learn(LearnedField field) { learned_ = std::move(field); }
@@ -90,6 +95,9 @@ class Scene {
     Eigen::VectorXd tau_s_, contact_share_;   ///< how the law relaxes under the tool (K); often none
     std::optional<LearnedField> learned_;
     std::vector<int> shown_;
+    NoduleSurface nodule_;
+    CarriedPoints nodule_carried_;
+    std::vector<KnownError> errors_;
     std::string carried_;
     std::vector<Place> places_;
     std::vector<Box> boxes_;

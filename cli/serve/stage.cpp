@@ -63,7 +63,10 @@ Stage::Stage(const std::vector<std::string>& files, const StageOptions& options)
             const std::optional<LearnedField> learned = learned_field(file);
             const FeCases fe = learned ? FeCases() : read_fe_cases(file, tissue);  // of another tissue than it has become
             if (!fe.warning.empty()) warnings_.push_back(fe.warning);
+            KnownErrors known = learned ? KnownErrors() : read_known_errors(file, tissue);
+            if (!known.warning.empty()) warnings_.push_back(known.warning);
             serve(file, tissue, some_sets && tissue.energy_law ? without_sets(options_.haptic, tissue) : options_.haptic, fe.displacement_m, learned);
+            served_.back().scene->know(std::move(known.all));
         }
     }
     if (!options_.surface.empty()) {

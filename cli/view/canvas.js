@@ -24,7 +24,7 @@ export function warmth(x) {
 export const colours = {};
 export function read_colours() {
   const style = getComputedStyle(document.documentElement);
-  for (const name of ["paper", "ink", "soft", "line", "grid", "learned", "heuristic", "fe"])
+  for (const name of ["paper", "ink", "soft", "line", "grid", "learned", "heuristic", "fe", "nodule"])
     colours[name] = style.getPropertyValue(`--${name}`).trim();
   colours.fe_surface = style.getPropertyValue("--fe-surface").trim();
   colours.font = style.getPropertyValue("--sans");

@@ -22,11 +22,12 @@ export function draw_fe_outline(c, points, closed = true) {
 }
 
 /** Along the lower edge of a canvas, of pixels_m pixels a metre: displacement as colour, a force of round size as an arrow, and what
- * there is of FE, {surface, force}. stiffest:
- * in place of displacement stiffness, from 1 / stiffest to that; 0: displacement. */
-export function draw_legend(c, width, height, pixels_m, fe, stiffest = 0) {
+ * there is of FE, {surface, force}.
+ * In place of displacement the colours mean errors of force, from 0 to worst, or stiffness, from 1 / stiffest to that; 0: neither. */
+export function draw_legend(c, width, height, pixels_m, fe, { stiffest = 0, worst = 0 } = {}) {
+  if (worst) stiffest = 0;
   const narrow = width < 520;
-  const y = height - 34, bar = Math.min(narrow ? 150 : 240, 0.42 * width), x = width - bar - (narrow ? 22 : 24), deepest = 1e3 * model.deepest_m;
+  const y = height - 34, bar = Math.min(narrow ? 150 : 240, 0.42 * width), x = width - bar - (narrow ? 22 : 24), most = worst ? 100 * worst : 1e3 * model.deepest_m;
   for (let k = 0; k < bar; k++) {
     c.fillStyle = stiffest ? warmth(2 * k / (bar - 1) - 1) : shade(k / (bar - 1));
     c.fillRect(x + k, y, 1.5, 10);
@@ -34,20 +35,20 @@ export function draw_legend(c, width, height, pixels_m, fe, stiffest = 0) {
   c.font = font(12);
   c.fillStyle = colours.soft;
   c.textBaseline = "alphabetic";
-  const { step } = nice(deepest, narrow ? 3 : 5);
+  const { step } = nice(most, narrow ? 3 : 5);
   c.textAlign = "center";
   if (stiffest)
     for (const [part, text] of [[0, (1 / stiffest).toFixed(2)], [0.5, "1"], [1, stiffest.toFixed(2)]]) {
       c.fillRect(x + bar * part - 0.5, y + 10, 1, 4);
       c.fillText(text, x + bar * part, y + 27);
     }
-  else for (let mm = 0; mm <= deepest + 1e-9; mm += step) {
-    const at = x + bar * mm / deepest;
+  else for (let value = 0; value <= most + 1e-9; value += step) {
+    const at = x + bar * value / most, unit = worst ? " %" : " mm";
     c.fillRect(at - 0.5, y + 10, 1, 4);
-    c.fillText(`${+mm.toFixed(1)}${mm + step > deepest + 1e-9 ? " mm" : ""}`, at, y + 27);
+    c.fillText(`${+value.toFixed(1)}${value + step > most + 1e-9 ? unit : ""}`, at, y + 27);
   }
   c.textAlign = "right";
-  c.fillText(stiffest ? (narrow ? "stiffer" : "times as stiff") : narrow ? "displaced" : "displacement", x - 8, y + 10);
+  c.fillText(worst ? (narrow ? "off FE" : "force off FE") : stiffest ? (narrow ? "stiffer" : "times as stiff") : narrow ? "displaced" : "displacement", x - 8, y + 10);
 
   // a force of round size as an arrow, of the tool on each mesh in the mesh's colour: black is finite elements'
   const per_m = arrow_scale(), round = nice(per_m * 0.02, 1), length = round.top / per_m * pixels_m;

@@ -60,7 +60,7 @@ function show_stage() {
 }
 async function fetch_space() {
   try {
-    space = { ...await import("./space.js"), ...await import("./space_hand.js") };
+    space = { ...await import("./space.js"), ...await import("./space_hand.js"), ...await import("./errors.js") };
   } catch (error) {
     return say("space_fault", `This browser cannot draw solids: ${error.message}`);
   }
@@ -158,6 +158,7 @@ Object.defineProperty(window, "tissue", { value: Object.freeze({
   get dimension() { return model ? model.dimension : 0; },
   get work() { return { ...work }; },                         // nodes told in space, and what the last state took to decode and to follow
   get solids() { return space && is_solid() ? model.meshes.map((_, m) => space.drawn_points(m)) : null; },   // null: not drawn yet
+  get error_map() { return space && is_solid() && space.error_map(); },   // null: none is drawn
   get view() { return space && { ...space.view }; },          // degrees; zoom
   get pressing() { return space && space.pressing() || null; },       // the visitor's push, in space
   get fe_shown_m() { return space && space.fe_shown(); },     // FE's surface as it is drawn in space

@@ -60,7 +60,7 @@ export function draw_stage() {
   draw_next(c);
   if (state) draw_forces(c);
   draw_diamond(c);
-  draw_legend(c, width, height, view.scale, { surface: fe !== null }, shows_learned() ? Math.exp(model.learned.span) : 0);
+  draw_legend(c, width, height, view.scale, { surface: fe !== null }, { stiffest: shows_learned() ? Math.exp(model.learned.span) : 0 });
 }
 
 /** How stiff each place has turned out; a ring at a node is as large as that is unsure, a third of a spacing for a factor of e. */

@@ -3,8 +3,10 @@ import * as THREE from "./three.module.js";
 import { Carried, fetch_carried } from "./carried.js";
 import { begin, colours, shade, warmth } from "./canvas.js";
 import { apart, contact_at_rest, fe_curve, fe_outline, on_curve } from "./compare.js";
+import { error_dots, prepare_errors, shows_errors } from "./errors.js";
 import { shows_learned } from "./learned.js";
 import { arrow_scale, draw_legend } from "./legend.js";
+import { Nodule, SEEN_THROUGH, shows_nodule } from "./nodule.js";
 import { IN, LEARNED, look, model, moved, state, vector, work } from "./state.js";
 import { Surface } from "./surface.js";
 import { is_open } from "./transport.js";
@@ -171,9 +173,11 @@ function make_window(mesh, m) {
   const ring = new THREE.Mesh(new THREE.RingBufferGeometry(0.9 * radius, radius, 40), plain(0.9, { side: THREE.DoubleSide, depthTest: false, color: 0xffffff }));
   tool.renderOrder = 4;
   ring.renderOrder = 4;
+  const nodule = model.nodule ? new Nodule(model.nodule, mesh, m) : null, errors = model.errors && m === LEARNED ? error_dots(size) : null;
+  for (const part of [nodule && nodule.drawn, errors]) if (part) root.add(part);
   root.add(solid, wire, rest, held, fe_wire, dots, force, fe_force, tool, idle, ring);
   return { m, mesh, surface, scene, root, sun, middle, size, thick, solid, wire, rest, held, fe_wire, dots, force, fe_force, tool, tool_rim,
-           idle, ring, carried: null, fine: null, box: { left: 0, top: 0, width: 1, height: 1 }, contact: null, inward: null };
+           idle, ring, nodule, errors, carried: null, fine: null, box: { left: 0, top: 0, width: 1, height: 1 }, contact: null, inward: null };
 }
 
 /** Another model. */
@@ -183,6 +187,8 @@ export function prepare_space() {
       if (part.geometry) part.geometry.dispose();
       if (part.material) part.material.dispose();
     });
+  $("nodule_row").hidden = !model.nodule;
+  prepare_errors();
   windows = model.meshes.map(make_window);
   $("space_names").replaceChildren(...model.meshes.map(mesh => {
     const name = document.createElement("span");
@@ -242,6 +248,7 @@ function follow_tissue(w) {
   const stiffness = w.m === LEARNED && shows_learned() ? factor.map(f => Math.log(f) / span) : null;
   w.surface.update(nodes, stiffness);   // it is touched though the other one is drawn
   w.held.geometry.lay(nodes);
+  if (w.nodule) w.nodule.follow(nodes);
   const fine = w.fine !== null && $("carried_wanted").checked;
   w.solid.material.visible = w.wire.visible = !fine;   // of a solid that is not visible itself three.js meets no ray
   if (w.fine) w.fine.visible = fine;
@@ -252,6 +259,21 @@ function follow_tissue(w) {
   }
   update_solid(w.solid);
   move_lines(w.wire, w.surface.edges, nodes);
+}
+
+/** The nodule is seen through the organ; dots of the error map have the scale of colours for themselves. */
+function show_requested(w) {
+  const through = shows_nodule(), errors = shows_errors();
+  if (w.nodule) w.nodule.drawn.visible = through;
+  if (w.errors) w.errors.visible = errors;
+  w.dots.visible = !(errors && w.errors);
+  for (const { material } of [w.solid, w.fine].filter(Boolean)) {
+    Object.assign(material, { transparent: through, opacity: through ? SEEN_THROUGH : 1, depthWrite: !through });
+    if ((material.map === null) === errors) continue;
+    material.map = errors ? null : scale;
+    material.color.set(errors ? 0xb4b6ba : 0xffffff);
+    material.needsUpdate = true;
+  }
 }
 
 function place_tool(w) {
@@ -302,6 +324,7 @@ function colour(w) {
   w.wire.material.opacity = strong ? 0.45 : w.fe_wire.visible ? 0.12 : 0.2;
   w.rest.material.color = of(strong ? "ink" : "soft");
   for (const part of [w.held, w.idle]) part.material.color = of("ink");
+  if (w.nodule) w.nodule.drawn.material.color = of("nodule");
   w.fe_wire.material.color = of("fe_surface");
   w.force.children.forEach(part => { part.material.color = of(w.mesh.name in colours ? w.mesh.name : "ink"); });
   w.fe_force.children.forEach(part => { part.material.color = of("fe"); });
@@ -323,6 +346,7 @@ export function draw_space(comparable) {
   fe_drawn = $("fe_wanted").checked ? fe_outline() : null;
   for (const w of windows) {
     follow_tissue(w);
+    show_requested(w);
     place_tool(w);
     place_forces(w, comparable);
     place_fe(w, w.m === LEARNED ? fe_drawn : null);
@@ -340,10 +364,11 @@ export function draw_space(comparable) {
     renderer.render(w.scene, camera);
   }
   const { c, width: wide, height: high } = begin($("space_legend"));
-  draw_legend(c, wide, high + 0, pixels_a_metre(), { surface: fe_drawn !== null, force: windows.some(w => w.fe_force.visible) }, shows_learned() ? Math.exp(model.learned.span) : 0);
+  draw_legend(c, wide, high + 0, pixels_a_metre(), { surface: fe_drawn !== null, force: windows.some(w => w.fe_force.visible) },
+    { stiffest: shows_learned() ? Math.exp(model.learned.span) : 0, worst: shows_errors() ? model.worst_error : 0 });
 }
 
-const pixels_a_metre = () => windows[0].box.height / (1.9 * windows[0].size) * view.zoom;
+export const pixels_a_metre = () => windows[0].box.height / (1.9 * windows[0].size) * view.zoom;
 
 const window_at = (x, y) => windows.find(({ box }) => x >= box.left && x < box.left + box.width && y >= box.top && y < box.top + box.height);
 const in_window = ({ box }, x, y) => new THREE.Vector2(2 * (x - box.left) / box.width - 1, 1 - 2 * (y - box.top) / box.height);
@@ -377,5 +402,5 @@ export const drawn_points = m => {
   if (!windows[m]) return null;
   const w = windows[m], shown = w.fine && w.fine.visible ? w.carried : w.surface;
   return { points: shown.node_of.length, facets: shown.facets.length, band_moved_m: w.held.geometry.moved_m(),
-           farthest_m: shown.farthest_m() };
+           farthest_m: shown.farthest_m(), nodule: w.nodule && w.nodule.told() };
 };

@@ -1,7 +1,8 @@
 // Pointer and keyboard in space: press where a solid is touched, turn and zoom beside it.
 import { SNAP, apart } from "./compare.js";
+import { REACH, shows_errors, spot_at, tell_error } from "./errors.js";
 import { let_go, take_hold } from "./hand.js";
-import { aim, screen_axes, stage, touched, view } from "./space.js";
+import { aim, pixels_a_metre, screen_axes, stage, touched, view } from "./space.js";
 import { IN, LEARNED, hand, look, model, state } from "./state.js";
 import { is_open } from "./transport.js";
 import { add, clamp, dot, norm, unit } from "./vectors.js";
@@ -123,9 +124,10 @@ stage.addEventListener("pointermove", event => {
   } else if (turning && turning.by === event.pointerId) {
     turn(TURN * (at[0] - turning.at[0]), TURN * (at[1] - turning.at[1]));
     turning.at = at;
-  } else if (fingers.size === 0 && event.pointerType !== "touch") point_at(is_open() ? touched(...at) : null);
+  } else if (fingers.size === 0 && event.pointerType !== "touch") point_at(is_open() ? touched(...at) : null, at);
 });
-function point_at(touch) {
+function point_at(touch, [x, y] = []) {
+  tell_error(touch && shows_errors() && touch.mesh === LEARNED ? spot_at(touch.at, REACH / pixels_a_metre()) : null, [x, y]);
   stage.style.cursor = touch ? "crosshair" : "grab";
   const at = touch && snapped(touch);
   if (!at && !aim.at) return;

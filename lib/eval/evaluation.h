@@ -79,8 +79,13 @@ struct Evaluation {
 constexpr int listed_cases = 100;
 Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m, int threads);
 
+/// Which files an evaluation is of, by file_hash; empty: it does not say.
+struct EvaluatedFiles {
+    std::string model_hash, cases_hash;
+};
+
 /// eval.json (results/FORMATS.md).
-std::string to_json(const Evaluation& evaluation, unsigned long seed);
+std::string to_json(const Evaluation& evaluation, unsigned long seed, const EvaluatedFiles& files = {});
 
 /// report.md: for people, the number that matters first.
 std::string to_markdown(const Evaluation& evaluation);

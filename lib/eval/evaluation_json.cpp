@@ -85,12 +85,14 @@ Json histories(const HistoryTable& h, bool measured) {
 
 }  // namespace
 
-std::string to_json(const Evaluation& evaluation, unsigned long seed) {
+std::string to_json(const Evaluation& evaluation, unsigned long seed, const EvaluatedFiles& files) {
     Json j;
     j["study"] = evaluation.study;
     j["version"] = version;
     j["format_version"] = format_version;
     j["seed"] = seed;
+    if (!files.model_hash.empty()) j["model_hash"] = files.model_hash;
+    if (!files.cases_hash.empty()) j["cases_hash"] = files.cases_hash;
     if (const auto& m = evaluation.measurement)
         j["measurement"] = {{"origin", m->origin},
                             {"rows", m->rows},
@@ -166,6 +168,9 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed) {
         j["truth_check"]["lost"] = evaluation.truth.lost;
         j["truth_check"]["unmatched"] = evaluation.truth.unmatched;
     }
+    if (evaluation.law_book)  // of sets `cases` has them
+        for (std::size_t c = 0; c < evaluation.case_names.size(); ++c)
+            j["trained_errors"].push_back({{"name", evaluation.case_names[c]}, {"error", or_null(evaluation.models.front().cases[c].closed_loop.force)}});
     if (!evaluation.listed) return j.dump(1) + "\n";
     for (const ModelErrors& m : evaluation.models) {
         const SpringCharacter& s = m.springs;

@@ -70,6 +70,8 @@ const DatasetTable& tissue_table(bool solid) {
         {"/mesh/lattice/centroid", "Q x 3", Values::not_negative(), "1", "of that tissue, from corner 0 in edges", Rows::any, true},
         {"/mesh/lattice/corner", "K x 8", Values::index("N"), "1", "corners that each of the solid's own nodes moves with, which are the first K", Rows::any, true},
         {"/mesh/lattice/weight", "K x 8", Values::finite(), "1", "and their weights, sum 1", Rows::any, true},
+        {"/nodule/points", "V x 3", Values::place(), "m", "of the surface of a part of other material, at rest", Rows::any, true},
+        {"/nodule/triangles", "W x 3", Values::index("V"), "1", "of these, normals out", Rows::distinct, true},
         {"/heuristic_a", "S", Values::positive(), "N/m", "theta of (7), E in place of E2"},
         {"/heuristic_b", "S", Values::positive(), "N/m", "theta of (7), C1 + C2 in place of E2"},
     }), rest);
@@ -242,6 +244,21 @@ void read_embedding(const Hdf5Reader& file, TableReader& in, SpringMesh& mesh) {
     }
 }
 
+/// Inside the box about the solid, or a little beside it: the mesh may be coarser than the surface that the study places the nodule in.
+NoduleSurface read_nodule(TableReader& in, const SpringMesh& mesh) {
+    if (in.has("/nodule/points") != in.has("/nodule/triangles")) in.refuse("/nodule", "has points or triangles alone");
+    if (!in.has("/nodule/points")) return {};
+    NoduleSurface nodule{in.field("/nodule/points"), in.field("/nodule/triangles").cast<int>()};
+    if (const auto why = nodule_fault(nodule)) in.refuse("/nodule/triangles", *why);
+    const NodeField own = mesh.own_nodes();
+    const double beyond_m = 0.1 * mesh.size_m();
+    const Eigen::RowVectorXd low = own.colwise().minCoeff().array() - beyond_m, high = own.colwise().maxCoeff().array() + beyond_m;
+    for (Eigen::Index v = 0; v < nodule.points.rows(); ++v)
+        if ((nodule.points.row(v).array() < low.array()).any() || (nodule.points.row(v).array() > high.array()).any())
+            in.refuse("/nodule/points", fmt::format("point {} lies outside the tissue", v));
+    return nodule;
+}
+
 }  // namespace
 
 void write_tissue(Hdf5Writer& file, const TissueModel& model) {
@@ -271,6 +288,10 @@ void write_tissue(Hdf5Writer& file, const TissueModel& model) {
         out.write_table("/mesh/lattice/corner", e.corner);
         out.write("/mesh/lattice/weight", e.weight);
         file.attribute("/mesh/lattice", "spacing_m", e.spacing_m);
+    }
+    if (!model.nodule.empty()) {
+        out.write("/nodule/points", model.nodule.points);
+        out.write_table("/nodule/triangles", model.nodule.triangles);
     }
     out.write("/heuristic_a", model.heuristic_a);
     out.write("/heuristic_b", model.heuristic_b);
@@ -326,6 +347,7 @@ TissueModel read_model(const Hdf5Reader& file) {
     if (const auto fault = mesh_fault(mesh)) in.refuse("/mesh/" + fault->part, fault->why);
     if (solid) read_embedding(file, in, mesh);
     refuse_twins(in, mesh);
+    if (solid) model.nodule = read_nodule(in, mesh);
     mesh.incident_measure = in.vector(names.incident_measure);
     mesh.node_measure = in.vector(names.node_measure);
     model.node_mass_kg = in.vector("/node_mass");

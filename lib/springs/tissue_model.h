@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "io/hdf5_store.h"
+#include "mesh/nodule_surface.h"
 #include "mesh/spring_mesh.h"
 #include "springs/contact_patch.h"
 #include "springs/relaxation.h"
@@ -52,6 +53,8 @@ struct TissueModel {
     NodeField optimum;                     ///< the best spring sets there are inside the box [N/m] (C x S)
 
     std::optional<LawModel> energy_law;    ///< in place of one_set, trained and optimum, which it leaves empty
+
+    NoduleSurface nodule = {};             ///< in space: where there is other material, as the study says; often none, and of earlier programs never
 
     int case_count() const { return static_cast<int>(case_names.size()); }
 };

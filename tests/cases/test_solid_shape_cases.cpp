@@ -252,6 +252,10 @@ TEST_CASE("regions of a solid shape stiffen springs and cells by what of them li
     Cases cases = dome_cases();
     cases.shape = stony;
     const Eigen::VectorXd own = untrained_model(s, cases, {}).heuristic_a, even = untrained_model(study(), dome_cases(), {}).heuristic_a;
+    CHECK(untrained_model(s, cases, {}).nodule.empty());
+    Study lumpy = study();
+    lumpy.nodule = Study::Nodule{{10 * s.material.C1_Pa, 0, {}, {}}, Inclusion(Eigen::Vector3d(0, 0, 0.025), 0.01), {}};
+    CHECK(untrained_model(lumpy, dome_cases(), {}).nodule.triangles.rows() == 320);
     CHECK((own.cwiseQuotient(even) - ratio.head(mesh.spring_count())).norm() < 1e-9 * own.size());  // Van Gelder's
     stony->region.assign(stony->region.size(), 1);
     CHECK((study_law(s, stony, mesh).constants(none) - 10 * soft).norm() < 1e-9 * soft.norm());  // supports too

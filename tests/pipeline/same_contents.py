@@ -9,6 +9,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+NOT_COMPARED = {"seconds", "model_hash", "cases_hash"}   # of files that hold wall times
+
 
 def datasets(file):
     found = {}
@@ -26,7 +28,7 @@ def same_array(a, b):
 
 def without_time(value):
     if isinstance(value, dict):
-        return {key: without_time(v) for key, v in value.items() if key != "seconds"}
+        return {key: without_time(v) for key, v in value.items() if key not in NOT_COMPARED}
     return [without_time(v) for v in value] if isinstance(value, list) else value
 
 

@@ -1,10 +1,11 @@
 """The page of `tissuectl serve` with a model in space, in a real browser that draws WebGL in software:
-test_page_space.py TISSUECTL MODEL PLANE_MODEL. MODEL is of a solid block with a cases.h5 beside it, PLANE_MODEL of the plane.
+test_page_space.py TISSUECTL MODEL PLANE_MODEL. MODEL is of a solid block with a cases.h5 and an eval.json beside it, PLANE_MODEL of the plane.
 Prints "ok - sentence" or "not ok - sentence: seen", and "# " before what was measured; exits 1 if any failed.
 
 What the page knows is read from window.tissue, what it shows from the document and from pictures of it."""
 import base64
 import io
+import json
 import math
 import shutil
 import sys
@@ -14,6 +15,7 @@ from pathlib import Path
 from urllib.request import Request, urlopen
 
 import h5py
+import matplotlib
 import matplotlib.image
 import numpy
 from browser import FLAT, SOLID, Browser, Missing, Server
@@ -481,6 +483,100 @@ def carried(page, program, models, folder, block):
         server.end()
 
 
+def tumour(page, program, model, folder, block):
+    """The same block with an octahedron in its middle, as training would write it; the evaluation beside it is that of the block without."""
+    place, middle, radius = Path(folder) / "nodule", (block.low + block.high) / 2, 0.3 * (block.high - block.low).min()
+    place.mkdir()
+    shutil.copy(Path(model).with_name("eval.json"), place)
+    with h5py.File(shutil.copy(model, place), "r+") as f:
+        f["nodule/points"] = middle + radius * numpy.concatenate([numpy.eye(3), -numpy.eye(3)])
+        f["nodule/triangles"] = numpy.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]], dtype="int32")
+    server = Server(program, [place / Path(model).name], folder)
+    shown = "(tissue.solids || [{}])[0].nodule"
+    try:
+        page.open(server.url)
+        page.until(f"{shown} && tissue.states > 0")
+        check("a model with a nodule offers to show it, and does not by itself", page.js(f"!document.getElementById('nodule_row').hidden && !{shown}.shown"), page.js("tissue.solids"))
+        check("an evaluation of another model makes no error map, and the server says why", page.js("document.getElementById('errors_row').hidden") and
+              "eval.json is not used: it is of another model" in server.log.read_text(), server.log.read_text())
+        take_over(page, block)
+        page.js("document.getElementById('reset').click()")
+        page.until(f"{free} && Math.max(...{moved}) < 1e-5")
+        page.click("pause")   # or the demo would press
+        page.until("tissue.control.paused")
+        view = page.js("tissue.view")
+        turned, down = math.radians(view["azimuth"]), (block.high[2] - middle[2]) / math.tan(math.radians(view["elevation"]))
+        spots = [[middle[0] + down * math.cos(turned), middle[1] + down * math.sin(turned), block.high[2]], block.top(0.1, 0.9)]   # behind the first lies the nodule
+        before = [colour(page, spot) for spot in spots]
+        page.click("nodule_wanted")
+        page.until(f"{shown}.shown")
+        page.after(5)
+        after = [colour(page, spot) for spot in spots]
+        check("asked for, it is seen through the organ, red, and the organ beside it is lighter and not red", after[0][0] > after[0][1:].max() + 25 and
+              after[1][1] > before[1][1] + 40 and after[1][0] < after[1][2] + 10, [before, after])
+        check("at rest it is where it was made", page.js(f"{shown}.farthest_m") < 1e-5, page.js(shown))
+        page.click("pause")
+        page.until("!tissue.control.paused")
+        set_depth(page, 5)
+        page.mouse("Pressed", *block.top(0.5, 0.5))
+        page.until("tissue.pressing && tissue.pressing.depth_m > 0.0049")
+        page.after(30)
+        told = page.js(f"[{shown}.farthest_m, tissue.largest_displacement_m[0]]")
+        check("pressed, it moves with the tissue, less than what is under the tool", 0.03 * told[1] < told[0] < 0.8 * told[1], told)
+        page.mouse("Released", *block.top(0.5, 0.5))
+        page.until(free)
+        page.click("nodule_wanted")
+        page.until(f"!{shown}.shown")
+    finally:
+        server.end()
+
+
+def error_map(page, program, model, folder, block):
+    """The model with its evaluation, in which one drawn contact has lost its answer."""
+    place = Path(folder) / "evaluated"
+    place.mkdir()
+    shutil.copy(model, place)
+    evaluation = json.loads(Path(model).with_name("eval.json").read_text())
+    gone = evaluation["drawn"]["held_out"][0]
+    gone["error"]["learned"] = None
+    (place / "eval.json").write_text(json.dumps(evaluation))
+    drawn = [(row["contact_m"], row["error"]["learned"], role) for role, rows in evaluation["drawn"].items() for row in rows]
+    server = Server(program, [place / Path(model).name], folder)
+    try:
+        page.open(server.url)
+        page.until("tissue.solids !== null && tissue.states > 0")
+        check("a model with its evaluation offers an error map, and no nodule where it has none", page.js(
+            "!document.getElementById('errors_row').hidden && document.getElementById('nodule_row').hidden && tissue.error_map === null"))
+        take_over(page, block)
+        page.click("errors_wanted")
+        page.until("tissue.error_map !== null")
+        page.after(5)
+        seen = page.js("tissue.error_map")
+        by_contact = {tuple(numpy.round(spot["contact_m"], 9)): spot for spot in seen["spots"]}
+        trained = {row["name"]: row["error"] for row in evaluation["trained_errors"]}
+        told = [error for spot in seen["spots"] for error in spot["errors"]]
+        check("it has every contact of the evaluation, trained and drawn, with the evaluation's errors", len(told) == len(drawn) + len(trained) and
+              all(by_contact[tuple(numpy.round(at, 9))]["errors"] == [error] for at, error, _ in drawn) and
+              sorted(e for e in told if e is not None) == sorted([*trained.values(), *(e for _, e, _ in drawn if e is not None)]), [seen, drawn])
+        size = numpy.linalg.norm(block.high - block.low) / 2
+        off = lambda spot: list(numpy.array(spot["contact_m"]) - 0.012 * size * numpy.array(spot["inward"]))
+        at, error, role = max((d for d in drawn if d[1] is not None), key=lambda d: abs(d[0][0] - 0.5 * (block.low + block.high)[0]))
+        spot, wanted = by_contact[tuple(numpy.round(at, 9))], numpy.array(matplotlib.colormaps["viridis"](error / seen["worst"])[:3]) * 255
+        check("a dot has the colour of its error on the legend's scale", numpy.abs(colour(page, off(spot)) - wanted).max() < 14, [colour(page, off(spot)), wanted])
+        page.mouse("Moved", *spot["contact_m"])
+        number = f"{100 * error:.1f}" if 100 * error < 9.95 else f"{100 * error:.0f}"
+        check("the pointer on it tells the number", page.until("!document.getElementById('error_tip').hidden") and
+              page.text("error_tip").startswith(f"{number}\xa0% off: {role.replace('_', ' ')}"), page.text("error_tip"))
+        lost = by_contact[tuple(numpy.round(gone["contact_m"], 9))]
+        page.mouse("Moved", *lost["contact_m"])
+        check("a contact without an answer is a white cross, and says so", page.until("document.getElementById('error_tip').textContent.startsWith('no answer: held out')") and
+              colour(page, off(lost)).min() > 225, [page.text("error_tip"), colour(page, off(lost))])
+        page.click("errors_wanted")
+        check("who does not want it sees none", page.until("tissue.error_map === null && document.getElementById('error_tip').hidden"))
+    finally:
+        server.end()
+
+
 def main():
     program, *models = sys.argv[1:]
     block = Block(models[0])
@@ -507,6 +603,8 @@ def main():
             ending(page, program, models, folder, server, block)
             relaxes(page, program, models[0], folder)
             carried(page, program, models, folder, block)
+            tumour(page, program, models[0], folder, block)
+            error_map(page, program, models[0], folder, block)
         finally:
             page.end()
             if server:

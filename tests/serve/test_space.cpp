@@ -1,4 +1,5 @@
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdint>
@@ -232,6 +233,25 @@ TEST_CASE("a carried surface is told in bytes: places, facets, and which of the 
         }
     for (std::size_t f = 0; f < F; ++f)
         for (std::size_t k = 0; k < 3; ++k) CHECK(word(facets + 3 * f + k) == learned["facets"][f][k].get<std::size_t>());
+}
+
+TEST_CASE("a nodule is told where the learned mesh stands, with those of the page's nodes that carry it, inner ones too", "[serve]") {
+    Solid s;
+    CHECK_FALSE(Json::parse(s.scene->message({"solid"}, 0)).contains("nodule"));
+    s.tissue.nodule = nodule_surface(Inclusion(Eigen::Vector3d(0.052, 0.05, 0.026), 0.01));
+    const Scene scene(s.tissue, *s.model, s.fe_m);
+    CHECK((scene.shown().size() > 66 && std::is_sorted(scene.shown().begin(), scene.shown().end())));
+    const Json j = Json::parse(scene.message({"solid"}, 0)), &nodule = j["nodule"], &nodes = j["meshes"][0]["nodes_m"];
+    REQUIRE((nodule["points_m"].size() == 162 && nodule["facets"].size() == 320 && nodule["nodes"].size() == 162));
+    CHECK(nodes.size() == scene.shown().size());
+    for (std::size_t v = 0; v < 162; ++v)   // a point is the weighted mean of the nodes that it is told to go with
+        for (std::size_t a = 0; a < 3; ++a) {
+            double at = 0;
+            for (std::size_t k = 0; k < 4; ++k) at += nodule["weights"][v][k].get<double>() * nodes[nodule["nodes"][v][k].get<std::size_t>()][a].get<double>();
+            CHECK(at == Approx(nodule["points_m"][v][a].get<double>()).margin(1e-12));
+            CHECK(at == Approx(s.tissue.nodule.points(static_cast<Eigen::Index>(v), static_cast<Eigen::Index>(a)) + s.model->meshes[0]->place_m[static_cast<Eigen::Index>(a)]).margin(1e-12));
+        }
+    CHECK(scene.places()[0].outlines.back().displacement_m.rows() == static_cast<Eigen::Index>(nodes.size()));
 }
 
 TEST_CASE("a state in space has three numbers of every vector, and the surface's nodes of each mesh", "[serve]") {

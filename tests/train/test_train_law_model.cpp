@@ -5,6 +5,7 @@
 #include <limits>
 #include <fmt/format.h>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "cases/measured_cases.h"
 #include "cases/study_law.h"
@@ -122,7 +123,10 @@ TEST_CASE("a study's law is trained back to the coefficients that made its cases
     CHECK(learned.shape.max < 1e-4);
     CHECK(evaluation.model("heuristic_a").closed_loop().force.median > 0.05);
     CHECK_THAT(to_markdown(evaluation), Contains("| spring.held | 0.3") && Contains("2 FE paths"));
-    CHECK_THAT(to_json(evaluation, 11), Contains("\"spring.held\""));
+    CHECK_THAT(to_json(evaluation, 11), Contains("\"spring.held\"") && !Contains("_hash"));
+    const nlohmann::json told = nlohmann::json::parse(to_json(evaluation, 11, {"ab", "cd"}));
+    CHECK((told["model_hash"] == "ab" && told["cases_hash"] == "cd" && told["trained_errors"].size() == 6));
+    CHECK((told["trained_errors"][2]["name"] == model.case_names[2] && told["trained_errors"][2]["error"] == *evaluation.model("learned").cases[2].closed_loop.force));
 
     // in space errors are told by thirds of the contacts too, thin to thick; one without an answer counts, one that FE lost is in none
     Evaluation solid = evaluation;

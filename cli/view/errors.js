@@ -1,0 +1,102 @@
+// The error map of a solid: at every contact that finite elements have solved, how far the learned model's contact force is off theirs.
+// The figures are the evaluation's, of tissue in equilibrium; the press of now does not change them.
+import * as THREE from "./three.module.js";
+import { shade } from "./canvas.js";
+import { apart } from "./compare.js";
+import { nice } from "./scale.js";
+import { LEARNED, look, model } from "./state.js";
+import { add, angle_between, largest, norm } from "./vectors.js";
+import { $, millimetres, percent, say } from "./words.js";
+
+const WIDE = 13;      // pixels, of a dot
+const LISTED = 6;     // pushes of one contact that are told
+
+export const shows_errors = () => Boolean(model.errors) && $("errors_wanted").checked;
+$("errors_wanted").addEventListener("change", () => { tell_error(null); look.stale = true; });
+
+const told = ({ error }) => error === null ? "no answer" : `${percent(error)} off`;
+const worse = (a, b) => (b.error ?? Infinity) - (a.error ?? Infinity);   // first what has no answer
+
+/** model.spots: what shares a contact, its pushes from the worst on; and what the box is called. */
+export function prepare_errors() {
+  $("errors_row").hidden = !model.errors;
+  tell_error(null);
+  if (!model.errors) return;
+  const spots = new Map();
+  for (const push of model.errors) {
+    const key = push.contact_m.map(x => x.toFixed(8)).join();
+    if (!spots.has(key)) spots.set(key, { contact_m: push.contact_m, inward: push.inward, pushes: [] });
+    spots.get(key).pushes.push(push);
+  }
+  model.spots = [...spots.values()];
+  for (const { pushes } of model.spots) pushes.sort(worse);
+  const known = model.errors.filter(push => push.error !== null), none = model.errors.length - known.length;
+  model.worst_error = nice(largest(known.map(push => 100 * push.error), 1), 4).top / 100;
+  say("errors_text", `Error map: force off FE at ${model.spots.length} contacts${none ? `, ${none} of ${model.errors.length} pushes without an answer` : ""}`);
+}
+
+/** A disc with a dark rim; a cross, of what has no answer. */
+function sign(cross) {
+  const canvas = document.createElement("canvas"), c = canvas.getContext("2d");
+  canvas.width = canvas.height = 32;
+  c.lineCap = "round";
+  if (cross)
+    for (const [width, colour] of [[11, "#000"], [5, "#fff"]]) {
+      [c.lineWidth, c.strokeStyle] = [width, colour];
+      for (const up of [6, 26]) { c.beginPath(); c.moveTo(6, up); c.lineTo(26, 32 - up); c.stroke(); }
+    }
+  else {
+    c.arc(16, 16, 13, 0, 2 * Math.PI);
+    [c.fillStyle, c.strokeStyle, c.lineWidth] = ["#fff", "#000", 4];
+    c.fill();
+    c.stroke();
+  }
+  return new THREE.CanvasTexture(canvas);
+}
+
+const rgb = spot => spot.pushes[0].error === null ? [1, 1, 1] : shade(spot.pushes[0].error / model.worst_error).match(/\d+/g).map(x => x / 255);
+
+/** The dots on the learned mesh, a little off its surface; the colour is that of the contact's worst push. */
+export function error_dots(size) {
+  const group = new THREE.Group();
+  for (const cross of [false, true]) {
+    const spots = model.spots.filter(({ pushes }) => (pushes[0].error === null) === cross), geometry = new THREE.BufferGeometry();
+    const at = spots.flatMap(({ contact_m, inward }) => add(add(contact_m, apart(LEARNED)), inward, -0.012 * size));
+    geometry.setAttribute("position", new THREE.BufferAttribute(Float32Array.from(at), 3));
+    geometry.setAttribute("color", new THREE.BufferAttribute(Float32Array.from(spots.flatMap(rgb)), 3));
+    const dots = new THREE.Points(geometry, new THREE.PointsMaterial({ size: WIDE * Math.min(devicePixelRatio || 1, 2), sizeAttenuation: false,
+      map: sign(cross), alphaTest: 0.4, vertexColors: THREE.VertexColors }));
+    dots.frustumCulled = false;
+    group.add(dots);
+  }
+  return group;
+}
+
+/** The contact that a pointer on the learned mesh is on: at, in its place at rest; reach_m, what a dot's half width is there. */
+export function spot_at(at, reach_m) {
+  let best = null, least = reach_m;
+  for (const spot of model.spots) {
+    const away = norm(add(spot.contact_m, at, -1));
+    if (away < least) [best, least] = [spot, away];
+  }
+  return best;
+}
+
+/** Beside the pointer, x and y in the stage; spot null: nothing. */
+export function tell_error(spot, [x, y] = [0, 0]) {
+  $("error_tip").hidden = spot === null;
+  if (!spot) return;
+  const lines = spot.pushes.slice(0, LISTED).map(push => `${told(push)}: ${push.role.replaceAll("_", " ")}, ${millimetres(push.depth_m)} deep, ` +
+    `${Math.round(angle_between(push.direction, push.inward))}° off straight in`);
+  if (spot.pushes.length > LISTED) lines.push(`and ${spot.pushes.length - LISTED} more, nearer to FE`);
+  say("error_tip", lines.join("\n"));
+  const left = x > $("error_tip").parentElement.clientWidth / 2;   // of the pointer, or it would run out of the page
+  $("error_tip").style.transform = left ? "translateX(calc(-100% - 28px))" : "";
+  $("error_tip").style.left = `${x + 14}px`;
+  $("error_tip").style.top = `${y + 14}px`;
+}
+export const REACH = WIDE / 2;
+
+/** What a test looks at: the contacts, and the scale's end; null where none is drawn. */
+export const error_map = () => shows_errors() ? { worst: model.worst_error,
+  spots: model.spots.map(({ contact_m, inward, pushes }) => ({ contact_m: [...contact_m], inward: [...inward], errors: pushes.map(push => push.error) })) } : null;

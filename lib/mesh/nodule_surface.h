@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "mesh/inclusion.h"
+
+namespace tissue {
+
+/// The closed surface of a part of other material, normals out, as a page draws it.
+struct NoduleSurface {
+    NodeField points;   ///< [m], at rest (V x 3); no rows: none
+    Cells triangles;    ///< of points (W x 3)
+
+    bool empty() const { return points.rows() == 0; }
+};
+
+/// That of an inclusion: the given surface, or of a ball an icosahedron each of whose triangles is divided into 16: 320 triangles with their corners on the ball, which
+/// enclose 3 per cent less than it does.
+NoduleSurface nodule_surface(const Inclusion& nodule);
+
+/// Why such a surface encloses no volume: an edge that two triangles do not run through in opposite directions, a point in no triangle, normals that point inwards.
+/// Nothing when it does. Indices are points already.
+std::optional<std::string> nodule_fault(const NoduleSurface& surface);
+
+}  // namespace tissue

@@ -1,0 +1,84 @@
+#include <catch2/catch.hpp>
+#include <filesystem>
+
+#include "../example.h"
+#include "../mesh/dome.h"
+#include "../mutations.h"
+#include "../refusal.h"
+#include "../solid_law_example.h"
+#include "error.h"
+#include "mesh/embedded_lattice.h"
+#include "mesh/free_surface.h"
+#include "springs/tissue_table.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
+
+namespace {
+
+TissueModel with_nodule() {
+    TissueModel model = solid_law_example(embedded_lattice(dome(6), 0.011));
+    model.heuristic_b = model.heuristic_a;
+    model.contact_m = FreeSurface(model.mesh).nearest(Eigen::Vector3d(0, 0, 0.05)).point_m.transpose();
+    model.direction = Eigen::RowVector3d(0, 0, -1);
+    model.nodule = nodule_surface(Inclusion(Eigen::Vector3d(0.005, 0, 0.03), 0.008));
+    return model;
+}
+
+const Provenance by_test = {"tissuectl test", 11, {}};
+
+}  // namespace
+
+TEST_CASE("a model's nodule comes back from its file as it was, in the format of a model without", "[nodule]") {
+    const TemporaryFolder folder;
+    TissueModel model = with_nodule();
+    write_model(folder.file("model.h5"), model, by_test);
+    const NoduleSurface back = read_model(folder.file("model.h5")).nodule;
+    CHECK(back.points == model.nodule.points);
+    CHECK(back.triangles == model.nodule.triangles);
+    const double version = Hdf5Reader(folder.file("model.h5"), "model").number_attribute("/", "format_version");
+    model.nodule = {};
+    write_model(folder.file("without.h5"), model, by_test);
+    const Hdf5Reader without(folder.file("without.h5"), "model");
+    CHECK(without.number_attribute("/", "format_version") == version);
+    CHECK_FALSE(without.has("/nodule"));
+    CHECK(read_model(without).nodule.empty());
+}
+
+TEST_CASE("every dataset of a nodule has its rule, and changed in any way is refused in one line", "[nodule]") {
+    const TemporaryFolder folder;
+    const std::string whole = folder.file("whole.h5"), file = folder.file("model.h5");
+    write_model(whole, with_nodule(), by_test);
+    int refused = 0;
+    for (const std::string dataset : {"/nodule/points", "/nodule/triangles"}) {
+        REQUIRE_FALSE(rule_of(tissue_table(true), dataset).description.empty());
+        for (const Mutation& mutation : mutations(whole, dataset, tissue_table(true))) {
+            INFO(dataset << ": " << mutation.name);
+            std::filesystem::copy_file(whole, file, std::filesystem::copy_options::overwrite_existing);
+            mutation.apply(file);
+            try {
+                read_model(file);
+                CHECK_FALSE(mutation.must_be_refused);
+            } catch (const FileError& e) {
+                ++refused;
+                CHECK_THAT(e.what(), StartsWith(file + ": /"));
+                CHECK(std::string(e.what()).find('\n') == std::string::npos);
+            }
+        }
+    }
+    CHECK(refused > 10);
+}
+
+TEST_CASE("a nodule that does not close, points inwards or lies outside the tissue is refused by name", "[nodule]") {
+    const TemporaryFolder folder;
+    const auto said = [&](const auto& change) {
+        TissueModel model = with_nodule();
+        change(model.nodule);
+        write_model(folder.file("model.h5"), model, by_test);
+        return refusal<FileError>([&] { read_model(folder.file("model.h5")); });
+    };
+    CHECK_THAT(said([](NoduleSurface& n) { n.triangles.conservativeResize(n.triangles.rows() - 1, 3); }), Contains("/nodule/triangles: do not close"));
+    CHECK_THAT(said([](NoduleSurface& n) { n.triangles.col(0).swap(n.triangles.col(1)); }), Contains("/nodule/triangles: point inwards"));
+    CHECK_THAT(said([](NoduleSurface& n) { n.points.col(2).array() += 0.1; }), Contains("/nodule/points: point 0 lies outside the tissue"));
+}
