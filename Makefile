@@ -455,6 +455,7 @@ $(FE_LONG:%=%-long): %-long: $(TISSUECTL) | build/deps
 test-fe: $(FE_LONG:%=%-long)
 
 SANITIZED := tissue-haptic tissuectl test_tissue
+TESTS :=
 ## sanitized: what sanitize and fuzz run, without running it
 sanitized: | build/deps-sanitize
 	@$(MAKE) SANITIZE=1 $(addprefix build/sanitize/,$(SANITIZED) $(FUZZ_READERS:%=fuzz_%))

@@ -40,7 +40,7 @@ Study::Nodule read_enclosed_nodule(TomlReader& in, const Study& study) {
     const std::string shape = in.text("shape");
     if (study.geometry.is_block()) in.refuse("shape", "is of a tissue that has a shape itself; in a block a nodule is a ball, of centre_m and radius_m");
     if (in.has("centre_m") || in.has("radius_m")) in.refuse("shape", "cannot stand beside centre_m and radius_m, which are a ball's");
-    if (const std::string why = vtk_refusal(shape); !why.empty()) in.refuse("shape", why);
+    if (const std::string why = vtk_refusal(in.beside("shape", shape)); !why.empty()) in.refuse("shape", why);
     if (!is_surface_file(shape)) in.refuse("shape", fmt::format("'{}' must be a file that ends in {}", shape, surface_endings));
     const std::string file = file_beside(in, "shape", shape);
     try {

@@ -76,7 +76,7 @@ Study::Geometry read_geometry(TomlReader in) {
         g.width_m = in.number("width_m", positive);
         g.height_m = in.number("height_m", positive);
     } else {
-        if (const std::string why = vtk_refusal(shape); !why.empty()) in.refuse("shape", why);
+        if (const std::string why = vtk_refusal(in.beside("shape", shape)); !why.empty()) in.refuse("shape", why);
         if (g.solid && !ends_with(shape, ".geo") && !ends_with(shape, ".msh") && !is_surface_file(shape))
             in.refuse("shape", fmt::format("'{}' must be a file that ends in .geo, .msh, {}", shape, surface_endings));
         if (!g.solid && !ends_with(shape, ".geo") && !ends_with(shape, ".msh"))
@@ -92,8 +92,8 @@ Study::Geometry read_geometry(TomlReader in) {
             if (!g.solid) continue;
             try {
                 if (auto other = HeldRegion::within(name)) {
-                    if (const std::string why = vtk_refusal(other->file); !why.empty()) in.refuse("fixed", why);
                     other->file = in.beside("fixed", other->file);
+                    if (const std::string why = vtk_refusal(other->file); !why.empty()) in.refuse("fixed", why);
                     std::error_code none;
                     if (!std::filesystem::is_regular_file(other->file, none)) in.refuse("fixed", "'" + name + "': there is no file " + other->file);
                     name = other->word();

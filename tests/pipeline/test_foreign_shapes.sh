@@ -157,7 +157,7 @@ tissuectl new foreign2 --shape "$scratch/cube.stl" --unit mm --held 'within 0.00
 check "nor is anything held near one" one_line '^tissuectl: spine.vtp: VTK surfaces are converted first'
 sed 's/foreign.geo/organ.vtu/' "$work/$study" >"$shapes/grid.toml"
 tissuectl plan --study fem/studies/grid.toml --out "$scratch/plan.mk"
-check "a study that names a .vtu: one line says that it is a grid, and what to do" one_line "grid.toml:[0-9]*: key 'geometry.shape': organ.vtu: is an unstructured grid: .* scripts/vtk_surface organ.vtp organ.obj; or bring its tetrahedra as a .msh"
+check "a study that names a .vtu: one line says that it is a grid, and what to do" one_line "grid.toml:[0-9]*: key 'geometry.shape': fem/studies/organ.vtu: is an unstructured grid: .* scripts/vtk_surface fem/studies/organ.vtp fem/studies/organ.obj; or bring its tetrahedra as a .msh"
 
 run "$PYTHON" -S scripts/vtk_surface "$study" organ.stl
 check "what is converted is an .obj: one line" one_line '^vtk_surface: organ.stl: what is converted is written as .obj'
@@ -181,6 +181,9 @@ if [ -n "${TISSUE_READERS-}" ] || "$readers" -c 'import vtkmodules' 2>/dev/null;
     done
     converts fem/box.vtp fem/box.obj --groups label
     check "texts are groups, with names that make can carry" says '; groups: bed, all_the_rest$'
+    converts fem/triangles.vtp fem/box.obj --groups part
+    check "triangles and a strip: each has its own cell's group" sh -c \
+        'grep -q "; groups: part_7, part_-1, part_5$" "$1" && [ "$(sed -n "/^g part_5/,\$p" "$2" | grep -c ^f)$(sed -n "/^g part_7/,/^g part_-/p" "$2" | grep -c ^f)" = 22 ]' - "$said" "$work/fem/box.obj"
     rm -f "$work/fem/box.obj" "$ran"
     echo "$script" >"$work/fem/script.vtk"
     while IFS='|' read -r file options words; do
@@ -196,6 +199,8 @@ cut.vtp||is cut off or damaged, save it again; VTK: Error reading
 cut.vtk||is cut off or damaged, save it again; VTK: Error reading
 huge.vtp||VTK failed while it read the file
 beyond.vtk||cell 4 names a point that the file does not have: it has 9; save it again
+again.vtk||cell 0 repeats a corner: remove that cell
+words.vtk||is cut off or damaged, save it again; VTK: an error whose words are no text
 nan.vtp||point 7 of cell [0-9]* has a coordinate that is no finite number
 box.vtp|--groups pat|has no cell data 'pat'; --groups takes one of: part, label, share$
 box.vtp|--groups share|cell data 'share' is not an integer or a text of every cell

@@ -167,7 +167,7 @@ TEST_CASE("training without paths or terms is refused") {
     CHECK_THAT(refusal<MismatchError>([&] { train_law(p.mesh, bare, p.paths); }), Contains("without terms"));
 }
 
-TEST_CASE("in space training finds the law again from the surface alone, the same for any number of threads", "[solid][long]") {
+TEST_CASE("in space training finds the law again from the surface alone, the same for any number of threads", "[solid]") {
     const SpringMesh mesh = make_lattice("grid26", Lattice{{5, 5, 3}, {0.05, 0.05, 0.03}});
     const double E = 4500, radius_m = 0.007;
     const LawHeuristic heuristic = solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), E),
