@@ -104,7 +104,7 @@ void add_serve(CLI::App& app, const Invocation& invocation) {
     auto o = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("serve", "Press learned tissue from a page in the browser.");
     command->add_option("model", o->models, "model.h5 of tissuectl train; several to choose from. A cases.h5 beside one "
-                                                 "gives FE's surface, an eval.json of it its error map")->required()->type_name("FILE");
+                                                 "gives FE's surface, an eval.json of that model gives its error map")->required()->type_name("FILE");
     command->add_option("--port", o->server.port, "TCP; 0: any that is free")
         ->type_name("number")->capture_default_str()->check(quiet(CLI::Range(0, 65535)));
     command->add_option("--bind", o->server.bind, "address to listen on; all but this machine's own bring --token")

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -16,7 +17,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t most = 20000;  // contacts: more than any study draws, and little enough for a message
+constexpr std::size_t most = 2000;             // contacts: more than any study draws, and little enough for a message
+constexpr std::uintmax_t most_bytes = 1 << 24;  // of the file
+constexpr std::size_t most_words = 400;         // bytes of the warning: it quotes the file
 
 /// A value of an object, of this kind. Throws MismatchError that names it.
 const Json& value_of(const Json& object, const char* key, const std::string& where, bool (Json::*is)() const noexcept) {
@@ -61,7 +64,7 @@ void add_trained(const Json& rows, const TissueModel& tissue, std::vector<KnownE
 }
 
 void add_drawn(const std::string& role, const Json& rows, const TissueModel& tissue, std::vector<KnownError>& all) {
-    if (role.empty() || role.size() > 64 || role.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") != std::string::npos)
+    if (role == "trained" || role.empty() || role.size() > 64 || role.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") != std::string::npos)
         throw MismatchError("'drawn' has a role '" + role.substr(0, 64) + "'");
     if (!rows.is_array()) throw MismatchError("'drawn." + role + "' is no list");
     for (std::size_t k = 0; k < rows.size() && all.size() <= most; ++k) {
@@ -99,12 +102,13 @@ KnownErrors read_known_errors(const std::string& model_file, const TissueModel& 
     const std::string file = std::filesystem::path(model_file).replace_filename("eval.json").string();
     std::error_code unseen;
     if (!std::filesystem::exists(file, unseen)) return {};
+    const auto refused = [&file](const std::string& why) { return KnownErrors{{}, one_line((file + " is not used: " + why).substr(0, file.size() + most_words))}; };
+    if (!std::filesystem::is_regular_file(file, unseen)) return refused("it is no file");
+    if (std::filesystem::file_size(file, unseen) > most_bytes) return refused("it has more than 16 MB");
     try {
         return {errors_in(file, model_file, tissue), ""};
-    } catch (const Json::exception& e) {
-        return {{}, one_line(file + " is not used: " + e.what())};
-    } catch (const Error& e) {
-        return {{}, one_line(file + " is not used: " + e.what())};
+    } catch (const std::exception& e) {  // the parser's, ours, and memory's
+        return refused(e.what());
     }
 }
 

@@ -8,12 +8,13 @@
 
 namespace tissue::serve {
 
-/// How far the learned model's contact force is off FE at one contact that FE have solved, in equilibrium, as `tissuectl eval` has it.
+/// How far the learned model's contact force is off FE at one contact that FE have solved, in equilibrium without relaxation, as `tissuectl eval` has it.
 struct KnownError {
     std::string role;                  ///< "trained", or of the study's draws
     Point contact_m, direction;        ///< at rest; unit vector (3)
     double depth_m = 0;
     std::optional<double> force = {};  ///< |r - r_fe| / |r_fe|; nothing: the model has no answer
+    Point inward = {};                 ///< unit normal of the surface there, which the scene finds
 };
 
 struct KnownErrors {

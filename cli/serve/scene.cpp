@@ -54,10 +54,10 @@ Json nodule_json(const NoduleSurface& nodule, const CarriedPoints& carried, cons
     return {{"points_m", points}, {"facets", facets}, {"nodes", nodes}, {"weights", weights}};
 }
 
-Json errors_json(const std::vector<KnownError>& errors, const FreeSurface& surface) {
+Json errors_json(const std::vector<KnownError>& errors) {
     Json all = Json::array();
     for (const KnownError& e : errors)
-        all.push_back({{"role", e.role}, {"contact_m", numbers(e.contact_m)}, {"direction", numbers(e.direction)}, {"inward", numbers(surface.nearest(e.contact_m).inward)},
+        all.push_back({{"role", e.role}, {"contact_m", numbers(e.contact_m)}, {"direction", numbers(e.direction)}, {"inward", numbers(e.inward)},
                        {"depth_m", e.depth_m}, {"error", e.force ? Json(*e.force) : Json()}});
     return all;
 }
@@ -128,6 +128,11 @@ Scene::Scene(const TissueModel& tissue, const HapticModel& model, const std::vec
         const double merit = places_[k].direction.dot(places_[k].inward) - (places_[k].contact_m - top).norm() / width;
         if (merit > best) best = merit, first_ = static_cast<int>(k);
     }
+}
+
+void Scene::know(std::vector<KnownError> errors) {
+    errors_ = std::move(errors);
+    for (KnownError& e : errors_) e.inward = surface_.nearest(e.contact_m).inward;
 }
 
 void Scene::carry(const CarriedSurface& surface) {
@@ -234,7 +239,7 @@ std::string Scene::message(const std::vector<std::string>& names, int index) con
     if (mesh_.is_solid()) j["disc_radius_m"] = disc_radius_m_;
     if (!carried_.empty()) j["surface"] = true;
     if (!nodule_.empty()) j["nodule"] = nodule_json(nodule_, nodule_carried_, model_.meshes[0]->place_m, shown_as);
-    if (!errors_.empty()) j["errors"] = errors_json(errors_, surface_);
+    if (!errors_.empty()) j["errors"] = errors_json(errors_);
     Json places = Json::array();
     for (const Place& p : places_) {
         Json curve = Json::array();

@@ -76,7 +76,7 @@ class Scene {
     const std::string& carried() const { return carried_; }
 
     /// How far the model is off where FE know it; of a model in space.
-    void know(std::vector<KnownError> errors) { errors_ = std::move(errors); }
+    void know(std::vector<KnownError> errors);
 
     /// Of a model that learns while it plays.
     void learn(LearnedField field) { learned_ = std::move(field); }

@@ -1,11 +1,11 @@
-// The error map of a solid: at every contact that finite elements have solved, how far the learned model's contact force is off theirs.
-// The figures are the evaluation's, of tissue in equilibrium; the press of now does not change them.
+// The error map of a solid: at every contact that the model was trained on or that was drawn to judge it, how far its force is off finite elements'.
+// The figures are the evaluation's, of tissue in equilibrium without relaxation; the press of now does not change them.
 import * as THREE from "./three.module.js";
 import { shade } from "./canvas.js";
 import { apart } from "./compare.js";
 import { nice } from "./scale.js";
 import { LEARNED, look, model } from "./state.js";
-import { add, angle_between, largest, norm } from "./vectors.js";
+import { add, angle_between, dot, largest } from "./vectors.js";
 import { $, millimetres, percent, say } from "./words.js";
 
 const WIDE = 13;      // pixels, of a dot
@@ -24,7 +24,7 @@ export function prepare_errors() {
   if (!model.errors) return;
   const spots = new Map();
   for (const push of model.errors) {
-    const key = push.contact_m.map(x => x.toFixed(8)).join();
+    const key = push.contact_m.map(x => Math.round(1e8 * x)).join();
     if (!spots.has(key)) spots.set(key, { contact_m: push.contact_m, inward: push.inward, pushes: [] });
     spots.get(key).pushes.push(push);
   }
@@ -61,10 +61,11 @@ export function error_dots(size) {
   const group = new THREE.Group();
   for (const cross of [false, true]) {
     const spots = model.spots.filter(({ pushes }) => (pushes[0].error === null) === cross), geometry = new THREE.BufferGeometry();
-    const at = spots.flatMap(({ contact_m, inward }) => add(add(contact_m, apart(LEARNED)), inward, -0.012 * size));
+    for (const spot of spots) spot.drawn = add(add(spot.contact_m, apart(LEARNED)), spot.inward, -0.012 * size);
+    const at = spots.flatMap(spot => spot.drawn);
     geometry.setAttribute("position", new THREE.BufferAttribute(Float32Array.from(at), 3));
     geometry.setAttribute("color", new THREE.BufferAttribute(Float32Array.from(spots.flatMap(rgb)), 3));
-    const dots = new THREE.Points(geometry, new THREE.PointsMaterial({ size: WIDE * Math.min(devicePixelRatio || 1, 2), sizeAttenuation: false,
+    const dots = new THREE.Points(geometry, new THREE.PointsMaterial({ size: WIDE, sizeAttenuation: false,
       map: sign(cross), alphaTest: 0.4, vertexColors: THREE.VertexColors }));
     dots.frustumCulled = false;
     group.add(dots);
@@ -72,12 +73,13 @@ export function error_dots(size) {
   return group;
 }
 
-/** The contact that a pointer on the learned mesh is on: at, in its place at rest; reach_m, what a dot's half width is there. */
-export function spot_at(at, reach_m) {
-  let best = null, least = reach_m;
+/** The contact on whose dot a pointer is, at a place of the canvas: to_screen tells where a point is there, toward the direction to the eye. */
+export function spot_at([x, y], to_screen, toward) {
+  let best = null, least = WIDE / 2;
   for (const spot of model.spots) {
-    const away = norm(add(spot.contact_m, at, -1));
-    if (away < least) [best, least] = [spot, away];
+    if (dot(spot.inward, toward) > 0) continue;   // behind the tissue
+    const [across, down] = to_screen(spot.drawn), away = Math.hypot(across - x, down - y);
+    if (away <= least) [best, least] = [spot, away];
   }
   return best;
 }
@@ -88,15 +90,13 @@ export function tell_error(spot, [x, y] = [0, 0]) {
   if (!spot) return;
   const lines = spot.pushes.slice(0, LISTED).map(push => `${told(push)}: ${push.role.replaceAll("_", " ")}, ${millimetres(push.depth_m)} deep, ` +
     `${Math.round(angle_between(push.direction, push.inward))}° off straight in`);
-  if (spot.pushes.length > LISTED) lines.push(`and ${spot.pushes.length - LISTED} more, nearer to FE`);
+  if (spot.pushes.length > LISTED) lines.push(`and ${spot.pushes.length - LISTED} more, none worse`);
   say("error_tip", lines.join("\n"));
   const left = x > $("error_tip").parentElement.clientWidth / 2;   // of the pointer, or it would run out of the page
   $("error_tip").style.transform = left ? "translateX(calc(-100% - 28px))" : "";
   $("error_tip").style.left = `${x + 14}px`;
   $("error_tip").style.top = `${y + 14}px`;
 }
-export const REACH = WIDE / 2;
-
 /** What a test looks at: the contacts, and the scale's end; null where none is drawn. */
 export const error_map = () => shows_errors() ? { worst: model.worst_error,
   spots: model.spots.map(({ contact_m, inward, pushes }) => ({ contact_m: [...contact_m], inward: [...inward], errors: pushes.map(push => push.error) })) } : null;

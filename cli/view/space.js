@@ -248,7 +248,7 @@ function follow_tissue(w) {
   const stiffness = w.m === LEARNED && shows_learned() ? factor.map(f => Math.log(f) / span) : null;
   w.surface.update(nodes, stiffness);   // it is touched though the other one is drawn
   w.held.geometry.lay(nodes);
-  if (w.nodule) w.nodule.follow(nodes);
+  if (w.nodule && shows_nodule()) w.nodule.follow(nodes);
   const fine = w.fine !== null && $("carried_wanted").checked;
   w.solid.material.visible = w.wire.visible = !fine;   // of a solid that is not visible itself three.js meets no ray
   if (w.fine) w.fine.visible = fine;
@@ -368,7 +368,7 @@ export function draw_space(comparable) {
     { stiffest: shows_learned() ? Math.exp(model.learned.span) : 0, worst: shows_errors() ? model.worst_error : 0 });
 }
 
-export const pixels_a_metre = () => windows[0].box.height / (1.9 * windows[0].size) * view.zoom;
+const pixels_a_metre = () => windows[0].box.height / (1.9 * windows[0].size) * view.zoom;
 
 const window_at = (x, y) => windows.find(({ box }) => x >= box.left && x < box.left + box.width && y >= box.top && y < box.top + box.height);
 const in_window = ({ box }, x, y) => new THREE.Vector2(2 * (x - box.left) / box.width - 1, 1 - 2 * (y - box.top) / box.height);

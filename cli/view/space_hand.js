@@ -1,11 +1,11 @@
 // Pointer and keyboard in space: press where a solid is touched, turn and zoom beside it.
 import { SNAP, apart } from "./compare.js";
-import { REACH, shows_errors, spot_at, tell_error } from "./errors.js";
+import { shows_errors, spot_at, tell_error } from "./errors.js";
 import { let_go, take_hold } from "./hand.js";
-import { aim, pixels_a_metre, screen_axes, stage, touched, view } from "./space.js";
+import { aim, screen_axes, space_to_screen, stage, touched, view } from "./space.js";
 import { IN, LEARNED, hand, look, model, state } from "./state.js";
 import { is_open } from "./transport.js";
-import { add, clamp, dot, norm, unit } from "./vectors.js";
+import { add, clamp, cross, dot, norm, unit } from "./vectors.js";
 import { $, millimetres } from "./words.js";
 
 const INSET = 0.0003;        // m: the tool is on the tissue, not beside it
@@ -80,10 +80,12 @@ function tilted(from, dx, dy) {
 const turn = (dx, dy) => {
   view.azimuth -= dx;
   view.elevation = clamp(view.elevation + dy, -25, 89);
+  tell_error(null);   // its dot moves away
   look.stale = true;
 };
 const zoom = by => {
   view.zoom = clamp(view.zoom * by, 0.4, 8);
+  tell_error(null);
   look.stale = true;
 };
 const in_canvas = event => {
@@ -126,8 +128,8 @@ stage.addEventListener("pointermove", event => {
     turning.at = at;
   } else if (fingers.size === 0 && event.pointerType !== "touch") point_at(is_open() ? touched(...at) : null, at);
 });
-function point_at(touch, [x, y] = []) {
-  tell_error(touch && shows_errors() && touch.mesh === LEARNED ? spot_at(touch.at, REACH / pixels_a_metre()) : null, [x, y]);
+function point_at(touch, place) {
+  tell_error(place && shows_errors() ? spot_at(place, space_to_screen, cross(...screen_axes())) : null, place);
   stage.style.cursor = touch ? "crosshair" : "grab";
   const at = touch && snapped(touch);
   if (!at && !aim.at) return;
@@ -141,7 +143,7 @@ for (const name of ["pointerup", "pointercancel", "lostpointercapture"])
     if (hand.by === event.pointerId) let_go();
     if (turning && turning.by === event.pointerId) turning = null;
   });
-stage.addEventListener("pointerleave", () => { if (document.activeElement !== stage) point_at(null); });
+stage.addEventListener("pointerleave", () => { tell_error(null); if (document.activeElement !== stage) point_at(null); });
 stage.addEventListener("wheel", event => {
   event.preventDefault();
   if (hand.down) set_depth(wanted() - Math.sign(event.deltaY) * NOTCH);

@@ -249,6 +249,7 @@ NoduleSurface read_nodule(TableReader& in, const SpringMesh& mesh) {
     if (in.has("/nodule/points") != in.has("/nodule/triangles")) in.refuse("/nodule", "has points or triangles alone");
     if (!in.has("/nodule/points")) return {};
     NoduleSurface nodule{in.field("/nodule/points"), in.field("/nodule/triangles").cast<int>()};
+    if (nodule.points.rows() > most_nodule_points) in.refuse("/nodule/points", fmt::format("has {} points; {} are possible", nodule.points.rows(), most_nodule_points));
     if (const auto why = nodule_fault(nodule)) in.refuse("/nodule/triangles", *why);
     const NodeField own = mesh.own_nodes();
     const double beyond_m = 0.1 * mesh.size_m();

@@ -563,12 +563,12 @@ def error_map(page, program, model, folder, block):
         at, error, role = max((d for d in drawn if d[1] is not None), key=lambda d: abs(d[0][0] - 0.5 * (block.low + block.high)[0]))
         spot, wanted = by_contact[tuple(numpy.round(at, 9))], numpy.array(matplotlib.colormaps["viridis"](error / seen["worst"])[:3]) * 255
         check("a dot has the colour of its error on the legend's scale", numpy.abs(colour(page, off(spot)) - wanted).max() < 14, [colour(page, off(spot)), wanted])
-        page.mouse("Moved", *spot["contact_m"])
+        page.mouse("Moved", *off(spot))
         number = f"{100 * error:.1f}" if 100 * error < 9.95 else f"{100 * error:.0f}"
         check("the pointer on it tells the number", page.until("!document.getElementById('error_tip').hidden") and
               page.text("error_tip").startswith(f"{number}\xa0% off: {role.replace('_', ' ')}"), page.text("error_tip"))
         lost = by_contact[tuple(numpy.round(gone["contact_m"], 9))]
-        page.mouse("Moved", *lost["contact_m"])
+        page.mouse("Moved", *off(lost))
         check("a contact without an answer is a white cross, and says so", page.until("document.getElementById('error_tip').textContent.startsWith('no answer: held out')") and
               colour(page, off(lost)).min() > 225, [page.text("error_tip"), colour(page, off(lost))])
         page.click("errors_wanted")
