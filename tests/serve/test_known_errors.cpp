@@ -118,10 +118,12 @@ TEST_CASE("an eval.json with anything wrong in it is not used, and one line says
     CHECK_THAT(with("/drawn", 3), Contains("'drawn' is of another type"));
     CHECK_THAT(with("/drawn/held_out", 3), Contains("'drawn.held_out' is no list"));
     CHECK_THAT(with("/drawn/<b>", Json::array()), Contains("'drawn' has a role '<b>'"));
+    CHECK_THAT(with("/drawn/trained", Json::array()), Contains("'drawn' has a role 'trained'"));
+    CHECK(with("/trained_errors/0/name", std::string(100000, 'x')).size() < 1000);
 
     Json many = e.eval;
-    for (int k = 0; k < 20001; ++k) many["drawn"]["held_out"].push_back(many["drawn"]["held_out"][0]);
-    CHECK_THAT(e.refused(many), Contains("more than 20000 contacts"));
+    for (int k = 0; k < 2001; ++k) many["drawn"]["held_out"].push_back(many["drawn"]["held_out"][0]);
+    CHECK_THAT(e.refused(many), Contains("more than 2000 contacts"));
     for (const std::string& text : {std::string(), std::string("[]"), std::string("null"), std::string("{"), std::string("\0\xff", 2),
                                     std::string("{\"model_hash\": 1e999}"), std::string(100000, '[')})
         e.refused_text(text);
