@@ -12,7 +12,11 @@ const WIDE = 13;      // pixels, of a dot
 const LISTED = 6;     // pushes of one contact that are told
 
 export const shows_errors = () => Boolean(model.errors) && $("errors_wanted").checked;
-$("errors_wanted").addEventListener("change", () => { tell_error(null); look.stale = true; });
+$("errors_wanted").addEventListener("change", () => { tell_error(null); name_scale(); look.stale = true; });
+
+/** What the legend tells a screen reader. */
+const name_scale = () => $("space_legend").setAttribute("aria-label",
+  `Colour: ${shows_errors() ? "error of the force at each contact in per cent" : "displacement in millimetres"}; arrows: force of the tool`);
 
 const told = ({ error }) => error === null ? "no answer" : `${percent(error)} off`;
 const worse = (a, b) => (b.error ?? Infinity) - (a.error ?? Infinity);   // first what has no answer
@@ -21,6 +25,7 @@ const worse = (a, b) => (b.error ?? Infinity) - (a.error ?? Infinity);   // firs
 export function prepare_errors() {
   $("errors_row").hidden = !model.errors;
   tell_error(null);
+  name_scale();
   if (!model.errors) return;
   const spots = new Map();
   for (const push of model.errors) {
@@ -97,6 +102,7 @@ export function tell_error(spot, [x, y] = [0, 0]) {
   $("error_tip").style.left = `${x + 14}px`;
   $("error_tip").style.top = `${y + 14}px`;
 }
+
 /** What a test looks at: the contacts, and the scale's end; null where none is drawn. */
 export const error_map = () => shows_errors() ? { worst: model.worst_error,
   spots: model.spots.map(({ contact_m, inward, pushes }) => ({ contact_m: [...contact_m], inward: [...inward], errors: pushes.map(push => push.error) })) } : null;

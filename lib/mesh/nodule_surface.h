@@ -15,11 +15,11 @@ struct NoduleSurface {
     bool empty() const { return points.rows() == 0; }
 };
 
-/// Points that a model carries at the most: a page is told them with its model. Of a larger surface it carries none.
+/// Points of such a surface at the most: the server sends them to a page with the model.
 constexpr Eigen::Index most_nodule_points = 20000;
 
-/// That of an inclusion: the given surface, or of a ball an icosahedron each of whose triangles is divided into 16: 320 triangles with their corners on the ball, which
-/// enclose 3 per cent less than it does.
+/// That of an inclusion: the given surface, or of a ball 320 triangles with their corners on it, which enclose 3 per cent less than it does: CGAL's icosahedron, divided twice.
+/// Empty where the given surface has more than most_nodule_points.
 NoduleSurface nodule_surface(const Inclusion& nodule);
 
 /// Why such a surface encloses no volume: an edge that two triangles do not run through in opposite directions, a point in no triangle, normals that point inwards on the whole.

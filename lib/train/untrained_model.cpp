@@ -36,7 +36,6 @@ TrainedModel untrained_model(const Study& study, const Cases& cases, const std::
     model.law = study.springs.law;
     model.mesh = spring_mesh_of(study, cases);
     if (study.nodule && model.mesh.is_solid()) model.nodule = nodule_surface(study.nodule->inclusion);
-    if (model.nodule.points.rows() > most_nodule_points) model.nodule = {};
     model.modulus_N_m = study.modulus_N_m();
     model.node_mass_kg = node_masses(model.mesh, study.material.density_kg_m3, study.geometry.thickness_m);
     model.heuristic_a = study_heuristic(study, cases, model.mesh, study.modulus_N_m());

@@ -44,11 +44,14 @@ TEST_CASE("a ball's surface is 320 even triangles with their corners on it, norm
     CHECK((part > 0.96 && part < 0.97));
 }
 
-TEST_CASE("the surface of a file's nodule is the file's") {
+TEST_CASE("the surface of a file's nodule is the file's, and none where it is too large to be sent") {
     const Surface given{corner().points, corner().triangles, {Surface::free_label, Surface::free_label, Surface::free_label, Surface::free_label}};
     const NoduleSurface s = nodule_surface(Inclusion(given));
     CHECK(s.points == given.nodes);
     CHECK(s.triangles == given.triangles);
+    Surface large = given;
+    large.nodes = given.nodes.replicate(5001, 1).eval();
+    CHECK(nodule_surface(Inclusion(large)).empty());
 }
 
 TEST_CASE("a surface that does not close, points inwards or has points beside it encloses no nodule") {

@@ -200,7 +200,7 @@ cut.vtk||is cut off or damaged, save it again; VTK: Error reading
 huge.vtp||VTK failed while it read the file
 beyond.vtk||cell 4 names a point that the file does not have: it has 9; save it again
 again.vtk||cell 0 repeats a corner: remove that cell
-words.vtk||is cut off or damaged, save it again; VTK: an error whose words are no text
+words.vtk||is cut off or damaged, save it again; VTK: an error whose text is not UTF-8
 nan.vtp||point 7 of cell [0-9]* has a coordinate that is no finite number
 box.vtp|--groups pat|has no cell data 'pat'; --groups takes one of: part, label, share$
 box.vtp|--groups share|cell data 'share' is not an integer or a text of every cell

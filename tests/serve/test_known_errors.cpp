@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "../../cli/serve/stage.h"
@@ -27,15 +28,18 @@ struct Evaluated {
         eval["drawn"]["held_out"] = {{{"name", "held-out-0001"}, {"contact_m", {0.03, 0.04, 0.05}}, {"direction", {0.6, 0, -0.8}}, {"depth_m", 0.004},
                                       {"error", {{"learned", 0.07}, {"untrained", 0.5}}}}};
     }
-    KnownErrors read(const Json& j) { return text(j.dump()); }
-    KnownErrors text(const std::string& content) {
-        folder.file("eval.json", content);
+    KnownErrors read(const Json& j) {
+        folder.file("eval.json", j.dump());
         return read_known_errors(model, tissue);
     }
     /// Why it is not used.
     std::string refused(const Json& j) { return refused_text(j.dump()); }
     std::string refused_text(const std::string& content) {
-        const KnownErrors known = text(content);
+        folder.file("eval.json", content);
+        return refused_file();
+    }
+    std::string refused_file() {
+        const KnownErrors known = read_known_errors(model, tissue);
         CHECK(known.all.empty());
         CHECK_THAT(known.warning, Catch::Matchers::StartsWith(folder.file("eval.json") + " is not used: "));
         CHECK(known.warning.find('\n') == std::string::npos);
@@ -127,6 +131,13 @@ TEST_CASE("an eval.json with anything wrong in it is not used, and one line says
     for (const std::string& text : {std::string(), std::string("[]"), std::string("null"), std::string("{"), std::string("\0\xff", 2),
                                     std::string("{\"model_hash\": 1e999}"), std::string(100000, '[')})
         e.refused_text(text);
+    const std::string file = e.folder.file("eval.json");
+    std::filesystem::resize_file(file, (1 << 24) + 1);
+    CHECK_THAT(e.refused_file(), Contains("it has more than 16 MB"));
+    std::filesystem::remove(file);
+    std::filesystem::create_directory(file);
+    CHECK_THAT(e.refused_file(), Contains("it is no file"));
+    std::filesystem::remove(file);
     const std::string whole = e.eval.dump();
     for (std::size_t k = 0; k < whole.size(); k += 7) e.refused_text(whole.substr(0, k));
 }

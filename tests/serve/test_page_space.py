@@ -551,6 +551,7 @@ def error_map(page, program, model, folder, block):
         page.click("errors_wanted")
         page.until("tissue.error_map !== null")
         page.after(5)
+        check("the legend says so to a screen reader", "error of the force" in page.js("document.getElementById('space_legend').getAttribute('aria-label')"))
         seen = page.js("tissue.error_map")
         by_contact = {tuple(numpy.round(spot["contact_m"], 9)): spot for spot in seen["spots"]}
         trained = {row["name"]: row["error"] for row in evaluation["trained_errors"]}
@@ -567,6 +568,14 @@ def error_map(page, program, model, folder, block):
         number = f"{100 * error:.1f}" if 100 * error < 9.95 else f"{100 * error:.0f}"
         check("the pointer on it tells the number", page.until("!document.getElementById('error_tip').hidden") and
               page.text("error_tip").startswith(f"{number}\xa0% off: {role.replace('_', ' ')}"), page.text("error_tip"))
+        near = min((d for d in drawn if d[1] is not None), key=lambda d: numpy.linalg.norm(d[0] - numpy.array(block.top(0.5, 0.5))))
+        page.js("document.querySelector('#space_stage canvas[tabindex]').focus()")
+        page.key("+", times=5)
+        check("who zooms has no number left beside a dot that has moved away", page.until("document.getElementById('error_tip').hidden"))
+        page.mouse("Moved", *off(by_contact[tuple(numpy.round(near[0], 9))]))
+        check("and the pointer on a dot tells its number there too", page.until("!document.getElementById('error_tip').hidden") and
+              page.text("error_tip").endswith("off straight in") and near[2].replace("_", " ") in page.text("error_tip"), [near, page.text("error_tip")])
+        page.key("Home")
         lost = by_contact[tuple(numpy.round(gone["contact_m"], 9))]
         page.mouse("Moved", *off(lost))
         check("a contact without an answer is a white cross, and says so", page.until("document.getElementById('error_tip').textContent.startsWith('no answer: held out')") and

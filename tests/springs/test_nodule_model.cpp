@@ -81,4 +81,5 @@ TEST_CASE("a nodule that does not close, points inwards or lies outside the tiss
     CHECK_THAT(said([](NoduleSurface& n) { n.triangles.conservativeResize(n.triangles.rows() - 1, 3); }), Contains("/nodule/triangles: do not close"));
     CHECK_THAT(said([](NoduleSurface& n) { n.triangles.col(0).swap(n.triangles.col(1)); }), Contains("/nodule/triangles: point inwards"));
     CHECK_THAT(said([](NoduleSurface& n) { n.points.col(2).array() += 0.1; }), Contains("/nodule/points: point 0 lies outside the tissue"));
+    CHECK_THAT(said([](NoduleSurface& n) { n.points = n.points.row(0).replicate(20001, 1).eval(); }), Contains("/nodule/points: has 20001 points; 20000 are possible"));
 }
