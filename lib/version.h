@@ -12,7 +12,7 @@ inline constexpr int law_format_version = 2;
 inline constexpr int solid_format_version = 4;  ///< 3 was of solids whose discs had another energy: refused
 inline constexpr int time_format_version = 5;   ///< of a model that relaxes, and of cases with histories
 inline constexpr int adapted_format_version = 6;  ///< of a model that has learned from pokes
-inline constexpr int embedded_format_version = 7;  ///< of a model of a solid in an embedded lattice
+inline constexpr int embedded_format_version = 8;  ///< of a model of a solid in an embedded lattice; 7 had another factor of contacts: refused
 inline constexpr int last_format_version = embedded_format_version;
 
 }  // namespace tissue

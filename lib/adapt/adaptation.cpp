@@ -111,12 +111,11 @@ PressState Adaptation::press(const Point& contact_m, const Point& push_m, const 
     const ContactRows& rows = contact.rows;
     Eigen::RowVectorXd scale = Eigen::RowVectorXd::Zero(unknowns_.size());
     for (std::size_t i = 0; i < rows.nodes.size(); ++i) scale += rows.mean[static_cast<Eigen::Index>(i)] * unknowns_.by_node.row(rows.nodes[i]);
-    const Eigen::Index near = std::min<Eigen::Index>(rows.factors.size(), now.patch.log_N_m.cols());
     for (Eigen::Index m = 0; m < by.by_law_row.cols(); ++m) {
         const Point force = by.by_law_row.col(m) * contact.law_value[m];
         linear.by_x += (PatchLaw::scaled(m, 2) > 1 ? 1 : -1) * force * scale;
         for (std::size_t p = 0; p < unknowns_.by_patch.size(); ++p)
-            linear.by_x.col(static_cast<Eigen::Index>(p)) += force * unknowns_.by_patch[p].row(m).head(near).dot(rows.factors.head(near));
+            linear.by_x.col(static_cast<Eigen::Index>(p)) += force * unknowns_.by_patch[p].row(m).dot(rows.factors);
     }
     return rest;
 }

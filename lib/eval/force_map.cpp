@@ -70,7 +70,7 @@ ForceMap force_map(const TissueModel& model, const Cases& cases, int threads) {
         const Equilibrium state = press.at(path.contact_m, path.push_m(record));
         if (state) place.learned_N = state.contact_force.dot(path.direction);
     });
-    map.contrast = contrast_of(map, model.energy_law->ground);
+    map.contrast = contrast_of(map, model.energy_law->disc.ground);
     return map;
 }
 

@@ -101,7 +101,7 @@ double best_uniform_under_law(const TrainedModel& model, const std::vector<LoadC
         if (loads[c].record->contact_force_N.squaredNorm() > 0) some.push_back(&loads[c]);
     for (double factor = 0.25; factor < 4.1; factor *= std::sqrt(2.0)) {
         const Eigen::VectorXd constants = springs_alone(model.mesh, book.untrained_constants, uniform_stiffness(model.mesh, factor * mean));
-        const LawPress press(model.mesh, LawModel{{}, {}, constants, book.untrained_patch, false, model.energy_law->disc_radius_m});
+        const LawPress press(model.mesh, LawModel{{}, {}, constants, book.untrained_patch, false, model.energy_law->disc_radius_m, model.energy_law->disc});
         std::vector<double> errors(some.size(), std::numeric_limits<double>::infinity());
         parallel_for(static_cast<int>(some.size()), threads, [&](int i) {
             const LoadCase& load = *some[static_cast<std::size_t>(i)];
@@ -224,7 +224,7 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
         const LawBook& book = *model.books.law;
         const auto add = [&](const std::string& name, const Eigen::VectorXd& constants) {
             laws.emplace_back(name, std::make_unique<LawPress>(model.mesh, LawModel{{}, {}, constants, book.untrained_patch, model.energy_law->incompressible,
-                                                                                         model.energy_law->disc_radius_m}));
+                                                                                         model.energy_law->disc_radius_m, model.energy_law->disc}));
         };
         add("untrained", book.untrained_constants);
         const auto add_springs = [&](const std::string& name, const Eigen::VectorXd& theta) { add(name, springs_alone(model.mesh, book.untrained_constants, theta)); };

@@ -18,7 +18,7 @@ bool same_push(const TablePush& a, const TablePush& b) {
 }  // namespace
 
 std::vector<Symmetry> symmetries_of(const TissueModel& model) {
-    const bool of_one_material = on_lattice(model.mesh) && (!model.energy_law || model.energy_law->ground.rows() == 0);
+    const bool of_one_material = on_lattice(model.mesh) && (!model.energy_law || model.energy_law->disc.ground.rows() == 0);
     if (!of_one_material) return {};
     const Point low = model.mesh.nodes.colwise().minCoeff().transpose(), high = model.mesh.nodes.colwise().maxCoeff().transpose();
     const Point centre_m = (low + high) / 2, size_m = high - low;

@@ -76,14 +76,12 @@ std::string terms_csv(const LawModel& law) {
     return terms;
 }
 
-std::string contact_csv(const LawModel& law, const std::vector<std::string>& rows) {
+std::string contact_csv(const SpringMesh& mesh, const LawModel& law, const std::vector<std::string>& rows) {
     const PatchLaw& patch = law.patch;
-    std::string contact = fmt::format("row,log_k_N_m,phase,{},edge{}\n", patch.hardens() ? "ground" : "corner",
-                                      patch.log_N_m.cols() > PatchLaw::factors ? ",curved,crowd" : "");
+    std::string contact = fmt::format("row,log_k_N_m,{},{},edge\n", mesh.embedding.empty() ? "phase" : "curved", patch.hardens() ? "ground" : "corner");
     for (std::size_t m = 0; m < rows.size(); ++m)
         contact += fmt::format("{},{}\n", rows[m], values(patch.log_N_m.row(static_cast<Eigen::Index>(m))));
-    for (Eigen::Index bound = 0; law.factor_range.rows() > 0 && bound < 2; ++bound)
-        contact += fmt::format("{},,,,,{}\n", bound == 0 ? "least" : "most", values(law.factor_range.col(bound).transpose()));
+    if (const Eigen::Vector2d& range = law.disc.curved_range; std::isfinite(range[0])) contact += fmt::format("least,,{},,\nmost,,{},,\n", range[0], range[1]);
     return contact;
 }
 
@@ -128,7 +126,7 @@ Files solid_csv(const TissueModel& model, const std::vector<PressedCase>& cases)
         hardening += fmt::format("{},{}\n", name(load_cases[c]), values(contact.hardening.row(static_cast<Eigen::Index>(c))));
     Files files = {{"springs.csv", springs_csv(model, "stiffness_N_m", tables.spring_N_m)},
             {"cells.csv", cells},
-            {"contact.csv", contact_csv(*model.energy_law, {"normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"})},
+            {"contact.csv", contact_csv(model.mesh, *model.energy_law, {"normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"})},
             {"contact_rows.csv", rows},
             {"contact_pull.csv", pull},
             {"contact_hardening.csv", hardening}};
@@ -136,6 +134,11 @@ Files solid_csv(const TissueModel& model, const std::vector<PressedCase>& cases)
     if (embedding.empty()) return files;
     std::string& inside = files["embedding.csv"] = "node," + corners + ",weight_000,weight_100,weight_010,weight_110,weight_001,weight_101,weight_011,weight_111\n";
     for (int node = 0; node < embedding.node_count(); ++node) inside += fmt::format("{},{},{}\n", node, values(embedding.corner.row(node)), values(embedding.weight.row(node)));
+    const FacetTable& correction = model.energy_law->disc.correction;
+    std::string& corrections = files["correction.csv"] = "facet,weight_i,weight_j,weight_k,log_scale\n";
+    const NodeField corners_of = correction.value.rows() > 0 ? FacetTable::corners(FacetTable::parts_of(correction.value.cols())) : NodeField();
+    for (Eigen::Index f = 0; f < correction.value.rows(); ++f)
+        for (Eigen::Index v = 0; v < corners_of.rows(); ++v) corrections += fmt::format("{},{},{}\n", f, values(corners_of.row(v)), correction.value(f, v));
     std::string& supports = files["supports.csv"] = "node,stiffness_N_m\n";
     for (Eigen::Index m = 0; m < tables.support_N_m.size(); ++m) supports += fmt::format("{},{}\n", model.mesh.fixed[static_cast<std::size_t>(m)], tables.support_N_m[m]);
     return files;
@@ -156,7 +159,7 @@ Files plane_csv(const TissueModel& model) {
     return {{"springs.csv", springs_csv(model, "stiffness_N_m", tables.spring_N_m)},
             {"areas.csv", areas},
             {"area_edges.csv", edges},
-            {"contact.csv", contact_csv(*model.energy_law, {"normal", "tangent", "rotation", "stretch"})},
+            {"contact.csv", contact_csv(model.mesh, *model.energy_law, {"normal", "tangent", "rotation", "stretch"})},
             {"surface.csv", surface}};
 }
 

@@ -17,7 +17,7 @@ Files csv_files(const TissueModel& model, const std::vector<NamedSet>& sets);
 ///   nodes.csv, triangles.csv  as above                     springs.csv     theta of the law in place of the one set
 ///   areas.csv      area, cell or region, a at rest, A      area_edges.csv  area, its nodes from and to
 ///   terms.csv      term, coefficient                       contact.csv     log k of each row by its factors; of a
-///                                                          solid shape least and most of curved and crowd
+///                                                          solid shape least and most of curved
 ///   surface.csv    node, where along the free surface, log of how much stiffer contacts are there
 ///   presses.csv     case, contact, push, force of the hand, or
 ///   pressed.csv    case, node, displacement, force                         the reason why it has none

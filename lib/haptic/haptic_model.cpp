@@ -166,8 +166,9 @@ std::uint64_t fingerprint_of(const HapticModel& model, const TissueModel& tissue
         add_array(mesh->law->relaxation().contact_share);
     }
     if (tissue.energy_law) {  // what contacts depend on beside patch_log
-        add_array(tissue.energy_law->ground);
-        add_array(tissue.energy_law->factor_range);
+        add_array(tissue.energy_law->disc.ground);
+        add_array(tissue.energy_law->disc.curved_range);
+        add_array(tissue.energy_law->disc.correction.value);
         add(&tissue.energy_law->disc_radius_m, sizeof tissue.energy_law->disc_radius_m);
     }
     const std::uint64_t fingerprint = XXH3_64bits_digest(hash);

@@ -32,7 +32,8 @@ struct Frame {
     Eigen::Vector3d local(const Eigen::Vector3d& place_m) const { return (place_m - origin_m) / h; }
 };
 
-Frame frame_of(const Shape& shape, double h) {
+/// shift: in edges, 0 to 1.
+Frame frame_of(const Shape& shape, double h, const Eigen::Vector3d& shift) {
     Frame frame{{}, {}, h};
     double all = 1;
     for (int d = 0; d < 3; ++d) {
@@ -49,6 +50,7 @@ Frame frame_of(const Shape& shape, double h) {
         } else {
             frame.origin_m[d] = (low + high) / 2 - h * std::ceil((high - low - slack) / h) / 2;
         }
+        if (shift[d] > 0) frame.origin_m[d] -= h * (1 - shift[d]);
         const double along = std::max(1.0, std::ceil((high - slack - frame.origin_m[d]) / h));
         all *= along;
         if (!(all <= most_in_all)) throw MismatchError(fmt::format("a lattice of {:g} mm over this solid has {:.3g} cubes and more; {:g} are possible, empty ones too", 1e3 * h, all, most_in_all));
@@ -152,9 +154,11 @@ int pieces(const Cells& cubes) {
 
 }  // namespace
 
-SpringMesh embedded_lattice(const Shape& shape, double spacing_m) {
+SpringMesh embedded_lattice(const Shape& shape, double spacing_m) { return shifted_lattice(shape, spacing_m, Eigen::Vector3d::Zero()); }
+
+SpringMesh shifted_lattice(const Shape& shape, double spacing_m, const Eigen::Vector3d& shift) {
     if (!(spacing_m > 0)) throw MismatchError("an embedded lattice needs a spacing > 0");
-    const Frame frame = frame_of(shape, spacing_m);
+    const Frame frame = frame_of(shape, spacing_m, shift);
     const Fill fill(shape, frame);
 
     std::vector<Triple> cubes;

@@ -23,4 +23,7 @@ namespace tissue {
 /// has a node of the solid an edge or more away from every cube.
 SpringMesh embedded_lattice(const Shape& shape, double spacing_m);
 
+/// The same lattice moved by a part of an edge along each axis, 0 to 1, whatever plane the held surface is.
+SpringMesh shifted_lattice(const Shape& shape, double spacing_m, const Eigen::Vector3d& shift);
+
 }  // namespace tissue

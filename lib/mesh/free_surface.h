@@ -30,6 +30,7 @@ class FreeSurface {
 
     /// Free facet of each facet of the mesh (SpringMesh::facets), -1 where it is held.
     const std::vector<Eigen::Index>& free_of() const { return free_of_; }
+    Eigen::Index facet_of(Eigen::Index free) const noexcept { return facet_of_[static_cast<std::size_t>(free)]; }  ///< facet of the mesh of a free one
 
     /// Where a way along the surface ends.
     struct Walk {

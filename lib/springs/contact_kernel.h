@@ -13,8 +13,8 @@ namespace tissue {
 
 struct PatchLaw;
 
-/// Factors of a contact's place that its stiffnesses depend on (PatchLaw): four, of a disc on a shape six. No allocation.
-using ContactFactors = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
+/// Factors of a contact's place that its stiffnesses depend on (PatchLaw): four.
+using ContactFactors = Eigen::Vector4d;
 
 /// Where a contact lies: what its rows take of the push d and of the displacements of a few nodes, e = push d - pull u, and
 /// which of the law's stiffnesses each of them has.

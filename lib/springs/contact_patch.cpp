@@ -138,15 +138,14 @@ Eigen::Vector4d PatchLaw::factors_at(const ContactPatch& patch) noexcept {
 }
 
 PatchStiffness PatchLaw::at(const ContactPatch& patch) const noexcept {
-    const Eigen::Vector4d log_k = (log_N_m.topLeftCorner<4, 4>() * factors_at(patch)).array() + patch.log_scale;
+    const Eigen::Vector4d log_k = (log_N_m.topRows<4>() * factors_at(patch)).array() + patch.log_scale;
     return {std::exp(log_k[0]), std::exp(log_k[1]), std::exp(log_k[2]), std::exp(log_k[3])};
 }
 
-Eigen::VectorXd PatchLaw::values_at(const ContactFactors& at) const {
-    Eigen::VectorXd log_k = log_N_m.leftCols<factors>() * at.head<factors>();
-    const Eigen::Index more = at.size() - factors;
-    if (more > 0) log_k += log_N_m.rightCols(more) * at.tail(more);
-    return log_k.array().exp();
+Eigen::VectorXd PatchLaw::values_at(const ContactFactors& at, double log_scale) const {
+    Eigen::VectorXd value = (log_N_m * at).array().exp();
+    for (Eigen::Index m = 0; m < value.size(); ++m) value[m] *= scaled(m, std::exp(log_scale));
+    return value;
 }
 
 PatchSpring::PatchSpring(const ContactPatch& where, const PatchStiffness& k) noexcept : patch(where), stiffness(k) {

@@ -68,18 +68,18 @@ struct PatchStiffness {
 /// How those depend on the contact's place: log k_m = sum_f log_N_m(m, f) factor_f, with factors
 ///   1, phase = cos(2 pi place): 1 at a node, -1 half way between two, corner, edge.
 /// In space, of a disc (springs/disc_contact.h): phase about 1 at a node, 0 in the middle of an edge, -1 in that of a
-/// square; in the place of corner `ground`, what under it is of other stiffness; its last rows are what is not linear of it (springs/contact_spring.h): hardening
-/// and saturation [log(1/J)], coupling [log(N/m2)]. On a shape in space two factors more: curved, crowd.
+/// square; in an embedded lattice `curved` in its place; in the place of corner `ground`, what under it is of other stiffness; its last rows are what is not linear of it (springs/contact_spring.h): hardening
+/// and saturation [log(1/J)], coupling [log(N/m2)].
 struct PatchLaw {
-    static constexpr int factors = 4, shape_factors = 6, ground_factor = 2, hardening_row = 4, saturation_row = 5, coupling_row = 6, disc_rows = 7;
+    static constexpr int factors = 4, curved_factor = 1, ground_factor = 2, hardening_row = 4, saturation_row = 5, coupling_row = 6, disc_rows = 7;
     /// K x factors: normal, tangent, rotation, stretch; of a disc normal, tangent, imprint_normal, imprint_tangent, hardening,
     /// saturation, coupling
-    using Logs = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, disc_rows, shape_factors>;  ///< no allocation
+    using Logs = Eigen::Matrix<double, Eigen::Dynamic, factors, 0, disc_rows, factors>;  ///< no allocation
     Logs log_N_m = Logs::Zero(4, factors);
     bool softens = false;  ///< of a disc: row hardening is softening, and row saturation means nothing
 
     bool hardens() const { return log_N_m.rows() > hardening_row; }
-    Eigen::VectorXd values_at(const ContactFactors& factors) const;  ///< of every row (K)
+    Eigen::VectorXd values_at(const ContactFactors& factors, double log_scale = 0) const;  ///< of every row, exp(log_scale) times as stiff (K)
     /// What the row m is of a contact whose tissue is `scale` times as stiff, over what it is of this: energies scale, and what is counted
     /// in them goes the other way.
     static double scaled(Eigen::Index m, double scale) noexcept { return m == hardening_row || m == saturation_row ? 1 / scale : scale; }

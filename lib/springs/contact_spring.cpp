@@ -48,8 +48,7 @@ std::vector<std::pair<int, int>> ContactSurface::coupled() const {
 }
 
 ContactSpring::ContactSpring(ContactRows where, const PatchLaw& law) : rows(std::move(where)), k_N_m(rows.share.size()) {
-    law_value = law.values_at(rows.factors);
-    for (Eigen::Index m = 0; m < law_value.size(); ++m) law_value[m] *= PatchLaw::scaled(m, std::exp(rows.log_scale));
+    law_value = law.values_at(rows.factors, rows.log_scale);
     for (Eigen::Index r = 0; r < k_N_m.size(); ++r) k_N_m[r] = rows.share[r] * law_value[rows.law_row[static_cast<std::size_t>(r)]];
     if (!law.hardens()) return;
     hardening_1_J = law_value[PatchLaw::hardening_row];

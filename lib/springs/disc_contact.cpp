@@ -44,15 +44,13 @@ double DiscContact::profile(double x) {
 double DiscContact::ground_at(const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const {
     const double squared = radius_m_ * radius_m_;
     double sum = 0;
-    for (Eigen::Index g = 0; g < ground_.rows(); ++g) {
-        const Eigen::Vector3d ray = ground_.row(g).head<3>().transpose() - contact_m;
+    for (Eigen::Index g = 0; g < tables_.ground.rows(); ++g) {
+        const Eigen::Vector3d ray = tables_.ground.row(g).head<3>().transpose() - contact_m;
         const double depth = std::max(0.0, ray.dot(inward)), away = squared + ray.squaredNorm();
-        sum += ground_(g, 3) * depth * depth / (away * away * away);
+        sum += tables_.ground(g, 3) * depth * depth / (away * away * away);
     }
     return 8 * radius_m_ / (pi * pi) * sum;
 }
-
-double DiscContact::curved_of(const SurfaceQuadric& quadric) const noexcept { return radius_m_ * quadric.bend_1_m.trace() / 2; }
 
 /// nodes: all that are within so far of the contact at least; where the fit needs farther ones, all of the surface.
 SurfaceQuadric DiscContact::quadric_among(const std::vector<int>& nodes, double within_m, const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept {
@@ -87,13 +85,12 @@ SurfaceQuadric DiscContact::quadric_among(const std::vector<int>& nodes, double 
     return quadric;
 }
 
-DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, NodeField ground, const NodeField& factor_range)
-    : surface_(mesh), rest_(mesh.nodes), radius_m_(radius_m), ground_(std::move(ground)),
+DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, DiscTables tables)
+    : surface_(mesh), rest_(mesh.nodes), radius_m_(radius_m), tables_(std::move(tables)),
       fixed_(static_cast<std::size_t>(mesh.node_count()), false) {
     if (!mesh.is_solid()) throw MismatchError("a disc needs a surface in space");
     if (!has_cells(mesh)) throw MismatchError("a disc needs a lattice, a block's or an embedded one");
     if (!(radius_m > 0)) throw MismatchError("a disc needs a radius > 0");
-    if (factor_range.rows() > 0) factor_range_ = factor_range;
     for (int node : mesh.fixed) fixed_[static_cast<std::size_t>(node)] = true;
 
     near_m_ = std::max(farther * own_reach_m(), imprint * radius_m_);
@@ -124,6 +121,15 @@ DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, NodeField grou
         wall.facet = surface_.nearest(middle).facet;
         wall.weight = nearest_on_facet(rest_, surface_.facets(), wall.facet, middle).weight;
     }
+}
+
+double DiscContact::curved_of(const SurfaceQuadric& quadric) const noexcept {
+    return std::min(std::max(radius_m_ * quadric.bend_1_m.trace() / 2, tables_.curved_range[0]), tables_.curved_range[1]);
+}
+
+double DiscContact::correction_at(const FreeSurface::Place& place) const noexcept {
+    if (tables_.correction.value.rows() == 0) return 0;
+    return tables_.correction.at(surface_.facet_of(place.facet), nearest_on_facet(rest_, surface_.facets(), place.facet, place.point_m).weight);
 }
 
 double DiscContact::own_reach_m() const noexcept { return reach * surface_.spacing_m(); }
@@ -173,16 +179,18 @@ void DiscContact::show_skin(int facet, const Eigen::Vector3d& weight, const Skin
 DiscContact::Disc DiscContact::disc_at(const FreeSurface::Place& place, Footing& footing) const noexcept {
     const Eigen::Vector3d centre = place.point_m, normal = place.inward;
     Disc disc{normal, {}, 0};
-    SurfaceQuadric quadric;
-    if (polar_) quadric = quadric_among(near_[static_cast<std::size_t>(place.facet)], near_m_, centre, normal);
-    if (polar_)
+    double where = 0;  // phase, or curved
+    if (polar_) {
+        const SurfaceQuadric quadric = quadric_among(near_[static_cast<std::size_t>(place.facet)], near_m_, centre, normal);
         polar_->lay(quadric, [&](const Eigen::Vector3d& from_m, double away_m) { return target_at(from_m, away_m, normal); }, footing);
-    else
+        where = curved_of(quadric);
+    } else {
         stand_on_nodes(place, footing);
+        where = footing.phase;
+    }
     for (int i = 0; i < footing.means; ++i) disc.log_scale += footing.weight[i] * log_scale_of(footing.node[i]) / footing.mean_sum;
-    disc.factors.resize(polar_ ? PatchLaw::shape_factors : PatchLaw::factors);
-    disc.factors.head<PatchLaw::factors>() << 1, footing.phase, ground_at(centre, normal), std::exp(-surface_.to_crease_m(place.point_m) / surface_.spacing_m());
-    if (polar_) disc.factors.tail<2>() = Eigen::Vector2d(curved_of(quadric), footing.crowd).cwiseMax(factor_range_.col(0)).cwiseMin(factor_range_.col(1));
+    disc.log_scale += correction_at(place);
+    disc.factors << 1, where, ground_at(centre, normal), std::exp(-surface_.to_crease_m(place.point_m) / surface_.spacing_m());
     return disc;
 }
 

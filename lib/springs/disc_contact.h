@@ -1,9 +1,8 @@
 #pragma once
 
-#include <limits>
-
 #include "mesh/free_surface.h"
 #include "springs/contact_kernel.h"
+#include "springs/disc_tables.h"
 #include "springs/polar_points.h"
 
 namespace tissue {
@@ -23,21 +22,20 @@ namespace tissue {
 /// Where between the nodes it stands is `phase`: how far the nodes crowd there, as a sum of Gaussian bells of 0.35 spacings
 /// about them, over its mean; scaled so that on a square lattice it is cos 2 pi x + cos 2 pi y over 2, to a tenth.
 /// On a solid in an embedded lattice the disc stands on points of its own in place of the surface's nodes (springs/polar_points.h). Rows are the same, with weights and shares
-/// of the points. There is no `phase`. `crowd` is of the points. `curved` is R times the mean curvature of a quadric over the tangent plane, fitted to the surface's nodes
-/// within 2.2 spacings, and 2.5 R at least; the points lie on it. It is R / radius on a sphere, and negative in a valley, where more of the tissue stands round the disc.
+/// of the points. They lie on a quadric over the tangent plane, fitted to the surface's nodes within 2.2 spacings, and 2.5 R at least. In place of `phase` is `curved`, R
+/// times the mean curvature of that quadric: R / radius on a sphere, negative in a valley. All stiffnesses are exp(x) times as large, x DiscTables::correction.
 /// What of the ground under it is of other stiffness is `ground`: to first order in log E / E_block the force changes by exp of
 /// its mean, weighted with the energy that the disc stores there. Under a force on incompressible ground the stress is along
 /// rays alone, as z / r^3 (Boussinesq; Johnson, (3.19)), so that the weight is z^2 / r^6, with R for what is nearer:
 ///   ground = sum_g (8 R / pi^2) z_g^2 / (R^2 + r_g^2)^3 weight_g, 1 for a half space with log E / E_block = 1 everywhere
-/// Nodes round a crease do not belong to it. `curved` and `crowd` have no bounds of their own, and a stiffness is exponential in them: a trained
-/// law clamps both to the range of its training contacts.
+/// Nodes round a crease do not belong to it. `curved` has no bounds of its own, and a stiffness is exponential in it: a trained law clamps it to the range of its training
+/// contacts.
 /// A contact has room for ToolSpring::most_nodes: where more are in reach it keeps the nearest. most_nodes() says how many
 /// there can be; whoever plays a model refuses one that has more. On an embedded solid they are the 60 points.
 class DiscContact final : public ContactKernel {
    public:
-    /// ground: what is of other stiffness than the block, as points (G x 4): place [m], volume times log(E / E_block) [m3];
-    /// no rows: nothing. factor_range: LawModel's. Throws MismatchError for a radius that is not positive, and for a mesh that is no lattice.
-    DiscContact(const SpringMesh& mesh, double radius_m, NodeField ground = NodeField(), const NodeField& factor_range = NodeField());
+    /// Throws MismatchError for a radius that is not positive, and for a mesh that is no lattice.
+    DiscContact(const SpringMesh& mesh, double radius_m, DiscTables tables = {});
 
     std::unique_ptr<ContactKernel> clone() const override { return std::make_unique<DiscContact>(*this); }
     ContactRows rows_at(const Point& contact_m) const override;  ///< at the surface's point nearest to that
@@ -55,8 +53,6 @@ class DiscContact final : public ContactKernel {
     double ground_at(const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const;
 
    private:
-    static constexpr double infinity = std::numeric_limits<double>::infinity();
-
     struct Disc {
         Eigen::Vector3d normal;
         ContactFactors factors;
@@ -74,6 +70,7 @@ class DiscContact final : public ContactKernel {
 
     SurfaceQuadric quadric_among(const std::vector<int>& nodes, double within_m, const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept;
     double curved_of(const SurfaceQuadric& quadric) const noexcept;
+    double correction_at(const FreeSurface::Place& place) const noexcept;
     double own_reach_m() const noexcept;  ///< of the mean's weights
 
     /// A held facet: the free place nearest to its middle.
@@ -91,8 +88,7 @@ class DiscContact final : public ContactKernel {
     double near_m_ = 0;
     int most_nodes_ = 0;
     double radius_m_;
-    NodeField ground_;
-    Eigen::Matrix2d factor_range_ = (Eigen::Matrix2d() << -infinity, infinity, -infinity, infinity).finished();
+    DiscTables tables_;
     std::vector<bool> fixed_;  ///< (N)
 };
 

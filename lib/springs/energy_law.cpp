@@ -18,9 +18,10 @@ namespace {
 
 const std::vector<std::string> patch_rows = {"normal", "tangent", "rotation", "stretch"};
 const std::vector<std::string> disc_rows = {"normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"};
+const std::string support_term = "support.all";
 const std::string softening = "softening";  // in the place of hardening
 const std::vector<std::string> patch_factors = {"", "phase", "corner", "edge"}, disc_factors = {"", "phase", "ground", "edge"},
-                               shape_factors = {"", "phase", "ground", "edge", "curved", "crowd"};
+                               embedded_factors = {"", "curved", "ground", "edge"};
 
 std::vector<std::string> split(const std::string& text) {
     std::vector<std::string> parts{""};
@@ -36,15 +37,14 @@ std::vector<std::string> split(const std::string& text) {
 /// Row and factor of a contact's term.
 std::pair<int, int> patch_term(const std::string& term, const std::vector<std::string>& parts, const SpringMesh& mesh) {
     std::vector<std::string> rows = mesh.is_solid() ? disc_rows : patch_rows;
-    const std::vector<std::string>& factors = !mesh.is_solid() ? patch_factors : on_lattice(mesh) ? disc_factors : shape_factors;
+    const std::vector<std::string>& factors = !mesh.is_solid() ? patch_factors : mesh.embedding.empty() ? disc_factors : embedded_factors;
     const std::string name = parts.size() > 1 ? parts[1] : "";
-    const int first_factor = mesh.embedding.empty() ? 1 : 2;  // a disc that stands on points of its own has no phase
     if (mesh.is_solid()) rows.push_back(softening);
     auto row = std::find(rows.begin(), rows.end(), name);
-    const auto factor = parts.size() == 2 ? factors.begin() : std::find(factors.begin() + first_factor, factors.end(), parts.size() == 3 ? parts[2] : "");
+    const auto factor = parts.size() == 2 ? factors.begin() : std::find(factors.begin() + 1, factors.end(), parts.size() == 3 ? parts[2] : "");
     if (row == rows.end() || factor == factors.end())
         throw MismatchError(fmt::format("term '{}' is not known; allowed: contact. and one of {}, then nothing or one of .{}", term,
-                                        fmt::join(rows, ", "), fmt::join(factors.begin() + first_factor, factors.end(), ", .")));
+                                        fmt::join(rows, ", "), fmt::join(factors.begin() + 1, factors.end(), ", .")));
     if (name == softening) row = rows.begin() + PatchLaw::hardening_row;
     return {static_cast<int>(row - rows.begin()), static_cast<int>(factor - factors.begin())};
 }
@@ -119,7 +119,7 @@ LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spri
     h.constants.segment(mesh.spring_count(), h.cap.size()) = start_below_cap * h.cap;
     h.constants.tail(supports.size()) = supports;
     const double E = surface_modulus_Pa, in_ER = std::log(E * radius_m), in_ER3 = -std::log(E * radius_m * radius_m * radius_m);
-    h.patch.log_N_m.setZero(PatchLaw::disc_rows, on_lattice(mesh) ? PatchLaw::factors : PatchLaw::shape_factors);
+    h.patch.log_N_m.setZero(PatchLaw::disc_rows, PatchLaw::factors);
     h.patch.log_N_m.col(0) << std::log(2.2) + in_ER, std::log(1.7) + in_ER, std::log(4.0) + in_ER, std::log(0.4) + in_ER, std::log(0.8) + in_ER3, std::log(0.1) + in_ER3,
         std::log(E);
     return h;
@@ -172,8 +172,13 @@ EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, cons
             if (!mesh.is_solid()) throw MismatchError(fmt::format("term '{}' needs a disc, and tissue in space", terms[t]));
             continue;
         }
+        if (terms[t] == support_term) {
+            if (mesh.support_count() == 0) throw MismatchError(fmt::format("term '{}' needs a solid in an embedded lattice", terms[t]));
+            value_.col(column).tail(mesh.support_count()).setOnes();
+            continue;
+        }
         if ((parts[0] != "spring" && parts[0] != "cell") || parts.size() < 2)
-            throw MismatchError(fmt::format("term '{}' is not known; allowed: spring., cell. or contact. and its factors, {}", terms[t], fmt::join(skin_terms(), ", ")));
+            throw MismatchError(fmt::format("term '{}' is not known; allowed: spring., cell. or contact. and its factors, {}, {}", terms[t], support_term, fmt::join(skin_terms(), ", ")));
         const bool spring = parts[0] == "spring";
         auto value = value_.col(column).segment(spring ? 0 : springs.rows(), spring ? springs.rows() : cells.rows());
         value.setOnes();
@@ -218,8 +223,8 @@ PatchLaw EnergyLaw::patch(const Eigen::VectorXd& p) const {
     return law;
 }
 
-Eigen::MatrixXd EnergyLaw::stiffness_by(const Eigen::VectorXd& p, const ContactFactors& factors) const {
-    const Eigen::VectorXd stiffness = patch(p).values_at(factors);
+Eigen::MatrixXd EnergyLaw::stiffness_by(const Eigen::VectorXd& p, const ContactFactors& factors, double log_scale) const {
+    const Eigen::VectorXd stiffness = patch(p).values_at(factors, log_scale);
     Eigen::MatrixXd by = Eigen::MatrixXd::Zero(stiffness.size(), size());
     for (std::size_t t = 0; t < on_patch_.size(); ++t)
         if (on_patch_[t].first >= 0)

@@ -23,7 +23,7 @@ namespace tissue {
 /// A lattice has few directions, and is isotropic only with shares of its own (springs/isotropic_springs.h) in place of (7)'s: with those a cube resists a shear at 45
 /// degrees to its axes 2.1 times as much as one along them. Squares have them anyway. Cells
 /// so oblong that no shares are isotropic keep (7)'s.
-/// Supports of a solid in an embedded lattice have 8 E area / spacing, on an elastic bed that and the bed in series, and no terms.
+/// Supports of a solid in an embedded lattice have 8 E area / spacing, on an elastic bed that and the bed in series.
 /// Contact: between a rigid patch of half width b and the spline on nodes h apart lies the compliance
 /// 3 / (2 pi E2) ln(r_spline / (b / 2)), r_spline = 0.43 h, of a half plane's logarithmic dent (Johnson, Contact
 /// Mechanics, 2.3: both kernels' mean logarithm): 1 / (4 E2) for b = h / 2, the start for normal and tangent; a tenth
@@ -85,7 +85,8 @@ bool softens(const std::vector<std::string>& terms);
 ///                   nodule      log(E / E_base), E in proportion to what of it lies in the nodule, or in named regions of a shape
 ///   contact.normal contact.tangent contact.rotation contact.stretch, alone or with one of: phase corner edge (PatchLaw)
 ///   of a disc normal tangent imprint_normal imprint_tangent hardening saturation coupling, with one of: phase ground edge, on an
-///                   embedded solid ground edge curved crowd (DiscContact); softening in place of hardening and saturation (ContactSpring)
+///                   embedded solid curved ground edge (DiscContact); softening in place of hardening and saturation (ContactSpring)
+///   support.all     1 for the supports of an embedded solid
 ///   skin.normal skin.tangent skin.heave skin.radial   of a disc: in no constant, but in what is seen beside it (springs/skin.h)
 class EnergyLaw {
    public:
@@ -103,7 +104,7 @@ class EnergyLaw {
     SkinLaw skin(const Eigen::VectorXd& p) const { return skin_of(terms_, p); }
     PatchLaw patch(const Eigen::VectorXd& p) const;
     /// Derivative of PatchLaw::values_at a place of these factors (K x P).
-    Eigen::MatrixXd stiffness_by(const Eigen::VectorXd& p, const ContactFactors& factors) const;
+    Eigen::MatrixXd stiffness_by(const Eigen::VectorXd& p, const ContactFactors& factors, double log_scale = 0) const;
 
    private:
     std::vector<std::string> terms_;

@@ -30,7 +30,7 @@ struct Footing {
     int entries = 0;
     int node[ToolSpring::most_entries];
     double weight[ToolSpring::most_entries];
-    double phase = 0, crowd = 0;  ///< factors of the place: springs/disc_contact.h
+    double phase = 0;  ///< factor of the place: springs/disc_contact.h
 
     void add(int of, double by) noexcept {
         if (entries == ToolSpring::most_entries) return;

@@ -5,13 +5,13 @@
 
 namespace tissue {
 
-std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, double disc_radius_m, const NodeField& ground, const NodeField& factor_range) {
-    if (mesh.is_solid()) return std::make_unique<DiscContact>(mesh, disc_radius_m, ground, factor_range);
+std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, double disc_radius_m, DiscTables tables) {
+    if (mesh.is_solid()) return std::make_unique<DiscContact>(mesh, disc_radius_m, std::move(tables));
     return std::make_unique<ContactSurface>(mesh);
 }
 
 std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, const LawModel& law) {
-    std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, law.disc_radius_m, law.ground, law.factor_range);
+    std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, law.disc_radius_m, law.disc);
     kernel->scale(law.contact_log_scale);
     return kernel;
 }

@@ -7,10 +7,7 @@
 namespace tissue {
 
 PolarPoints::PolarPoints(const SpringMesh& mesh, double radius_m, double reach)
-    : search_(mesh.nodes, mesh.embedding.cubes, mesh.embedding.spacing_m), cubes_(mesh.embedding.cubes), light_(Eigen::VectorXd::Zero(mesh.node_count())), radius_m_(radius_m), reach_m_(reach * radius_m) {
-    const double whole_m3 = std::pow(mesh.embedding.spacing_m, 3);
-    for (int node = mesh.embedding.node_count(); node < mesh.node_count(); ++node) light_[node] = whole_m3 / mesh.node_measure[node];
-
+    : search_(mesh.nodes, mesh.embedding.cubes, mesh.embedding.spacing_m), cubes_(mesh.embedding.cubes), radius_m_(radius_m), reach_m_(reach * radius_m) {
     Eigen::Vector3d held = Eigen::Vector3d::Zero();  // twice its area, outward
     for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
         const auto facet = mesh.facets.row(f);
@@ -60,15 +57,13 @@ void PolarPoints::lay_mean(const SurfaceQuadric& surface, Footing& footing) cons
         }
     }
     footing.means = footing.entries;
-    double sum = 0, crowded = 0;
+    double sum = 0;
     for (int i = 0; i < footing.means; ++i) {
         footing.weight[i] /= squares;
         sum += footing.weight[i];
-        crowded += footing.weight[i] * footing.weight[i] * light_[footing.node[i]];
     }
     footing.mean_sum = sum;
     footing.phase = 0;
-    footing.crowd = footing.means > 0 ? std::log(8 * crowded / (sum * sum)) : 0;
 }
 
 }  // namespace tissue

@@ -24,8 +24,6 @@ struct SurfaceQuadric {
 ///   mean     of those under the disc, weights phi / sum phi^2 (phi 1 - (r / R)^2 / 2): d - mean is zero where they go as the disc has it, and its force is the one
 ///            conjugate to d. They sum to 9/7 where the surface is flat and all are on tissue; where it bends so that points lie beyond R that is so to 3 %
 ///   imprint  shares: 1/24 each under the disc, 1/36 (1 - (r / 2.5 R)^2)^2 beyond it
-///   crowd    log of 8 sum_k B_k^2 m / m_k, B the mean's weights on the lattice over their sum, m_k / m the mass of a node over that of one in whole cubes: how few of the
-///            lattice's nodes take the mean's force, and how little tissue they have; 0 for a force in the middle of a whole cube
 /// A point beyond all tissue fades with its distance from the nearest cube, and is none at one edge from it: its share is 0 then.
 class PolarPoints {
    public:
@@ -61,7 +59,6 @@ class PolarPoints {
 
     CubeSearch search_;
     Cells cubes_;
-    Eigen::VectorXd light_;  ///< m / m_k (N)
     Eigen::Matrix3d axes_;   ///< columns; the third out of the held surface's inside, against its mean normal
     double radius_m_, reach_m_;
     Eigen::Matrix<double, under + beyond, 2> along_m_;  ///< of each point in the tangent plane

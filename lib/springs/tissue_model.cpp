@@ -95,7 +95,7 @@ const DatasetTable& law_table(bool solid) {
         {"/law/constants", "E", Values::positive(), "N/m", "theta of the springs, then A of cells and regions, in space Pa"},
         {"/law/patch_log", "K x F", Values::logarithm(), "log(N/m)",
          "contact: normal, tangent, rotation, stretch, of a disc normal, tangent, imprint_normal, imprint_tangent, hardening, saturation, coupling; "
-         "by 1, phase, corner (of a disc ground), edge, on a shape in space curved, crowd"},
+         "by 1, phase (in an embedded lattice curved), corner (of a disc ground), edge"},
         {"/law/contact_log_scale", "N", Values::logarithm(), "1", "of contacts by node, where the law has learned from pokes", Rows::any, true},
         {"/law/relaxation_time", "B", Values::positive(), "s", "of each branch; absent where the law does not relax", Rows::ascending, true},
         {"/law/share", "E x B", Values::not_negative(), "1", "of each of the constants, sums below 1", Rows::any, true},
@@ -103,7 +103,8 @@ const DatasetTable& law_table(bool solid) {
     };
     static const DatasetTable space = joined(plane, {
         {"/law/ground", "G x 4", Values::place(), "m, m3", "what under a disc is of other stiffness: place, volume times log(E / E_block)", Rows::any, true},
-        {"/law/factor_range", "R x 2", Values::finite(), "1", "on a solid shape: least and most of curved and of crowd, which a contact's are kept within", Rows::any, true},
+        {"/law/curved_range", "R", Values::finite(), "1", "on a solid shape: least and most of the factor curved over the training contacts, to which a contact's is clamped", Rows::ascending, true},
+        {"/law/lattice_correction", "T x V", Values::logarithm(), "1", "on a solid shape: of contacts at V corners of equal parts of each facet (springs/lattice_correction.h)", Rows::any, true},
     });
     return solid ? space : plane;
 }
@@ -129,8 +130,9 @@ void write_law(Hdf5Writer& file, const LawModel& law) {
     out.write("/law/constants", law.constants);
     out.write("/law/patch_log", NodeField(law.patch.log_N_m));
     file.attribute("/law", "incompressible", law.incompressible ? 1.0 : 0.0);
-    if (law.ground.rows() > 0) out.write("/law/ground", law.ground);
-    if (law.factor_range.rows() > 0) out.write("/law/factor_range", law.factor_range);
+    if (law.disc.ground.rows() > 0) out.write("/law/ground", law.disc.ground);
+    if (std::isfinite(law.disc.curved_range[0])) out.write("/law/curved_range", Eigen::VectorXd(law.disc.curved_range));
+    if (law.disc.correction.value.rows() > 0) out.write("/law/lattice_correction", law.disc.correction.value);
     if (law.patch.hardens()) file.attribute("/law", "disc_radius_m", law.disc_radius_m);
     if (law.contact_log_scale.size() > 0) out.write("/law/contact_log_scale", law.contact_log_scale);
     if (law.relaxation.empty()) return;
@@ -157,17 +159,22 @@ LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
     const NodeField patch = in.field("/law/patch_log");
     const Eigen::Index rows = mesh.is_solid() ? PatchLaw::disc_rows : PatchLaw::hardening_row;
     if (patch.rows() != rows) in.refuse("/law/patch_log", fmt::format("has {} rows, wanted {}", patch.rows(), rows));
-    const Eigen::Index factors = mesh.is_solid() && !on_lattice(mesh) ? PatchLaw::shape_factors : PatchLaw::factors;
-    if (patch.cols() != factors) in.refuse("/law/patch_log", fmt::format("has {} columns, wanted {}", patch.cols(), factors));
+    if (patch.cols() != PatchLaw::factors) in.refuse("/law/patch_log", fmt::format("has {} columns, wanted {}", patch.cols(), PatchLaw::factors));
     law.patch.log_N_m = patch;
     law.patch.softens = softens(law.terms);
     if (mesh.is_solid()) {
-        if (in.has("/law/ground")) law.ground = in.field("/law/ground");
-        if (in.has("/law/factor_range")) {
-            law.factor_range = in.field("/law/factor_range");
-            if (on_lattice(mesh)) in.refuse("/law/factor_range", "is of a solid shape, and the mesh is a block");
-            if (law.factor_range.rows() != 2) in.refuse("/law/factor_range", fmt::format("has {} rows, wanted 2: curved, crowd", law.factor_range.rows()));
-            if (!(law.factor_range.col(0).array() <= law.factor_range.col(1).array()).all()) in.refuse("/law/factor_range", "has a least above its most");
+        if (in.has("/law/ground")) law.disc.ground = in.field("/law/ground");
+        if (in.has("/law/curved_range")) {
+            const Eigen::VectorXd range = in.vector("/law/curved_range");
+            if (mesh.embedding.empty()) in.refuse("/law/curved_range", "is of a solid shape, and the mesh is a block");
+            if (range.size() != 2) in.refuse("/law/curved_range", fmt::format("has {} values, wanted 2", range.size()));
+            law.disc.curved_range = range;
+        }
+        if (in.has("/law/lattice_correction")) {
+            NodeField& value = law.disc.correction.value = in.field("/law/lattice_correction");
+            if (mesh.embedding.empty()) in.refuse("/law/lattice_correction", "is of a solid shape, and the mesh is a block");
+            if (value.rows() != mesh.facets.rows()) in.refuse("/law/lattice_correction", fmt::format("has {} rows, wanted one for each of {} facets", value.rows(), mesh.facets.rows()));
+            if (FacetTable::parts_of(value.cols()) == 0) in.refuse("/law/lattice_correction", fmt::format("has {} columns, wanted (p + 1)(p + 2) / 2", value.cols()));
         }
         law.disc_radius_m = file.number_attribute("/law", "disc_radius_m");
         if (!(law.disc_radius_m > 0 && law.disc_radius_m < 1e3))

@@ -8,6 +8,7 @@
 #include "mesh/nodule_surface.h"
 #include "mesh/spring_mesh.h"
 #include "springs/contact_patch.h"
+#include "springs/disc_tables.h"
 #include "springs/relaxation.h"
 
 namespace tissue {
@@ -27,11 +28,9 @@ struct LawModel {
     SkinLaw skin() const { return skin_of(terms, coefficients); }
     bool incompressible = false;           ///< whether regions keep their area too (TissueEnergy)
     double disc_radius_m = 0;              ///< in space: of the disc that presses,
-    NodeField ground = {};                 ///< and what under it is of other stiffness (G x 4, springs/disc_contact.h); often no rows
+    DiscTables disc = {};                  ///< and what its factors are read from
     Eigen::VectorXd contact_log_scale = {};  ///< of contacts by node (N), ContactKernel::scale; often none
     Relaxation relaxation = {};            ///< of constants and contact, which are the instantaneous ones; often none
-    NodeField factor_range = {};           ///< least and most of a disc's factors curved and crowd, to which a contact's are clamped (2 x 2): the range of the training
-                                           ///< contacts. No rows: nothing is clamped, as on a block and in older files
 };
 
 /// What plays: everything that the realtime core, the exports and the page need. What training wrote down beside it is

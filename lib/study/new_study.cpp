@@ -193,8 +193,8 @@ WrittenStudy solid_study(const ShapeExtent& shape, const NewStudy& wanted, const
     toml += fmt::format("[springs]\ntopology = \"embedded\"    # in cubes, with springs along their edges and diagonals\nspacing_m = {}    # m, edge of a cube\n"
                         "stiffness = \"law\"    # an energy model; terms: lib/springs/energy_law.h\n", text(spring_m));
     toml += "terms = [\n"
-            "  \"spring.all\", \"spring.face\", \"spring.body\", \"cell.all\", \"contact.normal\", \"contact.tangent\", \"contact.imprint_normal\", \"contact.imprint_tangent\",\n"
-            "  \"contact.softening\", \"contact.coupling\", \"contact.normal.crowd\", \"contact.tangent.crowd\", \"contact.imprint_normal.crowd\", \"contact.imprint_tangent.crowd\",\n"
+            "  \"spring.all\", \"spring.face\", \"spring.body\", \"cell.all\", \"support.all\", \"contact.normal\", \"contact.tangent\", \"contact.imprint_normal\", \"contact.imprint_tangent\",\n"
+            "  \"contact.softening\", \"contact.coupling\", \"contact.normal.curved\", \"contact.tangent.curved\", \"contact.imprint_normal.curved\", \"contact.imprint_tangent.curved\",\n"
             "  \"skin.normal\", \"skin.tangent\", \"skin.heave\", \"skin.radial\",\n]\n\n";
     toml += training;
     return {toml, true, {fmt::format("tool: a disc of radius {} mm (indenter.radius_m), pushed to {} mm (loads.magnitudes_m)", text(1e3 * radius_m), text(1e3 * depth_m)),

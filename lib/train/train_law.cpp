@@ -89,7 +89,7 @@ void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vect
                    const LawTrainingOptions& options, const Eigen::VectorXd& p, Eigen::Ref<Eigen::VectorXd> f,
                    Eigen::Ref<RowMatrix> J, std::vector<std::string>* lost, LawRests* rests, std::vector<char>* gone) {
     const TissueEnergy energy = law.energy(mesh);
-    const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, options.disc_radius_m, law.ground());
+    const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, options.disc_radius_m, {law.ground(), options.curved_range, options.correction});
     const Eigen::Index D = mesh.dimension();
     if (rests) rests->resize(paths.size());
     const Eigen::VectorXd constants = law.constants(p);
@@ -111,7 +111,7 @@ void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vect
         const PressPath& path = paths[static_cast<std::size_t>(i)];
         PressSolver solver(energy, *kernel, options.press);
         const ContactSpring contact(kernel->rows_at(path.contact_m), patch_law);
-        const Eigen::MatrixXd stiffness_by = law.stiffness_by(p, contact.rows.factors);
+        const Eigen::MatrixXd stiffness_by = law.stiffness_by(p, contact.rows.factors, contact.rows.log_scale);
         const TrainedSkin skin{kernel->skin_at(path.contact_m), law.skin(p), skin_columns(law.terms())};
         std::vector<PressState>* known = rests ? &(*rests)[static_cast<std::size_t>(i)] : nullptr;
         if (known) known->resize(path.records.size());
@@ -165,7 +165,7 @@ void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vect
 double heuristic_factor(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths,
                         const LawTrainingOptions& options) {
     const TissueEnergy energy = law.energy(mesh);
-    const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, options.disc_radius_m, law.ground());
+    const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, options.disc_radius_m, {law.ground(), options.curved_range, options.correction});
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(law.size()), constants = law.constants(zero);
     std::vector<Eigen::Vector2d> sums(paths.size(), Eigen::Vector2d::Zero());  // of f.F / F.F and f.f / F.F
     parallel_for(static_cast<int>(paths.size()), options.threads, [&](int i) {
@@ -203,7 +203,7 @@ TrainedLaw train_law(const SpringMesh& mesh, const EnergyLaw& law, const std::ve
     };
     TrainedLaw trained;
     for (int s = 0; s < options.starts; ++s) {
-        Eigen::VectorXd start = Eigen::VectorXd::Zero(law.size());
+        Eigen::VectorXd start = s == 0 && options.first.size() > 0 ? options.first : Eigen::VectorXd::Zero(law.size());
         for (double& p : start)
             if (s > 0) p = gsl_ran_gaussian(rng.get(), options.spread);
         rests.clear();

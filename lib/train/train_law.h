@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
 #include "cases/load_path.h"
+#include "springs/disc_tables.h"
 #include "springs/energy_law.h"
 #include "springs/press.h"
 #include "train/nonlinear_fit.h"
@@ -29,8 +31,11 @@ struct LawTrainingOptions {
     double shape_scale = 0.03;    ///< an error of 3 % of the displacement's rms counts 1
     double ridge = 0.1;           ///< a coefficient of 10 (a factor of 22,000) counts 1
     std::vector<int> seen;        ///< nodes whose displacement counts; empty: all
-    double disc_radius_m = 0;     ///< in space
-    int starts = 1;               ///< the heuristic, then that many less one drawn around it
+    double disc_radius_m = 0;     ///< in space,
+    Eigen::Vector2d curved_range{-INFINITY, INFINITY};  ///< DiscTables::curved_range
+    FacetTable correction;        ///< and its correction
+    int starts = 1;               ///< the first, then that many less one drawn around the heuristic
+    Eigen::VectorXd first;        ///< coefficients (P); empty: the heuristic
     double spread = 0.5;          ///< standard deviation of a drawn start's coefficients
     unsigned long seed = 1;
     FitOptions fit;

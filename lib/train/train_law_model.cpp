@@ -6,6 +6,8 @@
 #include "cases/study_law.h"
 #include "error.h"
 #include "mesh/free_surface.h"
+#include "mesh/solid_lattice.h"
+#include "springs/lattice_correction.h"
 #include "springs/law_kernel.h"
 #include "train/fit_shares.h"
 #include "train/train_law.h"
@@ -19,15 +21,12 @@ void grow(LawModel& law, double factor) {
     law.patch.log_N_m.col(0).array() += std::log(factor);
 }
 
-/// Least and most of curved and crowd over the training contacts (2 x 2), LawModel's; no rows where a contact has no such factors.
-NodeField factor_range(const SpringMesh& mesh, double disc_radius_m, const std::vector<PressPath>& paths) {
-    if (mesh.embedding.empty()) return {};
+/// DiscTables::curved_range.
+Eigen::Vector2d curved_range(const SpringMesh& mesh, double disc_radius_m, const std::vector<PressPath>& paths) {
     const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, disc_radius_m);
-    Eigen::Matrix2Xd seen(2, static_cast<Eigen::Index>(paths.size()));
-    for (Eigen::Index i = 0; i < seen.cols(); ++i) seen.col(i) = kernel->rows_at(paths[static_cast<std::size_t>(i)].contact_m).factors.tail<2>();
-    NodeField range(2, 2);
-    range << seen.rowwise().minCoeff(), seen.rowwise().maxCoeff();
-    return range;
+    Eigen::VectorXd seen(static_cast<Eigen::Index>(paths.size()));
+    for (Eigen::Index i = 0; i < seen.size(); ++i) seen[i] = kernel->rows_at(paths[static_cast<std::size_t>(i)].contact_m).factors[PatchLaw::curved_factor];
+    return {seen.minCoeff(), seen.maxCoeff()};
 }
 
 /// The law's branches, as measured histories say; those that they have no use for are left out.
@@ -75,10 +74,32 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     if (cases.measurement)
         factor = heuristic_factor(model.mesh, study_law(study, kept.shape, model.mesh), paths, options);
     const EnergyLaw law = study_law(study, kept.shape, model.mesh, factor);
+    const auto law_at = [&](const EnergyLaw& of, const Eigen::VectorXd& p) {
+        LawModel made{of.terms(), p, of.constants(p), of.patch(p), of.incompressible(), options.disc_radius_m};
+        made.disc = {of.ground(), options.curved_range, options.correction};
+        return made;
+    };
+    const auto correct = [&](const Eigen::VectorXd& p) {
+        const Shape shape = kept.shape ? *kept.shape : shape_of(solid_lattice(study.lattice()));
+        const auto law_on = [&](const SpringMesh& mesh) { return law_at(study_law(study, kept.shape, mesh, factor), p); };
+        options.correction = lattice_correction(shape, model.mesh, law_on, threads);
+    };
+    double seconds = 0;
+    if (!model.mesh.embedding.empty()) {
+        options.curved_range = curved_range(model.mesh, options.disc_radius_m, paths);
+        // the correction depends on the law a little: of the untrained one first, then of one that was roughly trained with that
+        correct(Eigen::VectorXd::Zero(law.size()));
+        LawTrainingOptions rough = options;
+        rough.starts = 1;
+        rough.fit.gain_tolerance = 1e-2;
+        const TrainedLaw first = train_law(model.mesh, law, paths, rough);
+        seconds = first.seconds;
+        options.first = first.coefficients;
+        correct(options.first);
+    }
     const TrainedLaw trained = train_law(model.mesh, law, paths, options);
-    model.energy_law = {law.terms(), trained.coefficients, law.constants(trained.coefficients), law.patch(trained.coefficients),
-                        law.incompressible(), options.disc_radius_m, law.ground(), {},
-                        study_relaxation(study, kept.shape, model.mesh, law), factor_range(model.mesh, options.disc_radius_m, paths)};
+    model.energy_law = law_at(law, trained.coefficients);
+    model.energy_law->relaxation = study_relaxation(study, kept.shape, model.mesh, law);
 
     LawBook& book = model.books.law.emplace();
     const auto R = static_cast<Eigen::Index>(trained.starts.size());
@@ -105,7 +126,7 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     if (book.at_rest && !study.material.fits_shares) grow(*model.energy_law, 1 / (1 - model.energy_law->relaxation.contact_share.sum()));
     if (study.material.fits_shares) book.shares = fit_branches(study, cases, model, threads);
     book.lost = trained.lost;
-    book.seconds = trained.seconds;
+    book.seconds = seconds + trained.seconds;
     return model;
 }
 

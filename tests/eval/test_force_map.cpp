@@ -36,8 +36,8 @@ Cases mapped(const TissueModel& model, const std::vector<double>& x_m) {
 
 TissueModel with_nodule() {
     TissueModel model = solid_example();
-    model.energy_law->ground.resize(2, 4);
-    model.energy_law->ground << 0.045, 0.05, 0.04, 1e-6, 0.055, 0.05, 0.04, 1e-6;
+    model.energy_law->disc.ground.resize(2, 4);
+    model.energy_law->disc.ground << 0.045, 0.05, 0.04, 1e-6, 0.055, 0.05, 0.04, 1e-6;
     model.energy_law->patch.log_N_m(0, PatchLaw::ground_factor) = 0.5;
     return model;
 }

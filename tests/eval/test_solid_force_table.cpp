@@ -40,7 +40,7 @@ TEST_CASE("a square block of one material has seven images of every push, an obl
         }
     }
     TissueModel nodule = model;
-    nodule.energy_law->ground = NodeField::Ones(1, 4);
+    nodule.energy_law->disc.ground = NodeField::Ones(1, 4);
     CHECK(symmetries_of(nodule).empty());
     model.mesh = make_lattice("grid26", Lattice{{5, 4, 2}, {0.125, 0.1, 0.05}});
     CHECK(symmetries_of(model).size() == 3);

@@ -145,27 +145,30 @@ TEST_CASE("a law in space comes back from its file with its ground, and one with
         write_model(file, model, {"tissuectl test", 0, {}});
         return read_model(file);
     };
-    CHECK(back().energy_law->ground.rows() == 0);
-    model.energy_law->ground = NodeField::Constant(3, 4, 0.02);
-    model.energy_law->ground(1, 3) = 1e-7;
+    CHECK(back().energy_law->disc.ground.rows() == 0);
+    model.energy_law->disc.ground = NodeField::Constant(3, 4, 0.02);
+    model.energy_law->disc.ground(1, 3) = 1e-7;
     model.energy_law->patch.log_N_m(0, PatchLaw::ground_factor) = 0.5;
-    CHECK(back().energy_law->ground == model.energy_law->ground);
+    CHECK(back().energy_law->disc.ground == model.energy_law->disc.ground);
     CHECK(LawPress(back()).at(model.contact_m.row(1).transpose(), 0.002 * model.direction.row(1).transpose()).contact_force ==
           LawPress(model).at(model.contact_m.row(1).transpose(), 0.002 * model.direction.row(1).transpose()).contact_force);
     const double stiffness = contact_table(model, {1}).k_N_m[0];
-    model.energy_law->ground.resize(0, 4);
+    model.energy_law->disc.ground.resize(0, 4);
     CHECK(stiffness > contact_table(model, {1}).k_N_m[0]);
-    model.energy_law->ground = NodeField::Constant(3, 4, 2e3);  // no place of a tissue
+    model.energy_law->disc.ground = NodeField::Constant(3, 4, 2e3);  // no place of a tissue
     CHECK_THAT(refusal<FileError>(back), Contains("model.h5: /law/ground"));
 }
 
-TEST_CASE("a block's file has no range of a shape's factors", "[export][solid]") {
+TEST_CASE("a block's file has neither range nor correction of a shape's contacts", "[export][solid]") {
     const TemporaryFolder folder;
     TissueModel model = solid_example();
-    CHECK(model.energy_law->factor_range.rows() == 0);
-    model.energy_law->factor_range = NodeField::Zero(2, 2);
-    write_model(folder.file("model.h5"), model, {"tissuectl test", 0, {}});
-    CHECK_THAT(refusal<FileError>([&] { read_model(folder.file("model.h5")); }), Contains("model.h5: /law/factor_range: is of a solid shape, and the mesh is a block"));
+    const auto said_of = [&](const DiscTables& tables) {
+        model.energy_law->disc = tables;
+        write_model(folder.file("model.h5"), model, {"tissuectl test", 0, {}});
+        return refusal<FileError>([&] { read_model(folder.file("model.h5")); });
+    };
+    CHECK_THAT(said_of({{}, {0, 1}, {}}), Contains("model.h5: /law/curved_range: is of a solid shape, and the mesh is a block"));
+    CHECK_THAT(said_of({{}, {-INFINITY, INFINITY}, {NodeField::Zero(model.mesh.facets.rows(), 3)}}), Contains("model.h5: /law/lattice_correction: is of a solid shape, and the mesh is a block"));
 }
 
 TEST_CASE("a law in space is pressed at its cases too, where no arc length says the place", "[export][solid]") {

@@ -94,18 +94,19 @@ TEST_CASE("a force on an embedded solid's node does the same work on its lattice
     }
 }
 
-TEST_CASE("a shape's contact is clamped to what training saw in a press, in the tick and after its file, and a session's state knows", "[solid][embedded][long]") {
+TEST_CASE("a shape's contact is clamped to what training saw, and corrected, in a press, in the tick and after its file, and a session's state knows", "[solid][embedded][long]") {
     TissueModel free = solid_law_example(embedded_lattice(dome(6), 0.011));
-    free.energy_law->patch.log_N_m.col(5).head<4>().setConstant(1.5);
+    free.energy_law->patch.log_N_m.col(PatchLaw::curved_factor).head<4>().setConstant(1.5);
     const SpringMesh& mesh = free.mesh;
     const FreeSurface surface(mesh);
     const auto facet = static_cast<int>(std::find_if(surface.free_of().begin(), surface.free_of().end(), [](Eigen::Index number) { return number > 20; }) - surface.free_of().begin());
     REQUIRE(facet < mesh.facets.rows());
     const Eigen::Vector3d weight = Eigen::Vector3d::Constant(1.0 / 3);
     const FreeSurface::Place at = surface.place(surface.free_of()[static_cast<std::size_t>(facet)], weight);
-    const double crowd = make_contact_kernel(mesh, *free.energy_law)->rows_at(at.point_m).factors[5];
+    const double curved = make_contact_kernel(mesh, *free.energy_law)->rows_at(at.point_m).factors[PatchLaw::curved_factor];
     TissueModel model = free;
-    model.energy_law->factor_range = (Eigen::Matrix2d() << -9, 9, crowd - 0.6, crowd - 0.4).finished();
+    model.energy_law->disc.curved_range = {curved - 0.6, curved - 0.4};
+    model.energy_law->disc.correction.value.setConstant(mesh.facets.rows(), 10, -0.3);
     const TemporaryFolder folder;
     free.heuristic_b = model.heuristic_b = model.heuristic_a;
     for (TissueModel* m : {&free, &model}) {
@@ -128,7 +129,7 @@ TEST_CASE("a shape's contact is clamped to what training saw in a press, in the 
     const NodeColumns rest = NodeColumns::Zero(mesh.node_count(), 3);
     CHECK(tool.energy_J(push, rest) == Approx(trained.load(push, Eigen::VectorXd::Zero(trained.rows.pull.cols())).energy_J).epsilon(1e-9));
     const ContactSpring unclamped(make_contact_kernel(mesh, *free.energy_law)->rows_at(at.point_m), free.energy_law->patch);
-    CHECK(unclamped.k_N_m[0] == Approx(trained.k_N_m[0] * std::exp(1.5 * 0.4)));
+    CHECK(unclamped.k_N_m[0] == Approx(trained.k_N_m[0] * std::exp(1.5 * 0.4 + 0.3)));
 
     CHECK(HapticModel(model, {}).fingerprint == HapticModel(back, {}).fingerprint);
     CHECK(HapticModel(model, {}).fingerprint != HapticModel(free, {}).fingerprint);
@@ -211,7 +212,7 @@ TEST_CASE("in space a law's spectrum is that of its tangents, at rest and presse
     CHECK(spectrum.largest > 1.005 * rest[rest.size() - 1]);
 
     // presses at places of its own choice, as deep as the deepest load case
-    const auto kernel = make_contact_kernel(mesh, law.disc_radius_m, law.ground);
+    const auto kernel = make_contact_kernel(mesh, law.disc_radius_m, law.disc);
     const FreeSurface surface(mesh);
     PressSolver solver(energy, *kernel);
     double stiffest = 0;

@@ -85,7 +85,7 @@ class WildHand {
 
 /// Of the fastest swing of the nodes under a tool there, on it alone [Hz].
 double frequency(const TissueModel& tissue, const Eigen::Vector3d& contact_m) {
-    const ContactSpring contact(make_contact_kernel(tissue.mesh, tissue.energy_law->disc_radius_m, tissue.energy_law->ground)->rows_at(contact_m),
+    const ContactSpring contact(make_contact_kernel(tissue.mesh, tissue.energy_law->disc_radius_m, tissue.energy_law->disc)->rows_at(contact_m),
                                 tissue.energy_law->patch);
     Eigen::MatrixXd K = contact.tangent(Eigen::Vector3d::Zero(), Eigen::VectorXd::Zero(contact.rows.pull.cols()));
     for (Eigen::Index k = 0; k < K.rows(); ++k) {

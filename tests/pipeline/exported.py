@@ -376,11 +376,15 @@ def solid_law_csv(export, h5):
     same("stiffness of cells", column(read["cells"], "stiffness_Pa")[:, 0], constants[S:S + len(cells)])
     same("terms", [row["term"] for row in read["terms"]], [name.decode() for name in h5["law/terms"]])
     same("coefficients", column(read["terms"], "coefficient")[:, 0], h5["law/coefficients"][:])
-    bounds = [[float(row["curved"]), float(row["crowd"])] for row in read["contact"][7:]]
-    same("range of factors", np.transpose(bounds), h5["law/factor_range"][:] if shape else np.empty(0))
+    same("range of curved", [float(row["curved"]) for row in read["contact"][7:]], h5["law/curved_range"][:] if shape else np.empty(0))
+    if shape:
+        table = h5["law/lattice_correction"][:]
+        same("correction", column(read["correction"], "log_scale")[:, 0], table.reshape(-1))
+        same("its facets", column(read["correction"], "facet")[:, 0], np.repeat(np.arange(len(table)), table.shape[1]))
+        same("its corners", column(read["correction"], "weight_i", "weight_j", "weight_k").sum(axis=1), np.ones(table.size), 1e-12)
     del read["contact"][7:]
     same("rows", [row["row"] for row in read["contact"]], ["normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"])
-    same("contact", column(read["contact"], "log_k_N_m", "phase", "ground", "edge", *(["curved", "crowd"] if shape else [])), h5["law/patch_log"][:])
+    same("contact", column(read["contact"], "log_k_N_m", "curved" if shape else "phase", "ground", "edge"), h5["law/patch_log"][:])
     hardening = {row["case"]: [float(row[c]) for c in ("hardening_1_J", "saturation_1_J", "coupling_N_m2")] for row in read["contact_hardening"]}
     case = np.array([names.index(row["case"]) for row in read["contact_rows"]])
     law = SolidLaw(column(read["nodes"], "x_m", "y_m", "z_m"), column(read["springs"], "node_i", "node_j"),

@@ -52,7 +52,7 @@ TEST_CASE("the tangent of a disc's own points is that of all its rows", "[embedd
     const SpringMesh mesh = flat();
     const DiscContact kernel(mesh, R);
     PatchLaw law;
-    law.log_N_m.setConstant(PatchLaw::disc_rows, PatchLaw::shape_factors, 0.3);
+    law.log_N_m.setConstant(PatchLaw::disc_rows, PatchLaw::factors, 0.3);
     ContactRows rows = kernel.rows_at(Eigen::Vector3d(0.0011, 0.0287, 0.032));  // some points off the tissue
     const Eigen::VectorXd u = Eigen::VectorXd::LinSpaced(rows.pull.cols(), -1e-3, 2e-3);
     const Eigen::Vector3d push(1e-3, -2e-3, -4e-3);
@@ -119,8 +119,8 @@ TEST_CASE("a disc that goes along an embedded solid's surface takes of the latti
         Eigen::VectorXd now = taken(rows, u);
         const Eigen::Matrix3d axes = rows.push.topRows<3>().transpose();  // in space: rows lie along these, which may turn at once
         for (Eigen::Index r = 0; r < now.size(); r += 3) now.segment<3>(r) = (r < 3 ? 1 : PolarPoints::under * rows.share[r]) * axes * now.segment<3>(r).eval();
-        now.conservativeResize(now.size() + 2);
-        now.tail<2>() = rows.factors.tail<2>();
+        now.conservativeResize(now.size() + 1);
+        now[now.size() - 1] = rows.factors[PatchLaw::curved_factor];
         if (i > 0) largest = std::max(largest, (now - before).cwiseAbs().maxCoeff());
         before = now;
     }
@@ -143,30 +143,21 @@ TEST_CASE("the frame that a disc's points lie along turns without jumps all over
         }
 }
 
-TEST_CASE("crowd is the lattice's share in a disc's force: log 4 in the middle of a cube's face, more at the face's corner and over little tissue", "[embedded]") {
+TEST_CASE("how a surface bends counts as far as it was trained, and a place's correction scales all of a contact", "[embedded]") {
     const SpringMesh mesh = flat();
-    const DiscContact small(mesh, 0.05 * h);
-    CHECK(small.rows_at(Eigen::Vector3d(3.5 * h, 3.5 * h, 4 * h)).factors[5] == Approx(std::log(4)).epsilon(0.01));  // four nodes of half a mass
-    CHECK(small.rows_at(Eigen::Vector3d(3 * h, 3 * h, 4 * h)).factors[5] == Approx(std::log(16)).epsilon(0.1));      // one
-    CHECK(small.rows_at(Eigen::Vector3d(0.1 * h, 0.1 * h, 4 * h)).factors[5] > std::log(30));                        // one of an eighth
-}
-
-TEST_CASE("how a surface bends and its nodes crowd counts as far as it was trained", "[embedded]") {
-    const SpringMesh mesh = flat();
-    const Eigen::Vector3d place(3 * h, 3 * h, 4 * h);
-    NodeField range(2, 2);
-    range << 0.1, 0.2, 1.0, 1.2;
-    const DiscContact free(mesh, R), bounded(mesh, R, NodeField(), range), wide(mesh, R, NodeField(), NodeField((Eigen::Matrix2d() << -9, 9, -9, 9).finished()));
-    REQUIRE(free.rows_at(place).factors[5] > 1.25);
-    REQUIRE(std::abs(free.rows_at(place).factors[4]) < 1e-9);
-    CHECK(bounded.rows_at(place).factors.tail<2>() == Eigen::Vector2d(0.1, 1.2));
-    CHECK(bounded.rows_at(place).factors.head<4>() == free.rows_at(place).factors.head<4>());
-    CHECK(wide.rows_at(place).factors == free.rows_at(place).factors);
+    const Eigen::Vector3d place(3.2 * h, 3.1 * h, 4 * h);
+    const DiscContact free(mesh, R), bounded(mesh, R, {{}, {0.1, 0.2}, {}}), corrected(mesh, R, {{}, {-9, 9}, {NodeField::Constant(mesh.facets.rows(), 6, 0.3)}});
+    REQUIRE(std::abs(free.rows_at(place).factors[PatchLaw::curved_factor]) < 1e-9);
+    CHECK(bounded.rows_at(place).factors[PatchLaw::curved_factor] == 0.1);
+    CHECK(corrected.rows_at(place).factors == free.rows_at(place).factors);
 
     PatchLaw law;
-    law.log_N_m.setConstant(PatchLaw::disc_rows, PatchLaw::shape_factors, 0.1);
-    law.log_N_m.col(5).setConstant(3);
-    CHECK(ContactSpring(bounded.rows_at(place), law).k_N_m[0] == Approx(std::exp(0.1 * (1 + 0.1) + 3 * 1.2 + 0.1 * bounded.rows_at(place).factors[3])));
+    law.log_N_m.setConstant(PatchLaw::disc_rows, PatchLaw::factors, 0.1);
+    law.log_N_m.col(PatchLaw::curved_factor).setConstant(3);
+    const ContactSpring unscaled(free.rows_at(place), law), scaled(corrected.rows_at(place), law);
+    CHECK(ContactSpring(bounded.rows_at(place), law).k_N_m[0] == Approx(unscaled.k_N_m[0] * std::exp(3 * 0.1)));
+    CHECK(scaled.k_N_m.isApprox(std::exp(0.3) * unscaled.k_N_m, 1e-12));
+    CHECK(scaled.hardening_1_J == Approx(std::exp(-0.3) * unscaled.hardening_1_J));
 }
 
 TEST_CASE("a place in an embedded lattice is found by its cube, and where that was left out by the nearest", "[embedded]") {

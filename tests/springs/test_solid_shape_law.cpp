@@ -53,12 +53,12 @@ TEST_CASE("springs of a solid's lattice have the shear modulus of incompressible
 TEST_CASE("terms for places serve a solid shape, but for those of a lattice", "[solid_shape]") {
     const SpringMesh mesh = embedded_lattice(dome(6), 0.011);
     for (const char* term : {"spring.all", "cell.all", "spring.layer", "cell.layer", "spring.along",
-                             "spring.across.layer", "spring.upright", "spring.top", "cell.bottom", "spring.z", "cell.z2", "spring.x2", "spring.face", "spring.body", "spring.vertical", "contact.normal.curved", "contact.softening.crowd"})
+                             "spring.across.layer", "spring.upright", "spring.top", "cell.bottom", "spring.z", "cell.z2", "spring.x2", "spring.face", "spring.body", "spring.vertical", "contact.normal.curved", "support.all"})
         CHECK_NOTHROW(law_on(mesh, {term}));
     // the lattice's nodes are neither on the surface nor held
     for (const char* term : {"spring.wall", "cell.wall", "spring.surface", "cell.surface", "spring.held"})
         CHECK_THROWS_WITH(law_on(mesh, {term}), Contains("is not possible here; allowed: all, layer, top, bottom, nodule, x2"));
-    CHECK_THROWS_WITH(law_on(mesh, {"contact.normal.phase"}), Contains("then nothing or one of .ground, .edge, .curved, .crowd"));
+    CHECK_THROWS_WITH(law_on(mesh, {"contact.normal.phase"}), Contains("then nothing or one of .curved, .ground, .edge"));
 }
 
 /// A slab as a shape, 80 x 80 x 20 mm by boxes of 10 mm, after its nodes have been moved.
@@ -76,7 +76,7 @@ TEST_CASE("a disc on a shape knows how its surface bends: R over the radius on a
             x[2] -= x[2] / 0.02 * (along_x * std::pow(x[0] - 0.04, 2) + along_y * std::pow(x[1] - 0.04, 2)) / (2 * radius_m);
             return x;
         });
-        return DiscContact(mesh, R).rows_at(Eigen::Vector3d(0.04, 0.04, 0.02)).factors[4];
+        return DiscContact(mesh, R).rows_at(Eigen::Vector3d(0.04, 0.04, 0.02)).factors[PatchLaw::curved_factor];
     };
     CHECK(bent(0, 0) == Approx(0).margin(1e-12));
     CHECK(bent(1, 1) == Approx(R / radius_m).epsilon(0.02));
@@ -106,16 +106,16 @@ TEST_CASE("a contact that softens gives way to half its stiffness, and hardens i
     const double v = 0.8 / (4524 * std::pow(0.007, 3)), s = k * 25e-6 / 2;
     CHECK(stiffness(5e-3, 0) == Approx(k * (1 + v * s + v * v * s * s / 2) / std::pow(1 + v * s, 2)).epsilon(1e-9));
     CHECK(stiffness(5e-3, 1) < stiffness(5e-3, 0));
-    for (const char* term : {"contact.hardening", "contact.saturation", "contact.hardening.crowd"}) {
+    for (const char* term : {"contact.hardening", "contact.saturation", "contact.hardening.curved"}) {
         CHECK_THROWS_WITH(law_on(mesh, {"contact.softening", term}), Contains("hardens and saturates, or it softens"));
-        CHECK_THROWS_WITH(law_on(mesh, {term, "contact.softening.crowd"}), Contains("hardens and saturates, or it softens"));
+        CHECK_THROWS_WITH(law_on(mesh, {term, "contact.softening.curved"}), Contains("hardens and saturates, or it softens"));
     }
 }
 
 TEST_CASE("a pressed dome rests in balance, and its derivatives are those of its rest", "[solid_shape][long]") {
     const SpringMesh mesh = embedded_lattice(dome(8), 0.011);
     const EnergyLaw law = law_on(mesh, {"spring.all", "cell.layer", "spring.along.layer", "contact.normal", "contact.imprint_normal", "contact.softening", "contact.normal.curved",
-                                       "contact.tangent.crowd", "contact.softening.crowd"});
+                                       "contact.tangent.curved", "contact.softening.curved", "support.all"});
     const TissueEnergy energy = law.energy(mesh);
     const DiscContact kernel(mesh, 0.007);
     PressSolver solver(energy, kernel);

@@ -1,5 +1,7 @@
 #include "springs/tissue_table.h"
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
@@ -164,14 +166,17 @@ TEST_CASE("a model of a solid in an embedded lattice comes back from its file in
         write_model(file, changed, {"tissuectl test", 11, {}});
         return refusal<FileError>([&] { read_model(file); });
     };
-    const auto said_of = [&](const NodeField& range) {
+    const auto said_of = [&](const NodeField& correction, double least, double most) {
         TissueModel changed = model;
-        changed.energy_law->factor_range = range;
+        changed.energy_law->disc.correction.value = correction;
+        changed.energy_law->disc.curved_range = {least, most};
         write_model(file, changed, {"tissuectl test", 11, {}});
         return refusal<FileError>([&] { read_model(file); });
     };
-    CHECK_THAT(said_of(NodeField::Zero(1, 2)), Contains("/law/factor_range: has 1 rows, wanted 2: curved, crowd"));
-    CHECK_THAT(said_of((Eigen::Matrix2d() << 0, 1, 2, 1.5).finished()), Contains("/law/factor_range: has a least above its most"));
+    const auto facets = model.mesh.facets.rows();
+    CHECK_THAT(said_of(NodeField::Zero(facets, 6), 2, 1.5), Contains("/law/curved_range: "));
+    CHECK_THAT(said_of(NodeField::Zero(facets - 1, 6), 0, 1), Contains(fmt::format("/law/lattice_correction: has {} rows, wanted one for each of {} facets", facets - 1, facets)));
+    CHECK_THAT(said_of(NodeField::Zero(facets, 7), 0, 1), Contains("/law/lattice_correction: has 7 columns, wanted (p + 1)(p + 2) / 2"));
     using Mass = Eigen::VectorXd;
     CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.fraction[0] = 1.5; }), Contains("/mesh/lattice/fraction: is above 1"));
     CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.fraction[0] = 0; }), Contains("/mesh/lattice/fraction: "));

@@ -30,14 +30,6 @@ PatchLaw disc_law() {
     return law;
 }
 
-/// The same of a disc on a shape.
-PatchLaw shape_law() {
-    PatchLaw law = disc_law();
-    law.log_N_m.conservativeResize(Eigen::NoChange, PatchLaw::shape_factors);
-    law.log_N_m.rightCols<2>().setConstant(0.1);
-    return law;
-}
-
 PatchLaw plane_law() {
     PatchLaw law;
     law.log_N_m.col(0) << 3.2, 2.7, 1.1, 0.6;
@@ -107,9 +99,10 @@ void check_derivatives(const ToolSpring& tool, const NodeColumns& u, const Point
 
 TEST_CASE("a disc's contact in the tick is the one that trains: same energy, same force of the hand, same forces on nodes", "[solid][embedded]") {
     for (const SpringMesh& mesh : {solid(6, 5, 3), embedded_lattice(dome(6), 0.011)}) {
-        const PatchLaw law = mesh.embedding.empty() ? disc_law() : shape_law();
-        const NodeField trained = mesh.embedding.empty() ? NodeField() : NodeField((Eigen::Matrix2d() << 0.2, 0.3, 1.3, 1.4).finished());
-        DiscContact kernel(mesh, 0.007, some_ground(), trained);
+        const PatchLaw law = disc_law();
+        DiscTables tables{some_ground()};
+        if (!mesh.embedding.empty()) tables = {some_ground(), {0.2, 0.3}, {NodeField::Random(mesh.facets.rows(), FacetTable::corner_count(3))}};
+        DiscContact kernel(mesh, 0.007, tables);
         kernel.scale(Eigen::VectorXd::LinSpaced(mesh.node_count(), -0.2, 0.3));
         const FreeSurface surface(mesh);
         Draw draw(1);
@@ -229,8 +222,8 @@ TEST_CASE("a contact with more nodes in reach than the tick has room for keeps t
 
 TEST_CASE("a contact of the tick is made and used without allocation", "[solid][embedded]") {
     for (const SpringMesh& mesh : {solid(6, 5, 3), embedded_lattice(dome(6), 0.011)}) {
-        const PatchLaw law = mesh.embedding.empty() ? disc_law() : shape_law();
-        const DiscContact kernel(mesh, 0.007, some_ground());
+        const PatchLaw law = disc_law();
+        const DiscContact kernel(mesh, 0.007, {some_ground()});
         const FreeSurface surface(mesh);
         ToolSpring tool;
         const NodeColumns u = NodeColumns::Zero(mesh.node_count(), 3);

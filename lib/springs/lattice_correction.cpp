@@ -1,0 +1,157 @@
+#include "springs/lattice_correction.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "error.h"
+#include "mesh/embedded_lattice.h"
+#include "mesh/free_surface.h"
+#include "parallel.h"
+#include "springs/contact_errors.h"
+#include "springs/contact_spring.h"
+#include "springs/law_kernel.h"
+#include "springs/sparse_factor.h"
+#include "springs/tissue_energy.h"
+
+namespace tissue {
+namespace {
+
+constexpr double most = 0.5;  // of |x|
+
+/// Of a contact at rest: log of its stiffness, and the derivative of that by x.
+struct Stiffness {
+    double log, by_x;
+};
+
+/// Compliance of a lattice between those of its nodes that contacts may touch.
+class NodeCompliance {
+   public:
+    NodeCompliance(const SpringMesh& mesh, const LawModel& law, const std::vector<int>& nodes) : number_(static_cast<std::size_t>(mesh.node_count()), -1) {
+        const int own = mesh.embedding.node_count(), lattice = mesh.node_count() - own;
+        SparseFactor factor;
+        const SparseFactor::Matrix K = TissueEnergy(mesh, law.incompressible).tangent(law.constants, NodeField::Zero(mesh.node_count(), 3)).bottomRightCorner(3 * lattice, 3 * lattice);
+        factor.analyse(K);
+        if (!factor.factorise(K) || !factor.is_definite()) throw MismatchError("the lattice has no stiffness against some displacement");
+        const auto U = static_cast<Eigen::Index>(nodes.size());
+        for (Eigen::Index k = 0; k < U; ++k) number_[static_cast<std::size_t>(nodes[static_cast<std::size_t>(k)])] = static_cast<int>(k);
+        values_.resize(3 * U, 3 * U);
+        constexpr Eigen::Index batch = 8;
+        for (Eigen::Index first = 0; first < U; first += batch) {
+            const Eigen::Index count = std::min(batch, U - first);
+            Eigen::MatrixXd load = Eigen::MatrixXd::Zero(3 * lattice, 3 * count);
+            for (Eigen::Index k = 0; k < count; ++k)
+                for (int d = 0; d < 3; ++d) load(3 * (nodes[static_cast<std::size_t>(first + k)] - own) + d, 3 * k + d) = 1;
+            const Eigen::MatrixXd u = factor.solve(load);
+            for (Eigen::Index k = 0; k < U; ++k) values_.block(3 * k, 3 * first, 3, 3 * count) = u.middleRows(3 * (nodes[static_cast<std::size_t>(k)] - own), 3).cast<float>();
+        }
+    }
+
+    /// Between the nodes of a contact [m/N] (3K x 3K).
+    Eigen::MatrixXd among(const std::vector<int>& nodes) const {
+        const auto K = static_cast<Eigen::Index>(nodes.size());
+        const auto at = [&](Eigen::Index k) { return 3 * static_cast<Eigen::Index>(number_[static_cast<std::size_t>(nodes[static_cast<std::size_t>(k)])]); };
+        Eigen::MatrixXd some(3 * K, 3 * K);
+        for (Eigen::Index b = 0; b < K; ++b)
+            for (Eigen::Index a = 0; a < K; ++a) some.block<3, 3>(3 * a, 3 * b) = values_.block<3, 3>(at(a), at(b)).cast<double>();
+        return some;
+    }
+
+   private:
+    std::vector<int> number_;
+    Eigen::MatrixXf values_;  // a thousand nodes and more: half the memory
+};
+
+/// With du = C pull' f and f = k (push d - pull du) for each row: f = (1/k + pull C pull')^-1 push d.
+Stiffness stiffness_of(const ContactSpring& contact, const NodeCompliance& compliance) {
+    std::vector<Eigen::Index> stiff;
+    for (Eigen::Index r = 0; r < contact.k_N_m.size(); ++r)
+        if (contact.k_N_m[r] > 0) stiff.push_back(r);
+    const Eigen::SparseMatrix<double> pull = contact.rows.pull(stiff, Eigen::all).sparseView();
+    const Eigen::MatrixXd push = contact.rows.push(stiff, Eigen::all), carried = compliance.among(contact.rows.nodes) * pull.transpose();
+    const Eigen::VectorXd give = contact.k_N_m(stiff).cwiseInverse();
+    Eigen::MatrixXd system = pull * carried;
+    system.diagonal() += give;
+    const Eigen::MatrixXd f = system.ldlt().solve(push);
+    const double stiffness = push.cwiseProduct(f).sum();
+    return {std::log(stiffness), f.cwiseAbs2().cwiseProduct(give.replicate<1, 3>()).sum() / stiffness};
+}
+
+std::vector<std::optional<Stiffness>> stiffness_at(const SpringMesh& mesh, const LawModel& law, const std::vector<Point>& places) {
+    const auto kernel = make_contact_kernel(mesh, law.disc_radius_m, {law.disc.ground, law.disc.curved_range, {}});
+    std::vector<std::optional<ContactRows>> rows;
+    std::vector<int> nodes;
+    for (const Point& place : places) try {
+            rows.emplace_back(kernel->rows_at(place));
+            nodes.insert(nodes.end(), rows.back()->nodes.begin(), rows.back()->nodes.end());
+        } catch (const NoContactError&) {
+            rows.emplace_back();
+        }
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    const NodeCompliance compliance(mesh, law, nodes);
+    std::vector<std::optional<Stiffness>> stiffness(places.size());
+    for (std::size_t p = 0; p < places.size(); ++p)
+        if (rows[p]) stiffness[p] = stiffness_of(ContactSpring(std::move(*rows[p]), law.patch), compliance);
+    return stiffness;
+}
+
+}  // namespace
+
+FacetTable lattice_correction(const Shape& shape, const SpringMesh& mesh, const std::function<LawModel(const SpringMesh&)>& law_on, int threads) {
+    const FreeSurface surface(mesh);
+    const double h = mesh.embedding.spacing_m;
+    const int parts = std::clamp(static_cast<int>(std::ceil(3 * surface.spacing_m() / h)), 1, 6);
+    const NodeField weights = FacetTable::corners(parts);
+
+    // facets share the places of their edges
+    std::vector<Point> places;
+    std::vector<std::size_t> place_of;
+    std::map<std::array<long long, 3>, std::size_t> known;
+    for (Eigen::Index f = 0; f < surface.facets().rows(); ++f)
+        for (const auto& weight : weights.rowwise()) {
+            const Point place = surface.at(f, weight.transpose());
+            std::array<long long, 3> key;
+            for (int d = 0; d < 3; ++d) key[static_cast<std::size_t>(d)] = std::llround(place[d] / (1e-6 * h));
+            const auto [found, is_new] = known.emplace(key, places.size());
+            if (is_new) places.push_back(place);
+            place_of.push_back(found->second);
+        }
+
+    const std::array<Eigen::Vector3d, 4> shifts = {Eigen::Vector3d(0, 0, 0), {0.5, 0.5, 0}, {0.5, 0, 0.5}, {0, 0.5, 0.5}};
+    std::array<std::vector<std::optional<Stiffness>>, 4> stiffness;
+    parallel_for(4, threads, [&](int i) {
+        const auto n = static_cast<std::size_t>(i);
+        SpringMesh shifted;
+        if (i > 0) try {
+                shifted = shifted_lattice(shape, h, shifts[n]);
+            } catch (const MismatchError&) {
+                return;
+            }
+        const SpringMesh& own = i > 0 ? shifted : mesh;
+        stiffness[n] = stiffness_at(own, law_on(own), places);
+    });
+
+    FacetTable table{NodeField::Zero(mesh.facets.rows(), weights.rows())};
+    for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
+        const Eigen::Index free = surface.free_of()[static_cast<std::size_t>(f)];
+        for (Eigen::Index v = 0; free >= 0 && v < weights.rows(); ++v) {
+            const std::size_t p = place_of[static_cast<std::size_t>(free * weights.rows() + v)];
+            double sum = 0;
+            int count = 0;
+            for (const auto& of : stiffness)
+                if (!of.empty() && of[p]) {
+                    sum += of[p]->log;
+                    ++count;
+                }
+            if (const auto& own = stiffness[0][p]) table.value(f, v) = std::clamp((sum / count - own->log) / own->by_x, -most, most);
+        }
+    }
+    return table;
+}
+
+}  // namespace tissue

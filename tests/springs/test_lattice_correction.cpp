@@ -1,0 +1,71 @@
+#include "springs/lattice_correction.h"
+
+#include <catch2/catch.hpp>
+
+#include "../mesh/dome.h"
+#include "mesh/embedded_lattice.h"
+#include "mesh/free_surface.h"
+#include "springs/energy_law.h"
+#include "springs/law_press.h"
+
+using namespace tissue;
+
+namespace {
+
+constexpr double h = 0.012, radius_m = 0.007, E_Pa = 4524;
+
+LawModel law_on(const SpringMesh& mesh) {
+    const Eigen::VectorXd springs = Eigen::VectorXd::Constant(mesh.spring_count(), E_Pa), cells = Eigen::VectorXd::Constant(mesh.embedding.cubes.rows(), E_Pa);
+    const EnergyLaw law(mesh, solid_heuristic(mesh, springs, cells, E_Pa, 12, radius_m), {"spring.all"});
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(1);
+    return {law.terms(), none, law.constants(none), law.patch(none), false, radius_m};
+}
+
+/// Trace of the stiffness against a small displacement of the tool [N/m].
+double stiffness(const SpringMesh& mesh, const LawModel& law, const Point& place) {
+    const LawPress press(mesh, law);
+    double trace = 0;
+    for (int d = 0; d < 3; ++d) trace += press.at(place, 1e-7 * Eigen::Vector3d::Unit(d)).contact_force[d] / 1e-7;
+    return trace;
+}
+
+}  // namespace
+
+TEST_CASE("corrected contacts are as stiff as on the average of four shifted lattices", "[embedded]") {
+    const Shape shape = dome(8);
+    const SpringMesh mesh = embedded_lattice(shape, h);
+    const FacetTable table = lattice_correction(shape, mesh, law_on, 2);
+    CHECK(lattice_correction(shape, mesh, law_on, 1).value == table.value);
+    REQUIRE(table.value.rows() == mesh.facets.rows());
+    const FreeSurface surface(mesh);
+    LawModel law = law_on(mesh), corrected = law;
+    corrected.disc.correction = table;
+    double most_before = 0, most_after = 0;
+    for (Eigen::Index free = 0; free < surface.facets().rows(); free += 29) {
+        const Point place = surface.at(free, Eigen::Vector3d(1, 0, 0));
+        const double own = std::log(stiffness(mesh, law, place));
+        double mean = own / 4;
+        for (const Eigen::Vector3d& shift : {Eigen::Vector3d(0.5, 0.5, 0), Eigen::Vector3d(0.5, 0, 0.5), Eigen::Vector3d(0, 0.5, 0.5)}) {
+            const SpringMesh shifted = shifted_lattice(shape, h, shift);
+            mean += std::log(stiffness(shifted, law_on(shifted), place)) / 4;
+        }
+        most_before = std::max(most_before, std::abs(own - mean));
+        most_after = std::max(most_after, std::abs(std::log(stiffness(mesh, corrected, place)) - mean));
+    }
+    CAPTURE(most_before, most_after);
+    CHECK(most_before > 0.01);
+    CHECK(most_after < 0.1 * most_before);
+    for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f)
+        if (surface.free_of()[static_cast<std::size_t>(f)] < 0) CHECK(table.value.row(f).isZero(0));
+}
+
+TEST_CASE("a shifted lattice is the lattice moved: its cubes elsewhere, the tissue in them all of it", "[embedded]") {
+    const Shape shape = dome(8);
+    const SpringMesh mesh = embedded_lattice(shape, h), moved = shifted_lattice(shape, h, Eigen::Vector3d(0.5, 0.25, 0));
+    const auto corner = [](const SpringMesh& of) { return Eigen::Vector3d(of.nodes.row(of.embedding.cubes(0, 0)).transpose()); };
+    const Eigen::Vector3d by = (corner(moved) - corner(mesh)) / h;
+    CHECK(std::abs(by[0] - std::floor(by[0]) - 0.5) < 1e-9);
+    CHECK(std::abs(by[1] - std::floor(by[1]) - 0.25) < 1e-9);
+    CHECK(std::abs(by[2] - std::round(by[2])) < 1e-9);
+    CHECK(moved.embedding.fraction.sum() == Approx(mesh.embedding.fraction.sum()).epsilon(0.01));
+}
