@@ -34,7 +34,7 @@ struct FacetTable {
         const int i = std::clamp(static_cast<int>(a), 0, parts - 1), j = std::clamp(static_cast<int>(b), 0, parts - 1 - i);
         const double x = a - i, y = b - j;
         const auto of = [&](int k, int l) { return value(facet, number(k, l, parts)); };
-        if (x + y <= 1) return (1 - x - y) * of(i, j) + x * of(i + 1, j) + y * of(i, j + 1);
+        if (x + y <= 1 || i + j == parts - 1) return (1 - x - y) * of(i, j) + x * of(i + 1, j) + y * of(i, j + 1);
         return (x + y - 1) * of(i + 1, j + 1) + (1 - x) * of(i, j + 1) + (1 - y) * of(i + 1, j);
     }
 

@@ -26,8 +26,8 @@ struct ContactRows {
     std::vector<int> law_row;    ///< of PatchLaw, for each row (R)
     Eigen::VectorXd share;       ///< of that stiffness (R)
     ContactFactors factors;      ///< of the place: PatchLaw's
-    Eigen::VectorXd mean;        ///< weight of each node in log_scale (K), sum 1: that in what is between tool and surface
-    double log_scale = 0;        ///< of the law's stiffnesses there (ContactKernel::scale)
+    Eigen::VectorXd mean;        ///< weight of each node in ContactKernel::scale (K), sum 1: that in what is between tool and surface
+    double log_scale = 0;        ///< of the law's stiffnesses there: ContactKernel::scale, and of a disc DiscTables::correction
 };
 
 /// Makes contacts of one kind on the surface of one mesh: the patch in the plane (springs/contact_patch.h), the disc in

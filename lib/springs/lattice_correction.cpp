@@ -21,7 +21,10 @@
 namespace tissue {
 namespace {
 
-constexpr double most = 0.5;  // of |x|
+constexpr double most = 0.5;          // of |x|
+constexpr int most_nodes = 10'000;    // of a lattice: 0.7 GB each
+constexpr int at_once = 2;            // lattices
+constexpr double into_facet = 1e-3;  // of the way to its middle: at a crease a facet's places have its own normal
 
 /// Of a contact at rest: log of its stiffness, and the derivative of that by x.
 struct Stiffness {
@@ -83,57 +86,63 @@ Stiffness stiffness_of(const ContactSpring& contact, const NodeCompliance& compl
 
 std::vector<std::optional<Stiffness>> stiffness_at(const SpringMesh& mesh, const LawModel& law, const std::vector<Point>& places) {
     const auto kernel = make_contact_kernel(mesh, law.disc_radius_m, {law.disc.ground, law.disc.curved_range, {}});
-    std::vector<std::optional<ContactRows>> rows;
-    std::vector<int> nodes;
-    for (const Point& place : places) try {
-            rows.emplace_back(kernel->rows_at(place));
-            nodes.insert(nodes.end(), rows.back()->nodes.begin(), rows.back()->nodes.end());
+    std::vector<char> touched(static_cast<std::size_t>(mesh.node_count()), 0), has_contact(places.size(), 0);
+    for (std::size_t p = 0; p < places.size(); ++p) try {
+            for (int node : kernel->rows_at(places[p]).nodes) touched[static_cast<std::size_t>(node)] = 1;
+            has_contact[p] = 1;
         } catch (const NoContactError&) {
-            rows.emplace_back();
         }
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    std::vector<int> nodes;
+    for (int node = 0; node < mesh.node_count(); ++node)
+        if (touched[static_cast<std::size_t>(node)]) nodes.push_back(node);
     const NodeCompliance compliance(mesh, law, nodes);
     std::vector<std::optional<Stiffness>> stiffness(places.size());
-    for (std::size_t p = 0; p < places.size(); ++p)
-        if (rows[p]) stiffness[p] = stiffness_of(ContactSpring(std::move(*rows[p]), law.patch), compliance);
+    for (std::size_t p = 0; p < places.size(); ++p)  // rows anew: those of all places would take gigabytes
+        if (has_contact[p]) stiffness[p] = stiffness_of(ContactSpring(kernel->rows_at(places[p]), law.patch), compliance);
     return stiffness;
 }
 
 }  // namespace
 
 FacetTable lattice_correction(const Shape& shape, const SpringMesh& mesh, const std::function<LawModel(const SpringMesh&)>& law_on, int threads) {
+    if (mesh.node_count() - mesh.embedding.node_count() > most_nodes) return {};
     const FreeSurface surface(mesh);
     const double h = mesh.embedding.spacing_m;
     const int parts = std::clamp(static_cast<int>(std::ceil(3 * surface.spacing_m() / h)), 1, 6);
     const NodeField weights = FacetTable::corners(parts);
 
-    // facets share the places of their edges
+    // facets share the places of their edges, but at creases
     std::vector<Point> places;
     std::vector<std::size_t> place_of;
-    std::map<std::array<long long, 3>, std::size_t> known;
+    std::map<std::array<long long, 6>, std::size_t> known;
     for (Eigen::Index f = 0; f < surface.facets().rows(); ++f)
         for (const auto& weight : weights.rowwise()) {
-            const Point place = surface.at(f, weight.transpose());
-            std::array<long long, 3> key;
-            for (int d = 0; d < 3; ++d) key[static_cast<std::size_t>(d)] = std::llround(place[d] / (1e-6 * h));
+            const Eigen::Vector3d inside = (1 - into_facet) * weight.transpose() + Eigen::Vector3d::Constant(into_facet / 3);
+            const FreeSurface::Place corner = surface.place(f, weight.transpose());
+            std::array<long long, 6> key;
+            for (int d = 0; d < 3; ++d) {
+                key[static_cast<std::size_t>(d)] = std::llround(corner.point_m[d] / (1e-6 * h));
+                key[static_cast<std::size_t>(3 + d)] = std::llround(corner.inward[d] / 1e-3);
+            }
             const auto [found, is_new] = known.emplace(key, places.size());
-            if (is_new) places.push_back(place);
+            if (is_new) places.push_back(surface.at(f, inside));
             place_of.push_back(found->second);
         }
 
     const std::array<Eigen::Vector3d, 4> shifts = {Eigen::Vector3d(0, 0, 0), {0.5, 0.5, 0}, {0.5, 0, 0.5}, {0, 0.5, 0.5}};
     std::array<std::vector<std::optional<Stiffness>>, 4> stiffness;
-    parallel_for(4, threads, [&](int i) {
+    parallel_for(4, std::min(threads, at_once), [&](int i) {
         const auto n = static_cast<std::size_t>(i);
-        SpringMesh shifted;
-        if (i > 0) try {
-                shifted = shifted_lattice(shape, h, shifts[n]);
-            } catch (const MismatchError&) {
-                return;
-            }
-        const SpringMesh& own = i > 0 ? shifted : mesh;
-        stiffness[n] = stiffness_at(own, law_on(own), places);
+        if (i == 0) {
+            stiffness[n] = stiffness_at(mesh, law_on(mesh), places);
+            return;
+        }
+        stiffness[n].resize(places.size());
+        try {
+            const SpringMesh shifted = shifted_lattice(shape, h, shifts[n]);
+            stiffness[n] = stiffness_at(shifted, law_on(shifted), places);
+        } catch (const Error&) {  // too coarse there for the solid, or for what lies in it
+        }
     });
 
     FacetTable table{NodeField::Zero(mesh.facets.rows(), weights.rows())};
@@ -141,14 +150,9 @@ FacetTable lattice_correction(const Shape& shape, const SpringMesh& mesh, const 
         const Eigen::Index free = surface.free_of()[static_cast<std::size_t>(f)];
         for (Eigen::Index v = 0; free >= 0 && v < weights.rows(); ++v) {
             const std::size_t p = place_of[static_cast<std::size_t>(free * weights.rows() + v)];
-            double sum = 0;
-            int count = 0;
-            for (const auto& of : stiffness)
-                if (!of.empty() && of[p]) {
-                    sum += of[p]->log;
-                    ++count;
-                }
-            if (const auto& own = stiffness[0][p]) table.value(f, v) = std::clamp((sum / count - own->log) / own->by_x, -most, most);
+            if (!std::all_of(stiffness.begin(), stiffness.end(), [&](const auto& of) { return of[p].has_value(); })) continue;
+            const double mean = (stiffness[0][p]->log + stiffness[1][p]->log + stiffness[2][p]->log + stiffness[3][p]->log) / 4;
+            table.value(f, v) = std::clamp((mean - stiffness[0][p]->log) / stiffness[0][p]->by_x, -most, most);
         }
     }
     return table;

@@ -103,7 +103,7 @@ const DatasetTable& law_table(bool solid) {
     };
     static const DatasetTable space = joined(plane, {
         {"/law/ground", "G x 4", Values::place(), "m, m3", "what under a disc is of other stiffness: place, volume times log(E / E_block)", Rows::any, true},
-        {"/law/curved_range", "R", Values::finite(), "1", "on a solid shape: least and most of the factor curved over the training contacts, to which a contact's is clamped", Rows::ascending, true},
+        {"/law/curved_range", "R", Values::finite(), "1", "on a solid shape: least and most of the factor curved over the training contacts, to which a contact's is clamped", Rows::any, true},
         {"/law/lattice_correction", "T x V", Values::logarithm(), "1", "on a solid shape: of contacts at V corners of equal parts of each facet (springs/lattice_correction.h)", Rows::any, true},
     });
     return solid ? space : plane;
@@ -168,6 +168,7 @@ LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
             const Eigen::VectorXd range = in.vector("/law/curved_range");
             if (mesh.embedding.empty()) in.refuse("/law/curved_range", "is of a solid shape, and the mesh is a block");
             if (range.size() != 2) in.refuse("/law/curved_range", fmt::format("has {} values, wanted 2", range.size()));
+            if (!(range[0] <= range[1])) in.refuse("/law/curved_range", "has a least above its most");
             law.disc.curved_range = range;
         }
         if (in.has("/law/lattice_correction")) {

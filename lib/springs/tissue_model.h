@@ -28,7 +28,7 @@ struct LawModel {
     SkinLaw skin() const { return skin_of(terms, coefficients); }
     bool incompressible = false;           ///< whether regions keep their area too (TissueEnergy)
     double disc_radius_m = 0;              ///< in space: of the disc that presses,
-    DiscTables disc = {};                  ///< and what its factors are read from
+    DiscTables disc = {};                  ///< and what is read of its place
     Eigen::VectorXd contact_log_scale = {};  ///< of contacts by node (N), ContactKernel::scale; often none
     Relaxation relaxation = {};            ///< of constants and contact, which are the instantaneous ones; often none
 };

@@ -34,7 +34,7 @@ struct LawTrainingOptions {
     double disc_radius_m = 0;     ///< in space,
     Eigen::Vector2d curved_range{-INFINITY, INFINITY};  ///< DiscTables::curved_range
     FacetTable correction;        ///< and its correction
-    int starts = 1;               ///< the first, then that many less one drawn around the heuristic
+    int starts = 1;               ///< one from `first`, the others drawn around the heuristic
     Eigen::VectorXd first;        ///< coefficients (P); empty: the heuristic
     double spread = 0.5;          ///< standard deviation of a drawn start's coefficients
     unsigned long seed = 1;

@@ -1,12 +1,12 @@
 #include "train/train_law_model.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "cases/study_law.h"
 #include "error.h"
 #include "mesh/free_surface.h"
-#include "mesh/solid_lattice.h"
 #include "springs/lattice_correction.h"
 #include "springs/law_kernel.h"
 #include "train/fit_shares.h"
@@ -80,11 +80,10 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
         return made;
     };
     const auto correct = [&](const Eigen::VectorXd& p) {
-        const Shape shape = kept.shape ? *kept.shape : shape_of(solid_lattice(study.lattice()));
         const auto law_on = [&](const SpringMesh& mesh) { return law_at(study_law(study, kept.shape, mesh, factor), p); };
-        options.correction = lattice_correction(shape, model.mesh, law_on, threads);
+        options.correction = lattice_correction(*kept.shape, model.mesh, law_on, threads);
     };
-    double seconds = 0;
+    const auto begin = std::chrono::steady_clock::now();
     if (!model.mesh.embedding.empty()) {
         options.curved_range = curved_range(model.mesh, options.disc_radius_m, paths);
         // the correction depends on the law a little: of the untrained one first, then of one that was roughly trained with that
@@ -92,12 +91,11 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
         LawTrainingOptions rough = options;
         rough.starts = 1;
         rough.fit.gain_tolerance = 1e-2;
-        const TrainedLaw first = train_law(model.mesh, law, paths, rough);
-        seconds = first.seconds;
-        options.first = first.coefficients;
+        options.first = train_law(model.mesh, law, paths, rough).coefficients;
         correct(options.first);
     }
     const TrainedLaw trained = train_law(model.mesh, law, paths, options);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     model.energy_law = law_at(law, trained.coefficients);
     model.energy_law->relaxation = study_relaxation(study, kept.shape, model.mesh, law);
 
@@ -126,7 +124,7 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     if (book.at_rest && !study.material.fits_shares) grow(*model.energy_law, 1 / (1 - model.energy_law->relaxation.contact_share.sum()));
     if (study.material.fits_shares) book.shares = fit_branches(study, cases, model, threads);
     book.lost = trained.lost;
-    book.seconds = seconds + trained.seconds;
+    book.seconds = seconds;
     return model;
 }
 

@@ -331,8 +331,10 @@ TEST_CASE("a file of a later format version, or of another kind, is refused") {
     set_format_version(file, last_format_version + 1);
     CHECK_THAT(refusal<FileError>([&] { Hdf5Reader(file, "cases"); }), Contains("a.h5") && Contains("later"));
     CHECK_THROWS_AS(Hdf5Reader(file, ""), FileError);
-    set_format_version(file, solid_format_version - 1);
-    CHECK_THAT(refusal<FileError>([&] { Hdf5Reader(file, "cases"); }), Contains("a.h5") && Contains("make it anew"));
+    for (const int of_other_contacts : {solid_format_version - 1, embedded_format_version - 1}) {
+        set_format_version(file, of_other_contacts);
+        CHECK_THAT(refusal<FileError>([&] { Hdf5Reader(file, "cases"); }), Contains("a.h5") && Contains("make it anew"));
+    }
 }
 
 TEST_CASE("a dataset that is missing, of another shape or of another type is refused with file and dataset") {

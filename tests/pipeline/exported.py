@@ -378,10 +378,10 @@ def solid_law_csv(export, h5):
     same("coefficients", column(read["terms"], "coefficient")[:, 0], h5["law/coefficients"][:])
     same("range of curved", [float(row["curved"]) for row in read["contact"][7:]], h5["law/curved_range"][:] if shape else np.empty(0))
     if shape:
-        table = h5["law/lattice_correction"][:]
-        same("correction", column(read["correction"], "log_scale")[:, 0], table.reshape(-1))
-        same("its facets", column(read["correction"], "facet")[:, 0], np.repeat(np.arange(len(table)), table.shape[1]))
-        same("its corners", column(read["correction"], "weight_i", "weight_j", "weight_k").sum(axis=1), np.ones(table.size), 1e-12)
+        correction, corrections = h5["law/lattice_correction"][:], table(export / "correction.csv")
+        same("correction", column(corrections, "log_scale")[:, 0], correction.reshape(-1))
+        same("its facets", column(corrections, "facet")[:, 0], np.repeat(np.arange(len(correction)), correction.shape[1]))
+        same("its corners", column(corrections, "weight_i", "weight_j", "weight_k").sum(axis=1), np.ones(correction.size), 1e-12)
     del read["contact"][7:]
     same("rows", [row["row"] for row in read["contact"]], ["normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"])
     same("contact", column(read["contact"], "log_k_N_m", "curved" if shape else "phase", "ground", "edge"), h5["law/patch_log"][:])

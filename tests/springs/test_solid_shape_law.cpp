@@ -117,7 +117,7 @@ TEST_CASE("a pressed dome rests in balance, and its derivatives are those of its
     const EnergyLaw law = law_on(mesh, {"spring.all", "cell.layer", "spring.along.layer", "contact.normal", "contact.imprint_normal", "contact.softening", "contact.normal.curved",
                                        "contact.tangent.curved", "contact.softening.curved", "support.all"});
     const TissueEnergy energy = law.energy(mesh);
-    const DiscContact kernel(mesh, 0.007);
+    const DiscContact kernel(mesh, 0.007, {{}, {-9, 9}, {NodeField::Constant(mesh.facets.rows(), 3, 0.4)}});
     PressSolver solver(energy, kernel);
     const Eigen::VectorXd p = Eigen::VectorXd::LinSpaced(law.size(), -0.2, 0.2);
     const Eigen::Vector3d at = FreeSurface(mesh).nearest(Eigen::Vector3d(0.02, 0.013, 0.05)).point_m, push(-2e-3, 1e-3, -3e-3);
@@ -125,7 +125,7 @@ TEST_CASE("a pressed dome rests in balance, and its derivatives are those of its
     const PressState state = pressed(p);
     REQUIRE(state.status == PressStatus::held);
     CHECK(state.contact_force_N.dot(push) > 0);
-    const PressDerivative by = solver.derivative(law.constants_by(p), law.stiffness_by(p, kernel.rows_at(at).factors));
+    const PressDerivative by = solver.derivative(law.constants_by(p), law.stiffness_by(p, kernel.rows_at(at).factors, kernel.rows_at(at).log_scale));
     for (Eigen::Index t = 0; t < p.size(); ++t) {
         Eigen::VectorXd low = p, high = p;
         low[t] -= 1e-4;

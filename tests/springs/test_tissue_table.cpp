@@ -174,7 +174,12 @@ TEST_CASE("a model of a solid in an embedded lattice comes back from its file in
         return refusal<FileError>([&] { read_model(file); });
     };
     const auto facets = model.mesh.facets.rows();
-    CHECK_THAT(said_of(NodeField::Zero(facets, 6), 2, 1.5), Contains("/law/curved_range: "));
+    CHECK_THAT(said_of(NodeField::Zero(facets, 6), 2, 1.5), Contains("/law/curved_range: has a least above its most"));
+    TissueModel of_one_place = model;
+    of_one_place.energy_law->disc = {{}, {0.2, 0.2}, {NodeField::Random(facets, 6)}};
+    write_model(file, of_one_place, {"tissuectl test", 11, {}});
+    CHECK(read_model(file).energy_law->disc.curved_range == of_one_place.energy_law->disc.curved_range);
+    CHECK(read_model(file).energy_law->disc.correction.value == of_one_place.energy_law->disc.correction.value);
     CHECK_THAT(said_of(NodeField::Zero(facets - 1, 6), 0, 1), Contains(fmt::format("/law/lattice_correction: has {} rows, wanted one for each of {} facets", facets - 1, facets)));
     CHECK_THAT(said_of(NodeField::Zero(facets, 7), 0, 1), Contains("/law/lattice_correction: has 7 columns, wanted (p + 1)(p + 2) / 2"));
     using Mass = Eigen::VectorXd;
