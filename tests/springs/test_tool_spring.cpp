@@ -95,14 +95,17 @@ void check_derivatives(const ToolSpring& tool, const NodeColumns& u, const Point
     CHECK((tool.energy_J(push, more) - tool.energy_J(push, less)) / (2 * h) == Approx(f(node, axis)).epsilon(1e-5));
 }
 
+DiscTables some_tables(const SpringMesh& mesh) {
+    if (mesh.embedding.empty()) return {some_ground()};
+    return {some_ground(), {0.2, 0.3}, {NodeField::Random(mesh.facets.rows(), FacetTable::corner_count(3))}};
+}
+
 }  // namespace
 
 TEST_CASE("a disc's contact in the tick is the one that trains: same energy, same force of the hand, same forces on nodes", "[solid][embedded]") {
     for (const SpringMesh& mesh : {solid(6, 5, 3), embedded_lattice(dome(6), 0.011)}) {
         const PatchLaw law = disc_law();
-        DiscTables tables{some_ground()};
-        if (!mesh.embedding.empty()) tables = {some_ground(), {0.2, 0.3}, {NodeField::Random(mesh.facets.rows(), FacetTable::corner_count(3))}};
-        DiscContact kernel(mesh, 0.007, tables);
+        DiscContact kernel(mesh, 0.007, some_tables(mesh));
         kernel.scale(Eigen::VectorXd::LinSpaced(mesh.node_count(), -0.2, 0.3));
         const FreeSurface surface(mesh);
         Draw draw(1);
@@ -223,7 +226,7 @@ TEST_CASE("a contact with more nodes in reach than the tick has room for keeps t
 TEST_CASE("a contact of the tick is made and used without allocation", "[solid][embedded]") {
     for (const SpringMesh& mesh : {solid(6, 5, 3), embedded_lattice(dome(6), 0.011)}) {
         const PatchLaw law = disc_law();
-        const DiscContact kernel(mesh, 0.007, {some_ground()});
+        const DiscContact kernel(mesh, 0.007, some_tables(mesh));
         const FreeSurface surface(mesh);
         ToolSpring tool;
         const NodeColumns u = NodeColumns::Zero(mesh.node_count(), 3);
