@@ -45,6 +45,7 @@ void Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const
             const FreeSurface::Walk walk = surface.walk(where.facet, where.weight, way_m * direction);
             if (!(walk.walked_m > 0)) break;
             law.contact(walk.facet, walk.weight, next_);
+            next_.show_at_most(tool.most_N());
             const Point place = mesh.rest_place(walk.facet, walk.weight);
             next_memory_ = memory;
             next_memory_.follow(tool, next_);

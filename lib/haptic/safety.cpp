@@ -55,14 +55,9 @@ Eigen::Vector3d HeldForces::mean_N(double from_s, double to_s) const noexcept {
     return impulse / (from_s - to_s);
 }
 
-double Safety::worst_release_J(double force_N) const noexcept {
-    return o_.speed_max_m_s * force_N * (force_N / (2 * o_.slew_N_s) + o_.dt_s);
-}
+double Safety::worst_release_J(double force_N) const noexcept { return o_.speed_max_m_s * force_N * o_.dt_s; }
 
-double Safety::releasable_N(double energy_J) const noexcept {
-    const double left = std::max(0.0, energy_J) / (o_.speed_max_m_s * o_.slew_N_s);
-    return 2 * left * o_.slew_N_s / (o_.dt_s + std::sqrt(o_.dt_s * o_.dt_s + 2 * left));
-}
+double Safety::releasable_N(double energy_J) const noexcept { return std::max(0.0, energy_J) / (o_.speed_max_m_s * o_.dt_s); }
 
 /// The device has let go, nobody knows when nor where the hand was then.
 void Safety::let_go(double elapsed_s) noexcept {
@@ -141,10 +136,9 @@ void Safety::go_on_from(const Safety& other) noexcept {
 Eigen::Vector3d Safety::limit(const Eigen::Vector3d& wanted_N, bool damp) noexcept {
     Eigen::Vector3d wanted = wanted_N;
     if (!wanted.allFinite()) wanted.setZero();
-    if (length_of(wanted) > o_.force_max_N) {
-        wanted = within(wanted, o_.force_max_N);
-        ++counters_.clamped;
-    }
+    const double length = length_of(wanted);
+    if (length >= o_.force_max_N * (1 - 1e-5)) ++counters_.clamped;  // a law's tool gives way before it is more
+    if (length > o_.force_max_N) wanted = within(wanted, o_.force_max_N);
     double most = o_.force_max_N;
     if (o_.passivity) {
         // observer: what will have been given if the hand goes on as it did; controller: damp just that away
@@ -158,12 +152,10 @@ Eigen::Vector3d Safety::limit(const Eigen::Vector3d& wanted_N, bool damp) noexce
     }
     wanted = within(wanted, most);
 
-    // first as short as it must be, as far as slew lets it; then with what is left of slew toward what is wanted. Both
-    // lie in one ball, so the way between them does
-    const double before = force_N_.norm(), step = o_.slew_N_s * o_.dt_s;
-    const double kept = std::min(before, std::max(most, before - step));
-    const double left = std::max(0.0, o_.slew_N_s * std::min(elapsed_s_, o_.dt_s) - (before - kept));
-    const Eigen::Vector3d from = within(force_N_, kept), change = wanted - from;
+    // shorter at once, by what is wanted of where it points; from there no farther than slew lets it go. Both ends lie in one ball, so the way between them does
+    const double before2 = force_N_.squaredNorm(), kept = before2 > 0 ? std::clamp(wanted.dot(force_N_) / before2, 0.0, 1.0) : 0;
+    const Eigen::Vector3d from = kept * force_N_, change = wanted - from;
+    const double left = o_.slew_N_s * std::min(elapsed_s_, o_.dt_s);
     if (change.norm() > left) ++counters_.slewed;
     force_N_ = from + within(change, left);
 

@@ -10,7 +10,7 @@ namespace tissue {
 struct SafetyOptions {
     double dt_s = 1e-3;             ///< 1 kHz
     double force_max_N = 3.3;       ///< a Touch, and its predecessor the PHANTOM Omni: 3.3 N at its nominal position
-    double slew_N_s = 500;          ///< half a newton a tick: full force after 7 ms
+    double slew_N_s = 2000;         ///< force rises by two newtons a tick at most: full force in two
     double speed_max_m_s = 2;       ///< of the master; hands at work stay below about 1 m/s
     double stale_s = 0.05;          ///< oldest position that still counts
     double hold_s = force_held_s;   ///< how long the device holds a force without a new one; infinite: until the next, and all of it is booked
@@ -25,8 +25,8 @@ struct SafetyCounters {
     long long jump = 0;        ///< master moved by more than speed_max in one tick
     long long stale = 0;       ///< position too old
     long long late = 0;        ///< ticks so late that the device had let go of the force: it begins again at zero
-    long long clamped = 0;     ///< wanted force above force_max
-    long long slewed = 0;      ///< change of force cut to slew
+    long long clamped = 0;     ///< ticks at force_max
+    long long slewed = 0;      ///< rise of force cut to slew
     long long damped = 0;      ///< passivity controller at work
     long long capped = 0;      ///< force cut to what the bound on energy leaves (4)
     double force_max_N = 0;    ///< largest force that went out
@@ -62,16 +62,16 @@ class HeldForces {
 ///
 ///   1. A fault makes the force zero at once, and so does whoever stops it. A tick that comes later than half of
 ///      hold_s finds that the device has let go: F_{n-1} counts as zero from there on.
-///   2. |F_n - F_{n-1}| <= slew dt.
+///   2. |F_n - k F_{n-1}| <= slew dt for some k in [0, 1]: force rises and turns by no more than slew dt, and falls at once. A force that fell slowly behind a hand that it
+///      drives out would give energy that the tissue does not have.
 ///   3. |F_n| <= force_max.
 ///   4. E_n <= r_n B where `passivity` is on; see below.
-///   5. |F_n - F_{n-1}| <= slew times the time since tick n - 1 where that is less than dt.
+///   5. The same with the time since tick n - 1 where that is less than dt.
 ///   6. Where the observer E_n shows a surplus, the force is damped to take it back: the time-domain passivity observer
 ///      and controller of Hannaford and Ryu (IEEE Trans. Robotics and Automation 18(1), 2002).
 ///   7. The wanted force.
 ///
-/// This is their order: where two disagree, the one that stands higher is kept. The first four never disagree, but that
-/// a fault breaks the second.
+/// This is their order: where two disagree, the one that stands higher is kept. The first four never disagree.
 ///
 /// Energy. A force is held for one tick while the hand moves by dx, so the port gives exactly F dx. A device whose positions come less often than ticks
 /// (DeviceSample::age_s tells), or are old when they are used, has its dx judged by the time between the two measurements, and F is the mean of what was held between them, as if the hand had
@@ -79,18 +79,17 @@ class HeldForces {
 /// that, credit of ended contacts left out; a surplus fades with the time constant surplus_fades_s, so that the tissue is stiff again
 /// some seconds after a disturbance. A tick that finds its force let go books the worst instead. The motion of a
 /// fault, which nobody measured, is not counted. With
-///     W(F) = speed_max F (F / (2 slew) + dt),     B = W(force_max)
-/// where W is at least what the fastest hand gets out of a force that comes down by slew dt a tick, ticks on time,
+///     W(F) = speed_max F dt,     B = W(force_max)
+/// where W is what the fastest hand gets out of a force before the next tick, ticks on time,
 ///     E_n + r_n W(|F_n|) <= r_n B     at every tick, so E_n <= r_n B.
 /// r_n >= 1 is the longest time between two ticks, or since the position in use was measured, in periods, since E + W was last within B: 1 while ticks are on time and bring
-/// positions of their own (a tick that comes early counts as a whole one), and never more than hold_s / dt, of a device whose positions come less often (hold_s + stale_s) / dt. By default B = 0.028 J and
-/// r B <= 0.28 J. What fades may be given anew: at most r B / surplus_fades_s, 6 mW of ticks on time.
+/// positions of their own (a tick that comes early counts as a whole one), and never more than hold_s / dt, of a device whose positions come less often (hold_s + stale_s) / dt. By default B = 0.0066 J and
+/// r B <= 0.066 J. What fades may be given anew: at most r B / surplus_fades_s, 1.3 mW of ticks on time.
 /// This bound is for every device and hand whose positions are as old as they say. That a hand comes to rest on the tissue is not its work, and the controller has none to do then: see
 /// contact_damping_s (haptic/dynamics.h) and DeviceImpedance.
 /// Construction: when tick n + 1 comes after r dt at most, the hand has moved by speed_max r dt at most, or it is a
-/// fault: E grows by |F_n| speed_max r dt at most (of several ticks between two positions by their mean force times that, which is no more where force has come down in between). Then |F_{n+1}| is at most the C with r W(C) = r B - E_{n+1}, which is
-/// the inequality; or, where |F_n| is more than slew dt above C, it is |F_n| - slew dt or zero, and r W has fallen by at
-/// least |F_n| speed_max r dt.
+/// fault: E grows by r W(|F_n|) at most (of several ticks between two positions by their mean force times that, which is no more where force has come down in between). Then |F_{n+1}| is at
+/// most the C with r W(C) = r B - E_{n+1}, which is the inequality.
 class Safety {
    public:
     explicit Safety(const SafetyOptions& options) : o_(options), elapsed_s_(options.dt_s) {}

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -220,6 +221,8 @@ class Simulation {
     void lead_to(const Simulation& from);
     void forget_taken_over() noexcept;
     void follow_hand(const Point& moved_m, double age_s) noexcept;
+    double shown_most_N(double last_N, double since_s) const noexcept;
+    Point push_of(const Point& tool_m, std::size_t mesh) const noexcept;
     Point tool_at_the_end(const Point& master_m) const noexcept;
     int steps_due(std::size_t mesh) noexcept;
     void place_surfaces() noexcept;
@@ -267,6 +270,7 @@ class Simulation {
     ContactState contact_;
     int touched_ = -1;            ///< mesh in contact
     double coupling_N_m_ = 0;     ///< k_C of this contact
+    double shown_most_N_ = std::numeric_limits<double>::infinity();  ///< of this tick
     ToolSpring tool_, changed_;   ///< of this contact, where the learned mesh is a law; and before it became another
     std::vector<ToolMemory> tool_memory_;  ///< of it on each mesh
     Point tool_m_;                ///< of this contact, at the time to which the touched mesh has come
@@ -275,6 +279,7 @@ class Simulation {
     Point slide_m_s_;             ///< and how fast before it (D)
     NodeColumns held_;            ///< scratch of a tick without a step (N x D)
     Point touched_m_;             ///< X_p of this contact, in the mesh's own coordinates
+    Point behind_m_;              ///< how far the tool stays behind the hand in this contact, since slew held its force back
     Friction friction_;
     bool armed_ = false;          ///< the master has been outside
     bool sound_ = true;           ///< no surface crosses itself

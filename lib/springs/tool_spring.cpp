@@ -70,6 +70,7 @@ void ToolSpring::begin(int dimension, const Point& inward) noexcept {
     groups_ = nodes_ = 0;
     inward_ = in_space(inward);
     hardening_1_J_ = saturation_1_J_ = coupling_N_m2_ = 0;
+    most_N_ = std::numeric_limits<double>::infinity();
 }
 
 bool ToolSpring::add_group(const PointMatrix& target, const PointMatrix& stiffness_N_m) noexcept {
@@ -144,31 +145,82 @@ int ToolSpring::group_key(int group) const noexcept {
     return g.end - g.begin == 1 ? node_[g.begin] : -1 - group;
 }
 
-Point ToolSpring::hand_N(const Point& push_m, const NodeColumns& u, const ToolMemory* memory) const noexcept {
-    const Eigen::Vector3d push = in_space(push_m);
+/// dE/dd, however large.
+Eigen::Vector3d ToolSpring::whole_N(const Eigen::Vector3d& push, const NodeColumns& u, const ToolMemory* memory) const noexcept {
     Eigen::Vector3d hand = Eigen::Vector3d::Zero();
     for (int g = 0; g < groups_; ++g) hand += group_[g].target.transpose() * felt_N(g, gap(group_[g], push, u), memory);
-    return hand.head(dimension_);
+    return hand;
+}
+
+/// q: the push of a tool that shows no more than the largest force.
+Eigen::Vector3d ToolSpring::shown(const Eigen::Vector3d& push, const NodeColumns& u, const ToolMemory* memory) const noexcept {
+    return std::isinf(most_N_) ? push : stay_behind(push, whole_N(push, u, memory), u, memory);
+}
+
+/// The same, of a push whose force is known. Newton on dE/dd(q) = F (p - q) / |p - q|, from the place along the force where its part along that way is F.
+Eigen::Vector3d ToolSpring::stay_behind(const Eigen::Vector3d& push, const Eigen::Vector3d& whole_N_, const NodeColumns& u, const ToolMemory* memory) const noexcept {
+    constexpr int most_steps = 8;
+    constexpr double near = 1e-10;  // of F
+    const double whole = whole_N_.norm();
+    if (!(whole > most_N_ * (1 + near))) return push;
+    const double left = memory ? memory->left() : 1.0;
+    const auto stiffness = [&](const Eigen::Vector3d& at) {
+        Eigen::Matrix3d k = left * curvature(at, u);
+        if (dimension_ == 2) k(2, 2) = 1;
+        return k;
+    };
+    const Eigen::Vector3d along = whole_N_ / whole;
+    double behind_m = 0;
+    for (int step = 0; step < 3; ++step) {
+        const Eigen::Vector3d at = push - behind_m * along;
+        behind_m += ((step == 0 ? whole_N_ : whole_N(at, u, memory)).dot(along) - most_N_) / along.dot(stiffness(at) * along);
+    }
+    if (!(behind_m > 0)) return push;
+    Eigen::Vector3d q = push - behind_m * along, best = q;
+    double least = std::numeric_limits<double>::infinity();
+    for (int step = 0; step < most_steps; ++step) {
+        const Eigen::Vector3d behind = push - q;
+        const double length = behind.norm();
+        if (!(length > 0)) break;
+        const Eigen::Vector3d way = behind / length, off = whole_N(q, u, memory) - most_N_ * way;
+        if (!(off.norm() < least)) break;
+        least = off.norm();
+        best = q;
+        if (least <= near * most_N_) break;
+        q -= (stiffness(q) + most_N_ / length * (Eigen::Matrix3d::Identity() - way * way.transpose())).inverse() * off;
+    }
+    return best;
+}
+
+Point ToolSpring::hand_N(const Point& push_m, const NodeColumns& u, const ToolMemory* memory) const noexcept {
+    const Eigen::Vector3d push = in_space(push_m), whole = whole_N(push, u, memory);
+    if (!(whole.norm() > most_N_)) return whole.head(dimension_);
+    return whole_N(stay_behind(push, whole, u, memory), u, memory).head(dimension_);
 }
 
 Point ToolSpring::mean_N(const Point& push_m, const NodeColumns& u, const ToolMemory* memory) const noexcept {
     if (groups_ == 0) return Point::Zero(dimension_);
-    const Eigen::Vector3d q = felt_N(0, gap(group_[0], in_space(push_m), u), memory);
+    const Eigen::Vector3d q = felt_N(0, gap(group_[0], shown(in_space(push_m), u, memory), u), memory);
     return (group_[0].target.transpose() * q).head(dimension_);
 }
 
 Point ToolSpring::put_on(const Point& push_m, const NodeColumns& u, NodeColumns& f, ToolMemory* memory) const noexcept {
+    Eigen::Vector3d now[most_nodes + 1];
+    const auto at = [&](const Eigen::Vector3d& push) {
+        Eigen::Vector3d hand = Eigen::Vector3d::Zero();
+        for (int g = 0; g < groups_; ++g) {
+            now[g] = now_N(g, gap(group_[g], push, u));
+            hand += group_[g].target.transpose() * (memory ? memory->felt_N(g, now[g]) : now[g]);
+        }
+        return hand;
+    };
     const Eigen::Vector3d push = in_space(push_m);
-    Eigen::Vector3d hand = Eigen::Vector3d::Zero();
+    Eigen::Vector3d hand = at(push);
+    if (hand.norm() > most_N_) hand = at(stay_behind(push, hand, u, memory));
     for (int g = 0; g < groups_; ++g) {
         const Group& group = group_[g];
-        Eigen::Vector3d q = now_N(g, gap(group, push, u));
-        if (memory) {
-            const Eigen::Vector3d now = q;
-            q = memory->felt_N(g, now);
-            memory->step(g, now);
-        }
-        hand += group.target.transpose() * q;
+        const Eigen::Vector3d q = memory ? memory->felt_N(g, now[g]) : now[g];
+        if (memory) memory->step(g, now[g]);
         for (int k = group.begin; k < group.end; ++k)
             for (int axis = 0; axis < dimension_; ++axis) f(node_[k], axis) -= weight_[k] * q[axis];
     }
@@ -181,7 +233,7 @@ void ToolSpring::remember(const Point& push_m, const NodeColumns& u, ToolMemory&
 }
 
 void ToolSpring::take_over(const ToolSpring& from, const Point& push_m, const NodeColumns& u, ToolMemory& memory) const noexcept {
-    const Eigen::Vector3d push = in_space(push_m);
+    const Eigen::Vector3d push = from.shown(in_space(push_m), u, &memory);
     for (int g = 0; g < std::min(groups_, from.groups_); ++g) {
         const Eigen::Vector3d e = gap(group_[g], push, u);
         const double before_N = from.now_N(g, e).norm(), after_N = now_N(g, e).norm();
@@ -190,7 +242,7 @@ void ToolSpring::take_over(const ToolSpring& from, const Point& push_m, const No
 }
 
 double ToolSpring::energy_J(const Point& push_m, const NodeColumns& u, const ToolMemory* memory) const noexcept {
-    const Eigen::Vector3d push = in_space(push_m);
+    const Eigen::Vector3d push = shown(in_space(push_m), u, memory);
     double energy = 0, past = 0;
     for (int g = 0; g < groups_; ++g) {
         const Eigen::Vector3d e = gap(group_[g], push, u);
@@ -201,7 +253,8 @@ double ToolSpring::energy_J(const Point& push_m, const NodeColumns& u, const Too
         const double in = inward_.dot(e);
         energy += hardening_1_J_ * h.s * h.s / (2 * (1 + saturation_1_J_ * h.s)) + coupling_N_m2_ * in * (e - in * inward_).squaredNorm() / 2;
     }
-    return memory ? memory->left() * energy + past : energy;
+    const double behind_m = (in_space(push_m) - push).norm();
+    return (memory ? memory->left() * energy + past : energy) + (behind_m > 0 ? most_N_ * behind_m : 0);
 }
 
 Eigen::Matrix3d ToolSpring::curvature(const Eigen::Vector3d& push, const NodeColumns& u) const noexcept {
@@ -223,7 +276,15 @@ Eigen::Matrix3d ToolSpring::curvature(const Eigen::Vector3d& push, const NodeCol
 }
 
 PointMatrix ToolSpring::stiffness_N_m(const Point& push_m, const NodeColumns& u, const ToolMemory* memory) const noexcept {
-    return (memory ? memory->left() : 1.0) * curvature(in_space(push_m), u).topLeftCorner(dimension_, dimension_);
+    const Eigen::Vector3d push = in_space(push_m), q = shown(push, u, memory), behind = push - q;
+    Eigen::Matrix3d stiffness = (memory ? memory->left() : 1.0) * curvature(q, u);
+    const double length = behind.norm();
+    if (length > 0) {  // in series with F |p - q|, whose own stiffness this is
+        if (dimension_ == 2) stiffness(2, 2) = 1;
+        const Eigen::Matrix3d turning = most_N_ / length * (Eigen::Matrix3d::Identity() - behind * behind.transpose() / (length * length));
+        stiffness = turning - turning * (stiffness + turning).inverse() * turning;
+    }
+    return stiffness.topLeftCorner(dimension_, dimension_);
 }
 
 Point ToolSpring::push_at(const Point& hand_N_asked, const NodeColumns& u, const ToolMemory* memory) const noexcept {
@@ -231,7 +292,7 @@ Point ToolSpring::push_at(const Point& hand_N_asked, const NodeColumns& u, const
     const Eigen::Vector3d asked = in_space(hand_N_asked);
     Eigen::Vector3d push = tissue(group_[0], u);
     for (int step = 0; step < most_steps; ++step) {
-        const Eigen::Vector3d off = asked - in_space(hand_N(push.head(dimension_), u, memory));
+        const Eigen::Vector3d off = asked - whole_N(push, u, memory);
         if (!(off.norm() > 1e-12 * asked.norm())) break;
         Eigen::Matrix3d k = (memory ? memory->left() : 1.0) * curvature(push, u);
         if (dimension_ == 2) k(2, 2) = 1;

@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 
+#include <limits>
+
 #include "field.h"
 
 namespace tissue {
@@ -60,8 +62,10 @@ class ToolMemory {
 /// One contact's energy (springs/contact_spring.h) as the tick holds it: the same rows, those along the axes of one place taken
 /// together, in storage of its own. With gap_g = target_g d - sum_i weight_gi u_i and K_g the rows' stiffness,
 ///   E = sum_g gap_g' K_g gap_g / 2 + hardening s^2 / (2 (1 + saturation s)) + coupling e_n |e_t|^2 / 2
-/// where s is the first group's part of the sum, and e_n, e_t are its gap along and across the inward normal. Nothing here
-/// allocates or throws.
+/// where s is the first group's part of the sum, and e_n, e_t are its gap along and across the inward normal.
+/// Where dE/dd would be larger than the largest force F that the tool may show, the tool stays behind the push p, at q:
+///   E(p, u) = min over q of E(q, u) + F |p - q|
+/// which is as convex and passive as E, and whose force on the tissue is never larger than F. Nothing here allocates or throws.
 class ToolSpring {
    public:
     static constexpr int most_nodes = 128;     ///< of the imprint: a group each
@@ -74,6 +78,9 @@ class ToolSpring {
     bool add_group(const PointMatrix& target, const PointMatrix& stiffness_N_m) noexcept;
     bool add_node(int node, double weight) noexcept;  ///< of the last group; one may come twice
     void harden(double hardening_1_J, double saturation_1_J, double coupling_N_m2) noexcept;
+    /// The largest force that the tool may show from now on [N]; infinite at begin().
+    void show_at_most(double force_N) noexcept { most_N_ = force_N; }
+    double most_N() const { return most_N_; }
 
     int dimension() const { return dimension_; }
     Point inward() const { return inward_.head(dimension_); }
@@ -92,10 +99,12 @@ class ToolSpring {
     /// The same contact of another law takes memory over from `from`, at a push and displacements of now.
     void take_over(const ToolSpring& from, const Point& push_m, const NodeColumns& u, ToolMemory& memory) const noexcept;
     double energy_J(const Point& push_m, const NodeColumns& u, const ToolMemory* memory = nullptr) const noexcept;
+    /// q (D): the push, or less where that would take more than the largest force.
+    Point shown_push(const Point& push_m, const NodeColumns& u, const ToolMemory* memory = nullptr) const noexcept { return shown(in_space(push_m), u, memory).head(dimension_); }
     /// Second derivative of E by d, nodes held [N/m] (D x D).
     PointMatrix stiffness_N_m(const Point& push_m, const NodeColumns& u, const ToolMemory* memory = nullptr) const noexcept;
 
-    /// The push at which the tool's force is this one: Newton from where the first group alone would have it.
+    /// The push at which the tool's force is this one, which is not above the largest: Newton from where the first group alone would have it.
     Point push_at(const Point& hand_N, const NodeColumns& u, const ToolMemory* memory = nullptr) const noexcept;
 
     int group_count() const { return groups_; }
@@ -112,6 +121,9 @@ class ToolSpring {
         double s, rise, bend;
         Eigen::Vector3d pull, slope;  ///< K gap of the first group, and what is added to it
     };
+    Eigen::Vector3d whole_N(const Eigen::Vector3d& push, const NodeColumns& u, const ToolMemory* memory) const noexcept;
+    Eigen::Vector3d shown(const Eigen::Vector3d& push, const NodeColumns& u, const ToolMemory* memory) const noexcept;
+    Eigen::Vector3d stay_behind(const Eigen::Vector3d& push, const Eigen::Vector3d& whole_N, const NodeColumns& u, const ToolMemory* memory) const noexcept;
     Eigen::Vector3d gap(const Group& group, const Eigen::Vector3d& push, const NodeColumns& u) const noexcept;
     Eigen::Vector3d now_N(int group, const Eigen::Vector3d& gap) const noexcept;
     Eigen::Vector3d felt_N(int group, const Eigen::Vector3d& gap, const ToolMemory* memory) const noexcept;
@@ -122,7 +134,7 @@ class ToolSpring {
 
     int dimension_ = 2, groups_ = 0, nodes_ = 0;
     Eigen::Vector3d inward_ = Eigen::Vector3d::Zero();
-    double hardening_1_J_ = 0, saturation_1_J_ = 0, coupling_N_m2_ = 0;
+    double hardening_1_J_ = 0, saturation_1_J_ = 0, coupling_N_m2_ = 0, most_N_ = std::numeric_limits<double>::infinity();
     Group group_[most_nodes + 1];
     int node_[most_entries];
     double weight_[most_entries];

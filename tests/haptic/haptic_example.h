@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <random>
 #include <string>
 #include <vector>
@@ -85,6 +86,12 @@ class Port {
 
 /// Sample at a point of the plane, for the default map.
 DeviceSample sample_at(double x_m, double y_m);
+
+/// What slew limits: how far a force has gone from the nearest share of what it was.
+inline double rise_N(const Eigen::Vector3d& before_N, const Eigen::Vector3d& now_N) {
+    const double square = before_N.squaredNorm(), kept = square > 0 ? std::clamp(now_N.dot(before_N) / square, 0.0, 1.0) : 0;
+    return (now_N - kept * before_N).norm();
+}
 /// In space.
 DeviceSample sample_at(const Eigen::Vector3d& place_m);
 

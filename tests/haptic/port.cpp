@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <catch2/catch.hpp>
 
 #include "haptic_example.h"
@@ -11,6 +12,7 @@ bool Port::tick(const DeviceSample& sample, double elapsed_s) {
     const Eigen::Vector3d x = sample.position_m, now = s_.tick(sample, elapsed_s);
     const SafetyCounters& after = s_.safety().counters();
     const bool fault = after.bad_input + after.jump + after.stale > before.bad_input + before.jump + before.stale;
+    if (given_J_ > 0) given_J_ *= std::exp(-elapsed_s / surplus_fades_s);  // as the bound is said to be
     // the port, with the force that was held while the hand came here, or until the device let go of it
     if (elapsed_s > force_held_s / 2) {
         given_J_ += force_N_.norm() * o_.safety.speed_max_m_s * std::min(elapsed_s, force_held_s);
@@ -21,7 +23,7 @@ bool Port::tick(const DeviceSample& sample, double elapsed_s) {
     worst_J_ = std::max(worst_J_, given_J_);
     known_ = true;
     if (after.jump > before.jump || !fault) last_m_ = x;
-    const double change = (now - force_N_).norm();
+    const double change = rise_N(force_N_, now);
     force_N_ = now;
 
     REQUIRE(now.allFinite());

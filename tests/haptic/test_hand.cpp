@@ -157,6 +157,35 @@ TEST_CASE("who taps, lets go or drags gets no energy out of the tissue, and noth
         }
 }
 
+TEST_CASE("a tool whose device cannot show the force stays behind the hand, and gives it no energy", "[hand]") {
+    HapticOptions options = alone();
+    options.map.force_scale = 3;
+    TissueModel muscle = law_example();
+    muscle.energy_law->constants *= 3.7;
+    muscle.energy_law->contact_log_scale = Eigen::VectorXd::Constant(muscle.mesh.node_count(), std::log(3.7));
+    for (const bool relaxes : {false, true}) {
+        const HapticModel model(relaxes ? relaxing(muscle) : muscle, options);
+        const FreeSurface surface(model.rest);
+        for (const test::Clock& clock : clocks) {
+            const FreeSurface::Place place = surface.nearest(Eigen::Vector2d(0.052, 0.1));
+            Release release;
+            release.contact_m = place.point_m;
+            release.inward = place.inward;
+            const Ride ride = does(Deed::taps, model, hands[3], clock, release);
+            INFO(clock.name << (relaxes ? ", relaxing: " : ": ") << 1e6 * ride.most_given_J << " uJ given of " << 1e6 * ride.put_in_J << ", controller in " << 100 * ride.controlled << " %");
+            CHECK(ride.put_in_J > 5e-3);
+            CHECK(ride.passive());
+            CHECK(ride.controlled < 0.01);
+
+            HandLoop loop(model, hands[3], clock);  // led in far beyond: no more than the device's limit, and what the tissue gets is that
+            loop.lead(place.point_m - 0.003 * place.inward, place.point_m + 0.012 * place.inward, 0.5);
+            CHECK(loop.force.norm() == Approx(3.3).epsilon(1e-4));
+            CHECK(loop.simulation.record().coupling_N.norm() == Approx(1.1).epsilon(1e-4));
+            CHECK(loop.simulation.safety().counters().clamped > 100);
+        }
+    }
+}
+
 TEST_CASE("the force does not depend on how often a host ticks", "[hand]") {
     for (const bool relaxes : {false, true}) {
         HapticOptions options = alone();
@@ -260,6 +289,7 @@ TEST_CASE("the force of a tick is that of a hand so far ahead as is said", "[han
             HapticOptions options = alone();
             options.stiffest = stiffest;
             options.damping_ratio = 0;
+            options.safety.force_max_N = options.safety.slew_N_s = 1e6;
             const HapticModel model(tissue, options);
             const HapticMesh& mesh = *model.meshes[0];
             const double dt = options.dt_s, speed = 0.05;

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <Eigen/Geometry>
 #include <cmath>
+#include <memory>
 
 #include "../allocations.h"
 #include "../haptic/haptic_example.h"
@@ -241,5 +242,44 @@ TEST_CASE("a contact of the tick is made and used without allocation", "[solid][
         }
         CHECK(Allocations::count() == 0);
         CHECK(sum > 0);
+    }
+}
+
+TEST_CASE("a tool that may show so much force shows no more, stays behind, and is as convex as before", "[tool][solid]") {
+    for (const SpringMesh& mesh : {make_lattice("grid8", 10, 10, 0.1, 0.1), solid(6, 5, 3)}) {
+        const int dimension = mesh.dimension();
+        const std::unique_ptr<ContactKernel> kernel = dimension == 2 ? std::unique_ptr<ContactKernel>(new ContactSurface(mesh)) : std::make_unique<DiscContact>(mesh, 0.007);
+        const FreeSurface surface(mesh);
+        Draw draw(5);
+        ToolSpring tool;
+        int held_back = 0;
+        for (int i = 0; i < 200; ++i) {
+            const int facet = draw.below(static_cast<int>(mesh.facets.rows()));
+            if (surface.free_of()[static_cast<std::size_t>(facet)] < 0) continue;
+            kernel->tool_at(facet, some_weight(draw, dimension), dimension == 2 ? plane_law() : disc_law(), tool);
+            const NodeColumns u = 0.1 * some_displacement(mesh, draw);
+            const auto some_inward = [&](double size_m) { return Point(size_m * (tool.inward() + some_push(draw, dimension) / 3e-2)); };  // there it is convex
+            const Point push = some_inward(5e-3), whole = tool.hand_N(push, u);
+            const double before_J = tool.energy_J(push, u), most = draw(0.3, 1.3) * whole.norm();
+            tool.show_at_most(most);
+            const Point shown = tool.hand_N(push, u);
+            INFO(dimension << " axes, " << i << ": " << whole.norm() << " N, at most " << most);
+            if (most >= whole.norm()) {
+                CHECK(shown == whole);
+                CHECK(tool.energy_J(push, u) == before_J);
+                continue;
+            }
+            ++held_back;
+            CHECK(shown.norm() == Approx(most).epsilon(2e-6));
+            CHECK(tool.energy_J(push, u) < before_J);
+            check_derivatives(tool, u, push);
+            NodeColumns f = NodeColumns::Zero(u.rows(), u.cols());
+            CHECK((tool.put_on(push, u, f) - shown).norm() < 1e-9 * most);
+            for (int k = 0; k < 5; ++k) {  // the force of a convex energy never falls along its way
+                const Point other = some_inward(draw(3e-3, 7e-3));
+                CHECK((tool.hand_N(other, u) - shown).dot(other - push) > -1e-5 * most * (other - push).norm());
+            }
+        }
+        CHECK(held_back > 50);
     }
 }
