@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests of the FreeFEM truth in three dimensions: one line per check, "ok - sentence" or "not ok - sentence: measured vs
+# Long: Tests of the FreeFEM truth in three dimensions: one line per check, "ok - sentence" or "not ok - sentence: measured vs
 # wanted". Exits 0 when every check passed. Needs FreeFem++-nw and gmsh; takes two minutes.
 #
 # Sample runs: tests/fem/test_solid.sh           the groups of `make test`

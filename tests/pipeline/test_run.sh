@@ -43,6 +43,11 @@ check "the library's failures count" counts "6 passed, 2 failed, 1 skipped"
 library '' 139
 run "$work/tests/run" "$work/library" 4
 check "a library that crashes is a failure" counts "3 passed, 1 failed, 1 skipped"
+library 'All tests passed (12 assertions in 5 test cases)' 0
+suite pipeline/test_the_last '# Long: it takes minutes.' 'echo "ok - f"'
+run "$work/tests/run" "$work/library" 1
+check "a long suite runs right after the library" sh -c "sed -n 2p '$said' | grep -q test_the_last"
+check "and once" counts "9 passed, 0 failed, 1 skipped"
 
 # ---- a Catch2 program of seven tests, of which BAD fails and GONE ends the process
 cat >"$work/seven" <<'SH'

@@ -1,5 +1,5 @@
 #!/bin/sh
-# A closed surface in space, end to end: a .geo on its bed, the same as a mesh of tetrahedra and as an .stl, exports, and what
+# Long: A closed surface in space, end to end: a .geo on its bed, the same as a mesh of tetrahedra and as an .stl, exports, and what
 # is refused with one line.
 . "$(dirname "$0")/common"
 TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}")
