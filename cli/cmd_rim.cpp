@@ -16,7 +16,7 @@ namespace {
 
 struct Options {
     std::string mesh, named, out, filled, nodule;
-    std::vector<std::string> fixed{"fixed"}, regions;
+    std::vector<std::string> fixed{"fixed"}, on_beds, regions;
     std::vector<double> contact_m;
     double unit_m = 1, radius_m = 0.007, near_m = 0.003, far_m = 0.015;
 };
@@ -36,7 +36,7 @@ void run(const Options& o) {
     }
     if (o.contact_m.empty()) throw CLI::RequiredError("--contact");
     const std::string& named = o.named.empty() ? o.mesh : o.named;
-    const Surface surface = make_surface(read_surface_or_msh(o.mesh, o.named), o.fixed, o.unit_m, read_other_surface);
+    const Surface surface = make_surface(read_surface_or_msh(o.mesh, o.named), o.fixed, o.unit_m, read_other_surface, o.on_beds);
     const RimmedSurface made = about(named, [&] { return with_rim(surface, {{o.contact_m[0], o.contact_m[1], o.contact_m[2]}, o.radius_m, o.near_m, o.far_m}); });
     std::optional<Surface> nodule;
     if (!o.nodule.empty()) {
@@ -58,6 +58,7 @@ void add_rim(CLI::App& app, const Invocation&) {
     command->add_option("--mesh", o->mesh, "the shape as gmsh saved it, MSH 2.2, or a surface: .stl, .obj, .ply, .off, .glb")->required()->type_name("FILE");
     command->add_option("--named", o->named, "what messages call it (default: --mesh)")->type_name("FILE");
     command->add_option("--fixed", o->fixed, "surfaces that are held, or regions (below_z_0.01, within_0.003_of_FILE)")->delimiter(',')->type_name("NAME,..")->capture_default_str();
+    command->add_option("--on-beds,--on_beds", o->on_beds, "which of them lie on elastic beds, and are labelled 21, 22, ...")->delimiter(',')->type_name("NAME,..");
     command->add_option("--unit", o->unit_m, "the mesh's unit of length")->type_name("m")->capture_default_str();
     command->add_option("--contact", o->contact_m, "about which the disc presses")->expected(3)->type_name("m m m");
     command->add_option("--radius", o->radius_m, "of the disc")->type_name("m")->capture_default_str();
@@ -66,7 +67,7 @@ void add_rim(CLI::App& app, const Invocation&) {
     CLI::Option* nodule = command->add_option("--nodule", o->nodule, "a closed surface inside it, in the same unit, along which elements are to end: written too")->type_name("FILE");
     CLI::Option* regions = command->add_option("--regions", o->regions, "volumes of the shape with a material of their own")->delimiter(',')->type_name("NAME,..");
     command->add_option("--filled", o->filled, "that surface, filled with tetrahedra: label them by --regions instead")->needs(regions)->excludes(nodule)->type_name("FILE");
-    command->add_option("--out", o->out, "surface to write: fixed 1, free 2, disc 3")->required()->type_name("FILE");
+    command->add_option("--out", o->out, "surface to write: fixed 1, free 2, disc 3, on beds 21, ..")->required()->type_name("FILE");
     command->callback([o] { run(*o); });
 }
 

@@ -122,8 +122,8 @@ struct Learning {
 void run(const Options& o, Provenance provenance) {
     TissueModel tissue = read_model(o.model);
     HapticOptions haptic = o.choices.haptic;
-    haptic.device = stricter(haptic.device, device_kinds().at(o.device)->impedance);
-    if (!o.check.empty()) haptic.safety.force_max_N = 1e3;  // no device holds the tool back
+    if (o.check.empty()) haptic.device = stricter(haptic.device, device_kinds().at(o.device)->impedance);
+    else haptic.safety.force_max_N = 1e3;  // no device holds the tool back
     Learning learning;
     if (!o.learn.empty()) {
         learning.adaptation = live_adaptation(o.model);

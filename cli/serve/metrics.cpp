@@ -44,7 +44,7 @@ std::string metrics_text(const Show& show, const Traffic& traffic) {
     page.single("ticks_total", "counter", "Ticks of the simulation.", c.ticks);
     page.single("misses_total", "counter", "Periods that ended before their tick was done.", c.misses);
     page.single("misses_program_total", "counter", "Misses in which the tick itself used a whole period of processor time.", c.misses_program);
-    page.single("clamped_total", "counter", "Ticks whose force was above the limit.", c.clamped);
+    page.single("clamped_total", "counter", "Ticks at the largest force.", c.clamped);
     page.single("slewed_total", "counter", "Ticks whose force would have risen too fast.", c.slewed);
     page.single("damped_total", "counter", "Ticks in which the passivity controller was at work.", c.damped);
     page.metric("faults_total", "counter", "Refused positions of the pointer.");

@@ -130,7 +130,7 @@ typedef struct tissue_contact {
     int facet;                 /* of the surface, */
     double weight[3];          /* and of its nodes */
     double displacement_m[3];  /* of the touched point of the learned mesh; of a law the tool's own */
-    double force_N[3];         /* of the tool on the tissue, before the safety's limits */
+    double force_N[3];         /* of the tool on the tissue; of an energy model at most force-max / force-scale */
     int slipping;              /* 1 where it went along the surface in this tick */
 } tissue_contact;
 

@@ -29,6 +29,7 @@ void write_shape(TableWriter& out, const Shape& shape) {
         out.write_table("/shape/tetrahedra", shape.simplices);
         out.write_integers("/shape/region", {shape.region.size()}, shape.region);
         out.write_integers("/shape/fixed_facets", {shape.fixed_facets.size(), 3}, edges);
+        if (!shape.bed.empty()) out.write_integers("/shape/bed", {shape.bed.size()}, shape.bed);
         return;
     }
     for (const auto& edge : shape.fixed_edges) edges.insert(edges.end(), edge.begin(), edge.end());
@@ -60,6 +61,7 @@ Shape read_shape(TableReader& in, const NodeField& nodes) {
         const auto facets = in.table_of<3>("/shape/fixed_facets");
         for (Eigen::Index f = 0; f < facets.rows(); ++f) shape.fixed_facets.push_back({facets(f, 0), facets(f, 1), facets(f, 2)});
         check_fixed_facets(in, shape);
+        if (in.has("/shape/bed")) shape.bed = in.integers("/shape/bed");
         return shape;
     }
     shape.simplices = in.table_of<3>("/shape/triangles");
@@ -194,6 +196,7 @@ const DatasetTable& cases_table(bool measured) {
         {"/shape/triangles", "T x 3", Values::index("N"), "1", "triangles between the nodes", Rows::distinct},
         {"/shape/tetrahedra", "T x 4", Values::index("N"), "1", "in space: tetrahedra between the nodes", Rows::distinct},
         {"/shape/fixed_facets", "B x 3", Values::index("N"), "1", "in space: held facets of the surface", Rows::distinct},
+        {"/shape/bed", "B", Values::count(), "1", "where something held lies on an elastic bed: of each held facet which, from 1; 0: it does not move"},
         {"/shape/region", "T", Values::count(), "1", "0: base material, else 1 + named region"},
         {"/shape/fixed_edges", "B x 2", Values::index("N"), "1", "held edges of the outline", Rows::distinct},
         {"/magnitudes", "M*", Values::positive(), "m", "push lengths that are load cases", Rows::ascending},

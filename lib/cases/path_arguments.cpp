@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "mesh/surface.h"
+
 namespace tissue {
 namespace {
 
@@ -78,11 +80,16 @@ std::string solid_arguments(const Study& s, const PlannedPath& path) {
 std::string solid_shape_arguments(const Study& s, const PlannedPath& path, const std::string& springs) {
     const StudyPath& p = path.push;
     const std::vector<std::string> regions = s.material.region_names();
+    std::string beds;
+    if (const std::vector<double> stiffness = s.geometry.beds_Pa_m(); !stiffness.empty()) {
+        beds = fmt::format(" -on_beds {}", fmt::join(s.geometry.on_beds(), ","));
+        for (std::size_t b = 0; b < stiffness.size(); ++b) beds += fmt::format(" -bed_{} {}", Surface::first_bed_label + static_cast<int>(b), stiffness[b]);
+    }
     return fmt::format(
         "-shape {} -unit_m {} -fixed {}{}{} -springs {} -size_near {} -size_far {} {}{} -contact_x {} -contact_y {} -contact_z {} "
         "-direction_x {} -direction_y {} -direction_z {} -disc_radius {} -depth {} -records {} -tolerance {} -max_newton {} -allow_lost 1",
         s.geometry.shape, s.geometry.unit_m, fmt::join(s.geometry.fixed, ","),
-        s.geometry.bed_Pa_m > 0 ? fmt::format(" -bed {}", s.geometry.bed_Pa_m) : "",
+        beds,
         regions.empty() ? "" : fmt::format(" -regions {}", fmt::join(regions, ",")), springs, path.sizes_m[0], path.sizes_m[1],
         law_arguments(s.material), nodule_arguments(s), p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1],
         p.direction[2], s.indenter.radius_m, path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton);

@@ -60,7 +60,7 @@ std::string collect_part(const Study& s, const std::vector<PlannedPath>& paths, 
 std::string train_part(const Study& s) {
     const Study::Training& t = s.training;
     const auto optional = [](const std::optional<double>& v) { return v ? fmt::format("{}", *v) : std::string("none"); };
-    std::string parts = s.geometry.bed_Pa_m > 0 ? fmt::format("bed {}\n", s.geometry.bed_Pa_m) : "";
+    std::string parts = s.geometry.bed_Pa_m.empty() ? "" : fmt::format("bed {}\n", fmt::join(s.geometry.bed_Pa_m, " "));
     for (const Study::Region& r : s.material.regions) parts += fmt::format("region {} {}\n", r.name, r.youngs_modulus_Pa());
     if (s.nodule) {
         const Inclusion& at = s.nodule->inclusion;

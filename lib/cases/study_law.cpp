@@ -210,13 +210,28 @@ Eigen::VectorXd tissue_at_supports(const Study& study, const std::optional<Shape
 }
 
 /// Modulus of each support [Pa] (M); its stiffness is 8 moduli x area / spacing. On a rigid bed it is the tissue's E there. On an elastic bed it is smaller, so that the
-/// support is the rigid bed's support and the bed in series. Empty where it is the base material's E everywhere.
+/// support is the rigid bed's support and the bed in series; where parts meet it is their mean by area. Empty where it is the base material's E everywhere.
 Eigen::VectorXd support_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_Pa) {
     Eigen::VectorXd moduli = tissue_at_supports(study, shape, mesh, modulus_Pa);
-    if (mesh.embedding.empty() || study.geometry.bed_Pa_m == 0) return moduli;
+    const std::vector<double> beds = study.geometry.beds_Pa_m();
+    if (mesh.embedding.empty() || beds.empty()) return moduli;
     if (moduli.size() == 0) moduli.setConstant(static_cast<Eigen::Index>(mesh.fixed.size()), modulus_Pa);
-    const double bed_Pa = study.geometry.bed_Pa_m * mesh.embedding.spacing_m / support_stiffness;
-    return (moduli.array() * bed_Pa / (moduli.array() + bed_Pa)).matrix();
+    if (!shape || shape->bed.size() != shape->fixed_facets.size()) throw MismatchError("the shape does not say which of what is held lies on a bed: it was made without");
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(moduli.size()), area = sum;
+    for (std::size_t f = 0; f < shape->fixed_facets.size(); ++f) {
+        const auto& corners = shape->fixed_facets[f];
+        const Eigen::Vector3d a = shape->nodes.row(corners[0]), b = shape->nodes.row(corners[1]), c = shape->nodes.row(corners[2]);
+        const double own = (b - a).cross(c - a).norm();
+        const auto bed = static_cast<std::size_t>(shape->bed[f]);
+        if (bed > beds.size()) throw MismatchError(fmt::format("the shape lies on {} beds, and the study has {}", bed, beds.size()));
+        for (int node : corners) {
+            const auto m = std::lower_bound(mesh.fixed.begin(), mesh.fixed.end(), node) - mesh.fixed.begin();
+            const double rigid = moduli[m], bed_Pa = bed > 0 ? beds[bed - 1] * mesh.embedding.spacing_m / support_stiffness : 0;
+            sum[m] += own * (bed > 0 ? rigid * bed_Pa / (rigid + bed_Pa) : rigid);
+            area[m] += own;
+        }
+    }
+    return sum.cwiseQuotient(area);
 }
 
 /// The law of a solid. Springs, cells, supports and contacts all take account of parts of another stiffness.

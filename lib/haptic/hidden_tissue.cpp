@@ -8,6 +8,8 @@ HapticOptions alone(HapticOptions options, const TissueModel& truth) {
     options.heuristic_mesh = false;
     options.stiffest = 1;
     options.energy_book = false;
+    options.device = {};  // none shows its force
+    options.safety.force_max_N = 1e3;
     if (truth.energy_law) options.innovation.reset(), options.coupling_ratio.reset();
     return options;
 }

@@ -10,7 +10,7 @@ namespace tissue {
 struct SafetyOptions {
     double dt_s = 1e-3;             ///< 1 kHz
     double force_max_N = 3.3;       ///< a Touch, and its predecessor the PHANTOM Omni: 3.3 N at its nominal position
-    double slew_N_s = 2000;         ///< force rises by two newtons a tick at most: full force in two
+    double slew_N_s = 5000;         ///< force rises by five newtons a tick at most; a rise slower than the tissue's takes less energy than its fall gives
     double speed_max_m_s = 2;       ///< of the master; hands at work stay below about 1 m/s
     double stale_s = 0.05;          ///< oldest position that still counts
     double hold_s = force_held_s;   ///< how long the device holds a force without a new one; infinite: until the next, and all of it is booked

@@ -91,7 +91,7 @@ const std::vector<SessionOption>& session_options() {
         {"force-max", "N", positive, everywhere, [](O& o) -> auto& { return o.safety.force_max_N; }, "largest force on the device",
          "3.3 N is the limit of a Touch at its nominal position. An energy model's tissue gets no more, in tissue's newtons: where more would be needed the tool stays behind the hand. A session without a device, whose host reads the tissue's force, sets it high."},
         {"slew", "N/s", positive, everywhere, [](O& o) -> auto& { return o.safety.slew_N_s; }, "fastest rise of force",
-         "2000 N/s is two newtons a tick of 0.001 s. Force falls at once. A slower rise leaves the tool behind a quick hand for the rest of the contact."},
+         "5000 N/s is five newtons a tick of 0.001 s, more than a Touch has. Force falls at once: where the tissue's rises faster than slew lets it, a hand that comes back quickly gets more energy than it gave, within the bound."},
         {"speed-max", "m/s", positive, everywhere, [](O& o) -> auto& { return o.safety.speed_max_m_s; }, "a faster device is a fault: the position is refused, the force is zero",
          "Hands at work stay below about 1 m/s."},
         {"stale", "s", up_to_half_s, everywhere, [](O& o) -> auto& { return o.safety.stale_s; }, "an older position is a fault",

@@ -24,7 +24,7 @@ Simulation::Simulation(const Simulation& other) : Simulation(other.model_) {
 void Simulation::fields(StateBytes& state) noexcept {
     DeviceImpedance& device = options_.device;
     state(options_.map, device_m_, device.mass_kg, device.damping_Ns_m, device.stiffness_N_m, device.force_max_N, safety_, due_s_, period_s_, went_s_, cost_, usual_s_, same_position_s_, old_s_, expected_s_, has_master_, clutched_,
-          taken_over_, carried_N_, states_, contact_, touched_, coupling_N_m_, tool_memory_, tool_m_, velocity_m_s_, slid_m_, slide_m_s_, touched_m_, behind_m_, friction_, armed_, sound_, rested_s_,
+          taken_over_, carried_N_, states_, contact_, touched_, coupling_N_m_, tool_memory_, tool_m_, velocity_m_s_, slid_m_, slide_m_s_, touched_m_, friction_, armed_, sound_, rested_s_,
           reset_, untouched_s_, set_, counters_, record_);
     for (const auto& law : laws_)
         if (law) state(*law);
@@ -33,6 +33,7 @@ void Simulation::fields(StateBytes& state) noexcept {
     options_.friction = friction_.options();
     place_surfaces();
     if (touched_ >= 0 && model_.is_law()) laws_[0]->contact(contact_.where.facet, contact_.where.weight, tool_);
+    show_no_more();
 }
 
 namespace {
@@ -87,6 +88,7 @@ void Simulation::change(const HapticOptions& given) {
     friction_.become(next.friction);
     const bool tool_stays = next.map.same_as(options_.map);
     options_ = std::move(next);
+    show_no_more();
     if (tool_stays || !has_master_) return;
     const Point now = options_.map.to_tissue(device_m_), moved = now - record_.master_m;
     record_.master_m = now;

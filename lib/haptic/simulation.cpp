@@ -43,7 +43,7 @@ Simulation::Simulation(const HapticModel& model)
     }
     record_.master_m = record_.proxy_m = record_.contact_displacement_m = record_.coupling_N = record_.measured_N = Point::Zero(model.dimension());
     no_contact(record_.proxy_m);
-    velocity_m_s_ = slid_m_ = slide_m_s_ = behind_m_ = Point::Zero(model.dimension());
+    velocity_m_s_ = slid_m_ = slide_m_s_ = Point::Zero(model.dimension());
     held_ = states_.front().displacement;
     place_surfaces();
 }
@@ -57,7 +57,6 @@ void Simulation::law_changed() noexcept {
                                                         : tool_.push_at(-record_.coupling_N, states_[m].displacement, &tool_memory_[m]);
     changed_ = tool_;
     laws_[0]->contact(contact_.where.facet, contact_.where.weight, tool_);
-    tool_.show_at_most(changed_.most_N());
     for (std::size_t m = 0; m < tool_memory_.size(); ++m)
         if (push_m[m].size() > 0) tool_.take_over(changed_, push_m[m], states_[m].displacement, tool_memory_[m]);
 }
@@ -169,15 +168,11 @@ void Simulation::follow_hand(const Point& moved_m, double age_s) noexcept {
 }
 
 /// How far the tool at this place has pushed a law's tissue [m].
-Point Simulation::push_of(const Point& tool_m, std::size_t mesh) const noexcept { return tool_m - model_.meshes[mesh]->place_m - touched_m_ - behind_m_; }
+Point Simulation::push_of(const Point& tool_m, std::size_t mesh) const noexcept { return tool_m - model_.meshes[mesh]->place_m - touched_m_; }
 
-/// The largest force of the tool on a law's tissue that the device can show in this tick [N]: its limit, and what slew lets force rise to. The tissue gets no more, so that it cannot
-/// store, and later give to the hand, what the hand never felt. Behind a limit that stays the tool comes back as the hand does, at the force that it went in with. Behind one that
-/// rises it would come back at a larger one: there it stays behind until the contact ends.
-double Simulation::shown_most_N(double last_N, double since_s) const noexcept {
-    const SafetyOptions& safety = options_.safety;
-    const double rise_N = safety.slew_N_s * std::min(since_s, options_.dt_s);
-    return std::min(safety.force_max_N, options_.map.force_scale * last_N + rise_N) / options_.map.force_scale;
+/// A law's tissue gets no more force than the device can show: else it would store, and later give to the hand, what the hand never felt. Not where springs are touched, whose coupling has no such limit.
+void Simulation::show_no_more() noexcept {
+    tool_.show_at_most(touched_ >= 0 && laws_[static_cast<std::size_t>(touched_)] ? options_.safety.force_max_N / options_.map.force_scale : std::numeric_limits<double>::infinity());
 }
 
 /// Where the hand will be at the end of the time in which this tick's force is held. Where its positions come less often than ticks it goes on meanwhile, but
@@ -214,8 +209,6 @@ __attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample
     device_m_ = sample.position_m;
     has_master_ = true;
     follow_hand(master - last.master_m, sample.age_s);
-    shown_most_N_ = shown_most_N(last.coupling_N.norm(), since_s);
-    tool_.show_at_most(shown_most_N_);
 
     // 4.2 collision detection
     if (lost) return stop(TickStatus::diverged);
@@ -339,10 +332,9 @@ void Simulation::begin_contact(int mesh, const Point& master_m) noexcept {
     slide_m_s_.setZero();
     friction_.begin();
     const HapticMesh& pressed = *model_.meshes[static_cast<std::size_t>(mesh)];
-    behind_m_.setZero();
     touched_m_ = pressed.springs.rest_place(contact_.where.facet, contact_.where.weight);
     if (model_.is_law()) laws_[0]->contact(contact_.where.facet, contact_.where.weight, tool_);
-    tool_.show_at_most(shown_most_N_);
+    show_no_more();
     for (ToolMemory& memory : tool_memory_) memory.forget();
     if (pressed.law)
         contact_.pressing = tool_pushes(master_m);
@@ -384,7 +376,7 @@ void Simulation::slide(const Point& master_m) noexcept {
     const MovingSurface& now = *surfaces_[m];
     slid_m_ -= mesh.law ? touched_m_ : Point(contact_.where.position_m);
     if (mesh.law) {
-        friction_.slide(model_.surface, mesh.springs, *laws_[0], states_[m].displacement, master_m - mesh.place_m - behind_m_, contact_.where, touched_m_, tool_,
+        friction_.slide(model_.surface, mesh.springs, *laws_[0], states_[m].displacement, master_m - mesh.place_m, contact_.where, touched_m_, tool_,
                         tool_memory_[m], tool_memory_.size() > 1 ? &tool_memory_[1 - m] : nullptr);
         contact_.where.position_m = now.at(contact_.where.facet, contact_.where.weight);
     } else {
@@ -448,7 +440,8 @@ Point Simulation::displacement_at_contact(std::size_t mesh) const noexcept {
     if (record_.mesh < 0) return Point::Zero(model_.dimension());
     const HapticMesh& asked = *model_.meshes[mesh];
     const NodeColumns& u = states_[mesh].displacement;
-    if (asked.law) return static_cast<int>(mesh) == record_.mesh ? push_of(record_.master_m, mesh) : tool_.push_at(-record_.coupling_N, u, &tool_memory_[mesh]);
+    if (asked.law && static_cast<int>(mesh) == record_.mesh) return tool_.shown_push(push_of(record_.master_m, mesh), u, tool_memory_[mesh].empty() ? nullptr : &tool_memory_[mesh]);
+    if (asked.law) return tool_.push_at(-record_.coupling_N, u, &tool_memory_[mesh]);
     const Cells& facets = asked.springs.facets();
     Point sum = Point::Zero(model_.dimension());
     for (Eigen::Index k = 0; k < facets.cols(); ++k) sum += record_.weight[k] * u.row(facets(record_.facet, k)).transpose();
@@ -537,8 +530,6 @@ Point Simulation::step_meshes(const Point& master_m) noexcept {
     load.velocity_m_s = velocity_m_s_;
     load.ahead_s = model_.meshes[touched]->contact_damping_s;
     const Point force = advance(touched);
-    if (laws_[touched] && shown_most_N_ * options_.map.force_scale < options_.safety.force_max_N)
-        behind_m_ += *load.push_m - tool_.shown_push(*load.push_m, states_[touched].displacement, load.memory);
     ContactLoad given = load;
     given.coupling_N_m = given.ahead_s = 0;
     given.push_m.reset();

@@ -204,6 +204,8 @@ class Simulation {
     /// The learned law as it is in this session; nothing of sets.
     const RealtimeLaw* law() const { return laws_[0].get(); }
     RealtimeLaw* law() { return laws_[0].get(); }
+    /// Whether the tool stayed behind the hand in the last tick, since the device cannot show the force of a law's tissue.
+    bool held_back() const noexcept { return record_.mesh >= 0 && record_.coupling_N.norm() >= tool_.most_N() * (1 - 1e-6); }
     const ToolSpring& tool() const { return tool_; }  ///< of a law, where the tool touches it or the other mesh
 
     /// law() has become another (RealtimeLaw::become): a contact that lasts has its stiffness from now on.
@@ -221,7 +223,7 @@ class Simulation {
     void lead_to(const Simulation& from);
     void forget_taken_over() noexcept;
     void follow_hand(const Point& moved_m, double age_s) noexcept;
-    double shown_most_N(double last_N, double since_s) const noexcept;
+    void show_no_more() noexcept;
     Point push_of(const Point& tool_m, std::size_t mesh) const noexcept;
     Point tool_at_the_end(const Point& master_m) const noexcept;
     int steps_due(std::size_t mesh) noexcept;
@@ -270,7 +272,6 @@ class Simulation {
     ContactState contact_;
     int touched_ = -1;            ///< mesh in contact
     double coupling_N_m_ = 0;     ///< k_C of this contact
-    double shown_most_N_ = std::numeric_limits<double>::infinity();  ///< of this tick
     ToolSpring tool_, changed_;   ///< of this contact, where the learned mesh is a law; and before it became another
     std::vector<ToolMemory> tool_memory_;  ///< of it on each mesh
     Point tool_m_;                ///< of this contact, at the time to which the touched mesh has come
@@ -279,7 +280,6 @@ class Simulation {
     Point slide_m_s_;             ///< and how fast before it (D)
     NodeColumns held_;            ///< scratch of a tick without a step (N x D)
     Point touched_m_;             ///< X_p of this contact, in the mesh's own coordinates
-    Point behind_m_;              ///< how far the tool stays behind the hand in this contact, since slew held its force back
     Friction friction_;
     bool armed_ = false;          ///< the master has been outside
     bool sound_ = true;           ///< no surface crosses itself

@@ -209,7 +209,7 @@ HeldParts held_parts(const std::vector<std::string>& texts, const std::string& f
     throw FileError(file + ": " + e.what());
 }
 
-bool hold(Surface& s, const HeldRegion& region) {
+bool hold(Surface& s, const HeldRegion& region, int held_label) {
     constexpr double finest = 40;      // sides along the surface's longest
     constexpr double narrowest = 130;  // regions along it
     const double tiny_m = border_m(s.nodes), near_m = size_m(s.nodes) / 400, across_m = region.narrowest_m();
@@ -246,7 +246,7 @@ bool hold(Surface& s, const HeldRegion& region) {
     bool held = false;
     const auto add = [&](const std::array<int, 3>& corners, int old, bool inside) {
         triangles.push_back(corners);
-        label.push_back(inside ? Surface::fixed_label : old);
+        label.push_back(inside && !Surface::is_held(old) ? held_label : old);
         held = held || inside;
     };
     for (Eigen::Index t = 0; t < s.triangles.rows(); ++t) {

@@ -58,9 +58,9 @@ struct HeldParts {
 };
 HeldParts held_parts(const std::vector<std::string>& texts, const std::string& file, const HeldRegion::Reader& read, double unit_m);
 
-/// Labels what of the surface lies in a region as fixed, to a 400th of the surface's longest side: triangles are divided along the border, and a corner that near to where an edge meets it
+/// Labels what of the surface lies in a region and is not held yet, to a 400th of the surface's longest side: triangles are divided along the border, and a corner that near to where an edge meets it
 /// counts as on it. Near the border of a ball or box triangles are divided before, to sides of a fortieth of that longest side, or a third of the region's narrowest. Returns whether anything
 /// is held by it. Throws MismatchError for a region narrower than a 130th, and where that would make more than half a million triangles more.
-bool hold(Surface& surface, const HeldRegion& region);
+bool hold(Surface& surface, const HeldRegion& region, int label = 1);
 
 }  // namespace tissue

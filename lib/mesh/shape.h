@@ -17,6 +17,7 @@ struct Shape {
     std::vector<int> region;                      ///< of each: 0 the base material, else 1 + its named region
     std::vector<std::array<int, 2>> fixed_edges;  ///< of the boundary, counter-clockwise; the rest of it is free
     std::vector<std::array<int, 3>> fixed_facets = {};  ///< in space, in place of edges: normals out
+    std::vector<int> bed = {};                          ///< of each of those the bed that it lies on, from 1; 0: none, it does not move. Empty: none of all
 
     bool is_solid() const { return nodes.cols() == 3; }
 };

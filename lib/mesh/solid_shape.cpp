@@ -12,6 +12,7 @@
 #include "error.h"
 #include "mesh/held_region.h"
 #include "mesh/open_faces.h"
+#include "mesh/surface.h"
 
 namespace tissue {
 namespace {
@@ -19,7 +20,7 @@ namespace {
 using Edge = std::array<int, 2>;
 using Face = std::array<int, 3>;
 
-constexpr int fixed_label = 1, free_label = 2, tissue_label = 10;
+constexpr int tissue_label = 10;
 // volume over the longest edge's cube; a regular tetrahedron has 0.118. Positions and forces are interpolated in it, so it may be thin but not flat:
 // gmsh leaves one of 5e-4 between two triangles of a curved surface that it may not divide
 constexpr double sliver = 1e-4;
@@ -122,7 +123,7 @@ Picked pick(const MshFile& mesh, const std::vector<int>& region_tags) {
 }  // namespace
 
 Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixed, const std::vector<std::string>& regions,
-                       double unit_m, ShapeNotes* notes, const HeldRegion::Reader& read) {
+                       double unit_m, ShapeNotes* notes, const HeldRegion::Reader& read, const std::vector<std::string>& on_beds) {
     const std::string& file = mesh.file;
     if (mesh.tetrahedra.empty())
         throw FileError(file + ": has no tetrahedra: is its surface closed, and its volume in a physical group?");
@@ -174,33 +175,43 @@ Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixe
     const Cells facets = open_faces(shape.simplices);
     check_surface(shape, facets, file);
 
-    std::set<Face> held;
+    const auto bed_of = [&](const std::string& text) { return std::max(0, held_label(text, on_beds) - Surface::first_bed_label + 1); };
+    std::map<Face, int> held;  // and the bed
     for (const MshFile::Element& e : mesh.triangles) {
-        if (std::find(fixed_tags.begin(), fixed_tags.end(), e.physical) == fixed_tags.end()) continue;
+        const auto tag = std::find(fixed_tags.begin(), fixed_tags.end(), e.physical);
+        if (tag == fixed_tags.end()) continue;
         Face face{};
         for (int k = 0; k < 3; ++k) {
             const auto there = number.find(e.node[k]);
             if (there == number.end()) throw FileError(fmt::format("{}: element {} of a fixed surface belongs to no tetrahedron", file, e.number));
             face[static_cast<std::size_t>(k)] = there->second;
         }
-        held.insert(sorted(face));
+        held.emplace(sorted(face), bed_of(held_by.names[static_cast<std::size_t>(tag - fixed_tags.begin())]));
     }
     const double border = border_m(shape.nodes);
     std::vector<bool> holds(held_by.regions.size(), false);
     for (Eigen::Index f = 0; f < facets.rows(); ++f) {
         Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
         for (int node : facets.row(f)) middle_m += shape.nodes.row(node).transpose() / 3;
-        bool fixed_here = held.erase(sorted(face_of(facets, f))) > 0;
-        for (std::size_t r = 0; r < holds.size(); ++r)
-            if (held_by.regions[r].outside_m(middle_m) <= border) fixed_here = holds[r] = true;
-        if (fixed_here) shape.fixed_facets.push_back(face_of(facets, f));
+        const auto named = held.find(sorted(face_of(facets, f)));
+        int bed = named == held.end() ? -1 : named->second;  // the first part that has it
+        if (bed >= 0) held.erase(named);
+        for (std::size_t r = 0; r < holds.size(); ++r) {
+            if (held_by.regions[r].outside_m(middle_m) > border) continue;
+            holds[r] = true;
+            if (bed < 0) bed = bed_of(held_by.regions[r].word());
+        }
+        if (bed < 0) continue;
+        shape.fixed_facets.push_back(face_of(facets, f));
+        shape.bed.push_back(bed);
     }
+    if (std::count(shape.bed.begin(), shape.bed.end(), 0) == static_cast<long>(shape.bed.size())) shape.bed.clear();
     for (std::size_t r = 0; r < holds.size(); ++r)
         if (!holds[r])
             throw FileError(fmt::format("{}: '{}' holds no facet of its surface, which reaches from {} to {}", file, held_by.regions[r].text(), at(shape.nodes.colwise().minCoeff()),
                                         at(shape.nodes.colwise().maxCoeff())));
     if (!held.empty())
-        throw FileError(fmt::format("{}: the fixed surface at {} is not on the outside", file, at(shape.nodes.row((*held.begin())[0]))));
+        throw FileError(fmt::format("{}: the fixed surface at {} is not on the outside", file, at(shape.nodes.row(held.begin()->first[0]))));
     if (shape.fixed_facets.empty())
         throw FileError(fmt::format("{}: nothing of the surface is in the fixed surfaces {}", file, fmt::join(fixed, ", ")));
     std::set<int> fixed_nodes;
@@ -215,10 +226,16 @@ Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixe
 
 std::string solid_to_msh(const Shape& shape, const std::vector<std::string>& regions) {
     const Cells facets = open_faces(shape.simplices);
-    std::set<Face> held;
-    for (const Face& face : shape.fixed_facets) held.insert(sorted(face));
-    std::string text = fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n2 {} \"fixed\"\n2 {} \"free\"\n3 {} \"tissue\"\n",
-                                   3 + regions.size(), fixed_label, free_label, tissue_label);
+    std::map<Face, int> held;
+    for (std::size_t f = 0; f < shape.fixed_facets.size(); ++f)
+        held[sorted(shape.fixed_facets[f])] = shape.bed.empty() || shape.bed[f] == 0 ? Surface::fixed_label : Surface::first_bed_label + shape.bed[f] - 1;
+    const std::set<int> beds(shape.bed.begin(), shape.bed.end());
+    const auto named = std::count_if(beds.begin(), beds.end(), [](int bed) { return bed > 0; });
+    std::string text = fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n2 {} \"fixed\"\n2 {} \"free\"\n", 3 + static_cast<std::size_t>(named) + regions.size(), Surface::fixed_label,
+                                   Surface::free_label);
+    for (int bed : beds)
+        if (const int label = Surface::first_bed_label + bed - 1; bed > 0) text += fmt::format("2 {} \"{}\"\n", label, held_name(label));
+    text += fmt::format("3 {} \"tissue\"\n", tissue_label);
     for (std::size_t r = 0; r < regions.size(); ++r) text += fmt::format("3 {} \"{}\"\n", tissue_label + 1 + static_cast<int>(r), regions[r]);
     text += fmt::format("$EndPhysicalNames\n$Nodes\n{}\n", shape.nodes.rows());
     for (Eigen::Index i = 0; i < shape.nodes.rows(); ++i)
@@ -226,7 +243,8 @@ std::string solid_to_msh(const Shape& shape, const std::vector<std::string>& reg
     text += fmt::format("$EndNodes\n$Elements\n{}\n", facets.rows() + shape.simplices.rows());
     int number = 0;
     for (Eigen::Index f = 0; f < facets.rows(); ++f) {
-        const int label = held.count(sorted(face_of(facets, f))) ? fixed_label : free_label;
+        const auto there = held.find(sorted(face_of(facets, f)));
+        const int label = there == held.end() ? Surface::free_label : there->second;
         text += fmt::format("{} 2 2 {} {} {} {} {}\n", ++number, label, label, facets(f, 0) + 1, facets(f, 1) + 1, facets(f, 2) + 1);
     }
     for (Eigen::Index t = 0; t < shape.simplices.rows(); ++t) {
@@ -253,7 +271,11 @@ Shape read_solid_shape(const std::string& file) {
         if (e.physical < tissue_label || !(volume_of(shape.nodes, shape.simplices, t) > 0)) refuse();
     }
     for (const MshFile::Element& e : mesh.triangles)
-        if (e.physical == fixed_label) shape.fixed_facets.push_back({e.node[0], e.node[1], e.node[2]});
+        if (Surface::is_held(e.physical)) {
+            shape.fixed_facets.push_back({e.node[0], e.node[1], e.node[2]});
+            shape.bed.push_back(std::max(0, e.physical - Surface::first_bed_label + 1));
+        }
+    if (std::count(shape.bed.begin(), shape.bed.end(), 0) == static_cast<long>(shape.bed.size())) shape.bed.clear();
     if (mesh.tetrahedra.empty() || shape.fixed_facets.empty()) refuse();
     return shape;
 }

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 
 #include "error.h"
 #include "mesh/facet.h"
@@ -160,8 +161,8 @@ std::vector<int> parts_between_creases(const Surface& s, const std::string& file
     return part;
 }
 
-bool held_by(Surface& s, const HeldRegion& region, const std::string& file) try {
-    return hold(s, region);
+bool held_by(Surface& s, const HeldRegion& region, const std::string& file, int label) try {
+    return hold(s, region, label);
 } catch (const MismatchError& e) {
     throw FileError(file + ": " + e.what());
 }
@@ -221,14 +222,24 @@ Closed closed(const MshFile& mesh, double unit_m) {
 
 Surface closed_surface(const MshFile& mesh, double unit_m) { return closed(mesh, unit_m).surface; }
 
-Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, double unit_m, const HeldRegion::Reader& read) {
+int held_label(const std::string& text, const std::vector<std::string>& on_beds) {
+    const auto there = std::find(on_beds.begin(), on_beds.end(), text);
+    if (there == on_beds.end()) return Surface::fixed_label;
+    const auto bed = there - on_beds.begin();
+    if (bed > Surface::last_bed_label - Surface::first_bed_label) throw MismatchError(fmt::format("at most {} parts lie on beds", Surface::last_bed_label - Surface::first_bed_label + 1));
+    return Surface::first_bed_label + static_cast<int>(bed);
+}
+
+std::string held_name(int label) { return label == Surface::fixed_label ? "fixed" : fmt::format("bed-{}", label - Surface::first_bed_label + 1); }
+
+Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, double unit_m, const HeldRegion::Reader& read, const std::vector<std::string>& on_beds) {
     const auto [fixed, regions] = held_parts(held, mesh.file, read, unit_m);
     const std::string& file = mesh.file;
     auto [s, faces] = closed(mesh, unit_m);
     std::vector<std::string> known;
     const auto hold_group = [&, &fixed = fixed, &s = s](const std::string& name, const std::vector<std::size_t>& triangles) {
         if (std::find(fixed.begin(), fixed.end(), name) != fixed.end())
-            for (std::size_t t : triangles) s.label[t] = Surface::fixed_label;
+            for (std::size_t t : triangles) s.label[t] = held_label(name, on_beds);
         known.push_back(name);
     };
     std::map<Face, std::size_t> number;
@@ -264,7 +275,7 @@ Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, 
             throw FileError(fmt::format("{}: has no surface '{}' to hold; it has {}", file, name, fmt::join(known, ", ")));
         }
     for (const HeldRegion& region : regions)
-        if (!held_by(s, region, file))
+        if (!held_by(s, region, file, held_label(region.word(), on_beds)))
             throw FileError(fmt::format("{}: '{}' holds nothing of its surface, which reaches from {}", file, region.text(), extent(s.nodes)));
     if (held.empty()) throw FileError(file + ": no surface of it is held");
     if (std::count(s.label.begin(), s.label.end(), Surface::free_label) == 0)
@@ -288,12 +299,12 @@ Enclosed enclosed_by(const Surface& s) {
 double held_area_m2(const Surface& s) {
     double area = 0;
     for (Eigen::Index t = 0; t < s.triangles.rows(); ++t)
-        if (s.label[static_cast<std::size_t>(t)] == Surface::fixed_label) area += facet_measure(s.nodes, s.triangles, t);
+        if (Surface::is_held(s.label[static_cast<std::size_t>(t)])) area += facet_measure(s.nodes, s.triangles, t);
     return area;
 }
 
 void check_held_area(const Surface& before, const Surface& divided) {
-    const auto held = [](const Surface& s, Eigen::Index t) { return s.label[static_cast<std::size_t>(t)] == Surface::fixed_label; };
+    const auto held = [](const Surface& s, Eigen::Index t) { return Surface::is_held(s.label[static_cast<std::size_t>(t)]); };
     boost::disjoint_sets_with_storage<> part(static_cast<std::size_t>(before.nodes.rows()));  // nodes of held triangles that are connected
     for (Eigen::Index t = 0; t < before.triangles.rows(); ++t)
         for (int i = 1; i < 3 && held(before, t); ++i) part.union_set(static_cast<std::size_t>(before.triangles(t, 0)), static_cast<std::size_t>(before.triangles(t, i)));
@@ -321,8 +332,13 @@ std::string to_msh(const Surface& outer, const Surface* inner) {
         s.triangles.bottomRows(inner->triangles.rows()) = inner->triangles.array() + static_cast<int>(outer.nodes.rows());
         s.label.resize(static_cast<std::size_t>(s.triangles.rows()), inner_label);
     }
-    std::string text = fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n2 {} \"fixed\"\n2 {} \"free\"\n2 {} \"disc\"\n$EndPhysicalNames\n"
-                                   "$Nodes\n{}\n", Surface::fixed_label, Surface::free_label, Surface::disc_label, s.nodes.rows());
+    const std::set<int> labels(outer.label.begin(), outer.label.end());
+    const auto beds = std::count_if(labels.begin(), labels.end(), [](int label) { return label >= Surface::first_bed_label; });
+    std::string text = fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n2 {} \"fixed\"\n2 {} \"free\"\n2 {} \"disc\"\n", 3 + beds, Surface::fixed_label, Surface::free_label,
+                                   Surface::disc_label);
+    for (int label : labels)
+        if (label >= Surface::first_bed_label) text += fmt::format("2 {} \"{}\"\n", label, held_name(label));
+    text += fmt::format("$EndPhysicalNames\n$Nodes\n{}\n", s.nodes.rows());
     for (Eigen::Index i = 0; i < s.nodes.rows(); ++i) text += fmt::format("{} {} {} {}\n", i + 1, s.nodes(i, 0), s.nodes(i, 1), s.nodes(i, 2));
     text += fmt::format("$EndNodes\n$Elements\n{}\n", s.triangles.rows());
     for (Eigen::Index t = 0; t < s.triangles.rows(); ++t) {

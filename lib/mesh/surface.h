@@ -13,6 +13,8 @@ namespace tissue {
 /// The surface of a closed solid: triangles that close in a volume, whatever the file was that they came from.
 struct Surface {
     static constexpr int fixed_label = 1, free_label = 2, disc_label = 3;  ///< as fem/solve_solid.edp knows them
+    static constexpr int first_bed_label = 21, last_bed_label = 60;        ///< what is held and lies on an elastic bed of its own
+    static bool is_held(int label) { return label == fixed_label || (label >= first_bed_label && label <= last_bed_label); }
 
     NodeField nodes;         ///< [m] (N x 3)
     Cells triangles;         ///< normals point out (T x 3)
@@ -26,12 +28,18 @@ constexpr double crease_cosine = 0.766;  ///< of 40 degrees: where neighbours tu
 /// The surface of a mesh of tetrahedra, or, where it has none, its triangles, turned so that they point out. `fixed` are
 /// names of physical surfaces; where no surface has a name, its parts between edges that turn by more than 40 degrees
 /// are "surface-1", "surface-2", ... from the largest on. `fixed` may also have regions (mesh/held_region.h), along whose border triangles are divided; `read` reads the other surface of
-/// one that is `within` it. unit_m [m] is the mesh's
-/// unit of length.
+/// one that is `within` it. on_beds: which of `fixed` lie on elastic beds, and are labelled first_bed_label and so on in this order; where two parts share a triangle, the first of `fixed` has it,
+/// names before regions. unit_m [m] is the mesh's unit of length.
 /// Throws FileError with file, place and cause: no triangles, one without area, a surface that does not close or that
 /// meets itself, more than one piece, a hole through it, no group of a name (with those there are), a fixed group that is
 /// not on the surface or is all of it, nothing that is held.
-Surface make_surface(const MshFile& mesh, const std::vector<std::string>& fixed, double unit_m, const HeldRegion::Reader& read = {});
+Surface make_surface(const MshFile& mesh, const std::vector<std::string>& fixed, double unit_m, const HeldRegion::Reader& read = {}, const std::vector<std::string>& on_beds = {});
+
+/// Label of what `text`, one of `fixed`, holds.
+int held_label(const std::string& text, const std::vector<std::string>& on_beds);
+
+/// What to_msh calls held triangles of a label: "fixed", "bed-1", ...
+std::string held_name(int label);
 
 /// Volume and its centroid, of a closed surface; the volume is below 0 where normals point inwards.
 struct Enclosed {
@@ -48,7 +56,7 @@ void check_held_area(const Surface& before, const Surface& divided);
 /// The same without what is held, all of it free.
 Surface closed_surface(const MshFile& mesh, double unit_m);
 
-/// As MSH 2.2 in metres: triangles "fixed" 1, "free" 2 and "disc" 3; those of an inclusion's surface inside it are gmsh's surface 4, in no physical group.
+/// As MSH 2.2 in metres: triangles "fixed" 1, "free" 2, "disc" 3, and on beds "bed-1" 21, ...; those of an inclusion's surface inside it are gmsh's surface 4, in no physical group.
 std::string to_msh(const Surface& surface, const Surface* inclusion = nullptr);
 
 /// 4 sqrt(3) area / sum of squared sides: 1 of the regular triangle, 0 of a flat one.

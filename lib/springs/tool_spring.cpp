@@ -70,7 +70,7 @@ void ToolSpring::begin(int dimension, const Point& inward) noexcept {
     groups_ = nodes_ = 0;
     inward_ = in_space(inward);
     hardening_1_J_ = saturation_1_J_ = coupling_N_m2_ = 0;
-    most_N_ = std::numeric_limits<double>::infinity();
+    imprint_N_m_.setZero();
 }
 
 bool ToolSpring::add_group(const PointMatrix& target, const PointMatrix& stiffness_N_m) noexcept {
@@ -81,6 +81,7 @@ bool ToolSpring::add_group(const PointMatrix& target, const PointMatrix& stiffne
     group.target.topLeftCorner(dimension_, dimension_) = target;
     group.stiffness.topLeftCorner(dimension_, dimension_) = stiffness_N_m;
     group.begin = group.end = nodes_;
+    if (groups_ > 1) imprint_N_m_ += group.target.transpose() * group.stiffness * group.target;
     return true;
 }
 
@@ -157,39 +158,45 @@ Eigen::Vector3d ToolSpring::shown(const Eigen::Vector3d& push, const NodeColumns
     return std::isinf(most_N_) ? push : stay_behind(push, whole_N(push, u, memory), u, memory);
 }
 
-/// The same, of a push whose force is known. Newton on dE/dd(q) = F (p - q) / |p - q|, from the place along the force where its part along that way is F.
-Eigen::Vector3d ToolSpring::stay_behind(const Eigen::Vector3d& push, const Eigen::Vector3d& whole_N_, const NodeColumns& u, const ToolMemory* memory) const noexcept {
-    constexpr int most_steps = 8;
-    constexpr double near = 1e-10;  // of F
-    const double whole = whole_N_.norm();
-    if (!(whole > most_N_ * (1 + near))) return push;
+/// The same, of a push whose force is known: where dE/dd(q) = F (p - q) / |p - q|, by Newton with halved steps. Only the first group is not linear in q, so each step looks at that one alone.
+Eigen::Vector3d ToolSpring::stay_behind(const Eigen::Vector3d& push, const Eigen::Vector3d& whole, const NodeColumns& u, const ToolMemory* memory) const noexcept {
+    constexpr int most_steps = 30, most_halvings = 10;
+    constexpr double near = 1e-9;  // of F
+    const double size = whole.norm();
+    if (!(size > most_N_ * (1 + near))) return push;
+    const Group& first = group_[0];
     const double left = memory ? memory->left() : 1.0;
-    const auto stiffness = [&](const Eigen::Vector3d& at) {
-        Eigen::Matrix3d k = left * curvature(at, u);
+    const Eigen::Vector3d gap_at_push = gap(first, push, u), rest = whole - first.target.transpose() * felt_N(0, gap_at_push, memory);
+    const auto force = [&](const Eigen::Vector3d& q) {
+        return Eigen::Vector3d(rest + left * imprint_N_m_ * (q - push) + first.target.transpose() * felt_N(0, gap_at_push + first.target * (q - push), memory));
+    };
+    const auto stiffness = [&](const Eigen::Vector3d& q) {
+        Eigen::Matrix3d k = left * (imprint_N_m_ + first_stiffness(gap_at_push + first.target * (q - push)));
         if (dimension_ == 2) k(2, 2) = 1;
         return k;
     };
-    const Eigen::Vector3d along = whole_N_ / whole;
-    double behind_m = 0;
-    for (int step = 0; step < 3; ++step) {
-        const Eigen::Vector3d at = push - behind_m * along;
-        behind_m += ((step == 0 ? whole_N_ : whole_N(at, u, memory)).dot(along) - most_N_) / along.dot(stiffness(at) * along);
-    }
-    if (!(behind_m > 0)) return push;
-    Eigen::Vector3d q = push - behind_m * along, best = q;
-    double least = std::numeric_limits<double>::infinity();
-    for (int step = 0; step < most_steps; ++step) {
+    const auto off = [&](const Eigen::Vector3d& q) { return Eigen::Vector3d(force(q) - most_N_ * (push - q).normalized()); };
+    const Eigen::Vector3d along = whole / size;
+    Eigen::Vector3d q = push - (size - most_N_) / along.dot(stiffness(push) * along) * along;
+    if (!((push - q).dot(along) > 0)) return push;
+    Eigen::Vector3d wrong = off(q);
+    for (int step = 0; step < most_steps && wrong.norm() > near * most_N_; ++step) {
         const Eigen::Vector3d behind = push - q;
         const double length = behind.norm();
         if (!(length > 0)) break;
-        const Eigen::Vector3d way = behind / length, off = whole_N(q, u, memory) - most_N_ * way;
-        if (!(off.norm() < least)) break;
-        least = off.norm();
-        best = q;
-        if (least <= near * most_N_) break;
-        q -= (stiffness(q) + most_N_ / length * (Eigen::Matrix3d::Identity() - way * way.transpose())).inverse() * off;
+        const Eigen::Vector3d way = behind / length;
+        Eigen::Vector3d change = -(stiffness(q) + most_N_ / length * (Eigen::Matrix3d::Identity() - way * way.transpose())).inverse() * wrong;
+        bool nearer = false;
+        for (int half = 0; half < most_halvings && !nearer; ++half, change /= 2) {
+            const Eigen::Vector3d next = q + change, next_wrong = off(next);
+            nearer = next_wrong.norm() < wrong.norm();
+            if (!nearer) continue;
+            q = next;
+            wrong = next_wrong;
+        }
+        if (!nearer) break;
     }
-    return best;
+    return q;
 }
 
 Point ToolSpring::hand_N(const Point& push_m, const NodeColumns& u, const ToolMemory* memory) const noexcept {
@@ -257,22 +264,19 @@ double ToolSpring::energy_J(const Point& push_m, const NodeColumns& u, const Too
     return (memory ? memory->left() * energy + past : energy) + (behind_m > 0 ? most_N_ * behind_m : 0);
 }
 
+/// Second derivative of the first group's energy by d, where its gap is e.
+Eigen::Matrix3d ToolSpring::first_stiffness(const Eigen::Vector3d& e) const noexcept {
+    const Hardening h = hardened(e);
+    const double in = inward_.dot(e);
+    const Eigen::Vector3d across = e - in * inward_;
+    Eigen::Matrix3d k = group_[0].stiffness;
+    k += h.rise * k + h.bend * h.pull * h.pull.transpose();
+    k += coupling_N_m2_ * (inward_ * across.transpose() + across * inward_.transpose() + in * (Eigen::Matrix3d::Identity() - inward_ * inward_.transpose()));
+    return group_[0].target.transpose() * k * group_[0].target;
+}
+
 Eigen::Matrix3d ToolSpring::curvature(const Eigen::Vector3d& push, const NodeColumns& u) const noexcept {
-    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-    for (int g = 0; g < groups_; ++g) {
-        Eigen::Matrix3d k = group_[g].stiffness;
-        if (g == 0) {
-            const Eigen::Vector3d e = gap(group_[g], push, u);
-            const Hardening h = hardened(e);
-            const double in = inward_.dot(e);
-            const Eigen::Vector3d across = e - in * inward_;
-            k += h.rise * k + h.bend * h.pull * h.pull.transpose();
-            k += coupling_N_m2_ * (inward_ * across.transpose() + across * inward_.transpose() +
-                                   in * (Eigen::Matrix3d::Identity() - inward_ * inward_.transpose()));
-        }
-        sum += group_[g].target.transpose() * k * group_[g].target;
-    }
-    return sum;
+    return groups_ == 0 ? Eigen::Matrix3d(Eigen::Matrix3d::Zero()) : Eigen::Matrix3d(imprint_N_m_ + first_stiffness(gap(group_[0], push, u)));
 }
 
 PointMatrix ToolSpring::stiffness_N_m(const Point& push_m, const NodeColumns& u, const ToolMemory* memory) const noexcept {

@@ -65,7 +65,7 @@ class ToolMemory {
 /// where s is the first group's part of the sum, and e_n, e_t are its gap along and across the inward normal.
 /// Where dE/dd would be larger than the largest force F that the tool may show, the tool stays behind the push p, at q:
 ///   E(p, u) = min over q of E(q, u) + F |p - q|
-/// which is as convex and passive as E, and whose force on the tissue is never larger than F. Nothing here allocates or throws.
+/// which is convex where E is, and whose force on the tissue is then F. F stays as it is: one that grows would lift what |p - q| holds, and give energy. Nothing here allocates or throws.
 class ToolSpring {
    public:
     static constexpr int most_nodes = 128;     ///< of the imprint: a group each
@@ -78,7 +78,7 @@ class ToolSpring {
     bool add_group(const PointMatrix& target, const PointMatrix& stiffness_N_m) noexcept;
     bool add_node(int node, double weight) noexcept;  ///< of the last group; one may come twice
     void harden(double hardening_1_J, double saturation_1_J, double coupling_N_m2) noexcept;
-    /// The largest force that the tool may show from now on [N]; infinite at begin().
+    /// The largest force that the tool may show from now on, in other contacts too [N]; infinite from the start.
     void show_at_most(double force_N) noexcept { most_N_ = force_N; }
     double most_N() const { return most_N_; }
 
@@ -123,18 +123,20 @@ class ToolSpring {
     };
     Eigen::Vector3d whole_N(const Eigen::Vector3d& push, const NodeColumns& u, const ToolMemory* memory) const noexcept;
     Eigen::Vector3d shown(const Eigen::Vector3d& push, const NodeColumns& u, const ToolMemory* memory) const noexcept;
-    Eigen::Vector3d stay_behind(const Eigen::Vector3d& push, const Eigen::Vector3d& whole_N, const NodeColumns& u, const ToolMemory* memory) const noexcept;
+    Eigen::Vector3d stay_behind(const Eigen::Vector3d& push, const Eigen::Vector3d& whole, const NodeColumns& u, const ToolMemory* memory) const noexcept;
     Eigen::Vector3d gap(const Group& group, const Eigen::Vector3d& push, const NodeColumns& u) const noexcept;
     Eigen::Vector3d now_N(int group, const Eigen::Vector3d& gap) const noexcept;
     Eigen::Vector3d felt_N(int group, const Eigen::Vector3d& gap, const ToolMemory* memory) const noexcept;
     Eigen::Vector3d tissue(const Group& group, const NodeColumns& u) const noexcept;
     Hardening hardened(const Eigen::Vector3d& gap) const noexcept;
+    Eigen::Matrix3d first_stiffness(const Eigen::Vector3d& gap) const noexcept;
     Eigen::Matrix3d curvature(const Eigen::Vector3d& push, const NodeColumns& u) const noexcept;
     Eigen::Vector3d in_space(const Point& p) const noexcept;
 
     int dimension_ = 2, groups_ = 0, nodes_ = 0;
     Eigen::Vector3d inward_ = Eigen::Vector3d::Zero();
     double hardening_1_J_ = 0, saturation_1_J_ = 0, coupling_N_m2_ = 0, most_N_ = std::numeric_limits<double>::infinity();
+    Eigen::Matrix3d imprint_N_m_ = Eigen::Matrix3d::Zero();  ///< second derivative of E by d of all groups but the first
     Group group_[most_nodes + 1];
     int node_[most_entries];
     double weight_[most_entries];

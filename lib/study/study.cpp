@@ -105,10 +105,15 @@ Study::Geometry read_geometry(TomlReader in) {
             }
             if (name.find(',') != std::string::npos) in.refuse("fixed", "'" + name + "' has a comma, which stands between names");
         }
-        g.bed_Pa_m = in.optional_number("bed_Pa_m", not_negative).value_or(0);
-        if (g.bed_Pa_m != 0 && !(g.bed_Pa_m >= bed_least_Pa_m && g.bed_Pa_m <= bed_most_Pa_m))
-            in.refuse("bed_Pa_m", fmt::format("must be 0, which is rigid, or {:g} to {:g} Pa/m (fat of E = 2000 Pa, 0.01 m thick: 200000), not {:g}", bed_least_Pa_m,
-                                              bed_most_Pa_m, g.bed_Pa_m));
+        if (in.has("bed_Pa_m")) {
+            const bool each = in.is_list("bed_Pa_m");
+            g.bed_Pa_m = each ? in.numbers("bed_Pa_m", not_negative) : std::vector<double>(g.fixed.size(), in.number("bed_Pa_m", not_negative));
+            if (g.bed_Pa_m.size() != g.fixed.size()) in.refuse("bed_Pa_m", fmt::format("has {} numbers for the {} that 'fixed' names", g.bed_Pa_m.size(), g.fixed.size()));
+            for (double k : g.bed_Pa_m)
+                if (k != 0 && !(k >= bed_least_Pa_m && k <= bed_most_Pa_m))
+                    in.refuse("bed_Pa_m", fmt::format("must be 0, which is rigid, or {:g} to {:g} Pa/m (fat of E = 2000 Pa, 0.01 m thick: 200000), not {:g}", bed_least_Pa_m, bed_most_Pa_m, k));
+            if (g.on_beds().empty()) g.bed_Pa_m.clear();
+        }
     }
     in.refuse_the_rest();
     return g;
@@ -492,6 +497,19 @@ Study read_study(const std::string& file) {
     }
     in.refuse_the_rest();
     return study;
+}
+
+std::vector<std::string> Study::Geometry::on_beds() const {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < bed_Pa_m.size(); ++i)
+        if (bed_Pa_m[i] > 0) names.push_back(fixed[i]);
+    return names;
+}
+
+std::vector<double> Study::Geometry::beds_Pa_m() const {
+    std::vector<double> beds = bed_Pa_m;
+    beds.erase(std::remove(beds.begin(), beds.end(), 0), beds.end());
+    return beds;
 }
 
 }  // namespace tissue

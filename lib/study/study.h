@@ -38,7 +38,9 @@ struct Study {
         std::string shape;                ///< mesh or outline file of any other tissue; empty for the block
         double unit_m = 1;                ///< that file's unit of length
         std::vector<std::string> fixed;   ///< names of its physical curves, in space surfaces, that are held
-        double bed_Pa_m = 0;              ///< in space, stiffness per area of the bed that what is held lies on [Pa/m]; 0: rigid
+        std::vector<double> bed_Pa_m;     ///< in space, of each of those the stiffness per area of the bed that it lies on [Pa/m]; 0: it does not move. Empty: none does
+        std::vector<std::string> on_beds() const;    ///< those of `fixed` that lie on beds
+        std::vector<double> beds_Pa_m() const;       ///< and their beds
         bool is_block() const { return shape.empty(); }
         bool is_solid() const { return length_m > 0 || solid; }
     } geometry;

@@ -146,6 +146,11 @@ bool TomlReader::is_text(const std::string& key) const {
     return node && node->is_string();
 }
 
+bool TomlReader::is_list(const std::string& key) const {
+    const toml::node* node = table_->get(key);
+    return node && node->is_array();
+}
+
 std::string TomlReader::text(const std::string& key) {
     const toml::node& node = require(key);
     if (!node.is_string()) refuse(key, "must be a text");

@@ -38,6 +38,7 @@ class TomlReader {
     bool flag(const std::string& key);
     std::string text(const std::string& key);
     bool is_text(const std::string& key) const;  ///< whether there is such a key, and it is a text
+    bool is_list(const std::string& key) const;  ///< whether there is such a key, and it is a list
     std::string choice(const std::string& key, const std::vector<std::string>& allowed);
     std::vector<std::string> texts(const std::string& key);
     std::vector<double> numbers(const std::string& key, Range range = {});

@@ -17,7 +17,7 @@ from matplotlib.collections import PolyCollection  # noqa: E402
 from save import save  # noqa: E402
 
 MM = 1e3
-HELD_LABEL, TRIANGLE, TETRAHEDRON = 1, "2", "4"
+FREE_LABEL, TRIANGLE, TETRAHEDRON = 2, "2", "4"
 HELD_COLOUR, FREE_COLOUR = [0.80, 0.25, 0.20], [0.88, 0.88, 0.86]
 VIEWS = {"from the front and above": (-0.45, -1.0, 0.62), "from behind and below": (0.45, 1.0, -0.62)}  # towards the eye
 STYLES = {"train": ("#0072B2", "o"), "validation": ("#009E73", "s"), "held_out": ("#D55E00", "^"), "history": ("#CC79A7", "D")}
@@ -39,7 +39,7 @@ def read_surface(file):
         nodes = np.array([line.split()[1:] for line in section(text, "Nodes")], float)
         rows = [line.split() for line in section(text, "Elements")]
         facets = np.array([row[-3:] for row in rows if row[1] == TRIANGLE], int) - 1
-        held = np.array([int(row[3]) == HELD_LABEL for row in rows if row[1] == TRIANGLE])
+        held = np.array([int(row[3]) != FREE_LABEL for row in rows if row[1] == TRIANGLE])
         corners = MM * nodes[facets]
         whole = "$EndElements" in text and nodes.shape[1] == 3
     except (ValueError, IndexError):  # ValueError: text in another encoding, too

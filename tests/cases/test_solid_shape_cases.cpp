@@ -301,12 +301,36 @@ TEST_CASE("of what reaches out of a solid shape the tissue inside counts, or the
     // on an elastic bed: a rigid bed's support and the bed, one after the other; nothing else changes
     for (const auto& [of, on] : {std::pair<Study, std::optional<Shape>>{study(), shape()}, {s, stony}}) {
         Study bedded = of;
-        bedded.geometry.bed_Pa_m = 3e5;
-        const Eigen::VectorXd rigid = study_law(of, on, mesh).constants(none), elastic = study_law(bedded, on, mesh).constants(none);
+        bedded.geometry.fixed = {"bed", "wall"};
+        bedded.geometry.bed_Pa_m = {3e5, 0};
+        CHECK_THAT(refusal<MismatchError>([&, &of_shape = on] { study_law(bedded, of_shape, mesh); }), Contains("does not say which of what is held lies on a bed"));
+        std::optional<Shape> lain = on;
+        lain->bed.assign(lain->fixed_facets.size(), 1);
+        const Eigen::VectorXd rigid = study_law(of, on, mesh).constants(none), elastic = study_law(bedded, lain, mesh).constants(none);
         const Eigen::Index others = rigid.size() - M;
         CHECK(elastic.head(others) == rigid.head(others));
         const Eigen::ArrayXd compliance = rigid.tail(M).array().inverse() + (3e5 * held_areas(mesh)).array().inverse();
         CHECK((elastic.tail(M).array() * compliance - 1).abs().maxCoeff() < tolerance::rounding);
+
+        // one half on the bed: there it is the bed's, on the other the rigid one's, between them both by area
+        int yes = 0, no = 0, both = 0;
+        std::vector<int> in(static_cast<std::size_t>(mesh.node_count()), 0);
+        for (std::size_t f = 0; f < lain->fixed_facets.size(); ++f) {
+            double x = 0;
+            for (int node : lain->fixed_facets[f]) x += lain->nodes(node, 0);
+            lain->bed[f] = x < 0;
+            for (int node : lain->fixed_facets[f]) in[static_cast<std::size_t>(node)] |= x < 0 ? 1 : 2;
+        }
+        const Eigen::VectorXd half = study_law(bedded, lain, mesh).constants(none);
+        for (Eigen::Index m = 0; m < M; ++m) {
+            const int where = in[static_cast<std::size_t>(mesh.fixed[static_cast<std::size_t>(m)])];
+            const double k = half[others + m], on_bed = elastic[others + m], on_rock = rigid[others + m];
+            if (where == 1) CHECK(k == Approx(on_bed).epsilon(tolerance::rounding));
+            if (where == 2) CHECK(k == Approx(on_rock).epsilon(tolerance::rounding));
+            if (where == 3) CHECK((k > on_bed && k < on_rock));
+            yes += where == 1, no += where == 2, both += where == 3;
+        }
+        CHECK((yes > 3 && no > 3 && both > 1));
     }
 
     // a branch that the stone has not, and no support

@@ -59,7 +59,7 @@ if group scripts; then
   script solid_homogeneous.edp "-state uniaxial"
   script solid_homogeneous.edp "-state shear"
   script solid_tangent.edp
-  script solid_tangent.edp "-bed 100000"
+  script solid_tangent.edp "-bed_1 100000"
   branches="-branches 2 -g1 0.45 -tau1 0.5 -g2 0.365 -tau2 50"
   script solid_memory.edp "-state uniaxial $branches"
   script solid_memory.edp "-state shear $branches"
@@ -74,7 +74,7 @@ if group scripts; then
   script solid_ogden.edp "$as_mooney"
   script solid_balance.edp "-mesh $work/off.msh -contact_x 0.043 -contact_y 0.05 -direction_x 0 -direction_y 0 -direction_z -1"
   script solid_balance.edp "-mesh $work/off.msh -contact_x 0.043 -contact_y 0.05 -direction_x 0.3 -direction_y -0.4 -direction_z -0.86602540378443865"
-  script solid_balance.edp "-mesh $work/off.msh -contact_x 0.043 -contact_y 0.05 -direction_x 0.3 -direction_y -0.4 -direction_z -0.86602540378443865 -bed 20000"
+  script solid_balance.edp "-mesh $work/off.msh -contact_x 0.043 -contact_y 0.05 -direction_x 0.3 -direction_y -0.4 -direction_z -0.86602540378443865 -bed_1 20000"
 fi
 
 # ---- a smooth solution: P2 displacement of order 3 in L2 and 2 in H1, P1 pressure of order 2 in L2
@@ -103,8 +103,8 @@ if group paths; then
   solve a off 0.01 5 0.043 0.05 $tilt
   solve b off 0.01 5 0.043 0.05 $tilt
   # 10,000 times as stiff as the block; and one that gives way about as much as the block does
-  solve stiff off 0.01 5 0.043 0.05 $tilt -bed 1e9
-  solve soft off 0.01 5 0.043 0.05 $tilt -bed 30000
+  solve stiff off 0.01 5 0.043 0.05 $tilt -bed_1 1e9
+  solve soft off 0.01 5 0.043 0.05 $tilt -bed_1 30000
   awk -F, '
     $1 == "step" && $2 == 5 { n++; for (c = 3; c <= 10; ++c) of[n, c] = $c }
     function part(n, c) { return of[n, c] / of[1, c] }
@@ -116,8 +116,8 @@ if group paths; then
       if (part(3, 7) > 0.5 && part(3, 7) < 0.9) print "ok - on a soft bed the same push meets less force: " part(3, 7)
       else print "not ok - on a soft bed the same push meets less force: " part(3, 7) " vs 0.5 to 0.9"
     }' "$work/a.csv" "$work/stiff.csv" "$work/soft.csv" | tee -a "$results"
-  solve none off 0.01 5 0.043 0.05 $tilt -bed 0
-  refused none $? 2 "bed must be positive" "a bed of no stiffness is refused"
+  solve none off 0.01 5 0.043 0.05 $tilt -bed_1 0
+  refused none $? 2 "bed_1 must be positive" "a bed of no stiffness is refused"
   if cmp -s "$work/a.csv" "$work/b.csv"; then say "ok - a path has the same bytes twice"
   else say "not ok - a path has the same bytes twice: $(cmp "$work/a.csv" "$work/b.csv" 2>&1) vs none"; fi
   awk -F, '
@@ -254,8 +254,8 @@ awk -F, 'FNR == 1 { ++file } file == 1 && $1 == "step" && $2 == 4 { for (j = 0; 
         if (n == 7 && share[6] < share[5] && share[7] < share[6] && share[7] > wanted - 0.02 && share[7] < wanted + 0.02) print "ok - held for 9 s a solid under the disc relaxes to " share[7] " of the elastic force"
         else print "not ok - held for 9 s a solid under the disc relaxes: " n + 0 " steps, " share[7] " vs about " wanted }' \
   "$work/straight.csv" "$work/slack.csv" "$work/held.csv" | tee -a "$results"
-solve straight_bed relaxing 0.0040311288741492748 4 0.043 0.05 0.1240347346 0 -0.9922778767 -bed 30000
-solve slack_bed relaxing 0.004 1 0.043 0.05 0 0 -1 -history "$work/slack.history" -bed 30000
+solve straight_bed relaxing 0.0040311288741492748 4 0.043 0.05 0.1240347346 0 -0.9922778767 -bed_1 30000
+solve slack_bed relaxing 0.004 1 0.043 0.05 0 0 -1 -history "$work/slack.history" -bed_1 30000
 awk -F, 'FNR == 1 { ++file } $1 == "step" && $2 == 4 { for (j = 0; j < 3; ++j) { contact[file, j] = $((file == 1 ? 5 : 8) + j); ++n } }
   END { for (j = 0; j < 3; ++j) { e += (contact[2, j] - contact[1, j]) ^ 2; l += contact[1, j] ^ 2 }
         if (n == 6 && e <= 1e-16 * l) print "ok - so does one on an elastic bed"

@@ -88,6 +88,7 @@ TEST_CASE("a session that was saved, restored or copied goes on bit for bit", "[
     for (const Kind& kind : kinds()) {
         HapticOptions options = sliding();
         options.stiffest = 2;
+        if (kind.tissue.energy_law) options.safety.force_max_N = 0.1;  // a tool that has to stay behind
         options.energy_book = std::string(kind.name) == "law that relaxes";
         const HapticModel model(kind.tissue, options);
         Simulation s(model), other(model);
@@ -96,12 +97,18 @@ TEST_CASE("a session that was saved, restored or copied goes on bit for bit", "[
         for (const int until : {40, 223, 390, 751, 1400}) {
             played(s, at, until, kind.solid);
             at = until;
-            if (s.law() && until == 390) {  // the law learns while it plays
-                LawStiffness stiffer = s.law()->stiffness();
+            const auto learn = [](Simulation& session) {  // while it plays
+                LawStiffness stiffer = session.law()->stiffness();
                 stiffer.constants *= 1.3;
-                s.law()->become(stiffer);
-                s.law_changed();
-            }
+                stiffer.patch.log_N_m.row(0).array() += 0.1;
+                session.law()->become(stiffer);
+                session.law_changed();
+            };
+            if (s.law() && until == 390) learn(s);
+            const auto go_on = [&](Simulation& session) {  // where the tool has stayed behind the hand before the law learns
+                if (session.law() && until == 223) learn(session);
+                return played(session, at, at + 400, kind.solid);
+            };
             std::vector<std::byte> state(s.state_size());
             {
                 const Allocations none;
@@ -109,14 +116,16 @@ TEST_CASE("a session that was saved, restored or copied goes on bit for bit", "[
                 CHECK(Allocations::count() == 0);
             }
             Simulation copy(s);
-            const std::vector<double> went_on = played(s, at, at + 400, kind.solid);
-            CHECK(alike(went_on, played(copy, at, at + 400, kind.solid)));
+            const bool behind = s.held_back();
+            if (kind.tissue.energy_law && until == 223) CHECK(behind);
+            const std::vector<double> went_on = go_on(s);
+            CHECK(alike(went_on, go_on(copy)));
             other.restore(state.data(), state.size());
-            CHECK(alike(went_on, played(other, at, at + 400, kind.solid)));
+            CHECK(alike(went_on, go_on(other)));
             CHECK(other.branches().burnt_J == s.branches().burnt_J);
             CHECK(other.friction().burnt_J() == s.friction().burnt_J());
             s.restore(state.data(), state.size());
-            CHECK(alike(went_on, played(s, at, at + 400, kind.solid)));
+            CHECK(alike(went_on, go_on(s)));
             s.restore(state.data(), state.size());
             CHECK(s.state_size() == state.size());
         }

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <Eigen/Geometry>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include "../allocations.h"
@@ -259,6 +260,7 @@ TEST_CASE("a tool that may show so much force shows no more, stays behind, and i
             kernel->tool_at(facet, some_weight(draw, dimension), dimension == 2 ? plane_law() : disc_law(), tool);
             const NodeColumns u = 0.1 * some_displacement(mesh, draw);
             const auto some_inward = [&](double size_m) { return Point(size_m * (tool.inward() + some_push(draw, dimension) / 3e-2)); };  // there it is convex
+            tool.show_at_most(std::numeric_limits<double>::infinity());
             const Point push = some_inward(5e-3), whole = tool.hand_N(push, u);
             const double before_J = tool.energy_J(push, u), most = draw(0.3, 1.3) * whole.norm();
             tool.show_at_most(most);

@@ -144,7 +144,7 @@ TEST_CASE("a new study is one that is read, in the plane and in space, with size
     wanted.held = {"below z = 0.01"};
     CHECK(of_mesh().geometry.fixed == std::vector<std::string>{"below_z_0.01"});
     wanted.bed_Pa_m = 2e5;
-    CHECK(of_mesh().geometry.bed_Pa_m == 2e5);
+    CHECK(of_mesh().geometry.bed_Pa_m == std::vector<double>{2e5});
     wanted.held = {"below z"};
     CHECK_THAT(refusal<MismatchError>([&] { new_study(wanted); }), Contains("'below z' begins like a region"));
 }

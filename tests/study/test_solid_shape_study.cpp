@@ -90,8 +90,11 @@ TEST_CASE("keys that a solid shape has not, or must have, are refused by name", 
     CHECK_THAT(said("fixed = [\"bed\"]", "fixed = []", "geometry.fixed"), Contains("physical surface"));
     CHECK_THAT(said("[\"bed\"]", "[\"bed,two\"]", "geometry.fixed"), Contains("comma"));
     for (const char* stiffness : {"9.9", "1.1e9", "-1.0", "inf", "\"soft\""}) said("[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = " + std::string(stiffness) + "\n", "geometry.bed_Pa_m");
-    CHECK(shape_study(with(shape_study_text(), "[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = 2e5\n")).geometry.bed_Pa_m == 2e5);
-    CHECK(shape_study(with(shape_study_text(), "[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = 0\n")).geometry.bed_Pa_m == 0);
+    CHECK(shape_study(with(shape_study_text(), "[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = 2e5\n")).geometry.bed_Pa_m == std::vector<double>{2e5});
+    CHECK(shape_study(with(shape_study_text(), "[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = 0\n")).geometry.bed_Pa_m.empty());
+    CHECK(shape_study(with(shape_study_text(), "[\"bed\"]\n", "[\"bed\", \"wall\", \"roof\"]\nbed_Pa_m = [1e5, 0.0, 2e5]\n")).geometry.on_beds() == std::vector<std::string>{"bed", "roof"});
+    CHECK(shape_study(with(shape_study_text(), "[\"bed\"]\n", "[\"bed\", \"wall\", \"roof\"]\nbed_Pa_m = [1e5, 0.0, 2e5]\n")).geometry.beds_Pa_m() == std::vector<double>{1e5, 2e5});
+    CHECK_THAT(said("[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = [1e5, 0.0]\n", "geometry.bed_Pa_m"), Contains("has 2 numbers for the 1 that 'fixed' names"));
     CHECK_THAT(said("solid = true", "bed_Pa_m = 2e5", "geometry.bed_Pa_m"), Contains("geometry.solid"));
     said("fixed = [\"bed\"]\n", "", "geometry.fixed");
     said("[lattice]\nsize_m = 0.01\n", "", "lattice");
