@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "api/named_surfaces.h"
 #include "api/session_counts.h"
 #include "error.h"
 #include "haptic/session_options.h"
@@ -18,6 +19,7 @@ using namespace tissue;
 
 struct tissue_model {
     std::shared_ptr<const HapticModel> model;
+    NamedSurfaces surfaces;
 };
 
 struct tissue_session {
@@ -25,8 +27,10 @@ struct tissue_session {
     std::unique_ptr<Simulation> running;
     mutable NodeColumns seen;  ///< scratch of tissue_positions
     TickClock clock;
-    explicit tissue_session(std::shared_ptr<const HapticModel> of) : shared(std::move(of)), running(std::make_unique<Simulation>(*shared)), seen(running->state(0).displacement) {}
-    tissue_session(const tissue_session& other) : shared(other.shared), running(std::make_unique<Simulation>(*other.running)), seen(running->state(0).displacement) {}
+    NamedSurfaces surfaces;
+    explicit tissue_session(const tissue_model& of) : shared(of.model), running(std::make_unique<Simulation>(*shared)), seen(running->state(0).displacement), surfaces(of.surfaces) {}
+    tissue_session(const tissue_session& other)
+        : shared(other.shared), running(std::make_unique<Simulation>(*other.running)), seen(running->state(0).displacement), surfaces(other.surfaces) {}
     const HapticModel& model() const { return *shared; }
     Simulation& simulation() { return *running; }
     const Simulation& simulation() const { return *running; }
@@ -93,7 +97,8 @@ tissue_status tissue_open_model(const char* model_file, const char* const* optio
             if (!options[1]) return bad("an option without a value");
             if (const tissue_status status = set(haptic, options[0], options[1], false); status != TISSUE_OK) return status;
         }
-        *model = new tissue_model{std::make_shared<HapticModel>(read_model(model_file), haptic)};
+        const TissueModel tissue = read_model(model_file);
+        *model = new tissue_model{std::make_shared<HapticModel>(tissue, haptic), NamedSurfaces(tissue)};
         return TISSUE_OK;
     });
 }
@@ -101,7 +106,7 @@ tissue_status tissue_open_model(const char* model_file, const char* const* optio
 tissue_status tissue_begin(const tissue_model* model, tissue_session** session) {
     if (!model || !session) return bad("tissue_begin: a null pointer");
     return caught([&] {
-        *session = new tissue_session(model->model);
+        *session = new tissue_session(*model);
         return TISSUE_OK;
     });
 }
@@ -165,7 +170,7 @@ tissue_status tissue_clutch(tissue_session* s, int on) {
 tissue_status tissue_follow(const tissue_model* model, const tissue_session* leader, tissue_session** session) {
     if (!model || !leader || !session) return bad("tissue_follow: a null pointer");
     return caught([&] {
-        auto next = std::make_unique<tissue_session>(model->model);
+        auto next = std::make_unique<tissue_session>(*model);
         next->simulation().follow(leader->simulation());
         *session = next.release();
         return TISSUE_OK;
@@ -256,6 +261,39 @@ tissue_status tissue_positions(const tissue_session* s, double* position_m) {
     s->simulation().seen(0, u);
     for (Eigen::Index n = 0; n < nodes.rows(); ++n)
         for (Eigen::Index a = 0; a < nodes.cols(); ++a) *position_m++ = nodes(n, a) + u(n, a);
+    return TISSUE_OK;
+}
+
+tissue_status tissue_add_surface(tissue_session* s, const char* name, const char* file, double unit_m) {
+    if (!s || !name || !file) return bad("tissue_add_surface: a null pointer");
+    return caught([&] {
+        s->surfaces.add(name, file, unit_m);
+        return TISSUE_OK;
+    });
+}
+
+/// nullptr: there is none.
+static const NamedSurfaces::Surface* surface_of(const tissue_session* s, const char* name) { return s && name ? s->surfaces.find(name) : nullptr; }
+
+int tissue_surface_points(const tissue_session* s, const char* name) {
+    const NamedSurfaces::Surface* surface = surface_of(s, name);
+    return surface ? static_cast<int>(surface->rest_m.rows()) : 0;
+}
+
+int tissue_surface_triangles(const tissue_session* s, const char* name) {
+    const NamedSurfaces::Surface* surface = surface_of(s, name);
+    return surface ? static_cast<int>(surface->triangles.rows()) : 0;
+}
+
+tissue_status tissue_surface(const tissue_session* s, const char* name, int* triangles, double* position_m) {
+    const NamedSurfaces::Surface* surface = surface_of(s, name);
+    if (!surface) return bad("tissue_surface: there is no surface of this name");
+    for (Eigen::Index t = 0; triangles && t < surface->triangles.rows(); ++t)
+        for (Eigen::Index k = 0; k < 3; ++k) *triangles++ = surface->triangles(t, k);
+    if (position_m) {
+        s->simulation().seen(0, s->seen);
+        surface->places(s->seen, position_m);
+    }
     return TISSUE_OK;
 }
 

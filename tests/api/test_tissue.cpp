@@ -2,6 +2,8 @@
 #include "api/tissue.h"
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cfenv>
 #include <chrono>
@@ -18,6 +20,7 @@
 #include "../refusal.h"
 #include "error.h"
 #include "haptic/session_options.h"
+#include "mesh/nodule_surface.h"
 
 using namespace tissue;
 
@@ -136,6 +139,93 @@ TEST_CASE("a session in C ticks as the library does, bit for bit, and reads what
         CHECK(tissue_energy(session.s, "given", &given_J) == TISSUE_OK);
         CHECK(given_J == simulation.safety().counters().energy_given_J);
     }
+}
+
+TEST_CASE("surfaces move with the tissue by name, the organ's own and what is inside it too", "[api][solid]") {
+    const TemporaryFolder folder;
+    TissueModel model = solid_example();
+    const Eigen::RowVector3d low = model.mesh.nodes.colwise().minCoeff(), high = model.mesh.nodes.colwise().maxCoeff(), middle = (low + high) / 2;
+    model.nodule = nodule_surface(Inclusion(middle.transpose(), 0.006));
+    Session session(model_file(folder, model));
+    const int V = tissue_surface_points(session.s, "boundary"), W = tissue_surface_triangles(session.s, "boundary");
+    REQUIRE(W == model.mesh.facets.rows());
+    REQUIRE(V > 50);
+    CHECK(tissue_surface_points(session.s, "nodule") == model.nodule.points.rows());
+    CHECK(tissue_surface_points(session.s, "organ") == 0);
+
+    // the boundary's own triangles, a hundredth larger and in millimetres
+    Cells triangles(W, 3);
+    NodeField rest(V, 3);
+    CHECK(tissue_surface(session.s, "boundary", triangles.data(), rest.data()) == TISSUE_OK);
+    CHECK((triangles.minCoeff() == 0 && triangles.maxCoeff() == V - 1));
+    std::string obj;
+    for (const auto& p : rest.rowwise()) {
+        const Eigen::RowVector3d at = 1e3 * (middle + 1.01 * (p - middle));
+        obj += fmt::format("v {} {} {}\n", at.x(), at.y(), at.z());
+    }
+    for (const auto& t : triangles.rowwise()) obj += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+    const std::string file = folder.file("organ.obj", obj);
+    CHECK(tissue_add_surface(session.s, "organ", file.c_str(), 1) == TISSUE_MISMATCH);
+    CHECK_THAT(tissue_error(), Catch::Contains("organ.obj: lies up to"));
+    CHECK(tissue_add_surface(session.s, "organ", file.c_str(), 1e-3) == TISSUE_OK);
+    CHECK(tissue_add_surface(session.s, "organ", file.c_str(), 1e-3) == TISSUE_MISMATCH);
+    CHECK(tissue_add_surface(session.s, "boundary", file.c_str(), 1e-3) == TISSUE_MISMATCH);
+    CHECK(tissue_add_surface(session.s, "", file.c_str(), 1e-3) == TISSUE_MISMATCH);
+    CHECK(tissue_add_surface(session.s, "other", file.c_str(), std::nan("")) == TISSUE_MISMATCH);
+    CHECK(tissue_add_surface(session.s, "other", folder.file("none.obj").c_str(), 1e-3) == TISSUE_BAD_FILE);
+    CHECK(tissue_surface(session.s, "other", nullptr, rest.data()) == TISSUE_BAD_ARGUMENT);
+    CHECK(tissue_surface(nullptr, "boundary", nullptr, nullptr) == TISSUE_BAD_ARGUMENT);
+    REQUIRE(tissue_surface_points(session.s, "organ") == V);
+    NodeField organ_rest(V, 3);
+    CHECK(tissue_surface(session.s, "organ", nullptr, organ_rest.data()) == TISSUE_OK);
+    const NodeField larger = (1.01 * (rest.rowwise() - middle)).rowwise() + middle;
+    std::vector<Eigen::Index> of(static_cast<std::size_t>(V));  // point of the boundary that an organ's point was made of
+    for (Eigen::Index v = 0; v < V; ++v) CHECK((larger.rowwise() - organ_rest.row(v)).rowwise().norm().minCoeff(&of[static_cast<std::size_t>(v)]) < 1e-7);
+
+    for (int k = 0; k < 400; ++k) {
+        double force[3];
+        tissue_tick(session.s, way(k, true).data(), 0, force);
+    }
+    NodeField nodes(tissue_node_count(session.s), 3), boundary(V, 3), organ(V, 3), nodule(model.nodule.points.rows(), 3);
+    CHECK(tissue_positions(session.s, nodes.data()) == TISSUE_OK);
+    {
+        const Allocations none;
+        tissue_surface(session.s, "boundary", nullptr, boundary.data());
+        tissue_surface(session.s, "organ", nullptr, organ.data());
+        tissue_surface(session.s, "nodule", nullptr, nodule.data());
+        CHECK(Allocations::count() == 0);
+    }
+    double farthest = 0;
+    for (Eigen::Index v = 0; v < V; ++v) {
+        Eigen::Index same = 0;
+        CHECK((model.mesh.nodes.rowwise() - rest.row(v)).rowwise().norm().minCoeff(&same) == 0);
+        CHECK((boundary.row(v) - nodes.row(same)).norm() < 1e-15);
+        farthest = std::max(farthest, (boundary.row(v) - rest.row(v)).norm());
+    }
+    CHECK(farthest > 2e-3);
+    double off = 0, most = 0;  // a point of the organ goes with the nearest of the boundary
+    for (Eigen::Index v = 0; v < V; ++v) {
+        const Eigen::Index same = of[static_cast<std::size_t>(v)];
+        off = std::max(off, ((organ - organ_rest).row(v) - (boundary - rest).row(same)).norm());
+        most = std::max(most, (organ - organ_rest).row(v).norm());
+    }
+    CHECK(most > 0.8 * farthest);
+    CHECK(off < 0.2 * farthest);
+    const Eigen::RowVector3d moved = (nodule - model.nodule.points).colwise().mean();
+    CHECK(moved.z() < -1e-5);  // pressed from above
+    CHECK(moved.norm() < farthest);
+
+    tissue_session* copy = nullptr;
+    REQUIRE(tissue_copy(session.s, &copy) == TISSUE_OK);
+    NodeField again(V, 3);
+    CHECK(tissue_surface(copy, "organ", nullptr, again.data()) == TISSUE_OK);
+    CHECK(again == organ);
+    tissue_close(&copy);
+
+    const TemporaryFolder other;
+    Session plane(model_file(other, law_example()));
+    CHECK(tissue_surface_points(plane.s, "boundary") == 0);
+    CHECK(tissue_add_surface(plane.s, "organ", file.c_str(), 1e-3) == TISSUE_MISMATCH);
 }
 
 TEST_CASE("what is wrong is a code and one line, whatever is given", "[api]") {

@@ -100,6 +100,7 @@ for wrong in (state[:-1], state[:-1] + bytes([state[-1] ^ 1])):
     except tissue.Error:
         continue
     assert False, wrong
+assert session.surfaces == []  # in the plane
 energies = session.energies_J
 assert set(energies) == {"given", "observed", "bound", "kinetic", "friction", "stored", "dissipated"} and energies["given"] < 0 < energies["bound"] and energies["friction"] > 0, energies
 session.set(force_scale=2, offset=(0, 0))
@@ -299,7 +300,7 @@ import sys
 import tissue
 bare = {owner: owner.__new__(owner) for owner in (tissue.Model, tissue.Simulation, tissue.Adaptation)}
 top, down = (0.05, 0.1), (0, -0.004)
-arguments = {"press": ([top], [down]), "tick": ((0, 0.2, 0),), "ticks": ([(0, 0.2, 0)],), "learn": (top, down, down), "expect": (top, down), "write": ("/nowhere/none.h5",), "clutch": (True,), "follow": (tissue.Simulation(tissue.Model(sys.argv[1])),), "take_over": (tissue.Simulation(tissue.Model(sys.argv[1])),)}
+arguments = {"press": ([top], [down]), "tick": ((0, 0.2, 0),), "ticks": ([(0, 0.2, 0)],), "learn": (top, down, down), "expect": (top, down), "write": ("/nowhere/none.h5",), "clutch": (True,), "surface": ("boundary",), "add_surface": ("organ", "/nowhere/none.obj", 1.0), "follow": (tissue.Simulation(tissue.Model(sys.argv[1])),), "take_over": (tissue.Simulation(tissue.Model(sys.argv[1])),)}
 asked = 0
 for owner, it in bare.items():
     for name in vars(owner):

@@ -181,9 +181,32 @@ check "and of a model alone" says "cases.h5: holds load cases; --to glb draws wh
 
 run "$TISSUE_HAPTIC" results/dome/model.h5 --seconds 0.2
 check "it plays" exited 0
+check "in Python its surfaces go with it by name" env PYTHONPATH="$root/build/release/python" "$PYTHON" - <<'PY'
+import numpy as np
+import tissue
+session = tissue.Simulation(tissue.Model("results/dome/model.h5"))
+assert session.surfaces == ["boundary"], session.surfaces
+rest, triangles = session.surface("boundary")
+assert rest.shape[1] == triangles.shape[1] == 3 and triangles.min() == 0 and triangles.max() == len(rest) - 1
+top = rest[rest[:, 2].argmax()]
+session.ticks([[top[0], top[1], top[2] + 0.002 - 0.005 * min(1, k / 300)] for k in range(400)])
+moved = session.surface("boundary")[0] - rest
+assert 0.001 < np.abs(moved).max() < 0.004 and moved[rest[:, 2].argmax(), 2] < -0.001, np.abs(moved).max()
+with open("boundary.obj", "w") as file:
+    file.writelines(f"v {x} {y} {z}\n" for x, y, z in 1e3 * rest)
+    file.writelines(f"f {a} {b} {c}\n" for a, b, c in triangles + 1)
+session.add_surface("organ", "boundary.obj", unit_m=0.001)
+assert session.surfaces == ["boundary", "organ"] and len(session.surface("organ")[0]) == len(rest)
+for wrong in (lambda: session.surface("liver"), lambda: session.add_surface("organ", "boundary.obj", unit_m=0.001)):
+    try:
+        wrong()
+    except tissue.Error:
+        continue
+    assert False
+PY
 
 # ---- one half of the table an elastic bed, about as stiff as the tissue, the other rigid: the law knows it from the study
-sed 's/^fixed = .*/fixed = ["box -1 -1 -0.001 to 0 1 0.00001", "box 0 -1 -0.001 to 1 1 0.00001"]\nbed_Pa_m = [2e5, 0.0]/' "$work/$study" >"$work/fem/studies/bedded.toml"
+sed 's/^fixed = .*/fixed = ["box -1 -1 -1 to 1 0.006 0.00001", "box -1 0.006 -1 to 1 1 0.00001"]\nbed_Pa_m = [2e5, 0.0]/' "$work/$study" >"$work/fem/studies/bedded.toml"
 run make PYTHON="$PYTHON" STUDY=bedded eval -j2
 check "half on an elastic bed a study runs as well" exited 0
 check "what lies on the bed moves, what does not stays, contact, bed and supports are in balance, and the law is as good on it" "$PYTHON" - "$R" "$work/results/bedded" <<'PY'
@@ -199,13 +222,13 @@ with h5py.File(bedded + "/cases.h5") as c, h5py.File(rigid + "/cases.h5") as r, 
         u = np.linalg.norm(p["displacement"][-1], axis=1)
         f = p["force"][-1]
         assert np.abs(f.sum(axis=0)).max() < 1e-6 * np.abs(f).max(), f.sum(axis=0)
-        on_bed, on_rock = (fixed[side] for side in (c["nodes"][()][fixed, 0] < -1e-3, c["nodes"][()][fixed, 0] > 1e-3))
+        on_bed, on_rock = (fixed[side] for side in (c["nodes"][()][fixed, 1] < 5e-3, c["nodes"][()][fixed, 1] > 7e-3))
         assert u[on_bed].max() > 0.01 * u.max() and u[on_rock].max() == 0 and np.abs(q["displacement"][-1][fixed]).max() == 0, name
         contact, bed = (np.linalg.norm(p[k][-1]) for k in ("contact_force", "support_force"))
         assert 0.5 < np.linalg.norm(p["contact_force"][-1]) / np.linalg.norm(q["contact_force"][-1]) < 0.99, name
         assert bed > 0.5 * contact, (name, contact, bed)
 errors = [json.load(open(folder + "/eval.json"))["closed_loop"]["held_out"]["learned"] for folder in (rigid, bedded)]
-assert errors[1]["n"] == errors[1]["of"] == 2 and errors[1]["max"] < 2 * errors[0]["max"] and errors[1]["shape"]["max"] < 0.15, errors
+assert errors[1]["n"] == errors[1]["of"] == 2 and errors[1]["max"] < 2 * errors[0]["max"] and errors[1]["shape"]["max"] < errors[0]["shape"]["max"], errors
 PY
 
 # ---- a nodule in it: contacts over it and at the mirror image, where there is none

@@ -12,6 +12,7 @@
 
 #include "adapt/adapted_model.h"
 #include "adapt/next_poke.h"
+#include "api/named_surfaces.h"
 #include "api/session_counts.h"
 #include "cases/load_path.h"
 #include "error.h"
@@ -119,10 +120,11 @@ struct Session {
     std::shared_ptr<const HapticModel> model;  // of this session and its copies
     Simulation simulation;
     TickClock clock;
+    NamedSurfaces surfaces;
     std::recursive_mutex guard;
     Session(std::shared_ptr<const TissueModel> t, const HapticOptions& options)
-        : tissue(std::move(t)), model(std::make_shared<HapticModel>(*tissue, options)), simulation(*model) {}
-    Session(const Session& other) : tissue(other.tissue), model(other.model), simulation(other.simulation) {}
+        : tissue(std::move(t)), model(std::make_shared<HapticModel>(*tissue, options)), simulation(*model), surfaces(*tissue) {}
+    Session(const Session& other) : tissue(other.tissue), model(other.model), simulation(other.simulation), surfaces(other.surfaces) {}
 
     Eigen::Vector3d tick(const Eigen::Vector3d& position_m, double elapsed_s, double age_s) {
         DeviceSample sample;
@@ -457,6 +459,20 @@ ticks() between two ticks, press() between two contacts and next() between two p
                      return NodeField(seen);
                  });
              }, "of the nodes now as they are drawn and compared with FE [m] (N, D): in space, beside the tool, the surface that it presses (lib/springs/skin.h)")
+        .def("add_surface", [](Session& s, const std::string& name, const File& file, double unit_m) { alone(s, [&] { s.surfaces.add(name, file, unit_m); }); }, py::arg("name"), py::arg("file"), py::arg("unit_m"),
+             "A surface that moves with the tissue from now on: of a file (.stl, .obj, .ply, ..), whose numbers are in this unit [m].")
+        .def_property_readonly("surfaces", [](Session& s) { return alone(s, [&] { return s.surfaces.names(); }); }, "names of those there are, in space: boundary, nodule where the model has one, and what was added")
+        .def("surface", [](Session& s, const std::string& name) {
+                 return alone(s, [&] {
+                     const NamedSurfaces::Surface* of = s.surfaces.find(name);
+                     if (!of) throw MismatchError("there is no surface '" + name + "'");
+                     NodeColumns seen;
+                     s.simulation.seen(0, seen);
+                     Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> places(of->rest_m.rows(), 3);
+                     of->places(seen, places.data());
+                     return std::pair(places, of->triangles);
+                 });
+             }, py::arg("name"), "Where its points are now [m] (V, 3), and its triangles, normals out (W, 3). Point v stays point v.")
         .def_property_readonly("contact", &contact_of, "as the last tick left it: mesh (-1: nothing is pressed), facet, weight, displacement_m, force_N (on the tissue, before safety), slipping, fault, status (done; without force: refused, not armed, folded, diverged)")
         .def_property_readonly("counts", &counts_of, "of the session")
         .def_property_readonly("energies_J", &energies_of, "the energy log: given (to the hand since the start; below 0: the hand gave), observed and bound (of the passivity observer), kinetic (of the tissue), friction (dissipated), "
