@@ -181,10 +181,12 @@ check "and of a model alone" says "cases.h5: holds load cases; --to glb draws wh
 
 run "$TISSUE_HAPTIC" results/dome/model.h5 --seconds 0.2
 check "it plays" exited 0
-check "in Python its surfaces go with it by name" env PYTHONPATH="$root/build/release/python" "$PYTHON" - <<'PY'
+check "in Python its surfaces go with it by name" env PYTHONPATH="$root/build/release/python" "$PYTHON" - "$work/results/dome/model.h5" "$scratch/boundary.obj" <<'PY'
+import sys
 import numpy as np
 import tissue
-session = tissue.Simulation(tissue.Model("results/dome/model.h5"))
+model, file = sys.argv[1:]
+session = tissue.Simulation(tissue.Model(model))
 assert session.surfaces == ["boundary"], session.surfaces
 rest, triangles = session.surface("boundary")
 assert rest.shape[1] == triangles.shape[1] == 3 and triangles.min() == 0 and triangles.max() == len(rest) - 1
@@ -192,12 +194,12 @@ top = rest[rest[:, 2].argmax()]
 session.ticks([[top[0], top[1], top[2] + 0.002 - 0.005 * min(1, k / 300)] for k in range(400)])
 moved = session.surface("boundary")[0] - rest
 assert 0.001 < np.abs(moved).max() < 0.004 and moved[rest[:, 2].argmax(), 2] < -0.001, np.abs(moved).max()
-with open("boundary.obj", "w") as file:
-    file.writelines(f"v {x} {y} {z}\n" for x, y, z in 1e3 * rest)
-    file.writelines(f"f {a} {b} {c}\n" for a, b, c in triangles + 1)
-session.add_surface("organ", "boundary.obj", unit_m=0.001)
+with open(file, "w") as obj:
+    obj.writelines(f"v {x} {y} {z}\n" for x, y, z in 1e3 * rest)
+    obj.writelines(f"f {a} {b} {c}\n" for a, b, c in triangles + 1)
+session.add_surface("organ", file, unit_m=0.001)
 assert session.surfaces == ["boundary", "organ"] and len(session.surface("organ")[0]) == len(rest)
-for wrong in (lambda: session.surface("liver"), lambda: session.add_surface("organ", "boundary.obj", unit_m=0.001)):
+for wrong in (lambda: session.surface("liver"), lambda: session.add_surface("organ", file, unit_m=0.001)):
     try:
         wrong()
     except tissue.Error:
