@@ -9,6 +9,7 @@
 #include "mesh/disc_rim.h"
 #include "mesh/inclusion.h"
 #include "mesh/region_lookup.h"
+#include "study/bed.h"
 #include "surface_file/surface_file.h"
 
 namespace tissue::cli {
@@ -16,7 +17,8 @@ namespace {
 
 struct Options {
     std::string mesh, named, out, filled, nodule;
-    std::vector<std::string> fixed{"fixed"}, on_beds, regions;
+    std::vector<std::string> fixed{"fixed"}, regions;
+    std::vector<int> beds;
     std::vector<double> contact_m;
     double unit_m = 1, radius_m = 0.007, near_m = 0.003, far_m = 0.015;
 };
@@ -36,7 +38,7 @@ void run(const Options& o) {
     }
     if (o.contact_m.empty()) throw CLI::RequiredError("--contact");
     const std::string& named = o.named.empty() ? o.mesh : o.named;
-    const Surface surface = make_surface(read_surface_or_msh(o.mesh, o.named), o.fixed, o.unit_m, read_other_surface, o.on_beds);
+    const Surface surface = make_surface(read_surface_or_msh(o.mesh, o.named), o.fixed, o.unit_m, read_other_surface, o.beds);
     const RimmedSurface made = about(named, [&] { return with_rim(surface, {{o.contact_m[0], o.contact_m[1], o.contact_m[2]}, o.radius_m, o.near_m, o.far_m}); });
     std::optional<Surface> nodule;
     if (!o.nodule.empty()) {
@@ -58,7 +60,7 @@ void add_rim(CLI::App& app, const Invocation&) {
     command->add_option("--mesh", o->mesh, "the shape as gmsh saved it, MSH 2.2, or a surface: .stl, .obj, .ply, .off, .glb")->required()->type_name("FILE");
     command->add_option("--named", o->named, "what messages call it (default: --mesh)")->type_name("FILE");
     command->add_option("--fixed", o->fixed, "surfaces that are held, or regions (below_z_0.01, within_0.003_of_FILE)")->delimiter(',')->type_name("NAME,..")->capture_default_str();
-    command->add_option("--on-beds,--on_beds", o->on_beds, "which of them lie on elastic beds, and are labelled 21, 22, ...")->delimiter(',')->type_name("NAME,..");
+    command->add_option("--beds", o->beds, "of each of them the elastic bed that it lies on, from 1, which are labelled 21, 22, ..; 0: none")->delimiter(',')->type_name("BED,..")->check(CLI::Range(0, static_cast<int>(most_beds)));
     command->add_option("--unit", o->unit_m, "the mesh's unit of length")->type_name("m")->capture_default_str();
     command->add_option("--contact", o->contact_m, "about which the disc presses")->expected(3)->type_name("m m m");
     command->add_option("--radius", o->radius_m, "of the disc")->type_name("m")->capture_default_str();

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include <iostream>
 
 #include "cases/plan.h"
@@ -28,7 +30,7 @@ struct Options {
 std::string divided_surface(const Study& study, const MshFile& mesh) {
     constexpr int rounds = 8;
     const Study::Geometry& g = study.geometry;
-    const Surface surface = make_surface(mesh, g.fixed, g.unit_m, read_other_surface, g.on_beds());
+    const Surface surface = make_surface(mesh, g.fixed, g.unit_m, read_other_surface, g.beds());
     SurfaceRemesh divided(surface, {Eigen::Vector3d::Zero(), 0, study.spring_size_m, study.spring_size_m});
     divided.remesh(rounds);
     try {
@@ -57,12 +59,14 @@ void run(const Options& o) {
     if (o.surface) return write_file(o.out, divided_surface(study, mesh));
     ShapeNotes notes;
     const std::vector<std::string> regions = study.material.region_names();
-    std::vector<std::string> beds, held;  // as divided_surface has named them
-    for (std::size_t b = 0; b < g.on_beds().size(); ++b) beds.push_back(held_name(Surface::first_bed_label + static_cast<int>(b)));
-    if (beds.size() < g.fixed.size()) held.push_back(held_name(Surface::fixed_label));
-    held.insert(held.end(), beds.begin(), beds.end());
+    std::vector<std::string> held;  // as divided_surface has named them
+    std::vector<int> beds = g.beds();
+    std::sort(beds.begin(), beds.end());
+    beds.erase(std::unique(beds.begin(), beds.end()), beds.end());
+    if (beds.empty()) beds.push_back(0);
+    for (int bed : beds) held.push_back(held_name(held_label(bed)));
     const Shape shape = o.filled ? make_solid_shape(mesh, held, {}, 1, &notes, {}, beds)
-                        : g.is_solid() ? make_solid_shape(mesh, g.fixed, regions, g.unit_m, &notes, read_other_surface, g.on_beds())
+                        : g.is_solid() ? make_solid_shape(mesh, g.fixed, regions, g.unit_m, &notes, read_other_surface, g.beds())
                                        : make_shape(mesh, g.fixed, regions, g.unit_m, &notes);
     refuse_nodule_outside(study, shape);
     if (notes.turned > 0)

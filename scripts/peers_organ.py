@@ -27,7 +27,7 @@ class Organ:
             if not Path(folder, file).is_file():
                 sys.exit(f"peers_organ.py: {folder} has no {file}: run make eval STUDY={Path(folder).name}")
         plan = Path(folder, "plan.mk").read_text()
-        for argument, what in (("-bed", "an elastic bed"), ("-nodule_radius", "a nodule"), ("-regions", "regions")):
+        for argument, what in (("-beds", "an elastic bed"), ("-nodule_radius", "a nodule"), ("-regions", "regions")):
             if f" {argument} " in plan:
                 sys.exit(f"peers_organ.py: {folder}: has {what}, and the peers get one material on a bed that does not move")
         with h5py.File(f"{folder}/model.h5") as f:

@@ -37,7 +37,7 @@ void NamedSurfaces::add(const std::string& name, const std::string& file, double
     all_.push_back(std::make_shared<Surface>(Surface{name, carried.vertices, carried.facets, carried.node, carried.weight}));
 }
 
-const NamedSurfaces::Surface* NamedSurfaces::find(const std::string& name) const noexcept {
+const NamedSurfaces::Surface* NamedSurfaces::find(std::string_view name) const noexcept {
     for (const auto& surface : all_)
         if (surface->name == name) return surface.get();
     return nullptr;

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "springs/tissue_model.h"
@@ -29,7 +30,7 @@ class NamedSurfaces {
     /// The surface of a file, which moves with the boundary (mesh/carried_surface.h). unit_m [m]: of its numbers. Throws FileError and MismatchError as that and its readers, and where there is one of this name.
     void add(const std::string& name, const std::string& file, double unit_m);
 
-    const Surface* find(const std::string& name) const noexcept;  ///< nullptr: there is none
+    const Surface* find(std::string_view name) const noexcept;  ///< nullptr: there is none
     std::vector<std::string> names() const;
 
    private:

@@ -25,7 +25,7 @@ struct tissue_model {
 struct tissue_session {
     std::shared_ptr<const HapticModel> shared;
     std::unique_ptr<Simulation> running;
-    mutable NodeColumns seen;  ///< scratch of tissue_positions
+    mutable NodeColumns seen;  ///< scratch of tissue_positions and tissue_surface
     TickClock clock;
     NamedSurfaces surfaces;
     explicit tissue_session(const tissue_model& of) : shared(of.model), running(std::make_unique<Simulation>(*shared)), seen(running->state(0).displacement), surfaces(of.surfaces) {}
@@ -286,6 +286,7 @@ int tissue_surface_triangles(const tissue_session* s, const char* name) {
 }
 
 tissue_status tissue_surface(const tissue_session* s, const char* name, int* triangles, double* position_m) {
+    if (!s || !name) return bad("tissue_surface: a null pointer");
     const NamedSurfaces::Surface* surface = surface_of(s, name);
     if (!surface) return bad("tissue_surface: there is no surface of this name");
     for (Eigen::Index t = 0; triangles && t < surface->triangles.rows(); ++t)

@@ -126,7 +126,8 @@ TISSUE_API tissue_status tissue_rest_positions(const tissue_session *session, do
 TISSUE_API tissue_status tissue_positions(const tissue_session *session, double *position_m);
 
 /* ---- surfaces in space that move with the tissue, by name: "boundary", the model's own triangles; "nodule", of the other material in it, where the model has its surface; and those that
- * tissue_add_surface adds, such as the organ's own. For engines that keep meshes of their own (a mapping in SOFA, a Mesh in Unity): point v of a surface stays point v. None in the plane. */
+ * tissue_add_surface adds, such as the organ's own. For engines that keep meshes of their own (a mapping in SOFA, a Mesh in Unity): point v of a surface stays point v. None in the plane. A copy has them; a session that
+ * follows another (tissue_follow) has its own model's, and gets others anew. One thread at a time for a session. */
 
 /* Adds the surface of a file (.stl, .obj, .ply, .off, .glb, ..) under a name of its own; unit_m: of the file's numbers [m]. Not in the loop: it reads and allocates. TISSUE_BAD_FILE,
  * TISSUE_MISMATCH: it lies farther from the tissue than a tenth of that, or the name is in use. */
@@ -136,7 +137,7 @@ TISSUE_API tissue_status tissue_add_surface(tissue_session *session, const char 
 TISSUE_API int tissue_surface_points(const tissue_session *session, const char *name);
 TISSUE_API int tissue_surface_triangles(const tissue_session *session, const char *name);
 
-/* Its triangles, three points each, normals out; and where its points are [m], three numbers each, as the last tick has left them. Either may be NULL. One thread at a time calls it for a session. */
+/* Its triangles, three points each, normals out; and where its points are [m], three numbers each, as the last tick has left them. Either may be NULL. */
 TISSUE_API tissue_status tissue_surface(const tissue_session *session, const char *name, int *triangles, double *position_m);
 
 typedef struct tissue_contact {

@@ -82,8 +82,8 @@ std::string solid_shape_arguments(const Study& s, const PlannedPath& path, const
     const std::vector<std::string> regions = s.material.region_names();
     std::string beds;
     if (const std::vector<double> stiffness = s.geometry.beds_Pa_m(); !stiffness.empty()) {
-        beds = fmt::format(" -on_beds {}", fmt::join(s.geometry.on_beds(), ","));
-        for (std::size_t b = 0; b < stiffness.size(); ++b) beds += fmt::format(" -bed_{} {}", Surface::first_bed_label + static_cast<int>(b), stiffness[b]);
+        beds = fmt::format(" -beds {}", fmt::join(s.geometry.beds(), ","));
+        for (std::size_t b = 0; b < stiffness.size(); ++b) beds += fmt::format(" -bed_{} {}", held_label(static_cast<int>(b) + 1), stiffness[b]);
     }
     return fmt::format(
         "-shape {} -unit_m {} -fixed {}{}{} -springs {} -size_near {} -size_far {} {}{} -contact_x {} -contact_y {} -contact_z {} "

@@ -134,8 +134,9 @@ TrainingNames training_names(const std::vector<PlannedPath>& paths, std::size_t 
 }
 
 std::string shape_part(const Study& s) {
-    return fmt::format("{}\n{}\nunit {}\nfixed {}\nregions {}\n", s.geometry.shape, shape_arguments(s), s.geometry.unit_m,
-                       fmt::join(s.geometry.fixed, ","), fmt::join(s.material.region_names(), ","));
+    const std::string beds = s.geometry.bed_Pa_m.empty() ? "" : fmt::format("beds {}\n", fmt::join(s.geometry.beds(), ","));  // which parts have labels of their own
+    return fmt::format("{}\n{}\nunit {}\nfixed {}\n{}regions {}\n", s.geometry.shape, shape_arguments(s), s.geometry.unit_m, fmt::join(s.geometry.fixed, ","), beds,
+                       fmt::join(s.material.region_names(), ","));
 }
 
 }  // namespace
@@ -173,7 +174,9 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         }
     }();
     if (study.springs.is_law()) try {
-            study_law(study, shape, springs);
+            Study rigid = study;  // the mesh may be of before the beds, and made again next
+            rigid.geometry.bed_Pa_m.clear();
+            study_law(rigid, shape, springs);
         } catch (const MismatchError& e) {  // before hours of FE, not after
             throw StudyError(one_line(fmt::format("{}: key 'springs.terms': {}", study.file, e.what())));
         }

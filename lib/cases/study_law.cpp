@@ -216,22 +216,27 @@ Eigen::VectorXd support_moduli(const Study& study, const std::optional<Shape>& s
     const std::vector<double> beds = study.geometry.beds_Pa_m();
     if (mesh.embedding.empty() || beds.empty()) return moduli;
     if (moduli.size() == 0) moduli.setConstant(static_cast<Eigen::Index>(mesh.fixed.size()), modulus_Pa);
-    if (!shape || shape->bed.size() != shape->fixed_facets.size()) throw MismatchError("the shape does not say which of what is held lies on a bed: it was made without");
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(moduli.size()), area = sum;
+    const std::vector<int> parts = study.geometry.beds();
+    const bool one = beds.size() == 1 && std::count(parts.begin(), parts.end(), 0) == 0;  // on which all lies
+    if (!shape || (!one && shape->bed.size() != shape->fixed_facets.size())) throw MismatchError("the shape was made when nothing of it lay on a bed: it has to be made again (make mesh)");
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(moduli.size()), area = sum, least = Eigen::VectorXd::Constant(moduli.size(), std::numeric_limits<double>::infinity()), most = -least;
     for (std::size_t f = 0; f < shape->fixed_facets.size(); ++f) {
         const auto& corners = shape->fixed_facets[f];
         const Eigen::Vector3d a = shape->nodes.row(corners[0]), b = shape->nodes.row(corners[1]), c = shape->nodes.row(corners[2]);
         const double own = (b - a).cross(c - a).norm();
-        const auto bed = static_cast<std::size_t>(shape->bed[f]);
-        if (bed > beds.size()) throw MismatchError(fmt::format("the shape lies on {} beds, and the study has {}", bed, beds.size()));
+        const int bed = one ? 1 : shape->bed[f];
+        if (bed < 0 || bed > static_cast<int>(beds.size())) throw MismatchError(fmt::format("the shape names a bed {}, and the study has {}: it has to be made again (make mesh)", bed, beds.size()));
         for (int node : corners) {
             const auto m = std::lower_bound(mesh.fixed.begin(), mesh.fixed.end(), node) - mesh.fixed.begin();
-            const double rigid = moduli[m], bed_Pa = bed > 0 ? beds[bed - 1] * mesh.embedding.spacing_m / support_stiffness : 0;
-            sum[m] += own * (bed > 0 ? rigid * bed_Pa / (rigid + bed_Pa) : rigid);
+            const double rigid = moduli[m], bed_Pa = bed > 0 ? beds[static_cast<std::size_t>(bed) - 1] * mesh.embedding.spacing_m / support_stiffness : 0;
+            const double here = bed > 0 ? rigid * bed_Pa / (rigid + bed_Pa) : rigid;
+            sum[m] += own * here;
             area[m] += own;
+            least[m] = std::min(least[m], here);
+            most[m] = std::max(most[m], here);
         }
     }
-    return sum.cwiseQuotient(area);
+    return (least.array() == most.array()).select(least, sum.cwiseQuotient(area));
 }
 
 /// The law of a solid. Springs, cells, supports and contacts all take account of parts of another stiffness.

@@ -74,8 +74,8 @@ CarriedSurface carried_surface(const SpringMesh& mesh, const MshFile& file, doub
         carried.weight.row(v) = place.weight.transpose();
     }
     if (!(most_m <= farthest * mesh.size_m()))
-        throw MismatchError(fmt::format("{}: lies up to {:.3g} mm from the model, which is {:.3g} mm long: is it another organ's, or are its numbers in another unit (--unit mm, cm, m or inch)?",
-                                        file.file, 1e3 * most_m, 1e3 * mesh.size_m()));
+        throw MismatchError(fmt::format("{}: lies up to {:.3g} mm from the model, which is {:.3g} mm long: is it another organ's, or are its numbers in another unit than {:g} m?",
+                                        file.file, 1e3 * most_m, 1e3 * mesh.size_m(), unit_m));
     return carried;
 }
 

@@ -198,11 +198,18 @@ std::optional<HeldRegion> HeldRegion::of(const std::string& text, const Reader& 
 
 double border_m(const NodeField& nodes) { return 1e-6 * size_m(nodes); }
 
-HeldParts held_parts(const std::vector<std::string>& texts, const std::string& file, const HeldRegion::Reader& read, double unit_m) try {
+HeldParts held_parts(const std::vector<std::string>& texts, const std::string& file, const HeldRegion::Reader& read, double unit_m, const std::vector<int>& beds) try {
+    if (!beds.empty() && beds.size() != texts.size()) throw MismatchError(fmt::format("{} beds for {} held parts", beds.size(), texts.size()));
     HeldParts parts;
-    for (const std::string& text : texts) {
-        if (const auto region = HeldRegion::of(text, read, unit_m)) parts.regions.push_back(*region);
-        else parts.names.push_back(text);
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+        const int bed = beds.empty() ? 0 : beds[i];
+        if (const auto region = HeldRegion::of(texts[i], read, unit_m)) {
+            parts.regions.push_back(*region);
+            parts.bed_of_region.push_back(bed);
+        } else {
+            parts.names.push_back(texts[i]);
+            parts.bed_of_name.push_back(bed);
+        }
     }
     return parts;
 } catch (const MismatchError& e) {

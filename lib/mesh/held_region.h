@@ -55,8 +55,10 @@ double border_m(const NodeField& nodes);
 struct HeldParts {
     std::vector<std::string> names;
     std::vector<HeldRegion> regions;
+    std::vector<int> bed_of_name, bed_of_region;  ///< the elastic bed that each lies on, from 1; 0: none
 };
-HeldParts held_parts(const std::vector<std::string>& texts, const std::string& file, const HeldRegion::Reader& read, double unit_m);
+/// beds: of each text its bed; empty: none has one.
+HeldParts held_parts(const std::vector<std::string>& texts, const std::string& file, const HeldRegion::Reader& read, double unit_m, const std::vector<int>& beds = {});
 
 /// Labels what of the surface lies in a region and is not held yet, to a 400th of the surface's longest side: triangles are divided along the border, and a corner that near to where an edge meets it
 /// counts as on it. Near the border of a ball or box triangles are divided before, to sides of a fortieth of that longest side, or a third of the region's narrowest. Returns whether anything

@@ -123,11 +123,11 @@ Picked pick(const MshFile& mesh, const std::vector<int>& region_tags) {
 }  // namespace
 
 Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixed, const std::vector<std::string>& regions,
-                       double unit_m, ShapeNotes* notes, const HeldRegion::Reader& read, const std::vector<std::string>& on_beds) {
+                       double unit_m, ShapeNotes* notes, const HeldRegion::Reader& read, const std::vector<int>& beds) {
     const std::string& file = mesh.file;
     if (mesh.tetrahedra.empty())
         throw FileError(file + ": has no tetrahedra: is its surface closed, and its volume in a physical group?");
-    const HeldParts held_by = held_parts(fixed, file, read, unit_m);
+    const HeldParts held_by = held_parts(fixed, file, read, unit_m, beds);
     const std::vector<int> fixed_tags = group_tags(held_by.names, mesh.triangle_names, "surface", file),
                            region_tags = group_tags(regions, mesh.tetrahedron_names, "volume", file);
     const Picked picked = pick(mesh, region_tags);
@@ -175,8 +175,7 @@ Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixe
     const Cells facets = open_faces(shape.simplices);
     check_surface(shape, facets, file);
 
-    const auto bed_of = [&](const std::string& text) { return std::max(0, held_label(text, on_beds) - Surface::first_bed_label + 1); };
-    std::map<Face, int> held;  // and the bed
+    std::map<Face, std::size_t> held;  // and the first of the named parts that has it
     for (const MshFile::Element& e : mesh.triangles) {
         const auto tag = std::find(fixed_tags.begin(), fixed_tags.end(), e.physical);
         if (tag == fixed_tags.end()) continue;
@@ -186,7 +185,9 @@ Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixe
             if (there == number.end()) throw FileError(fmt::format("{}: element {} of a fixed surface belongs to no tetrahedron", file, e.number));
             face[static_cast<std::size_t>(k)] = there->second;
         }
-        held.emplace(sorted(face), bed_of(held_by.names[static_cast<std::size_t>(tag - fixed_tags.begin())]));
+        const auto part = static_cast<std::size_t>(tag - fixed_tags.begin());
+        std::size_t& first = held.emplace(sorted(face), part).first->second;
+        first = std::min(first, part);
     }
     const double border = border_m(shape.nodes);
     std::vector<bool> holds(held_by.regions.size(), false);
@@ -194,17 +195,19 @@ Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixe
         Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
         for (int node : facets.row(f)) middle_m += shape.nodes.row(node).transpose() / 3;
         const auto named = held.find(sorted(face_of(facets, f)));
-        int bed = named == held.end() ? -1 : named->second;  // the first part that has it
+        int bed = named == held.end() ? -1 : held_by.bed_of_name[named->second];
         if (bed >= 0) held.erase(named);
         for (std::size_t r = 0; r < holds.size(); ++r) {
             if (held_by.regions[r].outside_m(middle_m) > border) continue;
             holds[r] = true;
-            if (bed < 0) bed = bed_of(held_by.regions[r].word());
+            if (bed < 0) bed = held_by.bed_of_region[r];
         }
         if (bed < 0) continue;
         shape.fixed_facets.push_back(face_of(facets, f));
         shape.bed.push_back(bed);
     }
+    for (std::size_t i = 0; i < beds.size(); ++i)
+        if (std::count(shape.bed.begin(), shape.bed.end(), beds[i]) == 0) throw FileError(fmt::format("{}: other parts hold all that '{}' holds, and its bed has nothing", file, fixed[i]));
     if (std::count(shape.bed.begin(), shape.bed.end(), 0) == static_cast<long>(shape.bed.size())) shape.bed.clear();
     for (std::size_t r = 0; r < holds.size(); ++r)
         if (!holds[r])
@@ -228,13 +231,13 @@ std::string solid_to_msh(const Shape& shape, const std::vector<std::string>& reg
     const Cells facets = open_faces(shape.simplices);
     std::map<Face, int> held;
     for (std::size_t f = 0; f < shape.fixed_facets.size(); ++f)
-        held[sorted(shape.fixed_facets[f])] = shape.bed.empty() || shape.bed[f] == 0 ? Surface::fixed_label : Surface::first_bed_label + shape.bed[f] - 1;
+        held[sorted(shape.fixed_facets[f])] = held_label(shape.bed.empty() ? 0 : shape.bed[f]);
     const std::set<int> beds(shape.bed.begin(), shape.bed.end());
     const auto named = std::count_if(beds.begin(), beds.end(), [](int bed) { return bed > 0; });
     std::string text = fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n2 {} \"fixed\"\n2 {} \"free\"\n", 3 + static_cast<std::size_t>(named) + regions.size(), Surface::fixed_label,
                                    Surface::free_label);
     for (int bed : beds)
-        if (const int label = Surface::first_bed_label + bed - 1; bed > 0) text += fmt::format("2 {} \"{}\"\n", label, held_name(label));
+        if (const int label = held_label(bed); bed > 0) text += fmt::format("2 {} \"{}\"\n", label, held_name(label));
     text += fmt::format("3 {} \"tissue\"\n", tissue_label);
     for (std::size_t r = 0; r < regions.size(); ++r) text += fmt::format("3 {} \"{}\"\n", tissue_label + 1 + static_cast<int>(r), regions[r]);
     text += fmt::format("$EndPhysicalNames\n$Nodes\n{}\n", shape.nodes.rows());

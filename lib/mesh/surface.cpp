@@ -222,24 +222,22 @@ Closed closed(const MshFile& mesh, double unit_m) {
 
 Surface closed_surface(const MshFile& mesh, double unit_m) { return closed(mesh, unit_m).surface; }
 
-int held_label(const std::string& text, const std::vector<std::string>& on_beds) {
-    const auto there = std::find(on_beds.begin(), on_beds.end(), text);
-    if (there == on_beds.end()) return Surface::fixed_label;
-    const auto bed = there - on_beds.begin();
-    if (bed > Surface::last_bed_label - Surface::first_bed_label) throw MismatchError(fmt::format("at most {} parts lie on beds", Surface::last_bed_label - Surface::first_bed_label + 1));
-    return Surface::first_bed_label + static_cast<int>(bed);
-}
-
 std::string held_name(int label) { return label == Surface::fixed_label ? "fixed" : fmt::format("bed-{}", label - Surface::first_bed_label + 1); }
 
-Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, double unit_m, const HeldRegion::Reader& read, const std::vector<std::string>& on_beds) {
-    const auto [fixed, regions] = held_parts(held, mesh.file, read, unit_m);
+Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, double unit_m, const HeldRegion::Reader& read, const std::vector<int>& beds) {
+    const HeldParts held_by_part = held_parts(held, mesh.file, read, unit_m, beds);
+    const std::vector<std::string>& fixed = held_by_part.names;
     const std::string& file = mesh.file;
     auto [s, faces] = closed(mesh, unit_m);
     std::vector<std::string> known;
-    const auto hold_group = [&, &fixed = fixed, &s = s](const std::string& name, const std::vector<std::size_t>& triangles) {
-        if (std::find(fixed.begin(), fixed.end(), name) != fixed.end())
-            for (std::size_t t : triangles) s.label[t] = held_label(name, on_beds);
+    std::vector<std::size_t> first(faces.size(), fixed.size());  // of `fixed` that has a triangle
+    const auto hold_group = [&, &s = s](const std::string& name, const std::vector<std::size_t>& triangles) {
+        const auto part = static_cast<std::size_t>(std::find(fixed.begin(), fixed.end(), name) - fixed.begin());
+        for (std::size_t t : triangles) {
+            if (part >= first[t]) continue;
+            first[t] = part;
+            s.label[t] = held_label(held_by_part.bed_of_name[part]);
+        }
         known.push_back(name);
     };
     std::map<Face, std::size_t> number;
@@ -274,10 +272,12 @@ Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, 
             if (known.size() > 12) known.assign({known[0], known[1], "...", known.back()});
             throw FileError(fmt::format("{}: has no surface '{}' to hold; it has {}", file, name, fmt::join(known, ", ")));
         }
-    for (const HeldRegion& region : regions)
-        if (!held_by(s, region, file, held_label(region.word(), on_beds)))
+    for (std::size_t k = 0; k < held_by_part.regions.size(); ++k)
+        if (const HeldRegion& region = held_by_part.regions[k]; !held_by(s, region, file, held_label(held_by_part.bed_of_region[k])))
             throw FileError(fmt::format("{}: '{}' holds nothing of its surface, which reaches from {}", file, region.text(), extent(s.nodes)));
     if (held.empty()) throw FileError(file + ": no surface of it is held");
+    for (std::size_t i = 0; i < beds.size(); ++i)
+        if (std::count(s.label.begin(), s.label.end(), held_label(beds[i])) == 0) throw FileError(fmt::format("{}: other parts hold all that '{}' holds, and its bed has nothing", file, held[i]));
     if (std::count(s.label.begin(), s.label.end(), Surface::free_label) == 0)
         throw FileError(fmt::format("{}: all of the surface is held: it reaches from {}", file, extent(s.nodes)));
     return s;

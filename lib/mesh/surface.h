@@ -28,15 +28,15 @@ constexpr double crease_cosine = 0.766;  ///< of 40 degrees: where neighbours tu
 /// The surface of a mesh of tetrahedra, or, where it has none, its triangles, turned so that they point out. `fixed` are
 /// names of physical surfaces; where no surface has a name, its parts between edges that turn by more than 40 degrees
 /// are "surface-1", "surface-2", ... from the largest on. `fixed` may also have regions (mesh/held_region.h), along whose border triangles are divided; `read` reads the other surface of
-/// one that is `within` it. on_beds: which of `fixed` lie on elastic beds, and are labelled first_bed_label and so on in this order; where two parts share a triangle, the first of `fixed` has it,
-/// names before regions. unit_m [m] is the mesh's unit of length.
+/// one that is `within` it. beds: of each of `fixed` the elastic bed that it lies on, from 1, by which it is labelled (held_label); 0: none. Where two parts share a triangle, the first of `fixed`
+/// has it, names before regions. unit_m [m] is the mesh's unit of length.
 /// Throws FileError with file, place and cause: no triangles, one without area, a surface that does not close or that
 /// meets itself, more than one piece, a hole through it, no group of a name (with those there are), a fixed group that is
-/// not on the surface or is all of it, nothing that is held.
-Surface make_surface(const MshFile& mesh, const std::vector<std::string>& fixed, double unit_m, const HeldRegion::Reader& read = {}, const std::vector<std::string>& on_beds = {});
+/// not on the surface or is all of it, nothing that is held, a bed whose parts others hold already.
+Surface make_surface(const MshFile& mesh, const std::vector<std::string>& fixed, double unit_m, const HeldRegion::Reader& read = {}, const std::vector<int>& beds = {});
 
-/// Label of what `text`, one of `fixed`, holds.
-int held_label(const std::string& text, const std::vector<std::string>& on_beds);
+/// Label of what lies on a bed, from 1; 0: of what does not move.
+constexpr int held_label(int bed) { return bed > 0 ? Surface::first_bed_label + bed - 1 : Surface::fixed_label; }
 
 /// What to_msh calls held triangles of a label: "fixed", "bed-1", ...
 std::string held_name(int label);

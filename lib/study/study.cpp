@@ -112,7 +112,8 @@ Study::Geometry read_geometry(TomlReader in) {
             for (double k : g.bed_Pa_m)
                 if (k != 0 && !(k >= bed_least_Pa_m && k <= bed_most_Pa_m))
                     in.refuse("bed_Pa_m", fmt::format("must be 0, which is rigid, or {:g} to {:g} Pa/m (fat of E = 2000 Pa, 0.01 m thick: 200000), not {:g}", bed_least_Pa_m, bed_most_Pa_m, k));
-            if (g.on_beds().empty()) g.bed_Pa_m.clear();
+            if (g.beds_Pa_m().empty()) g.bed_Pa_m.clear();
+            if (g.beds_Pa_m().size() > most_beds) in.refuse("bed_Pa_m", fmt::format("has {} different numbers, at most {} are possible", g.beds_Pa_m().size(), most_beds));
         }
     }
     in.refuse_the_rest();
@@ -499,17 +500,18 @@ Study read_study(const std::string& file) {
     return study;
 }
 
-std::vector<std::string> Study::Geometry::on_beds() const {
-    std::vector<std::string> names;
-    for (std::size_t i = 0; i < bed_Pa_m.size(); ++i)
-        if (bed_Pa_m[i] > 0) names.push_back(fixed[i]);
-    return names;
+std::vector<double> Study::Geometry::beds_Pa_m() const {
+    std::vector<double> all;
+    for (double k : bed_Pa_m)
+        if (k > 0 && std::find(all.begin(), all.end(), k) == all.end()) all.push_back(k);
+    return all;
 }
 
-std::vector<double> Study::Geometry::beds_Pa_m() const {
-    std::vector<double> beds = bed_Pa_m;
-    beds.erase(std::remove(beds.begin(), beds.end(), 0), beds.end());
-    return beds;
+std::vector<int> Study::Geometry::beds() const {
+    const std::vector<double> all = beds_Pa_m();
+    std::vector<int> of;
+    for (double k : bed_Pa_m) of.push_back(k > 0 ? static_cast<int>(std::find(all.begin(), all.end(), k) - all.begin()) + 1 : 0);
+    return of;
 }
 
 }  // namespace tissue

@@ -39,8 +39,8 @@ struct Study {
         double unit_m = 1;                ///< that file's unit of length
         std::vector<std::string> fixed;   ///< names of its physical curves, in space surfaces, that are held
         std::vector<double> bed_Pa_m;     ///< in space, of each of those the stiffness per area of the bed that it lies on [Pa/m]; 0: it does not move. Empty: none does
-        std::vector<std::string> on_beds() const;    ///< those of `fixed` that lie on beds
-        std::vector<double> beds_Pa_m() const;       ///< and their beds
+        std::vector<double> beds_Pa_m() const;  ///< the beds there are, each stiffness once
+        std::vector<int> beds() const;          ///< which of them each of `fixed` lies on, from 1; 0: none. Empty: none does
         bool is_block() const { return shape.empty(); }
         bool is_solid() const { return length_m > 0 || solid; }
     } geometry;

@@ -303,12 +303,18 @@ TEST_CASE("of what reaches out of a solid shape the tissue inside counts, or the
         Study bedded = of;
         bedded.geometry.fixed = {"bed", "wall"};
         bedded.geometry.bed_Pa_m = {3e5, 0};
-        CHECK_THAT(refusal<MismatchError>([&, &of_shape = on] { study_law(bedded, of_shape, mesh); }), Contains("does not say which of what is held lies on a bed"));
+        CHECK_THAT(refusal<MismatchError>([&, &of_shape = on] { study_law(bedded, of_shape, mesh); }), Contains("it has to be made again (make mesh)"));
+        bedded.geometry.bed_Pa_m = {3e5, 3e5};
+        const Eigen::VectorXd whole = study_law(bedded, on, mesh).constants(none);  // a shape of before there were parts: all lies on it
+        bedded.geometry.bed_Pa_m = {3e5, 0};
         std::optional<Shape> lain = on;
         lain->bed.assign(lain->fixed_facets.size(), 1);
         const Eigen::VectorXd rigid = study_law(of, on, mesh).constants(none), elastic = study_law(bedded, lain, mesh).constants(none);
         const Eigen::Index others = rigid.size() - M;
         CHECK(elastic.head(others) == rigid.head(others));
+        CHECK(whole == elastic);
+        lain->bed[0] = 2;
+        CHECK_THAT(refusal<MismatchError>([&] { study_law(bedded, lain, mesh); }), Contains("names a bed 2, and the study has 1"));
         const Eigen::ArrayXd compliance = rigid.tail(M).array().inverse() + (3e5 * held_areas(mesh)).array().inverse();
         CHECK((elastic.tail(M).array() * compliance - 1).abs().maxCoeff() < tolerance::rounding);
 

@@ -268,6 +268,21 @@ TEST_CASE("a mesh of tetrahedra has the surface of its outer faces", "[solid][ri
     CHECK(s.triangles.rows() == 6);
     CHECK(volume(s) == Approx(1.0 / 6 + 1.0 / 3));
     CHECK(area(s, Surface::fixed_label) == Approx(0.5));
+
+    // of two groups that share a triangle the first of those held has it, and its bed; the same in the shape
+    mesh.triangles.push_back({4, {0, 1, 2}, 2});
+    mesh.triangle_names[2] = "table";
+    const int bed_label = held_label(1);
+    CHECK(area(make_surface(mesh, {"bed", "table"}, 1, {}, {1, 1}), bed_label) == Approx(0.5));
+    for (const auto& [held, beds] : {std::pair(std::vector<std::string>{"bed", "below z = 0.2"}, std::vector<int>{1, 0}), std::pair(std::vector<std::string>{"table", "below z = 0.2"}, std::vector<int>{1, 0})}) {
+        const Surface parts = make_surface(mesh, held, 1, {}, beds);
+        CHECK(area(parts, bed_label) == Approx(0.5));
+        CHECK(area(parts, Surface::fixed_label) > 0.1);
+    }
+    CHECK_THAT(refusal<FileError>([&] { make_surface(mesh, {"table", "bed"}, 1, {}, {1, 2}); }), Catch::Contains("two.msh: other parts hold all that 'bed' holds, and its bed has nothing"));
+    CHECK_THAT(refusal<FileError>([&] { make_surface(mesh, {"bed", "table"}, 1, {}, {1, 2}); }), Catch::Contains("two.msh: other parts hold all that 'table' holds, and its bed has nothing"));
+    mesh.triangles.pop_back();
+    mesh.triangle_names.erase(2);
     mesh.triangles[0] = {3, {1, 2, 3}, 1};
     CHECK(refusal<FileError>([&] { make_surface(mesh, {"bed"}, 1); }).find("'bed', to be held, has triangles that are not on the surface") != std::string::npos);
 }

@@ -92,8 +92,9 @@ TEST_CASE("keys that a solid shape has not, or must have, are refused by name", 
     for (const char* stiffness : {"9.9", "1.1e9", "-1.0", "inf", "\"soft\""}) said("[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = " + std::string(stiffness) + "\n", "geometry.bed_Pa_m");
     CHECK(shape_study(with(shape_study_text(), "[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = 2e5\n")).geometry.bed_Pa_m == std::vector<double>{2e5});
     CHECK(shape_study(with(shape_study_text(), "[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = 0\n")).geometry.bed_Pa_m.empty());
-    CHECK(shape_study(with(shape_study_text(), "[\"bed\"]\n", "[\"bed\", \"wall\", \"roof\"]\nbed_Pa_m = [1e5, 0.0, 2e5]\n")).geometry.on_beds() == std::vector<std::string>{"bed", "roof"});
-    CHECK(shape_study(with(shape_study_text(), "[\"bed\"]\n", "[\"bed\", \"wall\", \"roof\"]\nbed_Pa_m = [1e5, 0.0, 2e5]\n")).geometry.beds_Pa_m() == std::vector<double>{1e5, 2e5});
+    const Study::Geometry three = shape_study(with(shape_study_text(), "[\"bed\"]\n", "[\"bed\", \"wall\", \"roof\", \"side\"]\nbed_Pa_m = [1e5, 0.0, 2e5, 1e5]\n")).geometry;
+    CHECK(three.beds() == std::vector<int>{1, 0, 2, 1});
+    CHECK(three.beds_Pa_m() == std::vector<double>{1e5, 2e5});
     CHECK_THAT(said("[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = [1e5, 0.0]\n", "geometry.bed_Pa_m"), Contains("has 2 numbers for the 1 that 'fixed' names"));
     CHECK_THAT(said("solid = true", "bed_Pa_m = 2e5", "geometry.bed_Pa_m"), Contains("geometry.solid"));
     said("fixed = [\"bed\"]\n", "", "geometry.fixed");
