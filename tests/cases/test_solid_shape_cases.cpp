@@ -213,6 +213,19 @@ TEST_CASE("a solid shape's paths have their arguments in order, to the bit", "[s
     CHECK(plan.fragment.find("SOLID") == std::string::npos);
     CHECK(plan.fragment.find("PATHS +=") == std::string::npos);  // every path stands once in the list
     CHECK_THAT(plan.parts.at("path-check-0001"), Contains("-size_near 0.004 -size_far 0.015"));
+    // parts on beds of their own have triangles of their own: the shape is made again where another part lies on one
+    std::set<std::string> meshed{plan.parts.at("shape")};
+    s.geometry.fixed = {"bed", "wall"};
+    for (const std::vector<double>& beds : {std::vector<double>{}, {3e5, 0}, {0, 3e5}, {3e5, 3e5}}) {
+        s.geometry.bed_Pa_m = beds;
+        meshed.insert(make_plan(s, std::nullopt).parts.at("shape"));
+    }
+    CHECK(meshed.size() == 5);
+    s.geometry.bed_Pa_m = {3e5, 6e5};  // of another stiffness, the same triangles
+    const std::string two = make_plan(s, std::nullopt).parts.at("shape");
+    s.geometry.bed_Pa_m = {4e5, 5e5};
+    CHECK(make_plan(s, std::nullopt).parts.at("shape") == two);
+    s.geometry.bed_Pa_m.clear();
     s.geometry.fixed = {"bed $(rm)"};
     CHECK_THAT(refusal<StudyError>([&] { make_plan(s, shape()); }), Contains("key 'geometry.fixed'") && Contains("make cannot carry"));
     s = study();

@@ -316,6 +316,34 @@ TEST_CASE("a hand without a sensor, one that moves and one that slips give no re
     learner.stop();
 }
 
+TEST_CASE("a tool that its device holds back reads nothing, and is where the tissue is", "[adapt][hand]") {
+    const TissueModel law = law_example();
+    for (const double most_N : {3.3, 0.05}) {
+        HapticOptions options = options_for_learning();
+        options.safety.force_max_N = most_N;
+        HapticModel model(law, options);
+        Adaptation adaptation(law, live());
+        Learner learner(model, adaptation);
+        Simulation simulation(model);
+        constexpr double deep_m = 4e-3;
+        const std::vector<Waypoint> motion = {{0, (Point(2) << 0.05, 0.105).finished()}, {0.3, (Point(2) << 0.05, 0.1 - deep_m).finished()}, {4, (Point(2) << 0.05, 0.1 - deep_m).finished()}};
+        HiddenTissue device(std::make_unique<VirtualDevice>(motion, DeviceMap()), law, options);
+        for (int k = 0; k < 3000; ++k) {
+            learner.before(simulation);
+            simulation.tick(device.read(1e-3 * k));
+            learner.after(simulation, {});
+        }
+        const bool held_back = most_N < 1;
+        CHECK(simulation.held_back() == held_back);
+        CHECK(learner.readings() == (held_back ? 0 : 1));
+        CHECK(simulation.record().measured_N.norm() > 0.1);  // what is touched has no device: all of its force is felt
+        CHECK(simulation.record().coupling_N.norm() < 1.0001 * most_N);
+        const double tool_m = simulation.record().contact_displacement_m.norm();
+        CHECK((held_back ? tool_m < 0.5 * deep_m : std::abs(tool_m - deep_m) < 1e-9));
+        learner.stop();
+    }
+}
+
 TEST_CASE("a session ends though readings wait to be learned: those that take too long are dropped, and said to be", "[adapt]") {
     const TissueModel law = law_example();
     HapticModel model(law, options_for_learning());
