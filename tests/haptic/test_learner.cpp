@@ -316,7 +316,7 @@ TEST_CASE("a hand without a sensor, one that moves and one that slips give no re
     learner.stop();
 }
 
-TEST_CASE("a tool that its device holds back reads nothing, and is where the tissue is", "[adapt][hand]") {
+TEST_CASE("a tool that the force limit holds back gives no reading, and the displacement told is its own", "[adapt][hand]") {
     const TissueModel law = law_example();
     for (const double most_N : {3.3, 0.05}) {
         HapticOptions options = options_for_learning();
@@ -336,7 +336,7 @@ TEST_CASE("a tool that its device holds back reads nothing, and is where the tis
         const bool held_back = most_N < 1;
         CHECK(simulation.held_back() == held_back);
         CHECK(learner.readings() == (held_back ? 0 : 1));
-        CHECK(simulation.record().measured_N.norm() > 0.1);  // what is touched has no device: all of its force is felt
+        CHECK(simulation.record().measured_N.norm() > 0.1);  // the hidden tissue has no force limit
         CHECK(simulation.record().coupling_N.norm() < 1.0001 * most_N);
         const double tool_m = simulation.record().contact_displacement_m.norm();
         CHECK((held_back ? tool_m < 0.5 * deep_m : std::abs(tool_m - deep_m) < 1e-9));
