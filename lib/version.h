@@ -9,10 +9,10 @@ inline constexpr const char* version = "0.1.0";
 /// earlier programs must refuse them. Readers refuse a later one.
 inline constexpr int format_version = 1;
 inline constexpr int law_format_version = 2;
-inline constexpr int solid_format_version = 4;  ///< 3 was of solids whose discs had another energy: refused
+inline constexpr int solid_format_version = 4;  ///< of cases in space
 inline constexpr int time_format_version = 5;   ///< of a model that relaxes, and of cases with histories
 inline constexpr int adapted_format_version = 6;  ///< of a model that has learned from pokes
-inline constexpr int embedded_format_version = 8;  ///< of a model of a solid in an embedded lattice; 7 had another factor of contacts: refused
+inline constexpr int embedded_format_version = 9;  ///< of a model in space; earlier ones had other contacts: refused
 inline constexpr int last_format_version = embedded_format_version;
 
 }  // namespace tissue

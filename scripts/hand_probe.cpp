@@ -48,7 +48,7 @@ double deepest_force_N(const TissueModel& tissue, std::optional<LawPress>& answe
 
 /// In shares of the tissue's box, from its lowest corner (D).
 Point place_in(const SpringMesh& mesh, double x, double y, double up) {
-    const Point low = mesh.nodes.colwise().minCoeff().transpose(), high = mesh.nodes.colwise().maxCoeff().transpose();
+    const Point low = mesh.own_nodes().colwise().minCoeff().transpose(), high = mesh.own_nodes().colwise().maxCoeff().transpose();
     Point share(low.size());
     share[0] = x;
     if (share.size() == 3) share[1] = y;

@@ -30,9 +30,10 @@ class Organ:
         for argument, what in (("-beds", "an elastic bed"), ("-nodule_radius", "a nodule"), ("-regions", "regions")):
             if f" {argument} " in plan:
                 sys.exit(f"peers_organ.py: {folder}: has {what}, and the peers get one material on a bed that does not move")
+        with h5py.File(f"{folder}/cases.h5") as f:
+            if "shape/tetrahedra" not in f:
+                sys.exit(f"peers_organ.py: {folder}/cases.h5 is of no solid shape")
         with h5py.File(f"{folder}/model.h5") as f:
-            if "mesh/lattice" not in f:
-                sys.exit(f"peers_organ.py: {folder}/model.h5 is of no solid shape")
             own = len(f["mesh/lattice/corner"])
             self.nodes, self.tetrahedra, self.facets = f["mesh/nodes"][:own], f["mesh/tetrahedra"][()], f["mesh/facets"][()]
             self.held = f["mesh/fixed"][()]

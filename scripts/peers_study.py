@@ -74,9 +74,12 @@ def main():
     study, out = sys.argv[1:]
     model = tissue.Model(f"results/{study}/model.h5")
     contacts, pushes, truth = held_out(f"results/{study}")
-    size, counts = model.nodes.max(axis=0), [len(np.unique(np.round(model.nodes[:, axis], 9))) for axis in range(3)]
-    if np.prod(counts) != len(model.nodes):
-        sys.exit(f"peers_study.py: {study}: is no lattice")
+    own = model.nodes[model.node_mass_kg == 0]  # not the lattice's
+    size, counts = own.max(axis=0), [len(np.unique(np.round(own[:, axis], 9))) for axis in range(3)]
+    if np.prod(counts) != len(own):
+        sys.exit(f"peers_study.py: {study}: is no block")
+    if len(own) != np.count_nonzero(model.node_mass_kg):
+        sys.exit(f"peers_study.py: {study}: its springs are not as far apart as its lattice.cells, which peers get")
     question = {"size_m": size.tolist(), "counts": counts, "modulus_Pa": model.modulus, "shear_Pa": model.modulus / 3, "radius_m": model.disc_radius_m,
                 "mass_kg": float(model.node_mass_kg.sum()), "pushes": [[c.tolist(), p.tolist()] for c, p in zip(contacts, pushes)], "seconds": SECONDS}
 

@@ -151,7 +151,7 @@ TissueModel solid_example() {
     TissueModel m;
     m.study = "solid";
     m.law = "geometric";
-    m.mesh = make_lattice("grid26", Lattice{{4, 4, 2}, {0.1, 0.1, 0.05}});
+    m.mesh = make_lattice("embedded", Lattice{{4, 4, 2}, {0.1, 0.1, 0.05}});
     m.modulus_N_m = modulus_Pa;
     m.node_mass_kg = node_masses(m.mesh, 1040, 1);
     m.heuristic_a = heuristic_stiffness(m.mesh, modulus_Pa);
@@ -159,7 +159,7 @@ TissueModel solid_example() {
     const Eigen::VectorXd springs = Eigen::VectorXd::Constant(m.mesh.spring_count(), modulus_Pa),
                           cells = Eigen::VectorXd::Constant(mesh_cells(m.mesh).rows(), modulus_Pa);
     const EnergyLaw law(m.mesh, solid_heuristic(m.mesh, springs, cells, modulus_Pa, 12, radius_m),
-                        {"spring.all", "spring.face", "contact.normal.phase", "contact.tangent.edge", "contact.imprint_normal", "contact.hardening", "skin.tangent", "skin.radial"});
+                        {"spring.all", "spring.face", "contact.normal.edge", "contact.tangent.edge", "contact.imprint_normal", "contact.hardening", "skin.tangent", "skin.radial"});
     const Eigen::VectorXd p = (Eigen::VectorXd(8) << -0.7, 0.9, 0.3, -0.2, 1.5, 1.2, -0.4, 0.3).finished();
     m.energy_law = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible(), radius_m};
     m.case_names = {"down-3mm", "tilted-5mm"};

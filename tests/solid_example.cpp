@@ -61,7 +61,8 @@ tilt_deg = [90, 90]
 clearance_m = [0.012, 0.02]
 
 [springs]
-topology = "grid26"
+topology = "embedded"
+spacing_m = 0.0125
 stiffness = "law"
 terms = ["spring.all", "cell.all"]
 

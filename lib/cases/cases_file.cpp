@@ -192,7 +192,7 @@ LoadPath read_path(TableReader in, const std::string& name, const NodeField& nod
 
 const DatasetTable& cases_table(bool measured) {
     static const DatasetTable all = {
-        {"/nodes", "N x D", Values::place(), "m", "lattice nodes at rest", Rows::distinct},
+        {"/nodes", "N x D", Values::place(), "m", "nodes at rest, where displacements are compared", Rows::distinct},
         {"/shape/triangles", "T x 3", Values::index("N"), "1", "triangles between the nodes", Rows::distinct},
         {"/shape/tetrahedra", "T x 4", Values::index("N"), "1", "in space: tetrahedra between the nodes", Rows::distinct},
         {"/shape/fixed_facets", "B x 3", Values::index("N"), "1", "in space: held facets of the surface", Rows::distinct},
@@ -209,8 +209,8 @@ const DatasetTable& cases_table(bool measured) {
         {"/paths/NAME/contact_force", "R* x D", Values::finite(), "N", "force of the indenter on the tissue"},
     };
     static const DatasetTable fe = joined(all, {
-        {"/paths/NAME/displacement", "R* x N x D", Values::finite(), "m", "u at the lattice nodes"},
-        {"/paths/NAME/force", "R* x N x D", Values::finite(), "N", "external nodal force that holds u, lumped to the lattice"},
+        {"/paths/NAME/displacement", "R* x N x D", Values::finite(), "m", "u at the nodes"},
+        {"/paths/NAME/force", "R* x N x D", Values::finite(), "N", "external nodal force that holds u, lumped to the nodes"},
         {"/paths/NAME/support_force", "R* x D", Values::finite(), "N", "force of the supports on the tissue"},
         {"/paths/NAME/energy", "R*", Values::finite(), "J", "elastic energy"},
         {"/paths/NAME/smallest_J", "R*", Values::positive(), "1", "smallest det F in the tissue"},

@@ -16,8 +16,8 @@ namespace tissue {
 /// known: u and f are empty, the rest is 0.
 struct PathRecord {
     double magnitude_m;                ///< how far the contact has been pushed
-    NodeField displacement;            ///< u at the lattice nodes [m] (N x D)
-    NodeField force;                   ///< f at the lattice nodes [N] (N x D): contact, supports, else nothing
+    NodeField displacement;            ///< u at the nodes [m] (N x D)
+    NodeField force;                   ///< f at the nodes [N] (N x D): contact, supports, else nothing
     Point contact_force_N;   ///< that the indenter puts on the tissue
     Point support_force_N;
     double energy_J;
@@ -59,10 +59,10 @@ struct Measurement {
     std::vector<std::string> outliers; ///< rows far from their repeats, by line; they are kept
 };
 
-/// The load paths of a study at its lattice nodes: what cases.h5 holds.
+/// The load paths of a study at the nodes where displacements are compared: what cases.h5 holds.
 struct Cases {
     std::string study;
-    NodeField nodes;                    ///< lattice nodes [m] (N x D)
+    NodeField nodes;                    ///< at rest [m] (N x D)
     std::optional<Shape> shape;         ///< the triangles between them, where the tissue is not the block
     std::vector<double> magnitudes_m;   ///< those that are load cases, ascending; measured: none, every record is one
     std::vector<LoadPath> paths;

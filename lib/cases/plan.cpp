@@ -169,7 +169,7 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         try {
             return study_mesh(study, shape, study.springs.topology);
         } catch (const MismatchError& e) {
-            if (!shape) throw;
+            if (!shape && study.springs.spacing_m == 0) throw;
             throw StudyError(one_line(fmt::format("{}: key '{}': {}", study.file, study.springs.spacing_m > 0 ? "springs.spacing_m" : "geometry.shape", e.what())));
         }
     }();

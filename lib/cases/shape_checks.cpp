@@ -11,8 +11,6 @@
 #include "error.h"
 #include "io/one_line.h"
 #include "mesh/facet.h"
-#include "springs/disc_contact.h"
-#include "springs/tool_spring.h"
 
 namespace tissue {
 namespace {
@@ -114,12 +112,6 @@ void refuse_tool(const Study& study, const SpringMesh& mesh) {
         const Eigen::VectorXd sides_m = (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).transpose();
         if (!(tool.half_width_m < 0.5 * sides_m.minCoeff()))
             refuse(study, "indenter.half_width_m", fmt::format("{:g} mm is not less than half of the tissue's shorter side, {:.4g} mm", 1e3 * tool.half_width_m, 1e3 * sides_m.minCoeff()));
-    }
-    if (tool.kind == "disc" && study.springs.is_law()) {
-        const int nodes = DiscContact(mesh, tool.radius_m).most_nodes();
-        if (nodes > ToolSpring::most_nodes)
-            refuse(study, "indenter.radius_m", fmt::format("{} nodes lie under a disc of radius {:g} mm, and the tick has room for {}: longer springs, or a smaller disc", nodes,
-                                                           1e3 * tool.radius_m, ToolSpring::most_nodes));
     }
 }
 

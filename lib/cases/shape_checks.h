@@ -19,8 +19,7 @@ void refuse_wrong_unit(const Study& study, const MshFile& mesh);
 std::string finer_than_asked(const Study& study, const Shape& shape);
 
 /// What would fail after hours of finite elements, asked for before them.
-/// Throws StudyError with the key: a patch wider than half a side; more nodes under the disc than the tick has
-/// room for.
+/// Throws StudyError with the key: a patch wider than half a side.
 void refuse_tool(const Study& study, const SpringMesh& mesh);
 
 /// Throws StudyError where pushes go through the tissue, deeper than the tissue is thick there: one that must not be lost (listed, in the

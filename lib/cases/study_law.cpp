@@ -198,7 +198,7 @@ namespace {
 
 /// E at each held node [Pa] (M): the mean over the tetrahedra about it, by volume. Empty where it is the base material's everywhere.
 Eigen::VectorXd tissue_at_supports(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_Pa) {
-    if (mesh.embedding.empty() || study.material.regions.empty()) return {};
+    if (study.material.regions.empty()) return {};
     const Eigen::VectorXd own = triangle_moduli(study, shape, mesh, modulus_Pa);
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(mesh.embedding.node_count()), volume = sum;
     for (Eigen::Index t = 0; t < mesh.simplices.rows(); ++t)
@@ -214,7 +214,7 @@ Eigen::VectorXd tissue_at_supports(const Study& study, const std::optional<Shape
 Eigen::VectorXd support_moduli(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double modulus_Pa) {
     Eigen::VectorXd moduli = tissue_at_supports(study, shape, mesh, modulus_Pa);
     const std::vector<double> beds = study.geometry.beds_Pa_m();
-    if (mesh.embedding.empty() || beds.empty()) return moduli;
+    if (beds.empty()) return moduli;
     if (moduli.size() == 0) moduli.setConstant(static_cast<Eigen::Index>(mesh.fixed.size()), modulus_Pa);
     const std::vector<int> parts = study.geometry.beds();
     const bool one = beds.size() == 1 && std::count(parts.begin(), parts.end(), 0) == 0;  // on which all lies

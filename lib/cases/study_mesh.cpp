@@ -9,6 +9,7 @@
 #include "io/one_line.h"
 #include "mesh/inclusion.h"
 #include "mesh/open_faces.h"
+#include "mesh/solid_block.h"
 #include "mesh/solid_shape.h"
 #include "mesh/nearest_triangle.h"
 #include "mesh/surface.h"
@@ -17,7 +18,8 @@
 namespace tissue {
 
 SpringMesh study_mesh(const Study& study, const std::optional<Shape>& shape, const std::string& topology) {
-    if (study.geometry.is_block()) return make_lattice(topology, study.lattice());
+    if (study.geometry.is_block() && !study.geometry.is_solid()) return make_lattice(topology, study.lattice());
+    if (study.geometry.is_block()) return topologies().at(topology).on_shape(solid_block(study.lattice()), study.springs.spacing_m);
     if (!shape) throw MismatchError("study '" + study.name + "' has a shape, and these cases have none");
     const Topology& kind = topologies().at(topology);
     if (shape->is_solid() != study.geometry.is_solid()) throw MismatchError("study '" + study.name + "' is of other dimensions than its shape");
@@ -25,7 +27,14 @@ SpringMesh study_mesh(const Study& study, const std::optional<Shape>& shape, con
     return kind.on_shape(*shape, study.springs.spacing_m);
 }
 
+Shape study_solid(const Study& study, const std::optional<Shape>& shape) {
+    if (study.geometry.is_block()) return solid_block(study.lattice());
+    if (!shape) throw MismatchError("study '" + study.name + "' has a shape, and these cases have none");
+    return *shape;
+}
+
 NodeField study_nodes(const Study& study, const std::optional<Shape>& shape) {
+    if (study.geometry.is_solid()) return study_solid(study, shape).nodes;
     if (shape) return shape->nodes;
     return study_mesh(study, shape, study.springs.topology).nodes;
 }

@@ -8,7 +8,11 @@
 
 namespace tissue {
 
-/// The study's nodes with the springs of a topology on them: the block's lattice, the edges of a shape's triangles, or a lattice that a solid is embedded in.
+/// The solid of a study in space: its shape, or its block.
+/// Throws MismatchError when the study has a shape and none is given.
+Shape study_solid(const Study& study, const std::optional<Shape>& shape);
+
+/// The study's nodes with the springs of a topology on them: in the plane the block's lattice or the edges of a shape's triangles, in space a lattice that the solid is embedded in.
 /// Throws MismatchError when the study has a shape and none is given, or the topology is not the shape's.
 SpringMesh study_mesh(const Study& study, const std::optional<Shape>& shape, const std::string& topology);
 

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "mesh/topology.h"
+#include "springs/supports.h"
 
 namespace tissue {
 namespace {
@@ -15,12 +16,26 @@ bool same_push(const TablePush& a, const TablePush& b) {
     return std::abs(a.depth_m - b.depth_m) < same_m && (a.contact_m - b.contact_m).norm() < same_m && (a.direction - b.direction).norm() < same_direction;
 }
 
+/// Whether the tissue is a block whose bottom, and nothing else, is held alike everywhere.
+bool is_block(const TissueModel& model) {
+    const SpringMesh& mesh = model.mesh;
+    if (!mesh.is_solid()) return on_lattice(mesh);
+    if (!is_box(mesh)) return false;
+    const auto up = mesh.own_nodes().col(2);
+    const double low_m = up.minCoeff();
+    for (int node = 0; node < up.size(); ++node)
+        if ((up[node] - low_m < same_m) != std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), node)) return false;
+    if (!model.energy_law) return true;
+    const Eigen::VectorXd pressure = model.energy_law->constants.tail(mesh.support_count()).cwiseQuotient(held_areas(mesh));
+    return pressure.maxCoeff() - pressure.minCoeff() < 1e-6 * pressure.maxCoeff();
+}
+
 }  // namespace
 
 std::vector<Symmetry> symmetries_of(const TissueModel& model) {
-    const bool of_one_material = on_lattice(model.mesh) && (!model.energy_law || model.energy_law->disc.ground.rows() == 0);
-    if (!of_one_material) return {};
-    const Point low = model.mesh.nodes.colwise().minCoeff().transpose(), high = model.mesh.nodes.colwise().maxCoeff().transpose();
+    const bool of_one_material = !model.energy_law || model.energy_law->disc.ground.rows() == 0;
+    if (!of_one_material || !is_block(model)) return {};
+    const Point low = model.mesh.own_nodes().colwise().minCoeff().transpose(), high = model.mesh.own_nodes().colwise().maxCoeff().transpose();
     const Point centre_m = (low + high) / 2, size_m = high - low;
     const Eigen::Index D = size_m.size();
     std::vector<Symmetry> found;

@@ -78,7 +78,7 @@ std::string terms_csv(const LawModel& law) {
 
 std::string contact_csv(const SpringMesh& mesh, const LawModel& law, const std::vector<std::string>& rows) {
     const PatchLaw& patch = law.patch;
-    std::string contact = fmt::format("row,log_k_N_m,{},{},edge\n", mesh.embedding.empty() ? "phase" : "curved", patch.hardens() ? "ground" : "corner");
+    std::string contact = fmt::format("row,log_k_N_m,{},{},edge\n", mesh.is_solid() ? "curved" : "phase", patch.hardens() ? "ground" : "corner");
     for (std::size_t m = 0; m < rows.size(); ++m)
         contact += fmt::format("{},{}\n", rows[m], values(patch.log_N_m.row(static_cast<Eigen::Index>(m))));
     if (const Eigen::Vector2d& range = law.disc.curved_range; std::isfinite(range[0])) contact += fmt::format("least,,{},,\nmost,,{},,\n", range[0], range[1]);
@@ -131,7 +131,6 @@ Files solid_csv(const TissueModel& model, const std::vector<PressedCase>& cases)
             {"contact_pull.csv", pull},
             {"contact_hardening.csv", hardening}};
     const Embedding& embedding = model.mesh.embedding;
-    if (embedding.empty()) return files;
     std::string& inside = files["embedding.csv"] = "node," + corners + ",weight_000,weight_100,weight_010,weight_110,weight_001,weight_101,weight_011,weight_111\n";
     for (int node = 0; node < embedding.node_count(); ++node) inside += fmt::format("{},{},{}\n", node, values(embedding.corner.row(node)), values(embedding.weight.row(node)));
     const FacetTable& correction = model.energy_law->disc.correction;

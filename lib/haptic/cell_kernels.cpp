@@ -70,29 +70,6 @@ TISSUE_INLINE Gained gained(const Vector& A, const Vector& B, const Vector& C, c
     return {dot(p, before) + dot(a, more), before + more, cross(c, a), cross(a, b)};
 }
 
-/// Unit pull or `pulled`. Returns what the box has grown by.
-template <bool pulled>
-TISSUE_INLINE double box(int k, const Vector& A, const Vector& B, const Vector& C, double gain, const double* __restrict ux, const double* __restrict uy,
-                         const double* __restrict uz, int up, int in, int far, double* __restrict g) {
-    const Vector s = {ux[far + 1 + k] - ux[k], uy[far + 1 + k] - uy[k], uz[far + 1 + k] - uz[k]};
-    const Vector x = {ux[far + k] - ux[1 + k], uy[far + k] - uy[1 + k], uz[far + k] - uz[1 + k]};
-    const Vector y = {ux[in + 1 + k] - ux[up + k], uy[in + 1 + k] - uy[up + k], uz[in + 1 + k] - uz[up + k]};
-    const Vector z = {ux[up + 1 + k] - ux[in + k], uy[up + 1 + k] - uy[in + k], uz[up + 1 + k] - uz[in + k]};
-    const Gained now = gained(A, B, C, {s.x - x.x + y.x + z.x, s.y - x.y + y.y + z.y, s.z - x.z + y.z + z.z},
-                              {s.x + x.x - y.x + z.x, s.y + x.y - y.y + z.y, s.z + x.z - y.z + z.z},
-                              {s.x + x.x + y.x - z.x, s.y + x.y + y.y - z.y, s.z + x.z + y.z - z.z});
-    const double t = pulled ? gain * now.by : 1;
-    const double p[3] = {t * now.by_p.x, t * now.by_p.y, t * now.by_p.z}, q[3] = {t * now.by_q.x, t * now.by_q.y, t * now.by_q.z},
-                 r[3] = {t * now.by_r.x, t * now.by_r.y, t * now.by_r.z};
-    for (int d = 0; d < 3; ++d) {
-        g[(4 * d + 0) * cells_at_once + k] = p[d] + q[d] + r[d];
-        g[(4 * d + 1) * cells_at_once + k] = q[d] + r[d] - p[d];
-        g[(4 * d + 2) * cells_at_once + k] = p[d] + r[d] - q[d];
-        g[(4 * d + 3) * cells_at_once + k] = p[d] + q[d] - r[d];
-    }
-    return now.by;
-}
-
 /// Unit pull or `pulled`. Returns J - 1.
 template <bool pulled>
 TISSUE_INLINE double cube(int k, double per_m, const double* __restrict cx, const double* __restrict cy, const double* __restrict cz, double gain,
@@ -121,22 +98,6 @@ TISSUE_INLINE double cube(int k, double per_m, const double* __restrict cx, cons
 }
 
 }  // namespace
-
-TISSUE_HOT void boxes(int n, const double* const* e, const double* __restrict gain, const double* __restrict ux, const double* __restrict uy,
-                      const double* __restrict uz, int up, int in, int far, double* __restrict g) {
-    for (int k = 0; k < n; ++k) box<true>(k, {e[0][k], e[1][k], e[2][k]}, {e[3][k], e[4][k], e[5][k]}, {e[6][k], e[7][k], e[8][k]}, gain[k], ux, uy, uz, up, in, far, g);
-}
-
-TISSUE_HOT void boxes_grown(int n, const double* const* e, const double* __restrict ux, const double* __restrict uy, const double* __restrict uz, int up,
-                            int in, int far, double* __restrict g, double* __restrict grown) {
-    for (int k = 0; k < n; ++k) grown[k] = box<false>(k, {e[0][k], e[1][k], e[2][k]}, {e[3][k], e[4][k], e[5][k]}, {e[6][k], e[7][k], e[8][k]}, 1, ux, uy, uz, up, in, far, g);
-}
-
-TISSUE_HOT void boxes_alike(int n, const double* const* e, const double* __restrict gain, const double* __restrict ux, const double* __restrict uy,
-                            const double* __restrict uz, int up, int in, int far, double* __restrict g) {
-    const Vector a = {*e[0], *e[1], *e[2]}, b = {*e[3], *e[4], *e[5]}, c = {*e[6], *e[7], *e[8]};
-    for (int k = 0; k < n; ++k) box<true>(k, a, b, c, gain[k], ux, uy, uz, up, in, far, g);
-}
 
 TISSUE_HOT void cubes(int n, double per_m, const double* __restrict cx, const double* __restrict cy, const double* __restrict cz,
                       const double* __restrict gain, const double* __restrict ux, const double* __restrict uy, const double* __restrict uz, int up, int in,

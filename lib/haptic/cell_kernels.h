@@ -4,7 +4,7 @@ namespace tissue::kernel {
 
 /// Inner loops of a law's cells in the tick (haptic/realtime_law.h), over n of them that lie one row apart. Pointers stand at the first one's. All arrays are
 /// of the caller, and g is where pulls go before they are added up: several arrays, a fixed number of doubles apart.
-constexpr int cells_at_once = 256;  ///< squares and boxes: their pulls stay in the first-level cache
+constexpr int cells_at_once = 256;  ///< squares: their pulls stay in the first-level cache
 constexpr int cubes_at_once = 64;
 
 void add(int n, const double* __restrict g, double* __restrict f);  ///< f += g
@@ -27,19 +27,9 @@ void squares_grown(int n, const double* __restrict px, const double* __restrict 
                    const double* __restrict cy, const double* __restrict dx, const double* __restrict dy, double* __restrict gx, double* __restrict gy,
                    double* __restrict hx, double* __restrict hy, double* __restrict grown);
 
-/// Boxes by their diagonals from corners 0, 1, 2, 4 to 7, 6, 5, 3: g gets what pulls at the diagonals' ends, 4 * axis + diagonal, cells_at_once apart.
-/// e: sums of four edges along each axis at rest, 9 arrays. ux, uy, uz: displacement of corner 0; up, in, far: rows from corner 0 to 2, 4 and 6; 1, 3, 5 and 7
-/// lie one behind 0, 2, 4 and 6. boxes_grown writes 64 V (J - 1) to grown, and its g is for a pull of 1; times() scales it.
-void boxes(int n, const double* const* e, const double* __restrict gain, const double* __restrict ux, const double* __restrict uy, const double* __restrict uz,
-           int up, int in, int far, double* __restrict g);
-/// The same of boxes that all have the first one's edges.
-void boxes_alike(int n, const double* const* e, const double* __restrict gain, const double* __restrict ux, const double* __restrict uy, const double* __restrict uz,
-                 int up, int in, int far, double* __restrict g);
-void boxes_grown(int n, const double* const* e, const double* __restrict ux, const double* __restrict uy, const double* __restrict uz, int up, int in, int far,
-                 double* __restrict g, double* __restrict grown);
-
 /// Cubes of which a part may be tissue. cx, cy, cz: its centroid, from corner 0 in edge lengths; the displacement's gradient along an axis there is the bilinear mean of
-/// the differences along the four edges. g gets what pulls at the corners, 8 * axis + corner, cubes_at_once apart. per_m: 1 / edge. grown: J - 1.
+/// the differences along the four edges. g gets what pulls at the corners, 8 * axis + corner, cubes_at_once apart. per_m: 1 / edge. ux, uy, uz: displacement of corner 0; up, in,
+/// far: rows from corner 0 to 2, 4 and 6; 1, 3, 5 and 7 lie one behind 0, 2, 4 and 6. cubes_grown writes J - 1 to grown, and its g is for a pull of 1; times() scales it.
 void cubes(int n, double per_m, const double* __restrict cx, const double* __restrict cy, const double* __restrict cz, const double* __restrict gain,
            const double* __restrict ux, const double* __restrict uy, const double* __restrict uz, int up, int in, int far, double* __restrict g);
 void cubes_grown(int n, double per_m, const double* __restrict cx, const double* __restrict cy, const double* __restrict cz, const double* __restrict ux,

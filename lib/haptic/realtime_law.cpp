@@ -9,7 +9,6 @@
 
 #include "error.h"
 #include "haptic/cell_kernels.h"
-#include "springs/disc_contact.h"
 #include "springs/law_kernel.h"
 #include "springs/region_area.h"
 
@@ -33,29 +32,25 @@ RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) 
     if (law.constants.size() != energy.constant_count()) throw MismatchError("the law's constants are not those of the mesh");
     now_ = {law.constants, law.patch, law.contact_log_scale.size() > 0 ? law.contact_log_scale : Eigen::VectorXd::Zero(model.mesh.node_count())};
     kernel_->scale(now_.contact_log_scale);
-    if (const auto* disc = dynamic_cast<const DiscContact*>(kernel_.get()); disc && disc->most_nodes() > ToolSpring::most_nodes)
-        throw MismatchError(fmt::format("{} nodes lie under a disc of {:g} mm; the tick has room for {}", disc->most_nodes(), 1e3 * law.disc_radius_m, ToolSpring::most_nodes));
 
     theta_ = springs.to_slots(law.constants.head(energy.kinds().front()->count()));
     spring_of_slot_.assign(static_cast<std::size_t>(springs.slot_count()), -1);
     for (std::size_t s = 0; s < springs.slot_of_spring().size(); ++s) spring_of_slot_[static_cast<std::size_t>(springs.slot_of_spring()[s])] = static_cast<Eigen::Index>(s);
     if (model.mesh.is_solid()) {
-        add_boxes(model, static_cast<const CellVolumes&>(*energy.kinds()[1]), energy.first_of(1));
-        if (energy.kinds().size() > 2) {
-            const Embedding& embedding = model.mesh.embedding;
-            supports_.begin.push_back(0);
-            for (int node : model.mesh.fixed) {
-                for (int k = 0; k < 8; ++k) {
-                    if (std::abs(embedding.weight(node, k)) < 1e-12) continue;
-                    supports_.corner.push_back(embedding.corner(node, k));
-                    supports_.weight.push_back(embedding.weight(node, k));
-                }
-                supports_.begin.push_back(static_cast<int>(supports_.corner.size()));
+        add_cubes(model, static_cast<const CellVolumes&>(*energy.kinds()[1]), energy.first_of(1));
+        const Embedding& embedding = model.mesh.embedding;
+        supports_.begin.push_back(0);
+        for (int node : model.mesh.fixed) {
+            for (int k = 0; k < 8; ++k) {
+                if (std::abs(embedding.weight(node, k)) < 1e-12) continue;
+                supports_.corner.push_back(embedding.corner(node, k));
+                supports_.weight.push_back(embedding.weight(node, k));
             }
-            supports_.first_constant = energy.first_of(2);
-            const auto k = law.constants.tail(energy.kinds()[2]->count());
-            supports_.gain.assign(k.begin(), k.end());
+            supports_.begin.push_back(static_cast<int>(supports_.corner.size()));
         }
+        supports_.first_constant = energy.first_of(2);
+        const auto k = law.constants.tail(energy.kinds()[2]->count());
+        supports_.gain.assign(k.begin(), k.end());
     } else {
         for (std::size_t k = 1; k < energy.kinds().size(); ++k) {
             const Elements& kind = *energy.kinds()[k];
@@ -68,16 +63,16 @@ RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) 
         throw MismatchError("the law's shares are not those of its constants");
     first_square_ = springs.slot_count();
     first_region_ = first_square_ + squares_.count;
-    first_box_ = first_region_ + static_cast<int>(regions_.size());
+    first_cube_ = first_region_ + static_cast<int>(regions_.size());
 }
 
 RealtimeLaw::RealtimeLaw(const RealtimeLaw& other)
     : springs_(other.springs_), skin_(other.skin_), now_(other.now_), theta_(other.theta_), relaxation_(other.relaxation_), first_square_(other.first_square_), first_region_(other.first_region_),
-      first_box_(other.first_box_), spring_of_slot_(other.spring_of_slot_), squares_(other.squares_), regions_(other.regions_), walk_(other.walk_),
-      boxes_(other.boxes_), supports_(other.supports_), kernel_(other.kernel_->clone()) {}
+      first_cube_(other.first_cube_), spring_of_slot_(other.spring_of_slot_), squares_(other.squares_), regions_(other.regions_), walk_(other.walk_),
+      cubes_(other.cubes_), supports_(other.supports_), kernel_(other.kernel_->clone()) {}
 
 void RealtimeLaw::fields(StateBytes& state) noexcept {
-    state(now_.constants, now_.patch.log_N_m, now_.contact_log_scale, theta_, squares_.gain, boxes_.gain, supports_.gain);
+    state(now_.constants, now_.patch.log_N_m, now_.contact_log_scale, theta_, squares_.gain, cubes_.gain, supports_.gain);
     for (Region& region : regions_) state(region.gain);
     if (state.reads()) kernel_->scale(now_.contact_log_scale);
 }
@@ -89,8 +84,8 @@ void RealtimeLaw::become(const LawStiffness& stiffness) noexcept {
     for (std::size_t k = 0; k < squares_.constant.size(); ++k)
         if (squares_.constant[k] >= 0) squares_.gain[k] *= grown(squares_.constant[k]);
     for (Region& region : regions_) region.gain *= grown(region.constant);
-    for (std::size_t k = 0; k < boxes_.constant.size(); ++k)
-        if (boxes_.constant[k] >= 0) boxes_.gain[k] *= grown(boxes_.constant[k]);
+    for (std::size_t k = 0; k < cubes_.constant.size(); ++k)
+        if (cubes_.constant[k] >= 0) cubes_.gain[k] *= grown(cubes_.constant[k]);
     for (std::size_t k = 0; k < supports_.gain.size(); ++k) supports_.gain[k] = stiffness.constants[supports_.first_constant + static_cast<Eigen::Index>(k)];
     now_.constants = stiffness.constants;
     now_.patch = stiffness.patch;
@@ -103,7 +98,7 @@ BranchMemory RealtimeLaw::memory(double dt_s) const {
     std::vector<Eigen::Index> constant = spring_of_slot_;
     constant.insert(constant.end(), squares_.constant.begin(), squares_.constant.end());
     for (const Region& region : regions_) constant.push_back(region.constant);
-    constant.insert(constant.end(), boxes_.constant.begin(), boxes_.constant.end());
+    constant.insert(constant.end(), cubes_.constant.begin(), cubes_.constant.end());
     Eigen::MatrixXd share(static_cast<Eigen::Index>(constant.size()), relaxation_.branches());
     for (std::size_t i = 0; i < constant.size(); ++i)  // where there is nothing, as the first one's
         share.row(static_cast<Eigen::Index>(i)) = relaxation_.share.row(std::max<Eigen::Index>(constant[i], 0));
@@ -182,54 +177,41 @@ void RealtimeLaw::add_region(const std::vector<std::array<int, 2>>& edges, doubl
     regions_.push_back({begin, static_cast<int>(walk_.size()), constant / (2 * twice_area), index});
 }
 
-void RealtimeLaw::add_boxes(const TissueModel& model, const CellVolumes& cells, Eigen::Index first_constant) {
+void RealtimeLaw::add_cubes(const TissueModel& model, const CellVolumes& cells, Eigen::Index first_constant) {
     const Cells& nodes = cells.nodes();
     const Embedding& embedding = model.mesh.embedding;
-    boxes_.cubes = !embedding.empty();
-    if (boxes_.cubes) boxes_.per_m = 1 / embedding.spacing_m;
-    const int most_missing = boxes_.cubes ? 12 : 2;  // a run ends at a gap of more missing boxes
+    cubes_.per_m = 1 / embedding.spacing_m;
+    constexpr int most_missing = 12;  // a run ends at a gap of more missing cubes
     int before = -1;
     for (int e = 0; e < cells.count(); ++e) {
         int row[8];
         for (int c = 0; c < 8; ++c) row[c] = springs_.rows().of(nodes(e, c));
         for (int c = 0; c < 8; ++c)
-            if (row[c | 1] != row[c & 6] + 1) throw MismatchError(fmt::format("box {} does not lie from node to node as a lattice's boxes do", e));
-        if (row[0] <= before) throw MismatchError(fmt::format("box {} does not follow the one before", e));
+            if (row[c | 1] != row[c & 6] + 1) throw MismatchError(fmt::format("cube {} does not lie from node to node as a lattice's do", e));
+        if (row[0] <= before) throw MismatchError(fmt::format("cube {} does not follow the one before", e));
         before = row[0];
-        bool goes_on = !boxes_.runs.empty();
+        bool goes_on = !cubes_.runs.empty();
         if (goes_on) {
-            Boxes::Run& run = boxes_.runs.back();
+            Cubes::Run& run = cubes_.runs.back();
             const int missing = row[0] - (run.first_row + run.count);
             goes_on = missing <= most_missing;
             for (int c = 0; c < 8; ++c) goes_on = goes_on && row[c] - row[0] == run.corner[c];
             if (goes_on) run.count += missing + 1;
         }
         if (!goes_on) {
-            boxes_.runs.push_back({row[0], boxes_.count(), 1, {}, true});
-            for (int c = 0; c < 8; ++c) boxes_.runs.back().corner[c] = row[c] - row[0];
+            cubes_.runs.push_back({row[0], cubes_.count(), 1, {}});
+            for (int c = 0; c < 8; ++c) cubes_.runs.back().corner[c] = row[c] - row[0];
         }
-        Boxes::Run& run = boxes_.runs.back();
-        const auto slot = static_cast<std::size_t>(run.first_slot + run.count - 1), first = static_cast<std::size_t>(run.first_slot);
-        boxes_.gain.resize(slot + 1, 0);
-        boxes_.constant.resize(slot + 1, -1);
-        boxes_.constant[slot] = first_constant + e;
-        if (boxes_.cubes) {
-            for (std::size_t i = 0; i < 3; ++i) {
-                boxes_.centroid[i].resize(slot, 0);
-                boxes_.centroid[i].push_back(embedding.centroid(e, static_cast<Eigen::Index>(i)));
-            }
-            boxes_.gain[slot] = now_.constants[first_constant + e] * cells.volumes()[e];
-            continue;
+        Cubes::Run& run = cubes_.runs.back();
+        const auto slot = static_cast<std::size_t>(run.first_slot + run.count - 1);
+        cubes_.gain.resize(slot + 1, 0);
+        cubes_.constant.resize(slot + 1, -1);
+        cubes_.constant[slot] = first_constant + e;
+        for (std::size_t i = 0; i < 3; ++i) {
+            cubes_.centroid[i].resize(slot, 0);
+            cubes_.centroid[i].push_back(embedding.centroid(e, static_cast<Eigen::Index>(i)));
         }
-        Eigen::Matrix3d edges = Eigen::Matrix3d::Zero();
-        for (int c = 0; c < 8; ++c)
-            for (int a = 0; a < 3; ++a) edges.col(a) += ((c >> a & 1) ? 1.0 : -1.0) * model.mesh.nodes.row(nodes(e, c)).transpose();
-        for (std::size_t i = 0; i < 9; ++i) {  // where there is none, the first one's edges
-            boxes_.edge[i].resize(slot, boxes_.edge[i].size() > first ? boxes_.edge[i][first] : 0);
-            boxes_.edge[i].push_back(edges.data()[i]);
-            run.alike = run.alike && std::abs(boxes_.edge[i][slot] - boxes_.edge[i][first]) < 1e-13 * edges.norm();
-        }
-        boxes_.gain[slot] = now_.constants[first_constant + e] / (64 * edges.determinant());
+        cubes_.gain[slot] = now_.constants[first_constant + e] * cells.volumes()[e];
     }
 }
 
@@ -264,8 +246,7 @@ void RealtimeLaw::elements_force(const NodeColumns& u, NodeColumns& f, BranchMem
     springs_.force(theta_, u, f, memory);
     squares_force(u, f, memory);
     regions_force(u, f, memory);
-    if (boxes_.cubes) cubes_force(u, f, memory);
-    else boxes_force(u, f, memory);
+    cubes_force(u, f, memory);
 }
 
 void RealtimeLaw::regions_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept {
@@ -285,60 +266,28 @@ void RealtimeLaw::regions_force(const NodeColumns& u, NodeColumns& f, BranchMemo
     }
 }
 
-/// What n boxes or cubes of a run have grown by, and into g what pulls at them by unit pull.
-void RealtimeLaw::boxes_grown(const Boxes::Run& run, int done, int n, const NodeColumns& u, double* g, double* grown) const noexcept {
+/// What n cubes of a run have grown by, and into g what pulls at them by unit pull.
+void RealtimeLaw::cubes_grown(const Cubes::Run& run, int done, int n, const NodeColumns& u, double* g, double* grown) const noexcept {
     const int slot = run.first_slot + done, row = run.first_row + done, *corner = run.corner;
     const double *ux = u.col(0).data() + row, *uy = u.col(1).data() + row, *uz = u.col(2).data() + row;
-    if (boxes_.cubes) {
-        const std::vector<double>* at = boxes_.centroid;
-        kernel::cubes_grown(n, boxes_.per_m, at[0].data() + slot, at[1].data() + slot, at[2].data() + slot, ux, uy, uz, corner[2], corner[4], corner[6], g, grown);
-    } else {
-        const double* of[9];
-        for (std::size_t i = 0; i < 9; ++i) of[i] = boxes_.edge[i].data() + slot;
-        kernel::boxes_grown(n, of, ux, uy, uz, corner[2], corner[4], corner[6], g, grown);
-    }
-}
-
-void RealtimeLaw::boxes_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept {
-    alignas(64) double g[12 * chunk], grown[chunk], felt[chunk];
-    for (const Boxes::Run& run : boxes_.runs)
-        for (int done = 0; done < run.count; done += chunk) {
-            const int n = std::min(chunk, run.count - done), slot = run.first_slot + done, row = run.first_row + done, *corner = run.corner;
-            const double* gain = boxes_.gain.data() + slot;
-            if (memory) {
-                boxes_grown(run, done, n, u, g, grown);
-                memory->step(first_box_ + slot, n, grown, felt);
-                kernel::times(n, gain, felt, 12, chunk, g);
-            } else {
-                const double* e[9];
-                for (std::size_t i = 0; i < 9; ++i) e[i] = boxes_.edge[i].data() + slot;
-                const auto boxes = run.alike ? kernel::boxes_alike : kernel::boxes;
-                boxes(n, e, gain, u.col(0).data() + row, u.col(1).data() + row, u.col(2).data() + row, corner[2], corner[4], corner[6], g);
-            }
-            for (int d = 0; d < 3; ++d) {
-                double* f0 = f.col(d).data() + row;
-                kernel::add_pair(n, g + (4 * d + 0) * chunk, f0, f0 + corner[7]);
-                kernel::add_pair(n, g + (4 * d + 1) * chunk, f0 + corner[1], f0 + corner[6]);
-                kernel::add_pair(n, g + (4 * d + 2) * chunk, f0 + corner[2], f0 + corner[5]);
-                kernel::add_pair(n, g + (4 * d + 3) * chunk, f0 + corner[4], f0 + corner[3]);
-            }
-        }
+    const std::vector<double>* at = cubes_.centroid;
+    kernel::cubes_grown(n, cubes_.per_m, at[0].data() + slot, at[1].data() + slot, at[2].data() + slot, ux, uy, uz, corner[2], corner[4], corner[6], g, grown);
 }
 
 void RealtimeLaw::cubes_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept {
     constexpr int few = kernel::cubes_at_once;
     alignas(64) double g[24 * few], grown[few], felt[few];
-    for (const Boxes::Run& run : boxes_.runs)
+    for (const Cubes::Run& run : cubes_.runs)
         for (int done = 0; done < run.count; done += few) {
             const int n = std::min(few, run.count - done), slot = run.first_slot + done, row = run.first_row + done, *corner = run.corner;
-            const double* gain = boxes_.gain.data() + slot;
+            const double* gain = cubes_.gain.data() + slot;
             if (memory) {
-                boxes_grown(run, done, n, u, g, grown);
-                memory->step(first_box_ + slot, n, grown, felt);
+                cubes_grown(run, done, n, u, g, grown);
+                memory->step(first_cube_ + slot, n, grown, felt);
                 kernel::times(n, gain, felt, 24, few, g);
             } else {
-                const std::vector<double>* at = boxes_.centroid;
-                kernel::cubes(n, boxes_.per_m, at[0].data() + slot, at[1].data() + slot, at[2].data() + slot, gain, u.col(0).data() + row, u.col(1).data() + row,
+                const std::vector<double>* at = cubes_.centroid;
+                kernel::cubes(n, cubes_.per_m, at[0].data() + slot, at[1].data() + slot, at[2].data() + slot, gain, u.col(0).data() + row, u.col(1).data() + row,
                               u.col(2).data() + row, corner[2], corner[4], corner[6], g);
             }
             for (int d = 0; d < 3; ++d)
@@ -346,15 +295,15 @@ void RealtimeLaw::cubes_force(const NodeColumns& u, NodeColumns& f, BranchMemory
         }
 }
 
-double RealtimeLaw::boxes_energy(const NodeColumns& u) const noexcept {
+double RealtimeLaw::cubes_energy(const NodeColumns& u) const noexcept {
     constexpr int few = kernel::cubes_at_once;
-    alignas(64) double g[12 * chunk], grown[few];
+    alignas(64) double g[24 * few], grown[few];
     double energy = 0;
-    for (const Boxes::Run& run : boxes_.runs)
+    for (const Cubes::Run& run : cubes_.runs)
         for (int done = 0; done < run.count; done += few) {
             const int n = std::min(few, run.count - done);
-            boxes_grown(run, done, n, u, g, grown);
-            for (int k = 0; k < n; ++k) energy += boxes_.gain[static_cast<std::size_t>(run.first_slot + done + k)] * grown[k] * grown[k] / 2;
+            cubes_grown(run, done, n, u, g, grown);
+            for (int k = 0; k < n; ++k) energy += cubes_.gain[static_cast<std::size_t>(run.first_slot + done + k)] * grown[k] * grown[k] / 2;
         }
     return energy;
 }
@@ -401,7 +350,7 @@ double RealtimeLaw::sum_of_elements(const Of& of_element) const {
     for (int slot : springs_.slot_of_spring()) sum += theta_[slot] * of_element(slot);
     for (int k = 0; k < squares_.count; ++k) sum += squares_.gain[static_cast<std::size_t>(k)] * of_element(first_square_ + k);
     for (std::size_t r = 0; r < regions_.size(); ++r) sum += regions_[r].gain * of_element(first_region_ + static_cast<int>(r));
-    for (int k = 0; k < boxes_.count(); ++k) sum += boxes_.gain[static_cast<std::size_t>(k)] * of_element(first_box_ + k);
+    for (int k = 0; k < cubes_.count(); ++k) sum += cubes_.gain[static_cast<std::size_t>(k)] * of_element(first_cube_ + k);
     return sum;
 }
 
@@ -466,7 +415,7 @@ double RealtimeLaw::energy(const NodeColumns& u) const {
     }
     Scratch work = scratch();
     if (!springs_.rows().by_node()) springs_.rows().scatter(u, work.u);
-    energy += boxes_energy(springs_.rows().by_node() ? u : work.u);
+    energy += cubes_energy(springs_.rows().by_node() ? u : work.u);
     energy += supports_energy(u);
     return energy;
 }

@@ -27,8 +27,7 @@ struct BranchBook {
 
 /// A model's law laid out for the tick: the forces of a TissueEnergy and its contacts. Constants only. Springs are the bands of a RealtimeMesh. A lattice's squares lie in one run, one a node, as a band's
 /// springs do: the area between a square's diagonals pulls at their ends. Every other region is a walk round its outline.
-/// In space a lattice's boxes lie in runs of consecutive first nodes: the three mean edges of a box follow from its four diagonals, at whose ends it
-/// pulls. Cubes of an embedded lattice pull at all eight corners, by the gradient at their tissue's centroid.
+/// In space cubes lie in runs of consecutive first nodes, and pull at all eight corners, by the gradient at their tissue's centroid.
 class RealtimeLaw {
    public:
     /// springs: of the model's mesh, with the law `geometric`, which is a law's own (springs/turning_springs.h); it must outlive this.
@@ -97,21 +96,17 @@ class RealtimeLaw {
         int node, before, after;
         double x, y;  ///< after's rest place from before's [m]
     };
-    /// Boxes of a lattice, or cubes of an embedded one, in slots. In a run the corners of slot first_slot + k are rows first_row + k + corner[c]; where there is
-    /// none, gain is 0. A slot's growth has another unit for boxes and for cubes: of boxes 64 V (J - 1), by determinants of sums of their four edges along each axis;
-    /// of cubes, which the solid's surface may cut, J - 1 at their tissue's centroid.
-    struct Boxes {
+    /// Cubes of an embedded lattice, in slots. In a run the corners of slot first_slot + k are rows first_row + k + corner[c]; where there is none, gain is 0. A slot's growth
+    /// is J - 1 at the centroid of the tissue in it.
+    struct Cubes {
         struct Run {
             int first_row, first_slot, count;
             int corner[8];               ///< corner[1] is 1, and every odd one follows the even one before
-            bool alike;                  ///< boxes that all have the first one's edges
         };
         std::vector<Run> runs;
-        bool cubes = false;
-        double per_m = 0;                ///< 1 / edge of cubes
-        std::vector<double> edge[9];     ///< of boxes: sums of the four along each axis at rest [m], of one axis after the other
-        std::vector<double> centroid[3]; ///< of cubes: of their tissue, from corner 0 in edges
-        std::vector<double> gain;        ///< of A V (J - 1)^2 / 2: A / (4096 V) [N/m5] of boxes, A V [Nm] of cubes
+        double per_m = 0;                ///< 1 / edge
+        std::vector<double> centroid[3]; ///< of their tissue, from corner 0 in edges
+        std::vector<double> gain;        ///< A V [Nm] of A V (J - 1)^2 / 2
         std::vector<Eigen::Index> constant;
 
         int count() const { return static_cast<int>(gain.size()); }
@@ -130,7 +125,7 @@ class RealtimeLaw {
     void add_plane_cells(const Elements& cells, const Eigen::VectorXd& constants, Eigen::Index first);
     bool add_squares(const Elements& cells, const Eigen::VectorXd& constants, Eigen::Index first);
     void add_region(const std::vector<std::array<int, 2>>& edges, double constant, Eigen::Index index);
-    void add_boxes(const TissueModel& model, const CellVolumes& cells, Eigen::Index first);
+    void add_cubes(const TissueModel& model, const CellVolumes& cells, Eigen::Index first);
     void supports_force(const NodeColumns& u, NodeColumns& f) const noexcept;
     double supports_energy(const NodeColumns& u) const noexcept;
     template <class Of>
@@ -138,10 +133,9 @@ class RealtimeLaw {
     double twice_growth(const Region& region, const NodeColumns& u) const noexcept;
     void squares_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
     void regions_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
-    void boxes_grown(const Boxes::Run& run, int done, int n, const NodeColumns& u, double* g, double* grown) const noexcept;
-    void boxes_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
+    void cubes_grown(const Cubes::Run& run, int done, int n, const NodeColumns& u, double* g, double* grown) const noexcept;
     void cubes_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
-    double boxes_energy(const NodeColumns& u) const noexcept;
+    double cubes_energy(const NodeColumns& u) const noexcept;
     void elements_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
     void all_force(const NodeColumns& u, NodeColumns& f, Scratch& scratch, BranchMemory* memory) const noexcept;
 
@@ -150,12 +144,12 @@ class RealtimeLaw {
     LawStiffness now_;
     Eigen::VectorXd theta_;  ///< by slot (P)
     Relaxation relaxation_;
-    int first_square_ = 0, first_region_ = 0, first_box_ = 0;  ///< in a memory, after the springs' slots
+    int first_square_ = 0, first_region_ = 0, first_cube_ = 0;  ///< in a memory, after the springs' slots
     std::vector<Eigen::Index> spring_of_slot_;                                   ///< (P), -1 where there is none
     Squares squares_;
     std::vector<Region> regions_;
     std::vector<Step> walk_;
-    Boxes boxes_;
+    Cubes cubes_;
     Supports supports_;
     std::unique_ptr<ContactKernel> kernel_;
 };

@@ -15,7 +15,7 @@ namespace tissue {
 ///
 /// Springs live in slots. Springs that join row i to row i + offset (LatticeRows), for one offset, form a band: one run of slots,
 /// one a row, so that force is a few sums over contiguous arrays instead of a walk through pairs of nodes. Slots of a
-/// band that hold no spring have theta = 0. A lattice has four bands in the plane, in space thirteen; an embedded one some more for each layer.
+/// band that hold no spring have theta = 0. A lattice has four bands in the plane; an embedded one thirteen, and some more for each layer.
 /// Springs of rare offsets (meshes that are no lattice) are loose: pairs.
 ///
 /// The nodes of a solid in an embedded lattice have no mass, and move with the lattice (mesh/embedding.h).

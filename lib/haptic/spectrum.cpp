@@ -92,20 +92,31 @@ double largest_of(const RealtimeMesh& mesh, Apply apply) {
     return solver.eigenvalues()[n - 1] + std::abs(beta.back() * solver.eigenvectors()(n - 1, n - 1));
 }
 
-/// Inverse iteration: solve(x) makes K^-1 x of x, in place. mass, x: of the free degrees of freedom.
+/// Inverse iteration of a few vectors at once, since a square block's slowest modes come in pairs of one frequency: solve(x) makes K^-1 x of x, in place. mass, x: of the free
+/// degrees of freedom.
 template <class Solve>
 double smallest_of(const Eigen::VectorXd& mass, const Solve& solve) {
-    Eigen::VectorXd x(mass.size());
-    for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = 1 + 0.5 * std::sin(12.9898 * static_cast<double>(i + 1));
+    const Eigen::Index n = mass.size(), few = std::min<Eigen::Index>(4, n);
+    Eigen::MatrixXd X(n, few);
+    for (Eigen::Index k = 0; k < few; ++k)
+        for (Eigen::Index i = 0; i < n; ++i) X(i, k) = 1 + 0.5 * std::sin(12.9898 * static_cast<double>(i + 1) * static_cast<double>(k + 1)) - (k > 0 && i % (k + 1) == 0 ? 2 : 0);
     double eigenvalue = 0;
     for (int step = 0; step < 200; ++step) {
-        x /= std::sqrt(x.dot(mass.cwiseProduct(x)));
-        Eigen::VectorXd y = mass.cwiseProduct(x);
-        const Eigen::VectorXd Mx = y;
-        solve(y);
-        const double now = 1 / y.dot(Mx);  // Rayleigh quotient of the inverse
-        x = y;
-        if (std::abs(now - eigenvalue) < 1e-6 * now) return now;
+        Eigen::MatrixXd MX = mass.asDiagonal() * X;
+        const Eigen::LLT<Eigen::MatrixXd> own(X.transpose() * MX);
+        if (own.info() != Eigen::Success) return eigenvalue;
+        X = own.matrixU().solve<Eigen::OnTheRight>(X).eval();
+        MX = mass.asDiagonal() * X;
+        Eigen::MatrixXd Y = MX;
+        for (Eigen::Index k = 0; k < few; ++k) {
+            Eigen::VectorXd y = Y.col(k);
+            solve(y);
+            Y.col(k) = y;
+        }
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> inverse(MX.transpose() * Y);
+        const double now = 1 / inverse.eigenvalues()[few - 1];
+        X = Y * inverse.eigenvectors();
+        if (std::abs(now - eigenvalue) < 1e-9 * now) return now;
         eigenvalue = now;
     }
     return eigenvalue;

@@ -40,8 +40,8 @@ class Aims {
         : surface_(mesh), random_(seed), centre_m_((low(mesh) + high(mesh)) / 2), radius_m_((high(mesh) - low(mesh)).norm() / 2 + ring_m),
           clear_m_(0.1 * (high(mesh) - low(mesh)).minCoeff()), nodes_(mesh.nodes), facets_(mesh.facets) {}
 
-    static Point low(const SpringMesh& mesh) { return mesh.nodes.colwise().minCoeff().transpose(); }
-    static Point high(const SpringMesh& mesh) { return mesh.nodes.colwise().maxCoeff().transpose(); }
+    static Point low(const SpringMesh& mesh) { return mesh.own_nodes().colwise().minCoeff().transpose(); }
+    static Point high(const SpringMesh& mesh) { return mesh.own_nodes().colwise().maxCoeff().transpose(); }
     double uniform() { return tissue::uniform(random_); }
 
     Aim draw() {

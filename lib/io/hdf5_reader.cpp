@@ -119,7 +119,7 @@ Hdf5Reader::Hdf5Reader(std::string file, const std::string& kind) : file_(std::m
         if (file_version > law_format_version && file_version < solid_format_version)
             refuse("/", fmt::format("format version {} was of solids under discs with another energy; make it anew", file_version));
         if (file_version > adapted_format_version && file_version < embedded_format_version)
-            refuse("/", fmt::format("format version {} was of embedded solids whose contacts had another factor; make it anew", file_version));
+            refuse("/", fmt::format("format version {} was of solids in space whose contacts were others; make it anew", file_version));
         const std::string file_kind = text_attribute("/", "kind");
         if (!kind.empty() && file_kind != kind)
             refuse("/", fmt::format("holds '{}', wanted '{}'", file_kind, kind));

@@ -8,19 +8,6 @@ namespace tissue {
 Cells mesh_cells(const SpringMesh& mesh) {
     if (!mesh.embedding.empty()) return mesh.embedding.cubes;
     if (!on_lattice(mesh)) return mesh.simplices;
-    if (mesh.is_solid()) {
-        // six tetrahedra a cell, as mesh/solid_lattice.cpp divides it; corners bit by bit, 1 along x, 2 along y, 4 along z
-        constexpr int tetrahedron[8] = {0, 0, 2, 0, 4, 1, 3, 0}, place[8] = {0, 1, 2, 2, 1, 1, 2, 3};
-        constexpr int again[8] = {5, 1, 3, 2, 5, 4, 5, 5}, place_again[8] = {0, 2, 1, 1, 2, 2, 1, 3};
-        Cells cells(mesh.simplices.rows() / 6, 8);
-        for (Eigen::Index c = 0; c < cells.rows(); ++c)
-            for (int k = 0; k < 8; ++k) {
-                cells(c, k) = mesh.simplices(6 * c + tetrahedron[k], place[k]);
-                if (cells(c, k) != mesh.simplices(6 * c + again[k], place_again[k]))
-                    throw MismatchError("the tetrahedra of the lattice do not make up its cells");
-            }
-        return cells;
-    }
     // a lattice cell's two triangles follow each other: (a, b, .) and (., c, d), whichever diagonal divides it
     Cells cells(mesh.simplices.rows() / 2, 4);
     for (Eigen::Index c = 0; c < cells.rows(); ++c) {

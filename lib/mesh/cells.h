@@ -6,8 +6,8 @@
 
 namespace tissue {
 
-/// The pieces of tissue between the springs: a lattice's squares, in space its boxes and an embedded one's cubes (C x 8, corners bit by bit: 1 along x,
-/// 2 along y, 4 along z), a shape's triangles. In the plane counter-clockwise.
+/// The pieces of tissue between the springs: a lattice's squares and a shape's triangles, counter-clockwise; in space an embedded lattice's cubes (C x 8, corners bit by bit: 1 along x,
+/// 2 along y, 4 along z).
 /// Throws MismatchError when the simplices of a lattice do not make up its cells.
 Cells mesh_cells(const SpringMesh& mesh);
 

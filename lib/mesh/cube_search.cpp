@@ -20,7 +20,7 @@ CubeWeights cube_weights(const Eigen::Vector3d& at) noexcept {
 }
 
 CubeSearch::CubeSearch(const NodeField& nodes, const Cells& cubes, double spacing_m) : spacing_m_(spacing_m) {
-    constexpr double most_places = 1e6;  // a lattice that is made has 400,000
+    constexpr double most_places = 1e6;  // a lattice that is made has 200,000
     const NodeField low = nodes(cubes.col(0), Eigen::all);
     origin_m_ = low.colwise().minCoeff().transpose();
     const NodeField place = (low.rowwise() - origin_m_.transpose()) / spacing_m;

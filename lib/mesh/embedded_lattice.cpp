@@ -12,7 +12,6 @@
 #include "error.h"
 #include "mesh/cube_search.h"
 #include "mesh/open_faces.h"
-#include "mesh/solid_lattice.h"
 
 namespace tissue {
 namespace {
@@ -20,7 +19,7 @@ namespace {
 constexpr int parts = 6;  // of a cube, along each axis
 constexpr double least_fraction = 0.02, least_mass = 0.02;
 constexpr int most_cubes = 100'000;
-constexpr double most_in_all = 400'000;  // in the box about the solid: their parts are kept at once
+constexpr double most_in_all = 200'000;  // in the box about the solid: their parts are kept at once
 
 using Triple = std::array<int, 3>;
 
@@ -153,6 +152,8 @@ int pieces(const Cells& cubes) {
 }
 
 }  // namespace
+
+double spring_share(int axes) { return axes == 2 ? 1.0 / 6 : 1.0 / 4; }
 
 SpringMesh embedded_lattice(const Shape& shape, double spacing_m) { return shifted_lattice(shape, spacing_m, Eigen::Vector3d::Zero()); }
 

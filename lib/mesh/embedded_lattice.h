@@ -15,13 +15,17 @@ namespace tissue {
 /// over its two ends: f V each of a whole cube. Masses are f V / 8 at each corner, so that stiffness and mass of a cube shrink together: the fastest mode stays near that of
 /// whole cubes however thin the tissue in one is (measured: 13 % above it at the most). No node has less than 0.02 of a whole one's, since supports and contacts do not shrink.
 ///
-/// incident_measure is (7)'s as of mesh/solid_lattice.h. fixed are the held nodes of the solid: the held surface is supported at points, by TissueEnergy, and the
+/// incident_measure is (7)'s: the mean over the four ways to divide a cube into six tetrahedra about one of its body diagonals, spring_share of a cube's volume from each cube that has the spring; springs
+/// inside add up to 6 of a cube's volume, as six tetrahedra with six edges each do. fixed are the held nodes of the solid: the held surface is supported at points, by TissueEnergy, and the
 /// lattice's nodes are all free.
 /// Parts of a solid that lie within a cube of each other, a fold or two bodies, share the cube's corners and move together: the spacing has to be smaller than such gaps, which
 /// nothing checks. A third of the thinnest part that is pressed is enough (findings of trials), or less.
-/// Throws MismatchError for a spacing that is not positive, for no cube, more than 100,000 or 400,000 in the box about the solid, and where the lattice is so coarse that it falls apart or
+/// Throws MismatchError for a spacing that is not positive, for no cube, more than 100,000 or 200,000 in the box about the solid, and where the lattice is so coarse that it falls apart or
 /// has a node of the solid an edge or more away from every cube.
 SpringMesh embedded_lattice(const Shape& shape, double spacing_m);
+
+/// What (7) gives a spring of the volume of a cube that has it, by the number of axes that it runs along: 1/4 for an edge, 1/6 for a diagonal of a face, 1/4 for one of the body.
+double spring_share(int axes);
 
 /// The same lattice moved by a part of an edge along each axis, 0 to 1, whatever plane the held surface is.
 SpringMesh shifted_lattice(const Shape& shape, double spacing_m, const Eigen::Vector3d& shift);

@@ -314,7 +314,7 @@ SpringMesh solid_edge_mesh(const Shape& shape) {
 }
 
 Shape solid_shape_of(const SpringMesh& mesh) {
-    Shape shape{mesh.nodes, mesh.simplices, std::vector<int>(static_cast<std::size_t>(mesh.simplices.rows()), 0), {}};
+    Shape shape{mesh.own_nodes(), mesh.simplices, std::vector<int>(static_cast<std::size_t>(mesh.simplices.rows()), 0), {}};
     const auto is_fixed = [&](int node) { return std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), node); };
     for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
         const Face face = face_of(mesh.facets, f);

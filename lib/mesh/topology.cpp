@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 
 #include "error.h"
 #include "mesh/embedded_lattice.h"
-#include "mesh/solid_lattice.h"
+#include "mesh/solid_block.h"
 
 namespace tissue {
 namespace {
@@ -81,7 +82,7 @@ SpringMesh grid8(const Lattice& of) { return plane_lattice("grid8", true, of); }
 
 SpringMesh edges(const Lattice& of) { return edge_mesh(shape_of(grid4(of))); }
 
-SpringMesh embedded(const Lattice& of) { return embedded_lattice(shape_of(solid_lattice(of)), of.size_m[0] / of.cells[0]); }
+SpringMesh embedded(const Lattice& of) { return embedded_lattice(solid_block(of), of.size_m[0] / of.cells[0]); }
 
 SpringMesh edges_of(const Shape& shape, double) { return edge_mesh(shape); }
 
@@ -93,7 +94,6 @@ const Registry<Topology>& topologies() {
                                               {"grid4", 2, grid4, nullptr},
                                               {"grid8", 2, grid8, nullptr},
                                               {"edges", 2, edges, edges_of},
-                                              {"grid26", 3, solid_lattice, nullptr},
                                               {"embedded", 3, embedded, embedded_lattice},
                                           },
                                           [](const Topology& kind) { return kind.name; });
@@ -103,6 +103,22 @@ const Registry<Topology>& topologies() {
 bool on_lattice(const SpringMesh& mesh) { return topologies().at(mesh.topology).needs_lattice(); }
 
 bool has_cells(const SpringMesh& mesh) { return on_lattice(mesh) || !mesh.embedding.empty(); }
+
+bool is_box(const SpringMesh& mesh) {
+    const Eigen::RowVectorXd low = mesh.own_nodes().colwise().minCoeff(), high = mesh.own_nodes().colwise().maxCoeff();
+    const double tiny_m = 1e-9 * mesh.size_m();
+    for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
+        bool on_one = false;
+        for (Eigen::Index d = 0; d < mesh.dimension(); ++d)
+            for (double plane_m : {low[d], high[d]}) {
+                bool all = true;
+                for (int node : mesh.facets.row(f)) all = all && std::abs(mesh.nodes(node, d) - plane_m) < tiny_m;
+                on_one = on_one || all;
+            }
+        if (!on_one) return false;
+    }
+    return true;
+}
 
 SpringMesh make_lattice(const std::string& topology, const Lattice& lattice) {
     const Topology& kind = topologies().at(topology);

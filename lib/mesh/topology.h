@@ -12,7 +12,7 @@ struct Topology {
     const char* name;
     int dimension;
 
-    /// The springs of a block's lattice: make_lattice.
+    /// The springs of a block's lattice: make_lattice. In space spacing is the length of a cell along x.
     SpringMesh (*on_lattice)(const Lattice& lattice);
 
     /// Those of any shape, spacing_m long where they are of an embedded lattice; null where springs follow the cells of a lattice.
@@ -25,8 +25,7 @@ struct Topology {
 ///   grid4  the axis springs of a lattice: the paper's
 ///   grid8  both diagonals of every cell as well
 ///   edges  the edges of any mesh of triangles
-///   grid26 in space: edges, face and body diagonals of every cell of a lattice
-///   embedded in space: a lattice that any solid is embedded in (mesh/embedded_lattice.h)
+///   embedded in space: a lattice of springs that any solid is embedded in, a block as well (mesh/embedded_lattice.h)
 const Registry<Topology>& topologies();
 
 /// Whether a mesh's springs follow the cells of a block's lattice.
@@ -34,5 +33,8 @@ bool on_lattice(const SpringMesh& mesh);
 
 /// Whether springs follow cells, of a block's lattice or an embedded one. Otherwise they are the edges of triangles.
 bool has_cells(const SpringMesh& mesh);
+
+/// Whether all of the boundary lies on the planes of the box about it.
+bool is_box(const SpringMesh& mesh);
 
 }  // namespace tissue

@@ -10,9 +10,8 @@ namespace {
 
 Cells solid_cells(const SpringMesh& mesh) {
     if (!mesh.is_solid()) throw MismatchError("cells with a volume need a mesh in space");
-    const Cells cells = mesh_cells(mesh);
-    if (cells.cols() != 8) throw MismatchError("boxes need a lattice in space");
-    return cells;
+    if (mesh.embedding.empty()) throw MismatchError("cubes need an embedded lattice");
+    return mesh.embedding.cubes;
 }
 
 /// det(I + G) - 1, without the 1 that would cancel.
@@ -31,7 +30,7 @@ Eigen::Matrix3d cofactor(const Eigen::Matrix3d& F) {
 
 CellVolumes::CellVolumes(const SpringMesh& mesh) : Elements(solid_cells(mesh)), volume_(nodes().rows()) {
     for (int e = 0; e < count(); ++e) {
-        const Eigen::Vector3d at = mesh.embedding.empty() ? Eigen::Vector3d::Constant(0.5) : Eigen::Vector3d(mesh.embedding.centroid.row(e));
+        const Eigen::Vector3d at = mesh.embedding.centroid.row(e);
         Eigen::Matrix<double, 3, 8> local;  // gradients by the local coordinates, each from 0 to 1
         Eigen::Matrix3d edges = Eigen::Matrix3d::Zero();
         for (int k = 0; k < 8; ++k) {
@@ -41,7 +40,7 @@ CellVolumes::CellVolumes(const SpringMesh& mesh) : Elements(solid_cells(mesh)), 
             }
             edges += mesh.nodes.row(nodes()(e, k)).transpose() * local.col(k).transpose();
         }
-        volume_[e] = (mesh.embedding.empty() ? 1 : mesh.embedding.fraction[e]) * edges.determinant();
+        volume_[e] = mesh.embedding.fraction[e] * edges.determinant();
         if (!(volume_[e] > 0)) throw MismatchError(fmt::format("cell {} is inside out or has no volume", e));
         gradient_.push_back(edges.inverse().transpose() * local);
     }

@@ -6,13 +6,12 @@
 
 namespace tissue {
 
-/// Cells of a lattice in space that keep their true volume: A V (J - 1)^2 / 2, J the determinant of the cell's
-/// deformation gradient, the trilinear map's at the middle, from the means of its four edges along each axis (one-point
-/// quadrature; what it does not see, springs hold). Of an embedded lattice's cube V is its tissue's volume, and J is taken at that tissue's centroid. Constants A are moduli [Pa]; per unit of them energies are [m^3].
+/// Cubes of an embedded lattice that keep the true volume V of the tissue in them: A V (J - 1)^2 / 2, J the determinant of the trilinear map's
+/// deformation gradient at that tissue's centroid (one-point quadrature; what it does not see, springs hold). Constants A are moduli [Pa]; per unit of them energies are [m^3].
 /// What springs alone cannot do is in springs/cell_areas.h.
 class CellVolumes final : public Elements {
    public:
-    /// Throws MismatchError for a mesh that is no lattice in space, and a cell turned inside out or without volume.
+    /// Throws MismatchError for a mesh that is no embedded lattice, and a cell turned inside out or without volume.
     explicit CellVolumes(const SpringMesh& mesh);
 
     std::string kind() const override { return "cell"; }

@@ -9,7 +9,7 @@ struct FixedContactError : MismatchError {
     using MismatchError::MismatchError;
 };
 
-/// A place near which the surface's mesh has no node.
+/// A place of a solid near which its lattice has no tissue.
 struct NoContactError : MismatchError {
     using MismatchError::MismatchError;
 };

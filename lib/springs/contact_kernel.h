@@ -26,7 +26,7 @@ struct ContactRows {
     std::vector<int> law_row;    ///< of PatchLaw, for each row (R)
     Eigen::VectorXd share;       ///< of that stiffness (R)
     ContactFactors factors;      ///< of the place: PatchLaw's
-    Eigen::VectorXd mean;        ///< weight of each node in ContactKernel::scale (K), sum 1: that in what is between tool and surface
+    Eigen::VectorXd mean;        ///< weight of each node in ContactKernel::scale (K): those of the first rows of pull, over their sum
     double log_scale = 0;        ///< of the law's stiffnesses there: ContactKernel::scale, and of a disc DiscTables::correction
 };
 

@@ -67,8 +67,7 @@ struct PatchStiffness {
 
 /// How those depend on the contact's place: log k_m = sum_f log_N_m(m, f) factor_f, with factors
 ///   1, phase = cos(2 pi place): 1 at a node, -1 half way between two, corner, edge.
-/// In space, of a disc (springs/disc_contact.h): phase about 1 at a node, 0 in the middle of an edge, -1 in that of a
-/// square; in an embedded lattice `curved` takes the place of phase, and `ground` that of corner, what under it is of other stiffness; its last rows are what is not linear of it (springs/contact_spring.h): hardening
+/// In space, of a disc (springs/disc_contact.h): `curved` takes the place of phase, and `ground` that of corner, what under it is of other stiffness; its last rows are what is not linear of it (springs/contact_spring.h): hardening
 /// and saturation [log(1/J)], coupling [log(N/m2)].
 struct PatchLaw {
     static constexpr int factors = 4, curved_factor = 1, ground_factor = 2, hardening_row = 4, saturation_row = 5, coupling_row = 6, disc_rows = 7;

@@ -7,7 +7,6 @@
 
 #include "error.h"
 #include "mesh/facet.h"
-#include "mesh/topology.h"
 #include "springs/contact_errors.h"
 #include "springs/contact_patch.h"
 
@@ -16,12 +15,7 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 constexpr double imprint = 2.5;             // its reach, and the skin's, in radii
-constexpr double under = 1.2, stuck = 4;    // how far the disc itself holds the tissue, in radii, and how much more stiffly
-constexpr double reach = 1.6;  // of the mean's weights, in spacings: at least four nodes of a square lattice
-constexpr double farther = 1.25 * 1.25;  // where too few are there; a place that needs still more looks at the whole surface
-
 constexpr double curved_reach = 2.2;  // of the nodes that say how curved the surface is, in spacings
-constexpr double width = 0.35;  // of the bells whose sum says where between the nodes a contact stands, in spacings
 
 /// Two unit vectors across a unit vector: the first as near to the first axis as can be.
 Eigen::Matrix<double, 3, 2> tangents_of(const Eigen::Vector3d& normal) {
@@ -35,11 +29,6 @@ Eigen::Matrix<double, 3, 2> tangents_of(const Eigen::Vector3d& normal) {
 }
 
 }  // namespace
-
-double DiscContact::profile(double x) {
-    if (x <= 1) return 1 - x * x / 2;
-    return ((2 - x * x) * std::asin(1 / x) + std::sqrt(x * x - 1)) / pi;
-}
 
 double DiscContact::ground_at(const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const {
     const double squared = radius_m_ * radius_m_;
@@ -60,7 +49,7 @@ SurfaceQuadric DiscContact::quadric_among(const std::vector<int>& nodes, double 
     const Point in = inward;
     Eigen::Matrix<double, 6, 6> moments;
     Terms below;
-    double reach_m = std::max(curved_reach * surface_.spacing_m(), imprint * radius_m_);
+    double reach_m = near_m_;
     for (int tries = 0, found = 0; tries < 10 && found < enough; ++tries, reach_m *= 1.15) {
         moments.setZero();
         below.setZero();
@@ -89,27 +78,19 @@ DiscContact::DiscContact(const SpringMesh& mesh, double radius_m, DiscTables tab
     : surface_(mesh), rest_(mesh.nodes), radius_m_(radius_m), tables_(std::move(tables)),
       fixed_(static_cast<std::size_t>(mesh.node_count()), false) {
     if (!mesh.is_solid()) throw MismatchError("a disc needs a surface in space");
-    if (!has_cells(mesh)) throw MismatchError("a disc needs a lattice, a block's or an embedded one");
+    if (mesh.embedding.empty()) throw MismatchError("a disc needs a solid in an embedded lattice");
     if (!(radius_m > 0)) throw MismatchError("a disc needs a radius > 0");
     for (int node : mesh.fixed) fixed_[static_cast<std::size_t>(node)] = true;
+    polar_ = std::make_shared<const PolarPoints>(mesh, radius_m, imprint);
 
-    near_m_ = std::max(farther * own_reach_m(), imprint * radius_m_);
+    near_m_ = std::max({curved_reach * surface_.spacing_m(), imprint * radius_m_, polar_->mean_m()});
     for (Eigen::Index f = 0; f < surface_.facets().rows(); ++f) {
         const Eigen::Vector3d middle = surface_.at(f, Eigen::Vector3d::Constant(1.0 / 3));
         double size_m = 0;
         for (int node : surface_.facets().row(f)) size_m = std::max(size_m, (rest_.row(node).transpose() - middle).norm());
         near_.emplace_back();
-        int in_reach = 0;
-        for (int node : surface_.nodes()) {
-            const double away_m = (rest_.row(node).transpose() - middle).norm();
-            if (away_m < 1.000001 * (near_m_ + size_m)) near_.back().push_back(node);
-            in_reach += away_m < std::max(own_reach_m(), imprint * radius_m_) + size_m;
-        }
-        most_nodes_ = std::max(most_nodes_, in_reach);
-    }
-    if (!mesh.embedding.empty()) {
-        polar_ = std::make_shared<const PolarPoints>(mesh, radius_m, imprint);
-        most_nodes_ = PolarPoints::under + PolarPoints::beyond;
+        for (int node : surface_.nodes())
+            if ((rest_.row(node).transpose() - middle).norm() < 1.000001 * (near_m_ + size_m)) near_.back().push_back(node);
     }
     for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
         walls_.emplace_back();
@@ -132,8 +113,6 @@ double DiscContact::correction_at(const FreeSurface::Place& place) const noexcep
     return tables_.correction.at(surface_.facet_of(place.facet), nearest_on_facet(rest_, surface_.facets(), place.facet, place.point_m).weight);
 }
 
-double DiscContact::own_reach_m() const noexcept { return reach * surface_.spacing_m(); }
-
 Eigen::Matrix3d DiscContact::target_at(const Eigen::Vector3d& from_m, double away_m, const Eigen::Vector3d& normal) const noexcept {
     // how far the tissue goes along the surface where it is pushed that way: the same all round on average
     Eigen::Matrix3d target = Eigen::Matrix3d::Identity();
@@ -144,7 +123,7 @@ Eigen::Matrix3d DiscContact::target_at(const Eigen::Vector3d& from_m, double awa
         const Eigen::Vector3d out_along = out - out.dot(normal) * normal;
         target += far / 3 * (2 * out * out_along.transpose() - along);
     }
-    return profile(away_m / radius_m_) * target;
+    return disc_profile(away_m / radius_m_) * target;
 }
 
 template <class Each>
@@ -179,93 +158,18 @@ void DiscContact::show_skin(int facet, const Eigen::Vector3d& weight, const Skin
 DiscContact::Disc DiscContact::disc_at(const FreeSurface::Place& place, Footing& footing) const noexcept {
     const Eigen::Vector3d centre = place.point_m, normal = place.inward;
     Disc disc{normal, {}, 0};
-    double where = 0;  // phase, or curved
-    if (polar_) {
-        const SurfaceQuadric quadric = quadric_among(near_[static_cast<std::size_t>(place.facet)], near_m_, centre, normal);
-        polar_->lay(quadric, [&](const Eigen::Vector3d& from_m, double away_m) { return target_at(from_m, away_m, normal); }, footing);
-        where = curved_of(quadric);
-    } else {
-        stand_on_nodes(place, footing);
-        where = footing.phase;
-    }
-    for (int i = 0; i < footing.means; ++i) disc.log_scale += footing.weight[i] * log_scale_of(footing.node[i]) / footing.mean_sum;
+    const SurfaceQuadric quadric = quadric_among(near_[static_cast<std::size_t>(place.facet)], near_m_, centre, normal);
+    polar_->lay(quadric, [&](const Eigen::Vector3d& from_m, double away_m) { return target_at(from_m, away_m, normal); }, footing);
+    for (int i = 0; i < footing.means; ++i) disc.log_scale += footing.weight[i] / PolarPoints::total * log_scale_of(footing.node[i]);
     disc.log_scale += correction_at(place);
-    disc.factors << 1, where, ground_at(centre, normal), std::exp(-surface_.to_crease_m(place.point_m) / surface_.spacing_m());
+    disc.factors << 1, curved_of(quadric), ground_at(centre, normal), std::exp(-surface_.to_crease_m(place.point_m) / surface_.spacing_m());
     return disc;
-}
-
-/// Of nodes that are free to move: those of the surface. Where more are in reach than there is room for, the nearest.
-void DiscContact::stand_on_nodes(const FreeSurface::Place& place, Footing& footing) const noexcept {
-    const Eigen::Vector3d centre = place.point_m, normal = place.inward;
-    const Eigen::Matrix<double, 3, 2> tangents = tangents_of(normal);
-    const double h = surface_.spacing_m(), imprint_m = imprint * radius_m_;
-    struct Near {
-        int node;
-        double away_m;
-    } near[Footing::most_points];
-    int count = 0;
-    footing.entries = footing.points = footing.means = 0;
-    footing.mean_sum = 1;
-
-    // nodes of the mean, and of the imprint; both from what faces the disc. Where the surface's mesh is so coarse there that
-    // fewer than four are near, the mean reaches farther.
-    double reach_m = own_reach_m();
-    for (int tries = 0; tries < 10; ++tries, reach_m *= 1.25) {
-        count = 0;
-        int in_reach = 0;
-        const double most_m = std::max(reach_m, imprint_m);
-        const std::vector<int>& candidates = most_m <= near_m_ ? near_[static_cast<std::size_t>(place.facet)] : surface_.nodes();
-        for (int node : candidates) {
-            const double* x = &rest_(node, 0);
-            const double r = Eigen::Vector3d(x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]).norm();
-            if (r >= most_m || !surface_.faces(node, place.inward)) continue;
-            in_reach += r < 0.95 * reach_m;
-            if (count < Footing::most_points) {
-                near[count++] = {node, r};
-                continue;
-            }
-            Near* farthest = std::max_element(near, near + count, [](const Near& a, const Near& b) { return a.away_m < b.away_m; });
-            if (r < farthest->away_m) *farthest = {node, r};
-        }
-        if (in_reach >= 4) break;
-    }
-    if (count < 3) return;
-
-    // moving least squares in the tangent plane, lengths in spacings
-    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
-    const auto basis = [&](const Near& at) {
-        const Eigen::Vector2d across = tangents.transpose() * (rest_.row(at.node).transpose() - centre) / h;
-        return Eigen::Vector3d(1, across[0], across[1]);
-    };
-    for (Near* at = near; at != near + count; ++at) {
-        const double weight = bell(at->away_m / reach_m);
-        if (weight > 0) moments += weight * basis(*at) * basis(*at).transpose();
-    }
-    const Eigen::Vector3d solved = moments.ldlt().solve(Eigen::Vector3d::UnitX());
-    double crowd = 0;
-    for (Near* at = near; at != near + count; ++at) {
-        const double r = at->away_m, x = r / (width * h);
-        const double bare = r < reach_m ? bell(r / reach_m) : 0;
-        footing.add(at->node, bare * basis(*at).dot(solved));
-        crowd += std::exp(-x * x / 2) / (2 * pi * width * width);
-    }
-    footing.means = footing.entries;
-    footing.phase = (crowd - 1) / (4 * std::exp(-2 * pi * pi * width * width));
-    for (Near* at = near; at != near + count; ++at) {
-        if (!(at->away_m < imprint_m)) continue;
-        Footing::Point& point = footing.point[footing.points++];
-        point.target = target_at(rest_.row(at->node).transpose() - centre, at->away_m, normal);
-        point.share = bell(at->away_m / imprint_m) + stuck * bell(at->away_m / (under * radius_m_));
-        point.begin = footing.entries;
-        footing.add(at->node, 1);
-        point.end = footing.entries;
-    }
 }
 
 ContactRows DiscContact::rows_at(const Point& contact_m) const {
     Footing footing;
     const Disc disc = disc_at(surface_.nearest(contact_m), footing);
-    if (footing.means == 0) throw NoContactError(polar_ ? "the lattice has no tissue near the contact" : "the surface's mesh has no nodes near the contact");
+    if (footing.means == 0) throw NoContactError("the lattice has no tissue near the contact");
 
     ContactRows rows;
     std::map<int, Eigen::Index> column;
@@ -283,12 +187,10 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
     rows.mean.setZero(K);
     rows.push.topRows<3>() = axes.transpose();
     rows.law_row = {0, 1, 1};
-    if (polar_) {
-        rows.touched.resize(static_cast<std::size_t>(1 + footing.points));
-        for (int i = 0; i < footing.means; ++i) rows.touched[0].push_back(i);
-    }
+    rows.touched.resize(static_cast<std::size_t>(1 + footing.points));
+    for (int i = 0; i < footing.means; ++i) rows.touched[0].push_back(i);
     for (int i = 0; i < footing.means; ++i) {  // the mean's nodes are the first
-        rows.mean[i] = footing.weight[i] / footing.mean_sum;
+        rows.mean[i] = footing.weight[i] / PolarPoints::total;
         rows.pull.block<3, 3>(0, 3 * i) = footing.weight[i] * axes.transpose();
     }
     for (int p = 0; p < footing.points; ++p) {
@@ -298,7 +200,7 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
         for (int i = point.begin; i < point.end; ++i) {
             const Eigen::Index node = column.at(footing.node[i]);
             rows.pull.block<3, 3>(row, 3 * node) += footing.weight[i] * axes.transpose();
-            if (polar_) rows.touched[static_cast<std::size_t>(1 + p)].push_back(static_cast<int>(node));
+            rows.touched[static_cast<std::size_t>(1 + p)].push_back(static_cast<int>(node));
         }
         rows.share.segment<3>(row).setConstant(point.share);
         rows.law_row.insert(rows.law_row.end(), {2, 3, 3});

@@ -20,8 +20,7 @@ const std::vector<std::string> patch_rows = {"normal", "tangent", "rotation", "s
 const std::vector<std::string> disc_rows = {"normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"};
 const std::string support_term = "support.all";
 const std::string softening = "softening";  // in the place of hardening
-const std::vector<std::string> patch_factors = {"", "phase", "corner", "edge"}, disc_factors = {"", "phase", "ground", "edge"},
-                               embedded_factors = {"", "curved", "ground", "edge"};
+const std::vector<std::string> patch_factors = {"", "phase", "corner", "edge"}, disc_factors = {"", "curved", "ground", "edge"};
 
 std::vector<std::string> split(const std::string& text) {
     std::vector<std::string> parts{""};
@@ -37,7 +36,7 @@ std::vector<std::string> split(const std::string& text) {
 /// Row and factor of a contact's term.
 std::pair<int, int> patch_term(const std::string& term, const std::vector<std::string>& parts, const SpringMesh& mesh) {
     std::vector<std::string> rows = mesh.is_solid() ? disc_rows : patch_rows;
-    const std::vector<std::string>& factors = !mesh.is_solid() ? patch_factors : mesh.embedding.empty() ? disc_factors : embedded_factors;
+    const std::vector<std::string>& factors = mesh.is_solid() ? disc_factors : patch_factors;
     const std::string name = parts.size() > 1 ? parts[1] : "";
     if (mesh.is_solid()) rows.push_back(softening);
     auto row = std::find(rows.begin(), rows.end(), name);
@@ -104,15 +103,12 @@ LawHeuristic law_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& triang
 
 LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spring_modulus_Pa, const Eigen::VectorXd& cell_modulus_Pa,
                              double surface_modulus_Pa, double volume_cap, double radius_m, const Eigen::VectorXd& support_modulus_Pa) {
-    if (!mesh.is_solid()) throw MismatchError("a solid's heuristic needs a mesh in space");
+    if (mesh.embedding.empty()) throw MismatchError("a solid's heuristic needs an embedded lattice");
     if (!(volume_cap > 1.0 / 3)) throw MismatchError(fmt::format("a volume cap of {} E is not above E / 3", volume_cap));
     LawHeuristic h;
     h.cap = volume_cap * cell_modulus_Pa;
-    Eigen::VectorXd supports;
-    if (!mesh.embedding.empty()) {
-        supports = support_stiffness * surface_modulus_Pa / mesh.embedding.spacing_m * held_areas(mesh);
-        if (support_modulus_Pa.size() > 0) supports = support_stiffness / mesh.embedding.spacing_m * held_areas(mesh).cwiseProduct(support_modulus_Pa);
-    }
+    Eigen::VectorXd supports = support_stiffness * surface_modulus_Pa / mesh.embedding.spacing_m * held_areas(mesh);
+    if (support_modulus_Pa.size() > 0) supports = support_stiffness / mesh.embedding.spacing_m * held_areas(mesh).cwiseProduct(support_modulus_Pa);
     h.constants.resize(mesh.spring_count() + h.cap.size() + supports.size());
     const Eigen::VectorXd measure = isotropic_measure(mesh), unit = heuristic_stiffness(mesh, 1.0).cwiseProduct(measure).cwiseQuotient(mesh.incident_measure);
     h.constants.head(mesh.spring_count()) = 5.0 / 6 * unit.cwiseProduct(spring_modulus_Pa);  // measures sum to six times the volume
@@ -120,8 +116,8 @@ LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spri
     h.constants.tail(supports.size()) = supports;
     const double E = surface_modulus_Pa, in_ER = std::log(E * radius_m), in_ER3 = -std::log(E * radius_m * radius_m * radius_m);
     h.patch.log_N_m.setZero(PatchLaw::disc_rows, PatchLaw::factors);
-    h.patch.log_N_m.col(0) << std::log(2.2) + in_ER, std::log(1.7) + in_ER, std::log(4.0) + in_ER, std::log(0.4) + in_ER, std::log(0.8) + in_ER3, std::log(0.1) + in_ER3,
-        std::log(E);
+    h.patch.log_N_m.col(0) << std::log(2.2) + in_ER, in_ER, std::log(4.0) + in_ER, std::log(4.0) + in_ER, std::log(0.8) + in_ER3, std::log(0.1) + in_ER3,
+        std::log(2.5 * E);
     return h;
 }
 

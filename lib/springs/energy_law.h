@@ -28,9 +28,10 @@ namespace tissue {
 /// 3 / (2 pi E2) ln(r_spline / (b / 2)), r_spline = 0.43 h, of a half plane's logarithmic dent (Johnson, Contact
 /// Mechanics, 2.3: both kernels' mean logarithm): 1 / (4 E2) for b = h / 2, the start for normal and tangent; a tenth
 /// of it for the rows that keep the patch in line. Of a disc of radius R the force
-/// conjugate to d on a half space is 64/45 E R d (Hertz's pressure times phi). Rows start in E R at 2.2 (normal), 1.7 (tangent), 4 and 0.4 (imprint), hardening at
-/// 0.8 / (E R^3), saturation at 0.1 / (E R^3), coupling at E: chosen on block3-quick's validation contacts. In series with a lattice 7 R deep that gives 1.0 to 1.3
-/// times 64/45 E R where nodes lie 0.8 R to 1.4 R apart, by where between them the disc stands, and 1.1 to 1.6 at 2 R.
+/// conjugate to d on a half space is 64/45 E R d (Hertz's pressure times phi). Rows start in E R at 2.2 (normal), 1 (tangent), 4 and 4 (imprint), hardening at
+/// 0.8 / (E R^3), saturation at 0.1 / (E R^3), coupling at 2.5 E: chosen on block3-quick's validation contacts. In series with a lattice 7 R deep that gives, wherever
+/// between the nodes the disc stands, 0.95 to 1.3 times 64/45 E R straight in where an edge is 0.8 R to 1.4 R long, and 0.55 to 0.8 along the surface; a disc that is rigid and does not slip is
+/// 2/3 as stiff along a half space as into it. At 2 R 1.4 to 1.7 and 0.8 to 1.
 struct LawHeuristic {
     bool incompressible = false; ///< plane strain: regions keep their area too (TissueEnergy), with the cells' mean A
     Eigen::VectorXd constants;   ///< of a TissueEnergy [N/m] (E)
@@ -73,9 +74,9 @@ bool softens(const std::vector<std::string>& terms);
 ///   A_c = cap / (1 + (cap / heuristic_c - 1) exp(-sum_t p_t term_t(c))): the same, bending below the cap.
 /// Positive whatever p, the same whatever pushes. A term is WHAT.FACTOR.FACTOR..., the product of its factors:
 ///   spring, cell    all         1
-///                   surface     1 for a segment of the free surface, for a cell that has one, and about a node on it; not of an embedded solid
+///                   surface     1 for a segment of the free surface, for a cell that has one, and about a node on it; in the plane
 ///                   layer       exp(-depth / spacing) below the free surface; spacing: mean of the surface's segments
-///                   held        1 where one but not all nodes are held; not of an embedded solid
+///                   held        1 where one but not all nodes are held; in the plane
 ///                   x2 x4 y y2 y3 y4   powers of the place, over the half sizes of the mesh, from its middle
 ///   spring alone    along across    squared cosine to the nearest free surface, and to its normal
 ///                   upright         squared cosine to the normal of the nearest held edge
@@ -84,9 +85,9 @@ bool softens(const std::vector<std::string>& terms);
 ///                   z z2 z3 z4, and of x and y the even powers; spring alone horizontal vertical face body
 ///                   nodule      log(E / E_base), E in proportion to what of it lies in the nodule, or in named regions of a shape
 ///   contact.normal contact.tangent contact.rotation contact.stretch, alone or with one of: phase corner edge (PatchLaw)
-///   of a disc normal tangent imprint_normal imprint_tangent hardening saturation coupling, with one of: phase ground edge, on an
-///                   embedded solid curved ground edge (DiscContact); softening in place of hardening and saturation (ContactSpring)
-///   support.all     1 for the supports of an embedded solid
+///   of a disc normal tangent imprint_normal imprint_tangent hardening saturation coupling, with one of: curved
+///                   ground edge (DiscContact); softening in place of hardening and saturation (ContactSpring)
+///   support.all     1 for the supports of a solid
 ///   skin.normal skin.tangent skin.heave skin.radial   of a disc: in no constant, but in what is seen beside it (springs/skin.h)
 class EnergyLaw {
    public:

@@ -111,7 +111,7 @@ std::string reason_of(EquilibriumStatus status) {
     switch (status) {
         case EquilibriumStatus::balanced: return "";
         case EquilibriumStatus::contact_fixed: return "the contact lies on the fixed edge";
-        case EquilibriumStatus::no_contact: return "the surface's mesh has no nodes near the contact";
+        case EquilibriumStatus::no_contact: return "the lattice has no tissue near the contact";
         case EquilibriumStatus::zero_energy_modes: return "the spring mesh has zero-energy modes, though its contact is held";
         case EquilibriumStatus::unstable_at_rest: return "the spring mesh is unstable at rest, though its contact is held";
         case EquilibriumStatus::unstable: return "the spring mesh is unstable where it was pushed, though its contact is held";

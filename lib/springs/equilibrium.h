@@ -18,7 +18,7 @@ enum class EquilibriumStatus {
     unstable,           ///< largest |f| <= 1e-10 R, but smallest p <= 1e-10 of the largest: no minimum of the energy
     inside_out,         ///< a minimum, but of a law whose smallest area ratio is <= 0: no tissue (PressStatus)
     not_converged,      ///< largest |f| > 1e-10 R after 100 iterations of a load step, or not finite
-    no_contact          ///< the mesh has no nodes of its surface near the contact
+    no_contact          ///< in space: the lattice has no tissue near the contact
 };
 
 /// One line for people; empty for `balanced`.

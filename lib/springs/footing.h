@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 
 #include "springs/tool_spring.h"
 
@@ -13,7 +14,13 @@ inline double bell(double x) noexcept {
     return fall * fall;
 }
 
-/// What a disc takes of the nodes about it: points of the surface, each of which moves with one node or a few. Storage of its own: nothing allocates.
+/// phi of a disc at r / R, springs/disc_contact.h: the parabola that it presses in, and outside it that of the half space.
+inline double disc_profile(double x) noexcept {
+    constexpr double pi = 3.14159265358979323846;
+    return x <= 1 ? 1 - x * x / 2 : ((2 - x * x) * std::asin(1 / x) + std::sqrt(x * x - 1)) / pi;
+}
+
+/// What a disc takes of the nodes about it: points of the surface, each of which moves with a few. Storage of its own: nothing allocates.
 struct Footing {
     static constexpr int most_points = ToolSpring::most_nodes;
 
@@ -25,12 +32,10 @@ struct Footing {
 
     Point point[most_points];
     int points = 0;
-    int means = 0;        ///< the mean's are the first of node[], weight[], none twice; a weight may be 0
-    double mean_sum = 1;  ///< of its weights
+    int means = 0;        ///< the mean's are the first of node[], weight[], none twice; their weights sum to PolarPoints::total
     int entries = 0;
     int node[ToolSpring::most_entries];
     double weight[ToolSpring::most_entries];
-    double phase = 0;  ///< factor of the place: springs/disc_contact.h
 
     void add(int of, double by) noexcept {
         if (entries == ToolSpring::most_entries) return;

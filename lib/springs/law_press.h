@@ -22,7 +22,7 @@ class LawPress {
     /// The contact at a place of the surface [m] (D), or that nearest to it, held at a push, everything else at rest: force of
     /// the tool and displacement.
     /// `not_converged` where load steps lost the rest, `unstable` where it is no minimum, `inside_out` where it is none
-    /// of a tissue, `contact_fixed` on the fixed edge, `no_contact` where the surface has no node near the place. Throws MismatchError where law
+    /// of a tissue, in the plane `contact_fixed` on the fixed edge, in space `no_contact` where the lattice has no tissue near the place. Throws MismatchError where law
     /// and mesh do not belong together.
     Equilibrium at(const Point& contact_m, const Point& push_m) const;
 

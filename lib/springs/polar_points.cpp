@@ -7,7 +7,8 @@
 namespace tissue {
 
 PolarPoints::PolarPoints(const SpringMesh& mesh, double radius_m, double reach)
-    : search_(mesh.nodes, mesh.embedding.cubes, mesh.embedding.spacing_m), cubes_(mesh.embedding.cubes), radius_m_(radius_m), reach_m_(reach * radius_m) {
+    : search_(mesh.nodes, mesh.embedding.cubes, mesh.embedding.spacing_m), cubes_(mesh.embedding.cubes), reach_m_(reach * radius_m),
+      mean_m_(std::max(1.6 * mesh.embedding.spacing_m, 1.5 * radius_m)) {
     Eigen::Vector3d held = Eigen::Vector3d::Zero();  // twice its area, outward
     for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
         const auto facet = mesh.facets.row(f);
@@ -26,6 +27,7 @@ PolarPoints::PolarPoints(const SpringMesh& mesh, double radius_m, double reach)
         const double low = inside ? 0 : 1, high = inside ? 1 : reach * reach;  // squares of radii
         const double away_m = radius_m * std::sqrt(low + (high - low) * (ring + 0.5) / rings), angle = 2 * pi * (of % in_ring + 0.5 * (ring % 2)) / in_ring;
         along_m_.row(k) << away_m * std::cos(angle), away_m * std::sin(angle);
+        area_[k] = (high - low) / (inside ? under : beyond);
     }
 }
 
@@ -41,29 +43,23 @@ Eigen::Matrix<double, 3, 2> PolarPoints::tangents(const Eigen::Vector3d& inward)
 
 void PolarPoints::lay_mean(const SurfaceQuadric& surface, Footing& footing) const noexcept {
     footing.entries = footing.points = 0;
-    double squares = 0;
-    for (int k = 0; k < under; ++k) {
-        const Eigen::Vector3d place_m = surface.at(along_m_.row(k).transpose());
+    double sum = 0;
+    for (int k = 0; k < under + beyond; ++k) {
+        const Eigen::Vector3d place_m = surface.at(mean_m_ / reach_m_ * along_m_.row(k).transpose());
         const CubeSearch::Found found = search_.at(place_m);
-        const double x = (place_m - surface.place_m).norm() / radius_m_, phi = 1 - x * x / 2, left = left_at(found);
-        if (!(left > 0)) continue;
-        squares += left * phi * phi;
+        const double weight = left_at(found) * area_[k] * bell((place_m - surface.place_m).norm() / mean_m_);
+        if (!(weight > 0)) continue;
+        sum += weight;
         for (int c = 0; c < 8; ++c) {
             const int node = cubes_(found.cube, c);
             int at = 0;
             while (at < footing.entries && footing.node[at] != node) ++at;
             if (at == footing.entries) footing.add(node, 0);
-            footing.weight[at] += left * phi * found.weight[c];
+            footing.weight[at] += weight * found.weight[c];
         }
     }
     footing.means = footing.entries;
-    double sum = 0;
-    for (int i = 0; i < footing.means; ++i) {
-        footing.weight[i] /= squares;
-        sum += footing.weight[i];
-    }
-    footing.mean_sum = sum;
-    footing.phase = 0;
+    for (int i = 0; i < footing.means; ++i) footing.weight[i] *= total / sum;
 }
 
 }  // namespace tissue

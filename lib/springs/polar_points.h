@@ -21,16 +21,21 @@ struct SurfaceQuadric {
 
 /// Points of a disc's footing on a solid in an embedded lattice: they go with the disc, and depend neither on the nodes of the surface's mesh nor, but for the cubes that move
 /// them, on the lattice. 24 lie under the disc, in three rings of equal areas, and 36 beyond it to the imprint's end, likewise; the middle one of three is turned by half a step.
-///   mean     of those under the disc, weights phi / sum phi^2 (phi 1 - (r / R)^2 / 2): d - mean is zero where they go as the disc has it, and its force is the one
-///            conjugate to d. They sum to 9/7 where the surface is flat and all are on tissue; where it bends so that points lie beyond R that is so to 3 %
 ///   imprint  shares: 1/24 each under the disc, 1/36 (1 - (r / 2.5 R)^2)^2 beyond it
+///   mean     the same points, farther out or nearer by m / 2.5 R, m = 1.6 edges of a cube and 1.5 R at least: of each its area times (1 - (r / m)^2)^2, 5/4 in all. It reaches
+///            beyond the disc, since a force on the few nodes of the cubes under it alone dents the lattice far more than the tissue. The tissue bears 5/4 of the hand's
+///            force: of Hertz's pressure p the hand gets what is conjugate to d, the integral of p phi, which is 4/5 of that of p
 /// A point beyond all tissue fades with its distance from the nearest cube, and is none at one edge from it: its share is 0 then.
 class PolarPoints {
    public:
     static constexpr int under = 24, beyond = 36;
+    static constexpr double total = 1.25;  ///< of the mean's weights
+    static_assert(under + beyond <= ToolSpring::most_nodes && 2 * 8 * (under + beyond) <= ToolSpring::most_entries, "a cube's corners for each point, of the imprint and of the mean");
 
     /// reach: of the imprint, in radii.
     PolarPoints(const SpringMesh& mesh, double radius_m, double reach);
+
+    double mean_m() const { return mean_m_; }  ///< m
 
     /// Two unit vectors across a unit normal, which points lie along: they turn with it without jumps, but where the surface faces as the held one does.
     Eigen::Matrix<double, 3, 2> tangents(const Eigen::Vector3d& inward) const noexcept;
@@ -60,8 +65,9 @@ class PolarPoints {
     CubeSearch search_;
     Cells cubes_;
     Eigen::Matrix3d axes_;   ///< columns; the third out of the held surface's inside, against its mean normal
-    double radius_m_, reach_m_;
+    double reach_m_, mean_m_;  ///< 2.5 R and m
     Eigen::Matrix<double, under + beyond, 2> along_m_;  ///< of each point in the tangent plane
+    Eigen::Matrix<double, under + beyond, 1> area_;      ///< of each, over the disc's
 };
 
 }  // namespace tissue

@@ -76,8 +76,8 @@ int RestPlaces::axes_of(const Cells& nodes, Eigen::Index e, int& first) const {
 
 Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) const {
     const Eigen::Index count = nodes.rows();
-    const bool springs = nodes.cols() == 2, lattice = on_lattice(mesh_), cells = has_cells(mesh_);
-    const bool embedded = !mesh_.embedding.empty();  // its lattice's nodes are neither on the surface nor held
+    const bool springs = nodes.cols() == 2, cells = has_cells(mesh_);
+    const bool solid = mesh_.is_solid();  // its lattice's nodes are neither on the surface nor held
     Eigen::VectorXd value(count);
     const auto each = [&](const auto& at) {
         for (Eigen::Index e = 0; e < count; ++e) value[e] = at(e);
@@ -91,7 +91,7 @@ Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) 
     const auto scaled = [&](Eigen::Index e, int axis) { return (middle(nodes, e)[axis] - centre_m_[axis]) / half_size_m_[axis]; };
 
     if (name == "all") return Eigen::VectorXd::Ones(count);
-    if (name == "surface" && !embedded)
+    if (name == "surface" && !solid)
         return each([&](Eigen::Index e) {
             for (Eigen::Index f = 0; f < free_.rows(); ++f) {
                 Eigen::Index shared = 0;
@@ -101,7 +101,7 @@ Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) 
             return 0.0;
         });
     if (name == "layer") return each([&](Eigen::Index e) { return std::exp(-nearest_free(nodes)[static_cast<std::size_t>(e)].distance_m / spacing_m_); });
-    if (name == "held" && !embedded)
+    if (name == "held" && !solid)
         return each([&](Eigen::Index e) {
             Eigen::Index held = 0;
             for (Eigen::Index k = 0; k < nodes.cols(); ++k)
@@ -117,10 +117,10 @@ Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) 
     }
     // a solid's layers: from its highest and its lowest place, and at its walls, which are neither
     const auto height_m = [&](Eigen::Index e) { return middle(nodes, e)[up] - (centre_m_[up] - half_size_m_[up]); };
-    if (mesh_.is_solid() && name == "top")
+    if (solid && name == "top")
         return each([&](Eigen::Index e) { return std::exp(-(2 * half_size_m_[up] - height_m(e)) / spacing_m_); });
-    if (mesh_.is_solid() && name == "bottom") return each([&](Eigen::Index e) { return std::exp(-height_m(e) / spacing_m_); });
-    if (mesh_.is_solid() && lattice && name == "wall")
+    if (solid && name == "bottom") return each([&](Eigen::Index e) { return std::exp(-height_m(e) / spacing_m_); });
+    if (solid && name == "wall" && is_box(mesh_))
         return each([&](Eigen::Index e) {
             double least = std::numeric_limits<double>::infinity();
             for (int d = 0; d < up; ++d) least = std::min(least, half_size_m_[d] - std::abs(middle(nodes, e)[d] - centre_m_[d]));
@@ -132,7 +132,7 @@ Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) 
             return each([&](Eigen::Index e) { return 1 - squared_cosine(nodes, e, nearest_free(nodes)[static_cast<std::size_t>(e)].along); });
         if (name == "upright")
             return each([&](Eigen::Index e) { return 1 - squared_cosine(nodes, e, nearest(held_, middle(nodes, e)).along); });
-        const bool diagonals = mesh_.is_solid() ? name == "face" || name == "body" : name == "diagonal";
+        const bool diagonals = solid ? name == "face" || name == "body" : name == "diagonal";
         if (cells && (name == "horizontal" || name == "vertical" || diagonals))
             return each([&](Eigen::Index e) {
                 int axis = 0;
@@ -141,8 +141,8 @@ Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) 
                 return name == family ? 1.0 : 0.0;
             });
     }
-    throw MismatchError(fmt::format("factor '{}' is not possible here; allowed: all, layer, {}{}{}{}{}", name, embedded ? "" : "surface, held, ",
-                                    up < 2 ? "" : lattice ? "top, bottom, wall, nodule, " : "top, bottom, nodule, ",
+    throw MismatchError(fmt::format("factor '{}' is not possible here; allowed: all, layer, {}{}{}{}{}", name, solid ? "" : "surface, held, ",
+                                    up < 2 ? "" : is_box(mesh_) ? "top, bottom, wall, nodule, " : "top, bottom, nodule, ",
                                     up == 2 ? "x2, x4, y2, y4, z, z2, z3, z4" : "x2, x4, y, y2, y3, y4",
                                     springs ? ", along, across, upright" : "",
                                     !springs || !cells ? "" : up == 2 ? ", horizontal, vertical, face, body" : ", horizontal, vertical, diagonal"));

@@ -22,7 +22,7 @@ TissueEnergy::TissueEnergy(const SpringMesh& mesh, bool incompressible)
         auto volumes = std::make_unique<CellVolumes>(mesh);
         volumes_ = volumes.get();
         kinds_.push_back(std::move(volumes));
-        if (!embedding_.empty()) kinds_.push_back(std::make_unique<Supports>(mesh));
+        kinds_.push_back(std::make_unique<Supports>(mesh));
         for (const auto& kind : kinds_) first_.push_back(first_.back() + kind->count());
         return;
     }

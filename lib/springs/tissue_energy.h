@@ -19,9 +19,7 @@ namespace tissue {
 /// area: Bonet and Burton 1998, Communications in Numerical Methods in Engineering 14: 437-449); three of them lie over
 /// each other everywhere.
 ///
-/// In space cells are a lattice's boxes, each with its volume.
-///
-/// A solid embedded in a lattice has the lattice's springs, its cubes' volumes, each with the part of it that is tissue, and supports at the points of its held
+/// In space a solid is embedded in a lattice: it has the lattice's springs, its cubes' volumes, each with the part of it that is tissue, and supports at the points of its held
 /// surface, whose stiffness [N/m] are the last constants (M). No element joins the solid's own nodes.
 ///
 /// An incompressible tissue in the plane keeps its area as a whole and by quarters too, A of those regions the last constants (R): what
@@ -54,7 +52,7 @@ class TissueEnergy {
 
    private:
     std::unique_ptr<CellAreas> areas_;       ///< in the plane
-    const CellVolumes* volumes_ = nullptr;   ///< in space: of kinds_, on a lattice
+    const CellVolumes* volumes_ = nullptr;   ///< in space: of kinds_
     std::vector<std::unique_ptr<Elements>> kinds_;
     std::vector<int> first_;
     Embedding embedding_;

@@ -63,7 +63,7 @@ const DatasetTable& tissue_table(bool solid) {
     static const DatasetTable space = joined(joined(all, {
         {"/mesh/tetrahedra", "T x 4", Values::index("N"), "1", "the tissue's division, of positive volume", Rows::distinct},
         {"/mesh/facets", "B x 3", Values::index("N"), "1", "triangles of its surface, normals out", Rows::distinct},
-        {"/mesh/incident_volume", "S", Values::positive(), "m3", "(7)'s sum, of volumes (mesh/solid_lattice.h)"},
+        {"/mesh/incident_volume", "S", Values::positive(), "m3", "(7)'s sum, of volumes (mesh/embedded_lattice.h)"},
         {"/mesh/node_volume", "N", Values::not_negative(), "m3", "tissue volume that a node carries, (8); 0 of an embedded solid's own nodes"},
         {"/mesh/lattice/cubes", "Q x 8", Values::index("N"), "1", "of an embedded solid: corners of each cube of its lattice, bit by bit: 1 along x, 2 along y, 4 along z", Rows::any, true},
         {"/mesh/lattice/fraction", "Q", Values::positive(), "1", "of a cube's volume that is tissue", Rows::any, true},
@@ -95,7 +95,7 @@ const DatasetTable& law_table(bool solid) {
         {"/law/constants", "E", Values::positive(), "N/m", "theta of the springs, then A of cells and regions, in space Pa"},
         {"/law/patch_log", "K x F", Values::logarithm(), "log(N/m)",
          "contact: normal, tangent, rotation, stretch, of a disc normal, tangent, imprint_normal, imprint_tangent, hardening, saturation, coupling; "
-         "by 1, phase (in an embedded lattice curved), corner (of a disc ground), edge"},
+         "by 1, phase (of a disc curved), corner (of a disc ground), edge"},
         {"/law/contact_log_scale", "N", Values::logarithm(), "1", "of contacts by node, where the law has learned from pokes", Rows::any, true},
         {"/law/relaxation_time", "B", Values::positive(), "s", "of each branch; absent where the law does not relax", Rows::ascending, true},
         {"/law/share", "E x B", Values::not_negative(), "1", "of each of the constants, sums below 1", Rows::any, true},
@@ -103,8 +103,8 @@ const DatasetTable& law_table(bool solid) {
     };
     static const DatasetTable space = joined(plane, {
         {"/law/ground", "G x 4", Values::place(), "m, m3", "what under a disc is of other stiffness: place, volume times log(E / E_block)", Rows::any, true},
-        {"/law/curved_range", "R", Values::finite(), "1", "on a solid shape: least and most of the factor curved over the training contacts, to which a contact's is clamped", Rows::any, true},
-        {"/law/lattice_correction", "T x V", Values::logarithm(), "1", "on a solid shape: of contacts at V corners of equal parts of each facet (springs/lattice_correction.h)", Rows::any, true},
+        {"/law/curved_range", "R", Values::finite(), "1", "least and most of the factor curved over the training contacts, to which a contact's is clamped", Rows::any, true},
+        {"/law/lattice_correction", "T x V", Values::logarithm(), "1", "of contacts at V corners of equal parts of each facet (springs/lattice_correction.h)", Rows::any, true},
     });
     return solid ? space : plane;
 }
@@ -166,14 +166,12 @@ LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
         if (in.has("/law/ground")) law.disc.ground = in.field("/law/ground");
         if (in.has("/law/curved_range")) {
             const Eigen::VectorXd range = in.vector("/law/curved_range");
-            if (mesh.embedding.empty()) in.refuse("/law/curved_range", "is of a solid shape, and the mesh is a block");
             if (range.size() != 2) in.refuse("/law/curved_range", fmt::format("has {} values, wanted 2", range.size()));
             if (!(range[0] <= range[1])) in.refuse("/law/curved_range", "has a least above its most");
             law.disc.curved_range = range;
         }
         if (in.has("/law/lattice_correction")) {
             NodeField& value = law.disc.correction.value = in.field("/law/lattice_correction");
-            if (mesh.embedding.empty()) in.refuse("/law/lattice_correction", "is of a solid shape, and the mesh is a block");
             if (value.rows() != mesh.facets.rows()) in.refuse("/law/lattice_correction", fmt::format("has {} rows, wanted one for each of {} facets", value.rows(), mesh.facets.rows()));
             if (FacetTable::parts_of(value.cols()) == 0) in.refuse("/law/lattice_correction", fmt::format("has {} columns, wanted (p + 1)(p + 2) / 2", value.cols()));
         }
@@ -319,7 +317,6 @@ int format_of(const TissueModel& model) {
     if (!model.mesh.embedding.empty()) return embedded_format_version;
     if (model.energy_law && model.energy_law->contact_log_scale.size() > 0) return adapted_format_version;
     if (model.energy_law && !model.energy_law->relaxation.empty()) return time_format_version;
-    if (model.mesh.is_solid()) return solid_format_version;
     return model.energy_law ? law_format_version : format_version;
 }
 

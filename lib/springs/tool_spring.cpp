@@ -43,18 +43,9 @@ void ToolMemory::step(int group, const Eigen::Vector3d& now_N) noexcept {
 }
 
 void ToolMemory::follow(const ToolSpring& from, const ToolSpring& to) noexcept {
-    if (branches_ == 0) return;
-    Eigen::Vector3d before[most_groups], part[most_branches][most_groups];
-    for (int g = 0; g < to.group_count(); ++g) {
-        int old = 0;
-        while (old < from.group_count() && from.group_key(old) != to.group_key(g)) ++old;
-        const bool had = old < from.group_count();
-        before[g] = had ? before_[old] : Eigen::Vector3d(Eigen::Vector3d::Zero());
-        for (int k = 0; k < branches_; ++k) part[k][g] = had ? part_[k][old] : Eigen::Vector3d(Eigen::Vector3d::Zero());
-    }
-    for (int g = 0; g < to.group_count(); ++g) {
-        before_[g] = before[g];
-        for (int k = 0; k < branches_; ++k) part_[k][g] = part[k][g];
+    for (int g = from.group_count(); g < to.group_count(); ++g) {
+        before_[g].setZero();
+        for (int k = 0; k < branches_; ++k) part_[k][g].setZero();
         know(g);
     }
 }
@@ -139,11 +130,6 @@ Eigen::Vector3d ToolSpring::now_N(int group, const Eigen::Vector3d& e) const noe
 
 Eigen::Vector3d ToolSpring::felt_N(int group, const Eigen::Vector3d& e, const ToolMemory* memory) const noexcept {
     return memory ? memory->felt_N(group, now_N(group, e)) : now_N(group, e);
-}
-
-int ToolSpring::group_key(int group) const noexcept {
-    const Group& g = group_[group];
-    return g.end - g.begin == 1 ? node_[g.begin] : -1 - group;
 }
 
 /// dE/dd, however large.

@@ -19,7 +19,7 @@ class ToolSpring;
 /// c_k - e_k and e_k. Storage of its own: nothing allocates.
 class ToolMemory {
    public:
-    static constexpr int most_branches = 8, most_groups = 129;
+    static constexpr int most_branches = 8, most_groups = 61;
 
     ToolMemory() { forget(); }  ///< of a contact that does not relax
     /// Throws MismatchError for more than most_branches.
@@ -29,7 +29,7 @@ class ToolMemory {
 
     /// A contact that begins: it has felt nothing.
     void forget() noexcept;
-    /// The contact has gone along the surface, and is another: groups keep what is theirs.
+    /// The contact has gone along the surface, and is another. Its groups go with the tool, and what they remember with them; those that it did not have, as on a held facet, have felt nothing.
     void follow(const ToolSpring& from, const ToolSpring& to) noexcept;
     /// The contact has become stiffer or softer where it is, by a factor on this group's T0: it remembers what it would have felt so from the beginning.
     void scale(int group, double factor) noexcept;
@@ -68,8 +68,8 @@ class ToolMemory {
 /// which is convex where E is, and whose force on the tissue is then F. F stays as it is: one that grows would lift what |p - q| holds, and give energy. Nothing here allocates or throws.
 class ToolSpring {
    public:
-    static constexpr int most_nodes = 128;     ///< of the imprint: a group each
-    static constexpr int most_entries = 704;   ///< of all groups' nodes
+    static constexpr int most_nodes = 60;      ///< of the imprint: a group each
+    static constexpr int most_entries = 960;   ///< of all groups' nodes
 
     /// Empties it: a contact of so many axes at a surface with this inward normal at rest.
     void begin(int dimension, const Point& inward) noexcept;
@@ -108,9 +108,6 @@ class ToolSpring {
     Point push_at(const Point& hand_N, const NodeColumns& u, const ToolMemory* memory = nullptr) const noexcept;
 
     int group_count() const { return groups_; }
-    /// What tells a group from the contact's others, wherever along the surface the contact is: of an imprint's its node where it has one alone, of the others
-    /// -1, -2, ..., the first at the front.
-    int group_key(int group) const noexcept;
 
    private:
     struct Group {

@@ -39,7 +39,7 @@ const std::vector<const char*> law_keys = {"force_scale", "shape_scale", "starts
 std::vector<std::string> topologies_of(const Study::Geometry& geometry) {
     std::vector<std::string> names;
     for (const Topology& kind : topologies().kinds()) {
-        const bool fits = !geometry.is_block() ? !kind.needs_lattice() : !geometry.is_solid() || kind.needs_lattice();
+        const bool fits = geometry.is_block() || !kind.needs_lattice();
         if (kind.dimension == (geometry.is_solid() ? 3 : 2) && fits) names.push_back(kind.name);
     }
     return names;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "cases/study_law.h"
+#include "cases/study_mesh.h"
 #include "error.h"
 #include "mesh/free_surface.h"
 #include "springs/lattice_correction.h"
@@ -68,7 +69,7 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     options.threads = threads;
     options.disc_radius_m = study.indenter.radius_m;
     if (model.mesh.is_solid()) options.seen = seen_nodes(model.mesh);
-    if (!model.mesh.embedding.empty()) options.fit.most_step = 2;  // from the heuristic longer steps lose contacts, which takes long to find out
+    if (model.mesh.is_solid()) options.fit.most_step = 2;  // from the heuristic longer steps lose contacts, which takes long to find out
     // a measured tissue's material is a guess: terms start from the heuristic that its forces speak for
     double factor = 1;
     if (cases.measurement)
@@ -81,10 +82,10 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     };
     const auto correct = [&](const Eigen::VectorXd& p) {
         const auto law_on = [&](const SpringMesh& mesh) { return law_at(study_law(study, kept.shape, mesh, factor), p); };
-        options.correction = lattice_correction(*kept.shape, model.mesh, law_on, threads);
+        options.correction = lattice_correction(study_solid(study, kept.shape), model.mesh, law_on, threads);
     };
     const auto begin = std::chrono::steady_clock::now();
-    if (!model.mesh.embedding.empty()) {
+    if (model.mesh.is_solid()) {
         options.curved_range = curved_range(model.mesh, options.disc_radius_m, paths);
         // the correction depends on the law a little: of the untrained one first, then of one that was roughly trained with that
         correct(Eigen::VectorXd::Zero(law.size()));

@@ -35,7 +35,7 @@ def draw(results):
     to_wall = lambda c: MM * min(np.min(c["contact_m"][:2] - low), np.min(high - c["contact_m"][:2]))
     for column, (value, label) in enumerate(((lambda c: c["angle_deg"], "tilt off straight in (degrees)"),
                                              (lambda c: MM * c["depth_m"], "depth of the push (mm)"),
-                                             (to_wall, "distance from the nearest wall (mm)") if results.on_lattice else
+                                             (to_wall, "distance from the nearest wall (mm)") if results.is_block else
                                              (lambda c: MM * c["contact_m"][2], "height of the contact (mm)")), 1):
         against(figure.add_subplot(grid[1, column]), results, drawn, value, label)
     figure.suptitle("Contacts that nothing was trained on: error of the force a hand feels, in closed loop")
@@ -43,16 +43,9 @@ def draw(results):
 
 
 def from_above(figure, axis, results, drawn):
-    if results.on_lattice:
-        low, high = MM * results.nodes.min(axis=0), MM * results.nodes.max(axis=0)
-        top = np.unique(results.nodes[results.facets[(results.nodes[results.facets, 2] > results.nodes[:, 2].max() - 1e-9)
-                                                     .all(axis=1)]].reshape(-1, 3), axis=0)
-        axis.add_patch(plt.Rectangle(low[:2], *(high - low)[:2], facecolor="0.97", edgecolor="0.4"))
-        axis.plot(*(MM * top[:, :2]).T, "+", color="0.8", markersize=4, zorder=1)
-    else:
-        corners = results.nodes[results.facets]
-        up = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] > 0
-        axis.triplot(*(MM * results.nodes[:, :2]).T, results.facets[up], color="0.85", linewidth=0.6, zorder=1)
+    corners = results.nodes[results.facets]
+    up = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] > 0
+    axis.triplot(*(MM * results.nodes[:, :2]).T, results.facets[up], color="0.85", linewidth=0.6, zorder=1)
     trained = np.array([path.contact for path in results.paths.values() if path.role[0] == b"train"])
     axis.plot(*(MM * trained[:, :2]).T, "x", color="black", markersize=7, markeredgewidth=1.5, zorder=4)
     shade = axis.scatter([], [], c=[], norm=LogNorm(LOWEST, 0.3), cmap="viridis")
@@ -73,7 +66,6 @@ def from_above(figure, axis, results, drawn):
                for role, (label, marker, _) in ROLES.items() if drawn[role]]
     handles += [Line2D([], [], color="black", marker="x", linestyle="", label="trained on"),
                 Line2D([], [], color="0.25", label="sideways part of the push"),
-                Line2D([], [], color="0.8", marker="+", linestyle="", label="nodes of the springs") if results.on_lattice else
                 Line2D([], [], color="0.85", label="edges of the surface")]
     axis.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False, fontsize=9)
     axis.set_aspect("equal")

@@ -99,6 +99,7 @@ def load(folder):
     results = Results(evaluation=json.loads((folder / "eval.json").read_text()), paths={}, trained={})
     results.evaluation.setdefault("drawn", {})  # of no contact that was drawn has FE an answer
     with h5py.File(folder / "cases.h5") as f:
+        results.is_block = "shape" not in f
         for name in f["path_names"].asstr():
             group = f["paths"][name]
             results.paths[name] = SimpleNamespace(**{key: group[key][()] for key in group})
@@ -110,7 +111,6 @@ def load(folder):
             results.tetrahedra = f["mesh/tetrahedra"][()]
             results.facets = f["mesh/facets"][()]
             results.ground = f["law/ground"][()] if "law/ground" in f else None
-            results.on_lattice = f.attrs["topology"] in ("grid26", b"grid26")
         else:
             results.triangles = f["mesh/triangles"][()]
             results.boundary = f["mesh/boundary"][()]

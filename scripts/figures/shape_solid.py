@@ -19,7 +19,7 @@ def draw(results):
     for column, (shape, which) in enumerate(zip(shapes, WHICH)):
         c, path = contacts[shape["name"]], results.paths[shape["name"]]
         section, profile = figure.add_subplot(grid[0, column]), figure.add_subplot(grid[1, column])
-        cut = lattice_cut(results, path) if results.on_lattice else shape_cut(results, path)
+        cut = surface_cut(results, path)
         fe, model = path.displacement[-1], np.array(shape["displacement_m"])
         draw_section(section, results, path, cut, fe, model)
         section.set_title(f"{which}, {percent(c['shape']['learned'])} (force {percent(c['error']['learned'])}):\n"
@@ -45,20 +45,7 @@ class Cut:
         return (1 - part) * values[self.first] + part * values[self.second]
 
 
-def lattice_cut(results, path):
-    """As the push leans, in the lattice's plane nearest to the contact: its springs but the diagonals."""
-    along = int(np.argmax(np.abs(path.direction[:2])))
-    across = results.nodes[:, 1 - along]
-    nearest = across[np.argmin(np.abs(across - path.contact[1 - along]))]
-    inside = np.abs(across - nearest) < 1e-9
-    springs = results.springs[inside[results.springs].all(axis=1)]
-    lines = springs[((results.nodes[springs[:, 0]] - results.nodes[springs[:, 1]]) != 0).sum(axis=1) == 1]
-    every = np.arange(len(results.nodes))
-    top = np.flatnonzero(inside & (results.nodes[:, 2] > results.nodes[:, 2].max() - 1e-9))
-    return Cut(along, nearest, every, every, 0.0 * every, lines, top[np.argsort(results.nodes[top, along])])
-
-
-def shape_cut(results, path):
+def surface_cut(results, path):
     """As the push leans, through the contact: where the plane meets the sides of the surface's triangles."""
     along = int(np.argmax(np.abs(path.direction[:2])))
     place = path.contact[1 - along]

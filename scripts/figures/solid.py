@@ -44,7 +44,7 @@ def draw(results):
     figure.suptitle(f"Held-out contact with the median shape error, {percent(contact['shape']['learned'])} "
                     f"(force {percent(contact['error']['learned'])}): {MM * contact['depth_m']:.1f} mm deep, {round(contact['angle_deg'])} degrees "
                     f"off straight in, at x = {x:.0f} mm, y = {y:.0f} mm\n"
-                    f"{'Block' if results.on_lattice else 'Shape'} of {size[0]:.0f} x {size[1]:.0f} x {size[2]:.0f} mm cut open at y = {cut_mm:.0f} mm; true displacements; "
+                    f"{'Block' if results.is_block else 'Shape'} of {size[0]:.0f} x {size[1]:.0f} x {size[2]:.0f} mm cut open at y = {cut_mm:.0f} mm; true displacements; "
                     f"the arrow is the push, lengthened", fontsize=11)
     return figure
 
@@ -82,12 +82,12 @@ def block(axis, results, facets, u, value, bounds, cmap):
     flat = project(place)[0]
     axis.tricontourf(*flat.T, seen, value, levels=bounds, norm=BoundaryNorm(bounds, 256), cmap=cmap, zorder=1)
     axis.tricontour(*flat.T, seen, value, levels=bounds, colors="black", linewidths=0.3, alpha=0.5, zorder=1.5)
-    # springs that are edges of cells, where they lie on a facet that is seen; and how the block was at rest
+    # sides of triangles that are seen, of a block without their diagonals; and how the block was at rest
     pairs = np.unique(np.sort(np.concatenate([seen[:, [0, 1]], seen[:, [1, 2]], seen[:, [2, 0]]]), axis=1), axis=0)
-    if results.on_lattice:
+    if results.is_block:
         pairs = pairs[((results.nodes[pairs[:, 0]] - results.nodes[pairs[:, 1]]) != 0).sum(axis=1) == 1]
     axis.add_collection(LineCollection(flat[pairs], colors="0.7", linewidths=0.4, alpha=0.7, zorder=2))
-    if results.on_lattice:
+    if results.is_block:
         low, high = MM * results.nodes[np.unique(facets)].min(axis=0), MM * results.nodes[np.unique(facets)].max(axis=0)
         box = np.array([[[high[d] if k >> d & 1 else low[d] for d in range(3)] for k in (a, a | 1 << e)]
                         for e in range(3) for a in range(8) if not a >> e & 1])

@@ -378,6 +378,7 @@ Study with_cells(Study study, int x, int y, int z) {
     study.cells[0] = x;
     study.cells[1] = y;
     study.cells[2] = z;
+    study.springs.spacing_m = study.geometry.width_m / x;
     return study;
 }
 

@@ -17,6 +17,7 @@
 #include "cases/sweep.h"
 #include "error.h"
 #include "mesh/cells.h"
+#include "mesh/solid_block.h"
 #include "springs/supports.h"
 #include "train/untrained_model.h"
 #include "../example.h"
@@ -474,7 +475,7 @@ TEST_CASE("a nodule of a surface's file stiffens what the ball does that it goes
 }
 
 TEST_CASE("all of a nodule's surface lies inside, not its corners alone", "[solid_shape]") {
-    const SpringMesh block = make_lattice("grid26", Lattice{{3, 1, 2}, {0.09, 0.04, 0.06}});
+    const Shape block = solid_block(Lattice{{3, 1, 2}, {0.09, 0.04, 0.06}});
     Shape notched{block.nodes, Cells(0, 4), {}, {}, {}};  // the middle of its upper half is missing
     for (const auto& t : block.simplices.rowwise()) {
         const Eigen::RowVector3d middle_m = block.nodes({t[0], t[1], t[2], t[3]}, Eigen::all).colwise().mean();

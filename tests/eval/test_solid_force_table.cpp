@@ -5,6 +5,10 @@
 
 #include "mesh/topology.h"
 #include "../example.h"
+#include "../mesh/dome.h"
+#include "../solid_law_example.h"
+#include "mesh/embedded_lattice.h"
+#include "springs/supports.h"
 #include "../tolerances.h"
 
 using namespace tissue;
@@ -42,8 +46,19 @@ TEST_CASE("a square block of one material has seven images of every push, an obl
     TissueModel nodule = model;
     nodule.energy_law->disc.ground = NodeField::Ones(1, 4);
     CHECK(symmetries_of(nodule).empty());
-    model.mesh = make_lattice("grid26", Lattice{{5, 4, 2}, {0.125, 0.1, 0.05}});
+    const SpringMesh oblong = make_lattice("embedded", Lattice{{5, 4, 2}, {0.125, 0.1, 0.05}});
+    model.mesh = oblong;
+    model.energy_law->constants.tail(oblong.support_count()) = held_areas(oblong);
     CHECK(symmetries_of(model).size() == 3);
+    TissueModel uneven = model;  // lies on beds of two kinds
+    uneven.energy_law->constants.tail(1) *= 2;
+    CHECK(symmetries_of(uneven).empty());
+    SpringMesh aside = oblong;  // held at more than the bottom
+    aside.fixed.push_back(aside.embedding.node_count() - 1);
+    TissueModel other = model;
+    other.mesh = aside;
+    CHECK(symmetries_of(other).empty());
+    CHECK(symmetries_of(solid_law_example(embedded_lattice(dome(6), 0.011))).empty());
     model.mesh = make_lattice("grid8", 4, 4, 0.1, 0.1);
     model.energy_law.reset();
     REQUIRE(symmetries_of(model).size() == 1);

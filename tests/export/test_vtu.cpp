@@ -1,4 +1,5 @@
 #include "export/vtu.h"
+#include "mesh/solid_block.h"
 
 #include <catch2/catch.hpp>
 
@@ -17,7 +18,7 @@ TEST_CASE("a path's cells are the lattice's, of one cell along an axis too, and 
     };
     CHECK_THAT(cells(make_lattice("grid8", 1, 1, 0.1, 0.1).nodes), Contains("NumberOfCells=\"1\""));
     CHECK_THAT(cells(make_lattice("grid8", 3, 1, 0.1, 0.1).nodes), Contains("NumberOfCells=\"3\""));
-    CHECK_THAT(cells(make_lattice("grid26", Lattice{{1, 2, 1}, {1, 2, 1}}).nodes), Contains("NumberOfCells=\"2\""));
+    CHECK_THAT(cells(solid_block({{1, 2, 1}, {1, 2, 1}}).nodes), Contains("NumberOfCells=\"2\""));
     NodeField moved = make_lattice("grid8", 3, 1, 0.1, 0.1).nodes;
     moved(0, 0) += 0.01;
     CHECK_THAT(cells(moved), Contains("NumberOfCells=\"8\""));  // its nodes alone

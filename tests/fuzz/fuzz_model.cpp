@@ -5,6 +5,7 @@
 #include "edited_store.h"
 #include "fuzz_file.h"
 
+#include "mesh/solid_block.h"
 #include "mesh/embedded_lattice.h"
 using namespace tissue;
 
@@ -25,14 +26,14 @@ EditedStore learned(const TissueModel& model) {
 }
 
 TissueModel in_space() {
-    TissueModel model = solid_law_example(make_lattice("grid26", Lattice{{2, 2, 2}, {0.1, 0.1, 0.05}}));
+    TissueModel model = solid_law_example(make_lattice("embedded", Lattice{{2, 2, 2}, {0.1, 0.1, 0.05}}));
     model.contact_m = Eigen::RowVector3d(0.05, 0.05, 0.05);
     model.direction = Eigen::RowVector3d(0, 0, -1);
     return model;
 }
 
 TissueModel embedded() {
-    TissueModel model = solid_law_example(embedded_lattice(shape_of(make_lattice("grid26", Lattice{{2, 2, 2}, {0.02, 0.02, 0.01}})), 0.006));
+    TissueModel model = solid_law_example(embedded_lattice(solid_block(Lattice{{2, 2, 2}, {0.02, 0.02, 0.01}}), 0.006));
     model.contact_m = Eigen::RowVector3d(0.01, 0.01, 0.01);
     model.direction = Eigen::RowVector3d(0, 0, -1);
     return model;

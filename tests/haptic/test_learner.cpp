@@ -89,7 +89,7 @@ struct Session {
 
 TEST_CASE("a law that becomes another has the forces of one that was made so, and allocates nothing", "[adapt][law]") {
     const SpringMesh shape = embedded_lattice(dome(6), 0.011);
-    for (const TissueModel& model : {law_example(), solid_law_example(make_lattice("grid26", Lattice{{5, 4, 3}, {0.05, 0.06, 0.02}})), solid_law_example(shape)}) {
+    for (const TissueModel& model : {law_example(), solid_law_example(make_lattice("embedded", Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}})), solid_law_example(shape)}) {
         Draw draw(5);
         TissueModel other = model;
         for (double& c : other.energy_law->constants) c *= draw(0.3, 3);

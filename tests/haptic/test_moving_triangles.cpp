@@ -16,7 +16,7 @@ using namespace tissue;
 
 namespace {
 
-SpringMesh block(int x, int y, int z) { return make_lattice("grid26", Lattice{{x, y, z}, {0.01 * x, 0.01 * y, 0.01 * z}}); }
+SpringMesh block(int x, int y, int z) { return make_lattice("embedded", Lattice{{x, y, z}, {0.01 * x, 0.01 * y, 0.01 * z}}); }
 
 /// A mesh's surface beside where its nodes are.
 struct Body {

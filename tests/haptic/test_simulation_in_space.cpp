@@ -210,11 +210,11 @@ TEST_CASE("a contact that swings faster than the hand moves is neither driven by
         const TickRecord& r = s.record();
         INFO("by " << by << ": swings " << 1e-3 * frequency(tissue, contact) << " times a tick, force " << r.coupling_N.norm() << ", at most " << force_max_N);
         CHECK(farthest_m < 4.5e-4);
-        CHECK(force_max_N < 0.2);
         REQUIRE(r.mesh == 0);
         const Equilibrium rest = LawPress(tissue).at(model.meshes[0]->springs.rest_place(r.facet, r.weight), r.contact_displacement_m);
         REQUIRE(rest);
         CHECK((r.coupling_N + rest.contact_force).norm() < 1e-3 * rest.contact_force.norm());
+        CHECK(force_max_N < 1.3 * rest.contact_force.norm());
     }
 }
 

@@ -75,6 +75,7 @@ TEST_CASE("a model in space plays: its ledger, its recording along three axes, a
     write_model(folder.file("solid.h5"), solid_example(), {"test", 1, {}});
     const std::string play = folder.file("solid.h5") + " --no-realtime --json --seconds 1.5";
     const Ended ended = run(folder, play + " --motion press --depth 0.005 --record " + folder.file("record.h5"));
+    INFO(ended.err);
     REQUIRE(ended.status == 0);
     const auto ledger = nlohmann::json::parse(ended.out);
     CHECK(ledger["force_max_N"].get<double>() > 0.05);

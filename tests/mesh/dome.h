@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "mesh/solid_block.h"
 #include "mesh/solid_shape.h"
 #include "mesh/topology.h"
 
@@ -10,7 +11,7 @@ namespace tissue {
 /// A rounded dome on a flat bed, z = 0, which is held: n x n x n / 2 boxes of six tetrahedra, pulled towards half a ball of
 /// radius 0.05 m. Without creases but for the bed's edge.
 inline Shape dome(int n = 10) {
-    Shape shape = shape_of(make_lattice("grid26", Lattice{{n, n, n / 2}, {2, 2, 1}}));
+    Shape shape = solid_block(Lattice{{n, n, n / 2}, {2, 2, 1}});
     for (Eigen::Index i = 0; i < shape.nodes.rows(); ++i) {
         const double x = shape.nodes(i, 0) - 1, y = shape.nodes(i, 1) - 1, z = shape.nodes(i, 2);
         const auto round = [](double a, double b, double c) { return a * std::sqrt(1 - b * b / 2 - c * c / 2 + b * b * c * c / 3); };

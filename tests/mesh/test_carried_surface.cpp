@@ -1,3 +1,4 @@
+#include "mesh/solid_block.h"
 #include "mesh/carried_surface.h"
 
 #include <Eigen/Geometry>
@@ -67,7 +68,7 @@ TEST_CASE("a finer surface goes with the facets that carry it, and keeps its dis
 
 TEST_CASE("a thin sheet's vertices are carried by the side that looks their way", "[carried]") {
     // pushed in so far that the other side of the flat is nearer to some of them
-    const SpringMesh plate = embedded_lattice(shape_of(make_lattice("grid26", Lattice{{6, 6, 1}, {0.06, 0.06, 0.01}})), 0.01);
+    const SpringMesh plate = embedded_lattice(solid_block(Lattice{{6, 6, 1}, {0.06, 0.06, 0.01}}), 0.01);
     MshFile top;
     top.file = "top.stl";
     top.points = {{0.02, 0.02, 0.004}, {0.04, 0.02, 0.004}, {0.02, 0.04, 0.004}};  // nearer to the bottom, looks up

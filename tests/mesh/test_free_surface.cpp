@@ -14,7 +14,7 @@ using namespace tissue;
 
 namespace {
 
-SpringMesh block() { return make_lattice("grid26", Lattice{{4, 3, 2}, {0.04, 0.03, 0.02}}); }
+SpringMesh block() { return make_lattice("embedded", Lattice{{4, 3, 2}, {0.04, 0.03, 0.02}}); }
 
 }  // namespace
 

@@ -13,6 +13,7 @@
 #include "error.h"
 #include "mesh/disc_rim.h"
 #include "mesh/open_faces.h"
+#include "mesh/solid_block.h"
 #include "mesh/solid_shape.h"
 #include "mesh/surface.h"
 #include "mesh/surface_remesh.h"
@@ -173,11 +174,12 @@ TEST_CASE("what of a surface lies in a region is held, to its border, and the su
 
 TEST_CASE("of large triangles too what lies in a region is held, to a few parts in a hundred of its area", "[solid_shape]") {
     // a box of 80 x 60 x 50 mm in twelve triangles
-    const SpringMesh corners = make_lattice("grid26", Lattice{{1, 1, 1}, {0.08, 0.06, 0.05}});
+    const Shape corners = solid_block(Lattice{{1, 1, 1}, {0.08, 0.06, 0.05}});
+    const Cells facets = open_faces(corners.simplices);
     MshFile box;
     box.file = "box.stl";
     for (Eigen::Index n = 0; n < 8; ++n) box.points.push_back({corners.nodes(n, 0), corners.nodes(n, 1), corners.nodes(n, 2)});
-    for (Eigen::Index f = 0; f < corners.facets.rows(); ++f) box.triangles.push_back({f + 1, {corners.facets(f, 0), corners.facets(f, 1), corners.facets(f, 2)}, 0});
+    for (Eigen::Index f = 0; f < facets.rows(); ++f) box.triangles.push_back({f + 1, {facets(f, 0), facets(f, 1), facets(f, 2)}, 0});
     constexpr double pi = 3.14159265358979;
     for (const auto& [text, wanted_m2] : {std::pair("below z = 0.004", 4.8e-3 + 0.28 * 0.004), {"below z = 0.046", 4.8e-3 + 0.28 * 0.046}, {"above z = 0.046", 4.8e-3 + 0.28 * 0.004}, {"below z = 0", 4.8e-3},
                                           {"ball 0.04 0.03 0 radius 0.02", pi * 4e-4}, {"box -1 -1 -1 to 0.04 0.03 0.02", 0.04 * 0.03 + 0.04 * 0.02 + 0.03 * 0.02}}) {
@@ -192,11 +194,12 @@ TEST_CASE("of large triangles too what lies in a region is held, to a few parts 
 
 TEST_CASE("a thin slab is held all round, a region that is too narrow is refused, and a plane divides no more than it cuts", "[solid_shape]") {
     const auto box_of = [](const std::vector<int>& cells) {
-        const SpringMesh corners = make_lattice("grid26", Lattice{cells, {0.1, 0.08, 0.05}});
+        const Shape corners = solid_block(Lattice{cells, {0.1, 0.08, 0.05}});
+        const Cells facets = open_faces(corners.simplices);
         MshFile box;
         box.file = "box.stl";
         for (Eigen::Index n = 0; n < corners.nodes.rows(); ++n) box.points.push_back({corners.nodes(n, 0), corners.nodes(n, 1), corners.nodes(n, 2)});
-        for (Eigen::Index f = 0; f < corners.facets.rows(); ++f) box.triangles.push_back({f + 1, {corners.facets(f, 0), corners.facets(f, 1), corners.facets(f, 2)}, 0});
+        for (Eigen::Index f = 0; f < facets.rows(); ++f) box.triangles.push_back({f + 1, {facets(f, 0), facets(f, 1), facets(f, 2)}, 0});
         return box;
     };
     for (const auto& cells : {std::vector<int>{1, 1, 1}, {10, 8, 5}}) {
@@ -232,11 +235,12 @@ TEST_CASE("a thin slab is held all round, a region that is too narrow is refused
 }
 
 TEST_CASE("a small held part keeps its area when the surface is divided anew, or the loss is told", "[solid_shape]") {
-    const SpringMesh corners = make_lattice("grid26", Lattice{{50, 40, 25}, {0.1, 0.08, 0.05}});
+    const Shape corners = solid_block(Lattice{{50, 40, 25}, {0.1, 0.08, 0.05}});
+    const Cells facets = open_faces(corners.simplices);
     MshFile box;
     box.file = "box.stl";
     for (Eigen::Index k = 0; k < corners.nodes.rows(); ++k) box.points.push_back({corners.nodes(k, 0), corners.nodes(k, 1), corners.nodes(k, 2)});
-    for (Eigen::Index f = 0; f < corners.facets.rows(); ++f) box.triangles.push_back({f + 1, {corners.facets(f, 0), corners.facets(f, 1), corners.facets(f, 2)}, 0});
+    for (Eigen::Index f = 0; f < facets.rows(); ++f) box.triangles.push_back({f + 1, {facets(f, 0), facets(f, 1), facets(f, 2)}, 0});
     for (const double radius : {0.004, 0.006, 0.01}) {
         const Surface s = make_surface(box, {fmt::format("ball 0.05 0.04 0.05 radius {}", radius)}, 1);
         const RimmedSurface made = with_rim(s, {{0.1, 0.04, 0.03}, 0.005, 0.002, 0.008});

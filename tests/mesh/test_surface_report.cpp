@@ -3,11 +3,11 @@
 #include <cmath>
 
 #include "error.h"
-#include "mesh/solid_lattice.h"
+#include "mesh/open_faces.h"
+#include "mesh/solid_block.h"
 #include "mesh/surface.h"
 #include "mesh/surface_repair.h"
 #include "mesh/surface_report.h"
-#include "mesh/topology.h"
 #include "surface_file/surface_file.h"
 #include "../refusal.h"
 #include "../example.h"
@@ -20,11 +20,12 @@ using Kind = SurfaceFault::Kind;
 
 /// A box of 80 x 60 x 50 with its lowest corner at `low`, in squares of 10, two triangles each.
 void add_box(MshFile& mesh, double x, double y, double z, double factor = 1) {
-    const SpringMesh solid = make_lattice("grid26", Lattice{{8, 6, 5}, {80, 60, 50}});
+    const Shape solid = solid_block(Lattice{{8, 6, 5}, {80, 60, 50}});
+    const Cells facets = open_faces(solid.simplices);
     const int first = static_cast<int>(mesh.points.size());
     for (Eigen::Index n = 0; n < solid.nodes.rows(); ++n) mesh.points.push_back({x + factor * solid.nodes(n, 0), y + factor * solid.nodes(n, 1), z + factor * solid.nodes(n, 2)});
-    for (Eigen::Index f = 0; f < solid.facets.rows(); ++f)
-        mesh.triangles.push_back({f + 1, {first + solid.facets(f, 0), first + solid.facets(f, 1), first + solid.facets(f, 2)}, 0});
+    for (Eigen::Index f = 0; f < facets.rows(); ++f)
+        mesh.triangles.push_back({f + 1, {first + facets(f, 0), first + facets(f, 1), first + facets(f, 2)}, 0});
 }
 
 MshFile box() {

@@ -282,8 +282,8 @@ class Law:
 class SolidLaw:
     """The same in space: energies element by element, so that complex steps take few of them."""
 
-    def __init__(self, nodes, springs, theta, cells, at, volume, stiffness, contacts, held=None):
-        """contacts: of each case k (R), push (R x 3), row (Q), node (Q), pull (Q x 3), hardening. held, of a solid in an embedded lattice: k (M), and of each held
+    def __init__(self, nodes, springs, theta, cells, at, volume, stiffness, contacts, held):
+        """contacts: of each case k (R), push (R x 3), row (Q), node (Q), pull (Q x 3), hardening. held: k (M), and of each held
         node the lattice's nodes that move it (M x 8) and their weights."""
         self.nodes, self.springs, self.theta = nodes, springs.astype(int), theta
         self.cells, self.volume, self.stiffness, self.contacts, self.held = cells.astype(int), volume, stiffness, contacts, held
@@ -293,8 +293,6 @@ class SolidLaw:
                 for other in range(3):
                     far = corner >> other & 1
                     self.side[:, corner, axis] *= (1 if far else -1) if other == axis else at[:, other] if far else 1 - at[:, other]
-        if held is None:
-            same("volumes at rest", self.volumes(nodes[self.cells]), volume, 1e-12)
 
     def volumes(self, x):
         """Of cells with corners x (C x 8 x 3): the determinant of the means of their edges."""
@@ -317,10 +315,9 @@ class SolidLaw:
         scatter(self.springs, lambda x: self.theta * (length(x) - rest) ** 2 / 2)
         rest_volume = self.volumes(self.nodes[self.cells])
         scatter(self.cells, lambda x: self.stiffness * self.volume * (self.volumes(x) / rest_volume - 1) ** 2 / 2)
-        if self.held is not None:
-            k, corner, weight = self.held
-            moved = np.einsum("mk,mki->mi", weight, u[corner])
-            np.add.at(total, corner, (k[:, None] * weight)[:, :, None] * moved[:, None, :])
+        k, corner, weight = self.held
+        moved = np.einsum("mk,mki->mi", weight, u[corner])
+        np.add.at(total, corner, (k[:, None] * weight)[:, :, None] * moved[:, None, :])
         return total
 
     def contact(self, name, d, u):
@@ -357,17 +354,15 @@ def solid_law_csv(export, h5):
             ("nodes", "springs", "tetrahedra", "facets", "cells", "terms", "contact", "contact_rows", "contact_pull", "contact_hardening")}
     constants, S, names = h5["law/constants"][:], len(h5["mesh/springs"]), names_of(h5)
     corners = [f"node_{k >> 0 & 1}{k >> 1 & 1}{k >> 2 & 1}" for k in range(8)]
-    shape = (export / "embedding.csv").exists()
     cells = column(read["cells"], *corners)
-    if shape:
-        supports, inside = table(export / "supports.csv"), table(export / "embedding.csv")
-        fixed = column(supports, "node")[:, 0].astype(int)
-        corner, weight = column(inside, *corners).astype(int), column(inside, *(name.replace("node", "weight") for name in corners))
-        same("held nodes", fixed, h5["mesh/fixed"][:])
-        same("tissue in cells", column(read["cells"], "rest_volume_m3")[:, 0], h5["mesh/lattice/fraction"][:] * h5["mesh/lattice"].attrs["spacing_m"]**3, 1e-12)
-        same("supports", column(supports, "stiffness_N_m")[:, 0], constants[S + len(cells):])
-        for press in presses_of(export):
-            same("what moves the solid's own nodes", np.einsum("nk,nki->ni", weight, press[3][corner]), press[3][:len(corner)], 1e-12)
+    supports, inside = table(export / "supports.csv"), table(export / "embedding.csv")
+    fixed = column(supports, "node")[:, 0].astype(int)
+    corner, weight = column(inside, *corners).astype(int), column(inside, *(name.replace("node", "weight") for name in corners))
+    same("held nodes", fixed, h5["mesh/fixed"][:])
+    same("tissue in cells", column(read["cells"], "rest_volume_m3")[:, 0], h5["mesh/lattice/fraction"][:] * h5["mesh/lattice"].attrs["spacing_m"]**3, 1e-12)
+    same("supports", column(supports, "stiffness_N_m")[:, 0], constants[S + len(cells):])
+    for press in presses_of(export):
+        same("what moves the solid's own nodes", np.einsum("nk,nki->ni", weight, press[3][corner]), press[3][:len(corner)], 1e-12)
     same("nodes", column(read["nodes"], "x_m", "y_m", "z_m"), h5["mesh/nodes"][:])
     same("springs", column(read["springs"], "node_i", "node_j"), h5["mesh/springs"][:])
     same("tetrahedra", column(read["tetrahedra"], "node_i", "node_j", "node_k", "node_l"), h5["mesh/tetrahedra"][:])
@@ -376,15 +371,14 @@ def solid_law_csv(export, h5):
     same("stiffness of cells", column(read["cells"], "stiffness_Pa")[:, 0], constants[S:S + len(cells)])
     same("terms", [row["term"] for row in read["terms"]], [name.decode() for name in h5["law/terms"]])
     same("coefficients", column(read["terms"], "coefficient")[:, 0], h5["law/coefficients"][:])
-    same("range of curved", [float(row["curved"]) for row in read["contact"][7:]], h5["law/curved_range"][:] if shape else np.empty(0))
-    if shape:
-        correction, corrections = h5["law/lattice_correction"][:], table(export / "correction.csv")
-        same("correction", column(corrections, "log_scale")[:, 0], correction.reshape(-1))
-        same("its facets", column(corrections, "facet")[:, 0], np.repeat(np.arange(len(correction)), correction.shape[1]))
-        same("its corners", column(corrections, "weight_i", "weight_j", "weight_k").sum(axis=1), np.ones(correction.size), 1e-12)
+    same("range of curved", [float(row["curved"]) for row in read["contact"][7:]], h5["law/curved_range"][:])
+    correction, corrections = h5["law/lattice_correction"][:], table(export / "correction.csv")
+    same("correction", column(corrections, "log_scale")[:, 0], correction.reshape(-1))
+    same("its facets", column(corrections, "facet")[:, 0], np.repeat(np.arange(len(correction)), correction.shape[1]))
+    same("its corners", column(corrections, "weight_i", "weight_j", "weight_k").sum(axis=1), np.ones(correction.size), 1e-12)
     del read["contact"][7:]
     same("rows", [row["row"] for row in read["contact"]], ["normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"])
-    same("contact", column(read["contact"], "log_k_N_m", "curved" if shape else "phase", "ground", "edge"), h5["law/patch_log"][:])
+    same("contact", column(read["contact"], "log_k_N_m", "curved", "ground", "edge"), h5["law/patch_log"][:])
     hardening = {row["case"]: [float(row[c]) for c in ("hardening_1_J", "saturation_1_J", "coupling_N_m2")] for row in read["contact_hardening"]}
     case = np.array([names.index(row["case"]) for row in read["contact_rows"]])
     law = SolidLaw(column(read["nodes"], "x_m", "y_m", "z_m"), column(read["springs"], "node_i", "node_j"),
@@ -393,7 +387,7 @@ def solid_law_csv(export, h5):
                    contacts_of(names, case, column(read["contact_rows"], "k_N_m")[:, 0], column(read["contact_rows"], "push_x", "push_y", "push_z"),
                                column(read["contact_pull"], "row")[:, 0].astype(int), column(read["contact_pull"], "node")[:, 0].astype(int),
                                column(read["contact_pull"], "pull_x", "pull_y", "pull_z"), [hardening[name] for name in names]),
-                   (constants[S + len(cells):], corner[fixed], weight[fixed]) if shape else None)
+                   (constants[S + len(cells):], corner[fixed], weight[fixed]))
     presses = list(presses_of(export))
     same("cases", [press[0] for press in presses], names)
     for press in presses:
@@ -441,10 +435,8 @@ def solid_law_numpy(export, h5, csv_export):
     load = lambda name: np.load(export / f"{name}.npy")
     springs, constants = load("mesh/springs"), load("law/constants")
     S, cells = len(springs), load("law/cells")
-    held = None
-    if "mesh/lattice" in h5:
-        fixed = load("mesh/fixed")
-        held = constants[S + len(cells):], load("mesh/lattice/corner")[fixed], load("mesh/lattice/weight")[fixed]
+    fixed = load("mesh/fixed")
+    held = constants[S + len(cells):], load("mesh/lattice/corner")[fixed], load("mesh/lattice/weight")[fixed]
     law = SolidLaw(load("mesh/nodes"), springs, constants[:S], cells, load("law/cell_at"), load("law/cell_rest"),
                    constants[S:S + len(cells)], contacts_of(names_of(h5), *(load(f"law/contact_{part}") for part in parts)), held)
     for press in presses_of(Path(csv_export)):
@@ -474,11 +466,10 @@ def law_vtu(export, h5, csv_export):
         same(f"{name}: stiffness", grid.cells["stiffness_N_m"][:S], h5["law/constants"][:S])
         if "mesh/tetrahedra" in h5:
             volume, jacobian = grid.hexahedra()
-            cells = len(h5["mesh/lattice/cubes"]) if "mesh/lattice" in h5 else len(h5["mesh/tetrahedra"]) // 6
+            cells = len(h5["mesh/lattice/cubes"])
             same(f"{name}: stiffness of cells", grid.cells["stiffness_Pa"][S:], h5["law/constants"][S:S + cells])
             same(f"{name}: a cell each", len(volume), cells)
-            if "mesh/lattice" in h5:
-                same(f"{name}: its corners", grid.nodes[2 * S:].reshape(-1, 8), h5["mesh/lattice/cubes"][:][:, [0, 1, 3, 2, 4, 5, 7, 6]])
+            same(f"{name}: its corners", grid.nodes[2 * S:].reshape(-1, 8), h5["mesh/lattice/cubes"][:][:, [0, 1, 3, 2, 4, 5, 7, 6]])
             if min(volume.min(), jacobian.min()) <= 0:
                 sys.exit(f"{name}: a cell is inside out")
         same(f"{name}: displacement", grid.points["displacement_m"], in_space(u))

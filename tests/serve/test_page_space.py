@@ -38,7 +38,7 @@ class Block:
 
     def __init__(self, model):
         with h5py.File(model) as f:
-            self.nodes, self.facets = f["mesh/nodes"][:], f["mesh/facets"][:]
+            self.nodes, self.facets = f["mesh/nodes"][:len(f["mesh/lattice/corner"])], f["mesh/facets"][:]
         self.shown = numpy.unique(self.facets)
         self.low, self.high = self.nodes.min(0), self.nodes.max(0)
         self.beside = numpy.array([1.5 * (self.high[0] - self.low[0]), 0, 0])   # where the second mesh stands
@@ -113,7 +113,7 @@ def pressing(page, block):
     page.until(f"tissue.pressing.depth_m > {1e-3 * deepest - 1e-5}")
     deep = page.rests(force)
     check("the deeper, the greater the force", deep > 1.3 * shallow > 0, [shallow, deep])
-    check("the band under what is held has not", page.js("Math.max(...tissue.solids.map(s => s.band_moved_m))") == 0, page.js("tissue.solids"))
+    check("the band under what is held has not, but for the give of its supports", page.js("Math.max(...tissue.solids.map(s => s.band_moved_m))") < 5e-5, page.js("tissue.solids"))
     check("both solids have moved", page.js(f"Math.min(...{moved})") > 1e-3, page.js(moved))
     x, y = page.on_screen(*block.top(0.5, 0.5))
     wheel(page, x, y, 100)

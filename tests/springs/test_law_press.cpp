@@ -4,6 +4,7 @@
 
 #include "parallel.h"
 #include "../solid_law_example.h"
+#include "springs/disc_contact.h"
 #include "springs/energy_law.h"
 
 using namespace tissue;
@@ -51,23 +52,20 @@ TEST_CASE("a law's answer says what its press ended as, and is none unless that 
     CHECK(reason_of(EquilibriumStatus::inside_out) != "");
 }
 
-TEST_CASE("a law's answer tells a contact on fixed nodes alone from one that has no nodes near it", "[law]") {
-    // all nodes are fixed but two corners of the top: facets there are free, and a corner of one triangle alone does not face the disc
-    TissueModel held = solid_law_example(make_lattice("grid26", Lattice{{5, 5, 3}, {0.1, 0.1, 0.06}}));
-    held.mesh.fixed.clear();
-    for (int node = 0; node < held.mesh.node_count(); ++node)
-        if ((held.mesh.nodes.row(node) - Eigen::RowVector3d(0, 0.1, 0.06)).norm() > 0.001 && (held.mesh.nodes.row(node) - Eigen::RowVector3d(0.1, 0, 0.06)).norm() > 0.001)
-            held.mesh.fixed.push_back(node);
-    const Equilibrium fixed = LawPress(held).at(Eigen::Vector3d(0.012, 0.088, 0.06), Eigen::Vector3d(0, 0, -0.004));
-    CHECK(fixed.status == EquilibriumStatus::contact_fixed);
-    CHECK(fixed.displacement.isZero(0));
-    CHECK(fixed.contact_force.isZero(0));
-
-    // one cell: all nodes are corners, and no side has three that face it
-    const TissueModel coarse = solid_law_example(make_lattice("grid26", Lattice{{1, 1, 1}, {0.1, 0.1, 0.1}}));
-    const LawPress press(coarse);
-    const Eigen::Vector3d contact(0.05, 0.05, 0.1), push(0, 0, -0.004);
+TEST_CASE("of a solid whose lattice has no tissue near a place a law's answer says so, and a tool meets a wall there", "[law][solid]") {
+    TissueModel model = solid_law_example(make_lattice("embedded", Lattice{{4, 4, 2}, {0.04, 0.04, 0.02}}));
+    const int own = model.mesh.embedding.node_count();
+    model.mesh.nodes.topRows(own).col(2).array() += 0.05;  // the surface, away from its lattice
+    const Eigen::Vector3d contact(0.02, 0.02, 0.07), push(0, 0, -0.002);
+    const LawPress press(model);
     CHECK(press.at(contact, push).status == EquilibriumStatus::no_contact);
     CHECK(press.at(contact, push).status == EquilibriumStatus::no_contact);  // by the solver that the first has given back
     CHECK(reason_of(EquilibriumStatus::contact_fixed) != reason_of(EquilibriumStatus::no_contact));
+
+    const DiscContact kernel(model.mesh, 0.007);
+    ToolSpring tool;
+    kernel.tool_at(0, Eigen::Vector3d::Constant(1.0 / 3), model.energy_law->patch, tool);
+    CHECK(tool.group_count() == 1);
+    const NodeColumns u = NodeColumns::Zero(model.mesh.node_count(), 3);
+    CHECK(tool.hand_N(push, u).norm() > 0);
 }

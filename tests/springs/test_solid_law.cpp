@@ -2,6 +2,8 @@
 #include <catch2/catch.hpp>
 
 #include "error.h"
+#include "mesh/embedded_lattice.h"
+#include "mesh/solid_block.h"
 #include "mesh/topology.h"
 #include "springs/cell_volumes.h"
 #include "springs/disc_contact.h"
@@ -17,7 +19,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 SpringMesh block(int x = 4, int y = 4, int z = 2) {
-    return make_lattice("grid26", Lattice{{x, y, z}, {0.01 * x, 0.01 * y, 0.01 * z}});
+    return make_lattice("embedded", Lattice{{x, y, z}, {0.01 * x, 0.01 * y, 0.01 * z}});
 }
 
 /// A field without any symmetry, of a size [m].
@@ -43,7 +45,7 @@ EnergyLaw law_on(const SpringMesh& mesh, const std::vector<std::string>& terms) 
 }
 
 const std::vector<std::string> some_terms = {"spring.all", "spring.face.top", "cell.all", "spring.upright", "contact.normal",
-    "contact.normal.phase", "contact.tangent.ground", "contact.tangent", "contact.imprint_normal", "contact.imprint_tangent.edge", "contact.hardening", "contact.saturation", "contact.coupling"};
+    "contact.normal.edge", "contact.tangent.ground", "contact.tangent", "contact.imprint_normal", "contact.imprint_tangent.edge", "contact.hardening", "contact.saturation", "contact.coupling"};
 
 }  // namespace
 
@@ -75,45 +77,11 @@ TEST_CASE("cells in space keep their volume: energy, force and tangent agree, an
     CHECK(cells.volume_ratio(0, 0.1 * mesh.nodes) == Approx(1.331).epsilon(tolerance::rounding));
 }
 
-TEST_CASE("a disc's weights sum to one and reproduce places wherever it stands", "[solid]") {
-    const SpringMesh mesh = block(6, 6, 2);
-    const DiscContact kernel(mesh, 0.007);
-    for (const Eigen::Vector3d& at : {Eigen::Vector3d(0.03, 0.03, 0.02), {0.0312, 0.0277, 0.02}, {0.025, 0.035, 0.02}, {0.013, 0.045, 0.02}}) {
-        const ContactRows rows = kernel.rows_at(at);
-        Eigen::VectorXd rigid(3 * rows.nodes.size()), place = rigid;
-        for (std::size_t i = 0; i < rows.nodes.size(); ++i) {
-            rigid.segment<3>(3 * static_cast<Eigen::Index>(i)) << 1, 2, 3;
-            place.segment<3>(3 * static_cast<Eigen::Index>(i)) = mesh.nodes.row(rows.nodes[i]).transpose();
-        }
-        CHECK((rows.pull.topRows(3) * rigid - rows.push.topRows(3) * Eigen::Vector3d(1, 2, 3)).norm() < 1e-12);
-        CHECK((rows.pull.topRows(3) * place - rows.push.topRows(3) * at).norm() < 1e-14);
-        CHECK(rows.share.minCoeff() > 0);
-    }
-    const double turn = 2 * 3.14159265358979323846 / 0.01;
-    for (double x : {0.03, 0.0325, 0.035})
-        for (double y : {0.03, 0.0312, 0.035})
-            CHECK(kernel.rows_at(Eigen::Vector3d(x, y, 0.02)).factors[1] == Approx((std::cos(turn * x) + std::cos(turn * y)) / 2).margin(0.1));
-    CHECK(DiscContact::profile(0) == 1);
-    CHECK(DiscContact::profile(1) == Approx(0.5));
-    CHECK(DiscContact::profile(1 + 1e-9) == Approx(0.5).epsilon(1e-4));
-}
-
-TEST_CASE("a disc holds the node under its middle five times as fast as its imprint holds others, and none beyond 2.5 radii", "[solid]") {
-    const SpringMesh mesh = block(6, 6, 2);
-    const Eigen::Vector3d at(0.03, 0.03, 0.02);
-    const ContactRows rows = DiscContact(mesh, 0.007).rows_at(at);
-    const auto share_at = [&](double away_m) {
-        const double far = std::pow(1 - std::pow(away_m / 0.0175, 2), 2), under = away_m < 0.0084 ? std::pow(1 - std::pow(away_m / 0.0084, 2), 2) : 0;
-        return far + 4 * under;
-    };
-    Eigen::Index row = 3;
-    for (int node : rows.nodes) {
-        const double away_m = (mesh.nodes.row(node).transpose() - at).norm();
-        if (away_m >= 0.0175) continue;
-        for (int a = 0; a < 3; ++a) CHECK(rows.share[row++] == Approx(share_at(away_m)));
-    }
-    CHECK(row == rows.share.size());
-    CHECK(rows.share.tail(rows.share.size() - 3).maxCoeff() == Approx(5));
+TEST_CASE("a disc presses a parabola in, and beside it what the half space has", "[solid]") {
+    CHECK(disc_profile(0) == 1);
+    CHECK(disc_profile(1) == Approx(0.5));
+    CHECK(disc_profile(1 + 1e-9) == Approx(0.5).epsilon(1e-4));
+    CHECK(disc_profile(100) == Approx(4 / (3 * 3.14159265358979 * 100)).epsilon(1e-4));  // a force on a point
 }
 
 TEST_CASE("a disc's ground is 1 on a half space of one log of stiffness, 0 on none, and falls with the way to a nodule") {
@@ -181,11 +149,28 @@ TEST_CASE("a contact that hardens derives from its energy, and its derivatives a
     }
 }
 
-TEST_CASE("how a surface bends is no factor of a block", "[solid]") {
-    const SpringMesh mesh = block(3, 3, 2);
-    CHECK_THROWS_WITH(law_on(mesh, {"contact.normal.curved"}), Contains("is not known"));
-    CHECK_THROWS_WITH(law_on(mesh, {"support.all"}), Contains("term 'support.all' needs a solid in an embedded lattice"));
-    CHECK_NOTHROW(law_on(mesh, {"contact.softening"}));
+TEST_CASE("a disc's untrained contact on a lattice is about as stiff as on the tissue, wherever it stands between the nodes", "[solid]") {
+    constexpr double E = 4524, R = 0.007, half_space_N_m = 64.0 / 45 * E * R;
+    for (const double edge : {0.8, 1.0, 1.4, 2.0}) {
+        const SpringMesh mesh = embedded_lattice(solid_block(Lattice{{14, 14, 7}, {14 * R, 14 * R, 7 * R}}), edge * R);
+        const EnergyLaw law = law_on(mesh, {"contact.normal"});
+        const TissueEnergy energy = law.energy(mesh);
+        const DiscContact kernel(mesh, R);
+        PressSolver solver(energy, kernel);
+        const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);
+        for (const double part : {0.0, 0.25, 0.5}) {
+            const Eigen::Vector3d at(7 * R + part * edge * R, 7 * R + part * edge * R, 7 * R);
+            for (const double tilt : {0.0, 1.0}) {
+                const Eigen::Vector3d push = 1e-4 * (tilt > 0 ? Eigen::Vector3d(1, 0, 0) : Eigen::Vector3d(0, 0, -1));
+                const PressState state = solver.press(law.constants(p), ContactSpring(kernel.rows_at(at), law.patch(p)), push);
+                REQUIRE(state.status == PressStatus::held);
+                const double ratio = state.contact_force_N.norm() / push.norm() / half_space_N_m;
+                INFO("edge " << edge << " R, " << part << " of an edge from a node, " << (tilt > 0 ? "along" : "into") << " the surface");
+                CHECK(ratio > (edge < 2 ? (tilt > 0 ? 0.55 : 0.95) : (tilt > 0 ? 0.8 : 1.4)));
+                CHECK(ratio < (edge < 2 ? (tilt > 0 ? 0.8 : 1.3) : (tilt > 0 ? 1 : 1.7)));
+            }
+        }
+    }
 }
 
 TEST_CASE("a pressed solid rests in balance, harder the deeper, and its derivatives are those of its rest", "[solid]") {
@@ -195,6 +180,7 @@ TEST_CASE("a pressed solid rests in balance, harder the deeper, and its derivati
     const DiscContact kernel(mesh, 0.007, {nodule()});
     PressSolver solver(energy, kernel);
     Eigen::VectorXd p = Eigen::VectorXd::LinSpaced(law.size(), -0.2, 0.2);
+    p[10] = 2;  // hardens, by seven times its heuristic
     const Eigen::Vector3d at(0.0312, 0.0277, 0.03), push = 6e-3 * Eigen::Vector3d(0.3, 0.2, -1).normalized();
     const auto pressed = [&](const Eigen::VectorXd& q, const Eigen::Vector3d& d) {
         return solver.press(law.constants(q), ContactSpring(kernel.rows_at(at), law.patch(q)), d);
@@ -219,9 +205,10 @@ TEST_CASE("a pressed solid rests in balance, harder the deeper, and its derivati
     CHECK((pressed(p, push).displacement - state.displacement).norm() < 1e-9 * state.displacement.norm());
 }
 
-TEST_CASE("a lattice in space divides into tetrahedra that fit, and its surface is closed", "[solid]") {
+TEST_CASE("a block divides into tetrahedra that fit, its surface is closed, and its lattice has whole cubes", "[solid]") {
     const SpringMesh mesh = block(3, 2, 2);
-    CHECK(mesh.node_count() == 4 * 3 * 3);
+    CHECK(mesh.embedding.node_count() == 4 * 3 * 3);
+    CHECK(mesh.node_count() == 2 * 4 * 3 * 3);  // whole cubes: the lattice's nodes stand where the block's do
     CHECK(mesh.facets.rows() == 2 * 2 * (3 * 2 + 3 * 2 + 2 * 2));
     CHECK(mesh.simplices.rows() == 6 * 12);
     CHECK(mesh.fixed.size() == 12);
@@ -235,8 +222,8 @@ TEST_CASE("a lattice in space divides into tetrahedra that fit, and its surface 
     for (int k = 0; k < 8; ++k)
         for (int d = 0; d < 3; ++d)
             CHECK(mesh.nodes(cells(0, k), d) == Approx((k >> d & 1) ? 0.01 : 0.0));
-    CHECK_THROWS_WITH(make_lattice("grid26", 3, 3, 0.1, 0.1), Contains("topology 'grid26' is of 3 dimensions"));
+    CHECK_THROWS_WITH(make_lattice("embedded", 3, 3, 0.1, 0.1), Contains("topology 'embedded' is of 3 dimensions"));
     for (const Lattice& lattice : {Lattice{{0, 1, 1}, {1, 1, 1}}, Lattice{{1, 1, 1}, {1, 0, 1}}})
-        CHECK_THROWS_WITH(make_lattice("grid26", lattice), Contains("not possible"));
+        CHECK_THROWS_WITH(make_lattice("embedded", lattice), Contains("not possible"));
     CHECK_THROWS_AS(block(0, 1, 1), MismatchError);
 }

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "error.h"
+#include "mesh/solid_block.h"
 #include "mesh/embedded_lattice.h"
 #include "mesh/cells.h"
 #include "springs/disc_contact.h"
@@ -64,7 +65,7 @@ TEST_CASE("terms for places serve a solid shape, but for those of a lattice", "[
 /// A slab as a shape, 80 x 80 x 20 mm by boxes of 10 mm, after its nodes have been moved.
 template <class Move>
 SpringMesh slab(const Move& move) {
-    Shape shape = shape_of(make_lattice("grid26", Lattice{{8, 8, 2}, {0.08, 0.08, 0.02}}));
+    Shape shape = solid_block(Lattice{{8, 8, 2}, {0.08, 0.08, 0.02}});
     for (Eigen::Index i = 0; i < shape.nodes.rows(); ++i) shape.nodes.row(i) = move(Eigen::Vector3d(shape.nodes.row(i).transpose())).transpose();
     return embedded_lattice(shape, 0.01);
 }
@@ -155,7 +156,7 @@ TEST_CASE("an embedded solid stays on its bed, whatever its springs, and others 
     for (int node : mesh.fixed) CHECK(state.displacement.row(node).norm() < 1e-4);
 
     const auto two_blocks = [](double gap_m) {
-        Shape one = shape_of(make_lattice("grid26", Lattice{{2, 2, 2}, {0.02, 0.02, 0.02}})), both = one;
+        Shape one = solid_block(Lattice{{2, 2, 2}, {0.02, 0.02, 0.02}}), both = one;
         const auto n = static_cast<int>(one.nodes.rows());
         both.nodes.conservativeResize(2 * n, 3);
         both.nodes.bottomRows(n) = one.nodes.rowwise() + Eigen::RowVector3d(0.02 + gap_m, 0, 0);

@@ -41,7 +41,7 @@ TEST_CASE("a study with length_m is a solid block: three axes, incompressible, E
     CHECK(s.indenter.clearance_m() == Approx(0.012).epsilon(tolerance::rounding));
     CHECK(s.sizes_m == std::array<double, 2>{0.005, 0.02});
     CHECK(s.check_sizes_m == std::array<double, 2>{0.004, 0.015});
-    CHECK(s.springs.topology == "grid26");
+    CHECK(s.springs.topology == "embedded");
     CHECK_FALSE(s.loads.sweep);
     CHECK_FALSE(example_study().geometry.is_solid());
     CHECK(example_study().lattice().size_m == std::vector<double>{0.1, 0.1});
@@ -89,7 +89,7 @@ TEST_CASE("keys of the plane are refused in a solid, and a solid's in the plane,
     CHECK_THAT(said("kind = \"disc\"", "kind = \"patch\"", "indenter.kind"), Contains("disc"));
     CHECK_THAT(said("record_step_m = 0.002", "record_step_m = 0.002\npaths = []", "loads.paths"), Contains("contacts"));
     CHECK_THAT(said("record_step_m = 0.002", "record_step_m = 0.002\nsweep = { spacing_m = 1 }", "loads.sweep"), Contains("contacts"));
-    CHECK_THAT(said("topology = \"grid26\"", "topology = \"grid8\"", "springs.topology"), Contains("allowed: grid26"));
+    CHECK_THAT(said("topology = \"embedded\"", "topology = \"grid8\"", "springs.topology"), Contains("allowed: embedded"));
     CHECK_THAT(said("stiffness = \"law\"\nterms = [\"spring.all\", \"cell.all\"]", "law = \"axial\"", "springs.stiffness"), Contains("\"law\""));
     CHECK_THAT(said("[nodule]", "[data]\nx = 1\n[nodule]", "data"), Contains("plane"));
     CHECK_THAT(said("tilt_deg = [0, 30]\nclearance_m = [0.02, 0.05]\n\n[draws.held_out]",
@@ -99,7 +99,7 @@ TEST_CASE("keys of the plane are refused in a solid, and a solid's in the plane,
     const auto plane = [](const std::string& from, const std::string& to) {
         return refusal<StudyError>([&] { example_study(with(example_study_text(), from, to)); });
     };
-    CHECK_THAT(plane("topology = \"grid8\"", "topology = \"grid26\""), Contains("springs.topology") && Contains("allowed: grid4, grid8, edges"));
+    CHECK_THAT(plane("topology = \"grid8\"", "topology = \"embedded\""), Contains("springs.topology") && Contains("allowed: grid4, grid8, edges"));
     CHECK_THAT(plane("kind = \"point\"", "kind = \"disc\""), Contains("indenter.kind"));
     CHECK_THAT(plane("[mesh]", "[nodule]\nx = 1\n[mesh]"), Contains("key 'nodule'") && Contains("geometry.length_m"));
     CHECK_THAT(plane("refine = 1", "refine = 1\nsizes_m = [1, 2]"), Contains("mesh.sizes_m"));
