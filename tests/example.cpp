@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "mesh/embedded_block.h"
 #include "mesh/cells.h"
 #include "springs/energy_law.h"
 #include "springs/equilibrium.h"
@@ -151,7 +152,7 @@ TissueModel solid_example() {
     TissueModel m;
     m.study = "solid";
     m.law = "geometric";
-    m.mesh = make_lattice("embedded", Lattice{{4, 4, 2}, {0.1, 0.1, 0.05}});
+    m.mesh = embedded_block(Lattice{{4, 4, 2}, {0.1, 0.1, 0.05}});
     m.modulus_N_m = modulus_Pa;
     m.node_mass_kg = node_masses(m.mesh, 1040, 1);
     m.heuristic_a = heuristic_stiffness(m.mesh, modulus_Pa);

@@ -24,7 +24,7 @@ TEST_CASE("every spring law and topology bears the name it is found by") {
     for (const std::string& name : topologies().names()) {
         const Topology& kind = topologies().at(name);
         const Lattice lattice = kind.dimension == 3 ? Lattice{{3, 2, 1}, {0.3, 0.2, 0.1}} : Lattice{{3, 2}, {0.3, 0.2}};
-        CHECK(make_lattice(name, lattice).topology == name);
+        if (kind.on_lattice) CHECK(make_lattice(name, lattice).topology == name);
         if (!kind.needs_lattice()) CHECK(kind.on_shape(kind.dimension == 3 ? solid_block(lattice) : shape_of(make_lattice("grid4", lattice)), lattice.size_m[0] / lattice.cells[0]).topology == name);
     }
 }

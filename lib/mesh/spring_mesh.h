@@ -73,7 +73,7 @@ struct Lattice {
 
 /// The block's lattice: cells + 1 nodes along each axis, the first axis fastest, bottom row or layer fixed.
 /// topology: a name of topologies() (mesh/topology.h). The triangles of (7) are half cells: an axis spring borders one a side, a
-/// diagonal two. In space: mesh/solid_block.h in an embedded lattice.
+/// diagonal two. In the plane; in space: embedded_lattice(solid_block(lattice), spacing_m).
 /// Throws MismatchError for an unknown topology, one of another dimension, or a size that is not positive.
 SpringMesh make_lattice(const std::string& topology, const Lattice& lattice);
 SpringMesh make_lattice(const std::string& topology, int cells_x, int cells_y, double width_m, double height_m);

@@ -7,7 +7,6 @@
 
 #include "error.h"
 #include "mesh/embedded_lattice.h"
-#include "mesh/solid_block.h"
 
 namespace tissue {
 namespace {
@@ -82,8 +81,6 @@ SpringMesh grid8(const Lattice& of) { return plane_lattice("grid8", true, of); }
 
 SpringMesh edges(const Lattice& of) { return edge_mesh(shape_of(grid4(of))); }
 
-SpringMesh embedded(const Lattice& of) { return embedded_lattice(solid_block(of), of.size_m[0] / of.cells[0]); }
-
 SpringMesh edges_of(const Shape& shape, double) { return edge_mesh(shape); }
 
 }  // namespace
@@ -94,7 +91,7 @@ const Registry<Topology>& topologies() {
                                               {"grid4", 2, grid4, nullptr},
                                               {"grid8", 2, grid8, nullptr},
                                               {"edges", 2, edges, edges_of},
-                                              {"embedded", 3, embedded, embedded_lattice},
+                                              {"embedded", 3, nullptr, embedded_lattice},
                                           },
                                           [](const Topology& kind) { return kind.name; });
     return kinds;
@@ -122,6 +119,7 @@ bool is_box(const SpringMesh& mesh) {
 
 SpringMesh make_lattice(const std::string& topology, const Lattice& lattice) {
     const Topology& kind = topologies().at(topology);
+    if (!kind.on_lattice) throw MismatchError(fmt::format("topology '{}' follows no lattice of a block", topology));
     if (lattice.dimension() != kind.dimension)
         throw MismatchError(fmt::format("topology '{}' is of {} dimensions, the lattice of {}", topology, kind.dimension, lattice.dimension()));
     return kind.on_lattice(lattice);

@@ -12,7 +12,7 @@ struct Topology {
     const char* name;
     int dimension;
 
-    /// The springs of a block's lattice: make_lattice. In space spacing is the length of a cell along x.
+    /// The springs of a block's lattice: make_lattice; null in space, where springs follow cubes of their own.
     SpringMesh (*on_lattice)(const Lattice& lattice);
 
     /// Those of any shape, spacing_m long where they are of an embedded lattice; null where springs follow the cells of a lattice.

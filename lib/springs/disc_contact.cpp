@@ -41,8 +41,8 @@ double DiscContact::ground_at(const Eigen::Vector3d& contact_m, const Eigen::Vec
     return 8 * radius_m_ / (pi * pi) * sum;
 }
 
-/// nodes: all that are within so far of the contact at least; where the fit needs farther ones, all of the surface.
-SurfaceQuadric DiscContact::quadric_among(const std::vector<int>& nodes, double within_m, const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept {
+/// nodes: all that are within near_m_ of the contact at least; where the fit needs farther ones, all of the surface.
+SurfaceQuadric DiscContact::quadric_among(const std::vector<int>& nodes, const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept {
     using Terms = Eigen::Matrix<double, 6, 1>;
     constexpr int enough = 8;  // six numbers of the surface, and two to even out
     const Eigen::Matrix<double, 3, 2> tangents = polar_->tangents(inward);
@@ -54,7 +54,7 @@ SurfaceQuadric DiscContact::quadric_among(const std::vector<int>& nodes, double 
         moments.setZero();
         below.setZero();
         found = 0;
-        for (int node : reach_m <= within_m ? nodes : surface_.nodes()) {
+        for (int node : reach_m <= near_m_ ? nodes : surface_.nodes()) {
             const Eigen::Vector3d from = rest_.row(node).transpose() - contact_m;
             const double weight = 1 - from.squaredNorm() / (reach_m * reach_m);
             if (!(weight > 0) || !surface_.faces(node, in)) continue;
@@ -158,7 +158,7 @@ void DiscContact::show_skin(int facet, const Eigen::Vector3d& weight, const Skin
 DiscContact::Disc DiscContact::disc_at(const FreeSurface::Place& place, Footing& footing) const noexcept {
     const Eigen::Vector3d centre = place.point_m, normal = place.inward;
     Disc disc{normal, {}, 0};
-    const SurfaceQuadric quadric = quadric_among(near_[static_cast<std::size_t>(place.facet)], near_m_, centre, normal);
+    const SurfaceQuadric quadric = quadric_among(near_[static_cast<std::size_t>(place.facet)], centre, normal);
     polar_->lay(quadric, [&](const Eigen::Vector3d& from_m, double away_m) { return target_at(from_m, away_m, normal); }, footing);
     for (int i = 0; i < footing.means; ++i) disc.log_scale += footing.weight[i] / PolarPoints::total * log_scale_of(footing.node[i]);
     disc.log_scale += correction_at(place);

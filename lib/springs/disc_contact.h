@@ -55,7 +55,7 @@ class DiscContact final : public ContactKernel {
     template <class Each>
     void each_skin_node(const FreeSurface::Place& place, Each&& each) const noexcept;
 
-    SurfaceQuadric quadric_among(const std::vector<int>& nodes, double within_m, const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept;
+    SurfaceQuadric quadric_among(const std::vector<int>& nodes, const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept;
     double curved_of(const SurfaceQuadric& quadric) const noexcept;
     double correction_at(const FreeSurface::Place& place) const noexcept;
 

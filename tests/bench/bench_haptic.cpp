@@ -14,6 +14,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "../mesh/embedded_block.h"
 #include "haptic/moving_triangles.h"
 #include "haptic/simulation.h"
 #include "haptic/virtual_device.h"
@@ -413,7 +414,7 @@ TissueModel made_up_solid(int cubes) {
     TissueModel m;
     m.study = "bench";
     m.law = "geometric";
-    m.mesh = make_lattice("embedded", Lattice{{cubes, cubes, cubes / 2}, {0.1, 0.1, 0.05}});
+    m.mesh = embedded_block(Lattice{{cubes, cubes, cubes / 2}, {0.1, 0.1, 0.05}});
     m.modulus_N_m = modulus_Pa;
     m.node_mass_kg = node_masses(m.mesh, 1040, 1);
     m.heuristic_a = heuristic_stiffness(m.mesh, modulus_Pa);
@@ -481,7 +482,7 @@ std::vector<double> time_ticks(const TissueModel& tissue, const std::string& dyn
 /// A tick's use of a surface in space as the simulation has it, over a press that comes and goes; beside it the same question asked
 /// of every triangle one by one.
 StepTimes time_triangles() {
-    const SpringMesh mesh = make_lattice("embedded", Lattice{{15, 15, 9}, {0.1, 0.1, 0.05}});
+    const SpringMesh mesh = embedded_block(Lattice{{15, 15, 9}, {0.1, 0.1, 0.05}});
     MovingTriangles surface(mesh);
     const NodeColumns rest = mesh.nodes;
     NodeColumns u = NodeColumns::Zero(rest.rows(), 3);

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include "../mesh/embedded_block.h"
 #include "../example.h"
 #include "../refusal.h"
 #include "../solid_example.h"
@@ -79,7 +80,7 @@ TEST_CASE("a push through a plate is refused with its path, depth and thickness"
         p.depth_m = depth_m;
         return std::vector<PlannedPath>{p};
     };
-    const SpringMesh plane = make_lattice("grid8", 10, 2, 0.1, 0.01), plate = make_lattice("embedded", Lattice{{10, 10, 1}, {0.1, 0.1, 0.01}});
+    const SpringMesh plane = make_lattice("grid8", 10, 2, 0.1, 0.01), plate = embedded_block(Lattice{{10, 10, 1}, {0.1, 0.1, 0.01}});
     const Point top = Eigen::Vector2d(0.05, 0.01), corner = Eigen::Vector2d(0.1, 0.01), down = Eigen::Vector2d(0, -1), tilted = Eigen::Vector2d(0.6, -0.8);
     CHECK_NOTHROW(refuse_push_through(s, plane, path(top, down, 0.0099, "train")));
     CHECK_NOTHROW(refuse_push_through(s, plane, path(top, tilted, 0.012, "train")));

@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "../mesh/embedded_block.h"
 #include "cases/plan.h"
 #include "cases/solid_sweep.h"
 #include "cases/study_law.h"
@@ -64,7 +65,7 @@ Cases solid_cases() {
         path.role = p.role;
         path.depth_m = p.depth_m;
         for (int r = 0; r <= p.records; ++r) {
-            const NodeField u = scattered(make_lattice("embedded", solid().lattice()), 1e-3 * r).topRows(cases.nodes.rows());
+            const NodeField u = scattered(embedded_block(solid().lattice()), 1e-3 * r).topRows(cases.nodes.rows());
             path.records.push_back({p.depth_m * r / p.records, u, 2 * u, p.push.direction * r, p.push.direction * -r, 0.1 * r, 1 - 0.01 * r, r, 1e-12});
         }
         cases.paths.push_back(path);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "../mesh/embedded_block.h"
 #include "mesh/topology.h"
 #include "../example.h"
 #include "../mesh/dome.h"
@@ -46,7 +47,7 @@ TEST_CASE("a square block of one material has seven images of every push, an obl
     TissueModel nodule = model;
     nodule.energy_law->disc.ground = NodeField::Ones(1, 4);
     CHECK(symmetries_of(nodule).empty());
-    const SpringMesh oblong = make_lattice("embedded", Lattice{{5, 4, 2}, {0.125, 0.1, 0.05}});
+    const SpringMesh oblong = embedded_block(Lattice{{5, 4, 2}, {0.125, 0.1, 0.05}});
     model.mesh = oblong;
     model.energy_law->constants.tail(oblong.support_count()) = held_areas(oblong);
     CHECK(symmetries_of(model).size() == 3);

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "../mesh/embedded_block.h"
 #include "mesh/topology.h"
 
 using namespace tissue;
@@ -13,7 +14,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 struct Example {
-    SpringMesh mesh = make_lattice("embedded", Lattice{{2, 2, 1}, {0.04, 0.04, 0.02}});
+    SpringMesh mesh = embedded_block(Lattice{{2, 2, 1}, {0.04, 0.04, 0.02}});
     CarriedSurface surface = own_surface(mesh);
     NodeField u = (50 * mesh.nodes.array()).sin() * 1e-3;
     PressedSurface press{surface, "top-3mm", surface.moved(u), Eigen::Vector3d(0.02, 0.02, 0.02), Eigen::Vector3d(0, 0, -0.003), Eigen::Vector3d(0.01, 0, -0.2)};

@@ -1,4 +1,5 @@
 // Cases: as fuzz_model.cpp, of finite elements, of measurements, of a shape and in space.
+#include "../mesh/embedded_block.h"
 #include "cases/load_path.h"
 #include "edited_store.h"
 #include "fuzz_file.h"
@@ -61,7 +62,7 @@ EditedStore stored(const char* name, const Cases& cases) {
 
 const std::vector<EditedStore>& bases() {
     static const std::vector<EditedStore> all = [] {
-        const SpringMesh plane = make_lattice("grid4", 2, 2, 0.1, 0.1), space = make_lattice("embedded", Lattice{{1, 1, 1}, {0.1, 0.1, 0.05}});
+        const SpringMesh plane = make_lattice("grid4", 2, 2, 0.1, 0.1), space = embedded_block(Lattice{{1, 1, 1}, {0.1, 0.1, 0.05}});
         Cases shaped = cases_of(plane, false);
         shaped.shape = shape_of(plane);
         return std::vector<EditedStore>{stored("cases", cases_of(plane, false)), stored("measured", cases_of(plane, true)), stored("shape", shaped),

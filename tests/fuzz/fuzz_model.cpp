@@ -1,4 +1,5 @@
 // Models: the first byte chooses one of several, the rest says what of it is another. What is read then plays, and learns on.
+#include "../mesh/embedded_block.h"
 #include "../haptic/haptic_example.h"
 #include "../solid_law_example.h"
 #include "adapt/adapted_model.h"
@@ -26,7 +27,7 @@ EditedStore learned(const TissueModel& model) {
 }
 
 TissueModel in_space() {
-    TissueModel model = solid_law_example(make_lattice("embedded", Lattice{{2, 2, 2}, {0.1, 0.1, 0.05}}));
+    TissueModel model = solid_law_example(embedded_block(Lattice{{2, 2, 2}, {0.1, 0.1, 0.05}}));
     model.contact_m = Eigen::RowVector3d(0.05, 0.05, 0.05);
     model.direction = Eigen::RowVector3d(0, 0, -1);
     return model;

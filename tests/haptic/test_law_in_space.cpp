@@ -5,6 +5,7 @@
 #include <numeric>
 #include <random>
 
+#include "../mesh/embedded_block.h"
 #include "../allocations.h"
 #include "../example.h"
 #include "../mesh/dome.h"
@@ -30,7 +31,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 /// A block with whole cubes, and a solid that cuts them.
-std::vector<SpringMesh> meshes() { return {make_lattice("embedded", Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}), embedded_lattice(dome(6), 0.011)}; }
+std::vector<SpringMesh> meshes() { return {embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}), embedded_lattice(dome(6), 0.011)}; }
 
 RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, "geometric", model.node_mass_kg}; }
 
@@ -131,7 +132,7 @@ TEST_CASE("a shape's contact is clamped to what training saw, and corrected, in 
 }
 
 TEST_CASE("in space every spring of the tick pulls as its law says, whatever order the lattice's nodes are in", "[solid][dynamics]") {
-    const SpringMesh lattice = make_lattice("embedded", Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}});
+    const SpringMesh lattice = embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}});
     for (const bool shuffled : {false, true}) {
         SpringMesh mesh = lattice;
         const int N = mesh.node_count(), own = mesh.embedding.node_count();

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "../mesh/embedded_block.h"
 #include "../allocations.h"
 #include "../example.h"
 #include "../mesh/disc.h"
@@ -41,7 +42,7 @@ std::vector<TissueModel> models() {
     std::vector<TissueModel> all;
     for (const SpringMesh& mesh : {make_lattice("grid8", 10, 10, 0.1, 0.1), make_lattice("grid8", 4, 7, 0.06, 0.1), edge_mesh(disc(24))})
         all.push_back(unevenly_relaxing(law_example(mesh)));
-    for (const SpringMesh& mesh : {make_lattice("embedded", Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}), embedded_lattice(dome(6), 0.011)}) all.push_back(unevenly_relaxing(solid_law_example(mesh)));
+    for (const SpringMesh& mesh : {embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}), embedded_lattice(dome(6), 0.011)}) all.push_back(unevenly_relaxing(solid_law_example(mesh)));
     return all;
 }
 
@@ -178,7 +179,7 @@ struct HeldTool {
 
 TEST_CASE("tissue that relaxes never gives the hand more than it was given, but for the sampled coupling, and keeps a good part", "[law][memory]") {
     for (const bool solid : {false, true}) {
-        const TissueModel model = relaxing(solid ? solid_law_example(make_lattice("embedded", Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}})) : law_example());
+        const TissueModel model = relaxing(solid ? solid_law_example(embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}})) : law_example());
         const FreeSurface surface(model.mesh);
         HeldTool held(model);
         const FreeSurface::Place place = surface.nearest(solid ? Point(Eigen::Vector3d(0.026, 0.031, 0.02)) : Point(Eigen::Vector2d(0.052, 0.1)));

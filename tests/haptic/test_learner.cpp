@@ -9,6 +9,7 @@
 #include <new>
 #include <thread>
 
+#include "../mesh/embedded_block.h"
 #include "../adapt/adapt_example.h"
 #include "../allocations.h"
 #include "../example.h"
@@ -89,7 +90,7 @@ struct Session {
 
 TEST_CASE("a law that becomes another has the forces of one that was made so, and allocates nothing", "[adapt][law]") {
     const SpringMesh shape = embedded_lattice(dome(6), 0.011);
-    for (const TissueModel& model : {law_example(), solid_law_example(make_lattice("embedded", Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}})), solid_law_example(shape)}) {
+    for (const TissueModel& model : {law_example(), solid_law_example(embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}})), solid_law_example(shape)}) {
         Draw draw(5);
         TissueModel other = model;
         for (double& c : other.energy_law->constants) c *= draw(0.3, 3);

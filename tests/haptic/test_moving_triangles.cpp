@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "../mesh/embedded_block.h"
 #include "../allocations.h"
 #include "../refusal.h"
 #include "../tolerances.h"
@@ -16,7 +17,7 @@ using namespace tissue;
 
 namespace {
 
-SpringMesh block(int x, int y, int z) { return make_lattice("embedded", Lattice{{x, y, z}, {0.01 * x, 0.01 * y, 0.01 * z}}); }
+SpringMesh block(int x, int y, int z) { return embedded_block(Lattice{{x, y, z}, {0.01 * x, 0.01 * y, 0.01 * z}}); }
 
 /// A mesh's surface beside where its nodes are.
 struct Body {

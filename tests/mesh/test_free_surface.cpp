@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "embedded_block.h"
 #include "mesh/facet.h"
 #include "mesh/mesh_fault.h"
 #include "mesh/topology.h"
@@ -14,7 +15,7 @@ using namespace tissue;
 
 namespace {
 
-SpringMesh block() { return make_lattice("embedded", Lattice{{4, 3, 2}, {0.04, 0.03, 0.02}}); }
+SpringMesh block() { return embedded_block(Lattice{{4, 3, 2}, {0.04, 0.03, 0.02}}); }
 
 }  // namespace
 

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "../mesh/embedded_block.h"
 #include "parallel.h"
 #include "../solid_law_example.h"
 #include "springs/disc_contact.h"
@@ -53,7 +54,7 @@ TEST_CASE("a law's answer says what its press ended as, and is none unless that 
 }
 
 TEST_CASE("of a solid whose lattice has no tissue near a place a law's answer says so, and a tool meets a wall there", "[law][solid]") {
-    TissueModel model = solid_law_example(make_lattice("embedded", Lattice{{4, 4, 2}, {0.04, 0.04, 0.02}}));
+    TissueModel model = solid_law_example(embedded_block(Lattice{{4, 4, 2}, {0.04, 0.04, 0.02}}));
     const int own = model.mesh.embedding.node_count();
     model.mesh.nodes.topRows(own).col(2).array() += 0.05;  // the surface, away from its lattice
     const Eigen::Vector3d contact(0.02, 0.02, 0.07), push(0, 0, -0.002);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "../mesh/embedded_block.h"
 #include "../haptic/haptic_example.h"
 #include "../solid_law_example.h"
 
@@ -28,7 +29,7 @@ TEST_CASE("a push is refused off the free surface, on what is held, out of the t
     };
     const Tissue tissues[] = {
         {make_lattice("grid8", 10, 10, 0.1, 0.1), at({0.05, 0.1}), at({0, -0.004}), at({0.004, 0}), at({0, 0}), at({0.05, 0})},
-        {make_lattice("embedded", Lattice{{5, 4, 3}, {0.05, 0.06, 0.02}}), at({0.025, 0.03, 0.02}), at({0, 0, -0.004}), at({0.004, 0, 0}), at({0, 0, 0}), at({0.025, 0.03, 0})},
+        {embedded_block(Lattice{{5, 4, 3}, {0.05, 0.06, 0.02}}), at({0.025, 0.03, 0.02}), at({0, 0, -0.004}), at({0.004, 0, 0}), at({0, 0, 0}), at({0.025, 0.03, 0})},
     };
     for (const Tissue& t : tissues) {
         const FreeSurface surface(t.mesh);

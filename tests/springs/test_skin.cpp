@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "../mesh/embedded_block.h"
 #include "../refusal.h"
 #include "../tolerances.h"
 #include "error.h"
@@ -18,7 +19,7 @@ namespace {
 
 constexpr double radius_m = 0.007;
 
-SpringMesh block() { return make_lattice("embedded", Lattice{{8, 8, 3}, {0.08, 0.08, 0.03}}); }
+SpringMesh block() { return embedded_block(Lattice{{8, 8, 3}, {0.08, 0.08, 0.03}}); }
 
 const SkinLaw some_skin(0.3, -0.2, 0.4, 0.5);
 const Eigen::Vector3d push(0.001, -0.0005, -0.004);

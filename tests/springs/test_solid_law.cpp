@@ -1,6 +1,7 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
+#include "../mesh/embedded_block.h"
 #include "error.h"
 #include "mesh/embedded_lattice.h"
 #include "mesh/solid_block.h"
@@ -19,7 +20,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 SpringMesh block(int x = 4, int y = 4, int z = 2) {
-    return make_lattice("embedded", Lattice{{x, y, z}, {0.01 * x, 0.01 * y, 0.01 * z}});
+    return embedded_block(Lattice{{x, y, z}, {0.01 * x, 0.01 * y, 0.01 * z}});
 }
 
 /// A field without any symmetry, of a size [m].
@@ -222,8 +223,8 @@ TEST_CASE("a block divides into tetrahedra that fit, its surface is closed, and 
     for (int k = 0; k < 8; ++k)
         for (int d = 0; d < 3; ++d)
             CHECK(mesh.nodes(cells(0, k), d) == Approx((k >> d & 1) ? 0.01 : 0.0));
-    CHECK_THROWS_WITH(make_lattice("embedded", 3, 3, 0.1, 0.1), Contains("topology 'embedded' is of 3 dimensions"));
+    CHECK_THROWS_WITH(make_lattice("embedded", 3, 3, 0.1, 0.1), Contains("topology 'embedded' follows no lattice of a block"));
     for (const Lattice& lattice : {Lattice{{0, 1, 1}, {1, 1, 1}}, Lattice{{1, 1, 1}, {1, 0, 1}}})
-        CHECK_THROWS_WITH(make_lattice("embedded", lattice), Contains("not possible"));
+        CHECK_THROWS_WITH(embedded_block(lattice), Contains("not possible"));
     CHECK_THROWS_AS(block(0, 1, 1), MismatchError);
 }

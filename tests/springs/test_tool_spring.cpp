@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 
+#include "../mesh/embedded_block.h"
 #include "../allocations.h"
 #include "../haptic/haptic_example.h"
 #include "../mesh/dome.h"
@@ -19,7 +20,7 @@ using namespace tissue;
 
 namespace {
 
-SpringMesh solid(int x, int y, int z) { return make_lattice("embedded", Lattice{{x, y, z}, {0.01 * x, 0.01 * y, 0.01 * z}}); }
+SpringMesh solid(int x, int y, int z) { return embedded_block(Lattice{{x, y, z}, {0.01 * x, 0.01 * y, 0.01 * z}}); }
 
 /// Of a disc as block3 learns one: hardens, and depends on the place.
 PatchLaw disc_law() {

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "../mesh/embedded_block.h"
 #include "error.h"
 #include "mesh/free_surface.h"
 #include "springs/law_press.h"
@@ -168,7 +169,7 @@ TEST_CASE("training without paths or terms is refused") {
 }
 
 TEST_CASE("in space training finds the law again from the surface alone, the same for any number of threads", "[solid]") {
-    const SpringMesh mesh = make_lattice("embedded", Lattice{{5, 5, 3}, {0.05, 0.05, 0.03}});
+    const SpringMesh mesh = embedded_block(Lattice{{5, 5, 3}, {0.05, 0.05, 0.03}});
     const double E = 4500, radius_m = 0.007;
     const LawHeuristic heuristic = solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), E),
                                                    Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), E), E, 12, radius_m);
