@@ -167,7 +167,6 @@ TEST_CASE("in space every spring of the tick pulls as its law says, whatever ord
         CHECK((springs.stiffness_at_rest(springs.to_slots(theta)) - K).norm() < 1e-13 * K.norm());
         const Eigen::VectorXd exact = eigenvalues(springs, K);
         CHECK(largest_eigenvalue(springs, springs.to_slots(theta)) >= exact[exact.size() - 1]);  // the isotropic bound
-        CHECK(smallest_eigenvalue(springs, K) == Approx(exact[0]).epsilon(1e-6).margin(1e-9 * exact[exact.size() - 1]));
     }
 }
 
