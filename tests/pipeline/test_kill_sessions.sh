@@ -4,6 +4,9 @@
 . "$(dirname "$0")/common"
 . "$(dirname "$0")/kills"
 TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}")
+found=0
+for _ in 1 2 3 4 5 6 7 8 9 10; do strike 0 sleep 5 && found=$((found + 1)); done
+check "a kill that comes as soon as a command begins finds its group" test $found = 10
 make_copy
 poked_tissue
 count=${TISSUE_KILLS:-4}
