@@ -413,6 +413,17 @@ solve odd 10 0.005 5 0 0.05 1 0 -indenter
 refused odd $? 2 "argument -indenter has no value" "an argument without a value is refused"
 solve other 10 0.005 5 0 0.05 1 0 -disc_radius 0.007
 refused other $? 2 "argument -disc_radius is not known" "an argument of a path in space is refused in the plane"
+for word in abc 2e 0x10 1,5 3mm nan 1e999; do
+  solve number 40 0.002 1 0 0.012 1 0 -indenter patch -patch_half_width "$word"
+  refused number $? 2 "argument -patch_half_width must be a number, got $word" "'$word' for a number is refused"
+done
+if solve number 40 0.002 1 0 0.012 1 0 -indenter patch -patch_half_width +.3E-2 && grep -q '^end' "$work/number.csv"
+then say "ok - a number with a power of ten is taken"
+else say "not ok - a number with a power of ten is taken: $(head -c 200 "$work/number.err") vs an end line"; fi
+for word in 1.5 one 1e0 99999999999; do
+  solve whole 10 0.005 5 0 0.05 1 0 -branches "$word"
+  refused whole $? 2 "argument -branches must be a whole number, got $word" "'$word' for a whole number is refused"
+done
 head -c 3000 "$work/10.msh" > "$work/broken.msh"
 solve broken broken 0.005 5 0 0.05 1 0
 refused broken $? 1 "cannot read a whole mesh" "a mesh file that breaks off is refused"
