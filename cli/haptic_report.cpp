@@ -60,7 +60,7 @@ std::string ledger_text(const std::string& model_file, const Device& device, con
                         const LoopReport& report, long long dropped_samples) {
     const SafetyCounters& s = simulation.safety().counters();
     const HapticCounters& h = simulation.counters();
-    std::string text = fmt::format("{} on {}: {} ticks\n", model_file, device.name(), report.ticks);
+    std::string text = fmt::format("{} on {}: {} ticks{}\n", model_file, device.name(), report.ticks, report.clock ? "" : ", without a clock");
     text += fmt::format("  misses           {} ({} by this program)\n", report.misses, report.misses_program);
     text += fmt::format("  tick             {} (median / p99 / p99.9 / max)\n", percentiles_text(report.tick_us));
     text += fmt::format("  lateness         {}\n", percentiles_text(report.lateness_us));
@@ -110,6 +110,8 @@ std::string ledger_json(const std::string& model_file, const Device& device, con
     details["jumps"] = s.jump;
     details["stale"] = s.stale;
     details["late"] = s.late;
+    details["lost_s"] = h.lost_s;
+    details["clock"] = report.clock;
     details["folded"] = h.folded;
     details["unstable"] = h.unstable;
     details["not_yet_outside"] = h.unarmed;

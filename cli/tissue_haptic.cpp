@@ -54,7 +54,7 @@ struct Options {
     DeviceValues device_values;
     double seconds = 10;
     unsigned long seed = 2008;
-    bool json = false;
+    bool json = false, no_clock = false;
     cli::HapticChoices choices;
 };
 
@@ -150,6 +150,7 @@ void run(const Options& o, Provenance provenance) {
     LoopOptions loop;
     loop.seconds = o.seconds;
     loop.stop = &stop;
+    loop.clock = !o.no_clock;
     loop.realtime = !o.choices.no_realtime;
     if (recorder) loop.hooks.push_back(recorder.get());
     if (learning.adaptation) {
@@ -198,6 +199,7 @@ void add_options(CLI::App& app, Options& o) {
         ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember(device_kinds().names())));
     add_number(app, "--seconds", o.seconds, "s", "how long; 0: until the device ends or a signal comes")->check(quiet(CLI::Range(0.0, longest_session_s)));
     app.add_flag("--json", o.json, "print the ledger as JSON");
+    app.add_flag("--no-clock", o.no_clock, "ticks follow one another without waiting for the clock, and none is missed; --seconds are the tissue's. Of scripted motions, virtual and replay");
     app.add_option("--record", o.record, "HDF5 file for every tick")->type_name("FILE");
     app.add_option("--seed", o.seed, "of poke")->type_name("integer")->capture_default_str();
     for (const DeviceKind* kind : device_kinds().kinds())
@@ -222,6 +224,8 @@ void finish(Options& o) {
     for (const DeviceOption& option : device_kinds().at(o.device)->options)
         if (option.needed && o.device_values.at(option.name).empty())
             throw CLI::ValidationError("--device " + o.device, fmt::format("needs --{} {}", option.name, option.unit));
+    if (o.no_clock && !device_kinds().at(o.device)->scripted)
+        throw CLI::ValidationError("--no-clock", "device " + o.device + " moves by the clock");
     cli::check(o.choices);
 }
 

@@ -36,6 +36,9 @@ class Device {
     /// Position at `time_s`, the tick's place on the schedule, 0 at the first.
     virtual DeviceSample read(double time_s) noexcept = 0;
 
+    /// In place of read(), where the tick is left out. A device that moves by itself stays where it is.
+    virtual void stand_still(double /*time_s*/) noexcept {}
+
     /// The force to put on the hand [N] until the next write, or for force_held_s. Before start() and after stop()
     /// there is none, whatever is written.
     virtual void write(const Eigen::Vector3d& force_N) noexcept = 0;

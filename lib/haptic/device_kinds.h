@@ -37,6 +37,7 @@ struct DeviceKind {
     std::vector<DeviceOption> options;
     std::unique_ptr<Device> (*make)(const DeviceValues& values, const DeviceContext& context);
     DeviceImpedance impedance = {};
+    bool scripted = false;  ///< its motion is known before it begins, and no hand feels the force: it needs no clock
 };
 
 /// Every kind that a program can be asked for by name, in the order in which messages list them; the first is the

@@ -1,5 +1,7 @@
 #include "haptic/hidden_tissue.h"
 
+#include <algorithm>
+
 namespace tissue {
 namespace {
 
@@ -28,6 +30,12 @@ DeviceSample HiddenTissue::read(double time_s) noexcept {
     const TickRecord& tick = simulation_.record();
     sample.measured_N = model_.options.map.force_from_tissue(tick.mesh >= 0 ? Point(-tick.coupling_N) : Point(Point::Zero(model_.dimension())));
     return sample;
+}
+
+void HiddenTissue::stand_still(double time_s) noexcept {
+    hand_->stand_still(time_s);
+    simulation_.stand_still(std::max(0.0, time_s - last_s_));
+    last_s_ = time_s;
 }
 
 }  // namespace tissue

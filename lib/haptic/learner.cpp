@@ -95,7 +95,7 @@ bool Learner::before(Simulation& simulation) {
 }
 
 void Learner::begin_hold() {
-    held_ticks_ = summed_ = 0;
+    held_s_ = summed_s_ = 0;
     sum_measured_N_.setZero();
     sum_model_N_.setZero();
     sum_push_m_.setZero();
@@ -118,19 +118,23 @@ void Learner::after(const Simulation& simulation, const TickBooks& books) {
         begin_hold();
         return;
     }
-    const int hold = static_cast<int>(options_.hold_s / model_.options.dt_s);
-    if (++held_ticks_ > hold / 2) {
-        sum_measured_N_ += tick.measured_N;
-        sum_model_N_ -= tick.coupling_N;
-        sum_push_m_ += tick.contact_displacement_m;
-        ++summed_;
+    constexpr double rounding = 1 - 1e-9;
+    const double went_s = simulation.went_s();
+    held_s_ += went_s;
+    if (held_s_ > options_.hold_s / 2) {
+        sum_measured_N_ += went_s * tick.measured_N;
+        sum_model_N_ -= went_s * tick.coupling_N;
+        sum_push_m_ += went_s * tick.contact_displacement_m;
+        summed_s_ += went_s;
     }
-    if (held_ticks_ < hold) return;
+    if (held_s_ < options_.hold_s * rounding) return;
     taken_ = true;
-    const double n = summed_;
+    const double n = summed_s_;
     const Reading reading{books.time_s, model_.meshes.front()->springs.rest_place(facet_, weight_), sum_push_m_ / n, sum_measured_N_ / n, sum_model_N_ / n, learned_.front().learned};
     ++readings_;
-    if (!readings_to_learn_.push(reading)) ++dropped_;
+    if (readings_to_learn_.push(reading)) ++pushed_;
+    else ++dropped_;
+    while (!books.clock && done_.load() < pushed_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 void Learner::learn() noexcept {
@@ -147,6 +151,7 @@ void Learner::learn() noexcept {
                 ++dropped_;
             else
                 try_to_learn_from(reading);
+            ++done_;
         }
         if (last) return;
         if (!any) std::this_thread::sleep_for(std::chrono::milliseconds(2));

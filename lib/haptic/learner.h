@@ -26,7 +26,7 @@ constexpr double live_place_error_m = 1e-3;
 HapticOptions live_options(HapticOptions options, const Adaptation& adaptation);
 
 struct LearnerOptions {
-    double hold_s = 0.8;     ///< a hand that has been still so long gives a reading, the mean of the second half: a swing of soft tissue
+    double hold_s = 0.8;     ///< a hand that was still while the tissue went through so much time gives a reading, the mean of the second half: a swing of soft tissue
     double still_m = 2e-4;   ///< and still means within this
     double step = 0.002;     ///< every stiffness goes a tick at the most by this part of itself towards what was learned
     double patience_s = 10;  ///< at the end, for readings that are not learned yet: in space each takes a second or more, and up to 64 may wait
@@ -34,7 +34,8 @@ struct LearnerOptions {
 
 /// A law that learns while it plays, from a hand with a force sensor (DeviceSample::measured_N): whenever the hand holds still in the tissue
 /// what it feels becomes a poke, a thread of its own learns from it (adapt/adaptation.h), and the tick's law goes there step by step, so that
-/// in no tick force changes by more than `step` of it. Neither waits for the other. Of a law that relaxes the reading is taken as the
+/// in no tick force changes by more than `step` of it. Neither waits for the other; where ticks have no clock (TickBooks::clock) a reading is learned before the next tick,
+/// so that what is learned does not depend on how fast the machine is. Of a law that relaxes the reading is taken as the
 /// adaptation wants it, once all has relaxed or at once: times the law's static force of that kind over what it has in this tick. That
 /// holds of a hand that holds still while the law is one and the same, and of the law that is still the one that learns: another reading is dropped.
 ///
@@ -103,12 +104,13 @@ class Learner final : public TickHook {
     Eigen::Vector3d weight_ = Eigen::Vector3d::Zero();
     Point held_m_;
     Point sum_measured_N_, sum_model_N_, sum_push_m_;
-    int held_ticks_ = 0, summed_ = 0;
+    double held_s_ = 0, summed_s_ = 0;  ///< of the tissue's time, which counts where ticks are missed, too
+    long long pushed_ = 0;
     bool taken_ = false;
     // between the two
     SpscRing<Reading> readings_to_learn_;
     Latest<Goal> learned_;
-    std::atomic<long long> readings_{0}, dropped_{0};
+    std::atomic<long long> readings_{0}, dropped_{0}, done_{0};  ///< done: of those pushed
     std::atomic<bool> stop_{false};
     // the thread's
     void (*tell_)(const Line&, const Adaptation&, void*) = nullptr;

@@ -50,6 +50,11 @@ DeviceSample PointerDevice::read(double time_s) noexcept {
     return sample;
 }
 
+void PointerDevice::stand_still(double time_s) noexcept {
+    time_s_ = time_s;
+    velocity_m_s_.setZero();
+}
+
 std::vector<std::pair<std::string, double>> PointerDevice::ledger() const {
     return {{"targets", static_cast<double>(aimed_.load())}, {"refused_targets", static_cast<double>(refused_.load())}};
 }

@@ -76,55 +76,64 @@ void run(Simulation& simulation, Device& given, const LoopOptions& options, Loop
     if (!(options.seconds >= 0 && options.seconds <= longest_session_s)) throw MismatchError(fmt::format("a session lasts 0 to {:g} s, not {:g} s", longest_session_s, options.seconds));
     const RunningDevice device(given);
     std::unique_ptr<RealtimeThread> realtime;
-    if (options.realtime) realtime = std::make_unique<RealtimeThread>(options.priority, report.notices);
+    report.clock = options.clock;
+    if (options.realtime && options.clock) realtime = std::make_unique<RealtimeThread>(options.priority, report.notices);
     touch_stack();
     const double dt_s = simulation.model().options.dt_s;
     const auto dt_ns = static_cast<long long>(std::llround(dt_s * 1e9));
     const long long start = now_ns(CLOCK_MONOTONIC) + dt_ns;
     const long long last_slot =
         options.seconds > 0 ? static_cast<long long>(std::ceil(options.seconds / dt_s - 1e-6)) : -1;
-    long long before = -1;
+    long long before = -1, left_out = 0;  // slot of the last tick, done or left out; how many slots were left out
     double cost_s = 0;  // of the tick before
     for (long long slot = 0; last_slot < 0 || slot < last_slot; ++slot) {
         if (options.stop && options.stop->load(std::memory_order_relaxed)) break;
-        const long long due = start + slot * dt_ns;
-        sleep_until(due);
+        const long long due = options.clock ? start + slot * dt_ns : now_ns(CLOCK_MONOTONIC);
+        if (options.clock) sleep_until(due);
 
         bool wanted = true;
         for (TickHook* hook : options.hooks) wanted = hook->before(simulation) && wanted;
 
         // woken late: this is the tick of the period that is now, and says how long ago the last one was
         const long long began = now_ns(CLOCK_MONOTONIC), cpu_began = now_ns(CLOCK_THREAD_CPUTIME_ID);
-        const auto of_session = [&](long long periods, long long next) { return last_slot < 0 ? periods : std::min(periods, last_slot - next); };
-        const long long late = of_session((began - due) / dt_ns, slot);
+        const auto missed = [&](long long late_ns, long long next) {
+            const long long periods = options.clock ? late_ns / dt_ns : 0;
+            return last_slot < 0 ? periods : std::min(periods, last_slot - next);
+        };
+        const long long late = missed(began - due, slot);
         slot += late;
         report.misses += late;
         if (last_slot >= 0 && slot >= last_slot) break;
 
         // the tick
         TickBooks books;
-        books.time_s = static_cast<double>(slot) * dt_s;
+        const double time_s = static_cast<double>(slot) * dt_s, since_s = static_cast<double>(slot - before) * dt_s;
+        if (!wanted) left_out += slot - before;
+        before = slot;
+        books.time_s = static_cast<double>(slot - left_out) * dt_s;
         books.left_out = !wanted;
+        books.clock = options.clock;
         if (wanted) {
-            const DeviceSample sample = device->read(books.time_s);
+            const DeviceSample sample = device->read(time_s);
             const long long ticked = now_ns(CLOCK_MONOTONIC);
-            const Eigen::Vector3d force = simulation.tick(sample, static_cast<double>(slot - before) * dt_s, cost_s);
-            cost_s = 1e-9 * static_cast<double>(now_ns(CLOCK_MONOTONIC) - ticked);
+            const Eigen::Vector3d force = simulation.tick(sample, since_s, cost_s);
+            if (options.clock) cost_s = 1e-9 * static_cast<double>(now_ns(CLOCK_MONOTONIC) - ticked);
             device->write(force);
-        } else
-            device->write(simulation.stand_still());
+        } else {
+            device->stand_still(time_s);
+            device->write(simulation.stand_still(since_s));
+        }
         const long long ended = now_ns(CLOCK_MONOTONIC);
 
         // its place in the books
         books.tick_us = 1e-3 * static_cast<double>(ended - began);
-        books.lateness_us = 1e-3 * static_cast<double>(began - due);
+        books.lateness_us = options.clock ? 1e-3 * static_cast<double>(began - due) : 0;
         if (wanted) {
             ++report.ticks;
             report.tick_us.add(books.tick_us);
             report.lateness_us.add(books.lateness_us);
-            before = slot;
         }
-        const long long over = of_session((ended - due) / dt_ns - late, slot + 1);
+        const long long over = missed(ended - due - late * dt_ns, slot + 1);
         if (over > 0) {
             report.misses += over;
             report.misses_program += std::min(over, (now_ns(CLOCK_THREAD_CPUTIME_ID) - cpu_began) / dt_ns);

@@ -16,12 +16,14 @@ constexpr double longest_session_s = 1e9;       ///< thirty years: beyond it the
 struct LoopOptions {
     double seconds = 10;                        ///< up to longest_session_s; 0: until the device has finished or `stop` is set
     const std::atomic<bool>* stop = nullptr;    ///< set from a signal handler or another thread
-    bool realtime = true;                       ///< ask for SCHED_FIFO and locked memory
+    bool clock = true;                          ///< false: ticks follow one another without waiting, none is missed, and `seconds` are the tissue's; for scripted motions, which no hand feels
+    bool realtime = true;                       ///< ask for SCHED_FIFO and locked memory; not without a clock, for such a loop never sleeps
     int priority = 80;                          ///< of SCHED_FIFO: above most of the kernel's threads, below its watchdogs
     std::vector<TickHook*> hooks;               ///< in this order; they outlive the loop
 };
 
 struct LoopReport {
+    bool clock = true;
     long long ticks = 0;
     long long misses = 0;          ///< periods of the session that ended before their tick was done: with the ticks, all that were asked for
     long long misses_program = 0;  ///< those in which the tick itself used a whole period of processor time

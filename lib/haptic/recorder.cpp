@@ -67,7 +67,17 @@ void Recorder::after(const Simulation& simulation, const TickBooks& books) noexc
     if (books.left_out) return;
     RecordedTick row{simulation.record(), books.tick_us, books.lateness_us};
     row.tick.time_s = books.time_s;
-    push(row);
+    push(row, !books.clock);
+}
+
+void Recorder::push(const RecordedTick& tick, bool waits) noexcept {
+    while (!ring_.push(tick)) {
+        if (!waits) {
+            dropped_.fetch_add(1, std::memory_order_relaxed);
+            return;
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
 }
 
 void Recorder::drain() {

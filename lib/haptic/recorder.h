@@ -20,7 +20,7 @@ struct RecordedTick {
 
 /// Writes a session to HDF5 (kind `recording`, results/FORMATS.md) from a thread of its own, as it goes: memory holds the
 /// ring and one block of ticks, however long the session. The tick pushes into the ring and never waits; what does not
-/// fit is dropped and counted. HDF5 belongs to that thread until close().
+/// fit is dropped and counted. Where ticks have no clock they wait for the disk, and nothing is dropped. HDF5 belongs to that thread until close().
 class Recorder final : public TickHook {
    public:
     /// dimension: of the tissue. Throws FileError when the file cannot be written. ring: ticks that fit while the disk is slow.
@@ -32,10 +32,8 @@ class Recorder final : public TickHook {
 
     void after(const Simulation& simulation, const TickBooks& books) noexcept override;
 
-    /// From the tick.
-    void push(const RecordedTick& tick) noexcept {
-        if (!ring_.push(tick)) dropped_.fetch_add(1, std::memory_order_relaxed);
-    }
+    /// From the tick. waits: for room, where no clock asks for the next tick.
+    void push(const RecordedTick& tick, bool waits = false) noexcept;
     long long dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
 
     /// After the last tick: the file appears, whole. Attributes go to its root. Throws FileError, also for what the disk

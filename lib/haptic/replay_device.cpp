@@ -31,7 +31,8 @@ const DeviceKind ReplayDevice::kind = {
     {{"trajectory", "FILE", "", "of replay: CSV or a recording", true}},
     [](const DeviceValues& v, const DeviceContext&) -> std::unique_ptr<Device> {
         return std::make_unique<ReplayDevice>(v.at("trajectory"));
-    }};
+    },
+    {}, true};
 
 ReplayDevice::ReplayDevice(const std::string& file) {
     const bool recording = file.size() > 3 && file.compare(file.size() - 3, 3, ".h5") == 0;

@@ -23,7 +23,7 @@ Simulation::Simulation(const Simulation& other) : Simulation(other.model_) {
 
 void Simulation::fields(StateBytes& state) noexcept {
     DeviceImpedance& device = options_.device;
-    state(options_.map, device_m_, device.mass_kg, device.damping_Ns_m, device.stiffness_N_m, device.force_max_N, safety_, due_s_, period_s_, went_s_, cost_, usual_s_, same_position_s_, old_s_, expected_s_, has_master_, clutched_,
+    state(options_.map, device_m_, device.mass_kg, device.damping_Ns_m, device.stiffness_N_m, device.force_max_N, safety_, due_s_, period_s_, went_s_, cost_, usual_s_, stood_s_, same_position_s_, old_s_, expected_s_, has_master_, clutched_,
           taken_over_, carried_N_, states_, contact_, touched_, coupling_N_m_, tool_memory_, tool_m_, velocity_m_s_, slid_m_, slide_m_s_, touched_m_, friction_, armed_, sound_, rested_s_,
           reset_, untouched_s_, set_, counters_, record_);
     for (const auto& law : laws_)
@@ -104,7 +104,7 @@ void Simulation::forget_taken_over() noexcept {
 }
 
 void Simulation::follow(const Simulation& from) {
-    if (from.model_.dimension() != model_.dimension()) throw MismatchError(fmt::format("a session of {} axes cannot go on where one of {} was", model_.dimension(), from.model_.dimension()));
+    check_take_over(from);
     if (counters_.ticks > 0) throw MismatchError("only a session that has not ticked yet follows another");
     change(from.options_);
     if (!from.armed_) return;
@@ -157,6 +157,7 @@ void Simulation::take_over(const Simulation& from) noexcept {
     expected_s_ = from.expected_s_;
     same_position_s_ = from.same_position_s_;
     old_s_ = from.old_s_;
+    stood_s_ = from.stood_s_;
     went_s_ = 0;  // its ticks cost what they will
     tool_m_ = tool_at_the_end(record_.master_m) - period_s_ * velocity_m_s_;
     taken_over_ = true;
@@ -165,12 +166,10 @@ void Simulation::take_over(const Simulation& from) noexcept {
 }
 
 void Simulation::check_take_over(const Simulation& from) const {
-    if (from.model_.dimension() != model_.dimension()) throw MismatchError("take_over: sessions of different numbers of axes");
-    const auto shown = [](const DeviceMap& map) { return map.force_scale * map.scale; };
-    if (shown(from.options_.map) <= shown(options_.map)) return;
-    HapticOptions next = options_;
-    next.map = from.options_.map;
-    for (const auto& mesh : model_.meshes) check_device(next, *mesh);
+    if (from.model_.dimension() != model_.dimension()) throw MismatchError(fmt::format("a session of {} axes cannot go on where one of {} was", model_.dimension(), from.model_.dimension()));
+    if (const double hold_s = from.options_.safety.hold_s; !(model_.options.dt_s <= hold_s / 2))
+        throw MismatchError(fmt::format("dt is {:g} s, and the device of the other session holds a force for {:g} s: dt must be at most half of that", model_.options.dt_s, hold_s));
+    for (const auto& mesh : model_.meshes) check_device(from.options_.device, from.options_.map, model_.options.dt_s, *mesh);
 }
 
 }  // namespace tissue

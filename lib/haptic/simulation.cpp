@@ -111,7 +111,7 @@ void Simulation::keep_ticks_short(double since_s, double cost_s) noexcept {
 /// The tissue has to come to the end of the time in which this tick's force is held, which will be as long as the ticks before were.
 void Simulation::time_passes(double seconds) noexcept {
     constexpr double longest_debt_s = 0.5;
-    const double longest_period_s = std::max(0.02, 4 * model_.options.dt_s);
+    const double longest_period_s = std::max(longest_dt_s, 4 * model_.options.dt_s) * (1 + 1e-9);  // a clock's differences are rounded
     record_.time_s += seconds;
     if (seconds <= longest_period_s) period_s_ += std::max(0.02, 1 / static_cast<double>(counters_.ticks)) * (seconds - period_s_);
     for (double& due_s : due_s_) {
@@ -202,7 +202,7 @@ __attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample
     const bool lost = put_to_rest();
 
     // device position
-    if (!safety_.admit(sample, since_s)) return stop(TickStatus::refused);
+    if (!safety_.admit(sample, since_s + std::exchange(stood_s_, 0.0))) return stop(TickStatus::refused);
     if (clutched_ && has_master_) options_.map.offset_m += last.master_m - o.map.to_tissue(sample.position_m);
     const Point master = o.map.to_tissue(sample.position_m);
     record_.master_m = master;
@@ -241,7 +241,8 @@ __attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample
     return record_.device_N;
 }
 
-Eigen::Vector3d Simulation::stand_still() noexcept {
+Eigen::Vector3d Simulation::stand_still(double passed_s) noexcept {
+    stood_s_ += passed_s;
     return record_.device_N = safety_.stop();
 }
 

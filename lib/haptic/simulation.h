@@ -123,7 +123,7 @@ struct TickRecord {
     bool reset = false;           ///< before this tick every mesh was put to rest, by someone outside (reset())
 
     void fields(StateBytes& state) noexcept {
-        state(time_s, device_m, device_N, master_m, proxy_m, contact_displacement_m, coupling_N, measured_N, mesh, facet, weight, set, slipping, status, fault, reset);
+        state(time_s, device_m, device_N, master_m, proxy_m, contact_displacement_m, coupling_N, measured_N, mesh, facet, weight, set, slipping, status, fault, reset, overrun);
     }
 };
 
@@ -154,7 +154,7 @@ class Simulation {
     void restore(const std::byte* from, std::size_t size);
     int restores() const { return restores_; }  ///< so far
 
-    /// The options that may change while it runs (`live`, haptic/session_options.h), of these; between ticks. The device's largest force stays. A change that moves the tool in the tissue by more than
+    /// The options that may change while it runs (`live`, haptic/session_options.h), of these; between ticks. The device's limits stay. A change that moves the tool in the tissue by more than
     /// a hand does in a tick is a new start: it must be outside once. Throws MismatchError as HapticModel does, and changes nothing then.
     void change(const HapticOptions& options);
     const HapticOptions& options() const { return options_; }
@@ -165,13 +165,14 @@ class Simulation {
         velocity_m_s_.setZero();
     }
 
-    /// A session that has not ticked yet: its tool is led to where another's is, whose model may be another, with the options that may change of that one. That takes some hundred ticks, a time
+    /// A session that has not ticked yet: its tool is led to where another's is, whose model may be another, with that one's device: its limits, and the options that may change. That takes some hundred ticks, a time
     /// in which no device can wait: in another thread, after a copy of the session that plays. Throws MismatchError for another number of axes, as change(), and where the tool cannot be led there.
     void follow(const Simulation& from);
     /// After follow(), between two ticks: the hand, its force, the energy that it was given and counts are those of `from`. What forces differ by fades within some tenths of a second; the
     /// tissue's own energies are of this session. Allocates nothing.
     void take_over(const Simulation& from) noexcept;
-    /// Throws MismatchError where take_over() must not be called: for another number of axes, and where the device cannot show this tissue at the force-scale that `from` has by now. Allocates where that is larger than its own.
+    /// Throws MismatchError where take_over() must not be called: for another number of axes, where the device of `from` cannot show this tissue at the force-scale that it has by now, and where it lets go of a force too
+    /// soon for this session's dt. Allocates where it throws alone.
     void check_take_over(const Simulation& from) const;
 
     /// One step of Sec. 4: device position in, device force out [N]. elapsed_s: since the last tick, an hour at most; 0 means dt; negative or not
@@ -179,8 +180,8 @@ class Simulation {
     /// or nobody knows, and ticks may cost what they will. In it denormals are zero; the caller's floating-point mode is as it was (flush_denormals.h).
     Eigen::Vector3d tick(const DeviceSample& sample, double elapsed_s = 0, double cost_s = 0) noexcept;
 
-    /// In place of a tick: everything stays as it is, and no force goes out [N].
-    Eigen::Vector3d stand_still() noexcept;
+    /// In place of a tick: everything stays as it is, the tissue's time too, and no force goes out [N]. passed_s: since the last tick or call of this; a hand may go on meanwhile.
+    Eigen::Vector3d stand_still(double passed_s = 0) noexcept;
 
     const TickRecord& record() const { return record_; }
     double went_s() const { return went_s_; }  ///< through which the tissue went in the last tick
@@ -257,6 +258,7 @@ class Simulation {
     double went_s_ = 0;           ///< through which the meshes went in the last tick
     double cost_[2] = {0, 0};     ///< of a tick, over the time that its meshes went through, the last two; 0: not known
     double usual_s_ = 0;          ///< between ticks; 0: not known yet
+    double stood_s_ = 0;          ///< since the last tick, that is none of the tissue's
     double longest_s_ = 0;        ///< through which meshes may go in this tick
     double same_position_s_ = 0;  ///< that the device has said nothing new for
     double old_s_ = 0;            ///< how old that position was when it came, dt at most

@@ -255,7 +255,8 @@ const DeviceKind VirtualDevice::kind = {
     [](const DeviceValues& v, const DeviceContext& c) -> std::unique_ptr<Device> {
         const MotionOptions motion{v.at("motion"), c.seconds > 0 ? c.seconds : longest_motion_s, std::stod(v.at("depth")), c.seed, c.rest};
         return std::make_unique<VirtualDevice>(make_motion(motion), c.map, true);
-    }};
+    },
+    {}, true};
 
 VirtualDevice::VirtualDevice(std::vector<Waypoint> motion, const DeviceMap& map, bool over_and_over) : motion_(std::move(motion)), map_(map) {
     if (motion_.empty()) throw MismatchError("a motion without waypoints");

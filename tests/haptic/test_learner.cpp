@@ -317,6 +317,55 @@ TEST_CASE("a hand without a sensor, one that moves and one that slips give no re
     learner.stop();
 }
 
+TEST_CASE("a reading is given by the time that the tissue went through, in however many ticks", "[adapt]") {
+    const TissueModel law = law_example();
+    const HapticModel model(law, options_for_learning());
+    constexpr double outside_s = 0.2, goes_s = 0.2;
+    for (const double elapsed_s : {2.5e-4, 1e-3, 4e-3, 0.012}) {  // the last ones as of a loop that misses ticks
+        INFO(elapsed_s);
+        Adaptation adaptation(law, live());
+        Learner learner(model, adaptation);
+        Simulation simulation(model);
+        double held_s = 0;  // when the reading came, after the hand was there
+        for (double time_s = 0; time_s < 3 && learner.readings() == 0; time_s += elapsed_s) {
+            learner.before(simulation);
+            DeviceSample sample = sample_at(0.05, 0.105 - 0.01 * std::clamp((time_s - outside_s) / goes_s, 0.0, 1.0));
+            sample.measured_N = Eigen::Vector3d(0, -1, 0);
+            simulation.tick(sample, elapsed_s);
+            learner.after(simulation, {});
+            held_s = time_s - outside_s - goes_s;
+        }
+        CHECK(learner.readings() == 1);
+        CHECK(held_s == Approx(LearnerOptions().hold_s).margin(0.03));
+    }
+}
+
+TEST_CASE("where ticks have no clock a reading is learned before the next one, however slow that is", "[adapt]") {
+    const TissueModel law = law_example();
+    const HapticModel model(law, options_for_learning());
+    Adaptation adaptation(law, live());
+    Learner learner(model, adaptation);
+    std::atomic<int> lines{0};
+    learner.on_line(
+        [](const Learner::Line&, const Adaptation&, void* with) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+            ++*static_cast<std::atomic<int>*>(with);
+        },
+        &lines);
+    Simulation simulation(model);
+    TickBooks books;
+    books.clock = false;
+    for (int k = 0; k < 2000; ++k) {
+        learner.before(simulation);
+        DeviceSample sample = sample_at(0.05, std::max(0.105 - 5e-5 * k, 0.096));
+        sample.measured_N = Eigen::Vector3d(0, -0.5, 0);
+        simulation.tick(sample);
+        learner.after(simulation, books);
+        REQUIRE(lines == learner.readings());
+    }
+    CHECK(lines == 1);
+}
+
 TEST_CASE("a tool that the force limit holds back gives no reading, and the displacement told is its own", "[adapt][hand]") {
     const TissueModel law = law_example();
     for (const double most_N : {3.3, 0.05}) {

@@ -210,6 +210,77 @@ TEST_CASE("a loop tells its session what ticks cost, which then loses the time t
     CHECK(simulation.counters().lost_s > 0.1);
 }
 
+TEST_CASE("without a clock every tick is done, one after the other, however long it takes", "[loop]") {
+    class Slow final : public Device {
+       public:
+        std::string name() const override { return "slow"; }
+        DeviceSample read(double time_s) noexcept override {
+            std::this_thread::sleep_for(std::chrono::milliseconds(3));
+            times.push_back(time_s);
+            return sample_at(0.05, 0.098);
+        }
+        void write(const Eigen::Vector3d&) noexcept override {}
+        std::vector<double> times;
+    };
+    const HapticModel model(haptic_example(), {});
+    Simulation simulation(model);
+    Slow device;
+    device.times.reserve(100);
+    LoopOptions o = short_loop();
+    o.seconds = 0.1;
+    o.clock = false;
+    const LoopReport report = run_loop(simulation, device, o);
+    CHECK_FALSE(report.clock);
+    CHECK(report.ticks == 100);
+    CHECK(report.misses == 0);
+    CHECK(report.lateness_us.max() == 0);
+    REQUIRE(device.times.size() == 100);
+    for (std::size_t k = 0; k < 100; ++k) CHECK(device.times[k] == Approx(1e-3 * static_cast<double>(k)).margin(1e-12));
+    CHECK(simulation.record().time_s == Approx(0.1));
+    CHECK(simulation.counters().lost_s == 0);
+}
+
+TEST_CASE("a pause is none of the tissue's time: not made up for, not lost, and in no recording", "[loop]") {
+    struct Pauses final : TickHook {
+        bool before(Simulation&) override {
+            const bool wanted = asked < 50 || asked >= 3050;
+            ++asked;
+            return wanted;
+        }
+        void after(const Simulation& simulation, const TickBooks& books) override {
+            if (books.left_out) return;
+            times.push_back(books.time_s);
+            went_s = std::max(went_s, simulation.went_s());
+        }
+        int asked = 0;
+        double went_s = 0;
+        std::vector<double> times;
+    } pauses;
+    class Hand final : public Device {  // which goes on meanwhile
+       public:
+        std::string name() const override { return "hand"; }
+        DeviceSample read(double time_s) noexcept override { return sample_at(0.05, 0.098 + (time_s > 1 ? 0.004 : 0.0)); }
+        void stand_still(double) noexcept override { ++stood; }
+        void write(const Eigen::Vector3d&) noexcept override {}
+        int stood = 0;
+    } hand;
+    const HapticModel model(haptic_example(), {});
+    Simulation simulation(model);
+    LoopOptions o = short_loop();
+    o.clock = false;
+    o.seconds = 3.1;
+    o.hooks = {&pauses};
+    const LoopReport report = run_loop(simulation, hand, o);
+    CHECK(report.ticks == 100);
+    CHECK(hand.stood == 3000);
+    REQUIRE(pauses.times.size() == 100);
+    for (std::size_t k = 0; k < 100; ++k) CHECK(pauses.times[k] == Approx(1e-3 * static_cast<double>(k)).margin(1e-12));
+    CHECK(pauses.went_s == Approx(1e-3));
+    CHECK(simulation.record().time_s == Approx(0.1));
+    CHECK(simulation.counters().lost_s == 0);
+    CHECK(simulation.safety().counters().jump == 0);  // 4 mm, but in three seconds
+}
+
 TEST_CASE("a session of no length that there is does not begin", "[device]") {
     const HapticModel model(haptic_example(), {});
     for (double seconds : {-1.0, std::nan(""), 1.1 * longest_session_s, 1e300, std::numeric_limits<double>::infinity()}) {

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Alone: its ticks keep real time. A model that learns from pokes: files, streams, bad lines, resumption, and a hand that teaches while it plays.
+# A model that learns from pokes: files, streams, bad lines, resumption, and a hand that teaches while it plays.
 . "$(dirname "$0")/common"
 TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}")
 make_copy
@@ -58,9 +58,19 @@ check "displacements in another unit than they say are refused one by one" adapt
 check "and learned nothing from" grep -q 'adapt: 0 learned' "$scratch/log"
 
 # ---- while it plays
-check "a hand that probes a hidden tissue teaches the law" sh -c "'$TISSUE_HAPTIC' '$model' --motion probe --depth 0.004 --seconds 6 --no-realtime \
-    --hidden '$scratch/whole.h5' --learn '$scratch/live.h5' --journal '$scratch/live.csv' >'$scratch/out' 2>'$scratch/log'"
+check "a hand that probes a hidden tissue teaches the law" sh -c "'$TISSUE_HAPTIC' '$model' --motion probe --depth 0.004 --seconds 6 --no-clock --json \
+    --hidden '$scratch/whole.h5' --learn '$scratch/live.h5' --journal '$scratch/live.csv' --record '$scratch/live-record.h5' >'$scratch/out' 2>'$scratch/log'"
 check "it says what it read and learned" grep -q '[1-9][0-9]* readings, [1-9][0-9]* learned' "$scratch/log"
+check "without a clock it takes every tick, records each, and says so" "$PYTHON" -c 'import h5py, json, numpy, sys
+said = json.load(open(sys.argv[1]))
+assert said["ticks"] == 6000 and said["misses"] == 0 and said["details"]["clock"] is False and said["details"]["lost_s"] == 0, said
+with h5py.File(sys.argv[2]) as file:
+    time = file["time"][:]
+    assert len(time) == 6000 and abs(time - 1e-3 * numpy.arange(6000)).max() < 1e-9 and file.attrs["dropped_samples"] == 0' "$scratch/out" "$scratch/live-record.h5"
+"$TISSUE_HAPTIC" "$model" --motion probe --depth 0.004 --seconds 6 --no-clock --hidden "$scratch/whole.h5" --learn "$scratch/live-again.h5" --journal "$scratch/live-again.csv" >"$scratch/out" 2>"$scratch/log"
+check "and the same session again learns the same to the last bit" same_learned "$scratch/live.h5" "$scratch/live-again.h5"
+check "from the same readings" cmp "$scratch/live.csv" "$scratch/live-again.csv"
+check "a device that a hand holds has a clock" sh -c "! '$TISSUE_HAPTIC' '$model' --device remote --no-clock 2>'$scratch/log' && grep -q -e '--no-clock: device remote moves by the clock' '$scratch/log'"
 check "the journal is pokes" adapt "$model" --data "$scratch/live.csv" --live --out "$scratch/replayed.h5"
 check "that make the same model" "$PYTHON" -c 'import h5py, sys
 a, b = (h5py.File(f) for f in sys.argv[1:])
@@ -104,7 +114,7 @@ check "whose own cause is told" grep -q '^tissue-haptic: .*/held.csv: cannot be 
 awk -F, -v OFS=, 'NR > 1 { for (k = 5; k <= NF; ++k) $k *= 9 } 1' "$pokes" >"$scratch/stiff.csv"
 adapt "$model" --data "$scratch/stiff.csv" --out "$scratch/stiff.h5"
 session() { # MODEL NAME: from that model, on the stiff one
-    "$TISSUE_HAPTIC" "$1" --motion probe --depth 0.004 --seconds 6 --no-realtime --hidden "$scratch/stiff.h5" --learn "$scratch/$2.h5" --journal "$scratch/$2.csv" >"$scratch/out" 2>"$scratch/log"
+    "$TISSUE_HAPTIC" "$1" --motion probe --depth 0.004 --seconds 6 --no-clock --hidden "$scratch/stiff.h5" --learn "$scratch/$2.h5" --journal "$scratch/$2.csv" >"$scratch/out" 2>"$scratch/log"
 }
 largest() { "$PYTHON" -c 'import h5py, numpy, sys
 file = h5py.File(sys.argv[1])
@@ -121,12 +131,19 @@ check "and its journal teaches the same" adapt "$scratch/stiff.h5" --data "$scra
 check "bit by bit" same_learned "$scratch/stays.h5" "$scratch/replayed.h5"
 check "--live is one way to learn, not a part of another" sh -c "! '$TISSUECTL' adapt '$model' --data '$scratch/live.csv' --live --noise 0.03 --out '$scratch/none.h5' 2>/dev/null"
 
+# sessions that something happens to: they go on until it has, and then are told to end
+told() { [ "$(grep -c '^tissue-haptic [0-9.]* s: ' "$scratch/log")" -ge "$1" ]; }  # so many readings, or more
+ended_early() { ! kill -0 $session 2>/dev/null; }
+told_or_ended() { told "$1" || ended_early; }
 mkdir "$scratch/gone"
-"$TISSUE_HAPTIC" "$model" --motion probe --depth 0.004 --seconds 4 --no-realtime --hidden "$scratch/whole.h5" --record "$scratch/gone/r.h5" --learn "$scratch/kept.h5" \
+: >"$scratch/log"
+"$TISSUE_HAPTIC" "$model" --motion probe --depth 0.004 --seconds 0 --no-clock --hidden "$scratch/whole.h5" --record "$scratch/gone/r.h5" --learn "$scratch/kept.h5" \
     >"$scratch/out" 2>"$scratch/log" &
-sleep 1
+session=$!
+wait_for told_or_ended 1
 rm -rf "$scratch/gone"
-wait $!
+kill -TERM $session
+wait $session
 ended=$?
 check "a recording that cannot be kept ends in an error" test $ended = 1
 check "which takes neither model nor ledger along" sh -c "'$TISSUECTL' info '$scratch/kept.h5' | grep -q adaptation/x && grep -q ticks '$scratch/out'"
@@ -134,11 +151,18 @@ check "which takes neither model nor ledger along" sh -c "'$TISSUECTL' info '$sc
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 journal = sys.argv[-1]
 session = subprocess.Popen(sys.argv[1:], restore_signals=False, stderr=subprocess.PIPE, text=True)  # the log would be full, too
-while session.poll() is None and not (os.path.exists(journal) and os.path.getsize(journal)):
-    time.sleep(0.001)
-resource.prlimit(session.pid, resource.RLIMIT_FSIZE, (250, 250))  # the columns and a reading, before the session has more
+def readings(more):  # waits for so many
+    for line in session.stderr:
+        sys.stderr.write(line)
+        more -= line.startswith("tissue-haptic ") and " s: " in line
+        if more == 0: break
+readings(2)  # the first of which is in the journal
+full = os.path.getsize(journal) + 20  # less than one more
+resource.prlimit(session.pid, resource.RLIMIT_FSIZE, (full, full))
+readings(3)
+session.terminate()
 sys.stderr.write(session.communicate()[1])
-sys.exit(session.returncode)' "$TISSUE_HAPTIC" "$model" --motion probe --depth 0.004 --seconds 6 --no-realtime --hidden "$scratch/whole.h5" --learn "$scratch/full.h5" --journal "$scratch/full.csv" \
+sys.exit(session.returncode)' "$TISSUE_HAPTIC" "$model" --motion probe --depth 0.004 --seconds 0 --no-clock --hidden "$scratch/whole.h5" --learn "$scratch/full.h5" --journal "$scratch/full.csv" \
     >"$scratch/out" 2>"$scratch/log"
 ended=$?
 check "a disk that is full during a session ends it in an error" test $ended = 1
@@ -150,8 +174,17 @@ check "where the model cannot be written no session begins" sh -c "! '$TISSUE_HA
 check "in one line" grep -q '^tissue-haptic: .*no/where.h5' "$scratch/log"
 mkfifo "$scratch/pipe"
 head -n 1 "$scratch/pipe" >/dev/null &  # takes the header and no reading
-check "a journal that breaks off ends the session with an error" sh -c "trap '' PIPE; ! '$TISSUE_HAPTIC' '$model' --motion probe --depth 0.004 --seconds 6 \
-    --no-realtime --hidden '$scratch/whole.h5' --learn '$scratch/broken.h5' --journal '$scratch/pipe' >'$scratch/out' 2>'$scratch/log'"
+head=$!
+: >"$scratch/log"
+(trap '' PIPE; exec "$TISSUE_HAPTIC" "$model" --motion probe --depth 0.004 --seconds 0 --no-clock --hidden "$scratch/whole.h5" --learn "$scratch/broken.h5" --journal "$scratch/pipe" \
+    >"$scratch/out" 2>"$scratch/log") &
+session=$!
+wait $head
+wait_for told_or_ended $(($(grep -c '^tissue-haptic [0-9.]* s: ' "$scratch/log") + 3))
+kill -TERM $session
+wait $session
+ended=$?
+check "a journal that breaks off ends the session with an error" test $ended = 1
 check "in one line" grep -q '^tissue-haptic: .*/pipe: could not be written to its end' "$scratch/log"
 check "after the model that was learned" exist "$scratch/broken.h5"
 check "where the journal cannot be written no session begins" sh -c "! '$TISSUE_HAPTIC' '$model' --learn '$scratch/none.h5' --journal /dev/full 2>'$scratch/log' &&
