@@ -102,6 +102,7 @@ std::string ledger_json(const std::string& model_file, const Device& device, con
     details["force_scale"] = model.options.map.force_scale;
     details["slewed"] = s.slewed;
     details["damped"] = s.damped;
+    details["capped"] = s.capped;
     if (model.options.energy_book) {
         const BranchBook book = simulation.branches();
         details["branches"] = {{"stored_J", book.stored_J}, {"burnt_J", book.burnt_J}};

@@ -20,6 +20,9 @@ void add(StageCounts& sum, const TickBooks& books, const SafetyCounters& s, cons
     sum.clamped += s.clamped;
     sum.slewed += s.slewed;
     sum.damped += s.damped;
+    sum.capped += s.capped;
+    sum.late += s.late;
+    sum.lost_s += h.lost_s;
     sum.not_finite += s.bad_input;
     sum.jumps += s.jump;
     sum.stale += s.stale;

@@ -27,7 +27,8 @@ struct StageOptions {
 /// The counts of a session over all its models, as they only grow.
 struct StageCounts {
     long long ticks = 0, misses = 0, misses_program = 0, clamped = 0, slewed = 0, damped = 0;
-    long long not_finite = 0, jumps = 0, stale = 0, folded = 0, unstable = 0;
+    long long capped = 0, late = 0, not_finite = 0, jumps = 0, stale = 0, folded = 0, unstable = 0;
+    double lost_s = 0;
     long long faults() const { return not_finite + jumps + stale; }
 };
 

@@ -30,7 +30,7 @@ struct tissue_session {
     NamedSurfaces surfaces;
     explicit tissue_session(const tissue_model& of) : shared(of.model), running(std::make_unique<Simulation>(*shared)), seen(running->state(0).displacement), surfaces(of.surfaces) {}
     tissue_session(const tissue_session& other)
-        : shared(other.shared), running(std::make_unique<Simulation>(*other.running)), seen(running->state(0).displacement), surfaces(other.surfaces) {}
+        : shared(other.shared), running(std::make_unique<Simulation>(*other.running)), seen(running->state(0).displacement), clock(other.clock), surfaces(other.surfaces) {}
     const HapticModel& model() const { return *shared; }
     Simulation& simulation() { return *running; }
     const Simulation& simulation() const { return *running; }
@@ -138,7 +138,8 @@ tissue_status tissue_tick_aged(tissue_session* s, const double position_m[3], do
     DeviceSample sample;
     sample.position_m = Eigen::Vector3d(position_m[0], position_m[1], position_m[2]);
     sample.age_s = age_s;
-    const Eigen::Vector3d force = s->simulation().tick(sample, elapsed_s, s->clock.start(elapsed_s));
+    const TickClock::Start start = s->clock.start(elapsed_s);
+    const Eigen::Vector3d force = s->simulation().tick(sample, start.elapsed_s, start.cost_s);
     s->clock.end();
     for (int a = 0; a < 3; ++a) force_N[a] = force[a];
     switch (s->simulation().record().status) {
@@ -148,7 +149,7 @@ tissue_status tissue_tick_aged(tissue_session* s, const double position_m[3], do
         case TickStatus::diverged: return TISSUE_DIVERGED;
         case TickStatus::done: break;
     }
-    return TISSUE_OK;
+    return s->simulation().record().overrun ? TISSUE_OVERRUN : TISSUE_OK;
 }
 
 tissue_status tissue_set(tissue_session* s, const char* name, const char* value) {
@@ -182,6 +183,7 @@ tissue_status tissue_take_over(tissue_session* s, const tissue_session* from) {
     return caught([&] {
         s->simulation().check_take_over(from->simulation());
         s->simulation().take_over(from->simulation());
+        s->clock = from->clock;
         return TISSUE_OK;
     });
 }
@@ -223,6 +225,7 @@ const char* tissue_status_text(tissue_status status) {
         case TISSUE_NOT_ARMED: return "the tool must be outside the tissue once before there is force";
         case TISSUE_FOLDED: return "a surface crosses itself, or two meshes lie over each other: no force";
         case TISSUE_DIVERGED: return "a mesh flew apart, or came to rest inside out, and was put to rest";
+        case TISSUE_OVERRUN: return "time was lost: the tick came too late, or ticks cost more than their time";
     }
     return "no status";
 }
@@ -314,8 +317,7 @@ tissue_status tissue_read_contact(const tissue_session* s, tissue_contact* conta
 const char* tissue_stiffness(const tissue_session* s) {
     if (!s) return "";
     if (s->model().is_law()) return "law";
-    const int set = s->simulation().record().set;
-    return set < 0 ? "" : s->model().set_names[static_cast<std::size_t>(set)].c_str();
+    return s->model().set_names[static_cast<std::size_t>(s->simulation().set())].c_str();
 }
 
 tissue_status tissue_count(const tissue_session* s, const char* name, long long* count) {
@@ -326,6 +328,13 @@ tissue_status tissue_count(const tissue_session* s, const char* name, long long*
             return TISSUE_OK;
         }
     return bad("tissue_count: there is no such count");
+}
+
+tissue_status tissue_read_limits(const tissue_session* s, tissue_limits* limits) {
+    if (!s || !limits) return bad("tissue_read_limits: a null pointer");
+    const SafetyCounters& c = s->simulation().safety().counters();
+    *limits = {c.clamped, c.slewed, c.damped, c.capped, c.late, s->simulation().counters().lost_s};
+    return TISSUE_OK;
 }
 
 tissue_status tissue_energy(const tissue_session* s, const char* name, double* energy_J) {

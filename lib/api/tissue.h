@@ -43,7 +43,8 @@ typedef enum tissue_status {
     TISSUE_FAILED = 5,       /* memory has run out, or another failure that tissue_error() names */
     TISSUE_NOT_ARMED = 6,    /* of a tick: the tool is inside tissue and has not been outside since the start, a fault or a reset; the force is zero */
     TISSUE_FOLDED = 7,       /* of a tick: a surface crosses itself, or two meshes lie over each other; the force is zero */
-    TISSUE_DIVERGED = 8      /* of a tick: a mesh flew apart, or came to rest inside out, and was put to rest; the force is zero */
+    TISSUE_DIVERGED = 8,     /* of a tick: a mesh flew apart, or came to rest inside out, and was put to rest; the force is zero */
+    TISSUE_OVERRUN = 9       /* of a tick: time was lost, as elapsed_s was more than can be made up for, or ticks cost more than their time; the force is the tissue's, as of TISSUE_OK */
 } tissue_status;
 
 /* One line that says what a status is. */
@@ -67,12 +68,18 @@ TISSUE_API tissue_status tissue_open_model(const char *model_file, const char *c
 TISSUE_API tissue_status tissue_begin(const tissue_model *model, tissue_session **session);
 TISSUE_API void tissue_close_model(tissue_model **model);
 
-/* One step of dt: where the device is [m], and the force that it puts on the hand [N]. elapsed_s: since the last tick, as the clock
- * says; 0: dt; negative or not finite: unknown, and taken for as long as the device holds a force (option "hold"; 10 ms where that is "inf"). The tissue goes through that time, whatever the rate; a stall of more than half a second is lost to it
- * (count "lost_ms"). Where ticks take longer than the time that they go through, the tissue runs slower than the clock, and lost_ms counts by how much; where they take more than half of it, a stall is not made up for. That needs an elapsed_s that is the system's clock, taken right before the tick: a host that plays another time loses none. A force that the device still holds after option "hold" (0.01 s) is in no energy log: a host whose ticks may stall sees to it that the device lets go, or sets
- * hold to "inf". The force is finite and within force-max whatever comes in, and zero where the status is not TISSUE_OK, also where an argument is refused. What it gives the hand is bounded for every device
- * (lib/haptic/safety.h); that a hand comes to rest on the tissue is promised for a device whose mass is stated, option "device-mass", and whose positions come with every tick, every dt, at most half of dt old (tissue_tick_aged); at one dt a device of 45 g may swing. The thread's floating-point mode (rounding, traps, denormals) is set for
- * the tick, and after it is as it was. */
+/* One step of dt: where the device is [m], and the force that it puts on the hand [N]. elapsed_s: since the last tick, as the clock says; 0: dt; negative or not finite: the host does not
+ * know, and the library's own clock tells (of the first tick: dt). The tissue goes through that time, whatever the rate, and the force is the same at any from 40 Hz to 8 kHz; a stall of more than
+ * half a second is lost to it (TISSUE_OVERRUN; count "lost_ms", tissue_read_limits). Where ticks take longer than the time that they go through, the tissue runs slower than the clock, and lost_ms
+ * counts by how much; where they take more than half of it, a stall is not made up for. That needs an elapsed_s that is the system's clock, taken right before the tick: a host that plays another
+ * time loses none.
+ * A force that the device still holds after option "hold" (0.05 s) is in no energy log: a host whose ticks may stall sees to it that the device lets go, or sets hold to "inf". A tick that comes
+ * later than half of it begins at zero force: 40 Hz is the slowest rate by default. That long a hold has a price. While ticks come every dt the energy that the port may give is bounded by 0.0066 J,
+ * whatever hold is; after a stall by hold / dt times that, 0.33 J by default. With hold 0.01, which serves hosts from 200 Hz on, it is 0.066 J.
+ * The force is finite and within force-max whatever comes in, and zero where the status is neither TISSUE_OK nor TISSUE_OVERRUN, also where an argument is refused. What it gives the hand is
+ * bounded for every device (lib/haptic/safety.h); that a hand comes to rest on the tissue is promised for a device whose mass is stated, option "device-mass", and whose positions come with every
+ * tick, every dt, at most half of dt old (tissue_tick_aged); at one dt a device of 45 g may swing. The thread's floating-point mode (rounding, traps, denormals) is set for the tick, and after it is
+ * as it was. */
 TISSUE_API tissue_status tissue_tick(tissue_session *session, const double position_m[3], double elapsed_s, double force_N[3]);
 
 /* The same for a device whose positions come less often than ticks: age_s is how long ago this one was measured; a position that is given again has grown older by
@@ -94,7 +101,8 @@ TISSUE_API tissue_status tissue_clutch(tissue_session *session, int on);
 /* Another model at the same hand, without a jump of force. tissue_follow begins a session of a model of as many axes whose tool is led to where the tool of `leader` is: some hundred ticks,
  * for which no device can wait, so in another thread, with a copy of the session that plays (tissue_copy). tissue_take_over then puts it in the place of the one that plays, between two
  * ticks: force, energy given, options and counts go on, and what forces differ by fades within some tenths of a second. TISSUE_MISMATCH: of another number of axes, too stiff for the
- * device, or of another shape where the tool is. A session that is to take over has ticked no more since tissue_follow. */
+ * device, or of another shape where the tool is, or of a dt above half of hold. Limits (force-max, slew, speed-max, stale, hold, passivity), what is known of the device, and the clock are those of the one that
+ * plays. A session that is to take over has ticked no more since tissue_follow. tissue_take_over allocates nothing but where it refuses. */
 TISSUE_API tissue_status tissue_follow(const tissue_model *model, const tissue_session *leader, tissue_session **session);
 TISSUE_API tissue_status tissue_take_over(tissue_session *session, const tissue_session *from);
 
@@ -103,7 +111,7 @@ TISSUE_API size_t tissue_state_size(const tissue_session *session); /* bytes; 0 
 TISSUE_API tissue_status tissue_save(const tissue_session *session, void *state, size_t size);
 TISSUE_API tissue_status tissue_restore(tissue_session *session, const void *state, size_t size); /* TISSUE_MISMATCH: of another model, or damaged; not for bytes of strangers. The force is the saved one: with a hand on the device, restore where it was */
 
-/* Another session that goes on as this one does. */
+/* Another session that goes on as this one does; its next tick comes, by the library's clock, after the last one of this. */
 TISSUE_API tissue_status tissue_copy(const tissue_session *session, tissue_session **copy);
 
 /* ---- what stays as it is */
@@ -156,6 +164,18 @@ TISSUE_API const char *tissue_stiffness(const tissue_session *session);
 
 /* Counts of the session by name: ticks, folded, unstable, not_yet_outside, bad_input, jumps, stale, late, clamped, slewed, damped, capped, lost_ms. */
 TISSUE_API tissue_status tissue_count(const tissue_session *session, const char *name, long long *count);
+
+/* What limits have done to the force so far, in ticks, and time that passed and that the tissue did not go through. */
+typedef struct tissue_limits {
+    long long clamped; /* at force-max */
+    long long slewed;  /* rise of force cut to slew */
+    long long damped;  /* the passivity controller at work */
+    long long capped;  /* force cut to what the bound on energy leaves */
+    long long late;    /* so late that the device had let go: the force began at zero */
+    double lost_s;
+} tissue_limits;
+
+TISSUE_API tissue_status tissue_read_limits(const tissue_session *session, tissue_limits *limits);
 
 /* The energy log [J] by name: given (to the hand since the start; below 0: the hand gave), observed and bound (of the passivity observer: E and r B in lib/haptic/safety.h),
  * kinetic (of the tissue), friction (dissipated between tool and tissue), and of a tissue that relaxes, opened with "energy-book" "yes", stored and dissipated in its branches; 0 otherwise. */

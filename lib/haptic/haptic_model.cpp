@@ -107,18 +107,18 @@ void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double damping_ra
 
 }  // namespace
 
-void check_device(const HapticOptions& o, const HapticMesh& mesh) {
-    const double scale = o.map.force_scale * o.map.scale;
-    const auto refuse = [&](double tissue_N_m, const char* when, double limit_N_m, const std::string& whose) {
-        const double most = o.map.force_scale * limit_N_m / (scale * tissue_N_m);
-        if (!(most >= o.map.force_scale))
-            throw MismatchError(fmt::format("the {} mesh is up to {:.0f} N/m stiff to the device {}, at force-scale {:g}; {} {:.0f} N/m: {}", mesh.name, scale * tissue_N_m, when, o.map.force_scale, whose,
+void check_device(const DeviceImpedance& device, const DeviceMap& map, double dt_s, const HapticMesh& mesh) {
+    const double scale = map.force_scale * map.scale;
+    const auto refuse = [&](double tissue_N_m, const char* when, double limit_N_m, auto whose) {
+        const double most = map.force_scale * limit_N_m / (scale * tissue_N_m);
+        if (!(most >= map.force_scale))
+            throw MismatchError(fmt::format("the {} mesh is up to {:.0f} N/m stiff to the device {}, at force-scale {:g}; {} {:.0f} N/m: {}", mesh.name, scale * tissue_N_m, when, map.force_scale, whose(),
                                             limit_N_m, most >= 0.01 ? fmt::format("force-scale may be {:.2f} at most", std::floor(100 * most) / 100) : "no force-scale will do"));
     };
-    refuse(mesh.static_N_m, "at rest", o.device.stiffness_N_m, "the device can show");
-    if (o.device.mass_kg > 0)
-        refuse(mesh.contact_N_m, "at once", stable_stiffness_N_m(o.device, o.dt_s, mesh.lead),
-               fmt::format("a device of {:g} kg and {:g} Ns/m, dt {:g} s, is stable in any hand up to", o.device.mass_kg, o.device.damping_Ns_m, o.dt_s));
+    refuse(mesh.static_N_m, "at rest", device.stiffness_N_m, [] { return std::string("the device can show"); });
+    if (device.mass_kg > 0)
+        refuse(mesh.contact_N_m, "at once", stable_stiffness_N_m(device, dt_s, mesh.lead),
+               [&] { return fmt::format("a device of {:g} kg and {:g} Ns/m, dt {:g} s, is stable in any hand up to", device.mass_kg, device.damping_Ns_m, dt_s); });
 }
 
 
@@ -225,7 +225,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
             choose_law_dynamics(mesh->name == "learned" ? model : untrained(model), *mesh, o);
         else
             choose_dynamics(*mesh, o, damping_asked || !model.energy_law ? *o.damping_ratio : elastic_law_damping_ratio, *o.coupling_ratio * stiffness->largest());
-        check_device(o, *mesh);
+        check_device(o.device, o.map, o.dt_s, *mesh);
     }
     fingerprint = fingerprint_of(*this, model);
 }

@@ -31,7 +31,7 @@ class HiddenTissue final : public Device {
     HapticModel model_;
     Simulation simulation_;
     std::atomic<bool> reset_{false};
-    double last_s_ = 0;  ///< time of the last read
+    double last_s_ = 0;  ///< time of the last read, or of standing still
 };
 
 }  // namespace tissue

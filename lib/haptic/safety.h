@@ -16,6 +16,8 @@ struct SafetyOptions {
     double hold_s = force_held_s;   ///< how long the device holds a force without a new one; infinite: until the next, and all of it is booked
     bool passivity = true;
     double damping_max_Ns_m = 3;    ///< most that the passivity controller injects; 1 kHz devices carry a few Ns/m
+
+    void fields(StateBytes& state) noexcept { state(dt_s, force_max_N, slew_N_s, speed_max_m_s, stale_s, hold_s, passivity, damping_max_Ns_m); }
 };
 
 constexpr double surplus_fades_s = 5;
@@ -84,7 +86,7 @@ class HeldForces {
 ///     E_n + r_n W(|F_n|) <= r_n B     at every tick, so E_n <= r_n B.
 /// r_n >= 1 is the longest time between two ticks, or since the position in use was measured, in periods, since E + W was last within B: 1 while ticks are on time and bring
 /// positions of their own (a tick that comes early counts as a whole one), and never more than hold_s / dt, of a device whose positions come less often (hold_s + stale_s) / dt. By default B = 0.0066 J and
-/// r B <= 0.066 J. What fades may be given anew: at most r B / surplus_fades_s, 1.3 mW of ticks on time.
+/// r B <= 0.066 J; of C and Python, whose hosts may tick at 40 Hz (hold_s 0.05), 0.33 J after a stall, and on time the same B. What fades may be given anew: at most r B / surplus_fades_s, 1.3 mW of ticks on time.
 /// This bound is for every device and hand whose positions are as old as they say. That a hand comes to rest on the tissue is not its work, and the controller has none to do then: see
 /// contact_damping_s (haptic/dynamics.h) and DeviceImpedance.
 /// Construction: when tick n + 1 comes after r dt at most, the hand has moved by speed_max r dt at most, or it is a
@@ -112,11 +114,12 @@ class Safety {
     bool has_motion() const { return has_motion_; }  ///< the last sample admitted and the one before it are one way of the hand
     double between_s() const { return between_s_; }  ///< these two were measured so far apart; 0: they are one position, that was read twice
 
-    /// The device of another session, within the limits of this one: its force, its energy, its counts.
+    /// The device of another session: its limits, its force, its energy, its counts. dt is this one's.
     void go_on_from(const Safety& other) noexcept;
+    const SafetyOptions& options() const { return o_; }
 
     void fields(StateBytes& state) noexcept {
-        state(counters_, force_N_, held_, position_m_, motion_m_, has_position_, has_motion_, jumped_, unknown_way_, elapsed_s_, since_good_s_, between_s_, observed_J_, lateness_);
+        state(o_, counters_, force_N_, held_, position_m_, motion_m_, has_position_, has_motion_, jumped_, unknown_way_, elapsed_s_, since_good_s_, between_s_, observed_J_, lateness_);
     }
     const SafetyCounters& counters() const { return counters_; }
     const Eigen::Vector3d& force_N() const { return force_N_; }

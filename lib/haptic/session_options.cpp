@@ -113,9 +113,9 @@ const std::vector<SessionOption>& session_options() {
         {"device-stiffness", "N/m", {0, inf, false, true}, everywhere | live, [](O& o) -> auto& { return o.device.stiffness_N_m; }, "largest stiffness that the device can show; inf: not known",
          "A tissue that is stiffer at rest is refused, with the largest force-scale that is possible. A Touch has 1020 N/m on its softest axis."},
         {"hold", "s", {2e-6, inf, true, true}, interfaces, [](O& o) -> auto& { return o.safety.hold_s; }, "how long the device keeps a force without a new one",
-         "A host must see to it that the force is gone by then: energy that a device gives later is in no book. inf: it stays until the next tick, and all that it gives is booked. The devices of the programs let go within 0.01 s."},
-        {"dt", "s", {1e-6, 0.02, true, true}, interfaces, [](O& o) -> auto& { return o.dt_s; }, "time step of a tick",
-         "Of 1e-6 s the loop's clock, which counts nanoseconds, rounds less than a thousandth. At most half of hold. The time that a host's ticks really take is elapsed_s; this is the one that damping of the contact and the checks on a device are for. Programs tick at 1 kHz."},
+         "A host must see to it that the force is gone by then: energy that a device gives later is in no log. A tick that comes later than half of it begins at zero force, so that a host at 40 Hz or more loses none by default. A shorter one bounds the energy after a stall closer. inf: the force stays until the next tick, and all that it gives is in the log. The devices of the programs let go within 0.01 s."},
+        {"dt", "s", {1e-6, longest_dt_s, true, true}, interfaces, [](O& o) -> auto& { return o.dt_s; }, "time step of a tick",
+         "Of 1e-6 s the loop's clock, which counts nanoseconds, rounds less than a thousandth. At most half of hold; 0.025 s, 40 Hz, is the longest period that a host may state. The time that a host's ticks really take is elapsed_s; this is the one that damping of the contact and the checks on a device are for. Programs tick at 1 kHz."},
         {"energy-book", "yes|no", yes_no, tissue_haptic | interfaces, [](O& o) -> auto& { return o.energy_book; }, "energy log of a model that relaxes: stored and dissipated in its branches",
          "A step takes a little longer. Refused by a model that does not relax."},
     };
@@ -148,6 +148,7 @@ void SessionOption::check(HapticOptions options) const {
 HapticOptions interface_options() {
     HapticOptions options;
     options.heuristic_mesh = false;
+    options.safety.hold_s = 2 * longest_dt_s;
     return options;
 }
 

@@ -31,6 +31,7 @@ void Simulation::fields(StateBytes& state) noexcept {
     for (const auto& surface : surfaces_) surface->fields(state);
     if (!state.reads()) return;
     options_.friction = friction_.options();
+    options_.safety = safety_.options();
     place_surfaces();
     if (touched_ >= 0 && model_.is_law()) laws_[0]->contact(contact_.where.facet, contact_.where.weight, tool_);
     show_no_more();
@@ -83,7 +84,7 @@ void Simulation::change(const HapticOptions& given) {
     next.device.force_max_N = options_.device.force_max_N;
     next.map.fit(model_.dimension());
     check_options(next);
-    for (const auto& mesh : model_.meshes) check_device(next, *mesh);
+    for (const auto& mesh : model_.meshes) check_device(next.device, next.map, next.dt_s, *mesh);
     const FlushDenormals mode;
     friction_.become(next.friction);
     const bool tool_stays = next.map.same_as(options_.map);
@@ -107,6 +108,10 @@ void Simulation::follow(const Simulation& from) {
     check_take_over(from);
     if (counters_.ticks > 0) throw MismatchError("only a session that has not ticked yet follows another");
     change(from.options_);
+    safety_.go_on_from(from.safety_);  // for its limits
+    options_.safety = safety_.options();
+    options_.device = from.options_.device;
+    safety_ = Safety(options_.safety);
     if (!from.armed_) return;
     lead_to(from);
     if (!armed_ || record_.status != TickStatus::done || contact_.contact != (from.touched_ >= 0))
@@ -149,6 +154,9 @@ void Simulation::take_over(const Simulation& from) noexcept {
     record_.device_m = from.record_.device_m;
     record_.master_m = from.record_.master_m;
     options_.map = from.options_.map;  // a clutch may have moved it since
+    options_.device = from.options_.device;
+    options_.safety = safety_.options();
+    show_no_more();
     device_m_ = from.device_m_;
     has_master_ = from.has_master_;
     clutched_ = from.clutched_;

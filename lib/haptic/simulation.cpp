@@ -144,7 +144,10 @@ int Simulation::steps_due(std::size_t m) noexcept {
 
 Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s, double cost_s) noexcept {
     const FlushDenormals mode;
-    return advance(sample, elapsed_s, cost_s);
+    const double lost_s = counters_.lost_s;
+    const Eigen::Vector3d force = advance(sample, elapsed_s, cost_s);
+    record_.overrun = counters_.lost_s > lost_s;
+    return force;
 }
 
 /// How fast the master is. A hand faster than speed-max is none, nor is one whose way since its last position nobody knows.

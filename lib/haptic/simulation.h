@@ -22,8 +22,10 @@
 
 namespace tissue {
 
+constexpr double longest_dt_s = 0.025;       ///< 40 Hz: half of what a device of C and Python holds a force for
+
 struct HapticOptions {
-    double dt_s = 1e-3;               ///< 1 kHz, the paper's rate; 1e-6 to half of what the device holds a force for
+    double dt_s = 1e-3;               ///< 1 kHz, the paper's rate; 1e-6 to longest_dt_s, and half of what the device holds a force for
     std::optional<double> innovation = {};      ///< gamma of (19), of sets; nothing: 0.05, a new set takes over within about 60 ms
     /// Of critical, at the lowest mode. Nothing: 0.05 for sets, the paper's "very small values"; 0.17 for a law, 5 1/s on the
     /// tissue of `surface`, with which a press comes to rest in the time that a hand takes to notice; 0.01 for a law that relaxes, whose
@@ -90,8 +92,8 @@ struct HapticModel {
     bool is_solid() const { return rest.is_solid(); }
 };
 
-/// Both limits are on what the device feels: newtons and metres of its own. Throws MismatchError for a mesh that is too stiff for the device.
-void check_device(const HapticOptions& options, const HapticMesh& mesh);
+/// Both limits are on what the device feels: newtons and metres of its own. Throws MismatchError for a mesh that is too stiff for the device; allocates for that alone.
+void check_device(const DeviceImpedance& device, const DeviceMap& map, double dt_s, const HapticMesh& mesh);
 
 /// What a tick came to. All but `done`: no force.
 enum class TickStatus {
@@ -121,6 +123,7 @@ struct TickRecord {
     TickStatus status = TickStatus::done;
     bool fault = false;           ///< refused
     bool reset = false;           ///< before this tick every mesh was put to rest, by someone outside (reset())
+    bool overrun = false;         ///< time was lost in this tick (HapticCounters::lost_s); the force is the tissue's
 
     void fields(StateBytes& state) noexcept {
         state(time_s, device_m, device_N, master_m, proxy_m, contact_displacement_m, coupling_N, measured_N, mesh, facet, weight, set, slipping, status, fault, reset, overrun);
@@ -168,7 +171,7 @@ class Simulation {
     /// A session that has not ticked yet: its tool is led to where another's is, whose model may be another, with that one's device: its limits, and the options that may change. That takes some hundred ticks, a time
     /// in which no device can wait: in another thread, after a copy of the session that plays. Throws MismatchError for another number of axes, as change(), and where the tool cannot be led there.
     void follow(const Simulation& from);
-    /// After follow(), between two ticks: the hand, its force, the energy that it was given and counts are those of `from`. What forces differ by fades within some tenths of a second; the
+    /// After follow(), between two ticks: the hand, its force, its device's limits and impedance, the energy that it was given and counts are those of `from`. What forces differ by fades within some tenths of a second; the
     /// tissue's own energies are of this session. Allocates nothing.
     void take_over(const Simulation& from) noexcept;
     /// Throws MismatchError where take_over() must not be called: for another number of axes, where the device of `from` cannot show this tissue at the force-scale that it has by now, and where it lets go of a force too

@@ -20,6 +20,7 @@
 #include "../refusal.h"
 #include "error.h"
 #include "haptic/session_options.h"
+#include "haptic/tick_clock.h"
 #include "mesh/nodule_surface.h"
 
 using namespace tissue;
@@ -295,6 +296,14 @@ TEST_CASE("what is wrong is a code and one line, whatever is given", "[api]") {
     CHECK(std::string(tissue_stiffness(nullptr)).empty());
     tissue_close(nullptr);
     Session session(file);
+    // before the first tick, too
+    CHECK(tissue_stiffness(session.s) == std::string("law"));
+    const TissueModel sets = haptic_example();
+    const std::string sets_file = folder.file("sets.h5");
+    write_model(sets_file, sets, {"test", 1, {}});
+    CHECK(tissue_stiffness(Session(sets_file).s) == sets.case_names.front());
+    CHECK(tissue_read_limits(nullptr, nullptr) == TISSUE_BAD_ARGUMENT);
+    CHECK(tissue_read_limits(session.s, nullptr) == TISSUE_BAD_ARGUMENT);
     // a refused argument is no force, not the old one
     for (tissue_session* given : {session.s, static_cast<tissue_session*>(nullptr)}) {
         double force[3] = {1, 2, 3};
@@ -304,7 +313,10 @@ TEST_CASE("what is wrong is a code and one line, whatever is given", "[api]") {
     CHECK(tissue_tick(session.s, three, 0, nullptr) == TISSUE_BAD_ARGUMENT);
     CHECK(tissue_count(session.s, "sheep", &count) == TISSUE_BAD_ARGUMENT);
     const double outside[3] = {0.05, 0.2, 0};
-    for (double wrong : {std::nan(""), -1.0, std::numeric_limits<double>::infinity()}) CHECK(tissue_tick(session.s, outside, wrong, three) == TISSUE_OK);
+    for (double wrong : {std::nan(""), -1.0, std::numeric_limits<double>::infinity()}) {
+        const tissue_status status = tissue_tick(session.s, outside, wrong, three);
+        CHECK((status == TISSUE_OK || status == TISSUE_OVERRUN));  // of a machine that stopped in between
+    }
     // a failure is the thread's own
     std::string there = "unset";
     std::thread([&] { there = tissue_error(); }).join();
@@ -473,4 +485,94 @@ TEST_CASE("a host in C whose ticks cost more than their time keeps them short an
     CHECK(late.median_s < 2 * usual.median_s);
     CHECK(late.lost_ms > 50);
     CHECK(replay.lost_ms == 0);
+}
+
+TEST_CASE("hosts at any rate from 40 Hz to 8 kHz get the same force, whether they say what has elapsed or leave it to the library's clock", "[api]") {
+    for (const TissueModel& tissue : {haptic_example(), law_example()}) {
+        const HapticModel model(tissue, interface_options());
+        const auto force_at = [&](double rate_Hz, bool says) {
+            Simulation s(model);
+            TickClock clock;
+            const double period_s = 1 / rate_Hz;
+            Eigen::Vector3d force;
+            for (int k = 0; k * period_s < 4; ++k) {
+                const double time_s = k * period_s, in = std::clamp(time_s / 0.5, 0.0, 1.0);
+                DeviceSample sample;
+                sample.position_m = Eigen::Vector3d(0.05, 0.102 - 0.006 * in * in * (3 - 2 * in), 0);
+                const TickClock::Start start = clock.start_at(says ? period_s : std::nan(""), 17 + time_s);
+                force = s.tick(sample, start.elapsed_s, start.cost_s);
+                clock.end_at(17 + time_s + 1e-5);
+                REQUIRE(s.record().status == TickStatus::done);
+            }
+            CHECK(s.safety().counters().late == 0);
+            CHECK(s.counters().lost_s == 0);
+            return force.norm();
+        };
+        const double wanted_N = force_at(1000, true);
+        CHECK(wanted_N > 1e-4);
+        for (const double rate_Hz : {40., 50., 60., 100., 199., 500., 1000., 8000.})
+            for (const bool says : {true, false}) {
+                INFO(rate_Hz << " Hz, says " << says);
+                CHECK(force_at(rate_Hz, says) == Approx(wanted_N).epsilon(0.01));
+            }
+    }
+}
+
+TEST_CASE("where a host does not know what has elapsed the clock tells, from the second tick on, and copies have it", "[api]") {
+    for (const double unknown : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+        TickClock clock;
+        CHECK(clock.start_at(unknown, 100).elapsed_s == 0);
+        CHECK(clock.start_at(unknown, 100.02).elapsed_s == Approx(0.02));
+        CHECK(clock.start_at(0.001, 100.03).elapsed_s == 0.001);
+        TickClock copy = clock;
+        CHECK(copy.start_at(unknown, 100.05).elapsed_s == Approx(0.02));
+        CHECK(clock.start_at(unknown, 100.03).elapsed_s > 0);  // 0 would be dt
+    }
+    TickClock clock;  // a cost counts once the host's time has been the clock's for some ticks
+    double cost_s = 0;
+    for (int k = 0; k < 10; ++k) {
+        cost_s = clock.start_at(k % 2 ? 0.001 : std::nan(""), 0.001 * k).cost_s;
+        CHECK((cost_s > 0) == (k > 4));
+        clock.end_at(0.001 * k + 4e-4);
+    }
+    CHECK(cost_s == Approx(4e-4));
+
+    const TemporaryFolder folder;
+    Session session(model_file(folder, law_example()));
+    const double outside[3] = {0.05, 0.2, 0};
+    double force[3];
+    CHECK(tissue_tick(session.s, outside, -1, force) == TISSUE_OK);
+    std::vector<char> state(tissue_state_size(session.s));
+    CHECK(tissue_save(session.s, state.data(), state.size()) == TISSUE_OK);
+    tissue_session* copy = nullptr;
+    REQUIRE(tissue_copy(session.s, &copy) == TISSUE_OK);
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    CHECK(tissue_tick(copy, outside, -1, force) == TISSUE_OVERRUN);
+    tissue_close(&copy);
+    CHECK(tissue_restore(session.s, state.data(), state.size()) == TISSUE_OK);
+    CHECK(tissue_tick(session.s, outside, -1, force) == TISSUE_OK);  // what is restored has no clock yet
+}
+
+TEST_CASE("a tick that comes too late says so, and limits are counted", "[api]") {
+    const TemporaryFolder folder;
+    Session session(model_file(folder, law_example()), {"force-max", "0.05", "slew", "20"});
+    double force[3];
+    for (int k = 0; k < 700; ++k) CHECK(tissue_tick(session.s, way(k, false).data(), 0, force) == TISSUE_OK);
+    tissue_limits limits;
+    CHECK(tissue_read_limits(session.s, &limits) == TISSUE_OK);
+    CHECK((limits.clamped > 0 && limits.slewed > 0 && limits.late == 0 && limits.lost_s == 0));
+    CHECK(tissue_tick(session.s, way(700, false).data(), 2, force) == TISSUE_OVERRUN);
+    CHECK(std::string(tissue_status_text(TISSUE_OVERRUN)).find("time was lost") == 0);
+    CHECK(std::hypot(force[0], force[1]) > 0);
+    CHECK(tissue_tick(session.s, way(701, false).data(), 0, force) == TISSUE_OK);
+    CHECK(tissue_read_limits(session.s, &limits) == TISSUE_OK);
+    CHECK(limits.late == 1);
+    CHECK(limits.lost_s == Approx(1.5).margin(0.01));
+    long long count = 0;
+    CHECK(tissue_count(session.s, "clamped", &count) == TISSUE_OK);
+    CHECK(count == limits.clamped);
+    CHECK(tissue_count(session.s, "lost_ms", &count) == TISSUE_OK);
+    CHECK(count == Approx(1e3 * limits.lost_s).margin(1));
+    const double nowhere[3] = {std::nan(""), 0, 0};
+    CHECK(tissue_tick(session.s, nowhere, 2, force) == TISSUE_FAULT);  // no force is the graver
 }

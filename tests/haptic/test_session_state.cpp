@@ -352,6 +352,42 @@ TEST_CASE("a session goes on where one of another model was, and the force does 
     grows.change(more);
     CHECK_THAT(refusal<MismatchError>([&] { other.check_take_over(grows); }), Contains("the device can show"));
     CHECK_THROWS_AS(in_space.check_take_over(grows), MismatchError);
+    // the device's limits and what is known of it go on, whatever the other model was opened with, and are part of the state
+    HapticOptions weak = alone();
+    weak.safety.force_max_N = 0.1;
+    weak.safety.slew_N_s = 50;
+    weak.safety.hold_s = 0.05;
+    const HapticModel limited(soft, weak);
+    Simulation leads(limited), takes(harder);
+    press(leads, -0.002, 0.004);
+    takes.follow(leads);
+    HapticOptions known = leads.options();
+    known.device.mass_kg = 10;
+    known.map.force_scale = 1.5;  // more than `takes` began with
+    leads.change(known);
+    {
+        const Allocations none;
+        takes.check_take_over(leads);
+        takes.take_over(leads);
+        CHECK(Allocations::count() == 0);
+    }
+    CHECK(takes.options().device.mass_kg == 10);
+    CHECK(takes.options().safety.slew_N_s == 50);
+    CHECK(takes.options().safety.hold_s == 0.05);
+    CHECK(takes.safety().bound_J() == leads.safety().bound_J());
+    const Simulation copied(takes);
+    CHECK(copied.options().safety.force_max_N == 0.1);
+    CHECK(copied.safety().bound_J() == leads.safety().bound_J());
+    double largest_N = 0;
+    for (int k = 0; k < 1000; ++k) largest_N = std::max(largest_N, takes.tick(top(0.006), 0.015).norm());
+    CHECK(largest_N == Approx(0.1).epsilon(1e-3));
+    CHECK(takes.safety().counters().late == 0);  // of the hold that goes on
+    HapticOptions slow = alone();
+    slow.safety.hold_s = 1;
+    slow.dt_s = 0.02;
+    const HapticModel of_slow(stiff, slow);
+    Simulation too_slow(of_slow);
+    CHECK_THAT(refusal<MismatchError>([&] { too_slow.check_take_over(s); }), Contains("dt is 0.02 s"));
     // a tool outside: nothing but the tissue has changed
     Simulation outside(plane), next(harder);
     for (int k = 0; k < 20; ++k) outside.tick(top(-0.01));

@@ -504,7 +504,7 @@ TEST_CASE("options that make no sense are refused", "[simulation]") {
     };
     refused([](HapticOptions& o) { o.dt_s = 0; });
     refused([](HapticOptions& o) { o.dt_s = 0.6 * force_held_s; });  // the device would let go of every force
-    for (const double dt_s : {4e-10, 9e-7}) CHECK(refused([&](HapticOptions& o) { o.dt_s = dt_s; }) == "dt must lie in [1e-06, 0.02] s, not " + std::string(dt_s < 1e-9 ? "4e-10" : "9e-07"));
+    for (const double dt_s : {4e-10, 9e-7}) CHECK(refused([&](HapticOptions& o) { o.dt_s = dt_s; }) == "dt must lie in [1e-06, 0.025] s, not " + std::string(dt_s < 1e-9 ? "4e-10" : "9e-07"));
     refused([](HapticOptions& o) { o.place_m = std::numeric_limits<double>::quiet_NaN(); });
     refused([](HapticOptions& o) { o.safety.damping_max_Ns_m = -1; });
     refused([](HapticOptions& o) { o.innovation = 1.5; });

@@ -180,6 +180,7 @@ for wrong in (lambda: tissue.Model("nowhere.h5"), lambda: tissue.Model("no\nwher
               lambda: tissue.Simulation(model, stale=-0.1), lambda: tissue.Simulation(model, energy_book=True), lambda: tissue.Simulation(model, innovation=0.1),
               lambda: tissue.Simulation(model, coupling=5), lambda: tissue.Simulation(model, force_scale=-1), lambda: tissue.Simulation(model, damping=float("inf")),
               lambda: model.press([[0.05, 0.1]], [[0, 0.1, 0]]), lambda: model.press([[np.nan, 0.1]], [[0, -0.01]]), lambda: tissue.Simulation(model).ticks(np.zeros((3, 2))),
+              *(lambda unknown=unknown: tissue.Simulation(model).ticks(np.zeros((3, 3)), elapsed_s=unknown) for unknown in (-1, np.nan, np.inf)),
               lambda: tissue.Adaptation(sys.argv[1], unknowns="all"), lambda: tissue.Adaptation(sys.argv[1]).learn((0, 0, 0), (0, 0), (0, 0)), lambda: tissue.read_cases(sys.argv[1])):
     try:
         wrong()
@@ -187,6 +188,30 @@ for wrong in (lambda: tissue.Model("nowhere.h5"), lambda: tissue.Model("no\nwher
         assert str(e).isprintable() and str(e)
     else:
         assert False, wrong
+PY
+check "a host of 50 Hz gets the force of one of 1 kHz, a tick that comes too late says so, and limits are counted" "$PYTHON" - "$model" <<'PY'
+import sys
+
+import numpy as np
+import tissue
+model = tissue.Model(sys.argv[1])
+def press(rate_Hz, **options):
+    time = np.arange(0, 3, 1 / rate_Hz)
+    session = tissue.Simulation(model, **options)
+    return session, session.ticks(np.column_stack([np.full(len(time), 0.05), 0.102 - 0.007 * np.clip(time / 0.5, 0, 1), np.zeros(len(time))]), elapsed_s=1 / rate_Hz)[-1]
+session, quick = press(1000)
+slow, late = press(50)
+assert np.linalg.norm(quick) > 0.05 and np.linalg.norm(late - quick) < 0.01 * np.linalg.norm(quick), (quick, late)
+assert slow.limits == dict(clamped=0, slewed=0, damped=0, capped=0, late=0, lost_s=0), slow.limits
+assert slow.contact["status"] == "done" and slow.tick([0.05, 0.095, 0], elapsed_s=2).any() and slow.contact["status"] == "overrun"
+assert slow.limits["late"] == 1 and 1.4 < slow.limits["lost_s"] < 1.6, slow.limits
+assert press(50, force_max=0.05)[0].limits["clamped"] > 0
+try:
+    session.ticks(np.zeros((1, 3)), elapsed_s=-1)
+except tissue.Error as e:
+    assert "elapsed_s" in str(e), e
+else:
+    assert False
 PY
 check "programs, C and Python have the options of OPTIONS.md, with its defaults and values, and refuse the same values in the same words" \
     "$PYTHON" - "$prefix" "$model" "$scratch/press" <<'PY'

@@ -109,6 +109,7 @@ TEST_CASE("models change on the running stage, counts go on, and a pause lasts",
     traffic.refused["origin"] = 2;
     const std::string metrics = metrics_text(*s.show, traffic);
     CHECK(metrics.find("\ntissue_refused_total{reason=\"origin\"} 2\n") != std::string::npos);
+    for (const char* count : {"capped_total", "late_total", "lost_seconds_total"}) CHECK(metrics.find(std::string("\ntissue_") + count + " ") != std::string::npos);
     CHECK(metrics.find("\ntissue_model_info{name=\"example (2)\"} 1\n") != std::string::npos);
     s.stage->stop();
     CHECK(s.stage->simulation().record().device_N.allFinite());

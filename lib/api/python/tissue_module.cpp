@@ -124,13 +124,14 @@ struct Session {
     std::recursive_mutex guard;
     Session(std::shared_ptr<const TissueModel> t, const HapticOptions& options)
         : tissue(std::move(t)), model(std::make_shared<HapticModel>(*tissue, options)), simulation(*model), surfaces(*tissue) {}
-    Session(const Session& other) : tissue(other.tissue), model(other.model), simulation(other.simulation), surfaces(other.surfaces) {}
+    Session(const Session& other) : tissue(other.tissue), model(other.model), simulation(other.simulation), clock(other.clock), surfaces(other.surfaces) {}
 
     Eigen::Vector3d tick(const Eigen::Vector3d& position_m, double elapsed_s, double age_s) {
         DeviceSample sample;
         sample.position_m = position_m;
         sample.age_s = age_s;
-        const Eigen::Vector3d force = simulation.tick(sample, elapsed_s, clock.start(elapsed_s));
+        const TickClock::Start start = clock.start(elapsed_s);
+        const Eigen::Vector3d force = simulation.tick(sample, start.elapsed_s, start.cost_s);
         clock.end();
         return force;
     }
@@ -138,6 +139,7 @@ struct Session {
 
 NodeField ticks(Session& session, const Rows& positions_m, double elapsed_s) {
     if (positions_m.cols() != 3) throw MismatchError("positions are of the device: three numbers each");
+    if (!(elapsed_s >= 0 && std::isfinite(elapsed_s))) throw MismatchError("elapsed_s must be 0 or more and finite: ticks() keeps no clock that could tell how long ago the last one was");
     NodeField forces(positions_m.rows(), 3);
     Signals signals;
     return alone(session, [&] {
@@ -162,8 +164,20 @@ py::dict contact_of(Session& session) {
     contact["slipping"] = tick.slipping;
     contact["fault"] = tick.fault;
     constexpr const char* statuses[] = {"done", "refused", "not armed", "folded", "diverged"};
-    contact["status"] = statuses[static_cast<int>(tick.status)];
+    contact["status"] = tick.status == TickStatus::done && tick.overrun ? "overrun" : statuses[static_cast<int>(tick.status)];
     return contact;
+}
+
+py::dict limits_of(Session& session) {
+    const auto [c, lost_s] = alone(session, [&] { return std::pair(session.simulation.safety().counters(), session.simulation.counters().lost_s); });
+    py::dict limits;
+    limits["clamped"] = c.clamped;
+    limits["slewed"] = c.slewed;
+    limits["damped"] = c.damped;
+    limits["capped"] = c.capped;
+    limits["late"] = c.late;
+    limits["lost_s"] = lost_s;
+    return limits;
 }
 
 py::dict energies_of(Session& session) {
@@ -426,9 +440,9 @@ ticks() between two ticks, press() between two contacts and next() between two p
         .def("tick", [](Session& s, const Eigen::Vector3d& position_m, double elapsed_s, double age_s) { return alone(s, [&] { return s.tick(position_m, elapsed_s, age_s); }); },
              py::arg("position_m"), py::arg("elapsed_s") = 0.0, py::arg("age_s") = 0.0,
              "One step: the device's position [m] (3); returns the force on the hand [N] (3), finite and within force_max whatever comes in. elapsed_s: since the last tick; 0: dt; negative or not finite: "
-             "unknown, taken for as long as the device holds a force. age_s: since the position was measured, where positions come less often than ticks.")
+             "unknown, and the library's own clock tells. age_s: since the position was measured, where positions come less often than ticks.")
         .def("ticks", &ticks, py::arg("positions_m"), py::arg("elapsed_s") = 0.0,
-             "A tick for each position (T, 3), one after the other; returns forces [N] (T, 3). After Ctrl-C the session is where it came to.")
+             "A tick for each position (T, 3), one after the other, each elapsed_s after the one before (0: dt); returns forces [N] (T, 3). After Ctrl-C the session is where it came to.")
         .def("reset", [](Session& s) { alone(s, [&] { s.simulation.reset(); }); }, "The tissue to rest; the tool must be outside once before there is force again.")
         .def("set", [](Session& s, const py::kwargs& given) {
                  const Options options = options_of(given);
@@ -444,12 +458,17 @@ ticks() between two ticks, press() between two contacts and next() between two p
              }, py::arg("session"), "Of a session that has not ticked: its tool is led to where that one's is. Takes some hundred ticks' time.")
         .def("take_over", [](Session& s, Session& from) {
                  if (&s == &from) throw MismatchError("take_over: the same session");
-                 const Simulation other = alone(from, [&] { return Simulation(from.simulation); });
+                 TickClock clock;
+                 const Simulation other = alone(from, [&] {
+                     clock = from.clock;
+                     return Simulation(from.simulation);
+                 });
                  alone(s, [&] {
                      s.simulation.check_take_over(other);
                      s.simulation.take_over(other);
+                     s.clock = clock;
                  });
-             }, py::arg("session"), "After follow(): goes on at the hand where that one was. Force, energy given and counts are that one's; what forces differ by fades within some tenths of a second.")
+             }, py::arg("session"), "After follow(): goes on at the hand where that one was. Force, limits, what is known of the device, energy given and counts are that one's; what forces differ by fades within some tenths of a second.")
         .def_property_readonly("displacement_m", [](const Session& s) -> const NodeColumns& { return s.simulation.state(0).displacement; },
                                "of the lattice's nodes now [m] (N, D): a view that the next tick changes")
         .def_property_readonly("seen_m", [](Session& s) {
@@ -473,8 +492,9 @@ ticks() between two ticks, press() between two contacts and next() between two p
                      return std::pair(places, of->triangles);
                  });
              }, py::arg("name"), "Where its points are now [m] (V, 3), and its triangles, normals out (W, 3). Point v stays point v.")
-        .def_property_readonly("contact", &contact_of, "as the last tick left it: mesh (-1: nothing is pressed), facet, weight, displacement_m, force_N (on the tissue, before safety), slipping, fault, status (done; without force: refused, not armed, folded, diverged)")
+        .def_property_readonly("contact", &contact_of, "as the last tick left it: mesh (-1: nothing is pressed), facet, weight, displacement_m, force_N (on the tissue, before safety), slipping, fault, status (done; overrun: time was lost; without force: refused, not armed, folded, diverged)")
         .def_property_readonly("counts", &counts_of, "of the session")
+        .def_property_readonly("limits", &limits_of, "what limits have done to the force, in ticks: clamped, slewed, damped, capped, late (the device had let go); and lost_s, time that passed and that the tissue did not go through")
         .def_property_readonly("energies_J", &energies_of, "the energy log: given (to the hand since the start; below 0: the hand gave), observed and bound (of the passivity observer), kinetic (of the tissue), friction (dissipated), "
                                "and with energy_book=True stored and dissipated in the branches of a tissue that relaxes")
         .def_property_readonly("model", [](const Session& s) { return std::const_pointer_cast<TissueModel>(s.tissue); }, "that it plays");
