@@ -147,7 +147,7 @@ wait $session
 ended=$?
 check "a recording that cannot be kept ends in an error" test $ended = 1
 check "which takes neither model nor ledger along" sh -c "'$TISSUECTL' info '$scratch/kept.h5' | grep -q adaptation/x && grep -q ticks '$scratch/out'"
-"$PYTHON" -c 'import os, resource, signal, subprocess, sys, time
+"$PYTHON" -c 'import os, resource, signal, subprocess, sys
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 journal = sys.argv[-1]
 session = subprocess.Popen(sys.argv[1:], restore_signals=False, stderr=subprocess.PIPE, text=True)  # the log would be full, too
