@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent / "figures"))
+from one_line import reading  # noqa: E402
 from save import written  # noqa: E402
 
 SEED, REPEATS, FORCE_NOISE, DISPLACEMENT_NOISE_M = 20261121, 3, 0.02, 0.05e-3
@@ -72,13 +73,14 @@ def main():
              f"# each of displacement, seed {SEED}. Written by scripts/make_measured.py.",
              "contact_x [mm],contact_y [mm],displacement_x [mm],displacement_y [mm],force_x [mN],force_y [mN],push,repeat,"
              "role"]
-    with h5py.File(sys.argv[1]) as cases:
-        for push, (role, contact, displacement, force) in enumerate(presses(cases), 1):
-            for repeat in range(1, REPEATS + 1):
-                u = displacement + DISPLACEMENT_NOISE_M * rng.standard_normal(2)
-                f = force + FORCE_NOISE * np.linalg.norm(force) * rng.standard_normal(2)
-                numbers = [f"{v:.3f}" for v in (*contact * 1e3, *u * 1e3)] + [f"{v:.1f}" for v in f * 1e3]
-                lines.append(",".join(numbers + [str(push), str(repeat), role]))
+    with reading(sys.argv[1]), h5py.File(sys.argv[1]) as cases:
+        pressed = list(presses(cases))
+    for push, (role, contact, displacement, force) in enumerate(pressed, 1):
+        for repeat in range(1, REPEATS + 1):
+            u = displacement + DISPLACEMENT_NOISE_M * rng.standard_normal(2)
+            f = force + FORCE_NOISE * np.linalg.norm(force) * rng.standard_normal(2)
+            numbers = [f"{v:.3f}" for v in (*contact * 1e3, *u * 1e3)] + [f"{v:.1f}" for v in f * 1e3]
+            lines.append(",".join(numbers + [str(push), str(repeat), role]))
     with written(sys.argv[2]) as beside:
         Path(beside).write_text("\n".join(lines) + "\n")
 

@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent / "figures"))
+from one_line import reading, say  # noqa: E402
 from save import written  # noqa: E402
 
 
@@ -34,10 +35,10 @@ def main():
     parser.add_argument("--outliers", type=float, default=0, help="part of the pokes whose force is read ten times too large (default 0)")
     options = parser.parse_args()
     rng = np.random.default_rng(options.seed)
-    with h5py.File(options.cases) as cases:
+    with reading(options.cases), h5py.File(options.cases) as cases:
         rows = list(pokes(cases, options.role))
     if not rows:
-        raise SystemExit(f"make_pokes.py: {options.cases}: has no path of role {options.role}")
+        say(options.cases, f"has no path of role {options.role}")
     axes = "xyz"[:len(rows[0][0])]
     columns = [f"{what}_{a} [{unit}]" for what, unit in (("contact", "mm"), ("displacement", "mm"), ("force", "mN")) for a in axes]
     lines = [f"# NOT A MEASUREMENT: finite elements, with Gaussian noise of {100 * options.noise:g} % of the force on each component,",

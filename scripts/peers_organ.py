@@ -14,6 +14,7 @@ import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 import tissue  # noqa: E402
 from peers_study import SECONDS, ask, spread, ticks_of  # noqa: E402
+from one_line import reading  # noqa: E402
 from save import save, written  # noqa: E402
 
 FITTED = 6  # validation contacts that a peer's factor is fitted to
@@ -30,10 +31,10 @@ class Organ:
         for argument, what in (("-beds", "an elastic bed"), ("-nodule_radius", "a nodule"), ("-regions", "regions")):
             if f" {argument} " in plan:
                 sys.exit(f"peers_organ.py: {folder}: has {what}, and the peers get one material on a bed that does not move")
-        with h5py.File(f"{folder}/cases.h5") as f:
+        with reading(f"{folder}/cases.h5"), h5py.File(f"{folder}/cases.h5") as f:
             if "shape/tetrahedra" not in f:
                 sys.exit(f"peers_organ.py: {folder}/cases.h5 is of no solid shape")
-        with h5py.File(f"{folder}/model.h5") as f:
+        with reading(f"{folder}/model.h5"), h5py.File(f"{folder}/model.h5") as f:
             own = len(f["mesh/lattice/corner"])
             self.nodes, self.tetrahedra, self.facets = f["mesh/nodes"][:own], f["mesh/tetrahedra"][()], f["mesh/facets"][()]
             self.held = f["mesh/fixed"][()]

@@ -14,6 +14,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.collections import PolyCollection  # noqa: E402
 
+from one_line import say  # noqa: E402
 from save import save  # noqa: E402
 
 MM = 1e3
@@ -24,7 +25,7 @@ STYLES = {"train": ("#0072B2", "o"), "validation": ("#009E73", "s"), "held_out":
 
 
 class Refusal(Exception):
-    """One line for a person."""
+    """Of a file, and why: one line for a person."""
 
 
 def section(text, name):
@@ -45,9 +46,9 @@ def read_surface(file):
     except (ValueError, IndexError):  # ValueError: text in another encoding, too
         whole = False
     if not whole:
-        raise Refusal(f"{file}: is no whole mesh of a solid shape")
+        raise Refusal(file, "is no whole mesh of a solid shape")
     if not any(row[1] == TETRAHEDRON for row in rows):
-        raise Refusal(f"{file}: is a mesh in the plane; contacts are drawn of a study with a solid shape")
+        raise Refusal(file, "is a mesh in the plane; contacts are drawn of a study with a solid shape")
     return corners, held
 
 
@@ -63,7 +64,7 @@ def read_contacts(folder):
             if all(found):
                 contacts[role].append([MM * float(word[1]) for word in found])
     if not any(contacts.values()):
-        raise Refusal(f"{folder}: its plan has no contacts on a solid shape")
+        raise Refusal(folder, "its plan has no contacts on a solid shape")
     return {role: np.array(places) for role, places in contacts.items() if places}
 
 
@@ -101,8 +102,15 @@ def draw_view(axis, towards, corners, held, contacts):
 
 
 def draw(folder, out):
-    corners, held = read_surface(folder / "mesh.msh")
-    contacts = read_contacts(folder)
+    try:
+        corners, held = read_surface(folder / "mesh.msh")
+        contacts = read_contacts(folder)
+    except OSError as error:
+        say(error.filename, f"{error.strerror}; contacts are drawn of a study with a solid shape, once make mesh has meshed it")
+    except Refusal as refusal:
+        say(*refusal.args)
+    except ValueError as error:  # text in another encoding, or what is no number
+        say(folder, error)
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
     counts = {role: f"{role} {len(np.unique(places, axis=0))} places, {len(places)} pushes" for role, places in contacts.items()}
     share = f"{100 * area[held].sum() / area.sum():.0f} % of the surface is held"
@@ -123,12 +131,7 @@ def draw(folder, out):
 def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
-    try:
-        draw(Path(sys.argv[1]), sys.argv[2])
-    except OSError as error:
-        sys.exit(f"contacts.py: {error.filename}: {error.strerror}; contacts are drawn of a study with a solid shape, once make mesh has meshed it")
-    except (Refusal, UnicodeDecodeError) as error:
-        sys.exit(f"contacts.py: {error}")
+    draw(Path(sys.argv[1]), sys.argv[2])
 
 
 if __name__ == "__main__":

@@ -23,10 +23,7 @@ def main():
     if len(sys.argv) != 4:
         sys.exit("usage: draw.py FIGURE RESULTS OUT.png")
     name, folder, out = sys.argv[1:]
-    try:
-        data = results.load(folder)
-    except (OSError, KeyError, ValueError) as error:
-        sys.exit(f"draw.py: {folder}: {error}")
+    data = results.load(folder)
     figure = importlib.import_module(name).draw(data)
     save(figure, out)
 

@@ -6,7 +6,6 @@ A column a model of `tissuectl adapt` (or `tissue-haptic --learn`) on unknowns `
 circle in mm, where something is known to lie.
 """
 import argparse
-import sys
 
 import h5py
 import matplotlib
@@ -16,16 +15,17 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LogNorm
 
+from one_line import reading, say
 from save import save
 
 
 def learned(file):
     """(nodes, triangles, factor at each node, its standard deviation in log, pokes learned)"""
-    with h5py.File(file) as model:
+    with reading(file), h5py.File(file) as model:
         if "adaptation" not in model or model["adaptation"].attrs["unknowns"] not in ("field", b"field"):
-            sys.exit(f"learned.py: {file}: has learned no field")
+            say(file, "has learned no field")
         if "mesh/triangles" not in model:
-            sys.exit(f"learned.py: {file}: is no model in the plane")
+            say(file, "is no model in the plane")
         group = model["adaptation"]
         x, sd = group["x"][:], np.sqrt(np.diag(group["covariance"][:]))
         if group.attrs["rival"] and group.attrs["evidence"] < 0:  # one scale plays

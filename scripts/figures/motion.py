@@ -4,6 +4,7 @@ Force against time and against depth, the rest state against the static answer, 
 """
 import json
 import sys
+from pathlib import Path
 
 import matplotlib
 
@@ -11,15 +12,17 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
+from one_line import reading  # noqa: E402
 from save import save  # noqa: E402
 
 
 def main():
     if len(sys.argv) != 3:
         sys.exit("usage: motion.py REALTIME.json OUT.png")
-    with open(sys.argv[1]) as f:
-        data = json.load(f)
-    presses = [p for p in data["presses"] if p["static_error"] is not None]
+    with reading(sys.argv[1]):
+        data = json.loads(Path(sys.argv[1]).read_text())
+        switches, study = data["switches"], data["study"]  # of sets: a law never switches
+        presses = [p for p in data["presses"] if p["static_error"] is not None]
     figure, axes = plt.subplots(2, 2, figsize=(11, 7.6), layout="constrained")
     time, depth, rest, switch = axes.flat
     most = max(np.linalg.norm(p["force_N"]) for p in presses)
@@ -40,7 +43,6 @@ def main():
     worst = max(p["static_error"] for p in presses)
     rest.set_title(f"{len(presses)} presses, at most {100 * worst:.2g} % off the static answer", fontsize=10)
 
-    switches = data["switches"]  # of sets: a law never switches
     switch.set_visible(bool(switches))
     largest = max((s for s in switches if s["innovation"] == 1), key=lambda s: s["force_jump_N"], default=None)
     for s in switches:
@@ -54,7 +56,7 @@ def main():
         switch.legend(frameon=False)
     switch.set_xlabel("time after the switch (ms)")
     switch.set_ylabel(f"force along the push ({name})")
-    figure.suptitle(f"Study {data['study']}: the 1 kHz simulation pressed at its contacts until it rests")
+    figure.suptitle(f"Study {study}: the 1 kHz simulation pressed at its contacts until it rests")
     save(figure, sys.argv[2])
 
 

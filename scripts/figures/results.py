@@ -6,6 +6,8 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 
+from one_line import reading
+
 # Okabe and Ito's palette: told apart with every common colour vision
 COLOURS = {
     "fe": "#000000",
@@ -96,14 +98,15 @@ def learned_label(results):
 
 def load(folder):
     folder = Path(folder)
-    results = Results(evaluation=json.loads((folder / "eval.json").read_text()), paths={}, trained={})
-    results.evaluation.setdefault("drawn", {})  # of no contact that was drawn has FE an answer
-    with h5py.File(folder / "cases.h5") as f:
+    with reading(folder / "eval.json"):
+        results = Results(evaluation=json.loads((folder / "eval.json").read_text()), paths={}, trained={})
+        results.evaluation.setdefault("drawn", {})  # of no contact that was drawn has FE an answer
+    with reading(folder / "cases.h5"), h5py.File(folder / "cases.h5") as f:
         results.is_block = "shape" not in f
         for name in f["path_names"].asstr():
             group = f["paths"][name]
             results.paths[name] = SimpleNamespace(**{key: group[key][()] for key in group})
-    with h5py.File(folder / "model.h5") as f:
+    with reading(folder / "model.h5"), h5py.File(folder / "model.h5") as f:
         results.nodes = f["mesh/nodes"][()]
         results.springs = f["mesh/springs"][()]
         results.solid = results.nodes.shape[1] == 3

@@ -21,6 +21,13 @@ def left_over(out):
                 os.unlink(entry.path)
 
 
+def refuse_links(out):
+    """Of another user, on the way to `out`: they are not followed (lib/io/folder.h)."""
+    for folder in Path(out).parents:
+        if folder.is_symlink() and folder.lstat().st_uid not in (0, os.geteuid()):
+            raise OSError(errno.EPERM, f"cannot write: '{folder.name}' is a link of another user, which is not followed", out)
+
+
 def drawn(out):
     """A new file beside `out`, open and locked where the disk has locks, and its name, which is drawn: nothing that somebody has planted is followed."""
     for _ in range(100):
@@ -46,6 +53,7 @@ def drawn(out):
 def written(out):
     """The name of a file beside `out` that becomes it in the end, or is removed, as lib/io/atomic_file does."""
     out = os.fspath(out)
+    refuse_links(out)
     left_over(out)
     file, beside = drawn(out)
     with file:

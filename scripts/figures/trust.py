@@ -13,6 +13,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
+from one_line import reading  # noqa: E402
 from save import save  # noqa: E402
 
 MESHES = {"5": "#0072B2", "2.5": "#009E73", "1.25": "#E69F00", "0.625": "#D55E00"}
@@ -31,7 +32,8 @@ def read(file):
 def main():
     if len(sys.argv) != 3:
         sys.exit("usage: trust.py TRUST.csv OUT.png")
-    paths = read(sys.argv[1])
+    with reading(sys.argv[1]):
+        paths = read(sys.argv[1])
     figure, axes = plt.subplots(2, 2, figsize=(11, 8), layout="constrained", sharey="row")
     for column, formulation in enumerate(["plane-stress", "plane-strain"]):
         force, reach = axes[0, column], axes[1, column]

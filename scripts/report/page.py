@@ -22,6 +22,7 @@ except ImportError as error:
     sys.exit(f"page.py: {error}; install python3-{(error.name or '').replace('_', '-')}, which the report is made with")
 
 from results import LABELS  # noqa: E402  (the figures' own names of the models)
+from one_line import reading, say  # noqa: E402
 from save import written  # noqa: E402
 
 LONG_LIST = 5          # items; longer ones are folded
@@ -101,7 +102,8 @@ def picture(folder, source):
     file = folder / source
     if file.suffix != ".png" or not file.is_file():
         raise ReportError(f"{file}: is not a figure that can be put inline")
-    return "data:image/png;base64," + base64.b64encode(file.read_bytes()).decode()
+    with reading(file):
+        return "data:image/png;base64," + base64.b64encode(file.read_bytes()).decode()
 
 
 def label(model, e):
@@ -230,7 +232,7 @@ def provenance(folder, e):
     """[(word, value)]: how to make this again, and from what."""
     rows = [("Made by", f"make all STUDY={e['study']}"), ("Version", f"tissuectl {e['version']}"), ("Seed", e["seed"])]
     for name, word in (("cases.h5", "Cases"), ("model.h5", "Training")):
-        with h5py.File(folder / name) as file:
+        with reading(folder / name), h5py.File(folder / name) as file:
             says = {key: value.decode() if isinstance(value, bytes) else value for key, value in file.attrs.items()}
             rows.append((word, says["command"]))
             rows += [(f"Input of {word.lower()}", f"{key[6:]} (XXH3 {value})") for key, value in says.items()
@@ -239,8 +241,11 @@ def provenance(folder, e):
 
 
 def page(folder):
-    e = json.loads((folder / "eval.json").read_text())
-    first, found = sections((folder / "report.md").read_text())
+    with reading(folder / "eval.json"):
+        e = json.loads((folder / "eval.json").read_text())
+    with reading(folder / "report.md"):
+        report = (folder / "report.md").read_text()
+    first, found = sections(report)
     markdown = MarkdownIt("commonmark", {"html": False}).enable("table")
     figures = []
     body = []
@@ -252,7 +257,8 @@ def page(folder):
             body.append({"id": anchor(heading), "heading": Markup(markdown.renderInline(heading)),
                          "html": to_html(markdown, text, heading, e)})
     first = re.sub(r"^Written by .*$", "", first, flags=re.M)  # the foot says more
-    number, key_figures = lead(e)
+    with reading(folder / "eval.json"):
+        number, key_figures = lead(e)
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(HERE), autoescape=True, trim_blocks=True,
                                      lstrip_blocks=True, undefined=jinja2.StrictUndefined)
     return environment.get_template("page.html").render(
@@ -267,10 +273,13 @@ def main():
     folder, out = Path(sys.argv[1]), Path(sys.argv[2])
     try:
         text = page(folder)
+    except ReportError as error:
+        say(folder, error)
+    try:
         with written(out) as beside:
             Path(beside).write_text(text)
-    except (ReportError, OSError, KeyError, ValueError) as error:
-        sys.exit(f"page.py: {folder}: {error}")
+    except OSError as error:
+        sys.exit(f"page.py: {out}: {error.strerror}")
 
 
 if __name__ == "__main__":

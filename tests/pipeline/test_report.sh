@@ -28,14 +28,14 @@ fi
 # ---- what it cannot be made of
 mv "$R/figures/force.png" "$scratch/force.png"
 run "$PYTHON" scripts/report/page.py results/tiny results/tiny/report.html
-check "a missing figure: exit 1" exited 1
+check "a missing figure: exit 2" exited 2
 check "a missing figure: one line names it" one_line 'figures/force.png: '
 check "a missing figure: the earlier report is untouched" cmp "$page" "$scratch/first.html"
 mv "$scratch/force.png" "$R/figures/force.png"
 cp "$R/eval.json" "$scratch/eval.json"
 head -c 500 "$scratch/eval.json" >"$R/eval.json"
 run "$PYTHON" scripts/report/page.py results/tiny results/tiny/report.html
-check "an evaluation that is cut off: exit 1" exited 1
-check "an evaluation that is cut off: one line" one_line '^page.py: results/tiny: '
+check "an evaluation that is cut off: exit 2" exited 2
+check "an evaluation that is cut off: one line" one_line '^page.py: results/tiny/eval.json: '
 check "nothing half-written is left" no_half_files "$R"
 finish
