@@ -1,0 +1,145 @@
+#!/bin/sh
+# Links in a results folder: those of one's own are followed, those of another user are refused, and no log is written through one, symbolic or
+# hard. Names that begin with -, and files that scripts cannot read.
+. "$(dirname "$0")/common"
+make_copy
+other=65534
+mine() { echo precious >"$scratch/precious"; }
+still_mine() { [ "$(cat "$scratch/precious")" = precious ]; }
+may_plant() { # whether a link of another user can be made
+    ln -s nowhere "$scratch/of_another" && chown -h $other "$scratch/of_another" 2>/dev/null
+}
+
+# ---- logs and locks
+make_tiny results/tiny/cases/left.csv
+check "a path is solved" exited 0
+for link in -s ""; do
+    mine
+    rm -f "$R/cases/left.log" "$R/cases/.counted" "$R/mesh.msh.log" "$R/cases/left.csv" "$R/mesh.msh"
+    # shellcheck disable=SC2086
+    for log in cases/left.log cases/.counted mesh.msh.log; do ln $link "$scratch/precious" "$R/$log"; done
+    make_tiny results/tiny/cases/left.csv
+    check "logs that are links${link:+ ($link)}: mesh and path are made" exited 0
+    check "logs that are links${link:+ ($link)}: nothing is written through them" still_mine
+    check "logs that are links${link:+ ($link)}: the logs are files of their own" sh -c 'cd "$1" && for log in cases/left.log cases/.counted mesh.msh.log; do
+        [ "$(stat -c "%F %h" "$log" | sed "s/empty //")" = "regular file 1" ] || { stat "$log"; exit 1; }; done' - "$R"
+done
+mkfifo "$scratch/pipe"
+rm -f "$R/cases/left.log" "$R/cases/left.csv"
+mkfifo "$R/cases/left.log"
+run timeout 600 make PYTHON="$PYTHON" STUDY=tiny results/tiny/cases/left.csv
+check "a log that is a pipe: nothing waits for it" exited 0
+umask 022
+rm "$R/cases/left.log" && ln -s nowhere "$R/cases/left.log"
+(cd "$work" && scripts/own_file results/tiny/cases/left.log)
+check "who may read a log, the umask says" test "$(stat -c %a "$R/cases/left.log")" = 644
+echo kept >>"$R/cases/left.log"
+(cd "$work" && scripts/own_file results/tiny/cases/left.log)
+check "a log that is a file of its own stays" test "$(cat "$R/cases/left.log")" = kept
+
+# ---- folders
+mkdir "$scratch/elsewhere"
+rm -rf "$R/cases" "$R/first"
+ln -s "$scratch/elsewhere" "$R/cases"
+make_tiny results/tiny/cases/left.csv
+check "a folder of paths that is a link of one's own: exit 0" exited 0
+check "a folder of paths that is a link of one's own is followed" exist "$scratch/elsewhere/left.csv"
+if may_plant; then
+    refused_link() { # SENTENCE NAME
+        check "$1: fails" failed
+        check "$1: one line names the link" one_line "'$2' is a link of another user, which is not followed"
+    }
+    rm -rf "$scratch/elsewhere" && mkdir "$scratch/elsewhere"
+    chown -h $other "$R/cases"
+    make_tiny results/tiny/cases/left.csv
+    refused_link "a folder of paths that is a link of another user" cases
+    rm "$R/cases"
+    rm -rf "$R/plan"
+    for name in plan first figures; do
+        ln -s "$scratch/elsewhere" "$R/$name"
+        chown -h $other "$R/$name"
+    done
+    tissuectl plan --study fem/studies/tiny.toml --out results/tiny/plan.mk
+    refused_link "a folder of plans that is a link of another user" plan
+    run scripts/folder results/tiny/first
+    refused_link "a folder of first models that is a link of another user" first
+    run scripts/folder results/tiny/first/below
+    refused_link "and one below it" first
+    tissuectl export fem/none.h5 --to csv --out results/tiny/first
+    check "an export is refused as it would be elsewhere" exited 1
+    run "$PYTHON" -c 'import sys
+sys.path.insert(0, "scripts/figures")
+import save
+class Figure:
+    def savefig(self, *_, **__): raise AssertionError("drawn")
+save.save(Figure(), "results/tiny/figures/force.png")'
+    refused_link "a folder of figures that is a link of another user" figures
+    check "nothing was written there" test -z "$(ls -A "$scratch/elsewhere")"
+    rm "$R/plan" "$R/first" "$R/figures"
+else
+    skip "links of another user" "only root can make one"
+fi
+run scripts/folder results/tiny/a "results/tiny/it's a folder/b"
+check "folders are made, whatever their names" test -d "$R/it's a folder/b"
+run scripts/folder -n results/tiny/none
+check "or looked at alone" absent "$R/none"
+
+# ---- names that begin with -
+run make STUDY=tiny R=-x eval
+check "a results folder that begins with -: one line" one_line '^Makefile:[0-9]*: \*\*\* R=.*does not begin with -'
+run scripts/mesh -x.msh fem/block.geo -2 -setnumber width 0.1 -setnumber height 0.1 -setnumber cells_x 2 -setnumber cells_y 2
+check "a mesh whose name begins with - is made" exited 0
+check "a mesh whose name begins with - is there" exist "$work/-x.msh"
+tissuectl info -x.msh
+check "an input whose name begins with -: exit 2" exited 2
+tissuectl info ./-x.msh
+check "and by ./ it is read" one_line 'tissuectl: ./-x.msh: is not an HDF5 file'
+
+# ---- numbers that go to gmsh and not to FreeFEM
+for word in abc 1,5 0x1 1e "1
+2" '0.01;touch pwned'; do
+    run scripts/solve_path results/tiny number -geo fem/block3.geo -size_near "$word"
+    check "'$(echo "$word" | tr '\n' ' ')' for a size: one line" one_line "load path 'number': argument -size_near must be a number, got"
+done
+run scripts/solve_path results/tiny number -geo fem/block3.geo -contact_x 0 -contact_y -.5e-2 -size_near abc
+check "0 and a power of ten are numbers" one_line "argument -size_near must be a number, got 'abc'"
+
+# ---- what scripts cannot read: one line, exit 2
+echo '{"variants": 3' >"$scratch/cut.json"
+echo '[1, 2]' >"$scratch/list.json"
+printf '\377\376' >"$scratch/bytes"
+: >"$scratch/empty"
+mkdir "$scratch/folder"
+names_it() { [ "$(wc -l <"$said")" = 1 ] && says "$1"; }
+unread() { # SCRIPT ARGUMENT...: of which the file is one
+    script=$1
+    shift
+    run "$PYTHON" -B "scripts/$script" "$@"
+    check "$script of ${file##*/}: exit 2" exited 2
+    check "$script of ${file##*/}: one line names it" names_it "^${script##*/}: .*${file##*/}: "
+}
+for file in "$scratch/none" "$scratch/cut.json" "$scratch/list.json" "$scratch/bytes" "$scratch/empty" "$scratch/folder"; do
+    unread figures/ablation.py "$file" "$scratch/out.png"
+    unread figures/motion.py "$file" "$scratch/out.png"
+    unread figures/learned.py "$scratch/out.png" "$file"
+    unread make_measured.py "$file" "$scratch/out.csv"
+    unread make_histories.py "$file" "$scratch/out.csv"
+    unread make_pokes.py "$file" held_out "$scratch/out.csv"
+done
+printf 'push_mm,angle_deg\n1,2\n' >"$scratch/short.csv"
+for file in "$scratch/none" "$scratch/bytes" "$scratch/short.csv"; do unread figures/trust.py "$file" "$scratch/out.png"; done
+mkdir "$scratch/results"
+for name in eval.json cases.h5 model.h5; do
+    file=$scratch/results/$name
+    unread figures/draw.py force "$scratch/results" "$scratch/out.png"
+    case $name in eval.json) echo '{}' >"$file" ;; *) "$PYTHON" -c 'import h5py, numpy, sys; h5py.File(sys.argv[1], "w")["path_names"] = numpy.array([], "S1")' "$file" ;; esac
+done
+check "nothing is drawn or written" absent "$scratch/out.png" "$scratch/out.csv"
+run "$PYTHON" -B -c 'import sys
+sys.path.insert(0, "scripts/figures")
+from one_line import reading
+with reading("a file"):
+    numbers = [1]
+numbers[1]'
+check "a fault of our own still shows where it is" says '^Traceback'
+finish
