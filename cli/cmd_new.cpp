@@ -33,6 +33,8 @@ void run(const Options& o) {
     if (!fs::is_directory(o.folder, error)) throw FileError(o.folder + ": there is no such folder; a study stands in fem/studies of a clone");
     const std::string file = (fs::path(o.folder) / (o.name + ".toml")).string();
     if (fs::exists(fs::symlink_status(file, error))) throw FileError(file + ": is there already; remove it, or choose another name");
+    if (fs::exists(o.study.shape, error) && !fs::is_regular_file(o.study.shape, error))
+        throw FileError(o.study.shape + ": is a folder, a pipe or a device, wanted a file: a shape is read more than once");
     NewStudy wanted = o.study;
     wanted.unit_m = units_m.at(o.unit);
     if (o.size_m > 0) wanted.size_m = o.size_m;

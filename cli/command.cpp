@@ -1,5 +1,6 @@
 #include "command.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 
 #include <iostream>
@@ -30,6 +31,11 @@ int printed(const CLI::App& program) {
     if (std::cout.flush()) return 0;
     std::cerr << program.get_name() << ": standard output: cannot write: the disk is full, or it is closed\n";
     return 1;
+}
+
+void hold_standard_descriptors() {
+    for (int descriptor = 0; descriptor <= 2; ++descriptor)
+        if (::fcntl(descriptor, F_GETFD) < 0) ::open("/dev/null", descriptor == 0 ? O_WRONLY : O_RDONLY);  // the lowest number that is free
 }
 
 std::string HelpTable::make_option(const CLI::Option* option, bool is_positional) const {

@@ -46,6 +46,10 @@ void echo_options(const CLI::App& command);
 /// Exit status of a program that has printed what it was asked for: 0; 1, with a line, where standard output did not take all of it.
 int printed(const CLI::App& program);
 
+/// Where the program was started with standard input, output or error closed: opens what can neither be read nor written there. Else the next file that
+/// the program opens would get their number, and what is printed.
+void hold_standard_descriptors();
+
 /// Help as a table: option, default, unit, meaning. An option's type name is its unit.
 class HelpTable : public CLI::Formatter {
    public:

@@ -232,6 +232,7 @@ void finish(Options& o) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    cli::hold_standard_descriptors();
     std::signal(SIGINT, on_signal);
     std::signal(SIGTERM, on_signal);
     if (std::signal(SIGHUP, on_signal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // under nohup it goes on

@@ -6,7 +6,7 @@
 //   tissuectl serve results/paper/model.h5
 //   tissuectl info model.h5
 // Exit status: 0 done, 1 the work failed, 2 the command line was wrong, 3 (train) the model is written, but something in
-// it that promises convergence did not reach it.
+// it that promises convergence did not reach it, (surface) the whole answer is printed: it cannot be filled.
 #include <cblas.h>
 
 #include <filesystem>
@@ -31,6 +31,7 @@ std::string unknown_command(const CLI::App& app, int argc, char** argv) {
 
 int main(int argc, char** argv) {
     using namespace tissue::cli;
+    hold_standard_descriptors();
     // parallelism is ours, a thread a spring set; a BLAS that threads on its own would also change last bits
     openblas_set_num_threads(1);
 
@@ -72,7 +73,7 @@ int main(int argc, char** argv) {
         return app.exit(e) == 0 ? printed(app) : 2;
     } catch (const NotAsPromised& e) {
         std::cerr << "tissuectl: " << tissue::one_line(e.what()) << '\n';
-        return 3;
+        return printed(app) == 0 ? 3 : 1;  // of an answer that is cut off, nothing is promised
     } catch (const std::exception& e) {
         std::cerr << "tissuectl: " << tissue::one_line(e.what()) << '\n';
         return 1;

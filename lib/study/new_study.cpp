@@ -11,6 +11,7 @@
 
 #include "error.h"
 #include "mesh/held_region.h"
+#include "mesh/surface.h"
 #include "study/shape_extent.h"
 #include "surface_file/surface_file.h"
 #include "surface_file/vtk_file.h"
@@ -72,6 +73,13 @@ Size size_of(const ShapeExtent& shape, const NewStudy& wanted) {
     return size;
 }
 
+/// "surface-1", "surface-2", ...
+bool is_part_name(const std::string& name) {
+    constexpr std::string_view begin = "surface-";
+    return name.size() > begin.size() && name.compare(0, begin.size(), begin) == 0 && name[begin.size()] != '0' &&
+           name.find_first_not_of("0123456789", begin.size()) == std::string::npos;
+}
+
 void check_held(const ShapeExtent& shape, const NewStudy& wanted) {
     const std::string what = shape.solid ? "surface" : "curve";
     const bool unnamed_stl = shape.boundaries.empty() && shape.solid;
@@ -81,9 +89,15 @@ void check_held(const ShapeExtent& shape, const NewStudy& wanted) {
     if (wanted.held.empty()) throw MismatchError(fmt::format("{}: --held must say which {}s are held; {}{}", wanted.shape, what, there, shape.solid ? "; or a region, in m: --held 'below z = 0.01'" : ""));
     for (const std::string& name : wanted.held)
         if (const auto other = HeldRegion::within(name)) refuse_vtk(other->file);
-    for (const std::string& name : wanted.held)
-        if (!(shape.solid && HeldRegion::of(name, read_other_surface, wanted.unit_m)) && !unnamed_stl && std::find(shape.boundaries.begin(), shape.boundaries.end(), name) == shape.boundaries.end())
-            throw MismatchError(fmt::format("{}: has no {} '{}' to hold; {}", wanted.shape, what, name, there));
+    std::vector<std::string> names;
+    for (const std::string& name : wanted.held) {
+        if (shape.solid && HeldRegion::of(name, read_other_surface, wanted.unit_m)) continue;
+        names.push_back(name);
+        const bool may_be = unnamed_stl ? is_part_name(name) : std::find(shape.boundaries.begin(), shape.boundaries.end(), name) != shape.boundaries.end();
+        if (!may_be && !(unnamed_stl && is_surface_file(wanted.shape))) throw MismatchError(fmt::format("{}: has no {} '{}' to hold; {}", wanted.shape, what, name, there));
+    }
+    // how many parts there are, its surface tells
+    if (unnamed_stl && is_surface_file(wanted.shape) && !names.empty()) make_surface(read_surface_file(wanted.shape), names, wanted.unit_m);
 }
 
 /// A region beside the tissue's box, or about all of it, is refused here and not when it is meshed.

@@ -148,6 +148,18 @@ check "and is held as it says now" "$PYTHON" "$scratch/held.py" "$work/results/p
 mkfifo "$work/fem/pipe.stl"
 run timeout 20 "$TISSUECTL" new perch2 --shape fem/skin.stl --unit mm --held 'within 0.003 of fem/pipe.stl'
 check "a pipe: one line, and nothing waits for it" one_line 'there is no file fem/pipe.stl'
+run timeout 20 "$TISSUECTL" new perch2 --shape fem/pipe.stl --unit mm --held 'below z = 0.01'
+check "a pipe as the shape: one line, and nothing waits for it" one_line 'fem/pipe.stl: is a folder, a pipe or a device, wanted a file'
+tissuectl new perch2 --shape fem/bone --unit mm --held 'below z = 0.01'
+check "a folder as the shape: one line" one_line 'fem/bone: is a folder, a pipe or a device, wanted a file'
+for name in bone surface-7; do
+    tissuectl new perch2 --shape fem/skin.stl --unit mm --held "$name"
+    check "a surface '$name' of one that names none: exit 1" exited 1
+    check "a surface '$name' of one that names none: its parts are listed" one_line "fem/skin.stl: has no surface '$name' to hold; it has surface-1, surface-2, surface-3, surface-4, surface-5, surface-6$"
+done
+check "and no study is written" absent "$work/fem/studies/perch2.toml"
+tissuectl new part --shape fem/skin.stl --unit mm --held surface-6
+check "a part that there is: exit 0" exited 0
 tissuectl new perch2 --shape fem/skin.stl --unit mm --held 'within 0.003 of fem/none.stl'
 check "none for a new study: one line names it" one_line 'fem/none.stl'
 tissuectl new skin2 --shape fem/skin.stl --unit mm --held 'below z = deep'
@@ -199,6 +211,13 @@ check "a surface with a hole: one line says what, where and what to do" one_line
 check "and no study is written" absent "$work/fem/studies/torn.toml"
 tissuectl surface fem/torn.obj --unit mm --json; grep '^{' "$said" >"$said.json"
 check "it is told of: exit 3" exited 3
+run sh -c '"$1" surface fem/torn.obj --unit mm --json >/dev/full' - "$TISSUECTL"
+check "where standard output takes nothing: exit 1, not 3" exited 1
+check "where standard output takes nothing: a line says so" says '^tissuectl: standard output: cannot write'
+run sh -c '"$1" surface fem/torn.obj --unit mm --json >&-' - "$TISSUECTL"
+check "where standard output is closed: exit 1, not 3" exited 1
+run sh -c '"$1" surface fem/torn.obj --unit mm --json --repair fem/closed.stl >&-' - "$TISSUECTL"
+check "where standard output is closed: what is written has nothing of what is printed" sh -c '[ -s "$1" ] && ! grep -qa "\"given\"" "$1"' - "$work/fem/closed.stl"
 check "in JSON, with the place" "$PYTHON" -c 'import json, sys
 r = json.load(open(sys.argv[1]))
 assert not r["usable"] and r["faults"]["holes"]["count"] == 1 and len(r["faults"]["holes"]["first"][0]) == 3 and r["faults"]["holes"]["largest_m"] > 0.1, r' "$said.json"
