@@ -10,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <numeric>
 #include <set>
 
 #include "error.h"
@@ -20,8 +21,11 @@
 namespace tissue {
 namespace {
 
-/// No filter of HDF5 packs tighter; who packed a file of ours anew may read it too.
-constexpr std::size_t tightest_packing = 1100;
+/// Of one file in memory, of all its packed datasets together: a few bytes of gzip may stand for a thousand times as many.
+constexpr std::size_t most_unpacked = std::size_t{256} << 20;
+
+/// Of any file of ours there are far fewer, and shorter ones.
+constexpr std::size_t most_names = std::size_t{1} << 16, longest_name = 1024, deepest_group = 32;
 
 /// Length of the UTF-8 character that begins at i; 0: none does (Unicode 15, table 3-7).
 std::size_t character_at(const std::string& text, std::size_t i) {
@@ -65,6 +69,36 @@ hid_t within_file() {
 bool holds_values(hid_t dataset) {
     const Hdf5Handle creation(H5Dget_create_plist(dataset), H5Pclose);
     return H5Pget_layout(creation) != H5D_VIRTUAL && H5Pget_external_count(creation) == 0;
+}
+
+enum class Packing { none, gzip, other };
+
+/// Checksums and the order of bytes pack nothing. Other filters than gzip may be programs that HDF5 loads, or claim any size.
+Packing packing_of(hid_t creation) {
+    Packing packing = Packing::none;
+    for (int i = 0; i < H5Pget_nfilters(creation); ++i) {
+        unsigned flags = 0, settings = 0;
+        std::size_t none = 0;
+        const H5Z_filter_t filter = H5Pget_filter2(creation, static_cast<unsigned>(i), &flags, &none, nullptr, 0, nullptr, &settings);
+        if (filter == H5Z_FILTER_DEFLATE)
+            packing = Packing::gzip;
+        else if (filter != H5Z_FILTER_FLETCHER32 && filter != H5Z_FILTER_SHUFFLE)
+            return Packing::other;
+    }
+    return packing;
+}
+
+/// Values that its pieces hold, of which the last reach beyond its shape; of what has no pieces, its values.
+std::size_t values_in_pieces(hid_t creation, const std::vector<std::size_t>& shape) {
+    if (H5Pget_layout(creation) != H5D_CHUNKED) return product(shape);
+    std::vector<hsize_t> piece(shape.size());
+    if (H5Pget_chunk(creation, static_cast<int>(piece.size()), piece.data()) != static_cast<int>(piece.size())) return most_values + 1;
+    std::vector<std::size_t> whole(shape.size());
+    for (std::size_t d = 0; d < shape.size(); ++d) {
+        if (piece[d] == 0 || piece[d] > most_values || shape[d] > most_values) return most_values + 1;
+        whole[d] = (shape[d] + piece[d] - 1) / piece[d] * piece[d];
+    }
+    return product(whole);
 }
 
 /// Integers or floating point of a size that HDF5 reads as it stands: of a larger one it makes a buffer of that size a value.
@@ -141,10 +175,25 @@ bool Hdf5Reader::has(const std::string& name) const {
     return H5Oexists_by_name(id_, name.c_str(), within_file()) > 0;
 }
 
-std::size_t Hdf5Reader::count_of(const std::string& name, long long dataset) const {
-    const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);
-    const std::size_t count = product(shape_of(dataset));
-    if (count > most_values || count * H5Tget_size(type) > bytes_ * tightest_packing) refuse(name, "claims more values than the file can hold");
+std::size_t Hdf5Reader::count_of(const std::string& name, long long dataset, std::size_t bytes_a_value) const {
+    const Hdf5Handle type(H5Dget_type(dataset), H5Tclose), creation(H5Dget_create_plist(dataset), H5Pclose);
+    const std::vector<std::size_t> shape = shape_of(dataset);
+    const std::size_t count = product(shape), stored = values_in_pieces(creation, shape);
+    if (count == 0) return 0;
+    const Packing packing = packing_of(creation);
+    if (packing == Packing::other) refuse(name, "is packed by another filter than gzip");
+    // what a file holds: the space of its values, as it lists them, and no more than its bytes
+    const std::size_t held = std::min<std::size_t>(H5Dget_storage_size(dataset), bytes_);
+    if (stored > most_values || held == 0 || (packing == Packing::none && stored * H5Tget_size(type) > held))
+        refuse(name, "claims more values than the file can hold");
+    if (packing == Packing::none) return count;
+    // pieces are unpacked in memory before their values are
+    std::size_t& unpacked = unpacked_[name];
+    unpacked = 0;
+    const std::size_t others = std::accumulate(unpacked_.begin(), unpacked_.end(), std::size_t{0}, [](std::size_t sum, const auto& one) { return sum + one.second; });
+    if (stored > (most_unpacked - others) / std::max(H5Tget_size(type), bytes_a_value))
+        refuse(name, fmt::format("is packed, and unpacked takes the file's datasets beyond {} MiB: unpack it first (h5repack -f NONE)", most_unpacked >> 20));
+    unpacked = stored * std::max(H5Tget_size(type), bytes_a_value);
     return count;
 }
 
@@ -162,7 +211,7 @@ Array Hdf5Reader::array(const std::string& name) const {
     if (!is_number(type)) refuse(name, "cannot be read as numbers");
     Array array;
     array.shape = shape_of(dataset);
-    array.values.resize(count_of(name, dataset));
+    array.values.resize(count_of(name, dataset, sizeof(double)));
     if (!array.values.empty() &&
         H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, array.values.data()) < 0)
         refuse(name, "cannot be read as numbers: damaged");
@@ -195,7 +244,7 @@ std::vector<std::string> Hdf5Reader::texts(const std::string& name) const {
     const Hdf5Handle stored(H5Dget_type(dataset), H5Tclose);
     if (H5Tget_class(stored) != H5T_STRING) refuse(name, "cannot be read as texts");
     if (H5Tis_variable_str(stored) > 0) refuse(name, fmt::format("holds texts {}", any_length));
-    const std::size_t length = H5Tget_size(stored), count = count_of(name, dataset);
+    const std::size_t length = H5Tget_size(stored), count = count_of(name, dataset, length + sizeof(std::string));
     const Hdf5Handle type(text_type(length, H5Tget_cset(stored)), H5Tclose);
     std::string raw(count * length, '\0');
     if (count > 0 && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, raw.data()) < 0) refuse(name, "cannot be read as texts: damaged");
@@ -235,11 +284,14 @@ std::vector<std::string> Hdf5Reader::children(const std::string& group) const {
     if (H5Iget_type(place) != H5I_GROUP) refuse(group, "is missing");
     std::vector<std::string> names;
     const auto collect = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
-        static_cast<std::vector<std::string>*>(out)->emplace_back(name);
-        return 0;
+        auto& all = *static_cast<std::vector<std::string>*>(out);
+        all.emplace_back(name, ::strnlen(name, longest_name + 1));
+        return all.size() > most_names || all.back().size() > longest_name ? 1 : 0;
     };
     // as they come: to sort many itself, libhdf5 1.10 makes a table, and where the file is damaged frees the half of it that it has not filled
-    if (H5Literate(place, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, collect, &names) < 0) refuse(group, "cannot be listed: damaged");
+    const herr_t ended = H5Literate(place, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, collect, &names);
+    if (ended < 0) refuse(group, "cannot be listed: damaged");
+    if (ended > 0) refuse(group, fmt::format("holds more than {} names, or one of more than {} bytes", most_names, longest_name));
     std::sort(names.begin(), names.end());
     return names;
 }
@@ -247,19 +299,22 @@ std::vector<std::string> Hdf5Reader::children(const std::string& group) const {
 std::vector<std::string> Hdf5Reader::datasets() const {
     std::vector<std::string> names;
     std::set<hobj_ref_t> seen;
-    const std::function<void(const std::string&)> walk = [&](const std::string& group) {
+    const std::function<void(const std::string&, std::size_t)> walk = [&](const std::string& group, std::size_t depth) {
+        if (depth > deepest_group) refuse(group, fmt::format("is a group within more than {} others", deepest_group));
         for (const std::string& child : children(group)) {
             const std::string name = group == "/" ? "/" + child : group + "/" + child;
             const Hdf5Handle object(H5Oopen(id_, name.c_str(), within_file()), H5Oclose);
             if (H5Iget_type(object) == H5I_GROUP) {
                 hobj_ref_t address = 0;
                 if (H5Rcreate(&address, object, ".", H5R_OBJECT, -1) < 0 || !seen.insert(address).second) refuse(name, "is a group of another name, too");
-                walk(name);
-            } else
+                walk(name, depth + 1);
+            } else if (names.size() == most_names)
+                refuse(name, fmt::format("is one of more than {} datasets", most_names));
+            else
                 names.push_back(name);
         }
     };
-    walk("/");
+    walk("/", 0);
     return names;
 }
 

@@ -69,7 +69,7 @@ class Hdf5Writer {
 
 /// Reads one HDF5 file of this project. Throws FileError that names file, dataset and cause: missing, not HDF5 or
 /// truncated, of another kind or program, of a later format version, of an unexpected shape; a checksum that does not fit; more values than
-/// a file of its size can hold, before memory is asked for.
+/// the file holds, before memory is asked for; another packing than gzip, or more than 256 MiB of packed values in all; groups more than 32 deep.
 class Hdf5Reader {
    public:
     /// kind: as written; "" takes any (tissuectl info).
@@ -107,10 +107,12 @@ class Hdf5Reader {
 
    private:
     long long open(const std::string& name) const;  ///< a dataset whose name and values lead to no other file
-    std::size_t count_of(const std::string& name, long long dataset) const;
+    /// Of its values, each of bytes_a_value in memory at most.
+    std::size_t count_of(const std::string& name, long long dataset, std::size_t bytes_a_value) const;
 
     std::string file_;
     std::size_t bytes_ = 0;  ///< of the file
+    mutable std::map<std::string, std::size_t> unpacked_;  ///< bytes in memory, of the packed datasets that were read
     long long id_ = -1;
 };
 

@@ -29,6 +29,29 @@ std::string changed_file(const TemporaryFolder& folder, const std::string& name,
     return file;
 }
 
+/// A dataset of this length, all 0, made as `creation` says, which it closes.
+void make_zeros(hid_t file, const char* name, hsize_t length, hid_t creation) {
+    const hsize_t endless = H5S_UNLIMITED;
+    const hid_t space = H5Screate_simple(1, &length, H5Pget_layout(creation) == H5D_CHUNKED ? &endless : nullptr);
+    const hid_t dataset = H5Dcreate2(file, name, H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+    REQUIRE(dataset >= 0);
+    const std::vector<double> zeros(length);
+    REQUIRE(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, zeros.data()) >= 0);
+    H5Dclose(dataset);
+    H5Sclose(space);
+    H5Pclose(creation);
+}
+
+/// How a dataset in such pieces is made, packed by gzip where a level is given.
+hid_t in_pieces(hsize_t piece, int gzip = 0) {
+    const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
+    REQUIRE(H5Pset_chunk(creation, 1, &piece) >= 0);
+    if (gzip == 0) return creation;
+    REQUIRE(H5Pset_shuffle(creation) >= 0);
+    REQUIRE(H5Pset_deflate(creation, static_cast<unsigned>(gzip)) >= 0);
+    return creation;
+}
+
 /// A dataset of three numbers, made as `creation` says, which it closes.
 void make_dataset(hid_t file, const char* name, hid_t creation) {
     const hsize_t three = 3;
@@ -99,4 +122,82 @@ TEST_CASE("what a file is described by obeys no terminal") {
     const std::vector<std::string> lines = Hdf5Reader(file, "cases").describe();
     REQUIRE(lines.size() == 1);
     CHECK_THAT(lines.front(), Catch::StartsWith("/gr?[2Joup/num??bers "));
+}
+
+TEST_CASE("values that were packed by gzip are read, up to 256 MiB of a file in memory") {
+    const TemporaryFolder folder;
+    constexpr hsize_t mebibyte = 1 << 17;  // numbers
+    const std::string file = changed_file(folder, "a.h5", [](hid_t id) {
+        make_zeros(id, "/small", 1000, in_pieces(100, 9));
+        for (const char* name : {"/half", "/other_half"}) make_zeros(id, name, 100 * mebibyte, in_pieces(mebibyte, 1));
+        make_zeros(id, "/third", 100 * mebibyte, in_pieces(mebibyte, 1));
+        make_zeros(id, "/one", 3, in_pieces(257 * mebibyte, 1));  // three numbers in a piece that is unpacked whole
+    });
+    const Hdf5Reader in(file, "cases");
+    CHECK(in.vector("/small").size() == 1000);
+    for (int twice = 0; twice < 2; ++twice)  // which one is counted once
+        CHECK(in.shape("/half") == std::vector<std::size_t>{in.array("/half").values.size()});
+    CHECK(in.array("/other_half").values.size() == 100 * mebibyte);
+    CHECK_THAT(refusal<FileError>([&] { in.array("/third"); }), Contains("/third: is packed, and unpacked takes the file's datasets beyond 256 MiB"));
+    CHECK_THAT(refusal<FileError>([&] { Hdf5Reader(file, "cases").array("/one"); }), Contains("/one: is packed, and unpacked takes the file's datasets beyond 256 MiB"));
+    CHECK(in.vector("/group/numbers")[2] == 3);
+}
+
+TEST_CASE("values that are packed otherwise than by gzip, or lie in pieces that the file does not hold, are refused") {
+    const TemporaryFolder folder;
+    const std::string file = changed_file(folder, "a.h5", [](hid_t id) {
+        const hid_t bits = in_pieces(100);
+        REQUIRE(H5Pset_nbit(bits) >= 0);
+        make_zeros(id, "/bits", 1000, bits);
+        make_zeros(id, "/pieces", 1000, in_pieces(300));
+        make_zeros(id, "/row", 1000, H5Pcreate(H5P_DATASET_CREATE));
+        const hid_t absent = in_pieces(1 << 10);
+        make_dataset(id, "/absent", absent);
+    });
+    const Hdf5Reader in(file, "cases");
+    CHECK_THAT(refusal<FileError>([&] { in.array("/bits"); }), Contains("/bits: is packed by another filter than gzip"));
+    CHECK_THAT(refusal<FileError>([&] { in.array("/absent"); }), Contains("/absent: claims more values than the file can hold"));
+    for (const std::string name : {"/pieces", "/row"}) CHECK(in.vector(name).size() == 1000);
+}
+
+TEST_CASE("what a dataset claims is held against its own space, not against the size of the file") {
+    const TemporaryFolder folder;
+    const std::string file = changed_file(folder, "a.h5", [](hid_t id) {
+        make_zeros(id, "/filler", 100000, H5Pcreate(H5P_DATASET_CREATE));
+        const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
+        const hsize_t piece = 1000, many = 1000000;
+        REQUIRE(H5Pset_chunk(creation, 1, &piece) >= 0);
+        const hid_t space = H5Screate_simple(1, &many, nullptr), dataset = H5Dcreate2(id, "/claims", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+        const hsize_t start = 0;
+        const hid_t memory = H5Screate_simple(1, &piece, nullptr);
+        REQUIRE(H5Sselect_hyperslab(space, H5S_SELECT_SET, &start, nullptr, &piece, nullptr) >= 0);
+        const std::vector<double> values(piece, 1);
+        REQUIRE(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, values.data()) >= 0);  // one piece of a thousand
+        for (const hid_t one : {space, memory}) H5Sclose(one);
+        H5Dclose(dataset);
+        H5Pclose(creation);
+    });
+    const Hdf5Reader in(file, "cases");
+    CHECK(in.vector("/filler").size() == 100000);
+    CHECK_THAT(refusal<FileError>([&] { in.array("/claims"); }), Contains("/claims: claims more values than the file can hold"));
+}
+
+TEST_CASE("groups within more than 32 others, and names of more than 1024 bytes, are refused") {
+    const TemporaryFolder folder;
+    const auto deep = [&](int groups) {
+        return changed_file(folder, "deep.h5", [&](hid_t id) {
+            std::string name;
+            for (int i = 0; i < groups; ++i) {
+                name += "/g";
+                H5Gclose(H5Gcreate2(id, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+            }
+        });
+    };
+    CHECK(Hdf5Reader(deep(32), "cases").datasets().size() == 1);
+    CHECK_THAT(refusal<FileError>([&] { Hdf5Reader(deep(33), "cases").datasets(); }), Contains("is a group within more than 32 others"));
+    const auto named = [&](std::size_t bytes) {
+        return changed_file(folder, "long.h5", [&](hid_t id) { H5Gclose(H5Gcreate2(id, std::string(bytes, 'n').c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)); });
+    };
+    CHECK(Hdf5Reader(named(1024), "cases").children("/").size() == 2);
+    CHECK_THAT(refusal<FileError>([&] { Hdf5Reader(named(1025), "cases").children("/"); }), Contains("or one of more than 1024 bytes"));
 }

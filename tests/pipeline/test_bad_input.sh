@@ -19,22 +19,46 @@ refused() { # SENTENCE LINE-PATTERN: of the study as it is now, by the program a
     check "$1: earlier results are untouched" untouched
     cp -p "$scratch/good.toml" "$work/$study"
 }
+accepted() { # SENTENCE: of the study as it is now, which is nearly a refused one; elsewhere, so that nothing is planned anew
+    tissuectl plan --study $study --out "$scratch/accepted/plan.mk"
+    check "$1: accepted" exited 0
+    cp -p "$scratch/good.toml" "$work/$study"
+}
 sed -i 's/^iterations = 300/&\niteratoins = 3/' "$work/$study"
 refused "an unknown key" "$study:22: key 'training.iteratoins': is not known; allowed: "
+sed -i 's/^iterations = 300/iterations = 3/' "$work/$study"
+accepted "the key as it is spelt"
 sed -i 's/^iterations = 300/iterations = = 300/' "$work/$study"
 refused "malformed TOML" "$study:21: "
+sed -i 's/^iterations = 300/iterations =    300    # = 300/' "$work/$study"
+accepted "TOML with blanks and a comment"
 printf '\n[geometry]\nthickness_m = -1e-4\n' >>"$work/$study"
 refused "a negative thickness" "$study:24: key 'geometry.thickness_m': must be a number > 0"
+printf '\n[geometry]\nthickness_m = 1e-4\n' >>"$work/$study"
+accepted "a positive thickness"
 sed -i '3s/.*/[,lattice]/' "$work/$study"
 refused "a header that toml++ asserts cannot be" "$study:3: is not TOML"
+sed -i '3s/.*/[ "lattice" ]/' "$work/$study"
+accepted "a header with blanks and quotes"
 edit 'contact_m = \[0.00, 0.05\]' 'contact_m = [0.01, 0.05]'
 refused "a contact off the surface" "$study:14: key 'loads.paths\[0\].contact_m': .*not on the free surface"
+edit 'contact_m = \[0.00, 0.05\]' 'contact_m = [0.00, 0.075]'
+accepted "a contact elsewhere on the surface"
 edit 'also = .*' 'also = "spsa-2008"'
 refused "a value of the wrong type" "$study:20: key 'training.also': must be a list of texts"
+edit 'also = .*' 'also = []'
+accepted "a list of no text"
 edit '^based_on = .*' 'based_on = "tiny"'
 refused "a study based on itself" "key 'based_on': .*without a circle"
 edit '^based_on = .*' 'based_on = "nowhere"'
 refused "a study based on one that is not there" "fem/studies/nowhere.toml"
+cp "$work/$study" "$work/fem/studies/base.toml"
+edit '^based_on = .*' 'based_on = "base"'
+accepted "a study based on another one that is based on another"
+rm "$work/fem/studies/base.toml"
+printf '\n[indenter]\nkind = "patch"\nhalf_width_m = 0.005\n' >>"$work/$study"
+edit 'contact_m = \[0.00, 0.05\]' 'contact_m = [0.00, 0.02]'
+accepted "a patch farther than that from the fixed edge"
 printf '\n[indenter]\nkind = "patch"\nhalf_width_m = 0.005\n' >>"$work/$study"
 edit 'contact_m = \[0.00, 0.05\]' 'contact_m = [0.00, 0.01]'
 refused "a patch closer than 15 mm to the fixed edge" "$study:14: key 'loads.paths\[0\].contact_m': .*fixed edge"
@@ -71,12 +95,21 @@ bad_csv() { # SENTENCE LINE-PATTERN: left.csv as it is now
     cp -p "$scratch/left.csv" "$R/cases/left.csv"
 }
 cp -p "$R/cases/left.csv" "$scratch/left.csv"
+good_csv() { # SENTENCE: left.csv as it is now
+    tissuectl collect --study $study --paths results/tiny/cases --out "$scratch/accepted.h5"
+    check "$1: accepted" exited 0
+    cp -p "$scratch/left.csv" "$R/cases/left.csv"
+}
 head -c 4000 "$scratch/left.csv" >"$R/cases/left.csv"
 bad_csv "a load path that is cut off" 'results/tiny/cases/left.csv:[0-9]*: '
 sed '$d' "$scratch/left.csv" >"$R/cases/left.csv"
 bad_csv "a load path without its end row" 'left.csv:[0-9]*: .*truncated'
 sed '40s/[^,]*$/nan/' "$scratch/left.csv" >"$R/cases/left.csv"
 bad_csv "a load path with a NaN" "left.csv:40: field 7 is 'nan'"
+sed '40s/[^,]*$/1.25E-4/' "$scratch/left.csv" >"$R/cases/left.csv"
+good_csv "a load path with another number there"
+sed 's/$/\r/' "$scratch/left.csv" >"$R/cases/left.csv"
+good_csv "a load path with line ends of another system"
 sed '40d' "$scratch/left.csv" >"$R/cases/left.csv"
 bad_csv "a load path with a missing row" 'left.csv:[0-9]*: .*24 of 25 nodes'
 sed '1s/1$/2/' "$scratch/left.csv" >"$R/cases/left.csv"
@@ -105,6 +138,8 @@ bad_h5 "a truncated HDF5 file" cut.h5 "tissuectl: cut.h5: .*truncated"
 "$PYTHON" -c "import h5py, sys; h5py.File(sys.argv[1], 'w')['x'] = 1" "$work/foreign.h5"
 bad_h5 "a foreign HDF5 file" foreign.h5 "tissuectl: foreign.h5: .*not written by tissuectl"
 cp "$R/cases.h5" "$work/future.h5"
+tissuectl info future.h5
+check "an HDF5 file of today's version: accepted" exited 0
 "$PYTHON" -c "import h5py, sys; h5py.File(sys.argv[1], 'r+').attrs['format_version'] = 99.0" "$work/future.h5"
 bad_h5 "an HDF5 file of a future version" future.h5 "tissuectl: future.h5: .*version 99 is later"
 echo "not HDF5" >"$work/text.h5"
@@ -132,6 +167,24 @@ h = h5py.File(sys.argv[1], 'r+'); $3" "$work/bad.h5"
     tissuectl info bad.h5
     check "$1: info still tells what is in the file" exited 0
 }
+good_model() { # SENTENCE PYTHON: what it does to the model h, which stays one
+    cp "$R/model.h5" "$work/bad.h5"
+    "$PYTHON" -c "import h5py, sys
+h = h5py.File(sys.argv[1], 'r+'); $2" "$work/bad.h5"
+    run "$TISSUE_HAPTIC" bad.h5 --seconds 0.1 --no-realtime
+    check "$1, played: accepted" exited 0
+    tissuectl export bad.h5 --to numpy --out "$scratch/numpy"
+    check "$1, exported: accepted" exited 0
+}
+good_model "one_set of the right size, packed anew" "
+values, words = h['one_set'][:], dict(h['one_set'].attrs)
+del h['one_set']
+h.create_dataset('one_set', data=values, chunks=True, compression='gzip', shuffle=True).attrs.update(words)"
+good_model "another stiffness" "h['trained/spsa/theta'][0, 1] *= 1.5"
+bad_model "one_set packed as none of ours is" "/one_set: is packed by another filter than gzip" "
+values, words = h['one_set'][:], dict(h['one_set'].attrs)
+del h['one_set']
+h.create_dataset('one_set', data=values, chunks=True, compression='lzf').attrs.update(words)"
 bad_model "one_set of a wrong size" "/one_set: is 3, wanted S = " "put('one_set', [1., 2., 3.])"
 bad_model "contacts of one column" "/cases/contact: is 4 x 1, wanted C = 4 x D = 2" "put('cases/contact', h['cases/contact'][:, :1])"
 bad_model "a spring to nowhere" "/mesh/springs: value 0 is nan" "put('mesh/springs', h['mesh/springs'][:] * 1.); h['mesh/springs'][0, 0] = float('nan')"
