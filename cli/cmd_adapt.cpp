@@ -5,6 +5,8 @@
 #include <iostream>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <sstream>
+#include <utility>
 
 #include "adapt/adapted_model.h"
 #include "adapt/next_poke.h"
@@ -135,15 +137,23 @@ class Lines {
 
 void run(const Options& o, Provenance provenance) {
     provenance.inputs[std::filesystem::path(o.model).filename().string()] = file_hash(o.model);
-    if (!o.stream) provenance.inputs[std::filesystem::path(o.data).filename().string()] = file_hash(o.data);
+    const bool standard_input = o.data == "-";
+    const std::string name = standard_input ? "standard input" : o.data;
+    std::istringstream read_once;  // a pipe gives what is in it once
+    if (!o.stream) {
+        std::string text = standard_input ? read_all(std::cin, name) : read_file(o.data);
+        provenance.inputs[std::filesystem::path(o.data).filename().string()] = text_hash(text);
+        read_once.str(std::move(text));
+    }
     const std::unique_ptr<Adaptation> adaptation = o.live ? live_adaptation(o.model) : read_adaptation(o.model, o.adapt);
     if (o.forget) adaptation->forget();
     if (!o.live) adaptation->read_at_rest(o.readings == "long-term");
     const int D = adaptation->base().mesh.dimension();
     Lines lines(o, D);
     lines.begin(*adaptation);
-    const bool standard_input = o.data == "-";
-    auto rows = standard_input ? std::make_unique<PokeLines>(std::cin, "standard input", D) : std::make_unique<PokeLines>(o.data, D);
+    auto rows = !o.stream        ? std::make_unique<PokeLines>(read_once, name, D)
+                : standard_input ? std::make_unique<PokeLines>(std::cin, name, D)
+                                 : std::make_unique<PokeLines>(o.data, D);
     // a file is read to its end before anything is learned from it: one with a bad line is refused as a whole
     std::vector<PokeLines::Row> whole;
     while (!o.stream) {
@@ -167,7 +177,7 @@ void run(const Options& o, Provenance provenance) {
         if (answer.status == PokeStatus::learned) write_adapted_model(o.out, *adaptation, provenance);
         lines.next(*adaptation);
     }
-    if (read == 0) throw FileError(fmt::format("{}: has no rows", standard_input ? "standard input" : o.data));
+    if (read == 0) throw FileError(name + ": has no rows");
     write_adapted_model(o.out, *adaptation, provenance);
     if (!o.stream) lines.next(*adaptation);
     const Adaptation::State& state = adaptation->state();

@@ -22,12 +22,12 @@ struct Options {
 void run(const Options& o, Provenance provenance) {
     const Study study = read_study(o.study);
     if (!study.data) throw StudyError(o.study + ": has no [data]; measured contacts have no place in it");
+    provenance.inputs[std::filesystem::path(o.data).filename().string()] = file_hash(o.data);  // first: a pipe would wait for a second writer
+    if (!o.histories.empty()) provenance.inputs[std::filesystem::path(o.histories).filename().string()] = file_hash(o.histories);
     const MeasuredTable table = read_measured_csv(o.data);
     Cases cases = measured_cases(study, table);
     if (!o.histories.empty()) cases.histories = read_measured_histories(study, o.histories);
     provenance.seed = study.data->seed;
-    provenance.inputs[std::filesystem::path(o.data).filename().string()] = file_hash(o.data);
-    if (!o.histories.empty()) provenance.inputs[std::filesystem::path(o.histories).filename().string()] = file_hash(o.histories);
     write_cases(o.out, cases, provenance);
 
     const Measurement& m = *cases.measurement;

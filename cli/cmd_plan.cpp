@@ -1,7 +1,6 @@
 #include <filesystem>
 
 #include "command.h"
-#include "error.h"
 #include "io/atomic_file.h"
 #include "cases/plan.h"
 #include "cases/study_mesh.h"
@@ -16,9 +15,8 @@ struct Options {
 void run(const Options& o) {
     const Study study = read_study(o.study);
     const std::filesystem::path folder = std::filesystem::path(o.out).parent_path() / "plan";
+    const Folder made(folder.string(), folder.string(), Folder::Missing::make);
     std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error) throw FileError(folder.string() + ": cannot make the folder: " + error.message());
     // a mesh made from something else than the study's shape as it is now is none
     Plan plan = make_plan(study);
     bool stale = o.mesh.empty() || !std::filesystem::exists(o.mesh, error);

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "error.h"
+#include "io/folder.h"
 
 namespace tissue::cli {
 namespace {
@@ -24,8 +25,8 @@ std::string header(int dimension) {
 }
 
 /// Why a file may not be begun anew; empty when it is empty, or a journal without a reading.
-std::string in_the_way(const std::string& file) {
-    std::ifstream in(file);
+std::string in_the_way(int descriptor) {
+    std::ifstream in(fmt::format("/proc/self/fd/{}", descriptor));
     std::string begins(header(3).size() + 1, '\0');
     in.read(begins.data(), static_cast<std::streamsize>(begins.size()));
     begins.resize(static_cast<std::size_t>(in.gcount()));
@@ -46,12 +47,16 @@ Journal::Journal(const std::string& file, int dimension) : file_(file) {
         if (out_ >= 0) ::close(out_);
         throw FileError(fmt::format("{}: {}", file_, why));
     };
-    out_ = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+    const OpenPlace place = place_behind_links(file);
+    // what is open already shares its place with whoever else writes there
+    out_ = place.is_open_as >= 0 ? ::fcntl(place.is_open_as, F_DUPFD_CLOEXEC, 0)
+                                 : ::openat(place.folder.descriptor(), place.name.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (out_ < 0) refuse(fmt::format("cannot be written: {}", std::strerror(errno)));
     struct stat is {};
-    if (::fstat(out_, &is) == 0 && S_ISREG(is.st_mode)) {  // a pipe has neither rows nor an end
+    if (place.is_open_as < 0 && ::fstat(out_, &is) == 0 && S_ISREG(is.st_mode)) {  // a pipe has neither rows nor an end
         if (::flock(out_, LOCK_EX | LOCK_NB) != 0) refuse(errno == EWOULDBLOCK ? "another session writes it" : fmt::format("cannot be locked: {}", std::strerror(errno)));
-        if (const std::string why = in_the_way(file); !why.empty()) refuse(why + ": name another file, or take it away");
+        if (is.st_nlink > 1) refuse("is a link to a file that has other names, too: name another file, or take it away");
+        if (const std::string why = in_the_way(out_); !why.empty()) refuse(why + ": name another file, or take it away");
         if (::ftruncate(out_, 0) != 0) refuse(fmt::format("cannot be written: {}", std::strerror(errno)));
     }
     if (!write(header(dimension))) refuse("cannot be written");

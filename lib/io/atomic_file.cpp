@@ -13,11 +13,10 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <sstream>
+#include <utility>
 #include <vector>
 
 #include "error.h"
-#include "io/beside.h"
 
 namespace tissue {
 namespace {
@@ -55,42 +54,35 @@ void keep(int descriptor, const std::string& file) {
     if (const int copy = ::dup(descriptor); copy < 0 || ::close(copy) != 0) fail(file, "write");
 }
 
+Beside beside(const std::string& file) {
+    // a new file would take the place of a device, a pipe, or the link /dev/stdout: root may do that
+    struct stat there {};
+    const bool special = ::stat(file.c_str(), &there) == 0 && !S_ISREG(there.st_mode) && !S_ISDIR(there.st_mode);
+    if (special || file.rfind("/dev/std", 0) == 0 || file.rfind("/dev/fd/", 0) == 0) throw FileError(file + ": is a device or a pipe, wanted a file");
+    if (!file.empty() && file.back() == '/') throw FileError(file + ": is a folder's name, wanted a file's");
+    return make_file_beside(file);
+}
+
 std::string digits(const XXH128_hash_t& hash) {
     return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
 }
 
 }  // namespace
 
-NewFile::NewFile(std::string file) : file_(std::move(file)) {
-    // a new file would take the place of a device, a pipe, or the link /dev/stdout: root may do that
-    struct stat there {};
-    const bool special = ::stat(file_.c_str(), &there) == 0 && !S_ISREG(there.st_mode) && !S_ISDIR(there.st_mode);
-    if (special || file_.rfind("/dev/std", 0) == 0 || file_.rfind("/dev/fd/", 0) == 0) throw FileError(file_ + ": is a device or a pipe, wanted a file");
-    const Beside beside = make_file_beside(file_);
-    temporary_ = beside.name;
-    descriptor_ = beside.descriptor;
-}
+NewFile::NewFile(std::string file) : file_(std::move(file)), beside_(beside(file_)) {}
 
 NewFile::~NewFile() {
-    if (descriptor_ < 0) return;
-    ::unlink(temporary_.c_str());
-    ::close(descriptor_);
+    if (beside_.descriptor < 0) return;
+    ::unlinkat(beside_.folder.descriptor(), beside_.name.c_str(), 0);
+    ::close(beside_.descriptor);
 }
 
 void NewFile::move_into_place() {
-    keep(descriptor_, file_);
-    if (std::rename(temporary_.c_str(), file_.c_str()) != 0) fail(file_, "write");
-    ::close(descriptor_);
-    descriptor_ = -1;
-    const std::filesystem::path folder = std::filesystem::path(file_).parent_path();
-    keep_names(folder.empty() ? "." : folder.string());
-}
-
-void keep_names(const std::string& folder) noexcept {
-    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (descriptor < 0) return;
-    ::fsync(descriptor);
-    ::close(descriptor);
+    keep(beside_.descriptor, file_);
+    const int folder = beside_.folder.descriptor();
+    if (::renameat(folder, beside_.name.c_str(), folder, beside_.place.c_str()) != 0) fail(file_, "write");
+    ::close(std::exchange(beside_.descriptor, -1));
+    beside_.folder.keep_names();
 }
 
 void write_file(const std::string& file, const std::string& content) {
@@ -99,12 +91,12 @@ void write_file(const std::string& file, const std::string& content) {
     beside.move_into_place();
 }
 
-void write_new_file(const std::string& file, const std::string& content) {
-    const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (descriptor < 0) fail(file, "write");
+void write_new_file(const OpenFolder& folder, const std::string& name, const std::string& named, const std::string& content) {
+    const int descriptor = ::openat(folder.descriptor(), name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (descriptor < 0) fail(named, "write");
     const std::unique_ptr<const int, void (*)(const int*)> closed(&descriptor, [](const int* d) { ::close(*d); });
-    write_all(descriptor, file, content);
-    keep(descriptor, file);
+    write_all(descriptor, named, content);
+    keep(descriptor, named);
 }
 
 bool write_file_if_changed(const std::string& file, const std::string& content) {
@@ -119,13 +111,24 @@ std::string read_file(const std::string& file) {
     std::error_code error;
     if (const auto size = std::filesystem::file_size(file, error); !error && size > largest_text)
         throw FileError(fmt::format("{}: has {} bytes; at most {} are read", file, size, largest_text));
-    std::ostringstream content;
-    content << in.rdbuf();
-    if (in.bad()) fail(file, "read");
-    return content.str();
+    errno = 0;
+    return read_all(in, file);
+}
+
+std::string read_all(std::istream& in, const std::string& named) {
+    std::string content;
+    std::vector<char> piece(1 << 16);
+    while (in.read(piece.data(), static_cast<std::streamsize>(piece.size())) || in.gcount() > 0) {
+        content.append(piece.data(), static_cast<std::size_t>(in.gcount()));
+        if (content.size() > largest_text) throw FileError(fmt::format("{}: has more than {} bytes, which are read at most", named, largest_text));
+    }
+    if (in.bad()) fail(named, "read");
+    return content;
 }
 
 std::string file_hash(const std::string& file) {
+    std::error_code error;
+    if (std::filesystem::is_fifo(file, error)) throw FileError(file + ": is a pipe, wanted a file: it is read twice");
     std::ifstream in = opened(file);
     const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(), XXH3_freeState);
     XXH3_128bits_reset(state.get());

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include "error.h"
 
@@ -24,9 +25,10 @@ constexpr std::string_view before_digits = ".tissue-", ending = ".tmp";
 constexpr std::size_t drawn_digits = 8;
 
 /// Whether `name` is still what is open. A link is not.
-bool is_open_as(int descriptor, const std::string& name) {
+bool is_open_as(int descriptor, const OpenFolder& folder, const std::string& name) {
     struct stat ours {}, there {};
-    return ::fstat(descriptor, &ours) == 0 && ::lstat(name.c_str(), &there) == 0 && ours.st_ino == there.st_ino && ours.st_dev == there.st_dev;
+    return ::fstat(descriptor, &ours) == 0 && ::fstatat(folder.descriptor(), name.c_str(), &there, AT_SYMLINK_NOFOLLOW) == 0 &&
+           ours.st_ino == there.st_ino && ours.st_dev == there.st_dev;
 }
 
 bool locked(int descriptor, int how) { return ::flock(descriptor, how | LOCK_NB) == 0; }
@@ -39,51 +41,50 @@ bool drawn_for(const std::string& last, const std::string& name) {
 }
 
 /// Removes what a killed program has left: of this user, and nobody holds its lock.
-void remove_left_over(const std::filesystem::path& place) {
-    const std::filesystem::path folder = place.has_parent_path() ? place.parent_path() : ".";
+void remove_left_over(const FilePlace& place) {
     std::error_code error;
-    for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-        if (!drawn_for(place.filename().string(), entry->path().filename().string())) continue;
-        const std::string name = entry->path().string();
-        const int descriptor = ::open(name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    for (std::filesystem::directory_iterator entry(place.folder.path_of(""), error), end; !error && entry != end; entry.increment(error)) {
+        const std::string name = entry->path().filename().string();
+        if (!drawn_for(place.name, name)) continue;
+        const int descriptor = ::openat(place.folder.descriptor(), name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
         if (descriptor < 0) continue;
         struct stat status {};
         std::error_code ignored;
-        if (::fstat(descriptor, &status) == 0 && status.st_uid == ::geteuid() && locked(descriptor, LOCK_EX) && is_open_as(descriptor, name))
-            std::filesystem::remove_all(name, ignored);
+        if (::fstat(descriptor, &status) == 0 && status.st_uid == ::geteuid() && locked(descriptor, LOCK_EX) && is_open_as(descriptor, place.folder, name))
+            std::filesystem::remove_all(place.folder.path_of(name), ignored);
         ::close(descriptor);
     }
 }
 
-std::string drawn_name(const std::string& place) {
+std::string drawn_name(const std::string& last, const std::string& named) {
     std::uint32_t drawn = 0;
-    if (::getrandom(&drawn, sizeof drawn, 0) != sizeof drawn) throw FileError(place + ": cannot write: the system gives no random numbers");
-    return fmt::format("{}{}{:08x}{}", place, before_digits, drawn, ending);
+    if (::getrandom(&drawn, sizeof drawn, 0) != sizeof drawn) throw FileError(named + ": cannot write: the system gives no random numbers");
+    return fmt::format("{}{}{:08x}{}", last, before_digits, drawn, ending);
 }
 
 /// A descriptor of what is new, or -1: errno says why, EEXIST where another name may do. Who else may read and write it, the umask says.
-int make(const std::string& name, Kind kind) {
-    if (kind == Kind::file) return ::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (::mkdir(name.c_str(), 0777) != 0) return -1;
-    const int descriptor = ::open(name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+int make(const OpenFolder& folder, const std::string& name, Kind kind) {
+    if (kind == Kind::file) return ::openat(folder.descriptor(), name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (::mkdirat(folder.descriptor(), name.c_str(), 0777) != 0) return -1;
+    const int descriptor = ::openat(folder.descriptor(), name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
     if (descriptor < 0 && errno == ENOENT) errno = EEXIST;  // made, and removed by another program, which took it for left over
     return descriptor;
 }
 
-Beside make_beside(std::string place, Kind kind) {
-    while (place.size() > 1 && place.back() == '/') place.pop_back();
+Beside make_beside(const std::string& named, Kind kind) {
+    FilePlace place = place_of(named);
     remove_left_over(place);
     for (int tries = 0; tries < 100; ++tries) {  // another program may draw the same, or remove what it takes for left over
-        const std::string name = drawn_name(place);
-        const int descriptor = make(name, kind);
+        const std::string name = drawn_name(place.name, named);
+        const int descriptor = make(place.folder, name, kind);
         if (descriptor < 0 && errno == EEXIST) continue;
-        if (descriptor < 0) throw FileError(fmt::format("{}: cannot write: {}", place, std::strerror(errno)));
+        if (descriptor < 0) throw FileError(fmt::format("{}: cannot write: {}", named, std::strerror(errno)));
         // shared: the file has its final name a moment before it is closed, and HDF5 opens no file that is locked exclusively
         const bool ours = locked(descriptor, LOCK_SH) || errno != EWOULDBLOCK;  // some network disks have no locks
-        if (ours && is_open_as(descriptor, name)) return {name, descriptor};
+        if (ours && is_open_as(descriptor, place.folder, name)) return {std::move(place.folder), place.name, name, descriptor};
         ::close(descriptor);
     }
-    throw FileError(place + ": cannot write: no name beside it is free");
+    throw FileError(named + ": cannot write: no name beside it is free");
 }
 
 }  // namespace

@@ -2,13 +2,17 @@
 
 #include <string>
 
+#include "io/folder.h"
+
 namespace tissue {
 
 /// What becomes a file or a folder, made beside it under a name that is drawn: `NAME.tissue-XXXXXXXX.tmp`, never one that is there. So what
 /// somebody has planted beside it, a link included, is neither followed nor taken over. Who may read and write it, the umask says.
 struct Beside {
-    std::string name;
-    int descriptor;  ///< holds the lock that says: somebody is at work here
+    OpenFolder folder;
+    std::string place;  ///< the name there that it is to get
+    std::string name;   ///< the name there that it has
+    int descriptor;     ///< holds the lock that says: somebody is at work here
 };
 
 /// Also removes what a killed program has left beside: what is of such a name and of this user, and nobody holds the lock of. Throws
@@ -16,11 +20,7 @@ struct Beside {
 Beside make_file_beside(const std::string& place);
 Beside make_folder_beside(const std::string& place);
 
-/// A file that is not there yet, in a folder that is this program's alone; its content is on the disk. Throws FileError.
-void write_new_file(const std::string& file, const std::string& content);
-
-/// Forces a folder's names onto the disk, after a rename: else a machine that loses power may come back with the old file. A failure is no error:
-/// content and names are whole either way, not every disk can do it, and a folder that may not be read cannot be asked.
-void keep_names(const std::string& folder) noexcept;
+/// A file that is not there yet; its content is on the disk. Throws FileError, which begins with `named`.
+void write_new_file(const OpenFolder& folder, const std::string& name, const std::string& named, const std::string& content);
 
 }  // namespace tissue

@@ -46,6 +46,17 @@ check "a file with a bad line is refused" sh -c "! '$TISSUECTL' adapt '$model' -
 check "in one line with file, line and cause" grep -q "with_bad.csv:7: has 1 fields, the header 6 columns" "$scratch/log"
 check "and nothing is written" absent "$scratch/none.h5"
 
+# ---- pipes, which give what is in them once
+mkfifo "$scratch/pokes"
+cat "$pokes" >"$scratch/pokes" &
+check "pokes out of a pipe are learned from" timeout 600 "$TISSUECTL" adapt "$model" --data "$scratch/pokes" --out "$scratch/piped.h5"
+wait $!
+check "to the last bit as out of a file" same_learned "$scratch/whole.h5" "$scratch/piped.h5"
+check "and so are those of standard input that is no stream" sh -c "'$TISSUECTL' adapt '$model' --data - --out '$scratch/piped.h5' <'$pokes'"
+check "to the last bit, too" same_learned "$scratch/whole.h5" "$scratch/piped.h5"
+check "one that brings nothing is refused" sh -c "! '$TISSUECTL' adapt '$model' --data - --out '$scratch/none.h5' </dev/null 2>'$scratch/log'"
+check "in one line" grep -q '^tissuectl: standard input: has no rows' "$scratch/log"
+
 # ---- half by half, back, and forgotten
 adapt "$model" --data "$pokes" --first 20 --out "$scratch/half.h5"
 { head -n 1 "$pokes"; tail -n +22 "$pokes"; } >"$scratch/rest.csv"
@@ -87,6 +98,28 @@ for text in 'my notes, in one line' 'my notes\n' 'contact_x [m],contact_y [m],di
     check "and it stands as it was" cmp "$scratch/notes.txt" "$scratch/notes-before.txt"
 done
 head -n 1 "$scratch/live.csv" >"$scratch/begun.csv"
+journal() { timeout 600 "$TISSUE_HAPTIC" "$model" --seconds 0.1 --no-realtime --learn "$scratch/none.h5" --journal "$1" 2>"$scratch/log"; }
+head -n 1 "$scratch/live.csv" >"$scratch/header"
+begins() { head -n 1 "$1" | cmp - "$scratch/header"; }
+journal /dev/stdout >"$scratch/out"
+check "standard output takes a journal" grep -qxFf "$scratch/header" "$scratch/out"
+journal /dev/stdout | cat >"$scratch/out"
+check "and so does a pipe there" grep -qxFf "$scratch/header" "$scratch/out"
+ln -s linked.csv "$scratch/own-link.csv"
+journal "$scratch/own-link.csv" >"$scratch/out"
+check "a link of one's own leads to a journal" begins "$scratch/linked.csv"
+: >"$scratch/precious"
+ln "$scratch/precious" "$scratch/hard.csv"
+check "a hard link is not written through" sh -c "! '$TISSUE_HAPTIC' '$model' --seconds 0.1 --learn '$scratch/none.h5' --journal '$scratch/hard.csv' 2>'$scratch/log'"
+check "in one line" grep -q '^tissue-haptic: .*/hard.csv: is a link to a file that has other names' "$scratch/log"
+ln -s precious "$scratch/planted.csv"
+if chown -h 65534 "$scratch/planted.csv" 2>/dev/null; then
+    check "nor is a link of another user" sh -c "! '$TISSUE_HAPTIC' '$model' --seconds 0.1 --learn '$scratch/none.h5' --journal '$scratch/planted.csv' 2>'$scratch/log'"
+    check "in one line, too" grep -q "^tissue-haptic: .*/planted.csv: cannot write: 'planted.csv' is a link of another user" "$scratch/log"
+else
+    skip "a link of another user" "only root can make one"
+fi
+check "and what they lead to stays empty" test ! -s "$scratch/precious"
 check "one without readings is begun anew" "$TISSUE_HAPTIC" "$model" --seconds 0.1 --learn "$scratch/begun.h5" --journal "$scratch/begun.csv" >"$scratch/out" 2>"$scratch/log"
 : >"$scratch/held.csv"
 check "nor is one that another session writes" sh -c "! flock '$scratch/held.csv' '$TISSUE_HAPTIC' '$model' --seconds 0.1 --learn '$scratch/none.h5' --journal '$scratch/held.csv' 2>'$scratch/log'"

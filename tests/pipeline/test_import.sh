@@ -83,6 +83,10 @@ rm "$data"
 tissuectl import fem/data/tiny.csv --study fem/studies/tiny.toml --out results/tiny/cases.h5
 check "a CSV that is not there: exit 1" exited 1
 check "one line names it" one_line '^tissuectl: fem/data/tiny.csv: '
+mkfifo "$data"
+run timeout 60 build/release/tissuectl import fem/data/tiny.csv --study fem/studies/tiny.toml --out results/tiny/cases.h5
+check "a pipe: one line, and nothing waits for it" one_line '^tissuectl: fem/data/tiny.csv: is a pipe, wanted a file'
+rm "$data"
 tissuectl import fem/data/block_measured.csv --study fem/studies/paper.toml --out results/tiny/cases.h5
 check "a study without [data]: one line says so" one_line '^tissuectl: fem/studies/paper.toml: has no \[data\]'
 tissuectl train --study fem/studies/paper.toml --cases results/tiny/cases.h5 --out results/tiny/model.h5
