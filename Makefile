@@ -38,8 +38,8 @@ $(error STUDY= is empty: name one of fem/studies, without its ending)
 endif
 STUDIES := $(call files,fem/studies/*.toml fem/materials/*.toml)
 R := results/$(STUDY)
-ifneq (xy,x$(call strange,$(value R))y)
-$(error R=$(call quoted,$(value R)): a folder's name here is of letters, digits and . _ - + / alone)
+ifneq (xy,x$(call strange,$(value R))$(filter -%,$(value R))y)
+$(error R=$(call quoted,$(value R)): a folder's name here is of letters, digits and . _ - + / alone and does not begin with -)
 endif
 RUN ?=
 PYTHON ?= /usr/bin/python3
@@ -114,13 +114,19 @@ doors: $(BUILD)/libtissue.so.1 $(PYTHON_MODULE)
 ## deps: name and install missing packages
 deps: build/deps
 
+# by the environment: names may have blanks and quotes in them
+install uninstall: export PREFIX := $(PREFIX)
+install uninstall: export DESTDIR := $(DESTDIR)
+install: export PYTHON := $(PYTHON)
+install: export CXX := $(CXX)
+
 ## install: programs, libraries, headers, pkg-config files, Python module, man pages and completions, under PREFIX
 install: build doors $(BUILD)/libtissue.a
-	@PREFIX='$(PREFIX)' DESTDIR='$(DESTDIR)' PACKAGES='$(PACKAGES)' PYTHON='$(PYTHON)' CXX='$(CXX)' CXXFLAGS='$(filter -m% -DEIGEN_%,$(CXXFLAGS))' scripts/install $(BUILD)
+	@PACKAGES='$(PACKAGES)' CXXFLAGS='$(filter -m% -DEIGEN_%,$(CXXFLAGS))' scripts/install $(BUILD)
 
 ## uninstall: take away what install put under PREFIX
 uninstall:
-	@PREFIX='$(PREFIX)' DESTDIR='$(DESTDIR)' scripts/install --remove
+	@scripts/install --remove
 
 ## doctor: versions of every tool, what is missing and how to get it
 doctor: $(TISSUECTL)
@@ -322,7 +328,7 @@ shape_mesh = echo "mesh  $(R)/mesh.msh" && words=$$($(TISSUECTL) shape --study f
   scripts/mesh $(R)/mesh.msh $$words -- $(TISSUECTL) shape --study fem/studies/$(STUDY).toml
 $(R)/plan.mk: $(R)/mesh.made
 $(R)/mesh.made: $(wildcard $(SHAPE)) $(R)/plan/shape $(BUILD)/stage/shape scripts/mesh scripts/run_gmsh $(FILLED) | $(TISSUECTL)
-	@$(shape_mesh) && touch $@
+	@$(shape_mesh) && scripts/own_file $@ && touch $@
 
 $(R)/mesh.msh: | $(R)/mesh.made  # a lost one
 	@[ -e $@ ] || { $(shape_mesh); }
@@ -342,11 +348,11 @@ $(R)/cases.h5: $(PATHS:%=$(R)/cases/%.csv) | $(TISSUECTL)
 FIRST := $(R)/first
 first: $(patsubst %,$(R)/cases/%.csv,$(FIRST_TRAINED)) | $(TISSUECTL)
 	@[ -n "$(TRAINED)" ] || { echo "first: study '$(STUDY)' has no load paths to train on" >&2; exit 2; }
-	@mkdir -p $(FIRST)
+	@scripts/folder $(FIRST)
 	@newest=$$(ls -td $(TRAINED_MADE_OF) $(call files,fem/*.edp fem/*.idp) scripts/solve_path | head -n 1); solved=; for path in $(TRAINED); do \
 	    [ ! $(R)/cases/$$path.csv -nt $(R)/plan/path-$$path ] || [ ! $(R)/cases/$$path.csv -nt "$$newest" ] || solved=$$solved,$$path; \
 	  done; echo "first  $$(echo $$solved | tr -cd , | wc -c) of $(words $(TRAINED)) load paths to train on"; \
-	  $(TISSUECTL) collect --study fem/studies/$(STUDY).toml $(MESH_OPTION) --paths $(R)/cases --only "$${solved#,}" --out $(FIRST)/cases.h5
+	  $(TISSUECTL) collect --study fem/studies/$(STUDY).toml $(MESH_OPTION) --paths $(R)/cases --only="$${solved#,}" --out $(FIRST)/cases.h5
 	@$(TISSUECTL) train --study fem/studies/$(STUDY).toml --cases $(FIRST)/cases.h5 --out $(FIRST)/model.h5 || [ $$? = 3 ]
 
 $(R)/model.h5: $(R)/cases.h5 $(BUILD)/stage/train | $(TISSUECTL)
@@ -358,7 +364,7 @@ $(R)/eval.json $(R)/report.md &: $(R)/model.h5 $(R)/cases.h5 $(BUILD)/stage/eval
 	  --report $(R)/report.md
 
 $(R)/figures/%.png: $(R)/cases.h5 $(R)/model.h5 $(R)/eval.json $(call files,scripts/figures/*.py)
-	@mkdir -p $(@D)
+	@scripts/folder $(@D)
 	@echo "draw  $@"
 	@$(PYTHON) scripts/figures/draw.py $* $(R) $@
 
@@ -381,13 +387,13 @@ regress: | build/deps
 
 ## trust: where FE stops being trustworthy, as results/reference/trust.png
 trust: | build/deps
-	@mkdir -p results/trust
+	@scripts/folder results/trust
 	@FF_LOADPATH="$$(scripts/freefem_plugins)" $(PYTHON) scripts/trust_study.py --out results/trust/trust.csv
 	@$(PYTHON) scripts/figures/trust.py results/trust/trust.csv results/reference/trust.png
 
 ## realtime: press the 1 kHz simulation at the study's contacts until it rests; drawn as figures/motion.png
 realtime: $(R)/realtime.json
-	@mkdir -p $(R)/figures
+	@scripts/folder $(R)/figures
 	@$(PYTHON) scripts/figures/motion.py $< $(R)/figures/motion.png
 
 $(R)/realtime.json: $(R)/model.h5 $(R)/cases.h5 $(TISSUE_HAPTIC)
@@ -396,7 +402,7 @@ $(R)/realtime.json: $(R)/model.h5 $(R)/cases.h5 $(TISSUE_HAPTIC)
 ## ablation: train and try the study's variants on its drawn contacts
 ablation: $(R)/cases.h5 $(TISSUECTL)
 	@$(TISSUECTL) ablate --study fem/studies/$(STUDY).toml --cases $< --out $(R)/ablation.json
-	@mkdir -p $(R)/figures
+	@scripts/folder $(R)/figures
 	@$(PYTHON) scripts/figures/ablation.py $(R)/ablation.json $(R)/figures/ablation.png
 
 FELUPE := tests/fem/felupe_patch.py tests/fem/felupe_solid.py

@@ -95,6 +95,49 @@ check "uninstall leaves what others put there" test "$(find "$prefix" -type f)" 
 place --remove PREFIX="$prefix"
 check "uninstalling what is not there: exit 1" exited 1
 check "uninstalling what is not there: one line" one_line '^install: .*nothing is installed there'
+odd="$scratch/it's \"a\" place"
+place "$build" PREFIX="$odd" DESTDIR=/
+check "a PREFIX with blanks and quotes, and DESTDIR=/: exit 0" exited 0
+check "a PREFIX with blanks and quotes: it is there" exist "$odd/bin/tissuectl" "$odd/include/tissue/haptic/device.h"
+check "its pkg-config file names it" sh -c 'export PKG_CONFIG_PATH="$1/lib/pkgconfig"
+    eval "set -- \"\$1\" $(pkg-config --cflags tissue-c)" && [ "$2" = "-I$1/include" ] || { printf "%s\n" "$@"; exit 1; }' - "$odd"
+place --remove PREFIX="$odd" DESTDIR=/
+check "and goes again" test -z "$(find "$odd" ! -type d)"
+odd="$scratch/it's a stage"
+run make -C "$root" uninstall PREFIX="$odd"
+check "make hands on a PREFIX with blanks and quotes" says "^install: $odd/share/doc.*nothing is installed there"
+run make -C "$root" uninstall PREFIX=/p DESTDIR="$odd"
+check "make hands on a DESTDIR with blanks and quotes" says "^install: $odd/p/share/doc.*nothing is installed there"
+run env HOME="$scratch/home" make -C "$root" uninstall PREFIX='$(HOME)/x'
+check "make expands what it is given as ever" says "^install: $scratch/home/x/share/doc/tissuectl/manifest: there is no such file"
+run env HOME="$scratch/home" PREFIX="$scratch/of the environment" make -C "$root" uninstall
+check "and takes PREFIX from the environment" says "^install: $scratch/of the environment/share"
+
+# ---- links, and lists that are none of ours
+mkdir "$scratch/linked" "$scratch/elsewhere"
+ln -s "$scratch/elsewhere" "$scratch/linked/lib"
+place "$build" PREFIX="$scratch/linked"
+check "a folder that is a link of one's own: exit 0" exited 0
+check "it is followed" exist "$scratch/elsewhere/libtissue.a"
+if chown -h 65534 "$scratch/linked/lib" 2>/dev/null; then
+    place --remove PREFIX="$scratch/linked"
+    check "one of another user: uninstall fails" exited 1
+    check "one of another user: one line names it" one_line "'lib' is a link of another user, which is not followed"
+    check "nothing is removed through it" exist "$scratch/elsewhere/libtissue.a"
+    rm "$scratch/elsewhere/libtissue.a"
+    place "$build" PREFIX="$scratch/linked"
+    check "one of another user: install fails" exited 1
+    check "nothing is installed through it" absent "$scratch/elsewhere/libtissue.a"
+else
+    skip "a link of another user" "only root can make one"
+fi
+for line in ../mine /mine lib/../../mine ''; do
+    mkdir -p "$scratch/foreign/share/doc/tissuectl" && echo mine >"$scratch/mine"
+    printf 'bin/x..y\n%s\n' "$line" >"$scratch/foreign/share/doc/tissuectl/manifest"
+    place --remove PREFIX="$scratch/foreign"
+    check "a list with '$line' in it: one line" one_line '^install: .*manifest is not a list of ours'
+    check "a list with '$line' in it: nothing is removed" exist "$scratch/mine"
+done
 place "$build" PREFIX=here
 check "a PREFIX that is not absolute is refused" one_line "PREFIX must be an absolute path, not 'here'"
 finish
