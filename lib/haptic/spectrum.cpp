@@ -1,9 +1,7 @@
 #include "haptic/spectrum.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/SparseCholesky>
 #include <cmath>
-#include <vector>
 
 namespace tissue {
 namespace {
@@ -132,14 +130,13 @@ double largest_eigenvalue(const RealtimeMesh& mesh, const Eigen::SparseMatrix<do
     return largest_of(mesh, ScaledTangent(mesh, tangent));
 }
 
-double smallest_eigenvalue(const RealtimeMesh& mesh, const Eigen::SparseMatrix<double>& tangent) {
+SlowestMode::SlowestMode(const RealtimeMesh& mesh, const Eigen::SparseMatrix<double>& tangent) {
     const int D = mesh.dimension();
     std::vector<int> number(static_cast<std::size_t>(tangent.rows()), -1);
-    std::vector<double> mass;
     for (int node = 0; node < mesh.node_count(); ++node)
         for (int axis = 0; axis < D && !mesh.fixed(node); ++axis) {
-            number[static_cast<std::size_t>(D * node + axis)] = static_cast<int>(mass.size());
-            mass.push_back(mesh.mass()[node]);
+            number[static_cast<std::size_t>(D * node + axis)] = static_cast<int>(node_.size());
+            node_.push_back(node);
         }
     std::vector<Eigen::Triplet<double>> entries;
     for (int column = 0; column < tangent.outerSize(); ++column)
@@ -147,13 +144,18 @@ double smallest_eigenvalue(const RealtimeMesh& mesh, const Eigen::SparseMatrix<d
             const int i = number[static_cast<std::size_t>(it.row())], j = number[static_cast<std::size_t>(column)];
             if (i >= 0 && j >= 0) entries.emplace_back(i, j, it.value());
         }
-    const auto n = static_cast<Eigen::Index>(mass.size());
+    const auto n = static_cast<Eigen::Index>(node_.size());
     Eigen::SparseMatrix<double> K(n, n);
     K.setFromTriplets(entries.begin(), entries.end());
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(K);
-    if (n == 0 || factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 0)) return 0;
-    return smallest_of(Eigen::Map<const Eigen::VectorXd>(mass.data(), n), [&](Eigen::VectorXd& x) { x = factor.solve(x).eval(); });
+    factor_.compute(K);
 }
+
+double SlowestMode::of(const Eigen::VectorXd& node_mass_kg) const {
+    if (node_.empty() || factor_.info() != Eigen::Success || !(factor_.vectorD().minCoeff() > 0)) return 0;
+    return smallest_of(node_mass_kg(node_), [&](Eigen::VectorXd& x) { x = factor_.solve(x).eval(); });
+}
+
+double smallest_eigenvalue(const RealtimeMesh& mesh, const Eigen::SparseMatrix<double>& tangent) { return SlowestMode(mesh, tangent).of(mesh.mass()); }
 
 double smallest_eigenvalue(const RealtimeMesh& mesh, const Eigen::VectorXd& theta) {
     if (mesh.dimension() == 3) return smallest_eigenvalue(mesh, mesh.stiffness_at_rest(theta));  // its band would be wide

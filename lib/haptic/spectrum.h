@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
+#include <vector>
 
 #include "haptic/band_cholesky.h"
 #include "haptic/realtime_mesh.h"
@@ -17,7 +19,18 @@ double largest_eigenvalue(const RealtimeMesh& mesh, const Eigen::VectorXd& theta
 /// The same of a tangent, as TissueEnergy::tangent lays it out [N/m] (N*D x N*D).
 double largest_eigenvalue(const RealtimeMesh& mesh, const Eigen::SparseMatrix<double>& tangent);
 
-/// The smallest of that [1/s^2], 0 where it is not positive definite.
+/// The smallest of that [1/s^2], 0 where it is not positive definite; of any masses of the same nodes, for one factorisation of the tangent.
+class SlowestMode {
+   public:
+    SlowestMode(const RealtimeMesh& mesh, const Eigen::SparseMatrix<double>& tangent);
+    double of(const Eigen::VectorXd& node_mass_kg) const;  ///< (N)
+
+   private:
+    std::vector<int> node_;  ///< of each free degree of freedom
+    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
+};
+
+/// Of the mesh's own masses.
 double smallest_eigenvalue(const RealtimeMesh& mesh, const Eigen::SparseMatrix<double>& tangent);
 
 /// The smallest eigenvalue of M^-1 K(theta) at rest [1/s^2] by inverse iteration, 0 when K is not positive definite:

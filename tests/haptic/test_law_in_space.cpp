@@ -18,6 +18,7 @@
 #include "haptic/simulation.h"
 #include "haptic/realtime_law.h"
 #include "haptic/spectrum.h"
+#include "haptic/support_mass.h"
 #include "mesh/free_surface.h"
 #include "springs/energy_law.h"
 #include "springs/heuristic.h"
@@ -73,6 +74,31 @@ TEST_CASE("in space the tick's law asks for the forces of the energy that was tr
             CHECK(law.energy(u) == Approx(energy.energy(model.energy_law->constants, u)).epsilon(1e-9));
             CHECK(allocations == 0);
         }
+}
+
+TEST_CASE("stiff supports bring mass, so that they need no more steps and the slowest mode stays", "[solid][law][embedded]") {
+    for (const SpringMesh& mesh : {embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}), embedded_lattice(dome(6), 0.011), embedded_lattice(dome(8), 0.008)}) {
+        TissueModel model = solid_law_example(mesh);
+        const TissueEnergy energy(mesh, false);
+        const NodeField rest = NodeField::Zero(mesh.node_count(), 3);
+        const auto tangent = [&] { return energy.tangent(model.energy_law->constants, rest); };
+        Eigen::VectorXd& constants = model.energy_law->constants;
+        const Eigen::VectorXd trained = constants.tail(mesh.support_count());
+        constants.tail(mesh.support_count()).setZero();
+        const double lattice = largest_eigenvalue(springs_of(model), tangent());
+        constants.tail(mesh.support_count()) = 50 * trained;
+        const double bare = largest_eigenvalue(springs_of(model), tangent()), slowest = smallest_eigenvalue(springs_of(model), tangent());
+        const RealtimeMesh heavy(mesh, "geometric", mass_with_supports(model));
+        INFO(mesh.embedding.cubes.rows() << " cubes, without mass " << bare / lattice << ", with it " << largest_eigenvalue(heavy, tangent()) / lattice << ", slowest " << smallest_eigenvalue(heavy, tangent()) / slowest);
+        CHECK(bare > 4 * lattice);
+        CHECK(largest_eigenvalue(heavy, tangent()) < (mesh.embedding.fraction.minCoeff() > 0.99 ? 1.05 : 2.1) * lattice);  // a dome has cubes of which little is tissue
+        CHECK(smallest_eigenvalue(heavy, tangent()) >= 0.989 * slowest);
+        CHECK(smallest_eigenvalue(heavy, tangent()) <= 1.0001 * slowest);
+        CHECK(HapticModel(model, {}).meshes.front()->springs.mass() == heavy.mass());
+
+        constants.tail(mesh.support_count()) = 0.01 * trained;  // soft ones need none
+        CHECK(mass_with_supports(model) == model.node_mass_kg);
+    }
 }
 
 TEST_CASE("a force on an embedded solid's node does the same work on its lattice", "[solid][embedded]") {

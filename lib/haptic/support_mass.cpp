@@ -1,0 +1,60 @@
+#include "haptic/support_mass.h"
+
+#include <cmath>
+
+#include "haptic/realtime_mesh.h"
+#include "haptic/spectrum.h"
+#include "springs/tissue_energy.h"
+
+namespace tissue {
+namespace {
+
+/// What supports ask for at each node so that none swings faster than omega2 [kg] (N).
+Eigen::VectorXd asked_mass(const SpringMesh& mesh, const Eigen::VectorXd& support_N_m, double omega2) {
+    Eigen::VectorXd mass = Eigen::VectorXd::Zero(mesh.node_count());
+    for (Eigen::Index m = 0; m < support_N_m.size(); ++m) {
+        const int held = mesh.fixed[static_cast<std::size_t>(m)];
+        const auto weight = mesh.embedding.weight.row(held).array();
+        const double n = static_cast<double>((weight != 0).count());
+        for (int k = 0; k < 8; ++k) mass[mesh.embedding.corner(held, k)] += n * support_N_m[m] * weight[k] * weight[k] / omega2;
+    }
+    return mass;
+}
+
+/// Stiffness of each node while all others stay where they are, the softest of its axes [N/m] (N).
+Eigen::VectorXd own_stiffness(const Eigen::SparseMatrix<double>& tangent, int nodes) {
+    const Eigen::VectorXd diagonal = tangent.diagonal();
+    return Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic>>(diagonal.data(), 3, nodes).colwise().minCoeff().transpose();
+}
+
+}  // namespace
+
+Eigen::VectorXd mass_with_supports(const TissueModel& model) {
+    const SpringMesh& mesh = model.mesh;
+    const Eigen::Index supports = mesh.support_count();
+    if (supports == 0) return model.node_mass_kg;
+    const LawModel& law = *model.energy_law;
+    const TissueEnergy energy(mesh, law.incompressible);
+    const NodeField rest = NodeField::Zero(mesh.node_count(), mesh.dimension());
+    Eigen::VectorXd free = law.constants;
+    free.tail(supports).setZero();
+    const Eigen::SparseMatrix<double> held = energy.tangent(law.constants, rest), lattice = energy.tangent(free, rest);
+    const RealtimeMesh springs(mesh, "geometric", model.node_mass_kg);
+    const double omega2 = largest_eigenvalue(springs, lattice);
+    constexpr double little = 1.05 * 1.05;
+    if (!(largest_eigenvalue(springs, held) > little * omega2)) return model.node_mass_kg;
+    const SlowestMode slowest_mode(springs, held);
+    const double slowest = slowest_mode.of(model.node_mass_kg);
+    if (!(slowest > 0)) return model.node_mass_kg;
+
+    const Eigen::VectorXd asked = asked_mass(mesh, law.constants.tail(supports), omega2);
+    const Eigen::VectorXd stiffness = own_stiffness(lattice, mesh.node_count());
+    constexpr double enough = 0.99;  // of the squared frequency: half a per cent of the frequency
+    for (double most = 1500; most >= 1; most /= 1.5) {
+        const Eigen::VectorXd mass = model.node_mass_kg + asked.cwiseMin(most / omega2 * stiffness);
+        if (slowest_mode.of(mass) >= enough * slowest) return mass;
+    }
+    return model.node_mass_kg;
+}
+
+}  // namespace tissue
