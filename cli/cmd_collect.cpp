@@ -63,6 +63,10 @@ void run(const Options& o, Provenance provenance) {
         path.direction = planned.push.direction;
         path.role = planned.role;
         path.depth_m = planned.depth_m;
+        if (planned.push.radius_m != study.indenter.radius_m) {
+            path.radius_m = planned.push.radius_m;
+            cases.disc_radius_m = study.indenter.radius_m;
+        }
         hashes += file_hash(file);
         cases.paths.push_back(std::move(path));
         if (study.geometry.is_block() && study.loads.sweep && planned.role == "train") {

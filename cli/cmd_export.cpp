@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <iostream>
-#include <numeric>
 
 #include "cases/load_path.h"
 #include "command.h"
@@ -92,8 +91,9 @@ void export_law(const Options& o, const TissueModel& model) {
 /// What of a law is no dataset of its file.
 Files law_arrays(const TissueModel& model) {
     if (!model.mesh.is_solid()) return npy_files(law_tables(model));
-    std::vector<int> load_cases(static_cast<std::size_t>(model.case_count()));
-    std::iota(load_cases.begin(), load_cases.end(), 0);
+    std::vector<int> load_cases;
+    for (int c = 0; c < model.case_count(); ++c)
+        if (model.is_own_case(c)) load_cases.push_back(c);
     return npy_files(solid_law_tables(model), contact_table(model, load_cases));
 }
 

@@ -15,7 +15,7 @@ struct Options {
 void run(const Options& o) {
     const Study study = read_study(o.study);
     const std::filesystem::path folder = std::filesystem::path(o.out).parent_path() / "plan";
-    const Folder made(folder.string(), folder.string(), Folder::Missing::make);
+    const OpenFolder made(folder.string(), folder.string(), OpenFolder::Missing::make);
     std::error_code error;
     // a mesh made from something else than the study's shape as it is now is none
     Plan plan = make_plan(study);

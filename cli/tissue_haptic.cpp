@@ -35,6 +35,7 @@
 #include "io/one_line.h"
 #include "journal.h"
 #include "session_end.h"
+#include "springs/law_at_radius.h"
 #include "version.h"
 
 namespace {
@@ -59,28 +60,31 @@ struct Options {
 };
 
 /// What to press: the first 50 held-out contacts where the study draws them, else every load case. The full range fills up.
-std::vector<PressTruth> press_truths(const Cases& cases) {
+/// Contacts of other discs than the one that plays are left out. own_m, disc_m: of the model's disc and of that; 0 in the plane.
+std::vector<PressTruth> press_truths(const Cases& cases, double own_m, double disc_m) {
+    const auto of_other_disc = [&](const LoadPath& path) { return (path.radius_m > 0 ? path.radius_m : own_m) != disc_m; };
     constexpr std::size_t enough = 50;
     std::vector<PressTruth> truths;
     for (const char* role : {"held_out", "held_out_full"})
         for (const LoadPath& path : cases.paths) {
-            if (path.role != role || !path.lost.empty() || truths.size() >= enough) continue;
+            if (path.role != role || !path.lost.empty() || of_other_disc(path) || truths.size() >= enough) continue;
             truths.push_back({path.name, path.contact_m, path.direction, path.records.back().magnitude_m,
                               path.records.back().contact_force_N});
         }
     if (!truths.empty()) return truths;
     for (const LoadCase& c : load_cases(cases))
-        truths.push_back({c.name, c.path->contact_m, c.path->direction, c.record->magnitude_m, c.record->contact_force_N});
+        if (!of_other_disc(*c.path)) truths.push_back({c.name, c.path->contact_m, c.path->direction, c.record->magnitude_m, c.record->contact_force_N});
     return truths;
 }
 
 /// The study in motion, and the switches between the magnitudes of its first contacts.
-void check(const Options& o, const TissueModel& tissue, const HapticModel& model) {
+/// own_m: of the disc that the model has without --tool-radius.
+void check(const Options& o, const TissueModel& tissue, const HapticModel& model, double own_m) {
     if (tissue.energy_law && !tissue.energy_law->relaxation.empty())
         throw MismatchError(o.model + ": --check presses until the tissue rests, and this model relaxes; tissuectl eval plays its histories");
     const Cases cases = read_cases(o.check);
     std::vector<PressResult> presses;
-    for (const PressTruth& truth : press_truths(cases)) {
+    for (const PressTruth& truth : press_truths(cases, own_m, model.disc_radius_m)) {
         if (stop.load()) throw tissue::Error("interrupted");
         presses.push_back(press(model, tissue, truth));
         const PressResult& p = presses.back();
@@ -120,12 +124,15 @@ struct Learning {
 };
 
 void run(const Options& o, Provenance provenance) {
-    TissueModel tissue = read_model(o.model);
     HapticOptions haptic = o.choices.haptic;
+    TissueModel tissue = read_model(o.model);
+    const double own_m = tissue.energy_law ? tissue.energy_law->disc_radius_m : 0, tool_m = haptic.tool_radius_m.value_or(0);
+    tissue = with_tool(std::move(tissue), tool_m);
     if (o.check.empty()) haptic.device = stricter(haptic.device, device_kinds().at(o.device)->impedance);
     else haptic.safety.force_max_N = 1e3;  // no device holds the tool back
     Learning learning;
     if (!o.learn.empty()) {
+        if (haptic.tool_radius_m) throw MismatchError("--tool-radius: a model that learns while it plays has its own disc");
         learning.adaptation = live_adaptation(o.model);
         if (o.forget) learning.adaptation->forget();
         const Hdf5Writer can_be_written(o.learn, "model", provenance);  // or a session would be lost at its end
@@ -133,7 +140,7 @@ void run(const Options& o, Provenance provenance) {
         haptic = live_options(haptic, *learning.adaptation);
     }
     HapticModel model(tissue, haptic);
-    if (!o.check.empty()) return check(o, tissue, model);
+    if (!o.check.empty()) return check(o, tissue, model, own_m);
 
     Simulation simulation(model);
     std::unique_ptr<Recorder> recorder;
@@ -145,7 +152,7 @@ void run(const Options& o, Provenance provenance) {
     if (learning.adaptation) learning.journal = std::make_unique<cli::Journal>(o.journal, model.dimension());
     // the device last: nothing is open while anything else can fail
     std::unique_ptr<Device> device = make_device(o.device, o.device_values, {o.seconds, o.seed, &model.rest, model.options.map});
-    if (!o.hidden.empty()) device = std::make_unique<HiddenTissue>(std::move(device), read_model(o.hidden), o.choices.haptic);
+    if (!o.hidden.empty()) device = std::make_unique<HiddenTissue>(std::move(device), with_tool(read_model(o.hidden), tool_m), o.choices.haptic);
     std::cerr << cli::describe("tissue-haptic", model, *device);
     LoopOptions loop;
     loop.seconds = o.seconds;

@@ -59,6 +59,7 @@ void add_trained(const Json& rows, const TissueModel& tissue, std::vector<KnownE
         if (found == cases.end()) throw MismatchError(fmt::format("{}: the model has no other load case '{}'", where, name));
         const int c = found->second;
         cases.erase(found);
+        if (!tissue.is_own_case(c)) continue;  // of another disc than the one that plays
         all.push_back({"trained", tissue.contact_m.row(c).transpose(), tissue.direction.row(c).transpose(), tissue.magnitude_m[c], error(rows[k], "error", where)});
     }
 }
@@ -69,6 +70,9 @@ void add_drawn(const std::string& role, const Json& rows, const TissueModel& tis
     if (!rows.is_array()) throw MismatchError("'drawn." + role + "' is no list");
     for (std::size_t k = 0; k < rows.size() && all.size() <= most; ++k) {
         const std::string where = fmt::format("row {} of 'drawn.{}'", k, role);
+        if (rows[k].is_object() && rows[k].contains("radius_m") && tissue.energy_law &&
+            value_of(rows[k], "radius_m", where, &Json::is_number).get<double>() != tissue.energy_law->disc_radius_m)
+            continue;  // of another disc than the one that plays
         KnownError known{role, vector(rows[k], "contact_m", where), vector(rows[k], "direction", where), 0, {}};
         if (!(std::abs(known.direction.norm() - 1) < 1e-6)) throw MismatchError(where + ": 'direction' is no unit vector");
         known.depth_m = number(value_of(rows[k], "depth_m", where, &Json::is_number), 1e-9, tissue.mesh.size_m(), where + ": 'depth_m'");

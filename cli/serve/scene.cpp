@@ -98,6 +98,7 @@ Scene::Scene(const TissueModel& tissue, const HapticModel& model, const std::vec
     };
     const bool forces = tissue.contact_force_N.rows() > 0;
     for (int c = 0; c < tissue.case_count(); ++c) {
+        if (!tissue.is_own_case(c)) continue;  // what another disc does is no comparison for this one
         const Point contact = tissue.contact_m.row(c), direction = tissue.direction.row(c);
         std::size_t k = 0;
         while (k < places_.size() && ((places_[k].contact_m - contact).norm() > 1e-9 || (places_[k].direction - direction).norm() > 1e-9))

@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "error.h"
+#include "springs/law_at_radius.h"
 #include "surface_file/surface_file.h"
 #include "surface_file/vtk_file.h"
 
@@ -51,6 +52,7 @@ HapticOptions without_sets(HapticOptions options, const TissueModel& tissue) {
 Stage::Stage(const std::vector<std::string>& files, const StageOptions& options) : options_(options) {
     if (!options_.hidden.empty()) {
         if (files.size() != 1) throw MismatchError("one model learns, not one of several");
+        if (options_.haptic.tool_radius_m) throw MismatchError("--tool-radius: a model that learns while it plays has its own disc");
         lesson_ = std::make_unique<Lesson>(files.front(), options_.hidden);
         // finite elements knew the tissue it was trained on, not this one
         TissueModel tissue = lesson_->adaptation().base();
@@ -58,7 +60,11 @@ Stage::Stage(const std::vector<std::string>& files, const StageOptions& options)
         serve(files.front(), tissue, live_options(options_.haptic, lesson_->adaptation()), {}, learned_field(lesson_->adaptation()));
     } else {
         std::vector<TissueModel> tissues;
-        for (const std::string& file : files) tissues.push_back(read_model(file));
+        for (const std::string& file : files) try {
+                tissues.push_back(with_tool(read_model(file), options_.haptic.tool_radius_m.value_or(0)));
+            } catch (const MismatchError& e) {
+                throw MismatchError(file + ": " + e.what());
+            }
         const bool some_sets = std::any_of(tissues.begin(), tissues.end(), [](const TissueModel& t) { return !t.energy_law; });
         for (std::size_t k = 0; k < files.size(); ++k) {
             const std::string& file = files[k];

@@ -59,8 +59,8 @@ void add_terms(const TissueModel& model, Unknowns& u, const PriorOptions& option
     for (const std::string& term : law.terms)
         if (term.find("nodule") != std::string::npos || term.find("ground") != std::string::npos)
             throw MismatchError(fmt::format("unknowns 'terms' do not know what term '{}' is of, which a study says; use 'field'", term));
-    std::vector<std::string> kept = law.terms;  // forces do not depend on the skin
-    kept.erase(std::remove_if(kept.begin(), kept.end(), is_skin_term), kept.end());
+    std::vector<std::string> kept = law.terms;  // forces do not depend on the skin, nor those of the law's own disc on other sizes
+    kept.erase(std::remove_if(kept.begin(), kept.end(), [](const std::string& term) { return is_skin_term(term) || is_size_term(term); }), kept.end());
     const EnergyLaw terms(model.mesh, now, kept);
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(terms.size());
     const Eigen::Index P = terms.size() + 1;

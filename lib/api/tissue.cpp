@@ -13,6 +13,7 @@
 #include "error.h"
 #include "haptic/session_options.h"
 #include "haptic/tick_clock.h"
+#include "springs/law_at_radius.h"
 #include "version.h"
 
 using namespace tissue;
@@ -97,7 +98,7 @@ tissue_status tissue_open_model(const char* model_file, const char* const* optio
             if (!options[1]) return bad("an option without a value");
             if (const tissue_status status = set(haptic, options[0], options[1], false); status != TISSUE_OK) return status;
         }
-        const TissueModel tissue = read_model(model_file);
+        const TissueModel tissue = with_tool(read_model(model_file), haptic.tool_radius_m.value_or(0));
         *model = new tissue_model{std::make_shared<HapticModel>(tissue, haptic), NamedSurfaces(tissue)};
         return TISSUE_OK;
     });
@@ -239,6 +240,7 @@ tissue_status tissue_reset(tissue_session* s) {
 int tissue_dimension(const tissue_session* s) { return s ? s->model().dimension() : 0; }
 int tissue_node_count(const tissue_session* s) { return s ? s->model().rest.node_count() : 0; }
 int tissue_facet_count(const tissue_session* s) { return s ? static_cast<int>(s->model().rest.facets.rows()) : 0; }
+double tissue_tool_radius(const tissue_session* s) { return s ? s->model().disc_radius_m : 0; }
 const char* tissue_study(const tissue_session* s) { return s ? s->model().study.c_str() : ""; }
 
 tissue_status tissue_facets(const tissue_session* s, int* nodes) {

@@ -126,6 +126,7 @@ void write_path(TableWriter& out, const LoadPath& path, const NodeField& nodes, 
     const std::vector<PathRecord>& records = path.records;
     out.write_texts(group + "role", {path.role, path.lost});
     out.write(group + "depth", single(path.depth_m));
+    if (path.radius_m > 0) out.write(group + "radius", single(path.radius_m));
     out.write(group + "contact", Eigen::VectorXd(path.contact_m));
     out.write(group + "direction", Eigen::VectorXd(path.direction));
     out.write(group + "magnitude", numbers_of(records, [](const PathRecord& r) { return r.magnitude_m; }));
@@ -159,6 +160,7 @@ LoadPath read_path(TableReader in, const std::string& name, const NodeField& nod
     path.role = role[0];
     path.lost = role[1];
     path.depth_m = in.vector(group + "depth")[0];
+    if (in.has(group + "radius")) path.radius_m = in.vector(group + "radius")[0];
     path.contact_m = in.vector(group + "contact");
     path.direction = in.vector(group + "direction");
     const Eigen::VectorXd magnitude = in.vector(group + "magnitude");
@@ -203,6 +205,7 @@ const DatasetTable& cases_table(bool measured) {
         {"/path_names", "P", Values::names(), "text", "load paths in the study's order"},
         {"/paths/NAME/role", "2", Values::text(), "text", "what the path is for, and why FE lost it, if so"},
         {"/paths/NAME/depth", "1", Values::positive(), "m", "how deep it was to go"},
+        {"/paths/NAME/radius", "1", Values::positive(), "m", "of the disc, where it is not the study's own"},
         {"/paths/NAME/contact", "D", Values::place(), "m", "contact at rest"},
         {"/paths/NAME/direction", "D", Values::finite(), "1", "unit vector of the push", Rows::unit},
         {"/paths/NAME/magnitude", "R*", Values::not_negative(), "m", "how far the contact is pushed", Rows::ascending},
@@ -234,10 +237,11 @@ const DatasetTable& cases_table(bool measured) {
 void write_cases(const std::string& file, const Cases& cases, const Provenance& provenance) {
     const bool measured = cases.measurement.has_value();
     const bool solid = cases.nodes.cols() == 3;
-    const int version_of_format = !cases.histories.empty() ? time_format_version : solid ? solid_format_version : format_version;
+    const int version_of_format = cases.disc_radius_m > 0 ? radii_format_version : !cases.histories.empty() ? time_format_version : solid ? solid_format_version : format_version;
     Hdf5Writer hdf5(file, "cases", provenance, version_of_format);
     hdf5.attribute("/", "study", cases.study);
     if (solid) hdf5.attribute("/", "dimension", 3);
+    if (cases.disc_radius_m > 0) hdf5.attribute("/", "disc_radius_m", cases.disc_radius_m);
     TableWriter out(hdf5, cases_table(measured));
     out.write("/nodes", cases.nodes);
     if (cases.shape) write_shape(out, *cases.shape);
@@ -256,6 +260,14 @@ void write_cases(const std::string& file, const Cases& cases, const Provenance& 
 }
 
 namespace {
+
+/// Only files that discs of several radii press say it.
+double disc_radius_of(const Hdf5Reader& file) {
+    if (!file.has_attribute("/", "disc_radius_m")) return 0;
+    const double radius_m = file.number_attribute("/", "disc_radius_m");
+    if (!(radius_m > 0 && radius_m < 1e3)) file.refuse("/", fmt::format("attribute 'disc_radius_m' is {}, must be a number > 0", radius_m));
+    return radius_m;
+}
 
 /// Files of the plane do not say it.
 int dimension_of(const Hdf5Reader& file) {
@@ -281,8 +293,11 @@ Cases read_cases(const std::string& name) {
     const Eigen::VectorXd magnitudes = in.vector("/magnitudes");
     cases.magnitudes_m.assign(magnitudes.begin(), magnitudes.end());
     if (measured) cases.measurement = read_measurement(file, in);
-    for (const std::string& path : in.texts("/path_names"))
+    cases.disc_radius_m = D == 3 ? disc_radius_of(file) : 0;
+    for (const std::string& path : in.texts("/path_names")) {
         cases.paths.push_back(read_path(in, path, cases.nodes, measured));
+        if (cases.paths.back().radius_m > 0 && cases.disc_radius_m == 0) file.refuse("/paths/" + path + "/radius", "stands in a file without attribute 'disc_radius_m'");
+    }
     if (file.has("/histories")) {
         TableReader in_time(file, histories_table(), {{"D", D}});
         cases.histories = read_histories(in_time);

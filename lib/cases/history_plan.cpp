@@ -153,6 +153,7 @@ Point listed_contact(const Study& study, const std::optional<Shape>& shape, cons
 PlannedHistory listed(const Study& study, const std::optional<Shape>& shape, const Study::Histories& group) {
     PlannedHistory history;
     history.push.contact_m = listed_contact(study, shape, group);
+    history.push.radius_m = study.indenter.radius_m;
     history.course = read_course(group.file, history.push.contact_m.size());
     Eigen::Index deepest = 0;
     history.push.depth_m = history.course.push_m.rowwise().norm().maxCoeff(&deepest);

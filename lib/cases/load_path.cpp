@@ -162,7 +162,9 @@ std::vector<double> load_magnitudes(const Cases& cases, const LoadPath& path) {
         return magnitudes;
     }
     if (path.direction.size() != 3) return cases.magnitudes_m;
-    for (double m : cases.magnitudes_m) {
+    const double times = path.radius_m > 0 && cases.disc_radius_m > 0 ? path.radius_m / cases.disc_radius_m : 1;
+    for (double of_own : cases.magnitudes_m) {
+        const double m = times * of_own;
         if (m > path.depth_m * (1 + same_magnitude)) {
             if (magnitudes.empty() || magnitudes.back() < path.depth_m * (1 - same_magnitude)) magnitudes.push_back(path.depth_m);
             break;

@@ -37,6 +37,7 @@ struct LoadPath {
     std::string lost;                  ///< why FE ended before that depth; empty when it did not
     std::vector<PathRecord> records;   ///< ascending magnitude, the first at rest
     std::optional<Point> again_N;  ///< contact force on average when the same push was measured again
+    double radius_m = 0;               ///< of the disc that pushes; 0 in the plane, and where it is the study's own
 
     /// Where the contact stands at a record, from where it was at rest [m].
     Point push_m(const PathRecord& record) const {
@@ -68,6 +69,7 @@ struct Cases {
     std::vector<LoadPath> paths;
     std::optional<Measurement> measurement = {};  ///< absent when FE said it
     std::vector<History> histories = {};          ///< the tool held along a course in time; nothing is trained on most
+    double disc_radius_m = 0;                     ///< of the study's own disc, where a path has another one
 };
 
 /// One state to train on: a path at one of the magnitudes.
@@ -78,7 +80,7 @@ struct LoadCase {
 };
 
 /// Magnitudes [m] at which a training path is a load case, ascending: in the plane, where all are pushed equally deep, the
-/// cases' own; in space those up to its depth, and its depth where it ends before the largest; measured: every record's.
+/// cases' own; in space those up to its depth, in proportion to its disc, and its depth where it ends before the largest; measured: every record's.
 std::vector<double> load_magnitudes(const Cases& cases, const LoadPath& path);
 
 /// Every training path at every one of its load_magnitudes, path by path; of a path that FE lost, those it reached. Names

@@ -74,7 +74,7 @@ std::string solid_arguments(const Study& s, const PlannedPath& path) {
         "-max_newton {} -allow_lost 1",
         solid_geo, g.width_m, g.length_m, g.height_m, s.cells[0], s.cells[1], s.cells[2], path.sizes_m[0], path.sizes_m[1],
         law_arguments(s.material), nodule_arguments(s), p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1],
-        p.direction[2], s.indenter.radius_m, path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton);
+        p.direction[2], p.radius_m, path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton);
 }
 
 std::string solid_shape_arguments(const Study& s, const PlannedPath& path, const std::string& springs) {
@@ -92,7 +92,7 @@ std::string solid_shape_arguments(const Study& s, const PlannedPath& path, const
         beds,
         regions.empty() ? "" : fmt::format(" -regions {}", fmt::join(regions, ",")), springs, path.sizes_m[0], path.sizes_m[1],
         law_arguments(s.material), nodule_arguments(s), p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1],
-        p.direction[2], s.indenter.radius_m, path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton);
+        p.direction[2], p.radius_m, path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton);
 }
 
 std::string path_arguments(const Study& s, const PlannedPath& path) {

@@ -184,6 +184,7 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
     const std::vector<PlannedPath> paths = study.data ? std::vector<PlannedPath>() : planned_paths(study, shape);
     const std::vector<PlannedHistory> histories = study.data ? std::vector<PlannedHistory>() : planned_histories(study, shape);
     refuse_push_through(study, springs, paths);
+    refuse_unknown_discs(study, paths);
     std::string names;  // all at once: make copies the whole list for every name that is added to it
     for (const PlannedPath& path : paths) names += " " + path.push.name;
     for (const PlannedHistory& history : histories) {

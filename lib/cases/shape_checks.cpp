@@ -11,6 +11,7 @@
 #include "error.h"
 #include "io/one_line.h"
 #include "mesh/facet.h"
+#include "springs/energy_law.h"
 
 namespace tissue {
 namespace {
@@ -139,6 +140,25 @@ void refuse_push_through(const Study& study, const SpringMesh& mesh, const std::
     }
     if (needed || static_cast<double>(through) > most * static_cast<double>(paths.size()))
         refuse(study, key, fmt::format("{}; {} of {} load paths go through", why, through, paths.size()));
+}
+
+void refuse_unknown_discs(const Study& study, const std::vector<PlannedPath>& paths) {
+    if (study.indenter.kind != "disc") return;
+    double least_m = std::numeric_limits<double>::infinity(), most_m = 0;
+    for (const PlannedPath& path : paths) {
+        if (path.role != "train") continue;
+        least_m = std::min(least_m, path.push.radius_m);
+        most_m = std::max(most_m, path.push.radius_m);
+    }
+    const auto check = [&](const std::string& key, double radius_m) {
+        if (radius_m < least_m || radius_m > most_m)
+            refuse(study, key, fmt::format("{:g} mm is not between the radii of the training contacts, {:g} and {:g} mm", 1e3 * radius_m, 1e3 * least_m, 1e3 * most_m));
+    };
+    check("indenter.radius_m", study.indenter.radius_m);
+    for (const PlannedPath& path : paths)
+        if (path.role != "train") check(fmt::format("draws.{}.radii_m", path.role), path.push.radius_m);
+    for (const std::string& term : study.springs.terms)
+        if (is_size_term(term) && !(least_m < most_m)) refuse(study, "springs.terms", fmt::format("'{}' needs training contacts of several radii, and all have {:g} mm", term, 1e3 * most_m));
 }
 
 }  // namespace tissue

@@ -26,4 +26,7 @@ void refuse_tool(const Study& study, const SpringMesh& mesh);
 /// plane), or more than a tenth of all. FE may lose the others, as at the tip of a shape.
 void refuse_push_through(const Study& study, const SpringMesh& mesh, const std::vector<PlannedPath>& paths);
 
+/// Throws StudyError where the study's own disc or a drawn contact's is smaller or larger than those of all training contacts, and where a term is of the discs' size and all are of one.
+void refuse_unknown_discs(const Study& study, const std::vector<PlannedPath>& paths);
+
 }  // namespace tissue

@@ -32,7 +32,9 @@ StudyPath SolidDraws::push() {
         push.contact_m = surface_ ? place_on_surface(tries) : place(tries);
         push.direction = direction(push.contact_m);
     } while (!is_apart(push));
-    push.depth_m = uniform(draws_.depth_m[0], draws_.depth_m[1]);
+    const std::vector<double>& radii_m = draws_.radii_m;
+    push.radius_m = radii_m.empty() ? study_.indenter.radius_m : radii_m[drawn_++ % radii_m.size()];
+    push.depth_m = study_.indenter.times(push.radius_m) * uniform(draws_.depth_m[0], draws_.depth_m[1]);
     return push;
 }
 

@@ -16,7 +16,7 @@ class SolidDraws {
     /// surface: of a shape; null for a block. key: of the study, which refusals name. What is given must outlive this.
     SolidDraws(const Study& study, const Study::Draws& draws, const std::vector<StudyPath>& trained, const FreeSurface* surface, const std::string& key);
 
-    /// Contact, direction and depth; no name. Throws MismatchError when there is no such contact, as far as ten thousand
+    /// Contact, direction, depth and disc; no name. Throws MismatchError when there is no such contact, as far as ten thousand
     /// tries can tell.
     StudyPath push();
 
@@ -35,6 +35,7 @@ class SolidDraws {
     const FreeSurface* surface_;
     std::string key_;
     Rng rng_;
+    std::size_t drawn_ = 0;
 };
 
 }  // namespace tissue

@@ -12,9 +12,15 @@
 namespace tissue {
 namespace {
 
+/// Elements at a contact: in proportion to its disc, and no longer than those far from it.
+double near_m(const Study& study, const std::array<double, 2>& sizes_m, const StudyPath& push) {
+    return std::min(study.indenter.times(push.radius_m) * sizes_m[0], sizes_m[1]);
+}
+
 PlannedPath planned(const Study& study, const StudyPath& push, const std::string& role) {
-    const int records = std::max(1, static_cast<int>(std::ceil(push.depth_m / study.loads.record_step_m - 1e-9)));
-    return {push, role, push.depth_m, records, study.refine, study.sizes_m};
+    const double times = study.indenter.times(push.radius_m);
+    const int records = std::max(1, static_cast<int>(std::ceil(push.depth_m / (times * study.loads.record_step_m) - 1e-9)));
+    return {push, role, push.depth_m, records, study.refine, {near_m(study, study.sizes_m, push), study.sizes_m[1]}};
 }
 
 }  // namespace
@@ -37,7 +43,7 @@ std::vector<PlannedPath> solid_paths(const Study& study, const std::optional<Sha
             PlannedPath check = paths.back();
             check.push.name = fmt::format("check-{:04}", i);
             check.role = "check";
-            check.sizes_m = study.check_sizes_m;
+            check.sizes_m = {near_m(study, study.check_sizes_m, push), study.check_sizes_m[1]};
             checks.push_back(check);
         }
     }
@@ -45,7 +51,7 @@ std::vector<PlannedPath> solid_paths(const Study& study, const std::optional<Sha
     if (study.map)
         for (const double y : study.map->y_m)
             for (const double x : study.map->x_m) {
-                const StudyPath push{fmt::format("map-{:04}", ++number), Eigen::Vector3d(x, y, study.geometry.height_m), solid_push(0, 0), study.map->depth_m};
+                const StudyPath push{fmt::format("map-{:04}", ++number), Eigen::Vector3d(x, y, study.geometry.height_m), solid_push(0, 0), study.map->depth_m, study.indenter.radius_m};
                 paths.push_back(planned(study, push, "map"));
             }
     paths.insert(paths.end(), checks.begin(), checks.end());

@@ -27,7 +27,7 @@ std::string at(const Point& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g}) m"
 struct Contact {
     FreeSurface::Place place;
     Study::Loads::Pushes pushes_deg;
-    double depth_m;
+    double depth_m, radius_m;
 };
 
 std::vector<Contact> listed_contacts(const Study& study, const FreeSurface& surface) {
@@ -39,10 +39,10 @@ std::vector<Contact> listed_contacts(const Study& study, const FreeSurface& surf
             refuse(study, key, fmt::format("{} is {:.3g} mm from the free surface; its nodes lie {:.3g} mm apart", at(c.at_m), 1e3 * place.distance_m,
                                            1e3 * surface.spacing_m()));
         const double clearance_m = surface.clearance_m(place.point_m);
-        if (clearance_m < study.indenter.clearance_m() - tiny_m)
+        if (clearance_m < study.indenter.clearance_m(c.radius_m) - tiny_m)
             refuse(study, key, fmt::format("{} is {:.3g} mm from where the free surface ends or turns; a disc of radius {:g} mm needs {:g} mm",
-                                           at(place.point_m), 1e3 * clearance_m, 1e3 * study.indenter.radius_m, 1e3 * study.indenter.clearance_m()));
-        contacts.push_back({place, c.pushes_deg, c.depth_m});
+                                           at(place.point_m), 1e3 * clearance_m, 1e3 * c.radius_m, 1e3 * study.indenter.clearance_m(c.radius_m)));
+        contacts.push_back({place, c.pushes_deg, c.depth_m, c.radius_m});
     }
     return contacts;
 }
@@ -68,9 +68,13 @@ std::vector<Contact> spread_contacts(const Study& study, const FreeSurface& surf
         if (contacts.empty()) std::fill(rank.begin(), rank.end(), std::numeric_limits<double>::infinity());
         for (std::size_t c = 0; c < candidates.size(); ++c) rank[c] = std::min(rank[c], (candidates[c] - candidates[best]).norm());
         const double turn_deg = golden_angle_deg * static_cast<double>(contacts.size());
-        Contact contact{surface.nearest(candidates[best]), {}, study.loads.depth_m()};
+        const std::vector<double> radii_m = spread.radii_m.empty() ? std::vector{study.indenter.radius_m} : spread.radii_m;
+        const std::size_t discs = radii_m.size();
+        const double radius_m = radii_m[contacts.size() % discs];
+        const std::size_t round = discs > 1 ? contacts.size() / discs : 0;  // shifts the pushes, so that each disc gets them all
+        Contact contact{surface.nearest(candidates[best]), {}, study.indenter.times(radius_m) * study.loads.depth_m(), radius_m};
         for (int k = 0; k < spread.pushes_each; ++k) {
-            const auto [tilt, azimuth] = spread.pushes_deg[(contacts.size() * static_cast<std::size_t>(spread.pushes_each) + static_cast<std::size_t>(k)) % spread.pushes_deg.size()];
+            const auto [tilt, azimuth] = spread.pushes_deg[(contacts.size() * static_cast<std::size_t>(spread.pushes_each) + static_cast<std::size_t>(k) + round) % spread.pushes_deg.size()];
             contact.pushes_deg.push_back({tilt, std::fmod(azimuth + turn_deg + 360, 360)});
         }
         contacts.push_back(contact);
@@ -89,7 +93,7 @@ std::vector<StudyPath> paths_of(const std::vector<Contact>& contacts) {
             for (const auto& [tilt, azimuth] : contacts[c].pushes_deg) {
                 const double around = tilt == 0 ? 0 : azimuth < 0 ? azimuth + 360 : azimuth;
                 paths.push_back({fmt::format("c{:02}-t{:0{}.0f}-a{:0{}.0f}", c + 1, scale * tilt, 2 + decimals, scale * around, 3 + decimals),
-                                 contacts[c].place.point_m, surface_push(contacts[c].place.inward, tilt, azimuth), contacts[c].depth_m});
+                                 contacts[c].place.point_m, surface_push(contacts[c].place.inward, tilt, azimuth), contacts[c].depth_m, contacts[c].radius_m});
                 names.insert(paths.back().name);
             }
         if (names.size() == paths.size()) return paths;

@@ -140,6 +140,7 @@ Cases thinned(const Study& study, const Cases& cases, const Study::Variant& vari
     result.shape = cases.shape;
     result.magnitudes_m = variant.magnitudes_m;
     result.histories = cases.histories;
+    result.disc_radius_m = cases.disc_radius_m;
     const std::function<bool(const LoadPath&)> kept =
         study.geometry.is_solid() ? kept_in_space(study, cases, variant) : kept_in_the_plane(study, cases, variant);
     for (const LoadPath& path : cases.paths)

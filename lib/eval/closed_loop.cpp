@@ -52,9 +52,15 @@ ContactAnswer answer_of(const Equilibrium& state) {
     return {state.contact_force, state.displacement, {}};
 }
 
-ContactAnswer answer_of(const LawPress& law, const Point& contact_m, const Point& push_m) {
-    ContactAnswer answer = answer_of(law.at(contact_m, push_m));
-    if (answer.force_N) answer.displacement_m = law.seen(contact_m, push_m, std::move(answer.displacement_m));
+ContactAnswer answer_of(const LawPress& law, const Point& contact_m, const Point& push_m, double radius_m) {
+    const LawPress* press = nullptr;
+    try {
+        press = &law.of(radius_m);
+    } catch (const MismatchError& unknown_disc) {
+        return {{}, {}, unknown_disc.what()};
+    }
+    ContactAnswer answer = answer_of(press->at(contact_m, push_m));
+    if (answer.force_N) answer.displacement_m = press->seen(contact_m, push_m, std::move(answer.displacement_m));
     return answer;
 }
 

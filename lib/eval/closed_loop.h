@@ -47,8 +47,8 @@ ContactAnswer answer_of(const SpringMesh& mesh, const SpringLaw& law, const Eige
 /// The same of any model's rest.
 ContactAnswer answer_of(const Equilibrium& state);
 
-/// The law pressed there, from rest, as it is seen (LawPress::seen).
-ContactAnswer answer_of(const LawPress& law, const Point& contact_m, const Point& push_m);
+/// The law pressed there, from rest, as it is seen (LawPress::seen). radius_m: of the disc, 0 the law's own; one that the law does not know has no answer.
+ContactAnswer answer_of(const LawPress& law, const Point& contact_m, const Point& push_m, double radius_m = 0);
 
 /// Errors of one model at many contacts.
 struct ContactStatistics {

@@ -100,6 +100,7 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
     const std::vector<LoadCase> loads = load_cases(cases);
     bool same = loads.size() == model.case_names.size() && has_nodes(model.mesh, cases.nodes);
     for (std::size_t c = 0; same && c < loads.size(); ++c) same = loads[c].name == model.case_names[c];
+    if (cases.disc_radius_m > 0) same = same && model.energy_law && model.energy_law->disc_radius_m == cases.disc_radius_m;
     if (!same) throw MismatchError("the model was trained on other cases than these");
     if (cases.measurement && !model.energy_law)  // of an earlier program
         throw MismatchError("these cases are measured: they can judge a law, and this model is of sets");
@@ -170,7 +171,7 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
             const auto c = static_cast<std::size_t>(i);
             CaseError& e = errors.cases[c];
             if (candidate.theta.empty()) {  // the law
-                e.closed_loop = error_of(answer_of(*energy, loads[c].path->contact_m, truths[c].push_m), truths[c], model.mesh, seen);
+                e.closed_loop = error_of(answer_of(*energy, loads[c].path->contact_m, truths[c].push_m, loads[c].path->radius_m), truths[c], model.mesh, seen);
                 return;
             }
             if (result.open_loop())

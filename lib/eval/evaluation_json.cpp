@@ -126,6 +126,11 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed, const Eval
         for (std::size_t m = 0; m < held_out.models.size(); ++m)
             entry[held_out.models[m]] = to_value(role.statistics(m), seen_inside);
         j["lost"][role.role] = role.lost;
+        for (const double radius_m : role.radii_m()) {
+            Json of_disc = {{"radius_m", radius_m}};
+            for (std::size_t m = 0; m < held_out.models.size(); ++m) of_disc[held_out.models[m]] = to_value(role.of_disc(radius_m).statistics(m), seen_inside);
+            j["by_radius"][role.role].push_back(std::move(of_disc));
+        }
         for (const DrawnContact& c : role.contacts) {
             Json row = {{"name", c.name}};
             if (c.contact_m.size() == 2) {
@@ -135,6 +140,7 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed, const Eval
                 row["direction"] = c.direction;
                 row["clearance_m"] = or_null(c.clearance_m);
                 row["thickness_m"] = or_null(c.thickness_m);
+                row["radius_m"] = c.radius_m;
             }
             row.update({{"angle_deg", c.angle_deg}, {"depth_m", c.depth_m}, {"fe_force_N", c.fe_force_N}, {"extrapolated", c.extrapolated}});
             for (std::size_t m = 0; m < held_out.models.size(); ++m) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "eval/force_table.h"
 #include "eval/solid_force_table.h"
@@ -90,6 +91,14 @@ std::vector<Baseline> baselines_of(const TissueModel& model, const std::vector<S
     return baselines;
 }
 
+/// Other constants under the law's untrained contact, of every disc that the law knows.
+LawModel untrained_law(const TrainedModel& model, const Eigen::VectorXd& constants, bool incompressible) {
+    const LawModel& law = *model.energy_law;
+    LawModel other{{}, {}, constants, model.books.law->untrained_patch, incompressible, law.disc_radius_m, law.disc};
+    other.sizes = law.sizes;
+    return other;
+}
+
 /// In space: the one stiffness of all springs [N/m], of a few round the heuristic's mean, with the smallest median force error
 /// at some of the load cases, under the law's untrained contact.
 double best_uniform_under_law(const TrainedModel& model, const std::vector<LoadCase>& loads, int threads) {
@@ -101,13 +110,13 @@ double best_uniform_under_law(const TrainedModel& model, const std::vector<LoadC
         if (loads[c].record->contact_force_N.squaredNorm() > 0) some.push_back(&loads[c]);
     for (double factor = 0.25; factor < 4.1; factor *= std::sqrt(2.0)) {
         const Eigen::VectorXd constants = springs_alone(model.mesh, book.untrained_constants, uniform_stiffness(model.mesh, factor * mean));
-        const LawPress press(model.mesh, LawModel{{}, {}, constants, book.untrained_patch, false, model.energy_law->disc_radius_m, model.energy_law->disc});
+        const LawPress press(model.mesh, untrained_law(model, constants, false));
         std::vector<double> errors(some.size(), std::numeric_limits<double>::infinity());
         parallel_for(static_cast<int>(some.size()), threads, [&](int i) {
             const LoadCase& load = *some[static_cast<std::size_t>(i)];
-            const Equilibrium state = press.at(load.path->contact_m, load.path->push_m(*load.record));
+            const ContactAnswer answer = answer_of(press, load.path->contact_m, load.path->push_m(*load.record), load.path->radius_m);
             const Point& force_N = load.record->contact_force_N;
-            if (state) errors[static_cast<std::size_t>(i)] = (Point(state.contact_force) - force_N).norm() / force_N.norm();
+            if (answer.force_N) errors[static_cast<std::size_t>(i)] = (Point(*answer.force_N) - force_N).norm() / force_N.norm();
         });
         const double median = statistics_of(errors).median;
         if (median < best_median) {
@@ -142,7 +151,7 @@ const LoadPath* repeated_by(const LoadPath& check, const Cases& cases) {
     constexpr double same_m = 1e-9, same_direction = 1e-9;
     for (const LoadPath& path : cases.paths)
         if (path.role != "check" && (path.contact_m - check.contact_m).norm() <= same_m &&
-            (path.direction - check.direction).norm() <= same_direction && std::abs(path.depth_m - check.depth_m) <= same_m)
+            (path.direction - check.direction).norm() <= same_direction && std::abs(path.depth_m - check.depth_m) <= same_m && path.radius_m == check.radius_m)
             return &path;
     return nullptr;
 }
@@ -162,7 +171,7 @@ TruthCheck check_truth(const Cases& cases) {
             differences.push_back(nothing);
             continue;
         }
-        const std::vector<double> wanted = coarse->role == "train" ? cases.magnitudes_m : std::vector{coarse->depth_m};
+        const std::vector<double> wanted = coarse->role == "train" ? load_magnitudes(cases, *coarse) : std::vector{coarse->depth_m};
         for (double magnitude_m : wanted) {
             const PathRecord *there = coarse->record_at(magnitude_m), *record = fine.record_at(magnitude_m);
             differences.push_back(there && record ? (there->contact_force_N - record->contact_force_N).norm() / record->contact_force_N.norm()
@@ -176,6 +185,22 @@ TruthCheck check_truth(const Cases& cases) {
     }
     check.difference = statistics_of(differences);
     return check;
+}
+
+std::vector<double> DrawnContacts::radii_m() const {
+    std::set<double> radii_m(lost_radius_m.begin(), lost_radius_m.end());
+    for (const DrawnContact& c : contacts) radii_m.insert(c.radius_m);
+    if (radii_m.size() < 2) return {};
+    return {radii_m.begin(), radii_m.end()};
+}
+
+DrawnContacts DrawnContacts::of_disc(double radius_m) const {
+    DrawnContacts some{role, {}, {}};
+    for (const DrawnContact& c : contacts)
+        if (c.radius_m == radius_m) some.contacts.push_back(c);
+    for (std::size_t k = 0; k < lost_radius_m.size(); ++k)
+        if (lost_radius_m[k] == radius_m) some.lost.push_back(lost[k]);
+    return some;
 }
 
 ContactStatistics DrawnContacts::statistics(std::size_t model) const {
@@ -207,8 +232,10 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
     std::optional<SolidForceTable> solid_table;
     std::vector<Setting> settings;
     std::vector<Baseline> baselines;
+    const double disc_m = model.energy_law ? model.energy_law->disc_radius_m : 0;
+    const auto disc_of = [&](const LoadPath& path) { return path.radius_m > 0 ? path.radius_m : disc_m; };
     if (solid) {
-        solid_table.emplace(table_pushes(loads, symmetries_of(model)));
+        solid_table.emplace(table_pushes(loads, symmetries_of(model), disc_m));
     } else {
         outline.emplace(model.mesh);
         table.emplace(*outline, table_pushes(loads, symmetries_of(model)));
@@ -223,8 +250,7 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
         laws.emplace_back("learned", std::make_unique<LawPress>(model.mesh, law_of_cases(model)));
         const LawBook& book = *model.books.law;
         const auto add = [&](const std::string& name, const Eigen::VectorXd& constants) {
-            laws.emplace_back(name, std::make_unique<LawPress>(model.mesh, LawModel{{}, {}, constants, book.untrained_patch, model.energy_law->incompressible,
-                                                                                         model.energy_law->disc_radius_m, model.energy_law->disc}));
+            laws.emplace_back(name, std::make_unique<LawPress>(model.mesh, untrained_law(model, constants, model.energy_law->incompressible)));
         };
         add("untrained", book.untrained_constants);
         const auto add_springs = [&](const std::string& name, const Eigen::VectorXd& theta) { add(name, springs_alone(model.mesh, book.untrained_constants, theta)); };
@@ -245,7 +271,7 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
     if (cases.measurement) result.models.push_back("repeat");
 
     const auto learned = [&](const LoadPath& path, const PathRecord& record) {
-        if (!sets) return answer_of(*laws[0].second, path.contact_m, path.push_m(record));
+        if (!sets) return answer_of(*laws[0].second, path.contact_m, path.push_m(record), path.radius_m);
         const int set = sets->nearest(outline->arc_of(path.contact_m), path.direction, record.magnitude_m);
         return answer_of(model.mesh, *law, model.trained.front().theta.row(set).transpose(), truth_of(model.mesh, path, record));
     };
@@ -253,30 +279,34 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
         std::vector<const LoadPath*> paths;
         for (const LoadPath& path : cases.paths) {
             if (path.role != role.role) continue;
-            if (path.lost.empty())
+            if (path.lost.empty()) {
                 paths.push_back(&path);
-            else
-                role.lost.push_back(path.name + ": " + path.lost);
+                continue;
+            }
+            role.lost.push_back(path.name + ": " + path.lost);
+            if (solid) role.lost_radius_m.push_back(disc_of(path));
         }
         role.contacts.resize(paths.size());
         parallel_for(static_cast<int>(paths.size()), threads, [&](int p) {
             const LoadPath& path = *paths[static_cast<std::size_t>(p)];
             const PathRecord& record = path.records.back();
             const double arc = solid ? std::nan("") : outline->arc_of(path.contact_m);
-            const ForceTable::Entry tabled = solid ? solid_table->at(path.contact_m, path.direction, record.magnitude_m)
-                                                   : table->at(arc, path.direction, record.magnitude_m);
+            const double times = solid && disc_m > 0 ? disc_of(path) / disc_m : 1;
+            ForceTable::Entry tabled = solid ? solid_table->at(path.contact_m, path.direction, record.magnitude_m / times)
+                                             : table->at(arc, path.direction, record.magnitude_m);
+            tabled.force_N *= times * times;
             const ContactTruth truth = truth_of(model.mesh, path, record);
             DrawnContact& contact = role.contacts[static_cast<std::size_t>(p)];
             const FreeSurface::Place place = solid ? surface.nearest(path.contact_m) : FreeSurface::Place{};
             const double angle = solid ? std::acos(std::clamp(place.inward.dot(path.direction), -1.0, 1.0)) : outline->angle(arc, path.direction);
             contact = {path.name, path.contact_m, path.direction, arc, angle / degree, record.magnitude_m, solid ? surface.clearance_m(path.contact_m) : std::nan(""),
-                       solid ? surface.thickness_m(place.point_m, place.inward) : std::nan(""), record.contact_force_N, tabled.extrapolated, {}};
+                       solid ? surface.thickness_m(place.point_m, place.inward) : std::nan(""), record.contact_force_N, tabled.extrapolated, {}, solid ? disc_of(path) : 0};
             const auto add = [&](const ContactAnswer& answer) {
                 contact.error.push_back(error_of(answer, truth, model.mesh, seen));
             };
             add(learned(path, record));
             add({tabled.force_N});
-            for (std::size_t l = 1; l < laws.size(); ++l) add(answer_of(*laws[l].second, path.contact_m, truth.push_m));
+            for (std::size_t l = 1; l < laws.size(); ++l) add(answer_of(*laws[l].second, path.contact_m, truth.push_m, path.radius_m));
             for (const Baseline& b : baselines) add(answer_of(b.setting->mesh, *b.setting->law, b.theta, truth));
             if (cases.measurement && path.again_N) add({*path.again_N});
             if (cases.measurement && !path.again_N) contact.error.push_back({{}, {}, {}, "measured once"});
@@ -295,7 +325,7 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
             const ContactAnswer answer = m > 0 ? learned(path, record) : ContactAnswer{};
             curve.learned_N.push_back(m > 0 ? answer.force_N ? answer.force_N->dot(path.direction) : std::nan("") : 0);
             if (solid && with_baselines) {
-                const ContactAnswer uniform = m > 0 ? answer_of(*laws.back().second, path.contact_m, path.push_m(record)) : ContactAnswer{};
+                const ContactAnswer uniform = m > 0 ? answer_of(*laws.back().second, path.contact_m, path.push_m(record), path.radius_m) : ContactAnswer{};
                 curve.uniform_N.push_back(m > 0 ? uniform.force_N ? uniform.force_N->dot(path.direction) : std::nan("") : 0);
                 continue;
             }

@@ -22,6 +22,7 @@ struct DrawnContact {
     Point fe_force_N;
     bool extrapolated;                    ///< outside what the sets were trained on
     std::vector<ContactError> error;      ///< of each model, in closed loop
+    double radius_m = 0;                  ///< of the disc, in space
 };
 
 /// One role of drawn contacts: validation, held_out or held_out_full.
@@ -29,7 +30,10 @@ struct DrawnContacts {
     std::string role;
     std::vector<DrawnContact> contacts;
     std::vector<std::string> lost;        ///< "name: why", contacts at which FE has no answer
+    std::vector<double> lost_radius_m = {};  ///< of their discs, in space
 
+    std::vector<double> radii_m() const;               ///< of the discs, ascending; none where all have one
+    DrawnContacts of_disc(double radius_m) const;      ///< those contacts alone, lost ones too
     int drawn() const { return static_cast<int>(contacts.size() + lost.size()); }
     ContactStatistics statistics(std::size_t model) const;  ///< of all that were drawn
 };

@@ -145,10 +145,14 @@ std::string by_place_markdown(const DrawnContacts& role, const std::string& mode
                                summary(s.force), n_of_N(s.force), summary(s.shape), n_of_N(s.shape));
         }
     };
+    for (const double radius_m : role.radii_m()) {
+        const ContactStatistics s = role.of_disc(radius_m).statistics(0);
+        out += fmt::format("| disc of {:g} mm | {} | {} | {} | {} |\n", 1e3 * radius_m, summary(s.force), n_of_N(s.force), summary(s.shape), n_of_N(s.shape));
+    }
     thirds("thickness", &DrawnContact::thickness_m);
     thirds("distance from the free surface's edge", &DrawnContact::clearance_m);
     if (out.empty()) return "";
-    return fmt::format("\nOf `{}`, by thirds of the contacts (thickness of the tissue straight in, at rest; edge: where the free surface ends, as at what is held, or turns by more than 45 degrees):\n\n"
+    return fmt::format("\nOf `{}`, by the disc's radius where there are several, and by thirds of the contacts (thickness of the tissue straight in, at rest; edge: where the free surface ends, as at what is held, or turns by more than 45 degrees):\n\n"
                        "| contacts | force: median / p95 / max | n of N | shape: median / p95 / max | n of N |\n|---|---|---|---|---|\n", model) + out;
 }
 

@@ -54,10 +54,12 @@ std::vector<Symmetry> symmetries_of(const TissueModel& model) {
     return found;
 }
 
-std::vector<TablePush> table_pushes(const std::vector<LoadCase>& loads, const std::vector<Symmetry>& symmetries) {
+std::vector<TablePush> table_pushes(const std::vector<LoadCase>& loads, const std::vector<Symmetry>& symmetries, double disc_radius_m) {
     std::vector<TablePush> pushes;
-    for (const LoadCase& load : loads)
-        pushes.push_back({load.path->contact_m, load.path->direction, load.record->contact_force_N, load.record->magnitude_m});
+    for (const LoadCase& load : loads) {
+        const double times = load.path->radius_m > 0 && disc_radius_m > 0 ? load.path->radius_m / disc_radius_m : 1;
+        pushes.push_back({load.path->contact_m, load.path->direction, load.record->contact_force_N / (times * times), load.record->magnitude_m / times});
+    }
     const std::size_t own = pushes.size();
     std::vector<std::size_t> source(own);  // of each push the load case that it is, or is an image of
     std::iota(source.begin(), source.end(), std::size_t{0});

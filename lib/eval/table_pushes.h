@@ -25,6 +25,7 @@ struct TablePush {
 
 /// The load cases, and what they say of their images, but where one is among the load cases or images already: images of a push in the middle
 /// coincide. A push that is among the load cases again and again has the images of each.
-std::vector<TablePush> table_pushes(const std::vector<LoadCase>& loads, const std::vector<Symmetry>& symmetries = {});
+/// A push of another disc than disc_radius_m stands as the push of that one in proportion: a half space asks (R / a)^2 times the force of a disc R / a times as large, R / a times as deep.
+std::vector<TablePush> table_pushes(const std::vector<LoadCase>& loads, const std::vector<Symmetry>& symmetries = {}, double disc_radius_m = 0);
 
 }  // namespace tissue

@@ -12,6 +12,7 @@
 #include "haptic/law_spectrum.h"
 #include "haptic/session_options.h"
 #include "haptic/spectrum.h"
+#include "haptic/support_mass.h"
 #include "springs/energy_law.h"
 #include "springs/spring_sets.h"
 #include "version.h"
@@ -24,11 +25,11 @@ constexpr double usual_innovation = 0.05, usual_coupling_ratio = 10;
 constexpr double turn = 2 * 3.14159265358979323846;
 
 std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel& model, const std::string& law,
-                                      const Eigen::Ref<const NodeField>& theta, const Point& place_m) {
+                                      const Eigen::Ref<const NodeField>& theta, const Point& place_m, const Eigen::VectorXd& node_mass_kg) {
     if (!theta.allFinite() || !(theta.minCoeff() > 0))
         throw MismatchError(fmt::format("the {} mesh has springs that are not positive", name));
     auto mesh = std::make_unique<HapticMesh>(
-        HapticMesh{name, RealtimeMesh(model.mesh, law, model.node_mass_kg), {}, nullptr, place_m, "", 1, 0, 0, 0, 0, 0, 0, 0});
+        HapticMesh{name, RealtimeMesh(model.mesh, law, node_mass_kg), {}, nullptr, place_m, "", 1, 0, 0, 0, 0, 0, 0, 0});
     mesh->theta_of_set.resize(mesh->springs.slot_count(), theta.rows());
     for (Eigen::Index c = 0; c < theta.rows(); ++c) mesh->theta_of_set.col(c) = mesh->springs.to_slots(theta.row(c).transpose());
     return mesh;
@@ -36,7 +37,7 @@ std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel
 
 std::unique_ptr<HapticMesh> make_law_mesh(const std::string& name, const TissueModel& model, const Point& place_m) {
     const NodeField theta = model.energy_law->constants.head(model.mesh.spring_count()).transpose();
-    auto mesh = make_mesh(name, model, "geometric", theta, place_m);
+    auto mesh = make_mesh(name, model, "geometric", theta, place_m, mass_with_supports(model));
     mesh->law = std::make_unique<RealtimeLaw>(model, mesh->springs);
     return mesh;
 }
@@ -179,9 +180,10 @@ std::uint64_t fingerprint_of(const HapticModel& model, const TissueModel& tissue
 }  // namespace
 
 HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
-    : study(model.study), options(given), set_names(model.case_names), surface(model.mesh), rest(model.mesh) {
+    : study(model.study), disc_radius_m(model.energy_law ? model.energy_law->disc_radius_m : 0), options(given), set_names(model.case_names), surface(model.mesh), rest(model.mesh) {
     check_options(given);
     if (model.mesh.is_solid() && !model.energy_law) throw MismatchError("a model in space is a law; this one has none");
+    if (given.tool_radius_m && !(model.energy_law && model.energy_law->disc_radius_m == *given.tool_radius_m)) throw MismatchError(fmt::format("tool-radius: the model's disc has {:g} m, not {:g} m", disc_radius_m, *given.tool_radius_m));
     if (!model.mesh.nodes.allFinite()) throw MismatchError("positions of nodes must be finite");
     HapticOptions& o = options;
     const bool damping_asked = o.damping_ratio.has_value();
@@ -207,14 +209,14 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
         if (o.sets.empty()) o.sets = model.trained.front().optimizer;
         selector = std::make_unique<Selector>(model, theta, o.select_by);
         for (std::size_t b = 0; b < first_set.size(); ++b) first_set[b] = selector->select(static_cast<int>(b), 0.5, Eigen::Vector2d::Zero());
-        meshes.push_back(make_mesh("learned", model, model.law, theta, Eigen::Vector2d::Zero()));
+        meshes.push_back(make_mesh("learned", model, model.law, theta, Eigen::Vector2d::Zero(), model.node_mass_kg));
     }
     Point beside = Point::Zero(dimension());
     beside[0] = o.place_m;
     if (o.heuristic_mesh && is_solid())
         meshes.push_back(make_law_mesh("heuristic", untrained(model), beside));
     else if (o.heuristic_mesh)
-        meshes.push_back(make_mesh("heuristic", model, model.law, model.heuristic_a.transpose(), beside));  // of the instantaneous E: it remembers nothing
+        meshes.push_back(make_mesh("heuristic", model, model.law, model.heuristic_a.transpose(), beside, model.node_mass_kg));  // of the instantaneous E: it remembers nothing
     const auto springs = std::find_if(meshes.begin(), meshes.end(), [](const auto& mesh) { return !mesh->law; });
     if (springs == meshes.end() && given.coupling_ratio) throw MismatchError("coupling: the model is a law with a contact of its own, and no mesh of springs stands beside it");
     if (o.energy_book && (!is_law() || model.energy_law->relaxation.empty())) throw MismatchError("energy-book: the model does not relax, and has no branches to book");

@@ -15,19 +15,19 @@ namespace tissue {
 namespace {
 
 /// A contact, and ways to push there, unit vectors.
-struct Place {
+struct PressedPlace {
     ContactSpring contact;
     std::vector<Point> ways;
 };
 
 /// In the plane: corners and eight places more, straight in and 45 degrees to either side.
-std::vector<Place> places_along(const ContactSurface& surface, const PatchLaw& law) {
+std::vector<PressedPlace> places_along(const ContactSurface& surface, const PatchLaw& law) {
     constexpr int evenly = 8;
     constexpr double slant = 0.7853981633974483;
     const Outline& outline = surface.outline();
     std::vector<double> arcs = outline.corners();
     for (int k = 0; k < evenly; ++k) arcs.push_back((k + 0.5) / evenly * outline.length());
-    std::vector<Place> places;
+    std::vector<PressedPlace> places;
     for (double arc : arcs) {
         const ContactPatch patch = surface.at(arc);
         places.push_back({ContactSpring(PatchSpring(patch, law.at(patch))), {}});
@@ -49,13 +49,13 @@ double swing(const RealtimeMesh& springs, const ContactSpring& contact) {
 }
 
 /// In space: few places, first where the contact swings fastest, then each farthest from those before; straight in and 30 degrees off.
-std::vector<Place> places_over(const SpringMesh& mesh, const RealtimeMesh& springs, const ContactKernel& kernel, const PatchLaw& law) {
+std::vector<PressedPlace> places_over(const SpringMesh& mesh, const RealtimeMesh& springs, const ContactKernel& kernel, const PatchLaw& law) {
     const std::size_t few = mesh.node_count() - mesh.embedding.node_count() > 1500 ? 1 : 4;
     constexpr double slant = 0.5235987755982988;
     const FreeSurface surface(mesh);
     const std::vector<Point> points = surface.points(2);
     std::vector<double> away(points.size(), std::numeric_limits<double>::infinity());
-    std::vector<Place> places;
+    std::vector<PressedPlace> places;
     std::size_t next = 0;
     double fastest = 0;
     for (std::size_t k = 0; k < points.size(); ++k) {
@@ -107,14 +107,14 @@ LawSpectrum law_spectrum(const TissueModel& model, const RealtimeMesh& springs) 
     const Eigen::SparseMatrix<double> at_rest = energy.tangent(law.constants, NodeField::Zero(model.mesh.node_count(), model.mesh.dimension()));
     LawSpectrum spectrum{smallest_eigenvalue(springs, at_rest), largest_eigenvalue(springs, at_rest), 0, 0};
 
-    const double depth_m = model.case_count() > 0 ? model.magnitude_m.maxCoeff() : 0;
+    const double depth_m = model.deepest_m();
     PressOptions options;
     if (model.mesh.is_solid()) options.tolerance = 1e-4;  // for a thousandth of the frequency
     PressSolver solver(energy, *kernel, options);
     PressState untouched;
     untouched.displacement = NodeField::Zero(model.mesh.node_count(), model.mesh.dimension());
     untouched.push_m = Point::Zero(model.mesh.dimension());
-    for (const Place& place : model.mesh.is_solid() ? places_over(model.mesh, springs, *kernel, law.patch)
+    for (const PressedPlace& place : model.mesh.is_solid() ? places_over(model.mesh, springs, *kernel, law.patch)
                                                     : places_along(static_cast<const ContactSurface&>(*kernel), law.patch))
         for (const Point& way : place.ways) {
             spectrum.contact_N_m = std::max(spectrum.contact_N_m, at_once(place.contact, untouched, way));

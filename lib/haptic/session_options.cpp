@@ -82,6 +82,8 @@ const std::vector<SessionOption>& session_options() {
          "At 10 the tool sinks in by a tenth more. Refused where no mesh of springs is played.", "10"},
         {"damping", "1", {0, inf, true}, everywhere, [](O& o) -> auto& { return o.damping_ratio; }, "damping ratio of the lowest mode; of an energy model 0.17, of one that relaxes 0.01",
          "0.05 of spring sets is the paper's \"very small values\". With 0.17 an energy model comes to rest before a hand notices. Maxwell branches damp by themselves.", "0.05"},
+        {"tool-radius", "m", {0, 1}, everywhere, [](O& o) -> auto& { return o.tool_radius_m; }, "radius of the disc that presses tissue in space; by default the model's",
+         "A model that was trained under discs of several radii plays with any between the smallest and the largest; others are refused, and so is a session that learns."},
         {"friction", "1", {0, inf, true, true}, everywhere | live, [](O& o) -> auto& { return o.friction.stick; }, "static friction coefficient between tool and tissue; inf: the tool never slips",
          "The paper's contact keeps its place, which is inf."},
         {"friction-slip", "1", {0, inf, true}, everywhere | live, [](O& o) -> auto& { return o.friction.slip; }, "kinetic friction coefficient, at most the static one",

@@ -39,6 +39,7 @@ struct HapticOptions {
     bool energy_book = false;         ///< of a law that relaxes: what its branches store and burn is booked; a step takes a little longer
     double place_m = 0;               ///< where the second mesh stands along x; 0: one and a half widths to the right
     SelectBy select_by = SelectBy::displacement;
+    std::optional<double> tool_radius_m = {};  ///< of the disc that a law in space plays with (with_tool of springs/law_at_radius.h makes the model); nothing: the law's own
     FrictionOptions friction;                                            ///< of the tool on the tissue
     SafetyOptions safety;             ///< its dt is taken from here
     DeviceImpedance device;           ///< of the device that the force goes to
@@ -75,6 +76,7 @@ struct HapticModel {
     HapticModel& operator=(const HapticModel&) = delete;
 
     std::string study;
+    double disc_radius_m;                             ///< of the disc that a law in space has; else 0
     HapticOptions options;
     std::vector<std::string> set_names;
     std::vector<std::unique_ptr<HapticMesh>> meshes;  ///< the learned one first

@@ -20,7 +20,8 @@ const std::vector<std::string> patch_rows = {"normal", "tangent", "rotation", "s
 const std::vector<std::string> disc_rows = {"normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"};
 const std::string support_term = "support.all";
 const std::string softening = "softening";  // in the place of hardening
-const std::vector<std::string> patch_factors = {"", "phase", "corner", "edge"}, disc_factors = {"", "curved", "ground", "edge"};
+const std::vector<std::string> patch_factors = {"", "phase", "corner", "edge"}, disc_factors = {"", "curved", "ground", "edge", "size"};
+constexpr int size_factor = PatchLaw::factors;  // of the radius, and not of the place: it ends in the rows before these meet a place
 
 std::vector<std::string> split(const std::string& text) {
     std::vector<std::string> parts{""};
@@ -135,6 +136,25 @@ bool softens(const std::vector<std::string>& terms) {
     });
 }
 
+bool is_size_term(const std::string& term) {
+    const std::vector<std::string> parts = split(term);
+    return parts.size() == 3 && parts[0] == "contact" && parts[2] == "size";
+}
+
+PatchLaw resized(PatchLaw law, const std::vector<std::string>& terms, const Eigen::VectorXd& p, double log_times) {
+    for (Eigen::Index m = 0; m < law.log_N_m.rows(); ++m) {
+        const double power = m < PatchLaw::hardening_row ? 1 : m == PatchLaw::coupling_row ? 0 : -3;
+        law.log_N_m(m, 0) += power * log_times;
+    }
+    for (std::size_t t = 0; t < terms.size(); ++t) {
+        if (!is_size_term(terms[t])) continue;
+        const std::string name = split(terms[t])[1];
+        const auto row = std::find(disc_rows.begin(), disc_rows.end(), name == softening ? "hardening" : name);
+        if (row != disc_rows.end()) law.log_N_m(row - disc_rows.begin(), 0) += p[static_cast<Eigen::Index>(t)] * log_times;
+    }
+    return law;
+}
+
 EnergyLaw::EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, const std::vector<std::string>& terms)
     : terms_(terms), heuristic_(heuristic), springs_(mesh.spring_count()), value_(Eigen::MatrixXd::Zero(heuristic.constants.size(), static_cast<Eigen::Index>(terms.size()))) {
     const RestPlaces places(mesh);
@@ -211,20 +231,20 @@ Eigen::MatrixXd EnergyLaw::constants_by(const Eigen::VectorXd& p) const {
     return slope.asDiagonal() * value_;
 }
 
-PatchLaw EnergyLaw::patch(const Eigen::VectorXd& p) const {
+PatchLaw EnergyLaw::patch(const Eigen::VectorXd& p, double log_times) const {
     PatchLaw law = heuristic_.patch;
     law.softens = softens_;
     for (std::size_t t = 0; t < on_patch_.size(); ++t)
-        if (on_patch_[t].first >= 0) law.log_N_m(on_patch_[t].first, on_patch_[t].second) += p[static_cast<Eigen::Index>(t)];
-    return law;
+        if (on_patch_[t].first >= 0 && on_patch_[t].second != size_factor) law.log_N_m(on_patch_[t].first, on_patch_[t].second) += p[static_cast<Eigen::Index>(t)];
+    return log_times == 0 ? law : resized(law, terms_, p, log_times);
 }
 
-Eigen::MatrixXd EnergyLaw::stiffness_by(const Eigen::VectorXd& p, const ContactFactors& factors, double log_scale) const {
-    const Eigen::VectorXd stiffness = patch(p).values_at(factors, log_scale);
+Eigen::MatrixXd EnergyLaw::stiffness_by(const Eigen::VectorXd& p, const ContactFactors& factors, double log_scale, double log_times) const {
+    const Eigen::VectorXd stiffness = patch(p, log_times).values_at(factors, log_scale);
     Eigen::MatrixXd by = Eigen::MatrixXd::Zero(stiffness.size(), size());
     for (std::size_t t = 0; t < on_patch_.size(); ++t)
         if (on_patch_[t].first >= 0)
-            by(on_patch_[t].first, static_cast<Eigen::Index>(t)) = stiffness[on_patch_[t].first] * factors[on_patch_[t].second];
+            by(on_patch_[t].first, static_cast<Eigen::Index>(t)) = stiffness[on_patch_[t].first] * (on_patch_[t].second == size_factor ? log_times : factors[on_patch_[t].second]);
     return by;
 }
 

@@ -66,6 +66,12 @@ double bent_factor(double x);
 /// An energy model's constants [N/m] (E) with other springs (S), without what keeps volumes or areas, and with the same supports.
 Eigen::VectorXd springs_alone(const SpringMesh& mesh, const Eigen::VectorXd& constants, const Eigen::VectorXd& springs_N_m);
 
+/// A disc's contact where the disc is exp(log_times) times as large. Rows are in E R, 1 / (E R^3) and E (LawHeuristic), so that of a half space the first four grow with the radius, hardening and
+/// saturation with its inverse cube, and coupling stays; terms with the factor size, of p (P), add to that.
+PatchLaw resized(PatchLaw law, const std::vector<std::string>& terms, const Eigen::VectorXd& p, double log_times);
+/// Whether a term is of a disc's radius.
+bool is_size_term(const std::string& term);
+
 /// Whether terms say that a disc's contact softens, and do not harden.
 bool softens(const std::vector<std::string>& terms);
 
@@ -86,7 +92,8 @@ bool softens(const std::vector<std::string>& terms);
 ///                   nodule      log(E / E_base), E in proportion to what of it lies in the nodule, or in named regions of a shape
 ///   contact.normal contact.tangent contact.rotation contact.stretch, alone or with one of: phase corner edge (PatchLaw)
 ///   of a disc normal tangent imprint_normal imprint_tangent hardening saturation coupling, with one of: curved
-///                   ground edge (DiscContact); softening in place of hardening and saturation (ContactSpring)
+///                   ground edge (DiscContact); softening in place of hardening and saturation (ContactSpring);
+///                   size        log(radius / disc's own): what a disc of another radius has beyond `resized`
 ///   support.all     1 for the supports of a solid
 ///   skin.normal skin.tangent skin.heave skin.radial   of a disc: in no constant, but in what is seen beside it (springs/skin.h)
 class EnergyLaw {
@@ -103,9 +110,10 @@ class EnergyLaw {
     Eigen::VectorXd constants(const Eigen::VectorXd& p) const;     ///< [N/m] (E)
     Eigen::MatrixXd constants_by(const Eigen::VectorXd& p) const;  ///< their derivative (E x P)
     SkinLaw skin(const Eigen::VectorXd& p) const { return skin_of(terms_, p); }
-    PatchLaw patch(const Eigen::VectorXd& p) const;
+    /// Of a disc that is exp(log_times) times as large as the heuristic's.
+    PatchLaw patch(const Eigen::VectorXd& p, double log_times = 0) const;
     /// Derivative of PatchLaw::values_at a place of these factors (K x P).
-    Eigen::MatrixXd stiffness_by(const Eigen::VectorXd& p, const ContactFactors& factors, double log_scale = 0) const;
+    Eigen::MatrixXd stiffness_by(const Eigen::VectorXd& p, const ContactFactors& factors, double log_scale = 0, double log_times = 0) const;
 
    private:
     std::vector<std::string> terms_;

@@ -14,6 +14,7 @@
 #include "parallel.h"
 #include "springs/contact_errors.h"
 #include "springs/contact_spring.h"
+#include "springs/energy_law.h"
 #include "springs/law_kernel.h"
 #include "springs/sparse_factor.h"
 #include "springs/tissue_energy.h"
@@ -84,27 +85,38 @@ Stiffness stiffness_of(const ContactSpring& contact, const NodeCompliance& compl
     return {std::log(stiffness), f.cwiseAbs2().cwiseProduct(give.replicate<1, 3>()).sum() / stiffness};
 }
 
-std::vector<std::optional<Stiffness>> stiffness_at(const SpringMesh& mesh, const LawModel& law, const std::vector<Point>& places) {
-    const auto kernel = make_contact_kernel(mesh, law.disc_radius_m, {law.disc.ground, law.disc.curved_range, {}});
-    std::vector<char> touched(static_cast<std::size_t>(mesh.node_count()), 0), has_contact(places.size(), 0);
-    for (std::size_t p = 0; p < places.size(); ++p) try {
-            for (int node : kernel->rows_at(places[p]).nodes) touched[static_cast<std::size_t>(node)] = 1;
-            has_contact[p] = 1;
-        } catch (const NoContactError&) {
-        }
+/// Of contacts of each disc at each place.
+using Stiffnesses = std::vector<std::vector<std::optional<Stiffness>>>;
+
+Stiffnesses stiffness_at(const SpringMesh& mesh, const LawModel& law, const std::vector<Point>& places, const Eigen::VectorXd& radii_m) {
+    const auto K = static_cast<std::size_t>(radii_m.size());
+    std::vector<std::unique_ptr<ContactKernel>> kernels;
+    for (double radius_m : radii_m) kernels.push_back(make_contact_kernel(mesh, radius_m, {law.disc.ground, law.disc.curved_range, {}}));
+    std::vector<char> touched(static_cast<std::size_t>(mesh.node_count()), 0);
+    std::vector<std::vector<char>> has_contact(K, std::vector<char>(places.size(), 0));
+    for (std::size_t k = 0; k < K; ++k)
+        for (std::size_t p = 0; p < places.size(); ++p) try {
+                for (int node : kernels[k]->rows_at(places[p]).nodes) touched[static_cast<std::size_t>(node)] = 1;
+                has_contact[k][p] = 1;
+            } catch (const NoContactError&) {
+            }
     std::vector<int> nodes;
     for (int node = 0; node < mesh.node_count(); ++node)
         if (touched[static_cast<std::size_t>(node)]) nodes.push_back(node);
     const NodeCompliance compliance(mesh, law, nodes);
-    std::vector<std::optional<Stiffness>> stiffness(places.size());
-    for (std::size_t p = 0; p < places.size(); ++p)  // rows anew: those of all places would take gigabytes
-        if (has_contact[p]) stiffness[p] = stiffness_of(ContactSpring(kernel->rows_at(places[p]), law.patch), compliance);
+    Stiffnesses stiffness(K, std::vector<std::optional<Stiffness>>(places.size()));
+    for (std::size_t k = 0; k < K; ++k) {
+        const double log_times = std::log(radii_m[static_cast<Eigen::Index>(k)] / law.disc_radius_m);
+        const PatchLaw patch = log_times == 0 ? law.patch : resized(law.patch, law.terms, law.coefficients, log_times);
+        for (std::size_t p = 0; p < places.size(); ++p)  // rows anew: those of all places would take gigabytes
+            if (has_contact[k][p]) stiffness[k][p] = stiffness_of(ContactSpring(kernels[k]->rows_at(places[p]), patch), compliance);
+    }
     return stiffness;
 }
 
 }  // namespace
 
-FacetTable lattice_correction(const Shape& shape, const SpringMesh& mesh, const std::function<LawModel(const SpringMesh&)>& law_on, int threads) {
+std::vector<FacetTable> lattice_corrections(const Shape& shape, const SpringMesh& mesh, const std::function<LawModel(const SpringMesh&)>& law_on, const Eigen::VectorXd& radii_m, int threads) {
     if (mesh.node_count() - mesh.embedding.node_count() > most_nodes) return {};
     const FreeSurface surface(mesh);
     const double h = mesh.embedding.spacing_m;
@@ -130,32 +142,35 @@ FacetTable lattice_correction(const Shape& shape, const SpringMesh& mesh, const 
         }
 
     const std::array<Eigen::Vector3d, 4> shifts = {Eigen::Vector3d(0, 0, 0), {0.5, 0.5, 0}, {0.5, 0, 0.5}, {0, 0.5, 0.5}};
-    std::array<std::vector<std::optional<Stiffness>>, 4> stiffness;
+    const auto K = static_cast<std::size_t>(radii_m.size());
+    std::array<Stiffnesses, 4> stiffness;
     parallel_for(4, std::min(threads, at_once), [&](int i) {
         const auto n = static_cast<std::size_t>(i);
         if (i == 0) {
-            stiffness[n] = stiffness_at(mesh, law_on(mesh), places);
+            stiffness[n] = stiffness_at(mesh, law_on(mesh), places, radii_m);
             return;
         }
-        stiffness[n].resize(places.size());
+        stiffness[n].assign(K, std::vector<std::optional<Stiffness>>(places.size()));
         try {
             const SpringMesh shifted = shifted_lattice(shape, h, shifts[n]);
-            stiffness[n] = stiffness_at(shifted, law_on(shifted), places);
+            stiffness[n] = stiffness_at(shifted, law_on(shifted), places, radii_m);
         } catch (const Error&) {  // too coarse there for the solid, or for what lies in it
         }
     });
 
-    FacetTable table{NodeField::Zero(mesh.facets.rows(), weights.rows())};
-    for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
-        const Eigen::Index free = surface.free_of()[static_cast<std::size_t>(f)];
-        for (Eigen::Index v = 0; free >= 0 && v < weights.rows(); ++v) {
-            const std::size_t p = place_of[static_cast<std::size_t>(free * weights.rows() + v)];
-            if (!std::all_of(stiffness.begin(), stiffness.end(), [&](const auto& of) { return of[p].has_value(); })) continue;
-            const double mean = (stiffness[0][p]->log + stiffness[1][p]->log + stiffness[2][p]->log + stiffness[3][p]->log) / 4;
-            table.value(f, v) = std::clamp((mean - stiffness[0][p]->log) / stiffness[0][p]->by_x, -most, most);
+    std::vector<FacetTable> tables(K, FacetTable{NodeField::Zero(mesh.facets.rows(), weights.rows())});
+    for (std::size_t k = 0; k < K; ++k)
+        for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
+            const Eigen::Index free = surface.free_of()[static_cast<std::size_t>(f)];
+            for (Eigen::Index v = 0; free >= 0 && v < weights.rows(); ++v) {
+                const std::size_t p = place_of[static_cast<std::size_t>(free * weights.rows() + v)];
+                if (!std::all_of(stiffness.begin(), stiffness.end(), [&](const auto& of) { return of[k][p].has_value(); })) continue;
+                const Stiffness& own = *stiffness[0][k][p];
+                const double mean = (own.log + stiffness[1][k][p]->log + stiffness[2][k][p]->log + stiffness[3][k][p]->log) / 4;
+                tables[k].value(f, v) = std::clamp((mean - own.log) / own.by_x, -most, most);
+            }
         }
-    }
-    return table;
+    return tables;
 }
 
 }  // namespace tissue

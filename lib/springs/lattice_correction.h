@@ -16,6 +16,7 @@ namespace tissue {
 /// Of each facet of the mesh (SpringMesh::facets), held ones 0, on parts of a third of a cube's edge by the mean of the facets, 6 at the most. A place that has no contact on one of the
 /// four has 0, and so have all where the solid has no shifted lattice. No table for a lattice of more than 10,000 nodes: the compliance between its nodes would take gigabytes.
 /// law_on: constants and contact of each of these lattices; it is called by two threads at once.
-FacetTable lattice_correction(const Shape& shape, const SpringMesh& mesh, const std::function<LawModel(const SpringMesh&)>& law_on, int threads);
+/// A table for each of the radii (K), in order, of the law's contact at that radius (energy_law.h, resized). No tables where there is none.
+std::vector<FacetTable> lattice_corrections(const Shape& shape, const SpringMesh& mesh, const std::function<LawModel(const SpringMesh&)>& law_on, const Eigen::VectorXd& radii_m, int threads);
 
 }  // namespace tissue

@@ -2,6 +2,7 @@
 
 #include "error.h"
 #include "springs/contact_errors.h"
+#include "springs/law_at_radius.h"
 #include "springs/law_kernel.h"
 
 namespace tissue {
@@ -24,7 +25,15 @@ EquilibriumStatus status_of(PressStatus status) {
 }  // namespace
 
 LawPress::LawPress(const SpringMesh& mesh, LawModel law)
-    : law_(std::move(law)), energy_(mesh, law_.incompressible), kernel_(make_contact_kernel(mesh, law_)) {}
+    : law_(std::move(law)), energy_(mesh, law_.incompressible), mesh_(mesh), kernel_(make_contact_kernel(mesh, law_)) {}
+
+const LawPress& LawPress::of(double radius_m) const {
+    if (radius_m == 0 || radius_m == law_.disc_radius_m) return *this;
+    const std::lock_guard<std::mutex> lock(guard_);
+    std::unique_ptr<LawPress>& other = others_[radius_m];
+    if (!other) other = std::make_unique<LawPress>(mesh_, law_at_radius(law_, radius_m));
+    return *other;
+}
 
 std::unique_ptr<PressSolver> LawPress::take() const {
     {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -26,6 +27,9 @@ class LawPress {
     /// and mesh do not belong together.
     Equilibrium at(const Point& contact_m, const Point& push_m) const;
 
+    /// The same law under a disc of another radius [m] (springs/law_at_radius.h); 0: this one. Lives as long as this.
+    const LawPress& of(double radius_m) const;
+
     /// What is seen of such an answer's displacement: at a disc the skin (springs/skin.h), everywhere else the nodes' own.
     NodeField seen(const Point& contact_m, const Point& push_m, NodeField displacement_m) const;
 
@@ -34,8 +38,10 @@ class LawPress {
 
     LawModel law_;
     TissueEnergy energy_;
+    SpringMesh mesh_;
     std::unique_ptr<ContactKernel> kernel_;
     mutable std::mutex guard_;
+    mutable std::map<double, std::unique_ptr<LawPress>> others_;  ///< by radius
     mutable std::vector<std::unique_ptr<PressSolver>> idle_;
 };
 

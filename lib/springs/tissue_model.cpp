@@ -61,6 +61,7 @@ const DatasetTable& tissue_table(bool solid) {
         {"/heuristic_b", "S", Values::positive(), "N/m", "theta of (7), E2 = (C1 + C2) t"},
     }), rest);
     static const DatasetTable space = joined(joined(all, {
+        {"/cases/radius", "C", Values::positive(), "m", "of the disc, where load cases have several", Rows::any, true},
         {"/mesh/tetrahedra", "T x 4", Values::index("N"), "1", "the tissue's division, of positive volume", Rows::distinct},
         {"/mesh/facets", "B x 3", Values::index("N"), "1", "triangles of its surface, normals out", Rows::distinct},
         {"/mesh/incident_volume", "S", Values::positive(), "m3", "(7)'s sum, of volumes (mesh/embedded_lattice.h)"},
@@ -104,6 +105,8 @@ const DatasetTable& law_table(bool solid) {
     static const DatasetTable space = joined(plane, {
         {"/law/ground", "G x 4", Values::place(), "m, m3", "what under a disc is of other stiffness: place, volume times log(E / E_block)", Rows::any, true},
         {"/law/curved_range", "R", Values::finite(), "1", "least and most of the factor curved over the training contacts, to which a contact's is clamped", Rows::any, true},
+        {"/law/radii", "Y", Values::positive(), "m", "discs that the law knows, its own among them (springs/disc_sizes.h)", Rows::ascending, true},
+        {"/law/radius_corrections", "Q x V", Values::logarithm(), "1", "lattice_correction of each of them, one after the other: Q = Y T", Rows::any, true},
         {"/law/lattice_correction", "T x V", Values::logarithm(), "1", "of contacts at V corners of equal parts of each facet (springs/lattice_correction.h)", Rows::any, true},
     });
     return solid ? space : plane;
@@ -133,6 +136,15 @@ void write_law(Hdf5Writer& file, const LawModel& law) {
     if (law.disc.ground.rows() > 0) out.write("/law/ground", law.disc.ground);
     if (std::isfinite(law.disc.curved_range[0])) out.write("/law/curved_range", Eigen::VectorXd(law.disc.curved_range));
     if (law.disc.correction.value.rows() > 0) out.write("/law/lattice_correction", law.disc.correction.value);
+    if (!law.sizes.empty()) {
+        out.write("/law/radii", law.sizes.radii_m);
+        if (!law.sizes.correction.empty()) {
+            const NodeField& own = law.sizes.correction.front().value;
+            NodeField all(own.rows() * static_cast<Eigen::Index>(law.sizes.correction.size()), own.cols());
+            for (std::size_t k = 0; k < law.sizes.correction.size(); ++k) all.middleRows(static_cast<Eigen::Index>(k) * own.rows(), own.rows()) = law.sizes.correction[k].value;
+            out.write("/law/radius_corrections", all);
+        }
+    }
     if (law.patch.hardens()) file.attribute("/law", "disc_radius_m", law.disc_radius_m);
     if (law.contact_log_scale.size() > 0) out.write("/law/contact_log_scale", law.contact_log_scale);
     if (law.relaxation.empty()) return;
@@ -148,6 +160,20 @@ void read_sets(TableReader in, TissueModel& model) {
     model.optimum = in.field("/optimum/theta");
     for (const std::string& optimizer : in.texts("/optimizers"))
         model.trained.push_back({optimizer, in.field("/trained/" + optimizer + "/theta")});
+}
+
+/// What the law knows of other discs. law: its own correction and disc.
+DiscSizes read_sizes(TableReader& in, const SpringMesh& mesh, const LawModel& law) {
+    DiscSizes sizes;
+    sizes.radii_m = in.vector("/law/radii");
+    const Eigen::Index K = sizes.radii_m.size(), T = mesh.facets.rows(), V = law.disc.correction.value.cols();
+    if (!(sizes.radii_m.array() == law.disc_radius_m).any()) in.refuse("/law/radii", "do not have the law's own, attribute 'disc_radius_m'");
+    if (in.has("/law/radius_corrections") != (V > 0)) in.refuse("/law/radius_corrections", "and lattice_correction belong together");
+    if (V == 0) return sizes;
+    const NodeField all = in.field("/law/radius_corrections");
+    if (all.rows() != K * T || all.cols() != V) in.refuse("/law/radius_corrections", fmt::format("are {} x {}, wanted {} x {}", all.rows(), all.cols(), K * T, V));
+    for (Eigen::Index k = 0; k < K; ++k) sizes.correction.push_back({all.middleRows(k * T, T)});
+    return sizes;
 }
 
 LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
@@ -178,6 +204,7 @@ LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
         law.disc_radius_m = file.number_attribute("/law", "disc_radius_m");
         if (!(law.disc_radius_m > 0 && law.disc_radius_m < 1e3))
             in.refuse("/law", fmt::format("attribute 'disc_radius_m' is {}, must be a number > 0", law.disc_radius_m));
+        if (in.has("/law/radii")) law.sizes = read_sizes(in, mesh, law);
     }
     const double incompressible = file.number_attribute("/law", "incompressible");
     if (incompressible != 0 && incompressible != 1)
@@ -307,6 +334,7 @@ void write_tissue(Hdf5Writer& file, const TissueModel& model) {
     out.write("/cases/direction", model.direction);
     out.write("/cases/magnitude", model.magnitude_m);
     if (model.contact_force_N.rows() > 0) out.write("/cases/contact_force", model.contact_force_N);
+    if (model.case_radius_m.size() > 0) out.write("/cases/radius", model.case_radius_m);
     if (model.energy_law)
         write_law(file, *model.energy_law);
     else
@@ -314,6 +342,7 @@ void write_tissue(Hdf5Writer& file, const TissueModel& model) {
 }
 
 int format_of(const TissueModel& model) {
+    if (model.energy_law && !model.energy_law->sizes.empty()) return radii_format_version;
     if (!model.mesh.embedding.empty()) return embedded_format_version;
     if (model.energy_law && model.energy_law->contact_log_scale.size() > 0) return adapted_format_version;
     if (model.energy_law && !model.energy_law->relaxation.empty()) return time_format_version;
@@ -369,11 +398,16 @@ TissueModel read_model(const Hdf5Reader& file) {
     model.magnitude_m = in.vector("/cases/magnitude");
     if (model.case_count() > 0 && model.magnitude_m.maxCoeff() > mesh.size_m())
         in.refuse("/cases/magnitude", fmt::format("goes to {:.3g} mm, and the tissue is {:.3g} mm long", 1e3 * model.magnitude_m.maxCoeff(), 1e3 * mesh.size_m()));
+    if (solid && in.has("/cases/radius")) model.case_radius_m = in.vector("/cases/radius");
     if (in.has("/cases/contact_force")) model.contact_force_N = in.field("/cases/contact_force");
     if (file.has("/law"))
         model.energy_law = read_law(file, mesh);
     else
         read_sets(in, model);
+    const Eigen::VectorXd radii_m = model.energy_law ? model.energy_law->sizes.radii_m : Eigen::VectorXd();
+    if ((model.case_radius_m.size() > 0) != (radii_m.size() > 0)) in.refuse("/cases/radius", "and /law/radii belong together");
+    if (radii_m.size() > 0 && !(model.case_radius_m.minCoeff() >= radii_m[0] && model.case_radius_m.maxCoeff() <= radii_m[radii_m.size() - 1]))
+        in.refuse("/cases/radius", "goes beyond /law/radii");
     try {
         make_spring_law(model.law);
     } catch (const MismatchError& e) {

@@ -8,6 +8,7 @@
 #include "mesh/nodule_surface.h"
 #include "mesh/spring_mesh.h"
 #include "springs/contact_patch.h"
+#include "springs/disc_sizes.h"
 #include "springs/disc_tables.h"
 #include "springs/relaxation.h"
 
@@ -31,6 +32,7 @@ struct LawModel {
     DiscTables disc = {};                  ///< and what is read of its place
     Eigen::VectorXd contact_log_scale = {};  ///< of contacts by node (N), ContactKernel::scale; often none
     Relaxation relaxation = {};            ///< of constants and contact, which are the instantaneous ones; often none
+    DiscSizes sizes = {};                  ///< other discs that it knows (springs/law_at_radius.h); often none
 };
 
 /// What plays: everything that the realtime core, the exports and the page need. What training wrote down beside it is
@@ -55,7 +57,18 @@ struct TissueModel {
 
     NoduleSurface nodule = {};             ///< in space: where there is other material, as the study says; often none, and of earlier programs never
 
+    Eigen::VectorXd case_radius_m = {};    ///< of each case's disc, where a law in space was trained under several (C); else empty
+
     int case_count() const { return static_cast<int>(case_names.size()); }
+    /// How deep the law's disc was pushed at most, other discs' pushes in proportion [m]; 0 without cases.
+    double deepest_m() const {
+        if (case_radius_m.size() > 0) return (magnitude_m.array() / case_radius_m.array()).maxCoeff() * energy_law->disc_radius_m;
+        return case_count() > 0 ? magnitude_m.maxCoeff() : 0;
+    }
+    /// Of a case's disc; 0: the law's own.
+    double radius_of_case(Eigen::Index c) const { return case_radius_m.size() > 0 ? case_radius_m[c] : 0; }
+    /// Whether a case was pressed by the disc that the law has.
+    bool is_own_case(Eigen::Index c) const { return case_radius_m.size() == 0 || case_radius_m[c] == energy_law->disc_radius_m; }
 };
 
 /// Its datasets, into a model.h5 that is being written.

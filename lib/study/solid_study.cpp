@@ -17,10 +17,10 @@
 namespace tissue {
 namespace {
 
-constexpr double tiny_m = 1e-9, tiny_direction = 1e-9;  // what counts as the same place, and as the same push
+constexpr double tiny = 1e-9, tiny_m = 1e-9, tiny_direction = 1e-9;  // what counts as the same place, and as the same push
 
-/// A name a path: place in 0.1 mm, tilt and azimuth in degrees, all with as many more decimals as tell all of them apart.
-void name_paths(std::vector<StudyPath>& paths, const std::vector<std::array<double, 2>>& pushes_deg) {
+/// A name a path: place in 0.1 mm, tilt and azimuth in degrees, of another disc than own_m its radius in 0.1 mm, all with as many more decimals as tell all of them apart.
+void name_paths(std::vector<StudyPath>& paths, const std::vector<std::array<double, 2>>& pushes_deg, double own_m) {
     constexpr int most_decimals = 6;  // places lie 1e-9 m apart
     for (int decimals = 0; decimals <= most_decimals; ++decimals) {
         const double scale = std::pow(10, decimals);
@@ -29,6 +29,7 @@ void name_paths(std::vector<StudyPath>& paths, const std::vector<std::array<doub
             paths[i].name = fmt::format("x{:0{}.0f}-y{:0{}.0f}-t{:0{}.0f}-a{:0{}.0f}", 1e4 * scale * paths[i].contact_m[0], 4 + decimals,
                                         1e4 * scale * paths[i].contact_m[1], 4 + decimals, scale * pushes_deg[i][0], 2 + decimals,
                                         scale * pushes_deg[i][1], 3 + decimals);
+            if (paths[i].radius_m != own_m) paths[i].name += fmt::format("-r{:0{}.0f}", 1e4 * scale * paths[i].radius_m, 3 + decimals);
             names.insert(paths[i].name);
         }
         if (names.size() == paths.size()) return;
@@ -90,12 +91,39 @@ std::array<double, 2> read_sizes(TomlReader& in, const char* key, const Study::I
     return {sizes[0], sizes[1]};
 }
 
-/// depth_m of a contact: a record of its own, at the depth or before.
-double read_contact_depth(TomlReader& contact, const Study::Loads& loads) {
-    const double depth_m = contact.optional_number("depth_m", positive).value_or(loads.depth_m());
-    if (depth_m > loads.depth_m()) contact.refuse("depth_m", "must not be beyond loads.magnitudes_m");
-    if (depth_m > loads.magnitudes_m.front() && !is_multiple(depth_m, loads.record_step_m))
-        contact.refuse("depth_m", "must be a multiple of loads.record_step_m, or not beyond the smallest of loads.magnitudes_m");
+/// A disc's radius, the study's own to the bit where it is that. Refused unless it is from a third to three times the study's own: near elements are in proportion, and so is what a push may reach.
+double checked_radius(const TomlReader& in, const char* key, const Study& study, double radius_m) {
+    constexpr double most = 3;
+    const double times = study.indenter.times(radius_m);
+    if (!(times * most >= 1 - tiny && times <= most * (1 + tiny)))
+        in.refuse(key, fmt::format("{:g} mm is not from a third to three times indenter.radius_m, {:g} mm", 1e3 * radius_m, 1e3 * study.indenter.radius_m));
+    return std::abs(radius_m - study.indenter.radius_m) < tiny_m ? study.indenter.radius_m : radius_m;
+}
+
+/// radius_m of a contact.
+double read_contact_radius(TomlReader& contact, const Study& study) {
+    return checked_radius(contact, "radius_m", study, contact.optional_number("radius_m", positive).value_or(study.indenter.radius_m));
+}
+
+/// radii_m of contacts that take them in turn: none twice.
+std::vector<double> read_radii(TomlReader& in, const Study& study) {
+    if (!in.has("radii_m")) return {study.indenter.radius_m};
+    std::vector<double> radii_m = in.numbers("radii_m", positive);
+    for (std::size_t i = 0; i < radii_m.size(); ++i) {
+        radii_m[i] = checked_radius(in, "radii_m", study, radii_m[i]);
+        for (std::size_t j = 0; j < i; ++j)
+            if (std::abs(radii_m[i] - radii_m[j]) < tiny_m) in.refuse("radii_m", fmt::format("{:g} m stands twice", radii_m[i]));
+    }
+    return radii_m;
+}
+
+/// depth_m of a contact whose disc is so many times as large as the study's: a record of its own, at the depth or before.
+double read_contact_depth(TomlReader& contact, const Study::Loads& loads, double times) {
+    const double depth_m = contact.optional_number("depth_m", positive).value_or(times * loads.depth_m());
+    const std::string in_proportion = std::abs(times - 1) < tiny ? "" : fmt::format(" {:g} times, as its disc is over indenter.radius_m", times);
+    if (depth_m > times * loads.depth_m() * (1 + tiny)) contact.refuse("depth_m", "must not be beyond loads.magnitudes_m" + in_proportion);
+    if (depth_m > times * loads.magnitudes_m.front() * (1 + tiny) && !is_multiple(depth_m, times * loads.record_step_m))
+        contact.refuse("depth_m", fmt::format("must be a multiple of loads.record_step_m{0}, or not beyond the smallest of loads.magnitudes_m{0}", in_proportion));
     return depth_m;
 }
 
@@ -115,24 +143,23 @@ std::vector<StudyPath> read_contacts(TomlReader& in, const Study& study) {
     if (in.tables("contacts").empty()) in.refuse("contacts", "must not be empty");
     for (TomlReader& contact : in.tables("contacts")) {
         const std::vector<double> at = contact.numbers("at_m", 2);
-        const double wall_m = std::min({at[0], g.width_m - at[0], at[1], g.length_m - at[1]});
-        if (wall_m < study.indenter.clearance_m() - tiny_m)
+        const double wall_m = std::min({at[0], g.width_m - at[0], at[1], g.length_m - at[1]}), radius_m = read_contact_radius(contact, study);
+        if (wall_m < study.indenter.clearance_m(radius_m) - tiny_m)
             contact.refuse("at_m", fmt::format("({:g}, {:g}) m is {:g} mm from a wall of the {:g} x {:g} m top; a disc of radius {:g} mm needs {:g} mm",
-                                               at[0], at[1], 1e3 * wall_m, g.width_m, g.length_m, 1e3 * study.indenter.radius_m,
-                                               1e3 * study.indenter.clearance_m()));
-        const double depth_m = read_contact_depth(contact, loads);
+                                               at[0], at[1], 1e3 * wall_m, g.width_m, g.length_m, 1e3 * radius_m, 1e3 * study.indenter.clearance_m(radius_m)));
+        const double depth_m = read_contact_depth(contact, loads, study.indenter.times(radius_m));
         for (const std::vector<double>& row : contact.rows("pushes_deg", 2)) {
             const std::array<double, 2> push = push_of(contact, row);
             const Eigen::Vector3d place(at[0], at[1], g.height_m), direction = solid_push(push[0], push[1]);
             for (const StudyPath& p : paths)
-                if ((p.contact_m - place).norm() < tiny_m && (p.direction - direction).norm() < tiny_direction)
+                if ((p.contact_m - place).norm() < tiny_m && (p.direction - direction).norm() < tiny_direction && std::abs(p.radius_m - radius_m) < tiny_m)
                     contact.refuse("pushes_deg", fmt::format("({:g}, {:g}) m is pushed at ({:g}, {:g}) degrees twice", at[0], at[1], push[0], push[1]));
-            paths.push_back({"", place, direction, depth_m});
+            paths.push_back({"", place, direction, depth_m, radius_m});
             pushes_deg.push_back({push[0], push[0] == 0 ? 0 : push[1] < 0 ? push[1] + 360 : push[1]});
         }
         contact.refuse_the_rest();
     }
-    name_paths(paths, pushes_deg);
+    name_paths(paths, pushes_deg, study.indenter.radius_m);
     return paths;
 }
 
@@ -178,7 +205,8 @@ void read_shape_contacts(TomlReader& in, Study& study) {
         if (in.tables("contacts").empty()) in.refuse("contacts", "must not be empty");
         for (TomlReader& contact : in.tables("contacts")) {
             const std::vector<double> at = contact.numbers("at_m", 3);
-            loads.contacts.push_back({Eigen::Vector3d(at[0], at[1], at[2]), read_pushes(contact), read_contact_depth(contact, loads)});
+            const double radius_m = read_contact_radius(contact, study);
+            loads.contacts.push_back({Eigen::Vector3d(at[0], at[1], at[2]), read_pushes(contact), read_contact_depth(contact, loads, study.indenter.times(radius_m)), radius_m});
             contact.refuse_the_rest();
         }
         return;
@@ -187,9 +215,10 @@ void read_shape_contacts(TomlReader& in, Study& study) {
     Study::Loads::Spread s;
     s.count = static_cast<int>(spread.integer("count", 1, 10'000));
     s.clearance_m = spread.number("clearance_m", positive);
-    if (s.clearance_m < study.indenter.clearance_m() - tiny_m)
-        spread.refuse("clearance_m", fmt::format("a disc of radius {:g} mm needs {:g} mm to where the surface ends or turns",
-                                                 1e3 * study.indenter.radius_m, 1e3 * study.indenter.clearance_m()));
+    s.radii_m = read_radii(spread, study);
+    const double largest_m = *std::max_element(s.radii_m.begin(), s.radii_m.end());
+    if (s.clearance_m < study.indenter.clearance_m(largest_m) - tiny_m)
+        spread.refuse("clearance_m", fmt::format("a disc of radius {:g} mm needs {:g} mm to where the surface ends or turns", 1e3 * largest_m, 1e3 * study.indenter.clearance_m(largest_m)));
     s.pushes_deg = read_pushes(spread);
     const auto pushes = static_cast<long>(s.pushes_deg.size());
     s.pushes_each = static_cast<int>(spread.has("pushes_each") ? spread.integer("pushes_each", 1, pushes) : pushes);
@@ -213,9 +242,9 @@ void read_solid_place(TomlReader& draw, const Study& study, Study::Draws& d) {
     const std::vector<double> tilt = draw.numbers("tilt_deg", 2, {0, 90}), clearance = draw.numbers("clearance_m", 2, positive);
     if (tilt[0] > tilt[1]) draw.refuse("tilt_deg", "must be [smallest, largest]");
     if (!(clearance[0] < clearance[1])) draw.refuse("clearance_m", "must be [smallest, largest], not the same");
-    if (clearance[0] < study.indenter.clearance_m() - tiny_m)
-        draw.refuse("clearance_m", fmt::format("a disc of radius {:g} mm needs {:g} mm {}", 1e3 * study.indenter.radius_m,
-                                               1e3 * study.indenter.clearance_m(),
+    const double largest_m = d.radii_m.empty() ? study.indenter.radius_m : *std::max_element(d.radii_m.begin(), d.radii_m.end());
+    if (clearance[0] < study.indenter.clearance_m(largest_m) - tiny_m)
+        draw.refuse("clearance_m", fmt::format("a disc of radius {:g} mm needs {:g} mm {}", 1e3 * largest_m, 1e3 * study.indenter.clearance_m(largest_m),
                                                g.is_block() ? "from every wall" : "to where the surface ends or turns"));
     if (g.is_block() && !(clearance[0] < std::min(g.width_m, g.length_m) / 2))
         draw.refuse("clearance_m", fmt::format("no place of the {:g} x {:g} m top is so far from every wall", g.width_m, g.length_m));
@@ -235,6 +264,7 @@ void read_solid_draws(TomlReader in, Study& study) {
         d.role = role;
         read_seed_and_count(draw, d);
         read_depth(draw, study, d);
+        d.radii_m = read_radii(draw, study);
         read_solid_place(draw, study, d);
         add_draws(draw, d, study);
     }

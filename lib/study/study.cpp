@@ -408,9 +408,9 @@ std::vector<std::string> Study::Material::region_names() const {
     return names;
 }
 
-double Study::Indenter::clearance_m() const {
+double Study::Indenter::clearance_m(double disc_radius_m) const {
     constexpr double disc_margin_m = 0.005, most_m = 0.015;
-    if (kind == "disc") return radius_m + disc_margin_m;
+    if (kind == "disc") return disc_radius_m + disc_margin_m;
     return kind == "patch" ? std::max(half_width_m, std::min(3 * half_width_m, most_m)) : most_m;
 }
 

@@ -17,6 +17,7 @@ struct StudyPath {
     Point contact_m;            ///< position on the outline, in space on the surface [m] (D)
     Point direction;            ///< unit vector of the push (D)
     double depth_m = 0;         ///< how deep it goes; 0: to the largest magnitude
+    double radius_m = 0;        ///< of the disc that pushes; in space
 };
 
 /// A part of the instantaneous modulus that goes with time, as exp(-t / tau).
@@ -106,11 +107,15 @@ struct Study {
         std::string kind;      ///< point: one FE node; patch: all boundary points within half_width_m move alike; disc: of a
                                ///< solid's top, all within radius_m
         double half_width_m = 0;  ///< of a patch, along the boundary; 0 for a point
-        double radius_m = 0;      ///< of a disc
+        double radius_m = 0;      ///< of a disc; a contact may have another one (StudyPath::radius_m)
 
         /// Least distance [m] of a contact from the edge of the free surface: of a disc's middle from every wall; in the plane along the
         /// surface from the fixed edge, of a patch three half widths up to 15 mm, and its half width where that is more; of a point 15 mm.
-        double clearance_m() const;
+        double clearance_m() const { return clearance_m(radius_m); }
+        double clearance_m(double disc_radius_m) const;
+
+        /// How large a disc is over the study's own. Depths, records' steps and near elements of its contacts are as many times larger.
+        double times(double disc_radius_m) const { return kind == "disc" ? disc_radius_m / radius_m : 1; }
     } indenter;
 
     struct Solver {
@@ -140,7 +145,7 @@ struct Study {
         struct Contact {
             Point at_m;  ///< (3), near the surface
             Pushes pushes_deg;
-            double depth_m;
+            double depth_m, radius_m;
         };
         std::vector<Contact> contacts;
 
@@ -150,6 +155,7 @@ struct Study {
             double clearance_m;  ///< from where the surface ends or turns
             Pushes pushes_deg;   ///< azimuths turn from contact to contact
             int pushes_each;     ///< of pushes_deg, which the contacts take in turn
+            std::vector<double> radii_m = {};  ///< of discs, which the contacts take in turn; empty: of the study's own
         };
         std::optional<Spread> spread;
 
@@ -175,7 +181,8 @@ struct Study {
         double depth_m[2];                 ///< range of the push
         double max_angle_deg;              ///< off the inward normal; in the plane
         double tilt_deg[2] = {0, 0};       ///< of a solid: range off the inward normal,
-        double clearance_m[2] = {0, 0};    ///< and of the distance from the nearest wall
+        double clearance_m[2] = {0, 0};    ///< and of the distance from the nearest wall;
+        std::vector<double> radii_m = {};  ///< and discs, which the contacts take in turn
     };
     std::vector<Draws> draws;
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <tuple>
 
@@ -56,6 +57,26 @@ struct TrainedSkin {
     }
 };
 
+/// The kernel of each disc that paths have, for many threads.
+class PathKernels {
+   public:
+    PathKernels(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths, const LawTrainingOptions& options) : own_m_(options.disc_radius_m) {
+        for (const PressPath& path : paths) {
+            std::unique_ptr<ContactKernel>& kernel = kernels_[path.radius_m];
+            if (kernel) continue;
+            const bool own = path.radius_m == 0 || path.radius_m == own_m_;
+            kernel = make_contact_kernel(mesh, own ? own_m_ : path.radius_m, {law.ground(), options.curved_range, own ? options.correction : options.sizes.correction_at(path.radius_m)});
+        }
+    }
+    const ContactKernel& of(const PressPath& path) const { return *kernels_.at(path.radius_m); }
+    /// log of how many times as large as the law's own a path's disc is.
+    double log_times(const PressPath& path) const { return path.radius_m > 0 ? std::log(path.radius_m / own_m_) : 0; }
+
+   private:
+    double own_m_;
+    std::map<double, std::unique_ptr<ContactKernel>> kernels_;
+};
+
 }  // namespace
 
 std::vector<PressPath> press_paths(const Cases& cases) {
@@ -65,6 +86,7 @@ std::vector<PressPath> press_paths(const Cases& cases) {
         PressPath& out = paths.emplace_back();
         out.name = path.name;
         out.contact_m = path.contact_m;
+        out.radius_m = path.radius_m;
         const std::vector<double> magnitudes_m = load_magnitudes(cases, path);
         for (const PathRecord& record : path.records) {
             const bool asked = magnitudes_m.empty() || std::any_of(magnitudes_m.begin(), magnitudes_m.end(), [&](double m) {
@@ -89,13 +111,11 @@ void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vect
                    const LawTrainingOptions& options, const Eigen::VectorXd& p, Eigen::Ref<Eigen::VectorXd> f,
                    Eigen::Ref<RowMatrix> J, std::vector<std::string>* lost, LawRests* rests, std::vector<char>* gone) {
     const TissueEnergy energy = law.energy(mesh);
-    const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, options.disc_radius_m, {law.ground(), options.curved_range, options.correction});
+    const PathKernels kernels(mesh, law, paths, options);
     const Eigen::Index D = mesh.dimension();
     if (rests) rests->resize(paths.size());
     const Eigen::VectorXd constants = law.constants(p);
     const Eigen::MatrixXd constants_by = law.constants_by(p);
-    const PatchLaw patch_law = law.patch(p);
-
     std::vector<int> first_row, first_record;
     int rows = 0, records = 0;
     for (const PressPath& path : paths) {
@@ -109,10 +129,12 @@ void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vect
     std::vector<std::vector<std::string>> lost_of(paths.size());
     parallel_for(static_cast<int>(paths.size()), options.threads, [&](int i) {
         const PressPath& path = paths[static_cast<std::size_t>(i)];
-        PressSolver solver(energy, *kernel, options.press);
-        const ContactSpring contact(kernel->rows_at(path.contact_m), patch_law);
-        const Eigen::MatrixXd stiffness_by = law.stiffness_by(p, contact.rows.factors, contact.rows.log_scale);
-        const TrainedSkin skin{kernel->skin_at(path.contact_m), law.skin(p), skin_columns(law.terms())};
+        const ContactKernel& kernel = kernels.of(path);
+        const double log_times = kernels.log_times(path);
+        PressSolver solver(energy, kernel, options.press);
+        const ContactSpring contact(kernel.rows_at(path.contact_m), law.patch(p, log_times));
+        const Eigen::MatrixXd stiffness_by = law.stiffness_by(p, contact.rows.factors, contact.rows.log_scale, log_times);
+        const TrainedSkin skin{kernel.skin_at(path.contact_m), law.skin(p), skin_columns(law.terms())};
         std::vector<PressState>* known = rests ? &(*rests)[static_cast<std::size_t>(i)] : nullptr;
         if (known) known->resize(path.records.size());
         std::size_t r = 0;
@@ -165,13 +187,13 @@ void law_residuals(const SpringMesh& mesh, const EnergyLaw& law, const std::vect
 double heuristic_factor(const SpringMesh& mesh, const EnergyLaw& law, const std::vector<PressPath>& paths,
                         const LawTrainingOptions& options) {
     const TissueEnergy energy = law.energy(mesh);
-    const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, options.disc_radius_m, {law.ground(), options.curved_range, options.correction});
+    const PathKernels kernels(mesh, law, paths, options);
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(law.size()), constants = law.constants(zero);
     std::vector<Eigen::Vector2d> sums(paths.size(), Eigen::Vector2d::Zero());  // of f.F / F.F and f.f / F.F
     parallel_for(static_cast<int>(paths.size()), options.threads, [&](int i) {
         const PressPath& path = paths[static_cast<std::size_t>(i)];
-        PressSolver solver(energy, *kernel, options.press);
-        const ContactSpring contact(kernel->rows_at(path.contact_m), law.patch(zero));
+        PressSolver solver(energy, kernels.of(path), options.press);
+        const ContactSpring contact(kernels.of(path).rows_at(path.contact_m), law.patch(zero, kernels.log_times(path)));
         PressState state;
         for (const PressPath::Record& record : path.records) {
             const PressState before = state;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cases/load_path.h"
+#include "springs/disc_sizes.h"
 #include "springs/disc_tables.h"
 #include "springs/energy_law.h"
 #include "springs/press.h"
@@ -16,6 +17,7 @@ namespace tissue {
 struct PressPath {
     std::string name;
     Point contact_m;              ///< (D)
+    double radius_m = 0;          ///< of the disc; 0: the law's own
     struct Record {
         Point push_m, force_N;
         NodeField displacement;   ///< [m] (N x D); empty where only the force is known (measured contacts)
@@ -33,7 +35,8 @@ struct LawTrainingOptions {
     std::vector<int> seen;        ///< nodes whose displacement counts; empty: all
     double disc_radius_m = 0;     ///< in space,
     Eigen::Vector2d curved_range{-INFINITY, INFINITY};  ///< DiscTables::curved_range
-    FacetTable correction;        ///< and its correction
+    FacetTable correction;        ///< and its correction;
+    DiscSizes sizes;              ///< other discs of paths
     int starts = 1;               ///< one from `first`, the others drawn around the heuristic
     Eigen::VectorXd first;        ///< coefficients (P); empty: the heuristic
     double spread = 0.5;          ///< standard deviation of a drawn start's coefficients

@@ -1,8 +1,12 @@
 #include "train/train_law_model.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "cases/study_law.h"
 #include "cases/study_mesh.h"
@@ -24,10 +28,24 @@ void grow(LawModel& law, double factor) {
 
 /// DiscTables::curved_range.
 Eigen::Vector2d curved_range(const SpringMesh& mesh, double disc_radius_m, const std::vector<PressPath>& paths) {
-    const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, disc_radius_m);
+    std::map<double, std::unique_ptr<ContactKernel>> kernels;
     Eigen::VectorXd seen(static_cast<Eigen::Index>(paths.size()));
-    for (Eigen::Index i = 0; i < seen.size(); ++i) seen[i] = kernel->rows_at(paths[static_cast<std::size_t>(i)].contact_m).factors[PatchLaw::curved_factor];
+    for (Eigen::Index i = 0; i < seen.size(); ++i) {
+        const PressPath& path = paths[static_cast<std::size_t>(i)];
+        std::unique_ptr<ContactKernel>& kernel = kernels[path.radius_m];
+        if (!kernel) kernel = make_contact_kernel(mesh, path.radius_m > 0 ? path.radius_m : disc_radius_m);
+        seen[i] = kernel->rows_at(path.contact_m).factors[PatchLaw::curved_factor];
+    }
     return {seen.minCoeff(), seen.maxCoeff()};
+}
+
+/// DiscSizes::radii_m of these paths, the law's own among them: none where all have that.
+Eigen::VectorXd radii_of(double own_m, const std::vector<PressPath>& paths) {
+    std::set<double> radii_m{own_m};
+    for (const PressPath& path : paths)
+        if (path.radius_m > 0) radii_m.insert(path.radius_m);
+    if (radii_m.size() == 1) return {};
+    return with_means({radii_m.begin(), radii_m.end()});
 }
 
 /// The law's branches, as measured histories say; those that they have no use for are left out.
@@ -68,7 +86,10 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     options.seed = study.training.seed;
     options.threads = threads;
     options.disc_radius_m = study.indenter.radius_m;
+    if (cases.disc_radius_m > 0 && cases.disc_radius_m != study.indenter.radius_m)
+        throw MismatchError(fmt::format("the cases are of a study whose disc has {:g} mm, this one's has {:g} mm", 1e3 * cases.disc_radius_m, 1e3 * study.indenter.radius_m));
     if (model.mesh.is_solid()) options.seen = seen_nodes(model.mesh);
+    if (model.mesh.is_solid()) options.sizes.radii_m = radii_of(options.disc_radius_m, paths);
     if (model.mesh.is_solid()) options.fit.most_step = 2;  // from the heuristic longer steps lose contacts, which takes long to find out
     // a measured tissue's material is a guess: terms start from the heuristic that its forces speak for
     double factor = 1;
@@ -78,11 +99,17 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     const auto law_at = [&](const EnergyLaw& of, const Eigen::VectorXd& p) {
         LawModel made{of.terms(), p, of.constants(p), of.patch(p), of.incompressible(), options.disc_radius_m};
         made.disc = {of.ground(), options.curved_range, options.correction};
+        made.sizes = options.sizes;
         return made;
     };
     const auto correct = [&](const Eigen::VectorXd& p) {
         const auto law_on = [&](const SpringMesh& mesh) { return law_at(study_law(study, kept.shape, mesh, factor), p); };
-        options.correction = lattice_correction(study_solid(study, kept.shape), model.mesh, law_on, threads);
+        const bool several = !options.sizes.empty();
+        const Eigen::VectorXd radii_m = several ? options.sizes.radii_m : Eigen::VectorXd::Constant(1, options.disc_radius_m);
+        const std::vector<FacetTable> tables = lattice_corrections(study_solid(study, kept.shape), model.mesh, law_on, radii_m, threads);
+        for (std::size_t k = 0; k < tables.size(); ++k)
+            if (radii_m[static_cast<Eigen::Index>(k)] == options.disc_radius_m) options.correction = tables[k];
+        if (several) options.sizes.correction = tables;
     };
     const auto begin = std::chrono::steady_clock::now();
     if (model.mesh.is_solid()) {

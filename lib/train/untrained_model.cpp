@@ -55,6 +55,13 @@ TrainedModel untrained_model(const Study& study, const Cases& cases, const std::
         model.magnitude_m[c] = load.record->magnitude_m;
         model.contact_force_N.row(c) = load.record->contact_force_N;
     }
+    if (std::any_of(loads.begin(), loads.end(), [](const LoadCase& load) { return load.path->radius_m > 0; })) {
+        model.case_radius_m.resize(C);
+        for (Eigen::Index c = 0; c < C; ++c) {
+            const double radius_m = loads[static_cast<std::size_t>(c)].path->radius_m;
+            model.case_radius_m[c] = radius_m > 0 ? radius_m : cases.disc_radius_m;
+        }
+    }
     return model;
 }
 

@@ -71,6 +71,7 @@ TEST_CASE("a session in C ticks as the library does, bit for bit, and reads what
         REQUIRE(tissue_node_count(session.s) == model.mesh.node_count());
         REQUIRE(tissue_facet_count(session.s) == model.mesh.facets.rows());
         CHECK(tissue_study(session.s) == model.study);
+        CHECK(tissue_tool_radius(session.s) == (model.energy_law ? model.energy_law->disc_radius_m : 0));
         const int N = model.mesh.node_count(), D = model.mesh.dimension();
         int different = 0;
         double largest = 0;

@@ -300,6 +300,52 @@ TEST_CASE("a solid's plan gives every path its arguments, its mesh's sizes too, 
     CHECK(even.parts.at("train") != plan.parts.at("train"));
 }
 
+TEST_CASE("a push of another disc is planned, solved, kept and compared in proportion to it") {
+    const std::string own = "at_m = [0.012, 0.015]", drawn = "[draws.validation]";
+    const std::string text = with(with(solid_study_text(), own, own + ", radius_m = 0.0035"), drawn, drawn + "\nradii_m = [0.007, 0.0035]");
+    const Study study = example_study(text);
+    const Plan plan = make_plan(study);
+    const auto number = [&](const std::string& part, const std::string& name) { return std::strtod(argument(plan.parts.at(part), name).c_str(), nullptr); };
+    const std::string part = "path-x0120-y0150-t00-a000-r035";
+    CHECK(number(part, "disc_radius") == 0.0035);
+    CHECK(number(part, "depth") == 0.005);
+    CHECK(number(part, "records") == 5);
+    CHECK(number(part, "size_near") == 0.0025);
+    CHECK(number(part, "size_far") == 0.02);
+    CHECK(number("path-validation-0001", "disc_radius") == 0.007);
+    CHECK(number("path-validation-0002", "disc_radius") == 0.0035);
+    const Plan before = make_plan(solid());
+    CHECK(plan.parts.at("path-validation-0001") == before.parts.at("path-validation-0001"));  // the same draws
+    CHECK(number("path-validation-0002", "depth") == 0.5 * std::strtod(argument(before.parts.at("path-validation-0002"), "depth").c_str(), nullptr));
+
+    CHECK_THAT(refusal<StudyError>([&] { make_plan(example_study(with(text, "radii_m = [0.007, 0.0035]", "radii_m = [0.003]"))); }),
+               Contains("key 'draws.validation.radii_m'") && Contains("3 mm is not between the radii of the training contacts, 3.5 and 7 mm"));
+    std::string none_own = solid_study_text();
+    for (std::size_t at = 0; (at = none_own.find("pushes_deg", at)) != std::string::npos; at += 30) none_own.insert(at, "radius_m = 0.006, ");
+    CHECK_THAT(refusal<StudyError>([&] { make_plan(example_study(none_own)); }), Contains("key 'indenter.radius_m'") && Contains("7 mm is not between"));
+    const std::string term = "\"spring.all\"";
+    CHECK_NOTHROW(make_plan(example_study(with(text, term, term + ", \"contact.hardening.size\""))));
+    CHECK_THAT(refusal<StudyError>([&] { make_plan(example_study(with(solid_study_text(), term, term + ", \"contact.hardening.size\""))); }),
+               Contains("key 'springs.terms'") && Contains("several radii"));
+
+    Cases cases = solid_cases();
+    cases.disc_radius_m = 0.007;
+    cases.paths[0].radius_m = 0.0035;
+    cases.paths[0].depth_m = 0.005;
+    CHECK(load_magnitudes(cases, cases.paths[0]) == std::vector<double>{0.002, 0.005});
+    for (PathRecord& record : cases.paths[0].records) record.magnitude_m /= 2;
+    const TemporaryFolder folder;
+    const std::string file = folder.file("cases.h5");
+    write_cases(file, cases, {"tissuectl test", 0, {}});
+    CHECK(Hdf5Reader(file, "cases").number_attribute("/", "format_version") == radii_format_version);
+    const Cases after = read_cases(file);
+    CHECK(after.disc_radius_m == 0.007);
+    CHECK(after.paths[0].radius_m == 0.0035);
+    CHECK(after.paths[1].radius_m == 0);
+    CHECK(names_of(load_cases(after))[0] == "x0500-y0400-t00-a000-2mm");
+    CHECK(names_of(load_cases(thinned(solid(), after, solid().whole()))) == names_of(load_cases(after)));  // a variant keeps the discs
+}
+
 TEST_CASE("a training push in space is a load case at every magnitude up to its depth, and at its depth where it ends earlier") {
     Cases cases = solid_cases();
     CHECK(names_of(load_cases(cases)) ==

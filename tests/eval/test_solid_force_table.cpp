@@ -31,6 +31,14 @@ TEST_CASE("a force table in space gives back a stiffness that is the same everyw
     const ForceTable::Entry near = table.at(Eigen::Vector3d(0.024, 0.021, 0.05), direction, 0.005);
     CHECK((near.force_N - S * (0.005 * direction)).norm() < 1e-3 * near.force_N.norm());
     CHECK_FALSE(near.extrapolated);
+    // pushes of a disc twice as large, twice as deep, say of this one a quarter of their forces
+    for (LoadPath& path : paths) path.radius_m = 0.014;
+    for (PathRecord& record : records) {
+        record.magnitude_m *= 2;
+        record.contact_force_N *= 4;
+    }
+    const ForceTable::Entry scaled = SolidForceTable(table_pushes(loads, {}, 0.007)).at(Eigen::Vector3d(0.024, 0.021, 0.05), direction, 0.005);
+    CHECK((scaled.force_N - near.force_N).norm() < 1e-12);
     CHECK(table.at(Eigen::Vector3d(0.024, 0.08, 0.05), direction, 0.005).extrapolated);
 }
 

@@ -129,6 +129,36 @@ TEST_CASE("contacts of a solid that a disc cannot push, or whose pushes are none
     CHECK_THAT(refusal<StudyError>([&] { example_study(text.substr(0, from) + text.substr(to)); }), Contains("'loads.contacts': is missing"));
 }
 
+TEST_CASE("a contact of a solid may have a disc of its own, whose depths are in proportion, and drawn contacts take discs in turn") {
+    const std::string own = "at_m = [0.012, 0.015]";
+    const Study s = example_study(with(solid_study_text(), own, "at_m = [0.012, 0.015], radius_m = 0.0035"));
+    CHECK(s.loads.paths[0].radius_m == 0.007);
+    CHECK(s.loads.paths[2].radius_m == 0.0035);
+    CHECK(s.loads.paths[2].depth_m == 0.005);  // half of 10 mm
+    CHECK(s.loads.paths[2].name == "x0120-y0150-t00-a000-r035");
+    CHECK(s.loads.paths[0].name == "x0500-y0400-t00-a000");
+    CHECK(s.indenter.times(0.0035) == 0.5);
+    CHECK(example_study(with(solid_study_text(), own, own + ", radius_m = 0.0035, depth_m = 0.004")).loads.paths[2].depth_m == 0.004);
+    CHECK_THAT(said(own, own + ", radius_m = 0.0035, depth_m = 0.006", "loads.contacts[1].depth_m"), Contains("0.5 times"));
+    CHECK_THAT(said(own, own + ", radius_m = 0.0035, depth_m = 0.0035", "loads.contacts[1].depth_m"), Contains("multiple") && Contains("0.5 times"));
+    CHECK_THAT(said(own, own + ", radius_m = 0.0071", "loads.contacts[1].at_m"), Contains("radius 7.1 mm needs 12.1 mm"));
+    CHECK_THAT(said(own, own + ", radius_m = 0.002", "loads.contacts[1].radius_m"), Contains("2 mm is not from a third to three times"));
+    said(own, own + ", radius_m = 0.022", "loads.contacts[1].radius_m");
+    said(own, own + ", radius_m = nan", "loads.contacts[1].radius_m");
+    // one place, pushed the same way by two discs
+    const Study both = example_study(with(solid_study_text(), "contacts = [", "contacts = [\n  { at_m = [0.050, 0.040], radius_m = 0.004, pushes_deg = [[0, 0]] },"));
+    CHECK(both.loads.paths[0].name == "x0500-y0400-t00-a000-r040");
+
+    const std::string seed = "[draws.validation]";
+    const Study drawn = example_study(with(solid_study_text(), seed, seed + "\nradii_m = [0.004, 0.010]"));
+    CHECK(drawn.draws[0].radii_m == std::vector<double>{0.004, 0.010});
+    CHECK(drawn.draws[1].radii_m == std::vector<double>{0.007});
+    CHECK_THAT(said(seed, seed + "\nradii_m = []", "draws.validation.radii_m"), Contains("list of numbers"));
+    CHECK_THAT(said(seed, seed + "\nradii_m = [0.004, 0.004]", "draws.validation.radii_m"), Contains("twice"));
+    CHECK_THAT(said(seed, seed + "\nradii_m = [0.004, 0.03]", "draws.validation.radii_m"), Contains("30 mm"));
+    CHECK_THAT(said(seed, seed + "\nradii_m = [0.004, 0.020]", "draws.validation.clearance_m"), Contains("radius 20 mm needs 25 mm"));
+}
+
 TEST_CASE("meshes of a solid that would miss the disc, or check nothing, are refused") {
     CHECK_THAT(said("sizes_m = [0.005, 0.02]", "sizes_m = [0.0071, 0.02]", "mesh.sizes_m"), Contains("indenter.radius_m"));
     CHECK_THAT(said("sizes_m = [0.005, 0.02]", "sizes_m = [0.005, 0.004]", "mesh.sizes_m"), Contains("[near, far]"));

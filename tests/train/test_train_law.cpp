@@ -228,6 +228,38 @@ TEST_CASE("in space training finds the law again from the surface alone, the sam
     }
 }
 
+TEST_CASE("in space training finds the terms of a disc's size again from contacts of several radii", "[solid]") {
+    const SpringMesh mesh = embedded_block(Lattice{{5, 5, 3}, {0.05, 0.05, 0.03}});
+    const double E = 4500, own_m = 0.007;
+    const LawHeuristic heuristic = solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), E), Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), E), E, 12, own_m);
+    const EnergyLaw law(mesh, heuristic, {"contact.normal", "contact.normal.size", "contact.hardening.size"});
+    const Eigen::VectorXd truth = Eigen::Vector3d(0.2, 0.4, 0.6);
+    LawModel known{law.terms(), truth, law.constants(truth), law.patch(truth), false, own_m};
+    known.sizes.radii_m = with_means({0.005, own_m, 0.010});
+    const LawPress press(mesh, known);
+    std::vector<PressPath> paths;
+    for (double radius_m : {0.0, 0.005, 0.010}) {
+        PressPath& path = paths.emplace_back();
+        path.name = "radius " + std::to_string(radius_m);
+        path.contact_m = Eigen::Vector3d(0.024, 0.026, 0.03);
+        path.radius_m = radius_m;
+        for (double depth : {0.003, 0.006}) {
+            const Point push = depth * Eigen::Vector3d(0.2, 0, -1).normalized();
+            const Equilibrium state = press.of(radius_m).at(path.contact_m, push);
+            REQUIRE(state);
+            path.records.push_back({push, state.contact_force, {}});
+        }
+    }
+    LawTrainingOptions options;
+    options.ridge = 0;
+    options.disc_radius_m = own_m;
+    options.sizes.radii_m = known.sizes.radii_m;
+    options.fit = {60, 1e-9, 1e-12, 0};
+    const TrainedLaw trained = train_law(mesh, law, paths, options);
+    CHECK((trained.coefficients - truth).norm() < 1e-4);
+    CHECK(trained.lost.empty());
+}
+
 TEST_CASE("training loses no push that it has, though losing one costs less than the error that it leaves") {
     const SpringMesh mesh = make_lattice("grid8", 6, 6, 0.1, 0.1);
     const EnergyLaw law(mesh, law_heuristic(mesh, 450, "plane-strain", 12), {"spring.all", "spring.surface", "contact.normal", "contact.tangent"});

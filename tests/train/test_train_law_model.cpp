@@ -143,6 +143,13 @@ TEST_CASE("a study's law is trained back to the coefficients that made its cases
                                        Contains("| thickness, 24.0 to 27.0 mm | 6.5 % / none / none | 3 of 4 |") && Contains("| thickness, 28.0 to 32.0 mm | 10.0 % / 11.8 % / 12.0 % | 5 of 5 |") &&
                                        Contains("| distance from the free surface's edge, 50.0 to 53.0 mm | 10.5 % / 11.8 % / 12.0 % | 4 of 4 |"));
     CHECK_THAT(to_json(solid, 11), Contains("\"thickness_m\": 0.02") && Contains("\"clearance_m\": null"));
+    // and by disc where there are several: what FE lost counts
+    CHECK_THAT(to_markdown(solid), !Contains("| disc of "));
+    solid.held_out.roles[0].lost_radius_m = {0.006};
+    for (std::size_t k = 0; k < 13; ++k) solid.held_out.roles[0].contacts[k].radius_m = k % 2 == 1 ? 0.004 : 0.006;
+    CHECK_THAT(to_markdown(solid), Contains("| disc of 4 mm | 8.0 % / none / none | 5 of 6 |") && Contains("| disc of 6 mm |") && Contains("| 7 of 8 |"));
+    const nlohmann::json by_radius = nlohmann::json::parse(to_json(solid, 11))["by_radius"]["held_out"];
+    CHECK((by_radius.size() == 2 && by_radius[0]["radius_m"] == 0.004 && by_radius[1]["learned"]["of"] == 8));
     for (DrawnContact& contact : solid.held_out.roles[0].contacts) contact.thickness_m = 0.05 + 1e-9 * contact.clearance_m;  // as of a block
     CHECK_THAT(to_markdown(solid), !Contains("| thickness, ") && Contains("| distance from "));
     solid.held_out.roles[0].contacts.resize(11);

@@ -21,6 +21,7 @@
 #include "haptic/tick_clock.h"
 #include "io/one_line.h"
 #include "parallel.h"
+#include "springs/law_at_radius.h"
 #include "springs/law_press.h"
 #include "springs/push_refusal.h"
 #include "springs/set_grid.h"
@@ -306,6 +307,7 @@ py::list paths_of(const File& file) {
         p["role"] = path.role;
         p["contact_m"] = Eigen::VectorXd(path.contact_m);
         p["direction"] = Eigen::VectorXd(path.direction);
+        if (D == 3) p["radius_m"] = path.radius_m;
         p["lost"] = path.lost;
         p["magnitude_m"] = std::move(magnitude);
         p["force_N"] = std::move(force);
@@ -410,6 +412,11 @@ ticks() between two ticks, press() between two contacts and next() between two p
         .def_property_readonly("fixed", [](const TissueModel& t) { return t.mesh.fixed; }, "nodes that are held")
         .def_readonly("node_mass_kg", &TissueModel::node_mass_kg, "(N)")
         .def_readonly("modulus", &TissueModel::modulus_N_m, "in the plane E t [N/m], in space E [Pa]")
+        .def("with_tool", [](const TissueModel& t, double radius_m) { return with_tool(t, radius_m); }, py::arg("radius_m"),
+             "The model under a disc of another radius [m], between the smallest and the largest that it was trained under (disc_radii_m).")
+        .def_property_readonly("case_radius_m", [](const TissueModel& t) { return t.case_radius_m; }, "of each case's disc, where a law in space was trained under several (C); else empty")
+        .def_property_readonly("disc_radii_m", [](const TissueModel& t) { return t.energy_law ? t.energy_law->sizes.radii_m : Eigen::VectorXd(); },
+                               "of a law in space that knows discs of several radii, ascending; else empty")
         .def_property_readonly("disc_radius_m", [](const TissueModel& t) { return t.energy_law ? t.energy_law->disc_radius_m : 0.0; }, "of a law in space; else 0")
         .def_readonly("case_names", &TissueModel::case_names, "of the load cases trained on (C)")
         .def_readonly("contact_m", &TissueModel::contact_m, "of each load case (C, D)")
@@ -433,6 +440,7 @@ ticks() between two ticks, press() between two contacts and next() between two p
         .def(py::init([](std::shared_ptr<TissueModel> model, const py::kwargs& given) {
                  const HapticOptions options = with(interface_options(), options_of(given), false);
                  const py::gil_scoped_release others_may;
+                 if (options.tool_radius_m) model = std::make_shared<TissueModel>(with_tool(*model, *options.tool_radius_m));
                  return std::make_unique<Session>(std::move(model), options);
              }),
              py::arg("model").none(false),
@@ -534,5 +542,5 @@ ticks() between two ticks, press() between two contacts and next() between two p
 
     m.def("read_study", &read_study, py::arg("folder"), "results/STUDY: a dict of model, paths (as read_cases) and eval (eval.json; None where there is none yet).");
     m.def("read_cases", &paths_of, py::arg("file"),
-          "FE's load paths of a cases.h5: a list of dicts of name, role, contact_m, direction, lost, magnitude_m (R), force_N (R, D), displacement_m (R, N, D; no rows where nobody saw inside).");
+          "FE's load paths of a cases.h5: a list of dicts of name, role, contact_m, direction, lost, magnitude_m (R), in space radius_m of its disc (0: the study's own), force_N (R, D), displacement_m (R, N, D; no rows where nobody saw inside).");
 }

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "mesh/facet_table.h"
+
+namespace tissue {
+
+/// Discs that a law in space was trained under, beside its own, and how contacts of each are corrected for where the lattice stands.
+struct DiscSizes {
+    Eigen::VectorXd radii_m = {};             ///< ascending: of the training contacts, and half way between by ratio; none: the law knows its own disc alone (K)
+    std::vector<FacetTable> correction = {};  ///< of each (springs/lattice_correction.h); none where a lattice has no correction (K)
+
+    bool empty() const { return radii_m.size() == 0; }
+    /// The correction of a disc between the first and the last, interpolated over the logarithm of the radius; no rows where there is none.
+    FacetTable correction_at(double radius_m) const;
+};
+
+/// These radii and, between neighbours, the geometric mean: of a lattice's correction, which changes by less than its own size from one to the next. given_m: ascending (at least one).
+Eigen::VectorXd with_means(const std::vector<double>& given_m);
+
+}  // namespace tissue

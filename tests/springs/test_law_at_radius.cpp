@@ -1,0 +1,174 @@
+// A law in space under discs of other radii than its own.
+#include "springs/law_at_radius.h"
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "../example.h"
+#include "../mesh/embedded_block.h"
+#include "../refusal.h"
+#include "../solid_law_example.h"
+#include "../tolerances.h"
+#include "error.h"
+#include "haptic/simulation.h"
+#include "io/hdf5_store.h"
+#include "mesh/topology.h"
+#include "parallel.h"
+#include "springs/energy_law.h"
+#include "springs/law_kernel.h"
+#include "springs/law_press.h"
+#include "version.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr double own_m = 0.007;
+const Eigen::Vector3d place(0.021, 0.033, 0.02), inward(0, 0, -1);
+
+/// A law of a disc of 7 mm that knows discs from 4 to 10 mm, with terms of their size.
+TissueModel several() {
+    TissueModel model = solid_law_example(embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}));
+    LawModel& law = *model.energy_law;
+    law.terms = {"spring.all", "contact.normal.size", "contact.hardening.size"};
+    law.coefficients = Eigen::Vector3d(0, 0.3, 1.5);
+    law.disc.correction.value = NodeField::Constant(model.mesh.facets.rows(), 10, 0.02);
+    law.sizes.radii_m = with_means({0.004, own_m, 0.010});
+    for (double x : {-0.05, 0.03, 0.02, 0.01, 0.06}) law.sizes.correction.push_back({NodeField::Constant(model.mesh.facets.rows(), 10, x)});
+    model.heuristic_b = model.heuristic_a;
+    model.case_radius_m = Eigen::VectorXd::Constant(1, 0.004);
+    model.contact_m = place.transpose();
+    model.direction = inward.transpose();
+    return model;
+}
+
+}  // namespace
+
+TEST_CASE("radii of discs have the geometric mean of neighbours between them") {
+    const Eigen::VectorXd radii_m = with_means({0.004, 0.009, 0.010});
+    REQUIRE(radii_m.size() == 5);
+    CHECK(radii_m[0] == 0.004);
+    CHECK(radii_m[1] == Approx(0.006).epsilon(tolerance::rounding));
+    CHECK(radii_m[2] == 0.009);
+    CHECK(radii_m[4] == 0.010);
+    CHECK(with_means({0.007}) == Eigen::VectorXd::Constant(1, 0.007));
+}
+
+TEST_CASE("a law at another radius has a half space's contact, what its terms of size say, and that radius' correction", "[solid]") {
+    const TissueModel model = several();
+    const LawModel &law = *model.energy_law, same = law_at_radius(law, own_m), none = law_at_radius(law, 0);
+    CHECK(same.patch.log_N_m == law.patch.log_N_m);
+    CHECK(none.sizes.radii_m == law.sizes.radii_m);
+    const LawModel large = law_at_radius(law, 0.010);
+    const double x = std::log(0.010 / own_m);
+    const Eigen::VectorXd grown = (large.patch.log_N_m - law.patch.log_N_m).col(0);
+    CHECK((grown - (Eigen::VectorXd(7) << x + 0.3 * x, x, x, x, -3 * x + 1.5 * x, -3 * x, 0).finished()).norm() < 1e-12);
+    CHECK((large.patch.log_N_m - law.patch.log_N_m).rightCols(3).isZero(0));
+    CHECK(large.disc_radius_m == 0.010);
+    CHECK(large.disc.correction.value.isConstant(0.06, 1e-12));
+    CHECK(large.constants == law.constants);
+    CHECK(large.sizes.empty());
+    // between two radii the correction changes evenly over the logarithm
+    const double between = std::exp(0.25 * std::log(0.004) + 0.75 * std::log(law.sizes.radii_m[1]));
+    CHECK(law_at_radius(law, between).disc.correction.value.isConstant(-0.05 + 0.75 * 0.08, 1e-12));
+
+    CHECK_THAT(refusal<MismatchError>([&] { law_at_radius(law, 0.0039); }), Contains("3.9 mm") && Contains("discs from 4 to 10 mm"));
+    CHECK_THAT(refusal<MismatchError>([&] { law_at_radius(law, 0.0101); }), Contains("10.1 mm"));
+    CHECK_THROWS_AS(law_at_radius(law, std::nan("")), MismatchError);
+    CHECK_THAT(refusal<MismatchError>([&] { law_at_radius(*solid_law_example(model.mesh).energy_law, 0.006); }), Contains("a disc of 7 mm alone"));
+}
+
+TEST_CASE("a press of another disc is that of the law at its radius, made once for all threads", "[solid]") {
+    const TissueModel model = several();
+    const LawPress press(model);
+    CHECK(&press.of(0) == &press);
+    CHECK(&press.of(own_m) == &press);
+    std::array<const LawPress*, 4> made{};
+    parallel_for(4, 4, [&](int i) { made[static_cast<std::size_t>(i)] = &press.of(0.005); });
+    const LawPress& other = *made[0];
+    for (const LawPress* one : made) CHECK(one == &other);
+    const Equilibrium here = other.at(place, 0.002 * inward), there = LawPress(with_tool(model, 0.005)).at(place, 0.002 * inward);
+    REQUIRE(here);
+    CHECK(here.contact_force == there.contact_force);
+    CHECK(here.contact_force.norm() < 0.9 * press.at(place, 0.002 * inward).contact_force.norm());
+    CHECK_THROWS_AS(press.of(0.02), MismatchError);
+}
+
+TEST_CASE("a contact's derivative by its terms of size agrees with differences", "[solid]") {
+    const SpringMesh mesh = embedded_block(Lattice{{4, 4, 2}, {0.04, 0.04, 0.02}});
+    const EnergyLaw law(mesh, solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), 4500), Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), 4500), 4500, 12, own_m),
+                        {"contact.normal", "contact.normal.size", "contact.hardening.size", "contact.coupling.size"});
+    const Eigen::VectorXd p = Eigen::Vector4d(0.2, 0.4, -0.7, 0.3);
+    const ContactFactors factors = ContactFactors(1, 0.2, 0, 0.5);
+    const double log_times = std::log(1.4);
+    const Eigen::MatrixXd by = law.stiffness_by(p, factors, 0.1, log_times);
+    for (int t = 0; t < law.size(); ++t) {
+        const Eigen::VectorXd e = 1e-5 * Eigen::VectorXd::Unit(law.size(), t);
+        const Eigen::VectorXd difference = (law.patch(p + e, log_times).values_at(factors, 0.1) - law.patch(p - e, log_times).values_at(factors, 0.1)) / 2e-5;
+        CHECK((by.col(t) - difference).norm() <= 1e-8 * difference.norm());
+    }
+    const Eigen::VectorXd grown = law.patch(p, log_times).log_N_m.col(0) - law.patch(p).log_N_m.col(0);
+    CHECK((grown - log_times * (Eigen::VectorXd(7) << 1.4, 1, 1, 1, -3.7, -3, 0.3).finished()).norm() < 1e-12);
+}
+
+TEST_CASE("what a law knows of other discs comes back from its file; what contradicts itself is refused", "[solid]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("model.h5");
+    const TissueModel model = several();
+    const auto refused = [&](auto&& change) {
+        TissueModel changed = model;
+        change(changed);
+        write_model(file, changed, {"tissuectl test", 0, {}});
+        return refusal<FileError>([&] { read_model(file); });
+    };
+    write_model(file, model, {"tissuectl test", 0, {}});
+    CHECK(Hdf5Reader(file, "model").number_attribute("/", "format_version") == radii_format_version);
+    const TissueModel back = read_model(file);
+    CHECK(back.energy_law->sizes.radii_m == model.energy_law->sizes.radii_m);
+    REQUIRE(back.energy_law->sizes.correction.size() == 5);
+    CHECK(back.energy_law->sizes.correction[4].value == model.energy_law->sizes.correction[4].value);
+    CHECK(back.radius_of_case(0) == 0.004);
+    CHECK_FALSE(back.is_own_case(0));
+    CHECK(back.deepest_m() == Approx(0.006 * 7 / 4));  // in proportion
+    CHECK(with_tool(back, 0.005).deepest_m() == Approx(0.006 * 5 / 4));
+    CHECK(law_at_radius(*back.energy_law, 0.005).patch.log_N_m == law_at_radius(*model.energy_law, 0.005).patch.log_N_m);
+
+    CHECK_THAT(refused([](TissueModel& m) { m.energy_law->sizes.radii_m[2] = 0.0071; }), Contains("/law/radii") && Contains("disc_radius_m"));
+    CHECK_THAT(refused([](TissueModel& m) { m.energy_law->sizes.correction.pop_back(); }), Contains("/law/radius_corrections") && Contains("wanted"));
+    CHECK_THAT(refused([](TissueModel& m) { m.energy_law->sizes.correction.clear(); }), Contains("/law/radius_corrections") && Contains("belong together"));
+    CHECK_THAT(refused([](TissueModel& m) { m.case_radius_m[0] = 0.011; }), Contains("/cases/radius") && Contains("beyond"));
+    CHECK_THAT(refused([](TissueModel& m) { m.case_radius_m.resize(0); }), Contains("/cases/radius") && Contains("belong together"));
+    TissueModel alone = model;
+    alone.energy_law->sizes = {};
+    alone.case_radius_m.resize(0);
+    write_model(file, alone, {"tissuectl test", 0, {}});
+    CHECK(Hdf5Reader(file, "model").number_attribute("/", "format_version") == embedded_format_version);
+    CHECK(read_model(file).energy_law->sizes.empty());
+}
+
+TEST_CASE("a session plays with the disc that it is given, and refuses one that the model does not know", "[solid][simulation]") {
+    const TissueModel model = several();
+    HapticOptions options;
+    options.heuristic_mesh = false;
+    options.tool_radius_m = 0.005;
+    const TissueModel other = with_tool(model, 0.005);
+    const HapticModel small(other, options), own(model, {});
+    CHECK(small.fingerprint != own.fingerprint);
+    Simulation simulation(small);
+    DeviceSample sample;
+    for (int k = 0; k < 4000; ++k) {
+        sample.position_m = place + std::min(0.002, -0.002 + 1e-5 * k) * inward;
+        simulation.tick(sample);
+    }
+    const TickRecord& r = simulation.record();
+    const Equilibrium rest = LawPress(other).at(small.meshes[0]->springs.rest_place(r.facet, r.weight), r.contact_displacement_m);
+    REQUIRE(rest);
+    CHECK((r.coupling_N + rest.contact_force).norm() < 2e-3 * rest.contact_force.norm());
+    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(model, options); }), Contains("tool-radius"));
+    CHECK_THROWS_AS(with_tool(model, 0.02), MismatchError);
+    CHECK(with_tool(model, 0).energy_law->sizes.radii_m == model.energy_law->sizes.radii_m);
+    CHECK_FALSE(other.is_own_case(0));
+    CHECK(with_tool(model, 0.004).is_own_case(0));
+}
