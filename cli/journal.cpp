@@ -49,11 +49,12 @@ Journal::Journal(const std::string& file, int dimension) : file_(file) {
     };
     const OpenPlace place = place_behind_links(file);
     // what is open already shares its place with whoever else writes there
-    out_ = place.is_open_as >= 0 ? ::fcntl(place.is_open_as, F_DUPFD_CLOEXEC, 0)
+    shared_ = place.is_open_as >= 0;
+    out_ = shared_ ? ::fcntl(place.is_open_as, F_DUPFD_CLOEXEC, 0)
                                  : ::openat(place.folder.descriptor(), place.name.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (out_ < 0) refuse(fmt::format("cannot be written: {}", std::strerror(errno)));
     struct stat is {};
-    if (place.is_open_as < 0 && ::fstat(out_, &is) == 0 && S_ISREG(is.st_mode)) {  // a pipe has neither rows nor an end
+    if (!shared_ && ::fstat(out_, &is) == 0 && S_ISREG(is.st_mode)) {  // a pipe has neither rows nor an end
         if (::flock(out_, LOCK_EX | LOCK_NB) != 0) refuse(errno == EWOULDBLOCK ? "another session writes it" : fmt::format("cannot be locked: {}", std::strerror(errno)));
         if (is.st_nlink > 1) refuse("is a link to a file that has other names, too: name another file, or take it away");
         if (const std::string why = in_the_way(out_); !why.empty()) refuse(why + ": name another file, or take it away");
@@ -66,14 +67,14 @@ Journal::~Journal() {
     if (out_ >= 0) ::close(out_);
 }
 
-/// All of it or nothing: a row that is cut off would be read as another reading.
+/// All of it or nothing: a row that is cut off would be read as another reading. What others write to as well is never cut.
 bool Journal::write(const std::string& line) {
     const off_t begin = ::lseek(out_, 0, SEEK_CUR);
     for (std::size_t done = 0; done < line.size();) {
         const ssize_t n = ::write(out_, line.data() + done, line.size() - done);
         if (n < 0 && errno == EINTR) continue;
         if (n <= 0) {
-            if (begin >= 0 && ::ftruncate(out_, begin) == 0) ::lseek(out_, begin, SEEK_SET);
+            if (!shared_ && begin >= 0 && ::ftruncate(out_, begin) == 0) ::lseek(out_, begin, SEEK_SET);
             return false;
         }
         done += static_cast<std::size_t>(n);

@@ -26,6 +26,7 @@ class Journal {
 
     std::string file_;
     int out_ = -1;
+    bool shared_ = false;  ///< a descriptor that was open already, which others may write to
     bool whole_ = true;
 };
 

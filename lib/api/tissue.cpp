@@ -98,6 +98,7 @@ tissue_status tissue_open_model(const char* model_file, const char* const* optio
             if (!options[1]) return bad("an option without a value");
             if (const tissue_status status = set(haptic, options[0], options[1], false); status != TISSUE_OK) return status;
         }
+        check_options(haptic);  // before the model knows of one
         const TissueModel tissue = with_tool(read_model(model_file), haptic.tool_radius_m.value_or(0));
         *model = new tissue_model{std::make_shared<HapticModel>(tissue, haptic), NamedSurfaces(tissue)};
         return TISSUE_OK;
@@ -226,7 +227,7 @@ const char* tissue_status_text(tissue_status status) {
         case TISSUE_NOT_ARMED: return "the tool must be outside the tissue once before there is force";
         case TISSUE_FOLDED: return "a surface crosses itself, or two meshes lie over each other: no force";
         case TISSUE_DIVERGED: return "a mesh flew apart, or came to rest inside out, and was put to rest";
-        case TISSUE_OVERRUN: return "time was lost: the tick came too late, or ticks cost more than their time";
+        case TISSUE_OVERRUN: return "time was lost: more than half a second passed, or ticks cost more than their time";
     }
     return "no status";
 }

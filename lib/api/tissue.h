@@ -69,12 +69,12 @@ TISSUE_API tissue_status tissue_begin(const tissue_model *model, tissue_session 
 TISSUE_API void tissue_close_model(tissue_model **model);
 
 /* One step of dt: where the device is [m], and the force that it puts on the hand [N]. elapsed_s: since the last tick, as the clock says; 0: dt; negative or not finite: the host does not
- * know, and the library's own clock tells (of the first tick: dt). The tissue goes through that time, whatever the rate, and the force is the same at any from 40 Hz to 8 kHz; a stall of more than
+ * know, and the library's own clock tells (of the first tick: dt). The tissue goes through that time, whatever the rate, and the force is the same at any from 50 Hz to 8 kHz; a stall of more than
  * half a second is lost to it (TISSUE_OVERRUN; count "lost_ms", tissue_read_limits). Where ticks take longer than the time that they go through, the tissue runs slower than the clock, and lost_ms
  * counts by how much; where they take more than half of it, a stall is not made up for. That needs an elapsed_s that is the system's clock, taken right before the tick: a host that plays another
  * time loses none.
  * A force that the device still holds after option "hold" (0.05 s) is in no energy log: a host whose ticks may stall sees to it that the device lets go, or sets hold to "inf". A tick that comes
- * later than half of it begins at zero force: 40 Hz is the slowest rate by default. That long a hold has a price. While ticks come every dt the energy that the port may give is bounded by 0.0066 J,
+ * later than half of it, 0.025 s, begins at zero force (TISSUE_OK; limits' `late` counts it): 50 Hz, with a clock that strays by 5 ms, is the slowest rate by default. That long a hold has a price. While ticks come every dt the energy that the port may give is bounded by 0.0066 J,
  * whatever hold is; after a stall by hold / dt times that, 0.33 J by default. With hold 0.01, which serves hosts from 200 Hz on, it is 0.066 J.
  * The force is finite and within force-max whatever comes in, and zero where the status is neither TISSUE_OK nor TISSUE_OVERRUN, also where an argument is refused. What it gives the hand is
  * bounded for every device (lib/haptic/safety.h); that a hand comes to rest on the tissue is promised for a device whose mass is stated, option "device-mass", and whose positions come with every
@@ -109,7 +109,7 @@ TISSUE_API tissue_status tissue_take_over(tissue_session *session, const tissue_
 /* A session as a value: all that changes while it runs, as bytes, for this version of the library on this machine. A session of the same model goes on from them bit for bit. */
 TISSUE_API size_t tissue_state_size(const tissue_session *session); /* bytes; 0 of NULL; the same for the session's whole life with one model */
 TISSUE_API tissue_status tissue_save(const tissue_session *session, void *state, size_t size);
-TISSUE_API tissue_status tissue_restore(tissue_session *session, const void *state, size_t size); /* TISSUE_MISMATCH: of another model, or damaged; not for bytes of strangers. The force is the saved one: with a hand on the device, restore where it was */
+TISSUE_API tissue_status tissue_restore(tissue_session *session, const void *state, size_t size); /* TISSUE_MISMATCH: of another model, or damaged; not for bytes of strangers. The force is the saved one: with a hand on the device, restore where it was; of the first tick after it the library's own clock knows dt alone */
 
 /* Another session that goes on as this one does; its next tick comes, by the library's clock, after the last one of this. */
 TISSUE_API tissue_status tissue_copy(const tissue_session *session, tissue_session **copy);

@@ -45,7 +45,7 @@ void write_files(const std::string& folder, const Files& files) {
     std::error_code error;
     const bool is_there = fs::is_directory(place, error);
     if (!is_there && fs::exists(place, error)) throw FileError(folder + ": is a file, wanted a folder");
-    const OpenFolder parent(is_there ? "." : place.parent_path().string(), folder, Missing::make);
+    const OpenFolder parent(is_there ? place.string() : place.parent_path().string(), folder, Missing::make);
     // where the folder is there, within it: it may be another disk's, and its parent may be nobody's to write to
     const OwnFolder own(is_there ? (place / "export").string() : place.string());
     const OpenFolder beside(own.folder, own.name, folder);

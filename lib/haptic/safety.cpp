@@ -147,7 +147,7 @@ Eigen::Vector3d Safety::limit(const Eigen::Vector3d& wanted_N, bool damp) noexce
             ++counters_.damped;
         }
         if (observed_J_ > 0) most = std::min(most, releasable_N(bound_J() - observed_J_ / lateness_));
-        if (wanted.norm() > most) ++counters_.capped;
+        if (most < o_.force_max_N && wanted.norm() > most * (1 + 1e-12)) ++counters_.capped;
     }
     wanted = within(wanted, most);
 

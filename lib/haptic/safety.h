@@ -86,7 +86,7 @@ class HeldForces {
 ///     E_n + r_n W(|F_n|) <= r_n B     at every tick, so E_n <= r_n B.
 /// r_n >= 1 is the longest time between two ticks, or since the position in use was measured, in periods, since E + W was last within B: 1 while ticks are on time and bring
 /// positions of their own (a tick that comes early counts as a whole one), and never more than hold_s / dt, of a device whose positions come less often (hold_s + stale_s) / dt. By default B = 0.0066 J and
-/// r B <= 0.066 J; of C and Python, whose hosts may tick at 40 Hz (hold_s 0.05), 0.33 J after a stall, and on time the same B. What fades may be given anew: at most r B / surplus_fades_s, 1.3 mW of ticks on time.
+/// r B <= 0.066 J; of C and Python, whose hosts may tick at 50 Hz (hold_s 0.05), 0.33 J after a stall, and on time the same B. What fades may be given anew: at most r B / surplus_fades_s, 1.3 mW of ticks on time.
 /// This bound is for every device and hand whose positions are as old as they say. That a hand comes to rest on the tissue is not its work, and the controller has none to do then: see
 /// contact_damping_s (haptic/dynamics.h) and DeviceImpedance.
 /// Construction: when tick n + 1 comes after r dt at most, the hand has moved by speed_max r dt at most, or it is a

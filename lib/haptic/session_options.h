@@ -44,7 +44,7 @@ struct SessionOption {
 /// In the order in which help and documents list them.
 const std::vector<SessionOption>& session_options();
 
-/// What a session of C or Python begins with: no heuristic mesh, as their programs have a scene of their own, and a device that holds a force long enough for a host of 40 Hz.
+/// What a session of C or Python begins with: no heuristic mesh, as their programs have a scene of their own, and a device that holds a force long enough for a host of 50 Hz whose clock strays by 5 ms.
 HapticOptions interface_options();
 
 /// One option by its name and as text. Throws MismatchError as SessionOption::set, for a name that there is not, and of a session that runs for one that is not `live`.

@@ -161,6 +161,7 @@ void Simulation::take_over(const Simulation& from) noexcept {
     has_master_ = from.has_master_;
     clutched_ = from.clutched_;
     period_s_ = from.period_s_;
+    usual_s_ = from.usual_s_;
     velocity_m_s_ = from.velocity_m_s_;
     expected_s_ = from.expected_s_;
     same_position_s_ = from.same_position_s_;

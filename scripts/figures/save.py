@@ -5,6 +5,7 @@ import fcntl
 import os
 import re
 import secrets
+import stat
 import sys
 from pathlib import Path
 
@@ -22,10 +23,28 @@ def left_over(out):
 
 
 def refuse_links(out):
-    """Of another user, on the way to `out`: they are not followed (lib/io/folder.h)."""
-    for folder in Path(out).parents:
-        if folder.is_symlink() and folder.lstat().st_uid not in (0, os.geteuid()):
-            raise OSError(errno.EPERM, f"cannot write: '{folder.name}' is a link of another user, which is not followed", out)
+    """Of another user, on the way to `out` or to where a link on it leads: they are not followed (lib/io/folder.h)."""
+    at, left, links = Path("/" if os.path.isabs(out) else "."), list(Path(out).parent.parts), 0
+    while left:
+        at = at / left.pop(0)
+        if not at.is_symlink():
+            continue
+        if at.lstat().st_uid not in (0, os.geteuid()):
+            raise OSError(errno.EPERM, f"cannot write: '{at.name}' is a link of another user, which is not followed", out)
+        links += 1
+        if links > 40:
+            raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), out)
+        to = Path(os.readlink(at))
+        left = [*to.parts, *left]
+        at = Path("/") if to.is_absolute() else at.parent
+
+
+def refuse_devices(out):
+    """A file in the place of a device or of a pipe would take it away for everybody (lib/io/atomic_file.h)."""
+    with contextlib.suppress(FileNotFoundError):
+        mode = os.stat(out).st_mode
+        if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
+            raise OSError(errno.EINVAL, "is a device or a pipe, wanted a file", out)
 
 
 def drawn(out):
@@ -54,6 +73,7 @@ def written(out):
     """The name of a file beside `out` that becomes it in the end, or is removed, as lib/io/atomic_file does."""
     out = os.fspath(out)
     refuse_links(out)
+    refuse_devices(out)
     left_over(out)
     file, beside = drawn(out)
     with file:

@@ -124,7 +124,7 @@ TEST_CASE("what a file is described by obeys no terminal") {
     CHECK_THAT(lines.front(), Catch::StartsWith("/gr?[2Joup/num??bers "));
 }
 
-TEST_CASE("values that were packed by gzip are read, up to 256 MiB of a file in memory") {
+TEST_CASE("values that were packed by gzip are read, up to 256 MiB of a file in memory", "[long]") {
     const TemporaryFolder folder;
     constexpr hsize_t mebibyte = 1 << 17;  // numbers
     const std::string file = changed_file(folder, "a.h5", [](hid_t id) {

@@ -325,7 +325,7 @@ import sys
 import tissue
 bare = {owner: owner.__new__(owner) for owner in (tissue.Model, tissue.Simulation, tissue.Adaptation)}
 top, down = (0.05, 0.1), (0, -0.004)
-arguments = {"press": ([top], [down]), "tick": ((0, 0.2, 0),), "ticks": ([(0, 0.2, 0)],), "learn": (top, down, down), "expect": (top, down), "write": ("/nowhere/none.h5",), "clutch": (True,), "surface": ("boundary",), "add_surface": ("organ", "/nowhere/none.obj", 1.0), "follow": (tissue.Simulation(tissue.Model(sys.argv[1])),), "take_over": (tissue.Simulation(tissue.Model(sys.argv[1])),)}
+arguments = {"press": ([top], [down]), "with_tool": (0.005,), "tick": ((0, 0.2, 0),), "ticks": ([(0, 0.2, 0)],), "learn": (top, down, down), "expect": (top, down), "write": ("/nowhere/none.h5",), "clutch": (True,), "surface": ("boundary",), "add_surface": ("organ", "/nowhere/none.obj", 1.0), "follow": (tissue.Simulation(tissue.Model(sys.argv[1])),), "take_over": (tissue.Simulation(tissue.Model(sys.argv[1])),)}
 asked = 0
 for owner, it in bare.items():
     for name in vars(owner):

@@ -24,7 +24,6 @@ for link in -s ""; do
     check "logs that are links${link:+ ($link)}: the logs are files of their own" sh -c 'cd "$1" && for log in cases/left.log cases/.counted mesh.msh.log; do
         [ "$(stat -c "%F %h" "$log" | sed "s/empty //")" = "regular file 1" ] || { stat "$log"; exit 1; }; done' - "$R"
 done
-mkfifo "$scratch/pipe"
 rm -f "$R/cases/left.log" "$R/cases/left.csv"
 mkfifo "$R/cases/left.log"
 run timeout 600 make PYTHON="$PYTHON" STUDY=tiny results/tiny/cases/left.csv
@@ -65,8 +64,10 @@ if may_plant; then
     refused_link "a folder of first models that is a link of another user" first
     run scripts/folder results/tiny/first/below
     refused_link "and one below it" first
-    tissuectl export fem/none.h5 --to csv --out results/tiny/first
-    check "an export is refused as it would be elsewhere" exited 1
+    mkdir "$R/shared" && ln -s "$scratch/elsewhere" "$R/shared/theirs" && chown -h $other "$R/shared/theirs" && ln -s shared/theirs "$R/mine"
+    run scripts/folder results/tiny/mine/below
+    refused_link "and one that a link of one's own leads to" theirs
+    rm -r "$R/mine" "$R/shared"
     run "$PYTHON" -c 'import sys
 sys.path.insert(0, "scripts/figures")
 import save
@@ -81,6 +82,13 @@ else
 fi
 run scripts/folder results/tiny/a "results/tiny/it's a folder/b"
 check "folders are made, whatever their names" test -d "$R/it's a folder/b"
+ln -s "$R/not there yet" "$R/own" && run scripts/folder results/tiny/own/c
+check "where a link of one's own leads, too" test -d "$R/not there yet/c"
+run "$PYTHON" -B -c 'import sys
+sys.path.insert(0, "scripts/figures")
+import save
+with save.written("/dev/null") as name: raise AssertionError(name)'
+check "nothing takes a device's place" says 'is a device or a pipe'
 run scripts/folder -n results/tiny/none
 check "or looked at alone" absent "$R/none"
 

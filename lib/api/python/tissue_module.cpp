@@ -150,6 +150,7 @@ NodeField ticks(Session& session, const Rows& positions_m, double elapsed_s) {
             sample.position_m = positions_m.row(k);
             forces.row(k) = session.simulation.tick(sample, elapsed_s);  // of no clock
         }
+        session.clock = {};  // the time that these took is none between two ticks
         return std::move(forces);
     });
 }
@@ -440,6 +441,7 @@ ticks() between two ticks, press() between two contacts and next() between two p
         .def(py::init([](std::shared_ptr<TissueModel> model, const py::kwargs& given) {
                  const HapticOptions options = with(interface_options(), options_of(given), false);
                  const py::gil_scoped_release others_may;
+                 check_options(options);  // before the model knows of one
                  if (options.tool_radius_m) model = std::make_shared<TissueModel>(with_tool(*model, *options.tool_radius_m));
                  return std::make_unique<Session>(std::move(model), options);
              }),
