@@ -76,7 +76,7 @@ TEST_CASE("in space the tick's law asks for the forces of the energy that was tr
         }
 }
 
-TEST_CASE("stiff supports bring mass, so that they need no more steps and the slowest mode stays", "[solid][law][embedded]") {
+TEST_CASE("stiff supports bring mass, so that they need no more steps and the slowest mode stays", "[solid][law][embedded][long]") {
     for (const SpringMesh& mesh : {embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}), embedded_lattice(dome(6), 0.011), embedded_lattice(dome(8), 0.008)}) {
         TissueModel model = solid_law_example(mesh);
         const TissueEnergy energy(mesh, false);
