@@ -233,8 +233,14 @@ $(BUILD)/stage/%: | $(TISSUECTL)
 $(TISSUE_HAPTIC): $(call objects,$(HAPTIC_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/tissue-haptic.list
 	@$(call link,-s -Wl$(comma)--as-needed) && mv $@.tmp $@
 
-# Of a function that several files made, the linker takes the first: the library's, which is compiled for speed.
-$(BUILD)/test_tissue: $(call objects,$(TEST_SOURCES) $(SERVE_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/test_tissue.list
+# Sanitizers watch the library: its tests are those of the release build, but for two that know the allocator.
+INSTRUMENTED := tests/allocations.cpp tests/leaks.cpp $(SERVE_SOURCES)
+TEST_OBJECTS := $(call objects,$(TEST_SOURCES) $(SERVE_SOURCES))
+ifneq (,$(filter-out thread,$(SANITIZE)))
+TEST_OBJECTS := $(call objects,$(INSTRUMENTED)) $(patsubst %.cpp,build/release/%.o,$(filter-out $(INSTRUMENTED),$(TEST_SOURCES)))
+endif
+# Of a function that several files made, the linker takes the first: the library's, which is compiled for speed and watched.
+$(BUILD)/test_tissue: $(TEST_OBJECTS) $(BUILD)/libtissue.a $(BUILD)/test_tissue.list
 	@$(call link,-Wl$(comma)--whole-archive $(BUILD)/libtissue.a -Wl$(comma)--no-whole-archive) && mv $@.tmp $@
 
 # A target links what it calls of all that targets call, and says which of its functions gets the bytes.
@@ -463,11 +469,11 @@ test-fe: $(FE_LONG:%=%-long)
 SANITIZED := tissue-haptic tissuectl test_tissue
 TESTS :=
 ## sanitized: what sanitize and fuzz run, without running it
-sanitized: | build/deps-sanitize
+sanitized: $(BUILD)/test_tissue | build/deps-sanitize
 	@$(MAKE) SANITIZE=1 $(addprefix build/sanitize/,$(SANITIZED) $(FUZZ_READERS:%=fuzz_%))
 
 ## sanitize: library tests and the server under address and undefined-behaviour sanitizers; TESTS='~[long]' without the tests that take longest
-sanitize: | build/deps-sanitize
+sanitize: $(BUILD)/test_tissue | build/deps-sanitize
 	@$(MAKE) SANITIZE=1 $(SANITIZED:%=build/sanitize/%)
 	@TISSUE_HAPTIC=build/sanitize/tissue-haptic tests/parts build/sanitize/test_tissue $$(env -u OMP_NUM_THREADS nproc) '$(TESTS)'
 	@TISSUECTL=build/sanitize/tissuectl PYTHON=$(PYTHON) tests/pipeline/test_serve.sh
