@@ -13,11 +13,6 @@
 namespace tissue {
 namespace {
 
-DatasetTable joined(DatasetTable table, const DatasetTable& more) {
-    table.insert(table.end(), more.begin(), more.end());
-    return table;
-}
-
 Eigen::VectorXd single(double value) {
     return Eigen::VectorXd::Constant(1, value);
 }

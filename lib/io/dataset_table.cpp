@@ -83,6 +83,11 @@ std::string wrong_rows(const Array& a, const DatasetRule& rule) {
 
 }  // namespace
 
+DatasetTable joined(DatasetTable table, const DatasetTable& more) {
+    table.insert(table.end(), more.begin(), more.end());
+    return table;
+}
+
 const DatasetRule& rule_of(const DatasetTable& table, const std::string& name) {
     const auto rule = std::find_if(table.begin(), table.end(), [&](const DatasetRule& r) { return matches(r.name, name); });
     if (rule == table.end()) throw std::logic_error("no rule for the dataset " + name);

@@ -83,6 +83,8 @@ struct DatasetRule {
 
 using DatasetTable = std::vector<DatasetRule>;
 
+DatasetTable joined(DatasetTable table, const DatasetTable& more);
+
 /// The rule of a dataset. Throws std::logic_error when the table has none: the program's own mistake.
 const DatasetRule& rule_of(const DatasetTable& table, const std::string& name);
 
