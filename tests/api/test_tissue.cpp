@@ -449,7 +449,7 @@ TEST_CASE("one model serves many sessions, which can be saved, copied, changed a
     CHECK(tissue_take_over(nullptr, nullptr) == TISSUE_BAD_ARGUMENT);
 }
 
-TEST_CASE("a host in C whose ticks cost more than their time keeps them short and loses the tissue's time; one that plays another time loses none", "[api]") {
+TEST_CASE("a host in C whose ticks cost more than their time keeps them short and loses the tissue's time; one that plays another time loses none", "[api][long]") {
     const TemporaryFolder folder;
     const std::string file = model_file(folder, law_example(make_lattice("grid8", 16, 16, 0.1, 0.1)));
     using Clock = std::chrono::steady_clock;

@@ -230,7 +230,7 @@ TEST_CASE("a solid's drawn contacts keep 2 mm or 5 degrees from every training p
     CHECK(turned_near == 0);  // straight in is trained at every one of these places
     crowded.loads.paths.clear();
     for (double x = 0.02; x < 0.081; x += 0.002)
-        for (double y = 0.02; y < 0.061; y += 0.002) crowded.loads.paths.push_back({"t", Eigen::Vector3d(x, y, 0.05), Eigen::Vector3d(0, 0, -1), 0.01});
+        for (double y = 0.02; y < 0.061; y += 0.002) crowded.loads.paths.push_back({"t", Eigen::Vector3d(x, y, 0.05), Eigen::Vector3d(0, 0, -1), 0.01, crowded.indenter.radius_m});
     crowded.draws[0].count = 100'000;  // refused as soon as for one
     CHECK_THAT(refusal<MismatchError>([&] { solid_paths(crowded); }), StartsWith("draws.validation: ") && Contains("no room"));
 }

@@ -234,7 +234,7 @@ TEST_CASE("a solid shape is meshed again where other parts lie on beds, not wher
     CHECK(shape_part({3e5, 6e5}) == shape_part({4e5, 5e5}));
 }
 
-TEST_CASE("regions of a solid shape stiffen springs and cells by what of them lies in them", "[solid_shape]") {
+TEST_CASE("regions of a solid shape stiffen springs and cells by what of them lies in them", "[solid_shape][long]") {
     Study s = study();
     s.material.regions = {{{}, "stone"}};
     s.material.regions[0].C1_Pa = 10 * (263 + 491);
@@ -274,7 +274,7 @@ TEST_CASE("regions of a solid shape stiffen springs and cells by what of them li
     CHECK((study_law(s, stony, mesh).constants(none) - 10 * soft).norm() < 1e-9 * soft.norm());  // supports too
 }
 
-TEST_CASE("of what reaches out of a solid shape the tissue inside counts, or the nearest; supports are as stiff as what they hold; what is too small to be seen is refused", "[solid_shape]") {
+TEST_CASE("of what reaches out of a solid shape the tissue inside counts, or the nearest; supports are as stiff as what they hold; what is too small to be seen is refused", "[solid_shape][long]") {
     Study s = study();
     s.file = "dome.toml";
     s.material.regions = {{{}, "stone"}};

@@ -88,7 +88,7 @@ TEST_CASE("a force through branches relaxes by the closed form, however unequal 
     }
 }
 
-TEST_CASE("held in the tick, a model that relaxes says its static force through its branches", "[histories]") {
+TEST_CASE("held in the tick, a model that relaxes says its static force through its branches", "[histories][long]") {
     const TissueModel model = relaxing(law_example());
     const HapticModel haptic(model, alone());
     const History h = ramp(0.008, 2, 6);
@@ -130,7 +130,7 @@ TEST_CASE("while the tool is away nothing holds the tissue, and a second touch f
     CHECK(std::abs(play_history(haptic, beside)(400, 1) / answer(400, 1)) > 1.01);  // less so 20 mm away
 }
 
-TEST_CASE("of models beside the learned one each is what it says: the truth is played, and they are as far from it as they must be", "[histories]") {
+TEST_CASE("of models beside the learned one each is what it says: the truth is played, and they are as far from it as they must be", "[histories][long]") {
     const TissueModel model = relaxing(law_example(make_lattice("grid8", 6, 6, 0.1, 0.1)));
     HapticOptions still = alone();
     const HapticModel haptic(model, still);

@@ -51,7 +51,7 @@ std::vector<TissueModel> tissues() { return {law_example(), solid_example(), hap
 
 }  // namespace
 
-TEST_CASE("a tool dragged along a flat surface feels mu times what it presses with", "[friction]") {
+TEST_CASE("a tool dragged along a flat surface feels mu times what it presses with", "[friction][long]") {
     for (const TissueModel& tissue : tissues())
         for (double mu : {0.1, 0.3}) {
             Drag drag(tissue, with_friction(mu));

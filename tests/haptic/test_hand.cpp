@@ -216,7 +216,7 @@ TEST_CASE("time that no tick can make up for is counted", "[hand]") {
     CHECK(s.record().time_s == Approx(3.01));
 }
 
-TEST_CASE("a tissue that is too stiff for a device is refused, with the numbers", "[hand]") {
+TEST_CASE("a tissue that is too stiff for a device is refused, with the numbers", "[hand][long]") {
     const TissueModel tissue = law_example();
     HapticOptions options = alone(3);
     const double contact_N_m = HapticModel(tissue, options).meshes[0]->contact_N_m;
@@ -238,7 +238,7 @@ TEST_CASE("a tissue that is too stiff for a device is refused, with the numbers"
     CHECK_THAT(refusal<MismatchError>([&] { HapticModel(tissue, options); }), Contains("the device can show 100 N/m"));
 }
 
-TEST_CASE("a contact is stable on a device up to the stiffness that is said, and not far beyond", "[hand]") {
+TEST_CASE("a contact is stable on a device up to the stiffness that is said, and not far beyond", "[hand][long]") {
     constexpr double dt = 1e-3;
     for (const double damping : {0.0, 2.0})
         for (const double lead : {0.6, 0.75, 1.0}) {
@@ -428,7 +428,7 @@ TEST_CASE("ticks that cost more than their time stay short, and the time that th
             }
 }
 
-TEST_CASE("a host that is slow by its own choice loses no time, nor does one that stalls", "[hand]") {
+TEST_CASE("a host that is slow by its own choice loses no time, nor does one that stalls", "[hand][long]") {
     HapticOptions options = alone();
     options.safety.hold_s = 1;
     const HapticModel model(law_example(), options);
@@ -463,7 +463,7 @@ TEST_CASE("a tick that was interrupted once is made up for", "[hand]") {
     CHECK(went_s == Approx(time_s).margin(2e-3));
 }
 
-TEST_CASE("the energy log has what a late hand is given by its true motion", "[hand]") {
+TEST_CASE("the energy log has what a late hand is given by its true motion", "[hand][long]") {
     for (const double late_s : {3e-4, 1e-3, 0.0104, 0.03})
         for (const double jitter_s : {0.0, 3e-4}) {
             HapticOptions options = alone(2);

@@ -226,7 +226,7 @@ TEST_CASE("where the other mesh is touched, a law gets its force, and says how f
     CHECK((Eigen::Vector2d(rest.contact_force) - force).norm() < 1e-3 * force.norm());
 }
 
-TEST_CASE("tissue that a hand has folded, and left, comes back to its own rest, if need be by being put there", "[law]") {
+TEST_CASE("tissue that a hand has folded, and left, comes back to its own rest, if need be by being put there", "[law][long]") {
     const TissueModel tissue = law_example();
     HapticOptions o;
     o.heuristic_mesh = false;

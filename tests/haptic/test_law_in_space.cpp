@@ -225,7 +225,7 @@ TEST_CASE("in space a law's undamped step keeps its energy within a band, withou
     }
 }
 
-TEST_CASE("in space a law's spectrum is that of its tangents, at rest and pressed with its disc", "[solid][law]") {
+TEST_CASE("in space a law's spectrum is that of its tangents, at rest and pressed with its disc", "[solid][law][long]") {
     const TissueModel model = solid_example();
     const SpringMesh& mesh = model.mesh;
     const RealtimeMesh springs = springs_of(model);

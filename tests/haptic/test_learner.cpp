@@ -120,7 +120,7 @@ TEST_CASE("a law that becomes another has the forces of one that was made so, an
     }
 }
 
-TEST_CASE("while it plays a law becomes the tissue that the hand feels, and force never jumps", "[adapt]") {
+TEST_CASE("while it plays a law becomes the tissue that the hand feels, and force never jumps", "[adapt][long]") {
     const TissueModel law = law_example(), truth = stiffer(law, 0.5);
     Session s(law, truth, 16);
     s.keep_lines();
@@ -167,7 +167,7 @@ TEST_CASE("a tick beside the learner allocates nothing", "[adapt]") {
     CHECK(allocated == 0);
 }
 
-TEST_CASE("tissue that relaxes is read through its branches", "[adapt][memory]") {
+TEST_CASE("tissue that relaxes is read through its branches", "[adapt][memory][long]") {
     const TissueModel law = relaxing(law_example());
     TissueModel truth = law;
     truth.energy_law->constants *= std::exp(0.4);
@@ -215,7 +215,7 @@ TEST_CASE("a law that becomes stiffer under a held contact has the force of one 
     CHECK(force_N == Approx(wanted_N).epsilon(0.01));
 }
 
-TEST_CASE("a law that becomes stiffer while the mesh beside it is pressed goes on as if it had been so and got as much more force", "[adapt][memory]") {
+TEST_CASE("a law that becomes stiffer while the mesh beside it is pressed goes on as if it had been so and got as much more force", "[adapt][memory][long]") {
     const TissueModel law = relaxing(law_example()), other = stiffer(law, std::log(1.5));
     HapticOptions options = options_for_learning();
     options.heuristic_mesh = true;
@@ -485,7 +485,7 @@ TEST_CASE("a law as stiff as it may become stays stable in its steps", "[adapt]"
     CHECK(simulation.record().device_N.norm() <= model.options.safety.force_max_N);
 }
 
-TEST_CASE("a learner that fails ends its learning and nothing else", "[adapt]") {
+TEST_CASE("a learner that fails ends its learning and nothing else", "[adapt][long]") {
     const TissueModel law = law_example();
     struct Told {
         int lines = 0;

@@ -193,7 +193,7 @@ TEST_CASE("a tick that is woken late knows how late: a hand at half a metre a se
     CHECK(simulation.safety().counters().jump == 0);
 }
 
-TEST_CASE("a loop tells its session what ticks cost, which then loses the time that they take too long", "[loop]") {
+TEST_CASE("a loop tells its session what ticks cost, which then loses the time that they take too long", "[loop][long]") {
     class Still final : public Device {
        public:
         std::string name() const override { return "still"; }

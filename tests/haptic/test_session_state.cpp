@@ -84,7 +84,7 @@ void press(Simulation& s, double from_m, double to_m, double x_m = 0.052) {
 
 }  // namespace
 
-TEST_CASE("a session that was saved, restored or copied goes on bit for bit", "[state]") {
+TEST_CASE("a session that was saved, restored or copied goes on bit for bit", "[state][long]") {
     for (const Kind& kind : kinds()) {
         HapticOptions options = sliding();
         options.stiffest = 2;
@@ -289,7 +289,7 @@ TEST_CASE("with the clutch the hand moves and the tool stays", "[state]") {
     }
 }
 
-TEST_CASE("a session goes on where one of another model was, and the force does not jump", "[state]") {
+TEST_CASE("a session goes on where one of another model was, and the force does not jump", "[state][long]") {
     TissueModel soft = law_example(), stiff = soft, coarse = law_example(make_lattice("grid8", 8, 8, 0.1, 0.1));
     stiff.energy_law->constants *= 1.5;
     const TissueModel after[] = {stiff, coarse, relaxing(soft), haptic_example()};

@@ -375,7 +375,7 @@ TEST_CASE("the moving average is (19), tick by tick", "[simulation]") {
     CHECK(s.set() == 3);  // top-15mm
 }
 
-TEST_CASE("the same samples give the same ticks, bit for bit", "[simulation]") {
+TEST_CASE("the same samples give the same ticks, bit for bit", "[simulation][long]") {
     const std::pair<const char*, const char*> kinds[] = {{"isotropic", "symplectic"}, {"isotropic", "implicit"}, {"law", "symplectic"}};
     for (const auto& [law, dynamics] : kinds) {
         HapticOptions o;

@@ -161,7 +161,7 @@ TEST_CASE("a solid that is pressed in motion comes to rest where its energy is s
     CHECK(seen.isZero(0));
 }
 
-TEST_CASE("a solid in an embedded lattice comes to rest in the tick where its energy is smallest, and its ticks allocate nothing", "[simulation][solid][embedded]") {
+TEST_CASE("a solid in an embedded lattice comes to rest in the tick where its energy is smallest, and its ticks allocate nothing", "[simulation][solid][embedded][long]") {
     const TissueModel tissue = solid_law_example(embedded_lattice(dome(8), 0.011));
     const LawPress press(tissue);
     HapticOptions o;
@@ -187,7 +187,7 @@ TEST_CASE("a solid in an embedded lattice comes to rest in the tick where its en
     for (int node : tissue.mesh.fixed) CHECK(s.state(0).displacement.row(node).norm() < 1e-4);  // supports give way by little
 }
 
-TEST_CASE("a contact that swings faster than the hand moves is neither driven by its ticks nor pumped up by letting go", "[simulation][solid]") {
+TEST_CASE("a contact that swings faster than the hand moves is neither driven by its ticks nor pumped up by letting go", "[simulation][solid][long]") {
     const Eigen::Vector3d contact(0.043, 0.056, 0.05), down(0, 0, -8e-6);  // 8 mm/s, to a light touch
     const auto stiffer = [](double by) {
         TissueModel tissue = solid_example();

@@ -70,7 +70,7 @@ std::string model_file(const TemporaryFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("a model in space plays: its ledger, its recording along three axes, and that recording again", "[tissue-haptic][solid]") {
+TEST_CASE("a model in space plays: its ledger, its recording along three axes, and that recording again", "[tissue-haptic][solid][long]") {
     const TemporaryFolder folder;
     write_model(folder.file("solid.h5"), solid_example(), {"test", 1, {}});
     const std::string play = folder.file("solid.h5") + " --no-realtime --json --seconds 1.5";

@@ -192,7 +192,7 @@ TEST_CASE("of large triangles too what lies in a region is held, to a few parts 
     }
 }
 
-TEST_CASE("a thin slab is held all round, a region that is too narrow is refused, and a plane divides no more than it cuts", "[solid_shape]") {
+TEST_CASE("a thin slab is held all round, a region that is too narrow is refused, and a plane divides no more than it cuts", "[solid_shape][long]") {
     const auto box_of = [](const std::vector<int>& cells) {
         const Shape corners = solid_block(Lattice{cells, {0.1, 0.08, 0.05}});
         const Cells facets = open_faces(corners.simplices);
@@ -234,7 +234,7 @@ TEST_CASE("a thin slab is held all round, a region that is too narrow is refused
     CHECK_THAT(refusal<FileError>([&] { make_surface(cylinder_of(2000), {"ball 0 0 0.05 radius 0.0301"}, 1); }), Contains("more than 500000 triangles more near its border"));
 }
 
-TEST_CASE("a small held part keeps its area when the surface is divided anew, or the loss is told", "[solid_shape]") {
+TEST_CASE("a small held part keeps its area when the surface is divided anew, or the loss is told", "[solid_shape][long]") {
     const Shape corners = solid_block(Lattice{{50, 40, 25}, {0.1, 0.08, 0.05}});
     const Cells facets = open_faces(corners.simplices);
     MshFile box;

@@ -7,7 +7,7 @@ using namespace tissue;
 using namespace tissue::serve;
 using Json = nlohmann::json;
 
-TEST_CASE("FE's surface in the model's folder is told with the nearest place, once, and is cases.h5's at every case", "[serve]") {
+TEST_CASE("FE's surface in the model's folder is told with the nearest place, once, and is cases.h5's at every case", "[serve][long]") {
     const TissueModel tissue = with_forces();
     const Cases cases = cases_of(tissue);
     Stand s(cases);

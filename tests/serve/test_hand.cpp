@@ -95,7 +95,7 @@ TEST_CASE("the demo finds tissue that relaxes at rest at every press, and leaves
     }
 }
 
-TEST_CASE("the demo puts a mesh that has not come back to rest there before the next press", "[serve]") {
+TEST_CASE("the demo puts a mesh that has not come back to rest there before the next press", "[serve][long]") {
     for (const bool away : {true, false}) {
         const TemporaryFolder folder;
         write_model(folder.file("law.h5"), law_example(), {"test", 1, {}});

@@ -130,7 +130,7 @@ TEST_CASE("options of spring sets apply to the sets where an energy model is ser
     CHECK(refusal<MismatchError>([&] { Stage({folder.file("law.h5")}, options); }).find("law.h5: innovation") != std::string::npos);
 }
 
-TEST_CASE("a model that learns while it plays: everyone hears what became of each reading, and those who come later what is known", "[serve][adapt]") {
+TEST_CASE("a model that learns while it plays: everyone hears what became of each reading, and those who come later what is known", "[serve][adapt][long]") {
     const TemporaryFolder folder;
     TissueModel hidden = law_example();
     for (double& constant : hidden.energy_law->constants) constant *= 1.5;

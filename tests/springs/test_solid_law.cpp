@@ -85,7 +85,7 @@ TEST_CASE("a disc presses a parabola in, and beside it what the half space has",
     CHECK(disc_profile(100) == Approx(4 / (3 * 3.14159265358979 * 100)).epsilon(1e-4));  // a force on a point
 }
 
-TEST_CASE("a disc's ground is 1 on a half space of one log of stiffness, 0 on none, and falls with the way to a nodule") {
+TEST_CASE("a disc's ground is 1 on a half space of one log of stiffness, 0 on none, and falls with the way to a nodule", "[long]") {
     const SpringMesh mesh = block(6, 6, 2);
     const double radius_m = 0.007, step_m = 0.004;
     const Eigen::Vector3d at(0.0312, 0.0277, 0.02), down(0, 0, -1);
@@ -150,7 +150,7 @@ TEST_CASE("a contact that hardens derives from its energy, and its derivatives a
     }
 }
 
-TEST_CASE("a disc's untrained contact on a lattice is about as stiff as on the tissue, wherever it stands between the nodes", "[solid]") {
+TEST_CASE("a disc's untrained contact on a lattice is about as stiff as on the tissue, wherever it stands between the nodes", "[solid][long]") {
     constexpr double E = 4524, R = 0.007, half_space_N_m = 64.0 / 45 * E * R;
     for (const double edge : {0.8, 1.0, 1.4, 2.0}) {
         const SpringMesh mesh = embedded_lattice(solid_block(Lattice{{14, 14, 7}, {14 * R, 14 * R, 7 * R}}), edge * R);

@@ -139,7 +139,7 @@ TEST_CASE("times of branches that nobody knows are half decades from the reading
     CHECK_THAT(refusal<MismatchError>([&] { time_ladder({h}, "held_out"); }), Contains("no history"));
 }
 
-TEST_CASE("2 % of noise on two ramps leaves shares that are right to a per cent on another course, also where the times are not known", "[shares]") {
+TEST_CASE("2 % of noise on two ramps leaves shares that are right to a per cent on another course, also where the times are not known", "[shares][long]") {
     const TissueModel model = law_example();
     const Eigen::VectorXd tau = Eigen::Vector3d(0.2, 1, 10), share = Eigen::Vector3d(0.3, 0.25, 0.2);
     // another course: in, held, half out, held

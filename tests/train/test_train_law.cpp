@@ -168,7 +168,7 @@ TEST_CASE("training without paths or terms is refused") {
     CHECK_THAT(refusal<MismatchError>([&] { train_law(p.mesh, bare, p.paths); }), Contains("without terms"));
 }
 
-TEST_CASE("in space training finds the law again from the surface alone, the same for any number of threads", "[solid]") {
+TEST_CASE("in space training finds the law again from the surface alone, the same for any number of threads", "[solid][long]") {
     const SpringMesh mesh = embedded_block(Lattice{{5, 5, 3}, {0.05, 0.05, 0.03}});
     const double E = 4500, radius_m = 0.007;
     const LawHeuristic heuristic = solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), E),
@@ -228,7 +228,7 @@ TEST_CASE("in space training finds the law again from the surface alone, the sam
     }
 }
 
-TEST_CASE("in space training finds the terms of a disc's size again from contacts of several radii", "[solid]") {
+TEST_CASE("in space training finds the terms of a disc's size again from contacts of several radii", "[solid][long]") {
     const SpringMesh mesh = embedded_block(Lattice{{5, 5, 3}, {0.05, 0.05, 0.03}});
     const double E = 4500, own_m = 0.007;
     const LawHeuristic heuristic = solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), E), Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), E), E, 12, own_m);
