@@ -192,7 +192,7 @@ $(eval $(call says,$(BUILD)/tissuectl.list,CLI_SOURCES))
 $(eval $(call says,$(BUILD)/tissue-haptic.list,HAPTIC_SOURCES))
 $(eval $(call says,$(BUILD)/test_tissue.list,TEST_SOURCES))
 
-# headers that most files include, parsed once. Not under sanitizers, so that what a file forgot to include is found.
+# headers that most files include, parsed once. Not under sanitizers, so that what a file of library or programs forgot to include is found.
 PRECOMPILED := $(if $(SANITIZE),,$(BUILD)/precompiled.h.gch)
 $(BUILD)/precompiled.h.gch $(BUILD)/tests/precompiled.h.gch: scripts/precompiled.h $(BUILD)/flags | build/deps
 	@mkdir -p $(@D)
@@ -233,13 +233,13 @@ $(BUILD)/stage/%: | $(TISSUECTL)
 $(TISSUE_HAPTIC): $(call objects,$(HAPTIC_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/tissue-haptic.list
 	@$(call link,-s -Wl$(comma)--as-needed) && mv $@.tmp $@
 
-# Sanitizers watch the library: its tests are those of the release build, but for two that know the allocator.
+# Sanitizers check the library: its tests are those of the release build, but for two files that replace or configure the allocator.
 INSTRUMENTED := tests/allocations.cpp tests/leaks.cpp $(SERVE_SOURCES)
 TEST_OBJECTS := $(call objects,$(TEST_SOURCES) $(SERVE_SOURCES))
 ifneq (,$(filter-out thread,$(SANITIZE)))
 TEST_OBJECTS := $(call objects,$(INSTRUMENTED)) $(patsubst %.cpp,build/release/%.o,$(filter-out $(INSTRUMENTED),$(TEST_SOURCES)))
 endif
-# Of a function that several files made, the linker takes the first: the library's, which is compiled for speed and watched.
+# Of a function that several files made, the linker takes the first: the library's, which is compiled for speed, and for sanitizers where they are on.
 $(BUILD)/test_tissue: $(TEST_OBJECTS) $(BUILD)/libtissue.a $(BUILD)/test_tissue.list
 	@$(call link,-Wl$(comma)--whole-archive $(BUILD)/libtissue.a -Wl$(comma)--no-whole-archive) && mv $@.tmp $@
 

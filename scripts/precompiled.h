@@ -1,4 +1,4 @@
-// What most files include, parsed once for all of them (Makefile: precompiled). No file may rely on it: builds under sanitizers go without.
+// What most files include, parsed once for all of them (Makefile: precompiled). No file may rely on it: builds under sanitizers, of library and programs, go without.
 #include <fmt/format.h>
 
 #include <Eigen/Core>
