@@ -45,7 +45,7 @@ TEST_CASE("corrected contacts are as stiff as on the average of four shifted lat
         shifted.push_back(std::make_unique<LawPress>(moved, law_on(moved)));
     }
     double most_before = 0, most_after = 0, squares_before = 0, squares_between = 0;
-    for (Eigen::Index free = 0; free < surface.facets().rows(); free += 11) {
+    for (Eigen::Index free = 0; free < surface.facets().rows(); free += 29) {
         const bool at_corner = free % 2 == 0;  // of the table, else between its corners
         const Point place = surface.at(free, at_corner ? Eigen::Vector3d(1, 0, 0) : Eigen::Vector3d(0.5, 0.27, 0.23));
         const double own = std::log(stiffness(plain, place));
