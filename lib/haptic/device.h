@@ -37,7 +37,7 @@ class Device {
     virtual DeviceSample read(double time_s) noexcept = 0;
 
     /// In place of read(), where the tick is left out. A device that moves by itself stays where it is.
-    virtual void stand_still(double /*time_s*/) noexcept {}
+    virtual DeviceSample stand_still(double time_s) noexcept { return read(time_s); }
 
     /// The force to put on the hand [N] until the next write, or for force_held_s. Before start() and after stop()
     /// there is none, whatever is written.

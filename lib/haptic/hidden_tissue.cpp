@@ -32,10 +32,11 @@ DeviceSample HiddenTissue::read(double time_s) noexcept {
     return sample;
 }
 
-void HiddenTissue::stand_still(double time_s) noexcept {
-    hand_->stand_still(time_s);
-    simulation_.stand_still(std::max(0.0, time_s - last_s_));
+DeviceSample HiddenTissue::stand_still(double time_s) noexcept {
+    const DeviceSample sample = hand_->stand_still(time_s);
+    simulation_.stand_still(sample, std::max(0.0, time_s - last_s_));
     last_s_ = time_s;
+    return sample;
 }
 
 }  // namespace tissue

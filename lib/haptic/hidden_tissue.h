@@ -18,7 +18,7 @@ class HiddenTissue final : public Device {
     std::string name() const override { return hand_->name() + " on a hidden tissue"; }
     void start() override { hand_->start(); }
     DeviceSample read(double time_s) noexcept override;
-    void stand_still(double time_s) noexcept override;
+    DeviceSample stand_still(double time_s) noexcept override;
     /// To rest before the next read; any thread's. Where the model that plays is put to rest, and its memory goes, this one must be too.
     void reset() noexcept { reset_.store(true, std::memory_order_relaxed); }
     void write(const Eigen::Vector3d& force_N) noexcept override { hand_->write(force_N); }

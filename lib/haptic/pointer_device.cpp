@@ -50,9 +50,10 @@ DeviceSample PointerDevice::read(double time_s) noexcept {
     return sample;
 }
 
-void PointerDevice::stand_still(double time_s) noexcept {
-    time_s_ = time_s;
+DeviceSample PointerDevice::stand_still(double time_s) noexcept {
+    time_s_ = time_s;  // read() then goes no way
     velocity_m_s_.setZero();
+    return read(time_s);
 }
 
 std::vector<std::pair<std::string, double>> PointerDevice::ledger() const {

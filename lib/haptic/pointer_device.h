@@ -28,7 +28,7 @@ class PointerDevice final : public Device {
 
     std::string name() const override { return "pointer"; }
     DeviceSample read(double time_s) noexcept override;
-    void stand_still(double time_s) noexcept override;
+    DeviceSample stand_still(double time_s) noexcept override;
     void write(const Eigen::Vector3d&) noexcept override {}
     std::vector<std::pair<std::string, double>> ledger() const override;
 

@@ -120,8 +120,7 @@ void run(Simulation& simulation, Device& given, const LoopOptions& options, Loop
             if (options.clock) cost_s = 1e-9 * static_cast<double>(now_ns(CLOCK_MONOTONIC) - ticked);
             device->write(force);
         } else {
-            device->stand_still(time_s);
-            device->write(simulation.stand_still(since_s));
+            device->write(simulation.stand_still(device->stand_still(time_s), since_s));
         }
         const long long ended = now_ns(CLOCK_MONOTONIC);
 

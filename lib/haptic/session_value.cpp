@@ -23,7 +23,7 @@ Simulation::Simulation(const Simulation& other) : Simulation(other.model_) {
 
 void Simulation::fields(StateBytes& state) noexcept {
     DeviceImpedance& device = options_.device;
-    state(options_.map, device_m_, device.mass_kg, device.damping_Ns_m, device.stiffness_N_m, device.force_max_N, safety_, due_s_, period_s_, went_s_, cost_, usual_s_, stood_s_, same_position_s_, old_s_, expected_s_, has_master_, clutched_,
+    state(options_.map, device_m_, device.mass_kg, device.damping_Ns_m, device.stiffness_N_m, device.force_max_N, safety_, due_s_, spare_s_, since_, period_s_, went_s_, cost_, usual_s_, stood_s_, same_position_s_, old_s_, expected_s_, has_master_, clutched_,
           taken_over_, carried_N_, states_, contact_, touched_, coupling_N_m_, tool_memory_, tool_m_, velocity_m_s_, slid_m_, slide_m_s_, touched_m_, friction_, armed_, sound_, rested_s_,
           reset_, untouched_s_, set_, counters_, record_);
     for (const auto& law : laws_)
@@ -160,6 +160,7 @@ void Simulation::take_over(const Simulation& from) noexcept {
     device_m_ = from.device_m_;
     has_master_ = from.has_master_;
     clutched_ = from.clutched_;
+    std::copy_n(from.since_, 2, since_);
     period_s_ = from.period_s_;
     usual_s_ = from.usual_s_;
     velocity_m_s_ = from.velocity_m_s_;

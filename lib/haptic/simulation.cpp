@@ -27,7 +27,7 @@ constexpr int most_periods = 16;  ///< that a mesh goes through in one tick, to 
 }  // namespace
 
 Simulation::Simulation(const HapticModel& model)
-    : model_(model), options_(model.options), safety_(model.options.safety), due_s_(model.meshes.size(), 0.0), period_s_(model.options.dt_s), friction_(model.options.friction) {
+    : model_(model), options_(model.options), safety_(model.options.safety), due_s_(model.meshes.size(), 0.0), spare_s_(due_s_), period_s_(model.options.dt_s), friction_(model.options.friction) {
     for (const auto& mesh : model.meshes) {
         laws_.push_back(mesh->law ? std::make_unique<RealtimeLaw>(*mesh->law) : nullptr);
         states_.emplace_back(mesh->springs, mesh->theta_of_set.col(0));
@@ -96,24 +96,27 @@ static double since_last_s(double elapsed_s, const HapticOptions& o) noexcept {
 }
 
 /// Time that is owed is made up for while a tick costs less than half of the time that it goes through. Where it costs more, in two ticks one after the other (one alone was interrupted), a tick
-/// that goes through all that is owed makes the next one late, which then owes more. Such a tick goes through the usual time between ticks, so that a host that keeps up loses none. Where it would cost more than 0.9
-/// of that time, it goes through less, so that it costs 0.9. The usual time follows a shorter one at once and a longer one slowly: a stall changes nothing,
-/// and ticks that were long become short again. What is owed beyond that is lost. A tick always goes through dt.
+/// that goes through all that is owed makes the next one late, which then owes more. Such a tick goes through the usual time between ticks, and a tenth more where they stray, so that a host that keeps up loses none.
+/// Where it would cost more than 0.9 of that time, it goes through less, so that it costs 0.9. The usual time follows a shorter one at once and a longer one slowly: a stall changes nothing,
+/// and ticks that were long become short again. It begins with the second tick: of the first nobody knows. What is owed beyond that is lost. A tick always goes through dt.
 void Simulation::keep_ticks_short(double since_s, double cost_s) noexcept {
-    constexpr double half = 0.45, most = 0.9, growth = 1.02;
+    constexpr double half = 0.45, most = 0.9, growth = 1.02, strays = 1.1;
     if (went_s_ > 0) cost_[0] = std::exchange(cost_[1], std::max(0.0, cost_s) / went_s_);
-    usual_s_ = usual_s_ > 0 ? std::min(since_s, growth * usual_s_) : since_s;
+    usual_s_ = counters_.ticks > 2 ? std::min(since_s, growth * usual_s_) : since_s;
     const double least = cost_s > 0 ? std::min(cost_[0], cost_[1]) : 0;
-    longest_s_ = least > half ? std::max(model_.options.dt_s, std::min(1.0, most / least) * usual_s_) : std::numeric_limits<double>::infinity();
+    longest_s_ = least > half ? std::max(model_.options.dt_s, std::min(strays, most / least) * usual_s_) : std::numeric_limits<double>::infinity();
     went_s_ = 0;
 }
 
-/// The tissue has to come to the end of the time in which this tick's force is held, which will be as long as the ticks before were.
+/// The tissue has to come to the end of the time in which this tick's force is held, which will be as long as the ticks before were. One tick that comes much later than dt was stalled, and says
+/// nothing of that; two are a host that is slow.
 void Simulation::time_passes(double seconds) noexcept {
     constexpr double longest_debt_s = 0.5;
     const double longest_period_s = std::max(longest_dt_s, 4 * model_.options.dt_s) * (1 + 1e-9);  // a clock's differences are rounded
     record_.time_s += seconds;
-    if (seconds <= longest_period_s) period_s_ += std::max(0.02, 1 / static_cast<double>(counters_.ticks)) * (seconds - period_s_);
+    since_[0] = std::exchange(since_[1], seconds);
+    if (seconds <= longest_period_s || steady_s() > longest_period_s)
+        period_s_ += std::max(0.02, 1 / static_cast<double>(counters_.ticks)) * (std::min(seconds, slowest_period_s) - period_s_);
     for (double& due_s : due_s_) {
         due_s += seconds;
         if (due_s <= longest_debt_s) continue;
@@ -125,18 +128,21 @@ void Simulation::time_passes(double seconds) noexcept {
 
 int Simulation::steps_due(std::size_t m) noexcept {
     const HapticMesh& mesh = *model_.meshes[m];
-    const double h = model_.options.dt_s / mesh.substeps, left_s = due_s_[m] - model_.options.dt_s + period_s_;
-    const double most = std::max(most_periods * model_.options.dt_s, 2 * period_s_) / h;  // or a slow host would never catch up
-    const double due = std::max(0.0, std::round(left_s / h)), longest = std::floor(longest_s_ / h * (1 + 1e-9));
-    if (due > longest) {
-        const double lost_s = (due - longest) * h;
+    const double dt_s = model_.options.dt_s, h = dt_s / mesh.substeps;
+    const bool too_dear = longest_s_ < usual_s_;  // then no step too many
+    const double longest_s = too_dear ? h * std::floor(longest_s_ / h * (1 + 1e-9)) : longest_s_ + spare_s_[m];
+    const double most_s = std::max({most_periods * dt_s, 2 * period_s_, steady_s()});  // or a slow host would never catch up
+    double left_s = due_s_[m] - dt_s + period_s_;
+    if (const double lost_s = left_s - longest_s; lost_s > 1e-6 * h) {
         due_s_[m] -= lost_s;
+        left_s = longest_s;
         if (m == 0) {
             counters_.lost_s += lost_s;
             untouched_s_ = std::max(0.0, untouched_s_ - lost_s);
         }
     }
-    const int steps = static_cast<int>(std::min({due, longest, std::round(most)}));
+    const int steps = std::max(0, static_cast<int>(std::lround(std::min(left_s, most_s) / h)));
+    spare_s_[m] = too_dear ? 0 : std::min(longest_s - steps * h, dt_s);
     due_s_[m] -= steps * h;
     went_s_ = std::max(went_s_, steps * h);
     return steps;
@@ -244,8 +250,13 @@ __attribute__((noinline)) Eigen::Vector3d Simulation::advance(const DeviceSample
     return record_.device_N;
 }
 
-Eigen::Vector3d Simulation::stand_still(double passed_s) noexcept {
-    stood_s_ += passed_s;
+Eigen::Vector3d Simulation::stand_still(const DeviceSample& sample, double passed_s) noexcept {
+    const FlushDenormals mode;
+    if (sample.reset) reset();
+    if (safety_.force_N().isZero(0))
+        stood_s_ += passed_s;
+    else if (!safety_.admit(sample, passed_s))
+        disarm(record_.master_m);
     return record_.device_N = safety_.stop();
 }
 
@@ -458,10 +469,11 @@ void Simulation::seen(std::size_t mesh, NodeColumns& displacement_m) const noexc
         laws_[mesh]->show_skin(record_.facet, {record_.weight[0], record_.weight[1], record_.weight[2]}, displacement_at_contact(mesh), displacement_m);
 }
 
-/// (19): K^t = gamma K_l + (1 - gamma) K^{t-1}, on theta, in which K is linear. The heuristic mesh has one set.
+/// (19): K^t = gamma K_l + (1 - gamma) K^{t-1} of each dt that has passed, on theta, in which K is linear. The heuristic mesh has one set.
 void Simulation::average_stiffness() noexcept {
     MeshState& learned = states_[0];
-    kernel::average(static_cast<int>(learned.theta.size()), *model_.options.innovation, model_.meshes[0]->theta_of_set.col(set_).data(),
+    const double gamma = *model_.options.innovation, periods = since_[1] / model_.options.dt_s;
+    kernel::average(static_cast<int>(learned.theta.size()), periods == 1 ? gamma : 1 - std::pow(1 - gamma, periods), model_.meshes[0]->theta_of_set.col(set_).data(),
                     learned.theta.data());
     learned.theta_changed = true;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -23,6 +24,7 @@
 namespace tissue {
 
 constexpr double longest_dt_s = 0.025;       ///< 40 Hz: half of what a device of C and Python holds a force for
+constexpr double slowest_period_s = 0.1;     ///< of a host whose device holds a force for longer: 10 Hz
 
 struct HapticOptions {
     double dt_s = 1e-3;               ///< 1 kHz, the paper's rate; 1e-6 to longest_dt_s, and half of what the device holds a force for
@@ -185,8 +187,9 @@ class Simulation {
     /// or nobody knows, and ticks may cost what they will. In it denormals are zero; the caller's floating-point mode is as it was (flush_denormals.h).
     Eigen::Vector3d tick(const DeviceSample& sample, double elapsed_s = 0, double cost_s = 0) noexcept;
 
-    /// In place of a tick: everything stays as it is, the tissue's time too, and no force goes out [N]. passed_s: since the last tick or call of this; a hand may go on meanwhile.
-    Eigen::Vector3d stand_still(double passed_s = 0) noexcept;
+    /// In place of a tick: everything stays as it is, the tissue's time too, and no force goes out [N]. passed_s: since the last tick or call of this; a hand may go on meanwhile. The force of
+    /// the last tick was on the hand until now: its energy is booked.
+    Eigen::Vector3d stand_still(const DeviceSample& sample, double passed_s) noexcept;
 
     const TickRecord& record() const { return record_; }
     double went_s() const { return went_s_; }  ///< through which the tissue went in the last tick
@@ -232,6 +235,7 @@ class Simulation {
     void show_no_more() noexcept;
     Point push_of(const Point& tool_m, std::size_t mesh) const noexcept;
     Point tool_at_the_end(const Point& master_m) const noexcept;
+    double steady_s() const noexcept { return std::min({since_[0], since_[1], slowest_period_s}); }
     int steps_due(std::size_t mesh) noexcept;
     void place_surfaces() noexcept;
     bool move_surfaces() noexcept;
@@ -259,10 +263,12 @@ class Simulation {
     std::vector<std::unique_ptr<RealtimeLaw>> laws_;  ///< of the meshes that have one
     Safety safety_;
     std::vector<double> due_s_;   ///< how far each mesh is behind a period after now
+    std::vector<double> spare_s_; ///< of longest_s_, left by the ticks before: a tick is whole steps, and those may be long
+    double since_[2] = {0, 0};    ///< that passed before the last tick and before this one
     double period_s_;             ///< mean time between ticks: as long as a force is held
     double went_s_ = 0;           ///< through which the meshes went in the last tick
     double cost_[2] = {0, 0};     ///< of a tick, over the time that its meshes went through, the last two; 0: not known
-    double usual_s_ = 0;          ///< between ticks; 0: not known yet
+    double usual_s_ = 0;          ///< between ticks
     double stood_s_ = 0;          ///< since the last tick, that is none of the tissue's
     double longest_s_ = 0;        ///< through which meshes may go in this tick
     double same_position_s_ = 0;  ///< that the device has said nothing new for

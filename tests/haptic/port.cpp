@@ -14,11 +14,11 @@ bool Port::tick(const DeviceSample& sample, double elapsed_s) {
     const bool fault = after.bad_input + after.jump + after.stale > before.bad_input + before.jump + before.stale;
     if (given_J_ > 0) given_J_ *= std::exp(-elapsed_s / surplus_fades_s);  // as the bound is said to be
     // the port, with the force that was held while the hand came here, or until the device let go of it
-    if (elapsed_s > force_held_s / 2) {
-        given_J_ += force_N_.norm() * o_.safety.speed_max_m_s * std::min(elapsed_s, force_held_s);
+    if (elapsed_s > o_.safety.hold_s / 2) {
+        given_J_ += force_N_.norm() * o_.safety.speed_max_m_s * std::min(elapsed_s, o_.safety.hold_s);
         force_N_.setZero();
     }
-    longest_s_ = std::max(longest_s_, std::min(elapsed_s, force_held_s));
+    longest_s_ = std::max(longest_s_, std::min(elapsed_s, o_.safety.hold_s));
     if (!fault && known_) given_J_ += force_N_.dot(x - last_m_);
     worst_J_ = std::max(worst_J_, given_J_);
     known_ = true;

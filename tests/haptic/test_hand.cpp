@@ -1,5 +1,7 @@
+#include <Eigen/Eigenvalues>
 #include <catch2/catch.hpp>
 
+#include "../example.h"
 #include "../refusal.h"
 #include "error.h"
 #include "hand.h"
@@ -155,6 +157,48 @@ TEST_CASE("who taps, lets go or drags gets no energy out of the tissue, and noth
                         if (deed == Deed::lets_go) CHECK_FALSE(ride.contact);
                     }
         }
+}
+
+TEST_CASE("a hand that drags a disc ten millimetres comes to rest there and gets no energy, though its contact couples in and across", "[hand][solid][long]") {
+    constexpr double drag_m = 0.01;
+    for (const bool relaxes : {false, true}) {
+        const HapticModel model(relaxes ? relaxing(solid_example()) : solid_example(), alone());
+        const FreeSurface::Place place = FreeSurface(model.rest).nearest((Point(3) << 0.03, 0.03, 0.05).finished());
+        const Eigen::Vector3d inward = place.inward, along = Eigen::Vector3d::UnitX();
+        for (const Hand& hand : hands)
+            for (const test::Clock& clock : clocks) {
+                HandLoop loop(model, hand, clock);
+                loop.lead(place.point_m - 0.006 * inward, place.point_m + 5e-4 * inward, 0.3);
+                const Eigen::Vector3d start = loop.x;
+                double least_N_m = std::numeric_limits<double>::infinity();
+                bool lost = false;
+                std::vector<Moment> way;
+                const auto applied = [&](double time, const Eigen::Vector3d& x, const Eigen::Vector3d& v) {
+                    const double at = drag_m * std::clamp(time - 0.5, 0.0, 1.0);
+                    const Eigen::Vector3d off = start + at * along - x;
+                    return Eigen::Vector3d(std::min(1.0, time / 0.2) * 0.3 * inward + 300 * (off - off.dot(inward) * inward) - 2 * v.dot(along) * along);
+                };
+                loop.play(4, applied, [&](const HandLoop& now) {
+                    const Simulation& s = now.simulation;
+                    lost = lost || !s.contact().pressing;
+                    if (lost) return;
+                    const Eigen::Matrix3d stiffness = s.tool().stiffness_N_m(s.record().contact_displacement_m, s.state(0).displacement);
+                    least_N_m = std::min(least_N_m, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(stiffness).eigenvalues()[0]);
+                    if (now.time > 3.5) way.push_back({now.time, now.x, now.force});
+                });
+                REQUIRE(!way.empty());
+                const double swing_m = extent(way, relaxes, [](const Moment& m) { return m.position_m; });
+                INFO(hand.name << ", " << clock.name << (relaxes ? ", relaxing" : "") << ": at the least " << least_N_m << " N/m, dragged by " << 1e3 * (loop.x - start).dot(along) << " mm, swing " << 1e3 * swing_m << " mm, "
+                               << 1e6 * loop.most_given_J << " uJ given of " << 1e6 * loop.put_in_J << ", controller in " << 100 * loop.controlled(0, 0) << " %");
+                CHECK(least_N_m > 0);  // the tissue follows, so that the contact itself stays where its energy is convex
+                CHECK_FALSE(lost);
+                CHECK(loop.faults == 0);
+                CHECK((loop.x - start).dot(along) > 0.7 * drag_m);
+                CHECK(swing_m < 1e-4);
+                CHECK(loop.most_given_J <= 1e-6 + 0.01 * loop.put_in_J);
+                CHECK(loop.controlled(0, 0) < 0.01);
+            }
+    }
 }
 
 TEST_CASE("a tool whose device cannot show the force stays behind the hand, and gives it no energy", "[hand]") {
@@ -443,6 +487,67 @@ TEST_CASE("a host that is slow by its own choice loses no time, nor does one tha
                 CHECK(host.went_s + s.counters().lost_s == Approx(host.time_s).margin(0.03));
                 CHECK(host.cost_s == Approx(share * period_s).epsilon(0.2));
             }
+}
+
+TEST_CASE("a host whose ticks take over half of a period that is no multiple of their steps, or strays, loses no time", "[hand]") {
+    HapticOptions options = alone();
+    options.safety.hold_s = 1;
+    for (const TissueModel& tissue : {haptic_example(), law_example()}) {
+        const HapticModel model(tissue, options);
+        for (const double rate_Hz : {300.0, 700.0, 970.0})
+            for (const double share : {0.5, 0.6, 0.8}) {
+                Simulation s(model);
+                Host host{s, 1 / rate_Hz, share, false};
+                for (int k = 0; k < 3 * rate_Hz; ++k) host.tick();
+                INFO(rate_Hz << " Hz, a tick costs " << share << " of its time, " << model.meshes[0]->substeps << " steps: went " << host.went_s << " of " << host.time_s << " s");
+                CHECK(s.counters().lost_s <= 2 / rate_Hz);
+                CHECK(host.went_s == Approx(host.time_s).epsilon(0.005));
+            }
+        for (const double period_s : {1e-3, 5e-3}) {
+            Simulation s(model);
+            Draw draw(2008);
+            DeviceSample sample;
+            sample.position_m = led(0.4);
+            const double strays_s = period_s > 1e-3 ? 2e-4 : 3e-4;
+            double offset_s = 0, went_s = 0;
+            for (int k = 0; k < 3000; ++k) {
+                const double next_s = draw(-strays_s, strays_s);
+                s.tick(sample, period_s + next_s - std::exchange(offset_s, next_s), 0.7 * std::exchange(went_s, 0.0));
+                went_s = s.went_s();
+            }
+            INFO(period_s << " s, " << model.meshes[0]->substeps << " steps");
+            CHECK(s.counters().lost_s < 0.003 * 3000 * period_s);
+        }
+    }
+}
+
+TEST_CASE("a host that becomes slow loses no time where its device holds the force, and one that stalls is none", "[hand]") {
+    HapticOptions options = alone();
+    options.safety.hold_s = std::numeric_limits<double>::infinity();
+    const HapticModel model(law_example(), options);
+    Simulation s(model);
+    DeviceSample sample;
+    sample.position_m = led(0.4);
+    double time_s = 0, went_s = 0;
+    const auto ticks = [&](int count, double elapsed_s) {
+        for (int k = 0; k < count; ++k) {
+            s.tick(sample, elapsed_s);
+            time_s += elapsed_s;
+            went_s += s.went_s();
+        }
+    };
+    ticks(1000, 1e-3);
+    for (int k = 0; k < 10; ++k) {
+        ticks(1, 0.06);
+        ticks(50, 1e-3);
+    }
+    CHECK(s.went_s() <= 1.1e-3);  // what the hand does is not guessed farther ahead after stalls
+    CHECK(went_s == Approx(time_s).margin(2e-3));
+    ticks(200, 0.05);
+    CHECK(s.counters().lost_s == 0);
+    CHECK(went_s == Approx(time_s).margin(0.06));
+    ticks(1000, 1e-3);
+    CHECK(went_s == Approx(time_s).margin(3e-3));
 }
 
 TEST_CASE("a tick that was interrupted once is made up for", "[hand]") {

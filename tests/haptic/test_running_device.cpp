@@ -269,7 +269,10 @@ TEST_CASE("a pause is none of the tissue's time: not made up for, not lost, and 
        public:
         std::string name() const override { return "hand"; }
         DeviceSample read(double time_s) noexcept override { return sample_at(0.05, 0.098 + (time_s > 1 ? 0.004 : 0.0)); }
-        void stand_still(double) noexcept override { ++stood; }
+        DeviceSample stand_still(double time_s) noexcept override {
+            ++stood;
+            return read(time_s);
+        }
         void write(const Eigen::Vector3d&) noexcept override {}
         int stood = 0;
     } hand;
@@ -288,6 +291,40 @@ TEST_CASE("a pause is none of the tissue's time: not made up for, not lost, and 
     CHECK(simulation.record().time_s == Approx(0.1));
     CHECK(simulation.counters().lost_s == 0);
     CHECK(simulation.safety().counters().jump == 0);  // 4 mm, but in three seconds
+}
+
+TEST_CASE("the energy of the force that was held until a pause began is booked, and none of the pause", "[device]") {
+    class Pause final : public TickHook {
+       public:
+        bool before(Simulation& simulation) override {
+            const double given_J = simulation.safety().counters().energy_given_J;
+            if (++asked == 301) before_J = given_J, held_N = simulation.safety().force_N().y();
+            if (asked == 601) after_J = given_J;
+            return asked <= 300 || asked > 600;
+        }
+        void after(const Simulation&, const TickBooks&) override {}
+        int asked = 0;
+        double before_J = 0, held_N = 0, after_J = 0;
+    } pause;
+    class Hand final : public Device {  // pressed in; 1 mm out in the period in which the pause begins, and 2 mm more while it lasts
+       public:
+        std::string name() const override { return "hand"; }
+        DeviceSample read(double time_s) noexcept override {
+            return sample_at(0.05, 0.102 - 0.008 * std::clamp((time_s - 0.01) / 0.1, 0.0, 1.0) + (time_s > 0.2995 ? 1e-3 : 0) + 2e-3 * std::clamp((time_s - 0.35) / 0.1, 0.0, 1.0));
+        }
+        void write(const Eigen::Vector3d&) noexcept override {}
+    } hand;
+    const HapticModel model(law_example(), {});
+    Simulation simulation(model);
+    LoopOptions o = short_loop();
+    o.clock = false;
+    o.seconds = 0.7;
+    o.hooks = {&pause};
+    run_loop(simulation, hand, o);
+    REQUIRE(pause.held_N > 0.2);
+    CHECK(pause.after_J - pause.before_J == Approx(1e-3 * pause.held_N));
+    CHECK(simulation.safety().counters().jump == 0);
+    CHECK(simulation.contact().pressing);  // the same contact goes on
 }
 
 TEST_CASE("a session of no length that there is does not begin", "[device]") {

@@ -11,6 +11,7 @@
 #include "../allocations.h"
 #include "error.h"
 #include "haptic/pointer_device.h"
+#include "haptic/session_options.h"
 #include "haptic/state_channel.h"
 #include "haptic_example.h"
 
@@ -68,11 +69,60 @@ class WildHand {
     double speed_ = 1e-3;
 };
 
+struct Attack { const char *topology, *law, *dynamics; double spread, force_scale, coupling; long long usual; bool on_time; double hold_s = force_held_s; };
+
+/// A section of its own.
+void attack(const Attack& kind) {
+    DYNAMIC_SECTION(kind.topology << " " << kind.law << " " << kind.dynamics << ", force times " << kind.force_scale << (kind.on_time ? ", on time" : ", at any time") << (kind.hold_s == force_held_s ? "" : fmt::format(", held for {} s", kind.hold_s))) {
+        const TissueModel tissue = model_of({kind.topology, kind.law, 10, kind.spread});
+        HapticOptions o;
+        o.dynamics = kind.dynamics;
+        o.map.force_scale = kind.force_scale;
+        o.coupling_ratio = kind.coupling;
+        o.safety.hold_s = kind.hold_s;
+        const HapticModel model(tissue, o);
+        Simulation s(model);
+        WildHand hand(42);
+        Draw kick(43);
+        Pace pace(44);
+        Port port(s);
+        long long inside = 0, pressed = 0;
+        // drawn through itself, tissue that relaxes stays so for its longest time, without force: a reset now and then gives more presses
+        const bool relaxes = tissue.energy_law && !tissue.energy_law->relaxation.empty();
+        const long long ticks = adversarial_ticks(kind.usual);
+        for (long long k = 0; k < ticks; ++k) {
+            if (relaxes && kick.below(1000) == 0) s.reset();
+            if (kick.below(500) == 0) {  // the mesh itself jumps over the proxy
+                NodeColumns& v = s.state(0).velocity;
+                const int node = model.meshes[0]->springs.outline()[static_cast<std::size_t>(kick.below(40))];
+                if (!model.meshes[0]->springs.fixed(node)) v.row(node) += Eigen::RowVector2d(kick(-3, 3), kick(-3, 3));
+            }
+            const double elapsed = kind.on_time ? o.dt_s : pace.next(o.dt_s);
+            const bool force_may = port.tick(hand.next(s, elapsed), elapsed);
+            REQUIRE(s.state(0).displacement.allFinite());
+            REQUIRE((s.contact().where.weight[1] >= 0 && s.contact().where.weight[1] <= 1));
+            if (force_may) {
+                for (std::size_t m : {0u, 1u}) inside += s.surface(m).contains_strictly(s.contact().proxy_m, 1e-9);
+            }
+            pressed += s.contact().pressing;
+        }
+        const std::string seen = fmt::format("{} ticks: pressed {}, faults {}, folded {}, unstable {}, damped {}, worst energy {:.3g} J of {:.3g} J", ticks, pressed, port.faults(),
+                                             s.counters().folded, s.counters().unstable, s.safety().counters().damped, port.worst_J(), port.bound_J());
+        INFO(seen);
+        if (ticks != kind.usual) WARN(seen);
+        CHECK(inside == 0);
+        CHECK(port.worst_J() <= port.bound_J() * (1 + 1e-9));
+        CHECK(pressed > 0);
+        CHECK(port.faults() > 0);
+        // a law drawn through itself is put to rest, and springs that turn; others never need it
+        if (!tissue.energy_law && model.meshes[0]->springs.law().linear_in_displacement()) CHECK((kind.dynamics == std::string("paper")) == (s.counters().unstable > 0));
+    }
+}
+
 }  // namespace
 
 TEST_CASE("adversarial ticks, late, early and in bursts: force finite and within its limits, the proxy outside, the port passive", "[simulation][adversarial]") {
-    struct Kind { const char *topology, *law, *dynamics; double spread, force_scale, coupling; long long usual; bool on_time; };
-    const Kind kinds[] = {
+    const Attack kinds[] = {
         {"grid4", "isotropic", "auto", 0.5, 1, 10, 50000, true},
         {"grid4", "isotropic", "auto", 0.5, 1, 10, 50000, false},
         {"grid4", "isotropic", "auto", 0.9, 300, 10, 50000, true},
@@ -86,51 +136,16 @@ TEST_CASE("adversarial ticks, late, early and in bursts: force finite and within
         {"grid8", "relaxing law", "auto", 0, 1, 10, 20000, true},
         {"grid8", "relaxing law", "auto", 0, 10, 10, 20000, false},
     };
-    for (const Kind& kind : kinds) {
-        DYNAMIC_SECTION(kind.topology << " " << kind.law << " " << kind.dynamics << ", force times " << kind.force_scale << (kind.on_time ? ", on time" : ", at any time")) {
-            const TissueModel tissue = model_of({kind.topology, kind.law, 10, kind.spread});
-            HapticOptions o;
-            o.dynamics = kind.dynamics;
-            o.map.force_scale = kind.force_scale;
-            o.coupling_ratio = kind.coupling;
-            const HapticModel model(tissue, o);
-            Simulation s(model);
-            WildHand hand(42);
-            Draw kick(43);
-            Pace pace(44);
-            Port port(s);
-            long long inside = 0, pressed = 0;
-            // drawn through itself, tissue that relaxes stays so for its longest time, without force: a reset now and then gives more presses
-            const bool relaxes = tissue.energy_law && !tissue.energy_law->relaxation.empty();
-            const long long ticks = adversarial_ticks(kind.usual);
-            for (long long k = 0; k < ticks; ++k) {
-                if (relaxes && kick.below(1000) == 0) s.reset();
-                if (kick.below(500) == 0) {  // the mesh itself jumps over the proxy
-                    NodeColumns& v = s.state(0).velocity;
-                    const int node = model.meshes[0]->springs.outline()[static_cast<std::size_t>(kick.below(40))];
-                    if (!model.meshes[0]->springs.fixed(node)) v.row(node) += Eigen::RowVector2d(kick(-3, 3), kick(-3, 3));
-                }
-                const double elapsed = kind.on_time ? o.dt_s : pace.next(o.dt_s);
-                const bool force_may = port.tick(hand.next(s, elapsed), elapsed);
-                REQUIRE(s.state(0).displacement.allFinite());
-                REQUIRE((s.contact().where.weight[1] >= 0 && s.contact().where.weight[1] <= 1));
-                if (force_may) {
-                    for (std::size_t m : {0u, 1u}) inside += s.surface(m).contains_strictly(s.contact().proxy_m, 1e-9);
-                }
-                pressed += s.contact().pressing;
-            }
-            const std::string seen = fmt::format("{} ticks: pressed {}, faults {}, folded {}, unstable {}, damped {}, worst energy {:.3g} J of {:.3g} J", ticks, pressed, port.faults(),
-                                                 s.counters().folded, s.counters().unstable, s.safety().counters().damped, port.worst_J(), port.bound_J());
-            INFO(seen);
-            if (ticks != kind.usual) WARN(seen);
-            CHECK(inside == 0);
-            CHECK(port.worst_J() <= port.bound_J() * (1 + 1e-9));
-            CHECK(pressed > 0);
-            CHECK(port.faults() > 0);
-            // a law drawn through itself is put to rest, and springs that turn; others never need it
-            if (!tissue.energy_law && model.meshes[0]->springs.law().linear_in_displacement()) CHECK((kind.dynamics == std::string("paper")) == (s.counters().unstable > 0));
+    for (const Attack& kind : kinds) attack(kind);
+}
+
+TEST_CASE("adversarial ticks on a device that holds its force as long as one of C and Python, and for ever: the port passive", "[simulation][adversarial][long]") {
+    for (const double hold_s : {interface_options().safety.hold_s, std::numeric_limits<double>::infinity()})
+        for (const bool on_time : {true, false}) {
+            attack({"grid4", "isotropic", "auto", 0.9, 300, 10, 30000, on_time, hold_s});
+            attack({"grid8", "law", "auto", 0, 10, 10, 20000, on_time, hold_s});
+            attack({"grid8", "relaxing law", "auto", 0, 10, 10, 10000, on_time, hold_s});
         }
-    }
 }
 
 TEST_CASE("a fault makes the force zero in its own tick, and none comes back before the master has been outside", "[simulation]") {
@@ -464,8 +479,9 @@ TEST_CASE("a tick led by a pointer and watched from another thread allocates not
         {
             const Allocations none;
             books.left_out = !channel.before(s);
-            if (books.left_out) s.stand_still();
-            else s.tick(pointer.read(k * 1e-3), 1e-3 * static_cast<double>(k - before)), before = k;
+            const double passed_s = 1e-3 * static_cast<double>(k - std::exchange(before, k));
+            if (books.left_out) s.stand_still(pointer.stand_still(k * 1e-3), passed_s);
+            else s.tick(pointer.read(k * 1e-3), passed_s);
             channel.after(s, books);
         }
         allocations += Allocations::count();
