@@ -77,6 +77,14 @@ tissue_status set(HapticOptions& options, const char* name, const char* value, b
     return TISSUE_OK;
 }
 
+/// To a caller whose struct may have fewer or more members than this library's.
+template <class Struct>
+tissue_status hand_out(const Struct& ours, Struct* to, size_t size) noexcept {
+    std::memset(to, 0, size);
+    std::memcpy(to, &ours, std::min(size, sizeof ours));
+    return TISSUE_OK;
+}
+
 /// In three numbers, the third 0 in the plane.
 void three(const Point& p, double to[3]) noexcept {
     for (Eigen::Index a = 0; a < 3; ++a) to[a] = a < p.size() ? p[a] : 0;
@@ -304,17 +312,17 @@ tissue_status tissue_surface(const tissue_session* s, const char* name, int* tri
     return TISSUE_OK;
 }
 
-tissue_status tissue_read_contact(const tissue_session* s, tissue_contact* contact) {
-    if (!s || !contact) return bad("tissue_read_contact: a null pointer");
+tissue_status tissue_read_contact(const tissue_session* s, tissue_contact* to, size_t size) {
+    if (!s || !to) return bad("tissue_read_contact: a null pointer");
     const TickRecord& tick = s->simulation().record();
-    *contact = {};
-    contact->mesh = tick.mesh;
-    contact->facet = tick.facet;
-    for (int k = 0; k < 3; ++k) contact->weight[k] = tick.weight[k];
-    three(tick.contact_displacement_m, contact->displacement_m);
-    three(-tick.coupling_N, contact->force_N);
-    contact->slipping = tick.slipping ? 1 : 0;
-    return TISSUE_OK;
+    tissue_contact contact{};
+    contact.mesh = tick.mesh;
+    contact.facet = tick.facet;
+    for (int k = 0; k < 3; ++k) contact.weight[k] = tick.weight[k];
+    three(tick.contact_displacement_m, contact.displacement_m);
+    three(-tick.coupling_N, contact.force_N);
+    contact.slipping = tick.slipping ? 1 : 0;
+    return hand_out(contact, to, size);
 }
 
 const char* tissue_stiffness(const tissue_session* s) {
@@ -333,11 +341,10 @@ tissue_status tissue_count(const tissue_session* s, const char* name, long long*
     return bad("tissue_count: there is no such count");
 }
 
-tissue_status tissue_read_limits(const tissue_session* s, tissue_limits* limits) {
-    if (!s || !limits) return bad("tissue_read_limits: a null pointer");
+tissue_status tissue_read_limits(const tissue_session* s, tissue_limits* to, size_t size) {
+    if (!s || !to) return bad("tissue_read_limits: a null pointer");
     const SafetyCounters& c = s->simulation().safety().counters();
-    *limits = {c.clamped, c.slewed, c.damped, c.capped, c.late, s->simulation().counters().lost_s};
-    return TISSUE_OK;
+    return hand_out(tissue_limits{c.clamped, c.slewed, c.damped, c.capped, c.late, s->simulation().counters().lost_s}, to, size);
 }
 
 tissue_status tissue_energy(const tissue_session* s, const char* name, double* energy_J) {

@@ -18,7 +18,8 @@
  *
  * Closing sets the caller's pointer to NULL, and closing NULL does nothing: closing twice is harmless. A second copy of the pointer is the caller's own to forget.
  *
- * Links: -ltissue alone (pkg-config tissue-c). Symbols are versioned (TISSUE_1); what has been in a release stays.
+ * Links: -ltissue alone (pkg-config tissue-c). Symbols are versioned (TISSUE_1); what has been in a release stays. A struct may get more members at its end: a call that fills one takes sizeof of the
+ * caller's own and writes so many bytes. What the library does not know yet is zero.
  */
 #ifndef TISSUE_H
 #define TISSUE_H
@@ -69,10 +70,10 @@ TISSUE_API tissue_status tissue_begin(const tissue_model *model, tissue_session 
 TISSUE_API void tissue_close_model(tissue_model **model);
 
 /* One step of dt: where the device is [m], and the force that it puts on the hand [N]. elapsed_s: since the last tick, as the clock says; 0: dt; negative or not finite: the host does not
- * know, and the library's own clock tells (of the first tick: dt). The tissue goes through that time, whatever the rate, and the force is the same at any from 50 Hz to 8 kHz; a stall of more than
+ * know, and the library's own clock tells (of the first tick: dt). The tissue goes through that time, whatever the rate, and the force is the same at any from 50 Hz to 8 kHz, with hold "inf" from 10 Hz; a stall of more than
  * half a second is lost to it (TISSUE_OVERRUN; count "lost_ms", tissue_read_limits). Where ticks take longer than the time that they go through, the tissue runs slower than the clock, and lost_ms
- * counts by how much; where they take more than half of it, a stall is not made up for. That needs an elapsed_s that is the system's clock, taken right before the tick: a host that plays another
- * time loses none.
+ * counts by how much; where they take more than half of it, a stall is not made up for. That needs an elapsed_s that is the system's clock, taken right before the tick, over some fifty ticks, or five between
+ * which it changes by a tenth: a host that plays another time loses none.
  * A force that the device still holds after option "hold" (0.05 s) is in no energy log: a host whose ticks may stall sees to it that the device lets go, or sets hold to "inf". A tick that comes
  * later than half of it, 0.025 s, begins at zero force (TISSUE_OK; limits' `late` counts it): 50 Hz, with a clock that strays by 5 ms, is the slowest rate by default. That long a hold has a price. While ticks come every dt the energy that the port may give is bounded by 0.0066 J,
  * whatever hold is; after a stall by hold / dt times that, 0.33 J by default. With hold 0.01, which serves hosts from 200 Hz on, it is 0.066 J.
@@ -158,7 +159,7 @@ typedef struct tissue_contact {
     int slipping;              /* 1 where it went along the surface in this tick */
 } tissue_contact;
 
-TISSUE_API tissue_status tissue_read_contact(const tissue_session *session, tissue_contact *contact);
+TISSUE_API tissue_status tissue_read_contact(const tissue_session *session, tissue_contact *contact, size_t size); /* sizeof *contact */
 
 /* Which stiffness is at work: the name of the spring set that serves, "law" of a law, the first one before anything was touched. Valid until tissue_close. */
 TISSUE_API const char *tissue_stiffness(const tissue_session *session);
@@ -176,7 +177,7 @@ typedef struct tissue_limits {
     double lost_s;
 } tissue_limits;
 
-TISSUE_API tissue_status tissue_read_limits(const tissue_session *session, tissue_limits *limits);
+TISSUE_API tissue_status tissue_read_limits(const tissue_session *session, tissue_limits *limits, size_t size); /* sizeof *limits */
 
 /* The energy log [J] by name: given (to the hand since the start; below 0: the hand gave), observed and bound (of the passivity observer: E and r B in lib/haptic/safety.h),
  * kinetic (of the tissue), friction (dissipated between tool and tissue), and of a tissue that relaxes, opened with "energy-book" "yes", stored and dissipated in its branches; 0 otherwise. */

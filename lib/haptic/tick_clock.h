@@ -9,8 +9,8 @@
 namespace tissue {
 
 /// What the clock says of a host's ticks, for Simulation::tick(): how long ago the last one began, where the host does not say it; and what ticks cost. A cost counts where
-/// elapsed_s is what the clock says between two starts, within a twentieth, in several ticks one after the other: a host takes it right before the tick. Who plays
-/// another time, as replays and simulated hands do, has ticks that may cost what they will, and a session that does the same on any machine.
+/// elapsed_s is what the clock says between two starts: a host takes it right before the tick. Who plays another time, as replays and simulated hands do, has ticks that may cost what they will,
+/// and a session that does the same on any machine. Such a time may be the clock's by chance for some ticks: see weigh().
 class TickClock {
    public:
     struct Start {
@@ -31,22 +31,42 @@ class TickClock {
     /// The same at a given time of a clock that never goes back.
     Start start_at(double elapsed_s, double now_s) noexcept {
         const double passed_s = now_s - started_s_;
-        if (!(elapsed_s >= 0 && std::isfinite(elapsed_s))) elapsed_s = began_ ? std::max(passed_s, shortest_s) : 0;
-        agreed_ = began_ && std::abs(passed_s - elapsed_s) <= 0.05 * elapsed_s ? std::min(agreed_ + 1, enough) : 0;
+        const bool known = elapsed_s >= 0 && std::isfinite(elapsed_s);
+        if (!known) elapsed_s = began_ ? std::max(passed_s, shortest_s) : 0;
+        if (began_) weigh(elapsed_s, passed_s - elapsed_s);
+        if (began_ && !known) evidence_ = most;
         started_s_ = now_s;
+        elapsed_s_ = elapsed_s;
         began_ = true;
-        return {elapsed_s, agreed_ == enough ? cost_s_ : 0};
+        return {elapsed_s, evidence_ >= enough ? cost_s_ : 0};
     }
     void end_at(double now_s) noexcept { cost_s_ = now_s - started_s_; }
 
    private:
-    static constexpr int enough = 5;             ///< ticks
-    static constexpr double shortest_s = 1e-9;   ///< two starts at one time; 0 would be dt
+    static constexpr int enough = 50, most = 2 * enough;  ///< ticks
+    static constexpr double shortest_s = 1e-9;            ///< two starts at one time; 0 would be dt
+
+    /// Whether elapsed_s is the clock's: within a twentieth in this tick, and together in as many as are enough, which another time of nearly the same length is not for long. A time that changes by
+    /// more than that from tick to tick and still agrees counts for ten: who plays another time does not know how long a tick took, and ticks that become ever longer must count soon. Of a host
+    /// that has agreed for long two ticks that do not change nothing: it was interrupted between its look at the clock and the tick.
+    void weigh(double elapsed_s, double off_s) noexcept {
+        const double near_s = 0.05 * elapsed_s;
+        if (!(std::abs(off_s) <= near_s)) {
+            evidence_ = std::max(evidence_ - enough / 2, 0);
+            return;
+        }
+        drift_s_ = (1 - 1.0 / enough) * drift_s_ + off_s;
+        if (std::abs(drift_s_) > near_s)
+            evidence_ = 0, drift_s_ = 0;
+        else
+            evidence_ = std::min(evidence_ + (std::abs(elapsed_s - elapsed_s_) > 2 * near_s ? enough / 5 : 1), most);
+    }
 
     static double now_s() noexcept { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-    double started_s_ = 0, cost_s_ = 0;
-    int agreed_ = 0;
+    double started_s_ = 0, elapsed_s_ = 0, cost_s_ = 0;
+    double drift_s_ = 0;  ///< of the clock from elapsed_s, over the last ticks
+    int evidence_ = 0;    ///< in ticks
     bool began_ = false;
 };
 

@@ -8,6 +8,7 @@
 #include <cfenv>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <limits>
 #include <string>
@@ -127,7 +128,7 @@ TEST_CASE("a session in C ticks as the library does, bit for bit, and reads what
         CHECK(tissue_facets(session.s, facets.data()) == TISSUE_OK);
         CHECK(facets == Cells(model.mesh.facets));
         tissue_contact contact;
-        CHECK(tissue_read_contact(session.s, &contact) == TISSUE_OK);
+        CHECK(tissue_read_contact(session.s, &contact, sizeof contact) == TISSUE_OK);
         CHECK(contact.mesh == simulation.record().mesh);
         CHECK(contact.force_N[D - 1] == -simulation.record().coupling_N[D - 1]);
         CHECK((D == 3 || contact.force_N[2] == 0));
@@ -292,7 +293,7 @@ TEST_CASE("what is wrong is a code and one line, whatever is given", "[api]") {
     CHECK(tissue_positions(nullptr, three) == TISSUE_BAD_ARGUMENT);
     CHECK(tissue_rest_positions(nullptr, three) == TISSUE_BAD_ARGUMENT);
     CHECK(tissue_facets(nullptr, nullptr) == TISSUE_BAD_ARGUMENT);
-    CHECK(tissue_read_contact(nullptr, nullptr) == TISSUE_BAD_ARGUMENT);
+    CHECK(tissue_read_contact(nullptr, nullptr, 0) == TISSUE_BAD_ARGUMENT);
     CHECK(tissue_node_count(nullptr) == 0);
     CHECK(std::string(tissue_stiffness(nullptr)).empty());
     tissue_close(nullptr);
@@ -303,8 +304,8 @@ TEST_CASE("what is wrong is a code and one line, whatever is given", "[api]") {
     const std::string sets_file = folder.file("sets.h5");
     write_model(sets_file, sets, {"test", 1, {}});
     CHECK(tissue_stiffness(Session(sets_file).s) == sets.case_names.front());
-    CHECK(tissue_read_limits(nullptr, nullptr) == TISSUE_BAD_ARGUMENT);
-    CHECK(tissue_read_limits(session.s, nullptr) == TISSUE_BAD_ARGUMENT);
+    CHECK(tissue_read_limits(nullptr, nullptr, 0) == TISSUE_BAD_ARGUMENT);
+    CHECK(tissue_read_limits(session.s, nullptr, 8) == TISSUE_BAD_ARGUMENT);
     // a refused argument is no force, not the old one
     for (tissue_session* given : {session.s, static_cast<tissue_session*>(nullptr)}) {
         double force[3] = {1, 2, 3};
@@ -488,11 +489,13 @@ TEST_CASE("a host in C whose ticks cost more than their time keeps them short an
     CHECK(replay.lost_ms == 0);
 }
 
-TEST_CASE("hosts at any rate from 50 Hz to 8 kHz get the same force, whether they say what has elapsed or leave it to the library's clock", "[api]") {
+TEST_CASE("hosts at any rate from 50 Hz to 8 kHz get the same force, whether they say what has elapsed or leave it to the library's clock; from 10 Hz where the device holds it", "[api]") {
     for (const TissueModel& tissue : {haptic_example(), law_example()}) {
-        const HapticModel model(tissue, interface_options());
+        HapticOptions holds = interface_options();
+        holds.safety.hold_s = std::numeric_limits<double>::infinity();
+        const HapticModel usual(tissue, interface_options()), for_ever(tissue, holds);
         const auto force_at = [&](double rate_Hz, bool says, double strays = 0) {
-            Simulation s(model);
+            Simulation s(rate_Hz < 40 ? for_ever : usual);
             TickClock clock;
             const double period_s = 1 / rate_Hz;
             double before_s = 0;
@@ -514,7 +517,7 @@ TEST_CASE("hosts at any rate from 50 Hz to 8 kHz get the same force, whether the
         const double wanted_N = force_at(1000, true);
         CHECK(wanted_N > 1e-4);
         for (const bool says : {true, false}) CHECK(force_at(50, says, 0.12) == Approx(wanted_N).epsilon(0.01));  // periods of 15 to 22 ms
-        for (const double rate_Hz : {40., 50., 60., 100., 199., 500., 1000., 8000.})
+        for (const double rate_Hz : {10., 14.3, 20., 30., 39., 40., 50., 60., 100., 199., 500., 1000., 8000.})
             for (const bool says : {true, false}) {
                 INFO(rate_Hz << " Hz, says " << says);
                 CHECK(force_at(rate_Hz, says) == Approx(wanted_N).epsilon(0.01));
@@ -532,14 +535,6 @@ TEST_CASE("where a host does not know what has elapsed the clock tells, from the
         CHECK(copy.start_at(unknown, 100.05).elapsed_s == Approx(0.02));
         CHECK(clock.start_at(unknown, 100.03).elapsed_s > 0);  // 0 would be dt
     }
-    TickClock clock;  // a cost counts once the host's time has been the clock's for some ticks
-    double cost_s = 0;
-    for (int k = 0; k < 10; ++k) {
-        cost_s = clock.start_at(k % 2 ? 0.001 : std::nan(""), 0.001 * k).cost_s;
-        CHECK((cost_s > 0) == (k > 4));
-        clock.end_at(0.001 * k + 4e-4);
-    }
-    CHECK(cost_s == Approx(4e-4));
 
     const TemporaryFolder folder;
     Session session(model_file(folder, law_example()));
@@ -557,19 +552,69 @@ TEST_CASE("where a host does not know what has elapsed the clock tells, from the
     CHECK(tissue_tick(session.s, outside, -1, force) == TISSUE_OK);  // what is restored has no clock yet
 }
 
+TEST_CASE("what ticks cost counts where a host's time is the clock's, and not where it is by chance", "[api]") {
+    // the clock at each tick, and what the host says; how many ticks of so many counted
+    const auto counted = [](int ticks, const auto& passed_s, const auto& says_s) {
+        TickClock clock;
+        Draw draw(2008);
+        double now_s = 17;
+        int count = 0;
+        for (int k = 0; k < ticks; ++k) {
+            const double passed = passed_s(k, draw);
+            count += clock.start_at(says_s(k, passed), now_s += passed).cost_s > 0;
+            clock.end_at(now_s + 4e-4);
+        }
+        return count;
+    };
+    const auto steady = [](int, Draw&) { return 1e-3; };
+    const auto strays = [](int, Draw& draw) { return 1e-3 + draw(-4e-5, 4e-5); };
+    const auto says_1_ms = [](int, double) { return 1e-3; };
+    CHECK(counted(100, steady, [](int, double) { return std::nan(""); }) == 99);  // by the library's own clock
+    CHECK(counted(100, steady, says_1_ms) == 50);
+    CHECK(counted(1000, strays, [](int k, double passed) { return passed + (k % 2 ? 2e-5 : -2e-5); }) == 950);  // it looks at the clock some time before the tick
+    // a replay that says 1 ms, and whose ticks take nearly that
+    CHECK(counted(10000, strays, says_1_ms) == 0);
+    for (const double off : {-0.04, -0.01, -0.002, 0.002, 0.01, 0.04}) CHECK(counted(10000, [&](int, Draw&) { return 1e-3 * (1 + off); }, says_1_ms) == 0);
+    // ticks that become longer and longer count soon
+    CHECK(counted(10, [](int k, Draw&) { return 1e-3 * std::pow(1.5, k); }, [](int, double passed) { return passed; }) == 5);
+    // a host that was interrupted between its look at the clock and the tick
+    CHECK(counted(1000, [](int k, Draw&) { return k == 500 ? 11e-3 : k == 501 ? 1e-5 : 1e-3; }, says_1_ms) == 950);
+    CHECK(counted(1000, [](int k, Draw&) { return k < 500 ? 1e-3 : 3e-3; }, says_1_ms) < 460);
+}
+
+TEST_CASE("a struct of an older or newer caller is filled as far as both know it", "[api]") {
+    const TissueModel tissue = law_example();
+    const TemporaryFolder folder;
+    Session session(model_file(folder, tissue), {"force-max", "0.05"});
+    double force[3];
+    for (int k = 0; k < 700; ++k) tissue_tick(session.s, way(k, false).data(), 0, force);
+    struct { tissue_limits now; long long later[2]; } newer;
+    std::memset(&newer, 0x55, sizeof newer);
+    CHECK(tissue_read_limits(session.s, &newer.now, sizeof newer) == TISSUE_OK);
+    CHECK((newer.now.clamped > 0 && newer.later[0] == 0 && newer.later[1] == 0));
+    tissue_limits older;
+    std::memset(&older, 0x55, sizeof older);
+    CHECK(tissue_read_limits(session.s, &older, offsetof(tissue_limits, slewed)) == TISSUE_OK);
+    CHECK((older.clamped == newer.now.clamped && older.slewed == 0x5555555555555555));
+    tissue_contact contact;
+    std::memset(&contact, 0x55, sizeof contact);
+    CHECK(tissue_read_contact(session.s, &contact, offsetof(tissue_contact, weight)) == TISSUE_OK);
+    CHECK((contact.mesh == 0 && contact.slipping == 0x55555555));
+}
+
 TEST_CASE("a tick that comes too late says so, and limits are counted", "[api]") {
     const TemporaryFolder folder;
     Session session(model_file(folder, law_example()), {"force-max", "0.05", "slew", "20"});
     double force[3];
     for (int k = 0; k < 700; ++k) CHECK(tissue_tick(session.s, way(k, false).data(), 0, force) == TISSUE_OK);
     tissue_limits limits;
-    CHECK(tissue_read_limits(session.s, &limits) == TISSUE_OK);
+    CHECK(tissue_read_limits(session.s, &limits, sizeof limits) == TISSUE_OK);
     CHECK((limits.clamped > 0 && limits.slewed > 0 && limits.late == 0 && limits.lost_s == 0));
     CHECK(tissue_tick(session.s, way(700, false).data(), 2, force) == TISSUE_OVERRUN);
     CHECK(std::string(tissue_status_text(TISSUE_OVERRUN)).find("time was lost") == 0);
     CHECK(std::hypot(force[0], force[1]) > 0);
     CHECK(tissue_tick(session.s, way(701, false).data(), 0, force) == TISSUE_OK);
-    CHECK(tissue_read_limits(session.s, &limits) == TISSUE_OK);
+    CHECK(tissue_read_limits(session.s, &limits, sizeof limits) == TISSUE_OK);
     CHECK(limits.late == 1);
     CHECK(limits.lost_s == Approx(1.5).margin(0.01));
     long long count = 0;
@@ -579,4 +624,37 @@ TEST_CASE("a tick that comes too late says so, and limits are counted", "[api]")
     CHECK(count == Approx(1e3 * limits.lost_s).margin(1));
     const double nowhere[3] = {std::nan(""), 0, 0};
     CHECK(tissue_tick(session.s, nowhere, 2, force) == TISSUE_FAULT);  // no force is the graver
+}
+
+TEST_CASE("force that the bound on energy takes away is counted and comes back", "[api]") {
+    const TemporaryFolder folder;
+    Session session(model_file(folder, law_example()));
+    const auto press = [&](int ticks, double elapsed_s) {
+        const double at[3] = {0.05, 0.095, 0};
+        double force[3];
+        for (int k = 0; k < ticks; ++k) CHECK(tissue_tick(session.s, at, elapsed_s, force) == TISSUE_OK);
+        return std::hypot(force[0], force[1]);
+    };
+    double outside[3] = {0.05, 0.102, 0}, force[3];
+    for (int k = 0; k < 7; ++k, outside[1] -= 0.001) CHECK(tissue_tick(session.s, outside, 0, force) == TISSUE_OK);
+    const auto capped = [&] {
+        tissue_limits limits;
+        long long count = -1;
+        CHECK(tissue_read_limits(session.s, &limits, sizeof limits) == TISSUE_OK);
+        CHECK(tissue_count(session.s, "capped", &count) == TISSUE_OK);
+        CHECK(count == limits.capped);
+        return count;
+    };
+    const double whole_N = press(8000, 0);
+    REQUIRE(whole_N > 0.3);
+    CHECK(capped() == 0);
+    press(40, 0.04);  // too late for hold: what a hand might have got is booked each time
+    const long long late = capped();
+    CHECK(late > 0);
+    CHECK(press(20, 0) < 0.9 * whole_N);
+    CHECK(capped() > late);
+    CHECK(press(20000, 0) == Approx(whole_N).epsilon(1e-3));
+    const long long recovered = capped();
+    press(1000, 0);
+    CHECK(capped() == recovered);
 }

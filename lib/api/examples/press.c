@@ -29,7 +29,7 @@ int main(int count, char **argument) {
 
     tissue_contact contact;
     double given_J;
-    if (tissue_read_contact(tissue, &contact) != TISSUE_OK || tissue_energy(tissue, "given", &given_J) != TISSUE_OK) return fail();
+    if (tissue_read_contact(tissue, &contact, sizeof contact) != TISSUE_OK || tissue_energy(tissue, "given", &given_J) != TISSUE_OK) return fail();
     fprintf(stderr, "press: %s, %d nodes, pressed with %s: %s, %.3g J from the hand\n", tissue_study(tissue), tissue_node_count(tissue),
             tissue_stiffness(tissue), contact.mesh < 0 ? "nothing" : "the tissue", -given_J);
     tissue_close(&tissue);
