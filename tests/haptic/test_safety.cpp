@@ -204,6 +204,34 @@ TEST_CASE("force comes down to nothing within the bound of energy before the fas
     CHECK(force.norm() < 0.01);            // what fades in 2 ms is given anew
 }
 
+TEST_CASE("force is capped by what the bound leaves beside the energy given, in so many ticks as are counted, until that has faded", "[safety]") {
+    SafetyOptions o;
+    o.damping_max_Ns_m = 0;
+    Safety safety(o);
+    const auto tick = [&](double x) {
+        REQUIRE(safety.admit(sample_at(x, 0), o.dt_s));
+        return safety.limit({3, 0, 0}).x();
+    };
+    CHECK(tick(0) == 3);
+    CHECK(safety.counters().capped == 0);
+    CHECK(tick(1e-3) == Approx((energy_bound(o) - 3e-3) / (o.speed_max_m_s * o.dt_s)));  // 3 mJ given of 6.6: 1.8 N
+    CHECK(safety.counters().capped == 1);
+    // the rest of the contact: the hand stands, what was given fades with surplus_fades_s
+    const double until_s = surplus_fades_s * std::log(3e-3 / (energy_bound(o) - 3 * o.speed_max_m_s * o.dt_s));
+    const auto ticks = static_cast<int>(until_s / o.dt_s);
+    double before = 0;
+    for (int k = 0; k < ticks; ++k) {
+        const double now = tick(1e-3);
+        REQUIRE((now > before && now < 3));
+        before = now;
+    }
+    CHECK(safety.counters().capped == ticks + 1);
+    for (int k = 0; k < 1000; ++k) tick(1e-3);
+    CHECK(tick(1e-3) == 3);
+    CHECK(safety.counters().capped <= ticks + 3);
+    CHECK(safety.counters().clamped == 0);
+}
+
 TEST_CASE("a tick five periods late gives five periods' energy at most, and the hand takes that back", "[safety]") {
     SafetyOptions o;
     Safety safety(o);
@@ -252,10 +280,14 @@ TEST_CASE("ticks that come early do not add up to a faster change of force", "[s
 }
 
 TEST_CASE("energy, size and change of force keep their bounds, whatever is wanted, however the hand moves and whenever the tick comes", "[safety][adversarial]") {
-    for (double damping : {0.0, 3.0, 50.0})
+    constexpr double for_ever = std::numeric_limits<double>::infinity();
+    struct Kind { double damping_Ns_m, hold_s; };
+    for (const auto& [damping, hold_s] : {Kind{0, force_held_s}, Kind{3, force_held_s}, Kind{50, force_held_s}, Kind{3, 0.05}, Kind{0, for_ever}, Kind{3, for_ever}})
         for (bool on_time : {true, false}) {
+            INFO("damping " << damping << ", hold " << hold_s << (on_time ? ", on time" : ""));
             SafetyOptions o;
             o.damping_max_Ns_m = damping;
+            o.hold_s = hold_s;
             Safety safety(o);
             Draw draw(7);
             Pace pace(8);
@@ -272,11 +304,11 @@ TEST_CASE("energy, size and change of force keep their bounds, whatever is wante
                 bool let_go = false;
                 if (given > 0) given *= std::exp(-elapsed / surplus_fades_s);  // as the bound is said to be
                 const double before_J = given;
-                if (elapsed > force_held_s / 2) {
-                    // the device lets go at some time from half of force_held_s on; the hand ran until then, and came back
+                if (elapsed > hold_s / 2) {
+                    // the device lets go at some time from half of hold_s on; the hand ran until then, and came back
                     let_go = true;
-                    given += force.norm() * o.speed_max_m_s * std::min(elapsed, draw(0.5, 1) * force_held_s);
-                    longest = std::max(longest, std::min(elapsed, force_held_s));
+                    given += force.norm() * o.speed_max_m_s * std::min(elapsed, draw(0.5, 1) * hold_s);
+                    longest = std::max(longest, std::min(elapsed, hold_s));
                 } else {
                     if (k > 0) given += force.dot(x - before);
                     longest = std::max(longest, elapsed);

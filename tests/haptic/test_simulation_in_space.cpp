@@ -238,12 +238,14 @@ TEST_CASE("a tick in space allocates nothing", "[simulation][solid]") {
 
 TEST_CASE("adversarial ticks in space: force finite and within its limits, the proxy outside, the port passive", "[simulation][solid][adversarial]") {
     constexpr double sticks = std::numeric_limits<double>::infinity();
-    struct Kind { double force_scale, stick; bool on_time, relaxes; };
-    for (const Kind& kind : {Kind{1, sticks, true, false}, Kind{10, sticks, false, false}, Kind{10, 0.3, false, false}, Kind{1, sticks, true, true}, Kind{10, 0.3, false, true}}) {
-        DYNAMIC_SECTION((kind.relaxes ? "relaxing law" : "law") << ", force times " << kind.force_scale << ", stick " << kind.stick << (kind.on_time ? ", on time" : ", at any time")) {
+    struct Kind { double force_scale, stick; bool on_time, relaxes; double hold_s = force_held_s; };
+    for (const Kind& kind : {Kind{1, sticks, true, false}, Kind{10, sticks, false, false}, Kind{10, 0.3, false, false}, Kind{1, sticks, true, true}, Kind{10, 0.3, false, true}, Kind{10, 0.3, false, false, 0.05},
+                             Kind{10, sticks, false, true, std::numeric_limits<double>::infinity()}}) {
+        DYNAMIC_SECTION((kind.relaxes ? "relaxing law" : "law") << ", force times " << kind.force_scale << ", stick " << kind.stick << (kind.on_time ? ", on time" : ", at any time") << ", held for " << kind.hold_s << " s") {
             HapticOptions o;
             o.map.force_scale = kind.force_scale;
             o.friction.stick = kind.stick;
+            o.safety.hold_s = kind.hold_s;
             const HapticModel model(kind.relaxes ? relaxing(solid_example()) : solid_example(), o);
             Simulation s(model);
             WildHand hand(42);
