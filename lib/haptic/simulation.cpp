@@ -98,11 +98,11 @@ static double since_last_s(double elapsed_s, const HapticOptions& o) noexcept {
 /// Time that is owed is made up for while a tick costs less than half of the time that it goes through. Where it costs more, in two ticks one after the other (one alone was interrupted), a tick
 /// that goes through all that is owed makes the next one late, which then owes more. Such a tick goes through the usual time between ticks, and a tenth more where they stray, so that a host that keeps up loses none.
 /// Where it would cost more than 0.9 of that time, it goes through less, so that it costs 0.9. The usual time follows a shorter one at once and a longer one slowly: a stall changes nothing,
-/// and ticks that were long become short again. It begins with the second tick: of the first nobody knows. What is owed beyond that is lost. A tick always goes through dt.
+/// and ticks that were long become short again. What is owed beyond that is lost. A tick always goes through dt.
 void Simulation::keep_ticks_short(double since_s, double cost_s) noexcept {
     constexpr double half = 0.45, most = 0.9, growth = 1.02, strays = 1.1;
     if (went_s_ > 0) cost_[0] = std::exchange(cost_[1], std::max(0.0, cost_s) / went_s_);
-    usual_s_ = counters_.ticks > 2 ? std::min(since_s, growth * usual_s_) : since_s;
+    usual_s_ = usual_s_ > 0 ? std::min(since_s, growth * usual_s_) : since_s;
     const double least = cost_s > 0 ? std::min(cost_[0], cost_[1]) : 0;
     longest_s_ = least > half ? std::max(model_.options.dt_s, std::min(strays, most / least) * usual_s_) : std::numeric_limits<double>::infinity();
     went_s_ = 0;
@@ -142,7 +142,7 @@ int Simulation::steps_due(std::size_t m) noexcept {
         }
     }
     const int steps = std::max(0, static_cast<int>(std::lround(std::min(left_s, most_s) / h)));
-    spare_s_[m] = too_dear ? 0 : std::min(longest_s - steps * h, dt_s);
+    spare_s_[m] = too_dear ? 0 : std::min(longest_s - steps * h, h / 2);
     due_s_[m] -= steps * h;
     went_s_ = std::max(went_s_, steps * h);
     return steps;

@@ -268,7 +268,7 @@ class Simulation {
     double period_s_;             ///< mean time between ticks: as long as a force is held
     double went_s_ = 0;           ///< through which the meshes went in the last tick
     double cost_[2] = {0, 0};     ///< of a tick, over the time that its meshes went through, the last two; 0: not known
-    double usual_s_ = 0;          ///< between ticks
+    double usual_s_ = 0;          ///< between ticks; 0: not known yet
     double stood_s_ = 0;          ///< since the last tick, that is none of the tissue's
     double longest_s_ = 0;        ///< through which meshes may go in this tick
     double same_position_s_ = 0;  ///< that the device has said nothing new for
