@@ -30,7 +30,7 @@ def refuse_links(out):
         if not at.is_symlink():
             continue
         if at.lstat().st_uid not in (0, os.geteuid()):
-            raise OSError(errno.EPERM, f"cannot write: '{at.name}' is a link of another user, which is not followed", out)
+            raise OSError(errno.EPERM, f"cannot write: '{at.name}' is a link of another user, which is not followed: give the path that it leads to", out)
         links += 1
         if links > 40:
             raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), out)

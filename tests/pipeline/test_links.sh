@@ -46,7 +46,7 @@ check "a folder of paths that is a link of one's own is followed" exist "$scratc
 if may_plant; then
     refused_link() { # SENTENCE NAME
         check "$1: fails" failed
-        check "$1: one line names the link" one_line "'$2' is a link of another user, which is not followed"
+        check "$1: one line names the link" one_line "'$2' is a link of another user, which is not followed: give the path that it leads to"
     }
     rm -rf "$scratch/elsewhere" && mkdir "$scratch/elsewhere"
     chown -h $other "$R/cases"
