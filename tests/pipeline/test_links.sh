@@ -92,6 +92,12 @@ check "nothing takes a device's place" says 'is a device or a pipe'
 run scripts/folder -n results/tiny/none
 check "or looked at alone" absent "$R/none"
 
+for file in "$scratch/not there/organ.obj" /dev/full; do
+    run "$PYTHON" -B scripts/make_organ.py "$file"
+    check "what cannot be written, $file: exit 2" exited 2
+    check "what cannot be written, $file: one line" sh -c '[ "$(wc -l <"$1")" = 1 ] && grep -q "^make_organ.py: $2: " "$1"' - "$said" "$file"
+done
+
 # ---- names that begin with -
 run make STUDY=tiny R=-x eval
 check "a results folder that begins with -: one line" one_line '^Makefile:[0-9]*: \*\*\* R=.*does not begin with -'
@@ -141,6 +147,17 @@ for name in eval.json cases.h5 model.h5; do
     file=$scratch/results/$name
     unread figures/draw.py force "$scratch/results" "$scratch/out.png"
     case $name in eval.json) echo '{}' >"$file" ;; *) "$PYTHON" -c 'import h5py, numpy, sys; h5py.File(sys.argv[1], "w")["path_names"] = numpy.array([], "S1")' "$file" ;; esac
+done
+cat >"$scratch/ablation.json" <<'JSON'
+{"variants": [{"fe_paths": 20, "numbers": 12, "area_cap_E2": 1, "shape_scale": 1, "magnitudes_m": [0.01], "arcs_m": [0.1], "angles_deg": [0],
+  "held_out": {"learned": {"median": 0.01, "p95": 0.02, "max": 0.03, "shape": {"median": 0.01, "p95": 0.02, "max": null}}}}]}
+JSON
+cat >"$scratch/motion.json" <<'JSON'
+{"study": "tiny", "presses": [{"static_error": 0.01, "force_N": [1, 2], "static_N": [1, 2], "curve": {"time_s": [0], "force_N": [0], "depth_m": [0]}}],
+ "switches": [{"from": 0, "to": 1, "innovation": 1, "force_jump_N": 0.1, "curve": {"time_s": [0], "force_N": [0]}}]}
+JSON
+for name in ablation motion; do
+    check "$name.py of wrong content in well-formed JSON: one line" "$PYTHON" -B "$root/tests/pipeline/wrong_content.py" $name "$scratch/$name.json"
 done
 check "nothing is drawn or written" absent "$scratch/out.png" "$scratch/out.csv"
 run "$PYTHON" -B -c 'import sys
