@@ -96,7 +96,7 @@ def written(out):
         with replaced(out) as beside:
             yield beside
     except OSError as error:
-        say(out if error.filename in (None, beside) else error.filename, error.strerror or error)
+        say(out if beside is None or error.filename in (None, beside) else error.filename, error.strerror or error)
 
 
 def save(figure, out):

@@ -28,6 +28,19 @@ rm -f "$R/cases/left.log" "$R/cases/left.csv"
 mkfifo "$R/cases/left.log"
 run timeout 600 make PYTHON="$PYTHON" STUDY=tiny results/tiny/cases/left.csv
 check "a log that is a pipe: nothing waits for it" exited 0
+# planted while a path is solved
+mkdir "$scratch/bin"
+cat >"$scratch/bin/FreeFem++-nw" <<SH
+#!/bin/sh
+for log in left.log .counted; do ln -sfT "$scratch/precious" "$R/cases/\$log"; done
+exec "$(command -v FreeFem++-nw)" "\$@"
+SH
+chmod +x "$scratch/bin/FreeFem++-nw"
+mine
+rm -f "$R/cases/left.log" "$R/cases/left.csv"
+run env PATH="$scratch/bin:$PATH" make PYTHON="$PYTHON" STUDY=tiny results/tiny/cases/left.csv
+check "logs that become links while a path is solved: it is solved" exited 0
+check "logs that become links while a path is solved: nothing is written through them" still_mine
 umask 022
 rm "$R/cases/left.log" && ln -s nowhere "$R/cases/left.log"
 (cd "$work" && scripts/own_file results/tiny/cases/left.log)
