@@ -25,7 +25,7 @@ class Gone:
 
 
 OTHERS = (Gone, [], {}, "text", None)
-MOST = 150
+MOST = 60
 
 
 def places(value, at=()):
