@@ -115,6 +115,12 @@ doors: $(BUILD)/libtissue.so.1 $(PYTHON_MODULE)
 deps: build/deps
 
 # by the environment: names may have blanks and quotes in them
+# $b of /opt/a$b is a variable that nobody has set, and the rest of the name would be installed to
+references := $$( $${
+bare_dollar = $(findstring $$,$(subst $(word 2,$(references)),,$(subst $(word 1,$(references)),,$(subst $$$$,,$(value $1)))))
+ifneq (,$(filter install uninstall,$(MAKECMDGOALS)))
+$(foreach v,PREFIX DESTDIR,$(if $(call bare_dollar,$v),$(error $v=$(value $v): write $$$$ for a $$ in it)))
+endif
 install uninstall: export PREFIX := $(PREFIX)
 install uninstall: export DESTDIR := $(DESTDIR)
 install: export PYTHON := $(PYTHON)

@@ -14,6 +14,7 @@ sys.path[:0] = [str(Path(__file__).parent / "figures")]
 from gains.draw import draw  # noqa: E402
 from gains.page import page  # noqa: E402
 from gains.questions import MESHES, questions  # noqa: E402
+from one_line import read_json  # noqa: E402
 from save import save, written  # noqa: E402
 
 
@@ -24,7 +25,7 @@ def measure(probe, name, nodes, topology, magnitudes, task):
                *task]
     newest = max(Path(probe).stat().st_mtime, cases.stat().st_mtime)
     if kept.exists() and kept.stat().st_mtime > newest:
-        answer = json.loads(kept.read_text())
+        answer = read_json(kept, {"options": [str], "rows": [{}]})
         if answer["options"] == options:
             return answer["rows"]
     print(f"gains {name}", file=sys.stderr, flush=True)

@@ -4,7 +4,6 @@ The law, Van Gelder's springs and springs of one stiffness on its lattice (as `t
 was filled with: neo-Hookean by felupe, Saint Venant-Kirchhoff by MuJoCo. Forces of tetrahedra are reported unscaled, and scaled by one factor that is
 fitted to the first validation contacts. Needs results/STUDY, finished, build/release/python and build/venv (scripts/venv); a peer that is not there is
 left out, and the page says so. A study with an elastic bed, a nodule or regions is refused: the peers get one material, and held nodes that do not move."""
-import json
 import sys
 import time
 from pathlib import Path
@@ -14,7 +13,8 @@ import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 import tissue  # noqa: E402
 from peers_study import SECONDS, ask, spread, ticks_of  # noqa: E402
-from one_line import reading  # noqa: E402
+from one_line import read_json, reading  # noqa: E402
+from results import EVALUATION  # noqa: E402
 from save import save, written  # noqa: E402
 
 FITTED = 6  # validation contacts that a peer's factor is fitted to
@@ -169,7 +169,7 @@ def main():
         sys.exit("usage: peers_organ.py STUDY OUT.md")
     study, out = sys.argv[1], Path(sys.argv[2])
     folder = f"results/{study}"
-    model, organ, evaluation = tissue.Model(f"{folder}/model.h5"), Organ(folder), json.loads(Path(f"{folder}/eval.json").read_text())
+    model, organ, evaluation = tissue.Model(f"{folder}/model.h5"), Organ(folder), read_json(f"{folder}/eval.json", EVALUATION)
     peers = {"felupe": peer("neo-Hookean tetrahedra, felupe, to rest", "peer_felupe_tetrahedra.py", "press_us", model, organ),
              "MuJoCo": peer("Saint Venant-Kirchhoff tetrahedra, a step of MuJoCo's flex", "peer_mujoco.py", "step_us", model, organ)}
     rows = ours(model, organ) + [row for row in peers.values() if row] + baselines(evaluation)

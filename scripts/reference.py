@@ -11,7 +11,6 @@ Of fewer studies than RESULTS.md is about it writes the tables and figures of th
 --check writes nothing: it says which table is not what the records make of it, and exits with 1. What no record has (wall
 times, the places of a map, ablations) it does not compare.
 """
-import json
 import re
 import shutil
 import sys
@@ -19,6 +18,7 @@ from pathlib import Path
 
 sys.path.insert(1, str(Path(__file__).resolve().parent / "figures"))
 import reference_record
+from one_line import read_json
 from save import written
 from reference_tables import SPACE_ROLES, UNKNOWN, ablation_table, patient_rows, patient_table, summary_table, tables
 
@@ -113,7 +113,7 @@ def main():
     evaluations = {}
     for study in sys.argv[1:]:
         results = ROOT / "results" / study
-        evaluations[study] = json.loads((results / "eval.json").read_text())
+        evaluations[study] = read_json(results / "eval.json", reference_record.EVALUATION)
         reference_record.write(REFERENCE / f"{study}.json", reference_record.of(results, "make reference"))
     for study, figure, name in SHOWN:
         if study in evaluations:
@@ -123,7 +123,7 @@ def main():
         fill(RESULTS, marker, rows)
     for study, marker, roles in (("surface", "ablation", ("held_out", "held_out_full")), ("block3", "space-ablation", SPACE_ROLES)):
         if study in evaluations:
-            variants = json.loads((ROOT / "results" / study / "ablation.json").read_text())["variants"]
+            variants = read_json(ROOT / "results" / study / "ablation.json", {"variants": [{}, ...]})["variants"]
             fill(RESULTS, marker, ablation_table(variants, roles))
     fill(README, "summary", summary_table(recorded(), patients()))
 

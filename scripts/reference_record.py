@@ -25,10 +25,13 @@ import h5py
 import numpy as np
 
 sys.path.insert(1, str(Path(__file__).resolve().parent / "figures"))
+from one_line import fitted, read_json  # noqa: E402
 from save import written  # noqa: E402
 
 SCHEMA = 2
 FOLDER = Path(__file__).resolve().parent.parent / "results" / "reference"
+EVALUATION = {"study": str, "version": str, "seed": int, "lost": {"*": [str]}, "drawn": {"*": [{"name": str}]}}
+RECORD = {"made": {"date": str}, "machine": {}, "study": str, "unique": bool}
 NOT_COMPARED = {"schema", "made", "machine", "unique"}
 NOT_KEPT = {"study", "version", "format_version", "seed", "seconds", "model_hash", "cases_hash", "trained_errors", "curves", "drawn", "drawn_curves", "drawn_shapes", "places", "each",
             "kkt_residual", "kkt_residual_max"}  # said elsewhere, wall times, bulk, and residuals that are rounding alone
@@ -92,7 +95,7 @@ def text(value):
 def of(results, command):
     """The record of a results folder: reads cases.h5, model.h5 and eval.json."""
     results = Path(results)
-    evaluation = json.loads((results / "eval.json").read_text())
+    evaluation = read_json(results / "eval.json", EVALUATION)
     evaluation.get("lost", {}).pop("train", None)  # `paths` says it
     if not evaluation.get("lost"):
         evaluation.pop("lost", None)
@@ -222,7 +225,7 @@ def read(path):
     schema = record.get("schema", 1) if isinstance(record, dict) else None
     if schema != SCHEMA:
         raise RecordError(f"{path}: is of schema {schema}, wanted {SCHEMA}; --accept writes a new one")
-    return record
+    return fitted(record, RECORD, path, "")
 
 
 def write(path, record):

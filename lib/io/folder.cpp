@@ -46,6 +46,8 @@ OpenFolder begin(int from, const std::string& path) {
 /// Goes along a path part by part, and looks at every link before it is followed.
 OpenPlace walk(int from, const std::string& path, const std::string& named, OpenFolder::Missing missing, Last end) {
     const auto fail = [&](const std::string& why) { throw FileError(fmt::format("{}: cannot write: {}", named, why)); };
+    const auto is_folder = [&] { return FileError(named + ": is a folder's name, wanted a file's"); };
+    if (end == Last::file_behind_links && !path.empty() && path.back() == '/') throw is_folder();
     std::deque<std::string> left;
     prepend(left, path);
     auto at = std::make_unique<OpenFolder>(begin(from, path));
@@ -69,12 +71,13 @@ OpenPlace walk(int from, const std::string& path, const std::string& named, Open
         struct stat status {};
         if (next->descriptor() < 0 || ::fstat(next->descriptor(), &status) != 0) fail(std::strerror(errno));
         if (!S_ISLNK(status.st_mode)) {
+            if (last && S_ISDIR(status.st_mode)) throw is_folder();
             if (last) return arrived(part);
             if (!S_ISDIR(status.st_mode)) fail(std::strerror(ENOTDIR));
             at = std::move(next);
             continue;
         }
-        if (status.st_uid != ::geteuid() && status.st_uid != 0) fail(fmt::format("'{}' is a link of another user, which is not followed", part));
+        if (status.st_uid != ::geteuid() && status.st_uid != 0) fail(fmt::format("'{}' is a link of another user, which is not followed: give the path that it leads to", part));
         if (const int open = descriptor_named(at->descriptor(), part); last && open >= 0) return arrived(part, open);
         if (++links > most_links) fail(std::strerror(ELOOP));
         std::string target(4096, '\0');
@@ -84,7 +87,8 @@ OpenPlace walk(int from, const std::string& path, const std::string& named, Open
         prepend(left, target);
         if (target[0] == '/') at = std::make_unique<OpenFolder>(begin(AT_FDCWD, target));
     }
-    if (end != Last::folder) fail(std::strerror(path.empty() ? ENOENT : EISDIR));
+    if (end != Last::folder && path.empty()) fail(std::strerror(ENOENT));
+    if (end != Last::folder) throw is_folder();  // a link that leads to /
     return arrived("");
 }
 

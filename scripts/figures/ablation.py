@@ -2,10 +2,8 @@
 
 Left: error on held-out contacts against the FE paths trained on. Right: against how many numbers the law has.
 """
-import json
 import math
 import sys
-from pathlib import Path
 
 import matplotlib
 
@@ -13,9 +11,11 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-from one_line import reading  # noqa: E402
+from one_line import NUMBER_OR_NULL, read_json  # noqa: E402
 from save import save  # noqa: E402
 
+STATISTICS = {measure: NUMBER_OR_NULL for measure in ("median", "p95", "max")}
+FORM = {"variants": [{"held_out": {"learned": {**STATISTICS, "shape": STATISTICS}}, "fe_paths": int, "numbers": int}, ...]}
 ERRORS = (("force", "#0072B2"), ("shape", "#D55E00"))
 
 
@@ -46,9 +46,8 @@ def draw(axes, variants, key, note):
 def main():
     if len(sys.argv) != 3:
         sys.exit("usage: ablation.py ABLATION.json OUT.png")
-    with reading(sys.argv[1]):
-        variants = json.loads(Path(sys.argv[1]).read_text())["variants"]
-        whole = variants[0]
+    variants = read_json(sys.argv[1], FORM)["variants"]
+    whole = variants[0]
     same = [v for v in variants if all(v[k] == whole[k] for k in ("area_cap_E2", "shape_scale", "magnitudes_m"))]
     same_paths = [v for v in same if v["arcs_m"] == whole["arcs_m"] and v["angles_deg"] == whole["angles_deg"]]
     figure, (paths, numbers) = plt.subplots(1, 2, figsize=(13, 4.8), layout="constrained", sharey=True)

@@ -2,9 +2,7 @@
 
 Force against time and against depth, the rest state against the static answer, and what a switch of spring sets does.
 """
-import json
 import sys
-from pathlib import Path
 
 import matplotlib
 
@@ -12,17 +10,26 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-from one_line import reading  # noqa: E402
+from one_line import NUMBER_OR_NULL, of_one_length, read_json, say  # noqa: E402
 from save import save  # noqa: E402
+
+CURVE = {"time_s": [float], "force_N": [float], "depth_m": [float]}
+FORM = {"study": str, "presses": [{"static_error": NUMBER_OR_NULL, "force_N": [float], "static_N": [NUMBER_OR_NULL], "curve": CURVE}],
+        "switches": [{"innovation": float, "force_jump_N": float, "from": int, "to": int, "curve": CURVE}]}
 
 
 def main():
     if len(sys.argv) != 3:
         sys.exit("usage: motion.py REALTIME.json OUT.png")
-    with reading(sys.argv[1]):
-        data = json.loads(Path(sys.argv[1]).read_text())
-        switches, study = data["switches"], data["study"]  # of sets: a law never switches
-        presses = [p for p in data["presses"] if p["static_error"] is not None]
+    data = read_json(sys.argv[1], FORM)
+    switches, study = data["switches"], data["study"]  # of sets: a law never switches
+    presses = [p for p in data["presses"] if None not in (p["static_error"], *p["static_N"])]
+    for p in presses:
+        of_one_length(p["curve"], "time_s", "force_N", "depth_m")
+    for s in switches:
+        of_one_length(s["curve"], "time_s", "force_N")
+    if not presses:
+        say(sys.argv[1], "no press of it has a static answer")
     figure, axes = plt.subplots(2, 2, figsize=(11, 7.6), layout="constrained")
     time, depth, rest, switch = axes.flat
     most = max(np.linalg.norm(p["force_N"]) for p in presses)

@@ -1,12 +1,11 @@
 """A study's results as arrays, for the figures. Reads cases.h5, model.h5 and eval.json; computes nothing."""
-import json
 from pathlib import Path
 from types import SimpleNamespace
 
 import h5py
 import numpy as np
 
-from one_line import reading
+from one_line import NUMBER_OR_NULL, read_json, reading
 
 # Okabe and Ito's palette: told apart with every common colour vision
 COLOURS = {
@@ -31,6 +30,23 @@ LABELS = {
     "heuristic_b": "heuristic, E2 = (C1 + C2) t",
     "uniform": "one stiffness",
     "one_set": "one learned set for all cases",
+}
+
+# of eval.json (results/FORMATS.md), what figures and page compute with
+STATISTICS = {"median": NUMBER_OR_NULL, "p95": NUMBER_OR_NULL, "max": NUMBER_OR_NULL, "n": int, "of": int, "missing": int, "no_reference": int}
+ERRORS = {"*": NUMBER_OR_NULL}
+SERIES = {"magnitude_m": [float], "fe_N": [float], "models_N": {"*": [NUMBER_OR_NULL]}}
+TRAINING = {"optimizer": str, "terms": {"*": float}, "seconds": float, "paths": int}
+EVALUATION = {
+    "study": str, "version": str, "seed": int, "training": TRAINING, "training_also": [TRAINING], "truth_check": STATISTICS,
+    "open_loop": {"*": {"rel_loss": STATISTICS}}, "closed_loop": {"*": {"*": {**STATISTICS, "shape": (STATISTICS, type(None))}}},
+    "drawn": {"*": [{"name": str, "contact_m": [float, ...], "direction": [float, ...], "arc_m": float, "depth_m": float, "angle_deg": float, "error": ERRORS, "shape": ERRORS}]},
+    "drawn_curves": [{"name": str, **SERIES}], "curves": [{"path": str, "serving_set": [str], **SERIES}],
+    "drawn_shapes": [{"name": str, "displacement_m": [[float]]}], "cases": [{"name": str, "models": {"*": ERRORS}}, ...],
+    "springs": {"*": {}}, "ridge_front": [{"distance_E2": float, "rel_loss": float}],
+    "histories": {"groups": {"*": {"learned": {"rms": STATISTICS}}}, "each": [{
+        "name": str, "group": str, "time_s": [float, ...], "fe_N": [float], "best_factor_N": [float], "learned_N": [NUMBER_OR_NULL], "error": {"learned": {"rms": NUMBER_OR_NULL}}}]},
+    "map": {"depth_m": float, "places": [{"contact_m": [float, ...], "fe_N": float, "learned_N": NUMBER_OR_NULL}], "contrast": {"fe": float, "learned": NUMBER_OR_NULL}},
 }
 
 
@@ -98,9 +114,8 @@ def learned_label(results):
 
 def load(folder):
     folder = Path(folder)
-    with reading(folder / "eval.json"):
-        results = Results(evaluation=json.loads((folder / "eval.json").read_text()), paths={}, trained={})
-        results.evaluation.setdefault("drawn", {})  # of no contact that was drawn has FE an answer
+    results = Results(evaluation=read_json(folder / "eval.json", EVALUATION), paths={}, trained={})
+    results.evaluation.setdefault("drawn", {})  # of no contact that was drawn has FE an answer
     with reading(folder / "cases.h5"), h5py.File(folder / "cases.h5") as f:
         results.is_block = "shape" not in f
         for name in f["path_names"].asstr():

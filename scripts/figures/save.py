@@ -1,4 +1,4 @@
-"""How every figure is saved: save(figure, out); and any file that must be whole: with written(out) as beside."""
+"""How every figure is saved: save(figure, out); and any file that must be whole: with written(out) as beside. What the disk or a rule refuses ends the program with one line."""
 import contextlib
 import errno
 import fcntl
@@ -6,8 +6,9 @@ import os
 import re
 import secrets
 import stat
-import sys
 from pathlib import Path
+
+from one_line import say
 
 
 def left_over(out):
@@ -30,7 +31,7 @@ def refuse_links(out):
         if not at.is_symlink():
             continue
         if at.lstat().st_uid not in (0, os.geteuid()):
-            raise OSError(errno.EPERM, f"cannot write: '{at.name}' is a link of another user, which is not followed", out)
+            raise OSError(errno.EPERM, f"cannot write: '{at.name}' is a link of another user, which is not followed: give the path that it leads to", out)
         links += 1
         if links > 40:
             raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), out)
@@ -69,8 +70,8 @@ def drawn(out):
 
 
 @contextlib.contextmanager
-def written(out):
-    """The name of a file beside `out` that becomes it in the end, or is removed, as lib/io/atomic_file does."""
+def replaced(out):
+    """The name of a file beside `out` that becomes it in the end, or is removed, as lib/io/atomic_file does. Raises OSError."""
     out = os.fspath(out)
     refuse_links(out)
     refuse_devices(out)
@@ -87,11 +88,18 @@ def written(out):
             raise
 
 
-def save(figure, out):
-    """Written beside and renamed; ends the program with one line when the disk refuses. No date and no version inside:
-    the same data give the same bytes."""
+@contextlib.contextmanager
+def written(out):
+    """The same, and one line where it cannot be. Within it whole content is written, or another file copied."""
+    beside = None
     try:
-        with written(out) as beside:
-            figure.savefig(beside, dpi=110, format="png", metadata={"Software": None})
+        with replaced(out) as beside:
+            yield beside
     except OSError as error:
-        sys.exit(f"{Path(sys.argv[0]).name}: {out}: {error.strerror}")
+        say(out if beside is None or error.filename in (None, beside) else error.filename, error.strerror or error)
+
+
+def save(figure, out):
+    """Written beside and renamed. No date and no version inside: the same data give the same bytes."""
+    with written(out) as beside:
+        figure.savefig(beside, dpi=110, format="png", metadata={"Software": None})

@@ -5,7 +5,6 @@ tables are report.md's; what is added is the number to lead with, key figures, c
 outside the file is needed to look at it. The same results give the same bytes.
 """
 import base64
-import json
 import re
 import sys
 from pathlib import Path
@@ -21,8 +20,8 @@ try:
 except ImportError as error:
     sys.exit(f"page.py: {error}; install python3-{(error.name or '').replace('_', '-')}, which the report is made with")
 
-from results import LABELS  # noqa: E402  (the figures' own names of the models)
-from one_line import reading, say  # noqa: E402
+from results import EVALUATION, LABELS  # noqa: E402  (the figures' own names of the models)
+from one_line import read_json, reading, say  # noqa: E402
 from save import written  # noqa: E402
 
 LONG_LIST = 5          # items; longer ones are folded
@@ -241,8 +240,7 @@ def provenance(folder, e):
 
 
 def page(folder):
-    with reading(folder / "eval.json"):
-        e = json.loads((folder / "eval.json").read_text())
+    e = read_json(folder / "eval.json", EVALUATION)
     with reading(folder / "report.md"):
         report = (folder / "report.md").read_text()
     first, found = sections(report)
@@ -257,8 +255,7 @@ def page(folder):
             body.append({"id": anchor(heading), "heading": Markup(markdown.renderInline(heading)),
                          "html": to_html(markdown, text, heading, e)})
     first = re.sub(r"^Written by .*$", "", first, flags=re.M)  # the foot says more
-    with reading(folder / "eval.json"):
-        number, key_figures = lead(e)
+    number, key_figures = lead(e)
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(HERE), autoescape=True, trim_blocks=True,
                                      lstrip_blocks=True, undefined=jinja2.StrictUndefined)
     return environment.get_template("page.html").render(
@@ -275,11 +272,8 @@ def main():
         text = page(folder)
     except ReportError as error:
         say(folder, error)
-    try:
-        with written(out) as beside:
-            Path(beside).write_text(text)
-    except OSError as error:
-        sys.exit(f"page.py: {out}: {error.strerror}")
+    with written(out) as beside:
+        Path(beside).write_text(text)
 
 
 if __name__ == "__main__":

@@ -77,7 +77,7 @@ TEST_CASE("an export, a file and a journal go through no link of another user's,
     CHECK(read_file(folder.file("target/a.csv")) == "1");
     CHECK(read_file(folder.file("target/sub/c.csv")) == "3");
     if (::lchown(folder.file("planted").c_str(), 65534, 65534) != 0) return;  // not root: no link is another user's
-    const std::string why = "'planted' is a link of another user, which is not followed";
+    const std::string why = "'planted' is a link of another user, which is not followed: give the path that it leads to";
     CHECK_THAT(refusal<FileError>([&] { write_files(folder.file("planted"), {{"a.csv", "4"}}); }), Contains(why));
     CHECK_THAT(refusal<FileError>([&] { write_files(folder.file("planted/new"), {{"a.csv", "4"}}); }), Contains(why));
     CHECK_THAT(refusal<FileError>([&] { write_file(folder.file("planted/a.csv"), "4"); }), Contains(why));
@@ -115,4 +115,5 @@ TEST_CASE("where links lead is found as the system finds it", "[export]") {
     CHECK_THAT(refusal<FileError>([&] { write_file(folder.file("a/up.txt/b"), "x"); }), Contains("Not a directory"));
     CHECK(behind.is_open_as == -1);
     CHECK(place_behind_links("/dev/stdout").is_open_as == 1);
+    for (const char* name : {"none/", "file/", "a", "down", "whole"}) CHECK_THAT(refusal<FileError>([&] { place_behind_links(folder.file(name)); }), Contains("is a folder's name, wanted a file's"));
 }

@@ -360,7 +360,7 @@ TEST_CASE("tissue-haptic: a session's ledger is JSON with every key, and its rec
     CHECK(nlohmann::json::parse(replayed.out)["details"]["device"].count("reference_error_rms_N") == 1);
 
     const std::string leaps = folder.file("leaps.csv", "time_s,x_m,y_m\n0,0.05,0.12\n0.1,0.05,0.12\n0.1005,0.05,0.2\n0.2,0.05,0.2\n0.2005,0.05,0.12\n0.3,0.05,0.12\n");
-    const Ended leapt = run(folder, model_file(folder) + " --device replay --trajectory " + leaps + " --seconds 0 --json");
+    const Ended leapt = run(folder, model_file(folder) + " --no-clock --device replay --trajectory " + leaps + " --seconds 0 --json");
     REQUIRE(leapt.status == 0);
     const nlohmann::json ledger = nlohmann::json::parse(leapt.out), &details = ledger["details"];
     CHECK(details["jumps"].get<int>() > 0);

@@ -120,6 +120,11 @@ if chown -h 65534 "$scratch/planted.csv" 2>/dev/null; then
 else
     skip "a link of another user" "only root can make one"
 fi
+mkdir "$scratch/folder"
+for name in folder folder/ new/; do
+    check "nor is a folder's name, $name" sh -c "! '$TISSUE_HAPTIC' '$model' --seconds 0.1 --no-clock --learn '$scratch/none.h5' --journal '$scratch/$name' 2>'$scratch/log'"
+    check "in one line, and nothing is made: $name" sh -c "grep -q '^tissue-haptic: .*/$name: is a folder.s name, wanted a file.s' '$scratch/log' && [ ! -e '$scratch/new' ]"
+done
 check "and what they lead to stays empty" test ! -s "$scratch/precious"
 check "one without readings is begun anew" "$TISSUE_HAPTIC" "$model" --seconds 0.1 --learn "$scratch/begun.h5" --journal "$scratch/begun.csv" >"$scratch/out" 2>"$scratch/log"
 : >"$scratch/held.csv"

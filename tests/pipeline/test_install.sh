@@ -108,6 +108,16 @@ run make -C "$root" uninstall PREFIX="$odd"
 check "make hands on a PREFIX with blanks and quotes" says "^install: $odd/share/doc.*nothing is installed there"
 run make -C "$root" uninstall PREFIX=/p DESTDIR="$odd"
 check "make hands on a DESTDIR with blanks and quotes" says "^install: $odd/p/share/doc.*nothing is installed there"
+odd="$scratch/a\\backslash"
+run make -C "$root" uninstall PREFIX="$odd"
+check "and one with a backslash" grep -qF "install: $odd/share/doc" "$said"
+for name in install uninstall; do
+    run make -C "$root" $name PREFIX='/opt/a$b'
+    check "a bare \$ in a PREFIX, which make would take away, $name: one line" one_line 'PREFIX=/opt/a$b: write $$ for a $ in it'
+done
+place "$build" PREFIX="$odd"
+check "a PREFIX with a backslash: its pkg-config file names it" sh -c 'export PKG_CONFIG_PATH="$1/lib/pkgconfig"
+    eval "set -- \"\$1\" $(pkg-config --cflags tissue-c)" && [ "$2" = "-I$1/include" ] || { printf "%s\n" "$@"; exit 1; }' - "$odd"
 run env HOME="$scratch/home" make -C "$root" uninstall PREFIX='$(HOME)/x'
 check "make expands what it is given as ever" says "^install: $scratch/home/x/share/doc/tissuectl/manifest: there is no such file"
 run env HOME="$scratch/home" PREFIX="$scratch/of the environment" make -C "$root" uninstall

@@ -28,6 +28,19 @@ rm -f "$R/cases/left.log" "$R/cases/left.csv"
 mkfifo "$R/cases/left.log"
 run timeout 600 make PYTHON="$PYTHON" STUDY=tiny results/tiny/cases/left.csv
 check "a log that is a pipe: nothing waits for it" exited 0
+# planted while a path is solved
+mkdir "$scratch/bin"
+cat >"$scratch/bin/FreeFem++-nw" <<SH
+#!/bin/sh
+for log in left.log .counted; do ln -sfT "$scratch/precious" "$R/cases/\$log"; done
+exec "$(command -v FreeFem++-nw)" "\$@"
+SH
+chmod +x "$scratch/bin/FreeFem++-nw"
+mine
+rm -f "$R/cases/left.log" "$R/cases/left.csv"
+run env PATH="$scratch/bin:$PATH" make PYTHON="$PYTHON" STUDY=tiny results/tiny/cases/left.csv
+check "logs that become links while a path is solved: it is solved" exited 0
+check "logs that become links while a path is solved: nothing is written through them" still_mine
 umask 022
 rm "$R/cases/left.log" && ln -s nowhere "$R/cases/left.log"
 (cd "$work" && scripts/own_file results/tiny/cases/left.log)
@@ -46,7 +59,7 @@ check "a folder of paths that is a link of one's own is followed" exist "$scratc
 if may_plant; then
     refused_link() { # SENTENCE NAME
         check "$1: fails" failed
-        check "$1: one line names the link" one_line "'$2' is a link of another user, which is not followed"
+        check "$1: one line names the link" one_line "'$2' is a link of another user, which is not followed: give the path that it leads to"
     }
     rm -rf "$scratch/elsewhere" && mkdir "$scratch/elsewhere"
     chown -h $other "$R/cases"
@@ -91,6 +104,12 @@ with save.written("/dev/null") as name: raise AssertionError(name)'
 check "nothing takes a device's place" says 'is a device or a pipe'
 run scripts/folder -n results/tiny/none
 check "or looked at alone" absent "$R/none"
+
+for file in "$scratch/not there/organ.obj" /dev/full; do
+    run "$PYTHON" -B scripts/make_organ.py "$file"
+    check "what cannot be written, $file: exit 2" exited 2
+    check "what cannot be written, $file: one line" sh -c '[ "$(wc -l <"$1")" = 1 ] && grep -q "^make_organ.py: $2: " "$1"' - "$said" "$file"
+done
 
 # ---- names that begin with -
 run make STUDY=tiny R=-x eval
@@ -141,6 +160,17 @@ for name in eval.json cases.h5 model.h5; do
     file=$scratch/results/$name
     unread figures/draw.py force "$scratch/results" "$scratch/out.png"
     case $name in eval.json) echo '{}' >"$file" ;; *) "$PYTHON" -c 'import h5py, numpy, sys; h5py.File(sys.argv[1], "w")["path_names"] = numpy.array([], "S1")' "$file" ;; esac
+done
+cat >"$scratch/ablation.json" <<'JSON'
+{"variants": [{"fe_paths": 20, "numbers": 12, "area_cap_E2": 1, "shape_scale": 1, "magnitudes_m": [0.01], "arcs_m": [0.1], "angles_deg": [0],
+  "held_out": {"learned": {"median": 0.01, "p95": 0.02, "max": 0.03, "shape": {"median": 0.01, "p95": 0.02, "max": null}}}}]}
+JSON
+cat >"$scratch/motion.json" <<'JSON'
+{"study": "tiny", "presses": [{"static_error": 0.01, "force_N": [1, 2], "static_N": [1, 2], "curve": {"time_s": [0], "force_N": [0], "depth_m": [0]}}],
+ "switches": [{"from": 0, "to": 1, "innovation": 1, "force_jump_N": 0.1, "curve": {"time_s": [0], "force_N": [0]}}]}
+JSON
+for name in ablation motion; do
+    check "$name.py of wrong content in well-formed JSON: one line" "$PYTHON" -B "$root/tests/pipeline/wrong_content.py" $name "$scratch/$name.json"
 done
 check "nothing is drawn or written" absent "$scratch/out.png" "$scratch/out.csv"
 run "$PYTHON" -B -c 'import sys

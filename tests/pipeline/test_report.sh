@@ -37,5 +37,9 @@ head -c 500 "$scratch/eval.json" >"$R/eval.json"
 run "$PYTHON" scripts/report/page.py results/tiny results/tiny/report.html
 check "an evaluation that is cut off: exit 2" exited 2
 check "an evaluation that is cut off: one line" one_line '^page.py: results/tiny/eval.json: '
+cp "$scratch/eval.json" "$R/eval.json"
+for name in page force; do
+    check "an evaluation with wrong content, $name: one line" "$PYTHON" -B "$root/tests/pipeline/wrong_content.py" $name "$R"
+done
 check "nothing half-written is left" no_half_files "$R"
 finish

@@ -160,12 +160,12 @@ TEST_CASE("a model that learns while it plays: everyone hears what became of eac
     stage.start(nullptr);
     const auto began = std::chrono::steady_clock::now();
     const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
-    while (heard[1].size() < 3 && seconds() < 60) {
+    const bool learned = wait_for([&] {
         show.step(100 + seconds());
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
+        return heard[1].size() >= 3;
+    });
     stage.stop();
-    REQUIRE(heard[1].size() >= 3);
+    REQUIRE(learned);
     const Json& last = heard[1].back();
     CHECK(last["reading"]["status"] == "learned");
     const auto factor = last["learned"]["factor"].get<std::vector<double>>();
