@@ -64,6 +64,14 @@ ContactAnswer answer_of(const LawPress& law, const Point& contact_m, const Point
     return answer;
 }
 
+ContactAnswer answer_of(const BallPress& ball, const Point& contact_m, const Point& push_m) {
+    try {
+        return answer_of(ball.at(contact_m, push_m));
+    } catch (const MismatchError& too_deep) {
+        return {{}, {}, too_deep.what()};
+    }
+}
+
 ContactStatistics contact_statistics(const std::vector<ContactError>& errors, int lost) {
     constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
     std::vector<double> force, shape, farthest;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "eval/force_error.h"
+#include "springs/ball_press.h"
 #include "springs/equilibrium.h"
 #include "springs/law_press.h"
 
@@ -49,6 +50,8 @@ ContactAnswer answer_of(const Equilibrium& state);
 
 /// The law pressed there, from rest, as it is seen (LawPress::seen). radius_m: of the disc, 0 the law's own; one that the law does not know has no answer.
 ContactAnswer answer_of(const LawPress& law, const Point& contact_m, const Point& push_m, double radius_m = 0);
+/// The same of a rigid ball; a push whose contact is larger than the law knows has no answer.
+ContactAnswer answer_of(const BallPress& ball, const Point& contact_m, const Point& push_m);
 
 /// Errors of one model at many contacts.
 struct ContactStatistics {

@@ -179,7 +179,7 @@ model = tissue.Model(sys.argv[1])
 for wrong in (lambda: tissue.Model("nowhere.h5"), lambda: tissue.Model("no\nwhere\033[31m.h5"), lambda: tissue.Simulation(model, dynamics="a\nb"), lambda: tissue.Simulation(model, friction_slip=0.2), lambda: tissue.Simulation(model, colour="red"), lambda: tissue.Simulation(model, friction="much"),
               lambda: tissue.Simulation(model, stale=-0.1), lambda: tissue.Simulation(model, energy_book=True), lambda: tissue.Simulation(model, innovation=0.1),
               lambda: tissue.Simulation(model, coupling=5), lambda: tissue.Simulation(model, force_scale=-1), lambda: tissue.Simulation(model, damping=float("inf")),
-              lambda: model.press([[0.05, 0.1]], [[0, 0.1, 0]]), lambda: model.press([[np.nan, 0.1]], [[0, -0.01]]), lambda: tissue.Simulation(model).ticks(np.zeros((3, 2))),
+              lambda: model.press([[0.05, 0.1]], [[0, 0.1, 0]]), lambda: model.press([[np.nan, 0.1]], [[0, -0.01]]), lambda: model.press([[0.05, 0.1]], [[0, -0.01]], ball_m=0.01), lambda: tissue.Simulation(model).ticks(np.zeros((3, 2))),
               *(lambda unknown=unknown: tissue.Simulation(model).ticks(np.zeros((3, 3)), elapsed_s=unknown) for unknown in (-1, np.nan, np.inf)),
               lambda: tissue.Adaptation(sys.argv[1], unknowns="all"), lambda: tissue.Adaptation(sys.argv[1]).learn((0, 0, 0), (0, 0), (0, 0)), lambda: tissue.read_cases(sys.argv[1])):
     try:

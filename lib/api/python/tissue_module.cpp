@@ -229,8 +229,8 @@ struct Patient {
     }
 };
 
-/// Answers of the model pressed at each contact from rest.
-py::tuple press(const TissueModel& model, const Rows& contacts_m, const Rows& pushes_m, int threads) {
+/// Answers of the model pressed at each contact from rest. ball_m: by a rigid ball of that radius [m] in place of its disc.
+py::tuple press(const TissueModel& model, const Rows& contacts_m, const Rows& pushes_m, int threads, std::optional<double> ball_m) {
     const int D = model.mesh.dimension(), n = static_cast<int>(contacts_m.rows());
     if (contacts_m.cols() != D || pushes_m.cols() != D || pushes_m.rows() != n)
         throw MismatchError("contacts and pushes are as many, of as many numbers as the tissue has axes");
@@ -240,7 +240,11 @@ py::tuple press(const TissueModel& model, const Rows& contacts_m, const Rows& pu
         std::optional<LawPress> law;
         std::optional<SetGrid> sets;
         std::unique_ptr<SpringLaw> springs;
-        if (model.energy_law)
+        std::optional<BallPress> ball;
+        if (ball_m && !model.energy_law) throw MismatchError("a ball needs a law in space");
+        if (ball_m)
+            ball.emplace(model.mesh, *model.energy_law, *ball_m);
+        else if (model.energy_law)
             law.emplace(model);
         else
             sets.emplace(model), springs = make_spring_law(model.law);
@@ -256,8 +260,8 @@ py::tuple press(const TissueModel& model, const Rows& contacts_m, const Rows& pu
             if (std::this_thread::get_id() == caller) signals.heed();
             const Point contact = contacts_m.row(k), push = pushes_m.row(k);
             ContactAnswer& answer = answers[static_cast<std::size_t>(k)];
-            if (law) {
-                answer = answer_of(*law, contact, push);
+            if (ball || law) {
+                answer = ball ? answer_of(*ball, contact, push) : answer_of(*law, contact, push);
                 return;
             }
             if (push.norm() == 0) {
@@ -428,8 +432,9 @@ ticks() between two ticks, press() between two contacts and next() between two p
         .def_property_readonly("coefficients", [](const TissueModel& t) { return t.energy_law ? t.energy_law->coefficients : Eigen::VectorXd(); }, "of those terms (P)")
         .def_property_readonly("constants", [](const TissueModel& t) { return t.energy_law ? t.energy_law->constants : Eigen::VectorXd(); },
                                "of a law's springs, cells and an embedded solid's supports [N/m] (E)")
-        .def("press", &press, py::arg("contacts_m"), py::arg("pushes_m"), py::arg("threads") = std::max(1u, std::thread::hardware_concurrency()),
+        .def("press", &press, py::arg("contacts_m"), py::arg("pushes_m"), py::arg("threads") = std::max(1u, std::thread::hardware_concurrency()), py::arg("ball_m") = py::none(),
              "The tissue at rest with the tool held: contacts (K, D) on the free surface or within 2 mm of it, pushes from there (K, D), none out of the tissue.\n"
+             "ball_m: radius of a rigid ball [m], of a law in space, in place of its disc; its contact may be as large as the largest disc that the model was trained under.\n"
              "Returns force of the tool on the tissue [N] (K, D), displacement [m] (K, N, D), in space with the surface beside the tool as it is seen, and why there is no answer, "
              "\"\" where there is one (K); without an answer both are NaN. Of spring sets the nearest serves, as in tissuectl eval.")
         .def("__repr__", [](const TissueModel& t) {

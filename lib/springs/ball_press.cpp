@@ -1,0 +1,89 @@
+#include "springs/ball_press.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "error.h"
+#include "springs/contact_errors.h"
+#include "springs/contact_spring.h"
+#include "springs/energy_law.h"
+#include "springs/law_at_radius.h"
+#include "springs/law_kernel.h"
+#include "springs/law_press.h"
+
+namespace tissue {
+namespace {
+
+double largest_m(const LawModel& law) { return law.sizes.radii_m[law.sizes.radii_m.size() - 1]; }
+
+/// law_at_radius, and below the smallest disc a half space's: there the lattice, which a correction stands for, gives way less than the contact does, in proportion.
+LawModel law_under(const LawModel& law, double contact_radius_m) {
+    const double least_m = law.sizes.radii_m[0];
+    if (contact_radius_m >= least_m) return law_at_radius(law, contact_radius_m);
+    LawModel small = law_at_radius(law, least_m);
+    const double times = contact_radius_m / least_m;
+    small.patch = resized(small.patch, {}, {}, std::log(times));
+    small.disc_radius_m = contact_radius_m;
+    small.disc.correction.value *= times;
+    return small;
+}
+
+/// What is stored in the contact alone, tissue held where it is.
+double contact_energy_J(const SpringMesh& mesh, const LawModel& law, const Point& contact_m, const Point& push_m, const NodeField& u) {
+    const ContactSpring contact(make_contact_kernel(mesh, law)->rows_at(contact_m), law.patch);
+    return contact.load(push_m, contact.gather(u)).energy_J;
+}
+
+/// da/dd of a / R_e = sqrt(x) (1 - x / 14), x = d / R_e.
+double growth(double x) { return 0.5 / std::sqrt(x) - 3.0 / 28 * std::sqrt(x); }
+
+}  // namespace
+
+BallPress::BallPress(const SpringMesh& mesh, LawModel law, double radius_m) : mesh_(mesh), law_(std::move(law)), radius_m_(radius_m) {
+    if (!mesh.is_solid() || !(law_.disc_radius_m > 0)) throw MismatchError("a ball needs a law in space");
+    if (!(radius_m > 0 && std::isfinite(radius_m))) throw MismatchError(fmt::format("a ball needs a radius > 0, got {} m", radius_m));
+    if (law_.sizes.empty()) throw MismatchError(fmt::format("a ball's contact grows: it needs a model trained under discs of several radii, not of {:g} mm alone", 1e3 * law_.disc_radius_m));
+    kernel_ = make_contact_kernel(mesh, law_);
+}
+
+BallPress::Place BallPress::place_at(const Point& contact_m) const {
+    const ContactRows rows = kernel_->rows_at(contact_m);
+    const double curved = rows.factors[PatchLaw::curved_factor] / law_.disc_radius_m;
+    return {rows.push.row(0).transpose(), 1 / std::max(1 / radius_m_ + curved, 1e-3 / radius_m_)};  // in a hollow as round as the ball all of it touches at once
+}
+
+double BallPress::contact_radius_m(const Place& place, const Point& push_m) const {
+    const double deep = place.inward.dot(push_m) / place.radius_m;
+    return deep > 0 ? place.radius_m * std::sqrt(deep) * (1 - deep / 14) : 0;
+}
+
+double BallPress::contact_radius_m(const Point& contact_m, const Point& push_m) const { return contact_radius_m(place_at(contact_m), push_m); }
+
+Equilibrium BallPress::at(const Point& contact_m, const Point& push_m) const {
+    const Equilibrium apart{NodeField::Zero(mesh_.node_count(), 3), Eigen::VectorXd::Zero(3), EquilibriumStatus::balanced};
+    Place place;
+    try {
+        place = place_at(contact_m);
+    } catch (const NoContactError&) {
+        return {apart.displacement, apart.contact_force, EquilibriumStatus::no_contact};
+    }
+    const double a_m = contact_radius_m(place, push_m);
+    if (!(a_m > 0)) return apart;
+    if (a_m > largest_m(law_) * (1 + 1e-9))
+        throw MismatchError(fmt::format("a ball of {:g} mm pushed {:.3g} mm in has a contact of radius {:.3g} mm: the model was trained under discs of {:g} mm at the most", 1e3 * radius_m_,
+                                        1e3 * place.inward.dot(push_m), 1e3 * a_m, 1e3 * largest_m(law_)));
+    const LawPress disc(mesh_, law_under(law_, a_m));
+    Equilibrium answer = disc.at(contact_m, push_m);
+    if (!answer) return answer;
+    // dE/da of the whole at rest is that of the contact with the tissue held
+    constexpr double step = 0.02;
+    const double low_m = (1 - step) * a_m, high_m = std::min((1 + step) * a_m, largest_m(law_));
+    const auto energy_J = [&](double radius_m) { return contact_energy_J(mesh_, law_under(law_, radius_m), contact_m, push_m, answer.displacement); };
+    answer.contact_force += (energy_J(high_m) - energy_J(low_m)) / (high_m - low_m) * growth(place.inward.dot(push_m) / place.radius_m) * place.inward;
+    answer.displacement = disc.seen(contact_m, push_m, std::move(answer.displacement));
+    return answer;
+}
+
+}  // namespace tissue
