@@ -245,7 +245,7 @@ if group ball; then
   mesh ball 0.0035 0.02 -setnumber contact_x 0.043
   gmsh -v 1 -3 -format msh22 "$here/quarter.geo" -o "$work/quarter.msh" > /dev/null
   for slip in 0 1; do
-    script solid_ball.edp "-mesh $work/ball.msh -ball_radius 0.01 -slip $slip -depth 0.0024 -contact_x 0.043 -contact_y 0.05 -contact_z 0.05 -direction_x 0.3 -direction_y -0.4 -direction_z -0.86602540378443865"
+    script solid_ball.edp "-mesh $work/ball.msh -ball_radius 0.01 -slip $slip -depth 0.0015 -contact_x 0.043 -contact_y 0.05 -contact_z 0.05 -direction_x 0.3 -direction_y -0.4 -direction_z -0.86602540378443865"
     script solid_hertz.edp "-mesh $work/quarter.msh -ball_radius 0.002 -slip $slip -depth 4e-5 -contact_x 0 -contact_y 0 -contact_z 0.05 -direction_x 0 -direction_y 0 -direction_z -1"
   done
   flip ball ball-flipped
