@@ -3,13 +3,13 @@
 # wanted". Exits 0 when every check passed. Needs FreeFem++-nw and gmsh; takes two minutes.
 #
 # Sample runs: tests/fem/test_solid.sh           the groups of `make test`
-#              tests/fem/test_solid.sh long      those of `make test-fe`: refine, memory and shape, three minutes
-#              tests/fem/test_solid.sh scripts|orders|paths|mirror|refine|memory|refusals|shape|count      one group alone
+#              tests/fem/test_solid.sh long      those of `make test-fe`: refine, memory, ball and shape, some minutes
+#              tests/fem/test_solid.sh scripts|orders|paths|mirror|refine|memory|ball|refusals|shape|count      one group alone
 #              TISSUECTL=build/release/tissuectl tests/fem/test_solid.sh shape
 here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
 root=$here/../..
 fem=$root/fem
-long=" refine memory shape "
+long=" refine memory ball shape "
 . "$here/groups"
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT INT TERM
@@ -60,6 +60,9 @@ if group scripts; then
   script solid_homogeneous.edp "-state shear"
   script solid_tangent.edp
   script solid_tangent.edp "-bed_1 100000"
+  ball="-ball_radius 0.05 -contact_x 0.1 -contact_y 0.05 -contact_z 0.05 -direction_x -1 -direction_y 0 -direction_z 0 -depth 0.02"
+  script solid_tangent.edp "-slip 0 $ball"
+  script solid_tangent.edp "-slip 1 $ball"
   branches="-branches 2 -g1 0.45 -tau1 0.5 -g2 0.365 -tau2 50"
   script solid_memory.edp "-state uniaxial $branches"
   script solid_memory.edp "-state shear $branches"
@@ -202,12 +205,15 @@ mirrored() { # ONE OTHER TOLERANCE SENTENCE: displacements of lattice nodes and 
       else print "not ok - " what ": relative difference " e " vs " tolerance
     }' "$work/$1.csv" "$work/$2.csv" | tee -a "$results"
 }
-if group mirror; then
+flip() { # ONE OTHER: a mesh and its image in the plane x = 0.05 m
   awk '/^\$Nodes/ { nodes = 1 } /^\$Elements/ { elements = 1 }
     nodes && NF == 4 { $2 = sprintf("%.17g", 0.1 - $2) }
     elements && $2 == 4 { t = $NF; $NF = $(NF - 1); $(NF - 1) = t }
     elements && $2 == 2 { t = $NF; $NF = $(NF - 1); $(NF - 1) = t }
-    /^\$EndNodes/ { nodes = 0 } { print }' "$work/off.msh" > "$work/flipped.msh"
+    /^\$EndNodes/ { nodes = 0 } { print }' "$work/$1.msh" > "$work/$2.msh"
+}
+if group mirror; then
+  flip off flipped
   mesh other 0.005 0.02 -setnumber contact_x 0.057
   solve l off 0.004 2 0.043 0.05 $tilt
   solve r flipped 0.004 2 0.057 0.05 -0.5 0 -0.86602540378443865
@@ -232,6 +238,20 @@ if group refine; then
       if (n == 4 && b > 0 && b < a && last < 0.01 * force[4]) printf "ok - the disc'"'"'s force settles under refinement, rate %.2f: %s\n", 2 * log(a / b) / log(2), line
       else printf "not ok - the disc'"'"'s force settles under refinement: %s vs shrinking differences\n", line
     }' | tee -a "$results"
+fi
+
+# ---- a rigid ball: balance, Hertz, mirror images
+if group ball; then
+  mesh ball 0.0035 0.02 -setnumber contact_x 0.043
+  gmsh -v 1 -3 -format msh22 "$here/quarter.geo" -o "$work/quarter.msh" > /dev/null
+  for slip in 0 1; do
+    script solid_ball.edp "-mesh $work/ball.msh -ball_radius 0.01 -slip $slip -depth 0.0015 -contact_x 0.043 -contact_y 0.05 -contact_z 0.05 -direction_x 0.3 -direction_y -0.4 -direction_z -0.86602540378443865"
+    script solid_hertz.edp "-mesh $work/quarter.msh -ball_radius 0.002 -slip $slip -depth 4e-5 -contact_x 0 -contact_y 0 -contact_z 0.05 -direction_x 0 -direction_y 0 -direction_z -1"
+  done
+  flip ball ball-flipped
+  solve ball-left ball 0.0024 2 0.043 0.05 $tilt -ball_radius 0.01 -steps 2
+  solve ball-right ball-flipped 0.0024 2 0.057 0.05 -0.5 0 -0.86602540378443865 -ball_radius 0.01 -steps 2
+  mirrored ball-left ball-right 1e-6 "a ball's mirrored pushes have mirrored answers on a mirrored mesh"
 fi
 
 # ---- a solid that relaxes follows a history
@@ -303,6 +323,15 @@ refused region $? 2 "-C1_x is not known" "parameters of a region without a label
 solve coarse off 0.002 1 0.043 0.05 0 0 -1 -C1_99 500
 if [ $? = 0 ] && grep -q "no element lies in region 99: -C1_99 is not used" "$work/coarse.log"; then say "ok - a region that the mesh is too coarse for is told in the log"
 else say "not ok - a region that the mesh is too coarse for is told in the log: $(tail -n 1 "$work/coarse.log") vs a line in the log"; fi
+solve ball off 0.002 1 0.043 0.05 0 0 -1 -ball_radius 0
+refused ball $? 2 "-ball_radius must be positive" "a ball of no radius is refused"
+solve slip off 0.002 1 0.043 0.05 0 0 -1 -ball_radius 0.01 -slip 2
+refused slip $? 2 "-slip must be 0 (no slip) or 1 (frictionless), got 2" "a slip that there is not is refused"
+solve disc off 0.002 1 0.043 0.05 0 0 -1 -slip 1
+refused disc $? 2 "-slip is not known" "a disc that is to slip is refused"
+solve away off 0.002 1 0.043 0.05 0 0 1 -ball_radius 0.01 -steps 1
+awk -F, '$1 == "step" && $2 == 1 { for (c = 4; c <= 10; ++c) if ($c > 1e-15 || $c < -1e-15) off = $c; seen = 1 }
+  END { if (seen && !off) print "ok - a ball that leaves the surface has no force"; else print "not ok - a ball that leaves the surface has no force: " seen + 0 " records, " off + 0 " vs 1, 0" }' "$work/away.csv" | tee -a "$results"
 solve points off 0.002 1 0.043 0.05 0 0 -1 -quadrature 5
 refused points $? 2 "-quadrature must be 4, 8 or 14" "a number of quadrature points that no rule has is refused"
 solve elsewhere off 0.002 1 0.053 0.05 0 0 -1
