@@ -386,8 +386,8 @@ $(R)/report.html: $(R)/report.md $(R)/eval.json $(R)/cases.h5 $(R)/model.h5 $(FI
 	@$(PYTHON) scripts/report/page.py $(R) $@
 
 REFERENCE_STUDIES := paper paper-axial paper-grid8 paper-grid8-turning surface surface-quick surface-sets \
-  surface-stress organ organ-lump measured measured-relax block3 block3-quick nodule3 organ3 relax nodule-relax block3-relax
-## reference: run the 19 studies of REFERENCE_STUDIES anew where they are not finished (hours), then write results/reference and the tables of README and results/RESULTS.md anew
+  surface-stress organ organ-lump measured measured-relax block3 block3-quick block3-tools nodule3 organ3 relax nodule-relax block3-relax
+## reference: run the 20 studies of REFERENCE_STUDIES anew where they are not finished (hours), then write results/reference and the tables of README and results/RESULTS.md anew
 reference:
 	@for study in $(REFERENCE_STUDIES); do $(MAKE) all STUDY=$$study || exit 1; done
 	@for study in $(filter surface block3,$(REFERENCE_STUDIES)); do $(MAKE) ablation STUDY=$$study || exit 1; done

@@ -45,6 +45,7 @@ SUMMARY = [  # README's rows: what it is, study, role, what stands beside it
     ("a small one, for one's own tissue", "surface-quick", "held_out", "heuristic_a_patch", VAN_GELDER),
     ("a section of an organ", "organ", "held_out", "heuristic_a_patch", VAN_GELDER),
     ("a block in space", "block3", "held_out", "heuristic_a_patch", VAN_GELDER),
+    ("the same under discs of 4, 6 and 8.5 mm, trained at 3, 5, 7 and 10", "block3-tools", "held_out", "heuristic_a_patch", VAN_GELDER),
     ("a nodule in it", "nodule3", "held_out", "heuristic_a_patch", VAN_GELDER),
     ("an organ in space", "organ3", "held_out", "heuristic_a_patch", VAN_GELDER),
     ("learned from noisy synthetic forces, in place of measured ones", "measured", "held_out", "repeat", "measured again"),
@@ -169,6 +170,21 @@ def space_table(evaluations):
                     + (seconds(training.get('seconds')) if model == "learned" else "") + " | " + " | ".join(cells) + " |")
     rows.append("| the truth's own error, finer mesh | | " + three(evaluations["block3"]["truth_check"]) + " | " * 6 + "|")
     return rows
+
+
+def tools_table(e):
+    """Study block3-tools: the law by the radius of the disc that pressed; no test contact's disc was trained."""
+    of_disc = {role: {entry["radius_m"]: entry for entry in e["by_radius"][role]} for role in SPACE_ROLES}
+    rows = ["| disc | " + " | ".join(f"{role}: force | shape" for role in SPACE_ROLES) + " |", "|---|" + "---|---|" * len(SPACE_ROLES)]
+
+    def row(name, models, model):
+        return f"| {name} | " + " | ".join(f"{three(m[model])} | {shape(m[model])}" if m else " | " for m in models) + " |"
+
+    for radius_m in sorted(set().union(*of_disc.values())):
+        rows.append(row(f"{1e3 * radius_m:g} mm", [of_disc[role].get(radius_m) for role in SPACE_ROLES], "learned"))
+    every = [e["closed_loop"][role] for role in SPACE_ROLES]
+    return rows + [row(name, every, model) for name, model in
+                   (("all of them", "learned"), ("all, nothing learned", "untrained"), ("all, heuristic, E2 = E, under the untrained law's contact", "heuristic_a_patch"))]
 
 
 def nodule_table(e):
@@ -324,6 +340,8 @@ def tables(evaluations):
         yield "drawn", drawn_table(e)
     if of("block3", "block3-quick", "nodule3", "organ3"):
         yield "space", space_table(e)
+    if of("block3-tools"):
+        yield "tools", tools_table(e["block3-tools"])
     if of("nodule3"):
         yield "nodule", nodule_table(e["nodule3"])
     if of(*RELAXING):
