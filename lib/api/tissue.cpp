@@ -77,11 +77,12 @@ tissue_status set(HapticOptions& options, const char* name, const char* value, b
     return TISSUE_OK;
 }
 
-/// To a caller whose struct may have fewer or more members than this library's.
+/// To a caller whose struct may have more members than this library's.
 template <class Struct>
 tissue_status hand_out(const Struct& ours, Struct* to, size_t size) noexcept {
+    if (size < sizeof ours) return bad("size is that of no struct of tissue.h: pass sizeof of the one that is filled");
     std::memset(to, 0, size);
-    std::memcpy(to, &ours, std::min(size, sizeof ours));
+    std::memcpy(to, &ours, sizeof ours);
     return TISSUE_OK;
 }
 

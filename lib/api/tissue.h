@@ -70,10 +70,10 @@ TISSUE_API tissue_status tissue_begin(const tissue_model *model, tissue_session 
 TISSUE_API void tissue_close_model(tissue_model **model);
 
 /* One step of dt: where the device is [m], and the force that it puts on the hand [N]. elapsed_s: since the last tick, as the clock says; 0: dt; negative or not finite: the host does not
- * know, and the library's own clock tells (of the first tick: dt). The tissue goes through that time, whatever the rate, and the force is the same at any from 50 Hz to 8 kHz, with hold "inf" from 10 Hz; a stall of more than
+ * know, and the library's own clock tells (of the first tick: dt). The tissue goes through that time, whatever the rate, and the force is the same at any from 50 Hz to 8 kHz (of a hand that rests; while it moves the tool is led one period ahead), with hold "inf" from 10 Hz at an even rate; a stall of more than
  * half a second is lost to it (TISSUE_OVERRUN; count "lost_ms", tissue_read_limits). Where ticks take longer than the time that they go through, the tissue runs slower than the clock, and lost_ms
  * counts by how much; where they take more than half of it, a stall is not made up for. That needs an elapsed_s that is the system's clock, taken right before the tick, over some fifty ticks, or five between
- * which it changes by a tenth: a host that plays another time loses none.
+ * which it changes by a tenth: a host that plays another time loses none, unless its ticks take that time to some tenths of a percent, and one that keeps up loses none while its periods stray by less than a tenth.
  * A force that the device still holds after option "hold" (0.05 s) is in no energy log: a host whose ticks may stall sees to it that the device lets go, or sets hold to "inf". A tick that comes
  * later than half of it, 0.025 s, begins at zero force (TISSUE_OK; limits' `late` counts it): 50 Hz, with a clock that strays by 5 ms, is the slowest rate by default. That long a hold has a price. While ticks come every dt the energy that the port may give is bounded by 0.0066 J,
  * whatever hold is; after a stall by hold / dt times that, 0.33 J by default. With hold 0.01, which serves hosts from 200 Hz on, it is 0.066 J.
@@ -157,6 +157,7 @@ typedef struct tissue_contact {
     double displacement_m[3];  /* of the touched point of the learned mesh; of a law the tool's own */
     double force_N[3];         /* of the tool on the tissue; of an energy model at most force-max / force-scale */
     int slipping;              /* 1 where it went along the surface in this tick */
+    int reserved;              /* 0: without it the struct would end in padding, which a new member would take */
 } tissue_contact;
 
 TISSUE_API tissue_status tissue_read_contact(const tissue_session *session, tissue_contact *contact, size_t size); /* sizeof *contact */

@@ -36,7 +36,7 @@ class Device {
     /// Position at `time_s`, the tick's place on the schedule, 0 at the first.
     virtual DeviceSample read(double time_s) noexcept = 0;
 
-    /// In place of read(), where the tick is left out. A device that moves by itself stays where it is.
+    /// In place of read(), where the tick is left out. By default the device goes on; a pointer stays where it is.
     virtual DeviceSample stand_still(double time_s) noexcept { return read(time_s); }
 
     /// The force to put on the hand [N] until the next write, or for force_held_s. Before start() and after stop()

@@ -111,6 +111,8 @@ class Safety {
         if (observed_J_ < 0) observed_J_ = 0;
     }
 
+    /// The next sample begins the hand's way anew: what it went since the last one is no motion of a tick.
+    void begin_way() noexcept { jumped_ = true; }
     bool has_motion() const { return has_motion_; }  ///< the last sample admitted and the one before it are one way of the hand
     double between_s() const { return between_s_; }  ///< these two were measured so far apart; 0: they are one position, that was read twice
 

@@ -96,7 +96,7 @@ static double since_last_s(double elapsed_s, const HapticOptions& o) noexcept {
 }
 
 /// Time that is owed is made up for while a tick costs less than half of the time that it goes through. Where it costs more, in two ticks one after the other (one alone was interrupted), a tick
-/// that goes through all that is owed makes the next one late, which then owes more. Such a tick goes through the usual time between ticks, and a tenth more where they stray, so that a host that keeps up loses none.
+/// that goes through all that is owed makes the next one late, which then owes more. Such a tick goes through the usual time between ticks and a tenth more: a host that keeps up loses none while its periods stray by less than that.
 /// Where it would cost more than 0.9 of that time, it goes through less, so that it costs 0.9. The usual time follows a shorter one at once and a longer one slowly: a stall changes nothing,
 /// and ticks that were long become short again. What is owed beyond that is lost. A tick always goes through dt.
 void Simulation::keep_ticks_short(double since_s, double cost_s) noexcept {
@@ -108,8 +108,8 @@ void Simulation::keep_ticks_short(double since_s, double cost_s) noexcept {
     went_s_ = 0;
 }
 
-/// The tissue has to come to the end of the time in which this tick's force is held, which will be as long as the ticks before were. One tick that comes much later than dt was stalled, and says
-/// nothing of that; two are a host that is slow.
+/// The tissue has to come to the end of the time in which this tick's force is held, which will be as long as the ticks before were. One tick that comes much later than dt was
+/// stalled, and does not count; after two in a row the host is slow.
 void Simulation::time_passes(double seconds) noexcept {
     constexpr double longest_debt_s = 0.5;
     const double longest_period_s = std::max(longest_dt_s, 4 * model_.options.dt_s) * (1 + 1e-9);  // a clock's differences are rounded
@@ -129,7 +129,7 @@ void Simulation::time_passes(double seconds) noexcept {
 int Simulation::steps_due(std::size_t m) noexcept {
     const HapticMesh& mesh = *model_.meshes[m];
     const double dt_s = model_.options.dt_s, h = dt_s / mesh.substeps;
-    const bool too_dear = longest_s_ < usual_s_;  // then no step too many
+    const bool too_dear = longest_s_ < usual_s_;  // steps are rounded down then
     const double longest_s = too_dear ? h * std::floor(longest_s_ / h * (1 + 1e-9)) : longest_s_ + spare_s_[m];
     const double most_s = std::max({most_periods * dt_s, 2 * period_s_, steady_s()});  // or a slow host would never catch up
     double left_s = due_s_[m] - dt_s + period_s_;
@@ -257,6 +257,8 @@ Eigen::Vector3d Simulation::stand_still(const DeviceSample& sample, double passe
         stood_s_ += passed_s;
     else if (!safety_.admit(sample, passed_s))
         disarm(record_.master_m);
+    else
+        safety_.begin_way();  // or the next tick would take the way of both periods for its own
     return record_.device_N = safety_.stop();
 }
 

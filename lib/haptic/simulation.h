@@ -24,7 +24,7 @@
 namespace tissue {
 
 constexpr double longest_dt_s = 0.025;       ///< 40 Hz: half of what a device of C and Python holds a force for
-constexpr double slowest_period_s = 0.1;     ///< of a host whose device holds a force for longer: 10 Hz
+constexpr double slowest_period_s = 0.1;     ///< 10 Hz: of a host whose device holds a force for longer than that
 
 struct HapticOptions {
     double dt_s = 1e-3;               ///< 1 kHz, the paper's rate; 1e-6 to longest_dt_s, and half of what the device holds a force for
@@ -188,7 +188,7 @@ class Simulation {
     Eigen::Vector3d tick(const DeviceSample& sample, double elapsed_s = 0, double cost_s = 0) noexcept;
 
     /// In place of a tick: everything stays as it is, the tissue's time too, and no force goes out [N]. passed_s: since the last tick or call of this; a hand may go on meanwhile. The force of
-    /// the last tick was on the hand until now: its energy is booked.
+    /// the last tick was on the hand until now: its energy is booked. Two things change all the same: a position that is refused counts and ends the contact, and a sample's reset puts the tissue to rest.
     Eigen::Vector3d stand_still(const DeviceSample& sample, double passed_s) noexcept;
 
     const TickRecord& record() const { return record_; }
@@ -263,7 +263,7 @@ class Simulation {
     std::vector<std::unique_ptr<RealtimeLaw>> laws_;  ///< of the meshes that have one
     Safety safety_;
     std::vector<double> due_s_;   ///< how far each mesh is behind a period after now
-    std::vector<double> spare_s_; ///< of longest_s_, left by the ticks before: a tick is whole steps, and those may be long
+    std::vector<double> spare_s_; ///< the part of longest_s_ that the ticks before did not use, since a tick goes through whole steps; of each mesh
     double since_[2] = {0, 0};    ///< that passed before the last tick and before this one
     double period_s_;             ///< mean time between ticks: as long as a force is held
     double went_s_ = 0;           ///< through which the meshes went in the last tick

@@ -10,7 +10,7 @@ namespace tissue {
 
 /// What the clock says of a host's ticks, for Simulation::tick(): how long ago the last one began, where the host does not say it; and what ticks cost. A cost counts where
 /// elapsed_s is what the clock says between two starts: a host takes it right before the tick. Who plays another time, as replays and simulated hands do, has ticks that may cost what they will,
-/// and a session that does the same on any machine. Such a time may be the clock's by chance for some ticks: see weigh().
+/// and a session that does the same on any machine. Another time of nearly the same length may be taken for the clock's: see weigh().
 class TickClock {
    public:
     struct Start {
@@ -46,9 +46,9 @@ class TickClock {
     static constexpr int enough = 50, most = 2 * enough;  ///< ticks
     static constexpr double shortest_s = 1e-9;            ///< two starts at one time; 0 would be dt
 
-    /// Whether elapsed_s is the clock's: within a twentieth in this tick, and together in as many as are enough, which another time of nearly the same length is not for long. A time that changes by
-    /// more than that from tick to tick and still agrees counts for ten: who plays another time does not know how long a tick took, and ticks that become ever longer must count soon. Of a host
-    /// that has agreed for long two ticks that do not change nothing: it was interrupted between its look at the clock and the tick.
+    /// Evidence grows by 1 a tick whose elapsed_s is within 5 % of the clock's, by 10 if elapsed_s has also changed by more than 10 % since the last tick: who plays another time does not know how
+    /// long a tick took. It falls by 25 a tick outside 5 %, so that a host that has agreed for long may be interrupted twice, and to 0 when the weighted sum of differences is above 5 % of a tick.
+    /// Another time that differs by less than some 0.15 % a tick, or by chance as much up as down, agrees all the same.
     void weigh(double elapsed_s, double off_s) noexcept {
         const double near_s = 0.05 * elapsed_s;
         if (!(std::abs(off_s) <= near_s)) {

@@ -84,11 +84,12 @@ OpenPlace walk(int from, const std::string& path, const std::string& named, Open
         const ssize_t length = ::readlinkat(next->descriptor(), "", target.data(), target.size());
         if (length <= 0) fail(std::strerror(errno));
         target.resize(static_cast<std::size_t>(length));
+        if (last && target.back() == '/') throw is_folder();
         prepend(left, target);
         if (target[0] == '/') at = std::make_unique<OpenFolder>(begin(AT_FDCWD, target));
     }
     if (end != Last::folder && path.empty()) fail(std::strerror(ENOENT));
-    if (end != Last::folder) throw is_folder();  // a link that leads to /
+    if (end != Last::folder) throw is_folder();  // /, or a link that leads there
     return arrived("");
 }
 

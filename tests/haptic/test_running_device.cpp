@@ -293,6 +293,20 @@ TEST_CASE("a pause is none of the tissue's time: not made up for, not lost, and 
     CHECK(simulation.safety().counters().jump == 0);  // 4 mm, but in three seconds
 }
 
+TEST_CASE("the hand's way in a pause is no speed of the tick after it", "[device]") {
+    const HapticModel model(law_example(), {});
+    const auto hand = [](int k) { return sample_at(0.05, 0.102 - 2e-4 * k); };  // 0.2 m/s
+    Simulation paused(model), late(model);
+    for (int k = 0; k < 40; ++k)
+        for (Simulation* s : {&paused, &late}) s->tick(hand(k), 1e-3);
+    REQUIRE(paused.safety().force_N().norm() > 0);
+    paused.stand_still(hand(40), 1e-3);
+    paused.tick(hand(41), 1e-3);
+    late.tick(hand(41), 2e-3);
+    CHECK(paused.record().coupling_N.norm() > 0);
+    CHECK(paused.record().coupling_N.norm() < 1.02 * late.record().coupling_N.norm());
+}
+
 TEST_CASE("the energy of the force that was held until a pause began is booked, and none of the pause", "[device]") {
     class Pause final : public TickHook {
        public:
