@@ -249,8 +249,8 @@ if group ball; then
     script solid_hertz.edp "-mesh $work/quarter.msh -ball_radius 0.002 -slip $slip -depth 4e-5 -contact_x 0 -contact_y 0 -contact_z 0.05 -direction_x 0 -direction_y 0 -direction_z -1"
   done
   flip ball ball-flipped
-  solve ball-left ball 0.0024 2 0.043 0.05 $tilt -ball_radius 0.01 -steps 2
-  solve ball-right ball-flipped 0.0024 2 0.057 0.05 -0.5 0 -0.86602540378443865 -ball_radius 0.01 -steps 2
+  solve ball-left ball 0.001 2 0.043 0.05 $tilt -ball_radius 0.01 -steps 2
+  solve ball-right ball-flipped 0.001 2 0.057 0.05 -0.5 0 -0.86602540378443865 -ball_radius 0.01 -steps 2
   mirrored ball-left ball-right 1e-6 "a ball's mirrored pushes have mirrored answers on a mirrored mesh"
 fi
 
