@@ -67,7 +67,7 @@ ContactAnswer answer_of(const LawPress& law, const Point& contact_m, const Point
 ContactAnswer answer_of(const BallPress& ball, const Point& contact_m, const Point& push_m) {
     try {
         return answer_of(ball.at(contact_m, push_m));
-    } catch (const MismatchError& too_deep) {
+    } catch (const ContactTooLargeError& too_deep) {
         return {{}, {}, too_deep.what()};
     }
 }

@@ -18,7 +18,7 @@ namespace {
 
 double largest_m(const LawModel& law) { return law.sizes.radii_m[law.sizes.radii_m.size() - 1]; }
 
-/// law_at_radius, and below the smallest disc a half space's: there the lattice, which a correction stands for, gives way less than the contact does, in proportion.
+/// law_at_radius, and below the smallest disc a half space's. The correction is scaled by the ratio of radii: the smaller the contact, the smaller the lattice's part of the compliance.
 LawModel law_under(const LawModel& law, double contact_radius_m) {
     const double least_m = law.sizes.radii_m[0];
     if (contact_radius_m >= least_m) return law_at_radius(law, contact_radius_m);
@@ -51,7 +51,7 @@ BallPress::BallPress(const SpringMesh& mesh, LawModel law, double radius_m) : me
 BallPress::Place BallPress::place_at(const Point& contact_m) const {
     const ContactRows rows = kernel_->rows_at(contact_m);
     const double curved = rows.factors[PatchLaw::curved_factor] / law_.disc_radius_m;
-    return {rows.push.row(0).transpose(), 1 / std::max(1 / radius_m_ + curved, 1e-3 / radius_m_)};  // in a hollow as round as the ball all of it touches at once
+    return {rows.push.row(0).transpose(), 1 / std::max(1 / radius_m_ + curved, 1e-3 / radius_m_)};  // bounded where the surface is as hollow as the ball is round
 }
 
 double BallPress::contact_radius_m(const Place& place, const Point& push_m) const {
@@ -70,9 +70,11 @@ Equilibrium BallPress::at(const Point& contact_m, const Point& push_m) const {
         return {apart.displacement, apart.contact_force, EquilibriumStatus::no_contact};
     }
     const double a_m = contact_radius_m(place, push_m);
-    if (!(a_m > 0)) return apart;
+    if (!(place.inward.dot(push_m) > 0)) return apart;
+    if (place.inward.dot(push_m) > place.radius_m || a_m > radius_m_)
+        throw ContactTooLargeError(fmt::format("a ball of {:g} mm pushed {:.3g} mm in is more than half in the tissue", 1e3 * radius_m_, 1e3 * place.inward.dot(push_m)));
     if (a_m > largest_m(law_) * (1 + 1e-9))
-        throw MismatchError(fmt::format("a ball of {:g} mm pushed {:.3g} mm in has a contact of radius {:.3g} mm: the model was trained under discs of {:g} mm at the most", 1e3 * radius_m_,
+        throw ContactTooLargeError(fmt::format("a ball of {:g} mm pushed {:.3g} mm in has a contact of radius {:.3g} mm: the model was trained under discs of {:g} mm at the most", 1e3 * radius_m_,
                                         1e3 * place.inward.dot(push_m), 1e3 * a_m, 1e3 * largest_m(law_)));
     const LawPress disc(mesh_, law_under(law_, a_m));
     Equilibrium answer = disc.at(contact_m, push_m);

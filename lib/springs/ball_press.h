@@ -2,18 +2,26 @@
 
 #include <memory>
 
+#include "error.h"
 #include "springs/contact_kernel.h"
 #include "springs/equilibrium.h"
 #include "springs/tissue_model.h"
 
 namespace tissue {
 
-/// A rigid ball pressed into a law in space that knows discs of several radii (springs/law_at_radius.h). Where Hertz's contact has the radius a, the tissue under the ball follows that of the disc,
+/// A ball is deeper than its law can say.
+class ContactTooLargeError : public MismatchError {
+   public:
+    using MismatchError::MismatchError;
+};
+
+/// A rigid ball pressed into a model in space that was trained under discs of several radii (springs/law_at_radius.h). Where Hertz's contact has the radius a, the tissue under the ball follows that of the disc,
 /// u = (1 - (r / a)^2 / 2) d (springs/disc_contact.h): a ball at the depth d is the disc of radius a(d), and what is stored is E(a(d), d). Its force is the derivative along that way,
 ///   F = dE/dd + dE/da a'(d_n) inward,   d_n the part of d along the inward normal,
 /// on a half space 5/4 of the first part alone: the resultant of Hertz's pressure, not what is conjugate to the disc's d. With 1 / R_e = 1 / R + H, H the surface's mean curvature there,
 ///   a = sqrt(R_e d_n) (1 - d_n / (14 R_e))
-/// is the disc that stores on a half space what a sphere does (Sneddon 1965): force within 0.1 % up to d_n = 0.6 R_e. Without slip; pushed aside, as if it had landed where the push begins, and stuck at once.
+/// is the disc that stores on a half space what a sphere does (Sneddon 1965): force within 0.1 % up to d_n = R_e, where half of the ball is in; deeper ones are refused. Without slip. Of an oblique
+/// displacement the contact stays where it first touched, and the ball does not roll.
 class BallPress {
    public:
     /// Throws MismatchError for a radius [m] that is not positive, and for a law that has no disc or knows only its own.
@@ -22,7 +30,8 @@ class BallPress {
     /// Radius of the contact where the ball is pushed there by d [m]; 0 where it is drawn away.
     double contact_radius_m(const Point& contact_m, const Point& push_m) const;
 
-    /// From rest, as LawPress::at, with the displacement as it is seen (LawPress::seen). Below the smallest disc that the law knows its contact goes on as on a half space. Throws MismatchError where the contact is larger than the largest one.
+    /// From rest, as LawPress::at, with the displacement as it is seen (LawPress::seen). Below the smallest disc that the law knows its contact goes on as on a half space. Throws ContactTooLargeError where the contact is larger than the largest one,
+    /// or the ball more than half in.
     Equilibrium at(const Point& contact_m, const Point& push_m) const;
 
    private:

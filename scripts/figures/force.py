@@ -16,7 +16,7 @@ def draw(results):
         axis.plot(x, np.array(curve["fe_N"]) * 1e3, color=COLOURS["fe"], linewidth=2.2, label=LABELS["fe"])
         serving = np.array(curve["serving_set"])
         for model in ("learned", "heuristic_a", "heuristic_b"):
-            y = np.array(curve["models_N"][model]) * 1e3
+            y = np.array(curve["models_N"][model], dtype=float) * 1e3  # null: no answer
             # the learned model changes its spring set between magnitudes: a jump, not a slope
             for name in dict.fromkeys(serving) if model == "learned" else [None]:
                 part = serving == name if name else np.full(len(x), True)
