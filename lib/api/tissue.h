@@ -19,7 +19,7 @@
  * Closing sets the caller's pointer to NULL, and closing NULL does nothing: closing twice is harmless. A second copy of the pointer is the caller's own to forget.
  *
  * Links: -ltissue alone (pkg-config tissue-c). Symbols are versioned (TISSUE_1); what has been in a release stays. A struct may get more members at its end: a call that fills one takes sizeof of the
- * caller's own and writes so many bytes. What the library does not know yet is zero.
+ * caller's own and writes so many bytes; one that is smaller than the struct of the first release is refused (TISSUE_BAD_ARGUMENT). What the library does not know yet is zero.
  */
 #ifndef TISSUE_H
 #define TISSUE_H

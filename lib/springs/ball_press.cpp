@@ -36,8 +36,9 @@ double contact_energy_J(const SpringMesh& mesh, const LawModel& law, const Point
     return contact.load(push_m, contact.gather(u)).energy_J;
 }
 
-/// da/dd of a / R_e = sqrt(x) (1 - x / 14), x = d / R_e.
-double growth(double x) { return 0.5 / std::sqrt(x) - 3.0 / 28 * std::sqrt(x); }
+/// a / R_e at x = d_n / R_e, and its derivative by x, which is a'(d_n).
+double spread(double x) { return std::sqrt(x) * (1 - x / 14); }
+double spread_by_x(double x) { return 0.5 / std::sqrt(x) - 3.0 / 28 * std::sqrt(x); }
 
 }  // namespace
 
@@ -55,27 +56,27 @@ BallPress::Place BallPress::place_at(const Point& contact_m) const {
 }
 
 double BallPress::contact_radius_m(const Place& place, const Point& push_m) const {
-    const double deep = place.inward.dot(push_m) / place.radius_m;
-    return deep > 0 ? place.radius_m * std::sqrt(deep) * (1 - deep / 14) : 0;
+    const double x = place.inward.dot(push_m) / place.radius_m;
+    return x > 0 ? place.radius_m * spread(x) : 0;
 }
 
 double BallPress::contact_radius_m(const Point& contact_m, const Point& push_m) const { return contact_radius_m(place_at(contact_m), push_m); }
 
 Equilibrium BallPress::at(const Point& contact_m, const Point& push_m) const {
-    const Equilibrium apart{NodeField::Zero(mesh_.node_count(), 3), Eigen::VectorXd::Zero(3), EquilibriumStatus::balanced};
+    Equilibrium none{NodeField::Zero(mesh_.node_count(), 3), Eigen::VectorXd::Zero(3), EquilibriumStatus::balanced};
     Place place;
     try {
         place = place_at(contact_m);
     } catch (const NoContactError&) {
-        return {apart.displacement, apart.contact_force, EquilibriumStatus::no_contact};
+        none.status = EquilibriumStatus::no_contact;
+        return none;
     }
-    const double a_m = contact_radius_m(place, push_m);
-    if (!(place.inward.dot(push_m) > 0)) return apart;
-    if (place.inward.dot(push_m) > place.radius_m || a_m > radius_m_)
-        throw ContactTooLargeError(fmt::format("a ball of {:g} mm pushed {:.3g} mm in is more than half in the tissue", 1e3 * radius_m_, 1e3 * place.inward.dot(push_m)));
+    const double depth_m = place.inward.dot(push_m), a_m = contact_radius_m(place, push_m);
+    if (!(depth_m > 0)) return none;
+    const auto refuse = [&](const std::string& why) { throw ContactTooLargeError(fmt::format("a ball of {:g} mm pushed {:.3g} mm in {}", 1e3 * radius_m_, 1e3 * depth_m, why)); };
+    if (depth_m > place.radius_m || a_m > radius_m_) refuse("is more than half in the tissue");
     if (a_m > largest_m(law_) * (1 + 1e-9))
-        throw ContactTooLargeError(fmt::format("a ball of {:g} mm pushed {:.3g} mm in has a contact of radius {:.3g} mm: the model was trained under discs of {:g} mm at the most", 1e3 * radius_m_,
-                                        1e3 * place.inward.dot(push_m), 1e3 * a_m, 1e3 * largest_m(law_)));
+        refuse(fmt::format("has a contact of radius {:.3g} mm: the model was trained under discs of {:g} mm at the most", 1e3 * a_m, 1e3 * largest_m(law_)));
     const LawPress disc(mesh_, law_under(law_, a_m));
     Equilibrium answer = disc.at(contact_m, push_m);
     if (!answer) return answer;
@@ -83,7 +84,7 @@ Equilibrium BallPress::at(const Point& contact_m, const Point& push_m) const {
     constexpr double step = 0.02;
     const double low_m = (1 - step) * a_m, high_m = std::min((1 + step) * a_m, largest_m(law_));
     const auto energy_J = [&](double radius_m) { return contact_energy_J(mesh_, law_under(law_, radius_m), contact_m, push_m, answer.displacement); };
-    answer.contact_force += (energy_J(high_m) - energy_J(low_m)) / (high_m - low_m) * growth(place.inward.dot(push_m) / place.radius_m) * place.inward;
+    answer.contact_force += (energy_J(high_m) - energy_J(low_m)) / (high_m - low_m) * spread_by_x(depth_m / place.radius_m) * place.inward;
     answer.displacement = disc.seen(contact_m, push_m, std::move(answer.displacement));
     return answer;
 }

@@ -104,6 +104,7 @@ TEST_CASE("where links lead is found as the system finds it", "[export]") {
     std::filesystem::create_directory_symlink(folder.file("down"), folder.file("whole"));
     std::filesystem::create_directory_symlink("loop", folder.file("loop"));
     std::filesystem::create_symlink("down/new.txt", folder.file("file"));
+    std::filesystem::create_symlink("none/", folder.file("slash"));
     write_file(folder.file("whole/../up.txt"), "1");
     CHECK(read_file(folder.file("a/up.txt")) == "1");
     CHECK(place_of(folder.file("file")).name == "file");
@@ -115,5 +116,5 @@ TEST_CASE("where links lead is found as the system finds it", "[export]") {
     CHECK_THAT(refusal<FileError>([&] { write_file(folder.file("a/up.txt/b"), "x"); }), Contains("Not a directory"));
     CHECK(behind.is_open_as == -1);
     CHECK(place_behind_links("/dev/stdout").is_open_as == 1);
-    for (const char* name : {"none/", "file/", "a", "down", "whole"}) CHECK_THAT(refusal<FileError>([&] { place_behind_links(folder.file(name)); }), Contains("is a folder's name, wanted a file's"));
+    for (const char* name : {"none/", "file/", "a", "down", "whole", "slash"}) CHECK_THAT(refusal<FileError>([&] { place_behind_links(folder.file(name)); }), Contains("is a folder's name, wanted a file's"));
 }

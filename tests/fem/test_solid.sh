@@ -252,6 +252,10 @@ if group ball; then
   solve ball-left ball 0.001 2 0.043 0.05 $tilt -ball_radius 0.01 -steps 2
   solve ball-right ball-flipped 0.001 2 0.057 0.05 -0.5 0 -0.86602540378443865 -ball_radius 0.01 -steps 2
   mirrored ball-left ball-right 1e-6 "a ball's mirrored pushes have mirrored answers on a mirrored mesh"
+  # at the first touch the contact is smaller than an element, and force no power 3/2 of the depth
+  if solve ball-whole ball 0.0012 1 0.043 0.05 0 0 -1 -ball_radius 0.01 && [ "$(tail -n 1 "$work/ball-whole.csv")" = end,2 ]
+  then say "ok - a ball's path is solved in the default steps on a mesh that is coarse for its first touch"
+  else say "not ok - a ball's path is solved in the default steps on a mesh that is coarse for its first touch: $(head -c 200 "$work/ball-whole.err") vs end,2"; fi
 fi
 
 # ---- a solid that relaxes follows a history
@@ -327,6 +331,9 @@ solve ball off 0.002 1 0.043 0.05 0 0 -1 -ball_radius 0
 refused ball $? 2 "-ball_radius must be positive" "a ball of no radius is refused"
 solve slip off 0.002 1 0.043 0.05 0 0 -1 -ball_radius 0.01 -slip 2
 refused slip $? 2 "-slip must be 0 (no slip) or 1 (frictionless), got 2" "a slip that there is not is refused"
+echo > "$work/none.history"
+solve steps off 0.002 1 0.043 0.05 0 0 -1 -history "$work/none.history" -steps 4
+refused steps $? 2 "-steps is not for a history" "steps of a history, whose file has them, are refused"
 solve disc off 0.002 1 0.043 0.05 0 0 -1 -slip 1
 refused disc $? 2 "-slip is not known" "a disc that is to slip is refused"
 solve away off 0.002 1 0.043 0.05 0 0 1 -ball_radius 0.01 -steps 1
