@@ -117,7 +117,7 @@ void run(const Probe& o) {
     if (tissue.energy_law) answer.emplace(tissue.mesh, relaxes ? long_term(*tissue.energy_law) : *tissue.energy_law);
     const FreeSurface surface(tissue.mesh);
     const double depth_m = tissue.magnitude_m.maxCoeff();
-    int moving = 0, tried = 0, left_out = 0;
+    int moving = 0, slower = 0, tried = 0, left_out = 0;
     Moved moved;
     for (const double force_scale : {0.5, 1.0, 2.0, 3.0}) {
         HapticOptions options;
@@ -151,15 +151,17 @@ void run(const Probe& o) {
                         const bool rests = rest.swing_m < 1e-4 && rest.swing_N < 0.05 * rest.force_N + 1e-3 && rest.controlled < 0.01 && rest.faults == 0 && std::abs(off) < 0.02;
                         ++tried;
                         moving += !rests;
+                        // swings alone are left, and no larger ones than the hand's own damping leaves
+                        slower += !rests && !(rest.swing_m < rest.damped_m && rest.controlled < 0.01 && rest.faults == 0 && std::abs(off) < 0.02);
                         if (rests && !o.all) continue;
-                        std::cout << fmt::format("force scale {:3.1f}  {:6} {:10} {:13} K dt^2 / m {:5.3f} {:6.3f} N: swing {:7.4f} mm {:6.3f} N, controller {:5.1f} %, off equilibrium {:+6.1f} %, faults {}{}{}\n", force_scale, at.name,
-                                                 hand.name, clock.name, felt, rest.force_N, 1e3 * rest.swing_m, rest.swing_N, 100 * rest.controlled, 100 * off, rest.faults, rest.contact ? "" : ", no contact", rests ? ", rests" : "");
+                        std::cout << fmt::format("force scale {:3.1f}  {:6} {:10} {:13} K dt^2 / m {:5.3f} {:6.3f} N: swing {:7.4f} mm {:6.3f} N (own damping leaves {:.4f} mm), controller {:5.1f} %, off equilibrium {:+6.1f} %, faults {}{}{}\n", force_scale, at.name,
+                                                 hand.name, clock.name, felt, rest.force_N, 1e3 * rest.swing_m, rest.swing_N, 1e3 * rest.damped_m, 100 * rest.controlled, 100 * off, rest.faults, rest.contact ? "" : ", no contact", rests ? ", rests" : "");
                     }
         }
         in_motion(o, tissue, answer, surface, force_scale, moved);
         if (force_scale < 3) continue;
-        std::cout << fmt::format("{} times {:g}, {:.0f} N/m at once, {} steps a tick, lead {:.2f}: {} of {} do not come to rest, {} left out\n", o.model, o.times, model.meshes[0]->contact_N_m, model.meshes[0]->substeps,
-                                 model.meshes[0]->lead, moving, tried, left_out);
+        std::cout << fmt::format("{} times {:g}, {:.0f} N/m at once, {} steps a tick, lead {:.2f}: {} of {} do not come to rest, {} of these other than by the hand's own damping, {} left out\n", o.model, o.times, model.meshes[0]->contact_N_m, model.meshes[0]->substeps,
+                                 model.meshes[0]->lead, moving, tried, slower, left_out);
         std::cout << fmt::format("in motion: {} of {} get energy, tremble, leave the tissue that they drag over or need the controller, {} left out\n", moved.wrong, moved.tried, moved.refused);
     }
 }

@@ -34,6 +34,7 @@ DeviceImpedance stricter(DeviceImpedance said, const DeviceImpedance& known) {
     if (said.damping_Ns_m == 0) said.damping_Ns_m = known.damping_Ns_m;
     said.stiffness_N_m = std::min(said.stiffness_N_m, known.stiffness_N_m);
     said.force_max_N = std::min(said.force_max_N, known.force_max_N);
+    said.rate_Hz = std::min(said.rate_Hz, known.rate_Hz);
     return said;
 }
 

@@ -11,13 +11,14 @@ struct DeviceImpedance {
     double damping_Ns_m = 0;                                         ///< of its own
     double stiffness_N_m = std::numeric_limits<double>::infinity();  ///< the largest that it can show
     double force_max_N = std::numeric_limits<double>::infinity();    ///< at its nominal position
+    double rate_Hz = std::numeric_limits<double>::infinity();        ///< at which it measures positions and takes forces
 };
 
 /// A Touch, and its predecessor the PHANTOM Omni: mass 45 g, 3.3 N, 1.02 N/mm on its softest axis by the vendor's data sheet. The sheet has no damping,
-/// and none is relied on.
-inline constexpr DeviceImpedance touch_impedance{"Touch", 0.045, 0, 1020, 3.3};
+/// and none is relied on. OpenHaptics reads positions and sets forces at 1 kHz.
+inline constexpr DeviceImpedance touch_impedance{"Touch", 0.045, 0, 1020, 3.3, 1000};
 
-/// What a user says of a device that is known: his mass and damping where he gives them, and of two limits the lower.
+/// What a user says of a device that is known: his mass and damping where he gives them, and of two limits or rates the lower.
 DeviceImpedance stricter(DeviceImpedance said, const DeviceImpedance& known);
 
 /// The most that a contact may answer a hand with at once [N/m], so that a device of this mass and damping is stable on it, with room for ticks that come late, whatever hand

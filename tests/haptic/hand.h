@@ -46,6 +46,7 @@ struct Release {
 
 struct Rest {
     double swing_m = 0;        ///< largest extent of the hand's way in a quarter of a second, after 2 s
+    double damped_m = 0;       ///< how much the hand's own damping would leave by then, on a spring without losses, of the extent in the first quarter of a second under the whole force
     double swing_N = 0;        ///< likewise of the force on the hand
     double force_N = 0;        ///< that the hand pushes with at the end
     double controlled = 0;     ///< share of ticks in which the passivity controller worked
@@ -156,7 +157,8 @@ class HandLoop {
 
 /// A hand that is led to just inside of the surface, let go and rests.
 inline Rest let_go(const HapticModel& model, const Hand& hand, const Clock& clock, const Release& release) {
-    constexpr double window_s = 0.25, ramp_s = 0.2;
+    constexpr double window_s = 0.25, ramp_s = 0.2, wait_s = 2;
+    bool first_way = true;
     HandLoop loop(model, hand, clock);
     const Eigen::Vector3d push = model.options.map.force_from_tissue(release.force_N * release.inward);
     loop.lead(release.contact_m - 0.003 * release.inward, release.contact_m + release.inset_m * release.inward, 0.3);
@@ -168,9 +170,15 @@ inline Rest let_go(const HapticModel& model, const Hand& hand, const Clock& cloc
     loop.play(
         release.seconds, [&](double time, const Eigen::Vector3d& x, const Eigen::Vector3d&) { return Eigen::Vector3d(std::min(1.0, time / ramp_s) * push - hand.stiffness_N_m * (x - anchor)); },
         [&](const HandLoop& now) {
-            if (now.time <= 2 + ramp_s) return;
+            const bool first = now.time > ramp_s && now.time <= ramp_s + window_s, last = now.time > ramp_s + wait_s;
+            if (!first && !last) return;
+            if (last && first_way) {
+                rest.damped_m = std::exp(-hand.damping_Ns_m / (2 * hand.mass_kg) * wait_s) * extent(way, release.creeps, [](const Moment& m) { return m.position_m; });
+                way.clear();
+                first_way = false;
+            }
             way.push_back({now.time, now.x, now.force});
-            if (now.time - way.front().time_s < window_s) return;
+            if (first || now.time - way.front().time_s < window_s) return;
             rest.swing_m = std::max(rest.swing_m, extent(way, release.creeps, [](const Moment& m) { return m.position_m; }));
             rest.swing_N = std::max(rest.swing_N, extent(way, release.creeps, [](const Moment& m) { return m.force_N; }));
             way.clear();
