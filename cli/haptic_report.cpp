@@ -41,6 +41,7 @@ std::string describe(const std::string& program, const HapticModel& model, const
     const std::string stiffness =
         model.is_law() ? "a law" : fmt::format("sets {} (nearest, by {})", o.sets, o.select_by == SelectBy::force ? "force" : "displacement");
     std::string text = fmt::format("{}: study '{}', {}, device {}\n", program, model.study, stiffness, device.name());
+    if (model.is_solid()) text += fmt::format("  tool: {} of {:g} mm radius\n", to_string(model.tool.shape), 1e3 * model.tool.radius_m);
     for (const auto& mesh : model.meshes)
         text += fmt::format("  {:<10} {} step{}: omega dt = {:.3f} (symplectic up to {:g} a step), lowest mode {:.3g} Hz, damping {:.3g}/s\n",
                             mesh->name, mesh->dynamics, mesh->substeps > 1 ? fmt::format(", {} a tick", mesh->substeps) : "",

@@ -78,13 +78,14 @@ std::vector<PressTruth> press_truths(const Cases& cases, double own_m, double di
 }
 
 /// The study in motion, and the switches between the magnitudes of its first contacts.
-/// own_m: of the disc that the model has without --tool-radius.
+/// own_m: of the disc that the model has without --tool.
 void check(const Options& o, const TissueModel& tissue, const HapticModel& model, double own_m) {
     if (tissue.energy_law && !tissue.energy_law->relaxation.empty())
         throw MismatchError(o.model + ": --check presses until the tissue rests, and this model relaxes; tissuectl eval plays its histories");
+    if (model.tool.shape == ToolChoice::Shape::ball) throw MismatchError("--check compares with finite elements of discs, not of a ball");
     const Cases cases = read_cases(o.check);
     std::vector<PressResult> presses;
-    for (const PressTruth& truth : press_truths(cases, own_m, model.disc_radius_m)) {
+    for (const PressTruth& truth : press_truths(cases, own_m, model.tool.radius_m)) {
         if (stop.load()) throw tissue::Error("interrupted");
         presses.push_back(press(model, tissue, truth));
         const PressResult& p = presses.back();
@@ -126,13 +127,14 @@ struct Learning {
 void run(const Options& o, Provenance provenance) {
     HapticOptions haptic = o.choices.haptic;
     TissueModel tissue = read_model(o.model);
-    const double own_m = tissue.energy_law ? tissue.energy_law->disc_radius_m : 0, tool_m = haptic.tool_radius_m.value_or(0);
-    tissue = with_tool(std::move(tissue), tool_m);
+    const double own_m = tissue.energy_law ? tissue.energy_law->disc_radius_m : 0;
+    const ToolChoice tool = haptic.tool;
+    tissue = with_tool(std::move(tissue), tool);
     if (o.check.empty()) haptic.device = stricter(haptic.device, device_kinds().at(o.device)->impedance);
     else haptic.safety.force_max_N = 1e3;  // no device holds the tool back
     Learning learning;
     if (!o.learn.empty()) {
-        if (haptic.tool_radius_m) throw MismatchError("--tool-radius: a model that learns while it plays has its own disc");
+        if (!tool.is_default()) throw MismatchError("--tool: a model that learns while it plays has its own disc");
         learning.adaptation = live_adaptation(o.model);
         if (o.forget) learning.adaptation->forget();
         const Hdf5Writer can_be_written(o.learn, "model", provenance);  // or a session would be lost at its end
@@ -152,7 +154,7 @@ void run(const Options& o, Provenance provenance) {
     if (learning.adaptation) learning.journal = std::make_unique<cli::Journal>(o.journal, model.dimension());
     // the device last: nothing is open while anything else can fail
     std::unique_ptr<Device> device = make_device(o.device, o.device_values, {o.seconds, o.seed, &model.rest, model.options.map});
-    if (!o.hidden.empty()) device = std::make_unique<HiddenTissue>(std::move(device), with_tool(read_model(o.hidden), tool_m), o.choices.haptic);
+    if (!o.hidden.empty()) device = std::make_unique<HiddenTissue>(std::move(device), with_tool(read_model(o.hidden), tool), o.choices.haptic);
     std::cerr << cli::describe("tissue-haptic", model, *device);
     LoopOptions loop;
     loop.seconds = o.seconds;

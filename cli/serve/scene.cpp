@@ -76,7 +76,7 @@ void append(std::string& bytes, const Matrix& matrix) {
 
 Scene::Scene(const TissueModel& tissue, const HapticModel& model, const std::vector<NodeField>& fe_displacement_m, std::optional<LearnedField> learned)
     : model_(model), mesh_(tissue.mesh), surface_(tissue.mesh),
-      disc_radius_m_(tissue.energy_law ? tissue.energy_law->disc_radius_m : 0), learned_(std::move(learned)), nodule_(tissue.nodule) {
+      learned_(std::move(learned)), nodule_(tissue.nodule) {
     if (tissue.energy_law) tau_s_ = tissue.energy_law->relaxation.tau_s, contact_share_ = tissue.energy_law->relaxation.contact_share;
     for (const auto& mesh : model.meshes) boxes_.emplace_back(mesh->place_m + model.low_m, mesh->place_m + model.high_m);
     if (mesh_.is_solid()) {
@@ -237,7 +237,7 @@ std::string Scene::message(const std::vector<std::string>& names, int index) con
     j["low_m"] = numbers(low);
     j["high_m"] = numbers(high);
     j["meshes"] = meshes;
-    if (mesh_.is_solid()) j["disc_radius_m"] = disc_radius_m_;
+    if (mesh_.is_solid()) j["tool"] = {{"shape", to_string(model_.tool.shape)}, {"radius_m", model_.tool.radius_m}};
     if (!carried_.empty()) j["surface"] = true;
     if (!nodule_.empty()) j["nodule"] = nodule_json(nodule_, nodule_carried_, model_.meshes[0]->place_m, shown_as);
     if (!errors_.empty()) j["errors"] = errors_json(errors_);

@@ -91,7 +91,6 @@ class Scene {
     const HapticModel& model_;
     SpringMesh mesh_;
     FreeSurface surface_;
-    double disc_radius_m_;    ///< of the tool in space
     Eigen::VectorXd tau_s_, contact_share_;   ///< how the law relaxes under the tool (K); often none
     std::optional<LearnedField> learned_;
     std::vector<int> shown_;

@@ -52,7 +52,7 @@ HapticOptions without_sets(HapticOptions options, const TissueModel& tissue) {
 Stage::Stage(const std::vector<std::string>& files, const StageOptions& options) : options_(options) {
     if (!options_.hidden.empty()) {
         if (files.size() != 1) throw MismatchError("one model learns, not one of several");
-        if (options_.haptic.tool_radius_m) throw MismatchError("--tool-radius: a model that learns while it plays has its own disc");
+        if (!options_.haptic.tool.is_default()) throw MismatchError("--tool: a model that learns while it plays has its own disc");
         lesson_ = std::make_unique<Lesson>(files.front(), options_.hidden);
         // finite elements knew the tissue it was trained on, not this one
         TissueModel tissue = lesson_->adaptation().base();
@@ -61,7 +61,7 @@ Stage::Stage(const std::vector<std::string>& files, const StageOptions& options)
     } else {
         std::vector<TissueModel> tissues;
         for (const std::string& file : files) try {
-                tissues.push_back(with_tool(read_model(file), options_.haptic.tool_radius_m.value_or(0)));
+                tissues.push_back(with_tool(read_model(file), options_.haptic.tool));
             } catch (const MismatchError& e) {
                 throw MismatchError(file + ": " + e.what());
             }

@@ -165,8 +165,8 @@ function make_window(mesh, m) {
   dots.frustumCulled = false;
 
   const force = arrow_of(plain(0.96, { depthTest: false })), fe_force = arrow_of(plain(0.96, { depthTest: false }));
-  const radius = model.disc_radius_m || 0.05 * size, thick = 0.5 * radius;
-  const tool = new THREE.Mesh(new THREE.CylinderBufferGeometry(radius, radius, thick, 40), plain(0.45, { depthWrite: false, color: 0xffffff }));
+  const { shape, radius_m: radius } = model.tool, ball = shape === "ball", thick = (ball ? 2 : 0.5) * radius;
+  const tool = new THREE.Mesh(ball ? new THREE.SphereBufferGeometry(radius, 40, 24) : new THREE.CylinderBufferGeometry(radius, radius, thick, 40), plain(0.45, { depthWrite: false, color: 0xffffff }));
   const tool_rim = new THREE.LineSegments(new THREE.EdgesGeometry(tool.geometry, 40), flat(1, { color: 0xffffff }));
   tool.add(tool_rim);
   const idle = new THREE.Mesh(new THREE.OctahedronBufferGeometry(0.045 * size), plain(1));

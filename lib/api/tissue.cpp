@@ -108,7 +108,7 @@ tissue_status tissue_open_model(const char* model_file, const char* const* optio
             if (const tissue_status status = set(haptic, options[0], options[1], false); status != TISSUE_OK) return status;
         }
         check_options(haptic);  // before the model knows of one
-        const TissueModel tissue = with_tool(read_model(model_file), haptic.tool_radius_m.value_or(0));
+        const TissueModel tissue = with_tool(read_model(model_file), haptic.tool);
         *model = new tissue_model{std::make_shared<HapticModel>(tissue, haptic), NamedSurfaces(tissue)};
         return TISSUE_OK;
     });
@@ -250,7 +250,9 @@ tissue_status tissue_reset(tissue_session* s) {
 int tissue_dimension(const tissue_session* s) { return s ? s->model().dimension() : 0; }
 int tissue_node_count(const tissue_session* s) { return s ? s->model().rest.node_count() : 0; }
 int tissue_facet_count(const tissue_session* s) { return s ? static_cast<int>(s->model().rest.facets.rows()) : 0; }
-double tissue_tool_radius(const tissue_session* s) { return s ? s->model().disc_radius_m : 0; }
+double tissue_tool_radius(const tissue_session* s) { return s ? s->model().tool.radius_m : 0; }
+
+const char* tissue_tool_shape(const tissue_session* s) { return s && s->model().is_solid() ? to_string(s->model().tool.shape) : ""; }
 const char* tissue_study(const tissue_session* s) { return s ? s->model().study.c_str() : ""; }
 
 tissue_status tissue_facets(const tissue_session* s, int* nodes) {

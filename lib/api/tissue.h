@@ -120,7 +120,8 @@ TISSUE_API tissue_status tissue_copy(const tissue_session *session, tissue_sessi
 TISSUE_API int tissue_dimension(const tissue_session *session);           /* D; 0 of NULL, as all counts */
 TISSUE_API int tissue_node_count(const tissue_session *session);          /* N */
 TISSUE_API int tissue_facet_count(const tissue_session *session);         /* F of the surface: segments in the plane, triangles in space */
-TISSUE_API double tissue_tool_radius(const tissue_session *session);      /* of the disc that presses tissue in space [m], as option tool-radius has it or else the model; 0 in the plane, and of NULL */
+TISSUE_API double tissue_tool_radius(const tissue_session *session);      /* of the tool that presses tissue in space [m], as option tool has it or else the model; 0 in the plane, and of NULL */
+TISSUE_API const char *tissue_tool_shape(const tissue_session *session);  /* "disc" or "ball"; "" in the plane, and of NULL */
 TISSUE_API const char *tissue_study(const tissue_session *session);       /* "" of NULL; valid until tissue_close */
 
 /* Node numbers of each facet (F times D), in space counter-clockwise seen from outside, in the plane the tissue on the left. */

@@ -44,9 +44,9 @@ void Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const
         for (int half = 0; half < most_halvings && !falls; ++half, way_m /= 2) {
             const FreeSurface::Walk walk = surface.walk(where.facet, where.weight, way_m * direction);
             if (!(walk.walked_m > 0)) break;
-            law.contact(walk.facet, walk.weight, next_);
-            next_.show_at_most(tool.most_N());
             const Point place = mesh.rest_place(walk.facet, walk.weight);
+            next_.show_at_most(tool.most_N());
+            law.contact(walk.facet, walk.weight, tool.growth(), next_);  // as deep as it is: the next tick says how it grows
             next_memory_ = memory;
             next_memory_.follow(tool, next_);
             const double after_J = next_.energy_J(tool_m - place, u, &next_memory_);

@@ -35,10 +35,10 @@ std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel
     return mesh;
 }
 
-std::unique_ptr<HapticMesh> make_law_mesh(const std::string& name, const TissueModel& model, const Point& place_m) {
+std::unique_ptr<HapticMesh> make_law_mesh(const std::string& name, const TissueModel& model, const Point& place_m, const ToolChoice& tool) {
     const NodeField theta = model.energy_law->constants.head(model.mesh.spring_count()).transpose();
     auto mesh = make_mesh(name, model, "geometric", theta, place_m, mass_with_supports(model));
-    mesh->law = std::make_unique<RealtimeLaw>(model, mesh->springs);
+    mesh->law = std::make_unique<RealtimeLaw>(model, mesh->springs, tool.shape == ToolChoice::Shape::ball ? tool.radius_m : 0);
     return mesh;
 }
 
@@ -63,8 +63,10 @@ void choose_law_dynamics(const TissueModel& model, HapticMesh& mesh, const Hapti
     const LawSpectrum spectrum = law_spectrum(model, mesh.springs);
     const double lowest = std::sqrt(spectrum.smallest);
     mesh.largest_eigenvalue_1_s2 = spectrum.largest;
-    mesh.contact_N_m = o.stiffest * spectrum.contact_N_m;
-    mesh.static_N_m = o.stiffest * spectrum.static_N_m;
+    // of a ball F = 5/4 of the disc's, and grows as d^1.5 (Hertz); on a hollow surface its contact is larger
+    const bool is_ball = o.tool.shape == ToolChoice::Shape::ball;
+    mesh.contact_N_m = o.stiffest * spectrum.contact_N_m * (is_ball ? 1.5 * 1.25 * BallContact::hollow : 1);
+    mesh.static_N_m = o.stiffest * spectrum.static_N_m * (is_ball ? 1.25 * BallContact::hollow : 1);
     mesh.dynamics = o.dynamics == "auto" ? "symplectic" : o.dynamics;
     mesh.substeps = law_substeps(o.stiffest * spectrum.largest, o.dt_s);
     mesh.lowest_frequency_Hz = lowest / turn;
@@ -117,11 +119,11 @@ void check_device(const DeviceImpedance& device, const DeviceMap& map, double dt
                                             limit_N_m, most >= 0.01 ? fmt::format("force-scale may be {:.2f} at most", std::floor(100 * most) / 100) : "no force-scale will do"));
     };
     refuse(mesh.static_N_m, "at rest", device.stiffness_N_m, [] { return std::string("the device can show"); });
+    const double period_s = std::max(dt_s, 1 / device.rate_Hz);
     if (device.mass_kg > 0)
-        refuse(mesh.contact_N_m, "at once", stable_stiffness_N_m(device, dt_s, mesh.lead),
-               [&] { return fmt::format("a device of {:g} kg and {:g} Ns/m, dt {:g} s, is stable in any hand up to", device.mass_kg, device.damping_Ns_m, dt_s); });
+        refuse(mesh.contact_N_m, "at once", stable_stiffness_N_m(device, period_s, mesh.lead * dt_s / period_s),
+               [&] { return fmt::format("a device of {:g} kg and {:g} Ns/m, a force every {:g} s, is stable in any hand up to", device.mass_kg, device.damping_Ns_m, period_s); });
 }
-
 
 void check_options(const HapticOptions& o) {
     for (const SessionOption& option : session_options()) option.check(o);
@@ -170,7 +172,11 @@ std::uint64_t fingerprint_of(const HapticModel& model, const TissueModel& tissue
         add_array(tissue.energy_law->disc.ground);
         add_array(tissue.energy_law->disc.curved_range);
         add_array(tissue.energy_law->disc.correction.value);
-        add(&tissue.energy_law->disc_radius_m, sizeof tissue.energy_law->disc_radius_m);
+        const double radii_m[] = {tissue.energy_law->disc_radius_m, model.tool.shape == ToolChoice::Shape::ball ? model.tool.radius_m : 0};
+        add(radii_m, sizeof radii_m);
+        add_array(tissue.energy_law->coefficients);
+        add_array(tissue.energy_law->disc.sizes.radii_m);
+        for (const FacetTable& table : tissue.energy_law->disc.sizes.correction) add_array(table.value);
     }
     const std::uint64_t fingerprint = XXH3_64bits_digest(hash);
     XXH3_freeState(hash);
@@ -179,11 +185,23 @@ std::uint64_t fingerprint_of(const HapticModel& model, const TissueModel& tissue
 
 }  // namespace
 
+namespace {
+
+/// The tool that the options ask for, with its radius. Throws MismatchError where the model is not that of with_tool.
+ToolChoice tool_of(const TissueModel& model, ToolChoice asked) {
+    const double own_m = model.energy_law ? model.energy_law->disc_radius_m : 0, needed_m = asked.shape == ToolChoice::Shape::ball ? BallContact::half_in * asked.radius_m : asked.radius_m;
+    const bool is_ball = model.energy_law && model.energy_law->disc.ball_contact_m > 0;
+    if (is_ball != (asked.shape == ToolChoice::Shape::ball) || (!asked.is_default() && own_m != needed_m)) throw MismatchError(fmt::format("tool {}: the model is of a disc of {:g} m, and was not made for it", to_string(asked), own_m));
+    if (asked.radius_m == 0) asked.radius_m = own_m;
+    return asked;
+}
+
+}  // namespace
+
 HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
-    : study(model.study), disc_radius_m(model.energy_law ? model.energy_law->disc_radius_m : 0), options(given), set_names(model.case_names), surface(model.mesh), rest(model.mesh) {
+    : study(model.study), tool(tool_of(model, given.tool)), options(given), set_names(model.case_names), surface(model.mesh), rest(model.mesh) {
     check_options(given);
     if (model.mesh.is_solid() && !model.energy_law) throw MismatchError("a model in space is a law; this one has none");
-    if (given.tool_radius_m && !(model.energy_law && model.energy_law->disc_radius_m == *given.tool_radius_m)) throw MismatchError(fmt::format("tool-radius: the model's disc has {:g} m, not {:g} m", disc_radius_m, *given.tool_radius_m));
     if (!model.mesh.nodes.allFinite()) throw MismatchError("positions of nodes must be finite");
     HapticOptions& o = options;
     const bool damping_asked = o.damping_ratio.has_value();
@@ -203,7 +221,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
         if (o.select_by != SelectBy::displacement) throw MismatchError("the model is a law: there is nothing to select by force");
         if (given.innovation) throw MismatchError("innovation: the model is a law, and averages no sets");
         set_names.clear();
-        meshes.push_back(make_law_mesh("learned", model, Point::Zero(dimension())));
+        meshes.push_back(make_law_mesh("learned", model, Point::Zero(dimension()), tool));
     } else {
         const NodeField& theta = sets_of(model, o.sets);
         if (o.sets.empty()) o.sets = model.trained.front().optimizer;
@@ -214,7 +232,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     Point beside = Point::Zero(dimension());
     beside[0] = o.place_m;
     if (o.heuristic_mesh && is_solid())
-        meshes.push_back(make_law_mesh("heuristic", untrained(model), beside));
+        meshes.push_back(make_law_mesh("heuristic", untrained(model), beside, tool));
     else if (o.heuristic_mesh)
         meshes.push_back(make_mesh("heuristic", model, model.law, model.heuristic_a.transpose(), beside, model.node_mass_kg));  // of the instantaneous E: it remembers nothing
     const auto springs = std::find_if(meshes.begin(), meshes.end(), [](const auto& mesh) { return !mesh->law; });

@@ -24,8 +24,10 @@ const LawModel& law_of(const TissueModel& model) {
 
 }  // namespace
 
-RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) : springs_(springs), skin_(law_of(model).skin()), kernel_(make_contact_kernel(model.mesh, law_of(model))) {
+RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs, double ball_m)
+    : springs_(springs), skin_(law_of(model).skin()), kernel_(make_contact_kernel(model.mesh, law_of(model))), ball_{ball_m} {
     const LawModel& law = law_of(model);
+    if (ball_m > 0) sizes_ = PatchSizes(law);
     if (springs.law().name() != "geometric")
         throw MismatchError(fmt::format("a law's springs are geometric, not {}", springs.law().name()));
     const TissueEnergy energy(model.mesh, law.incompressible);
@@ -69,7 +71,52 @@ RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs) 
 RealtimeLaw::RealtimeLaw(const RealtimeLaw& other)
     : springs_(other.springs_), skin_(other.skin_), now_(other.now_), theta_(other.theta_), relaxation_(other.relaxation_), first_square_(other.first_square_), first_region_(other.first_region_),
       first_cube_(other.first_cube_), spring_of_slot_(other.spring_of_slot_), squares_(other.squares_), regions_(other.regions_), walk_(other.walk_),
-      cubes_(other.cubes_), supports_(other.supports_), kernel_(other.kernel_->clone()) {}
+      cubes_(other.cubes_), supports_(other.supports_), kernel_(other.kernel_->clone()), ball_(other.ball_), sizes_(other.sizes_) {}
+
+RealtimeLaw::BallAt RealtimeLaw::ball_at(int facet, const Eigen::Vector3d& weight, const Point& push_m) const noexcept {
+    constexpr double smallest = 0.02;  // a / R_e: of a ball that only touches
+    const ContactKernel::SurfaceAt surface = kernel_->surface_at(facet, weight);
+    const double effective_m = ball_.effective_m(surface.curvature_1_m), depth_m = surface.inward.dot(Eigen::Vector3d(push_m)), radius_m = BallContact::contact_m(effective_m, depth_m);
+    return {push_m, surface.inward, depth_m, std::max(radius_m, smallest * effective_m), radius_m < smallest * effective_m ? 0 : BallContact::growth(effective_m, depth_m)};
+}
+
+void RealtimeLaw::contact(int facet, const Eigen::Vector3d& weight, const Point& push_m, const NodeColumns& u, ToolSpring& tool) const noexcept {
+    if (!contact_grows()) return kernel_->tool_at(facet, weight, 0, now_.patch, tool);
+    constexpr double step = 0.01;  // of the radius, for dE/da
+    const BallAt at = ball_at(facet, weight, push_m);
+    const Eigen::Vector3d along = at.push_m - at.depth_m * at.inward;
+    ToolSpring::Growth now{at.radius_m, 0, at.depth_m, {}, tool.growth().rings};
+    if (tool.growth().radius_m > 0)
+        now.rings.follow(at.radius_m, along);
+    else
+        now.rings = BoundRings(BallContact::largest * ball_.radius_m, at.radius_m, along);
+    now.anchor_m = now.rings.mean_m();
+    now.anchor_m -= at.inward.dot(now.anchor_m) * at.inward;
+    contact(facet, weight, now, tool);
+    if (at.growth == 0) return;
+    // what it stores along the surface does not change as it grows: as in BallPress
+    ToolSpring larger;
+    ToolSpring::Growth more = now;
+    more.radius_m *= 1 + step;
+    more.anchor_m = along - (along - now.anchor_m) / std::sqrt(1 + step);
+    contact(facet, weight, more, larger);
+    const double most_N = tool.most_N();
+    tool.show_at_most(std::numeric_limits<double>::infinity());
+    const double here_J = tool.energy_J(push_m, u), there_J = larger.energy_J(push_m, u);
+    tool.show_at_most(most_N);
+    if (here_J > 0 && there_J > 0) now.force_N = at.growth * here_J / at.radius_m * std::log(there_J / here_J) / std::log1p(step);  // exact for a power of the radius
+    tool.grow(now);
+}
+
+void RealtimeLaw::contact(int facet, const Eigen::Vector3d& weight, const ToolSpring::Growth& growth, ToolSpring& tool) const noexcept {
+    kernel_->tool_at(facet, weight, growth.radius_m, growth.radius_m > 0 ? sizes_.at(growth.radius_m) : now_.patch, tool);
+    tool.grow(growth);
+}
+
+void RealtimeLaw::show_skin(int facet, const Eigen::Vector3d& weight, const Point& push_m, NodeColumns& u) const noexcept {
+    const double radius_m = contact_grows() ? ball_at(facet, weight, push_m).radius_m : 0;
+    kernel_->show_skin(facet, weight, radius_m, skin_, push_m, u);
+}
 
 void RealtimeLaw::fields(StateBytes& state) noexcept {
     state(now_.constants, now_.patch.log_N_m, now_.contact_log_scale, theta_, squares_.gain, cubes_.gain, supports_.gain);

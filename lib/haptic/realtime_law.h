@@ -7,7 +7,9 @@
 #include "haptic/realtime_mesh.h"
 #include "haptic/state_bytes.h"
 #include "springs/cell_volumes.h"
+#include "springs/ball_contact.h"
 #include "springs/contact_patch.h"
+#include "springs/patch_sizes.h"
 #include "springs/tissue_energy.h"
 #include "springs/tissue_model.h"
 
@@ -30,9 +32,9 @@ struct BranchBook {
 /// In space cubes lie in runs of consecutive first nodes, and pull at all eight corners, by the gradient at their tissue's centroid.
 class RealtimeLaw {
    public:
-    /// springs: of the model's mesh, with the law `geometric`, which is a law's own (springs/turning_springs.h); it must outlive this.
+    /// springs: of the model's mesh, with the law `geometric`, which is a law's own (springs/turning_springs.h); it must outlive this. ball_m: radius of the ball that presses; 0: the law's disc.
     /// Throws MismatchError for a model without a law, and for springs of another law.
-    RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs);
+    RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs, double ball_m = 0);
     /// The same law on the same springs, which becomes another by itself: each session has its own.
     RealtimeLaw(const RealtimeLaw& other);
     RealtimeLaw& operator=(const RealtimeLaw&) = delete;
@@ -62,11 +64,15 @@ class RealtimeLaw {
     /// Of a memory that is booked (BranchMemory::book); constants as they are now.
     BranchBook branches(const BranchMemory& memory) const;
 
-    /// The contact at a place of the mesh's boundary, as training and evaluation have it (ContactKernel::tool_at). No allocation.
-    void contact(int facet, const Eigen::Vector3d& weight, ToolSpring& tool) const noexcept { kernel_->tool_at(facet, weight, now_.patch, tool); }
+    /// The contact at a place of the mesh's boundary, as training and evaluation have it (ContactKernel::tool_at); of a ball the one at that push d and those displacements
+    /// (springs/ball_press.h). tool: the same contact a tick ago; for a new contact, a tool without growth. No allocation.
+    void contact(int facet, const Eigen::Vector3d& weight, const Point& push_m, const NodeColumns& u, ToolSpring& tool) const noexcept;
+    bool contact_grows() const { return ball_.radius_m > 0; }  ///< with the push
+    /// The contact there of a growth that is known, a ball's; of none the law's own disc.
+    void contact(int facet, const Eigen::Vector3d& weight, const ToolSpring::Growth& growth, ToolSpring& tool) const noexcept;
 
     /// What is seen of displacements u while the tool pushes there (ContactKernel::show_skin). No allocation.
-    void show_skin(int facet, const Eigen::Vector3d& weight, const Point& push_m, NodeColumns& u) const noexcept { kernel_->show_skin(facet, weight, skin_, push_m, u); }
+    void show_skin(int facet, const Eigen::Vector3d& weight, const Point& push_m, NodeColumns& u) const noexcept;
 
     double spacing_m() const { return kernel_->spacing_m(); }  ///< mean, of the free surface's nodes
 
@@ -139,6 +145,13 @@ class RealtimeLaw {
     void elements_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
     void all_force(const NodeColumns& u, NodeColumns& f, Scratch& scratch, BranchMemory* memory) const noexcept;
 
+    /// A ball at a place and a push.
+    struct BallAt {
+        Eigen::Vector3d push_m, inward;
+        double depth_m, radius_m, growth;  ///< of the contact: its radius, and da / dd; 0 of the smallest
+    };
+    BallAt ball_at(int facet, const Eigen::Vector3d& weight, const Point& push_m) const noexcept;
+
     const RealtimeMesh& springs_;
     SkinLaw skin_;
     LawStiffness now_;
@@ -152,6 +165,8 @@ class RealtimeLaw {
     Cubes cubes_;
     Supports supports_;
     std::unique_ptr<ContactKernel> kernel_;
+    BallContact ball_;   ///< radius 0: a disc
+    PatchSizes sizes_;   ///< of a ball
 };
 
 }  // namespace tissue

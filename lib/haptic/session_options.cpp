@@ -33,6 +33,7 @@ void read(const SessionOption& o, const std::string& text, std::optional<double>
 void read(const SessionOption&, const std::string& text, bool& to) { to = text == "yes"; }
 void read(const SessionOption&, const std::string& text, std::string& to) { to = text; }
 void read(const SessionOption&, const std::string& text, SelectBy& to) { to = text == "force" ? SelectBy::force : SelectBy::displacement; }
+void read(const SessionOption&, const std::string& text, ToolChoice& to) { to = tool_choice(text); }
 void read(const SessionOption&, const std::string& text, decltype(DeviceMap::axes)& to) { to = parse_axes(text); }
 void read(const SessionOption& o, const std::string& text, Point& to) {
     std::istringstream words(text);
@@ -50,6 +51,7 @@ template <class Other> std::vector<double> numbers_in(const Other&) { return {};
 std::string shown(bool value) { return value ? "yes" : "no"; }
 std::string shown(const std::string& value) { return value; }
 std::string shown(SelectBy value) { return value == SelectBy::force ? "force" : "displacement"; }
+std::string shown(const ToolChoice& value) { return to_string(value); }
 template <class Numbers> std::string shown(const Numbers& value) { return fmt::format("{}", fmt::join(numbers_in(value), " ")); }
 
 Allowed one_of(std::vector<std::string> words) {
@@ -82,8 +84,8 @@ const std::vector<SessionOption>& session_options() {
          "At 10 the tool sinks in by a tenth more. Refused where no mesh of springs is played.", "10"},
         {"damping", "1", {0, inf, true}, everywhere, [](O& o) -> auto& { return o.damping_ratio; }, "damping ratio of the lowest mode; of an energy model 0.17, of one that relaxes 0.01",
          "0.05 of spring sets is the paper's \"very small values\". With 0.17 an energy model comes to rest before a hand notices. Maxwell branches damp by themselves.", "0.05"},
-        {"tool-radius", "m", {0, 1}, everywhere, [](O& o) -> auto& { return o.tool_radius_m; }, "radius of the disc that presses tissue in space; by default the model's",
-         "A model that was trained under discs of several radii plays with any between the smallest and the largest; others are refused, and so is a session that learns."},
+        {"tool", "TOOL", any, everywhere, [](O& o) -> auto& { return o.tool; }, "tool that presses tissue in space: disc, disc:0.005, ball:0.004",
+         "By default the disc that the model has. A model that was trained under discs of several radii plays with any disc between the smallest and the largest, and with a ball whose contact, when half of the ball is in, is between those radii. The contact of a ball grows as it goes in; the device's position is the point of the ball that touches. Other tools are refused, and so is a session that learns; a ball also by a model that relaxes."},
         {"friction", "1", {0, inf, true, true}, everywhere | live, [](O& o) -> auto& { return o.friction.stick; }, "static friction coefficient between tool and tissue; inf: the tool never slips",
          "The paper's contact keeps its place, which is inf."},
         {"friction-slip", "1", {0, inf, true}, everywhere | live, [](O& o) -> auto& { return o.friction.slip; }, "kinetic friction coefficient, at most the static one",
@@ -114,6 +116,8 @@ const std::vector<SessionOption>& session_options() {
          "It makes a stiffer tissue possible. Data sheets seldom have it; 0 relies on none."},
         {"device-stiffness", "N/m", {0, inf, false, true}, everywhere | live, [](O& o) -> auto& { return o.device.stiffness_N_m; }, "largest stiffness that the device can show; inf: not known",
          "A tissue that is stiffer at rest is refused, with the largest force-scale that is possible. A Touch has 1020 N/m on its softest axis."},
+        {"device-rate", "Hz", {0, inf, false, true}, everywhere | live, [](O& o) -> auto& { return o.device.rate_Hz; }, "rate at which the device measures positions and takes forces; inf: that of the ticks",
+         "With device-mass a device that is slower than the ticks is judged by its own period, over which the force leads the hand by little: without damping of its own it is refused, and dt should be its period. A Touch has 1000 Hz."},
         {"hold", "s", {2e-6, inf, true, true}, interfaces, [](O& o) -> auto& { return o.safety.hold_s; }, "how long the device keeps a force without a new one",
          "A host must see to it that the force is gone by then: energy that a device gives later is in no log. A tick that comes later than half of it begins at zero force, so that a host at 50 Hz or more loses none by default. A shorter one bounds the energy after a stall closer. inf: the force stays until the next tick, and all that it gives is in the log; so it serves hosts from 10 Hz on. The devices of the programs let go within 0.01 s."},
         {"dt", "s", {1e-6, longest_dt_s, true, true}, interfaces, [](O& o) -> auto& { return o.dt_s; }, "time step of a tick",

@@ -23,9 +23,11 @@ Simulation::Simulation(const Simulation& other) : Simulation(other.model_) {
 
 void Simulation::fields(StateBytes& state) noexcept {
     DeviceImpedance& device = options_.device;
-    state(options_.map, device_m_, device.mass_kg, device.damping_Ns_m, device.stiffness_N_m, device.force_max_N, safety_, due_s_, spare_s_, since_, period_s_, went_s_, cost_, usual_s_, stood_s_, same_position_s_, old_s_, expected_s_, has_master_, clutched_,
+    state(options_.map, device_m_, device.mass_kg, device.damping_Ns_m, device.stiffness_N_m, device.force_max_N, device.rate_Hz, safety_, due_s_, spare_s_, since_, period_s_, went_s_, cost_, usual_s_, stood_s_, same_position_s_, old_s_, expected_s_, has_master_, clutched_,
           taken_over_, carried_N_, states_, contact_, touched_, coupling_N_m_, tool_memory_, tool_m_, velocity_m_s_, slid_m_, slide_m_s_, touched_m_, friction_, armed_, sound_, rested_s_,
           reset_, untouched_s_, set_, counters_, record_);
+    ToolSpring::Growth growth = tool_.growth();
+    state(growth);
     for (const auto& law : laws_)
         if (law) state(*law);
     for (const auto& surface : surfaces_) surface->fields(state);
@@ -33,7 +35,8 @@ void Simulation::fields(StateBytes& state) noexcept {
     options_.friction = friction_.options();
     options_.safety = safety_.options();
     place_surfaces();
-    if (touched_ >= 0 && model_.is_law()) laws_[0]->contact(contact_.where.facet, contact_.where.weight, tool_);
+    tool_.grow(growth);
+    if (touched_ >= 0 && model_.is_law()) laws_[0]->contact(contact_.where.facet, contact_.where.weight, growth, tool_);
     show_no_more();
 }
 

@@ -56,7 +56,7 @@ void Simulation::law_changed() noexcept {
             push_m[m] = static_cast<int>(m) == touched_ ? push_of(record_.master_m, m)
                                                         : tool_.push_at(-record_.coupling_N, states_[m].displacement, &tool_memory_[m]);
     changed_ = tool_;
-    laws_[0]->contact(contact_.where.facet, contact_.where.weight, tool_);
+    lay_tool(push_of(tool_m_, static_cast<std::size_t>(touched_)));
     for (std::size_t m = 0; m < tool_memory_.size(); ++m)
         if (push_m[m].size() > 0) tool_.take_over(changed_, push_m[m], states_[m].displacement, tool_memory_[m]);
 }
@@ -350,13 +350,19 @@ void Simulation::begin_contact(int mesh, const Point& master_m) noexcept {
     friction_.begin();
     const HapticMesh& pressed = *model_.meshes[static_cast<std::size_t>(mesh)];
     touched_m_ = pressed.springs.rest_place(contact_.where.facet, contact_.where.weight);
-    if (model_.is_law()) laws_[0]->contact(contact_.where.facet, contact_.where.weight, tool_);
+    tool_.grow({});
+    lay_tool(push_of(tool_at_the_end(master_m), static_cast<std::size_t>(mesh)));
     show_no_more();
     for (ToolMemory& memory : tool_memory_) memory.forget();
     if (pressed.law)
         contact_.pressing = tool_pushes(master_m);
     else
         coupling_N_m_ = *model_.options.coupling_ratio * model_.stiffness->at(contact_.where.facet, contact_.where.weight[1]);
+}
+
+/// The law's contact where the tool is, at that push.
+void Simulation::lay_tool(const Point& push_m) noexcept {
+    if (model_.is_law()) laws_[0]->contact(contact_.where.facet, contact_.where.weight, push_m, states_[static_cast<std::size_t>(touched_)].displacement, tool_);
 }
 
 /// Whether the tool, held where it will be at the time to which the mesh has come, pushes the law's tissue in: its force has a part along the rest's inward normal, whole or
@@ -366,7 +372,7 @@ bool Simulation::tool_pushes(const Point& master_m) const noexcept {
     const Point push = push_of(tool_at_the_end(master_m), m);
     const NodeColumns& u = states_[m].displacement;
     const ToolMemory& memory = tool_memory_[m];
-    return tool_.mean_N(push, u, &memory).dot(tool_.inward()) > 0 || tool_.hand_N(push, u, &memory).dot(tool_.inward()) > 0;
+    return tool_.mean_N(push, u, &memory).dot(tool_.inward()) > 0 || tool_.hand_N(push, u, &memory).dot(tool_.inward()) > tool_.growth().force_N;
 }
 
 /// A law's contact keeps its place, and presses while it pushes the tool out. The surface does not say whether:
@@ -375,6 +381,7 @@ bool Simulation::tool_pushes(const Point& master_m) const noexcept {
 void Simulation::hold_tool(const Point& master_m) noexcept {
     const auto m = static_cast<std::size_t>(touched_);
     const MovingSurface& surface = *surfaces_[m];
+    if (laws_[0]->contact_grows()) lay_tool(tool_.shown_push(push_of(tool_at_the_end(master_m), m), states_[m].displacement));
     contact_.pressing = tool_pushes(master_m);
     if (!surface.contains(master_m) &&
         (!contact_.pressing || surface.nearest(master_m).distance_m > laws_[m]->spacing_m())) {
@@ -398,7 +405,7 @@ void Simulation::slide(const Point& master_m) noexcept {
         contact_.where.position_m = now.at(contact_.where.facet, contact_.where.weight);
     } else {
         friction_.slide(model_.surface, mesh.springs, now, coupling_N_m_, master_m, contact_.where);
-        if (friction_.slipping() && model_.is_law()) laws_[0]->contact(contact_.where.facet, contact_.where.weight, tool_);  // the law's mesh beside gets the force there
+        if (friction_.slipping()) lay_tool(push_of(tool_m_, m));  // the law's mesh beside gets the force there
     }
     slid_m_ += mesh.law ? touched_m_ : Point(contact_.where.position_m);
     contact_.proxy_m = contact_.where.position_m;

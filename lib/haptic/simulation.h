@@ -20,6 +20,7 @@
 #include "haptic/safety.h"
 #include "haptic/selector.h"
 #include "springs/tissue_model.h"
+#include "springs/tool_choice.h"
 
 namespace tissue {
 
@@ -41,7 +42,7 @@ struct HapticOptions {
     bool energy_book = false;         ///< of a law that relaxes: what its branches store and burn is booked; a step takes a little longer
     double place_m = 0;               ///< where the second mesh stands along x; 0: one and a half widths to the right
     SelectBy select_by = SelectBy::displacement;
-    std::optional<double> tool_radius_m = {};  ///< of the disc that a law in space plays with (with_tool of springs/law_at_radius.h makes the model); nothing: the law's own
+    ToolChoice tool;                  ///< that a law in space plays with (with_tool of springs/law_at_radius.h makes the model)
     FrictionOptions friction;                                            ///< of the tool on the tissue
     SafetyOptions safety;             ///< its dt is taken from here
     DeviceImpedance device;           ///< of the device that the force goes to
@@ -78,7 +79,7 @@ struct HapticModel {
     HapticModel& operator=(const HapticModel&) = delete;
 
     std::string study;
-    double disc_radius_m;                             ///< of the disc that a law in space has; else 0
+    ToolChoice tool;                                  ///< of a law in space, with its radius; else of radius 0
     HapticOptions options;
     std::vector<std::string> set_names;
     std::vector<std::unique_ptr<HapticMesh>> meshes;  ///< the learned one first
@@ -245,6 +246,7 @@ class Simulation {
     bool find_contact(const Point& master_m) noexcept;
     void begin_contact(int mesh, const Point& master_m) noexcept;
     void slide(const Point& master_m) noexcept;
+    void lay_tool(const Point& push_m) noexcept;
     void hold_tool(const Point& master_m) noexcept;
     bool tool_pushes(const Point& master_m) const noexcept;
     void look_for_contact(const ContactState& from, int left, const Point& master_m) noexcept;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "error.h"
 
@@ -56,6 +57,27 @@ CubeSearch::Found CubeSearch::at(const Eigen::Vector3d& place_m) const noexcept 
     found.cube = cube_at(here);
     best = here;
     if (found.cube < 0) {
+        // the cube over the nearest face, where there is one and no other face is as near: all others are farther
+        std::array<int, 3> over = here;
+        double nearest = std::numeric_limits<double>::infinity();
+        bool alone = false;
+        for (std::size_t d = 0; d < 3; ++d) {
+            const double at = local[static_cast<Eigen::Index>(d)];
+            for (const auto& [away, step] : {std::pair(at - here[d], -1), std::pair(here[d] + 1 - at, 1)}) {
+                if (away == nearest) alone = false;
+                if (!(away < nearest) || away < 0) continue;
+                nearest = away;
+                alone = true;
+                over = here;
+                over[d] += step;
+            }
+        }
+        if (const int cube = alone ? cube_at(over) : -1; cube >= 0) {
+            found.cube = cube;
+            found.away = nearest;
+            found.weight = cube_weights(local - Eigen::Vector3d(over[0], over[1], over[2]));
+            return found;
+        }
         double least = std::numeric_limits<double>::infinity();
         for (int around = 0; around < 27; ++around) {
             const std::array<int, 3> place{here[0] + around % 3 - 1, here[1] + around / 3 % 3 - 1, here[2] + around / 9 - 1};

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "error.h"
+#include "springs/ball_contact.h"
 #include "springs/contact_errors.h"
 #include "springs/contact_spring.h"
 #include "springs/energy_law.h"
@@ -18,27 +19,11 @@ namespace {
 
 double largest_m(const LawModel& law) { return law.sizes.radii_m[law.sizes.radii_m.size() - 1]; }
 
-/// law_at_radius, and below the smallest disc a half space's. The correction is scaled by the ratio of radii: the smaller the contact, the smaller the lattice's part of the compliance.
-LawModel law_under(const LawModel& law, double contact_radius_m) {
-    const double least_m = law.sizes.radii_m[0];
-    if (contact_radius_m >= least_m) return law_at_radius(law, contact_radius_m);
-    LawModel small = law_at_radius(law, least_m);
-    const double times = contact_radius_m / least_m;
-    small.patch = resized(small.patch, {}, {}, std::log(times));
-    small.disc_radius_m = contact_radius_m;
-    small.disc.correction.value *= times;
-    return small;
-}
-
 /// What is stored in the contact alone, tissue held where it is.
 double contact_energy_J(const SpringMesh& mesh, const LawModel& law, const Point& contact_m, const Point& push_m, const NodeField& u) {
     const ContactSpring contact(make_contact_kernel(mesh, law)->rows_at(contact_m), law.patch);
     return contact.load(push_m, contact.gather(u)).energy_J;
 }
-
-/// a / R_e at x = d_n / R_e, and its derivative by x, which is a'(d_n).
-double spread(double x) { return std::sqrt(x) * (1 - x / 14); }
-double spread_by_x(double x) { return 0.5 / std::sqrt(x) - 3.0 / 28 * std::sqrt(x); }
 
 }  // namespace
 
@@ -46,18 +31,17 @@ BallPress::BallPress(const SpringMesh& mesh, LawModel law, double radius_m) : me
     if (!mesh.is_solid() || !(law_.disc_radius_m > 0)) throw MismatchError("a ball needs a law in space");
     if (!(radius_m > 0 && std::isfinite(radius_m))) throw MismatchError(fmt::format("a ball needs a radius > 0, got {} m", radius_m));
     if (law_.sizes.empty()) throw MismatchError(fmt::format("a ball's contact grows: it needs a model trained under discs of several radii, not of {:g} mm alone", 1e3 * law_.disc_radius_m));
-    kernel_ = make_contact_kernel(mesh, law_);
+    kernel_ = make_contact_kernel(mesh, law_of_ball(law_, radius_m, BallContact::half_in * radius_m));
 }
 
 BallPress::Place BallPress::place_at(const Point& contact_m) const {
     const ContactRows rows = kernel_->rows_at(contact_m);
-    const double curved = rows.factors[PatchLaw::curved_factor] / law_.disc_radius_m;
-    return {rows.push.row(0).transpose(), 1 / std::max(1 / radius_m_ + curved, 1e-3 / radius_m_)};  // bounded where the surface is as hollow as the ball is round
+    const double curvature_1_m = rows.factors[PatchLaw::curved_factor] / (BallContact::half_in * radius_m_);
+    return {rows.push.row(0).transpose(), BallContact{radius_m_}.effective_m(curvature_1_m)};
 }
 
 double BallPress::contact_radius_m(const Place& place, const Point& push_m) const {
-    const double x = place.inward.dot(push_m) / place.radius_m;
-    return x > 0 ? place.radius_m * spread(x) : 0;
+    return BallContact::contact_m(place.radius_m, place.inward.dot(push_m));
 }
 
 double BallPress::contact_radius_m(const Point& contact_m, const Point& push_m) const { return contact_radius_m(place_at(contact_m), push_m); }
@@ -77,14 +61,16 @@ Equilibrium BallPress::at(const Point& contact_m, const Point& push_m) const {
     if (depth_m > place.radius_m || a_m > radius_m_) refuse("is more than half in the tissue");
     if (a_m > largest_m(law_) * (1 + 1e-9))
         refuse(fmt::format("has a contact of radius {:.3g} mm: the model was trained under discs of {:g} mm at the most", 1e3 * a_m, 1e3 * largest_m(law_)));
-    const LawPress disc(mesh_, law_under(law_, a_m));
-    Equilibrium answer = disc.at(contact_m, push_m);
+    const LawPress disc(mesh_, law_of_ball(law_, radius_m_, a_m));
+    const Point straight = depth_m * place.inward, along = BallContact::bound_part(place.radius_m, depth_m) * (push_m - straight);
+    Equilibrium answer = disc.at(contact_m, straight + along);
     if (!answer) return answer;
     // dE/da of the whole at rest is that of the contact with the tissue held
     constexpr double step = 0.02;
     const double low_m = (1 - step) * a_m, high_m = std::min((1 + step) * a_m, largest_m(law_));
-    const auto energy_J = [&](double radius_m) { return contact_energy_J(mesh_, law_under(law_, radius_m), contact_m, push_m, answer.displacement); };
-    answer.contact_force += (energy_J(high_m) - energy_J(low_m)) / (high_m - low_m) * spread_by_x(depth_m / place.radius_m) * place.inward;
+    // what is stored along the surface stays as the contact grows: sqrt(a) times the stretch
+    const auto energy_J = [&](double radius_m) { return contact_energy_J(mesh_, law_of_ball(law_, radius_m_, radius_m), contact_m, straight + std::sqrt(a_m / radius_m) * along, answer.displacement); };
+    answer.contact_force += (energy_J(high_m) - energy_J(low_m)) / (high_m - low_m) * BallContact::growth(place.radius_m, depth_m) * place.inward;
     answer.displacement = disc.seen(contact_m, push_m, std::move(answer.displacement));
     return answer;
 }

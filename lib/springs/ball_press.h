@@ -18,10 +18,10 @@ class ContactTooLargeError : public MismatchError {
 /// A rigid ball pressed into a model in space that was trained under discs of several radii (springs/law_at_radius.h). Where Hertz's contact has the radius a, the tissue under the ball follows that of the disc,
 /// u = (1 - (r / a)^2 / 2) d (springs/disc_contact.h): a ball at the depth d is the disc of radius a(d), and what is stored is E(a(d), d). Its force is the derivative along that way,
 ///   F = dE/dd + dE/da a'(d_n) inward,   d_n the part of d along the inward normal,
-/// on a half space 5/4 of the first part alone: the resultant of Hertz's pressure, not what is conjugate to the disc's d. With 1 / R_e = 1 / R + H, H the surface's mean curvature there,
-///   a = sqrt(R_e d_n) (1 - d_n / (14 R_e))
-/// is the disc that stores on a half space what a sphere does (Sneddon 1965): force within 0.1 % up to d_n = R_e, where half of the ball is in; deeper ones are refused. Without slip. Of an oblique
-/// displacement the contact stays where it first touched, and the ball does not roll.
+/// on a half space 5/4 of the first part alone: the resultant of Hertz's pressure, not what is conjugate to the disc's d. a(d_n) is BallContact's, whose curvature of the surface is that about the contact of
+/// a ball that is half in; deeper ones are refused. Without slip. Along the surface each ring of the contact is bound
+/// where it begins (springs/bound_rings.h), dQ = (16/9) E a dd_t on a half space (Mindlin 1949, incompressible), as that of a flat punch bound to the tissue: on a straight way that stretches the contact's spring by
+/// BallContact::bound_part of d_t. Of an oblique displacement the contact stays where it first touched, and the ball does not roll.
 class BallPress {
    public:
     /// Throws MismatchError for a radius [m] that is not positive, and for a law that has no disc or knows only its own.
@@ -45,7 +45,7 @@ class BallPress {
     SpringMesh mesh_;
     LawModel law_;
     double radius_m_;
-    std::shared_ptr<const ContactKernel> kernel_;  ///< of the law's own disc: where the surface is, and how curved
+    std::shared_ptr<const ContactKernel> kernel_;  ///< of the contact where half of it is in: where the surface is, and how curved
 };
 
 }  // namespace tissue

@@ -40,11 +40,18 @@ class ContactKernel {
     virtual ContactRows rows_at(const Point& contact_m) const = 0;
     /// The same contact as the tick holds it, at weights of the nodes of a boundary facet (SpringMesh::facets). On a held facet,
     /// which is no part of the free surface, a wall as stiff as the contact nearby. Allocates nothing.
-    virtual void tool_at(int facet, const Eigen::Vector3d& weight, const PatchLaw& law, ToolSpring& tool) const noexcept = 0;
+    /// radius_m: of a disc, of whose radius the law has to be; 0: the kernel's own.
+    virtual void tool_at(int facet, const Eigen::Vector3d& weight, double radius_m, const PatchLaw& law, ToolSpring& tool) const noexcept = 0;
+    /// In space, the surface there: unit normal into the tissue, and mean curvature [1/m], positive where it bulges.
+    struct SurfaceAt {
+        Eigen::Vector3d inward = Eigen::Vector3d::Zero();
+        double curvature_1_m = 0;
+    };
+    virtual SurfaceAt surface_at(int /*facet*/, const Eigen::Vector3d& /*weight*/) const noexcept { return {}; }
     /// Nodes whose displacement follows the tool's (springs/skin.h); none in the plane.
     virtual std::vector<SkinNode> skin_at(const Point& /*contact_m*/) const { return {}; }
     /// The same at weights of the nodes of a boundary facet, put into displacements of all nodes [m] (N x D). Allocates nothing.
-    virtual void show_skin(int /*facet*/, const Eigen::Vector3d& /*weight*/, const SkinLaw& /*skin*/, const Point& /*push_m*/, NodeColumns& /*u*/) const noexcept {}
+    virtual void show_skin(int /*facet*/, const Eigen::Vector3d& /*weight*/, double /*radius_m*/, const SkinLaw& /*skin*/, const Point& /*push_m*/, NodeColumns& /*u*/) const noexcept {}
     /// Node pairs that contacts anywhere couple, where they are few; else none, and each contact brings its own.
     virtual std::vector<std::pair<int, int>> coupled() const { return {}; }
     virtual double spacing_m() const = 0;  ///< of the surface's nodes

@@ -107,7 +107,7 @@ ContactPatch ContactSurface::at(double arc_m) const noexcept {
     return patch;
 }
 
-void ContactSurface::tool_at(int facet, const Eigen::Vector3d& weight, const PatchLaw& law, ToolSpring& tool) const noexcept {
+void ContactSurface::tool_at(int facet, const Eigen::Vector3d& weight, double /*radius_m*/, const PatchLaw& law, ToolSpring& tool) const noexcept {
     const Segment& segment = segment_[static_cast<std::size_t>(facet)];
     ContactPatch patch = at(segment.first + weight[1] * (segment.last - segment.first));
     PatchStiffness k = law.at(patch);

@@ -31,7 +31,7 @@ class ContactSurface final : public ContactKernel {
 
     std::unique_ptr<ContactKernel> clone() const override { return std::make_unique<ContactSurface>(*this); }
     ContactRows rows_at(const Point& contact_m) const override;  ///< at the surface's point nearest to that
-    void tool_at(int facet, const Eigen::Vector3d& weight, const PatchLaw& law, ToolSpring& tool) const noexcept override;
+    void tool_at(int facet, const Eigen::Vector3d& weight, double radius_m, const PatchLaw& law, ToolSpring& tool) const noexcept override;
     std::vector<std::pair<int, int>> coupled() const override;   ///< four nodes that follow each other
     double spacing_m() const override { return outline_.length() / static_cast<double>(outline_.nodes().size() - 1); }
 

@@ -23,6 +23,8 @@ namespace tissue {
 /// its mean, weighted with the energy that the disc stores there. Under a force on incompressible ground the stress is along
 /// rays alone, as z / r^3 (Boussinesq; Johnson, (3.19)), so that the weight is z^2 / r^6, with R for what is nearer:
 ///   ground = sum_g (8 R / pi^2) z_g^2 / (R^2 + r_g^2)^3 weight_g, 1 for a half space with log E / E_block = 1 everywhere
+/// A ball's contact (DiscTables::ball_contact_m) is bound: along the surface all of it moves as one, where a disc's tapers off. Its imprint along the surface has bound_profile; its mean weights of 1 in place of 5/4, since the
+/// hand's force is all that the tissue gets, and the stiffness 15/8 of the disc's: (16/9) E R over 64/45 E R 2/3.
 /// Nodes round a crease do not belong to it. `curved` has no bounds of its own, and a stiffness is exponential in it: a trained law clamps it to the range of its training
 /// contacts.
 class DiscContact final : public ContactKernel {
@@ -32,13 +34,14 @@ class DiscContact final : public ContactKernel {
 
     std::unique_ptr<ContactKernel> clone() const override { return std::make_unique<DiscContact>(*this); }
     ContactRows rows_at(const Point& contact_m) const override;  ///< at the surface's point nearest to that
-    void tool_at(int facet, const Eigen::Vector3d& weight, const PatchLaw& law, ToolSpring& tool) const noexcept override;
+    void tool_at(int facet, const Eigen::Vector3d& weight, double radius_m, const PatchLaw& law, ToolSpring& tool) const noexcept override;
+    SurfaceAt surface_at(int facet, const Eigen::Vector3d& weight) const noexcept override;
     std::vector<SkinNode> skin_at(const Point& contact_m) const override;
-    void show_skin(int facet, const Eigen::Vector3d& weight, const SkinLaw& skin, const Point& push_m, NodeColumns& u) const noexcept override;
+    void show_skin(int facet, const Eigen::Vector3d& weight, double radius_m, const SkinLaw& skin, const Point& push_m, NodeColumns& u) const noexcept override;
     double spacing_m() const override { return surface_.spacing_m(); }
 
     /// `ground` of a contact there, `inward` into the tissue.
-    double ground_at(const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const;
+    double ground_at(const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept { return ground_at(contact_m, inward, radius_m_); }
 
    private:
     struct Disc {
@@ -47,17 +50,19 @@ class DiscContact final : public ContactKernel {
         double log_scale;
     };
     /// The contact at a place of the surface; fills the footing. Without means where no tissue is near.
-    Disc disc_at(const FreeSurface::Place& place, Footing& footing) const noexcept;
+    Disc disc_at(const FreeSurface::Place& place, double radius_m, Footing& footing) const noexcept;
+    /// At weights of a facet of the mesh; of a held one at the free place beside it.
+    FreeSurface::Place place_of(int facet, const Eigen::Vector3d& weight) const noexcept;
 
-    /// Displacement per d of a half space's surface at a place from the contact: phi(r / R), outside the disc larger ahead of a tangential d and behind it than beside it.
-    Eigen::Matrix3d target_at(const Eigen::Vector3d& from_m, double away_m, const Eigen::Vector3d& normal) const noexcept;
     /// Calls each(SkinNode) for the nodes of a place's skin.
     template <class Each>
-    void each_skin_node(const FreeSurface::Place& place, Each&& each) const noexcept;
+    void each_skin_node(const FreeSurface::Place& place, double radius_m, Each&& each) const noexcept;
 
-    SurfaceQuadric quadric_among(const std::vector<int>& nodes, const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward) const noexcept;
-    double curved_of(const SurfaceQuadric& quadric) const noexcept;
-    double correction_at(const FreeSurface::Place& place) const noexcept;
+    double ground_at(const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward, double radius_m) const noexcept;
+    double near_m(double radius_m) const noexcept;  ///< of the nodes that a disc's quadric is fitted to
+    SurfaceQuadric quadric_at(const FreeSurface::Place& place, double radius_m) const noexcept;
+    double curved_of(const SurfaceQuadric& quadric, double radius_m) const noexcept;
+    double correction_at(const FreeSurface::Place& place, double radius_m) const noexcept;
 
     /// A held facet: the free place nearest to its middle.
     struct Wall {
@@ -70,9 +75,10 @@ class DiscContact final : public ContactKernel {
     NodeField rest_;
     std::shared_ptr<const PolarPoints> polar_;
     std::vector<Wall> walls_;              ///< of each facet of the mesh; of free ones as made
-    std::vector<std::vector<int>> near_;   ///< of each free facet: surface nodes in near_m_ of it, ascending
-    double near_m_ = 0;
+    std::vector<std::vector<int>> near_;   ///< of each free facet: surface nodes in near_m of the largest disc of it, ascending
     double radius_m_;
+    bool is_bound() const { return tables_.ball_contact_m > 0; }
+
     DiscTables tables_;
     std::vector<bool> fixed_;  ///< (N)
 };

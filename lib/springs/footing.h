@@ -20,6 +20,12 @@ inline double disc_profile(double x) noexcept {
     return x <= 1 ? 1 - x * x / 2 : ((2 - x * x) * std::asin(1 / x) + std::sqrt(x * x - 1)) / pi;
 }
 
+/// Of what is bound within R and moved along the surface as one, on a half space: Johnson, (3.75), as of a rigid flat punch.
+inline double bound_profile(double x) noexcept {
+    constexpr double pi = 3.14159265358979323846;
+    return x <= 1 ? 1 : 2 / pi * std::asin(1 / x);
+}
+
 /// What a disc takes of the nodes about it: points of the surface, each of which moves with a few. Storage of its own: nothing allocates.
 struct Footing {
     static constexpr int most_points = ToolSpring::most_nodes;

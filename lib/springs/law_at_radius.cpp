@@ -2,33 +2,66 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "error.h"
+#include "springs/ball_contact.h"
 #include "springs/energy_law.h"
+#include "springs/patch_sizes.h"
 
 namespace tissue {
+namespace {
 
-LawModel law_at_radius(const LawModel& law, double radius_m) {
+/// Throws MismatchError unless the law knows discs of that radius.
+void check_radius(const LawModel& law, const std::string& what, double radius_m) {
     constexpr double same = 1e-9;
-    if (radius_m == 0 || radius_m == law.disc_radius_m) return law;
-    const Eigen::VectorXd& known = law.sizes.radii_m;
-    const double least = known.size() > 0 ? known[0] : law.disc_radius_m, most = known.size() > 0 ? known[known.size() - 1] : law.disc_radius_m;
-    if (!(radius_m >= least * (1 - same) && radius_m <= most * (1 + same)))
-        throw MismatchError(fmt::format("a disc of radius {:g} mm: the model was trained under {}", 1e3 * radius_m,
-                                        known.size() > 0 ? fmt::format("discs from {:g} to {:g} mm", 1e3 * least, 1e3 * most) : fmt::format("a disc of {:g} mm alone", 1e3 * most)));
+    const PatchSizes sizes(law);
+    if (radius_m >= sizes.least_m() * (1 - same) && radius_m <= sizes.most_m() * (1 + same)) return;
+    throw MismatchError(fmt::format("{} of radius {:g} mm: the model {}", what, 1e3 * radius_m,
+                                    law.sizes.empty() ? fmt::format("has a disc of {:g} mm alone", 1e3 * sizes.most_m()) : fmt::format("was trained under discs from {:g} to {:g} mm", 1e3 * sizes.least_m(), 1e3 * sizes.most_m())));
+}
+
+}  // namespace
+
+LawModel law_of_contact(const LawModel& law, double radius_m) {
+    const PatchSizes sizes(law);
     LawModel other = law;
     other.disc_radius_m = radius_m;
-    other.patch = resized(law.patch, law.terms, law.coefficients, std::log(radius_m / law.disc_radius_m));
+    other.patch = sizes.at(radius_m);
     other.disc.correction = law.sizes.correction_at(radius_m);
+    if (radius_m < sizes.least_m()) other.disc.correction.value *= radius_m / sizes.least_m();
     other.sizes = {};
     return other;
 }
 
-TissueModel with_tool(TissueModel model, double radius_m) {
-    if (radius_m == 0) return model;
-    if (!model.energy_law || !model.mesh.is_solid()) throw MismatchError("tool-radius: the model is of the plane, and has no disc");
-    model.energy_law = law_at_radius(*model.energy_law, radius_m);
+LawModel law_of_ball(const LawModel& law, double ball_m, double contact_m) {
+    LawModel other = law_of_contact(law, contact_m);
+    other.disc.ball_contact_m = BallContact::largest * ball_m;
+    other.disc.sizes = law.sizes;
+    return other;
+}
+
+LawModel law_at_radius(const LawModel& law, double radius_m) {
+    if (radius_m == 0 || radius_m == law.disc_radius_m) return law;
+    check_radius(law, "a disc", radius_m);
+    LawModel other = law_of_contact(law, radius_m);
+    other.patch = resized(law.patch, law.terms, law.coefficients, std::log(radius_m / law.disc_radius_m));  // as training has it, to the last bit
+    return other;
+}
+
+TissueModel with_tool(TissueModel model, const ToolChoice& tool) {
+    if (tool.is_default()) return model;
+    if (!model.energy_law || !model.mesh.is_solid()) throw MismatchError(fmt::format("tool {}: the model is of the plane, and has no disc", to_string(tool)));
+    LawModel& law = *model.energy_law;
+    if (tool.shape == ToolChoice::Shape::disc) {
+        law = law_at_radius(law, tool.radius_m);
+        return model;
+    }
+    if (law.sizes.empty()) throw MismatchError(fmt::format("tool {}: a ball's contact grows, and the model has a disc of {:g} mm alone", to_string(tool), 1e3 * law.disc_radius_m));
+    if (!law.relaxation.empty()) throw MismatchError(fmt::format("tool {}: the model relaxes, and a contact that grows remembers nothing", to_string(tool)));
+    check_radius(law, fmt::format("tool {}: half in, it has a contact", to_string(tool)), BallContact::half_in * tool.radius_m);
+    law = law_of_ball(law, tool.radius_m, BallContact::half_in * tool.radius_m);
     return model;
 }
 

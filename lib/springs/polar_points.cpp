@@ -6,9 +6,8 @@
 
 namespace tissue {
 
-PolarPoints::PolarPoints(const SpringMesh& mesh, double radius_m, double reach)
-    : search_(mesh.nodes, mesh.embedding.cubes, mesh.embedding.spacing_m), cubes_(mesh.embedding.cubes), reach_m_(reach * radius_m),
-      mean_m_(std::max(1.6 * mesh.embedding.spacing_m, 1.5 * radius_m)) {
+PolarPoints::PolarPoints(const SpringMesh& mesh, double reach)
+    : search_(mesh.nodes, mesh.embedding.cubes, mesh.embedding.spacing_m), cubes_(mesh.embedding.cubes), reach_(reach), spacing_m_(mesh.embedding.spacing_m) {
     Eigen::Vector3d held = Eigen::Vector3d::Zero();  // twice its area, outward
     for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
         const auto facet = mesh.facets.row(f);
@@ -25,8 +24,9 @@ PolarPoints::PolarPoints(const SpringMesh& mesh, double radius_m, double reach)
         const bool inside = k < under;
         const int in_ring = (inside ? under : beyond) / rings, of = inside ? k : k - under, ring = of / in_ring;
         const double low = inside ? 0 : 1, high = inside ? 1 : reach * reach;  // squares of radii
-        const double away_m = radius_m * std::sqrt(low + (high - low) * (ring + 0.5) / rings), angle = 2 * pi * (of % in_ring + 0.5 * (ring % 2)) / in_ring;
-        along_m_.row(k) << away_m * std::cos(angle), away_m * std::sin(angle);
+        const double angle = 2 * pi * (of % in_ring + 0.5 * (ring % 2)) / in_ring;
+        away_[k] = std::sqrt(low + (high - low) * (ring + 0.5) / rings);
+        direction_.row(k) << std::cos(angle), std::sin(angle);
         area_[k] = (high - low) / (inside ? under : beyond);
     }
 }
@@ -41,13 +41,14 @@ Eigen::Matrix<double, 3, 2> PolarPoints::tangents(const Eigen::Vector3d& inward)
     return axes_ * turned;
 }
 
-void PolarPoints::lay_mean(const SurfaceQuadric& surface, Footing& footing) const noexcept {
+void PolarPoints::lay_mean(const SurfaceQuadric& surface, double radius_m, Footing& footing) const noexcept {
     footing.entries = footing.points = 0;
+    const double mean_m = this->mean_m(radius_m), reach_m = reach_ * radius_m;
     double sum = 0;
     for (int k = 0; k < under + beyond; ++k) {
-        const Eigen::Vector3d place_m = surface.at(mean_m_ / reach_m_ * along_m_.row(k).transpose());
+        const Eigen::Vector3d place_m = surface.at(mean_m / reach_m * along_m(k, radius_m));
         const CubeSearch::Found found = search_.at(place_m);
-        const double weight = left_at(found) * area_[k] * bell((place_m - surface.place_m).norm() / mean_m_);
+        const double weight = left_at(found) * area_[k] * bell((place_m - surface.place_m).norm() / mean_m);
         if (!(weight > 0)) continue;
         sum += weight;
         for (int c = 0; c < 8; ++c) {

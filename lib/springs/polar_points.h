@@ -33,24 +33,25 @@ class PolarPoints {
     static_assert(under + beyond <= ToolSpring::most_nodes && 2 * 8 * (under + beyond) <= ToolSpring::most_entries, "a cube's corners for each point, of the imprint and of the mean");
 
     /// reach: of the imprint, in radii.
-    PolarPoints(const SpringMesh& mesh, double radius_m, double reach);
+    PolarPoints(const SpringMesh& mesh, double reach);
 
-    double mean_m() const { return mean_m_; }  ///< m
+    double mean_m(double radius_m) const noexcept { return std::max(1.6 * spacing_m_, 1.5 * radius_m); }  ///< m
 
     /// Two unit vectors across a unit normal, which points lie along: they turn with it without jumps, but where the surface faces as the held one does.
     Eigen::Matrix<double, 3, 2> tangents(const Eigen::Vector3d& inward) const noexcept;
 
-    /// Fills the footing of a disc. target(from_m, away_m): Footing::Point's. Allocates nothing.
+    /// Fills the footing of a disc of that radius. target(from_m, away_m): Footing::Point's. Allocates nothing.
     template <class Target>
-    void lay(const SurfaceQuadric& surface, Target&& target, Footing& footing) const noexcept {
-        lay_mean(surface, footing);
+    void lay(const SurfaceQuadric& surface, double radius_m, Target&& target, Footing& footing) const noexcept {
+        lay_mean(surface, radius_m, footing);
+        const double reach_m = reach_ * radius_m;
         for (int k = 0; k < under + beyond; ++k) {
-            const Eigen::Vector3d place_m = surface.at(along_m_.row(k).transpose());
+            const Eigen::Vector3d place_m = surface.at(along_m(k, radius_m));
             const CubeSearch::Found found = search_.at(place_m);
             const Eigen::Vector3d from_m = place_m - surface.place_m;
             Footing::Point& point = footing.point[footing.points++];  // those that fade to none too: what a contact remembers goes by their number
             point.target = target(from_m, from_m.norm());
-            point.share = share_of(k, from_m.norm()) * left_at(found);
+            point.share = share_of(k, from_m.norm() / reach_m) * left_at(found);
             point.begin = footing.entries;
             for (int c = 0; c < 8 && found.cube >= 0; ++c) footing.add(cubes_(found.cube, c), found.weight[c]);
             point.end = footing.entries;
@@ -58,16 +59,21 @@ class PolarPoints {
     }
 
    private:
-    double share_of(int point, double away_m) const noexcept { return point < under ? 1.0 / under : bell(away_m / reach_m_) / beyond; }
+    static double share_of(int point, double away) noexcept { return point < under ? 1.0 / under : bell(away) / beyond; }
     static double left_at(const CubeSearch::Found& found) noexcept { return found.cube < 0 ? 0 : bell(found.away); }
-    void lay_mean(const SurfaceQuadric& surface, Footing& footing) const noexcept;
+    void lay_mean(const SurfaceQuadric& surface, double radius_m, Footing& footing) const noexcept;
+    /// Of a point in the tangent plane.
+    Eigen::Vector2d along_m(int k, double radius_m) const noexcept {
+        const double away_m = radius_m * away_[k];
+        return {away_m * direction_(k, 0), away_m * direction_(k, 1)};
+    }
 
     CubeSearch search_;
     Cells cubes_;
     Eigen::Matrix3d axes_;   ///< columns; the third out of the held surface's inside, against its mean normal
-    double reach_m_, mean_m_;  ///< 2.5 R and m
-    Eigen::Matrix<double, under + beyond, 2> along_m_;  ///< of each point in the tangent plane
-    Eigen::Matrix<double, under + beyond, 1> area_;      ///< of each, over the disc's
+    double reach_, spacing_m_;
+    Eigen::Matrix<double, under + beyond, 2> direction_;  ///< of each point in the tangent plane
+    Eigen::Matrix<double, under + beyond, 1> away_, area_;  ///< in radii, and over the disc's
 };
 
 }  // namespace tissue

@@ -61,6 +61,7 @@ void ToolSpring::begin(int dimension, const Point& inward) noexcept {
     groups_ = nodes_ = 0;
     inward_ = in_space(inward);
     hardening_1_J_ = saturation_1_J_ = coupling_N_m2_ = 0;
+    growth_ = {};
     imprint_N_m_.setZero();
 }
 
@@ -95,6 +96,9 @@ Eigen::Vector3d ToolSpring::in_space(const Point& p) const noexcept {
     v.head(dimension_) = p;
     return v;
 }
+
+/// What a push stretches.
+Eigen::Vector3d ToolSpring::stretch(const Point& push) const noexcept { return in_space(push) - growth_.anchor_m; }
 
 Eigen::Vector3d ToolSpring::tissue(const Group& group, const NodeColumns& u) const noexcept {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -135,6 +139,7 @@ Eigen::Vector3d ToolSpring::felt_N(int group, const Eigen::Vector3d& e, const To
 /// dE/dd, however large.
 Eigen::Vector3d ToolSpring::whole_N(const Eigen::Vector3d& push, const NodeColumns& u, const ToolMemory* memory) const noexcept {
     Eigen::Vector3d hand = Eigen::Vector3d::Zero();
+    if (growth_.radius_m > 0) hand += growth_.force_N * inward_;
     for (int g = 0; g < groups_; ++g) hand += group_[g].target.transpose() * felt_N(g, gap(group_[g], push, u), memory);
     return hand;
 }
@@ -186,14 +191,14 @@ Eigen::Vector3d ToolSpring::stay_behind(const Eigen::Vector3d& push, const Eigen
 }
 
 Point ToolSpring::hand_N(const Point& push_m, const NodeColumns& u, const ToolMemory* memory) const noexcept {
-    const Eigen::Vector3d push = in_space(push_m), whole = whole_N(push, u, memory);
+    const Eigen::Vector3d push = stretch(push_m), whole = whole_N(push, u, memory);
     if (!(whole.norm() > most_N_)) return whole.head(dimension_);
     return whole_N(stay_behind(push, whole, u, memory), u, memory).head(dimension_);
 }
 
 Point ToolSpring::mean_N(const Point& push_m, const NodeColumns& u, const ToolMemory* memory) const noexcept {
     if (groups_ == 0) return Point::Zero(dimension_);
-    const Eigen::Vector3d q = felt_N(0, gap(group_[0], shown(in_space(push_m), u, memory), u), memory);
+    const Eigen::Vector3d q = felt_N(0, gap(group_[0], shown(stretch(push_m), u, memory), u), memory);
     return (group_[0].target.transpose() * q).head(dimension_);
 }
 
@@ -201,13 +206,14 @@ Point ToolSpring::put_on(const Point& push_m, const NodeColumns& u, NodeColumns&
     Eigen::Vector3d now[most_nodes + 1];
     const auto at = [&](const Eigen::Vector3d& push) {
         Eigen::Vector3d hand = Eigen::Vector3d::Zero();
+        if (growth_.radius_m > 0) hand += growth_.force_N * inward_;
         for (int g = 0; g < groups_; ++g) {
             now[g] = now_N(g, gap(group_[g], push, u));
             hand += group_[g].target.transpose() * (memory ? memory->felt_N(g, now[g]) : now[g]);
         }
         return hand;
     };
-    const Eigen::Vector3d push = in_space(push_m);
+    const Eigen::Vector3d push = stretch(push_m);
     Eigen::Vector3d hand = at(push);
     if (hand.norm() > most_N_) hand = at(stay_behind(push, hand, u, memory));
     for (int g = 0; g < groups_; ++g) {
@@ -221,12 +227,12 @@ Point ToolSpring::put_on(const Point& push_m, const NodeColumns& u, NodeColumns&
 }
 
 void ToolSpring::remember(const Point& push_m, const NodeColumns& u, ToolMemory& memory) const noexcept {
-    const Eigen::Vector3d push = in_space(push_m);
+    const Eigen::Vector3d push = stretch(push_m);
     for (int g = 0; g < groups_; ++g) memory.step(g, now_N(g, gap(group_[g], push, u)));
 }
 
 void ToolSpring::take_over(const ToolSpring& from, const Point& push_m, const NodeColumns& u, ToolMemory& memory) const noexcept {
-    const Eigen::Vector3d push = from.shown(in_space(push_m), u, &memory);
+    const Eigen::Vector3d push = from.shown(stretch(push_m), u, &memory);
     for (int g = 0; g < std::min(groups_, from.groups_); ++g) {
         const Eigen::Vector3d e = gap(group_[g], push, u);
         const double before_N = from.now_N(g, e).norm(), after_N = now_N(g, e).norm();
@@ -235,8 +241,8 @@ void ToolSpring::take_over(const ToolSpring& from, const Point& push_m, const No
 }
 
 double ToolSpring::energy_J(const Point& push_m, const NodeColumns& u, const ToolMemory* memory) const noexcept {
-    const Eigen::Vector3d push = shown(in_space(push_m), u, memory);
-    double energy = 0, past = 0;
+    const Eigen::Vector3d push = shown(stretch(push_m), u, memory);
+    double energy = growth_.force_N * (inward_.dot(push) - growth_.depth_m), past = 0;
     for (int g = 0; g < groups_; ++g) {
         const Eigen::Vector3d e = gap(group_[g], push, u);
         energy += e.dot(group_[g].stiffness * e) / 2;
@@ -246,7 +252,7 @@ double ToolSpring::energy_J(const Point& push_m, const NodeColumns& u, const Too
         const double in = inward_.dot(e);
         energy += hardening_1_J_ * h.s * h.s / (2 * (1 + saturation_1_J_ * h.s)) + coupling_N_m2_ * in * (e - in * inward_).squaredNorm() / 2;
     }
-    const double behind_m = (in_space(push_m) - push).norm();
+    const double behind_m = (stretch(push_m) - push).norm();
     return (memory ? memory->left() * energy + past : energy) + (behind_m > 0 ? most_N_ * behind_m : 0);
 }
 
@@ -266,7 +272,7 @@ Eigen::Matrix3d ToolSpring::curvature(const Eigen::Vector3d& push, const NodeCol
 }
 
 PointMatrix ToolSpring::stiffness_N_m(const Point& push_m, const NodeColumns& u, const ToolMemory* memory) const noexcept {
-    const Eigen::Vector3d push = in_space(push_m), q = shown(push, u, memory), behind = push - q;
+    const Eigen::Vector3d push = stretch(push_m), q = shown(push, u, memory), behind = push - q;
     Eigen::Matrix3d stiffness = (memory ? memory->left() : 1.0) * curvature(q, u);
     const double length = behind.norm();
     if (length > 0) {  // in series with F |p - q|, whose own stiffness this is
@@ -288,6 +294,7 @@ Point ToolSpring::push_at(const Point& hand_N_asked, const NodeColumns& u, const
         if (dimension_ == 2) k(2, 2) = 1;
         push += k.inverse() * off;
     }
+    push += growth_.anchor_m;
     return push.head(dimension_);
 }
 

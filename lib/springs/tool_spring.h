@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "field.h"
+#include "springs/bound_rings.h"
 
 namespace tissue {
 
@@ -66,8 +67,23 @@ class ToolMemory {
 /// Where dE/dd would be larger than the largest force F that the tool may show, the tool stays behind the push p, at q:
 ///   E(p, u) = min over q of E(q, u) + F |p - q|
 /// which is convex where E is, and whose force on the tissue is then F. F stays as it is: one that grows would lift what |p - q| holds, and give energy. Nothing here allocates or throws.
+///
+/// A contact that grows as the tool goes in, a ball's, has more force on the tool than its spring: dE/da a'(d). Within a tick that is taken as constant, along the inward normal n. And it is bound where it
+/// grows (springs/bound_rings.h): along the surface its spring is stretched from anchor_m, the mean of where its rings were bound:
+///   E(p - anchor_m, u) + force_N (n p - depth_m)
 class ToolSpring {
    public:
+    /// Of a contact that grows: what it is in this tick.
+    struct Growth {
+        double radius_m = 0;             ///< of the contact; 0: it does not grow
+        double force_N = 0, depth_m = 0; ///< dE/da a'(d), and the depth n d where it is that
+        Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();
+        BoundRings rings;
+
+        template <class State>
+        void fields(State& state) noexcept { state(radius_m, force_N, depth_m, anchor_m, rings); }
+    };
+
     static constexpr int most_nodes = 60;      ///< of the imprint: a group each
     static constexpr int most_entries = 960;   ///< of all groups' nodes
 
@@ -78,6 +94,8 @@ class ToolSpring {
     bool add_group(const PointMatrix& target, const PointMatrix& stiffness_N_m) noexcept;
     bool add_node(int node, double weight) noexcept;  ///< of the last group; one may come twice
     void harden(double hardening_1_J, double saturation_1_J, double coupling_N_m2) noexcept;
+    void grow(const Growth& growth) noexcept { growth_ = growth; }
+    const Growth& growth() const { return growth_; }
     /// The largest force that the tool may show from now on, in other contacts too [N]; infinite from the start.
     void show_at_most(double force_N) noexcept { most_N_ = force_N; }
     double most_N() const { return most_N_; }
@@ -100,7 +118,7 @@ class ToolSpring {
     void take_over(const ToolSpring& from, const Point& push_m, const NodeColumns& u, ToolMemory& memory) const noexcept;
     double energy_J(const Point& push_m, const NodeColumns& u, const ToolMemory* memory = nullptr) const noexcept;
     /// q (D): the push, or less where that would take more than the largest force.
-    Point shown_push(const Point& push_m, const NodeColumns& u, const ToolMemory* memory = nullptr) const noexcept { return shown(in_space(push_m), u, memory).head(dimension_); }
+    Point shown_push(const Point& push_m, const NodeColumns& u, const ToolMemory* memory = nullptr) const noexcept { return (shown(stretch(push_m), u, memory) + growth_.anchor_m).head(dimension_); }
     /// Second derivative of E by d, nodes held [N/m] (D x D).
     PointMatrix stiffness_N_m(const Point& push_m, const NodeColumns& u, const ToolMemory* memory = nullptr) const noexcept;
 
@@ -129,9 +147,11 @@ class ToolSpring {
     Eigen::Matrix3d first_stiffness(const Eigen::Vector3d& gap) const noexcept;
     Eigen::Matrix3d curvature(const Eigen::Vector3d& push, const NodeColumns& u) const noexcept;
     Eigen::Vector3d in_space(const Point& p) const noexcept;
+    Eigen::Vector3d stretch(const Point& push) const noexcept;
 
     int dimension_ = 2, groups_ = 0, nodes_ = 0;
     Eigen::Vector3d inward_ = Eigen::Vector3d::Zero();
+    Growth growth_;
     double hardening_1_J_ = 0, saturation_1_J_ = 0, coupling_N_m2_ = 0, most_N_ = std::numeric_limits<double>::infinity();
     Eigen::Matrix3d imprint_N_m_ = Eigen::Matrix3d::Zero();  ///< second derivative of E by d of all groups but the first
     Group group_[most_nodes + 1];

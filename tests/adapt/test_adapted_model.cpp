@@ -85,8 +85,8 @@ TEST_CASE("a model that has learned plays as it has learned to, and earlier prog
     options.heuristic_mesh = false;
     const HapticModel plays(read, options), was(law, options);
     ToolSpring stiff, soft;
-    plays.meshes.front()->law->contact(25, {0.5, 0.5, 0}, stiff);
-    was.meshes.front()->law->contact(25, {0.5, 0.5, 0}, soft);
+    plays.meshes.front()->law->contact(25, {0.5, 0.5, 0}, {}, stiff);
+    was.meshes.front()->law->contact(25, {0.5, 0.5, 0}, {}, soft);
     const Point push = Eigen::Vector2d(0.001, -0.003);
     const NodeColumns still = NodeColumns::Zero(law.mesh.node_count(), 2);
     CHECK(stiff.hand_N(push, still).norm() / soft.hand_N(push, still).norm() == Approx(std::exp(0.7)).epsilon(0.2));

@@ -19,6 +19,7 @@
 #include "../float_mode.h"
 #include "../haptic/haptic_example.h"
 #include "../refusal.h"
+#include "../springs/several_discs.h"
 #include "error.h"
 #include "haptic/session_options.h"
 #include "haptic/tick_clock.h"
@@ -33,8 +34,9 @@ struct Session {
     Session(const std::string& file, std::initializer_list<const char*> options = {}) {
         std::vector<const char*> list(options);
         list.push_back(nullptr);
-        INFO(file);
-        REQUIRE(tissue_open(file.c_str(), list.data(), &s) == TISSUE_OK);
+        const tissue_status status = tissue_open(file.c_str(), list.data(), &s);
+        INFO(file << ": " << tissue_error());
+        REQUIRE(status == TISSUE_OK);
     }
     ~Session() { tissue_close(&s); }
     Session(const Session&) = delete;
@@ -73,6 +75,7 @@ TEST_CASE("a session in C ticks as the library does, bit for bit, and reads what
         REQUIRE(tissue_facet_count(session.s) == model.mesh.facets.rows());
         CHECK(tissue_study(session.s) == model.study);
         CHECK(tissue_tool_radius(session.s) == (model.energy_law ? model.energy_law->disc_radius_m : 0));
+        CHECK(tissue_tool_shape(session.s) == std::string(solid ? "disc" : ""));
         const int N = model.mesh.node_count(), D = model.mesh.dimension();
         int different = 0;
         double largest = 0;
@@ -658,4 +661,21 @@ TEST_CASE("force that the bound on energy takes away is counted and comes back",
     const long long recovered = capped();
     press(1000, 0);
     CHECK(capped() == recovered);
+}
+
+TEST_CASE("a tool is asked for as a session is opened, and not while it runs", "[api][solid]") {
+    const TemporaryFolder folder;
+    const std::string file = model_file(folder, several_discs());
+    Session session(file, {"tool", "ball:0.005"});
+    CHECK(tissue_tool_shape(session.s) == std::string("ball"));
+    CHECK(tissue_tool_radius(session.s) == 0.005);
+    CHECK(tissue_set(session.s, "tool", "disc") == TISSUE_BAD_ARGUMENT);
+    CHECK(tissue_tool_shape(nullptr) == std::string());
+    tissue_session* none = nullptr;
+    const char* const large[] = {"tool", "ball:0.05", nullptr};
+    CHECK(tissue_open(file.c_str(), large, &none) == TISSUE_MISMATCH);
+    CHECK(std::string(tissue_error()).find("discs from 4 to 10 mm") != std::string::npos);
+    const char* const unknown[] = {"tool", "needle", nullptr};
+    CHECK(tissue_open(file.c_str(), unknown, &none) == TISSUE_BAD_ARGUMENT);
+    CHECK(none == nullptr);
 }

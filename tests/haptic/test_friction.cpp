@@ -162,7 +162,7 @@ TEST_CASE("of tissue that relaxes a contact that slips keeps what it remembers, 
     const Point from_m = touched_m, push_m = Eigen::Vector3d(0, 0, -0.004);
     const NodeColumns& u = drag.s.state(0).displacement;
     ToolSpring tool;
-    mesh.law->contact(where.facet, where.weight, tool);
+    mesh.law->contact(where.facet, where.weight, {}, tool);
     ToolMemory memory = mesh.law->tool_memory(1e-3);
     ToolMemory beside = memory;
     for (int k = 0; k < 50; ++k) {

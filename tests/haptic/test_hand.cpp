@@ -273,7 +273,7 @@ TEST_CASE("a tissue that is too stiff for a device is refused, with the numbers"
     options.map.force_scale = 2.69;
     CHECK(HapticModel(tissue, options).options.safety.force_max_N == 2);
     options.dt_s = 2e-3;  // four times as strict
-    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(tissue, options); }), Contains("dt 0.002 s"));
+    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(tissue, options); }), Contains("a force every 0.002 s"));
     options.dt_s = 1e-3;
     options.map.force_scale = std::numeric_limits<double>::infinity();
     CHECK_THROWS_AS(HapticModel(tissue, options), MismatchError);
@@ -322,6 +322,27 @@ TEST_CASE("a contact is stable on a device up to the stiffness that is said, and
     CHECK(both.mass_kg == 0.06);
     CHECK(both.force_max_N == 3.3);
     CHECK(both.stiffness_N_m == 1020);
+    CHECK(both.rate_Hz == 1000);
+    said.rate_Hz = 500;
+    CHECK(stricter(said, touch_impedance).rate_Hz == 500);
+}
+
+TEST_CASE("a device that measures less often than a session ticks is judged by its own period", "[hand]") {
+    const TissueModel tissue = law_example();
+    HapticOptions options = alone();
+    const HapticModel any(tissue, options);
+    const HapticMesh& mesh = *any.meshes[0];
+    options.device.mass_kg = 1;
+    options.device.mass_kg = 1.5 * mesh.contact_N_m / stable_stiffness_N_m(options.device, options.dt_s, mesh.lead);
+    options.device.rate_Hz = 1 / options.dt_s;
+    CHECK_NOTHROW(HapticModel(tissue, options));
+    options.device.rate_Hz = 4 / options.dt_s;  // no faster than the ticks
+    CHECK_NOTHROW(HapticModel(tissue, options));
+    options.device.rate_Hz = 0.25 / options.dt_s;
+    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(tissue, options); }), Contains("a force every 0.004 s"));
+    const HapticModel model(tissue, alone());
+    Simulation simulation(model);
+    CHECK_THAT(refusal<MismatchError>([&] { simulation.change(options); }), Contains("a force every 0.004 s"));
 }
 
 TEST_CASE("the force of a tick is that of a hand so far ahead as is said", "[hand]") {

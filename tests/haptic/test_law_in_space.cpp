@@ -146,7 +146,7 @@ TEST_CASE("a shape's contact is clamped to what training saw, and corrected, in 
     const RealtimeMesh springs = springs_of(model);
     const RealtimeLaw law(model, springs);
     ToolSpring tool;
-    law.contact(facet, weight, tool);
+    law.contact(facet, weight, {}, tool);
     const ContactSpring trained(make_contact_kernel(mesh, *model.energy_law)->rows_at(at.point_m), model.energy_law->patch);
     const NodeColumns rest = NodeColumns::Zero(mesh.node_count(), 3);
     CHECK(tool.energy_J(push, rest) == Approx(trained.load(push, Eigen::VectorXd::Zero(trained.rows.pull.cols())).energy_J).epsilon(1e-9));

@@ -113,8 +113,8 @@ TEST_CASE("a law that becomes another has the forces of one that was made so, an
         wanted.force(u, g, scratch);
         CHECK((f - g).norm() < 1e-12 * g.norm());
         ToolSpring a, b;
-        law.contact(3, Eigen::Vector3d::Constant(1.0 / 3), a);
-        wanted.contact(3, Eigen::Vector3d::Constant(1.0 / 3), b);
+        law.contact(3, Eigen::Vector3d::Constant(1.0 / 3), {}, a);
+        wanted.contact(3, Eigen::Vector3d::Constant(1.0 / 3), {}, b);
         const Point push = Point::Constant(model.mesh.dimension(), 1e-3);
         CHECK((a.hand_N(push, u) - b.hand_N(push, u)).norm() < 1e-12 * b.hand_N(push, u).norm());
     }

@@ -72,7 +72,7 @@ TEST_CASE("the tick's contact is the one that was trained, at every point of the
                 const int i = mesh.loop()[b], j = mesh.loop()[(b + 1) % M];
                 const Eigen::Vector2d place = (1 - w) * mesh.nodes.row(i) + w * mesh.nodes.row(j);
                 ToolSpring now;
-                law.contact(static_cast<int>(b), {1 - w, w, 0}, now);
+                law.contact(static_cast<int>(b), {1 - w, w, 0}, {}, now);
                 const NodeColumns u = scattered(mesh, 1e-3);
                 const Eigen::Vector2d push(0.002, -0.001);
                 NodeColumns asked = NodeColumns::Zero(u.rows(), 2);

@@ -44,6 +44,8 @@ check "the example presses" sh -c "'$scratch/press' '$model' friction 0.3 <'$scr
 check "it says that a position was refused, and goes on" sh -c "grep -qx 'press: the position was refused: not finite, too fast or too old' '$scratch/log' && [ \$(wc -l <'$scratch/c') = 1000 ]"
 check "a wrong option is one line" sh -c "! '$scratch/press' '$model' frction 0.3 </dev/null 2>'$scratch/log' && grep -qx \"press: there is no option 'frction'\" '$scratch/log'"
 check "and a file that is no model" sh -c "! '$scratch/press' '$data' </dev/null 2>'$scratch/log' && [ \$(wc -l <'$scratch/log') = 1 ] && grep -q 'tiny.csv' '$scratch/log'"
+check "a tick of a library that was opened while the program runs allocates nothing, nor one that is refused" sh -c "
+    gcc -std=c11 -Wall -Wextra -Werror -I'$prefix/include' '$root/tests/api/loaded_tick.c' -o '$scratch/loaded_tick' -ldl -lm -pthread && '$scratch/loaded_tick' '$prefix/lib/libtissue.so.1' '$model'"
 
 # ---- Python
 check "a thousand ticks in Python are those in C to the last bit" "$PYTHON" - "$model" "$scratch/way" "$scratch/c" <<'PY'
@@ -243,7 +245,7 @@ for name, unit, default, values, where, live, meaning in rows:
         low, high = (float(end) for end in values[1:-1].split(", "))
         inside = lambda v: low < v < high or (v == low and values[0] == "[") or (v == high and values[-1] == "]")
         wrong += [v for v in ("nan", "-inf", "inf", "-1", "0", "2", f"{2 * high}") if not inside(float(v))]
-    wrong = ["nan 0", "0 inf", "x 0"] if name == "offset" else ["nan 0 0", "0 0 inf", "x 0 0", "0 0 101"] if name == "rotation" else ["x,x"] if name == "axes" else wrong
+    wrong = ["nan 0", "0 inf", "x 0"] if name == "offset" else ["nan 0 0", "0 0 inf", "x 0 0", "0 0 101"] if name == "rotation" else ["x,x"] if name == "axes" else ["x", "ball", "ball:-1"] if name == "tool" else wrong
     for program, words in programs.items():
         flag = f"--no-{name}" if default == "yes" else f"--{name}"
         assert (f"\n  {flag} " in helps[program]) == (program in where), (program, flag)

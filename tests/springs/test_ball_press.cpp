@@ -5,9 +5,8 @@
 #include <cmath>
 
 #include "../example.h"
-#include "../mesh/embedded_block.h"
 #include "../refusal.h"
-#include "../solid_law_example.h"
+#include "several_discs.h"
 #include "error.h"
 #include "springs/energy_law.h"
 #include "springs/law_at_radius.h"
@@ -23,24 +22,9 @@ namespace {
 const Eigen::Vector3d place(0.021, 0.033, 0.02), inward(0, 0, -1);
 constexpr double ball_m = 0.010;
 
-/// A law of a disc of 7 mm that knows discs from 4 to 10 mm.
-TissueModel several() {
-    TissueModel model = solid_law_example(embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}));
-    LawModel& law = *model.energy_law;
-    law.terms = {"spring.all", "contact.normal.size", "contact.hardening.size"};
-    law.coefficients = Eigen::Vector3d(0, 0.3, 1.5);
-    law.sizes.radii_m = with_means({0.004, 0.007, 0.010});
-    for (double x : {-0.05, 0.03, 0.02, 0.01, 0.06}) law.sizes.correction.push_back({NodeField::Constant(model.mesh.facets.rows(), 10, x)});
-    return model;
-}
-
-/// What is stored where a disc of that radius is pushed so [J]; below 4 mm as on a half space, its correction in proportion.
+/// What is stored where a ball's contact of that radius is pushed so [J].
 double energy_J(const TissueModel& model, double radius_m, const Point& push_m) {
-    const double least_m = 0.004, times = std::min(1.0, radius_m / least_m);
-    LawModel law = law_at_radius(*model.energy_law, std::max(radius_m, least_m));
-    law.patch = resized(law.patch, {}, {}, std::log(times));
-    law.disc_radius_m *= times;
-    law.disc.correction.value *= times;
+    const LawModel law = law_of_ball(*model.energy_law, ball_m, radius_m);
     const TissueEnergy tissue(model.mesh, law.incompressible);
     const auto kernel = make_contact_kernel(model.mesh, law);
     return PressSolver(tissue, *kernel).press(law.constants, ContactSpring(kernel->rows_at(place), law.patch), push_m).energy_J;
@@ -49,7 +33,7 @@ double energy_J(const TissueModel& model, double radius_m, const Point& push_m) 
 }  // namespace
 
 TEST_CASE("a ball's contact stores on a half space what Sneddon's sphere does", "[solid]") {
-    const TissueModel model = several();
+    const TissueModel model = several_discs();
     const BallPress ball(model.mesh, *model.energy_law, ball_m);
     for (double x : {0.05, 0.2, 0.4, 0.6, 0.7, 0.833}) {  // of contact radius over the ball's, of the sphere
         const double log = std::log((1 + x) / (1 - x)), depth_m = ball_m * x / 2 * log, force = (1 + x * x) / 2 * log - x;  // over E* R^2
@@ -61,22 +45,43 @@ TEST_CASE("a ball's contact stores on a half space what Sneddon's sphere does", 
     CHECK(ball.contact_radius_m(place, Eigen::Vector3d(0.001, 0, 0)) == 0);
 }
 
-TEST_CASE("a ball's force is what its energy grows by, straight in and tilted", "[solid]") {
-    const TissueModel model = several();
+TEST_CASE("a ball's force is what its energy grows by, and along the surface what its bound contact has", "[solid]") {
+    const TissueModel model = several_discs();
     const BallPress ball(model.mesh, *model.energy_law, ball_m);
-    for (const Eigen::Vector3d& direction : {Eigen::Vector3d(0, 0, -1), Eigen::Vector3d(0.36, 0.48, -0.8)})
-        for (double depth_m : {0.0004, 0.0025, 0.004}) {
-            const Equilibrium answer = ball.at(place, depth_m * direction);
-            REQUIRE(answer);
-            const auto stored = [&](double d_m) { return energy_J(model, ball.contact_radius_m(place, d_m * direction), d_m * direction); };
-            const double h = 1e-3 * depth_m, grown = (stored(depth_m + h) - stored(depth_m - h)) / (2 * h);
-            INFO(depth_m << " m along " << direction.transpose());
-            CHECK(answer.contact_force.dot(direction) == Approx(grown).epsilon(1e-3));
-        }
+    for (double depth_m : {0.0004, 0.0025, 0.004}) {
+        const Equilibrium answer = ball.at(place, depth_m * inward);
+        REQUIRE(answer);
+        const auto stored = [&](double d_m) { return energy_J(model, ball.contact_radius_m(place, d_m * inward), d_m * inward); };
+        const double h = 1e-3 * depth_m, grown = (stored(depth_m + h) - stored(depth_m - h)) / (2 * h);
+        INFO(depth_m << " m");
+        CHECK(answer.contact_force.dot(inward) == Approx(grown).epsilon(1e-3));
+
+        // of a way that is a little tilted two thirds stretch the contact that is there in the end, and Q is its stiffness times that
+        const Eigen::Vector3d across(0.6, 0.8, 0);
+        const double along_m = 0.01 * depth_m, radius_m = ball.contact_radius_m(place, depth_m * inward);
+        const auto to_side = [&](double s_m) { return energy_J(model, radius_m, depth_m * inward + s_m * across); };
+        const double stiffness = (to_side(h) - 2 * to_side(0) + to_side(-h)) / (h * h), skew = (to_side(h) - to_side(-h)) / (2 * h);
+        const Equilibrium tilted = ball.at(place, depth_m * inward + along_m * across);
+        REQUIRE(tilted);
+        CHECK((tilted.contact_force.dot(across) - skew) / (stiffness * along_m) == Approx(2.0 / 3).epsilon(0.03));
+    }
+}
+
+TEST_CASE("a contact that is bound is 15/8 as stiff along the surface as a disc's where the tissue gives way little", "[solid]") {
+    TissueModel model = several_discs();
+    model.energy_law->constants *= 1e4;
+    const LawModel disc = law_of_contact(*model.energy_law, 0.007), ball = law_of_ball(*model.energy_law, ball_m, 0.007);
+    const auto stiffness = [&](const LawModel& law, const Eigen::Vector3d& way) {
+        return LawPress(model.mesh, law).at(place, 1e-6 * way).contact_force.norm() / 1e-6;
+    };
+    const double along = stiffness(ball, Eigen::Vector3d::UnitX()) / stiffness(disc, Eigen::Vector3d::UnitX());
+    CHECK(along > 1.7);  // the imprint's rows, of a profile that does not taper, 1.71
+    CHECK(along < 2.1);
+    CHECK(stiffness(ball, inward) == Approx(stiffness(disc, inward)).epsilon(1e-6));
 }
 
 TEST_CASE("a ball's force begins at none, as its depth to the power of 1.5, and does not jump where its contact is as small as the smallest disc", "[solid]") {
-    const TissueModel model = several();
+    const TissueModel model = several_discs();
     const BallPress ball(model.mesh, *model.energy_law, ball_m);
     const auto force = [&](double depth_m) { return ball.at(place, depth_m * inward).contact_force.dot(inward); };
     CHECK(std::log(force(2e-5) / force(1e-5)) / std::log(2.0) == Approx(1.5).margin(0.05));
@@ -88,7 +93,7 @@ TEST_CASE("a ball's force begins at none, as its depth to the power of 1.5, and 
 }
 
 TEST_CASE("a ball is refused where the law knows no disc as large as its contact, and where there is no disc", "[solid]") {
-    const TissueModel model = several();
+    const TissueModel model = several_discs();
     const BallPress ball(model.mesh, *model.energy_law, ball_m);
     CHECK_NOTHROW(ball.at(place, 0.0099 * inward));
     for (double depth_m : {0.0101, 0.05, 0.2}) CHECK_THAT(refusal<ContactTooLargeError>([&] { ball.at(place, depth_m * inward); }), Contains("a ball of 10 mm pushed") && Contains("more than half in"));

@@ -9,6 +9,7 @@
 #include "../mesh/embedded_block.h"
 #include "../refusal.h"
 #include "../solid_law_example.h"
+#include "several_discs.h"
 #include "../tolerances.h"
 #include "error.h"
 #include "haptic/simulation.h"
@@ -28,22 +29,6 @@ namespace {
 constexpr double own_m = 0.007;
 const Eigen::Vector3d place(0.021, 0.033, 0.02), inward(0, 0, -1);
 
-/// A law of a disc of 7 mm that knows discs from 4 to 10 mm, with terms of their size.
-TissueModel several() {
-    TissueModel model = solid_law_example(embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}));
-    LawModel& law = *model.energy_law;
-    law.terms = {"spring.all", "contact.normal.size", "contact.hardening.size"};
-    law.coefficients = Eigen::Vector3d(0, 0.3, 1.5);
-    law.disc.correction.value = NodeField::Constant(model.mesh.facets.rows(), 10, 0.02);
-    law.sizes.radii_m = with_means({0.004, own_m, 0.010});
-    for (double x : {-0.05, 0.03, 0.02, 0.01, 0.06}) law.sizes.correction.push_back({NodeField::Constant(model.mesh.facets.rows(), 10, x)});
-    model.heuristic_b = model.heuristic_a;
-    model.case_radius_m = Eigen::VectorXd::Constant(1, 0.004);
-    model.contact_m = place.transpose();
-    model.direction = inward.transpose();
-    return model;
-}
-
 }  // namespace
 
 TEST_CASE("radii of discs have the geometric mean of neighbours between them") {
@@ -57,7 +42,7 @@ TEST_CASE("radii of discs have the geometric mean of neighbours between them") {
 }
 
 TEST_CASE("a law at another radius has a half space's contact, what its terms of size say, and that radius' correction", "[solid]") {
-    const TissueModel model = several();
+    const TissueModel model = several_discs();
     const LawModel &law = *model.energy_law, same = law_at_radius(law, own_m), none = law_at_radius(law, 0);
     CHECK(same.patch.log_N_m == law.patch.log_N_m);
     CHECK(none.sizes.radii_m == law.sizes.radii_m);
@@ -81,7 +66,7 @@ TEST_CASE("a law at another radius has a half space's contact, what its terms of
 }
 
 TEST_CASE("a press of another disc is that of the law at its radius, made once for all threads", "[solid]") {
-    const TissueModel model = several();
+    const TissueModel model = several_discs();
     const LawPress press(model);
     CHECK(&press.of(0) == &press);
     CHECK(&press.of(own_m) == &press);
@@ -89,7 +74,7 @@ TEST_CASE("a press of another disc is that of the law at its radius, made once f
     parallel_for(4, 4, [&](int i) { made[static_cast<std::size_t>(i)] = &press.of(0.005); });
     const LawPress& other = *made[0];
     for (const LawPress* one : made) CHECK(one == &other);
-    const Equilibrium here = other.at(place, 0.002 * inward), there = LawPress(with_tool(model, 0.005)).at(place, 0.002 * inward);
+    const Equilibrium here = other.at(place, 0.002 * inward), there = LawPress(with_tool(model, {ToolChoice::Shape::disc, 0.005})).at(place, 0.002 * inward);
     REQUIRE(here);
     CHECK(here.contact_force == there.contact_force);
     CHECK(here.contact_force.norm() < 0.9 * press.at(place, 0.002 * inward).contact_force.norm());
@@ -116,7 +101,7 @@ TEST_CASE("a contact's derivative by its terms of size agrees with differences",
 TEST_CASE("what a law knows of other discs comes back from its file; what contradicts itself is refused", "[solid]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("model.h5");
-    const TissueModel model = several();
+    const TissueModel model = several_discs();
     const auto refused = [&](auto&& change) {
         TissueModel changed = model;
         change(changed);
@@ -132,7 +117,7 @@ TEST_CASE("what a law knows of other discs comes back from its file; what contra
     CHECK(back.radius_of_case(0) == 0.004);
     CHECK_FALSE(back.is_own_case(0));
     CHECK(back.deepest_m() == Approx(0.006 * 7 / 4));  // in proportion
-    CHECK(with_tool(back, 0.005).deepest_m() == Approx(0.006 * 5 / 4));
+    CHECK(with_tool(back, {ToolChoice::Shape::disc, 0.005}).deepest_m() == Approx(0.006 * 5 / 4));
     CHECK(law_at_radius(*back.energy_law, 0.005).patch.log_N_m == law_at_radius(*model.energy_law, 0.005).patch.log_N_m);
 
     CHECK_THAT(refused([](TissueModel& m) { m.energy_law->sizes.radii_m[2] = 0.0071; }), Contains("/law/radii") && Contains("disc_radius_m"));
@@ -149,11 +134,11 @@ TEST_CASE("what a law knows of other discs comes back from its file; what contra
 }
 
 TEST_CASE("a session plays with the disc that it is given, and refuses one that the model does not know", "[solid][simulation]") {
-    const TissueModel model = several();
+    const TissueModel model = several_discs();
     HapticOptions options;
     options.heuristic_mesh = false;
-    options.tool_radius_m = 0.005;
-    const TissueModel other = with_tool(model, 0.005);
+    options.tool = {ToolChoice::Shape::disc, 0.005};
+    const TissueModel other = with_tool(model, {ToolChoice::Shape::disc, 0.005});
     const HapticModel small(other, options), own(model, {});
     CHECK(small.fingerprint != own.fingerprint);
     Simulation simulation(small);
@@ -166,9 +151,9 @@ TEST_CASE("a session plays with the disc that it is given, and refuses one that 
     const Equilibrium rest = LawPress(other).at(small.meshes[0]->springs.rest_place(r.facet, r.weight), r.contact_displacement_m);
     REQUIRE(rest);
     CHECK((r.coupling_N + rest.contact_force).norm() < 2e-3 * rest.contact_force.norm());
-    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(model, options); }), Contains("tool-radius"));
-    CHECK_THROWS_AS(with_tool(model, 0.02), MismatchError);
-    CHECK(with_tool(model, 0).energy_law->sizes.radii_m == model.energy_law->sizes.radii_m);
+    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(model, options); }), Contains("tool disc:0.005"));
+    CHECK_THROWS_AS(with_tool(model, {ToolChoice::Shape::disc, 0.02}), MismatchError);
+    CHECK(with_tool(model, {ToolChoice::Shape::disc, 0}).energy_law->sizes.radii_m == model.energy_law->sizes.radii_m);
     CHECK_FALSE(other.is_own_case(0));
-    CHECK(with_tool(model, 0.004).is_own_case(0));
+    CHECK(with_tool(model, {ToolChoice::Shape::disc, 0.004}).is_own_case(0));
 }

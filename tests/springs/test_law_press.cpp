@@ -65,7 +65,7 @@ TEST_CASE("of a solid whose lattice has no tissue near a place a law's answer sa
 
     const DiscContact kernel(model.mesh, 0.007);
     ToolSpring tool;
-    kernel.tool_at(0, Eigen::Vector3d::Constant(1.0 / 3), model.energy_law->patch, tool);
+    kernel.tool_at(0, Eigen::Vector3d::Constant(1.0 / 3), 0, model.energy_law->patch, tool);
     CHECK(tool.group_count() == 1);
     const NodeColumns u = NodeColumns::Zero(model.mesh.node_count(), 3);
     CHECK(tool.hand_N(push, u).norm() > 0);

@@ -103,10 +103,10 @@ TEST_CASE("beyond all tissue a disc's own points fade; far from it there is no c
         CHECK(here > 0.4 * whole);  // half of the disc stands on tissue at the edge
         before = here;
     }
-    const PolarPoints points(mesh, R, 2.5);
+    const PolarPoints points(mesh, 2.5);
     Footing footing;
     SurfaceQuadric away{Eigen::Vector3d(1, 1, 1), down, Eigen::Matrix<double, 3, 2>::Identity(), Eigen::Vector2d::Zero(), Eigen::Matrix2d::Zero()};
-    points.lay(away, [](const Eigen::Vector3d&, double) { return Eigen::Matrix3d(Eigen::Matrix3d::Identity()); }, footing);
+    points.lay(away, R, [](const Eigen::Vector3d&, double) { return Eigen::Matrix3d(Eigen::Matrix3d::Identity()); }, footing);
     CHECK(footing.means == 0);
     CHECK(footing.entries == 0);
     for (int k = 0; k < footing.points; ++k) CHECK(footing.point[k].share == 0);
@@ -114,11 +114,11 @@ TEST_CASE("beyond all tissue a disc's own points fade; far from it there is no c
 
 TEST_CASE("a disc's own point that fades to nothing still has nodes to give back what it remembers", "[embedded]") {
     const SpringMesh mesh = flat();
-    const PolarPoints points(mesh, R, 2.5);
+    const PolarPoints points(mesh, 2.5);
     Footing footing;
     Eigen::Matrix<double, 3, 2> tangents = Eigen::Matrix<double, 3, 2>::Identity();
     const SurfaceQuadric ridge{Eigen::Vector3d(0.032, 0.032, 0.032), down, tangents, Eigen::Vector2d::Zero(), Eigen::Matrix2d::Identity() / R};
-    points.lay(ridge, [](const Eigen::Vector3d&, double) { return Eigen::Matrix3d(Eigen::Matrix3d::Identity()); }, footing);
+    points.lay(ridge, R, [](const Eigen::Vector3d&, double) { return Eigen::Matrix3d(Eigen::Matrix3d::Identity()); }, footing);
     const Footing::Point& outer = footing.point[PolarPoints::under + PolarPoints::beyond - 1];
     CHECK(outer.share == 0);
     CHECK(outer.end - outer.begin == 8);
@@ -148,7 +148,7 @@ TEST_CASE("a disc that goes along an embedded solid's surface takes of the latti
 
 TEST_CASE("the frame that a disc's points lie along turns without jumps all over a solid, and is one of unit vectors across the normal", "[embedded]") {
     const SpringMesh mesh = embedded_lattice(dome(6), 0.011);
-    const PolarPoints points(mesh, R, 2.5);
+    const PolarPoints points(mesh, 2.5);
     const auto inward = [](double polar, double azimuth) { return Eigen::Vector3d(-std::sin(polar) * std::cos(azimuth), -std::sin(polar) * std::sin(azimuth), -std::cos(polar)); };
     const double step = 1e-3;
     for (double polar = 0; polar < 2.6; polar += 0.05)  // 180 degrees: as the bed faces

@@ -120,7 +120,7 @@ TEST_CASE("a disc's contact in the tick is the one that trains: same energy, sam
             const Eigen::Vector3d weight = some_weight(draw, 3);
             Eigen::Vector3d place = Eigen::Vector3d::Zero();
             for (int k = 0; k < 3; ++k) place += weight[k] * mesh.nodes.row(mesh.facets(facet, k)).transpose();
-            kernel.tool_at(facet, weight, law, tool);
+            kernel.tool_at(facet, weight, 0, law, tool);
             const ContactSpring spring(kernel.rows_at(place), law);
             const NodeColumns u = some_displacement(mesh, draw);
             const Point push = some_push(draw, 3);
@@ -142,7 +142,7 @@ TEST_CASE("a patch's contact in the tick is the one that trains", "[tool]") {
         if (surface.free_of()[static_cast<std::size_t>(facet)] < 0) continue;
         const Eigen::Vector3d weight = some_weight(draw, 2);
         const Point place = weight[0] * mesh.nodes.row(mesh.facets(facet, 0)).transpose() + weight[1] * mesh.nodes.row(mesh.facets(facet, 1)).transpose();
-        kernel.tool_at(facet, weight, plane_law(), tool);
+        kernel.tool_at(facet, weight, 0, plane_law(), tool);
         const NodeColumns u = some_displacement(mesh, draw);
         const Point push = some_push(draw, 2);
         check_same(tool, ContactSpring(kernel.rows_at(place), plane_law()), u, push);
@@ -156,7 +156,7 @@ TEST_CASE("the push of a force is where the tool's force is that one, hardened o
     Draw draw(3);
     ToolSpring tool;
     for (int i = 0; i < 100; ++i) {
-        kernel.tool_at(draw.below(static_cast<int>(mesh.facets.rows())), some_weight(draw, 3), disc_law(), tool);
+        kernel.tool_at(draw.below(static_cast<int>(mesh.facets.rows())), some_weight(draw, 3), 0, disc_law(), tool);
         const NodeColumns u = some_displacement(mesh, draw);
         // pushed in: there the coupling stiffens, and the force has one push
         const Point push = 5e-3 * (tool.inward() + 0.2 * Eigen::Vector3d(some_push(draw, 3) / 6e-3));
@@ -175,7 +175,7 @@ TEST_CASE("a tool on a held facet meets a wall as stiff as the contact nearest t
     for (int facet = 0; facet < mesh.facets.rows(); ++facet) {
         if (surface.free_of()[static_cast<std::size_t>(facet)] >= 0) continue;
         ++held;
-        kernel.tool_at(facet, {0.2, 0.3, 0.5}, disc_law(), tool);
+        kernel.tool_at(facet, {0.2, 0.3, 0.5}, 0, disc_law(), tool);
         CHECK((tool.inward() - Eigen::Vector3d(0, 0, 1)).norm() < 1e-12);
         NodeColumns f = u;
         const Point hand = tool.put_on(Eigen::Vector3d(1e-3, 0, 2e-3), u, f);
@@ -207,7 +207,7 @@ TEST_CASE("a contact of the tick is made and used without allocation", "[solid][
         double sum = 0;
         const Allocations counted;
         for (int facet = 0; facet < mesh.facets.rows(); ++facet) {
-            kernel.tool_at(facet, {0.2, 0.3, 0.5}, law, tool);
+            kernel.tool_at(facet, {0.2, 0.3, 0.5}, 0, law, tool);
             sum += tool.put_on(push, u, f).norm() + tool.push_at(push, u).norm() + tool.stiffness_N_m(push, u).norm() + tool.energy_J(push, u);
             sum += surface.walk(facet, {0.2, 0.3, 0.5}, push).walked_m;
         }
@@ -227,7 +227,7 @@ TEST_CASE("a tool that may show so much force shows no more, stays behind, and i
         for (int i = 0; i < 200; ++i) {
             const int facet = draw.below(static_cast<int>(mesh.facets.rows()));
             if (surface.free_of()[static_cast<std::size_t>(facet)] < 0) continue;
-            kernel->tool_at(facet, some_weight(draw, dimension), dimension == 2 ? plane_law() : disc_law(), tool);
+            kernel->tool_at(facet, some_weight(draw, dimension), 0, dimension == 2 ? plane_law() : disc_law(), tool);
             const NodeColumns u = 0.1 * some_displacement(mesh, draw);
             const auto some_inward = [&](double size_m) { return Point(size_m * (tool.inward() + some_push(draw, dimension) / 3e-2)); };  // there it is convex
             tool.show_at_most(std::numeric_limits<double>::infinity());

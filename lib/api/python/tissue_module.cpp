@@ -417,7 +417,7 @@ ticks() between two ticks, press() between two contacts and next() between two p
         .def_property_readonly("fixed", [](const TissueModel& t) { return t.mesh.fixed; }, "nodes that are held")
         .def_readonly("node_mass_kg", &TissueModel::node_mass_kg, "(N)")
         .def_readonly("modulus", &TissueModel::modulus_N_m, "in the plane E t [N/m], in space E [Pa]")
-        .def("with_tool", [](const TissueModel& t, double radius_m) { return with_tool(t, radius_m); }, py::arg("radius_m"),
+        .def("with_tool", [](const TissueModel& t, double radius_m) { return with_tool(t, {ToolChoice::Shape::disc, radius_m}); }, py::arg("radius_m"),
              "The model under a disc of another radius [m], between the smallest and the largest that it was trained under (disc_radii_m).")
         .def_property_readonly("case_radius_m", [](const TissueModel& t) { return t.case_radius_m; }, "of each case's disc, where a law in space was trained under several (C); else empty")
         .def_property_readonly("disc_radii_m", [](const TissueModel& t) { return t.energy_law ? t.energy_law->sizes.radii_m : Eigen::VectorXd(); },
@@ -447,7 +447,7 @@ ticks() between two ticks, press() between two contacts and next() between two p
                  const HapticOptions options = with(interface_options(), options_of(given), false);
                  const py::gil_scoped_release others_may;
                  check_options(options);  // before the model knows of one
-                 if (options.tool_radius_m) model = std::make_shared<TissueModel>(with_tool(*model, *options.tool_radius_m));
+                 if (!options.tool.is_default()) model = std::make_shared<TissueModel>(with_tool(*model, options.tool));
                  return std::make_unique<Session>(std::move(model), options);
              }),
              py::arg("model").none(false),

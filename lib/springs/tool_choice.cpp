@@ -1,0 +1,38 @@
+#include "springs/tool_choice.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+#include "error.h"
+
+namespace tissue {
+
+const char* to_string(ToolChoice::Shape shape) { return shape == ToolChoice::Shape::ball ? "ball" : "disc"; }
+
+ToolChoice tool_choice(const std::string& text) {
+    const auto refuse = [&](const std::string& why) { throw MismatchError(fmt::format("tool '{}': {}; write disc, disc:RADIUS or ball:RADIUS, as ball:4mm or ball:0.004 (m)", text, why)); };
+    const std::size_t colon = text.find(':');
+    const std::string shape = text.substr(0, colon);
+    ToolChoice tool;
+    if (shape == "ball")
+        tool.shape = ToolChoice::Shape::ball;
+    else if (shape != "disc")
+        refuse("the shape is not known");
+    if (colon == std::string::npos) {
+        if (tool.shape == ToolChoice::Shape::ball) refuse("a ball needs a radius");
+        return tool;
+    }
+    const std::string radius = text.substr(colon + 1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(radius.data(), radius.data() + radius.size(), value);
+    const std::string unit(end, radius.data() + radius.size());
+    if (error != std::errc() || (!unit.empty() && unit != "mm" && unit != "m")) refuse("the radius is no number of metres, or of mm");
+    tool.radius_m = unit == "mm" ? value / 1000 : value;
+    if (!(tool.radius_m > 0 && tool.radius_m < 1)) refuse("the radius must lie in (0, 1) m");
+    return tool;
+}
+
+std::string to_string(const ToolChoice& tool) { return tool.radius_m == 0 ? to_string(tool.shape) : fmt::format("{}:{}", to_string(tool.shape), tool.radius_m); }
+
+}  // namespace tissue

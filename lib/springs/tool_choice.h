@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+namespace tissue {
+
+/// The rigid tool that a session presses with, in space: a disc of the tissue model (springs/disc_contact.h) or a ball.
+struct ToolChoice {
+    enum class Shape { disc, ball };
+    Shape shape = Shape::disc;
+    double radius_m = 0;  ///< 0: of the model's own disc
+
+    bool is_default() const { return shape == Shape::disc && radius_m == 0; }
+    bool operator==(const ToolChoice& other) const { return shape == other.shape && radius_m == other.radius_m; }
+};
+
+const char* to_string(ToolChoice::Shape shape);
+
+/// "disc", "disc:5mm", "ball:4mm", "ball:0.004": a shape and its radius, in metres or with the unit mm. Throws MismatchError for another text, a radius outside (0, 1) m, and a ball without one.
+ToolChoice tool_choice(const std::string& text);
+std::string to_string(const ToolChoice& tool);  ///< which tool_choice() reads as the same
+
+}  // namespace tissue

@@ -1,0 +1,271 @@
+// A rigid ball in the tick: it rests where BallPress has it, gives no energy, and its session is copied and saved like any other.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "../allocations.h"
+#include "../refusal.h"
+#include "../springs/several_discs.h"
+#include "error.h"
+#include "hand.h"
+#include "haptic/session_options.h"
+#include "springs/ball_press.h"
+#include "springs/law_at_radius.h"
+
+using namespace tissue;
+using namespace tissue::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const Eigen::Vector3d place(0.021, 0.033, 0.02), inward(0, 0, -1);
+
+/// Without a second mesh.
+HapticOptions with_ball(double radius_m) {
+    HapticOptions options;
+    options.heuristic_mesh = false;
+    options.tool = {ToolChoice::Shape::ball, radius_m};
+    options.safety.force_max_N = 100;
+    options.safety.slew_N_s = 1e6;
+    return options;
+}
+
+struct Ball {
+    HapticOptions options;
+    TissueModel own = several_discs(), tissue;
+    HapticModel model;
+    explicit Ball(double radius_m, const HapticOptions& given) : options(given), tissue(with_tool(own, options.tool)), model(tissue, options) { REQUIRE(options.tool.radius_m == radius_m); }
+    explicit Ball(double radius_m) : Ball(radius_m, with_ball(radius_m)) {}
+};
+
+/// A hand that is led along a straight way, and the work that it does [J].
+struct Led {
+    Simulation simulation;
+    Eigen::Vector3d at, force = Eigen::Vector3d::Zero();
+    double work_J = 0;
+
+    Led(const HapticModel& model, const Eigen::Vector3d& from) : simulation(model), at(from) { tick(from); }
+    void tick(const Eigen::Vector3d& to) {
+        work_J -= force.dot(to - at);
+        at = to;
+        DeviceSample sample;
+        sample.position_m = to;
+        force = simulation.tick(sample);
+    }
+    void lead(const Eigen::Vector3d& to, double speed_m_s = 0.02) {
+        const Eigen::Vector3d from = at;
+        const int count = static_cast<int>(std::ceil((to - from).norm() / speed_m_s / 1e-3));
+        for (int k = 1; k <= count; ++k) tick(from + static_cast<double>(k) / count * (to - from));
+    }
+    void wait(int ticks) {
+        for (int k = 0; k < ticks; ++k) tick(at);
+    }
+};
+
+}  // namespace
+
+TEST_CASE("a ball in the tick rests with the force that it has at rest, straight in and tilted, wherever its contact is smaller or larger than the discs that are known", "[solid][simulation]") {
+    for (const double radius_m : {0.005, 0.010}) {
+        const Ball ball(radius_m);
+        const BallPress answer(ball.own.mesh, *ball.own.energy_law, radius_m);
+        for (const Eigen::Vector3d& way : {Eigen::Vector3d(0, 0, -1), Eigen::Vector3d(0.36, 0.48, -0.8)})
+            for (const double depth : {0.05, 0.25, 0.6}) {  // no contact as large as a disc at which the correction changes its course: the answer is a difference over 2 %
+                Led hand(ball.model, place - 0.002 * way);
+                hand.lead(place - 0.0001 * way);
+                hand.lead(place + depth * radius_m * way, 0.001);
+                hand.wait(3000);
+                const TickRecord& r = hand.simulation.record();
+                REQUIRE(r.mesh == 0);
+                const Equilibrium rest = answer.at(ball.model.meshes[0]->springs.rest_place(r.facet, r.weight), hand.simulation.displacement_at_contact(0));
+                INFO("ball of " << radius_m << " m, " << depth << " of that along " << way.transpose() << ": " << rest.contact_force.norm() << " N");
+                REQUIRE(rest);
+                CHECK((r.coupling_N + rest.contact_force).norm() < 3e-3 * rest.contact_force.norm());
+                NodeColumns seen;
+                hand.simulation.seen(0, seen);
+                CHECK((NodeField(seen) - rest.displacement).norm() < 1e-2 * rest.displacement.norm());
+            }
+    }
+}
+
+TEST_CASE("a ball that is more than half in still pushes the harder the deeper it is, without a jump, and lets go", "[solid][simulation]") {
+    const Ball ball(0.005);
+    Led hand(ball.model, place - 0.002 * inward);
+    double before = 0, least = 1, largest = 0;
+    for (int k = 1; k <= 32; ++k) {  // to 1.6 R
+        hand.lead(place + 0.25e-3 * k * inward);
+        hand.wait(1000);
+        const double now = hand.force.norm();
+        if (k > 4) least = std::min(least, now / before - 1), largest = std::max(largest, now / before - 1);
+        before = now;
+    }
+    CHECK(least > 0.01);
+    CHECK(largest < 0.35);  // d^1.5 from 1 to 1.25 mm: 0.40 with the tissue's own compliance beside it
+    hand.lead(place - 0.002 * inward);
+    hand.wait(100);
+    CHECK(hand.force.norm() == 0);
+    CHECK(hand.simulation.record().mesh == -1);
+}
+
+TEST_CASE("a ball gives no energy: pressed and drawn back, dragged without slip and with friction", "[solid][simulation]") {
+    for (const double friction : {std::numeric_limits<double>::infinity(), 0.3}) {
+        HapticOptions options = with_ball(0.010);
+        options.friction.stick = friction;
+        const Ball ball(0.010, options);
+        for (const double across_m : {0.0, 0.004, 0.012}) {
+            Led hand(ball.model, place - 0.001 * inward);
+            const Eigen::Vector3d across(across_m, 0, 0);
+            double in_J = 0;
+            for (int round = 0; round < 3; ++round) {
+                const double before_J = hand.work_J;
+                hand.lead(place + 0.004 * inward, 0.05);
+                in_J = hand.work_J - before_J;
+                hand.lead(place + 0.004 * inward + across, 0.05);
+                hand.lead(place - 0.001 * inward + across, 0.05);
+                hand.lead(place - 0.001 * inward, 0.05);
+                INFO("friction " << friction << ", across " << across_m << ", round " << round << ": " << in_J << " J in, " << hand.work_J - before_J << " J left");
+                CHECK(hand.work_J - before_J > 0);
+                if (across_m == 0) CHECK(hand.work_J - before_J < 0.25 * in_J);  // on the way in and out what damps alone is left
+            }
+            CHECK(hand.simulation.safety().counters().damped == 0);
+            if (std::isinf(friction)) CHECK(hand.simulation.friction().burnt_J() == 0);
+            if (friction < 1 && across_m > 0) CHECK(hand.simulation.friction().burnt_J() > 0);
+            CHECK(hand.simulation.friction().burnt_J() <= hand.work_J);
+        }
+    }
+}
+
+TEST_CASE("a hand with mass comes to rest on a ball, where the ball's own equilibrium is", "[solid][hand][long]") {
+    const Ball ball(0.010);
+    const BallPress answer(ball.own.mesh, *ball.own.energy_law, 0.010);
+    for (const Hand& hand : hands)
+        for (const test::Clock& clock : clocks) {
+            Release release;
+            release.contact_m = place;
+            release.inward = inward;
+            release.force_N = 0.5 + 0.003 * hand.stiffness_N_m;
+            const Rest rest = let_go(ball.model, hand, clock, release);
+            INFO(hand.name << ", " << clock.name << ": swing " << 1e3 * rest.swing_m << " mm (own damping leaves " << 1e3 * rest.damped_m << "), " << rest.swing_N << " N of " << rest.force_N << " N");
+            REQUIRE(rest.contact);
+            CHECK(rest.faults == 0);
+            CHECK(rest.swing_m < std::max(1e-4, rest.damped_m));
+            CHECK(rest.controlled < 0.01);
+            const Equilibrium exact = answer.at(rest.touched_m, rest.push_m);
+            REQUIRE(exact);
+            CHECK(exact.contact_force.norm() == Approx(rest.force_N).epsilon(0.02));
+        }
+}
+
+TEST_CASE("a session with a ball is saved, restored and copied bit for bit, held back by a device or not, and its ticks allocate nothing", "[solid][simulation]") {
+    for (const double force_max_N : {100.0, 0.1}) {
+        HapticOptions options = with_ball(0.010);
+        options.safety.force_max_N = force_max_N;
+        options.friction.stick = 0.3;
+        const Ball ball(0.010, options);
+        Led hand(ball.model, place - 0.002 * inward);
+        hand.lead(place + 0.003 * inward);
+        REQUIRE(hand.simulation.held_back() == (force_max_N < 1));
+        Simulation copy(hand.simulation);
+        CHECK(copy.tool().growth().radius_m == hand.simulation.tool().growth().radius_m);
+        CHECK(copy.displacement_at_contact(0) == hand.simulation.displacement_at_contact(0));
+        long allocations = 0;
+        double largest_m = 0;
+        for (int k = 0; k < 400; ++k) {
+            DeviceSample sample;
+            sample.position_m = place + (0.003 + 2e-3 * std::sin(0.02 * k)) * inward + Eigen::Vector3d(0.004 * std::sin(0.01 * k), 0, 0);
+            Eigen::Vector3d one, other;
+            {
+                const Allocations none;
+                one = hand.simulation.tick(sample);
+                allocations += Allocations::count();
+            }
+            other = copy.tick(sample);
+            REQUIRE(one == other);
+            largest_m = std::max(largest_m, hand.simulation.tool().growth().radius_m);
+        }
+        CHECK(allocations == 0);
+        if (force_max_N > 1) CHECK(largest_m > 0.006);
+        if (force_max_N < 1) CHECK(hand.simulation.record().coupling_N.norm() < 1.001 * force_max_N);
+        // out again: the bytes are the same
+        for (int k = 0; k < 200; ++k) hand.lead(place - 0.002 * inward);
+        CHECK(hand.simulation.record().mesh == -1);
+        std::vector<std::byte> one(hand.simulation.state_size()), other(one.size());
+        hand.simulation.save(one.data());
+        Simulation(hand.simulation).save(other.data());
+        CHECK(one == other);
+    }
+}
+
+TEST_CASE("a ball that is held back by what its device can show slides without gaining energy, and its contact does not change from tick to tick", "[solid][simulation]") {
+    HapticOptions options = with_ball(0.010);
+    options.safety.force_max_N = 0.2;
+    options.friction.stick = 0.3;
+    const Ball ball(0.010, options);
+    Led hand(ball.model, place - 0.001 * inward);
+    hand.lead(place + 0.006 * inward);
+    hand.wait(300);
+    REQUIRE(hand.simulation.held_back());
+    const double work_J = hand.work_J, burnt_J = hand.simulation.friction().burnt_J();
+    double before_m = hand.simulation.tool().growth().radius_m, largest_m = 0, slid = 0;
+    const Eigen::Vector3d from = hand.at;
+    for (int k = 1; k <= 600; ++k) {
+        hand.tick(from + 2e-5 * k * Eigen::Vector3d::UnitX());
+        slid += hand.simulation.record().slipping;
+        const double now_m = hand.simulation.tool().growth().radius_m;
+        largest_m = std::max(largest_m, std::abs(now_m / before_m - 1));
+        before_m = now_m;
+        REQUIRE(hand.force.norm() < 1.001 * 0.2);
+    }
+    CHECK(slid > 100);
+    CHECK(largest_m < 0.05);
+    CHECK(hand.simulation.friction().burnt_J() - burnt_J > 0);
+    CHECK(hand.simulation.friction().burnt_J() - burnt_J < hand.work_J - work_J);
+}
+
+TEST_CASE("a ball presses a second mesh beside, and a session that follows another takes it over", "[solid][simulation]") {
+    HapticOptions options = with_ball(0.008);
+    options.heuristic_mesh = true;
+    const Ball ball(0.008, options);
+    REQUIRE(ball.model.meshes.size() == 2);
+    Led hand(ball.model, place - 0.001 * inward);
+    hand.lead(place + 0.003 * inward);
+    hand.wait(2000);
+    const Eigen::Vector3d beside = hand.simulation.displacement_at_contact(1);
+    CHECK(beside.allFinite());
+    CHECK(beside.dot(inward) > 0.001);
+    Simulation next(ball.model);
+    next.follow(hand.simulation);
+    next.check_take_over(hand.simulation);
+    next.take_over(hand.simulation);
+    DeviceSample sample;
+    sample.position_m = hand.at;
+    Eigen::Vector3d force;
+    for (int k = 0; k < 2000; ++k) force = next.tick(sample);
+    CHECK((force - hand.force).norm() < 0.02 * hand.force.norm());
+}
+
+TEST_CASE("a tool is a shape and a radius, and a model refuses what it does not know", "[solid][simulation]") {
+    CHECK(tool_choice("disc").is_default());
+    CHECK(tool_choice("disc:5mm") == ToolChoice{ToolChoice::Shape::disc, 0.005});
+    CHECK(tool_choice("ball:0.004") == ToolChoice{ToolChoice::Shape::ball, 0.004});
+    CHECK(tool_choice("ball:4mm") == ToolChoice{ToolChoice::Shape::ball, 0.004});
+    CHECK(tool_choice("disc:9mm").radius_m == 0.009);
+    CHECK(tool_choice("ball:0.004m") == ToolChoice{ToolChoice::Shape::ball, 0.004});
+    for (const ToolChoice& tool : {ToolChoice{}, tool_choice("disc:5mm"), tool_choice("ball:4.3mm")}) CHECK(tool_choice(to_string(tool)) == tool);
+    for (const char* text : {"", "needle:1mm", "ball", "ball:", "ball:4cm", "ball:-4mm", "ball:0", "ball:nan", "disc:1", "disc:mm", "ball:4 mm"})
+        CHECK_THAT(refusal<MismatchError>([&] { tool_choice(text); }), Contains(std::string("tool '") + text + "'") && Contains("ball:4mm"));
+
+    const TissueModel model = several_discs();
+    const auto refused = [](const TissueModel& m, const char* tool) { return refusal<MismatchError>([&] { with_tool(m, tool_choice(tool)); }); };
+    CHECK_THAT(refused(model, "ball:4.2mm"), Contains("ball:0.0042") && Contains("3.9 mm") && Contains("discs from 4 to 10 mm"));
+    CHECK_THAT(refused(model, "ball:11mm"), Contains("discs from 4 to 10 mm"));
+    CHECK_THAT(refused(solid_law_example(model.mesh), "ball:5mm"), Contains("a disc of 7 mm alone"));
+    TissueModel relaxing = model;
+    relaxing.energy_law->relaxation.tau_s = Eigen::VectorXd::Constant(1, 0.5);
+    CHECK_THAT(refused(relaxing, "ball:5mm"), Contains("relaxes"));
+    const HapticOptions options = with_ball(0.005);
+    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(model, options); }), Contains("tool ball:0.005") && Contains("was not made for it"));
+    CHECK(HapticModel(with_tool(model, options.tool), options).fingerprint != HapticModel(with_tool(model, tool_choice("disc:5mm")), [] {
+        HapticOptions disc = with_ball(0.005);
+        disc.tool = tool_choice("disc:5mm");
+        return disc;
+    }()).fingerprint);
+}

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "../mesh/embedded_block.h"
+#include "../solid_law_example.h"
+
+namespace tissue {
+
+/// A law of a disc of 7 mm that knows discs from 4 to 10 mm, with terms of their size, and one load case of the smallest.
+inline TissueModel several_discs() {
+    TissueModel model = solid_law_example(embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}));
+    LawModel& law = *model.energy_law;
+    law.terms = {"spring.all", "contact.normal.size", "contact.hardening.size"};
+    law.coefficients = Eigen::Vector3d(0, 0.3, 1.5);
+    law.disc.correction.value = NodeField::Constant(model.mesh.facets.rows(), 10, 0.02);
+    law.sizes.radii_m = with_means({0.004, 0.007, 0.010});
+    for (double x : {-0.05, 0.03, 0.02, 0.01, 0.06}) law.sizes.correction.push_back({NodeField::Constant(model.mesh.facets.rows(), 10, x)});
+    model.heuristic_b = model.heuristic_a;
+    model.case_radius_m = Eigen::VectorXd::Constant(1, 0.004);
+    model.contact_m = Eigen::RowVector3d(0.021, 0.033, 0.02);
+    model.direction = Eigen::RowVector3d(0, 0, -1);
+    return model;
+}
+
+}  // namespace tissue
