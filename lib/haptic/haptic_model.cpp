@@ -65,8 +65,9 @@ void choose_law_dynamics(const TissueModel& model, HapticMesh& mesh, const Hapti
     mesh.largest_eigenvalue_1_s2 = spectrum.largest;
     // of a ball F = 5/4 of the disc's, and grows as d^1.5 (Hertz); on a hollow surface its contact is larger
     const bool is_ball = o.tool.shape == ToolChoice::Shape::ball;
-    mesh.contact_N_m = o.stiffest * spectrum.contact_N_m * (is_ball ? 1.5 * 1.25 * BallContact::hollow : 1);
-    mesh.static_N_m = o.stiffest * spectrum.static_N_m * (is_ball ? 1.25 * BallContact::hollow : 1);
+    const double stiffer = is_ball ? 1.5 * 1.25 * BallContact::hollow : 1;
+    mesh.contact_N_m = o.stiffest * stiffer * spectrum.contact_N_m;
+    mesh.static_N_m = o.stiffest * stiffer * spectrum.static_N_m;
     mesh.dynamics = o.dynamics == "auto" ? "symplectic" : o.dynamics;
     mesh.substeps = law_substeps(o.stiffest * spectrum.largest, o.dt_s);
     mesh.lowest_frequency_Hz = lowest / turn;
@@ -174,6 +175,7 @@ std::uint64_t fingerprint_of(const HapticModel& model, const TissueModel& tissue
         add_array(tissue.energy_law->disc.correction.value);
         const double radii_m[] = {tissue.energy_law->disc_radius_m, model.tool.shape == ToolChoice::Shape::ball ? model.tool.radius_m : 0};
         add(radii_m, sizeof radii_m);
+        for (const std::string& term : tissue.energy_law->terms) add_array(term);
         add_array(tissue.energy_law->coefficients);
         add_array(tissue.energy_law->disc.sizes.radii_m);
         for (const FacetTable& table : tissue.energy_law->disc.sizes.correction) add_array(table.value);

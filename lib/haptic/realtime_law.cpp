@@ -73,11 +73,17 @@ RealtimeLaw::RealtimeLaw(const RealtimeLaw& other)
       first_cube_(other.first_cube_), spring_of_slot_(other.spring_of_slot_), squares_(other.squares_), regions_(other.regions_), walk_(other.walk_),
       cubes_(other.cubes_), supports_(other.supports_), kernel_(other.kernel_->clone()), ball_(other.ball_), sizes_(other.sizes_) {}
 
+namespace {
+
+constexpr double smallest_contact = 0.02;  // a / R_e: of a ball that only touches
+
+}  // namespace
+
 RealtimeLaw::BallAt RealtimeLaw::ball_at(int facet, const Eigen::Vector3d& weight, const Point& push_m) const noexcept {
-    constexpr double smallest = 0.02;  // a / R_e: of a ball that only touches
     const ContactKernel::SurfaceAt surface = kernel_->surface_at(facet, weight);
     const double effective_m = ball_.effective_m(surface.curvature_1_m), depth_m = surface.inward.dot(Eigen::Vector3d(push_m)), radius_m = BallContact::contact_m(effective_m, depth_m);
-    return {push_m, surface.inward, depth_m, std::max(radius_m, smallest * effective_m), radius_m < smallest * effective_m ? 0 : BallContact::growth(effective_m, depth_m)};
+    const double smallest_m = smallest_contact * effective_m;
+    return {push_m, surface.inward, effective_m, depth_m, std::max(radius_m, smallest_m), radius_m < smallest_m ? 0 : BallContact::growth(effective_m, depth_m)};
 }
 
 void RealtimeLaw::contact(int facet, const Eigen::Vector3d& weight, const Point& push_m, const NodeColumns& u, ToolSpring& tool) const noexcept {
@@ -86,10 +92,8 @@ void RealtimeLaw::contact(int facet, const Eigen::Vector3d& weight, const Point&
     const BallAt at = ball_at(facet, weight, push_m);
     const Eigen::Vector3d along = at.push_m - at.depth_m * at.inward;
     ToolSpring::Growth now{at.radius_m, 0, at.depth_m, {}, tool.growth().rings};
-    if (tool.growth().radius_m > 0)
-        now.rings.follow(at.radius_m, along);
-    else
-        now.rings = BoundRings(BallContact::largest * ball_.radius_m, at.radius_m, along);
+    if (tool.growth().radius_m == 0) now.rings = BoundRings(BallContact::largest * ball_.radius_m, smallest_contact * at.effective_m, Eigen::Vector3d::Zero());  // it began where it touched
+    now.rings.follow(at.radius_m, along);
     now.anchor_m = now.rings.mean_m();
     now.anchor_m -= at.inward.dot(now.anchor_m) * at.inward;
     contact(facet, weight, now, tool);
@@ -104,7 +108,8 @@ void RealtimeLaw::contact(int facet, const Eigen::Vector3d& weight, const Point&
     tool.show_at_most(std::numeric_limits<double>::infinity());
     const double here_J = tool.energy_J(push_m, u), there_J = larger.energy_J(push_m, u);
     tool.show_at_most(most_N);
-    if (here_J > 0 && there_J > 0) now.force_N = at.growth * here_J / at.radius_m * std::log(there_J / here_J) / std::log1p(step);  // exact for a power of the radius
+    // exact for a power of the radius. Of a tool that is held back it is a fifth of the whole at the most; a larger one is of a push that it never gets to
+    if (here_J > 0 && there_J > 0) now.force_N = std::min(at.growth * here_J / at.radius_m * std::log(there_J / here_J) / std::log1p(step), most_N / 5);
     tool.grow(now);
 }
 

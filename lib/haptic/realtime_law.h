@@ -148,7 +148,7 @@ class RealtimeLaw {
     /// A ball at a place and a push.
     struct BallAt {
         Eigen::Vector3d push_m, inward;
-        double depth_m, radius_m, growth;  ///< of the contact: its radius, and da / dd; 0 of the smallest
+        double effective_m, depth_m, radius_m, growth;  ///< of the contact: its radius, and da / dd; 0 of the smallest
     };
     BallAt ball_at(int facet, const Eigen::Vector3d& weight, const Point& push_m) const noexcept;
 

@@ -56,7 +56,7 @@ void Simulation::law_changed() noexcept {
             push_m[m] = static_cast<int>(m) == touched_ ? push_of(record_.master_m, m)
                                                         : tool_.push_at(-record_.coupling_N, states_[m].displacement, &tool_memory_[m]);
     changed_ = tool_;
-    lay_tool(push_of(tool_m_, static_cast<std::size_t>(touched_)));
+    laws_[0]->contact(contact_.where.facet, contact_.where.weight, changed_.growth(), tool_);
     for (std::size_t m = 0; m < tool_memory_.size(); ++m)
         if (push_m[m].size() > 0) tool_.take_over(changed_, push_m[m], states_[m].displacement, tool_memory_[m]);
 }

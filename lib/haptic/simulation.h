@@ -203,7 +203,7 @@ class Simulation {
     const MovingSurface& surface(std::size_t mesh) const { return *surfaces_[mesh]; }
     const ContactState& contact() const { return contact_; }
     int set() const { return set_; }                                                 ///< (18)'s l
-    /// x_p - X_p of one mesh; of a law how far the tool has pushed it. 0 where nothing is pressed (D).
+    /// x_p - X_p of one mesh; of a law how far the tool has pushed it (a ball the mesh beside: by the contact that it has on the touched one). 0 where nothing is pressed (D).
     Point displacement_at_contact(std::size_t mesh) const noexcept;
     /// Displacement of one mesh's nodes [m] (N x D) with the skin of a law in space while there is a contact (springs/skin.h). The mesh beside the touched one has its own tool
     /// displacement (displacement_at_contact). Allocates nothing where displacement_m has that size.

@@ -7,7 +7,8 @@ namespace tissue {
 
 /// A round contact that grows and shrinks while the tool goes along the surface without slip: each ring is bound where the tool is as the contact reaches it, and free again as it falls back. With a stiffness
 /// along the surface in proportion to the radius every ring has as much of it as it is wide, and its force is that of one spring, stretched from the mean of where the rings were bound (Mindlin 1949; Mindlin and
-/// Deresiewicz 1953, no slip). A contact that is stretched by more than its radius lets go of the excess. Allocates nothing.
+/// Deresiewicz 1953, no slip). A contact that is stretched by more than its radius lets go of the excess. Rings have a width, so
+/// that one that begins to grow lets go of a part of its outermost ring: it only loses energy by that. Allocates nothing.
 class BoundRings {
    public:
     BoundRings() = default;
@@ -19,7 +20,8 @@ class BoundRings {
     /// The contact has another radius, the tool is there.
     void follow(double radius_m, const Eigen::Vector3d& tool_m) noexcept {
         if (radius_m > radius_m_) {
-            for (int k = inside() + 1; k < count && k * width_m_ <= radius_m; ++k) bound_m_.col(k) = front_m_ + (k * width_m_ - radius_m_) / (radius_m - radius_m_) * (tool_m - front_m_);
+            const double from = radius_m_ * radius_m_, way = radius_m * radius_m - from;  // squares go as the depth of a ball
+            for (int k = inside() + 1; k < count && k * width_m_ <= radius_m; ++k) bound_m_.col(k) = front_m_ + (k * k * width_m_ * width_m_ - from) / way * (tool_m - front_m_);
             front_m_ = tool_m;
         } else if (radius_m < radius_m_) {
             const int last = inside(), k = std::min(static_cast<int>(radius_m / width_m_), last);

@@ -23,12 +23,13 @@ ToolChoice tool_choice(const std::string& text) {
         if (tool.shape == ToolChoice::Shape::ball) refuse("a ball needs a radius");
         return tool;
     }
-    const std::string radius = text.substr(colon + 1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(radius.data(), radius.data() + radius.size(), value);
-    const std::string unit(end, radius.data() + radius.size());
-    if (error != std::errc() || (!unit.empty() && unit != "mm" && unit != "m")) refuse("the radius is no number of metres, or of mm");
-    tool.radius_m = unit == "mm" ? value / 1000 : value;
+    std::string radius = text.substr(colon + 1);
+    const auto ends_in = [&](const std::string& unit) { return radius.size() > unit.size() && radius.compare(radius.size() - unit.size(), unit.size(), unit) == 0; };
+    const bool is_mm = ends_in("mm");
+    if (is_mm || ends_in("m")) radius.resize(radius.size() - (is_mm ? 2 : 1));
+    if (is_mm) radius += "e-3";  // not a division: 4.2mm is 0.0042, to the last bit
+    const auto [end, error] = std::from_chars(radius.data(), radius.data() + radius.size(), tool.radius_m);
+    if (error != std::errc() || end != radius.data() + radius.size()) refuse("the radius is no number of metres, or of mm");
     if (!(tool.radius_m > 0 && tool.radius_m < 1)) refuse("the radius must lie in (0, 1) m");
     return tool;
 }

@@ -41,19 +41,19 @@ struct Ball {
 struct Led {
     Simulation simulation;
     Eigen::Vector3d at, force = Eigen::Vector3d::Zero();
-    double work_J = 0;
+    double work_J = 0, period_s = 1e-3;
 
-    Led(const HapticModel& model, const Eigen::Vector3d& from) : simulation(model), at(from) { tick(from); }
+    Led(const HapticModel& model, const Eigen::Vector3d& from, double period = 1e-3) : simulation(model), at(from), period_s(period) { tick(from); }
     void tick(const Eigen::Vector3d& to) {
         work_J -= force.dot(to - at);
         at = to;
         DeviceSample sample;
         sample.position_m = to;
-        force = simulation.tick(sample);
+        force = simulation.tick(sample, period_s);
     }
     void lead(const Eigen::Vector3d& to, double speed_m_s = 0.02) {
         const Eigen::Vector3d from = at;
-        const int count = static_cast<int>(std::ceil((to - from).norm() / speed_m_s / 1e-3));
+        const int count = static_cast<int>(std::ceil((to - from).norm() / speed_m_s / period_s));
         for (int k = 1; k <= count; ++k) tick(from + static_cast<double>(k) / count * (to - from));
     }
     void wait(int ticks) {
@@ -133,6 +133,49 @@ TEST_CASE("a ball gives no energy: pressed and drawn back, dragged without slip 
     }
 }
 
+TEST_CASE("a ball rests with the same force and gives no energy whatever the rate of the host", "[solid][simulation]") {
+    HapticOptions options = with_ball(0.010);
+    options.safety.hold_s = std::numeric_limits<double>::infinity();
+    const Ball ball(0.010, options);
+    const Eigen::Vector3d way(0.36, 0.48, -0.8);
+    const auto rest = [&](double rate_Hz) {
+        Led hand(ball.model, place - 0.005 * way, 1 / rate_Hz);
+        hand.lead(place + 0.005 * way, 0.05);
+        hand.wait(static_cast<int>(3 * rate_Hz));
+        const Eigen::Vector3d force = hand.force;
+        hand.lead(place - 0.005 * way, 0.05);
+        hand.wait(10);
+        INFO(rate_Hz << " Hz: " << hand.work_J << " J left");
+        CHECK(hand.force.norm() == 0);
+        CHECK(hand.work_J > 0);
+        return force;
+    };
+    const Eigen::Vector3d usual = rest(1000);
+    for (const double rate_Hz : {20.0, 50.0, 100.0, 4000.0}) {
+        INFO(rate_Hz << " Hz");
+        CHECK((rest(rate_Hz) - usual).norm() < (rate_Hz < 50 ? 0.03 : 0.01) * usual.norm());
+    }
+}
+
+TEST_CASE("a ball that a slow host presses deeper than its device can show stays pressed", "[solid][simulation]") {
+    for (const double force_max_N : {0.1, 0.3})
+        for (const double rate_Hz : {20.0, 50.0}) {
+            HapticOptions options = with_ball(0.010);
+            options.safety.hold_s = std::numeric_limits<double>::infinity();
+            options.safety.force_max_N = force_max_N;
+            const Ball ball(0.010, options);
+            Led hand(ball.model, place - 0.005 * inward, 1 / rate_Hz);
+            hand.lead(place + 0.010 * inward, 0.1);
+            hand.wait(20);
+            for (int k = 0; k < 50; ++k) {
+                hand.wait(1);
+                INFO(force_max_N << " N, " << rate_Hz << " Hz, tick " << k);
+                REQUIRE(hand.simulation.record().mesh == 0);
+                REQUIRE(hand.force.norm() == Approx(force_max_N).epsilon(1e-3));
+            }
+        }
+}
+
 TEST_CASE("a hand with mass comes to rest on a ball, where the ball's own equilibrium is", "[solid][hand][long]") {
     const Ball ball(0.010);
     const BallPress answer(ball.own.mesh, *ball.own.energy_law, 0.010);
@@ -185,7 +228,8 @@ TEST_CASE("a session with a ball is saved, restored and copied bit for bit, held
         if (force_max_N > 1) CHECK(largest_m > 0.006);
         if (force_max_N < 1) CHECK(hand.simulation.record().coupling_N.norm() < 1.001 * force_max_N);
         // out again: the bytes are the same
-        for (int k = 0; k < 200; ++k) hand.lead(place - 0.002 * inward);
+        hand.lead(place - 0.002 * inward);
+        hand.wait(200);
         CHECK(hand.simulation.record().mesh == -1);
         std::vector<std::byte> one(hand.simulation.state_size()), other(one.size());
         hand.simulation.save(one.data());
@@ -247,7 +291,8 @@ TEST_CASE("a tool is a shape and a radius, and a model refuses what it does not 
     CHECK(tool_choice("disc:5mm") == ToolChoice{ToolChoice::Shape::disc, 0.005});
     CHECK(tool_choice("ball:0.004") == ToolChoice{ToolChoice::Shape::ball, 0.004});
     CHECK(tool_choice("ball:4mm") == ToolChoice{ToolChoice::Shape::ball, 0.004});
-    CHECK(tool_choice("disc:9mm").radius_m == 0.009);
+    for (const auto& [text, radius_m] : {std::pair("disc:9mm", 0.009), std::pair("ball:4.2mm", 0.0042), std::pair("ball:5.1mm", 0.0051)}) CHECK(tool_choice(text).radius_m == radius_m);
+    CHECK_THROWS_AS(tool_choice("ball:4e0mm"), MismatchError);
     CHECK(tool_choice("ball:0.004m") == ToolChoice{ToolChoice::Shape::ball, 0.004});
     for (const ToolChoice& tool : {ToolChoice{}, tool_choice("disc:5mm"), tool_choice("ball:4.3mm")}) CHECK(tool_choice(to_string(tool)) == tool);
     for (const char* text : {"", "needle:1mm", "ball", "ball:", "ball:4cm", "ball:-4mm", "ball:0", "ball:nan", "disc:1", "disc:mm", "ball:4 mm"})

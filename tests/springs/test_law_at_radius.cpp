@@ -51,6 +51,7 @@ TEST_CASE("a law at another radius has a half space's contact, what its terms of
     const Eigen::VectorXd grown = (large.patch.log_N_m - law.patch.log_N_m).col(0);
     CHECK((grown - (Eigen::VectorXd(7) << x + 0.3 * x, x, x, x, -3 * x + 1.5 * x, -3 * x, 0).finished()).norm() < 1e-12);
     CHECK((large.patch.log_N_m - law.patch.log_N_m).rightCols(3).isZero(0));
+    CHECK(large.patch.log_N_m == resized(law.patch, law.terms, law.coefficients, x).log_N_m);  // as training has it
     CHECK(large.disc_radius_m == 0.010);
     CHECK(large.disc.correction.value.isConstant(0.06, 1e-12));
     CHECK(large.constants == law.constants);
