@@ -46,7 +46,7 @@ void Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const
             if (!(walk.walked_m > 0)) break;
             const Point place = mesh.rest_place(walk.facet, walk.weight);
             next_.show_at_most(tool.most_N());
-            law.contact(walk.facet, walk.weight, tool.growth(), next_);  // as deep as it is: the next tick says how it grows
+            law.contact(walk.facet, walk.weight, tool.growth(), next_);  // with the growth of this tick; the next one computes it anew
             next_memory_ = memory;
             next_memory_.follow(tool, next_);
             const double after_J = next_.energy_J(tool_m - place, u, &next_memory_);

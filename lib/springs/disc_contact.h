@@ -58,6 +58,7 @@ class DiscContact final : public ContactKernel {
     template <class Each>
     void each_skin_node(const FreeSurface::Place& place, double radius_m, Each&& each) const noexcept;
 
+    bool is_bound() const { return tables_.ball_contact_m > 0; }
     double ground_at(const Eigen::Vector3d& contact_m, const Eigen::Vector3d& inward, double radius_m) const noexcept;
     double near_m(double radius_m) const noexcept;  ///< of the nodes that a disc's quadric is fitted to
     SurfaceQuadric quadric_at(const FreeSurface::Place& place, double radius_m) const noexcept;
@@ -77,8 +78,6 @@ class DiscContact final : public ContactKernel {
     std::vector<Wall> walls_;              ///< of each facet of the mesh; of free ones as made
     std::vector<std::vector<int>> near_;   ///< of each free facet: surface nodes in near_m of the largest disc of it, ascending
     double radius_m_;
-    bool is_bound() const { return tables_.ball_contact_m > 0; }
-
     DiscTables tables_;
     std::vector<bool> fixed_;  ///< (N)
 };

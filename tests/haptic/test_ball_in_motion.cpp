@@ -5,9 +5,10 @@
 #include "../allocations.h"
 #include "../refusal.h"
 #include "../springs/several_discs.h"
+#include "adapt/adaptation.h"
 #include "error.h"
 #include "hand.h"
-#include "haptic/session_options.h"
+#include "haptic/learner.h"
 #include "springs/ball_press.h"
 #include "springs/law_at_radius.h"
 
@@ -68,7 +69,7 @@ TEST_CASE("a ball in the tick rests with the force that it has at rest, straight
         const Ball ball(radius_m);
         const BallPress answer(ball.own.mesh, *ball.own.energy_law, radius_m);
         for (const Eigen::Vector3d& way : {Eigen::Vector3d(0, 0, -1), Eigen::Vector3d(0.36, 0.48, -0.8)})
-            for (const double depth : {0.05, 0.25, 0.6}) {  // no contact as large as a disc at which the correction changes its course: the answer is a difference over 2 %
+            for (const double depth : {0.05, 0.25, 0.6}) {  // away from the radii at which the correction has a kink: the static answer takes its derivative over 2 %
                 Led hand(ball.model, place - 0.002 * way);
                 hand.lead(place - 0.0001 * way);
                 hand.lead(place + depth * radius_m * way, 0.001);
@@ -307,6 +308,10 @@ TEST_CASE("a tool is a shape and a radius, and a model refuses what it does not 
     relaxing.energy_law->relaxation.tau_s = Eigen::VectorXd::Constant(1, 0.5);
     CHECK_THAT(refused(relaxing, "ball:5mm"), Contains("relaxes"));
     const HapticOptions options = with_ball(0.005);
+    const TissueModel of_ball = with_tool(model, options.tool);
+    Adaptation adaptation(model);
+    const HapticModel plays(of_ball, options);
+    CHECK_THAT(refusal<MismatchError>([&] { Learner(plays, adaptation); }), Contains("not under a ball"));
     CHECK_THAT(refusal<MismatchError>([&] { HapticModel(model, options); }), Contains("tool ball:0.005") && Contains("was not made for it"));
     CHECK(HapticModel(with_tool(model, options.tool), options).fingerprint != HapticModel(with_tool(model, tool_choice("disc:5mm")), [] {
         HapticOptions disc = with_ball(0.005);
