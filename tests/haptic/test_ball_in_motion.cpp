@@ -310,6 +310,9 @@ TEST_CASE("a tool is a shape and a radius, and a model refuses what it does not 
     const HapticOptions options = with_ball(0.005);
     const TissueModel of_ball = with_tool(model, options.tool);
     Adaptation adaptation(model);
+    HapticOptions of_disc = options;
+    of_disc.tool = {};
+    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(of_ball, of_disc); }), Contains("tool disc") && Contains("was not made for it"));
     const HapticModel plays(of_ball, options);
     CHECK_THAT(refusal<MismatchError>([&] { Learner(plays, adaptation); }), Contains("not under a ball"));
     CHECK_THAT(refusal<MismatchError>([&] { HapticModel(model, options); }), Contains("tool ball:0.005") && Contains("was not made for it"));
