@@ -46,7 +46,7 @@ struct Release {
 
 struct Rest {
     double swing_m = 0;        ///< largest extent of the hand's way in a quarter of a second, after 2 s
-    double damped_m = 0;       ///< how much the hand's own damping would leave by then, on a spring without losses, of the extent in the first quarter of a second under the whole force
+    double damped_m = 0;       ///< what the hand's own damping would leave of it, on a spring without losses as stiff as the tissue, of the extent in the first second under the whole force
     double swing_N = 0;        ///< likewise of the force on the hand
     double force_N = 0;        ///< that the hand pushes with at the end
     double controlled = 0;     ///< share of ticks in which the passivity controller worked
@@ -155,10 +155,33 @@ class HandLoop {
     std::deque<std::pair<double, Eigen::Vector3d>> way_;  ///< of the hand, as far back as positions are old
 };
 
+/// When let_go measures: the force rises for ramp_s; then the first second, and after wait_s windows of window_s.
+constexpr double ramp_s = 0.2, first_s = 1, wait_s = 2, window_s = 0.25;
+
+/// What let_go would measure after wait_s, over what it would in the first second, on a spring without losses that begins where the hand is let go.
+inline double left_by_damping(const Hand& hand, double spring_N_m, double seconds) {
+    constexpr double h = 1e-4;
+    const auto along = [](double x) { return Moment{0, {x, 0, 0}, {0, 0, 0}}; };
+    const auto extent_of = [](const std::vector<Moment>& way) { return extent(way, false, [](const Moment& m) { return m.position_m; }); };
+    std::vector<Moment> first, last;
+    double x = 0, v = 0, most = 0;
+    for (double t = 0; t < seconds; t += h) {
+        v = (v + h * (std::min(1.0, t / ramp_s) - (spring_N_m + hand.stiffness_N_m) * x) / hand.mass_kg) / (1 + h * hand.damping_Ns_m / hand.mass_kg);
+        x += h * v;
+        if (t > ramp_s && t <= ramp_s + first_s) first.push_back(along(x));
+        if (t <= ramp_s + wait_s) continue;
+        last.push_back(along(x));
+        if (static_cast<double>(last.size()) * h < window_s) continue;
+        most = std::max(most, extent_of(last));
+        last.clear();
+    }
+    return most / extent_of(first);
+}
+
 /// A hand that is led to just inside of the surface, let go and rests.
 inline Rest let_go(const HapticModel& model, const Hand& hand, const Clock& clock, const Release& release) {
-    constexpr double window_s = 0.25, ramp_s = 0.2, wait_s = 2;
     bool first_way = true;
+    double first_m = 0;
     HandLoop loop(model, hand, clock);
     const Eigen::Vector3d push = model.options.map.force_from_tissue(release.force_N * release.inward);
     loop.lead(release.contact_m - 0.003 * release.inward, release.contact_m + release.inset_m * release.inward, 0.3);
@@ -170,10 +193,10 @@ inline Rest let_go(const HapticModel& model, const Hand& hand, const Clock& cloc
     loop.play(
         release.seconds, [&](double time, const Eigen::Vector3d& x, const Eigen::Vector3d&) { return Eigen::Vector3d(std::min(1.0, time / ramp_s) * push - hand.stiffness_N_m * (x - anchor)); },
         [&](const HandLoop& now) {
-            const bool first = now.time > ramp_s && now.time <= ramp_s + window_s, last = now.time > ramp_s + wait_s;
+            const bool first = now.time > ramp_s && now.time <= ramp_s + first_s, last = now.time > ramp_s + wait_s;
             if (!first && !last) return;
             if (last && first_way) {
-                rest.damped_m = std::exp(-hand.damping_Ns_m / (2 * hand.mass_kg) * wait_s) * extent(way, release.creeps, [](const Moment& m) { return m.position_m; });
+                first_m = extent(way, release.creeps, [](const Moment& m) { return m.position_m; });
                 way.clear();
                 first_way = false;
             }
@@ -186,6 +209,8 @@ inline Rest let_go(const HapticModel& model, const Hand& hand, const Clock& cloc
     const Simulation& s = loop.simulation;
     rest.faults = loop.faults - faults;
     rest.force_N = (push - hand.stiffness_N_m * (loop.x - anchor)).norm();
+    const double depth_m = model.options.map.force_to_tissue(loop.x - model.options.map.to_device(release.contact_m)).dot(release.inward);
+    rest.damped_m = left_by_damping(hand, depth_m > 0 ? loop.force.norm() / depth_m : 0, release.seconds) * first_m;
     rest.controlled = loop.controlled(damped, ticks);
     rest.contact = s.contact().pressing;
     if (s.record().mesh == 0) rest.touched_m = model.meshes[0]->springs.rest_place(s.record().facet, s.record().weight);
@@ -209,8 +234,8 @@ struct Ride {
 
 enum class Deed { taps, lets_go, drags };
 
-/// From outside, the tissue at rest. taps: flies in at 0.3 m/s, its grip 3 mm inside of the surface, where it has one. lets_go: presses with the force to rest, then not any more.
-/// drags: presses with the force and is led along the surface after a second, release.drag_m there, back and half the way again.
+/// The tissue at rest. taps: flies in from outside at 0.3 m/s, its grip 3 mm inside of the surface, where it has one. lets_go: led onto the surface, presses with the force to rest, then not any more.
+/// drags: led onto it, presses with the force and is led along the surface after a second, release.drag_m there, back and half the way again.
 inline Ride does(Deed deed, const HapticModel& model, const Hand& hand, const Clock& clock, const Release& release) {
     HandLoop loop(model, hand, clock);
     const DeviceMap& map = model.options.map;
@@ -223,6 +248,7 @@ inline Ride does(Deed deed, const HapticModel& model, const Hand& hand, const Cl
     loop.lead(start_m, start_m, 0.02);
     const Eigen::Vector3d held = map.to_device(release.contact_m + 0.003 * release.inward);
     if (deed == Deed::taps) loop.v = 0.3 * inward;
+    else loop.lead(start_m, release.contact_m + release.inset_m * release.inward, 0.3);
     Ride ride;
     std::vector<Moment> way;
     const auto play = [&](double seconds, auto&& applied) {
