@@ -13,7 +13,8 @@ inline constexpr int solid_format_version = 4;  ///< of cases in space
 inline constexpr int time_format_version = 5;   ///< of a model that relaxes, and of cases with histories
 inline constexpr int adapted_format_version = 6;  ///< of a model that has learned from pokes
 inline constexpr int embedded_format_version = 9;  ///< of a model in space; earlier ones had other contacts: refused
-inline constexpr int radii_format_version = 10;   ///< of cases that discs of several radii press, and of a model that knows such
-inline constexpr int last_format_version = radii_format_version;
+inline constexpr int radii_format_version = 10;   ///< of cases that discs of several radii press, and of a model that knew such
+inline constexpr int rows_format_version = 11;    ///< of a model that knows such: its rows go by radius and spacing
+inline constexpr int last_format_version = rows_format_version;
 
 }  // namespace tissue

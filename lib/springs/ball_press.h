@@ -30,7 +30,7 @@ class BallPress {
     /// Radius of the contact where the ball is pushed there by d [m]; 0 where it is drawn away.
     double contact_radius_m(const Point& contact_m, const Point& push_m) const;
 
-    /// From rest, as LawPress::at, with the displacement as it is seen (LawPress::seen). Below the smallest disc that the law knows its contact goes on as on a half space. Throws ContactTooLargeError where the contact is larger than the largest one,
+    /// From rest, as LawPress::at, with the displacement as it is seen (LawPress::seen). Below the smallest disc that the law knows its contact's rows go on as they start (springs/patch_sizes.h). Throws ContactTooLargeError where the contact is larger than the largest one,
     /// or the ball more than half in.
     Equilibrium at(const Point& contact_m, const Point& push_m) const;
 

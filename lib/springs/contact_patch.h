@@ -74,6 +74,7 @@ struct PatchLaw {
     /// K x factors: normal, tangent, rotation, stretch; of a disc normal, tangent, imprint_normal, imprint_tangent, hardening,
     /// saturation, coupling
     using Logs = Eigen::Matrix<double, Eigen::Dynamic, factors, 0, disc_rows, factors>;  ///< no allocation
+    using Start = Eigen::Matrix<double, disc_rows, 1>;  ///< of a disc, the first column
     Logs log_N_m = Logs::Zero(4, factors);
     bool softens = false;  ///< of a disc: row hardening is softening, and row saturation means nothing
 

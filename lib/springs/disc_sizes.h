@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <vector>
 
 #include "mesh/facet_table.h"
@@ -10,6 +11,7 @@ namespace tissue {
 /// Discs that a law in space was trained under, beside its own, and how contacts of each are corrected for where the lattice stands.
 struct DiscSizes {
     Eigen::VectorXd radii_m = {};             ///< ascending: of the training contacts, and half way between by ratio; none: the law knows its own disc alone (K)
+    double spacing_m = std::numeric_limits<double>::quiet_NaN();  ///< edge of the lattice's cubes, which the law's rows at other radii go by
     std::vector<FacetTable> correction = {};  ///< of each (springs/lattice_correction.h); none where a lattice has no correction (K)
 
     bool empty() const { return radii_m.size() == 0; }

@@ -9,6 +9,7 @@
 
 #include "error.h"
 #include "mesh/topology.h"
+#include "springs/disc_rows.h"
 #include "springs/heuristic.h"
 #include "springs/isotropic_springs.h"
 #include "springs/rest_place.h"
@@ -115,10 +116,10 @@ LawHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::VectorXd& spri
     h.constants.head(mesh.spring_count()) = 5.0 / 6 * unit.cwiseProduct(spring_modulus_Pa);  // measures sum to six times the volume
     h.constants.segment(mesh.spring_count(), h.cap.size()) = start_below_cap * h.cap;
     h.constants.tail(supports.size()) = supports;
-    const double E = surface_modulus_Pa, in_ER = std::log(E * radius_m), in_ER3 = -std::log(E * radius_m * radius_m * radius_m);
+    h.disc_radius_m = radius_m;
+    h.spacing_m = mesh.embedding.spacing_m;
     h.patch.log_N_m.setZero(PatchLaw::disc_rows, PatchLaw::factors);
-    h.patch.log_N_m.col(0) << std::log(2.2) + in_ER, in_ER, std::log(4.0) + in_ER, std::log(4.0) + in_ER, std::log(0.8) + in_ER3, std::log(0.1) + in_ER3,
-        std::log(2.5 * E);
+    h.patch.log_N_m.col(0) = start_of_disc(surface_modulus_Pa, radius_m, h.spacing_m);
     return h;
 }
 
@@ -141,11 +142,8 @@ bool is_size_term(const std::string& term) {
     return parts.size() == 3 && parts[0] == "contact" && parts[2] == "size";
 }
 
-PatchLaw resized(PatchLaw law, const std::vector<std::string>& terms, const Eigen::VectorXd& p, double log_times) {
-    for (Eigen::Index m = 0; m < law.log_N_m.rows(); ++m) {
-        const double power = m < PatchLaw::hardening_row ? 1 : m == PatchLaw::coupling_row ? 0 : -3;
-        law.log_N_m(m, 0) += power * log_times;
-    }
+PatchLaw resized(PatchLaw law, const std::vector<std::string>& terms, const Eigen::VectorXd& p, double own_m, double spacing_m, double log_times) {
+    law.log_N_m.col(0) += start_of_disc(1, own_m * std::exp(log_times), spacing_m) - start_of_disc(1, own_m, spacing_m);
     for (std::size_t t = 0; t < terms.size(); ++t) {
         if (!is_size_term(terms[t])) continue;
         const std::string name = split(terms[t])[1];
@@ -236,7 +234,7 @@ PatchLaw EnergyLaw::patch(const Eigen::VectorXd& p, double log_times) const {
     law.softens = softens_;
     for (std::size_t t = 0; t < on_patch_.size(); ++t)
         if (on_patch_[t].first >= 0 && on_patch_[t].second != size_factor) law.log_N_m(on_patch_[t].first, on_patch_[t].second) += p[static_cast<Eigen::Index>(t)];
-    return log_times == 0 ? law : resized(law, terms_, p, log_times);
+    return log_times == 0 ? law : resized(law, terms_, p, heuristic_.disc_radius_m, heuristic_.spacing_m, log_times);
 }
 
 Eigen::MatrixXd EnergyLaw::stiffness_by(const Eigen::VectorXd& p, const ContactFactors& factors, double log_scale, double log_times) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -27,11 +28,7 @@ namespace tissue {
 /// Contact: between a rigid patch of half width b and the spline on nodes h apart lies the compliance
 /// 3 / (2 pi E2) ln(r_spline / (b / 2)), r_spline = 0.43 h, of a half plane's logarithmic dent (Johnson, Contact
 /// Mechanics, 2.3: both kernels' mean logarithm): 1 / (4 E2) for b = h / 2, the start for normal and tangent; a tenth
-/// of it for the rows that keep the patch in line. Of a disc of radius R the force
-/// conjugate to d on a half space is 64/45 E R d (Hertz's pressure times phi). Rows start in E R at 2.2 (normal), 1 (tangent), 4 and 4 (imprint), hardening at
-/// 0.8 / (E R^3), saturation at 0.1 / (E R^3), coupling at 2.5 E: chosen on block3-quick's validation contacts. In series with a lattice 7 R deep that gives, wherever
-/// between the nodes the disc stands, 0.95 to 1.3 times 64/45 E R straight in where an edge is 0.8 R to 1.4 R long, and 0.55 to 0.8 along the surface; a disc that is rigid and does not slip is
-/// 2/3 as stiff along a half space as into it. At 2 R 1.4 to 1.7 and 0.8 to 1.
+/// of it for the rows that keep the patch in line. Of a disc: springs/disc_rows.h.
 struct LawHeuristic {
     bool incompressible = false; ///< plane strain: regions keep their area too (TissueEnergy), with the cells' mean A
     Eigen::VectorXd constants;   ///< of a TissueEnergy [N/m] (E)
@@ -39,6 +36,7 @@ struct LawHeuristic {
     PatchLaw patch;              ///< the same everywhere
     Eigen::VectorXd stiffer = {};  ///< of a solid with a nodule or regions: log of springs' and cells' E over the base material's (S + C)
     NodeField ground = {};         ///< and these as points (springs/disc_contact.h)
+    double disc_radius_m = 0, spacing_m = std::numeric_limits<double>::quiet_NaN();  ///< in space: of the disc, and the edge of the lattice's cubes
 };
 
 /// Of the supports of an embedded solid on a rigid bed, k = 8 E area / spacing: a cube gives way far more than its supports, which raise the fastest frequency by 2 to 11 %.
@@ -66,9 +64,8 @@ double bent_factor(double x);
 /// An energy model's constants [N/m] (E) with other springs (S), without what keeps volumes or areas, and with the same supports.
 Eigen::VectorXd springs_alone(const SpringMesh& mesh, const Eigen::VectorXd& constants, const Eigen::VectorXd& springs_N_m);
 
-/// A disc's contact where the disc is exp(log_times) times as large. Rows are in E R, 1 / (E R^3) and E (LawHeuristic), so that of a half space the first four grow with the radius, hardening and
-/// saturation with its inverse cube, and coupling stays; terms with the factor size, of p (P), add to that.
-PatchLaw resized(PatchLaw law, const std::vector<std::string>& terms, const Eigen::VectorXd& p, double log_times);
+/// The contact of a disc of own_m where the disc is exp(log_times) times as large, on a lattice of that spacing: rows change as their start does (springs/disc_rows.h); terms with the factor size, of p (P), add to that.
+PatchLaw resized(PatchLaw law, const std::vector<std::string>& terms, const Eigen::VectorXd& p, double own_m, double spacing_m, double log_times);
 /// Whether a term is of a disc's radius.
 bool is_size_term(const std::string& term);
 

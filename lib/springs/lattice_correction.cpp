@@ -107,7 +107,7 @@ Stiffnesses stiffness_at(const SpringMesh& mesh, const LawModel& law, const std:
     Stiffnesses stiffness(K, std::vector<std::optional<Stiffness>>(places.size()));
     for (std::size_t k = 0; k < K; ++k) {
         const double log_times = std::log(radii_m[static_cast<Eigen::Index>(k)] / law.disc_radius_m);
-        const PatchLaw patch = log_times == 0 ? law.patch : resized(law.patch, law.terms, law.coefficients, log_times);
+        const PatchLaw patch = log_times == 0 ? law.patch : resized(law.patch, law.terms, law.coefficients, law.disc_radius_m, mesh.embedding.spacing_m, log_times);
         for (std::size_t p = 0; p < places.size(); ++p)  // rows anew: those of all places would take gigabytes
             if (has_contact[k][p]) stiffness[k][p] = stiffness_of(ContactSpring(kernels[k]->rows_at(places[p]), patch), compliance);
     }

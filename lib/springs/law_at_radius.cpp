@@ -25,6 +25,7 @@ void check_radius(const LawModel& law, const std::string& what, double radius_m)
 }  // namespace
 
 LawModel law_of_contact(const LawModel& law, double radius_m) {
+    if (law.sizes.empty()) throw MismatchError(fmt::format("the model has a disc of {:g} mm alone", 1e3 * law.disc_radius_m));
     const PatchSizes sizes(law);
     LawModel other = law;
     other.disc_radius_m = radius_m;
@@ -46,7 +47,7 @@ LawModel law_at_radius(const LawModel& law, double radius_m) {
     if (radius_m == 0 || radius_m == law.disc_radius_m) return law;
     check_radius(law, "a disc", radius_m);
     LawModel other = law_of_contact(law, radius_m);
-    other.patch = resized(law.patch, law.terms, law.coefficients, std::log(radius_m / law.disc_radius_m));  // as training has it, to the last bit
+    other.patch = resized(law.patch, law.terms, law.coefficients, law.disc_radius_m, law.sizes.spacing_m, std::log(radius_m / law.disc_radius_m));  // as training has it, to the last bit
     return other;
 }
 

@@ -5,11 +5,11 @@
 
 namespace tissue {
 
-/// The law of a model in space under a disc of another radius, as a law of that disc alone, which a tick takes like any other. Its contact's rows grow with the radius as those of a half space do
+/// The law of a model in space under a disc of another radius, as a law of that disc alone, which a tick takes like any other. Its contact's rows change with the radius as their start does
 /// (energy_law.h, resized) and by what terms `size` have learned; its correction is of that radius. 0: the law as it is.
 /// Throws MismatchError, which names the radii that the law knows, for a disc smaller or larger than those it was trained under.
 LawModel law_at_radius(const LawModel& law, double radius_m);
-/// The same of any radius > 0, beyond those discs as on a half space (springs/patch_sizes.h).
+/// The same of any radius > 0, beyond those discs as rows start (springs/patch_sizes.h). Throws MismatchError for a law that knows one disc alone.
 LawModel law_of_contact(const LawModel& law, double radius_m);
 /// That of a ball of radius ball_m while its contact has the radius contact_m > 0.
 LawModel law_of_ball(const LawModel& law, double ball_m, double contact_m);

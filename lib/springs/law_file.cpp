@@ -9,6 +9,7 @@
 #include "springs/tissue_energy.h"
 #include "springs/tissue_table.h"
 #include "springs/tool_spring.h"
+#include "version.h"
 
 namespace tissue {
 
@@ -68,6 +69,7 @@ namespace {
 DiscSizes read_sizes(TableReader& in, const SpringMesh& mesh, const LawModel& law) {
     DiscSizes sizes;
     sizes.radii_m = in.vector("/law/radii");
+    sizes.spacing_m = mesh.embedding.spacing_m;
     const Eigen::Index K = sizes.radii_m.size(), T = mesh.facets.rows(), V = law.disc.correction.value.cols();
     if (!(sizes.radii_m.array() == law.disc_radius_m).any()) in.refuse("/law/radii", "do not have the law's own, attribute 'disc_radius_m'");
     if (in.has("/law/radius_corrections") != (V > 0)) in.refuse("/law/radius_corrections", "and lattice_correction belong together");
@@ -108,7 +110,10 @@ LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
         law.disc_radius_m = file.number_attribute("/law", "disc_radius_m");
         if (!(law.disc_radius_m > 0 && law.disc_radius_m < 1e3))
             in.refuse("/law", fmt::format("attribute 'disc_radius_m' is {}, must be a number > 0", law.disc_radius_m));
-        if (in.has("/law/radii")) law.sizes = read_sizes(in, mesh, law);
+        if (in.has("/law/radii")) {
+            if (file.number_attribute("/", "format_version") < rows_format_version) in.refuse("/law/radii", "are of format version 10, whose contacts went by the radius alone and not by the lattice's spacing; train the model anew");
+            law.sizes = read_sizes(in, mesh, law);
+        }
     }
     const double incompressible = file.number_attribute("/law", "incompressible");
     if (incompressible != 0 && incompressible != 1)

@@ -7,10 +7,13 @@ namespace tissue {
 
 PatchSizes::PatchSizes(const LawModel& law) : own_(law.patch), own_m_(law.disc_radius_m), least_m_(law.disc_radius_m), most_m_(law.disc_radius_m) {
     if (!(law.disc_radius_m > 0)) throw MismatchError("the law has no disc");
-    half_space_ = resized(law.patch, {}, {}, 1).log_N_m.col(0) - law.patch.log_N_m.col(0);
-    learned_ = resized(law.patch, law.terms, law.coefficients, 1).log_N_m.col(0) - law.patch.log_N_m.col(0) - half_space_;
-    const Eigen::VectorXd& known = (law.sizes.empty() ? law.disc.sizes : law.sizes).radii_m;
+    const DiscSizes& sizes = law.sizes.empty() ? law.disc.sizes : law.sizes;
+    const Eigen::VectorXd& known = sizes.radii_m;
     if (known.size() == 0) return;
+    spacing_m_ = sizes.spacing_m;
+    const auto at = [&](const std::vector<std::string>& terms) { return resized(law.patch, terms, law.coefficients, own_m_, spacing_m_, 1).log_N_m.col(0).eval(); };
+    learned_ = at(law.terms) - at({});
+    own_start_ = start_of_disc(1, own_m_, spacing_m_) + learned(own_m_) * learned_;
     least_m_ = known[0];
     most_m_ = known[known.size() - 1];
 }

@@ -89,7 +89,7 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     if (cases.disc_radius_m > 0 && cases.disc_radius_m != study.indenter.radius_m)
         throw MismatchError(fmt::format("the cases are of a study whose disc has {:g} mm, this one's has {:g} mm", 1e3 * cases.disc_radius_m, 1e3 * study.indenter.radius_m));
     if (model.mesh.is_solid()) options.seen = seen_nodes(model.mesh);
-    if (model.mesh.is_solid()) options.sizes.radii_m = radii_of(options.disc_radius_m, paths);
+    if (model.mesh.is_solid()) options.sizes = {radii_of(options.disc_radius_m, paths), model.mesh.embedding.spacing_m};
     if (model.mesh.is_solid()) options.fit.most_step = 2;  // from the heuristic longer steps lose contacts, which takes long to find out
     // a measured tissue's material is a guess: terms start from the heuristic that its forces speak for
     double factor = 1;

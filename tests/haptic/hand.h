@@ -41,12 +41,12 @@ struct Release {
     double seconds = 3.2;
     bool creeps = false;       ///< the tissue relaxes
     double drag_m = 0.02;      ///< how far a hand that drags goes
-    double inset_m = 5e-4;     ///< how deep the hand leads the tool before it lets go
+    double inset_m = 5e-4;     ///< how deep the hand leads the tool before it lets go, drags or presses
 };
 
 struct Rest {
     double swing_m = 0;        ///< largest extent of the hand's way in a quarter of a second, after 2 s
-    double damped_m = 0;       ///< what the hand's own damping would leave of it, on a spring without losses as stiff as the tissue, of the extent in the first second under the whole force
+    double damped_m = 0;       ///< largest swing by then on a spring without losses of the tissue's secant stiffness, where the first second's extent is the same; 0 for a tool that ends off the tissue
     double swing_N = 0;        ///< likewise of the force on the hand
     double force_N = 0;        ///< that the hand pushes with at the end
     double controlled = 0;     ///< share of ticks in which the passivity controller worked
@@ -210,7 +210,7 @@ inline Rest let_go(const HapticModel& model, const Hand& hand, const Clock& cloc
     rest.faults = loop.faults - faults;
     rest.force_N = (push - hand.stiffness_N_m * (loop.x - anchor)).norm();
     const double depth_m = model.options.map.force_to_tissue(loop.x - model.options.map.to_device(release.contact_m)).dot(release.inward);
-    rest.damped_m = left_by_damping(hand, depth_m > 0 ? loop.force.norm() / depth_m : 0, release.seconds) * first_m;
+    if (s.contact().pressing && depth_m > 0) rest.damped_m = left_by_damping(hand, loop.force.norm() / depth_m, release.seconds) * first_m;
     rest.controlled = loop.controlled(damped, ticks);
     rest.contact = s.contact().pressing;
     if (s.record().mesh == 0) rest.touched_m = model.meshes[0]->springs.rest_place(s.record().facet, s.record().weight);
@@ -265,7 +265,7 @@ inline Ride does(Deed deed, const HapticModel& model, const Hand& hand, const Cl
     };
     const auto grip = [&](const Eigen::Vector3d& x) { return Eigen::Vector3d(-hand.stiffness_N_m * (x - held)); };
     const auto pressed = [&](double time, const Eigen::Vector3d& x, const Eigen::Vector3d& v) {
-        // in slowly, like a hand that looks for the surface: a damper of its own until there is force
+        // a damper of its own while the force rises, so that it rests when that is over
         const Eigen::Vector3d brake = time < 0.5 ? Eigen::Vector3d(-6 * v) : Eigen::Vector3d::Zero().eval();
         return Eigen::Vector3d(std::min(1.0, time / 0.3) * release.force_N * inward + brake + (hand.stiffness_N_m > 0 ? 0 : -100) * (x - held).dot(along) * along);
     };

@@ -71,7 +71,7 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
 }  // namespace
 
 TEST_CASE("a hand with mass comes to rest on the tissue, where the tissue's own equilibrium is", "[hand][long]") {
-    // a small part of tests/bench/bench_hand
+    // a small part of scripts/hand_probe.cpp
     for (const bool relaxes : {false, true}) {
         const TissueModel tissue = relaxes ? relaxing(law_example()) : law_example();
         const LawPress answer(tissue);

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "error.h"
+#include "../format_version.h"
 #include "../example.h"
 #include "io/atomic_file.h"
 #include "../refusal.h"
@@ -64,14 +65,6 @@ std::string everything(const std::string& file) {
         all.append(reinterpret_cast<const char*>(a.values.data()), a.values.size() * sizeof(double));
     }
     return all;
-}
-
-/// Overwrites a number of the root, as a later program would have written it.
-void set_format_version(const std::string& file, double version_number) {
-    const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), attribute = H5Aopen(id, "format_version", H5P_DEFAULT);
-    REQUIRE(H5Awrite(attribute, H5T_NATIVE_DOUBLE, &version_number) >= 0);
-    H5Aclose(attribute);
-    H5Fclose(id);
 }
 
 }  // namespace

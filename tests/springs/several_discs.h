@@ -13,6 +13,7 @@ inline TissueModel several_discs() {
     law.coefficients = Eigen::Vector3d(0, 0.3, 1.5);
     law.disc.correction.value = NodeField::Constant(model.mesh.facets.rows(), 10, 0.02);
     law.sizes.radii_m = with_means({0.004, 0.007, 0.010});
+    law.sizes.spacing_m = model.mesh.embedding.spacing_m;
     for (double x : {-0.05, 0.03, 0.02, 0.01, 0.06}) law.sizes.correction.push_back({NodeField::Constant(model.mesh.facets.rows(), 10, x)});
     model.heuristic_b = model.heuristic_a;
     model.case_radius_m = Eigen::VectorXd::Constant(1, 0.004);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "../example.h"
+#include "../format_version.h"
 #include "../mesh/embedded_block.h"
 #include "../refusal.h"
 #include "../solid_law_example.h"
@@ -16,6 +17,7 @@
 #include "io/hdf5_store.h"
 #include "mesh/topology.h"
 #include "parallel.h"
+#include "springs/disc_rows.h"
 #include "springs/energy_law.h"
 #include "springs/law_kernel.h"
 #include "springs/law_press.h"
@@ -41,7 +43,7 @@ TEST_CASE("radii of discs have the geometric mean of neighbours between them") {
     CHECK(with_means({0.007}) == Eigen::VectorXd::Constant(1, 0.007));
 }
 
-TEST_CASE("a law at another radius has a half space's contact, what its terms of size say, and that radius' correction", "[solid]") {
+TEST_CASE("a law at another radius has its rows as they start there, what its terms of size say, and that radius' correction", "[solid]") {
     const TissueModel model = several_discs();
     const LawModel &law = *model.energy_law, same = law_at_radius(law, own_m), none = law_at_radius(law, 0);
     CHECK(same.patch.log_N_m == law.patch.log_N_m);
@@ -49,9 +51,14 @@ TEST_CASE("a law at another radius has a half space's contact, what its terms of
     const LawModel large = law_at_radius(law, 0.010);
     const double x = std::log(0.010 / own_m);
     const Eigen::VectorXd grown = (large.patch.log_N_m - law.patch.log_N_m).col(0);
-    CHECK((grown - (Eigen::VectorXd(7) << x + 0.3 * x, x, x, x, -3 * x + 1.5 * x, -3 * x, 0).finished()).norm() < 1e-12);
+    const Eigen::VectorXd start = start_of_disc(4500, 0.010, 0.010) - start_of_disc(4500, own_m, 0.010);
+    CHECK((grown - start - x * (Eigen::VectorXd(7) << 0.3, 0, 0, 0, 1.5, 0, 0).finished()).norm() < 1e-12);
     CHECK((large.patch.log_N_m - law.patch.log_N_m).rightCols(3).isZero(0));
-    CHECK(large.patch.log_N_m == resized(law.patch, law.terms, law.coefficients, x).log_N_m);  // as training has it
+    CHECK(large.patch.log_N_m == resized(law.patch, law.terms, law.coefficients, 0.007, 0.010, x).log_N_m);  // as training has it
+    CHECK((law_of_contact(law, 0.010).patch.log_N_m - large.patch.log_N_m).isZero(1e-12));  // as the tick has it
+    CHECK((law_of_contact(law, 0.005).patch.log_N_m - law_at_radius(law, 0.005).patch.log_N_m).isZero(1e-12));
+    const Eigen::VectorXd small = law_of_contact(law, 0.001).patch.log_N_m.col(0) - law_of_contact(law, 0.002).patch.log_N_m.col(0);  // what was learned has ended there
+    CHECK((small - (start_of_disc(4500, 0.001, 0.010) - start_of_disc(4500, 0.002, 0.010))).isZero(1e-12));
     CHECK(large.disc_radius_m == 0.010);
     CHECK(large.disc.correction.value.isConstant(0.06, 1e-12));
     CHECK(large.constants == law.constants);
@@ -96,7 +103,8 @@ TEST_CASE("a contact's derivative by its terms of size agrees with differences",
         CHECK((by.col(t) - difference).norm() <= 1e-8 * difference.norm());
     }
     const Eigen::VectorXd grown = law.patch(p, log_times).log_N_m.col(0) - law.patch(p).log_N_m.col(0);
-    CHECK((grown - log_times * (Eigen::VectorXd(7) << 1.4, 1, 1, 1, -3.7, -3, 0.3).finished()).norm() < 1e-12);
+    const Eigen::VectorXd start = start_of_disc(4500, 1.4 * own_m, 0.010) - start_of_disc(4500, own_m, 0.010);
+    CHECK((grown - start - log_times * (Eigen::VectorXd(7) << 0.4, 0, 0, 0, -0.7, 0, 0.3).finished()).norm() < 1e-12);
 }
 
 TEST_CASE("what a law knows of other discs comes back from its file; what contradicts itself is refused", "[solid]") {
@@ -110,7 +118,10 @@ TEST_CASE("what a law knows of other discs comes back from its file; what contra
         return refusal<FileError>([&] { read_model(file); });
     };
     write_model(file, model, {"tissuectl test", 0, {}});
-    CHECK(Hdf5Reader(file, "model").number_attribute("/", "format_version") == radii_format_version);
+    CHECK(Hdf5Reader(file, "model").number_attribute("/", "format_version") == rows_format_version);
+    set_format_version(file, radii_format_version);
+    CHECK_THAT(refusal<FileError>([&] { read_model(file); }), Contains("/law/radii") && Contains("train the model anew"));
+    set_format_version(file, rows_format_version);
     const TissueModel back = read_model(file);
     CHECK(back.energy_law->sizes.radii_m == model.energy_law->sizes.radii_m);
     REQUIRE(back.energy_law->sizes.correction.size() == 5);

@@ -235,7 +235,7 @@ TEST_CASE("in space training finds the terms of a disc's size again from contact
     const EnergyLaw law(mesh, heuristic, {"contact.normal", "contact.normal.size", "contact.hardening.size"});
     const Eigen::VectorXd truth = Eigen::Vector3d(0.2, 0.4, 0.6);
     LawModel known{law.terms(), truth, law.constants(truth), law.patch(truth), false, own_m};
-    known.sizes.radii_m = with_means({0.005, own_m, 0.010});
+    known.sizes = {with_means({0.005, own_m, 0.010}), mesh.embedding.spacing_m};
     const LawPress press(mesh, known);
     std::vector<PressPath> paths;
     for (double radius_m : {0.0, 0.005, 0.010}) {
@@ -253,7 +253,7 @@ TEST_CASE("in space training finds the terms of a disc's size again from contact
     LawTrainingOptions options;
     options.ridge = 0;
     options.disc_radius_m = own_m;
-    options.sizes.radii_m = known.sizes.radii_m;
+    options.sizes = known.sizes;
     options.fit = {60, 1e-9, 1e-12, 0};
     const TrainedLaw trained = train_law(mesh, law, paths, options);
     CHECK((trained.coefficients - truth).norm() < 1e-4);
