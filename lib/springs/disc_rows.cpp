@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "springs/polar_points.h"
 
 namespace tissue {
 namespace {
 
 /// Where the mean begins to grow with the disc (PolarPoints::mean_m), and up to where rows were derived: radii in edges of a cube.
-constexpr double knot = 1.6 / 1.5, last = 2.5;
+constexpr double knot = PolarPoints::mean_edges / PolarPoints::mean_radii, last = 2.5;
 
 /// A row's compliance in 1 / (E R) by x = R / h: a0 + a1 x + a2 x^2 + a3 x^3 up to the knot, from there as much times b0 + b1 y + b2 y^2 + (1 - b0 - b1 - b2) y^3, y = knot / x.
 struct Compliance {
@@ -31,6 +34,7 @@ constexpr Compliance imprint_tangent{0.9934, -1.1892, 0.5805, -0.1049, -0.0070, 
 }  // namespace
 
 PatchLaw::Start start_of_disc(double modulus_Pa, double radius_m, double spacing_m) noexcept {
+    if (!(radius_m > 0 && spacing_m > 0)) return PatchLaw::Start::Constant(std::numeric_limits<double>::quiet_NaN());
     const double x = radius_m / spacing_m, in_ER = std::log(modulus_Pa * radius_m), in_ER3 = -in_ER - 2 * std::log(radius_m);
     const double mean = normal.log_stiffness(x), along = tangent.log_stiffness(x);
     PatchLaw::Start logs;

@@ -111,7 +111,7 @@ LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
         if (!(law.disc_radius_m > 0 && law.disc_radius_m < 1e3))
             in.refuse("/law", fmt::format("attribute 'disc_radius_m' is {}, must be a number > 0", law.disc_radius_m));
         if (in.has("/law/radii")) {
-            if (file.number_attribute("/", "format_version") < rows_format_version) in.refuse("/law/radii", "are of format version 10, whose contacts went by the radius alone and not by the lattice's spacing; train the model anew");
+            if (file.number_attribute("/", "format_version") < rows_format_version) in.refuse("/law/radii", "are of a format version below 11, whose contacts went by the radius alone and not by the lattice's spacing; train the model anew");
             law.sizes = read_sizes(in, mesh, law);
         }
     }

@@ -10,11 +10,11 @@
 namespace tissue {
 
 /// A disc's contact stiffnesses at any radius, without an allocation: between the discs that a law was trained under as the law has them (energy_law.h, resized), beyond them as rows start (springs/disc_rows.h). What the
-/// law has learned of the radius fades out over a fifth of its logarithm, so that this makes no step of the force of a contact that grows (corrections for the lattice, DiscSizes, are linear between radii, and make small ones; so does the mean, which begins to grow with the disc at R = 1.07 edges).
+/// law has learned of the radius fades out over a fifth of its logarithm, so that this makes no step of the force of a contact that grows. Two other things make small ones: corrections for the lattice (DiscSizes) are linear between radii, and the mean begins to grow with the disc at R = 1.07 edges.
 class PatchSizes {
    public:
     PatchSizes() = default;
-    /// Throws MismatchError for a law that has no disc. Of a law that knows one disc alone, that disc is all that `at` may be asked for.
+    /// Throws MismatchError for a law that has no disc. Of a law that knows one disc alone `at` may not be asked (NaN).
     explicit PatchSizes(const LawModel& law);
 
     PatchLaw at(double radius_m) const noexcept {

@@ -30,12 +30,13 @@ class PolarPoints {
    public:
     static constexpr int under = 24, beyond = 36;
     static constexpr double total = 1.25;  ///< of the mean's weights
+    static constexpr double mean_edges = 1.6, mean_radii = 1.5;  ///< the mean reaches so many edges of a cube, and so many radii at least
     static_assert(under + beyond <= ToolSpring::most_nodes && 2 * 8 * (under + beyond) <= ToolSpring::most_entries, "a cube's corners for each point, of the imprint and of the mean");
 
     /// reach: of the imprint, in radii.
     PolarPoints(const SpringMesh& mesh, double reach);
 
-    double mean_m(double radius_m) const noexcept { return std::max(1.6 * spacing_m_, 1.5 * radius_m); }  ///< m
+    double mean_m(double radius_m) const noexcept { return std::max(mean_edges * spacing_m_, mean_radii * radius_m); }  ///< m
 
     /// Two unit vectors across a unit normal, which points lie along: they turn with it without jumps, but where the surface faces as the held one does.
     Eigen::Matrix<double, 3, 2> tangents(const Eigen::Vector3d& inward) const noexcept;

@@ -46,7 +46,7 @@ struct Release {
 
 struct Rest {
     double swing_m = 0;        ///< largest extent of the hand's way in a quarter of a second, after 2 s
-    double damped_m = 0;       ///< largest swing by then on a spring without losses of the tissue's secant stiffness, where the first second's extent is the same; 0 for a tool that ends off the tissue
+    double damped_m = 0;       ///< swing_m of the same hand on a spring without losses, of the tissue's secant stiffness, scaled to the same extent in the first second; 0 for a tool that ends off the tissue
     double swing_N = 0;        ///< likewise of the force on the hand
     double force_N = 0;        ///< that the hand pushes with at the end
     double controlled = 0;     ///< share of ticks in which the passivity controller worked

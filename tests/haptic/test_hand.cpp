@@ -70,6 +70,15 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
 
 }  // namespace
 
+TEST_CASE("what a hand's own damping leaves of its way on a spring is that of its two exponentials", "[hand]") {
+    // 100 g and 1 Ns/m on 1.5 N/m: s^2 + 10 s + 15 = 0; of the way that is left, what each exponential has when the force has risen
+    const double slow = 5 - std::sqrt(10.0), fast = 5 + std::sqrt(10.0), T = 0.2;
+    const double slow_left = fast * -std::expm1(-slow * T) / (slow * T), fast_left = slow * -std::expm1(-fast * T) / (fast * T);
+    const double first = slow_left * -std::expm1(-slow) + fast_left * std::expm1(-fast), last = slow_left * std::exp(-2 * slow) * -std::expm1(-0.25 * slow);
+    CHECK(left_by_damping(hands[1], 1.5, 3.2) == Catch::Detail::Approx(last / first).epsilon(0.01));
+    CHECK(left_by_damping(hands[0], 269, 3.2) == Catch::Detail::Approx(std::exp(-0.2 * 2 / (2 * 0.045))).epsilon(0.2));  // the envelope of its swings
+}
+
 TEST_CASE("a hand with mass comes to rest on the tissue, where the tissue's own equilibrium is", "[hand][long]") {
     // a small part of scripts/hand_probe.cpp
     for (const bool relaxes : {false, true}) {

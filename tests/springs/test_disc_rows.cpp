@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "../tolerances.h"
+#include "springs/polar_points.h"
 
 using namespace tissue;
 using Catch::Detail::Approx;
@@ -44,12 +45,16 @@ TEST_CASE("a disc's rows at the radius of most studies, and how they scale") {
         CHECK(larger[m] == Approx(by_size[m] * std::log(2)).margin(tolerance::rounding));
     }
     for (int m = 0; m < PatchLaw::disc_rows; ++m) CHECK(rows(4)[m] == Approx(rows(2.5)[m]).epsilon(tolerance::rounding));
+    for (const double none : {0.0, -h, std::nan("")}) {
+        CHECK(start_of_disc(E, none, h).hasNaN());
+        CHECK(start_of_disc(E, h, none).hasNaN());
+    }
     CHECK((rows(2.5).array().head(4) > rows(1.5).array().head(4)).all());
     CHECK((rows(1.5).array().head(4) > rows(1).array().head(4)).all());
     CHECK((rows(1).array().head(4) > rows(0.1).array().head(4)).all());
 }
 
-TEST_CASE("a disc's rows change without a jump where the mean begins to grow with the disc") {
-    constexpr double knot = 1.6 / 1.5;
+TEST_CASE("a disc's rows are continuous where the mean begins to grow with the disc") {
+    constexpr double knot = PolarPoints::mean_edges / PolarPoints::mean_radii;
     CHECK((rows(knot * (1 + 1e-9)) - rows(knot * (1 - 1e-9))).norm() < 1e-7);
 }
