@@ -22,7 +22,7 @@ struct Options {
 void refuse_role(const Options& o, const Cases& cases) {
     std::set<std::string> there;
     for (const LoadPath& path : cases.paths)
-        if (path.role != "train" && path.role != "check" && path.role != "map") there.insert(path.role);
+        if (path.role != "train" && path.role != "check" && path.role != "map" && !path.second) there.insert(path.role);
     if (there.count(o.role) == 0)
         throw MismatchError(fmt::format("{}: has no drawn contacts '{}'; it has {}", o.cases, o.role, there.empty() ? "none" : fmt::format("{}", fmt::join(there, ", "))));
 }

@@ -57,10 +57,11 @@ void run(const Options& o, Provenance provenance) {
     if (!o.only.empty()) keep_only(plan, o.only);
     for (const PlannedPath& planned : plan) {
         const std::string file = o.paths + "/" + planned.push.name + ".csv";
-        LoadPath path = read_path_csv(file, cases.nodes);
+        LoadPath path = read_path_csv(file, cases.nodes, planned.push.second.has_value());
         path.name = planned.push.name;
         path.contact_m = planned.push.contact_m;
         path.direction = planned.push.direction;
+        path.second = planned.push.second;
         path.role = planned.role;
         path.depth_m = planned.depth_m;
         if (planned.push.radius_m != study.indenter.radius_m) {

@@ -10,12 +10,14 @@
 // Parameters, set with gmsh -setnumber [m]:
 //   width, length, height       size of the block
 //   contact_x, contact_y        the disc's middle;  disc_radius
+//   second_x, second_y          the middle of a second disc of that radius; below 0: none
 //   size_near                   elements within disc_radius + 2 mm of the contact;  size_far: far away
 //   nodule_x, nodule_y, nodule_z, nodule_radius   a ball of its own material; radius 0: none
 // Sample run: gmsh -3 -format msh22 -setnumber contact_x 0.043 fem/block3.geo -o path.msh
 
 DefineConstant[ width = 0.1, length = 0.1, height = 0.05, contact_x = 0.05, contact_y = 0.05, disc_radius = 0.007,
                 size_near = 0.0035, size_far = 0.015,
+                second_x = -1, second_y = -1,
                 nodule_x = 0.05, nodule_y = 0.05, nodule_z = 0.025, nodule_radius = 0 ];
 
 If (disc_radius <= 0 || size_near <= 0 || size_far < size_near)
@@ -31,6 +33,22 @@ room = (length - contact_y < room) ? length - contact_y : room;
 If (room < disc_radius + least)
   Error("block3.geo: the disc of radius %g m about (%g, %g) m does not fit on the top face", disc_radius, contact_x, contact_y);
   Abort;
+EndIf
+between = 0;  // [m] from rim to rim
+If (second_x >= 0 || second_y >= 0)
+  room = second_x;
+  room = (second_y < room) ? second_y : room;
+  room = (width - second_x < room) ? width - second_x : room;
+  room = (length - second_y < room) ? length - second_y : room;
+  between = Hypot(second_x - contact_x, second_y - contact_y) - 2 * disc_radius;
+  If (room < disc_radius + least)
+    Error("block3.geo: the second disc of radius %g m about (%g, %g) m does not fit on the top face", disc_radius, second_x, second_y);
+    Abort;
+  EndIf
+  If (between < 0.0999 * disc_radius)
+    Error("block3.geo: two discs of radius %g m are %g m apart, and need 2.1 radii", disc_radius, between + 2 * disc_radius);
+    Abort;
+  EndIf
 EndIf
 
 SetFactory("OpenCASCADE");
@@ -52,7 +70,12 @@ If (nodule_radius > 0)
   Sphere(2) = {nodule_x, nodule_y, nodule_z, nodule_radius};
   nodules[] = {2};
 EndIf
-BooleanFragments{ Volume{1}; Delete; }{ Volume{nodules[]}; Surface{100}; Delete; }
+discs[] = {100};
+If (between > 0)
+  Disk(1000) = {second_x, second_y, height, disc_radius};
+  discs[] += {1000};  // a nodule has surface 101
+EndIf
+BooleanFragments{ Volume{1}; Delete; }{ Volume{nodules[]}; Surface{discs[]}; Delete; }
 
 e = 1e-4 * height;  // more than the tolerance of OpenCASCADE's own boxes
 bottom[] = Surface In BoundingBox{-e, -e, -e, width + e, length + e, e};
@@ -87,6 +110,22 @@ Field[2].VOut = size_far;
 Field[2].Thickness = 2.5 * size_far;
 Field[3] = Min;
 Field[3].FieldsList = {1, 2};
+If (between > 0)
+  Field[4] = Ball;
+  Field[4].XCenter = second_x;  Field[4].YCenter = second_y;  Field[4].ZCenter = height;
+  Field[4].Radius = disc_radius + 0.002;
+  Field[4].VIn = size_near;  Field[4].VOut = size_far;
+  Field[4].Thickness = 3.5 * (size_far - size_near);
+  Field[3].FieldsList = {1, 2, 4};
+EndIf
+If (between > 0 && between < size_near)  // rims nearer to each other than an element is long
+  Field[5] = Ball;
+  Field[5].XCenter = (contact_x + second_x) / 2;  Field[5].YCenter = (contact_y + second_y) / 2;  Field[5].ZCenter = height;
+  Field[5].Radius = between;
+  Field[5].VIn = between;  Field[5].VOut = size_far;
+  Field[5].Thickness = 3.5 * size_far;
+  Field[3].FieldsList = {1, 2, 4, 5};
+EndIf
 Background Field = 3;
 Mesh.MeshSizeExtendFromBoundary = 0;
 Mesh.MeshSizeFromPoints = 0;

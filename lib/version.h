@@ -15,6 +15,8 @@ inline constexpr int adapted_format_version = 6;  ///< of a model that has learn
 inline constexpr int embedded_format_version = 9;  ///< of a model in space; earlier ones had other contacts: refused
 inline constexpr int radii_format_version = 10;   ///< of cases that discs of several radii press, and of a model that knew such
 inline constexpr int rows_format_version = 11;    ///< of a model that knows such: its rows go by radius and spacing
-inline constexpr int last_format_version = rows_format_version;
+inline constexpr int curve_format_version = 12;   ///< of a model whose springs are not Hooke's
+inline constexpr int two_tools_format_version = 13;  ///< of cases that two discs press at once
+inline constexpr int last_format_version = two_tools_format_version;
 
 }  // namespace tissue

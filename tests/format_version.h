@@ -7,12 +7,17 @@
 
 namespace tissue {
 
-/// Overwrites the format version of an HDF5 file, as another program would have written it.
-inline void set_format_version(const std::string& file, double version_number) {
-    const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), attribute = H5Aopen(id, "format_version", H5P_DEFAULT);
-    REQUIRE(H5Awrite(attribute, H5T_NATIVE_DOUBLE, &version_number) >= 0);
+/// Overwrites an attribute of an HDF5 file, as another program would have written it.
+inline void set_attribute(const std::string& file, const std::string& object, const std::string& name, double value) {
+    const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), space = H5Screate(H5S_SCALAR);
+    REQUIRE(H5Adelete_by_name(id, object.c_str(), name.c_str(), H5P_DEFAULT) >= 0);  // where there are many, HDF5 cannot write over one
+    const hid_t attribute = H5Acreate_by_name(id, object.c_str(), name.c_str(), H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    REQUIRE(H5Awrite(attribute, H5T_NATIVE_DOUBLE, &value) >= 0);
     H5Aclose(attribute);
+    H5Sclose(space);
     H5Fclose(id);
 }
+
+inline void set_format_version(const std::string& file, double version_number) { set_attribute(file, "/", "format_version", version_number); }
 
 }  // namespace tissue

@@ -23,6 +23,7 @@ TissueModel solid_law_example(const SpringMesh& mesh) {
                         {"spring.all"});
     const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);
     m.energy_law = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible(), radius_m};
+    m.energy_law->curve = SpringCurve::mooney_rivlin(0.3, 3);
     for (Eigen::Index e = 0; e < m.energy_law->constants.size(); ++e)
         m.energy_law->constants[e] *= 1 + 0.3 * std::sin(1.7 * static_cast<double>(e));
     m.case_names = {"deepest"};

@@ -59,7 +59,7 @@ const char* to_string(PokeStatus status) {
 
 Adaptation::Adaptation(const TissueModel& base, const AdaptOptions& options)
     : base_(base), options_(options), unknowns_(make_unknowns(base_, options.unknowns, options.prior)), surface_(base_.mesh),
-      energy_(base_.mesh, base_.energy_law->incompressible), kernel_(make_contact_kernel(base_.mesh, *base_.energy_law)),
+      energy_(base_.mesh, *base_.energy_law), kernel_(make_contact_kernel(base_.mesh, *base_.energy_law)),
       solver_(energy_, *kernel_, quick()), gate_(gsl_cdf_chisq_Pinv(options.gate, base_.mesh.dimension())) {
     forget();
 }

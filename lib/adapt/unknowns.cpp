@@ -103,7 +103,7 @@ Unknowns make_unknowns(const TissueModel& model, const std::string& kind, const 
         const Embedding& embedding = model.mesh.embedding;  // whose solid's own nodes are as stiff as the lattice about them
         const Eigen::Index K = embedding.node_count(), L = N - K;
         u.place_m = model.mesh.nodes.bottomRows(L);
-        u.by_constant = element_means(TissueEnergy(model.mesh, law.incompressible)).rightCols(L);
+        u.by_constant = element_means(TissueEnergy(model.mesh, law)).rightCols(L);
         std::vector<Eigen::Triplet<double>> entries;
         for (int i = 0; i < K; ++i)
             for (int k = 0; k < 8; ++k) entries.emplace_back(i, embedding.corner(i, k) - static_cast<int>(K), embedding.weight(i, k));
@@ -113,7 +113,7 @@ Unknowns make_unknowns(const TissueModel& model, const std::string& kind, const 
         u.prior = covariance(model, u.place_m, options);
     } else if (kind == "elements") {
         u.place_m.resize(E + N, model.mesh.dimension());
-        u.place_m << NodeField(element_means(TissueEnergy(model.mesh, law.incompressible)) * model.mesh.nodes), model.mesh.nodes;
+        u.place_m << NodeField(element_means(TissueEnergy(model.mesh, law)) * model.mesh.nodes), model.mesh.nodes;
         u.by_constant = one_each(E, E + N, 0);
         u.by_node = one_each(N, E + N, E);
         u.prior = covariance(model, u.place_m, options);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "cases/cases_table.h"
@@ -8,6 +9,7 @@
 #include "cases/load_path.h"
 #include "error.h"
 #include "mesh/mesh_fault.h"
+#include "study/solid_study.h"
 #include "version.h"
 
 namespace tissue {
@@ -133,6 +135,12 @@ void write_path(TableWriter& out, const LoadPath& path, const NodeField& nodes, 
         out.write(group + "again", again);
         return;
     }
+    if (path.second) {
+        out.write(group + "second_contact", Eigen::VectorXd(path.second->contact_m));
+        out.write(group + "second_direction", Eigen::VectorXd(path.second->direction));
+        out.write(group + "second_depth", single(path.second->depth_m));
+        out.write(group + "second_force", rows_of(records, path.contact_m.size(), [](const PathRecord& r) { return r.second_force_N; }));
+    }
     const auto u = [](const PathRecord& r) -> const NodeField& { return r.displacement; };
     const auto f = [](const PathRecord& r) -> const NodeField& { return r.force; };
     out.write(group + "displacement", fields_of(records, nodes, u));
@@ -170,6 +178,14 @@ LoadPath read_path(TableReader in, const std::string& name, const NodeField& nod
         if (again.rows() == 1) path.again_N = again.row(0).transpose();
         return path;
     }
+    NodeField second;
+    constexpr const char* of_second[] = {"second_contact", "second_direction", "second_depth", "second_force"};
+    if (std::any_of(std::begin(of_second), std::end(of_second), [&](const char* of) { return in.has(group + of); })) {
+        path.second = SecondTool{in.vector(group + "second_contact"), in.vector(group + "second_direction"), in.vector(group + "second_depth")[0]};
+        second = in.field(group + "second_force");
+        const double deepest_m = magnitude.size() > 0 ? magnitude.maxCoeff() * path.second->depth_m / path.depth_m : 0;
+        if (deepest_m > size_m(nodes)) in.refuse(group + "second_depth", fmt::format("takes the second disc to {:.3g} mm, and the tissue is {:.3g} mm long", 1e3 * deepest_m, 1e3 * size_m(nodes)));
+    }
     const Eigen::VectorXd energy = in.vector(group + "energy"), J = in.vector(group + "smallest_J"),
                           residual = in.vector(group + "newton_residual");
     const NodeField support = in.field(group + "support_force");
@@ -181,6 +197,7 @@ LoadPath read_path(TableReader in, const std::string& name, const NodeField& nod
         };
         path.records.push_back({magnitude[r], at(u), at(f), contact.row(r).transpose(), support.row(r).transpose(), energy[r], J[r],
                                 newton[static_cast<std::size_t>(r)], residual[r]});
+        if (path.second) path.records.back().second_force_N = second.row(r).transpose();
     }
     return path;
 }
@@ -213,6 +230,10 @@ const DatasetTable& cases_table(bool measured) {
         {"/paths/NAME/energy", "R*", Values::finite(), "J", "elastic energy"},
         {"/paths/NAME/smallest_J", "R*", Values::positive(), "1", "smallest det F in the tissue"},
         {"/paths/NAME/newton_residual", "R*", Values::not_negative(), "1", "largest free force over largest reaction"},
+        {"/paths/NAME/second_contact", "D", Values::place(), "m", "where a second disc pushes at once, at rest"},
+        {"/paths/NAME/second_direction", "D", Values::finite(), "1", "unit vector of its push", Rows::unit},
+        {"/paths/NAME/second_depth", "1", Values::positive(), "m", "how deep it was to go, in proportion"},
+        {"/paths/NAME/second_force", "R* x D", Values::finite(), "N", "force of that disc on the tissue"},
         {"/paths/NAME/newton_iterations", "R*", Values::count(), "1", "Newton iterations since the record before"},
     });
     static const DatasetTable hand = joined(all, {
@@ -232,7 +253,8 @@ const DatasetTable& cases_table(bool measured) {
 void write_cases(const std::string& file, const Cases& cases, const Provenance& provenance) {
     const bool measured = cases.measurement.has_value();
     const bool solid = cases.nodes.cols() == 3;
-    const int version_of_format = cases.disc_radius_m > 0 ? radii_format_version : !cases.histories.empty() ? time_format_version : solid ? solid_format_version : format_version;
+    const bool pairs = std::any_of(cases.paths.begin(), cases.paths.end(), [](const LoadPath& path) { return path.second.has_value(); });
+    const int version_of_format = pairs ? two_tools_format_version : cases.disc_radius_m > 0 ? radii_format_version : !cases.histories.empty() ? time_format_version : solid ? solid_format_version : format_version;
     Hdf5Writer hdf5(file, "cases", provenance, version_of_format);
     hdf5.attribute("/", "study", cases.study);
     if (solid) hdf5.attribute("/", "dimension", 3);
@@ -291,7 +313,16 @@ Cases read_cases(const std::string& name) {
     cases.disc_radius_m = D == 3 ? disc_radius_of(file) : 0;
     for (const std::string& path : in.texts("/path_names")) {
         cases.paths.push_back(read_path(in, path, cases.nodes, measured));
+        if (cases.paths.back().second && D == 2) file.refuse("/paths/" + path + "/second_contact", "belongs to space, and these cases are of the plane");
+        if (cases.paths.back().second && !is_role_of_pairs(cases.paths.back().role))
+            file.refuse("/paths/" + path + "/second_contact", fmt::format("stands in a path of role '{}', which has one disc", cases.paths.back().role));
         if (cases.paths.back().radius_m > 0 && cases.disc_radius_m == 0) file.refuse("/paths/" + path + "/radius", "stands in a file without attribute 'disc_radius_m'");
+    }
+    std::map<std::string, const LoadPath*> first_of;  // a role is of pairs or of single discs
+    for (const LoadPath& path : cases.paths) {
+        const LoadPath& first = *first_of.emplace(path.role, &path).first->second;
+        if (path.second.has_value() != first.second.has_value())
+            file.refuse("/paths/" + path.name, fmt::format("and '{}' are of one role, and one of them alone has two discs", first.name));
     }
     if (file.has("/histories")) {
         TableReader in_time(file, histories_table(), {{"D", D}});

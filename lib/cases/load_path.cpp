@@ -13,13 +13,13 @@
 namespace tissue {
 namespace {
 
-constexpr int csv_version = 1;
+constexpr int csv_version = 1, two_tools_version = 2;
 constexpr double same_magnitude = 1e-9;  // relative
 
-/// nodes: the lattice's (N x D).
-PathRecord read_step(const PathLines& line, const NodeField& nodes) {
+/// nodes: the lattice's (N x D). second: whether the row ends with a second disc's force.
+PathRecord read_step(const PathLines& line, const NodeField& nodes, bool second) {
     const auto D = static_cast<std::size_t>(nodes.cols());
-    line.want(7 + 2 * D);
+    line.want(7 + (second ? 3 : 2) * D);
     PathRecord r;
     r.magnitude_m = line.number(2);
     r.energy_J = line.number(3);
@@ -31,6 +31,7 @@ PathRecord read_step(const PathLines& line, const NodeField& nodes) {
         line.refuse(fmt::format("{:g} is no number of Newton iterations", iterations));
     r.newton_iterations = static_cast<int>(iterations);
     r.newton_residual = line.number(6 + 2 * D);
+    if (second) r.second_force_N = line.point(7 + 2 * D, D);
     r.displacement = NodeField::Constant(nodes.rows(), nodes.cols(), std::nan(""));
     r.force = r.displacement;
     return r;
@@ -52,11 +53,12 @@ void read_node(const PathLines& line, const SpringMesh& mesh, PathRecord& r) {
 
 }  // namespace
 
-LoadPath read_path_csv(const std::string& file, const NodeField& nodes) {
+LoadPath read_path_csv(const std::string& file, const NodeField& nodes, bool second) {
     PathLines line(file);
     if (!line.next() || line.kind() != "tissuectl load path") line.refuse("is not a load path of this project");
     line.want(2);
-    if (line.number(1) != csv_version) line.refuse("is of another format version; this program reads 1");
+    if (line.number(1) != csv_version && line.number(1) != two_tools_version) line.refuse("is of another format version; this program reads 1 and 2");
+    if (second != (line.number(1) == two_tools_version)) line.refuse(second ? "is of one disc, and the path has two" : "is of two discs, and the path has one");
 
     SpringMesh lattice;
     lattice.nodes = nodes;
@@ -72,7 +74,7 @@ LoadPath read_path_csv(const std::string& file, const NodeField& nodes) {
         if (ended) line.refuse("stands after the end row");
         if (line.kind() == "step") {
             close_record();
-            path.records.push_back(read_step(line, nodes));
+            path.records.push_back(read_step(line, nodes, second));
             const auto& r = path.records;
             if (r.size() > 1 && !(r.back().magnitude_m > r[r.size() - 2].magnitude_m))
                 line.refuse("the magnitudes do not ascend");

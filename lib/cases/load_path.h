@@ -9,6 +9,7 @@
 #include "io/hdf5_store.h"
 #include "mesh/shape.h"
 #include "mesh/spring_mesh.h"
+#include "study/second_tool.h"
 
 namespace tissue {
 
@@ -25,6 +26,7 @@ struct PathRecord {
     int newton_iterations;             ///< since the record before
     double newton_residual;            ///< relative, at the last iteration
     Point aside_m = {};                ///< what a measured push strayed from its path's direction (D); empty: nothing
+    Point second_force_N = {};         ///< that the second disc puts on the tissue (D); empty: there is none
 };
 
 /// One straight push: FE equilibria from rest to the deepest magnitude.
@@ -38,12 +40,16 @@ struct LoadPath {
     std::vector<PathRecord> records;   ///< ascending magnitude, the first at rest
     std::optional<Point> again_N;  ///< contact force on average when the same push was measured again
     double radius_m = 0;               ///< of the disc that pushes; 0 in the plane, and where it is the study's own
+    std::optional<SecondTool> second = {};  ///< a second disc that pushes at once, in proportion
 
     /// Where the contact stands at a record, from where it was at rest [m].
     Point push_m(const PathRecord& record) const {
         const Point along = direction * record.magnitude_m;
         return record.aside_m.size() > 0 ? Point(along + record.aside_m) : along;
     }
+
+    /// Where the second disc stands at a record, from where it was at rest [m]. The path must have one.
+    Point second_push_m(const PathRecord& record) const { return second->direction * (record.magnitude_m * second->depth_m / depth_m); }
 
     /// The record at a magnitude [m], to a part in 10^9, since FE counts its way there in steps; nullptr without one.
     const PathRecord* record_at(double magnitude_m) const;
@@ -89,10 +95,11 @@ std::vector<double> load_magnitudes(const Cases& cases, const LoadPath& path);
 /// The cases must outlive the result.
 std::vector<LoadCase> load_cases(const Cases& cases);
 
-/// Reads FreeFEM's CSV of one path (results/FORMATS.md) and puts its rows in the order of `nodes`.
+/// Reads FreeFEM's CSV of one path (results/FORMATS.md) and puts its rows in the order of `nodes`. second: whether the path has a second disc, whose force every
+/// record has then; a file that says otherwise is refused.
 /// Throws FileError with file, line and cause: missing, truncated, a number that is none, a node that is not on the
 /// lattice or stands twice.
-LoadPath read_path_csv(const std::string& file, const NodeField& nodes);
+LoadPath read_path_csv(const std::string& file, const NodeField& nodes, bool second = false);
 
 /// The same push seen in a mirror, x to width - x, on a lattice that mirrors itself. Its name gets "-mirror". In the plane.
 /// Throws MismatchError when the lattice does not.

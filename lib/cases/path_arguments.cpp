@@ -68,13 +68,17 @@ std::string history_arguments(const Study& s, const PlannedHistory& history, con
 std::string solid_arguments(const Study& s, const PlannedPath& path) {
     const Study::Geometry& g = s.geometry;
     const StudyPath& p = path.push;
+    std::string second;
+    if (p.second)
+        second = fmt::format(" -second_x {} -second_y {} -second_z {} -second_direction_x {} -second_direction_y {} -second_direction_z {} -second_depth {}", p.second->contact_m[0],
+                             p.second->contact_m[1], p.second->contact_m[2], p.second->direction[0], p.second->direction[1], p.second->direction[2], p.second->depth_m);
     return fmt::format(
         "-geo {} -width {} -length {} -height {} -cells_x {} -cells_y {} -cells_z {} -size_near {} -size_far {} {}{} -contact_x {} "
         "-contact_y {} -contact_z {} -direction_x {} -direction_y {} -direction_z {} -disc_radius {} -depth {} -records {} -tolerance {} "
-        "-max_newton {} -allow_lost 1",
+        "-max_newton {} -allow_lost 1{}",
         solid_geo, g.width_m, g.length_m, g.height_m, s.cells[0], s.cells[1], s.cells[2], path.sizes_m[0], path.sizes_m[1],
         law_arguments(s.material), nodule_arguments(s), p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1],
-        p.direction[2], p.radius_m, path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton);
+        p.direction[2], p.radius_m, path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton, second);
 }
 
 std::string solid_shape_arguments(const Study& s, const PlannedPath& path, const std::string& springs) {

@@ -28,19 +28,43 @@ SolidDraws::SolidDraws(const Study& study, const Study::Draws& draws, const std:
 StudyPath SolidDraws::push() {
     StudyPath push;
     int tries = most_tries;
-    do {
-        push.contact_m = surface_ ? place_on_surface(tries) : place(tries);
-        push.direction = direction(push.contact_m);
-    } while (!is_apart(push));
     const std::vector<double>& radii_m = draws_.radii_m;
+    const double apart_m = draws_.of_pairs() ? uniform(draws_.pair_apart_m[0], draws_.pair_apart_m[1]) : 0;
     push.radius_m = radii_m.empty() ? study_.indenter.radius_m : radii_m[drawn_++ % radii_m.size()];
-    push.depth_m = study_.indenter.times(push.radius_m) * uniform(draws_.depth_m[0], draws_.depth_m[1]);
+    do {
+        do {
+            push.contact_m = surface_ ? place_on_surface(tries) : place(tries);
+            push.direction = direction(push.contact_m);
+        } while (!is_apart(push));
+        push.depth_m = study_.indenter.times(push.radius_m) * uniform(draws_.depth_m[0], draws_.depth_m[1]);
+        if (draws_.of_pairs()) push.second = second(push, apart_m);
+    } while (draws_.of_pairs() && !push.second);
     return push;
+}
+
+/// Nothing where no second disc fits so far from the first on the side that is drawn. On a block's top.
+std::optional<SecondTool> SolidDraws::second(const StudyPath& first, double apart_m) {
+    const double side = uniform(0, 360) * degree;
+    StudyPath other;
+    other.contact_m = first.contact_m + apart_m * Eigen::Vector3d(std::cos(side), std::sin(side), 0);
+    other.direction = direction(other.contact_m);
+    other.depth_m = study_.indenter.times(first.radius_m) * uniform(draws_.depth_m[0], draws_.depth_m[1]);
+    const Point pushed_m = other.contact_m + other.depth_m * other.direction - first.contact_m - first.depth_m * first.direction;
+    if (!may_be(other.contact_m) || !is_apart(other) || pushed_m.norm() < 2 * first.radius_m) return {};
+    return SecondTool{other.contact_m, other.direction, other.depth_m};
+}
+
+/// Whether a place of a block's top is as far from the nearest wall as the draws ask.
+bool SolidDraws::may_be(const Point& top_m) const {
+    const Study::Geometry& g = study_.geometry;
+    const double wall_m = std::min({top_m[0], g.width_m - top_m[0], top_m[1], g.length_m - top_m[1]});
+    return wall_m >= draws_.clearance_m[0] && wall_m <= draws_.clearance_m[1];
 }
 
 void SolidDraws::count_down(int& tries) const {
     if (--tries < 0)
-        throw MismatchError(key_ + ": clearance_m and the training contacts leave no room for contacts 2 mm or 5 degrees away from all of them");
+        throw MismatchError(key_ + (draws_.of_pairs() ? ": clearance_m and apart_m leave no room for two discs so far apart, each 2 mm or 5 degrees away from all training contacts"
+                                                     : ": clearance_m and the training contacts leave no room for contacts 2 mm or 5 degrees away from all of them"));
 }
 
 Point SolidDraws::place(int& tries) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ class SolidDraws {
 
     /// Contact, direction, depth and disc; no name. Throws MismatchError when there is no such contact, as far as ten thousand
     /// tries can tell.
+    /// Of draws of pairs the second disc too: its distance from the first uniform over their range, towards any side; its place, push and depth as the first's.
+    /// The middles are two radii apart at least when both are pushed.
     StudyPath push();
 
     double uniform(double low, double high) { return low + (high - low) * gsl_rng_uniform(rng_.get()); }
@@ -27,6 +30,8 @@ class SolidDraws {
     Point place_on_surface(int& tries);
     void count_down(int& tries) const;
     Point direction(const Point& place);
+    bool may_be(const Point& top_m) const;
+    std::optional<SecondTool> second(const StudyPath& first, double apart_m);
     bool is_apart(const StudyPath& push) const;
 
     const Study& study_;

@@ -18,8 +18,8 @@ double near_m(const Study& study, const std::array<double, 2>& sizes_m, const St
 }
 
 PlannedPath planned(const Study& study, const StudyPath& push, const std::string& role) {
-    const double times = study.indenter.times(push.radius_m);
-    const int records = std::max(1, static_cast<int>(std::ceil(push.depth_m / (times * study.loads.record_step_m) - 1e-9)));
+    const double times = study.indenter.times(push.radius_m), deepest_m = push.second ? std::max(push.depth_m, push.second->depth_m) : push.depth_m;
+    const int records = std::max(1, static_cast<int>(std::ceil(deepest_m / (times * study.loads.record_step_m) - 1e-9)));
     return {push, role, push.depth_m, records, study.refine, {near_m(study, study.sizes_m, push), study.sizes_m[1]}};
 }
 

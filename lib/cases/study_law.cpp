@@ -239,12 +239,19 @@ Eigen::VectorXd support_moduli(const Study& study, const std::optional<Shape>& s
     return (least.array() == most.array()).select(least, sum.cwiseQuotient(area));
 }
 
+/// Of springs everywhere: regions and a nodule have their own moduli, but the base material's share of C2.
+SpringCurve curve_of(const Study& study, const SpringMesh& mesh) {
+    constexpr double of_lattice = 0.3;  // of C2's share: fitted so that springs in the lattice's 26 directions, in place of all, come nearest to the material in uniaxial stretch and pure shear of 0.6 to 1.4
+    return study.springs.hookean ? SpringCurve() : SpringCurve::mooney_rivlin(of_lattice * study.material.second_share(), mesh.dimension());
+}
+
 /// The law of a solid. Springs, cells, supports and contacts all take account of parts of another stiffness.
 EnergyLaw solid_law(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, double factor) {
     const double E = factor * study.material.youngs_modulus_Pa();
     const Eigen::VectorXd springs = factor * solid_moduli(study, shape, mesh, mesh.springs),
                           cells = factor * solid_moduli(study, shape, mesh, mesh_cells(mesh));
     LawHeuristic heuristic = solid_heuristic(mesh, springs, cells, E, study.springs.area_cap_E2, study.indenter.radius_m, support_moduli(study, shape, mesh, E));
+    heuristic.curve = curve_of(study, mesh);
     if (study.nodule || !study.material.regions.empty()) {
         heuristic.stiffer.resize(springs.size() + cells.size());
         heuristic.stiffer << (springs / E).array().log(), (cells / E).array().log();
@@ -306,9 +313,10 @@ EnergyLaw study_law(const Study& study, const std::optional<Shape>& shape, const
     if (mesh.is_solid()) return solid_law(study, shape, mesh, factor);
     const double modulus_N_m = factor * study.modulus_N_m(), cap = study.springs.area_cap_E2;
     const std::string& formulation = study.material.formulation;
-    const LawHeuristic heuristic =
+    LawHeuristic heuristic =
         study.material.regions.empty() ? law_heuristic(mesh, modulus_N_m, formulation, cap)
                                        : law_heuristic(mesh, triangle_moduli(study, shape, mesh, modulus_N_m), formulation, cap);
+    heuristic.curve = curve_of(study, mesh);
     return {mesh, heuristic, study.springs.terms};
 }
 

@@ -188,6 +188,7 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
         if (path.role == "train" && !path.lost.empty()) result.lost.push_back(path.name + ": " + path.lost);
     result.truth = check_truth(cases);
     result.held_out = evaluate_held_out(model, cases, threads);
+    result.two_tools = evaluate_two_tools(model, cases, threads);
     result.map = force_map(model, cases, threads);
     if (model.energy_law) result.histories = evaluate_histories(model, cases.histories, "held_out", threads);
     if (cases.measurement) result.histories.near_training = near_training(cases, "held_out");

@@ -11,6 +11,7 @@
 #include "eval/held_out.h"
 #include "eval/history_answers.h"
 #include "eval/spring_character.h"
+#include "eval/two_tools.h"
 #include "train/training_books.h"
 
 namespace tissue {
@@ -61,6 +62,7 @@ struct Evaluation {
     std::vector<std::string> lost;                               ///< "name: why", training paths that FE ended before their depth
     TruthCheck truth;                                            ///< of FE itself, on the finer mesh
     HeldOut held_out;                                            ///< empty where the study draws no contacts
+    TwoTools two_tools;                                          ///< empty where it draws no pairs
     ForceMap map;                                                ///< empty where the study has none
     HistoryTable histories;                                      ///< those held out; empty where the cases have none
     std::optional<Measurement> measurement;                      ///< of measured cases

@@ -83,6 +83,27 @@ Json histories(const HistoryTable& h, bool measured) {
     return j;
 }
 
+Json two_tools(const PressedPairs& role, const std::vector<std::string>& models) {
+    Json j;
+    for (std::size_t m = 0; m < models.size(); ++m) {
+        const ContactStatistics s = role.statistics(m);
+        j[models[m]] = to_value(s.force);
+        if (!s.reasons.empty()) j[models[m]]["reason"] = s.reasons;
+    }
+    j["lost"] = role.lost;
+    j["pairs"] = Json::array();
+    for (const PressedPair& pair : role.pairs) {
+        Json row = {{"name", pair.name}, {"apart_m", pair.apart_m()}, {"radius_m", pair.radius_m}};
+        for (std::size_t t = 0; t < 2; ++t) {
+            Json tool = {{"contact_m", pair.contact_m[t]}, {"push_m", pair.push_m[t]}, {"fe_force_N", pair.fe_force_N[t]}};
+            for (std::size_t m = 0; m < models.size(); ++m) tool["error"][models[m]] = or_null(pair.error[m][t].force);
+            row["tools"].push_back(std::move(tool));
+        }
+        j["pairs"].push_back(std::move(row));
+    }
+    return j;
+}
+
 }  // namespace
 
 std::string to_json(const Evaluation& evaluation, unsigned long seed, const EvaluatedFiles& files) {
@@ -150,6 +171,7 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed, const Eval
             j["drawn"][role.role].push_back(std::move(row));
         }
     }
+    for (const PressedPairs& role : evaluation.two_tools.roles) j["two_tools"][role.role] = two_tools(role, evaluation.two_tools.models);
     for (const DrawnCurve& c : held_out.curves)
         j["drawn_curves"].push_back({{"name", c.name},
                                      {"magnitude_m", c.magnitude_m},

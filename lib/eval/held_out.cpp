@@ -91,7 +91,7 @@ std::vector<Baseline> baselines_of(const TissueModel& model, const std::vector<S
     return baselines;
 }
 
-/// Other constants under the law's untrained contact, of every disc that the law knows.
+/// Other constants under the law's untrained contact, of every disc that the law knows. Springs are Hooke's, as heuristics are.
 LawModel untrained_law(const TrainedModel& model, const Eigen::VectorXd& constants, bool incompressible) {
     const LawModel& law = *model.energy_law;
     LawModel other{{}, {}, constants, model.books.law->untrained_patch, incompressible, law.disc_radius_m, law.disc};
@@ -218,7 +218,7 @@ const DrawnContacts* HeldOut::role(const std::string& name) const {
 HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int threads, bool with_baselines) {
     HeldOut result;
     for (const LoadPath& path : cases.paths)
-        if (path.role != "train" && path.role != "check" && path.role != "map" && !result.role(path.role))
+        if (path.role != "train" && path.role != "check" && path.role != "map" && !path.second && !result.role(path.role))  // pairs: eval/two_tools.h
             result.roles.push_back({path.role, {}, {}});
     if (result.empty()) return result;
 
@@ -249,11 +249,13 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
     if (model.energy_law) {
         laws.emplace_back("learned", std::make_unique<LawPress>(model.mesh, law_of_cases(model)));
         const LawBook& book = *model.books.law;
-        const auto add = [&](const std::string& name, const Eigen::VectorXd& constants) {
-            laws.emplace_back(name, std::make_unique<LawPress>(model.mesh, untrained_law(model, constants, model.energy_law->incompressible)));
+        const auto add = [&](const std::string& name, const Eigen::VectorXd& constants, const SpringCurve& curve) {
+            LawModel other = untrained_law(model, constants, model.energy_law->incompressible);
+            other.curve = curve;
+            laws.emplace_back(name, std::make_unique<LawPress>(model.mesh, std::move(other)));
         };
-        add("untrained", book.untrained_constants);
-        const auto add_springs = [&](const std::string& name, const Eigen::VectorXd& theta) { add(name, springs_alone(model.mesh, book.untrained_constants, theta)); };
+        add("untrained", book.untrained_constants, model.energy_law->curve);
+        const auto add_springs = [&](const std::string& name, const Eigen::VectorXd& theta) { add(name, springs_alone(model.mesh, book.untrained_constants, theta), SpringCurve()); };
         if (with_baselines)
             for (const Baseline& b : baselines)
                 if (b.setting == &settings[0]) add_springs(b.name + "_patch", b.theta);

@@ -195,6 +195,40 @@ std::string held_out_markdown(const HeldOut& h, bool measured, bool solid) {
     return out;
 }
 
+std::string two_tools_markdown(const TwoTools& two) {
+    std::string out;
+    for (const PressedPairs& role : two.roles) {
+        out += fmt::format("## Two discs at once: pairs of `{}`, force error on each disc\n\n| model | median | p95 | max | n of N |\n|---|---|---|---|---|\n", role.role);
+        for (std::size_t m = 0; m < two.models.size(); ++m) {
+            const Statistics s = role.statistics(m).force;
+            out += fmt::format("| {} | {} | {} | {} | {} |\n", two.models[m], percent(s.median), percent(s.p95), percent(s.max), n_of_N(s));
+        }
+        for (std::size_t m = 0; m < two.models.size(); ++m) out += no_answer_markdown(two.models[m], role.statistics(m).reasons);
+        out += fmt::format("\n`learned`: the law pressed by both discs at once. `alone`: the same law pressed by each disc as if the other were not there. N is two forces a pair. {} FE lost {} of them{}\n",
+                           rule, role.lost.size(), role.lost.empty() ? "." : ":");
+        for (const std::string& lost : role.lost) out += "- " + lost + "\n";
+        std::vector<const PressedPair*> nearest;
+        for (const PressedPair& pair : role.pairs) nearest.push_back(&pair);
+        std::sort(nearest.begin(), nearest.end(), [](const auto* a, const auto* b) { return a->apart_m() < b->apart_m(); });
+        constexpr std::size_t most = 20;
+        out += fmt::format("\nPairs by the distance of their middles at rest{}; of the first and of the second disc:\n\n| pair | apart mm | depth mm | FE force N |",
+                           nearest.size() > most ? fmt::format(", the nearest {}", most) : "");
+        for (const std::string& model : two.models) out += fmt::format(" {} |", model);
+        out += "\n|---|---|---|---|";
+        for (std::size_t m = 0; m < two.models.size(); ++m) out += "---|";
+        out += "\n";
+        for (std::size_t i = 0; i < std::min(most, nearest.size()); ++i) {
+            const PressedPair& p = *nearest[i];
+            out += fmt::format("| {} | {:.1f} | {:.2f}, {:.2f} | {:.3f}, {:.3f} |", p.name, 1e3 * p.apart_m(), 1e3 * p.push_m[0].norm(), 1e3 * p.push_m[1].norm(), p.fe_force_N[0].norm(),
+                               p.fe_force_N[1].norm());
+            for (const auto& error : p.error) out += fmt::format(" {}, {} |", percent(error[0].force.value_or(std::nan(""))), percent(error[1].force.value_or(std::nan(""))));
+            out += "\n";
+        }
+        out += "\n";
+    }
+    return out;
+}
+
 std::string truth_markdown(const TruthCheck& truth) {
     if (truth.empty()) return "";
     std::string out = fmt::format(
@@ -352,7 +386,7 @@ std::string to_markdown(const Evaluation& e) {
         version);
     }
 
-    out += broken_markdown(e) + measurement_markdown(e) + held_out_markdown(e.held_out, e.measurement.has_value(), solid) + map_markdown(e.map) + histories_markdown(e.histories, e.measurement.has_value()) + truth_markdown(e.truth);
+    out += broken_markdown(e) + measurement_markdown(e) + held_out_markdown(e.held_out, e.measurement.has_value(), solid) + two_tools_markdown(e.two_tools) + map_markdown(e.map) + histories_markdown(e.histories, e.measurement.has_value()) + truth_markdown(e.truth);
     out += "## Errors at the trained contacts: median / p95 / max\n\n";
     if (!e.open_loop()) {
         out += "| model | closed loop | n of N |\n|---|---|---|\n";

@@ -162,6 +162,12 @@ Files plane_csv(const TissueModel& model) {
             {"surface.csv", surface}};
 }
 
+/// Of a law whose springs are not Hooke's.
+Files curve_csv(const SpringCurve& curve) {
+    if (curve.hookean()) return {};
+    return {{"spring_curve.csv", fmt::format("c2_share,straight_below,straight_above\n{},{},{}\n", curve.q(), curve.shorter().stretch, curve.longer().stretch)}};
+}
+
 /// Of a law that relaxes.
 Files relaxation_csv(const Relaxation& relaxation) {
     if (relaxation.empty()) return {};
@@ -206,6 +212,7 @@ Files csv_files(const TissueModel& model, const std::vector<PressedCase>& cases)
     files.merge(simplices_csv(model.mesh));
     files.merge(pressed_csv(model, cases));
     files.merge(relaxation_csv(model.energy_law->relaxation));
+    files.merge(curve_csv(model.energy_law->curve));
     files.merge(model.mesh.is_solid() ? solid_csv(model, cases) : plane_csv(model));
     return files;
 }

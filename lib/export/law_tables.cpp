@@ -29,11 +29,12 @@ std::vector<std::array<int, 2>> outline(const Elements& kind, int e) {
 LawTables law_tables(const TissueModel& model) {
     const SpringMesh& mesh = model.mesh;
     const LawModel& law = *model.energy_law;
-    const TissueEnergy energy(mesh, law.incompressible);
+    const TissueEnergy energy(mesh, law);
     const int S = mesh.spring_count(), areas = energy.constant_count() - S;
     const auto regions = static_cast<int>(law.incompressible ? cell_regions(mesh, mesh_cells(mesh)).size() : 0);
     const Outline surface(mesh);
     LawTables t;
+    t.curve = law.curve;
     t.spring_N_m = law.constants.head(S);
     t.area_N_m = law.constants.tail(areas);
     t.area_m2 = Eigen::VectorXd::Zero(areas);
@@ -56,7 +57,7 @@ LawTables law_tables(const TissueModel& model) {
 
 std::vector<PressedCase> pressed_cases(const TissueModel& model, const std::string& name) {
     const LawPress press(model);
-    const TissueEnergy energy(model.mesh, model.energy_law->incompressible);
+    const TissueEnergy energy(model.mesh, *model.energy_law);
     std::optional<Outline> surface;
     if (!model.mesh.is_solid()) surface.emplace(model.mesh);
     std::vector<PressedCase> cases;

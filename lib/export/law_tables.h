@@ -9,10 +9,11 @@
 namespace tissue {
 
 /// A law's energy as tables, so that whoever reads them can work it out without this program (results/FORMATS.md):
-///   W(u) = sum_s theta_s (l_s - L_s)^2 / 2 + sum_e A_e a_e (area_e / a_e - 1)^2 / 2
-/// over springs and over areas, cells first and then regions; area_e = sum over the edges (i, j) of e of
+///   W(u) = sum_s theta_s w(l_s, L_s) + sum_e A_e a_e (area_e / a_e - 1)^2 / 2
+/// over springs, w of their curve, (l - L)^2 / 2 of Hooke's, and over areas, cells first and then regions; area_e = sum over the edges (i, j) of e of
 /// (x_i y_j - x_j y_i) / 2, a_e at rest.
 struct LawTables {
+    SpringCurve curve;
     std::vector<int> edge_area, edge_from, edge_to;  ///< of each edge: its area, and nodes, the area on the left (K)
     std::vector<std::string> area_kind;              ///< cell or region
     Eigen::VectorXd area_m2;                         ///< a_e

@@ -80,24 +80,37 @@ Files npy_files(const Hdf5Reader& in) {
     return files;
 }
 
+namespace {
+
+/// Of springs that are not Hooke's.
+Files curve_files(const SpringCurve& curve) {
+    if (curve.hookean()) return {};
+    return {{"law/spring_curve.npy", header("<f8", {3}) + bytes(std::vector<double>{curve.q(), curve.shorter().stretch, curve.longer().stretch})}};
+}
+
+}  // namespace
+
 Files npy_files(const LawTables& law) {
     std::vector<int> edges;
     for (std::size_t k = 0; k < law.edge_area.size(); ++k)
         edges.insert(edges.end(), {law.edge_area[k], law.edge_from[k], law.edge_to[k]});
     const std::vector<double> area_m2(law.area_m2.begin(), law.area_m2.end());
     const std::size_t areas = law.area_kind.size(), nodes = law.surface_node.size();
-    return {{"law/area_edges.npy", header("<i4", {law.edge_area.size(), 3}) + bytes(edges)},
+    Files files = curve_files(law.curve);
+    files.merge(Files{{"law/area_edges.npy", header("<i4", {law.edge_area.size(), 3}) + bytes(edges)},
             {"law/area_kind.npy", npy_texts(law.area_kind, {areas})},
             {"law/area_rest.npy", header("<f8", {areas}) + bytes(area_m2)},
             {"law/surface_node.npy", header("<i4", {nodes}) + bytes(law.surface_node)},
-            {"law/surface_arc.npy", header("<f8", {nodes}) + bytes(law.surface_arc_m)}};
+            {"law/surface_arc.npy", header("<f8", {nodes}) + bytes(law.surface_arc_m)}});
+    return files;
 }
 
 Files npy_files(const SolidLawTables& law, const ContactTable& contact) {
     const std::size_t R = contact.k_N_m.size(), Q = contact.pull_row.size();
     const auto numbers = [](const auto& values) { return std::vector<double>(values.data(), values.data() + values.size()); };
     const std::vector<int> corners(law.cells.data(), law.cells.data() + law.cells.size());
-    return {{"law/cells.npy", header("<i4", {static_cast<std::size_t>(law.cells.rows()), static_cast<std::size_t>(law.cells.cols())}) + bytes(corners)},
+    Files files = curve_files(law.curve);
+    files.merge(Files{{"law/cells.npy", header("<i4", {static_cast<std::size_t>(law.cells.rows()), static_cast<std::size_t>(law.cells.cols())}) + bytes(corners)},
             {"law/cell_at.npy", header("<f8", {static_cast<std::size_t>(law.at.rows()), 3}) + bytes(numbers(law.at))},
             {"law/cell_rest.npy", header("<f8", {static_cast<std::size_t>(law.volume_m3.size())}) + bytes(numbers(law.volume_m3))},
             {"law/contact_case.npy", header("<i4", {R}) + bytes(contact.load_case)},
@@ -107,7 +120,8 @@ Files npy_files(const SolidLawTables& law, const ContactTable& contact) {
             {"law/contact_pull_row.npy", header("<i4", {Q}) + bytes(contact.pull_row)},
             {"law/contact_pull_node.npy", header("<i4", {Q}) + bytes(contact.pull_node)},
             {"law/contact_pull.npy", header("<f8", {Q, 3}) + bytes(numbers(contact.pull))},
-            {"law/contact_hardening.npy", header("<f8", {static_cast<std::size_t>(contact.hardening.rows()), 3}) + bytes(numbers(contact.hardening))}};
+            {"law/contact_hardening.npy", header("<f8", {static_cast<std::size_t>(contact.hardening.rows()), 3}) + bytes(numbers(contact.hardening))}});
+    return files;
 }
 
 }  // namespace tissue

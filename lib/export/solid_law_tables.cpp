@@ -13,7 +13,7 @@ SolidLawTables solid_law_tables(const TissueModel& model) {
     const SpringMesh& mesh = model.mesh;
     const Eigen::VectorXd& constants = model.energy_law->constants;
     const CellVolumes cells(mesh);
-    return {constants.head(mesh.spring_count()), cells.nodes(), mesh.embedding.centroid, cells.volumes(), constants.segment(mesh.spring_count(), cells.count()), constants.tail(mesh.support_count())};
+    return {model.energy_law->curve, constants.head(mesh.spring_count()), cells.nodes(), mesh.embedding.centroid, cells.volumes(), constants.segment(mesh.spring_count(), cells.count()), constants.tail(mesh.support_count())};
 }
 
 ContactTable contact_table(const TissueModel& model, const std::vector<int>& load_cases) {

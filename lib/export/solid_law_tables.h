@@ -8,10 +8,11 @@
 namespace tissue {
 
 /// A law's energy in space as tables, as LawTables in the plane (results/FORMATS.md):
-///   W(u) = sum_s theta_s (l_s - L_s)^2 / 2 + sum_c A_c V_c (J_c(u) - 1)^2 / 2 + sum_m k_m |u_m|^2 / 2
+///   W(u) = sum_s theta_s w(l_s, L_s) + sum_c A_c V_c (J_c(u) - 1)^2 / 2 + sum_m k_m |u_m|^2 / 2
 /// over springs, cells and supports; J_c the determinant of the deformation gradient of the trilinear map at `at` in the cell, which along each axis is the mean of
 /// its four edges with bilinear weights. A support holds a node of an embedded solid, whose u is that of a cell's corners with weights.
 struct SolidLawTables {
+    SpringCurve curve;           ///< of w
     Eigen::VectorXd spring_N_m;  ///< theta_s
     Cells cells;                 ///< corners bit by bit: 1 along x, 2 along y, 4 along z (C x 8)
     NodeField at;                ///< from corner 0, in edges: the middle, or the centroid of a cut cube's tissue (C x 3)

@@ -24,7 +24,9 @@ constexpr double elastic_law_damping_ratio = 0.17, relaxing_damping_ratio = 0.01
 constexpr double usual_innovation = 0.05, usual_coupling_ratio = 10;
 constexpr double turn = 2 * 3.14159265358979323846;
 
-std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel& model, const std::string& law,
+/// law: a name, or the curve of springs that turn.
+template <class Law>
+std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel& model, const Law& law,
                                       const Eigen::Ref<const NodeField>& theta, const Point& place_m, const Eigen::VectorXd& node_mass_kg) {
     if (!theta.allFinite() || !(theta.minCoeff() > 0))
         throw MismatchError(fmt::format("the {} mesh has springs that are not positive", name));
@@ -37,7 +39,7 @@ std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel
 
 std::unique_ptr<HapticMesh> make_law_mesh(const std::string& name, const TissueModel& model, const Point& place_m, const ToolChoice& tool) {
     const NodeField theta = model.energy_law->constants.head(model.mesh.spring_count()).transpose();
-    auto mesh = make_mesh(name, model, "geometric", theta, place_m, mass_with_supports(model));
+    auto mesh = make_mesh(name, model, model.energy_law->curve, theta, place_m, mass_with_supports(model));
     mesh->law = std::make_unique<RealtimeLaw>(model, mesh->springs, tool.shape == ToolChoice::Shape::ball ? tool.radius_m : 0);
     return mesh;
 }
@@ -48,6 +50,7 @@ TissueModel untrained(const TissueModel& model) {
     TissueModel heuristic = model;
     Eigen::VectorXd& constants = heuristic.energy_law->constants;
     constants = springs_alone(model.mesh, constants, model.heuristic_a);
+    heuristic.energy_law->curve = SpringCurve();
     heuristic.energy_law->terms.clear();  // nothing of it is learned, its skin neither
     heuristic.energy_law->coefficients.resize(0);
     return heuristic;
@@ -162,6 +165,10 @@ std::uint64_t fingerprint_of(const HapticModel& model, const TissueModel& tissue
         add(steps, sizeof steps);
         add_array(mesh->dynamics);
         add_array(mesh->springs.law().name());
+        if (const SpringCurve* curve = mesh->springs.law().curve()) {
+            const double of_curve[] = {curve->q(), curve->shorter().stretch, curve->longer().stretch};
+            add(of_curve, sizeof of_curve);
+        }
         if (!mesh->law) continue;
         add_array(mesh->law->stiffness().constants);
         add_array(mesh->law->stiffness().patch.log_N_m);

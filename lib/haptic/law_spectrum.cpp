@@ -102,7 +102,7 @@ Eigen::SparseMatrix<double> pressed(const TissueEnergy& energy, const Eigen::Vec
 LawSpectrum law_spectrum(const TissueModel& model, const RealtimeMesh& springs) {
     if (!model.energy_law) throw MismatchError("the model's stiffness is no law");
     const LawModel& law = *model.energy_law;
-    const TissueEnergy energy(model.mesh, law.incompressible);
+    const TissueEnergy energy(model.mesh, law);
     const auto kernel = make_contact_kernel(model.mesh, law);
     const Eigen::SparseMatrix<double> at_rest = energy.tangent(law.constants, NodeField::Zero(model.mesh.node_count(), model.mesh.dimension()));
     LawSpectrum spectrum{smallest_eigenvalue(springs, at_rest), largest_eigenvalue(springs, at_rest), 0, 0};

@@ -28,9 +28,9 @@ RealtimeLaw::RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs, 
     : springs_(springs), skin_(law_of(model).skin()), kernel_(make_contact_kernel(model.mesh, law_of(model))), ball_{ball_m} {
     const LawModel& law = law_of(model);
     if (ball_m > 0) sizes_ = PatchSizes(law);
-    if (springs.law().name() != "geometric")
-        throw MismatchError(fmt::format("a law's springs are geometric, not {}", springs.law().name()));
-    const TissueEnergy energy(model.mesh, law.incompressible);
+    if (!springs.law().curve()) throw MismatchError(fmt::format("a law's springs are geometric, not {}", springs.law().name()));
+    if (!(*springs.law().curve() == law.curve)) throw MismatchError("the springs are of another curve than the law's");
+    const TissueEnergy energy(model.mesh, law);
     if (law.constants.size() != energy.constant_count()) throw MismatchError("the law's constants are not those of the mesh");
     now_ = {law.constants, law.patch, law.contact_log_scale.size() > 0 ? law.contact_log_scale : Eigen::VectorXd::Zero(model.mesh.node_count())};
     kernel_->scale(now_.contact_log_scale);

@@ -32,8 +32,8 @@ struct BranchBook {
 /// In space cubes lie in runs of consecutive first nodes, and pull at all eight corners, by the gradient at their tissue's centroid.
 class RealtimeLaw {
    public:
-    /// springs: of the model's mesh, with the law `geometric`, which is a law's own (springs/turning_springs.h); it must outlive this. ball_m: radius of the ball that presses; 0: the law's disc.
-    /// Throws MismatchError for a model without a law, and for springs of another law.
+    /// springs: of the model's mesh and its law's curve; it must outlive this. ball_m: radius of the ball that presses; 0: the law's disc.
+    /// Throws MismatchError for a model without a law, and for springs of another law or curve.
     RealtimeLaw(const TissueModel& model, const RealtimeMesh& springs, double ball_m = 0);
     /// The same law on the same springs, which becomes another by itself: each session has its own.
     RealtimeLaw(const RealtimeLaw& other);

@@ -20,14 +20,18 @@ constexpr double same = 1e-13;  ///< part of a spring's length: what places far 
 
 }  // namespace
 
-RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const Eigen::VectorXd& node_mass_kg) : embedding_(mesh.embedding), rows_(mesh) {
+RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const std::string& law, const Eigen::VectorXd& node_mass_kg) : RealtimeMesh(mesh, make_spring_law(law), node_mass_kg) {}
+
+RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, const SpringCurve& curve, const Eigen::VectorXd& node_mass_kg) : RealtimeMesh(mesh, make_turning_law(curve), node_mass_kg) {}
+
+RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, std::unique_ptr<SpringLaw> law, const Eigen::VectorXd& node_mass_kg)
+    : law_(std::move(law)), embedding_(mesh.embedding), rows_(mesh) {
     const int N = mesh.node_count(), S = mesh.spring_count();
     const int own = mesh.embedding.node_count();
     if (node_mass_kg.size() != N || !(node_mass_kg.tail(N - own).minCoeff() > 0) || (own > 0 && !node_mass_kg.head(own).isZero(0)) || !node_mass_kg.allFinite())
         throw MismatchError("every node of the spring mesh must have a positive mass, and an embedded solid's own nodes none");
-    law_ = make_spring_law(law);
     if (mesh.is_solid() && !law_->plays_in_space())
-        throw MismatchError(fmt::format("in space the tick knows springs that turn, 'geometric', and not '{}'", law));
+        throw MismatchError(fmt::format("in space the tick knows springs that turn, 'geometric', and not '{}'", law_->name()));
     rest_ = mesh.nodes;
     mass_ = node_mass_kg;
     inverse_mass_ = Eigen::VectorXd::Zero(N);

@@ -30,6 +30,8 @@ class RealtimeMesh {
     /// node_mass_kg (N), all positive but those of an embedded solid's own nodes, which are 0. law: a name of spring_laws().
     /// Throws MismatchError when sizes do not fit, in space for springs that do not turn, and as LatticeRows does.
     RealtimeMesh(const SpringMesh& mesh, const std::string& law, const Eigen::VectorXd& node_mass_kg);
+    /// Of springs that turn, with a curve of their own: an energy model's.
+    RealtimeMesh(const SpringMesh& mesh, const SpringCurve& curve, const Eigen::VectorXd& node_mass_kg);
 
     int node_count() const { return static_cast<int>(rest_.rows()); }
     int slot_count() const { return static_cast<int>(axis_.rows()); }
@@ -54,7 +56,7 @@ class RealtimeMesh {
 
     /// f = K(theta) u, (10): the external nodal force [N] that holds u. u, f by row, theta by slot. Fixed nodes get theirs too.
     /// No allocation; cost in proportion to the springs.
-    /// memory: of the elongation of springs that turn and relax, by slot; null where they do not. It goes on by a step.
+    /// memory: of sqrt(2 energy), Hooke's elongation, of springs that turn and relax, by slot; null where they do not. It goes on by a step.
     void force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f, BranchMemory* memory = nullptr) const noexcept;
 
     /// Energy in the springs [J], u by node. No allocation.
@@ -68,6 +70,7 @@ class RealtimeMesh {
     SparseMatrix stiffness_at_rest(const Eigen::VectorXd& theta) const;
 
    private:
+    RealtimeMesh(const SpringMesh& mesh, std::unique_ptr<SpringLaw> law, const Eigen::VectorXd& node_mass_kg);
     void bands_force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
     void loose_force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
     SpringRun run_at(int slot, const Eigen::VectorXd& theta) const noexcept;

@@ -34,12 +34,12 @@ Eigen::VectorXd mass_with_supports(const TissueModel& model) {
     const Eigen::Index supports = mesh.support_count();
     if (supports == 0) return model.node_mass_kg;
     const LawModel& law = *model.energy_law;
-    const TissueEnergy energy(mesh, law.incompressible);
+    const TissueEnergy energy(mesh, law);
     const NodeField rest = NodeField::Zero(mesh.node_count(), mesh.dimension());
     Eigen::VectorXd free = law.constants;
     free.tail(supports).setZero();
     const Eigen::SparseMatrix<double> held = energy.tangent(law.constants, rest), lattice = energy.tangent(free, rest);
-    const RealtimeMesh springs(mesh, "geometric", model.node_mass_kg);
+    const RealtimeMesh springs(mesh, law.curve, model.node_mass_kg);
     const double omega2 = largest_eigenvalue(springs, lattice);
     constexpr double little = 1.05 * 1.05;
     if (!(largest_eigenvalue(springs, held) > little * omega2)) return model.node_mass_kg;

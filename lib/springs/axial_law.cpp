@@ -35,7 +35,7 @@ namespace {
 /// theta times the elongation along the rest direction: the spring of linear elasticity.
 struct Axial {
     static constexpr const char* name = "axial";
-    static constexpr bool linear = true, axes_apart = false, in_space = false;
+    static constexpr bool linear = true, axes_apart = false, in_space = false, turns = false;
 
     template <class Vector>
     static Vector force(const Vector& rest, const Vector& relative) {

@@ -14,4 +14,9 @@ struct NoContactError : MismatchError {
     using MismatchError::MismatchError;
 };
 
+/// Two tools whose contacts would overlap.
+struct OverlappingToolsError : MismatchError {
+    using MismatchError::MismatchError;
+};
+
 }  // namespace tissue

@@ -31,6 +31,7 @@ namespace tissue {
 /// of it for the rows that keep the patch in line. Of a disc: springs/disc_rows.h.
 struct LawHeuristic {
     bool incompressible = false; ///< plane strain: regions keep their area too (TissueEnergy), with the cells' mean A
+    SpringCurve curve = {};      ///< of springs; what follows is of all curves, which are alike at rest
     Eigen::VectorXd constants;   ///< of a TissueEnergy [N/m] (E)
     Eigen::VectorXd cap;         ///< that cells stay below [N/m] (C)
     PatchLaw patch;              ///< the same everywhere
@@ -99,9 +100,10 @@ class EnergyLaw {
     EnergyLaw(const SpringMesh& mesh, const LawHeuristic& heuristic, const std::vector<std::string>& terms);
 
     const std::vector<std::string>& terms() const { return terms_; }
-    TissueEnergy energy(const SpringMesh& mesh) const { return {mesh, heuristic_.incompressible}; }
+    TissueEnergy energy(const SpringMesh& mesh) const { return {mesh, heuristic_.incompressible, heuristic_.curve}; }
     const NodeField& ground() const { return heuristic_.ground; }
     bool incompressible() const { return heuristic_.incompressible; }
+    const SpringCurve& curve() const { return heuristic_.curve; }
     int size() const { return static_cast<int>(terms_.size()); }
 
     Eigen::VectorXd constants(const Eigen::VectorXd& p) const;     ///< [N/m] (E)

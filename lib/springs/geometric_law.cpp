@@ -10,35 +10,38 @@ namespace {
 
 constexpr double no_length_m = 1e-12;  ///< two nodes on one spot have no direction to push in
 
-/// theta (|x_i - x_j| - L0) along the current direction: Hooke's spring, turning with the tissue.
-struct Hookean {
+/// theta (|x_i - x_j| - L0) along the current direction, or what another curve makes of it: a spring that turns with the tissue.
+struct Turning {
     static constexpr const char* name = "geometric";
-    static constexpr bool linear = false, axes_apart = false, in_space = true;
+    static constexpr bool linear = false, axes_apart = false, in_space = true, turns = true;
 
-    /// Force over current length: the force is that times (x_i - x_j).
-    static double secant(double rest, double length) noexcept { return 1 - rest / length; }
+    SpringCurve of;
 
     template <class Vector>
-    static Vector force(const Vector& rest, const Vector& relative) {
-        const Vector current = rest + relative;
-        return current * secant(rest.norm(), std::max(current.norm(), no_length_m));
+    static double drawn_out(const Vector& rest, const Vector& current) {
+        return std::max(current.norm(), no_length_m) - rest.norm();
     }
     template <class Vector>
-    static SquareOf<Vector> stiffness(const Vector& rest, const Vector& relative, bool convex) {
+    Vector force(const Vector& rest, const Vector& relative) const {
         const Vector current = rest + relative;
-        const double length = current.norm();
+        return current * of.secant(rest.norm(), drawn_out(rest, current));
+    }
+    template <class Vector>
+    SquareOf<Vector> stiffness(const Vector& rest, const Vector& relative, bool convex) const {
+        const Vector current = rest + relative;
+        const double length = current.norm(), by = drawn_out(rest, current);
         const SquareOf<Vector> identity = SquareOf<Vector>::Identity(rest.size(), rest.size());
         if (!(length > no_length_m)) return identity;
-        const SquareOf<Vector> along = current * current.transpose() / (length * length);
-        const double across = secant(rest.norm(), length);
-        return along + (convex ? std::max(across, 0.0) : across) * (identity - along);
+        const SquareOf<Vector> direction = current * current.transpose() / (length * length);
+        double along = of.slope(rest.norm(), by), across = of.secant(rest.norm(), by);
+        if (convex) along = std::max(along, 0.0), across = std::max(across, 0.0);
+        return along * direction + across * (identity - direction);
     }
     template <class Vector>
-    static double energy(const Vector& rest, const Vector& relative) {
-        const double by = (rest + relative).norm() - rest.norm();
-        return by * by / 2;
+    double energy(const Vector& rest, const Vector& relative) const {
+        return of.energy(rest.norm(), drawn_out(rest, Vector(rest + relative)));
     }
-    static void pull(const SpringRun& run, int n) noexcept;
+    void pull(const SpringRun& run, int n) const noexcept;
 };
 
 }  // namespace
@@ -64,18 +67,39 @@ inline double inverse_root(double x) {
 /// registers (AVX-512) one by one.
 double least_squared_m2 = no_length_m * no_length_m;
 
-/// Hookean::secant, times theta, by the squared length.
-inline double secant(double theta, double rest, double squared, double least) {
-    return theta * (1 - rest * inverse_root(std::max(squared, least)));
+/// A SpringCurve as loops have it: a copy of their own, so that nothing that they store can be a part of it.
+struct Curve {
+    double c0, c1, c2, c3, c4, c5, c6;  ///< P
+    double most, most_offset;           ///< of larger ratios, shorter springs, the tangent: secant = slope - offset ratio
+    double least, least_offset;         ///< and of smaller ones
+};
+
+/// And its energy, for springs that relax.
+struct RootCurve {
+    Curve force;
+    double r0, r1, r2, r3, r4, r5;  ///< R
+    double most_slope, least_slope;
+    double least_ratio = 1e-6, none = 0;  ///< of a slot without a spring the ratio is 0. No constants of a loop, as least_squared_m2 is none
+};
+
+TISSUE_INLINE double polynomial(double ratio, const Curve& q) {
+    return q.c0 + ratio * (q.c1 + ratio * (q.c2 + ratio * (q.c3 + ratio * (q.c4 + ratio * (q.c5 + ratio * q.c6)))));
 }
 
-/// Hookean::force of many springs, in the plane.
-TISSUE_HOT void geometric(const SpringRun& r, int n, double* __restrict fx_i, double* __restrict fy_i, double* __restrict fx_j,
+/// SpringCurve::secant, times theta. Without a choice between the curve and its tangents, of which gcc makes branches for all but the widest registers: beyond both ends it is linear in the ratio.
+TISSUE_INLINE double secant(double theta, double ratio, const Curve& q) {
+    const double on_curve = std::min(std::max(ratio, q.least), q.most);
+    return theta * ((1 - on_curve) * polynomial(on_curve, q) + q.least_offset * std::max(q.least - ratio, 0.0) - q.most_offset * std::max(ratio - q.most, 0.0));
+}
+
+/// Turning::force of many springs, in the plane.
+TISSUE_HOT void geometric(const SpringRun& r, const Curve& curve, int n, double* __restrict fx_i, double* __restrict fy_i, double* __restrict fx_j,
                           double* __restrict fy_j) {
     const double least = least_squared_m2;
+    const Curve q = curve;
     for (int k = 0; k < n; ++k) {
         const double x = r.span[0][k] + (r.u_j[0][k] - r.u_i[0][k]), y = r.span[1][k] + (r.u_j[1][k] - r.u_i[1][k]);
-        const double pull = secant(r.theta[k], r.length[k], x * x + y * y, least);
+        const double pull = secant(r.theta[k], r.length[k] * inverse_root(std::max(x * x + y * y, least)), q);
         fx_i[k] -= pull * x;
         fy_i[k] -= pull * y;
         fx_j[k] += pull * x;
@@ -84,12 +108,13 @@ TISSUE_HOT void geometric(const SpringRun& r, int n, double* __restrict fx_i, do
 }
 
 /// Of springs that are alike at rest: nothing of that is read from memory.
-TISSUE_HOT void geometric_alike(const SpringRun& r, int n, double sx, double sy, double length, double* __restrict fx_i,
+TISSUE_HOT void geometric_alike(const SpringRun& r, const Curve& curve, int n, double sx, double sy, double length, double* __restrict fx_i,
                                 double* __restrict fy_i, double* __restrict fx_j, double* __restrict fy_j) {
     const double least = least_squared_m2;
+    const Curve q = curve;
     for (int k = 0; k < n; ++k) {
         const double x = sx + (r.u_j[0][k] - r.u_i[0][k]), y = sy + (r.u_j[1][k] - r.u_i[1][k]);
-        const double pull = secant(r.theta[k], length, x * x + y * y, least);
+        const double pull = secant(r.theta[k], length * inverse_root(std::max(x * x + y * y, least)), q);
         fx_i[k] -= pull * x;
         fy_i[k] -= pull * y;
         fx_j[k] += pull * x;
@@ -98,13 +123,14 @@ TISSUE_HOT void geometric_alike(const SpringRun& r, int n, double sx, double sy,
 }
 
 /// Both in space.
-TISSUE_HOT void geometric_solid(const SpringRun& r, int n, double* __restrict fx_i, double* __restrict fy_i, double* __restrict fz_i,
+TISSUE_HOT void geometric_solid(const SpringRun& r, const Curve& curve, int n, double* __restrict fx_i, double* __restrict fy_i, double* __restrict fz_i,
                                 double* __restrict fx_j, double* __restrict fy_j, double* __restrict fz_j) {
     const double least = least_squared_m2;
+    const Curve q = curve;
     for (int k = 0; k < n; ++k) {
         const double x = r.span[0][k] + (r.u_j[0][k] - r.u_i[0][k]), y = r.span[1][k] + (r.u_j[1][k] - r.u_i[1][k]),
                      z = r.span[2][k] + (r.u_j[2][k] - r.u_i[2][k]);
-        const double pull = secant(r.theta[k], r.length[k], x * x + y * y + z * z, least);
+        const double pull = secant(r.theta[k], r.length[k] * inverse_root(std::max(x * x + y * y + z * z, least)), q);
         fx_i[k] -= pull * x;
         fy_i[k] -= pull * y;
         fz_i[k] -= pull * z;
@@ -114,13 +140,14 @@ TISSUE_HOT void geometric_solid(const SpringRun& r, int n, double* __restrict fx
     }
 }
 
-TISSUE_HOT void geometric_solid_alike(const SpringRun& r, int n, double sx, double sy, double sz, double length, double* __restrict fx_i,
+TISSUE_HOT void geometric_solid_alike(const SpringRun& r, const Curve& curve, int n, double sx, double sy, double sz, double length, double* __restrict fx_i,
                                       double* __restrict fy_i, double* __restrict fz_i, double* __restrict fx_j, double* __restrict fy_j,
                                       double* __restrict fz_j) {
     const double least = least_squared_m2;
+    const Curve q = curve;
     for (int k = 0; k < n; ++k) {
         const double x = sx + (r.u_j[0][k] - r.u_i[0][k]), y = sy + (r.u_j[1][k] - r.u_i[1][k]), z = sz + (r.u_j[2][k] - r.u_i[2][k]);
-        const double pull = secant(r.theta[k], length, x * x + y * y + z * z, least);
+        const double pull = secant(r.theta[k], length * inverse_root(std::max(x * x + y * y + z * z, least)), q);
         fx_i[k] -= pull * x;
         fy_i[k] -= pull * y;
         fz_i[k] -= pull * z;
@@ -181,6 +208,25 @@ TISSUE_HOT void drawn_out_solid_alike(const SpringRun& r, int n, double sx, doub
     }
 }
 
+/// A spring of energy q^2 / 2: q in place of how far it is drawn out, and dq/dl over length in place of one over length, so that what its branches hold of q pulls along it as
+/// they store it.
+TISSUE_HOT void to_root(const RootCurve& curve, int n, double* __restrict inverse, double* __restrict by) {
+    constexpr double at_rest = 1e-100;  // no strain
+    const RootCurve q = curve;
+    for (int k = 0; k < n; ++k) {
+        const double ratio = std::max(1 - by[k] * inverse[k], q.least_ratio), on_curve = std::min(std::max(ratio, q.force.least), q.force.most);
+        const double stretch = 1 / ratio, at = 1 / on_curve, beyond = stretch - at, shorter = std::min(beyond, q.none), longer = std::max(beyond, q.none);
+        const double per_strain = 1 / (stretch - 1 + at_rest), part = (at - 1 + at_rest) * per_strain;  // 1 on the curve, at rest too
+        const double pull = polynomial(on_curve, q.force) * part;                                      // force on the curve over strain
+        const double w = q.r0 + on_curve * (q.r1 + on_curve * (q.r2 + on_curve * (q.r3 + on_curve * (q.r4 + on_curve * q.r5))));
+        const double force = pull + (q.most_slope * shorter + q.least_slope * longer) * per_strain;
+        const double here = w * part * part + (2 * pull * beyond + (q.most_slope * shorter * shorter + q.least_slope * longer * longer) * per_strain) * per_strain;
+        const double root = inverse_root(here);
+        inverse[k] *= force * root;
+        by[k] *= here * root;
+    }
+}
+
 /// pull = theta inverse by, in place of inverse.
 TISSUE_HOT void pull_of(int n, const double* __restrict theta, const double* __restrict by, double* __restrict inverse) {
     for (int k = 0; k < n; ++k) inverse[k] *= theta[k] * by[k];
@@ -201,8 +247,13 @@ namespace {
 
 constexpr int chunk = 256;
 
-/// Springs that relax pull with what their memory makes of how far they are drawn out.
-void pull_with_memory(const SpringRun& r, int n) noexcept {
+kernel::Curve in_loops(const SpringCurve& q) {
+    const auto& c = q.force();
+    return {c[0], c[1], c[2], c[3], c[4], c[5], c[6], 1 / q.shorter().stretch, q.shorter().offset(), 1 / q.longer().stretch, q.longer().offset()};
+}
+
+/// Springs that relax pull with what their memory makes of the root of their energy: for Hooke's, of how far they are drawn out.
+void pull_with_memory(const SpringCurve& curve, const SpringRun& r, int n) noexcept {
     alignas(64) double span[3][chunk], inverse[chunk], by[chunk], felt[chunk];
     if (r.dimension == 2 && r.alike)
         kernel::drawn_out_alike(r, n, r.one_span[0], r.one_span[1], r.one_length, span[0], span[1], inverse, by);
@@ -212,6 +263,10 @@ void pull_with_memory(const SpringRun& r, int n) noexcept {
         kernel::drawn_out_solid_alike(r, n, r.one_span[0], r.one_span[1], r.one_span[2], r.one_length, span[0], span[1], span[2], inverse, by);
     else
         kernel::drawn_out_solid(r, n, span[0], span[1], span[2], inverse, by);
+    if (!curve.hookean()) {
+        const auto& w = curve.root();
+        kernel::to_root({in_loops(curve), w[0], w[1], w[2], w[3], w[4], w[5], curve.shorter().slope, curve.longer().slope}, n, inverse, by);
+    }
     r.memory->step(r.first, n, by, felt);
     kernel::pull_of(n, r.theta, felt, inverse);
     for (int d = 0; d < r.dimension; ++d) kernel::put_on_ends(n, inverse, span[d], r.f_i[d], r.f_j[d]);
@@ -219,19 +274,22 @@ void pull_with_memory(const SpringRun& r, int n) noexcept {
 
 }  // namespace
 
-void Hookean::pull(const SpringRun& r, int n) noexcept {
-    if (r.memory) return pull_with_memory(r, n);
+void Turning::pull(const SpringRun& r, int n) const noexcept {
+    if (r.memory) return pull_with_memory(of, r, n);
+    const kernel::Curve q = in_loops(of);
     if (r.dimension == 2 && r.alike)
-        kernel::geometric_alike(r, n, r.one_span[0], r.one_span[1], r.one_length, r.f_i[0], r.f_i[1], r.f_j[0], r.f_j[1]);
+        kernel::geometric_alike(r, q, n, r.one_span[0], r.one_span[1], r.one_length, r.f_i[0], r.f_i[1], r.f_j[0], r.f_j[1]);
     else if (r.dimension == 2)
-        kernel::geometric(r, n, r.f_i[0], r.f_i[1], r.f_j[0], r.f_j[1]);
+        kernel::geometric(r, q, n, r.f_i[0], r.f_i[1], r.f_j[0], r.f_j[1]);
     else if (r.alike)
-        kernel::geometric_solid_alike(r, n, r.one_span[0], r.one_span[1], r.one_span[2], r.one_length, r.f_i[0], r.f_i[1], r.f_i[2], r.f_j[0],
+        kernel::geometric_solid_alike(r, q, n, r.one_span[0], r.one_span[1], r.one_span[2], r.one_length, r.f_i[0], r.f_i[1], r.f_i[2], r.f_j[0],
                                       r.f_j[1], r.f_j[2]);
     else
-        kernel::geometric_solid(r, n, r.f_i[0], r.f_i[1], r.f_i[2], r.f_j[0], r.f_j[1], r.f_j[2]);
+        kernel::geometric_solid(r, q, n, r.f_i[0], r.f_i[1], r.f_i[2], r.f_j[0], r.f_j[1], r.f_j[2]);
 }
 
-std::unique_ptr<SpringLaw> make_geometric_law() { return std::make_unique<TwoNodeLaw<Hookean>>(); }
+std::unique_ptr<SpringLaw> make_geometric_law() { return std::make_unique<TwoNodeLaw<Turning>>(); }
+
+std::unique_ptr<SpringLaw> make_turning_law(const SpringCurve& curve) { return std::make_unique<TwoNodeLaw<Turning>>(Turning{curve}); }
 
 }  // namespace tissue

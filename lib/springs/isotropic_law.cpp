@@ -20,7 +20,7 @@ namespace {
 /// theta (u_i - u_j): the same in every direction, so no 4-connected row can slide for nothing.
 struct Isotropic {
     static constexpr const char* name = "isotropic";
-    static constexpr bool linear = true, axes_apart = true, in_space = false;
+    static constexpr bool linear = true, axes_apart = true, in_space = false, turns = false;
 
     template <class Vector>
     static Vector force(const Vector&, const Vector& relative) {

@@ -38,7 +38,7 @@ class NodeCompliance {
     NodeCompliance(const SpringMesh& mesh, const LawModel& law, const std::vector<int>& nodes) : number_(static_cast<std::size_t>(mesh.node_count()), -1) {
         const int own = mesh.embedding.node_count(), lattice = mesh.node_count() - own;
         SparseFactor factor;
-        const SparseFactor::Matrix K = TissueEnergy(mesh, law.incompressible).tangent(law.constants, NodeField::Zero(mesh.node_count(), 3)).bottomRightCorner(3 * lattice, 3 * lattice);
+        const SparseFactor::Matrix K = TissueEnergy(mesh, law).tangent(law.constants, NodeField::Zero(mesh.node_count(), 3)).bottomRightCorner(3 * lattice, 3 * lattice);
         factor.analyse(K);
         if (!factor.factorise(K) || !factor.is_definite()) throw MismatchError("the lattice has no stiffness against some displacement");
         const auto U = static_cast<Eigen::Index>(nodes.size());

@@ -43,6 +43,11 @@ void write_law(Hdf5Writer& file, const LawModel& law) {
     out.write("/law/constants", law.constants);
     out.write("/law/patch_log", NodeField(law.patch.log_N_m));
     file.attribute("/law", "incompressible", law.incompressible ? 1.0 : 0.0);
+    if (!law.curve.hookean()) {
+        file.attribute("/law", "c2_share", law.curve.q());
+        file.attribute("/law", "straight_below", law.curve.shorter().stretch);
+        file.attribute("/law", "straight_above", law.curve.longer().stretch);
+    }
     if (law.disc.ground.rows() > 0) out.write("/law/ground", law.disc.ground);
     if (std::isfinite(law.disc.curved_range[0])) out.write("/law/curved_range", Eigen::VectorXd(law.disc.curved_range));
     if (law.disc.correction.value.rows() > 0) out.write("/law/lattice_correction", law.disc.correction.value);
@@ -119,6 +124,19 @@ LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
     if (incompressible != 0 && incompressible != 1)
         in.refuse("/law", fmt::format("attribute 'incompressible' is {}, must be 0 or 1", incompressible));
     law.incompressible = incompressible == 1;
+    if (file.has_attribute("/law", "c2_share")) {
+        const auto within = [&](const char* name, double least, double most) {
+            const double value = file.number_attribute("/law", name);
+            if (!(value >= least && value <= most)) in.refuse("/law", fmt::format("attribute '{}' is {}, must be a number in {} .. {}", name, value, least, most));
+            return value;
+        };
+        const double share = within("c2_share", 0, 1), below = within("straight_below", 0.1, 0.99), above = within("straight_above", 1, 10);
+        try {
+            law.curve = SpringCurve::mooney_rivlin(share, mesh.dimension(), below, above);
+        } catch (const MismatchError& e) {
+            in.refuse("/law", e.what());
+        }
+    }
     if (in.has("/law/contact_log_scale")) law.contact_log_scale = in.vector("/law/contact_log_scale");
     if (in.has("/law/relaxation_time")) {
         law.relaxation = {in.vector("/law/relaxation_time"), in.field("/law/share"), in.vector("/law/contact_share")};
@@ -128,7 +146,7 @@ LawModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
         if (!(law.relaxation.contact_share.sum() < 1)) in.refuse("/law/contact_share", "sum to 1 or more");
     }
     try {
-        const int wanted = TissueEnergy(mesh, law.incompressible).constant_count();
+        const int wanted = TissueEnergy(mesh, law).constant_count();
         if (law.constants.size() != wanted)
             in.refuse("/law/constants", fmt::format("are {}, wanted {} of this mesh", law.constants.size(), wanted));
     } catch (const MismatchError& e) {

@@ -1,5 +1,9 @@
 #include "springs/law_press.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "error.h"
 #include "springs/contact_errors.h"
 #include "springs/law_at_radius.h"
@@ -25,7 +29,7 @@ EquilibriumStatus status_of(PressStatus status) {
 }  // namespace
 
 LawPress::LawPress(const SpringMesh& mesh, LawModel law)
-    : law_(std::move(law)), energy_(mesh, law_.incompressible), mesh_(mesh), kernel_(make_contact_kernel(mesh, law_)) {}
+    : law_(std::move(law)), energy_(mesh, law_), mesh_(mesh), kernel_(make_contact_kernel(mesh, law_)) {}
 
 const LawPress& LawPress::of(double radius_m) const {
     if (radius_m == 0 || radius_m == law_.disc_radius_m) return *this;
@@ -48,11 +52,35 @@ std::unique_ptr<PressSolver> LawPress::take() const {
 }
 
 Equilibrium LawPress::at(const Point& contact_m, const Point& push_m) const {
+    ToolsEquilibrium rest = at(std::vector<ToolPush>{{contact_m, push_m}});
+    return {std::move(rest.displacement), std::move(rest.contact_force.front()), rest.status};
+}
+
+void LawPress::refuse_overlap(const std::vector<ToolPush>& tools) const {
+    const double least_m = 2 * law_.disc_radius_m;
+    for (std::size_t i = 0; i < tools.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j) {
+            if (!(least_m > 0)) throw MismatchError("several tools at once are for a law in space, which knows how large its tool is");
+            const Point apart_m = tools[i].contact_m - tools[j].contact_m;
+            const double rest_m = apart_m.norm(), pushed_m = (apart_m + tools[i].push_m - tools[j].push_m).norm();
+            const double touch_m = least_m * (1 - 1e-9);
+            if (std::min(rest_m, pushed_m) < touch_m)
+                throw OverlappingToolsError(fmt::format("two discs are {:.3g} mm apart{}, nearer than two radii of {:g} mm", 1e3 * (rest_m < touch_m ? rest_m : pushed_m),
+                                                        rest_m < touch_m ? "" : " when they are pushed", 1e3 * law_.disc_radius_m));
+        }
+}
+
+ToolsEquilibrium LawPress::at(const std::vector<ToolPush>& tools) const {
+    refuse_overlap(tools);
     std::unique_ptr<PressSolver> solver = take();
-    Equilibrium answer{NodeField::Zero(energy_.node_count(), energy_.dimension()), Eigen::VectorXd::Zero(energy_.dimension()), EquilibriumStatus::contact_fixed};
+    const int D = energy_.dimension();
+    ToolsEquilibrium answer{NodeField::Zero(energy_.node_count(), D), std::vector<Eigen::VectorXd>(tools.size(), Eigen::VectorXd::Zero(D)), EquilibriumStatus::contact_fixed};
     try {
-        PressState state = solver->press(law_.constants, ContactSpring(kernel_->rows_at(contact_m), law_.patch), push_m);
-        answer = {std::move(state.displacement), state.contact_force_N, status_of(state.status)};
+        std::vector<PressedTool> pressed;
+        for (const ToolPush& tool : tools) pressed.push_back({ContactSpring(kernel_->rows_at(tool.contact_m), law_.patch), tool.push_m});
+        PressState state = solver->press(law_.constants, std::move(pressed));
+        answer = {std::move(state.displacement), {state.contact_force_N}, status_of(state.status)};
+        for (const PressState::OtherTool& other : state.others) answer.contact_force.emplace_back(other.contact_force_N);
     } catch (const FixedContactError&) {
         answer.status = EquilibriumStatus::contact_fixed;
     } catch (const NoContactError&) {

@@ -11,8 +11,22 @@
 
 namespace tissue {
 
+/// A tool's place on the surface [m], and its push [m] (D).
+struct ToolPush {
+    Point contact_m, push_m;
+};
+
+/// Rest under several tools.
+struct ToolsEquilibrium {
+    NodeField displacement;                       ///< u [m] (N x D)
+    std::vector<Eigen::VectorXd> contact_force;   ///< of each tool on the tissue [N] (D)
+    EquilibriumStatus status;                     ///< as of Equilibrium
+
+    explicit operator bool() const { return status == EquilibriumStatus::balanced; }
+};
+
 /// A model's law, pressed anywhere on its surface: each press from rest, so that the answer depends on nothing before it.
-/// Serves many threads, each with a solver of its own, whose pattern is made and analysed once.
+/// Serves many threads, each with a solver of its own, whose pattern is kept while contacts have the same nodes.
 class LawPress {
    public:
     LawPress(const SpringMesh& mesh, LawModel law);
@@ -27,6 +41,10 @@ class LawPress {
     /// and mesh do not belong together.
     Equilibrium at(const Point& contact_m, const Point& push_m) const;
 
+    /// The same with several tools of that disc at once, pushed in proportion. Throws OverlappingToolsError where the middles of two discs are nearer than two radii, at
+    /// rest or at their pushes; MismatchError for several tools in the plane, whose law says no width of a tool.
+    ToolsEquilibrium at(const std::vector<ToolPush>& tools) const;
+
     /// The same law under a disc of another radius [m] (springs/law_at_radius.h); 0: this one. Lives as long as this.
     const LawPress& of(double radius_m) const;
 
@@ -34,6 +52,7 @@ class LawPress {
     NodeField seen(const Point& contact_m, const Point& push_m, NodeField displacement_m) const;
 
    private:
+    void refuse_overlap(const std::vector<ToolPush>& tools) const;
     std::unique_ptr<PressSolver> take() const;  ///< an idle solver, or a new one
 
     LawModel law_;

@@ -78,14 +78,18 @@ void PressSolver::lay_out(const std::vector<std::pair<int, int>>& coupled) {
     }
 }
 
-void PressSolver::make_room_for(const ContactSpring& contact) {
-    if (every_contact_ || room_for_ == contact.rows.nodes) return;
+void PressSolver::make_room() {
+    if (every_contact_) return;
+    std::vector<std::vector<int>> nodes;
+    for (const PressedTool& tool : tools_) nodes.push_back(tool.contact.rows.nodes);
+    if (room_for_ == nodes) return;
     std::vector<std::pair<int, int>> coupled;
-    for (int i : contact.rows.nodes)
-        for (int j : contact.rows.nodes)
-            if (i <= j) coupled.emplace_back(i, j);
+    for (const std::vector<int>& of_tool : nodes)
+        for (int i : of_tool)
+            for (int j : of_tool)
+                if (i <= j) coupled.emplace_back(i, j);
     lay_out(coupled);
-    room_for_ = contact.rows.nodes;
+    room_for_ = std::move(nodes);
 }
 
 double* PressSolver::entry(int row, int column) {
@@ -96,22 +100,24 @@ double* PressSolver::entry(int row, int column) {
 
 /// max |g| over |F|, and g (free). At no push there is no force either: what a push of
 /// 1e-4 of the nodes' spacing takes, then.
-double PressSolver::out_of_balance(const Eigen::VectorXd& constants, const ContactSpring& contact,
-                                   const Point& push_m, const NodeField& u, Eigen::VectorXd& g) const {
+double PressSolver::out_of_balance(const Eigen::VectorXd& constants, const NodeField& u, Eigen::VectorXd& g) const {
     NodeField f = energy_.force(constants, u);
     const Eigen::Index D = u.cols();
-    const ContactSpring::Load load = contact.load(push_m, contact.gather(u));
-    for (std::size_t i = 0; i < contact.rows.nodes.size(); ++i)
-        f.row(contact.rows.nodes[i]) += load.node_N.segment(D * static_cast<Eigen::Index>(i), D).transpose();
+    double size_N = 0;
+    for (const auto& [contact, push_m] : tools_) {
+        const ContactSpring::Load load = contact.load(push_m, contact.gather(u));
+        for (std::size_t i = 0; i < contact.rows.nodes.size(); ++i)
+            f.row(contact.rows.nodes[i]) += load.node_N.segment(D * static_cast<Eigen::Index>(i), D).transpose();
+        size_N += load.hand_N.norm() + 1e-4 * spacing_m_ * contact.push_N_m();
+    }
     g.resize(free_);
     for (std::size_t i = 0; i < number_.size(); ++i)
         if (number_[i] >= 0) g[number_[i]] = f.data()[i];
-    return g.lpNorm<Eigen::Infinity>() / (load.hand_N.norm() + 1e-4 * spacing_m_ * contact.push_N_m());
+    return g.lpNorm<Eigen::Infinity>() / size_N;
 }
 
 /// False when H has a pivot of zero.
-bool PressSolver::factorise(const Eigen::VectorXd& constants, const ContactSpring& contact, const Point& push_m,
-                            const NodeField& u) {
+bool PressSolver::factorise(const Eigen::VectorXd& constants, const NodeField& u) {
     const int D = energy_.dimension();
     std::fill(H_.valuePtr(), H_.valuePtr() + H_.nonZeros(), 0.0);
     ElementMatrix unit;
@@ -126,28 +132,30 @@ bool PressSolver::factorise(const Eigen::VectorXd& constants, const ContactSprin
                     if (*slot >= 0) H_.valuePtr()[*slot] += constant * unit(a, b);
         }
     }
-    const Eigen::MatrixXd block = contact.tangent(push_m, contact.gather(u));
-    const auto dof = [&](Eigen::Index k) {
-        return number_[static_cast<std::size_t>(contact.rows.nodes[static_cast<std::size_t>(k / D)] * D + k % D)];
-    };
-    for (Eigen::Index a = 0; a < block.rows(); ++a)
-        for (Eigen::Index b = 0; b < block.cols(); ++b)
-            if (dof(b) >= 0 && dof(a) >= dof(b)) *entry(dof(a), dof(b)) += block(a, b);
+    for (const PressedTool& tool : tools_) {
+        const ContactSpring& contact = tool.contact;
+        const Eigen::MatrixXd block = contact.tangent(tool.push_m, contact.gather(u));
+        const auto dof = [&](Eigen::Index k) {
+            return number_[static_cast<std::size_t>(contact.rows.nodes[static_cast<std::size_t>(k / D)] * D + k % D)];
+        };
+        for (Eigen::Index a = 0; a < block.rows(); ++a)
+            for (Eigen::Index b = 0; b < block.cols(); ++b)
+                if (dof(b) >= 0 && dof(a) >= dof(b)) *entry(dof(a), dof(b)) += block(a, b);
+    }
     return factor_.factorise(H_);
 }
 
-/// Newton at one push. Leaves u where it was when it does not get there.
-bool PressSolver::balance(const Eigen::VectorXd& constants, const ContactSpring& contact, const Point& push_m,
-                          NodeField& u, int& iterations) {
+/// Newton at the tools' pushes. Leaves u where it was when it does not get there.
+bool PressSolver::balance(const Eigen::VectorXd& constants, NodeField& u, int& iterations) {
     NodeField trial = u;
     Eigen::VectorXd g;
     for (int iteration = 0; iteration <= options_.max_newton; ++iteration) {
-        const double off = out_of_balance(constants, contact, push_m, trial, g);
+        const double off = out_of_balance(constants, trial, g);
         if (off <= options_.tolerance) {
             u = trial;
             return true;
         }
-        if (!std::isfinite(off) || iteration == options_.max_newton || !factorise(constants, contact, push_m, trial)) return false;
+        if (!std::isfinite(off) || iteration == options_.max_newton || !factorise(constants, trial)) return false;
         const Eigen::VectorXd step = factor_.solve(g);
         for (std::size_t i = 0; i < number_.size(); ++i)
             if (number_[i] >= 0) trial.data()[i] -= step[number_[i]];
@@ -156,47 +164,75 @@ bool PressSolver::balance(const Eigen::VectorXd& constants, const ContactSpring&
     return false;
 }
 
-PressState PressSolver::press(const Eigen::VectorXd& constants, const ContactSpring& contact, const Point& push_m,
-                              const PressState* from) {
+PressState PressSolver::press(const Eigen::VectorXd& constants, std::vector<PressedTool> tools, const PressState* from) {
     const int D = energy_.dimension();
-    if (std::all_of(contact.rows.nodes.begin(), contact.rows.nodes.end(),
-                    [&](int node) { return number_[static_cast<std::size_t>(D * node)] < 0; }))
-        throw FixedContactError("the contact lies on the fixed edge");
-    make_room_for(contact);
+    if (tools.empty()) throw MismatchError("no tool presses");
+    if (from && from->others.size() + 1 > tools.size()) throw MismatchError("a press goes on from one of no more tools");
+    for (const PressedTool& tool : tools) {
+        const std::vector<int>& nodes = tool.contact.rows.nodes;
+        if (std::all_of(nodes.begin(), nodes.end(), [&](int node) { return number_[static_cast<std::size_t>(D * node)] < 0; }))
+            throw FixedContactError("the contact lies on the fixed edge");
+    }
+    tools_ = std::move(tools);
+    const std::size_t count = tools_.size();
+    make_room();
     PressState state;
     state.displacement = from ? from->displacement : NodeField::Zero(energy_.node_count(), D);
-    const Point start_m = from ? from->push_m : Point(Point::Zero(D));
-    const Point way_m = push_m - start_m;
+    std::vector<Point> start_m(count, Point::Zero(D)), way_m;
+    for (std::size_t t = 0; from && t < from->others.size() + 1; ++t) start_m[t] = t == 0 ? from->push_m : from->others[t - 1].push_m;
+    double farthest_m = 0;
+    for (std::size_t t = 0; t < count; ++t) {
+        way_m.emplace_back(tools_[t].push_m - start_m[t]);
+        farthest_m = std::max(farthest_m, way_m[t].norm());
+    }
+    const auto go_to = [&](double part) {
+        for (std::size_t t = 0; t < count; ++t) tools_[t].push_m = start_m[t] + part * way_m[t];
+    };
     const double longest_m = spacing_m_ * (D == 3 ? options_.solid_load_step : options_.load_step);
-    const double steps = std::min(std::max(1.0, std::ceil(way_m.norm() / longest_m - 1e-9)), 1 / options_.smallest_step);
+    const double steps = std::min(std::max(1.0, std::ceil(farthest_m / longest_m - 1e-9)), 1 / options_.smallest_step);
     double done = 0, step = 1 / steps;
     while (done < 1) {
         const double next = done + step > 1 - 1e-9 ? 1 : done + step;
-        if (balance(constants, contact, start_m + next * way_m, state.displacement, state.newton)) {
+        go_to(next);
+        if (balance(constants, state.displacement, state.newton)) {
             done = next;
         } else if ((step /= 2) < options_.smallest_step) {
             state.status = PressStatus::lost;
             break;
         }
     }
+    go_to(done);
     energy_.complete(state.displacement);
-    state.push_m = start_m + done * way_m;
-    const ContactSpring::Load load = contact.load(state.push_m, contact.gather(state.displacement));
-    state.contact_force_N = load.hand_N;
-    state.energy_J = energy_.energy(constants, state.displacement) + load.energy_J;
-    const bool regular = factorise(constants, contact, state.push_m, state.displacement);
+    state.energy_J = energy_.energy(constants, state.displacement);
+    for (std::size_t t = 0; t < count; ++t) {
+        const auto& [contact, push_m] = tools_[t];
+        const ContactSpring::Load load = contact.load(push_m, contact.gather(state.displacement));
+        state.energy_J += load.energy_J;
+        if (t > 0) {
+            state.others.push_back({push_m, load.hand_N});
+            continue;
+        }
+        state.push_m = push_m;
+        state.contact_force_N = load.hand_N;
+    }
+    const bool regular = factorise(constants, state.displacement);
     if (state.status == PressStatus::held && !(regular && factor_.is_definite()))
         state.status = PressStatus::unstable;
     else if (state.status == PressStatus::held && !(energy_.smallest_ratio(state.displacement) > 0))
         state.status = PressStatus::inside_out;
     u_ = state.displacement;
-    push_m_ = state.push_m;
-    contact_ = contact;
     return state;
+}
+
+/// The one whose derivatives are asked for.
+const PressedTool& PressSolver::the_tool() const {
+    if (tools_.size() != 1) throw MismatchError("derivatives are of one tool");
+    return tools_.front();
 }
 
 PressDerivative PressSolver::derivative(const Eigen::MatrixXd& constants_by, const Eigen::MatrixXd& stiffness_by) const {
     const int D = energy_.dimension();
+    const auto& [contact, push_m] = the_tool();
     const Eigen::Index P = constants_by.cols();
     // dg/dp: the elements' unit forces, and the contact's
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> g = Eigen::MatrixXd::Zero(free_, P);
@@ -211,11 +247,11 @@ PressDerivative PressSolver::derivative(const Eigen::MatrixXd& constants_by, con
             }
         }
     }
-    const std::vector<int>& nodes = contact_->rows.nodes;
-    const Eigen::VectorXd at = contact_->gather(u_);
+    const std::vector<int>& nodes = contact.rows.nodes;
+    const Eigen::VectorXd at = contact.gather(u_);
     PressDerivative by{Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(number_.size()), P), Eigen::MatrixXd::Zero(D, P)};
     for (int m = 0; m < stiffness_by.rows(); ++m) {
-        const ContactSpring::Load load = contact_->by_law_row(m, push_m_, at);
+        const ContactSpring::Load load = contact.by_law_row(m, push_m, at);
         by.contact_force += load.hand_N * stiffness_by.row(m);
         for (Eigen::Index a = 0; a < load.node_N.size(); ++a) {
             const int row = number_[static_cast<std::size_t>(D * nodes[static_cast<std::size_t>(a / D)] + a % D)];
@@ -226,7 +262,7 @@ PressDerivative PressSolver::derivative(const Eigen::MatrixXd& constants_by, con
     for (std::size_t i = 0; i < number_.size(); ++i)
         if (number_[i] >= 0) by.displacement.row(static_cast<Eigen::Index>(i)) = du.row(number_[i]);
     for (Eigen::Index p = 0; p < P; ++p) energy_.complete(Eigen::Map<NodeField>(by.displacement.col(p).data(), energy_.node_count(), D));
-    const Eigen::MatrixXd hand_by = contact_->hand_by_nodes(push_m_, at);
+    const Eigen::MatrixXd hand_by = contact.hand_by_nodes(push_m, at);
     for (std::size_t i = 0; i < nodes.size(); ++i)
         by.contact_force += hand_by.middleCols(D * static_cast<Eigen::Index>(i), D) * by.displacement.middleRows(D * nodes[i], D);
     return by;
@@ -234,9 +270,10 @@ PressDerivative PressSolver::derivative(const Eigen::MatrixXd& constants_by, con
 
 ForceDerivative PressSolver::force_derivative() const {
     const int D = energy_.dimension();
-    const std::vector<int>& nodes = contact_->rows.nodes;
-    const Eigen::VectorXd at = contact_->gather(u_);
-    const Eigen::MatrixXd hand_by = contact_->hand_by_nodes(push_m_, at);
+    const auto& [contact, push_m] = the_tool();
+    const std::vector<int>& nodes = contact.rows.nodes;
+    const Eigen::VectorXd at = contact.gather(u_);
+    const Eigen::MatrixXd hand_by = contact.hand_by_nodes(push_m, at);
     Eigen::MatrixXd pulled = Eigen::MatrixXd::Zero(free_, D);
     for (Eigen::Index a = 0; a < hand_by.cols(); ++a) {
         const int row = number_[static_cast<std::size_t>(D * nodes[static_cast<std::size_t>(a / D)] + a % D)];
@@ -247,7 +284,7 @@ ForceDerivative PressSolver::force_derivative() const {
     for (std::size_t i = 0; i < number_.size(); ++i)
         if (number_[i] >= 0) by_force.row(static_cast<Eigen::Index>(i)) = -solved.row(number_[i]);
 
-    ForceDerivative by{Eigen::MatrixXd::Zero(D, energy_.constant_count()), Eigen::MatrixXd::Zero(D, contact_->law_value.size())};
+    ForceDerivative by{Eigen::MatrixXd::Zero(D, energy_.constant_count()), Eigen::MatrixXd::Zero(D, contact.law_value.size())};
     ElementVector unit;
     for (std::size_t k = 0; k < energy_.kinds().size(); ++k) {
         const Elements& kind = *energy_.kinds()[k];
@@ -258,7 +295,7 @@ ForceDerivative PressSolver::force_derivative() const {
         }
     }
     for (Eigen::Index m = 0; m < by.by_law_row.cols(); ++m) {
-        const ContactSpring::Load load = contact_->by_law_row(static_cast<int>(m), push_m_, at);
+        const ContactSpring::Load load = contact.by_law_row(static_cast<int>(m), push_m, at);
         by.by_law_row.col(m) = load.hand_N;
         for (Eigen::Index a = 0; a < load.node_N.size(); ++a)
             by.by_law_row.col(m) += load.node_N[a] * by_force.row(D * nodes[static_cast<std::size_t>(a / D)] + a % D).transpose();

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,7 +11,7 @@
 namespace tissue {
 
 /// How the search for a pressed tissue's rest ended. g: the energy's derivative by the free displacements,
-/// H: its second one, the contact's included; F: force of the tool; a: TissueEnergy::smallest_ratio.
+/// H: its second one, the contacts' included; |F|: of the tool's force, of several tools the sum; a: TissueEnergy::smallest_ratio.
 enum class PressStatus {
     held,        ///< max |g| <= tolerance |F|, every pivot of H > 0, and a > 0: a minimum of the energy
     unstable,    ///< max |g| <= tolerance |F|, a pivot <= 0: an equilibrium that the least touch upsets
@@ -29,14 +28,24 @@ struct PressOptions {
     double solid_load_step = 1;    ///< load_step in space, where a disc spreads what it does
 };
 
-/// Rest of the tissue while the tool holds the contact at a push.
+/// A tool's contact, and how far it is pushed.
+struct PressedTool {
+    ContactSpring contact;
+    Point push_m;  ///< d (D)
+};
+
+/// Rest of the tissue while one tool, or several, hold their contacts at pushes.
 struct PressState {
     PressStatus status = PressStatus::held;
     NodeField displacement;                                   ///< u [m] (N x D)
-    Point push_m;                                             ///< d, as far as it was reached (D)
-    Point contact_force_N;                                    ///< of the tool on the tissue: dW/dd, what a hand feels (D)
-    double energy_J = 0;                                      ///< W, the contact's own included
+    Point push_m;                                             ///< d of the first tool, as far as it was reached (D)
+    Point contact_force_N;                                    ///< of that tool on the tissue: dW/dd, what a hand feels (D)
+    double energy_J = 0;                                      ///< W, the contacts' own included
     int newton = 0;                                           ///< iterations, all load steps together
+    struct OtherTool {
+        Point push_m, contact_force_N;
+    };
+    std::vector<OtherTool> others = {};                       ///< the same of further tools, in their order
 };
 
 /// Derivatives of a PressState by P parameters, at a held push.
@@ -62,9 +71,14 @@ class PressSolver {
     /// From rest, or from another push of the same contact; a rest of other constants at this very push is a first guess. A
     /// lost push comes back as far as it was reached. Throws FixedContactError when all nodes of the patch are fixed: there is nothing to push.
     PressState press(const Eigen::VectorXd& constants, const ContactSpring& contact, const Point& push_m,
-                     const PressState* from = nullptr);
+                     const PressState* from = nullptr) {
+        return press(constants, {{contact, push_m}}, from);
+    }
 
-    /// du/dp = -H^-1 dg/dp at the state that the last press() ended with, held there: constants_by (E x P) and
+    /// The same of several tools, one at least, all pushed in proportion. `from` has the same tools in their order; those that it does not have come from no push.
+    PressState press(const Eigen::VectorXd& constants, std::vector<PressedTool> tools, const PressState* from = nullptr);
+
+    /// du/dp = -H^-1 dg/dp at the state that the last press() ended with, of one tool (else MismatchError), held there: constants_by (E x P) and
     /// stiffness_by (K x P: the rows of PatchLaw) say how the constants depend on p. Implicit
     /// function theorem; no tangent is solved for again.
     PressDerivative derivative(const Eigen::MatrixXd& constants_by, const Eigen::MatrixXd& stiffness_by) const;
@@ -73,29 +87,26 @@ class PressSolver {
     ForceDerivative force_derivative() const;
 
    private:
-    bool balance(const Eigen::VectorXd& constants, const ContactSpring& contact, const Point& push_m, NodeField& u,
-                 int& iterations);
-    double out_of_balance(const Eigen::VectorXd& constants, const ContactSpring& contact, const Point& push_m,
-                          const NodeField& u, Eigen::VectorXd& g) const;
-    bool factorise(const Eigen::VectorXd& constants, const ContactSpring& contact, const Point& push_m, const NodeField& u);
+    bool balance(const Eigen::VectorXd& constants, NodeField& u, int& iterations);
+    double out_of_balance(const Eigen::VectorXd& constants, const NodeField& u, Eigen::VectorXd& g) const;
+    bool factorise(const Eigen::VectorXd& constants, const NodeField& u);
+    const PressedTool& the_tool() const;
     double* entry(int row, int column);
     void lay_out(const std::vector<std::pair<int, int>>& coupled);
-    void make_room_for(const ContactSpring& contact);
+    void make_room();
 
     const TissueEnergy& energy_;
     PressOptions options_;
     double spacing_m_;                      ///< of the surface's nodes
     bool every_contact_;                    ///< the pattern has room for contacts anywhere
-    std::vector<int> room_for_;             ///< else: for those nodes together
+    std::vector<std::vector<int>> room_for_;  ///< else: for each tool's nodes together
     std::vector<int> number_;               ///< of each degree of freedom among the free ones, -1 held (N*D)
     int free_ = 0;
     Eigen::SparseMatrix<double> H_;         ///< lower triangle; its pattern holds every contact, or the last
     std::vector<std::vector<int>> slots_;   ///< by kind: where each entry of each element's tangent goes, -1 nowhere
     SparseFactor factor_;
-    // where the last press() ended
-    NodeField u_;
-    Point push_m_;
-    std::optional<ContactSpring> contact_;
+    std::vector<PressedTool> tools_;        ///< as they are pushed now; after press() where it ended
+    NodeField u_;                           ///< where the last press() ended
 };
 
 }  // namespace tissue

@@ -8,6 +8,7 @@
 #include "mesh/spring_mesh.h"
 #include "registry.h"
 #include "springs/branch_memory.h"
+#include "springs/spring_curve.h"
 
 namespace tissue {
 
@@ -26,7 +27,7 @@ struct SpringRun {
     bool alike = false;                 ///< and one rest length: a lattice's
     double one_axis[3], one_span[3], one_length;  ///< these; where they do, the arrays are not read
     double *f_i[3], *f_j[3];            ///< the external force that holds each end [N]: the springs' is added. No array meets another
-    BranchMemory* memory = nullptr;     ///< of springs that turn and relax: of elongations [m],
+    BranchMemory* memory = nullptr;     ///< of springs that turn and relax: of sqrt(2 energy), Hooke's elongation [m],
     int first = 0;                      ///< in which element k of the run is this one + k
 };
 
@@ -44,6 +45,9 @@ class SpringLaw {
 
     /// True when K never mixes the axes and is the same along each: one number a pair of nodes.
     virtual bool axes_apart() const = 0;
+
+    /// Of springs that turn, how they pull; null for others.
+    virtual const SpringCurve* curve() const = 0;
 
     /// A(u) [m] (N*D x S): column s is the force of spring s per unit stiffness.
     virtual SparseMatrix force_matrix(const SpringMesh& mesh, const NodeField& u) const = 0;
@@ -74,6 +78,9 @@ using MakeSpringLaw = std::unique_ptr<SpringLaw> (*)();
 
 /// Every law there is. Each has a file of its own, and a line here.
 const Registry<MakeSpringLaw>& spring_laws();
+
+/// `geometric` with springs of another curve than Hooke's: an energy model's.
+std::unique_ptr<SpringLaw> make_turning_law(const SpringCurve& curve);
 
 /// Throws MismatchError for an unknown name.
 std::unique_ptr<SpringLaw> make_spring_law(const std::string& name);

@@ -11,13 +11,13 @@
 
 namespace tissue {
 
-TissueEnergy::TissueEnergy(const SpringMesh& mesh, bool incompressible)
+TissueEnergy::TissueEnergy(const SpringMesh& mesh, bool incompressible, const SpringCurve& curve)
     : first_{0}, embedding_(mesh.embedding), nodes_(mesh.node_count()), dimension_(mesh.dimension()), dependent_(mesh.fixed) {
     if (!embedding_.empty()) {
         dependent_.resize(static_cast<std::size_t>(embedding_.node_count()));
         std::iota(dependent_.begin(), dependent_.end(), 0);
     }
-    kinds_.push_back(std::make_unique<TurningSprings>(mesh));
+    kinds_.push_back(std::make_unique<TurningSprings>(mesh, curve));
     if (mesh.is_solid()) {
         auto volumes = std::make_unique<CellVolumes>(mesh);
         volumes_ = volumes.get();

@@ -6,7 +6,9 @@
 
 #include "springs/cell_areas.h"
 #include "springs/cell_volumes.h"
+#include "springs/spring_curve.h"
 #include "springs/supports.h"
+#include "springs/tissue_model.h"
 
 namespace tissue {
 
@@ -28,8 +30,11 @@ namespace tissue {
 /// mode on the 10 mm lattice, where making the cells as stiff as that helps would cost 20 %.
 class TissueEnergy {
    public:
-    /// incompressible: in the plane whether there are regions; in space it means nothing.
-    TissueEnergy(const SpringMesh& mesh, bool incompressible);
+    /// incompressible: in the plane whether there are regions; in space it means nothing. curve: of the springs.
+    TissueEnergy(const SpringMesh& mesh, bool incompressible, const SpringCurve& curve = {});
+
+    /// Of a law, on the mesh it is of.
+    TissueEnergy(const SpringMesh& mesh, const LawModel& law) : TissueEnergy(mesh, law.incompressible, law.curve) {}
 
     const std::vector<std::unique_ptr<Elements>>& kinds() const { return kinds_; }
     int first_of(std::size_t kind) const { return first_[kind]; }  ///< its first constant

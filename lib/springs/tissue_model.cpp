@@ -215,6 +215,7 @@ void write_tissue(Hdf5Writer& file, const TissueModel& model) {
 }
 
 int format_of(const TissueModel& model) {
+    if (model.energy_law && !model.energy_law->curve.hookean()) return curve_format_version;
     if (model.energy_law && !model.energy_law->sizes.empty()) return rows_format_version;
     if (!model.mesh.embedding.empty()) return embedded_format_version;
     if (model.energy_law && model.energy_law->contact_log_scale.size() > 0) return adapted_format_version;

@@ -11,6 +11,7 @@
 #include "springs/disc_sizes.h"
 #include "springs/disc_tables.h"
 #include "springs/relaxation.h"
+#include "springs/spring_curve.h"
 
 namespace tissue {
 
@@ -32,6 +33,7 @@ struct LawModel {
     DiscTables disc = {};                  ///< and what is read of its place
     Eigen::VectorXd contact_log_scale = {};  ///< of contacts by node (N), ContactKernel::scale; often none
     Relaxation relaxation = {};            ///< of constants and contact, which are the instantaneous ones; often none
+    SpringCurve curve = {};                ///< of its springs
     DiscSizes sizes = {};                  ///< other discs that it knows (springs/law_at_radius.h); often none
 };
 

@@ -1,9 +1,16 @@
 #include "springs/turning_springs.h"
 
-namespace tissue {
+#include <algorithm>
 
-TurningSprings::TurningSprings(const SpringMesh& mesh)
-    : Elements(mesh.springs), span_(mesh.spring_count(), mesh.dimension()), length_(mesh.spring_count()) {
+namespace tissue {
+namespace {
+
+constexpr double no_length_m = 1e-12;  ///< a spring is never shorter
+
+}  // namespace
+
+TurningSprings::TurningSprings(const SpringMesh& mesh, const SpringCurve& curve)
+    : Elements(mesh.springs), curve_(curve), span_(mesh.spring_count(), mesh.dimension()), length_(mesh.spring_count()) {
     for (int s = 0; s < mesh.spring_count(); ++s) {
         span_.row(s) = mesh.nodes.row(mesh.springs(s, 0)) - mesh.nodes.row(mesh.springs(s, 1));
         length_[s] = span_.row(s).norm();
@@ -11,14 +18,13 @@ TurningSprings::TurningSprings(const SpringMesh& mesh)
 }
 
 /// l - L = (l^2 - L^2) / (l + L): nothing cancels, and a tissue at rest has no force at all.
-double TurningSprings::elongation(int e, const NodeField& u, double length) const {
+double TurningSprings::drawn_out(int e, const NodeField& u, double length) const {
     const auto relative = u.row(nodes()(e, 0)) - u.row(nodes()(e, 1));
-    return relative.dot(2 * span_.row(e) + relative) / (length + length_[e]);
+    return std::max(relative.dot(2 * span_.row(e) + relative) / (length + length_[e]), no_length_m - length_[e]);
 }
 
 double TurningSprings::energy(int e, const NodeField& u) const {
-    const double by = elongation(e, u, (span_.row(e) + u.row(nodes()(e, 0)) - u.row(nodes()(e, 1))).norm());
-    return by * by / 2;
+    return curve_.energy(length_[e], drawn_out(e, u, (span_.row(e) + u.row(nodes()(e, 0)) - u.row(nodes()(e, 1))).norm()));
 }
 
 void TurningSprings::force(int e, const NodeField& u, ElementVector& out) const {
@@ -26,7 +32,7 @@ void TurningSprings::force(int e, const NodeField& u, ElementVector& out) const 
     out.setZero(2 * D);
     out.head(D) = (span_.row(e) + u.row(nodes()(e, 0)) - u.row(nodes()(e, 1))).transpose();
     const double length = out.head(D).norm();
-    out.head(D) *= length > 0 ? elongation(e, u, length) / length : 0;  // two nodes on one spot: no direction to push in
+    out.head(D) *= length > 0 ? curve_.secant(length_[e], drawn_out(e, u, length)) : 0;  // two nodes on one spot: no direction to push in
     out.tail(D) = -out.head(D);
 }
 
@@ -34,12 +40,13 @@ void TurningSprings::tangent(int e, const NodeField& u, ElementMatrix& out) cons
     const Eigen::Index D = u.cols();
     ElementVector axis = (span_.row(e) + u.row(nodes()(e, 0)) - u.row(nodes()(e, 1))).transpose();
     const double length = axis.norm();
-    const double across = length > 0 ? elongation(e, u, length) / length : 1;  // 1 along, (l - L) / l across
+    const double by = drawn_out(e, u, length);
+    const double across = length > 0 ? curve_.secant(length_[e], by) : 1, along = length > 0 ? curve_.slope(length_[e], by) : 1;
     if (length > 0) axis /= length;
     out.setZero(2 * D, 2 * D);
     for (Eigen::Index a = 0; a < D; ++a)
         for (Eigen::Index b = 0; b < D; ++b) {
-            const double k = (1 - across) * axis[a] * axis[b] + (a == b ? across : 0);
+            const double k = (along - across) * axis[a] * axis[b] + (a == b ? across : 0);
             out(a, b) = out(D + a, D + b) = k;
             out(a, D + b) = out(D + a, b) = -k;
         }

@@ -1,13 +1,14 @@
 #pragma once
 
 #include "springs/element.h"
+#include "springs/spring_curve.h"
 
 namespace tissue {
 
-/// Hooke's springs along their current direction: theta (l - L)^2 / 2, l now, L at rest. They turn with the tissue.
+/// Springs along their current direction, each of one curve: Hooke's store theta (l - L)^2 / 2, l now, L at rest. They turn with the tissue.
 class TurningSprings final : public Elements {
    public:
-    explicit TurningSprings(const SpringMesh& mesh);
+    TurningSprings(const SpringMesh& mesh, const SpringCurve& curve);
 
     std::string kind() const override { return "spring"; }
     double energy(int e, const NodeField& u) const override;
@@ -15,8 +16,9 @@ class TurningSprings final : public Elements {
     void tangent(int e, const NodeField& u, ElementMatrix& out) const override;
 
    private:
-    double elongation(int e, const NodeField& u, double length) const;
+    double drawn_out(int e, const NodeField& u, double length) const;
 
+    SpringCurve curve_;
     NodeField span_;          ///< X_i - X_j [m] (S x D)
     Eigen::VectorXd length_;  ///< L [m] (S)
 };

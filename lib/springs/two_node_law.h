@@ -7,20 +7,29 @@
 
 namespace tissue {
 
-/// Every law of a two-node spring, from what one spring does. Kind has, all static:
-///   name, linear, axes_apart             what SpringLaw says of them
+/// Every law of a two-node spring, from what one spring does. Kind has:
+///   name, linear, axes_apart, turns      what SpringLaw says of them, static
 ///   force(rest, relative)                on the first end per unit stiffness; the second gets the opposite
 ///   stiffness(rest, relative, convex)    d force / d relative
 ///   energy(rest, relative)
 ///   in_space                             whether pull() plays in space
+///   of                                   of springs that turn, their SpringCurve
 ///   pull(run, n)                         the same force for many springs at once
 /// Vectors have two or three entries; none of these allocates.
 template <class Kind>
 class TwoNodeLaw final : public SpringLaw {
    public:
+    explicit TwoNodeLaw(Kind kind = {}) : kind_(kind) {}
+
     std::string name() const override { return Kind::name; }
     bool linear_in_displacement() const override { return Kind::linear; }
     bool axes_apart() const override { return Kind::axes_apart; }
+    const SpringCurve* curve() const override {
+        if constexpr (Kind::turns)
+            return &kind_.of;
+        else
+            return nullptr;
+    }
 
     SparseMatrix force_matrix(const SpringMesh& mesh, const NodeField& u) const override {
         const int dimension = mesh.dimension();
@@ -28,7 +37,7 @@ class TwoNodeLaw final : public SpringLaw {
         entries.reserve(static_cast<std::size_t>(2 * dimension * mesh.spring_count()));
         for (int s = 0; s < mesh.spring_count(); ++s) {
             const int i = mesh.springs(s, 0), j = mesh.springs(s, 1);
-            const Vector force = Kind::force(between(mesh.nodes, i, j), between(u, i, j));
+            const Vector force = kind_.force(between(mesh.nodes, i, j), between(u, i, j));
             for (int d = 0; d < dimension; ++d) {
                 entries.emplace_back(dimension * i + d, s, force[d]);
                 entries.emplace_back(dimension * j + d, s, -force[d]);
@@ -45,7 +54,7 @@ class TwoNodeLaw final : public SpringLaw {
         entries.reserve(static_cast<std::size_t>(4 * dimension * dimension * mesh.spring_count()));
         for (int s = 0; s < mesh.spring_count(); ++s) {
             const int i = mesh.springs(s, 0), j = mesh.springs(s, 1);
-            const auto k = (theta[s] * Kind::stiffness(between(mesh.nodes, i, j), between(u, i, j), false)).eval();
+            const auto k = (theta[s] * kind_.stiffness(between(mesh.nodes, i, j), between(u, i, j), false)).eval();
             for (int a = 0; a < dimension; ++a)
                 for (int b = 0; b < dimension; ++b) {
                     entries.emplace_back(dimension * i + a, dimension * i + b, k(a, b));
@@ -60,23 +69,25 @@ class TwoNodeLaw final : public SpringLaw {
     }
 
     bool plays_in_space() const override { return Kind::in_space; }
-    void pull(const SpringRun& run, int n) const noexcept override { Kind::pull(run, n); }
+    void pull(const SpringRun& run, int n) const noexcept override { kind_.pull(run, n); }
 
     Eigen::Matrix2d unit_stiffness(const Eigen::Vector2d& rest, const Eigen::Vector2d& relative,
                                    bool convex) const noexcept override {
-        return Kind::stiffness(rest, relative, convex);
+        return kind_.stiffness(rest, relative, convex);
     }
     Eigen::Matrix3d unit_stiffness(const Eigen::Vector3d& rest, const Eigen::Vector3d& relative,
                                    bool convex) const noexcept override {
-        return Kind::stiffness(rest, relative, convex);
+        return kind_.stiffness(rest, relative, convex);
     }
 
     double unit_energy(const Point& rest, const Point& relative) const noexcept override {
-        return Kind::energy(rest, relative);
+        return kind_.energy(rest, relative);
     }
 
    private:
     using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 3, 1>;
+
+    Kind kind_;
 
     static Vector between(const NodeField& field, int i, int j) { return (field.row(i) - field.row(j)).transpose(); }
 };

@@ -98,7 +98,7 @@ const std::vector<Rule>& rules() {
          }},
         {{"`springs.stiffness` = \"law\"", std::vector<std::string>{"springs.law", "variants"} + sets_keys, "they are of spring sets"},
          gives("springs.stiffness", "law")},
-        {{"`springs.stiffness` = \"sets\"", std::vector<std::string>{"springs.terms", "springs.area_cap_E2", "variants"} + law_keys,
+        {{"`springs.stiffness` = \"sets\"", std::vector<std::string>{"springs.terms", "springs.area_cap_E2", "springs.curve", "variants"} + law_keys,
           "they are of an energy model"},
          gives("springs.stiffness", "sets")},
         {{"`nodule.shape`", {"nodule.centre_m", "nodule.radius_m"}, "they are a ball's"}, gives("nodule.shape")},

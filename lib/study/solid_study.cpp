@@ -235,7 +235,21 @@ bool is_role(const std::string& role) {
            role.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") == std::string::npos;
 }
 
+/// apart_m of draws whose contacts are pairs of discs, which tests alone are.
+void read_pairs(TomlReader& draw, const Study& study, Study::Draws& d) {
+    if (!study.geometry.is_block()) draw.refuse("apart_m", "asks for two discs at once, which the finite elements have on a block alone");
+    if (!is_role_of_pairs(d.role)) draw.refuse("apart_m", "asks for two discs at once: they need a role of their own, held_out_WORD");
+    const std::vector<double> apart = draw.numbers("apart_m", 2, positive);
+    if (!(apart[0] < apart[1])) draw.refuse("apart_m", "must be [smallest, largest], not the same");
+    const double largest_m = d.radii_m.empty() ? study.indenter.radius_m : *std::max_element(d.radii_m.begin(), d.radii_m.end());
+    if (apart[0] < least_apart_radii * largest_m - tiny_m)
+        draw.refuse("apart_m", fmt::format("two discs of radius {:g} mm are {:g} mm apart at least, {:g} radii", 1e3 * largest_m, 1e3 * least_apart_radii * largest_m, least_apart_radii));
+    std::copy(apart.begin(), apart.end(), d.pair_apart_m);
+}
+
 }  // namespace
+
+bool is_role_of_pairs(const std::string& role) { return is_role(role) && role != "validation" && role != "held_out" && role != "held_out_full"; }
 
 void read_solid_place(TomlReader& draw, const Study& study, Study::Draws& d) {
     const Study::Geometry& g = study.geometry;
@@ -266,6 +280,7 @@ void read_solid_draws(TomlReader in, Study& study) {
         read_depth(draw, study, d);
         d.radii_m = read_radii(draw, study);
         read_solid_place(draw, study, d);
+        if (draw.has("apart_m")) read_pairs(draw, study, d);
         add_draws(draw, d, study);
     }
     in.refuse_the_rest();

@@ -14,4 +14,7 @@ void read_solid_place(TomlReader& draw, const Study& study, Study::Draws& d);
 /// [draws] in space: validation, held_out and held_out_WORD.
 void read_solid_draws(TomlReader in, Study& study);
 
+/// Whether load paths of this role may be of two discs at once: held_out_WORD, but not held_out_full, which single contacts alone are looked for in.
+bool is_role_of_pairs(const std::string& role);
+
 }  // namespace tissue

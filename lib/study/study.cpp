@@ -236,7 +236,7 @@ Study::Springs read_springs(TomlReader in, const Study::Geometry& geometry, bool
     if (measured && !s.is_law())
         in.refuse("stiffness", "must be \"law\" beside [data]: sets are trained on nodes inside, and none was measured");
     if (!s.is_law()) {
-        for (const char* key : {"terms", "area_cap_E2"})
+        for (const char* key : {"terms", "area_cap_E2", "curve"})
             if (in.has(key)) in.refuse(key, "belongs to stiffness = \"law\"");
         s.law = in.choice("law", spring_laws().names());
         in.refuse_the_rest();
@@ -251,6 +251,8 @@ Study::Springs read_springs(TomlReader in, const Study::Geometry& geometry, bool
     for (const std::string& term : s.terms)
         if (!known.insert(term).second) in.refuse("terms", "'" + term + "' stands twice");
     s.area_cap_E2 = in.optional_number("area_cap_E2", area_caps).value_or(12);
+    if (in.has("curve") && !geometry.is_solid()) in.refuse("curve", "belongs to tissue in space: in the plane springs are Hooke's");
+    s.hookean = in.has("curve") ? in.choice("curve", {"material", "hooke"}) == "hooke" : !geometry.is_solid();
     in.refuse_the_rest();
     return s;
 }
@@ -400,6 +402,16 @@ double Study::LawParameters::youngs_modulus_Pa() const {
     double twice_mu = 0;
     for (std::size_t k = 0; k < alpha.size(); ++k) twice_mu += mu_Pa[k] * alpha[k];
     return 3 * twice_mu / 2;
+}
+
+double Study::LawParameters::second_share() const {
+    if (alpha.empty()) return C2_Pa / (C1_Pa + C2_Pa);
+    double sum = 0, curved = 0;
+    for (std::size_t k = 0; k < alpha.size(); ++k) {
+        sum += mu_Pa[k] * alpha[k];
+        curved += mu_Pa[k] * alpha[k] * (alpha[k] / 4 - 1.5);
+    }
+    return std::clamp(-1 - curved / sum, 0.0, 1.0);
 }
 
 std::vector<std::string> Study::Material::region_names() const {

@@ -8,6 +8,7 @@
 #include "field.h"
 #include "mesh/inclusion.h"
 #include "mesh/spring_mesh.h"
+#include "study/second_tool.h"
 
 namespace tissue {
 
@@ -18,6 +19,7 @@ struct StudyPath {
     Point direction;            ///< unit vector of the push (D)
     double depth_m = 0;         ///< how deep it goes; 0: to the largest magnitude
     double radius_m = 0;        ///< of the disc that pushes; in space
+    std::optional<SecondTool> second = {};  ///< a second disc that pushes at once; in space, on a block
 };
 
 /// A part of the instantaneous modulus that goes with time, as exp(-t / tau).
@@ -54,6 +56,9 @@ struct Study {
 
         /// Small-strain Young's modulus [Pa]: E = 6 (C1 + C2), or E = 3 mu with 2 mu = sum mu_k alpha_k.
         double youngs_modulus_Pa() const;
+        /// C2 / (C1 + C2). Of Ogden's law that of the Mooney-Rivlin material whose force in uniaxial tension has the same curvature at rest, within 0 .. 1: with
+        /// c = sum mu_k alpha_k (alpha_k / 4 - 3/2) / sum mu_k alpha_k, which C1 alone makes -1 and C2 alone -2, it is -1 - c.
+        double second_share() const;
     };
     struct Region : LawParameters {
         std::string name;  ///< physical surface of the shape's file
@@ -170,6 +175,7 @@ struct Study {
         std::vector<std::string> terms;  ///< of a law
         double spacing_m = 0;            ///< of an embedded lattice
         double area_cap_E2 = 0;          ///< of a law: what its cells stay below
+        bool hookean = true;             ///< of a law: springs are Hooke's, not the material's own (springs/spring_curve.h)
         bool is_law() const { return stiffness == "law"; }
     } springs;
 
@@ -182,7 +188,9 @@ struct Study {
         double max_angle_deg;              ///< off the inward normal; in the plane
         double tilt_deg[2] = {0, 0};       ///< of a solid: range off the inward normal,
         double clearance_m[2] = {0, 0};    ///< and of the distance from the nearest wall;
-        std::vector<double> radii_m = {};  ///< and discs, which the contacts take in turn
+        std::vector<double> radii_m = {};  ///< and discs, which the contacts take in turn;
+        double pair_apart_m[2] = {0, 0};   ///< of a block in space: range of the distance from a first disc to a second one pushed at once; 0: no second
+        bool of_pairs() const { return pair_apart_m[1] > 0; }
     };
     std::vector<Draws> draws;
 

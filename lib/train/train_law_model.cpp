@@ -98,6 +98,7 @@ TrainedModel train_law_model(const Study& study, const Cases& cases, int threads
     const EnergyLaw law = study_law(study, kept.shape, model.mesh, factor);
     const auto law_at = [&](const EnergyLaw& of, const Eigen::VectorXd& p) {
         LawModel made{of.terms(), p, of.constants(p), of.patch(p), of.incompressible(), options.disc_radius_m};
+        made.curve = of.curve();
         made.disc = {of.ground(), options.curved_range, options.correction};
         made.sizes = options.sizes;
         return made;

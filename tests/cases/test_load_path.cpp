@@ -68,6 +68,22 @@ TEST_CASE("a path's rows go to their nodes, whatever FreeFEM's order") {
     CHECK(path.records[0].displacement.norm() == 0);
 }
 
+TEST_CASE("a path of two discs has the second's force at the end of its steps, and is read as such alone") {
+    const TemporaryFolder folder;
+    const std::string two = with(with(with(csv(), "path,1", "path,2"), "1,0,0\n", "1,0,0,0,0\n"), ",3e-11", ",3e-11,-0.5,0.125");
+    const LoadPath path = read_path_csv(folder.file("two.csv", two), corners(), true);
+    REQUIRE(path.records.size() == 2);
+    CHECK(path.records[1].second_force_N == Eigen::Vector2d(-0.5, 0.125));
+    CHECK(path.records[1].newton_residual == 3e-11);
+    CHECK(path.records[0].second_force_N == Eigen::Vector2d(0, 0));
+    CHECK_THAT(said(two), Contains("two.csv:1: is of two discs, and the path has one") || Contains("left.csv:1: is of two discs, and the path has one"));
+    const auto said_of_two = [&](const std::string& text) { return refusal<FileError>([&] { read_path_csv(folder.file("bad.csv", text), corners(), true); }); };
+    CHECK_THAT(said_of_two(csv()), Contains("bad.csv:1: is of one disc, and the path has two"));
+    CHECK_THAT(said_of_two(with(two, ",-0.5,0.125", "")), Contains("bad.csv:7: has 11 fields"));
+    CHECK_THAT(said_of_two(with(two, "-0.5,0.125", "-0.5,nan")), Contains("bad.csv:7: field 13"));
+    CHECK_THAT(said_of_two(with(two, "path,2", "path,3")), Contains("another format version"));
+}
+
 TEST_CASE("a number that is none is refused with file, line and field") {
     for (const char* bad : {"nan", "inf", "-inf", "", "0.1x", " 0.1", "1e999"}) {
         INFO(bad);
@@ -111,7 +127,7 @@ TEST_CASE("magnitudes that do not ascend are refused") {
 
 TEST_CASE("a foreign file, another version and unknown rows are refused") {
     CHECK_THAT(said("x,y\n1,2\n"), Contains("left.csv:1") && Contains("not a load path"));
-    CHECK_THAT(said(with(csv(), "load path,1", "load path,2")), Contains("left.csv:1") && Contains("version"));
+    CHECK_THAT(said(with(csv(), "load path,1", "load path,3")), Contains("left.csv:1") && Contains("version"));
     CHECK_THAT(said(with(csv(), "node,0,0,0,0,-0.125,0", "edge,0,0,0,0,-0.125,0")), Contains("left.csv:9"));
     CHECK_THAT(said(with(csv(), "node,0,0,0,0,-0.125,0", "node,0,0,0,0,-0.125")),
                Contains("left.csv:9") && Contains("6 fields"));

@@ -346,6 +346,92 @@ TEST_CASE("a push of another disc is planned, solved, kept and compared in propo
     CHECK(names_of(load_cases(thinned(solid(), after, solid().whole()))) == names_of(load_cases(after)));  // a variant keeps the discs
 }
 
+TEST_CASE("drawn pairs lie on the top, apart as their role says at rest and two radii when pushed, and finite elements get both discs") {
+    const std::string role = "[draws.held_out_near_a_wall]";
+    const Study study = example_study(with(solid_study_text(), role + "\nseed = 3\ncount = 20\ndepth_m = [0.001, 0.003]\ntilt_deg = [90, 90]\nclearance_m = [0.012, 0.02]",
+                                           "[draws.held_out_two]\nseed = 3\ncount = 60\ndepth_m = [0.002, 0.008]\ntilt_deg = [0, 30]\nclearance_m = [0.012, 0.04]\napart_m = [0.015, 0.050]"));
+    std::vector<PlannedPath> pairs, others;
+    for (const PlannedPath& p : planned_paths(study)) (p.role == "held_out_two" ? pairs : others).push_back(p);
+    for (const PlannedPath& p : others) CHECK_FALSE(p.push.second);
+    REQUIRE(pairs.size() == 60);
+    CHECK(pairs[0].push.name == "held-out-two-0001");
+    double least = 1, most = 0, shallowest = 1, deepest = 0;
+    for (const PlannedPath& p : pairs) {
+        REQUIRE(p.push.second);
+        const SecondTool& second = *p.push.second;
+        CHECK(second.contact_m[2] == 0.05);
+        CHECK(wall_m(second.contact_m) >= 0.012 - 1e-12);
+        CHECK(wall_m(p.push.contact_m) >= 0.012 - 1e-12);
+        CHECK(tilt_deg(second.direction) <= 30 + 1e-6);
+        CHECK(second.direction.norm() == Approx(1).epsilon(tolerance::rounding));
+        CHECK(second.direction != p.push.direction);
+        const double apart_m = (second.contact_m - p.push.contact_m).norm();
+        CHECK((second.contact_m + second.depth_m * second.direction - p.push.contact_m - p.push.depth_m * p.push.direction).norm() >= 0.014);
+        least = std::min(least, apart_m);
+        most = std::max(most, apart_m);
+        shallowest = std::min(shallowest, second.depth_m);
+        deepest = std::max(deepest, second.depth_m);
+    }
+    CHECK(least >= 0.015);
+    CHECK(least < 0.018);
+    CHECK(most <= 0.050);
+    CHECK(most > 0.045);
+    CHECK(shallowest >= 0.002);
+    CHECK(deepest <= 0.008);
+    CHECK(deepest > 0.006);
+
+    const std::string part = make_plan(study).parts.at("path-held-out-two-0001");
+    const SecondTool& second = *pairs[0].push.second;
+    CHECK(std::stod(argument(part, "second_x")) == second.contact_m[0]);
+    CHECK(std::stod(argument(part, "second_z")) == 0.05);
+    CHECK(std::stod(argument(part, "second_direction_y")) == second.direction[1]);
+    CHECK(std::stod(argument(part, "second_depth")) == second.depth_m);
+    CHECK(argument(make_plan(study).parts.at("path-held-out-0001"), "second_depth").empty());
+    CHECK(make_plan(study).parts.at("path-held-out-0001") == make_plan(solid()).parts.at("path-held-out-0001"));
+
+    const Study narrow = example_study(with(solid_study_text(), role, "[draws.held_out_two]\napart_m = [0.1, 0.2]"));
+    CHECK_THAT(refusal<MismatchError>([&] { planned_paths(narrow); }), Contains("draws.held_out_two: clearance_m and apart_m leave no room for two discs"));
+}
+
+TEST_CASE("a path of two discs comes back from its file as it was, and earlier programs refuse the file") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("cases.h5");
+    Cases cases = solid_cases();
+    write_cases(file, cases, {"tissuectl test", 0, {}});
+    for (const std::string& dataset : Hdf5Reader(file, "cases").datasets()) CHECK_THAT(dataset, !Contains("second"));
+    CHECK(Hdf5Reader(file, "cases").number_attribute("/", "format_version") == solid_format_version);
+    LoadPath& pair = cases.paths.back();
+    pair.role = "held_out_two";
+    pair.second = SecondTool{Eigen::Vector3d(0.03, 0.05, 0.05), Eigen::Vector3d(0.6, 0, -0.8), pair.depth_m / 2};
+    for (std::size_t r = 0; r < pair.records.size(); ++r) pair.records[r].second_force_N = Eigen::Vector3d(0.1, -0.2, -1.0 * static_cast<double>(r));
+    write_cases(file, cases, {"tissuectl test", 0, {}});
+    CHECK(Hdf5Reader(file, "cases").number_attribute("/", "format_version") == two_tools_format_version);
+    const LoadPath back = read_cases(file).paths.back();
+    REQUIRE(back.second);
+    CHECK(back.second->contact_m == pair.second->contact_m);
+    CHECK(back.second->direction == pair.second->direction);
+    CHECK(back.second->depth_m == pair.second->depth_m);
+    REQUIRE(back.records.size() == pair.records.size());
+    for (std::size_t r = 0; r < back.records.size(); ++r) CHECK(back.records[r].second_force_N == pair.records[r].second_force_N);
+    CHECK((back.second_push_m(back.records.back()) - pair.depth_m / 2 * pair.second->direction).norm() < tolerance::rounding);
+    for (const LoadPath& path : read_cases(file).paths)
+        if (path.role == "train") CHECK_FALSE(path.second);
+
+    Cases trained = cases;
+    trained.paths.back().role = "train";
+    write_cases(file, trained, {"tissuectl test", 0, {}});
+    CHECK_THAT(refusal<FileError>([&] { read_cases(file); }), Contains("second_contact") && Contains("'train'"));
+    for (const char* dataset : {"second_contact", "second_direction", "second_depth", "second_force"}) {
+        write_cases(file, cases, {"tissuectl test", 0, {}});
+        const std::string name = "/paths/" + cases.paths.back().name + "/" + dataset;
+        INFO(name);
+        const hid_t h = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+        H5Ldelete(h, name.c_str(), H5P_DEFAULT);
+        H5Fclose(h);
+        CHECK_THAT(refusal<FileError>([&] { read_cases(file); }), Contains(std::string("second_")));
+    }
+}
+
 TEST_CASE("a training push in space is a load case at every magnitude up to its depth, and at its depth where it ends earlier") {
     Cases cases = solid_cases();
     CHECK(names_of(load_cases(cases)) ==

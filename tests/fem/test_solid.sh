@@ -4,7 +4,7 @@
 #
 # Sample runs: tests/fem/test_solid.sh           the groups of `make test`
 #              tests/fem/test_solid.sh long      those of `make test-fe`: refine, memory, ball and shape, some minutes
-#              tests/fem/test_solid.sh scripts|orders|paths|mirror|refine|memory|ball|refusals|shape|count      one group alone
+#              tests/fem/test_solid.sh scripts|orders|paths|two|mirror|refine|memory|ball|refusals|shape|count      one group alone
 #              TISSUECTL=build/release/tissuectl tests/fem/test_solid.sh shape
 here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
 root=$here/../..
@@ -185,6 +185,58 @@ if group paths; then
   ratio=$(echo "$(step stiff 1 7) $(step n 1 7)" | awk '{ print ($2 != 0) ? $1 / $2 : 0 }')
   if awk "BEGIN { exit !($ratio > 1.01 && $ratio < 2) }"; then say "ok - a nodule ten times as stiff is felt"
   else say "not ok - a nodule ten times as stiff is felt: force times $ratio vs 1.01 to 2"; fi
+fi
+
+# ---- two discs at once
+if group two; then
+  second="-second_y 0.05 -second_z 0.05 -second_direction_x -0.5 -second_direction_y 0 -second_direction_z -0.86602540378443865"
+  mesh two 0.005 0.02 -setnumber contact_x 0.038 -setnumber second_x 0.062 -setnumber second_y 0.05
+  solve two two 0.006 4 0.038 0.05 $tilt -second_x 0.062 $second -second_depth 0.003
+  solve one two 0.006 4 0.038 0.05 $tilt
+  solve even two 0.006 2 0.038 0.05 $tilt -second_x 0.062 $second -second_depth 0.006
+  awk -F, '
+    function size(a) { return a < 0 ? -a : a }
+    FNR == 1 { version = (FILENAME ~ /two.csv$/) ? $2 : version }
+    $1 == "step" && FILENAME ~ /one.csv$/ { alone[$2] = $7; ++ones; if (NF != 13) bad = 1; next }
+    $1 == "step" { r = $2; if (NF != 16) bad = 1; s[r] = $3; E[r] = $4; first[r] = $7; push[r] = 0.5 * $5 - 0.86602540378443865 * $7 + 0.5 * (-0.5 * $14 - 0.86602540378443865 * $16) }
+    $1 == "node" && FILENAME ~ /two.csv$/ && r == 4 { for (j = 0; j < 3; ++j) sum[j] += $(8 + j) }
+    END {
+      if (version == 2 && !bad && ones == 5) print "ok - a path of two discs has format version 2 and three fields more, a path of one has not"
+      else print "not ok - a path of two discs has format version 2 and three fields more, a path of one has not: version " version ", " (bad ? "other" : "right") " fields, " ones + 0 " records of one vs 2, right, 5"
+      work = (s[4] - s[0]) / 12 * (push[0] + 4 * push[1] + 2 * push[2] + 4 * push[3] + push[4])
+      e = (E[4] > 0) ? size(work / E[4] - 1) : 1
+      if (e < 1e-3) print "ok - the energy of a path of two discs is the work of both forces"
+      else print "not ok - the energy of a path of two discs is the work of both forces: off by " e " vs 1e-3"
+      off = size(sum[0]) + size(sum[1]) + size(sum[2])
+      if (off < 1e-9 * push[4]) print "ok - what the lattice records of forces of two discs adds up to nothing"
+      else print "not ok - what the lattice records of forces of two discs adds up to nothing: " off " N vs " 1e-9 * push[4]
+      part = (alone[4] != 0) ? first[4] / alone[4] : 1
+      if (part > 0.9 && part < 0.995) print "ok - a second disc 24 mm away takes some of the first one: " part
+      else print "not ok - a second disc 24 mm away takes some of the first one: " part " vs 0.9 to 0.995"
+    }' "$work/one.csv" "$work/two.csv" | tee -a "$results"
+  awk -F, '
+    function size(a) { return a < 0 ? -a : a }
+    $1 == "step" && $2 == 2 { e = (size($5 + $14) + size($6 - $15) + size($7 - $16)) / size($7); seen = 1 }
+    END {
+      if (seen && e < 0.01) print "ok - two discs that mirror each other have forces that do, within the error of the mesh: " e
+      else print "not ok - two discs that mirror each other have forces that do, within the error of the mesh: " e " vs 0.01"
+    }' "$work/even.csv" | tee -a "$results"
+  solve near two 0.002 1 0.038 0.05 0 0 -1 -second_x 0.052 $second -second_depth 0.002
+  refused near $? 1 "are 0.014 m apart, and need 2.1 radii" "two discs that touch are refused"
+  if mesh near 0.005 0.02 -setnumber contact_x 0.038 -setnumber second_x 0.052 -setnumber second_y 0.05 2> "$work/log"
+  then say "not ok - gmsh refuses discs that touch: a mesh vs none"; else say "ok - gmsh refuses discs that touch"; fi
+  solve over two 0.002 1 0.038 0.05 0 0 -1 -second_x 0.095 $second -second_depth 0.002
+  refused over $? 1 "the second disc of radius 0.007 m does not fit" "a second disc that hangs over the edge is refused"
+  solve none two 0.002 1 0.038 0.05 0 0 -1 -second_x 0.062 $second -second_depth 0
+  refused none $? 2 "-second_depth must be positive" "a second disc that does not push is refused"
+  solve missing two 0.002 1 0.038 0.05 0 0 -1 -second_depth 0.002
+  refused missing $? 2 "-second_x is missing" "a second disc without a place is refused"
+  solve unread two 0.002 1 0.038 0.05 0 0 -1 -second_x 0.062
+  refused unread $? 2 "-second_x is not known" "a second place without a depth is refused"
+  solve ball two 0.002 1 0.038 0.05 0 0 -1 -second_x 0.062 $second -second_depth 0.002 -ball_radius 0.01
+  refused ball $? 2 "a second disc is not for a ball" "a second disc beside a ball is refused"
+  solve off off 0.002 1 0.043 0.05 0 0 -1 -second_x 0.072 $second -second_depth 0.002
+  refused off $? 1 "no line of the mesh follows the disc" "a mesh made for one disc is refused for two"
 fi
 
 # ---- mirror images: exactly on a mirrored mesh; on gmsh's own meshes within their error

@@ -34,7 +34,7 @@ namespace {
 /// A block with whole cubes, and a solid that cuts them.
 std::vector<SpringMesh> meshes() { return {embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}), embedded_lattice(dome(6), 0.011)}; }
 
-RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, "geometric", model.node_mass_kg}; }
+RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, model.energy_law->curve, model.node_mass_kg}; }
 
 /// Squared angular frequencies of the free nodes, ascending [1/s2].
 Eigen::VectorXd eigenvalues(const RealtimeMesh& mesh, const Eigen::MatrixXd& K) {
@@ -56,7 +56,7 @@ TEST_CASE("in space the tick's law asks for the forces of the energy that was tr
             const TissueModel model = solid_law_example(mesh);
             const RealtimeMesh springs = springs_of(model);
             const RealtimeLaw law(model, springs);
-            const TissueEnergy energy(mesh, false);
+            const TissueEnergy energy(mesh, *model.energy_law);
             NodeField u = scattered(mesh, size);
             energy.complete(u);
             const NodeField expected = energy.force(model.energy_law->constants, u);
@@ -79,7 +79,7 @@ TEST_CASE("in space the tick's law asks for the forces of the energy that was tr
 TEST_CASE("stiff supports bring mass, so that they need no more steps and the slowest mode stays", "[solid][law][embedded][long]") {
     for (const SpringMesh& mesh : {embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}), embedded_lattice(dome(6), 0.011), embedded_lattice(dome(8), 0.008)}) {
         TissueModel model = solid_law_example(mesh);
-        const TissueEnergy energy(mesh, false);
+        const TissueEnergy energy(mesh, *model.energy_law);
         const NodeField rest = NodeField::Zero(mesh.node_count(), 3);
         const auto tangent = [&] { return energy.tangent(model.energy_law->constants, rest); };
         Eigen::VectorXd& constants = model.energy_law->constants;
@@ -88,7 +88,7 @@ TEST_CASE("stiff supports bring mass, so that they need no more steps and the sl
         const double lattice = largest_eigenvalue(springs_of(model), tangent());
         constants.tail(mesh.support_count()) = 50 * trained;
         const double bare = largest_eigenvalue(springs_of(model), tangent()), slowest = smallest_eigenvalue(springs_of(model), tangent());
-        const RealtimeMesh heavy(mesh, "geometric", mass_with_supports(model));
+        const RealtimeMesh heavy(mesh, model.energy_law->curve, mass_with_supports(model));
         INFO(mesh.embedding.cubes.rows() << " cubes, without mass " << bare / lattice << ", with it " << largest_eigenvalue(heavy, tangent()) / lattice << ", slowest " << smallest_eigenvalue(heavy, tangent()) / slowest);
         CHECK(bare > 4 * lattice);
         CHECK(largest_eigenvalue(heavy, tangent()) < (mesh.embedding.fraction.minCoeff() > 0.99 ? 1.05 : 2.1) * lattice);  // a dome has cubes of which little is tissue
@@ -175,13 +175,15 @@ TEST_CASE("in space every spring of the tick pulls as its law says, whatever ord
         }
         Eigen::VectorXd masses = Eigen::VectorXd::Ones(N);
         masses.head(own).setZero();
-        const RealtimeMesh springs(mesh, "geometric", masses);
+        const SpringCurve curve = shuffled ? SpringCurve() : SpringCurve::mooney_rivlin(0.3, 3);
+        const RealtimeMesh springs(mesh, curve, masses);
         CHECK(springs.bands().size() >= 13);  // as many directions
         for (const RealtimeMesh::Band& band : springs.bands()) CHECK(band.alike);
         Eigen::VectorXd theta = mesh.incident_measure * 1e6;
         for (Eigen::Index s = 0; s < theta.size(); ++s) theta[s] *= 1 + 0.3 * std::sin(1.7 * static_cast<double>(s));
-        const NodeField u = scattered(mesh, 3e-3);
-        const Eigen::VectorXd expected = make_spring_law("geometric")->force_matrix(mesh, u) * theta;
+        const NodeField u = scattered(mesh, 4e-3);  // some are shorter than where their curve goes straight on
+        const auto law = make_turning_law(curve);
+        const Eigen::VectorXd expected = law->force_matrix(mesh, u) * theta;
         NodeColumns f = NodeColumns::Zero(N, 3), u_by_row = NodeColumns::Zero(springs.rows().count(), 3), f_by_row = u_by_row;
         springs.rows().scatter(u, u_by_row);
         springs.force(springs.to_slots(theta), u_by_row, f_by_row);
@@ -189,7 +191,7 @@ TEST_CASE("in space every spring of the tick pulls as its law says, whatever ord
         const NodeField rows = f;
         CHECK((as_vector(rows) - expected).norm() < 1e-13 * expected.norm());
 
-        const SparseMatrix K = make_spring_law("geometric")->stiffness(mesh, theta, NodeField::Zero(N, 3));
+        const SparseMatrix K = law->stiffness(mesh, theta, NodeField::Zero(N, 3));
         CHECK((springs.stiffness_at_rest(springs.to_slots(theta)) - K).norm() < 1e-13 * K.norm());
         const Eigen::VectorXd exact = eigenvalues(springs, K);
         CHECK(largest_eigenvalue(springs, springs.to_slots(theta)) >= exact[exact.size() - 1]);  // the isotropic bound
@@ -201,7 +203,7 @@ TEST_CASE("in space a law's undamped step keeps its energy within a band, withou
         const TissueModel model = solid_law_example(mesh);
         const RealtimeMesh springs = springs_of(model);
         const RealtimeLaw law(model, springs);
-        const double fastest = std::sqrt(largest_eigenvalue(springs, TissueEnergy(mesh, false).tangent(model.energy_law->constants, NodeField::Zero(mesh.node_count(), 3))));
+        const double fastest = std::sqrt(largest_eigenvalue(springs, TissueEnergy(mesh, *model.energy_law).tangent(model.energy_law->constants, NodeField::Zero(mesh.node_count(), 3))));
         const int substeps = law_substeps(fastest * fastest, 1e-3);
         const auto dynamics = make_dynamics("symplectic", springs, {1e-3 / substeps, 0, &law});
         MeshState state(springs, Eigen::VectorXd::Zero(springs.slot_count()));
@@ -231,7 +233,7 @@ TEST_CASE("in space a law's spectrum is that of its tangents, at rest and presse
     const RealtimeMesh springs = springs_of(model);
     const LawSpectrum spectrum = law_spectrum(model, springs);
     const LawModel& law = *model.energy_law;
-    const TissueEnergy energy(mesh, false);
+    const TissueEnergy energy(mesh, law);
     const Eigen::VectorXd rest = eigenvalues(springs, energy.tangent(law.constants, NodeField::Zero(mesh.node_count(), 3)));
     CHECK(spectrum.smallest == Approx(rest[0]).epsilon(1e-6));
     CHECK(spectrum.largest > 1.005 * rest[rest.size() - 1]);

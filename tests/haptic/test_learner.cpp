@@ -97,7 +97,7 @@ TEST_CASE("a law that becomes another has the forces of one that was made so, an
         other.energy_law->contact_log_scale.resize(model.mesh.node_count());
         for (double& s : other.energy_law->contact_log_scale) s = draw(-1, 1);
         other.energy_law->patch.log_N_m(0, 0) += 0.3;
-        const RealtimeMesh springs(model.mesh, "geometric", model.node_mass_kg);
+        const RealtimeMesh springs(model.mesh, model.energy_law->curve, model.node_mass_kg);
         RealtimeLaw law(model, springs);
         const RealtimeLaw wanted(other, springs);
         {

@@ -22,7 +22,7 @@ namespace {
 
 std::vector<SpringMesh> meshes() { return {make_lattice("grid8", 10, 10, 0.1, 0.1), make_lattice("grid8", 4, 7, 0.06, 0.1), edge_mesh(disc(24))}; }
 
-RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, "geometric", model.node_mass_kg}; }
+RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, model.energy_law->curve, model.node_mass_kg}; }
 
 /// A law whose constants differ from element to element, so that none can stand in for another.
 TissueModel uneven(const SpringMesh& mesh) {

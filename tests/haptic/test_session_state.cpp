@@ -155,6 +155,11 @@ TEST_CASE("bytes that are no state of such a session are refused, and it stays a
     TissueModel stiffer = tissue;
     stiffer.energy_law->constants *= 1.01;
     const HapticModel third(stiffer, alone());
+    TissueModel curved = tissue, curved_otherwise = tissue;  // as long as no spring is half as long again
+    curved.energy_law->curve = SpringCurve::mooney_rivlin(0.1, 2, 0.5, 1.5);
+    curved_otherwise.energy_law->curve = SpringCurve::mooney_rivlin(0.1, 2, 0.5, 1.6);
+    CHECK(HapticModel(curved, alone()).fingerprint != HapticModel(curved_otherwise, alone()).fingerprint);
+    CHECK(HapticModel(curved, alone()).fingerprint == HapticModel(curved, alone()).fingerprint);
     Simulation s(model);
     press(s, -0.002, 0.004);
     std::vector<std::byte> state(s.state_size());

@@ -211,12 +211,44 @@ def model_csv(export, h5):
     same("stiffness", column(table(export / "stiffness.csv"), *names_of(h5)), theta.T)
 
 
+def stored(length, rest, curve, dimension):
+    """What springs store per unit of their stiffness, as results/FORMATS.md has it. curve: C2's share and the two places where it goes straight on, None of Hooke's."""
+    if curve is None:
+        return (length - rest)**2 / 2
+    q, low, high = curve
+    D, s = dimension, length / rest
+    a, b = (1 - q) / (D + 2), q / 2
+    w = lambda s: a * (s**2 / 2 + s**-D / D - 1 / 2 - 1 / D) + b * (s**-(D + 2) / (D + 2) - s**-D / D + 1 / D - 1 / (D + 2))
+    pull = lambda t: a * (t - t**-(D + 1)) + b * (t**-(D + 1) - t**-(D + 3))
+    slope = lambda t: a * (1 + (D + 1) * t**-(D + 2)) + b * (-(D + 1) * t**-(D + 2) + (D + 3) * t**-(D + 4))
+    straight = lambda t: w(t) + (s - t) * (pull(t) + slope(t) * (s - t) / 2)
+    return rest**2 * np.where(s.real < low, straight(low), np.where(s.real > high, straight(high), w(s)))
+
+
+def curve_names(h5):
+    return ["law/spring_curve"] if "c2_share" in h5["law"].attrs else []
+
+
+def curve_of(h5, file):
+    """The curve as exported, which is the file's; None of Hooke's, which have no file."""
+    if "c2_share" not in h5["law"].attrs:
+        if file.exists():
+            sys.exit(f"{file}: is of Hooke's springs")
+        return None
+    if file.suffix == ".npy":
+        share, *straight = np.load(file)
+    else:
+        share, *straight = column(table(file), "c2_share", "straight_below", "straight_above")[0]
+    same("share of C2", share, h5["law"].attrs["c2_share"])
+    return share, *straight
+
+
 class Law:
     """A law's energy as results/FORMATS.md writes it down, out of exported arrays alone."""
 
-    def __init__(self, nodes, springs, theta, edges, rest_area, stiffness, patch_log, surface_node, surface_arc, log_scale):
+    def __init__(self, curve, nodes, springs, theta, edges, rest_area, stiffness, patch_log, surface_node, surface_arc, log_scale):
         self.nodes, self.springs, self.theta, self.edges = nodes, springs.astype(int), theta, edges.astype(int)
-        self.rest_area, self.stiffness, self.patch_log = rest_area, stiffness, patch_log
+        self.curve, self.rest_area, self.stiffness, self.patch_log = curve, rest_area, stiffness, patch_log
         ends = lambda a: np.concatenate(([2 * a[0] - a[1]], a, [2 * a[-1] - a[-2]]))
         node = surface_node.astype(int)
         self.line, self.arc, self.place = np.concatenate((node[:1], node, node[-1:])), ends(surface_arc), ends(nodes[node])
@@ -232,9 +264,9 @@ class Law:
     def energy(self, u):
         i, j = self.springs.T
         length = lambda x: np.sqrt(((x[i] - x[j]) ** 2).sum(axis=1))  # no abs: u may be complex
-        stretch = length(self.nodes + u) - length(self.nodes)
+        springs = self.theta * stored(length(self.nodes + u), length(self.nodes), self.curve, 2)
         swelling = self.areas(self.nodes + u) / self.rest_area - 1
-        return (self.theta * stretch**2).sum() / 2 + (self.stiffness * self.rest_area * swelling**2).sum() / 2
+        return springs.sum() + (self.stiffness * self.rest_area * swelling**2).sum() / 2
 
     def contact(self, s, d, u):
         """Energy between the tissue and a tool that holds the contact at arc length s, pushed by d."""
@@ -282,10 +314,10 @@ class Law:
 class SolidLaw:
     """The same in space: energies element by element, so that complex steps take few of them."""
 
-    def __init__(self, nodes, springs, theta, cells, at, volume, stiffness, contacts, held):
+    def __init__(self, curve, nodes, springs, theta, cells, at, volume, stiffness, contacts, held):
         """contacts: of each case k (R), push (R x 3), row (Q), node (Q), pull (Q x 3), hardening. held: k (M), and of each held
         node the lattice's nodes that move it (M x 8) and their weights."""
-        self.nodes, self.springs, self.theta = nodes, springs.astype(int), theta
+        self.curve, self.nodes, self.springs, self.theta = curve, nodes, springs.astype(int), theta
         self.cells, self.volume, self.stiffness, self.contacts, self.held = cells.astype(int), volume, stiffness, contacts, held
         self.side = np.ones((len(at), 8, 3))  # of each corner in the gradient along each axis
         for corner in range(8):
@@ -312,7 +344,7 @@ class SolidLaw:
         total = np.zeros(u.shape)
         length = lambda x: np.sqrt(((x[:, 0] - x[:, 1]) ** 2).sum(axis=1))  # no abs: x may be complex
         rest = length(self.nodes[self.springs])
-        scatter(self.springs, lambda x: self.theta * (length(x) - rest) ** 2 / 2)
+        scatter(self.springs, lambda x: self.theta * stored(length(x), rest, self.curve, 3))
         rest_volume = self.volumes(self.nodes[self.cells])
         scatter(self.cells, lambda x: self.stiffness * self.volume * (self.volumes(x) / rest_volume - 1) ** 2 / 2)
         k, corner, weight = self.held
@@ -381,7 +413,7 @@ def solid_law_csv(export, h5):
     same("contact", column(read["contact"], "log_k_N_m", "curved", "ground", "edge"), h5["law/patch_log"][:])
     hardening = {row["case"]: [float(row[c]) for c in ("hardening_1_J", "saturation_1_J", "coupling_N_m2")] for row in read["contact_hardening"]}
     case = np.array([names.index(row["case"]) for row in read["contact_rows"]])
-    law = SolidLaw(column(read["nodes"], "x_m", "y_m", "z_m"), column(read["springs"], "node_i", "node_j"),
+    law = SolidLaw(curve_of(h5, export / "spring_curve.csv"), column(read["nodes"], "x_m", "y_m", "z_m"), column(read["springs"], "node_i", "node_j"),
                    column(read["springs"], "stiffness_N_m")[:, 0], cells, column(read["cells"], "at_x", "at_y", "at_z"),
                    column(read["cells"], "rest_volume_m3")[:, 0], column(read["cells"], "stiffness_Pa")[:, 0],
                    contacts_of(names, case, column(read["contact_rows"], "k_N_m")[:, 0], column(read["contact_rows"], "push_x", "push_y", "push_z"),
@@ -418,7 +450,7 @@ def law_csv(export, h5):
     same("coefficients", column(read["terms"], "coefficient")[:, 0], h5["law/coefficients"][:])
     same("rows", [row["row"] for row in read["contact"]], ["normal", "tangent", "rotation", "stretch"])
     same("contact", column(read["contact"], "log_k_N_m", "phase", "corner", "edge"), h5["law/patch_log"][:])
-    law = Law(column(read["nodes"], "x_m", "y_m"), column(read["springs"], "node_i", "node_j"),
+    law = Law(curve_of(h5, export / "spring_curve.csv"), column(read["nodes"], "x_m", "y_m"), column(read["springs"], "node_i", "node_j"),
               column(read["springs"], "stiffness_N_m")[:, 0], column(read["area_edges"], "area", "node_i", "node_j"),
               column(read["areas"], "rest_area_m2")[:, 0], column(read["areas"], "stiffness_N_m")[:, 0],
               column(read["contact"], "log_k_N_m", "phase", "corner", "edge"),
@@ -431,13 +463,13 @@ def law_csv(export, h5):
 
 def solid_law_numpy(export, h5, csv_export):
     parts = ["case", "k", "push", "pull_row", "pull_node", "pull", "hardening"]
-    numpy_files(export, h5, ["law/cells", "law/cell_at", "law/cell_rest", "law/contact_kind", *(f"law/contact_{part}" for part in parts)])
+    numpy_files(export, h5, [*curve_names(h5), "law/cells", "law/cell_at", "law/cell_rest", "law/contact_kind", *(f"law/contact_{part}" for part in parts)])
     load = lambda name: np.load(export / f"{name}.npy")
     springs, constants = load("mesh/springs"), load("law/constants")
     S, cells = len(springs), load("law/cells")
     fixed = load("mesh/fixed")
     held = constants[S + len(cells):], load("mesh/lattice/corner")[fixed], load("mesh/lattice/weight")[fixed]
-    law = SolidLaw(load("mesh/nodes"), springs, constants[:S], cells, load("law/cell_at"), load("law/cell_rest"),
+    law = SolidLaw(curve_of(h5, export / "law/spring_curve.npy"), load("mesh/nodes"), springs, constants[:S], cells, load("law/cell_at"), load("law/cell_rest"),
                    constants[S:S + len(cells)], contacts_of(names_of(h5), *(load(f"law/contact_{part}") for part in parts)), held)
     for press in presses_of(Path(csv_export)):
         law.check(load("mesh/fixed"), *press)
@@ -446,11 +478,11 @@ def solid_law_numpy(export, h5, csv_export):
 def law_numpy(export, h5, csv_export):
     if "mesh/tetrahedra" in h5:
         return solid_law_numpy(export, h5, csv_export)
-    numpy_files(export, h5, ["law/area_edges", "law/area_kind", "law/area_rest", "law/surface_arc", "law/surface_node"])
+    numpy_files(export, h5, [*curve_names(h5), "law/area_edges", "law/area_kind", "law/area_rest", "law/surface_arc", "law/surface_node"])
     load = lambda name: np.load(export / f"{name}.npy")
     springs, constants = load("mesh/springs"), load("law/constants")
     learned = load("law/contact_log_scale")[load("law/surface_node")] if "law/contact_log_scale" in h5 else np.zeros(len(load("law/surface_node")))
-    law = Law(load("mesh/nodes"), springs, constants[:len(springs)], load("law/area_edges"), load("law/area_rest"),
+    law = Law(curve_of(h5, export / "law/spring_curve.npy"), load("mesh/nodes"), springs, constants[:len(springs)], load("law/area_edges"), load("law/area_rest"),
               constants[len(springs):], load("law/patch_log"), load("law/surface_node"), load("law/surface_arc"), learned)
     for press in presses_of(Path(csv_export)):
         law.check(load("mesh/fixed"), *press)

@@ -120,7 +120,7 @@ with h5py.File(sys.argv[1] + "/model.h5") as m, h5py.File(sys.argv[1] + "/cases.
     assert least < most, (least, most)
     table = m["law/lattice_correction"][()]
     assert table.shape[0] == len(facets) and 0.01 < np.abs(table).max() <= 0.5, (table.shape, np.abs(table).max())
-    assert m.attrs["topology"] == b"embedded" and m.attrs["format_version"] == 9, dict(m.attrs)
+    assert m.attrs["topology"] == b"embedded" and m.attrs["format_version"] == 12, dict(m.attrs)
     own = c["nodes"][()]
     assert np.array_equal(nodes[: len(own)], own)
     edges = {tuple(sorted((a, b))) for t in tetrahedra for i, a in enumerate(t) for b in t[:i]}

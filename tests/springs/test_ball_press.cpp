@@ -25,7 +25,7 @@ constexpr double ball_m = 0.010;
 /// What is stored where a ball's contact of that radius is pushed so [J].
 double energy_J(const TissueModel& model, double radius_m, const Point& push_m) {
     const LawModel law = law_of_ball(*model.energy_law, ball_m, radius_m);
-    const TissueEnergy tissue(model.mesh, law.incompressible);
+    const TissueEnergy tissue(model.mesh, law);
     const auto kernel = make_contact_kernel(model.mesh, law);
     return PressSolver(tissue, *kernel).press(law.constants, ContactSpring(kernel->rows_at(place), law.patch), push_m).energy_J;
 }

@@ -62,6 +62,24 @@ TEST_CASE("springs of a law on a lattice are isotropic at their start, with the 
         }
 }
 
+TEST_CASE("a cube's springs sum up to what all directions do, to the sixth order", "[isotropic]") {
+    const SpringMesh mesh = embedded_block(Lattice{{2, 2, 2}, {0.02, 0.02, 0.02}});
+    const Eigen::VectorXd measure = isotropic_measure(mesh);
+    double sum = 0, x2 = 0, x4 = 0, x6 = 0, x2y2 = 0, x4y2 = 0, x2y2z2 = 0;
+    for (int s = 0; s < mesh.spring_count(); ++s) {
+        const Eigen::Array3d n2 = (mesh.nodes.row(mesh.springs(s, 0)) - mesh.nodes.row(mesh.springs(s, 1))).transpose().normalized().array().square();
+        sum += measure[s];
+        x2 += measure[s] * n2[0];
+        x4 += measure[s] * n2[0] * n2[0];
+        x6 += measure[s] * std::pow(n2[0], 3);
+        x2y2 += measure[s] * n2[0] * n2[1];
+        x4y2 += measure[s] * n2[0] * n2[0] * n2[1];
+        x2y2z2 += measure[s] * n2.prod();
+    }
+    const std::array<double, 6> is = {x2 / sum, x4 / sum, x6 / sum, x2y2 / sum, x4y2 / sum, x2y2z2 / sum}, all = {1 / 3.0, 1 / 5.0, 1 / 7.0, 1 / 15.0, 1 / 35.0, 1 / 105.0};
+    for (std::size_t k = 0; k < is.size(); ++k) CHECK(is[k] == Approx(all[k]).epsilon(1e-12));
+}
+
 TEST_CASE("squares have the shares that are said, cells too oblong none, and the paper's own heuristic stays what it is", "[isotropic]") {
     const RectangleShares square = *isotropic_shares({0.01, 0.01});
     CHECK(square.along_x == Approx(0.5));

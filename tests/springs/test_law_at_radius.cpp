@@ -118,7 +118,7 @@ TEST_CASE("what a law knows of other discs comes back from its file; what contra
         return refusal<FileError>([&] { read_model(file); });
     };
     write_model(file, model, {"tissuectl test", 0, {}});
-    CHECK(Hdf5Reader(file, "model").number_attribute("/", "format_version") == rows_format_version);
+    CHECK(Hdf5Reader(file, "model").number_attribute("/", "format_version") == curve_format_version);
     set_format_version(file, radii_format_version);
     CHECK_THAT(refusal<FileError>([&] { read_model(file); }), Contains("/law/radii") && Contains("train the model anew"));
     set_format_version(file, rows_format_version);
@@ -141,7 +141,7 @@ TEST_CASE("what a law knows of other discs comes back from its file; what contra
     alone.energy_law->sizes = {};
     alone.case_radius_m.resize(0);
     write_model(file, alone, {"tissuectl test", 0, {}});
-    CHECK(Hdf5Reader(file, "model").number_attribute("/", "format_version") == embedded_format_version);
+    CHECK(Hdf5Reader(file, "model").number_attribute("/", "format_version") == curve_format_version);
     CHECK(read_model(file).energy_law->sizes.empty());
 }
 

@@ -8,6 +8,7 @@
 
 #include "error.h"
 #include "../example.h"
+#include "../format_version.h"
 #include "../mesh/dome.h"
 #include "../mutations.h"
 #include "../refusal.h"
@@ -149,7 +150,7 @@ TEST_CASE("a model of a solid in an embedded lattice comes back from its file in
     model.contact_m = FreeSurface(model.mesh).nearest(Eigen::Vector3d(0, 0, 0.05)).point_m.transpose();
     model.direction = Eigen::RowVector3d(0, 0, -1);
     write_model(whole, model, {"tissuectl test", 11, {}});
-    CHECK(Hdf5Reader(whole, "model").number_attribute("/", "format_version") == embedded_format_version);
+    CHECK(Hdf5Reader(whole, "model").number_attribute("/", "format_version") == curve_format_version);
     const TissueModel back = read_model(whole);
     const Embedding &was = model.mesh.embedding, &is = back.mesh.embedding;
     CHECK(is.cubes == was.cubes);
@@ -159,6 +160,26 @@ TEST_CASE("a model of a solid in an embedded lattice comes back from its file in
     CHECK(is.centroid == was.centroid);
     CHECK(is.spacing_m == was.spacing_m);
     CHECK(back.energy_law->constants == model.energy_law->constants);
+
+    // its springs' curve
+    model.energy_law->curve = SpringCurve::mooney_rivlin(0.31, 3, 0.7, 1.2);
+    write_model(file, model, {"tissuectl test", 11, {}});
+    CHECK(read_model(file).energy_law->curve == model.energy_law->curve);
+    CHECK_FALSE(read_model(file).energy_law->curve == SpringCurve::mooney_rivlin(0.31, 3));
+    const std::vector<std::pair<std::string, double>> wrong = {{"c2_share", 1.5}, {"c2_share", std::nan("")}, {"straight_below", 0}, {"straight_below", 1}, {"straight_above", 0.9}, {"straight_above", 1e9}};
+    for (const auto& [name, value] : wrong) {
+        write_model(file, model, {"tissuectl test", 11, {}});
+        set_attribute(file, "/law", name, value);
+        CHECK_THAT(refusal<FileError>([&] { read_model(file); }), Contains("/law") && Contains(name));
+    }
+    write_model(file, model, {"tissuectl test", 11, {}});
+    set_attribute(file, "/law", "c2_share", 1);
+    set_attribute(file, "/law", "straight_above", 2);
+    CHECK_THAT(refusal<FileError>([&] { read_model(file); }), Contains("soften above 2"));
+    model.energy_law->curve = SpringCurve();
+    write_model(file, model, {"tissuectl test", 11, {}});
+    CHECK(read_model(file).energy_law->curve.hookean());
+    CHECK(Hdf5Reader(file, "model").number_attribute("/", "format_version") == embedded_format_version);
 
     const auto said = [&](const auto& change) {
         TissueModel changed = model;

@@ -97,6 +97,7 @@ TEST_CASE("keys that a solid shape has not, or must have, are refused by name", 
     CHECK(three.beds_Pa_m() == std::vector<double>{1e5, 2e5});
     CHECK_THAT(said("[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = [1e5, 0.0]\n", "geometry.bed_Pa_m"), Contains("has 2 numbers for the 1 that 'fixed' names"));
     CHECK_THAT(said("solid = true", "bed_Pa_m = 2e5", "geometry.bed_Pa_m"), Contains("geometry.solid"));
+    CHECK_THAT(said("[draws.held_out]", "[draws.held_out_two]\napart_m = [0.015, 0.06]", "draws.held_out_two.apart_m"), Contains("on a block alone"));
     said("fixed = [\"bed\"]\n", "", "geometry.fixed");
     said("[lattice]\nsize_m = 0.01\n", "", "lattice");
     said("size_m = 0.01", "cells = [5, 4, 3]", "lattice.size_m");

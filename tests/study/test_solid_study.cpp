@@ -47,6 +47,21 @@ TEST_CASE("a study with length_m is a solid block: three axes, incompressible, E
     CHECK(example_study().lattice().size_m == std::vector<double>{0.1, 0.1});
 }
 
+TEST_CASE("springs of a solid pull as its material does, or as the study says, and the material says its share of C2") {
+    const auto with_curve = [](const std::string& curve) { return with(solid_study_text(), "stiffness = \"law\"", "stiffness = \"law\"\ncurve = \"" + curve + "\""); };
+    CHECK_FALSE(example_study(solid_study_text()).springs.hookean);
+    CHECK_FALSE(example_study(with_curve("material")).springs.hookean);
+    CHECK(example_study(with_curve("hooke")).springs.hookean);
+    CHECK(example_study().springs.hookean);
+    CHECK_THAT(said("stiffness = \"law\"", "stiffness = \"law\"\ncurve = \"ogden\"", "springs.curve"), Contains("allowed: material, hooke"));
+    Study::LawParameters mooney_rivlin{263, 491, {}, {}};
+    CHECK(mooney_rivlin.second_share() == Approx(491.0 / 754));
+    // Ogden's law with alpha 2 and -2 is Mooney and Rivlin's, 2 mu_1 = 4 C1 and -2 mu_2 = 4 C2
+    CHECK(Study::LawParameters{0, 0, {2 * 263, -2 * 491}, {2, -2}}.second_share() == Approx(491.0 / 754));
+    CHECK(Study::LawParameters{0, 0, {100}, {14}}.second_share() == 0);  // stiffer under tension than any
+    CHECK(Study::LawParameters{0, 0, {-100}, {-8}}.second_share() == 1);
+}
+
 TEST_CASE("pushes of a solid are tilted off the inward normal towards an azimuth, axes exactly") {
     CHECK(solid_push(0, 77) == Eigen::Vector3d(0, 0, -1));
     CHECK(solid_push(90, 0) == Eigen::Vector3d(1, 0, 0));
@@ -157,6 +172,26 @@ TEST_CASE("a contact of a solid may have a disc of its own, whose depths are in 
     CHECK_THAT(said(seed, seed + "\nradii_m = [0.004, 0.004]", "draws.validation.radii_m"), Contains("twice"));
     CHECK_THAT(said(seed, seed + "\nradii_m = [0.004, 0.03]", "draws.validation.radii_m"), Contains("30 mm"));
     CHECK_THAT(said(seed, seed + "\nradii_m = [0.004, 0.020]", "draws.validation.clearance_m"), Contains("radius 20 mm needs 25 mm"));
+}
+
+TEST_CASE("draws with apart_m are of pairs of discs, which only a block's own roles have") {
+    const std::string role = "[draws.held_out_near_a_wall]", pairs = role + "\napart_m = [0.015, 0.060]";
+    const Study s = example_study(with(solid_study_text(), role, pairs));
+    CHECK(s.draws[2].of_pairs());
+    CHECK(s.draws[2].pair_apart_m[0] == 0.015);
+    CHECK(s.draws[2].pair_apart_m[1] == 0.060);
+    for (int d : {0, 1}) CHECK_FALSE(s.draws[static_cast<std::size_t>(d)].of_pairs());
+    const auto wrong = [&](const std::string& apart) { return said(role, role + "\napart_m = " + apart, "draws.held_out_near_a_wall.apart_m"); };
+    CHECK_THAT(wrong("[0.014, 0.060]"), Contains("two discs of radius 7 mm are 14.7 mm apart at least, 2.1 radii"));
+    CHECK_THAT(wrong("[0.060, 0.015]"), Contains("[smallest, largest]"));
+    CHECK_THAT(wrong("[0.030, 0.030]"), Contains("[smallest, largest]"));
+    wrong("[0.030]");
+    wrong("0.030");
+    CHECK_THAT(said(role, role + "\napart_m = [0.015, 0.060]\nradii_m = [0.004, 0.0075]", "draws.held_out_near_a_wall.clearance_m"), Contains("7.5 mm"));
+    for (const char* own : {"[draws.validation]", "[draws.held_out]"}) {
+        const std::string key = std::string(own).substr(1, std::string(own).size() - 2) + ".apart_m";
+        CHECK_THAT(said(own, std::string(own) + "\napart_m = [0.015, 0.060]", key), Contains("a role of their own, held_out_WORD"));
+    }
 }
 
 TEST_CASE("meshes of a solid that would miss the disc, or check nothing, are refused") {

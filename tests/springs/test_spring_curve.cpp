@@ -1,0 +1,110 @@
+#include "springs/spring_curve.h"
+
+#include <catch2/catch.hpp>
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "../refusal.h"
+#include "error.h"
+
+using namespace tissue;
+
+namespace {
+
+constexpr double L = 0.01;
+
+/// Mean over directions of what springs store per length squared, of a deformation: 600 x 400 points on the sphere, 400 on the circle.
+double mean_energy(const SpringCurve& curve, const Eigen::MatrixXd& F) {
+    constexpr int around = 400, across = 600;
+    double sum = 0, weights = 0;
+    for (int j = 0; j < (F.rows() == 3 ? across : 1); ++j)
+        for (int k = 0; k < around; ++k) {
+            const double angle = 2 * M_PI * (k + 0.5) / around, z = F.rows() == 3 ? -1 + 2 * (j + 0.5) / across : 0, out = std::sqrt(1 - z * z);
+            Eigen::VectorXd n(F.rows());
+            n.head(2) << out * std::cos(angle), out * std::sin(angle);
+            if (F.rows() == 3) n[2] = z;
+            sum += curve.energy(1, (F * n).norm() - 1);
+            weights += 1;
+        }
+    return sum / weights;
+}
+
+/// Where a curve goes straight on: before its springs have no stiffness left.
+double most_of(double q) { return q < 0.7 ? 3 : 1.22; }
+
+/// Of no change of volume: uniaxial, pure and simple shear.
+std::vector<Eigen::MatrixXd> isochoric(int dimension) {
+    std::vector<Eigen::MatrixXd> all;
+    if (dimension == 2) {
+        for (const double s : {0.8, 1.2, 1.5}) all.push_back(Eigen::Vector2d(s, 1 / s).asDiagonal());
+        return all;
+    }
+    for (const double s : {0.75, 0.9, 1.3, 1.7}) all.push_back(Eigen::Vector3d(s, 1 / std::sqrt(s), 1 / std::sqrt(s)).asDiagonal());
+    all.push_back(Eigen::Vector3d(1.4, 1, 1 / 1.4).asDiagonal());
+    Eigen::Matrix3d sheared = Eigen::Matrix3d::Identity();
+    sheared(0, 2) = 0.4;
+    all.push_back(sheared);
+    return all;
+}
+
+}  // namespace
+
+TEST_CASE("in the mean over all directions springs are Mooney and Rivlin's material", "[curve]") {
+    for (const double q : {0.0, 0.3, 1.0}) {  // straight only where none of these is
+        const SpringCurve curve = SpringCurve::mooney_rivlin(q, 3, 0.3, most_of(q));
+        for (const Eigen::MatrixXd& F : isochoric(3)) {
+            const Eigen::Matrix3d C = F.transpose() * F;
+            if (std::sqrt(C.operatorNorm()) > most_of(q)) continue;
+            INFO("q = " << q << ", F =\n" << F);
+            // small strains: springs store 2/15 strain : strain / 2 of their stiffness, the material with C1 + C2 = 1 twice strain : strain
+            const double material = (1 - q) * (C.trace() - 3) + q * (C.inverse().trace() - 3);
+            CHECK(mean_energy(curve, F) == Approx(material / 30).epsilon(2e-4));
+        }
+    }
+    for (const double q : {0.0, 0.5, 1.0})  // in plane strain every share is the same material
+        for (const Eigen::MatrixXd& F : isochoric(2)) {
+            if (F.operatorNorm() > most_of(q)) continue;
+            CHECK(mean_energy(SpringCurve::mooney_rivlin(q, 2, 0.3, most_of(q)), F) == Approx(((F.transpose() * F).trace() - 2) / 16).epsilon(1e-6));
+        }
+}
+
+TEST_CASE("a curve's force is the slope of its energy, and its slope that of its force, where it is straight too", "[curve]") {
+    std::vector<SpringCurve> curves = {SpringCurve()};
+    for (const int dimension : {2, 3})
+        for (const double q : {0.0, 0.4, 1.0})
+            for (const double above : {SpringCurve::straight_above, 1.1, q < 1 ? 1.9 : 1.15}) curves.push_back(SpringCurve::mooney_rivlin(q, dimension, SpringCurve::straight_below, above));
+    for (const SpringCurve& curve : curves) {
+        CHECK(curve.energy(L, 0) == 0);
+        CHECK(curve.secant(L, 0) == 0);
+        CHECK(curve.slope(L, 0) == Approx(1).epsilon(1e-12));  // as stiff at rest as Hooke's
+        for (const double s : {0.1, 0.4, SpringCurve::straight_below - 1e-4, SpringCurve::straight_below + 1e-4, 0.8, 0.999, 1 - 1e-7, 1 + 1e-7, 1.001, 1.3, 2.5}) {
+            INFO("q = " << curve.q() << " at " << s << ", straight above " << curve.longer().stretch);
+            const double by = (s - 1) * L, little = 1e-8 * L;
+            const auto force = [&](double b) { return curve.secant(L, b) * (L + b); };
+            CHECK((curve.energy(L, by + little) - curve.energy(L, by - little)) / (2 * little) == Approx(force(by)).epsilon(1e-6).margin(1e-12));
+            CHECK((force(by + little) - force(by - little)) / (2 * little) == Approx(curve.slope(L, by)).epsilon(1e-6));
+            CHECK(curve.energy(L, by) > 0);
+        }
+    }
+    // Hooke's is Hooke's
+    CHECK(SpringCurve().hookean());
+    CHECK(SpringCurve().energy(L, -0.9 * L) == Approx(0.405 * L * L));
+    CHECK(SpringCurve().secant(L, 3 * L) == Approx(0.75));
+    // and the force that is said, of a spring at 0.8 of its length
+    const double s = 0.8, neo = (s - std::pow(s, -4)) / 5, second = (std::pow(s, -4) - std::pow(s, -6)) / 2;
+    CHECK(SpringCurve::mooney_rivlin(0.25, 3).secant(L, (s - 1) * L) * s == Approx(0.75 * neo + 0.25 * second));
+    // as a part of its whole, which loops need: 2 energy = by^2 R(r)
+    const auto& w = SpringCurve::mooney_rivlin(0.25, 2).root();
+    double R = 0;
+    for (std::size_t k = w.size(); k-- > 0;) R = R / s + w[k];
+    CHECK(SpringCurve::mooney_rivlin(0.25, 2).energy(L, (s - 1) * L) == Approx(std::pow((s - 1) * L, 2) * R / 2));
+}
+
+TEST_CASE("a curve that there is none of is refused", "[curve]") {
+    CHECK_THAT(refusal<MismatchError>([] { SpringCurve::mooney_rivlin(1.01, 3); }), Catch::Contains("1.01"));
+    CHECK_THAT(refusal<MismatchError>([] { SpringCurve::mooney_rivlin(std::nan(""), 3); }), Catch::Contains("nan"));
+    CHECK_THAT(refusal<MismatchError>([] { SpringCurve::mooney_rivlin(0.5, 4); }), Catch::Contains("4"));
+    CHECK_THAT(refusal<MismatchError>([] { SpringCurve::mooney_rivlin(0.5, 3, 0.6, 0.9); }), Catch::Contains("0.9"));
+    CHECK_THAT(refusal<MismatchError>([] { SpringCurve::mooney_rivlin(1, 3, 0.6, 1.9); }), Catch::Contains("soften above 1.9"));
+    CHECK_THAT(refusal<MismatchError>([] { SpringCurve::mooney_rivlin(0.5, 3, 0, 1); }), Catch::Contains("below 0"));
+}
