@@ -222,8 +222,9 @@ Files csv_files(const Cases& cases, const std::vector<const LoadPath*>& paths) {
     std::string nodes = "node," + columns("", "_m", D) + "\n";
     for (Eigen::Index i = 0; i < cases.nodes.rows(); ++i)
         nodes += fmt::format("{},{}\n", i, values(cases.nodes.row(i)));
+    const bool with_pairs = std::any_of(paths.begin(), paths.end(), [](const LoadPath* path) { return path->second.has_value(); });
     std::string records = "path,record,magnitude_m,energy_J," + columns("contact_", "_N", D) + "," +
-                          columns("support_", "_N", D) + ",smallest_J\n";
+                          columns("support_", "_N", D) + ",smallest_J" + (with_pairs ? "," + columns("second_", "_N", D) : "") + "\n";
     std::string fields = "path,record,node," + columns("u_", "_m", D) + "," + columns("f_", "_N", D) + "\n";
     for (const LoadPath* path : paths)
         for (std::size_t k = 0; k < path->records.size(); ++k) {
@@ -231,8 +232,10 @@ Files csv_files(const Cases& cases, const std::vector<const LoadPath*>& paths) {
             const std::string which = fmt::format("{},{}", field(path->name), k);
             const bool measured = r.displacement.size() == 0;  // then nobody knows energy, supports and strain
             const std::string unknown(static_cast<std::size_t>(D - 1), ',');
-            records += fmt::format("{},{},{},{},{},{}\n", which, r.magnitude_m, measured ? "" : fmt::format("{}", r.energy_J), values(r.contact_force_N),
+            records += fmt::format("{},{},{},{},{},{}", which, r.magnitude_m, measured ? "" : fmt::format("{}", r.energy_J), values(r.contact_force_N),
                                    measured ? unknown : values(r.support_force_N), measured ? "" : fmt::format("{}", r.smallest_J));
+            if (with_pairs) records += "," + (path->second ? values(r.second_force_N) : unknown);
+            records += '\n';
             for (Eigen::Index i = 0; i < r.displacement.rows(); ++i)
                 fields += fmt::format("{},{},{},{}\n", which, i, values(r.displacement.row(i)), values(r.force.row(i)));
         }

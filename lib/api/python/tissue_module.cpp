@@ -317,6 +317,14 @@ py::list paths_of(const File& file) {
         p["magnitude_m"] = std::move(magnitude);
         p["force_N"] = std::move(force);
         p["displacement_m"] = std::move(displacement);
+        if (path.second) {  // a second disc, pushed in proportion with the first
+            NodeField second_force(R, D);
+            for (Eigen::Index r = 0; r < R; ++r) second_force.row(r) = path.records[static_cast<std::size_t>(r)].second_force_N;
+            p["second_contact_m"] = Eigen::VectorXd(path.second->contact_m);
+            p["second_direction"] = Eigen::VectorXd(path.second->direction);
+            p["second_depth_m"] = path.second->depth_m;
+            p["second_force_N"] = std::move(second_force);
+        }
         paths.append(std::move(p));
     }
     return paths;
@@ -549,5 +557,5 @@ ticks() between two ticks, press() between two contacts and next() between two p
 
     m.def("read_study", &read_study, py::arg("folder"), "results/STUDY: a dict of model, paths (as read_cases) and eval (eval.json; None where there is none yet).");
     m.def("read_cases", &paths_of, py::arg("file"),
-          "FE's load paths of a cases.h5: a list of dicts of name, role, contact_m, direction, lost, magnitude_m (R), in space radius_m of its disc (0: the study's own), force_N (R, D), displacement_m (R, N, D; no rows where nobody saw inside).");
+          "FE's load paths of a cases.h5: a list of dicts of name, role, contact_m, direction, lost, magnitude_m (R), in space radius_m of its disc (0: the study's own), force_N (R, D), displacement_m (R, N, D; no rows where nobody saw inside). Of two discs at once also second_contact_m, second_direction, second_depth_m (reached with the largest magnitude_m), second_force_N (R, D).");
 }
