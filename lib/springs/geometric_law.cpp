@@ -6,6 +6,25 @@
 #include "springs/two_node_law.h"
 
 namespace tissue {
+namespace kernel {
+
+/// A SpringCurve as loops have it: a copy of their own, so that nothing that they store can be a part of it.
+struct Curve {
+    double c0, c1, c2, c3, c4, c5, c6;  ///< P
+    double most, most_offset;           ///< of larger ratios, shorter springs, the tangent: secant = slope - offset ratio
+    double least, least_offset;         ///< and of smaller ones
+};
+
+/// And its energy, for springs that relax.
+struct RootCurve {
+    Curve force;
+    double r0, r1, r2, r3, r4, r5;  ///< R
+    double most_slope, least_slope;
+    double least_ratio = 1e-6, none = 0;  ///< of a slot without a spring the ratio is 0. No constants of a loop, as least_squared_m2 is none
+};
+
+}  // namespace kernel
+
 namespace {
 
 constexpr double no_length_m = 1e-12;  ///< two nodes on one spot have no direction to push in
@@ -16,6 +35,9 @@ struct Turning {
     static constexpr bool linear = false, axes_apart = false, in_space = true, turns = true;
 
     SpringCurve of;
+    kernel::RootCurve in_loops;
+
+    Turning(const SpringCurve& curve = {});
 
     template <class Vector>
     static double drawn_out(const Vector& rest, const Vector& current) {
@@ -66,21 +88,6 @@ inline double inverse_root(double x) {
 /// no_length_m squared, as no constant: loops take a copy. Of a constant gcc makes a branch with its root, and then loops for all but the widest
 /// registers (AVX-512) one by one.
 double least_squared_m2 = no_length_m * no_length_m;
-
-/// A SpringCurve as loops have it: a copy of their own, so that nothing that they store can be a part of it.
-struct Curve {
-    double c0, c1, c2, c3, c4, c5, c6;  ///< P
-    double most, most_offset;           ///< of larger ratios, shorter springs, the tangent: secant = slope - offset ratio
-    double least, least_offset;         ///< and of smaller ones
-};
-
-/// And its energy, for springs that relax.
-struct RootCurve {
-    Curve force;
-    double r0, r1, r2, r3, r4, r5;  ///< R
-    double most_slope, least_slope;
-    double least_ratio = 1e-6, none = 0;  ///< of a slot without a spring the ratio is 0. No constants of a loop, as least_squared_m2 is none
-};
 
 TISSUE_INLINE double polynomial(double ratio, const Curve& q) {
     return q.c0 + ratio * (q.c1 + ratio * (q.c2 + ratio * (q.c3 + ratio * (q.c4 + ratio * (q.c5 + ratio * q.c6)))));
@@ -247,13 +254,8 @@ namespace {
 
 constexpr int chunk = 256;
 
-kernel::Curve in_loops(const SpringCurve& q) {
-    const auto& c = q.force();
-    return {c[0], c[1], c[2], c[3], c[4], c[5], c[6], 1 / q.shorter().stretch, q.shorter().offset(), 1 / q.longer().stretch, q.longer().offset()};
-}
-
 /// Springs that relax pull with what their memory makes of the root of their energy: for Hooke's, of how far they are drawn out.
-void pull_with_memory(const SpringCurve& curve, const SpringRun& r, int n) noexcept {
+void pull_with_memory(const Turning& springs, const SpringRun& r, int n) noexcept {
     alignas(64) double span[3][chunk], inverse[chunk], by[chunk], felt[chunk];
     if (r.dimension == 2 && r.alike)
         kernel::drawn_out_alike(r, n, r.one_span[0], r.one_span[1], r.one_length, span[0], span[1], inverse, by);
@@ -263,10 +265,7 @@ void pull_with_memory(const SpringCurve& curve, const SpringRun& r, int n) noexc
         kernel::drawn_out_solid_alike(r, n, r.one_span[0], r.one_span[1], r.one_span[2], r.one_length, span[0], span[1], span[2], inverse, by);
     else
         kernel::drawn_out_solid(r, n, span[0], span[1], span[2], inverse, by);
-    if (!curve.hookean()) {
-        const auto& w = curve.root();
-        kernel::to_root({in_loops(curve), w[0], w[1], w[2], w[3], w[4], w[5], curve.shorter().slope, curve.longer().slope}, n, inverse, by);
-    }
+    if (!springs.of.hookean()) kernel::to_root(springs.in_loops, n, inverse, by);
     r.memory->step(r.first, n, by, felt);
     kernel::pull_of(n, r.theta, felt, inverse);
     for (int d = 0; d < r.dimension; ++d) kernel::put_on_ends(n, inverse, span[d], r.f_i[d], r.f_j[d]);
@@ -274,9 +273,16 @@ void pull_with_memory(const SpringCurve& curve, const SpringRun& r, int n) noexc
 
 }  // namespace
 
+Turning::Turning(const SpringCurve& curve) : of(curve) {
+    const auto& c = of.force();
+    const auto& w = of.root();
+    in_loops = {{c[0], c[1], c[2], c[3], c[4], c[5], c[6], 1 / of.shorter().stretch, of.shorter().offset(), 1 / of.longer().stretch, of.longer().offset()},
+                w[0], w[1], w[2], w[3], w[4], w[5], of.shorter().slope, of.longer().slope};
+}
+
 void Turning::pull(const SpringRun& r, int n) const noexcept {
-    if (r.memory) return pull_with_memory(of, r, n);
-    const kernel::Curve q = in_loops(of);
+    if (r.memory) return pull_with_memory(*this, r, n);
+    const kernel::Curve& q = in_loops.force;
     if (r.dimension == 2 && r.alike)
         kernel::geometric_alike(r, q, n, r.one_span[0], r.one_span[1], r.one_length, r.f_i[0], r.f_i[1], r.f_j[0], r.f_j[1]);
     else if (r.dimension == 2)
@@ -290,6 +296,6 @@ void Turning::pull(const SpringRun& r, int n) const noexcept {
 
 std::unique_ptr<SpringLaw> make_geometric_law() { return std::make_unique<TwoNodeLaw<Turning>>(); }
 
-std::unique_ptr<SpringLaw> make_turning_law(const SpringCurve& curve) { return std::make_unique<TwoNodeLaw<Turning>>(Turning{curve}); }
+std::unique_ptr<SpringLaw> make_turning_law(const SpringCurve& curve) { return std::make_unique<TwoNodeLaw<Turning>>(Turning(curve)); }
 
 }  // namespace tissue
