@@ -1,5 +1,6 @@
 #include "eval/two_tools.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -8,6 +9,8 @@
 #include "../solid_law_example.h"
 #include "../tolerances.h"
 #include "eval/evaluation.h"
+#include "eval/held_out.h"
+#include "springs/energy_law.h"
 #include "springs/law_press.h"
 
 using namespace tissue;
@@ -134,4 +137,35 @@ TEST_CASE("eval.json and report.md have a block of two tools where there are pai
     CHECK_THAT(report, Contains("## Two discs at once: pairs of `held_out_two`, force error on each disc"));
     CHECK_THAT(report, Contains("FE lost 1 pairs:\n- held-out-two-0003: the tissue is folded\n"));
     CHECK(report.find("| held-out-two-0002 | 13.0 | 5.00, 3.00 |") < report.find("| held-out-two-0001 | 16.0 | 5.00, 3.00 |"));
+}
+
+TEST_CASE("the untrained law has the springs' curve of the learned one, and heuristics are Hooke's", "[solid][held_out]") {
+    TrainedModel m = model();
+    m.heuristic_b = m.heuristic_a;
+    m.books.law->untrained_constants = m.energy_law->constants;
+    m.books.law->untrained_patch = m.energy_law->patch;
+    LoadPath path = pair_of(m, "held-out-0001", 0.016);
+    path.role = "held_out";
+    path.second.reset();
+    const auto force_of = [&](const Eigen::VectorXd& constants, const SpringCurve& curve) {
+        LawModel law = *m.energy_law;
+        law.constants = constants;
+        law.curve = curve;
+        const Equilibrium rest = LawPress(m.mesh, law).at(path.contact_m, path.push_m(path.records.back()));
+        REQUIRE(rest);
+        return Point(rest.contact_force);
+    };
+    const Point truth = force_of(m.energy_law->constants, m.energy_law->curve);
+    for (PathRecord& record : path.records) record.contact_force_N = record.magnitude_m / path.depth_m * truth;
+    const HeldOut held_out = evaluate_held_out(m, cases_of(m, {path}), 1);
+    const auto error_of = [&](const std::string& name) {
+        const auto at = std::find(held_out.models.begin(), held_out.models.end(), name);
+        REQUIRE(at != held_out.models.end());
+        return *held_out.role("held_out")->contacts.at(0).error.at(static_cast<std::size_t>(at - held_out.models.begin())).force;
+    };
+    CHECK(error_of("learned") < 1e-9);
+    CHECK(error_of("untrained") < 1e-9);
+    const Point hooke = force_of(springs_alone(m.mesh, m.energy_law->constants, m.heuristic_a), SpringCurve());
+    CHECK(error_of("heuristic_a_patch") == Approx((hooke - truth).norm() / truth.norm()).epsilon(1e-6));
+    CHECK((force_of(springs_alone(m.mesh, m.energy_law->constants, m.heuristic_a), m.energy_law->curve) - hooke).norm() > 1e-3 * hooke.norm());
 }
