@@ -7,6 +7,7 @@
 #include "cases/load_path.h"
 #include "error.h"
 #include "../example.h"
+#include "../solid_example.h"
 #include "../mutations.h"
 #include "../refusal.h"
 
@@ -40,12 +41,37 @@ Cases hand_cases() {
     return cases;
 }
 
+/// In space, a path of one disc to train on and one of two that proves.
+Cases pair_cases() {
+    Cases cases;
+    cases.study = "pairs";
+    cases.nodes = (NodeField(4, 3) << 0, 0, 0, 0.1, 0, 0, 0, 0.1, 0, 0, 0, 0.05).finished();
+    cases.magnitudes_m = {0.005};
+    for (const char* name : {"down", "held-out-two-0001"}) {
+        LoadPath path;
+        path.name = name;
+        path.role = cases.paths.empty() ? "train" : "held_out_two";
+        path.contact_m = Eigen::Vector3d(0.02, 0.05, 0.05);
+        path.direction = Eigen::Vector3d(0, 0, -1);
+        path.depth_m = 0.005;
+        if (!cases.paths.empty()) path.second = SecondTool{Eigen::Vector3d(0.06, 0.05, 0.05), Eigen::Vector3d(0.6, 0, -0.8), 0.003};
+        for (const double s : {0.0, 0.005}) {
+            const NodeField field = NodeField::Constant(4, 3, 0.1 * s);
+            PathRecord record{s, field, field, Eigen::Vector3d(0, 0.1, -20 * s), Eigen::Vector3d(0, 0, 20 * s), s, 1 - s, 3, 1e-12};
+            record.second_force_N = Eigen::Vector3d(0.1, -0.2, -10 * s);
+            path.records.push_back(record);
+        }
+        cases.paths.push_back(path);
+    }
+    return cases;
+}
+
 }  // namespace
 
 TEST_CASE("load cases, changed in any one dataset in any way, are refused in one line or load as others that are well") {
     const TemporaryFolder folder;
     const std::string whole = folder.file("whole.h5"), file = folder.file("cases.h5");
-    for (const Cases& cases : {fe_cases(), shape_cases(), hand_cases()}) {
+    for (const Cases& cases : {fe_cases(), shape_cases(), hand_cases(), pair_cases()}) {
         write_cases(whole, cases, {"tissuectl test", 0, {}});
         const DatasetTable& table = cases_table(cases.measurement.has_value());
         const auto found = datasets_of(whole, table);

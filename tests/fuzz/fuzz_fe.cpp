@@ -11,10 +11,11 @@ FUZZ_TARGET(fe)(const std::uint8_t* data, std::size_t size) {
     static const NodeField space = (NodeField(2, 3) << 0, 0, 0, 0.1, 0, 0.05).finished();
     const FuzzFile file(data, size, "fe.csv");
     for (const Eigen::Index D : {2, 3}) {
-        reads([&] {
-            const LoadPath path = read_path_csv(file, D == 2 ? plane : space);
-            for (const PathRecord& r : path.records) must(r.displacement.allFinite() && r.force.allFinite(), "not finite");
-        });
+        for (const bool second : {false, true})
+            reads([&] {
+                const LoadPath path = read_path_csv(file, D == 2 ? plane : space, second);
+                for (const PathRecord& r : path.records) must(r.displacement.allFinite() && r.force.allFinite() && (!second || r.second_force_N.allFinite()), "not finite");
+            });
         reads([&] {
             const History h = read_history_csv(file, D);
             must(h.time_s.allFinite() && h.push_m.allFinite() && h.force_N.allFinite(), "not finite");
