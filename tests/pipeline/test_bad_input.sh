@@ -112,8 +112,10 @@ sed 's/$/\r/' "$scratch/left.csv" >"$R/cases/left.csv"
 good_csv "a load path with line ends of another system"
 sed '40d' "$scratch/left.csv" >"$R/cases/left.csv"
 bad_csv "a load path with a missing row" 'left.csv:[0-9]*: .*24 of 25 nodes'
-sed '1s/1$/2/' "$scratch/left.csv" >"$R/cases/left.csv"
+sed '1s/1$/3/' "$scratch/left.csv" >"$R/cases/left.csv"
 bad_csv "a load path of a later version" 'left.csv:1: .*version'
+sed '1s/1$/2/' "$scratch/left.csv" >"$R/cases/left.csv"
+bad_csv "a load path of two discs in place of one" 'left.csv:1: is of two discs, and the path has one'
 : >"$R/cases/left.csv"
 bad_csv "an empty load path" 'left.csv:'
 rm "$R/cases/left.csv"
