@@ -27,11 +27,12 @@ struct tissue_session {
     std::shared_ptr<const HapticModel> shared;
     std::unique_ptr<Simulation> running;
     mutable NodeColumns seen;  ///< scratch of tissue_positions and tissue_surface
+    int tool = 0;              ///< that calls are about (tissue_use_tool)
     TickClock clock;
     NamedSurfaces surfaces;
     explicit tissue_session(const tissue_model& of) : shared(of.model), running(std::make_unique<Simulation>(*shared)), seen(running->state(0).displacement), surfaces(of.surfaces) {}
     tissue_session(const tissue_session& other)
-        : shared(other.shared), running(std::make_unique<Simulation>(*other.running)), seen(running->state(0).displacement), clock(other.clock), surfaces(other.surfaces) {}
+        : shared(other.shared), running(std::make_unique<Simulation>(*other.running)), seen(running->state(0).displacement), tool(other.tool), clock(other.clock), surfaces(other.surfaces) {}
     const HapticModel& model() const { return *shared; }
     Simulation& simulation() { return *running; }
     const Simulation& simulation() const { return *running; }
@@ -84,6 +85,17 @@ tissue_status hand_out(const Struct& ours, Struct* to, size_t size) noexcept {
     std::memset(to, 0, size);
     std::memcpy(to, &ours, sizeof ours);
     return TISSUE_OK;
+}
+
+tissue_status status_of(const TickRecord& tick) noexcept {
+    switch (tick.status) {
+        case TickStatus::refused: return TISSUE_FAULT;
+        case TickStatus::not_armed: return TISSUE_NOT_ARMED;
+        case TickStatus::folded: return TISSUE_FOLDED;
+        case TickStatus::diverged: return TISSUE_DIVERGED;
+        case TickStatus::done: break;
+    }
+    return tick.overrun ? TISSUE_OVERRUN : TISSUE_OK;
 }
 
 /// In three numbers, the third 0 in the plane.
@@ -142,40 +154,53 @@ void tissue_close(tissue_session** session) {
 tissue_status tissue_tick(tissue_session* s, const double position_m[3], double elapsed_s, double force_N[3]) { return tissue_tick_aged(s, position_m, 0, elapsed_s, force_N); }
 
 tissue_status tissue_tick_aged(tissue_session* s, const double position_m[3], double age_s, double elapsed_s, double force_N[3]) {
-    if (!s || !position_m || !force_N) {
-        if (force_N) std::fill_n(force_N, 3, 0.0);  // or a caller who does not look at the status plays the old one for ever
-        return TISSUE_BAD_ARGUMENT;
+    return tissue_tick_tools(s, 1, position_m, &age_s, elapsed_s, force_N, nullptr);
+}
+
+tissue_status tissue_tick_tools(tissue_session* s, int tools, const double* position_m, const double* age_s, double elapsed_s, double* force_N, tissue_status* status) {
+    constexpr int most = 64;  // that a caller can mean: of more the number is wrong, and not the memory there
+    if (force_N && tools > 0 && tools <= most) std::fill_n(force_N, 3 * tools, 0.0);
+    if (status && tools > 0 && tools <= most) std::fill_n(status, tools, TISSUE_BAD_ARGUMENT);
+    if (!s || !position_m || !force_N || tools != s->simulation().tool_count()) return TISSUE_BAD_ARGUMENT;
+    DeviceSample sample[most_tools];
+    Eigen::Vector3d force[most_tools];
+    for (int k = 0; k < tools; ++k) {
+        sample[k].position_m = Eigen::Map<const Eigen::Vector3d>(position_m + 3 * k);
+        sample[k].age_s = age_s ? age_s[k] : 0;
     }
-    DeviceSample sample;
-    sample.position_m = Eigen::Vector3d(position_m[0], position_m[1], position_m[2]);
-    sample.age_s = age_s;
     const TickClock::Start start = s->clock.start(elapsed_s);
-    const Eigen::Vector3d force = s->simulation().tick(sample, start.elapsed_s, start.cost_s);
+    s->simulation().tick(sample, force, start.elapsed_s, start.cost_s);
     s->clock.end();
-    for (int a = 0; a < 3; ++a) force_N[a] = force[a];
-    switch (s->simulation().record().status) {
-        case TickStatus::refused: return TISSUE_FAULT;
-        case TickStatus::not_armed: return TISSUE_NOT_ARMED;
-        case TickStatus::folded: return TISSUE_FOLDED;
-        case TickStatus::diverged: return TISSUE_DIVERGED;
-        case TickStatus::done: break;
+    tissue_status first = TISSUE_OK;
+    for (int k = 0; k < tools; ++k) {
+        Eigen::Map<Eigen::Vector3d>(force_N + 3 * k) = force[k];
+        const tissue_status of_tool = status_of(s->simulation().record(k));
+        if (status) status[k] = of_tool;
+        if (first == TISSUE_OK || first == TISSUE_OVERRUN) first = of_tool == TISSUE_OK ? first : of_tool;
     }
-    return s->simulation().record().overrun ? TISSUE_OVERRUN : TISSUE_OK;
+    return first;
+}
+
+tissue_status tissue_use_tool(tissue_session* s, int tool) {
+    if (!s) return bad("tissue_use_tool: a null pointer");
+    if (tool < 0 || tool >= s->simulation().tool_count()) return bad("tissue_use_tool: the session has no such tool");
+    s->tool = tool;
+    return TISSUE_OK;
 }
 
 tissue_status tissue_set(tissue_session* s, const char* name, const char* value) {
     if (!s || !name || !value) return bad("tissue_set: a null pointer");
     return caught([&] {
-        HapticOptions options = s->simulation().options();
+        HapticOptions options = s->simulation().options(s->tool);
         if (const tissue_status status = set(options, name, value, true); status != TISSUE_OK) return status;
-        s->simulation().change(options);
+        s->simulation().change(options, s->tool);
         return TISSUE_OK;
     });
 }
 
 tissue_status tissue_clutch(tissue_session* s, int on) {
     if (!s) return bad("tissue_clutch: a null pointer");
-    s->simulation().clutch(on != 0);
+    s->simulation().clutch(on != 0, s->tool);
     return TISSUE_OK;
 }
 
@@ -247,6 +272,7 @@ tissue_status tissue_reset(tissue_session* s) {
     return TISSUE_OK;
 }
 
+int tissue_tool_count(const tissue_session* s) { return s ? s->simulation().tool_count() : 0; }
 int tissue_dimension(const tissue_session* s) { return s ? s->model().dimension() : 0; }
 int tissue_node_count(const tissue_session* s) { return s ? s->model().rest.node_count() : 0; }
 int tissue_facet_count(const tissue_session* s) { return s ? static_cast<int>(s->model().rest.facets.rows()) : 0; }
@@ -317,7 +343,7 @@ tissue_status tissue_surface(const tissue_session* s, const char* name, int* tri
 
 tissue_status tissue_read_contact(const tissue_session* s, tissue_contact* to, size_t size) {
     if (!s || !to) return bad("tissue_read_contact: a null pointer");
-    const TickRecord& tick = s->simulation().record();
+    const TickRecord& tick = s->simulation().record(s->tool);
     tissue_contact contact{};
     contact.mesh = tick.mesh;
     contact.facet = tick.facet;
@@ -338,7 +364,7 @@ tissue_status tissue_count(const tissue_session* s, const char* name, long long*
     if (!s || !name || !count) return bad("tissue_count: a null pointer");
     for (const SessionCount& one : session_counts)
         if (std::strcmp(name, one.name) == 0) {
-            *count = one.of(s->simulation());
+            *count = one.of(s->simulation(), s->tool);
             return TISSUE_OK;
         }
     return bad("tissue_count: there is no such count");
@@ -346,7 +372,7 @@ tissue_status tissue_count(const tissue_session* s, const char* name, long long*
 
 tissue_status tissue_read_limits(const tissue_session* s, tissue_limits* to, size_t size) {
     if (!s || !to) return bad("tissue_read_limits: a null pointer");
-    const SafetyCounters& c = s->simulation().safety().counters();
+    const SafetyCounters& c = s->simulation().safety(s->tool).counters();
     return hand_out(tissue_limits{c.clamped, c.slewed, c.damped, c.capped, c.late, s->simulation().counters().lost_s}, to, size);
 }
 
@@ -354,7 +380,7 @@ tissue_status tissue_energy(const tissue_session* s, const char* name, double* e
     if (!s || !name || !energy_J) return bad("tissue_energy: a null pointer");
     for (const SessionEnergy& one : session_energies)
         if (std::strcmp(name, one.name) == 0) {
-            *energy_J = one.of(s->simulation());
+            *energy_J = one.of(s->simulation(), s->tool);
             return TISSUE_OK;
         }
     return bad("tissue_energy: there is no such energy");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "error.h"
@@ -39,16 +40,33 @@ void ContactLoad::move(double seconds) noexcept {
     if (coupling_N_m > 0) master_m += seconds * velocity_m_s;
 }
 
+Point Dynamics::step(MeshState& state, const ContactLoad& load) noexcept {
+    Point force;
+    step_under(state, &load, 1, &force);
+    return force;
+}
+
 Point Dynamics::advance(MeshState& state, ContactLoad& load, double dt_s, int steps, int of_last) noexcept {
-    Point mean;
+    ContactLoads loads;
+    loads.load[loads.count++] = load;
+    Point mean[most_tools];
+    advance(state, loads, dt_s, steps, of_last, mean);
+    load = loads.load[0];
+    return mean[0];
+}
+
+void Dynamics::advance(MeshState& state, ContactLoads& loads, double dt_s, int steps, int of_last, Point* mean_N) noexcept {
+    const int count = std::max(loads.count, 1);  // a free one where there is no tool
+    Point force[most_tools];
     for (int k = 0; k < steps; ++k) {
-        const Point force = step(state, load);
-        if (k == steps - of_last || mean.size() == 0) mean = Point::Zero(force.size());
-        if (k >= steps - of_last) mean += force / of_last;
-        load.move(dt_s);
+        step_under(state, loads.load, count, force);
+        for (int t = 0; t < count; ++t) {
+            if (k == steps - of_last || mean_N[t].size() == 0) mean_N[t] = Point::Zero(force[t].size());
+            if (k >= steps - of_last) mean_N[t] += force[t] / of_last;
+            loads.load[t].move(dt_s);
+        }
     }
     complete(state);
-    return mean;
 }
 
 const Registry<const DynamicsKind*>& dynamics_kinds() {

@@ -67,6 +67,14 @@ struct ContactLoad {
     Point put_on(const RealtimeMesh& mesh, const NodeColumns& u, NodeColumns& f) const noexcept;
 };
 
+constexpr int most_tools = 2;  ///< on one tissue
+
+/// What the tools do to a mesh in one step.
+struct ContactLoads {
+    ContactLoad load[most_tools];
+    int count = 0;
+};
+
 /// One step of M a = f - K u - B v, (12) with the signs put right, of length dt. B = damping M [1/s].
 /// One file a kind. No step allocates. The contact's damper (ContactLoad::ahead_s) works in every kind but `paper`.
 class Dynamics {
@@ -76,12 +84,18 @@ class Dynamics {
 
     /// Returns the force on the mesh at the contact in this step [N]: the force of the tool on the tissue, put on its
     /// segment's end nodes as w(j) f, or at its own contact.
-    virtual Point step(MeshState& state, const ContactLoad& load) noexcept = 0;
+    Point step(MeshState& state, const ContactLoad& load) noexcept;
     /// Called after the last step of a tick: sets the displacements of an embedded solid's own nodes. Nothing sets or reads their velocities.
     virtual void complete(MeshState& /*state*/) const noexcept {}
 
     /// So many steps one after the other, in which the tool moves on. Returns the mean force of the last `of_last` of them.
     Point advance(MeshState& state, ContactLoad& load, double dt_s, int steps, int of_last) noexcept;
+    /// The same under several tools; mean_N: of each.
+    void advance(MeshState& state, ContactLoads& loads, double dt_s, int steps, int of_last, Point* mean_N) noexcept;
+
+   private:
+    /// force_N: of each tool. Kinds but `symplectic` take one load: a free one where there is no tool.
+    virtual void step_under(MeshState& state, const ContactLoad* loads, int count, Point* force_N) noexcept = 0;
 };
 
 struct DynamicsOptions {

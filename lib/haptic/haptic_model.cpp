@@ -63,7 +63,7 @@ double lead_of(const HapticMesh& mesh, double dt_s) {
 
 /// Which step runs, and with how much damping: from the spectrum, of the instantaneous stiffness.
 void choose_law_dynamics(const TissueModel& model, HapticMesh& mesh, const HapticOptions& o) {
-    const LawSpectrum spectrum = law_spectrum(model, mesh.springs);
+    const LawSpectrum spectrum = law_spectrum(model, mesh.springs, o.tools);
     const double lowest = std::sqrt(spectrum.smallest);
     mesh.largest_eigenvalue_1_s2 = spectrum.largest;
     // of a ball F = 5/4 of the disc's, and grows as d^1.5 (Hertz); on a hollow surface its contact is larger
@@ -148,7 +148,7 @@ std::uint64_t fingerprint_of(const HapticModel& model, const TissueModel& tissue
     const auto add_array = [&](const auto& values) { add(values.data(), sizeof(*values.data()) * static_cast<std::size_t>(values.size())); };
     add_array(std::string(version));
     const double numbers[] = {model.options.dt_s, model.options.safety.stale_s, model.options.safety.damping_max_Ns_m, *model.options.innovation, static_cast<double>(model.options.select_by), model.options.safety.hold_s, model.options.safety.force_max_N, model.options.safety.slew_N_s, model.options.safety.speed_max_m_s, model.options.stiffest,
-                              static_cast<double>(model.options.safety.passivity), static_cast<double>(model.options.energy_book)};
+                              static_cast<double>(model.options.safety.passivity), static_cast<double>(model.options.energy_book), static_cast<double>(model.options.tools)};
     add(numbers, sizeof numbers);
     for (const auto& mesh : model.meshes) {
         add_array(mesh->springs.rest());
@@ -211,6 +211,8 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     : study(model.study), tool(tool_of(model, given.tool)), options(given), set_names(model.case_names), surface(model.mesh), rest(model.mesh) {
     check_options(given);
     if (model.mesh.is_solid() && !model.energy_law) throw MismatchError("a model in space is a law; this one has none");
+    if (given.tools > 1 && (!model.energy_law || given.heuristic_mesh))
+        throw MismatchError(!model.energy_law ? "tools: two press an energy model alone, and this one has spring sets" : "tools: two press the learned mesh alone, without the heuristic mesh beside it");
     if (!model.mesh.nodes.allFinite()) throw MismatchError("positions of nodes must be finite");
     HapticOptions& o = options;
     const bool damping_asked = o.damping_ratio.has_value();

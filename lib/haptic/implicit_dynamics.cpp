@@ -22,7 +22,9 @@ class ImplicitDynamics final : public Dynamics {
           x_(Eigen::VectorXd::Zero(2 * mesh.node_count())), z_(Eigen::MatrixXd::Zero(2 * mesh.node_count(), 2)) {}
     std::string name() const override { return implicit_dynamics.name; }
 
-    Point step(MeshState& s, const ContactLoad& load) noexcept override {
+   private:
+    void step_under(MeshState& s, const ContactLoad* loads, int /*count*/, Point* force_N) noexcept override {
+        const ContactLoad& load = *loads;
         const double dt = o_.dt_s;
         const int D = numbering_.per_node;
 
@@ -35,7 +37,10 @@ class ImplicitDynamics final : public Dynamics {
             add_stiffness(mesh_, numbering_, s.theta, s.displacement, dt * dt, true, A_);
             factored_ = A_.factor();
             s.theta_changed = false;
-            if (!factored_) return Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+            if (!factored_) {
+                *force_N = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+                return;
+            }
         }
 
         // v without the coupling
@@ -49,10 +54,9 @@ class ImplicitDynamics final : public Dynamics {
         Eigen::Vector2d slip = load.weight[0] * s.velocity.row(load.node[0]) + load.weight[1] * s.velocity.row(load.node[1]);
         if (load.coupling_N_m > 0) slip = add_coupling(s, load, slip);
         s.displacement += dt * s.velocity;
-        return load.given_N + pull - load.coupling_N_m * (dt + load.ahead_s) * slip;
+        *force_N = load.given_N + pull - load.coupling_N_m * (dt + load.ahead_s) * slip;
     }
 
-   private:
     static int order(const FreeNumbering& numbering) {
         if (BandCholesky::bytes(numbering.order, numbering.half_bandwidth) > 256e6)
             throw MismatchError(fmt::format("the implicit step of a mesh of {} unknowns and half bandwidth {} is too "

@@ -83,10 +83,10 @@ double at_once(const ContactSpring& contact, const PressState& state, const Poin
     return (contact.load(state.push_m + little_m * way, u).hand_N - contact.load(state.push_m, u).hand_N).norm() / little_m;
 }
 
-/// The tangent of tissue and contact.
-Eigen::SparseMatrix<double> pressed(const TissueEnergy& energy, const Eigen::VectorXd& constants, const ContactSpring& contact, const PressState& state) {
+/// The tangent of tissue and contacts, so many at the same place.
+Eigen::SparseMatrix<double> pressed(const TissueEnergy& energy, const Eigen::VectorXd& constants, const ContactSpring& contact, const PressState& state, int tools) {
     const int D = energy.dimension();
-    const Eigen::MatrixXd own = contact.tangent(state.push_m, contact.gather(state.displacement));
+    const Eigen::MatrixXd own = tools * contact.tangent(state.push_m, contact.gather(state.displacement));
     const auto dof = [&](Eigen::Index k) { return D * contact.rows.nodes[static_cast<std::size_t>(k / D)] + static_cast<int>(k % D); };
     std::vector<Eigen::Triplet<double>> entries;
     for (Eigen::Index a = 0; a < own.rows(); ++a)
@@ -99,7 +99,7 @@ Eigen::SparseMatrix<double> pressed(const TissueEnergy& energy, const Eigen::Vec
 
 }  // namespace
 
-LawSpectrum law_spectrum(const TissueModel& model, const RealtimeMesh& springs) {
+LawSpectrum law_spectrum(const TissueModel& model, const RealtimeMesh& springs, int tools) {
     if (!model.energy_law) throw MismatchError("the model's stiffness is no law");
     const LawModel& law = *model.energy_law;
     const TissueEnergy energy(model.mesh, law);
@@ -122,7 +122,7 @@ LawSpectrum law_spectrum(const TissueModel& model, const RealtimeMesh& springs) 
             if (state.status == PressStatus::lost) continue;
             spectrum.contact_N_m = std::max(spectrum.contact_N_m, at_once(place.contact, state, way));
             spectrum.static_N_m = std::max(spectrum.static_N_m, state.contact_force_N.norm() / state.push_m.norm());
-            const double here = largest_eigenvalue(springs, pressed(energy, law.constants, place.contact, state));
+            const double here = largest_eigenvalue(springs, pressed(energy, law.constants, place.contact, state, tools));
             if (here > spectrum.largest || std::isnan(here)) spectrum.largest = here;  // std::max would lose what is no number
         }
     return spectrum;

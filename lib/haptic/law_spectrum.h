@@ -17,7 +17,7 @@ struct LawSpectrum {
 /// spread evenly over the free surface and at its corners. In space a press takes a tenth of a second: straight in and 30 degrees
 /// off, at four places: where the contact itself swings fastest, and three as far apart as the surface has them. With more than
 /// 1,500 nodes that have mass a press takes seconds; then only the first place is pressed. Presses whose rest is lost are left out.
-/// springs: of the model's mesh. Throws MismatchError for a model without a law.
-LawSpectrum law_spectrum(const TissueModel& model, const RealtimeMesh& springs);
+/// springs: of the model's mesh. tools: so many contacts may lie at one place, which then swings faster. Throws MismatchError for a model without a law.
+LawSpectrum law_spectrum(const TissueModel& model, const RealtimeMesh& springs, int tools = 1);
 
 }  // namespace tissue

@@ -10,9 +10,10 @@ class PaperDynamics final : public Dynamics {
     PaperDynamics(const RealtimeMesh& mesh, const DynamicsOptions& options) : mesh_(mesh), o_(options) {}
     std::string name() const override { return paper_dynamics.name; }
 
-    Point step(MeshState& s, const ContactLoad& load) noexcept override {
+   private:
+    void step_under(MeshState& s, const ContactLoad* loads, int /*count*/, Point* force_N) noexcept override {
         mesh_.force(s.theta, s.displacement, s.force);
-        const Eigen::Vector2d f = load.put_on(mesh_, s.displacement, s.force);
+        *force_N = loads->put_on(mesh_, s.displacement, s.force);
         for (Eigen::Index axis = 0; axis < 2; ++axis)
             for (Eigen::Index n = 0; n < s.force.rows(); ++n) {
                 const double inverse_mass = mesh_.inverse_mass()[n], v = s.velocity(n, axis);
@@ -23,10 +24,8 @@ class PaperDynamics final : public Dynamics {
                 s.acceleration(n, axis) = a;
             }
         s.theta_changed = false;
-        return f;
     }
 
-   private:
     const RealtimeMesh& mesh_;
     DynamicsOptions o_;
 };

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <sstream>
 
 #include "error.h"
@@ -30,6 +31,11 @@ double number(const SessionOption& option, const std::string& text, const char* 
 
 void read(const SessionOption& o, const std::string& text, double& to) { to = number(o, text); }
 void read(const SessionOption& o, const std::string& text, std::optional<double>& to) { to = number(o, text); }
+void read(const SessionOption& o, const std::string& text, int& to) {
+    const double value = number(o, text);
+    if (value != std::floor(value) || !(std::abs(value) < 1e9)) refuse(o, "be a whole number", "'" + text + "'");
+    to = static_cast<int>(value);
+}
 void read(const SessionOption&, const std::string& text, bool& to) { to = text == "yes"; }
 void read(const SessionOption&, const std::string& text, std::string& to) { to = text; }
 void read(const SessionOption&, const std::string& text, SelectBy& to) { to = text == "force" ? SelectBy::force : SelectBy::displacement; }
@@ -44,6 +50,7 @@ void read(const SessionOption& o, const std::string& text, Point& to) {
 }
 
 std::vector<double> numbers_in(double value) { return {value}; }
+std::vector<double> numbers_in(int value) { return {static_cast<double>(value)}; }
 std::vector<double> numbers_in(const std::optional<double>& value) { return value ? numbers_in(*value) : std::vector<double>(); }
 std::vector<double> numbers_in(const Point& p) { return {p.data(), p.data() + p.size()}; }
 template <class Other> std::vector<double> numbers_in(const Other&) { return {}; }
@@ -86,6 +93,8 @@ const std::vector<SessionOption>& session_options() {
          "0.05 of spring sets is the paper's \"very small values\". With 0.17 an energy model comes to rest before a hand notices. Maxwell branches damp by themselves.", "0.05"},
         {"tool", "TOOL", any, everywhere, [](O& o) -> auto& { return o.tool; }, "tool that presses tissue in space: disc, disc:0.005, ball:0.004",
          "By default the disc that the model has. A model that was trained under discs of several radii plays with any disc between the smallest and the largest, and with a ball whose contact, when half of the ball is in, is between those radii. The contact of a ball grows as it goes in; the device's position is the point of the ball that touches. Other tools are refused. A model that relaxes refuses balls; a session that learns refuses every tool but its own disc."},
+        {"tools", "1", {1, most_tools, true, true}, interfaces, [](O& o) -> auto& { return o.tools; }, "how many devices press the tissue at once, each with a tool of its own",
+         "Two press an energy model without the heuristic mesh beside it. Both tools have the shape and size of option tool; map, friction and what is known of the device may be set for each. Tools nearer to each other than two radii share nodes: nothing is refused, and the error of the force is larger (RESULTS.md)."},
         {"friction", "1", {0, inf, true, true}, everywhere | live, [](O& o) -> auto& { return o.friction.stick; }, "static friction coefficient between tool and tissue; inf: the tool never slips",
          "The paper's contact keeps its place, which is inf."},
         {"friction-slip", "1", {0, inf, true}, everywhere | live, [](O& o) -> auto& { return o.friction.slip; }, "kinetic friction coefficient, at most the static one",

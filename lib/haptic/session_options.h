@@ -26,11 +26,11 @@ struct SessionOption {
     const char *name, *unit;             ///< name: with `-` between words, in Python `_`. unit: SI, 1 of a ratio, or what a text is
     Allowed allowed;
     unsigned where;
-    std::variant<Of<double>, Of<std::optional<double>>, Of<bool>, Of<std::string>, Of<SelectBy>, Of<ToolChoice>, Of<decltype(DeviceMap::axes)>, Of<Point>> field;
+    std::variant<Of<double>, Of<std::optional<double>>, Of<int>, Of<bool>, Of<std::string>, Of<SelectBy>, Of<ToolChoice>, Of<decltype(DeviceMap::axes)>, Of<Point>> field;
     std::string meaning, more;           ///< one line, and the rest
     const char* unset = "";              ///< default of a field that is empty by default
 
-    bool is_number() const { return field.index() < 2 || is_list(); }
+    bool is_number() const { return field.index() < 3 || is_list(); }
     bool is_switch() const { return std::holds_alternative<Of<bool>>(field); }  ///< yes or no; of a program a flag: --NAME, or --no-NAME where it is on by default
     bool is_list() const { return std::holds_alternative<Of<Point>>(field); }    ///< two or three numbers
     std::string values() const;                            ///< what it may be: "(0, inf)", "yes, no"; "" where any text may be one

@@ -31,25 +31,28 @@ class SymplecticDynamics final : public Dynamics {
           scratch_(options.law ? options.law->scratch() : RealtimeLaw::Scratch{}), held_(NodeColumns::Zero(mesh.node_count(), mesh.dimension())) {}
     std::string name() const override { return symplectic_dynamics.name; }
 
-    Point step(MeshState& s, const ContactLoad& load) noexcept override {
+    void complete(MeshState& s) const noexcept override { mesh_.embedding().interpolate(s.displacement); }
+
+   private:
+    void step_under(MeshState& s, const ContactLoad* loads, int count, Point* force_N) noexcept override {
         const int N = mesh_.node_count();
         if (law_)
             law_->force(s.displacement, s.force, scratch_, s.memory);
         else
             mesh_.force(s.theta, s.displacement, s.force);
-        const double ahead_s = load.tool ? std::max(load.ahead_s, h_ / 4) : load.ahead_s;
-        if (ahead_s > 0) held_ = s.displacement + ahead_s * s.velocity;
-        const Point tool = load.put_on(mesh_, ahead_s > 0 ? held_ : s.displacement, s.force);
+        double held_ahead_s = 0;
+        for (int k = 0; k < count; ++k) {
+            const double ahead_s = loads[k].tool ? std::max(loads[k].ahead_s, h_ / 4) : loads[k].ahead_s;
+            if (ahead_s > 0 && ahead_s != held_ahead_s) held_ = s.displacement + (held_ahead_s = ahead_s) * s.velocity;
+            force_N[k] = loads[k].put_on(mesh_, ahead_s > 0 ? held_ : s.displacement, s.force);
+        }
         const int own = mesh_.embedding().node_count();  // an embedded solid's own nodes come first and have no mass
         for (int axis = 0; axis < mesh_.dimension(); ++axis)
             kernel::symplectic_axis(N - own, gain_.data() + own, keep_, h_, s.force.data() + axis * N + own, s.velocity.data() + axis * N + own,
                                     s.displacement.data() + axis * N + own);
         s.theta_changed = false;
-        return tool;
     }
-    void complete(MeshState& s) const noexcept override { mesh_.embedding().interpolate(s.displacement); }
 
-   private:
     const RealtimeMesh& mesh_;
     const RealtimeLaw* law_;
     double h_;  ///< [s]

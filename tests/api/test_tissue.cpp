@@ -679,3 +679,81 @@ TEST_CASE("a tool is asked for as a session is opened, and not while it runs", "
     CHECK(tissue_open(file.c_str(), unknown, &none) == TISSUE_BAD_ARGUMENT);
     CHECK(none == nullptr);
 }
+
+TEST_CASE("two tools tick at once in C as in the library, and calls are about one of them", "[api][solid][two]") {
+    const TemporaryFolder folder;
+    const TissueModel tissue = several_discs();
+    const std::string file = model_file(folder, tissue);
+    Session session(file, {"tools", "2"});
+    REQUIRE(tissue_tool_count(session.s) == 2);
+    CHECK(tissue_tool_count(nullptr) == 0);
+    REQUIRE(tissue_use_tool(session.s, 1) == TISSUE_OK);
+    CHECK(tissue_set(session.s, "friction", "0.25") == TISSUE_OK);
+    HapticOptions options = interface_options();
+    options.tools = 2;
+    const HapticModel model(tissue, options);
+    Simulation simulation(model);
+    HapticOptions second = simulation.options(1);
+    second.friction.stick = 0.25;
+    simulation.change(second, 1);
+    const Eigen::Vector3d high = model.high_m, low = model.low_m, from(low.x() + 0.35 * (high - low).x(), (low + high).y() / 2, high.z() + 0.001), along(0.3 * (high - low).x(), 0, 0);
+    double position_m[6], force_N[6];
+    tissue_status status[2];
+    for (int k = 0; k < 400; ++k) {
+        const Eigen::Vector3d down(0, 0, -1e-5 * k), at[2] = {from + down, from + along + 0.5 * down + Eigen::Vector3d(0, 1e-5 * k, 0)};
+        DeviceSample samples[2];
+        Eigen::Vector3d forces[2];
+        for (int t = 0; t < 2; ++t) {
+            samples[t].position_m = at[t];
+            Eigen::Map<Eigen::Vector3d>(position_m + 3 * t) = at[t];
+        }
+        simulation.tick(samples, forces, 1e-3);
+        REQUIRE(tissue_tick_tools(session.s, 2, position_m, nullptr, 1e-3, force_N, status) == TISSUE_OK);
+        for (int t = 0; t < 2; ++t) REQUIRE(Eigen::Map<const Eigen::Vector3d>(force_N + 3 * t) == forces[t]);
+    }
+    for (int t = 0; t < 2; ++t) {
+        INFO(t);
+        REQUIRE(tissue_use_tool(session.s, t) == TISSUE_OK);
+        tissue_contact contact;
+        REQUIRE(tissue_read_contact(session.s, &contact, sizeof contact) == TISSUE_OK);
+        CHECK(contact.mesh == 0);
+        CHECK(contact.facet == simulation.record(t).facet);
+        CHECK(-Eigen::Map<const Eigen::Vector3d>(contact.force_N) == simulation.record(t).coupling_N);
+        double given_J = 0;
+        REQUIRE(tissue_energy(session.s, "given", &given_J) == TISSUE_OK);
+        CHECK(given_J == simulation.safety(t).counters().energy_given_J);
+        CHECK(given_J < 0);
+    }
+    CHECK(simulation.friction(1).burnt_J() > 0);
+    // a fault of the second: the first goes on
+    const double first_N = force_N[2];
+    position_m[3] = std::nan("");
+    CHECK(tissue_tick_tools(session.s, 2, position_m, nullptr, 1e-3, force_N, status) == TISSUE_FAULT);
+    CHECK(status[0] == TISSUE_OK);
+    CHECK(status[1] == TISSUE_FAULT);
+    CHECK(force_N[2] == Approx(first_N).epsilon(0.05));
+    CHECK(force_N[5] == 0);
+    const double stale_s[2] = {0, 1};
+    position_m[3] = from.x();
+    CHECK(tissue_tick_tools(session.s, 2, position_m, stale_s, 1e-3, force_N, nullptr) == TISSUE_FAULT);
+    // a copy is about the same tool; wrong numbers of tools: refused, and forces are zero
+    tissue_session* copy = nullptr;
+    REQUIRE(tissue_copy(session.s, &copy) == TISSUE_OK);
+    long long stale = 0;
+    CHECK(tissue_count(copy, "stale", &stale) == TISSUE_OK);
+    CHECK(stale == 1);
+    tissue_close(&copy);
+    force_N[0] = force_N[2] = 1;
+    CHECK(tissue_tick(session.s, position_m, 0, force_N) == TISSUE_BAD_ARGUMENT);
+    CHECK((force_N[0] == 0 && force_N[2] == 0));
+    for (int tools : {-1, 0, 1, 3}) {
+        double nine[9] = {1, 1, 1, 1, 1, 1, 1, 1, 1};
+        CHECK(tissue_tick_tools(session.s, tools, nine, nullptr, 0, nine, nullptr) == TISSUE_BAD_ARGUMENT);
+        CHECK(nine[0] == (tools > 0 ? 0 : 1));
+    }
+    CHECK(tissue_use_tool(session.s, 2) == TISSUE_BAD_ARGUMENT);
+    CHECK(tissue_use_tool(session.s, -1) == TISSUE_BAD_ARGUMENT);
+    CHECK(tissue_use_tool(nullptr, 0) == TISSUE_BAD_ARGUMENT);
+    Session one(file);
+    CHECK(tissue_tick_tools(one.s, 2, position_m, nullptr, 0, force_N, nullptr) == TISSUE_BAD_ARGUMENT);
+}

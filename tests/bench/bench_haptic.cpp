@@ -479,6 +479,29 @@ std::vector<double> time_ticks(const TissueModel& tissue, const std::string& dyn
     return times;
 }
 
+/// Every tick of 20 s in which the tools press, drag and let go, 40 mm apart; the same ways under one tool, which is the first.
+std::vector<double> time_tools(const TissueModel& tissue, int tools) {
+    HapticOptions o;
+    o.heuristic_mesh = false;
+    o.tools = tools;
+    const HapticModel model(tissue, o);
+    Simulation simulation(model);
+    VirtualDevice hand(make_motion({"slide", 20, 0.01, 1, &model.rest}), o.map);
+    std::vector<double> times;
+    for (int k = 0; k < 20000; ++k) {
+        DeviceSample samples[most_tools] = {hand.read(k * 1e-3), {}};
+        samples[1].position_m = samples[0].position_m;
+        samples[0].position_m.y() -= 0.02;
+        samples[1].position_m.y() += 0.02;
+        Eigen::Vector3d forces_N[most_tools];
+        const auto start = Clock::now();
+        simulation.tick(samples, forces_N);
+        const auto end = Clock::now();
+        if (k >= 100) times.push_back(microseconds(end - start));
+    }
+    return times;
+}
+
 /// A tick's use of a surface in space as the simulation has it, over a press that comes and goes; beside it the same question asked
 /// of every triangle one by one.
 StepTimes time_triangles() {
@@ -554,6 +577,8 @@ int main(int argc, char** argv) {
                     list.push_back(entry(name + ", p99", "us", {rank(ticks, 0.99)}));
                     list.back()["n"] = ticks.size();
                 }
+        list.push_back(entry("haptic: full tick, two tools, law in space", "us", time_tools(made_up_solid(10), 2), time_tools(made_up_solid(10), 1)));
+        list.back()["peer"] = "one tool";
         for (int side : {11, 21, 41, 81, 161, 301}) {
             StepTimes t = time_steps(side, side > 100 ? 60 : 300);
             for (double& us : t.ours) us *= 1e3 / t.springs;

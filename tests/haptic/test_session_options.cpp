@@ -83,6 +83,7 @@ TEST_CASE("a number outside the range of its option is refused with option, rang
         ++numbers;
         const Allowed& a = option.allowed;
         for (const double value : {std::nan(""), -inf, inf, -1.0, 0.0, a.low, a.high, std::nextafter(a.low, -inf), std::nextafter(a.low, inf), std::nextafter(a.high, -inf), std::nextafter(a.high, inf)}) {
+            if (std::holds_alternative<SessionOption::Of<int>>(option.field) && !(value == std::floor(value) && std::isfinite(value))) continue;  // is no text of it
             const std::string why = refused(option, value), unit = option.unit;
             INFO(option.name << " = " << value << ": " << why);
             const bool inside = value == a.low ? a.with_low : value == a.high ? a.with_high : value > a.low && value < a.high;

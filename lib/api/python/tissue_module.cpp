@@ -122,23 +122,38 @@ struct Session {
     Simulation simulation;
     TickClock clock;
     NamedSurfaces surfaces;
+    int tool = 0;  // that attributes and set() are about
     std::recursive_mutex guard;
     Session(std::shared_ptr<const TissueModel> t, const HapticOptions& options)
         : tissue(std::move(t)), model(std::make_shared<HapticModel>(*tissue, options)), simulation(*model), surfaces(*tissue) {}
-    Session(const Session& other) : tissue(other.tissue), model(other.model), simulation(other.simulation), clock(other.clock), surfaces(other.surfaces) {}
+    Session(const Session& other) : tissue(other.tissue), model(other.model), simulation(other.simulation), clock(other.clock), surfaces(other.surfaces), tool(other.tool) {}
 
-    Eigen::Vector3d tick(const Eigen::Vector3d& position_m, double elapsed_s, double age_s) {
-        DeviceSample sample;
-        sample.position_m = position_m;
-        sample.age_s = age_s;
+    /// Of every tool (T x 3).
+    NodeField tick(const NodeField& positions_m, double elapsed_s, const std::vector<double>& age_s) {
+        const int tools = simulation.tool_count();
+        if (positions_m.rows() != tools || positions_m.cols() != 3 || (!age_s.empty() && age_s.size() != static_cast<std::size_t>(tools)))
+            throw MismatchError(tools == 1 ? "a tick takes one position, of three numbers" : "a tick takes two positions, of three numbers each, and as many ages: tick_tools()");
+        DeviceSample samples[most_tools];
+        Eigen::Vector3d forces[most_tools];
+        for (int k = 0; k < tools; ++k) {
+            samples[k].position_m = positions_m.row(k);
+            if (!age_s.empty()) samples[k].age_s = age_s[static_cast<std::size_t>(k)];
+        }
         const TickClock::Start start = clock.start(elapsed_s);
-        const Eigen::Vector3d force = simulation.tick(sample, start.elapsed_s, start.cost_s);
+        simulation.tick(samples, forces, start.elapsed_s, start.cost_s);
         clock.end();
-        return force;
+        NodeField out(tools, 3);
+        for (int k = 0; k < tools; ++k) out.row(k) = forces[k];
+        return out;
+    }
+
+    void one_tool_only(const char* what) const {
+        if (simulation.tool_count() > 1) throw MismatchError(std::string(what) + " is of a session of one tool; of two: tick_tools()");
     }
 };
 
 NodeField ticks(Session& session, const Rows& positions_m, double elapsed_s) {
+    session.one_tool_only("ticks()");
     if (positions_m.cols() != 3) throw MismatchError("positions are of the device: three numbers each");
     if (!(elapsed_s >= 0 && std::isfinite(elapsed_s))) throw MismatchError("elapsed_s must be 0 or more and finite: ticks() keeps no clock that could tell how long ago the last one was");
     NodeField forces(positions_m.rows(), 3);
@@ -156,7 +171,7 @@ NodeField ticks(Session& session, const Rows& positions_m, double elapsed_s) {
 }
 
 py::dict contact_of(Session& session) {
-    const TickRecord tick = alone(session, [&] { return session.simulation.record(); });
+    const TickRecord tick = alone(session, [&] { return session.simulation.record(session.tool); });
     py::dict contact;
     contact["mesh"] = tick.mesh;
     contact["facet"] = tick.facet;
@@ -171,7 +186,7 @@ py::dict contact_of(Session& session) {
 }
 
 py::dict limits_of(Session& session) {
-    const auto [c, lost_s] = alone(session, [&] { return std::pair(session.simulation.safety().counters(), session.simulation.counters().lost_s); });
+    const auto [c, lost_s] = alone(session, [&] { return std::pair(session.simulation.safety(session.tool).counters(), session.simulation.counters().lost_s); });
     py::dict limits;
     limits["clamped"] = c.clamped;
     limits["slewed"] = c.slewed;
@@ -185,7 +200,7 @@ py::dict limits_of(Session& session) {
 py::dict energies_of(Session& session) {
     std::array<double, session_energies.size()> now{};
     alone(session, [&] {
-        for (std::size_t i = 0; i < now.size(); ++i) now[i] = session_energies[i].of(session.simulation);
+        for (std::size_t i = 0; i < now.size(); ++i) now[i] = session_energies[i].of(session.simulation, session.tool);
     });
     py::dict energies;
     for (std::size_t i = 0; i < now.size(); ++i) energies[session_energies[i].name] = now[i];
@@ -211,7 +226,7 @@ void restore(Session& session, const std::string& state) {
 py::dict counts_of(Session& session) {
     std::array<long long, session_counts.size()> now{};
     alone(session, [&] {
-        for (std::size_t i = 0; i < now.size(); ++i) now[i] = session_counts[i].of(session.simulation);
+        for (std::size_t i = 0; i < now.size(); ++i) now[i] = session_counts[i].of(session.simulation, session.tool);
     });
     py::dict counts;
     for (std::size_t i = 0; i < now.size(); ++i) counts[session_counts[i].name] = now[i];
@@ -460,19 +475,30 @@ ticks() between two ticks, press() between two contacts and next() between two p
              }),
              py::arg("model").none(false),
              options_text().c_str())
-        .def("tick", [](Session& s, const Eigen::Vector3d& position_m, double elapsed_s, double age_s) { return alone(s, [&] { return s.tick(position_m, elapsed_s, age_s); }); },
+        .def("tick", [](Session& s, const Eigen::Vector3d& position_m, double elapsed_s, double age_s) {
+                 s.one_tool_only("tick()");
+                 return alone(s, [&] { return Eigen::Vector3d(s.tick(NodeField(position_m.transpose()), elapsed_s, {age_s}).row(0)); });
+             },
              py::arg("position_m"), py::arg("elapsed_s") = 0.0, py::arg("age_s") = 0.0,
              "One step: the device's position [m] (3); returns the force on the hand [N] (3), finite and within force_max whatever comes in. elapsed_s: since the last tick; 0: dt; negative or not finite: "
              "unknown, and the library's own clock tells. age_s: since the position was measured, where positions come less often than ticks.")
         .def("ticks", &ticks, py::arg("positions_m"), py::arg("elapsed_s") = 0.0,
              "A tick for each position (T, 3), one after the other, each elapsed_s after the one before (0: dt); returns forces [N] (T, 3). After Ctrl-C the session is where it came to.")
+        .def("tick_tools", [](Session& s, const NodeField& positions_m, double elapsed_s, const std::vector<double>& age_s) { return alone(s, [&] { return s.tick(positions_m, elapsed_s, age_s); }); },
+             py::arg("positions_m"), py::arg("elapsed_s") = 0.0, py::arg("age_s") = std::vector<double>(),
+             "One step of every tool at once (option tools): the devices' positions [m] (tools, 3), an age each or none; returns the forces on the hands [N] (tools, 3).")
+        .def_property("tool", [](const Session& s) { return s.tool; }, [](Session& s, int tool) {
+                 if (tool < 0 || tool >= s.simulation.tool_count()) throw MismatchError("the session has no such tool");
+                 s.tool = tool;
+             }, "which one, 0 at the start, these are about: set(), clutch(), contact, counts, limits and energies_J")
+        .def_property_readonly("tools", [](const Session& s) { return s.simulation.tool_count(); }, "how many press the tissue")
         .def("reset", [](Session& s) { alone(s, [&] { s.simulation.reset(); }); }, "The tissue to rest; the tool must be outside once before there is force again.")
         .def("set", [](Session& s, const py::kwargs& given) {
                  const Options options = options_of(given);
-                 alone(s, [&] { s.simulation.change(with(s.simulation.options(), options, true)); });
+                 alone(s, [&] { s.simulation.change(with(s.simulation.options(s.tool), options, true), s.tool); });
              },
              "Options that may change while it runs, by name. A change that moves the tool by more than a hand does in a tick is a new start: it must be outside once.")
-        .def("clutch", [](Session& s, bool on) { alone(s, [&] { s.simulation.clutch(on); }); }, py::arg("on"), "On: the hand moves and the tool stays, without force. Off: the tool goes on from there.")
+        .def("clutch", [](Session& s, bool on) { alone(s, [&] { s.simulation.clutch(on, s.tool); }); }, py::arg("on"), "On: the hand moves and the tool stays, without force. Off: the tool goes on from there.")
         .def_property("state", &state_of, &restore, "All that changes while it runs, as bytes; a session of the same model and options to which they are given goes on from them bit for bit.")
         .def("copy", [](Session& s) { return alone(s, [&] { return std::make_unique<Session>(s); }); }, "Another session that goes on as this one does.")
         .def("follow", [](Session& s, Session& leader) {

@@ -1,0 +1,260 @@
+// Two devices on one tissue: forces at rest as the equilibrium under both has them, each with its own energy, faults and state.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <vector>
+
+#include "../allocations.h"
+#include "../mesh/embedded_block.h"
+#include "../refusal.h"
+#include "../solid_law_example.h"
+#include "haptic/session_options.h"
+#include "haptic/simulation.h"
+#include "haptic_example.h"
+#include "springs/law_press.h"
+
+using namespace tissue;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const TissueModel& block() {
+    static const TissueModel model = solid_law_example(embedded_block(Lattice{{8, 8, 3}, {0.08, 0.08, 0.03}}));
+    return model;
+}
+
+HapticOptions of_tools(int tools) {
+    HapticOptions options = interface_options();
+    options.tools = tools;
+    return options;
+}
+
+const HapticModel& pressed_by(int tools) {
+    static const HapticModel one(block(), of_tools(1)), two(block(), of_tools(2));
+    return tools == 1 ? one : two;
+}
+
+const Eigen::Vector3d left_m(0.024, 0.041, 0.03), right_m(0.050, 0.041, 0.03), up(0, 0, 0.004);
+
+/// Two hands that go on straight lines from where they are.
+struct Hands {
+    Simulation& s;
+    Eigen::Vector3d at_m[2] = {left_m + up, right_m + up}, force_N[2] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+    void tick() {
+        const DeviceSample samples[2] = {sample_at(at_m[0]), sample_at(at_m[1])};
+        s.tick(samples, force_N);
+    }
+    void to(const Eigen::Vector3d& left, const Eigen::Vector3d& right, int ticks, int stay = 0) {
+        const Eigen::Vector3d from[2] = {at_m[0], at_m[1]}, aim[2] = {left, right};
+        for (int k = 1; k <= ticks + stay; ++k) {
+            for (int t = 0; t < 2; ++t) at_m[t] = from[t] + std::min(1.0, static_cast<double>(k) / ticks) * (aim[t] - from[t]);
+            tick();
+        }
+    }
+};
+
+const Eigen::Vector3d left_push(0.0005, 0, -0.004), right_push(-0.001, 0.0005, -0.003);
+
+}  // namespace
+
+TEST_CASE("two tools in motion come to rest with the forces of the equilibrium under both", "[simulation][solid][two]") {
+    Simulation s(pressed_by(2));
+    Hands hands{s};
+    hands.to(left_m, right_m, 100);
+    hands.to(left_m + left_push, right_m + right_push, 300, 6000);
+    const LawPress press(block());
+    std::vector<ToolPush> tools;
+    for (int t : {0, 1}) {
+        REQUIRE(s.record(t).mesh == 0);
+        REQUIRE(s.record(t).status == TickStatus::done);
+        tools.push_back({s.model().meshes[0]->springs.rest_place(s.record(t).facet, s.record(t).weight), s.record(t).contact_displacement_m});
+    }
+    CHECK((tools[1].contact_m - right_m).norm() < 1e-3);
+    const ToolsEquilibrium rest = press.at(tools);
+    REQUIRE(rest);
+    for (std::size_t t : {0u, 1u}) {
+        const Point alone_N = press.at(tools[t].contact_m, tools[t].push_m).contact_force, both_N = rest.contact_force[t];
+        CHECK((s.record(static_cast<int>(t)).coupling_N + both_N).norm() < 2e-3 * both_N.norm());
+        CHECK((alone_N - both_N).norm() > 0.02 * both_N.norm());  // or the test would pass with tools that know nothing of each other
+    }
+    CHECK((s.state(0).displacement - NodeColumns(rest.displacement)).norm() < 2e-3 * rest.displacement.norm());
+
+    // what is seen: no slip under either
+    NodeColumns seen = s.state(0).displacement;
+    const NodeField wanted = press.seen(tools[1].contact_m, tools[1].push_m, press.seen(tools[0].contact_m, tools[0].push_m, rest.displacement));
+    s.seen(0, seen);
+    CHECK((seen - NodeColumns(wanted)).norm() < 2e-3 * wanted.norm());
+}
+
+TEST_CASE("a second tool that touches nothing changes nothing, and either may come and go", "[simulation][solid][two]") {
+    Simulation two(pressed_by(2)), one(pressed_by(1));
+    Hands hands{two};
+    REQUIRE(pressed_by(2).meshes[0]->substeps == pressed_by(1).meshes[0]->substeps);
+    const double damper_s = pressed_by(2).meshes[0]->contact_damping_s;
+    const bool same_steps = damper_s == pressed_by(1).meshes[0]->contact_damping_s;
+    const auto press_left = [&](double depth_m, int ticks) {
+        const Eigen::Vector3d from = hands.at_m[0], aim = left_m - Eigen::Vector3d(0, 0, depth_m);
+        double apart_N = 0, most_N = 0;
+        for (int k = 1; k <= ticks; ++k) {
+            hands.at_m[0] = from + static_cast<double>(k) / ticks * (aim - from);
+            hands.tick();
+            const Eigen::Vector3d alone_N = one.tick(sample_at(hands.at_m[0]));
+            apart_N = std::max(apart_N, (hands.force_N[0] - alone_N).norm());
+            most_N = std::max(most_N, alone_N.norm());
+        }
+        REQUIRE(most_N > 0.05);
+        CHECK(hands.force_N[1].isZero(0));
+        CHECK(apart_N <= (same_steps ? 0 : 0.01 * most_N));
+    };
+    press_left(0.004, 300);
+
+    // the other one comes: both feel it; it goes: the first is alone again
+    const double before_N = hands.force_N[0].norm();
+    const Eigen::Vector3d in = right_m - Eigen::Vector3d(0, 0, 0.004);
+    hands.to(hands.at_m[0], in, 300, 1000);
+    CHECK(hands.force_N[1].norm() > 0.05);
+    CHECK(hands.force_N[0].norm() < 0.99 * before_N);
+    hands.to(hands.at_m[0], right_m + up, 300, 4000);
+    CHECK(hands.force_N[1].isZero(0));
+    CHECK(two.contact(1).contact == false);
+    for (int k = 0; k < 5600; ++k) one.tick(sample_at(hands.at_m[0]));
+    CHECK((hands.force_N[0] - one.record().device_N).norm() < 2e-3 * before_N);
+    // and the first goes while the second is in
+    hands.to(hands.at_m[0], in, 300, 1000);
+    hands.to(left_m + up, in, 300, 1000);
+    CHECK(hands.force_N[0].isZero(0));
+    CHECK(hands.force_N[1].norm() > 0.05);
+}
+
+TEST_CASE("a fault of one of two tools stops that one alone", "[simulation][solid][two]") {
+    Simulation s(pressed_by(2));
+    Hands hands{s};
+    hands.to(left_m, right_m, 100);
+    hands.to(left_m + left_push, right_m + right_push, 300, 500);
+    const double left_N = hands.force_N[0].norm();
+    REQUIRE(hands.force_N[1].norm() > 0.01);
+    const Eigen::Vector3d was_m = hands.at_m[1];
+    hands.at_m[1].x() = std::nan("");
+    hands.tick();
+    CHECK(s.record(1).status == TickStatus::refused);
+    CHECK(hands.force_N[1].isZero(0));
+    CHECK(s.record(0).status == TickStatus::done);
+    CHECK(hands.force_N[0].norm() == Approx(left_N).epsilon(0.05));
+    hands.at_m[1] = was_m;
+    for (int k = 0; k < 500; ++k) {
+        hands.tick();
+        REQUIRE(hands.force_N[1].isZero(0));
+        REQUIRE(s.record(0).status == TickStatus::done);
+    }
+    CHECK(s.record(1).status == TickStatus::not_armed);
+    CHECK(s.safety(1).counters().bad_input == 1);
+    CHECK(s.safety(0).counters().bad_input == 0);
+    hands.to(left_m + left_push, right_m + up, 100);
+    hands.to(left_m + left_push, right_m + right_push, 300);
+    CHECK(hands.force_N[1].norm() > 0.01);
+}
+
+TEST_CASE("neither of two tools gets energy out of the other's coming and going", "[simulation][solid][two]") {
+    HapticOptions slippery = of_tools(2);
+    slippery.friction.stick = 0.3;
+    const HapticModel model(block(), slippery);
+    Simulation s(model);
+    Hands hands{s};
+    hands.to(left_m, right_m, 100);
+    double given_J = 0;
+    Eigen::Vector3d last_m[2] = {hands.at_m[0], hands.at_m[1]};
+    const auto go = [&](const Eigen::Vector3d& left, const Eigen::Vector3d& right, int ticks) {
+        const Eigen::Vector3d from[2] = {hands.at_m[0], hands.at_m[1]}, aim[2] = {left, right};
+        for (int k = 1; k <= ticks; ++k) {
+            const Eigen::Vector3d held_N[2] = {hands.force_N[0], hands.force_N[1]};
+            for (int t = 0; t < 2; ++t) hands.at_m[t] = from[t] + static_cast<double>(k) / ticks * (aim[t] - from[t]);
+            for (int t = 0; t < 2; ++t) given_J += held_N[t].dot(hands.at_m[t] - last_m[t]);
+            for (int t = 0; t < 2; ++t) last_m[t] = hands.at_m[t];
+            hands.tick();
+        }
+    };
+    // each goes in while the other is out and the other way round: were forces not those of one energy, a round would pay
+    double stored_J = 0;
+    for (int round = 0; round < 4; ++round) {
+        go(left_m + left_push, right_m, 200);
+        go(left_m + left_push, right_m + right_push, 200);
+        stored_J = std::max(stored_J, -given_J);
+        go(left_m, right_m + right_push, 200);
+        go(left_m + left_push, right_m, 200);
+        go(left_m + up, right_m + up, 200);
+        CHECK(given_J <= 0);
+    }
+    CHECK(stored_J > 1e-5);
+    for (int t : {0, 1}) CHECK(s.safety(t).observed_J() <= s.safety(t).bound_J());
+}
+
+TEST_CASE("a session of two tools is saved, restored, copied and followed with both, and its ticks allocate nothing", "[simulation][solid][two][state]") {
+    HapticOptions slippery = of_tools(2);
+    slippery.friction.stick = 0.3;
+    const HapticModel model(block(), slippery);
+    Simulation s(model);
+    HapticOptions second = s.options(1);
+    second.map.offset_m = Eigen::Vector3d(0.01, 0, 0);
+    second.friction.stick = 0.1;
+    s.change(second, 1);
+    Hands hands{s};
+    const auto given = [&](const Eigen::Vector3d& p) { return Eigen::Vector3d(p - second.map.offset_m); };
+    hands.at_m[1] = given(hands.at_m[1]);
+    hands.to(left_m, given(right_m), 100);
+    hands.to(left_m + left_push, given(right_m + right_push), 300, 200);
+    REQUIRE(s.record(1).mesh == 0);
+    CHECK((s.record(1).master_m - (right_m + right_push)).norm() < 1e-12);
+    Simulation copy(s);
+    Hands other{copy, {hands.at_m[0], hands.at_m[1]}};
+    long allocations = 0;
+    for (int k = 0; k < 300; ++k) {
+        hands.at_m[0].x() += 2e-5 * std::sin(0.02 * k);
+        hands.at_m[1].y() += 3e-5 * std::sin(0.03 * k);
+        const DeviceSample samples[2] = {sample_at(hands.at_m[0]), sample_at(hands.at_m[1])};
+        {
+            const Allocations none;
+            s.tick(samples, hands.force_N);
+            allocations += Allocations::count();
+        }
+        other.at_m[0] = hands.at_m[0], other.at_m[1] = hands.at_m[1];
+        other.tick();
+        REQUIRE(other.force_N[0] == hands.force_N[0]);
+        REQUIRE(other.force_N[1] == hands.force_N[1]);
+    }
+    CHECK(allocations == 0);
+    std::vector<std::byte> bytes(s.state_size()), again(bytes.size());
+    s.save(bytes.data());
+    copy.save(again.data());
+    CHECK(bytes == again);
+
+    // another model at both hands
+    TissueModel stiffer = block();
+    stiffer.energy_law->constants *= 1.2;
+    const HapticModel next_model(stiffer, slippery);
+    Simulation next(next_model);
+    next.follow(s);
+    next.take_over(s);
+    const Eigen::Vector3d before_N[2] = {hands.force_N[0], hands.force_N[1]};
+    Hands after{next, {hands.at_m[0], hands.at_m[1]}};
+    after.tick();
+    for (int t : {0, 1}) {
+        CHECK(next.record(t).status == TickStatus::done);
+        CHECK((after.force_N[t] - before_N[t]).norm() < 1e-9);
+        CHECK(next.options(t).friction.stick == s.options(t).friction.stick);
+    }
+    after.to(after.at_m[0], after.at_m[1], 1, 3000);
+    CHECK(after.force_N[0].norm() > 1.05 * before_N[0].norm());
+
+    Simulation one(pressed_by(1));
+    CHECK_THAT(refusal<MismatchError>([&] { one.follow(s); }), Contains("a session of 1 tools cannot go on where one of 2 was"));
+    CHECK_THAT(refusal<MismatchError>([&] { one.restore(bytes.data(), bytes.size()); }), Contains("a state of"));
+}
+
+TEST_CASE("two tools need an energy model alone", "[simulation][two]") {
+    HapticOptions options = of_tools(2);
+    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(haptic_example(), options); }), Contains("tools: two press an energy model alone, and this one has spring sets"));
+    options.heuristic_mesh = true;
+    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(block(), options); }), Contains("tools: two press the learned mesh alone"));
+    options.tools = 3;
+    CHECK_THAT(refusal<MismatchError>([&] { check_options(options); }), Contains("tools must lie in [1, 2]"));
+    CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "tools", "1.5"); }), Contains("tools must be a whole number, not '1.5'"));
+}
