@@ -342,7 +342,7 @@ model = tissue.Model(file)
 session, patient = tissue.Simulation(model), tissue.Adaptation(file)
 top, down = (0.05, 0.1), (0, -0.004)
 calls = {tissue.Model: dict(file=file), tissue.Simulation: dict(model=model, friction=0.3, force_max=3, axes="x,y", offset=[0, 0], heuristic=False), model.press: dict(contacts_m=[top], pushes_m=[down], threads=1),
-         session.tick: dict(position_m=(0, 0.2, 0), elapsed_s=0.001), session.ticks: dict(positions_m=[(0, 0.2, 0)], elapsed_s=0.001),
+         session.tick: dict(position_m=(0, 0.2, 0), elapsed_s=0.001), session.tick_tools: dict(positions_m=[(0, 0.2, 0)], elapsed_s=0.001, age_s=[0]), session.ticks: dict(positions_m=[(0, 0.2, 0)], elapsed_s=0.001),
          tissue.Adaptation: dict(model_file=file, unknowns="field", force_noise=0.02, model_error=0.03, place_error_m=0, rival=True),
          patient.learn: dict(contact_m=top, push_m=down, force_N=(0, -0.3)), patient.expect: dict(contact_m=top, push_m=down), patient.next: dict(depth_m=0.006, count=1),
          patient.write: dict(file=scratch + "/none.h5"), tissue.read_study: dict(folder=scratch), tissue.read_cases: dict(file=scratch + "/cases.h5")}
@@ -362,7 +362,7 @@ import sys
 import tissue
 bare = {owner: owner.__new__(owner) for owner in (tissue.Model, tissue.Simulation, tissue.Adaptation)}
 top, down = (0.05, 0.1), (0, -0.004)
-arguments = {"press": ([top], [down]), "with_tool": (0.005,), "tick": ((0, 0.2, 0),), "ticks": ([(0, 0.2, 0)],), "learn": (top, down, down), "expect": (top, down), "write": ("/nowhere/none.h5",), "clutch": (True,), "surface": ("boundary",), "add_surface": ("organ", "/nowhere/none.obj", 1.0), "follow": (tissue.Simulation(tissue.Model(sys.argv[1])),), "take_over": (tissue.Simulation(tissue.Model(sys.argv[1])),)}
+arguments = {"press": ([top], [down]), "with_tool": (0.005,), "tick": ((0, 0.2, 0),), "ticks": ([(0, 0.2, 0)],), "tick_tools": ([(0, 0.2, 0)],), "learn": (top, down, down), "expect": (top, down), "write": ("/nowhere/none.h5",), "clutch": (True,), "surface": ("boundary",), "add_surface": ("organ", "/nowhere/none.obj", 1.0), "follow": (tissue.Simulation(tissue.Model(sys.argv[1])),), "take_over": (tissue.Simulation(tissue.Model(sys.argv[1])),)}
 asked = 0
 for owner, it in bare.items():
     for name in vars(owner):
