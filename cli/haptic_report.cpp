@@ -73,7 +73,7 @@ std::string ledger_text(const std::string& model_file, const Device& device, con
         text += fmt::format("  branches         store {:.4g} J, have burnt {:.4g} J\n", book.stored_J, book.burnt_J);
     }
     text += fmt::format("  refused input    {} (bad {}, jumps {}, stale {})\n", refused(s), s.bad_input, s.jump, s.stale);
-    text += fmt::format("  no force         outline folded {}, mesh unstable {}, not yet outside {}, ticks too late {}, time lost {:.3g} s\n", h.folded, h.unstable, h.unarmed, s.late, h.lost_s);
+    text += fmt::format("  no force         outline folded {}, mesh unstable {}, not yet outside {}, ticks too late {}, time lost {:.3g} s\n", h.folded, h.unstable, simulation.unarmed(), s.late, h.lost_s);
     for (const auto& [name, value] : device.ledger()) text += fmt::format("  device {:<24} {:g}\n", name, value);
     return text;
 }
@@ -116,7 +116,7 @@ std::string ledger_json(const std::string& model_file, const Device& device, con
     details["clock"] = report.clock;
     details["folded"] = h.folded;
     details["unstable"] = h.unstable;
-    details["not_yet_outside"] = h.unarmed;
+    details["not_yet_outside"] = simulation.unarmed();
     details["notices"] = report.notices;
     for (const auto& [name, value] : device.ledger()) details["device"][name] = value;
     return j.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";  // a file's name may be any bytes

@@ -18,7 +18,7 @@ inline constexpr std::array<SessionCount, 13> session_counts{{
     {"ticks", [](const Simulation& s, int) { return s.counters().ticks; }},
     {"folded", [](const Simulation& s, int) { return s.counters().folded; }},
     {"unstable", [](const Simulation& s, int) { return s.counters().unstable; }},
-    {"not_yet_outside", [](const Simulation& s, int) { return s.counters().unarmed; }},
+    {"not_yet_outside", [](const Simulation& s, int tool) { return s.unarmed(tool); }},
     {"bad_input", [](const Simulation& s, int tool) { return s.safety(tool).counters().bad_input; }},
     {"jumps", [](const Simulation& s, int tool) { return s.safety(tool).counters().jump; }},
     {"stale", [](const Simulation& s, int tool) { return s.safety(tool).counters().stale; }},

@@ -158,10 +158,12 @@ tissue_status tissue_tick_aged(tissue_session* s, const double position_m[3], do
 }
 
 tissue_status tissue_tick_tools(tissue_session* s, int tools, const double* position_m, const double* age_s, double elapsed_s, double* force_N, tissue_status* status) {
-    constexpr int most = 64;  // that a caller can mean: of more the number is wrong, and not the memory there
-    if (force_N && tools > 0 && tools <= most) std::fill_n(force_N, 3 * tools, 0.0);
-    if (status && tools > 0 && tools <= most) std::fill_n(status, tools, TISSUE_BAD_ARGUMENT);
-    if (!s || !position_m || !force_N || tools != s->simulation().tool_count()) return TISSUE_BAD_ARGUMENT;
+    if (!s || !position_m || !force_N || tools != s->simulation().tool_count()) {
+        constexpr int most = 64;  // a larger number is a mistake, and the arrays are not that long
+        if (force_N && tools > 0 && tools <= most) std::fill_n(force_N, 3 * tools, 0.0);  // or a caller who does not look at the status plays the old one for ever
+        if (status && tools > 0 && tools <= most) std::fill_n(status, tools, TISSUE_BAD_ARGUMENT);
+        return TISSUE_BAD_ARGUMENT;
+    }
     DeviceSample sample[most_tools];
     Eigen::Vector3d force[most_tools];
     for (int k = 0; k < tools; ++k) {
@@ -220,6 +222,7 @@ tissue_status tissue_take_over(tissue_session* s, const tissue_session* from) {
         s->simulation().check_take_over(from->simulation());
         s->simulation().take_over(from->simulation());
         s->clock = from->clock;
+        s->tool = from->tool;
         return TISSUE_OK;
     });
 }
@@ -349,7 +352,7 @@ tissue_status tissue_read_contact(const tissue_session* s, tissue_contact* to, s
     contact.facet = tick.facet;
     for (int k = 0; k < 3; ++k) contact.weight[k] = tick.weight[k];
     three(tick.contact_displacement_m, contact.displacement_m);
-    three(-tick.coupling_N, contact.force_N);
+    three(Point::Zero(tick.coupling_N.size()) - tick.coupling_N, contact.force_N);
     contact.slipping = tick.slipping ? 1 : 0;
     return hand_out(contact, to, size);
 }

@@ -13,7 +13,7 @@
  * tissue_status_text() says what its status is. No function throws, aborts or prints.
  *
  * Threads: a session belongs to one thread at a time; who hands it over does so between two calls. Sessions know nothing of
- * each other, also those of one model, which never changes. tissue_tick, tissue_tick_aged, tissue_tick_tools, tissue_reset, tissue_clutch, tissue_save, tissue_take_over and everything that only reads take no lock, allocate nothing and never wait, so
+ * each other, also those of one model, which never changes. tissue_tick, tissue_tick_aged, tissue_tick_tools, tissue_use_tool, tissue_reset, tissue_clutch, tissue_save, tissue_take_over and everything that only reads take no lock, allocate nothing and never wait, so
  * that they may run at 1 kHz and above. What opens, closes, copies, restores, sets or follows allocates, and belongs between two ticks.
  *
  * Closing sets the caller's pointer to NULL, and closing NULL does nothing: closing twice is harmless. A second copy of the pointer is the caller's own to forget.
@@ -87,14 +87,15 @@ TISSUE_API tissue_status tissue_tick(tissue_session *session, const double posit
  * as much as has passed. The hand's speed is then judged by the time between two measurements. A position older than option "stale", or whose age is no number, is refused; a negative age is 0. */
 TISSUE_API tissue_status tissue_tick_aged(tissue_session *session, const double position_m[3], double age_s, double elapsed_s, double force_N[3]);
 
-/* ---- two tools (option "tools" "2"): two devices on one tissue, each with its own energy and limits */
+/* ---- two tools (option "tools" "2"): two devices on one tissue, each with its own energy log and safety. Options of tissue_open are of both at first. */
 
 /* One tick of both: positions and forces are three numbers a tool, one tool after the other; age_s one number a tool, as of tissue_tick_aged, or NULL: just measured. A tool that is refused, or
- * has not been outside yet, has no force; the other one goes on. status: what the tick came to for each tool, or NULL. Returns the first of them that is not TISSUE_OK (TISSUE_OVERRUN where there
+ * has not been outside yet, has no force, and the other one goes on; TISSUE_FOLDED, TISSUE_DIVERGED and tissue_reset stop both. status: what the tick came to for each tool, or NULL. Returns the first of them that is not TISSUE_OK (TISSUE_OVERRUN where there
  * is no other). TISSUE_BAD_ARGUMENT, with zero forces: tools is not tissue_tool_count(). tissue_tick and tissue_tick_aged are of sessions of one tool. */
 TISSUE_API tissue_status tissue_tick_tools(tissue_session *session, int tools, const double *position_m, const double *age_s, double elapsed_s, double *force_N, tissue_status *status);
 
-/* Which tool, 0 at the start, these are about from now on: tissue_set, tissue_clutch, tissue_read_contact, tissue_read_limits, tissue_count and tissue_energy. */
+/* Which tool, 0 at the start, tissue_set, tissue_clutch, tissue_read_contact, tissue_read_limits, tissue_count and tissue_energy act on from now on. A copy and tissue_take_over keep it. Shared by
+ * both tools are the counts ticks, folded, unstable and lost_ms, and the energies kinetic, stored and dissipated. */
 TISSUE_API tissue_status tissue_use_tool(tissue_session *session, int tool);
 TISSUE_API int tissue_tool_count(const tissue_session *session); /* 0 of NULL */
 
@@ -143,7 +144,7 @@ TISSUE_API tissue_status tissue_rest_positions(const tissue_session *session, do
 
 /* ---- as the last tick has left it */
 
-/* Where nodes are [m] (N times D). In space, while the tool touches, nodes of the surface within 2.5 radii of it follow the tool (lib/springs/skin.h): the surface to draw, with the
+/* Where nodes are [m] (N times D). In space, while the tool touches, nodes of the surface within 2.5 radii of it follow the tool (lib/springs/skin.h), of two tools the second where they are that near: the surface to draw, with the
  * tool's middle at `displacement_m` of tissue_read_contact from the contact's place at rest. One thread at a time calls it for a session. */
 TISSUE_API tissue_status tissue_positions(const tissue_session *session, double *position_m);
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <cassert>
 #include <limits>
 
 #include "error.h"
@@ -23,7 +24,8 @@ class ImplicitDynamics final : public Dynamics {
     std::string name() const override { return implicit_dynamics.name; }
 
    private:
-    void step_under(MeshState& s, const ContactLoad* loads, int /*count*/, Point* force_N) noexcept override {
+    void step_under(MeshState& s, const ContactLoad* loads, [[maybe_unused]] int count, Point* force_N) noexcept override {
+        assert(count == 1);
         const ContactLoad& load = *loads;
         const double dt = o_.dt_s;
         const int D = numbering_.per_node;

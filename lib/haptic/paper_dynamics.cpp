@@ -1,3 +1,5 @@
+#include <cassert>
+
 #include "haptic/dynamics_kinds.h"
 
 namespace tissue {
@@ -11,7 +13,8 @@ class PaperDynamics final : public Dynamics {
     std::string name() const override { return paper_dynamics.name; }
 
    private:
-    void step_under(MeshState& s, const ContactLoad* loads, int /*count*/, Point* force_N) noexcept override {
+    void step_under(MeshState& s, const ContactLoad* loads, [[maybe_unused]] int count, Point* force_N) noexcept override {
+        assert(count == 1);
         mesh_.force(s.theta, s.displacement, s.force);
         *force_N = loads->put_on(mesh_, s.displacement, s.force);
         for (Eigen::Index axis = 0; axis < 2; ++axis)

@@ -140,7 +140,10 @@ void Simulation::lead_to(const Simulation& from, int tool, std::vector<Point>& a
     std::vector<Eigen::Vector3d> force_N(tools_.size());
     const auto tick_at = [&](const Point& tool_m) {
         at_m[static_cast<std::size_t>(tool)] = tool_m;
-        for (std::size_t k = 0; k < tools_.size(); ++k) samples[k].position_m = tools_[k].options.map.to_device(at_m[k]);
+        for (std::size_t k = 0; k < tools_.size(); ++k) {
+            samples[k].position_m = tools_[k].options.map.to_device(at_m[k]);
+            samples[k].valid = from.tools_[k].armed;  // one that is not touches nothing
+        }
         tick(samples.data(), force_N.data());
     };
     const Way way = way_to(from, tool);

@@ -1,7 +1,6 @@
 #include "haptic/simulation.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -86,6 +85,7 @@ void Simulation::rest_meshes() noexcept {
     place_surfaces();
     for (ToolState& t : tools_) t.disarm(Point::Zero(model_.dimension()));
     untouched_s_ = 0;
+    for (ToolState& t : tools_) t.untouched_s = 0;
     rested_s_ = record().time_s;
 }
 
@@ -124,7 +124,12 @@ void Simulation::time_passes(double seconds) noexcept {
         if (&due_s == &due_s_.front()) counters_.lost_s += due_s - longest_debt_s;
         due_s = longest_debt_s;
     }
-    untouched_s_ += std::min(seconds, longest_debt_s);  // of a stall, what meshes go through
+    pass_untouched(std::min(seconds, longest_debt_s));  // of a stall, what meshes go through
+}
+
+void Simulation::pass_untouched(double seconds) noexcept {
+    untouched_s_ = std::max(0.0, untouched_s_ + seconds);
+    for (ToolState& t : tools_) t.untouched_s = std::max(0.0, t.untouched_s + seconds);
 }
 
 int Simulation::steps_due(std::size_t m) noexcept {
@@ -139,7 +144,7 @@ int Simulation::steps_due(std::size_t m) noexcept {
         left_s = longest_s;
         if (m == 0) {
             counters_.lost_s += lost_s;
-            untouched_s_ = std::max(0.0, untouched_s_ - lost_s);
+            pass_untouched(-lost_s);
         }
     }
     const int steps = std::max(0, static_cast<int>(std::lround(std::min(left_s, most_s) / h)));
@@ -150,10 +155,12 @@ int Simulation::steps_due(std::size_t m) noexcept {
 }
 
 Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s, double cost_s) noexcept {
-    assert(tools_.size() == 1);
-    Eigen::Vector3d force_N;
-    tick(&sample, &force_N, elapsed_s, cost_s);
-    return force_N;
+    DeviceSample samples[most_tools];
+    Eigen::Vector3d force_N[most_tools];
+    samples[0] = sample;
+    for (DeviceSample* other = samples + 1; other != samples + most_tools; ++other) other->valid = false;
+    tick(samples, force_N, elapsed_s, cost_s);
+    return force_N[0];
 }
 
 void Simulation::tick(const DeviceSample* samples, Eigen::Vector3d* force_N, double elapsed_s, double cost_s) noexcept {
@@ -250,7 +257,11 @@ void Simulation::stop(ToolState& t) noexcept {
     t.record.fault = t.record.status == TickStatus::refused;
     if (t.record.fault) t.velocity_m_s.setZero();
     t.record.coupling_N.setZero();
+    t.record.facet = -1;
+    t.record.weight.setZero();
+    t.record.slipping = false;
     t.disarm(t.record.master_m);
+    t.record.proxy_m = t.contact.proxy_m;
 }
 
 /// What goes out to the device of a tool, whose force on the tissue the tick has found.
@@ -258,7 +269,7 @@ Eigen::Vector3d Simulation::force_out(ToolState& t, double since_s) noexcept {
     const TickStatus status = t.record.status;
     if (status != TickStatus::done && status != TickStatus::not_armed) return t.record.device_N = t.safety.stop();
     if (model_.is_law()) t.record.contact_displacement_m = displacement_at_contact(0, static_cast<int>(&t - tools_.data()));
-    if (untouched_s_ > swings_out_s && t.safety.force_N().isZero(0)) t.safety.forget_credit();
+    if (t.untouched_s > swings_out_s && t.safety.force_N().isZero(0)) t.safety.forget_credit();
     if (!t.armed) return t.record.device_N = t.safety.stop();
     Eigen::Vector3d wanted = t.options.map.force_to_device(t.record.coupling_N);
     if (std::exchange(t.taken_over, false)) t.carried_N = t.safety.force_N() - wanted;
@@ -270,17 +281,20 @@ Eigen::Vector3d Simulation::force_out(ToolState& t, double since_s) noexcept {
 }
 
 Eigen::Vector3d Simulation::stand_still(const DeviceSample& sample, double passed_s) noexcept {
-    assert(tools_.size() == 1);
-    ToolState& t = tools_[0];
     const FlushDenormals mode;
     if (sample.reset) reset();
-    if (t.safety.force_N().isZero(0))
-        t.stood_s += passed_s;
-    else if (!t.safety.admit(sample, passed_s))
-        t.disarm(t.record.master_m);
-    else
-        t.safety.begin_way();  // or the next tick would take the way of both periods for its own
-    return t.record.device_N = t.safety.stop();
+    DeviceSample silent;
+    silent.valid = false;
+    for (ToolState& t : tools_) {
+        if (t.safety.force_N().isZero(0))
+            t.stood_s += passed_s;
+        else if (!t.safety.admit(&t == tools_.data() ? sample : silent, passed_s))
+            t.disarm(t.record.master_m);
+        else
+            t.safety.begin_way();  // or the next tick would take the way of both periods for its own
+        t.record.device_N = t.safety.stop();
+    }
+    return record().device_N;
 }
 
 /// Surfaces to where the meshes are.
@@ -448,7 +462,7 @@ void Simulation::wait_for_outside(ToolState& t) noexcept {
     t.no_contact(master_m);
     for (const auto& surface : surfaces_)
         if (surface->contains(master_m)) {
-            ++counters_.unarmed;
+            ++t.unarmed;
             t.contact.proxy_m = surface->nearest(master_m).position_m;
             return;
         }
@@ -564,7 +578,7 @@ void Simulation::step_meshes() noexcept {
         t.record.proxy_m = t.contact.proxy_m;
         t.record.set = model_.is_law() ? -1 : set_;
         if (!t.contact.pressing) continue;
-        untouched_s_ = 0;
+        untouched_s_ = t.untouched_s = 0;
         t.record.mesh = t.touched;
         t.record.facet = t.contact.where.facet;
         t.record.weight = t.contact.where.weight;

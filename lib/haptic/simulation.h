@@ -68,12 +68,11 @@ void check_device(const DeviceImpedance& device, const DeviceMap& map, double dt
 
 struct HapticCounters {
     long long ticks = 0;
-    long long folded = 0;         ///< surface not simple, in contact the touched one, or two meshes over each other: no inside, no force
+    long long folded = 0;         ///< ticks in which there was no inside, and no force: a surface not simple, in contact the touched one, or two meshes over each other
     long long unstable = 0;       ///< a node not finite, or 1 km away; or a law that nothing touches and that does not come back: meshes put to rest
     double lost_s = 0;            ///< time that passed and that the tissue did not go through: a stall too long to be made up for, or ticks that cost more than their time
-    long long unarmed = 0;        ///< inside tissue, but the master has not been outside since the start or a fault
 
-    void fields(StateBytes& state) noexcept { state(ticks, folded, unstable, lost_s, unarmed); }
+    void fields(StateBytes& state) noexcept { state(ticks, folded, unstable, lost_s); }
 };
 
 /// The state of one session and its tick. Storage is made in the constructor; tick() allocates nothing, takes no lock,
@@ -94,7 +93,7 @@ class Simulation {
     int restores() const { return restores_; }  ///< so far
 
     /// The options that may change while it runs (`live`, haptic/session_options.h), of these; between ticks. The device's limits stay. A change that moves the tool in the tissue by more than
-    /// a hand does in a tick is a new start: it must be outside once. They are of one tool each. Throws MismatchError as HapticModel does, and changes nothing then.
+    /// a hand does in a tick is a new start: it must be outside once. Each tool has its own. Throws MismatchError as HapticModel does, and changes nothing then.
     void change(const HapticOptions& options, int tool = 0);
     const HapticOptions& options(int tool = 0) const { return of(tool).options; }
 
@@ -118,7 +117,7 @@ class Simulation {
     /// finite: unknown, taken for as long as the device holds a force (force_held_s where it holds it for ever). cost_s: how long the tick before took by the clock that elapsed_s is of; 0: elapsed_s is of no clock,
     /// or nobody knows, and ticks may cost what they will. In it denormals are zero; the caller's floating-point mode is as it was (flush_denormals.h).
     Eigen::Vector3d tick(const DeviceSample& sample, double elapsed_s = 0, double cost_s = 0) noexcept;
-    /// The same of every tool: tool_count() samples and forces.
+    /// The same of every tool: tool_count() samples and forces. Without a sample of its own, as above, a second tool has no force.
     void tick(const DeviceSample* samples, Eigen::Vector3d* force_N, double elapsed_s = 0, double cost_s = 0) noexcept;
 
     /// In place of a tick: everything stays as it is, the tissue's time too, and no force goes out [N]. passed_s: since the last tick or call of this; a hand may go on meanwhile. The force of
@@ -130,6 +129,7 @@ class Simulation {
     const TickRecord& record(int tool = 0) const { return of(tool).record; }
     double went_s() const { return went_s_; }  ///< through which the tissue went in the last tick
     const HapticCounters& counters() const { return counters_; }
+    long long unarmed(int tool = 0) const { return of(tool).unarmed; }  ///< ticks inside tissue, while the master had not been outside since the start or a fault
     const Friction& friction(int tool = 0) const { return of(tool).friction; }
     const Safety& safety(int tool = 0) const { return of(tool).safety; }
     const HapticModel& model() const { return model_; }
@@ -194,6 +194,7 @@ class Simulation {
     bool tool_pushes(const ToolState& t) const noexcept;
     void look_for_contact(ToolState& t, const ContactState& from, int left) noexcept;
     void wait_for_outside(ToolState& t) noexcept;
+    void pass_untouched(double seconds) noexcept;
     void select_set(ToolState& t, const Point& on_tissue_N) noexcept;
     void average_stiffness() noexcept;
     void step_meshes() noexcept;
@@ -220,7 +221,7 @@ class Simulation {
     bool sound_ = true;           ///< and none does
     double rested_s_ = 0;
     bool reset_ = false;          ///< since the last tick
-    double untouched_s_ = 0;      ///< since a tool or its force was on the meshes
+    double untouched_s_ = 0;      ///< since a tool or its force was on the meshes; of each tool ToolState::untouched_s
     int set_ = 0;                 ///< (19)'s K_l
     int restores_ = 0;
     HapticCounters counters_;

@@ -736,7 +736,16 @@ TEST_CASE("two tools tick at once in C as in the library, and calls are about on
     const double stale_s[2] = {0, 1};
     position_m[3] = from.x();
     CHECK(tissue_tick_tools(session.s, 2, position_m, stale_s, 1e-3, force_N, nullptr) == TISSUE_FAULT);
-    // a copy is about the same tool; wrong numbers of tools: refused, and forces are zero
+    // one array for both
+    Session same(file, {"tools", "2"}), apart(file, {"tools", "2"});
+    for (int k = 0; k < 200; ++k) {
+        double both[6] = {from.x(), from.y(), from.z() - 2e-5 * k, from.x() + along.x(), from.y(), from.z() - 1e-5 * k}, out[6];
+        tissue_tick_tools(apart.s, 2, both, nullptr, 1e-3, out, nullptr);
+        tissue_tick_tools(same.s, 2, both, nullptr, 1e-3, both, nullptr);
+        REQUIRE(std::equal(both, both + 6, out));
+        if (k == 199) CHECK(out[2] > 0);
+    }
+    // a copy acts on the same tool; wrong numbers of tools: refused, and forces are zero
     tissue_session* copy = nullptr;
     REQUIRE(tissue_copy(session.s, &copy) == TISSUE_OK);
     long long stale = 0;

@@ -130,7 +130,7 @@ TEST_CASE("a session that was saved, restored or copied goes on bit for bit", "[
             CHECK(s.state_size() == state.size());
         }
         CHECK(s.friction().burnt_J() > 0);
-        CHECK(s.counters().unarmed > 0);
+        CHECK(s.unarmed() > 0);
     }
 }
 

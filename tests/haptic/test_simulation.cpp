@@ -165,7 +165,7 @@ TEST_CASE("a fault makes the force zero in its own tick, and none comes back bef
         CHECK(s.tick(bad) == Eigen::Vector3d::Zero());
         CHECK(s.record().fault);
         for (long k = 0; k < 500; ++k) REQUIRE(s.tick(kind == 1 && k < 20 ? sample_at(0.047, bad.position_m[1] + 5e-4 * k) : pressing(1500)).norm() == 0);
-        CHECK(s.counters().unarmed > 0);
+        CHECK(s.unarmed() > 0);
         for (long k = 0; k < 100; ++k) s.tick(sample_at(0.047, 0.092 + 2e-4 * k));
         for (long k = 0; k < 100; ++k) s.tick(sample_at(0.047, 0.112 - 2e-4 * k));
         CHECK(s.safety().force_N().norm() > 0.05);
@@ -178,7 +178,7 @@ TEST_CASE("starting inside the tissue, there is no force until the master has be
         Simulation s(model);
         for (int k = 0; k < 1000; ++k) REQUIRE(s.tick(sample_at(0.05, 0.09)).norm() == 0);
         CHECK(s.state(0).displacement.norm() < 1e-12);  // nor does the tissue feel anything
-        CHECK(s.counters().unarmed == 1000);
+        CHECK(s.unarmed() == 1000);
         for (int k = 0; k < 100; ++k) s.tick(sample_at(0.05, 0.09 + 2e-4 * k));
         for (int k = 0; k < 100; ++k) s.tick(sample_at(0.05, 0.11 - 2e-4 * k));
         CHECK(s.safety().force_N().y() > 0);

@@ -269,8 +269,7 @@ TEST_CASE("a recording is written as it goes: memory does not grow with the sess
     for (int k = 0; k < batches * batch; ++k) {
         RecordedTick row;
         row.tick.time_s = k;
-        recorder.push(row);
-        if (k % batch == batch - 1) std::this_thread::sleep_for(std::chrono::milliseconds(25));
+        recorder.push(row, true);
         if (k == 5 * batch) begin = resident();  // ring, block and HDF5's own buffers are there
     }
     const double grown = resident() - begin, taken = static_cast<double>((batches - 5) * batch) * sizeof(RecordedTick);
@@ -278,7 +277,8 @@ TEST_CASE("a recording is written as it goes: memory does not grow with the sess
     CHECK_FALSE(std::filesystem::exists(folder.file("a.h5")));
     recorder.close(model);
     const Eigen::VectorXd time = Hdf5Reader(folder.file("a.h5"), "recording").vector("/time");
-    CHECK(time.size() + recorder.dropped() == batches * batch);
+    CHECK(recorder.dropped() == 0);
+    CHECK(time.size() == batches * batch);
     CHECK((time.tail(time.size() - 1) - time.head(time.size() - 1)).minCoeff() > 0);
     CHECK(beside > 0.5 * static_cast<double>(std::filesystem::file_size(folder.file("a.h5"))));
     CHECK(folder.names() == std::vector<std::string>{"a.h5"});

@@ -7,6 +7,7 @@
 #include "../mesh/embedded_block.h"
 #include "../refusal.h"
 #include "../solid_law_example.h"
+#include "haptic/law_spectrum.h"
 #include "haptic/session_options.h"
 #include "haptic/simulation.h"
 #include "haptic_example.h"
@@ -78,7 +79,7 @@ TEST_CASE("two tools in motion come to rest with the forces of the equilibrium u
     }
     CHECK((s.state(0).displacement - NodeColumns(rest.displacement)).norm() < 2e-3 * rest.displacement.norm());
 
-    // what is seen: no slip under either
+    // what is seen is what evaluation sees, one tool after the other
     NodeColumns seen = s.state(0).displacement;
     const NodeField wanted = press.seen(tools[1].contact_m, tools[1].push_m, press.seen(tools[0].contact_m, tools[0].push_m, rest.displacement));
     s.seen(0, seen);
@@ -153,7 +154,7 @@ TEST_CASE("a fault of one of two tools stops that one alone", "[simulation][soli
     CHECK(hands.force_N[1].norm() > 0.01);
 }
 
-TEST_CASE("neither of two tools gets energy out of the other's coming and going", "[simulation][solid][two]") {
+TEST_CASE("the coming and going of two tools gives them no energy in all", "[simulation][solid][two]") {
     HapticOptions slippery = of_tools(2);
     slippery.friction.stick = 0.3;
     const HapticModel model(block(), slippery);
@@ -185,6 +186,116 @@ TEST_CASE("neither of two tools gets energy out of the other's coming and going"
     }
     CHECK(stored_J > 1e-5);
     for (int t : {0, 1}) CHECK(s.safety(t).observed_J() <= s.safety(t).bound_J());
+}
+
+TEST_CASE("two tools at one place come to rest, stiffer than one, and let go of each other", "[simulation][solid][two]") {
+    const LawSpectrum alone = law_spectrum(block(), pressed_by(1).meshes[0]->springs), both = law_spectrum(block(), pressed_by(1).meshes[0]->springs, 2);
+    CHECK(both.largest > 1.001 * alone.largest);
+    CHECK(both.largest < 2 * alone.largest);
+    CHECK(pressed_by(2).meshes[0]->largest_eigenvalue_1_s2 == both.largest);
+    for (const double apart_m : {0.0, 0.004, 0.012}) {
+        INFO(apart_m);
+        Simulation s(pressed_by(2));
+        Hands hands{s};
+        const Eigen::Vector3d right = left_m + Eigen::Vector3d(apart_m, 0, 0), in = Eigen::Vector3d(0, 0, -0.003);
+        hands.at_m[1] = right + up;
+        hands.to(left_m, right, 100);
+        hands.to(left_m + in, right, 100, 1000);
+        const double one_N = hands.force_N[0].norm();
+        hands.to(left_m + in, right + in, 100, 3000);
+        for (int k = 0; k < 500; ++k) {  // no swing is left
+            const Eigen::Vector3d last_N[2] = {hands.force_N[0], hands.force_N[1]};
+            hands.tick();
+            for (int t : {0, 1}) REQUIRE((hands.force_N[t] - last_N[t]).norm() < 1e-4 * last_N[t].norm());
+        }
+        for (int t : {0, 1}) CHECK(hands.force_N[t].z() > 0.02);
+        if (apart_m == 0) CHECK(hands.force_N[0].z() == Approx(hands.force_N[1].z()).epsilon(1e-4));  // the second has come to a surface that is dented
+        CHECK(hands.force_N[0].norm() < one_N);
+        hands.to(left_m + up, right + in, 100, 3000);
+        CHECK(hands.force_N[0].isZero(0));
+        CHECK(hands.force_N[1].norm() > 0.9 * one_N);
+    }
+}
+
+TEST_CASE("each of two tools has its own credit, clutch, fault and count, and a reset is of both", "[simulation][solid][two]") {
+    Simulation s(pressed_by(2));
+    Hands hands{s};
+    hands.to(left_m, right_m, 100);
+    const Eigen::Vector3d in(0, 0, -0.004);
+    // the second comes and goes while the first presses: what it gave in the first round is not lent to it for the second
+    hands.to(left_m + in, right_m + up, 300, 500);
+    for (int round = 0; round < 3; ++round) {
+        hands.to(left_m + in, right_m + in, 200, 100);
+        CHECK(s.safety(1).observed_J() < 0);
+        hands.to(left_m + in, right_m + up, 20, 1500);
+        CHECK(s.safety(1).observed_J() == 0);
+        CHECK(s.safety(0).observed_J() < 0);
+    }
+    // clutch of the second
+    hands.to(left_m + in, right_m + in, 200, 200);
+    s.clutch(true, 1);
+    const Point tool_m = s.record(1).master_m;
+    hands.to(left_m + in, right_m + in + Eigen::Vector3d(0.005, 0, 0.002), 50);
+    CHECK((s.record(1).master_m - tool_m).norm() < 1e-12);
+    CHECK(hands.force_N[1].isZero(0));
+    CHECK(hands.force_N[0].norm() > 0.05);
+    s.clutch(false, 1);
+    hands.to(hands.at_m[0], hands.at_m[1], 1, 200);
+    CHECK(hands.force_N[1].norm() > 0.05);
+    // a fault of the first
+    const Eigen::Vector3d was_m = hands.at_m[0];
+    hands.at_m[0].setConstant(std::nan(""));
+    hands.tick();
+    CHECK(hands.force_N[0].isZero(0));
+    CHECK(hands.force_N[1].norm() > 0.05);
+    hands.at_m[0] = was_m;
+    hands.to(was_m, hands.at_m[1], 1, 49);
+    CHECK(s.unarmed(0) == 50);
+    CHECK(s.unarmed(1) == 0);
+    // a reset that the sample of one asks for
+    DeviceSample samples[2] = {sample_at(hands.at_m[0]), sample_at(s.options(1).map.to_device(s.record(1).master_m))};
+    samples[1].position_m = hands.at_m[1];
+    samples[1].reset = true;
+    s.tick(samples, hands.force_N);
+    for (int t : {0, 1}) {
+        CHECK(s.record(t).reset);
+        CHECK(hands.force_N[t].isZero(0));
+    }
+    CHECK(s.state(0).displacement.cwiseAbs().maxCoeff() < 1e-6);
+    // a caller that gives one sample has the first tool alone; in a pause neither has force
+    hands.to(left_m + up, hands.at_m[1] + Eigen::Vector3d(0, 0, 0.01), 100);
+    hands.to(left_m + in, hands.at_m[1] + in - Eigen::Vector3d(0, 0, 0.01), 300);
+    REQUIRE(hands.force_N[1].norm() > 0.02);
+    CHECK(s.tick(sample_at(hands.at_m[0])).norm() > 0.05);
+    CHECK(s.record(1).status == TickStatus::refused);
+    CHECK(s.record(1).device_N.isZero(0));
+    CHECK(s.stand_still(sample_at(hands.at_m[0]), 1e-3).isZero(0));
+}
+
+TEST_CASE("two tools on a tissue that relaxes remember each its own contact", "[simulation][solid][two][relaxation]") {
+    const TissueModel tissue = relaxing(block());
+    const HapticModel one_model(tissue, of_tools(1)), two_model(tissue, of_tools(2));
+    Simulation one(one_model), s(two_model);
+    Hands hands{s};
+    const Eigen::Vector3d in(0, 0, -0.004);
+    const auto both_ways = [&](const Eigen::Vector3d& left, int ticks, int stay = 0) {
+        const Eigen::Vector3d from = hands.at_m[0];
+        for (int k = 1; k <= ticks + stay; ++k) {
+            hands.at_m[0] = from + std::min(1.0, static_cast<double>(k) / ticks) * (left - from);
+            hands.tick();
+            const Eigen::Vector3d alone_N = one.tick(sample_at(hands.at_m[0]));
+            REQUIRE((hands.force_N[0] - alone_N).norm() <= 0.01 * alone_N.norm() + 1e-6);
+        }
+    };
+    both_ways(left_m, 100);
+    both_ways(left_m + in, 100);
+    const double first_N = hands.force_N[0].norm();
+    both_ways(left_m + in, 1, 2000);
+    CHECK(hands.force_N[0].norm() < 0.7 * first_N);
+    // the second comes late, and answers as stiff as the first did when it came
+    hands.to(hands.at_m[0], right_m, 100);
+    hands.to(hands.at_m[0], right_m + in, 100);
+    CHECK(hands.force_N[1].norm() > 1.3 * hands.force_N[0].norm());
 }
 
 TEST_CASE("a session of two tools is saved, restored, copied and followed with both, and its ticks allocate nothing", "[simulation][solid][two][state]") {

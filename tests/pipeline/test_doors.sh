@@ -276,26 +276,26 @@ import numpy as np
 import tissue
 model = tissue.Model(sys.argv[1])
 session, alone = tissue.Simulation(model, tools=2), tissue.Simulation(model)
-assert (session.tools, alone.tools, session.tool) == (2, 1, 0)
-session.tool = 1
+assert (session.tools, alone.tools) == (2, 1)
+session.use_tool(1)
 session.set(friction=0.2)
 for k in range(500):
     at = np.array([[0.03, 0.101 - 1e-5 * k, 0], [0.07 + 1e-5 * k, 0.101 - 8e-6 * k, 0]])
     both, one = session.tick_tools(at), alone.tick(at[0])
 assert both.shape == (2, 3) and both[0, 1] > 0.05 and both[1, 1] > 0.05 and one[1] > 0.05, (both, one)
 right = session.contact
-session.tool = 0
+session.use_tool(0)
 left = session.contact
 assert left["mesh"] == right["mesh"] == 0 and left["facet"] != right["facet"] and left["force_N"][1] < 0 and right["force_N"][0] > 0
 assert np.allclose(left["force_N"][:2], -both[0, :2]) and session.energies_J["friction"] == 0
 other = session.copy()
 at[1, 0] = np.nan
 assert (session.tick_tools(at, age_s=[0, 0])[1] == 0).all() and session.contact["status"] == "done" and session.counts["bad_input"] == 0
-session.tool = 1
+session.use_tool(1)
 assert session.contact["status"] == "refused" and session.counts["bad_input"] == 1 and session.energies_J["friction"] > 0
 at[1, 0] = 0.075
-assert other.tool == 0 and (other.tick_tools(at)[1] != 0).any()
-for wrong in (lambda: session.tick(at[0]), lambda: session.ticks(at), lambda: session.tick_tools(at[:1]), lambda: session.tick_tools(at, age_s=[0]), lambda: setattr(session, "tool", 2), lambda: alone.tick_tools(at),
+assert other.contact["facet"] == left["facet"] and (other.tick_tools(at)[1] != 0).any()
+for wrong in (lambda: session.tick(at[0]), lambda: session.ticks(at), lambda: session.tick_tools(at[:1]), lambda: session.tick_tools(at, age_s=[0]), lambda: session.use_tool(2), lambda: session.use_tool(-1), lambda: alone.tick_tools(at),
               lambda: tissue.Simulation(model, tools=3), lambda: tissue.Simulation(model, tools=2, heuristic=True)):
     try:
         wrong()
@@ -362,7 +362,7 @@ import sys
 import tissue
 bare = {owner: owner.__new__(owner) for owner in (tissue.Model, tissue.Simulation, tissue.Adaptation)}
 top, down = (0.05, 0.1), (0, -0.004)
-arguments = {"press": ([top], [down]), "with_tool": (0.005,), "tick": ((0, 0.2, 0),), "ticks": ([(0, 0.2, 0)],), "tick_tools": ([(0, 0.2, 0)],), "learn": (top, down, down), "expect": (top, down), "write": ("/nowhere/none.h5",), "clutch": (True,), "surface": ("boundary",), "add_surface": ("organ", "/nowhere/none.obj", 1.0), "follow": (tissue.Simulation(tissue.Model(sys.argv[1])),), "take_over": (tissue.Simulation(tissue.Model(sys.argv[1])),)}
+arguments = {"press": ([top], [down]), "with_tool": (0.005,), "tick": ((0, 0.2, 0),), "ticks": ([(0, 0.2, 0)],), "tick_tools": ([(0, 0.2, 0)],), "learn": (top, down, down), "expect": (top, down), "write": ("/nowhere/none.h5",), "clutch": (True,), "use_tool": (0,), "surface": ("boundary",), "add_surface": ("organ", "/nowhere/none.obj", 1.0), "follow": (tissue.Simulation(tissue.Model(sys.argv[1])),), "take_over": (tissue.Simulation(tissue.Model(sys.argv[1])),)}
 asked = 0
 for owner, it in bare.items():
     for name in vars(owner):

@@ -177,7 +177,7 @@ py::dict contact_of(Session& session) {
     contact["facet"] = tick.facet;
     contact["weight"] = tick.weight;
     contact["displacement_m"] = Eigen::VectorXd(tick.contact_displacement_m);
-    contact["force_N"] = Eigen::VectorXd(-tick.coupling_N);
+    contact["force_N"] = Eigen::VectorXd(Point::Zero(tick.coupling_N.size()) - tick.coupling_N);
     contact["slipping"] = tick.slipping;
     contact["fault"] = tick.fault;
     constexpr const char* statuses[] = {"done", "refused", "not armed", "folded", "diverged"};
@@ -484,13 +484,13 @@ ticks() between two ticks, press() between two contacts and next() between two p
              "unknown, and the library's own clock tells. age_s: since the position was measured, where positions come less often than ticks.")
         .def("ticks", &ticks, py::arg("positions_m"), py::arg("elapsed_s") = 0.0,
              "A tick for each position (T, 3), one after the other, each elapsed_s after the one before (0: dt); returns forces [N] (T, 3). After Ctrl-C the session is where it came to.")
-        .def("tick_tools", [](Session& s, const NodeField& positions_m, double elapsed_s, const std::vector<double>& age_s) { return alone(s, [&] { return s.tick(positions_m, elapsed_s, age_s); }); },
-             py::arg("positions_m"), py::arg("elapsed_s") = 0.0, py::arg("age_s") = std::vector<double>(),
-             "One step of every tool at once (option tools): the devices' positions [m] (tools, 3), an age each or none; returns the forces on the hands [N] (tools, 3).")
-        .def_property("tool", [](const Session& s) { return s.tool; }, [](Session& s, int tool) {
+        .def("tick_tools", [](Session& s, const NodeField& positions_m, double elapsed_s, const std::optional<std::vector<double>>& age_s) { return alone(s, [&] { return s.tick(positions_m, elapsed_s, age_s.value_or(std::vector<double>())); }); },
+             py::arg("positions_m"), py::arg("elapsed_s") = 0.0, py::arg("age_s") = py::none(),
+             "One step of every tool at once (option tools): the devices' positions [m] (tools, 3), an age each [s] (tools), or None; returns the forces on the hands [N] (tools, 3).")
+        .def("use_tool", [](Session& s, int tool) {
                  if (tool < 0 || tool >= s.simulation.tool_count()) throw MismatchError("the session has no such tool");
-                 s.tool = tool;
-             }, "which one, 0 at the start, these are about: set(), clutch(), contact, counts, limits and energies_J")
+                 alone(s, [&] { s.tool = tool; });
+             }, py::arg("tool"), "Which tool, 0 at the start, set(), clutch(), contact, counts, limits and energies_J act on. Shared by both: the counts ticks, folded, unstable and lost_ms, the energies kinetic, stored and dissipated.")
         .def_property_readonly("tools", [](const Session& s) { return s.simulation.tool_count(); }, "how many press the tissue")
         .def("reset", [](Session& s) { alone(s, [&] { s.simulation.reset(); }); }, "The tissue to rest; the tool must be outside once before there is force again.")
         .def("set", [](Session& s, const py::kwargs& given) {
@@ -508,14 +508,17 @@ ticks() between two ticks, press() between two contacts and next() between two p
         .def("take_over", [](Session& s, Session& from) {
                  if (&s == &from) throw MismatchError("take_over: the same session");
                  TickClock clock;
+                 int tool = 0;
                  const Simulation other = alone(from, [&] {
                      clock = from.clock;
+                     tool = from.tool;
                      return Simulation(from.simulation);
                  });
                  alone(s, [&] {
                      s.simulation.check_take_over(other);
                      s.simulation.take_over(other);
                      s.clock = clock;
+                     s.tool = tool;
                  });
              }, py::arg("session"), "After follow(): goes on at the hand where that one was. Force, limits, what is known of the device, energy given and counts are that one's; what forces differ by fades within some tenths of a second.")
         .def_property_readonly("displacement_m", [](const Session& s) -> const NodeColumns& { return s.simulation.state(0).displacement; },
