@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
@@ -43,12 +44,12 @@ void run(const Options& o, Provenance provenance) {
         journal = std::make_unique<Journal>(o.journal, stage.model().dimension());
         stage.lesson()->also_tell([&journal](const Learner::Line& line) { journal->add(line); });
     }
+    std::signal(SIGPIPE, SIG_IGN);  // who reads the lines may be gone before the files are closed
     std::cerr << describe("tissuectl serve", stage.model(), stage.pointer());
     std::cerr << "tissuectl serve: " << server.url() << std::endl;
     stage.start(recorder.get());
     server.run();
     stage.stop();
-    for (const std::string& notice : stage.report().notices) std::cerr << "tissuectl serve: " << notice << '\n';
     SessionEnd end("tissuectl serve");
     end.then([&] {
         if (recorder) recorder->close(stage.model());
@@ -61,6 +62,7 @@ void run(const Options& o, Provenance provenance) {
     end.then([&] {
         if (journal) journal->close();
     });
+    for (const std::string& notice : stage.report().notices) std::cerr << "tissuectl serve: " << notice << '\n';
     const std::string file = std::filesystem::path(o.models[static_cast<std::size_t>(stage.index())]).filename().string();
     const long long dropped = recorder ? recorder->dropped() : 0;
     std::cout << (o.json ? ledger_json(file, stage.pointer(), stage.simulation(), stage.report(), dropped)

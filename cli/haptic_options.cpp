@@ -19,6 +19,12 @@ void or_usage(Act act) {
     }
 }
 
+/// CLI11's ranges let NaN through: it is neither less nor more.
+const CLI::Validator& is_number() {
+    static const CLI::Validator check([](std::string& given) { return CLI::detail::to_lower(given).find("nan") == std::string::npos ? std::string() : given + " is no number"; }, "");
+    return check;
+}
+
 }  // namespace
 
 CLI::Validator quiet(CLI::Validator check) {
@@ -27,9 +33,11 @@ CLI::Validator quiet(CLI::Validator check) {
 }
 
 CLI::Option* add_number(CLI::App& app, const char* name, double& value, const char* unit, const char* meaning) {
-    // CLI11's ranges let NaN through: it is neither less nor more
-    static const CLI::Validator is_number([](std::string& given) { return CLI::detail::to_lower(given).find("nan") == std::string::npos ? std::string() : given + " is no number"; }, "");
-    return app.add_option(name, value, meaning)->type_name(unit)->capture_default_str()->check(is_number);
+    return app.add_option(name, value, meaning)->type_name(unit)->capture_default_str()->check(is_number());
+}
+
+CLI::Option* add_number(CLI::App& app, const char* name, std::optional<double>& value, const char* unit, const char* meaning) {
+    return app.add_option(name, value, meaning)->type_name(unit)->check(is_number());
 }
 
 void add_haptic_options(CLI::App& app, Where program, HapticChoices& choices) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 
 #include "haptic/session_options.h"
@@ -24,6 +25,7 @@ std::string options_page();
 
 /// A number with its unit, its default and its meaning.
 CLI::Option* add_number(CLI::App& app, const char* name, double& value, const char* unit, const char* meaning);
+CLI::Option* add_number(CLI::App& app, const char* name, std::optional<double>& value, const char* unit, const char* meaning);  ///< of no default
 
 /// A check whose own words stay out of the help's column of units.
 CLI::Validator quiet(CLI::Validator check);

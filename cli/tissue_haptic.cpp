@@ -17,6 +17,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "adapt/adapted_model.h"
 #include "cases/load_path.h"
@@ -28,6 +29,7 @@
 #include "haptic/learner.h"
 #include "haptic/realtime_loop.h"
 #include "haptic/recorder.h"
+#include "haptic/virtual_device.h"
 #include "eval/truth_in_motion.h"
 #include "haptic_options.h"
 #include "haptic_report.h"
@@ -53,7 +55,7 @@ struct Options {
     std::string model, device = device_kinds().names().front(), record, check, out, learn, journal, hidden;
     bool forget = false;
     DeviceValues device_values;
-    double seconds = 10;
+    std::optional<double> seconds;
     unsigned long seed = 2008;
     bool json = false, no_clock = false;
     cli::HapticChoices choices;
@@ -117,13 +119,6 @@ std::string told(const Learner::Line& line) {
     return text;
 }
 
-/// The session's hidden truth, its learner and what they write.
-struct Learning {
-    std::unique_ptr<Adaptation> adaptation;
-    std::unique_ptr<cli::Journal> journal;
-    std::unique_ptr<Learner> learner;
-};
-
 void run(const Options& o, Provenance provenance) {
     HapticOptions haptic = o.choices.haptic;
     TissueModel tissue = read_model(o.model);
@@ -132,14 +127,14 @@ void run(const Options& o, Provenance provenance) {
     tissue = with_tool(std::move(tissue), tool);
     if (o.check.empty()) haptic.device = stricter(haptic.device, device_kinds().at(o.device)->impedance);
     else haptic.safety.force_max_N = 1e3;  // no device holds the tool back
-    Learning learning;
+    std::unique_ptr<Adaptation> adaptation;
     if (!o.learn.empty()) {
         if (!tool.is_default()) throw MismatchError("--tool: a model that learns while it plays has its own disc");
-        learning.adaptation = live_adaptation(o.model);
-        if (o.forget) learning.adaptation->forget();
+        adaptation = live_adaptation(o.model);
+        if (o.forget) adaptation->forget();
         const Hdf5Writer can_be_written(o.learn, "model", provenance);  // or a session would be lost at its end
-        tissue = learning.adaptation->base();
-        haptic = live_options(haptic, *learning.adaptation);
+        tissue = adaptation->base();
+        haptic = live_options(haptic, *adaptation);
     }
     HapticModel model(tissue, haptic);
     if (!o.check.empty()) return check(o, tissue, model, own_m);
@@ -151,49 +146,51 @@ void run(const Options& o, Provenance provenance) {
         provenance.inputs[std::filesystem::path(o.model).filename().string()] = file_hash(o.model);
         recorder = std::make_unique<Recorder>(o.record, model.dimension(), provenance);
     }
-    if (learning.adaptation) learning.journal = std::make_unique<cli::Journal>(o.journal, model.dimension());
+    std::unique_ptr<cli::Journal> journal;
+    std::unique_ptr<Learner> learner;
+    if (adaptation) journal = std::make_unique<cli::Journal>(o.journal, model.dimension());
     // the device last: nothing is open while anything else can fail
-    std::unique_ptr<Device> device = make_device(o.device, o.device_values, {o.seconds, o.seed, &model.rest, model.options.map});
+    std::unique_ptr<Device> device = make_device(o.device, o.device_values, {*o.seconds, o.seed, &model.rest, model.options.map});
     if (!o.hidden.empty()) device = std::make_unique<HiddenTissue>(std::move(device), with_tool(read_model(o.hidden), tool), o.choices.haptic);
     std::cerr << cli::describe("tissue-haptic", model, *device);
     LoopOptions loop;
-    loop.seconds = o.seconds;
+    loop.seconds = *o.seconds;
     loop.stop = &stop;
     loop.clock = !o.no_clock;
     loop.realtime = !o.choices.no_realtime;
     if (recorder) loop.hooks.push_back(recorder.get());
-    if (learning.adaptation) {
-        learning.learner = std::make_unique<Learner>(model, *learning.adaptation);
-        learning.learner->on_line(
+    if (adaptation) {
+        learner = std::make_unique<Learner>(model, *adaptation);
+        learner->on_line(
             [](const Learner::Line& line, const Adaptation&, void* with) {
                 std::cerr << told(line);
                 static_cast<cli::Journal*>(with)->add(line);
             },
-            learning.journal.get(),
+            journal.get(),
             [](const char* why, void*) { std::cerr << "tissue-haptic: learning has ended, the session goes on without it: " << why << '\n'; });
-        loop.hooks.push_back(learning.learner.get());
+        loop.hooks.push_back(learner.get());
     }
     const LoopReport report = run_loop(simulation, *device, loop);
-    if (learning.learner) learning.learner->stop();
+    if (learner) learner->stop();
     cli::SessionEnd end("tissue-haptic");
-    end.then([&] {
-        if (!learning.learner) return;
-        provenance.seed = o.seed;
-        write_adapted_model(o.learn, *learning.adaptation, provenance);
-        const Adaptation::State& state = learning.adaptation->state();
-        std::cerr << fmt::format("tissue-haptic: {} readings, {} learned, {} not believed, {} refused, {} dropped: {}\n", learning.learner->readings(), state.learned, state.gated,
-                                 state.refused, learning.learner->dropped(), o.learn);
-    });
-    end.then([&] {
-        if (learning.learner && *learning.learner->failure()) throw tissue::Error(fmt::format("learning ended before the session did: {}", learning.learner->failure()));
-    });
-    for (const std::string& notice : report.notices) std::cerr << "tissue-haptic: " << notice << '\n';
     end.then([&] {
         if (recorder) recorder->close(model);
     });
     end.then([&] {
-        if (learning.journal) learning.journal->close();
+        if (!learner) return;
+        provenance.seed = o.seed;
+        write_adapted_model(o.learn, *adaptation, provenance);
+        const Adaptation::State& state = adaptation->state();
+        std::cerr << fmt::format("tissue-haptic: {} readings, {} learned, {} not believed, {} refused, {} dropped: {}\n", learner->readings(), state.learned, state.gated,
+                                 state.refused, learner->dropped(), o.learn);
     });
+    end.then([&] {
+        if (learner && *learner->failure()) throw tissue::Error(fmt::format("learning ended before the session did: {}", learner->failure()));
+    });
+    end.then([&] {
+        if (journal) journal->close();
+    });
+    for (const std::string& notice : report.notices) std::cerr << "tissue-haptic: " << notice << '\n';
     const std::string model_file = std::filesystem::path(o.model).filename().string();
     const long long dropped = recorder ? recorder->dropped() : 0;
     std::cout << (o.json ? cli::ledger_json(model_file, *device, simulation, report, dropped)
@@ -206,7 +203,7 @@ void add_options(CLI::App& app, Options& o) {
     app.add_option("model", o.model, "model.h5 of tissuectl train")->required()->type_name("FILE");
     app.add_option("--device", o.device, fmt::format("{}", fmt::join(device_kinds().names(), ", ")))
         ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember(device_kinds().names())));
-    add_number(app, "--seconds", o.seconds, "s", "how long; 0: until the device ends or a signal comes")->check(quiet(CLI::Range(0.0, longest_session_s)));
+    add_number(app, "--seconds", o.seconds, "s", "how long; 0: until the device ends or a signal comes. Default: 10 of the virtual device, else 0")->check(quiet(CLI::Range(0.0, longest_session_s)));
     app.add_flag("--json", o.json, "print the ledger as JSON");
     app.add_flag("--no-clock", o.no_clock, "ticks follow one another without waiting for the clock, and none is missed; --seconds are the tissue's. Of scripted motions, virtual and replay");
     app.add_option("--record", o.record, "HDF5 file for every tick")->type_name("FILE");
@@ -227,9 +224,15 @@ void add_options(CLI::App& app, Options& o) {
     CLI::Option* out = app.add_option("--out", o.out, "of --check: realtime.json to write")->type_name("FILE");
     check->needs(out);
     out->needs(check);
+    // of a session, which --check is none
+    for (const char* name : {"--record", "--learn", "--hidden", "--json", "--seconds", "--no-clock", "--force-max"}) check->excludes(app.get_option(name));
 }
 
-void finish(Options& o) {
+void finish(Options& o, const CLI::App& app) {
+    if (!o.seconds) o.seconds = o.device == VirtualDevice::kind.name ? 10 : 0;
+    for (const DeviceKind* kind : device_kinds().kinds())
+        for (const DeviceOption& option : kind->options)
+            if (kind->name != o.device && app.count("--" + option.name) > 0) throw CLI::ValidationError("--" + option.name, fmt::format("is of device {}, not of {}", kind->name, o.device));
     for (const DeviceOption& option : device_kinds().at(o.device)->options)
         if (option.needed && o.device_values.at(option.name).empty())
             throw CLI::ValidationError("--device " + o.device, fmt::format("needs --{} {}", option.name, option.unit));
@@ -244,6 +247,7 @@ int main(int argc, char** argv) {
     cli::hold_standard_descriptors();
     std::signal(SIGINT, on_signal);
     std::signal(SIGTERM, on_signal);
+    std::signal(SIGPIPE, SIG_IGN);  // who reads the lines may be gone before the files are closed
     if (std::signal(SIGHUP, on_signal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // under nohup it goes on
     std::string command;
     for (int i = 0; i < argc; ++i) {
@@ -259,7 +263,7 @@ int main(int argc, char** argv) {
     try {
         if (cli::generated(app, argc, argv)) return cli::printed(app);
         app.parse(argc, argv);
-        finish(o);
+        finish(o, app);
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? cli::printed(app) : 2;
     } catch (const std::exception& e) {

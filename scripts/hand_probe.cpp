@@ -36,12 +36,9 @@ constexpr struct {
     double x, y, up;
 } places[] = {{"top", 0.5, 0.5, 1}, {"beside", 0.27, 0.62, 1}, {"side", 0, 0.45, 0.6}, {"corner", 0.98, 0.98, 1}};
 
-/// The largest force of FE on a load case of the model; of one that has none what its deepest case would need is not known: 1 N.
-double full_force_N(const TissueModel& tissue) { return tissue.contact_force_N.size() > 0 ? tissue.contact_force_N.rowwise().norm().maxCoeff() : 2.0; }
-
 /// What as much as the deepest load case takes at a place [N], of the model itself where it has an energy.
 double deepest_force_N(const TissueModel& tissue, std::optional<LawPress>& answer, const FreeSurface::Place& place) {
-    if (!answer) return tissue.contact_force_N.size() > 0 ? full_force_N(tissue) / 2 : 0;
+    if (!answer) return tissue.contact_force_N.size() > 0 ? tissue.contact_force_N.rowwise().norm().maxCoeff() / 2 : 0;
     const Equilibrium deepest = answer->at(place.point_m, tissue.magnitude_m.maxCoeff() * place.inward);
     return deepest ? deepest.contact_force.norm() : 0;
 }

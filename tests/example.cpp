@@ -163,6 +163,7 @@ TissueModel solid_example() {
                         {"spring.all", "spring.face", "contact.normal.edge", "contact.tangent.edge", "contact.imprint_normal", "contact.hardening", "skin.tangent", "skin.radial"});
     const Eigen::VectorXd p = (Eigen::VectorXd(8) << -0.7, 0.9, 0.3, -0.2, 1.5, 1.2, -0.4, 0.3).finished();
     m.energy_law = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible(), radius_m};
+    m.energy_law->curve = SpringCurve::mooney_rivlin(0.2, 3);
     m.case_names = {"down-3mm", "tilted-5mm"};
     m.contact_m.resize(2, 3);
     m.contact_m << 0.05, 0.05, 0.05, 0.041, 0.058, 0.05;

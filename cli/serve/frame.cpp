@@ -65,6 +65,7 @@ Frame make_frame(const TickState& s, const Scene& scene, const Near& near, const
     head[25] = r.fault ? 1 : 0;
     head[26] = number(sum.clients);
     head[27] = s.rested_s;
+    head[28] = static_cast<double>(r.status);
 
     const auto d = static_cast<std::size_t>(frame.dimension);
     const float* first = s.nodes_m.data();

@@ -78,12 +78,16 @@ tissue_status set(HapticOptions& options, const char* name, const char* value, b
     return TISSUE_OK;
 }
 
-/// To a caller whose struct may have more members than this library's.
+/// Sizes that callers of the first release have.
+constexpr size_t first_contact = 88, first_limits = 48;
+static_assert(sizeof(tissue_contact) >= first_contact && sizeof(tissue_limits) >= first_limits, "members are added at the end");
+
+/// To a caller whose struct may have more members than this library's, or fewer.
 template <class Struct>
-tissue_status hand_out(const Struct& ours, Struct* to, size_t size) noexcept {
-    if (size < sizeof ours) return bad("size is that of no struct of tissue.h: pass sizeof of the one that is filled");
+tissue_status hand_out(const Struct& ours, Struct* to, size_t size, size_t first) noexcept {
+    if (size < first) return bad("size is that of no struct of tissue.h: pass sizeof of the one that is filled");
     std::memset(to, 0, size);
-    std::memcpy(to, &ours, sizeof ours);
+    std::memcpy(to, &ours, std::min(size, sizeof ours));
     return TISSUE_OK;
 }
 
@@ -95,8 +99,10 @@ tissue_status status_of(const TickRecord& tick) noexcept {
         case TickStatus::diverged: return TISSUE_DIVERGED;
         case TickStatus::done: break;
     }
-    return tick.overrun ? TISSUE_OVERRUN : TISSUE_OK;
+    return tick.late ? TISSUE_LATE : tick.overrun ? TISSUE_OVERRUN : TISSUE_OK;
 }
+
+bool has_force(tissue_status status) noexcept { return status == TISSUE_OK || status == TISSUE_LATE || status == TISSUE_OVERRUN; }
 
 /// In three numbers, the third 0 in the plane.
 void three(const Point& p, double to[3]) noexcept {
@@ -178,7 +184,7 @@ tissue_status tissue_tick_tools(tissue_session* s, int tools, const double* posi
         Eigen::Map<Eigen::Vector3d>(force_N + 3 * k) = force[k];
         const tissue_status of_tool = status_of(s->simulation().record(k));
         if (status) status[k] = of_tool;
-        if (first == TISSUE_OK || first == TISSUE_OVERRUN) first = of_tool == TISSUE_OK ? first : of_tool;
+        if (first == TISSUE_OK || (has_force(first) && !has_force(of_tool))) first = of_tool;
     }
     return first;
 }
@@ -264,6 +270,7 @@ const char* tissue_status_text(tissue_status status) {
         case TISSUE_NOT_ARMED: return "the tool must be outside the tissue once before there is force";
         case TISSUE_FOLDED: return "a surface crosses itself, or two meshes lie over each other: no force";
         case TISSUE_DIVERGED: return "a mesh flew apart, or came to rest inside out, and was put to rest";
+        case TISSUE_LATE: return "the tick came so late that the device had let go: the force begins again at zero";
         case TISSUE_OVERRUN: return "time was lost: more than half a second passed, or ticks cost more than their time";
     }
     return "no status";
@@ -354,7 +361,7 @@ tissue_status tissue_read_contact(const tissue_session* s, tissue_contact* to, s
     three(tick.contact_displacement_m, contact.displacement_m);
     three(Point::Zero(tick.coupling_N.size()) - tick.coupling_N, contact.force_N);
     contact.slipping = tick.slipping ? 1 : 0;
-    return hand_out(contact, to, size);
+    return hand_out(contact, to, size, first_contact);
 }
 
 const char* tissue_stiffness(const tissue_session* s) {
@@ -376,7 +383,7 @@ tissue_status tissue_count(const tissue_session* s, const char* name, long long*
 tissue_status tissue_read_limits(const tissue_session* s, tissue_limits* to, size_t size) {
     if (!s || !to) return bad("tissue_read_limits: a null pointer");
     const SafetyCounters& c = s->simulation().safety(s->tool).counters();
-    return hand_out(tissue_limits{c.clamped, c.slewed, c.damped, c.capped, c.late, s->simulation().counters().lost_s}, to, size);
+    return hand_out(tissue_limits{c.clamped, c.slewed, c.damped, c.capped, c.late, s->simulation().counters().lost_s}, to, size, first_limits);
 }
 
 tissue_status tissue_energy(const tissue_session* s, const char* name, double* energy_J) {

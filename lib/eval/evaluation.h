@@ -73,12 +73,13 @@ struct Evaluation {
     const ModelErrors& model(const std::string& name) const;
 };
 
+constexpr int listed_cases = 100;  ///< load cases up to which each of them is listed
+
 /// Sec. 3 and 5: every trained spring set and every baseline at the load cases they were trained on.
 /// Throws MismatchError when model and cases do not belong together, or measured cases are to judge sets.
 /// Of a law: its closed loop, and that of the untrained baselines.
 /// Curves, the front and what the springs are like are left to sets of up to `listed_cases` load cases.
 /// k_min, k_max: the box of the training [N/m], for the front.
-constexpr int listed_cases = 100;
 Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m, int threads);
 
 /// Which files an evaluation is of, by file_hash; empty: it does not say.

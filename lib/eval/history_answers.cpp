@@ -226,7 +226,8 @@ HistoryTable evaluate_histories(const TissueModel& model, const std::vector<Hist
             prony[h] = relaxed(history.time_s, history.elastic_N, law.relaxation.tau_s, law.relaxation.contact_share);
         fits[h] = answer[h][2].allFinite() && prony[h].rows() > 0 && history_error(history.time_s, history.force_N, prony[h]).rms < slow;
     }
-    if (std::find(fits.begin(), fits.end(), true) == fits.end())
+    table.fitted_to_all = std::find(fits.begin(), fits.end(), true) == fits.end();
+    if (table.fitted_to_all)
         for (std::size_t h = 0; h < H; ++h) fits[h] = answer[h][2].allFinite() && square_over_time(histories[h]->time_s, histories[h]->force_N) > 0;
     for (std::size_t h = 0; h < H; ++h) {
         const NodeField& now = answer[h][2];
@@ -256,7 +257,7 @@ HistoryTable evaluate_histories(const TissueModel& model, const std::vector<Hist
     for (std::size_t h = 0; h < H; ++h) {
         const History& history = *histories[h];
         const Eigen::VectorXd& t = history.time_s;
-        HistoryAnswer row{history.name, history.group, history.kind, history.role, {t.begin(), t.end()}, {}, {}, {}, {}, {}};
+        HistoryAnswer row{history.name, history.group, history.kind, {t.begin(), t.end()}, {}, {}, {}, {}, {}};
         const Eigen::VectorXd fe = history.force_N * history.direction, own = answer[h][0] * history.direction, springs = table.factor * (answer[h][2] * history.direction);
         row.fe_N.assign(fe.begin(), fe.end());
         row.learned_N.assign(own.begin(), own.end());

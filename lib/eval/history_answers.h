@@ -25,7 +25,7 @@ NodeField play_history(const HapticModel& model, const History& history);
 
 /// What models say of one history.
 struct HistoryAnswer {
-    std::string name, group, kind, role;
+    std::string name, group, kind;
     std::vector<double> time_s, fe_N, learned_N, elastic_N;  ///< force along the push's direction; elastic: of best_factor
     HistoryError elastic;                         ///< of the instantaneous law against FE that does not relax: what the law itself is off; NaN where FE has none
     std::vector<HistoryError> error;              ///< of each model
@@ -40,7 +40,7 @@ struct HistoryAnswer {
 ///   kelvin_voigt    a F + b dF/dt of it, a and b the best: dampers beside the springs, in proportion to them
 ///   one_branch      the instantaneous one through one branch, its share and time the best
 ///   prony           no springs: FE's own force without relaxation, through the material's branches
-/// Those in between are fitted to those of the very histories that judge them in which mass does not matter (prony within 5 %), all the same
+/// Those in between are fitted to those of the very histories that judge them in which mass does not matter (prony within 5 %), or to all of them where none is such, all the same
 /// weight, which flatters them.
 struct HistoryTable {
     std::vector<std::string> models;
@@ -50,6 +50,7 @@ struct HistoryTable {
     double factor = 0;               ///< of best_factor
     double kelvin_voigt[2] = {0, 0};  ///< a, b [s]
     double branch[2] = {0, 0};        ///< share, time [s] of one_branch
+    bool fitted_to_all = false;       ///< those in between: no history has an elastic run of FE by which mass does not matter
     int near_training = 0;            ///< of measured histories, how many of the answers are near_training
 
     bool empty() const { return answers.empty() && lost.empty(); }

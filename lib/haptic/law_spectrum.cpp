@@ -117,13 +117,14 @@ LawSpectrum law_spectrum(const TissueModel& model, const RealtimeMesh& springs, 
     for (const PressedPlace& place : model.mesh.is_solid() ? places_over(model.mesh, springs, *kernel, law.patch)
                                                     : places_along(static_cast<const ContactSurface&>(*kernel), law.patch))
         for (const Point& way : place.ways) {
-            spectrum.contact_N_m = std::max(spectrum.contact_N_m, at_once(place.contact, untouched, way));
             const PressState state = solver.press(law.constants, place.contact, depth_m * way);
-            if (state.status == PressStatus::lost) continue;
-            spectrum.contact_N_m = std::max(spectrum.contact_N_m, at_once(place.contact, state, way));
-            spectrum.static_N_m = std::max(spectrum.static_N_m, state.contact_force_N.norm() / state.push_m.norm());
-            const double here = largest_eigenvalue(springs, pressed(energy, law.constants, place.contact, state, tools));
-            if (here > spectrum.largest || std::isnan(here)) spectrum.largest = here;  // std::max would lose what is no number
+            for (const PressState* at : {static_cast<const PressState*>(&untouched), &state}) {
+                if (at == &state && state.push_m.norm() == 0) continue;  // lost at its first step
+                spectrum.contact_N_m = std::max(spectrum.contact_N_m, at_once(place.contact, *at, way));
+                const double here = largest_eigenvalue(springs, pressed(energy, law.constants, place.contact, *at, tools));
+                if (here > spectrum.largest || std::isnan(here)) spectrum.largest = here;  // std::max would lose what is no number
+            }
+            if (state.push_m.norm() > 0) spectrum.static_N_m = std::max(spectrum.static_N_m, state.contact_force_N.norm() / state.push_m.norm());
         }
     return spectrum;
 }

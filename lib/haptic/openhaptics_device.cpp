@@ -128,6 +128,7 @@ OpenHapticsDevice::~OpenHapticsDevice() {
 }
 
 void OpenHapticsDevice::start() {
+    written_ns_.store(0, std::memory_order_release);  // what was written before is no force
     started_ = true;  // whatever throws from here on, stop() ends
     library_->enable(force_output);
     library_->callback = library_->schedule_asynchronous(&OpenHapticsDevice::servo, this, highest_priority);
@@ -172,14 +173,15 @@ DeviceSample OpenHapticsDevice::read(double time_s) noexcept {
 }
 
 void OpenHapticsDevice::write(const Eigen::Vector3d& force_N) noexcept {
+    if (!started_) return;
     force_->put(force_N.data());
     written_ns_.store(now_ns(), std::memory_order_release);
 }
 
 void OpenHapticsDevice::stop() noexcept {
     if (!started_) return;
-    started_ = false;
     write(Eigen::Vector3d::Zero());
+    started_ = false;
     // the zero must reach the motors: two servo periods, or 20 ms when the servo is dead
     const unsigned long until = servo_ticks_.load() + 2;
     for (int k = 0; k < 20 && servo_ticks_.load() < until; ++k)

@@ -74,6 +74,7 @@ namespace {
 
 void run(Simulation& simulation, Device& given, const LoopOptions& options, LoopReport& report) {
     if (!(options.seconds >= 0 && options.seconds <= longest_session_s)) throw MismatchError(fmt::format("a session lasts 0 to {:g} s, not {:g} s", longest_session_s, options.seconds));
+    if (options.stop && options.stop->load(std::memory_order_relaxed)) return;
     const RunningDevice device(given);
     std::unique_ptr<RealtimeThread> realtime;
     report.clock = options.clock;

@@ -98,7 +98,7 @@ const std::vector<SessionOption>& session_options() {
         {"friction", "1", {0, inf, true, true}, everywhere | live, [](O& o) -> auto& { return o.friction.stick; }, "static friction coefficient between tool and tissue; inf: the tool never slips",
          "The paper's contact keeps its place, which is inf."},
         {"friction-slip", "1", {0, inf, true}, everywhere | live, [](O& o) -> auto& { return o.friction.slip; }, "kinetic friction coefficient, at most the static one",
-         "Default: the static one. Refused without friction."},
+         "Default: the static one. Refused without friction. While a session runs a new static coefficient takes the kinetic one back."},
         {"heuristic", "yes|no", yes_no, everywhere, [](O& o) -> auto& { return o.heuristic_mesh; }, "a second mesh, Van Gelder's, beside the learned one",
          "Off by default in C and Python, whose programs have a scene of their own."},
         {"force-max", "N", positive, everywhere, [](O& o) -> auto& { return o.safety.force_max_N; }, "largest force on the device",
@@ -120,7 +120,7 @@ const std::vector<SessionOption>& session_options() {
         {"rotation", "rad", {-100, 100, true, true}, tissue_haptic | interfaces | live, [](O& o) -> auto& { return o.map.rotation_rad; }, "rotation of the device before axes: a turn by the length of this vector about its direction, three numbers",
          "0 0 1.5708 takes the device's x to its y. Default: none."},
         {"device-mass", "kg", {0, inf, true}, everywhere | live, [](O& o) -> auto& { return o.device.mass_kg; }, "apparent mass of the device at its tool, nobody holding it; 0: not known",
-         "A tissue that no hand could hold still on a device of this mass is refused, with the largest force-scale that is possible. A Touch has 0.045 kg, and tissue-haptic knows it. Without a mass nothing is refused, and nothing promised."},
+         "A tissue that no hand could hold still on a device of this mass is refused, with the largest force-scale that is possible; it is judged at dt, which a host that ticks more slowly states as its own. A Touch has 0.045 kg, and tissue-haptic knows it. Without a mass nothing is refused, and nothing promised."},
         {"device-damping", "Ns/m", {0, inf, true}, everywhere | live, [](O& o) -> auto& { return o.device.damping_Ns_m; }, "viscous damping of the device itself, beside device-mass",
          "It makes a stiffer tissue possible. Data sheets seldom have it; 0 relies on none."},
         {"device-stiffness", "N/m", {0, inf, false, true}, everywhere | live, [](O& o) -> auto& { return o.device.stiffness_N_m; }, "largest stiffness that the device can show; inf: not known",
@@ -128,7 +128,7 @@ const std::vector<SessionOption>& session_options() {
         {"device-rate", "Hz", {0, inf, false, true}, everywhere | live, [](O& o) -> auto& { return o.device.rate_Hz; }, "rate at which the device measures positions and takes forces; inf: that of the ticks",
          "With device-mass a device that is slower than the ticks is judged by its own period, over which the force leads the hand by little: without damping of its own it is refused, and dt should be its period. A Touch has 1000 Hz."},
         {"hold", "s", {2e-6, inf, true, true}, interfaces, [](O& o) -> auto& { return o.safety.hold_s; }, "how long the device keeps a force without a new one",
-         "A host must see to it that the force is gone by then: energy that a device gives later is in no log. A tick that comes later than half of it begins at zero force, so that a host at 50 Hz or more loses none by default. A shorter one bounds the energy after a stall closer. inf: the force stays until the next tick, and all that it gives is in the log; so it serves hosts from 10 Hz on. The devices of the programs let go within 0.01 s."},
+         "A host must see to it that the force is gone by then: energy that a device gives later is in no log. In a tick that comes later than half of it the force rises from zero again, so that a host at 50 Hz or more loses none by default. A shorter one bounds the energy after a stall closer. inf: the force stays until the next tick, and all that it gives is in the log; so it serves hosts from 10 Hz on. The devices of the programs let go within 0.01 s."},
         {"dt", "s", {1e-6, longest_dt_s, true, true}, interfaces, [](O& o) -> auto& { return o.dt_s; }, "time step of a tick",
          "Of 1e-6 s the loop's clock, which counts nanoseconds, rounds less than a thousandth. At most half of hold; 0.025 s, 40 Hz, is the longest period that a host may state. The time that a host's ticks really take is elapsed_s; this is the one that damping of the contact and the checks on a device are for. Programs tick at 1 kHz."},
         {"energy-book", "yes|no", yes_no, tissue_haptic | interfaces, [](O& o) -> auto& { return o.energy_book; }, "energy log of a model that relaxes: stored and dissipated in its branches",
@@ -170,6 +170,7 @@ HapticOptions interface_options() {
 void set_option(HapticOptions& options, const std::string& name, const std::string& value, bool while_it_runs) {
     for (const SessionOption& option : session_options()) {
         if (name != option.name) continue;
+        if (while_it_runs && name == "friction") options.friction.slip.reset();  // else a kinetic one could never be taken back
         if (while_it_runs && !(option.where & live)) throw MismatchError(fmt::format("option '{}' stays as it was when the session began", name));
         return option.set(options, value);
     }

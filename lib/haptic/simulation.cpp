@@ -185,7 +185,10 @@ void Simulation::begin_record(ToolState& t, const DeviceSample& sample, double s
 
 /// The master to where the device is, where safety admits that.
 void Simulation::move_hand(ToolState& t, const DeviceSample& sample, double since_s) noexcept {
-    if (!t.safety.admit(sample, since_s + std::exchange(t.stood_s, 0.0))) {
+    const long long late = t.safety.counters().late;
+    const bool admitted = t.safety.admit(sample, since_s + std::exchange(t.stood_s, 0.0));
+    t.record.late = t.safety.counters().late > late;
+    if (!admitted) {
         t.record.status = TickStatus::refused;
         return;
     }

@@ -253,7 +253,7 @@ const DeviceKind VirtualDevice::kind = {
     {{"motion", "NAME", motions[0].name, fmt::format("of the virtual device: {}", fmt::join(motion_names(), ", ")), false, not_a_motion},
      {"depth", "m", "0.01", "of the virtual device below the surface", false, not_a_depth}},
     [](const DeviceValues& v, const DeviceContext& c) -> std::unique_ptr<Device> {
-        const MotionOptions motion{v.at("motion"), c.seconds > 0 ? c.seconds : longest_motion_s, std::stod(v.at("depth")), c.seed, c.rest};
+        const MotionOptions motion{v.at("motion"), c.seconds > 0 ? c.seconds : longest_motion_s, std::strtod(v.at("depth").c_str(), nullptr), c.seed, c.rest};
         return std::make_unique<VirtualDevice>(make_motion(motion), c.map, true);
     },
     {}, true};

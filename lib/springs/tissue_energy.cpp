@@ -81,22 +81,6 @@ Eigen::SparseMatrix<double> TissueEnergy::tangent(const Eigen::VectorXd& constan
     return K;
 }
 
-Eigen::SparseMatrix<double> TissueEnergy::unit_forces(const NodeField& u) const {
-    std::vector<Eigen::Triplet<double>> entries;
-    ElementVector unit;
-    for (std::size_t k = 0; k < kinds_.size(); ++k) {
-        const Cells& nodes = kinds_[k]->nodes();
-        for (int e = 0; e < kinds_[k]->count(); ++e) {
-            kinds_[k]->force(e, u, unit);
-            for (Eigen::Index a = 0; a < unit.size(); ++a)
-                entries.emplace_back(nodes(e, a / dimension_) * dimension_ + a % dimension_, first_[k] + e, unit[a]);
-        }
-    }
-    Eigen::SparseMatrix<double> A(u.size(), constant_count());
-    A.setFromTriplets(entries.begin(), entries.end());
-    return A;
-}
-
 double TissueEnergy::smallest_ratio(const NodeField& u) const {
     double smallest = std::numeric_limits<double>::infinity();
     for (int e = 0; areas_ && e < areas_->count(); ++e) smallest = std::min(smallest, areas_->area_ratio(e, u));

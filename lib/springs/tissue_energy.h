@@ -48,9 +48,6 @@ class TissueEnergy {
     NodeField force(const Eigen::VectorXd& constants, const NodeField& u) const;  ///< dW/du: what holds u [N] (N x D)
     Eigen::SparseMatrix<double> tangent(const Eigen::VectorXd& constants, const NodeField& u) const;  ///< (N*D x N*D)
 
-    /// Derivative of force by the constants [m] (N*D x E): column e is element e's force per unit.
-    Eigen::SparseMatrix<double> unit_forces(const NodeField& u) const;
-
     /// Smallest area, of a lattice's square or a shape's triangle, or volume of a cell in space, over that at rest: 0 or
     /// less, and it has turned inside out, where what lies around a node may still have its area.
     double smallest_ratio(const NodeField& u) const;

@@ -40,7 +40,7 @@ struct LawBook {
     Eigen::VectorXd untrained_constants;         ///< the heuristic's, as LawModel::constants (E)
     PatchLaw untrained_patch;                    ///< and its contact
     double objective = 0;                        ///< of the coefficients kept, its ridge included
-    int kept = 0;                                ///< the start with the smallest objective, whose coefficients they are
+    int kept = 0;                                ///< the start whose coefficients they are: of those that lost the fewest presses the one with the smallest objective
     int paths = 0, records = 0;                  ///< trained on
     double factor = 1;                           ///< E2 of the heuristic that the coefficients are over, over the study's: of
                                                  ///< measured cases heuristic_factor, else 1

@@ -606,6 +606,18 @@ TEST_CASE("a struct of a newer caller is filled as far as the library knows it, 
     CHECK((contact.mesh == 0 && contact.reserved == 0));
 }
 
+TEST_CASE("a kinetic friction that was set while a session runs can be taken back", "[api]") {
+    const TemporaryFolder folder;
+    Session session(model_file(folder, law_example()));
+    const auto set = [&](const char* name, const char* value) { return tissue_set(session.s, name, value); };
+    CHECK(set("friction", "0.3") == TISSUE_OK);
+    CHECK(set("friction-slip", "0.2") == TISSUE_OK);
+    CHECK(set("friction", "0.1") == TISSUE_OK);
+    CHECK(set("friction-slip", "0.2") == TISSUE_MISMATCH);
+    CHECK(set("friction", "inf") == TISSUE_OK);
+    CHECK(set("friction-slip", "0.2") == TISSUE_MISMATCH);
+}
+
 TEST_CASE("a tick that comes too late says so, and limits are counted", "[api]") {
     const TemporaryFolder folder;
     Session session(model_file(folder, law_example()), {"force-max", "0.05", "slew", "20"});
@@ -614,8 +626,8 @@ TEST_CASE("a tick that comes too late says so, and limits are counted", "[api]")
     tissue_limits limits;
     CHECK(tissue_read_limits(session.s, &limits, sizeof limits) == TISSUE_OK);
     CHECK((limits.clamped > 0 && limits.slewed > 0 && limits.late == 0 && limits.lost_s == 0));
-    CHECK(tissue_tick(session.s, way(700, false).data(), 2, force) == TISSUE_OVERRUN);
-    CHECK(std::string(tissue_status_text(TISSUE_OVERRUN)).find("time was lost") == 0);
+    CHECK(tissue_tick(session.s, way(700, false).data(), 2, force) == TISSUE_LATE);
+    CHECK(std::string(tissue_status_text(TISSUE_LATE)).find("the tick came so late") == 0);
     CHECK(std::hypot(force[0], force[1]) > 0);
     CHECK(tissue_tick(session.s, way(701, false).data(), 0, force) == TISSUE_OK);
     CHECK(tissue_read_limits(session.s, &limits, sizeof limits) == TISSUE_OK);
@@ -628,6 +640,12 @@ TEST_CASE("a tick that comes too late says so, and limits are counted", "[api]")
     CHECK(count == Approx(1e3 * limits.lost_s).margin(1));
     const double nowhere[3] = {std::nan(""), 0, 0};
     CHECK(tissue_tick(session.s, nowhere, 2, force) == TISSUE_FAULT);  // no force is the graver
+    // of a device that keeps its force time alone is lost
+    Session keeps(model_file(folder, law_example()), {"hold", "inf"});
+    for (int k = 0; k < 700; ++k) CHECK(tissue_tick(keeps.s, way(k, false).data(), 0, force) == TISSUE_OK);
+    CHECK(tissue_tick(keeps.s, way(700, false).data(), 2, force) == TISSUE_OVERRUN);
+    CHECK(std::string(tissue_status_text(TISSUE_OVERRUN)).find("time was lost") == 0);
+    CHECK(std::hypot(force[0], force[1]) > 0);
 }
 
 TEST_CASE("force that the bound on energy takes away is counted and comes back", "[api]") {
@@ -636,7 +654,7 @@ TEST_CASE("force that the bound on energy takes away is counted and comes back",
     const auto press = [&](int ticks, double elapsed_s) {
         const double at[3] = {0.05, 0.095, 0};
         double force[3];
-        for (int k = 0; k < ticks; ++k) CHECK(tissue_tick(session.s, at, elapsed_s, force) == TISSUE_OK);
+        for (int k = 0; k < ticks; ++k) CHECK(tissue_tick(session.s, at, elapsed_s, force) == (elapsed_s > 0.025 ? TISSUE_LATE : TISSUE_OK));
         return std::hypot(force[0], force[1]);
     };
     double outside[3] = {0.05, 0.102, 0}, force[3];

@@ -66,7 +66,7 @@ TEST_CASE("a force that is not finite to its end is a missing answer: its error 
     }
     HistoryTable table;
     table.models = {"learned"};
-    for (const HistoryError& error : {HistoryError{0.1, 0.2}, HistoryError{0.2, 0.3}, e}) table.answers.push_back({"h", "ramp", "ramp", "held_out", {}, {}, {}, {}, {0, 0}, {error}});
+    for (const HistoryError& error : {HistoryError{0.1, 0.2}, HistoryError{0.2, 0.3}, e}) table.answers.push_back({"h", "ramp", "ramp", {}, {}, {}, {}, {0, 0}, {error}});
     const Statistics s = table.rms(0, "ramp");
     CHECK(s.median == 0.2);
     CHECK(std::isinf(s.p95));

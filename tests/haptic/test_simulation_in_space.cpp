@@ -325,7 +325,7 @@ TEST_CASE("a model in space without a law, and options of another dimension, are
     CHECK(refusal<MismatchError>([&] { HapticModel(none, {}); }) == "a model in space is a law; this one has none");
     HapticOptions plane;
     plane.map.axes = parse_axes("x,y");
-    CHECK(refusal<MismatchError>([&] { HapticModel(solid_example(), plane); }) == "2 device axes for a tissue of 3");
+    CHECK(refusal<MismatchError>([&] { HapticModel(solid_example(), plane); }) == "axes: 2 device axes for a tissue of 3");
 }
 
 TEST_CASE("until a surface in space that crosses itself is found, force keeps to its limits and the hand to its energy; then there is none", "[simulation][solid]") {

@@ -429,6 +429,15 @@ TEST_CASE("tissue-haptic: SIGINT, SIGTERM and SIGHUP end it with a ledger and a 
     }
 }
 
+TEST_CASE("a session whose lines nobody reads writes its recording all the same", "[program][recorder]") {
+    const TemporaryFolder folder;
+    const std::string model = model_file(folder), file = folder.file("s.h5");
+    const std::string command = program() + " " + model + " --seconds 0.5 --motion poke --record " + file + " 2>&1 >/dev/null | true";
+    CHECK(std::system(("sh -c '" + command + "'").c_str()) == 0);
+    for (int k = 0; k < 100 && !std::filesystem::exists(file); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    CHECK(Hdf5Reader(file, "recording").vector("/time").size() == 500);
+}
+
 TEST_CASE("tissue-haptic: 1 for work that fails, 2 for a wrong command line, each in one line", "[program]") {
     const TemporaryFolder folder;
     const std::string model = model_file(folder);
@@ -450,6 +459,10 @@ TEST_CASE("tissue-haptic: 1 for work that fails, 2 for a wrong command line, eac
     ended(model + " --device remote --port 70000", 2);
     ended(model + " --force-max -1", 2);
     ended(model + " --axes x,x", 2);
+    // options that would do nothing
+    ended(model + " --trajectory nowhere.csv", 2);
+    ended(model + " --device replay --trajectory nowhere.csv --port 5", 2);
+    for (const char* option : {" --record r.h5", " --json", " --seconds 1", " --force-max 2", " --hidden h.h5"}) ended(model + " --check " + model + " --out o.json" + option, 2);
     ended(model + " --check " + model, 2);
     ended(model + " --swiftly", 2);
     CHECK(run(folder, "--version").out.find("tissue-haptic ") == 0);

@@ -205,7 +205,7 @@ session, quick = press(1000)
 slow, late = press(50)
 assert np.linalg.norm(quick) > 0.05 and np.linalg.norm(late - quick) < 0.01 * np.linalg.norm(quick), (quick, late)
 assert slow.limits == dict(clamped=0, slewed=0, damped=0, capped=0, late=0, lost_s=0), slow.limits
-assert slow.contact["status"] == "done" and slow.tick([0.05, 0.095, 0], elapsed_s=2).any() and slow.contact["status"] == "overrun"
+assert slow.contact["status"] == "done" and slow.tick([0.05, 0.095, 0], elapsed_s=2).any() and slow.contact["status"] == "late"
 assert slow.limits["late"] == 1 and 1.4 < slow.limits["lost_s"] < 1.6, slow.limits
 assert press(50, force_max=0.05)[0].limits["clamped"] > 0
 try:

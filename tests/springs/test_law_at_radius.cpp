@@ -126,7 +126,7 @@ TEST_CASE("what a law knows of other discs comes back from its file; what contra
     CHECK(back.energy_law->sizes.radii_m == model.energy_law->sizes.radii_m);
     REQUIRE(back.energy_law->sizes.correction.size() == 5);
     CHECK(back.energy_law->sizes.correction[4].value == model.energy_law->sizes.correction[4].value);
-    CHECK(back.radius_of_case(0) == 0.004);
+    CHECK(back.case_radius_m[0] == 0.004);
     CHECK_FALSE(back.is_own_case(0));
     CHECK(back.deepest_m() == Approx(0.006 * 7 / 4));  // in proportion
     CHECK(with_tool(back, {ToolChoice::Shape::disc, 0.005}).deepest_m() == Approx(0.006 * 5 / 4));

@@ -126,6 +126,7 @@ struct Session {
     std::recursive_mutex guard;
     Session(std::shared_ptr<const TissueModel> t, const HapticOptions& options)
         : tissue(std::move(t)), model(std::make_shared<HapticModel>(*tissue, options)), simulation(*model), surfaces(*tissue) {}
+    Session(std::shared_ptr<const TissueModel> t, std::shared_ptr<const HapticModel> m) : tissue(std::move(t)), model(std::move(m)), simulation(*model), surfaces(*tissue) {}
     Session(const Session& other) : tissue(other.tissue), model(other.model), simulation(other.simulation), clock(other.clock), surfaces(other.surfaces), tool(other.tool) {}
 
     /// Of every tool (T x 3).
@@ -181,7 +182,7 @@ py::dict contact_of(Session& session) {
     contact["slipping"] = tick.slipping;
     contact["fault"] = tick.fault;
     constexpr const char* statuses[] = {"done", "refused", "not armed", "folded", "diverged"};
-    contact["status"] = tick.status == TickStatus::done && tick.overrun ? "overrun" : statuses[static_cast<int>(tick.status)];
+    contact["status"] = tick.status != TickStatus::done ? statuses[static_cast<int>(tick.status)] : tick.late ? "late" : tick.overrun ? "overrun" : "done";
     return contact;
 }
 
@@ -500,6 +501,7 @@ ticks() between two ticks, press() between two contacts and next() between two p
              "Options that may change while it runs, by name. A change that moves the tool by more than a hand does in a tick is a new start: it must be outside once.")
         .def("clutch", [](Session& s, bool on) { alone(s, [&] { s.simulation.clutch(on, s.tool); }); }, py::arg("on"), "On: the hand moves and the tool stays, without force. Off: the tool goes on from there.")
         .def_property("state", &state_of, &restore, "All that changes while it runs, as bytes; a session of the same model and options to which they are given goes on from them bit for bit.")
+        .def("begin", [](Session& s) { return std::make_unique<Session>(s.tissue, s.model); }, "Another session of the same model and options, at rest; it costs a thousandth of a new Simulation.")
         .def("copy", [](Session& s) { return alone(s, [&] { return std::make_unique<Session>(s); }); }, "Another session that goes on as this one does.")
         .def("follow", [](Session& s, Session& leader) {
                  const Simulation other = alone(leader, [&] { return Simulation(leader.simulation); });
@@ -544,7 +546,7 @@ ticks() between two ticks, press() between two contacts and next() between two p
                      return std::pair(places, of->triangles);
                  });
              }, py::arg("name"), "Where its points are now [m] (V, 3), and its triangles, normals out (W, 3). Point v stays point v.")
-        .def_property_readonly("contact", &contact_of, "as the last tick left it: mesh (-1: nothing is pressed), facet, weight, displacement_m, force_N (on the tissue, before safety), slipping, fault, status (done; overrun: time was lost; without force: refused, not armed, folded, diverged)")
+        .def_property_readonly("contact", &contact_of, "as the last tick left it: mesh (-1: nothing is pressed), facet, weight, displacement_m, force_N (on the tissue, before safety), slipping, fault, status (done; late: the device had let go, and the force begins at zero; overrun: time was lost; without force: refused, not armed, folded, diverged)")
         .def_property_readonly("counts", &counts_of, "of the session")
         .def_property_readonly("limits", &limits_of, "what limits have done to the force, in ticks: clamped, slewed, damped, capped, late (the device had let go); and lost_s, time that passed and that the tissue did not go through")
         .def_property_readonly("energies_J", &energies_of, "the energy log: given (to the hand since the start; below 0: the hand gave), observed and bound (of the passivity observer), kinetic (of the tissue), friction (dissipated), "
