@@ -62,7 +62,7 @@ Frame make_frame(const TickState& s, const Scene& scene, const Near& near, const
     head[22] = number(near.place);
     head[23] = near.force_N;
     head[24] = number(r.set);
-    head[25] = r.fault ? 1 : 0;
+    head[25] = r.fault() ? 1 : 0;
     head[26] = number(sum.clients);
     head[27] = s.rested_s;
     head[28] = static_cast<double>(r.status);

@@ -8,11 +8,10 @@
 #include <string>
 #include <utility>
 
-#include "api/named_surfaces.h"
+#include "api/api_session.h"
 #include "api/session_counts.h"
 #include "error.h"
 #include "haptic/session_options.h"
-#include "haptic/tick_clock.h"
 #include "springs/law_at_radius.h"
 #include "version.h"
 
@@ -23,19 +22,9 @@ struct tissue_model {
     NamedSurfaces surfaces;
 };
 
-struct tissue_session {
-    std::shared_ptr<const HapticModel> shared;
-    std::unique_ptr<Simulation> running;
+struct tissue_session : ApiSession {
     mutable NodeColumns seen;  ///< scratch of tissue_positions and tissue_surface
-    int tool = 0;              ///< that calls are about (tissue_use_tool)
-    TickClock clock;
-    NamedSurfaces surfaces;
-    explicit tissue_session(const tissue_model& of) : shared(of.model), running(std::make_unique<Simulation>(*shared)), seen(running->state(0).displacement), surfaces(of.surfaces) {}
-    tissue_session(const tissue_session& other)
-        : shared(other.shared), running(std::make_unique<Simulation>(*other.running)), seen(running->state(0).displacement), tool(other.tool), clock(other.clock), surfaces(other.surfaces) {}
-    const HapticModel& model() const { return *shared; }
-    Simulation& simulation() { return *running; }
-    const Simulation& simulation() const { return *running; }
+    explicit tissue_session(const tissue_model& of) : ApiSession(of.model, of.surfaces), seen(simulation.state(0).displacement) {}
 };
 
 namespace {
@@ -164,25 +153,16 @@ tissue_status tissue_tick_aged(tissue_session* s, const double position_m[3], do
 }
 
 tissue_status tissue_tick_tools(tissue_session* s, int tools, const double* position_m, const double* age_s, double elapsed_s, double* force_N, tissue_status* status) {
-    if (!s || !position_m || !force_N || tools != s->simulation().tool_count()) {
+    if (!s || !position_m || !force_N || tools != s->simulation.tool_count()) {
         constexpr int most = 64;  // a larger number is a mistake, and the arrays are not that long
         if (force_N && tools > 0 && tools <= most) std::fill_n(force_N, 3 * tools, 0.0);  // or a caller who does not look at the status plays the old one for ever
         if (status && tools > 0 && tools <= most) std::fill_n(status, tools, TISSUE_BAD_ARGUMENT);
         return TISSUE_BAD_ARGUMENT;
     }
-    DeviceSample sample[most_tools];
-    Eigen::Vector3d force[most_tools];
-    for (int k = 0; k < tools; ++k) {
-        sample[k].position_m = Eigen::Map<const Eigen::Vector3d>(position_m + 3 * k);
-        sample[k].age_s = age_s ? age_s[k] : 0;
-    }
-    const TickClock::Start start = s->clock.start(elapsed_s);
-    s->simulation().tick(sample, force, start.elapsed_s, start.cost_s);
-    s->clock.end();
+    s->tick(position_m, age_s, elapsed_s, force_N);
     tissue_status first = TISSUE_OK;
     for (int k = 0; k < tools; ++k) {
-        Eigen::Map<Eigen::Vector3d>(force_N + 3 * k) = force[k];
-        const tissue_status of_tool = status_of(s->simulation().record(k));
+        const tissue_status of_tool = status_of(s->simulation.record(k));
         if (status) status[k] = of_tool;
         if (first == TISSUE_OK || (has_force(first) && !has_force(of_tool))) first = of_tool;
     }
@@ -191,24 +171,24 @@ tissue_status tissue_tick_tools(tissue_session* s, int tools, const double* posi
 
 tissue_status tissue_use_tool(tissue_session* s, int tool) {
     if (!s) return bad("tissue_use_tool: a null pointer");
-    if (tool < 0 || tool >= s->simulation().tool_count()) return bad("tissue_use_tool: the session has no such tool");
-    s->tool = tool;
+    if (tool < 0 || tool >= s->simulation.tool_count()) return bad("tissue_use_tool: the session has no such tool");
+    s->use_tool(tool);
     return TISSUE_OK;
 }
 
 tissue_status tissue_set(tissue_session* s, const char* name, const char* value) {
     if (!s || !name || !value) return bad("tissue_set: a null pointer");
     return caught([&] {
-        HapticOptions options = s->simulation().options(s->tool);
+        HapticOptions options = s->simulation.options(s->tool());
         if (const tissue_status status = set(options, name, value, true); status != TISSUE_OK) return status;
-        s->simulation().change(options, s->tool);
+        s->simulation.change(options, s->tool());
         return TISSUE_OK;
     });
 }
 
 tissue_status tissue_clutch(tissue_session* s, int on) {
     if (!s) return bad("tissue_clutch: a null pointer");
-    s->simulation().clutch(on != 0, s->tool);
+    s->simulation.clutch(on != 0, s->tool());
     return TISSUE_OK;
 }
 
@@ -216,7 +196,7 @@ tissue_status tissue_follow(const tissue_model* model, const tissue_session* lea
     if (!model || !leader || !session) return bad("tissue_follow: a null pointer");
     return caught([&] {
         auto next = std::make_unique<tissue_session>(*model);
-        next->simulation().follow(leader->simulation());
+        next->simulation.follow(leader->simulation);
         *session = next.release();
         return TISSUE_OK;
     });
@@ -225,28 +205,24 @@ tissue_status tissue_follow(const tissue_model* model, const tissue_session* lea
 tissue_status tissue_take_over(tissue_session* s, const tissue_session* from) {
     if (!s || !from || s == from) return bad("tissue_take_over: a null pointer, or one session twice");
     return caught([&] {
-        s->simulation().check_take_over(from->simulation());
-        s->simulation().take_over(from->simulation());
-        s->clock = from->clock;
-        s->tool = from->tool;
+        s->take_over(*from);
         return TISSUE_OK;
     });
 }
 
-size_t tissue_state_size(const tissue_session* s) { return s ? s->simulation().state_size() : 0; }
+size_t tissue_state_size(const tissue_session* s) { return s ? s->simulation.state_size() : 0; }
 
 tissue_status tissue_save(const tissue_session* s, void* state, size_t size) {
     if (!s || !state) return bad("tissue_save: a null pointer");
-    if (size != s->simulation().state_size()) return bad("tissue_save: the size is not tissue_state_size");
-    s->simulation().save(static_cast<std::byte*>(state));
+    if (size != s->simulation.state_size()) return bad("tissue_save: the size is not tissue_state_size");
+    s->simulation.save(static_cast<std::byte*>(state));
     return TISSUE_OK;
 }
 
 tissue_status tissue_restore(tissue_session* s, const void* state, size_t size) {
     if (!s || !state) return bad("tissue_restore: a null pointer");
     return caught([&] {
-        s->simulation().restore(static_cast<const std::byte*>(state), size);
-        s->clock = {};
+        s->restore(static_cast<const std::byte*>(state), size);
         return TISSUE_OK;
     });
 }
@@ -278,22 +254,22 @@ const char* tissue_status_text(tissue_status status) {
 
 tissue_status tissue_reset(tissue_session* s) {
     if (!s) return bad("tissue_reset: a null pointer");
-    s->simulation().reset();
+    s->simulation.reset();
     return TISSUE_OK;
 }
 
-int tissue_tool_count(const tissue_session* s) { return s ? s->simulation().tool_count() : 0; }
-int tissue_dimension(const tissue_session* s) { return s ? s->model().dimension() : 0; }
-int tissue_node_count(const tissue_session* s) { return s ? s->model().rest.node_count() : 0; }
-int tissue_facet_count(const tissue_session* s) { return s ? static_cast<int>(s->model().rest.facets.rows()) : 0; }
-double tissue_tool_radius(const tissue_session* s) { return s ? s->model().tool.radius_m : 0; }
+int tissue_tool_count(const tissue_session* s) { return s ? s->simulation.tool_count() : 0; }
+int tissue_dimension(const tissue_session* s) { return s ? s->model->dimension() : 0; }
+int tissue_node_count(const tissue_session* s) { return s ? s->model->rest.node_count() : 0; }
+int tissue_facet_count(const tissue_session* s) { return s ? static_cast<int>(s->model->rest.facets.rows()) : 0; }
+double tissue_tool_radius(const tissue_session* s) { return s ? s->model->tool.radius_m : 0; }
 
-const char* tissue_tool_shape(const tissue_session* s) { return s && s->model().is_solid() ? to_string(s->model().tool.shape) : ""; }
-const char* tissue_study(const tissue_session* s) { return s ? s->model().study.c_str() : ""; }
+const char* tissue_tool_shape(const tissue_session* s) { return s && s->model->is_solid() ? to_string(s->model->tool.shape) : ""; }
+const char* tissue_study(const tissue_session* s) { return s ? s->model->study.c_str() : ""; }
 
 tissue_status tissue_facets(const tissue_session* s, int* nodes) {
     if (!s || !nodes) return bad("tissue_facets: a null pointer");
-    const auto& facets = s->model().rest.facets;
+    const auto& facets = s->model->rest.facets;
     for (Eigen::Index f = 0; f < facets.rows(); ++f)
         for (Eigen::Index k = 0; k < facets.cols(); ++k) *nodes++ = facets(f, k);
     return TISSUE_OK;
@@ -301,7 +277,7 @@ tissue_status tissue_facets(const tissue_session* s, int* nodes) {
 
 tissue_status tissue_rest_positions(const tissue_session* s, double* position_m) {
     if (!s || !position_m) return bad("tissue_rest_positions: a null pointer");
-    const NodeField& nodes = s->model().rest.nodes;
+    const NodeField& nodes = s->model->rest.nodes;
     for (Eigen::Index n = 0; n < nodes.rows(); ++n)
         for (Eigen::Index a = 0; a < nodes.cols(); ++a) *position_m++ = nodes(n, a);
     return TISSUE_OK;
@@ -309,9 +285,9 @@ tissue_status tissue_rest_positions(const tissue_session* s, double* position_m)
 
 tissue_status tissue_positions(const tissue_session* s, double* position_m) {
     if (!s || !position_m) return bad("tissue_positions: a null pointer");
-    const NodeField& nodes = s->model().rest.nodes;
+    const NodeField& nodes = s->model->rest.nodes;
     NodeColumns& u = s->seen;
-    s->simulation().seen(0, u);
+    s->simulation.seen(0, u);
     for (Eigen::Index n = 0; n < nodes.rows(); ++n)
         for (Eigen::Index a = 0; a < nodes.cols(); ++a) *position_m++ = nodes(n, a) + u(n, a);
     return TISSUE_OK;
@@ -345,7 +321,7 @@ tissue_status tissue_surface(const tissue_session* s, const char* name, int* tri
     for (Eigen::Index t = 0; triangles && t < surface->triangles.rows(); ++t)
         for (Eigen::Index k = 0; k < 3; ++k) *triangles++ = surface->triangles(t, k);
     if (position_m) {
-        s->simulation().seen(0, s->seen);
+        s->simulation.seen(0, s->seen);
         surface->places(s->seen, position_m);
     }
     return TISSUE_OK;
@@ -353,7 +329,7 @@ tissue_status tissue_surface(const tissue_session* s, const char* name, int* tri
 
 tissue_status tissue_read_contact(const tissue_session* s, tissue_contact* to, size_t size) {
     if (!s || !to) return bad("tissue_read_contact: a null pointer");
-    const TickRecord& tick = s->simulation().record(s->tool);
+    const TickRecord& tick = s->simulation.record(s->tool());
     tissue_contact contact{};
     contact.mesh = tick.mesh;
     contact.facet = tick.facet;
@@ -366,15 +342,15 @@ tissue_status tissue_read_contact(const tissue_session* s, tissue_contact* to, s
 
 const char* tissue_stiffness(const tissue_session* s) {
     if (!s) return "";
-    if (s->model().is_law()) return "law";
-    return s->model().set_names[static_cast<std::size_t>(s->simulation().set())].c_str();
+    if (s->model->is_law()) return "law";
+    return s->model->set_names[static_cast<std::size_t>(s->simulation.set())].c_str();
 }
 
 tissue_status tissue_count(const tissue_session* s, const char* name, long long* count) {
     if (!s || !name || !count) return bad("tissue_count: a null pointer");
     for (const SessionCount& one : session_counts)
         if (std::strcmp(name, one.name) == 0) {
-            *count = one.of(s->simulation(), s->tool);
+            *count = one.of(s->simulation, s->tool());
             return TISSUE_OK;
         }
     return bad("tissue_count: there is no such count");
@@ -382,15 +358,15 @@ tissue_status tissue_count(const tissue_session* s, const char* name, long long*
 
 tissue_status tissue_read_limits(const tissue_session* s, tissue_limits* to, size_t size) {
     if (!s || !to) return bad("tissue_read_limits: a null pointer");
-    const SafetyCounters& c = s->simulation().safety(s->tool).counters();
-    return hand_out(tissue_limits{c.clamped, c.slewed, c.damped, c.capped, c.late, s->simulation().counters().lost_s}, to, size, first_limits);
+    const SafetyCounters& c = s->simulation.safety(s->tool()).counters();
+    return hand_out(tissue_limits{c.clamped, c.slewed, c.damped, c.capped, c.late, s->simulation.counters().lost_s}, to, size, first_limits);
 }
 
 tissue_status tissue_energy(const tissue_session* s, const char* name, double* energy_J) {
     if (!s || !name || !energy_J) return bad("tissue_energy: a null pointer");
     for (const SessionEnergy& one : session_energies)
         if (std::strcmp(name, one.name) == 0) {
-            *energy_J = one.of(s->simulation(), s->tool);
+            *energy_J = one.of(s->simulation, s->tool());
             return TISSUE_OK;
         }
     return bad("tissue_energy: there is no such energy");

@@ -104,7 +104,7 @@ void Learner::begin_hold() {
 
 void Learner::after(const Simulation& simulation, const TickBooks& books) {
     const TickRecord& tick = simulation.record();
-    const bool feels = tick.mesh == 0 && !tick.fault && !tick.slipping && !simulation.held_back() && tick.measured_N.allFinite() && !books.left_out;
+    const bool feels = tick.mesh == 0 && !tick.fault() && !tick.slipping && !simulation.held_back() && tick.measured_N.allFinite() && !books.left_out;
     const bool same = feels && tick.facet == facet_ && tick.weight == weight_ && (tick.contact_displacement_m - held_m_).norm() < options_.still_m;
     if (!same) {
         facet_ = feels ? tick.facet : -1;

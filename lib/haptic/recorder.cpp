@@ -45,7 +45,7 @@ const Integers integers[] = {
     {"/set", "spring set with the largest share", [](const RecordedTick& k) { return k.tick.set; }},
     {"/slipping", "1 where the contact went along the surface", [](const RecordedTick& k) { return k.tick.slipping ? 1 : 0; }},
     {"/status", "0 done; without force: 1 the position was refused, 2 not yet outside, 3 folded, 4 diverged", [](const RecordedTick& k) { return static_cast<int>(k.tick.status); }},
-    {"/fault", "1 where the input was refused", [](const RecordedTick& k) { return k.tick.fault ? 1 : 0; }},
+    {"/fault", "1 where the input was refused", [](const RecordedTick& k) { return k.tick.fault() ? 1 : 0; }},
     {"/reset", "1 where every mesh was put to rest before the tick, by a reset from outside", [](const RecordedTick& k) { return k.tick.reset ? 1 : 0; }},
 };
 

@@ -22,7 +22,7 @@ Simulation::Simulation(const Simulation& other) : Simulation(other.model_) {
 }
 
 void Simulation::fields(StateBytes& state) noexcept {
-    state(due_s_, spare_s_, since_, period_s_, went_s_, cost_, usual_s_, states_, tools_, sound_, rested_s_, reset_, untouched_s_, set_, counters_);
+    state(due_s_, spare_s_, since_, period_s_, went_s_, cost_, usual_s_, states_, tools_, sound_, rested_s_, reset_, set_, counters_);
     for (const auto& law : laws_)
         if (law) state(*law);
     for (const auto& surface : surfaces_) surface->fields(state);

@@ -83,9 +83,10 @@ void Simulation::rest_meshes() noexcept {
         state.theta_changed = true;
     }
     place_surfaces();
-    for (ToolState& t : tools_) t.disarm(Point::Zero(model_.dimension()));
-    untouched_s_ = 0;
-    for (ToolState& t : tools_) t.untouched_s = 0;
+    for (ToolState& t : tools_) {
+        t.disarm(Point::Zero(model_.dimension()));
+        t.untouched_s = 0;
+    }
     rested_s_ = record().time_s;
 }
 
@@ -127,8 +128,14 @@ void Simulation::time_passes(double seconds) noexcept {
     pass_untouched(std::min(seconds, longest_debt_s));  // of a stall, what meshes go through
 }
 
+/// Since a tool or its force was on the meshes.
+double Simulation::untouched_s() const noexcept {
+    double least_s = tools_.front().untouched_s;
+    for (const ToolState& t : tools_) least_s = std::min(least_s, t.untouched_s);
+    return least_s;
+}
+
 void Simulation::pass_untouched(double seconds) noexcept {
-    untouched_s_ = std::max(0.0, untouched_s_ + seconds);
     for (ToolState& t : tools_) t.untouched_s = std::max(0.0, t.untouched_s + seconds);
 }
 
@@ -257,8 +264,7 @@ __attribute__((noinline)) void Simulation::advance(const DeviceSample* samples, 
 
 /// No contact in this tick, and no force, whatever slew says; none until the master has been outside.
 void Simulation::stop(ToolState& t) noexcept {
-    t.record.fault = t.record.status == TickStatus::refused;
-    if (t.record.fault) t.velocity_m_s.setZero();
+    if (t.record.fault()) t.velocity_m_s.setZero();
     t.record.coupling_N.setZero();
     t.record.facet = -1;
     t.record.weight.setZero();
@@ -311,11 +317,12 @@ void Simulation::place_surfaces() noexcept {
 /// A law, and springs that turn, have other rests than their own: tissue drawn through itself, inside out, stays so. True where nothing has
 /// touched a mesh for so long that damping has left e^-5 of any swing, and it still is a tenth of the nodes' distance away.
 bool Simulation::come_to_rest_elsewhere() const noexcept {
+    const double untouched_s = this->untouched_s();
     for (std::size_t m = 0; m < states_.size(); ++m) {
         const HapticMesh& mesh = *model_.meshes[m];
         if (!mesh.law && mesh.springs.law().linear_in_displacement()) continue;
         const double settled_s = 10 / mesh.damping_1_s + (mesh.law ? 10 * mesh.law->slowest_s() : 0);
-        if (untouched_s_ > settled_s && states_[m].displacement.cwiseAbs().maxCoeff() > 0.1 * model_.surface.spacing_m()) return true;
+        if (untouched_s > settled_s && states_[m].displacement.cwiseAbs().maxCoeff() > 0.1 * model_.surface.spacing_m()) return true;
     }
     return false;
 }
@@ -332,147 +339,6 @@ bool Simulation::put_to_rest() noexcept {
     return true;
 }
 
-/// Surfaces to where the meshes are, and which of them are simple now.
-void Simulation::move_surfaces() noexcept {
-    place_surfaces();
-    sound_ = true;
-    for (std::size_t m = 0; m < surfaces_.size(); ++m) {
-        simple_[m] = surfaces_[m]->simple();
-        sound_ = sound_ && simple_[m];
-    }
-}
-
-/// Whether a surface crosses itself, and there is no inside. A contact asks that of the touched mesh alone: the force is that one's, and the mesh beside it, which is only
-/// shown, must not end it.
-bool Simulation::is_folded(const ToolState& t) const noexcept {
-    return t.touched >= 0 ? !simple_[t.touched] : !sound_;
-}
-
-/// The proxy of 4.2 against the mesh in contact, or against each while there is none. Before the master has once been
-/// outside there is no contact. False when there is no inside, and when two meshes lie in one place and both hold the proxy.
-bool Simulation::find_contact(ToolState& t) noexcept {
-    if (is_folded(t)) return false;
-    const Point& master_m = t.record.master_m;
-    if (!t.armed) {
-        wait_for_outside(t);
-    } else if (t.touched >= 0) {
-        const int left = t.touched;
-        ContactState from = t.contact;
-        if (on_law(t))
-            hold_tool(t);
-        else if (update_contact(*surfaces_[static_cast<std::size_t>(left)], master_m, t.contact) == ContactRow::swallowed_release)
-            begin_contact(t, left);  // at another place of the same surface
-        from.contact = false;
-        if (!t.contact.contact && !sound_) return false;  // whether the other mesh is touched now, nobody can say
-        if (!t.contact.contact) look_for_contact(t, from, left);
-    } else {
-        look_for_contact(t, ContactState(t.contact), -1);
-    }
-    if (!t.contact.contact) t.touched = -1;
-    for (std::size_t m = 0; m < surfaces_.size() && (t.contact.contact || !t.armed); ++m)
-        if (static_cast<int>(m) != t.touched && surfaces_[m]->contains_strictly(t.contact.proxy_m, 1e-9)) return false;
-    return true;
-}
-
-/// A contact at a new place: it has its own stiffness, or patch.
-void Simulation::begin_contact(ToolState& t, int mesh) noexcept {
-    const Point& master_m = t.record.master_m;
-    t.touched = mesh;
-    t.at_m = master_m;
-    t.slid_m.setZero();
-    t.slide_m_s.setZero();
-    t.friction.begin();
-    const HapticMesh& pressed = *model_.meshes[static_cast<std::size_t>(mesh)];
-    t.touched_m = pressed.springs.rest_place(t.contact.where.facet, t.contact.where.weight);
-    t.spring.grow({});
-    lay_tool(t, push_of(t, t.at_the_end(master_m, period_s_), static_cast<std::size_t>(mesh)));
-    t.show_no_more(on_law(t));
-    for (ToolMemory& memory : t.memory) memory.forget();
-    if (pressed.law)
-        t.contact.pressing = tool_pushes(t);
-    else
-        t.coupling_N_m = *model_.options.coupling_ratio * model_.stiffness->at(t.contact.where.facet, t.contact.where.weight[1]);
-}
-
-/// The law's contact where the tool is, at that push.
-void Simulation::lay_tool(ToolState& t, const Point& push_m) noexcept {
-    if (model_.is_law()) laws_[0]->contact(t.contact.where.facet, t.contact.where.weight, push_m, states_[static_cast<std::size_t>(t.touched)].displacement, t.spring);
-}
-
-/// Whether the tool, held where it will be at the time to which the mesh has come, pushes the law's tissue in: its force has a part along the rest's inward normal, whole or
-/// without the imprint on single nodes. That swings fast where it is stiff; a contact let go at each swing would be pumped up by them.
-bool Simulation::tool_pushes(const ToolState& t) const noexcept {
-    const auto m = static_cast<std::size_t>(t.touched);
-    const Point push = push_of(t, t.at_the_end(t.record.master_m, period_s_), m);
-    const NodeColumns& u = states_[m].displacement;
-    const ToolMemory& memory = t.memory[m];
-    return t.spring.mean_N(push, u, &memory).dot(t.spring.inward()) > 0 || t.spring.hand_N(push, u, &memory).dot(t.spring.inward()) > t.spring.growth().force_N;
-}
-
-/// A law's contact keeps its place, and presses while it pushes the tool out. The surface does not say whether:
-/// the patch's spline is smoother, and the tool may lie on either side of it. Contact ends when the patch does not push and the
-/// tool is out of the surface, or when it is farther out of it than the surface's nodes lie apart, which no patch explains.
-void Simulation::hold_tool(ToolState& t) noexcept {
-    const auto m = static_cast<std::size_t>(t.touched);
-    const MovingSurface& surface = *surfaces_[m];
-    const Point& master_m = t.record.master_m;
-    if (laws_[0]->contact_grows()) lay_tool(t, t.spring.shown_push(push_of(t, t.at_the_end(master_m, period_s_), m), states_[m].displacement));
-    t.contact.pressing = tool_pushes(t);
-    if (!surface.contains(master_m) &&
-        (!t.contact.pressing || surface.nearest(master_m).distance_m > laws_[m]->spacing_m())) {
-        t.contact.contact = t.contact.pressing = false;
-        t.contact.proxy_m = master_m;
-        return;
-    }
-    t.contact.where.position_m = surface.at(t.contact.where.facet, t.contact.where.weight);
-    t.contact.where.distance_m = (master_m - t.contact.where.position_m).norm();
-    t.contact.proxy_m = t.contact.where.position_m;
-}
-
-void Simulation::slide(ToolState& t) noexcept {
-    const auto m = static_cast<std::size_t>(t.touched);
-    const HapticMesh& mesh = *model_.meshes[m];
-    const MovingSurface& now = *surfaces_[m];
-    const Point& master_m = t.record.master_m;
-    t.slid_m -= mesh.law ? t.touched_m : Point(t.contact.where.position_m);
-    if (mesh.law) {
-        t.friction.slide(model_.surface, mesh.springs, *laws_[0], states_[m].displacement, master_m - mesh.place_m, t.contact.where, t.touched_m, t.spring,
-                         t.memory[m], t.memory.size() > 1 ? &t.memory[1 - m] : nullptr);
-        t.contact.where.position_m = now.at(t.contact.where.facet, t.contact.where.weight);
-    } else {
-        t.friction.slide(model_.surface, mesh.springs, now, t.coupling_N_m, master_m, t.contact.where);
-        if (t.friction.slipping()) lay_tool(t, push_of(t, t.at_m, m));  // the law's mesh beside gets the force there
-    }
-    t.slid_m += mesh.law ? t.touched_m : Point(t.contact.where.position_m);
-    t.contact.proxy_m = t.contact.where.position_m;
-    t.record.slipping = t.friction.slipping();
-}
-
-/// A free proxy, on its way from where it was to the master, against every mesh but the one it has just left.
-void Simulation::look_for_contact(ToolState& t, const ContactState& from, int left) noexcept {
-    for (std::size_t m = 0; m < surfaces_.size(); ++m) {
-        if (static_cast<int>(m) == left) continue;
-        t.contact = from;
-        update_contact(*surfaces_[m], t.record.master_m, t.contact);
-        if (!t.contact.contact) continue;
-        return begin_contact(t, static_cast<int>(m));
-    }
-}
-
-/// No contact yet: the proxy is the master's, or while that is inside, the nearest place on the surface.
-void Simulation::wait_for_outside(ToolState& t) noexcept {
-    const Point& master_m = t.record.master_m;
-    t.no_contact(master_m);
-    for (const auto& surface : surfaces_)
-        if (surface->contains(master_m)) {
-            ++t.unarmed;
-            t.contact.proxy_m = surface->nearest(master_m).position_m;
-            return;
-        }
-    t.armed = true;
-    t.contact.has_proxy = true;
-}
-
 /// 4.3: from where the contact is and how far the learned mesh gave way there, or from the force on it a tick ago.
 void Simulation::select_set(ToolState& t, const Point& on_tissue_N) noexcept {
     const Cells& facets = model_.meshes[0]->springs.facets();
@@ -484,26 +350,6 @@ void Simulation::select_set(ToolState& t, const Point& on_tissue_N) noexcept {
     t.record.contact_displacement_m = displacement;
 }
 
-Point Simulation::displacement_at_contact(std::size_t mesh, int tool) const noexcept {
-    const ToolState& t = of(tool);
-    if (t.record.mesh < 0) return Point::Zero(model_.dimension());
-    const HapticMesh& asked = *model_.meshes[mesh];
-    const NodeColumns& u = states_[mesh].displacement;
-    if (asked.law && static_cast<int>(mesh) == t.record.mesh) return t.spring.shown_push(push_of(t, t.record.master_m, mesh), u, t.memory[mesh].empty() ? nullptr : &t.memory[mesh]);
-    if (asked.law) return t.spring.push_at(-t.record.coupling_N, u, &t.memory[mesh]);
-    const Cells& facets = asked.springs.facets();
-    Point sum = Point::Zero(model_.dimension());
-    for (Eigen::Index k = 0; k < facets.cols(); ++k) sum += t.record.weight[k] * u.row(facets(t.record.facet, k)).transpose();
-    return sum;
-}
-
-void Simulation::seen(std::size_t mesh, NodeColumns& displacement_m) const noexcept {
-    displacement_m = states_[mesh].displacement;
-    if (!laws_[mesh]) return;
-    for (int k = 0; k < tool_count(); ++k)
-        if (const TickRecord& r = record(k); r.mesh >= 0) laws_[mesh]->show_skin(r.facet, {r.weight[0], r.weight[1], r.weight[2]}, displacement_at_contact(mesh, k), displacement_m);
-}
-
 /// (19): K^t = gamma K_l + (1 - gamma) K^{t-1} of each dt that has passed, on theta, in which K is linear. The heuristic mesh has one set.
 void Simulation::average_stiffness() noexcept {
     MeshState& learned = states_[0];
@@ -511,97 +357,6 @@ void Simulation::average_stiffness() noexcept {
     kernel::average(static_cast<int>(learned.theta.size()), periods == 1 ? gamma : 1 - std::pow(1 - gamma, periods), model_.meshes[0]->theta_of_set.col(set_).data(),
                     learned.theta.data());
     learned.theta_changed = true;
-}
-
-/// What a tool does to a mesh: the hand holds it on the mesh that it touches, and the others get its force.
-ContactLoad Simulation::load_of(ToolState& t, std::size_t m) noexcept {
-    ContactLoad load;
-    load.tool = laws_[m] ? &t.spring : nullptr;
-    load.memory = t.memory[m].empty() ? nullptr : &t.memory[m];
-    if (!model_.is_solid())  // on springs the ends of the segment, on a law its own contact
-        for (int end : {0, 1}) {
-            load.node[end] = model_.meshes[m]->springs.facets()(t.contact.where.facet, end);
-            load.weight[end] = t.contact.where.weight[end];
-        }
-    if (static_cast<int>(m) != t.touched) {
-        load.given_N = -t.record.coupling_N;
-        return load;
-    }
-    if (!model_.is_solid()) load.master_m = t.at_m - model_.meshes[m]->place_m;
-    load.coupling_N_m = t.coupling_N_m;
-    load.push_m = push_of(t, t.at_m, m);
-    load.velocity_m_s = t.velocity_m_s;
-    load.ahead_s = model_.meshes[m]->contact_damping_s;
-    return load;
-}
-
-/// A mesh to the end of the time in which this tick's force is held. A tool that is held goes straight on to where the hand will be then, and its record gets
-/// the mean of its force over that time; where no step is due, the force as it stands.
-void Simulation::advance_mesh(std::size_t m) noexcept {
-    const HapticMesh& mesh = *model_.meshes[m];
-    MeshState& state = states_[m];
-    const double h = model_.options.dt_s / mesh.substeps;
-    ContactLoads loads;
-    ToolState* held[most_tools];  // whose load it is; nothing where the mesh gets its force alone
-    const int steps = steps_due(m);
-    for (ToolState& t : tools_) {
-        if (!t.contact.pressing) continue;
-        const bool holds = static_cast<int>(m) == t.touched;
-        held[loads.count] = holds ? &t : nullptr;
-        ContactLoad& load = loads.load[loads.count++] = load_of(t, m);
-        if (!holds) continue;
-        if (steps == 0) {
-            const Point moved_m = t.at_the_end(t.record.master_m, period_s_) + (model_.options.dt_s - due_s_[m] - period_s_) * t.velocity_m_s - t.at_m;  // since the last step
-            if (load.tool) *load.push_m += moved_m;
-            else load.master_m += moved_m;
-            load.velocity_m_s -= t.slide_m_s;
-            held_ = state.displacement + load.ahead_s * state.velocity;
-            t.record.coupling_N = -load.force_at(mesh.springs, held_);
-            continue;
-        }
-        load.velocity_m_s = (t.at_the_end(t.record.master_m, period_s_) - t.at_m) / (steps * h);
-        t.at_m += steps * h * load.velocity_m_s;
-        t.slide_m_s = t.slid_m / (steps * h);
-        t.slid_m.setZero();
-        load.velocity_m_s -= t.slide_m_s;  // a place that goes along with the tool is neither stretched nor damped by that
-    }
-    if (steps == 0) return;
-    const int of_last = std::clamp(static_cast<int>(std::lround(period_s_ / h)), 1, steps);
-    Point mean_N[most_tools];
-    dynamics_[m]->advance(state, loads, h, steps, of_last, mean_N);
-    for (int k = 0; k < loads.count; ++k)
-        if (held[k]) held[k]->record.coupling_N = -mean_N[k];
-    for (ToolState& t : tools_)
-        if (t.contact.contact && !t.contact.pressing && static_cast<int>(m) == t.touched) remember_contact(t, steps);
-}
-
-/// Every mesh. The touched one goes first: its coupling, or patch, gives the force that the others get as well.
-void Simulation::step_meshes() noexcept {
-    for (ToolState& t : tools_) {
-        t.record.proxy_m = t.contact.proxy_m;
-        t.record.set = model_.is_law() ? -1 : set_;
-        if (!t.contact.pressing) continue;
-        untouched_s_ = t.untouched_s = 0;
-        t.record.mesh = t.touched;
-        t.record.facet = t.contact.where.facet;
-        t.record.weight = t.contact.where.weight;
-    }
-    const auto first = static_cast<std::size_t>(std::max(tools_[0].touched, 0));  // of two tools there is one mesh
-    advance_mesh(first);
-    for (std::size_t m = 0; m < states_.size(); ++m)
-        if (m != first) advance_mesh(m);
-    for (ToolState& t : tools_) {
-        if (t.contact.pressing) continue;
-        t.at_m = t.at_the_end(t.record.master_m, period_s_);
-        t.slid_m.setZero();
-    }
-}
-
-/// A law's contact that does not press for a while forgets as time goes by: its gap goes on.
-void Simulation::remember_contact(ToolState& t, int steps) noexcept {
-    const auto m = static_cast<std::size_t>(t.touched);
-    if (t.memory[m].empty()) return;
-    for (int k = 0; k < steps; ++k) t.spring.remember(push_of(t, t.record.master_m, m), states_[m].displacement, t.memory[m]);
 }
 
 }  // namespace tissue

@@ -177,6 +177,7 @@ class Simulation {
     void lead_to(const Simulation& from, int tool, std::vector<Point>& at_m);
     Point push_of(const ToolState& t, const Point& tool_m, std::size_t mesh) const noexcept { return t.push_of(tool_m, model_.meshes[mesh]->place_m); }
     bool on_law(const ToolState& t) const noexcept { return t.touched >= 0 && laws_[static_cast<std::size_t>(t.touched)]; }
+    double untouched_s() const noexcept;
     double steady_s() const noexcept { return std::min({since_[0], since_[1], slowest_period_s}); }
     int steps_due(std::size_t mesh) noexcept;
     void place_surfaces() noexcept;
@@ -221,7 +222,6 @@ class Simulation {
     bool sound_ = true;           ///< and none does
     double rested_s_ = 0;
     bool reset_ = false;          ///< since the last tick
-    double untouched_s_ = 0;      ///< since a tool or its force was on the meshes; of each tool ToolState::untouched_s
     int set_ = 0;                 ///< (19)'s K_l
     int restores_ = 0;
     HapticCounters counters_;

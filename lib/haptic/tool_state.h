@@ -38,13 +38,14 @@ struct TickRecord {
     int set = -1;                 ///< that serves; -1 of a law
     bool slipping = false;        ///< the contact went along the surface in this tick
     TickStatus status = TickStatus::done;
-    bool fault = false;           ///< refused
     bool reset = false;           ///< before this tick every mesh was put to rest, by someone outside (Simulation::reset)
     bool late = false;            ///< the device had let go of the force, which began again at zero (SafetyCounters::late)
     bool overrun = false;         ///< time was lost in this tick (HapticCounters::lost_s); the force is the tissue's
 
+    bool fault() const { return status == TickStatus::refused; }
+
     void fields(StateBytes& state) noexcept {
-        state(time_s, device_m, device_N, master_m, proxy_m, contact_displacement_m, coupling_N, measured_N, mesh, facet, weight, set, slipping, status, fault, reset, late, overrun);
+        state(time_s, device_m, device_N, master_m, proxy_m, contact_displacement_m, coupling_N, measured_N, mesh, facet, weight, set, slipping, status, reset, late, overrun);
     }
 };
 

@@ -138,7 +138,7 @@ class HandLoop {
         sample.position_m = way_.front().second;
         sample.age_s = clock_.age_s;
         force = simulation.tick(sample, seconds);
-        faults += simulation.record().fault;
+        faults += simulation.record().fault();
         ++ticks;
     }
     void book(double joule) {

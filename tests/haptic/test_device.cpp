@@ -435,7 +435,11 @@ TEST_CASE("openhaptics: position in millimetres comes in, force goes out, zero w
         OpenHapticsDevice device(vendor.library);
         CHECK_FALSE(device.read(0).valid);
         vendor.set_position(10, -20, 30);
+        device.write({1, 1, 1});  // before start(): no force
         device.start();
+        CHECK(wait_for([&] { return device.read(0.01).valid; }));
+        vendor.get_force(force);
+        CHECK((force[0] == 0 && force[1] == 0 && force[2] == 0));
         DeviceSample s;
         CHECK(wait_for([&] { return (s = device.read(0.03)).valid; }));
         CHECK((s.position_m - Eigen::Vector3d(0.01, -0.02, 0.03)).norm() < 1e-15);

@@ -660,7 +660,7 @@ TEST_CASE("springs with several steps a tick press alike at any rate, and at one
                 ticked += period;
                 sample.position_m = led(ticked);
                 s.tick(sample, period);
-                faults += s.record().fault;
+                faults += s.record().fault();
             }
             if (k > 400 && k % 100 > 60) CHECK(s.record().coupling_N.norm() == Approx(on_time.record().coupling_N.norm()).epsilon(0.02));
         }

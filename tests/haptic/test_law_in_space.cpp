@@ -263,6 +263,11 @@ TEST_CASE("in space a law's spectrum is that of its tangents, at rest and presse
     TissueModel hard = model;  // a contact far stiffer than the tissue
     hard.energy_law->patch.log_N_m.col(0).head<4>().array() += 5;
     CHECK(law_spectrum(hard, springs).largest > 1.5 * rest[rest.size() - 1]);
+
+    // of presses that are lost it is as far as they came
+    TissueModel lost = model;
+    lost.magnitude_m *= 20;
+    CHECK(law_spectrum(lost, springs).static_N_m > 0);
 }
 
 TEST_CASE("in space springs that do not turn are refused, and cubes in no order", "[solid][law]") {

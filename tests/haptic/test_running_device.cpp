@@ -98,6 +98,17 @@ TEST_CASE("a device that fails in start() has no force on it and is stopped, whe
     CHECK(device.at_rest());
 }
 
+TEST_CASE("a session that was asked to stop before it began does not start the device", "[device][loop]") {
+    const HapticModel model(haptic_example(), {});
+    Simulation simulation(model);
+    Motors device;
+    const std::atomic<bool> stop{true};
+    LoopOptions o = short_loop();
+    o.stop = &stop;
+    CHECK(run_loop(simulation, device, o).ticks == 0);
+    CHECK((device.reads == 0 && device.stops == 0 && device.force_N.isZero(0)));
+}
+
 TEST_CASE("whatever is thrown in a session, the force is zero and the device stopped when it comes out", "[device][loop]") {
     const HapticModel model(haptic_example(), {});
     for (Fails fails : {Fails::before_it_takes, Fails::after_it_took}) {

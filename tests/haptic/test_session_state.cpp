@@ -420,7 +420,7 @@ TEST_CASE("a hand whose positions come less often than ticks is judged by its ow
         for (int k = 0; k < 700; ++k) {
             if (k % each == 0) sample = led(1e-3 * k), sample.age_s = 0;
             heard.force_N.push_back(s.tick(sample).norm());
-            heard.faults += s.record().fault;
+            heard.faults += s.record().fault();
             if (k == 590) heard.damped_before = s.safety().counters().damped, heard.given_before_J = s.safety().counters().energy_given_J;
             if (says_age) sample.age_s += 1e-3;
         }

@@ -163,7 +163,7 @@ TEST_CASE("a fault makes the force zero in its own tick, and none comes back bef
         if (kind == 2) bad.age_s = 1;
         if (kind == 3) bad.valid = false;
         CHECK(s.tick(bad) == Eigen::Vector3d::Zero());
-        CHECK(s.record().fault);
+        CHECK(s.record().fault());
         for (long k = 0; k < 500; ++k) REQUIRE(s.tick(kind == 1 && k < 20 ? sample_at(0.047, bad.position_m[1] + 5e-4 * k) : pressing(1500)).norm() == 0);
         CHECK(s.unarmed() > 0);
         for (long k = 0; k < 100; ++k) s.tick(sample_at(0.047, 0.092 + 2e-4 * k));
@@ -295,7 +295,7 @@ TEST_CASE("after a release, a fault and a fold the record holds nothing of the c
         s.tick(next);
         const TickRecord& r = s.record();
         INFO("kind " << kind);
-        CHECK(r.fault == (kind == 1));
+        CHECK(r.fault() == (kind == 1));
         CHECK(r.mesh == -1);
         CHECK(r.facet == -1);
         CHECK(r.weight == Eigen::Vector3d::Zero());

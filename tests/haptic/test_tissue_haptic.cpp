@@ -269,6 +269,7 @@ TEST_CASE("a recording is written as it goes: memory does not grow with the sess
     for (int k = 0; k < batches * batch; ++k) {
         RecordedTick row;
         row.tick.time_s = k;
+        row.tick.status = static_cast<TickStatus>(k % 5);
         recorder.push(row, true);
         if (k == 5 * batch) begin = resident();  // ring, block and HDF5's own buffers are there
     }
@@ -279,6 +280,9 @@ TEST_CASE("a recording is written as it goes: memory does not grow with the sess
     const Eigen::VectorXd time = Hdf5Reader(folder.file("a.h5"), "recording").vector("/time");
     CHECK(recorder.dropped() == 0);
     CHECK(time.size() == batches * batch);
+    const std::vector<int> status = Hdf5Reader(folder.file("a.h5"), "recording").integers("/status");
+    REQUIRE(status.size() == static_cast<std::size_t>(time.size()));
+    CHECK((status[3] == static_cast<int>(TickStatus::folded) && status[5] == static_cast<int>(TickStatus::done) && status.back() == static_cast<int>(TickStatus::diverged)));
     CHECK((time.tail(time.size() - 1) - time.head(time.size() - 1)).minCoeff() > 0);
     CHECK(beside > 0.5 * static_cast<double>(std::filesystem::file_size(folder.file("a.h5"))));
     CHECK(folder.names() == std::vector<std::string>{"a.h5"});

@@ -68,12 +68,14 @@ TEST_CASE("the nearest place is the one at the contact whose push is most like o
     TickSummary summary;
     summary.ticks = 42;
     summary.clients = 3;
+    state.record.status = TickStatus::folded;
     const std::string bytes = FrameCoder().encode(make_frame(state, s.scene, top, summary));
     REQUIRE(bytes.size() == 256 + 2 * 2 * 121 * 4);
     double head[32];
     std::memcpy(head, bytes.data(), sizeof head);
     CHECK((head[1] == 42 && head[13] == 0 && head[22] == 1 && head[26] == 3));
     CHECK(head[23] == top.force_N);
+    CHECK((head[25] == 0 && head[28] == 3));
     float node[2];
     std::memcpy(node, bytes.data() + 256 + 4 * 2 * 120, sizeof node);
     CHECK((node[0] == Approx(0.1) && node[1] == Approx(0.1)));

@@ -12,13 +12,12 @@
 
 #include "adapt/adapted_model.h"
 #include "adapt/next_poke.h"
-#include "api/named_surfaces.h"
+#include "api/api_session.h"
 #include "api/session_counts.h"
 #include "cases/load_path.h"
 #include "error.h"
 #include "eval/closed_loop.h"
 #include "haptic/session_options.h"
-#include "haptic/tick_clock.h"
 #include "io/one_line.h"
 #include "parallel.h"
 #include "springs/law_at_radius.h"
@@ -116,36 +115,21 @@ std::string options_text() {
 }
 
 /// A session, with the model that it plays.
-struct Session {
+struct Session : ApiSession {
     std::shared_ptr<const TissueModel> tissue;
-    std::shared_ptr<const HapticModel> model;  // of this session and its copies
-    Simulation simulation;
-    TickClock clock;
-    NamedSurfaces surfaces;
-    int tool = 0;  // that attributes and set() are about
     std::recursive_mutex guard;
-    Session(std::shared_ptr<const TissueModel> t, const HapticOptions& options)
-        : tissue(std::move(t)), model(std::make_shared<HapticModel>(*tissue, options)), simulation(*model), surfaces(*tissue) {}
-    Session(std::shared_ptr<const TissueModel> t, std::shared_ptr<const HapticModel> m) : tissue(std::move(t)), model(std::move(m)), simulation(*model), surfaces(*tissue) {}
-    Session(const Session& other) : tissue(other.tissue), model(other.model), simulation(other.simulation), clock(other.clock), surfaces(other.surfaces), tool(other.tool) {}
+    Session(std::shared_ptr<const TissueModel> t, std::shared_ptr<const HapticModel> m) : ApiSession(std::move(m), NamedSurfaces(*t)), tissue(std::move(t)) {}
+    Session(const Session& other) : ApiSession(other), tissue(other.tissue) {}
 
     /// Of every tool (T x 3).
-    NodeField tick(const NodeField& positions_m, double elapsed_s, const std::vector<double>& age_s) {
+    NodeField tick_tools(const NodeField& positions_m, double elapsed_s, const std::vector<double>& age_s) {
         const int tools = simulation.tool_count();
         if (positions_m.rows() != tools || positions_m.cols() != 3 || (!age_s.empty() && age_s.size() != static_cast<std::size_t>(tools)))
             throw MismatchError(tools == 1 ? "a tick takes one position, of three numbers" : "a tick takes two positions, of three numbers each, and as many ages: tick_tools()");
-        DeviceSample samples[most_tools];
-        Eigen::Vector3d forces[most_tools];
-        for (int k = 0; k < tools; ++k) {
-            samples[k].position_m = positions_m.row(k);
-            if (!age_s.empty()) samples[k].age_s = age_s[static_cast<std::size_t>(k)];
-        }
-        const TickClock::Start start = clock.start(elapsed_s);
-        simulation.tick(samples, forces, start.elapsed_s, start.cost_s);
-        clock.end();
-        NodeField out(tools, 3);
-        for (int k = 0; k < tools; ++k) out.row(k) = forces[k];
-        return out;
+        const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> at_m = positions_m;
+        Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> force_N(tools, 3);
+        tick(at_m.data(), age_s.empty() ? nullptr : age_s.data(), elapsed_s, force_N.data());
+        return force_N;
     }
 
     void one_tool_only(const char* what) const {
@@ -166,13 +150,13 @@ NodeField ticks(Session& session, const Rows& positions_m, double elapsed_s) {
             sample.position_m = positions_m.row(k);
             forces.row(k) = session.simulation.tick(sample, elapsed_s);  // of no clock
         }
-        session.clock = {};  // the time that these took is none between two ticks
+        session.forget_clock();  // the time that these took is none between two ticks
         return std::move(forces);
     });
 }
 
 py::dict contact_of(Session& session) {
-    const TickRecord tick = alone(session, [&] { return session.simulation.record(session.tool); });
+    const TickRecord tick = alone(session, [&] { return session.simulation.record(session.tool()); });
     py::dict contact;
     contact["mesh"] = tick.mesh;
     contact["facet"] = tick.facet;
@@ -180,14 +164,14 @@ py::dict contact_of(Session& session) {
     contact["displacement_m"] = Eigen::VectorXd(tick.contact_displacement_m);
     contact["force_N"] = Eigen::VectorXd(Point::Zero(tick.coupling_N.size()) - tick.coupling_N);
     contact["slipping"] = tick.slipping;
-    contact["fault"] = tick.fault;
+    contact["fault"] = tick.fault();
     constexpr const char* statuses[] = {"done", "refused", "not armed", "folded", "diverged"};
     contact["status"] = tick.status != TickStatus::done ? statuses[static_cast<int>(tick.status)] : tick.late ? "late" : tick.overrun ? "overrun" : "done";
     return contact;
 }
 
 py::dict limits_of(Session& session) {
-    const auto [c, lost_s] = alone(session, [&] { return std::pair(session.simulation.safety(session.tool).counters(), session.simulation.counters().lost_s); });
+    const auto [c, lost_s] = alone(session, [&] { return std::pair(session.simulation.safety(session.tool()).counters(), session.simulation.counters().lost_s); });
     py::dict limits;
     limits["clamped"] = c.clamped;
     limits["slewed"] = c.slewed;
@@ -201,7 +185,7 @@ py::dict limits_of(Session& session) {
 py::dict energies_of(Session& session) {
     std::array<double, session_energies.size()> now{};
     alone(session, [&] {
-        for (std::size_t i = 0; i < now.size(); ++i) now[i] = session_energies[i].of(session.simulation, session.tool);
+        for (std::size_t i = 0; i < now.size(); ++i) now[i] = session_energies[i].of(session.simulation, session.tool());
     });
     py::dict energies;
     for (std::size_t i = 0; i < now.size(); ++i) energies[session_energies[i].name] = now[i];
@@ -219,15 +203,14 @@ py::bytes state_of(Session& session) {
 
 void restore(Session& session, const std::string& state) {
     alone(session, [&] {
-        session.simulation.restore(reinterpret_cast<const std::byte*>(state.data()), state.size());
-        session.clock = {};
+        session.restore(reinterpret_cast<const std::byte*>(state.data()), state.size());
     });
 }
 
 py::dict counts_of(Session& session) {
     std::array<long long, session_counts.size()> now{};
     alone(session, [&] {
-        for (std::size_t i = 0; i < now.size(); ++i) now[i] = session_counts[i].of(session.simulation, session.tool);
+        for (std::size_t i = 0; i < now.size(); ++i) now[i] = session_counts[i].of(session.simulation, session.tool());
     });
     py::dict counts;
     for (std::size_t i = 0; i < now.size(); ++i) counts[session_counts[i].name] = now[i];
@@ -472,34 +455,31 @@ ticks() between two ticks, press() between two contacts and next() between two p
                  const py::gil_scoped_release others_may;
                  check_options(options);  // before the model knows of one
                  if (!options.tool.is_default()) model = std::make_shared<TissueModel>(with_tool(*model, options.tool));
-                 return std::make_unique<Session>(std::move(model), options);
+                 return std::make_unique<Session>(model, std::make_shared<HapticModel>(*model, options));
              }),
              py::arg("model").none(false),
              options_text().c_str())
         .def("tick", [](Session& s, const Eigen::Vector3d& position_m, double elapsed_s, double age_s) {
                  s.one_tool_only("tick()");
-                 return alone(s, [&] { return Eigen::Vector3d(s.tick(NodeField(position_m.transpose()), elapsed_s, {age_s}).row(0)); });
+                 return alone(s, [&] { return Eigen::Vector3d(s.tick_tools(NodeField(position_m.transpose()), elapsed_s, {age_s}).row(0)); });
              },
              py::arg("position_m"), py::arg("elapsed_s") = 0.0, py::arg("age_s") = 0.0,
              "One step: the device's position [m] (3); returns the force on the hand [N] (3), finite and within force_max whatever comes in. elapsed_s: since the last tick; 0: dt; negative or not finite: "
              "unknown, and the library's own clock tells. age_s: since the position was measured, where positions come less often than ticks.")
         .def("ticks", &ticks, py::arg("positions_m"), py::arg("elapsed_s") = 0.0,
              "A tick for each position (T, 3), one after the other, each elapsed_s after the one before (0: dt); returns forces [N] (T, 3). After Ctrl-C the session is where it came to.")
-        .def("tick_tools", [](Session& s, const NodeField& positions_m, double elapsed_s, const std::optional<std::vector<double>>& age_s) { return alone(s, [&] { return s.tick(positions_m, elapsed_s, age_s.value_or(std::vector<double>())); }); },
+        .def("tick_tools", [](Session& s, const NodeField& positions_m, double elapsed_s, const std::optional<std::vector<double>>& age_s) { return alone(s, [&] { return s.tick_tools(positions_m, elapsed_s, age_s.value_or(std::vector<double>())); }); },
              py::arg("positions_m"), py::arg("elapsed_s") = 0.0, py::arg("age_s") = py::none(),
              "One step of every tool at once (option tools): the devices' positions [m] (tools, 3), an age each [s] (tools), or None; returns the forces on the hands [N] (tools, 3).")
-        .def("use_tool", [](Session& s, int tool) {
-                 if (tool < 0 || tool >= s.simulation.tool_count()) throw MismatchError("the session has no such tool");
-                 alone(s, [&] { s.tool = tool; });
-             }, py::arg("tool"), "Which tool, 0 at the start, set(), clutch(), contact, counts, limits and energies_J act on. Shared by both: the counts ticks, folded, unstable and lost_ms, the energies kinetic, stored and dissipated.")
+        .def("use_tool", [](Session& s, int tool) { alone(s, [&] { s.use_tool(tool); }); }, py::arg("tool"), "Which tool, 0 at the start, set(), clutch(), contact, counts, limits and energies_J act on. Shared by both: the counts ticks, folded, unstable and lost_ms, the energies kinetic, stored and dissipated.")
         .def_property_readonly("tools", [](const Session& s) { return s.simulation.tool_count(); }, "how many press the tissue")
         .def("reset", [](Session& s) { alone(s, [&] { s.simulation.reset(); }); }, "The tissue to rest; the tool must be outside once before there is force again.")
         .def("set", [](Session& s, const py::kwargs& given) {
                  const Options options = options_of(given);
-                 alone(s, [&] { s.simulation.change(with(s.simulation.options(s.tool), options, true), s.tool); });
+                 alone(s, [&] { s.simulation.change(with(s.simulation.options(s.tool()), options, true), s.tool()); });
              },
              "Options that may change while it runs, by name. A change that moves the tool by more than a hand does in a tick is a new start: it must be outside once.")
-        .def("clutch", [](Session& s, bool on) { alone(s, [&] { s.simulation.clutch(on, s.tool); }); }, py::arg("on"), "On: the hand moves and the tool stays, without force. Off: the tool goes on from there.")
+        .def("clutch", [](Session& s, bool on) { alone(s, [&] { s.simulation.clutch(on, s.tool()); }); }, py::arg("on"), "On: the hand moves and the tool stays, without force. Off: the tool goes on from there.")
         .def_property("state", &state_of, &restore, "All that changes while it runs, as bytes; a session of the same model and options to which they are given goes on from them bit for bit.")
         .def("begin", [](Session& s) { return std::make_unique<Session>(s.tissue, s.model); }, "Another session of the same model and options, at rest; it costs a thousandth of a new Simulation.")
         .def("copy", [](Session& s) { return alone(s, [&] { return std::make_unique<Session>(s); }); }, "Another session that goes on as this one does.")
@@ -509,19 +489,8 @@ ticks() between two ticks, press() between two contacts and next() between two p
              }, py::arg("session"), "Of a session that has not ticked: its tool is led to where that one's is. Takes some hundred ticks' time.")
         .def("take_over", [](Session& s, Session& from) {
                  if (&s == &from) throw MismatchError("take_over: the same session");
-                 TickClock clock;
-                 int tool = 0;
-                 const Simulation other = alone(from, [&] {
-                     clock = from.clock;
-                     tool = from.tool;
-                     return Simulation(from.simulation);
-                 });
-                 alone(s, [&] {
-                     s.simulation.check_take_over(other);
-                     s.simulation.take_over(other);
-                     s.clock = clock;
-                     s.tool = tool;
-                 });
+                 const Session other = alone(from, [&] { return Session(from); });
+                 alone(s, [&] { s.take_over(other); });
              }, py::arg("session"), "After follow(): goes on at the hand where that one was. Force, limits, what is known of the device, energy given and counts are that one's; what forces differ by fades within some tenths of a second.")
         .def_property_readonly("displacement_m", [](const Session& s) -> const NodeColumns& { return s.simulation.state(0).displacement; },
                                "of the lattice's nodes now [m] (N, D): a view that the next tick changes")
