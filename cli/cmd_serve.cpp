@@ -44,7 +44,7 @@ void run(const Options& o, Provenance provenance) {
         journal = std::make_unique<Journal>(o.journal, stage.model().dimension());
         stage.lesson()->also_tell([&journal](const Learner::Line& line) { journal->add(line); });
     }
-    std::signal(SIGPIPE, SIG_IGN);  // who reads the lines may be gone before the files are closed
+    outlive_readers();
     std::cerr << describe("tissuectl serve", stage.model(), stage.pointer());
     std::cerr << "tissuectl serve: " << server.url() << std::endl;
     stage.start(recorder.get());

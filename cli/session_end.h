@@ -1,10 +1,16 @@
 #pragma once
 
+#include <csignal>
 #include <exception>
 #include <iostream>
 #include <string>
 
 namespace tissue::cli {
+
+/// The reader of the program's output may exit before its files are closed.
+inline void outlive_readers() {
+    std::signal(SIGPIPE, SIG_IGN);
+}
 
 /// What is left to do when a session has ended, thing after thing: one that fails takes no other with it.
 class SessionEnd {

@@ -120,6 +120,7 @@ std::string told(const Learner::Line& line) {
 }
 
 void run(const Options& o, Provenance provenance) {
+    cli::outlive_readers();
     HapticOptions haptic = o.choices.haptic;
     TissueModel tissue = read_model(o.model);
     const double own_m = tissue.energy_law ? tissue.energy_law->disc_radius_m : 0;
@@ -203,7 +204,7 @@ void add_options(CLI::App& app, Options& o) {
     app.add_option("model", o.model, "model.h5 of tissuectl train")->required()->type_name("FILE");
     app.add_option("--device", o.device, fmt::format("{}", fmt::join(device_kinds().names(), ", ")))
         ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember(device_kinds().names())));
-    add_number(app, "--seconds", o.seconds, "s", "how long; 0: until the device ends or a signal comes. Default: 10 of the virtual device, else 0")->check(quiet(CLI::Range(0.0, longest_session_s)));
+    add_number(app, "--seconds", o.seconds, "s", "how long; 0: until the device ends or a signal comes. Default: 10 of device virtual, else 0")->check(quiet(CLI::Range(0.0, longest_session_s)));
     app.add_flag("--json", o.json, "print the ledger as JSON");
     app.add_flag("--no-clock", o.no_clock, "ticks follow one another without waiting for the clock, and none is missed; --seconds are the tissue's. Of scripted motions, virtual and replay");
     app.add_option("--record", o.record, "HDF5 file for every tick")->type_name("FILE");
@@ -225,11 +226,13 @@ void add_options(CLI::App& app, Options& o) {
     check->needs(out);
     out->needs(check);
     // of a session, which --check is none
-    for (const char* name : {"--record", "--learn", "--hidden", "--json", "--seconds", "--no-clock", "--force-max"}) check->excludes(app.get_option(name));
+    for (const char* name : {"--device", "--record", "--learn", "--hidden", "--json", "--seconds", "--seed", "--no-clock", "--no-realtime", "--force-max"}) check->excludes(app.get_option(name));
+    for (const DeviceKind* kind : device_kinds().kinds())
+        for (const DeviceOption& option : kind->options) check->excludes(app.get_option("--" + option.name));
 }
 
 void finish(Options& o, const CLI::App& app) {
-    if (!o.seconds) o.seconds = o.device == VirtualDevice::kind.name ? 10 : 0;
+    if (!o.seconds) o.seconds = device_kinds().at(o.device)->seconds;
     for (const DeviceKind* kind : device_kinds().kinds())
         for (const DeviceOption& option : kind->options)
             if (kind->name != o.device && app.count("--" + option.name) > 0) throw CLI::ValidationError("--" + option.name, fmt::format("is of device {}, not of {}", kind->name, o.device));
@@ -247,7 +250,6 @@ int main(int argc, char** argv) {
     cli::hold_standard_descriptors();
     std::signal(SIGINT, on_signal);
     std::signal(SIGTERM, on_signal);
-    std::signal(SIGPIPE, SIG_IGN);  // who reads the lines may be gone before the files are closed
     if (std::signal(SIGHUP, on_signal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // under nohup it goes on
     std::string command;
     for (int i = 0; i < argc; ++i) {

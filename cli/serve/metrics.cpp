@@ -55,7 +55,7 @@ std::string metrics_text(const Show& show, const Traffic& traffic) {
     page.value("faults_total", "{kind=\"jump\"}", c.jumps);
     page.value("faults_total", "{kind=\"stale\"}", c.stale);
     page.single("folded_total", "counter", "Ticks without force because an outline had no inside.", c.folded);
-    page.single("unstable_total", "counter", "Ticks in which meshes were put to rest, since one flew apart or came to rest inside out.", c.unstable);
+    page.single("unstable_total", "counter", "Ticks in which meshes were put to rest, since one had diverged or came to rest inverted.", c.unstable);
     page.metric("tick_seconds", "summary", "Work of a tick, device read to device write.");
     for (const auto& [label, share] : {std::pair("0.5", 0.5), {"0.99", 0.99}, {"0.999", 0.999}, {"1", 1.0}})
         page.value("tick_seconds", fmt::format("{{quantile=\"{}\"}}", label), 1e-6 * show.tick_us().percentile(share));

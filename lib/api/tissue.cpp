@@ -68,7 +68,7 @@ tissue_status set(HapticOptions& options, const char* name, const char* value, b
 }
 
 /// Sizes that callers of the first release have.
-constexpr size_t first_contact = 88, first_limits = 48;
+constexpr size_t first_contact = offsetof(tissue_contact, reserved) + sizeof(int), first_limits = offsetof(tissue_limits, lost_s) + sizeof(double);
 static_assert(sizeof(tissue_contact) >= first_contact && sizeof(tissue_limits) >= first_limits, "members are added at the end");
 
 /// To a caller whose struct may have more members than this library's, or fewer.

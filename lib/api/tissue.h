@@ -45,8 +45,8 @@ typedef enum tissue_status {
     TISSUE_NOT_ARMED = 6,    /* of a tick: the tool is inside tissue and has not been outside since the start, a fault or a reset; the force is zero */
     TISSUE_FOLDED = 7,       /* of a tick: a surface crosses itself, or two meshes lie over each other; the force is zero */
     TISSUE_DIVERGED = 8,     /* of a tick: a mesh flew apart, or came to rest inside out, and was put to rest; the force is zero */
-    TISSUE_OVERRUN = 9,      /* of a tick: time was lost, as elapsed_s was more than can be made up for, or ticks cost more than their time; the force is the tissue's, as of TISSUE_OK */
-    TISSUE_LATE = 10         /* of a tick: it came so late that the device had let go of the force, which rises from zero again, by slew and as far as the bound on energy leaves it */
+    TISSUE_OVERRUN = 9,      /* of a tick: time was lost, as elapsed_s was more than can be made up for, or ticks cost more than their time; the force is the tissue's, as of TISSUE_OK. TISSUE_LATE where both are so */
+    TISSUE_LATE = 10         /* of a tick: it came so late that the device had let go of the force, which rises from zero again, by slew and as far as the bound on energy permits; time may be lost in it too (lost_ms) */
 } tissue_status;
 
 /* One line that says what a status is. */
@@ -70,13 +70,13 @@ TISSUE_API tissue_status tissue_open_model(const char *model_file, const char *c
 TISSUE_API tissue_status tissue_begin(const tissue_model *model, tissue_session **session);
 TISSUE_API void tissue_close_model(tissue_model **model);
 
-/* One step of dt: where the device is [m], and the force that it puts on the hand [N]. elapsed_s: since the last tick, as the clock says; 0: dt, so a difference of a clock that may be 0 is given as -1; negative or not finite: the host does not
+/* One step of dt: where the device is [m], and the force that it puts on the hand [N]. elapsed_s: since the last tick, as the clock says; 0: dt, so where a measured difference is 0, pass -1; negative or not finite: the host does not
  * know, and the library's own clock tells (of the first tick: dt). The tissue goes through that time, whatever the rate, and the force is the same at any from 50 Hz to 8 kHz (of a hand that rests; while it moves the tool is led one period ahead), with hold "inf" from 10 Hz at an even rate; a stall of more than
- * half a second is lost to it (TISSUE_OVERRUN; count "lost_ms", tissue_read_limits). Where ticks take longer than the time that they go through, the tissue runs slower than the clock, and lost_ms
+ * half a second is lost to it (TISSUE_OVERRUN, or TISSUE_LATE where the device had let go meanwhile; count "lost_ms", tissue_read_limits). Where ticks take longer than the time that they go through, the tissue runs slower than the clock, and lost_ms
  * counts by how much; where they take more than half of it, a stall is not made up for. That needs an elapsed_s that is the system's clock, taken right before the tick, over some fifty ticks, or five between
  * which it changes by a tenth: a host that plays another time loses none, unless its ticks take that time to some tenths of a percent, and one that keeps up loses none while its periods stray by less than a tenth.
  * A force that the device still holds after option "hold" (0.05 s) is in no energy log: a host whose ticks may stall sees to it that the device lets go, or sets hold to "inf". A tick that comes
- * later than half of it, 0.025 s, begins at zero force, and rises by slew and as far as the bound on energy leaves it (TISSUE_LATE; limits' `late` counts it): 50 Hz, with a clock that strays by 5 ms, is the slowest rate by default. That long a hold has a price. The energy that the port may give is bounded by r force-max speed-max dt: r is 1
+ * later than half of it, 0.025 s, begins at zero force, and rises by slew and as far as the bound on energy permits (TISSUE_LATE; limits' `late` counts it): 50 Hz, with a clock that strays by 5 ms, is the slowest rate by default. That long a hold has a price. The energy that the port may give is bounded by r force-max speed-max dt: r is 1
  * while ticks come every dt with positions of their own (0.0066 J by default), and at most hold / dt after a stall (0.33 J; with hold 0.01, which serves hosts from 200 Hz on, 0.066 J), (hold + stale) / dt of
  * positions that are given with an age (0.66 J). tissue_energy "bound" is the bound as it is now.
  * The force is finite and within force-max whatever comes in, and zero where the status is none of TISSUE_OK, TISSUE_LATE and TISSUE_OVERRUN, also where an argument is refused. What it gives the hand is

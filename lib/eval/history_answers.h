@@ -50,7 +50,7 @@ struct HistoryTable {
     double factor = 0;               ///< of best_factor
     double kelvin_voigt[2] = {0, 0};  ///< a, b [s]
     double branch[2] = {0, 0};        ///< share, time [s] of one_branch
-    bool fitted_to_all = false;       ///< those in between: no history has an elastic run of FE by which mass does not matter
+    bool fitted_to_all = false;       ///< those in between: to every history that has an answer, as no history has an elastic run of FE by which to tell where mass does not matter
     int near_training = 0;            ///< of measured histories, how many of the answers are near_training
 
     bool empty() const { return answers.empty() && lost.empty(); }

@@ -281,7 +281,7 @@ std::string histories_markdown(const HistoryTable& h, bool measured) {
         "\n{}\n\nWhat else there could be, rms, median / p95 / max (n of N). `long_term` and `instantaneous`: the law without branches, as it is after long and at once; "
         "`best_factor`: {:.3g} times the latter, the elastic springs that come nearest; `kelvin_voigt`: {:.3g} F + {:.3g} s dF/dt of it; `one_branch`: a "
         "share of {:.3g} that relaxes in {:.3g} s. These three are fitted to {}, which flatters them.{}\n\n| histories |",
-        rule, h.factor, h.kelvin_voigt[0], h.kelvin_voigt[1], h.branch[0], h.branch[1], h.fitted_to_all ? "all of these very histories" : "those of these very histories in which mass does not matter",
+        rule, h.factor, h.kelvin_voigt[0], h.kelvin_voigt[1], h.branch[0], h.branch[1], h.fitted_to_all ? "all of these very histories that have an answer" : "those of these very histories in which mass does not matter",
         has_elastic ? " `prony`: no springs but the finite elements' own force without relaxation, through the material's branches." : "");
     const std::size_t models = h.models.size() - (has_elastic ? 0 : 1);  // prony, the last, has nothing to go by
     for (std::size_t m = 0; m < models; ++m) out += fmt::format(" {} |", h.models[m]);

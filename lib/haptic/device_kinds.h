@@ -37,6 +37,7 @@ struct DeviceKind {
     std::vector<DeviceOption> options;
     std::unique_ptr<Device> (*make)(const DeviceValues& values, const DeviceContext& context);
     DeviceImpedance impedance = {};
+    double seconds = 0;     ///< of a session that is not told how long; 0: until the device ends
     bool scripted = false;  ///< its motion is known before it begins, and no hand feels the force: it needs no clock
 };
 

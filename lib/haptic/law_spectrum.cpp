@@ -115,17 +115,21 @@ LawSpectrum law_spectrum(const TissueModel& model, const RealtimeMesh& springs, 
     untouched.displacement = NodeField::Zero(model.mesh.node_count(), model.mesh.dimension());
     untouched.push_m = Point::Zero(model.mesh.dimension());
     for (const PressedPlace& place : model.mesh.is_solid() ? places_over(model.mesh, springs, *kernel, law.patch)
-                                                    : places_along(static_cast<const ContactSurface&>(*kernel), law.patch))
+                                                    : places_along(static_cast<const ContactSurface&>(*kernel), law.patch)) {
+        const auto take = [&](const PressState& at) {
+            const double here = largest_eigenvalue(springs, pressed(energy, law.constants, place.contact, at, tools));
+            if (here > spectrum.largest || std::isnan(here)) spectrum.largest = here;  // std::max would lose what is no number
+        };
+        take(untouched);
         for (const Point& way : place.ways) {
             const PressState state = solver.press(law.constants, place.contact, depth_m * way);
-            for (const PressState* at : {static_cast<const PressState*>(&untouched), &state}) {
-                if (at == &state && state.push_m.norm() == 0) continue;  // lost at its first step
-                spectrum.contact_N_m = std::max(spectrum.contact_N_m, at_once(place.contact, *at, way));
-                const double here = largest_eigenvalue(springs, pressed(energy, law.constants, place.contact, *at, tools));
-                if (here > spectrum.largest || std::isnan(here)) spectrum.largest = here;  // std::max would lose what is no number
-            }
-            if (state.push_m.norm() > 0) spectrum.static_N_m = std::max(spectrum.static_N_m, state.contact_force_N.norm() / state.push_m.norm());
+            spectrum.contact_N_m = std::max(spectrum.contact_N_m, at_once(place.contact, untouched, way));
+            if (state.push_m.norm() == 0) continue;  // lost at its first step
+            spectrum.contact_N_m = std::max(spectrum.contact_N_m, at_once(place.contact, state, way));
+            take(state);
+            spectrum.static_N_m = std::max(spectrum.static_N_m, state.contact_force_N.norm() / state.push_m.norm());
         }
+    }
     return spectrum;
 }
 

@@ -32,7 +32,7 @@ const DeviceKind ReplayDevice::kind = {
     [](const DeviceValues& v, const DeviceContext&) -> std::unique_ptr<Device> {
         return std::make_unique<ReplayDevice>(v.at("trajectory"));
     },
-    {}, true};
+    {}, 0, true};
 
 ReplayDevice::ReplayDevice(const std::string& file) {
     const bool recording = file.size() > 3 && file.compare(file.size() - 3, 3, ".h5") == 0;

@@ -30,7 +30,10 @@ double number(const SessionOption& option, const std::string& text, const char* 
 }
 
 void read(const SessionOption& o, const std::string& text, double& to) { to = number(o, text); }
-void read(const SessionOption& o, const std::string& text, std::optional<double>& to) { to = number(o, text); }
+void read(const SessionOption& o, const std::string& text, std::optional<double>& to) {
+    if (text == "default") to.reset();
+    else to = number(o, text);
+}
 void read(const SessionOption& o, const std::string& text, int& to) {
     const double value = number(o, text);
     if (value != std::floor(value) || !(std::abs(value) < 1e9)) refuse(o, "be a whole number", "'" + text + "'");
@@ -98,7 +101,7 @@ const std::vector<SessionOption>& session_options() {
         {"friction", "1", {0, inf, true, true}, everywhere | live, [](O& o) -> auto& { return o.friction.stick; }, "static friction coefficient between tool and tissue; inf: the tool never slips",
          "The paper's contact keeps its place, which is inf."},
         {"friction-slip", "1", {0, inf, true}, everywhere | live, [](O& o) -> auto& { return o.friction.slip; }, "kinetic friction coefficient, at most the static one",
-         "Default: the static one. Refused without friction. While a session runs a new static coefficient takes the kinetic one back."},
+         "Default: the static one. Refused without friction. \"default\" resets it."},
         {"heuristic", "yes|no", yes_no, everywhere, [](O& o) -> auto& { return o.heuristic_mesh; }, "a second mesh, Van Gelder's, beside the learned one",
          "Off by default in C and Python, whose programs have a scene of their own."},
         {"force-max", "N", positive, everywhere, [](O& o) -> auto& { return o.safety.force_max_N; }, "largest force on the device",
@@ -170,7 +173,6 @@ HapticOptions interface_options() {
 void set_option(HapticOptions& options, const std::string& name, const std::string& value, bool while_it_runs) {
     for (const SessionOption& option : session_options()) {
         if (name != option.name) continue;
-        if (while_it_runs && name == "friction") options.friction.slip.reset();  // else a kinetic one could never be taken back
         if (while_it_runs && !(option.where & live)) throw MismatchError(fmt::format("option '{}' stays as it was when the session began", name));
         return option.set(options, value);
     }

@@ -266,6 +266,7 @@ __attribute__((noinline)) void Simulation::advance(const DeviceSample* samples, 
 void Simulation::stop(ToolState& t) noexcept {
     if (t.record.fault()) t.velocity_m_s.setZero();
     t.record.coupling_N.setZero();
+    t.record.contact_displacement_m.setZero();
     t.record.facet = -1;
     t.record.weight.setZero();
     t.record.slipping = false;

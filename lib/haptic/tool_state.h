@@ -12,13 +12,13 @@
 
 namespace tissue {
 
-/// What a tick came to. All but `done`: no force.
+/// What a tick came to. All but `done`: no force. Recordings and the page's frames have the numbers.
 enum class TickStatus {
-    done,
-    refused,    ///< the position: not finite, too fast, too old
-    not_armed,  ///< the tool is inside tissue, and has not been outside since the start, a fault or a reset
-    folded,     ///< a surface crosses itself, or two meshes lie over each other: there is no inside
-    diverged    ///< a mesh flew apart, or came to rest inside out, and was put to rest
+    done = 0,
+    refused = 1,    ///< the position: not finite, too fast, too old
+    not_armed = 2,  ///< the tool is inside tissue, and has not been outside since the start, a fault or a reset
+    folded = 3,     ///< a surface crosses itself, or two meshes lie over each other: there is no inside
+    diverged = 4    ///< a mesh flew apart, or came to rest inside out, and was put to rest
 };
 
 /// What a tick leaves behind, for the recorder, the page and the tests. Nothing in it is older than the tick, but where

@@ -256,7 +256,7 @@ const DeviceKind VirtualDevice::kind = {
         const MotionOptions motion{v.at("motion"), c.seconds > 0 ? c.seconds : longest_motion_s, std::strtod(v.at("depth").c_str(), nullptr), c.seed, c.rest};
         return std::make_unique<VirtualDevice>(make_motion(motion), c.map, true);
     },
-    {}, true};
+    {}, 10, true};
 
 VirtualDevice::VirtualDevice(std::vector<Waypoint> motion, const DeviceMap& map, bool over_and_over) : motion_(std::move(motion)), map_(map) {
     if (motion_.empty()) throw MismatchError("a motion without waypoints");

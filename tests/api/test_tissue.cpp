@@ -612,6 +612,8 @@ TEST_CASE("a kinetic friction that was set while a session runs can be taken bac
     const auto set = [&](const char* name, const char* value) { return tissue_set(session.s, name, value); };
     CHECK(set("friction", "0.3") == TISSUE_OK);
     CHECK(set("friction-slip", "0.2") == TISSUE_OK);
+    CHECK(set("friction", "0.1") == TISSUE_MISMATCH);  // below the kinetic one
+    CHECK(set("friction-slip", "default") == TISSUE_OK);
     CHECK(set("friction", "0.1") == TISSUE_OK);
     CHECK(set("friction-slip", "0.2") == TISSUE_MISMATCH);
     CHECK(set("friction", "inf") == TISSUE_OK);

@@ -181,7 +181,10 @@ TEST_CASE("of models beside the learned one each is what it says: the truth is p
     std::vector<History> plain(histories.begin(), histories.begin() + 2);
     plain[1].force_N *= 0.5;
     for (History& h : plain) h.elastic_N.resize(0, h.elastic_N.cols());
-    const double of_both = evaluate_histories(model, plain, "held_out", 1).factor;
+    const HistoryTable both = evaluate_histories(model, plain, "held_out", 1);
+    const double of_both = both.factor;
+    CHECK(both.fitted_to_all);
+    CHECK_FALSE(evaluate_histories(model, histories, "held_out", 1).fitted_to_all);
     for (History& h : plain) CHECK(std::abs(evaluate_histories(model, {h}, "held_out", 1).factor / of_both - 1) > 0.1);
 
     // a truth of one branch is found

@@ -264,9 +264,30 @@ TEST_CASE("in space a law's spectrum is that of its tangents, at rest and presse
     hard.energy_law->patch.log_N_m.col(0).head<4>().array() += 5;
     CHECK(law_spectrum(hard, springs).largest > 1.5 * rest[rest.size() - 1]);
 
+    // a contact that softens under the press is stiffest at first touch
+    TissueModel soft = hard;
+    soft.energy_law->patch.log_N_m.col(0).head<2>().array() += 1;
+    soft.energy_law->patch.softens = true;
+    soft.energy_law->patch.log_N_m(PatchLaw::hardening_row, 0) = 12;
+    double first_touch = 0;
+    PressState untouched;
+    untouched.displacement = NodeField::Zero(mesh.node_count(), 3);
+    untouched.push_m = Point::Zero(3);
+    for (const Point& point : surface.points(2)) {
+        const ContactSpring contact(kernel->rows_at(surface.nearest(point).point_m), soft.energy_law->patch);
+        Eigen::MatrixXd K = energy.tangent(law.constants, untouched.displacement);
+        const Eigen::MatrixXd own = contact.tangent(untouched.push_m, contact.gather(untouched.displacement));
+        for (std::size_t i = 0; i < contact.rows.nodes.size(); ++i)
+            for (std::size_t j = 0; j < contact.rows.nodes.size(); ++j)
+                K.block<3, 3>(3 * contact.rows.nodes[i], 3 * contact.rows.nodes[j]) += own.block<3, 3>(static_cast<Eigen::Index>(3 * i), static_cast<Eigen::Index>(3 * j));
+        first_touch = std::max(first_touch, eigenvalues(springs, K).maxCoeff());
+    }
+    CHECK(law_spectrum(soft, springs).largest > 0.985 * first_touch);
+
     // of presses that are lost it is as far as they came
     TissueModel lost = model;
-    lost.magnitude_m *= 20;
+    lost.magnitude_m *= 200;
+    REQUIRE(solver.press(law.constants, ContactSpring(kernel->rows_at(surface.nearest(surface.points(2)[0]).point_m), law.patch), lost.magnitude_m.maxCoeff() * surface.nearest(surface.points(2)[0]).inward).status == PressStatus::lost);
     CHECK(law_spectrum(lost, springs).static_N_m > 0);
 }
 

@@ -145,6 +145,7 @@ TEST_CASE("while it plays a law becomes the tissue that the hand feels, and forc
     CHECK(readings >= 4);
     CHECK(s.adaptation.state().learned >= 4);
     INFO("largest jump of force " << largest_jump << " N");
+    CHECK(largest_jump > 0);
     CHECK(largest_jump < 0.02);
     CHECK(largest_step <= LearnerOptions().step * (1 + 1e-9));
     CHECK(largest_step > 0);

@@ -442,6 +442,20 @@ TEST_CASE("a session whose lines nobody reads writes its recording all the same"
     CHECK(Hdf5Reader(file, "recording").vector("/time").size() == 500);
 }
 
+TEST_CASE("a session lasts as long as its device, and of the virtual one ten seconds", "[program]") {
+    const TemporaryFolder folder;
+    const std::string model = model_file(folder);
+    const auto ticks = [&](const std::string& arguments) {
+        const Ended e = run(folder, model + " --no-clock --json " + arguments);
+        REQUIRE(e.status == 0);
+        return nlohmann::json::parse(e.out)["ticks"].get<long long>();
+    };
+    CHECK(ticks("") == 10000);
+    const std::string recording = folder.file("twelve.h5");
+    CHECK(ticks("--seconds 12 --record " + recording) == 12000);
+    CHECK(ticks("--device replay --trajectory " + recording) >= 12000);
+}
+
 TEST_CASE("tissue-haptic: 1 for work that fails, 2 for a wrong command line, each in one line", "[program]") {
     const TemporaryFolder folder;
     const std::string model = model_file(folder);
@@ -466,7 +480,7 @@ TEST_CASE("tissue-haptic: 1 for work that fails, 2 for a wrong command line, eac
     // options that would do nothing
     ended(model + " --trajectory nowhere.csv", 2);
     ended(model + " --device replay --trajectory nowhere.csv --port 5", 2);
-    for (const char* option : {" --record r.h5", " --json", " --seconds 1", " --force-max 2", " --hidden h.h5"}) ended(model + " --check " + model + " --out o.json" + option, 2);
+    for (const char* option : {" --record r.h5", " --json", " --seconds 1", " --force-max 2", " --hidden h.h5", " --motion poke", " --device replay", " --seed 3", " --no-realtime"}) ended(model + " --check " + model + " --out o.json" + option, 2);
     ended(model + " --check " + model, 2);
     ended(model + " --swiftly", 2);
     CHECK(run(folder, "--version").out.find("tissue-haptic ") == 0);

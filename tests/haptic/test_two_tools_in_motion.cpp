@@ -266,10 +266,20 @@ TEST_CASE("each of two tools has its own credit, clutch, fault and count, and a 
     hands.to(left_m + up, hands.at_m[1] + Eigen::Vector3d(0, 0, 0.01), 100);
     hands.to(left_m + in, hands.at_m[1] + in - Eigen::Vector3d(0, 0, 0.01), 300);
     REQUIRE(hands.force_N[1].norm() > 0.02);
+    const SafetyCounters before = s.safety(1).counters();
     CHECK(s.tick(sample_at(hands.at_m[0])).norm() > 0.05);
     CHECK(s.record(1).status == TickStatus::refused);
     CHECK(s.record(1).device_N.isZero(0));
+    CHECK(s.safety(1).counters().bad_input == before.bad_input + 1);
+    CHECK(s.safety(1).counters().jump == before.jump);
+    const Eigen::Vector3d pressed_m = hands.at_m[1];
+    hands.to(hands.at_m[0], pressed_m + up + Eigen::Vector3d(0, 0, 0.01), 200);
+    hands.to(hands.at_m[0], pressed_m, 300);
+    REQUIRE(hands.force_N[1].norm() > 0.02);
     CHECK(s.stand_still(sample_at(hands.at_m[0]), 1e-3).isZero(0));
+    CHECK(s.safety(1).force_N().isZero(0));
+    hands.tick();
+    CHECK(s.record(1).status == TickStatus::not_armed);
 }
 
 TEST_CASE("two tools on a tissue that relaxes remember each its own contact", "[simulation][solid][two][relaxation]") {
@@ -354,6 +364,16 @@ TEST_CASE("a session of two tools is saved, restored, copied and followed with b
     }
     after.to(after.at_m[0], after.at_m[1], 1, 3000);
     CHECK(after.force_N[0].norm() > 1.05 * before_N[0].norm());
+
+    // of a leader one of whose tools has no force, that one is led nowhere
+    Hands stopped{next, {after.at_m[0], after.at_m[1]}};
+    stopped.at_m[1].setConstant(std::nan(""));
+    stopped.tick();
+    REQUIRE(next.record(1).status == TickStatus::refused);
+    Simulation later(next_model);
+    later.follow(next);
+    CHECK(later.record(0).status == TickStatus::done);
+    CHECK(later.record(1).status == TickStatus::refused);
 
     Simulation one(pressed_by(1));
     CHECK_THAT(refusal<MismatchError>([&] { one.follow(s); }), Contains("a session of 1 tools cannot go on where one of 2 was"));

@@ -106,6 +106,8 @@ assert session.surfaces == []  # in the plane
 energies = session.energies_J
 assert set(energies) == {"given", "observed", "bound", "kinetic", "friction", "stored", "dissipated"} and energies["given"] < 0 < energies["bound"] and energies["friction"] > 0, energies
 session.set(force_scale=2, offset=(0, 0))
+fresh = session.begin()  # at rest, with the options at the start
+assert (fresh.ticks(down) == tissue.Simulation(model, friction=0.3).ticks(down)).all() and fresh.surfaces == session.surfaces
 for wrong in ({"dt": 0.002}, {"force_scale": -1}, {"colour": "red"}):
     try:
         session.set(**wrong)

@@ -118,7 +118,7 @@ std::string options_text() {
 struct Session : ApiSession {
     std::shared_ptr<const TissueModel> tissue;
     std::recursive_mutex guard;
-    Session(std::shared_ptr<const TissueModel> t, std::shared_ptr<const HapticModel> m) : ApiSession(std::move(m), NamedSurfaces(*t)), tissue(std::move(t)) {}
+    Session(std::shared_ptr<const TissueModel> t, std::shared_ptr<const HapticModel> m, NamedSurfaces s) : ApiSession(std::move(m), std::move(s)), tissue(std::move(t)) {}
     Session(const Session& other) : ApiSession(other), tissue(other.tissue) {}
 
     /// Of every tool (T x 3).
@@ -455,7 +455,7 @@ ticks() between two ticks, press() between two contacts and next() between two p
                  const py::gil_scoped_release others_may;
                  check_options(options);  // before the model knows of one
                  if (!options.tool.is_default()) model = std::make_shared<TissueModel>(with_tool(*model, options.tool));
-                 return std::make_unique<Session>(model, std::make_shared<HapticModel>(*model, options));
+                 return std::make_unique<Session>(model, std::make_shared<HapticModel>(*model, options), NamedSurfaces(*model));
              }),
              py::arg("model").none(false),
              options_text().c_str())
@@ -481,7 +481,8 @@ ticks() between two ticks, press() between two contacts and next() between two p
              "Options that may change while it runs, by name. A change that moves the tool by more than a hand does in a tick is a new start: it must be outside once.")
         .def("clutch", [](Session& s, bool on) { alone(s, [&] { s.simulation.clutch(on, s.tool()); }); }, py::arg("on"), "On: the hand moves and the tool stays, without force. Off: the tool goes on from there.")
         .def_property("state", &state_of, &restore, "All that changes while it runs, as bytes; a session of the same model and options to which they are given goes on from them bit for bit.")
-        .def("begin", [](Session& s) { return std::make_unique<Session>(s.tissue, s.model); }, "Another session of the same model and options, at rest; it costs a thousandth of a new Simulation.")
+        .def("begin", [](Session& s) { return alone(s, [&] { return std::make_unique<Session>(s.tissue, s.model, s.surfaces); }); },
+             "Another session of the same model, at rest, with the options that this one was made with, and its surfaces; it costs a thousandth of a new Simulation.")
         .def("copy", [](Session& s) { return alone(s, [&] { return std::make_unique<Session>(s); }); }, "Another session that goes on as this one does.")
         .def("follow", [](Session& s, Session& leader) {
                  const Simulation other = alone(leader, [&] { return Simulation(leader.simulation); });
