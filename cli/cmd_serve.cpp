@@ -38,21 +38,21 @@ void run(const Options& o, Provenance provenance) {
     if (!o.record.empty()) {
         const std::string& file = o.models.front();
         provenance.inputs[std::filesystem::path(file).filename().string()] = file_hash(file);
-        recorder = std::make_unique<Recorder>(o.record, stage.model().dimension(), provenance);
+        recorder = std::make_unique<Recorder>(o.record, stage.model().dimension(), provenance, stage.tools());
     }
     if (!o.journal.empty()) {  // last: a session that does not begin leaves no file
         journal = std::make_unique<Journal>(o.journal, stage.model().dimension());
         stage.lesson()->also_tell([&journal](const Learner::Line& line) { journal->add(line); });
     }
     outlive_readers();
-    std::cerr << describe("tissuectl serve", stage.model(), stage.pointer());
+    std::cerr << describe("tissuectl serve", stage.simulation(), stage.pointers());
     std::cerr << "tissuectl serve: " << server.url() << std::endl;
     stage.start(recorder.get());
     server.run();
     stage.stop();
     SessionEnd end("tissuectl serve");
     end.then([&] {
-        if (recorder) recorder->close(stage.model());
+        if (recorder) recorder->close(stage.simulation());
     });
     end.then([&] {
         if (o.learn.empty()) return;
@@ -65,8 +65,8 @@ void run(const Options& o, Provenance provenance) {
     for (const std::string& notice : stage.report().notices) std::cerr << "tissuectl serve: " << notice << '\n';
     const std::string file = std::filesystem::path(o.models[static_cast<std::size_t>(stage.index())]).filename().string();
     const long long dropped = recorder ? recorder->dropped() : 0;
-    std::cout << (o.json ? ledger_json(file, stage.pointer(), stage.simulation(), stage.report(), dropped)
-                         : ledger_text(file, stage.pointer(), stage.simulation(), stage.report(), dropped));
+    std::cout << (o.json ? ledger_json(file, stage.pointers(), stage.simulation(), stage.report(), dropped)
+                         : ledger_text(file, stage.pointers(), stage.simulation(), stage.report(), dropped));
     end.then([&] {
         if (stage.failed()) throw Error("the simulation has failed");
         if (*stage.learning_failure()) throw Error(fmt::format("learning ended before the session did: {}", stage.learning_failure()));
@@ -128,6 +128,7 @@ void add_serve(CLI::App& app, const Invocation& invocation) {
     add_haptic_options(*command, tissuectl_serve, o->choices);
     command->callback([o, &invocation] {
         settle(*o);
+        if (o->choices.haptic.tools > 1) o->choices.haptic.heuristic_mesh = false;  // nothing is played beside the tissue that two tools press
         check(o->choices);
         run(*o, {invocation.command, 0, {}});
     });

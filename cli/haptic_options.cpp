@@ -40,27 +40,58 @@ CLI::Option* add_number(CLI::App& app, const char* name, std::optional<double>& 
     return app.add_option(name, value, meaning)->type_name(unit)->check(is_number());
 }
 
+namespace {
+
+/// set(text): takes a value.
+template <class Set>
+CLI::Option* add_row(CLI::App& app, const SessionOption& row, const std::string& prefix, const std::string& initial, const std::string& meaning, const Set& set) {
+    if (row.is_switch()) {
+        const bool on = initial == "yes";
+        return app.add_flag_callback(fmt::format("--{}{}{}", prefix, on ? "no-" : "", row.name), [set, on] { set(on ? "no" : "yes"); }, meaning);
+    }
+    const std::string name = fmt::format("--{}{}", prefix, row.name);
+    CLI::Option* option = row.is_list() ? app.add_option_function<std::vector<std::string>>(name, [set](const auto& words) { set(fmt::format("{}", fmt::join(words, " "))); }, meaning)->expected(2, 3)
+                                        : app.add_option_function<std::string>(name, set, meaning);
+    return option->type_name(row.unit);
+}
+
+}  // namespace
+
 void add_haptic_options(CLI::App& app, Where program, HapticChoices& choices) {
     HapticOptions& haptic = choices.haptic;
     for (const SessionOption& row : session_options()) {
         if (!(row.where & program)) continue;
-        const auto set = [&row, &haptic](const std::string& text) { or_usage([&] { row.set(haptic, text); }); };
-        const std::string initial = row.initial(program), more = "\n" + row.more;
-        if (row.is_switch()) {
-            const bool on = initial == "yes";
-            app.add_flag_callback(fmt::format("--{}{}", on ? "no-" : "", row.name), [set, on] { set(on ? "no" : "yes"); }, (on ? "turn off: " : "") + row.meaning + more);
-            continue;
-        }
-        const std::string values = row.values(), meaning = row.meaning + (values.empty() ? "" : row.is_number() ? ", " + values : ": " + values) + more;
-        CLI::Option* option = row.is_list() ? app.add_option_function<std::vector<std::string>>(std::string("--") + row.name, [set](const auto& words) { set(fmt::format("{}", fmt::join(words, " "))); }, meaning)->expected(2, 3)
-                                            : app.add_option_function<std::string>(std::string("--") + row.name, set, meaning);
-        option->type_name(row.unit)->default_str(initial);
+        const std::string initial = row.initial(program), values = row.values();
+        const std::string meaning = (row.is_switch() && initial == "yes" ? "turn off: " : "") + row.meaning + (row.is_switch() || values.empty() ? "" : row.is_number() ? ", " + values : ": " + values) + "\n" + row.more;
+        CLI::Option* option = add_row(app, row, "", initial, meaning, [&row, &haptic](const std::string& text) { or_usage([&] { row.set(haptic, text); }); });
+        if (!row.is_switch()) option->default_str(initial);
     }
     app.add_flag("--no-realtime", choices.no_realtime, "do not ask for SCHED_FIFO and locked memory");
 }
 
+void add_second_options(CLI::App& app, Where program, CLI::Option* needed, HapticChoices& choices) {
+    for (const SessionOption& row : session_options()) {
+        if (!(row.where & program) || !(row.where & (live | limits))) continue;
+        const auto set = [&row, &choices](const std::string& text) {
+            HapticOptions tried;
+            or_usage([&] { row.set(tried, text); });
+            choices.of_second.emplace_back(&row, text);
+        };
+        add_row(app, row, "second-", row.initial(program), fmt::format("{}as --{}, whose value is the default", row.is_switch() && row.initial(program) == "yes" ? "turn off: " : "", row.name), set)->needs(needed)->group(second_tool);
+    }
+}
+
+HapticOptions HapticChoices::second() const {
+    HapticOptions options = haptic;
+    for (const auto& [row, text] : of_second) row->set(options, text);
+    return options;
+}
+
 void check(const HapticChoices& choices) {
-    or_usage([&] { check_options(choices.haptic); });
+    or_usage([&] {
+        check_options(choices.haptic);
+        check_options(choices.second());
+    });
 }
 
 std::string options_page() {
@@ -79,7 +110,7 @@ std::string options_page() {
             if (row.where & place) where.emplace_back(name);
         const std::string initial = row.initial(programs), other = row.initial(interfaces);
         page += fmt::format("| `{}` | {} | {} | {} | {} | {} | {}{}{} |\n", row.name, cell(row.unit), initial + (other == initial ? "" : "; C, Python: " + other), row.values(),
-                            fmt::join(where, ", "), row.where & live ? "may change" : "", cell(row.meaning), row.more.empty() ? "" : ". ", cell(row.more));
+                            fmt::join(where, ", "), row.where & live ? "may change" : row.where & limits ? "until the first tick" : "", cell(row.meaning), row.more.empty() ? "" : ". ", cell(row.more));
     }
     return page;
 }

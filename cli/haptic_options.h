@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "haptic/session_options.h"
 
@@ -12,10 +14,19 @@ namespace tissue::cli {
 struct HapticChoices {
     HapticOptions haptic;
     bool no_realtime = false;
+    std::vector<std::pair<const SessionOption*, std::string>> of_second;  ///< what a second tool has otherwise, as it was given
+
+    HapticOptions second() const;
 };
 
 /// The rows of `program`. Their values are checked as they are read.
 void add_haptic_options(CLI::App& app, Where program, HapticChoices& choices);
+
+/// The rows that each tool may have values of its own of, as --second-NAME; `needed`: without which they are none.
+void add_second_options(CLI::App& app, Where program, CLI::Option* needed, HapticChoices& choices);
+
+/// Where help lists them.
+inline const char* const second_tool = "Second tool: each as the option without second-";
 
 /// After parsing. Throws CLI::ValidationError for numbers that no model takes (check_options).
 void check(const HapticChoices& choices);

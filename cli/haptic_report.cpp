@@ -30,17 +30,24 @@ long long refused(const SafetyCounters& c) {
 
 Json numbers(const Point& p) { return std::vector<double>(p.data(), p.data() + p.size()); }
 
+std::string names(const std::vector<Device*>& devices) {
+    std::string text = devices.front()->name();
+    for (std::size_t t = 1; t < devices.size(); ++t) text += " and " + devices[t]->name();
+    return text;
+}
+
 Json optional(const std::optional<double>& value) {
     return value ? Json(*value) : Json(nullptr);
 }
 
 }  // namespace
 
-std::string describe(const std::string& program, const HapticModel& model, const Device& device) {
+std::string describe(const std::string& program, const Simulation& simulation, const std::vector<Device*>& devices) {
+    const HapticModel& model = simulation.model();
     const HapticOptions& o = model.options;
     const std::string stiffness =
         model.is_law() ? "a law" : fmt::format("sets {} (nearest, by {})", o.sets, o.select_by == SelectBy::force ? "force" : "displacement");
-    std::string text = fmt::format("{}: study '{}', {}, device {}\n", program, model.study, stiffness, device.name());
+    std::string text = fmt::format("{}: study '{}', {}, device {}\n", program, model.study, stiffness, names(devices));
     if (model.is_solid()) text += fmt::format("  tool: {} of {:g} mm radius\n", to_string(model.tool.shape), 1e3 * model.tool.radius_m);
     for (const auto& mesh : model.meshes)
         text += fmt::format("  {:<10} {} step{}: omega dt = {:.3f} (symplectic up to {:g} a step), lowest mode {:.3g} Hz, damping {:.3g}/s\n",
@@ -51,74 +58,98 @@ std::string describe(const std::string& program, const HapticModel& model, const
             text += fmt::format("  the {} mesh: its steps allow a contact damping of {:.2f} ms times the stiffness, not of {:.2f}\n", mesh->name, 1e3 * mesh->contact_damping_s, 1e3 * wanted_s);
     if (model.stiffness && model.stiffness->floppy() > 0)
         text += fmt::format("  the {} mesh can move for nothing: its shape at rest is not determined\n", model.is_law() ? "heuristic" : "learned");
-    text += fmt::format("  coupling {}, force scale {:g}, position scale {:g}, at most {:g} N, {:g} N/s, {:g} m/s\n",
-                        model.stiffness ? fmt::format("up to {:.3g} N/m", *o.coupling_ratio * model.stiffness->largest()) : "none: the law's own contact",
-                        o.map.force_scale, o.map.scale, o.safety.force_max_N, o.safety.slew_N_s, o.safety.speed_max_m_s);
+    text += fmt::format("  coupling {}\n", model.stiffness ? fmt::format("up to {:.3g} N/m", *o.coupling_ratio * model.stiffness->largest()) : "none: the law's own contact");
+    for (int t = 0; t < simulation.tool_count(); ++t) {
+        const HapticOptions& own = simulation.options(t);
+        text += fmt::format("  {}force scale {:g}, position scale {:g}, at most {:g} N, {:g} N/s, {:g} m/s\n", t == 0 ? "" : "second tool: ", own.map.force_scale, own.map.scale, own.safety.force_max_N, own.safety.slew_N_s,
+                            own.safety.speed_max_m_s);
+    }
     return text;
 }
 
-std::string ledger_text(const std::string& model_file, const Device& device, const Simulation& simulation,
-                        const LoopReport& report, long long dropped_samples) {
-    const SafetyCounters& s = simulation.safety().counters();
-    const HapticCounters& h = simulation.counters();
-    std::string text = fmt::format("{} on {}: {} ticks{}\n", model_file, device.name(), report.ticks, report.clock ? "" : ", without a clock");
-    text += fmt::format("  misses           {} ({} by this program)\n", report.misses, report.misses_program);
-    text += fmt::format("  tick             {} (median / p99 / p99.9 / max)\n", percentiles_text(report.tick_us));
-    text += fmt::format("  lateness         {}\n", percentiles_text(report.lateness_us));
-    text += fmt::format("  dropped samples  {}\n", dropped_samples);
+namespace {
+
+std::string tool_text(const Device& device, const Simulation& simulation, int tool) {
+    const SafetyCounters& s = simulation.safety(tool).counters();
+    std::string text;
     text += fmt::format("  largest force    {:.4g} N, clamped {}, slewed {}, damped {}, capped {}\n", s.force_max_N, s.clamped, s.slewed, s.damped, s.capped);
     text += fmt::format("  energy given     {:.4g} J\n", s.energy_given_J);
-    if (simulation.model().options.energy_book) {
-        const BranchBook book = simulation.branches();
-        text += fmt::format("  branches         store {:.4g} J, have burnt {:.4g} J\n", book.stored_J, book.burnt_J);
-    }
     text += fmt::format("  refused input    {} (bad {}, jumps {}, stale {})\n", refused(s), s.bad_input, s.jump, s.stale);
-    text += fmt::format("  no force         outline folded {}, mesh unstable {}, not yet outside {}, ticks too late {}, time lost {:.3g} s\n", h.folded, h.unstable, simulation.unarmed(), s.late, h.lost_s);
+    text += fmt::format("  no force         not yet outside {}, ticks too late {}\n", simulation.unarmed(tool), s.late);
     for (const auto& [name, value] : device.ledger()) text += fmt::format("  device {:<24} {:g}\n", name, value);
     return text;
 }
 
-std::string ledger_json(const std::string& model_file, const Device& device, const Simulation& simulation,
-                        const LoopReport& report, long long dropped_samples) {
-    const SafetyCounters& s = simulation.safety().counters();
+void add_tool(Json& j, Json& details, const Device& device, const Simulation& simulation, int tool) {
+    const SafetyCounters& s = simulation.safety(tool).counters();
+    j["device"] = device.name();
+    j["force_max_N"] = s.force_max_N;
+    j["clamped"] = s.clamped;
+    j["energy_given_J"] = s.energy_given_J;
+    j["bad_input"] = refused(s);
+    details["force_scale"] = simulation.options(tool).map.force_scale;
+    details["slewed"] = s.slewed;
+    details["damped"] = s.damped;
+    details["capped"] = s.capped;
+    details["not_finite"] = s.bad_input;
+    details["jumps"] = s.jump;
+    details["stale"] = s.stale;
+    details["late"] = s.late;
+    details["not_yet_outside"] = simulation.unarmed(tool);
+    for (const auto& [name, value] : device.ledger()) details["device"][name] = value;
+}
+
+}  // namespace
+
+std::string ledger_text(const std::string& model_file, const std::vector<Device*>& devices, const Simulation& simulation, const LoopReport& report, long long dropped_samples) {
+    const HapticCounters& h = simulation.counters();
+    std::string text = fmt::format("{} on {}: {} ticks{}\n", model_file, names(devices), report.ticks, report.clock ? "" : ", without a clock");
+    text += fmt::format("  misses           {} ({} by this program)\n", report.misses, report.misses_program);
+    text += fmt::format("  tick             {} (median / p99 / p99.9 / max)\n", percentiles_text(report.tick_us));
+    text += fmt::format("  lateness         {}\n", percentiles_text(report.lateness_us));
+    text += fmt::format("  dropped samples  {}\n", dropped_samples);
+    if (simulation.model().options.energy_book) {
+        const BranchBook book = simulation.branches();
+        text += fmt::format("  branches         store {:.4g} J, have burnt {:.4g} J\n", book.stored_J, book.burnt_J);
+    }
+    text += fmt::format("  tissue           outline folded {}, mesh unstable {}, time lost {:.3g} s\n", h.folded, h.unstable, h.lost_s);
+    for (int t = 0; t < simulation.tool_count(); ++t) text += (t == 0 ? "" : "second tool\n") + tool_text(*devices[static_cast<std::size_t>(t)], simulation, t);
+    return text;
+}
+
+std::string ledger_json(const std::string& model_file, const std::vector<Device*>& devices, const Simulation& simulation, const LoopReport& report, long long dropped_samples) {
     const HapticCounters& h = simulation.counters();
     const HapticModel& model = simulation.model();
     Json j = {{"model", model_file},
-              {"device", device.name()},
+              {"device", nullptr},
               {"ticks", report.ticks},
               {"misses", report.misses},
               {"misses_program", report.misses_program},
               {"tick_us", percentiles(report.tick_us)},
               {"lateness_us", percentiles(report.lateness_us)},
-              {"dropped_samples", dropped_samples},
-              {"force_max_N", s.force_max_N},
-              {"clamped", s.clamped},
-              {"energy_given_J", s.energy_given_J},
-              {"bad_input", refused(s)}};
-    Json& details = j["details"];
+              {"dropped_samples", dropped_samples}};
+    Json details;
     for (const auto& mesh : model.meshes)
         details["dynamics"][mesh->name] = {{"step", mesh->dynamics},
                                            {"substeps", mesh->substeps},
                                            {"omega_dt", std::sqrt(mesh->largest_eigenvalue_1_s2) * model.options.dt_s}};
-    details["force_scale"] = model.options.map.force_scale;
-    details["slewed"] = s.slewed;
-    details["damped"] = s.damped;
-    details["capped"] = s.capped;
     if (model.options.energy_book) {
         const BranchBook book = simulation.branches();
         details["branches"] = {{"stored_J", book.stored_J}, {"burnt_J", book.burnt_J}};
     }
-    details["not_finite"] = s.bad_input;
-    details["jumps"] = s.jump;
-    details["stale"] = s.stale;
-    details["late"] = s.late;
     details["lost_s"] = h.lost_s;
     details["clock"] = report.clock;
     details["folded"] = h.folded;
     details["unstable"] = h.unstable;
-    details["not_yet_outside"] = simulation.unarmed();
     details["notices"] = report.notices;
-    for (const auto& [name, value] : device.ledger()) details["device"][name] = value;
+    add_tool(j, details, *devices.front(), simulation, 0);
+    j["details"] = details;
+    for (int t = 1; t < simulation.tool_count(); ++t) {
+        Json second, more;
+        add_tool(second, more, *devices[static_cast<std::size_t>(t)], simulation, t);
+        second["details"] = more;
+        j["second"] = second;
+    }
     return j.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";  // a file's name may be any bytes
 }
 

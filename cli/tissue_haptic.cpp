@@ -4,6 +4,7 @@
 //   tissue-haptic results/paper/model.h5 --device virtual --seconds 10
 //   tissue-haptic results/paper/model.h5 --motion poke --seconds 2 --record session.h5 --json
 //   tissue-haptic results/paper/model.h5 --device replay --trajectory session.h5
+//   tissue-haptic results/block3/model.h5 --device remote --port 5000 --second-device remote --second-port 5001
 //   tissue-haptic results/paper/model.h5 --check results/paper/cases.h5 --out realtime.json
 //   tissue-haptic results/surface-quick/model.h5 --motion probe --hidden patient.h5 --learn learned.h5
 // Exit status: 0 done (SIGINT, SIGTERM and SIGHUP too), 1 the work failed, 2 the command line was wrong.
@@ -16,6 +17,7 @@
 #include <csignal>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -51,10 +53,17 @@ void on_signal(int) {
     stop.store(true, std::memory_order_relaxed);
 }
 
+const std::string prefix[most_tools] = {"--", "--second-"};  ///< of a tool's options
+
 struct Options {
-    std::string model, device = device_kinds().names().front(), record, check, out, learn, journal, hidden;
+    struct DeviceChoice {
+        std::string kind;
+        DeviceValues values;
+    };
+    std::string model, record, check, out, learn, journal, hidden;
     bool forget = false;
-    DeviceValues device_values;
+    DeviceChoice device[most_tools] = {{device_kinds().names().front(), {}}, {}};  ///< of each tool; the second without a kind: there is one tool
+    int tools() const { return device[1].kind.empty() ? 1 : 2; }
     std::optional<double> seconds;
     unsigned long seed = 2008;
     bool json = false, no_clock = false;
@@ -119,6 +128,18 @@ std::string told(const Learner::Line& line) {
     return text;
 }
 
+/// What the second tool's device is and does otherwise than the first one's.
+void begin_second(const Options& o, Simulation& simulation) {
+    HapticOptions second = o.choices.second();
+    second.device = stricter(second.device, device_kinds().at(o.device[1].kind)->impedance);
+    second.safety.force_max_N = std::min(second.safety.force_max_N, second.device.force_max_N);
+    try {
+        simulation.change(second, 1);
+    } catch (const MismatchError& e) {
+        throw MismatchError(std::string("the second tool: ") + e.what());
+    }
+}
+
 void run(const Options& o, Provenance provenance) {
     cli::outlive_readers();
     HapticOptions haptic = o.choices.haptic;
@@ -126,8 +147,12 @@ void run(const Options& o, Provenance provenance) {
     const double own_m = tissue.energy_law ? tissue.energy_law->disc_radius_m : 0;
     const ToolChoice tool = haptic.tool;
     tissue = with_tool(std::move(tissue), tool);
-    if (o.check.empty()) haptic.device = stricter(haptic.device, device_kinds().at(o.device)->impedance);
+    if (o.check.empty()) haptic.device = stricter(haptic.device, device_kinds().at(o.device[0].kind)->impedance);
     else haptic.safety.force_max_N = 1e3;  // no device holds the tool back
+    if (o.tools() > 1) {
+        haptic.tools = o.tools();
+        haptic.heuristic_mesh = false;  // nothing is played beside the tissue that two tools press
+    }
     std::unique_ptr<Adaptation> adaptation;
     if (!o.learn.empty()) {
         if (!tool.is_default()) throw MismatchError("--tool: a model that learns while it plays has its own disc");
@@ -141,19 +166,23 @@ void run(const Options& o, Provenance provenance) {
     if (!o.check.empty()) return check(o, tissue, model, own_m);
 
     Simulation simulation(model);
+    if (o.tools() > 1) begin_second(o, simulation);
     std::unique_ptr<Recorder> recorder;
     if (!o.record.empty()) {
         provenance.seed = o.seed;
         provenance.inputs[std::filesystem::path(o.model).filename().string()] = file_hash(o.model);
-        recorder = std::make_unique<Recorder>(o.record, model.dimension(), provenance);
+        recorder = std::make_unique<Recorder>(o.record, model.dimension(), provenance, o.tools());
     }
     std::unique_ptr<cli::Journal> journal;
     std::unique_ptr<Learner> learner;
     if (adaptation) journal = std::make_unique<cli::Journal>(o.journal, model.dimension());
-    // the device last: nothing is open while anything else can fail
-    std::unique_ptr<Device> device = make_device(o.device, o.device_values, {*o.seconds, o.seed, &model.rest, model.options.map});
-    if (!o.hidden.empty()) device = std::make_unique<HiddenTissue>(std::move(device), with_tool(read_model(o.hidden), tool), o.choices.haptic);
-    std::cerr << cli::describe("tissue-haptic", model, *device);
+    // devices last: nothing is open while anything else can fail
+    std::vector<std::unique_ptr<Device>> owned;
+    for (int t = 0; t < o.tools(); ++t) owned.push_back(make_device(o.device[t].kind, o.device[t].values, {*o.seconds, o.seed + static_cast<unsigned long>(t), t, &model.rest, simulation.options(t).map}));
+    if (!o.hidden.empty()) owned[0] = std::make_unique<HiddenTissue>(std::move(owned[0]), with_tool(read_model(o.hidden), tool), o.choices.haptic);
+    std::vector<Device*> devices;
+    for (const auto& device : owned) devices.push_back(device.get());
+    std::cerr << cli::describe("tissue-haptic", simulation, devices);
     LoopOptions loop;
     loop.seconds = *o.seconds;
     loop.stop = &stop;
@@ -171,11 +200,11 @@ void run(const Options& o, Provenance provenance) {
             [](const char* why, void*) { std::cerr << "tissue-haptic: learning has ended, the session goes on without it: " << why << '\n'; });
         loop.hooks.push_back(learner.get());
     }
-    const LoopReport report = run_loop(simulation, *device, loop);
+    const LoopReport report = run_loop(simulation, devices, loop);
     if (learner) learner->stop();
     cli::SessionEnd end("tissue-haptic");
     end.then([&] {
-        if (recorder) recorder->close(model);
+        if (recorder) recorder->close(simulation);
     });
     end.then([&] {
         if (!learner) return;
@@ -194,53 +223,65 @@ void run(const Options& o, Provenance provenance) {
     for (const std::string& notice : report.notices) std::cerr << "tissue-haptic: " << notice << '\n';
     const std::string model_file = std::filesystem::path(o.model).filename().string();
     const long long dropped = recorder ? recorder->dropped() : 0;
-    std::cout << (o.json ? cli::ledger_json(model_file, *device, simulation, report, dropped)
-                         : cli::ledger_text(model_file, *device, simulation, report, dropped));
+    std::cout << (o.json ? cli::ledger_json(model_file, devices, simulation, report, dropped)
+                         : cli::ledger_text(model_file, devices, simulation, report, dropped));
     end.done();
 }
 
 void add_options(CLI::App& app, Options& o) {
     using cli::add_number, cli::quiet;
     app.add_option("model", o.model, "model.h5 of tissuectl train")->required()->type_name("FILE");
-    app.add_option("--device", o.device, fmt::format("{}", fmt::join(device_kinds().names(), ", ")))
+    app.add_option("--device", o.device[0].kind, fmt::format("{}", fmt::join(device_kinds().names(), ", ")))
         ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember(device_kinds().names())));
+    CLI::Option* second = app.add_option("--second-device", o.device[1].kind, "a second tool, moved by a device of its own; of an energy model")
+        ->type_name("NAME")->check(quiet(CLI::IsMember(device_kinds().names())))->group(cli::second_tool);
     add_number(app, "--seconds", o.seconds, "s", "how long; 0: until the device ends or a signal comes. Default: 10 of device virtual, else 0")->check(quiet(CLI::Range(0.0, longest_session_s)));
     app.add_flag("--json", o.json, "print the ledger as JSON");
     app.add_flag("--no-clock", o.no_clock, "ticks follow one another without waiting for the clock, and none is missed; --seconds are the tissue's. Of scripted motions, virtual and replay");
     app.add_option("--record", o.record, "HDF5 file for every tick")->type_name("FILE");
     app.add_option("--seed", o.seed, "of poke")->type_name("integer")->capture_default_str();
-    for (const DeviceKind* kind : device_kinds().kinds())
-        for (const DeviceOption& option : kind->options) {
-            std::string& value = o.device_values[option.name] = option.initial;
-            CLI::Option* added = app.add_option("--" + option.name, value, option.meaning)->type_name(option.unit);
-            if (!option.initial.empty()) added->capture_default_str();
-            if (option.wrong) added->check(CLI::Validator([wrong = option.wrong](std::string& text) { return wrong(text); }, ""));
-        }
+    for (int t = 0; t < most_tools; ++t)
+        for (const DeviceKind* kind : device_kinds().kinds())
+            for (const DeviceOption& option : kind->options) {
+                std::string& value = o.device[t].values[option.name] = option.initial;
+                CLI::Option* added = app.add_option(prefix[t] + option.name, value, t == 0 ? option.meaning : "as --" + option.name)->type_name(option.unit);
+                if (!option.initial.empty()) added->capture_default_str();
+                if (option.wrong) added->check(CLI::Validator([wrong = option.wrong](std::string& text) { return wrong(text); }, ""));
+                if (t > 0) added->needs(second)->group(cli::second_tool);
+            }
     cli::add_haptic_options(app, tissue_haptic, o.choices);
+    cli::add_second_options(app, tissue_haptic, second, o.choices);
     CLI::Option* learn = app.add_option("--learn", o.learn, "learn from a device that feels force, and write the model here at the end; of a law")->type_name("FILE");
     app.add_option("--journal", o.journal, "pokes learned from, CSV, as they come; a new file: tissuectl adapt --live makes the same model of it, or of its first rows")->type_name("FILE")->needs(learn);
     app.add_flag("--forget", o.forget, "learn from the law as it was trained")->needs(learn);
-    app.add_option("--hidden", o.hidden, "model.h5 of another tissue that the device touches, and whose force it feels: to try --learn")->type_name("FILE");
+    CLI::Option* hidden = app.add_option("--hidden", o.hidden, "model.h5 of another tissue that the device touches, and whose force it feels: to try --learn")->type_name("FILE");
     CLI::Option* check = app.add_option("--check", o.check, "press the held-out contacts, or else the cases, of this file; no device, no clock")->type_name("FILE");
     CLI::Option* out = app.add_option("--out", o.out, "of --check: realtime.json to write")->type_name("FILE");
     check->needs(out);
     out->needs(check);
     // of a session, which --check is none
+    for (CLI::Option* alone : {learn, hidden, check}) alone->excludes(second);
     for (const char* name : {"--device", "--record", "--learn", "--hidden", "--json", "--seconds", "--seed", "--no-clock", "--no-realtime", "--force-max"}) check->excludes(app.get_option(name));
     for (const DeviceKind* kind : device_kinds().kinds())
         for (const DeviceOption& option : kind->options) check->excludes(app.get_option("--" + option.name));
 }
 
 void finish(Options& o, const CLI::App& app) {
-    if (!o.seconds) o.seconds = device_kinds().at(o.device)->seconds;
-    for (const DeviceKind* kind : device_kinds().kinds())
-        for (const DeviceOption& option : kind->options)
-            if (kind->name != o.device && app.count("--" + option.name) > 0) throw CLI::ValidationError("--" + option.name, fmt::format("is of device {}, not of {}", kind->name, o.device));
-    for (const DeviceOption& option : device_kinds().at(o.device)->options)
-        if (option.needed && o.device_values.at(option.name).empty())
-            throw CLI::ValidationError("--device " + o.device, fmt::format("needs --{} {}", option.name, option.unit));
-    if (o.no_clock && !device_kinds().at(o.device)->scripted)
-        throw CLI::ValidationError("--no-clock", "device " + o.device + " moves by the clock");
+    double seconds = std::numeric_limits<double>::infinity();
+    for (int t = 0; t < o.tools(); ++t) {
+        const auto& [name, values] = o.device[t];
+        const DeviceKind& own = *device_kinds().at(name);
+        seconds = std::min(seconds, own.seconds);
+        for (const DeviceKind* kind : device_kinds().kinds())
+            for (const DeviceOption& option : kind->options)
+                if (kind->name != name && app.count(prefix[t] + option.name) > 0) throw CLI::ValidationError(prefix[t] + option.name, fmt::format("is of device {}, not of {}", kind->name, name));
+        for (const DeviceOption& option : own.options)
+            if (option.needed && values.at(option.name).empty())
+                throw CLI::ValidationError(fmt::format("{}device {}", prefix[t], name), fmt::format("needs {}{} {}", prefix[t], option.name, option.unit));
+        if (o.no_clock && !own.scripted) throw CLI::ValidationError("--no-clock", "device " + name + " moves by the clock");
+        if (t > 0 && !own.several && name == o.device[0].kind) throw CLI::ValidationError("--second-device", fmt::format("a session has one device {} at most", name));
+    }
+    if (!o.seconds) o.seconds = seconds;
     cli::check(o.choices);
 }
 

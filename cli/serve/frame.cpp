@@ -10,6 +10,7 @@ static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the page reads little-
 
 constexpr float still_m = 1e-6F;                  ///< a node that has moved by less stays where the page has it
 constexpr std::size_t in_plane = 32, in_space = 40;
+constexpr std::size_t second_in_plane = 12, second_in_space = 18;
 constexpr std::size_t moved_nodes = 38;           ///< index of how many nodes a frame carries, a mesh
 
 double number(long long n) {
@@ -33,7 +34,8 @@ Frame make_frame(const TickState& s, const Scene& scene, const Near& near, const
     const TickRecord& r = s.record;
     Frame frame;
     frame.dimension = model.dimension();
-    frame.head.assign(model.is_solid() ? in_space : in_plane, 0);
+    const std::size_t own = model.is_solid() ? in_space : in_plane;
+    frame.head.assign(own + (model.options.tools < 2 ? 0 : model.is_solid() ? second_in_space : second_in_plane), 0);
     std::vector<double>& head = frame.head;
     // x and y stand side by side; in space z of all of them follows behind
     std::size_t z = in_plane;
@@ -66,6 +68,17 @@ Frame make_frame(const TickState& s, const Scene& scene, const Near& near, const
     head[26] = number(sum.clients);
     head[27] = s.rested_s;
     head[28] = static_cast<double>(r.status);
+    if (model.options.tools > 1) {
+        const ToolTick& second = s.second;
+        head[own] = number(second.record.mesh);
+        head[own + 1] = static_cast<double>(second.record.status);
+        z = own + second_in_plane;
+        put(own + 2, second.record.master_m);
+        put(own + 4, second.proxy_m);
+        put(own + 6, second.contact_displacement_m[0]);
+        put(own + 8, -second.record.coupling_N);
+        put(own + 10, model.options.map.force_to_tissue(second.record.device_N));
+    }
 
     const auto d = static_cast<std::size_t>(frame.dimension);
     const float* first = s.nodes_m.data();

@@ -11,6 +11,7 @@ namespace {
 constexpr double clearance_m = 0.01;    ///< kept from the tissue at rest while on the way; it bulges by less
 constexpr double travel_m_s = 0.5, approach_m_s = 0.08, press_m_s = 0.02, leave_m_s = 0.15;
 constexpr double rest_s = 1.6, pause_s = 0.4;   // so long that tissue has come to rest, and can be compared, before the tool leaves
+constexpr double beside_m = 0.03;       ///< from one tool to the next, where nobody leads them
 constexpr double settle_s = 0.15;       ///< a device's position is the hand's of a little while ago
 constexpr double reading_s = 2;         ///< a model that learns takes a reading of a hand that has been still for a while
 constexpr double same_touch_m = 0.004;  ///< a person who presses deeper has not gone elsewhere
@@ -124,7 +125,7 @@ std::vector<Point> way_round(const std::vector<Hand::Box>& boxes, const Point& f
     return way;
 }
 
-Hand::Hand(const Scene& scene) {
+Hand::Hand(const Scene& scene, int tool) : tool_(tool) {
     show(scene);
 }
 
@@ -138,6 +139,7 @@ void Hand::show(const Scene& scene) {
     const auto& [low, high] = scene.boxes().front();
     at_ = 0.5 * (low + high);
     at_[at_.size() - 1] = high[at_.size() - 1] + 3 * clearance_m;
+    at_[0] += tool_ * beside_m;
     entry_ = wanted_ = at_;
 }
 

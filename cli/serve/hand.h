@@ -15,7 +15,8 @@ class Hand {
    public:
     using Box = Scene::Box;
 
-    explicit Hand(const Scene& scene);
+    /// tool: which one it leads; they stand side by side.
+    explicit Hand(const Scene& scene, int tool = 0);
 
     /// Another model: the hand stands beside it, led by nobody.
     void show(const Scene& scene);
@@ -53,6 +54,7 @@ class Hand {
     void remember_way_out();
 
     const Scene* scene_;
+    int tool_;
     Mode mode_ = Mode::parked;
     std::deque<Leg> way_;
     Point at_, wanted_;

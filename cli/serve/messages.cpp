@@ -64,7 +64,8 @@ Message read(const Json& j) {
     if (*type == "pointer") {
         const double x = keys.number("x"), y = keys.number("y");
         const std::optional<double> z = keys.number_if_there("z");
-        message = PointerMessage{x, y, z, keys.flag("down")};
+        const int tool = j.contains("tool") ? keys.integer("tool", 0) : 0;
+        message = PointerMessage{x, y, z, keys.flag("down"), tool};
     } else if (*type == "pause") {
         message = PauseMessage{keys.flag("on")};
     } else if (*type == "reset") {
@@ -111,8 +112,8 @@ std::string near_message(int place, double distance_m, const std::vector<FeOutli
     return Json{{"type", "near"}, {"place", place}, {"distance_m", distance_m}, {"outline", outline}}.dump();
 }
 
-std::string control_message(const char* holder, bool paused, int place) {
-    return Json{{"type", "control"}, {"holder", holder}, {"paused", paused}, {"place", place}}.dump();
+std::string control_message(const char* holder, const std::vector<const char*>& holders, bool paused, int place) {
+    return Json{{"type", "control"}, {"holder", holder}, {"holders", holders}, {"paused", paused}, {"place", place}}.dump();
 }
 
 }  // namespace tissue::serve

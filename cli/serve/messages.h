@@ -11,7 +11,7 @@
 namespace tissue::serve {
 
 /// What a page can say (cli/view/PROTOCOL.md).
-struct PointerMessage { double x_m, y_m; std::optional<double> z_m; bool down; };  ///< z of models in space
+struct PointerMessage { double x_m, y_m; std::optional<double> z_m; bool down; int tool = 0; };  ///< z of models in space
 struct PauseMessage { bool on; };
 struct ResetMessage {};
 struct DemoMessage { int place; };
@@ -35,7 +35,7 @@ std::string bye_message(const std::string& reason);
 /// {"type": "near", ...}; displacements to 0.1 um.
 std::string near_message(int place, double distance_m, const std::vector<FeOutline>& outlines);
 
-/// {"type": "control", ...}
-std::string control_message(const char* holder, bool paused, int place);
+/// {"type": "control", ...}; holders: of each tool.
+std::string control_message(const char* holder, const std::vector<const char*>& holders, bool paused, int place);
 
 }  // namespace tissue::serve

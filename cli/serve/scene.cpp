@@ -200,7 +200,7 @@ std::string Scene::message(const Lesson::News& news) const {
 std::string Scene::message(const std::vector<std::string>& names, int index) const {
     const HapticOptions& o = model_.options;
     Json j = {{"type", "model"}, {"study", model_.study}, {"models", names}, {"model", index}, {"dimension", dimension()},
-              {"law", model_.is_law()}, {"dt_s", o.dt_s}, {"force_max_N", o.safety.force_max_N}, {"force_scale", o.map.force_scale},
+              {"law", model_.is_law()}, {"tools", o.tools}, {"dt_s", o.dt_s}, {"force_max_N", o.safety.force_max_N}, {"force_scale", o.map.force_scale},
               {"node_count", mesh_.node_count()}, {"spring_count", mesh_.spring_count()}};
     if (tau_s_.size() > 0) j["relaxation"] = {{"tau_s", numbers(tau_s_)}, {"share", numbers(contact_share_)}};
     if (learned_) j["learned"] = learned_json(*learned_, shown_);

@@ -13,9 +13,10 @@ constexpr double idle_s = 3;        ///< without a holder until the demo begins 
 
 }  // namespace
 
-Show::Show(Stage& stage, Tell tell) : stage_(stage), tell_(std::move(tell)), hand_(stage.scene()), wanted_(stage.index()) {
+Show::Show(Stage& stage, Tell tell) : stage_(stage), tell_(std::move(tell)), wanted_(stage.index()) {
     near_.force_N = 0;
-    hand_.demonstrate(-1);
+    for (int tool = 0; tool < stage.tools(); ++tool) leads_.push_back({Hand(stage.scene(), tool)});
+    leads_.front().hand.demonstrate(-1);
 }
 
 void Show::join(Client client) {
@@ -27,7 +28,8 @@ void Show::join(Client client) {
 
 void Show::leave(Client client) {
     clients_.erase(client);
-    if (holder_ == client) release(before_s_);
+    for (Lead& lead : leads_)
+        if (lead.holder == client) release(lead, before_s_);
     if (clients_.empty()) stage_.channel().pause(false);  // nobody is left who could end it
     tell_control();
 }
@@ -43,22 +45,31 @@ std::optional<Refusal> Show::hear(Client client, std::string_view text, double n
         if (now_s - turned_s_ < crossed_s) return {};
         return Refusal{"message", m->z_m ? "'z' is of models in space, and this one is in the plane" : "'z' is missing: this model is in space"};
     }
-    if (held_by_other(client)) return {};
+    if (const PointerMessage* m = std::get_if<PointerMessage>(&message)) {
+        if (m->tool >= stage_.tools()) return Refusal{"message", "no such tool"};
+        const Client holder = leads_[static_cast<std::size_t>(m->tool)].holder;
+        if (holder != nobody && holder != client) return {};
+    } else if (held_by_other(client))
+        return {};
     std::visit([&](const auto& m) { act(client, m, now_s); }, message);
     tell_control();
     return {};
 }
 
 void Show::act(Client client, const PointerMessage& m, double now_s) {
+    Lead& lead = leads_[static_cast<std::size_t>(m.tool)];
     if (m.down) {
-        holder_ = client;
-        heard_s_ = now_s;
+        if (!is_held())
+            for (Lead& other : leads_)
+                if (&other != &lead && other.hand.place() >= 0) other.hand.let_go();  // the demo ends
+        lead.holder = client;
+        lead.heard_s = now_s;
         Point at(m.z_m ? 3 : 2);
         at.head<2>() << m.x_m, m.y_m;
         if (m.z_m) at[2] = *m.z_m;
-        hand_.follow(at);
-    } else if (holder_ == client)
-        release(now_s);
+        lead.hand.follow(at);
+    } else if (lead.holder == client)
+        release(lead, now_s);
 }
 
 void Show::act(Client, const PauseMessage& m, double) {
@@ -69,9 +80,9 @@ void Show::act(Client, const ResetMessage&, double) {
     stage_.reset();
 }
 
-void Show::act(Client, const DemoMessage& m, double) {
-    holder_ = nobody;
-    hand_.demonstrate(m.place);
+void Show::act(Client, const DemoMessage& m, double now_s) {
+    for (Lead& lead : leads_) release(lead, now_s);
+    leads_.front().hand.demonstrate(m.place);
 }
 
 void Show::act(Client, const ModelMessage& m, double now_s) {
@@ -84,10 +95,12 @@ void Show::turn(double now_s) {
     if (wanted_ == stage_.index() || now_s - turned_s_ < turn_s) return;
     turned_s_ = now_s;
     const bool paused = stage_.channel().paused();
-    holder_ = nobody;
     stage_.turn_to(wanted_);
     stage_.channel().pause(paused);
-    hand_.show(stage_.scene());
+    for (Lead& lead : leads_) {
+        lead.holder = nobody;
+        lead.hand.show(stage_.scene());
+    }
     idle_since_s_ = now_s;
     near_ = {-1, 0, 0};
     told_m_ = 0;
@@ -98,11 +111,19 @@ void Show::turn(double now_s) {
     }
 }
 
-/// The one who leads the hand has let go.
-void Show::release(double now_s) {
-    holder_ = nobody;
+/// Who leads the hand has let go.
+void Show::release(Lead& lead, double now_s) {
+    lead.holder = nobody;
     idle_since_s_ = now_s;
-    hand_.let_go();
+    lead.hand.let_go();
+}
+
+bool Show::is_held() const {
+    return std::any_of(leads_.begin(), leads_.end(), [](const Lead& lead) { return lead.holder != nobody; });
+}
+
+bool Show::held_by_other(Client client) const {
+    return std::any_of(leads_.begin(), leads_.end(), [client](const Lead& lead) { return lead.holder != nobody && lead.holder != client; });
 }
 
 bool Show::step(double now_s) {
@@ -110,15 +131,17 @@ bool Show::step(double now_s) {
     before_s_ = now_s;
     turn(now_s);
     StateChannel& channel = stage_.channel();
-    if (holder_ != nobody && now_s - heard_s_ > silent_s) release(now_s);
+    for (Lead& lead : leads_)
+        if (lead.holder != nobody && now_s - lead.heard_s > silent_s) release(lead, now_s);
+    Hand& first = leads_.front().hand;
     if (channel.paused()) idle_since_s_ = now_s;
-    if (holder_ == nobody && hand_.place() < 0 && now_s - idle_since_s_ > idle_s) hand_.demonstrate(-1);
+    if (!is_held() && first.place() < 0 && now_s - idle_since_s_ > idle_s) first.demonstrate(-1);
     if (!channel.paused()) {
-        stage_.pointer().aim(hand_.step(elapsed));
+        for (std::size_t tool = 0; tool < leads_.size(); ++tool) stage_.pointer(static_cast<int>(tool)).aim(leads_[tool].hand.step(elapsed));
         // what a press left behind in tissue that relaxes would be in the next one too, which nothing could be held against then
         // and a mesh that stays folded would be pressed as such
         const Scene& scene = stage_.scene();
-        if (hand_.begins_press() && (scene.relaxes() || (seen_ && scene.away_from_rest(channel.state())))) stage_.reset();
+        if (first.begins_press() && (scene.relaxes() || (seen_ && scene.away_from_rest(channel.state())))) stage_.reset();
     }
     tell_control();
     tell_learned();
@@ -183,8 +206,14 @@ std::string Show::near_text() const {
 }
 
 std::string Show::control_for(Client client) const {
-    const char* holder = holder_ == client ? "you" : holder_ != nobody ? "other" : hand_.place() >= 0 ? "demo" : "nobody";
-    return control_message(holder, paused(), hand_.place());
+    std::vector<const char*> holders;
+    for (const Lead& lead : leads_) holders.push_back(holder_for(lead, client));
+    const bool own = std::any_of(leads_.begin(), leads_.end(), [client](const Lead& lead) { return lead.holder == client; });
+    return control_message(own ? "you" : held_by_other(client) ? "other" : holders.front(), holders, paused(), leads_.front().hand.place());
+}
+
+const char* Show::holder_for(const Lead& lead, Client client) const {
+    return lead.holder == client ? "you" : lead.holder != nobody ? "other" : lead.hand.place() >= 0 ? "demo" : "nobody";
 }
 
 /// To everyone for whom it has changed.

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "frame.h"
 #include "hand.h"
@@ -13,7 +14,7 @@
 
 namespace tissue::serve {
 
-/// What happens on the stage: who of the clients leads the hand, what the demo does, and what everyone is told. Knows no
+/// What happens on the stage: who of the clients leads the hand of each tool, what the demo does with the first, and what everyone is told. Knows no
 /// network; one thread's. Times are seconds of any clock that only grows.
 class Show {
    public:
@@ -45,8 +46,15 @@ class Show {
     void act(Client client, const DemoMessage& m, double now_s);
     void act(Client client, const ModelMessage& m, double now_s);
     void turn(double now_s);
-    bool held_by_other(Client client) const { return holder_ != nobody && holder_ != client; }
-    void release(double now_s);
+    struct Lead {
+        Hand hand;
+        Client holder = nobody;
+        double heard_s = 0;   ///< from the holder
+    };
+    bool is_held() const;
+    bool held_by_other(Client client) const;   ///< any tool
+    void release(Lead& lead, double now_s);
+    const char* holder_for(const Lead& lead, Client client) const;
     void tell_model(Client client);
     void tell_control();
     void tell_learned();
@@ -56,11 +64,10 @@ class Show {
     static constexpr Client nobody = -1;
     Stage& stage_;
     Tell tell_;
-    Hand hand_;
+    std::vector<Lead> leads_;                 ///< of each tool
     std::map<Client, std::string> clients_;   ///< and the control message each has heard last
-    Client holder_ = nobody;
     int wanted_;                              ///< model that was asked for last
-    double heard_s_ = 0, idle_since_s_ = 0, turned_s_ = -1e9, before_s_ = -1;
+    double idle_since_s_ = 0, turned_s_ = -1e9, before_s_ = -1;
     Near near_;
     double told_m_ = 0;                       ///< distance that everyone has heard last
     std::string learned_text_;                ///< the newest of a lesson

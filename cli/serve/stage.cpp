@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "error.h"
+#include "hand.h"
 #include "springs/law_at_radius.h"
 #include "surface_file/surface_file.h"
 #include "surface_file/vtk_file.h"
@@ -14,19 +15,22 @@
 namespace tissue::serve {
 namespace {
 
-void add(StageCounts& sum, const TickBooks& books, const SafetyCounters& s, const HapticCounters& h) {
-    sum.ticks += books.ticks;
-    sum.misses += books.misses;
-    sum.misses_program += books.misses_program;
+void add(StageCounts& sum, const SafetyCounters& s) {
     sum.clamped += s.clamped;
     sum.slewed += s.slewed;
     sum.damped += s.damped;
     sum.capped += s.capped;
     sum.late += s.late;
-    sum.lost_s += h.lost_s;
     sum.not_finite += s.bad_input;
     sum.jumps += s.jump;
     sum.stale += s.stale;
+}
+
+void add(StageCounts& sum, const TickBooks& books, const HapticCounters& h) {
+    sum.ticks += books.ticks;
+    sum.misses += books.misses;
+    sum.misses_program += books.misses_program;
+    sum.lost_s += h.lost_s;
     sum.folded += h.folded;
     sum.unstable += h.unstable;
 }
@@ -52,6 +56,7 @@ HapticOptions without_sets(HapticOptions options, const TissueModel& tissue) {
 Stage::Stage(const std::vector<std::string>& files, const StageOptions& options) : options_(options) {
     if (!options_.hidden.empty()) {
         if (files.size() != 1) throw MismatchError("one model learns, not one of several");
+        if (options_.haptic.tools > 1) throw MismatchError("--tools: a model learns from one tool");
         if (!options_.haptic.tool.is_default()) throw MismatchError("--tool: a model that learns while it plays has its own disc");
         lesson_ = std::make_unique<Lesson>(files.front(), options_.hidden);
         // finite elements knew the tissue it was trained on, not this one
@@ -87,7 +92,7 @@ Stage::Stage(const std::vector<std::string>& files, const StageOptions& options)
             throw MismatchError(files.front() + ": " + e.what());
         }
     }
-    take_pointer();
+    take_pointers();
     simulation_ = std::make_unique<Simulation>(model());
     channel_ = std::make_unique<StateChannel>(model());
     if (!lesson_) return;
@@ -108,26 +113,32 @@ void Stage::serve(const std::string& file, const TissueModel& tissue, const Hapt
     served_.push_back(std::move(served));
 }
 
-/// A pointer in the model's own space, above its middle.
-void Stage::take_pointer() {
-    const auto& [low, high] = scene().boxes().front();
-    Point start = 0.5 * (low + high);
-    start[start.size() - 1] = high[start.size() - 1] + 0.03;
-    auto pointer = std::make_unique<PointerDevice>(start, model().options.map, options_.haptic.safety.speed_max_m_s);
-    pointer_ = pointer.get();
-    if (!lesson_) {
-        device_ = std::move(pointer);
-        return;
+/// Pointers in the model's own space, above its middle, and side by side.
+void Stage::take_pointers() {
+    devices_.clear();
+    pointers_.clear();
+    for (int tool = 0; tool < model().options.tools; ++tool) {
+        const Hand hand(scene(), tool);
+        auto pointer = std::make_unique<PointerDevice>(hand.at(), model().options.map, options_.haptic.safety.speed_max_m_s);
+        pointers_.push_back(pointer.get());
+        devices_.push_back(std::move(pointer));
     }
+    if (!lesson_) return;
     HapticOptions hand = options_.haptic;
     hand.map = model().options.map;
     try {
-        auto hidden = std::make_unique<HiddenTissue>(std::move(pointer), lesson_->hidden(), hand);
+        auto hidden = std::make_unique<HiddenTissue>(std::move(devices_.front()), lesson_->hidden(), hand);
         hidden_ = hidden.get();
-        device_ = std::move(hidden);
+        devices_.front() = std::move(hidden);
     } catch (const MismatchError& e) {
         throw MismatchError(options_.hidden + ": " + e.what());
     }
+}
+
+std::vector<Device*> Stage::devices() const {
+    std::vector<Device*> all;
+    for (const auto& device : devices_) all.push_back(device.get());
+    return all;
 }
 
 void Stage::reset() {
@@ -154,7 +165,7 @@ void Stage::run() {
         loop.hooks.push_back(channel_.get());
         if (recorder_) loop.hooks.push_back(recorder_);
         if (learner_) loop.hooks.push_back(learner_.get());
-        report_ = run_loop(*simulation_, *device_, loop);
+        report_ = run_loop(*simulation_, devices(), loop);
     } catch (const std::exception& e) {
         std::cerr << "tissuectl serve: the tick has ended: " << e.what() << '\n';
         failed_.store(true);
@@ -170,14 +181,15 @@ void Stage::stop() {
     books.misses = report_.misses;
     books.misses_program = report_.misses_program;
     if (learner_) learner_->stop();
-    add(before_, books, simulation_->safety().counters(), simulation_->counters());
+    add(before_, books, simulation_->counters());
+    for (int tool = 0; tool < tools(); ++tool) add(before_, simulation_->safety(tool).counters());
 }
 
 void Stage::turn_to(int model_index) {
     stop();
     const int dimension = model().dimension();
     index_ = model_index;
-    if (model().dimension() != dimension) take_pointer();
+    if (model().dimension() != dimension) take_pointers();
     simulation_ = std::make_unique<Simulation>(model());
     channel_ = std::make_unique<StateChannel>(model());
     start(recorder_);
@@ -187,7 +199,9 @@ StageCounts Stage::counts() const {
     StageCounts sum = before_;
     if (thread_.joinable()) {
         const TickState& s = channel_->state();
-        add(sum, s.books, s.safety, s.counters);
+        add(sum, s.books, s.counters);
+        add(sum, s.safety);
+        add(sum, s.second.safety);  // zeros of one tool
     }
     return sum;
 }

@@ -32,7 +32,7 @@ struct StageCounts {
     long long faults() const { return not_finite + jumps + stale; }
 };
 
-/// Several models, one of which ticks in a thread of its own, pressed by one pointer. Every function is the server's
+/// Several models, one of which ticks in a thread of its own, pressed by a pointer for each tool. Every function is the server's
 /// thread's; none but start(), turn_to() and stop() waits for the tick.
 class Stage {
    public:
@@ -58,9 +58,10 @@ class Stage {
     const HapticModel& model() const { return *served_[static_cast<std::size_t>(index_)].model; }
     StateChannel& channel() { return *channel_; }
     const StateChannel& channel() const { return *channel_; }
-    PointerDevice& pointer() { return *pointer_; }
-    const PointerDevice& pointer() const { return *pointer_; }
-    Device& device() { return *device_; }  ///< what the tick reads: the pointer, or the hidden tissue that it presses
+    int tools() const { return static_cast<int>(pointers_.size()); }
+    PointerDevice& pointer(int tool = 0) { return *pointers_[static_cast<std::size_t>(tool)]; }
+    std::vector<Device*> pointers() const { return {pointers_.begin(), pointers_.end()}; }
+    std::vector<Device*> devices() const;  ///< what the tick reads: the pointers, or the hidden tissue that one presses
 
     /// Nothing where no model learns.
     Lesson* lesson() { return lesson_.get(); }
@@ -80,7 +81,7 @@ class Stage {
     void serve(const std::string& file, const TissueModel& tissue, const HapticOptions& haptic, const std::vector<NodeField>& fe_displacement_m,
                std::optional<LearnedField> learned);
     void run();
-    void take_pointer();
+    void take_pointers();
 
     StageOptions options_;
     std::vector<std::string> names_, warnings_;
@@ -88,8 +89,8 @@ class Stage {
     int index_ = 0;
     Recorder* recorder_ = nullptr;
     std::unique_ptr<Lesson> lesson_;
-    std::unique_ptr<Device> device_;    ///< the pointer, or what has it
-    PointerDevice* pointer_ = nullptr;
+    std::vector<std::unique_ptr<Device>> devices_;  ///< the pointers, or what has one
+    std::vector<PointerDevice*> pointers_;          ///< of each tool
     HiddenTissue* hidden_ = nullptr;    ///< what has it, where there is a lesson
     std::unique_ptr<StateChannel> channel_;
     std::unique_ptr<Simulation> simulation_;

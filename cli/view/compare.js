@@ -2,7 +2,7 @@
 // was solved, of each mesh along its own push, which is one that was solved to ASKEW degrees or lies between two of them, and at
 // its own depth, from SHALLOW to a twentieth beyond the deepest that was solved; of tissue at rest.
 import { folded } from "./rest.js";
-import { model, state, near, samples, relaxes, IN, LEARNED, vector, is_solid } from "./state.js";
+import { model, state, near, samples, relaxes, IN, LEARNED, vector, vector_of, is_solid, pressed_by } from "./state.js";
 import { add, angle_between, dot, norm } from "./vectors.js";
 import { millimetres } from "./words.js";
 
@@ -37,9 +37,9 @@ function between(rows, depth) {
 export const apart = m => add(model.meshes[m].nodes_m[0], model.meshes[0].nodes_m[0], -1);
 
 /** The contact of now on the learned mesh at rest: what has moved is the tool where the pressed mesh is a law, else the proxy. */
-export function contact_at_rest() {
-  const pressed = state.v[IN.pressed], law = model.law && (is_solid() || pressed === LEARNED);
-  return add(add(vector(law ? IN.master : IN.proxy), vector(IN.moved + 2 * pressed), -1), apart(pressed), -1);
+export function contact_at_rest(tool = 0) {
+  const pressed = pressed_by(tool), law = model.law && (is_solid() || pressed === LEARNED), moved = tool === 0 ? vector(IN.moved + 2 * pressed) : vector_of(tool, "moved");
+  return add(add(vector_of(tool, law ? "master" : "proxy"), moved, -1), apart(pressed), -1);
 }
 
 /** FE's curve [[depth, force], both along the push] for a push u at the contact of place k: by lines over the angle between
@@ -69,7 +69,7 @@ export const pushed = (sample, mesh) => {
 /** FE's surface under the push of now, in the plane, by the nodes of the learned mesh's outline; at the learned mesh's depth, as
  *  their force is. null where the server has none, and where contact or push is another than what was solved. */
 export function fe_outline() {
-  if (!state || state.v[IN.pressed] < 0 || !near || near.place !== state.v[IN.place]) return null;
+  if (!state || state.v[IN.pressed] < 0 || pressed_by(1) >= 0 || !near || near.place !== state.v[IN.place]) return null;
   const place = model.places[near.place], u = vector(IN.moved);
   if (!place || !(norm(u) >= SHALLOW) || !(norm(add(place.contact_m, contact_at_rest(), -1)) <= NEAR)) return null;
   const at = angle_between(place.direction, u) <= ASKEW ? between(near.outline, dot(u, place.direction)) : null;
@@ -119,7 +119,9 @@ function judged(recent_samples, mesh) {
  *  {meshes: [{error} or {why: one word}], errors: of the meshes, NaN where there is none; absent where there is none at all}.
  *  place, distance and askew, of the nearest known contact, in both. */
 export function comparison() {
-  if (!state || state.v[IN.pressed] < 0) return { why: "idle" };
+  if (!state) return { why: "idle" };
+  if (pressed_by(1) >= 0) return { why: `${state.v[IN.pressed] < 0 ? "The second tool presses" : "Two tools press"}: finite elements were solved under the first one alone, so nothing is compared.` };
+  if (state.v[IN.pressed] < 0) return { why: "idle" };
   const k = state.v[IN.place], place = model.places[k];
   if (!place) return { why: "No known contact is near, so there is nothing to compare with." };
   const distance = norm(add(place.contact_m, contact_at_rest(), -1)), moved = vector(IN.moved);

@@ -57,12 +57,13 @@ export function show_controls() {
   else if (!open && socket.tries > 0) [kind, text] = ["bad", "The server does not answer. Trying again."];
   else if (!open) text = "";
   else if (control.paused) text = "Paused: time stands still.";
+  else if (other && control.holders.includes("nobody")) [kind, text] = ["held", "Another visitor presses with one tool. The other one is yours."];
   else if (other) [kind, text] = ["held", "Another visitor holds the tissue. You are watching; it is yours as soon as they let go."];
   else if (control.holder === "demo")
     text = `Demo${model.places[control.place] ? `: ${title(control.place)}` : ""}. ${is_solid() ? "Press a solid" : "Drag into a mesh"} to take over.` +
       (relaxes() ? " The tissue is put to rest before each press." : "") +
       (calm() ? " Your system asks for little motion, so it is drawn once a second; Play demo shows all of it." : "");
-  else if (control.holder === "you") text = "You hold the tissue.";
+  else if (control.holder === "you") text = control.holders.every(holder => holder === "you") && model.tools > 1 ? "You hold both tools." : "You hold the tissue.";
   $("notice").dataset.kind = kind;
   say("notice", text);
 }

@@ -2,7 +2,7 @@
 import { comparison, fe_curve, on_curve } from "./compare.js";
 import { title } from "./places.js";
 import { away_from_rest } from "./rest.js";
-import { HEURISTIC, IN, LEARNED, is_solid, model, relaxes, samples, vector, state } from "./state.js";
+import { HEURISTIC, IN, LEARNED, is_solid, model, relaxes, samples, vector, vector_of, state } from "./state.js";
 import { is_open } from "./transport.js";
 import { norm } from "./vectors.js";
 import { $, millimetres, newtons, percent, say } from "./words.js";
@@ -64,7 +64,7 @@ function verdict_on(meshes) {
   return [...words, "."];
 }
 
-const NUMBERS = ["force", "device_force", "learned_depth", "heuristic_depth", "fe_force", "spring_set", "tick_rate", "tick_time", "misses", "clamped", "faults", "visitors"];
+const NUMBERS = ["force", "second_force", "device_force", "learned_depth", "heuristic_depth", "fe_force", "spring_set", "tick_rate", "tick_time", "misses", "clamped", "faults", "visitors"];
 
 export function show_numbers(known) {
   if (!state || !is_open()) {   // none that is true now
@@ -75,6 +75,7 @@ export function show_numbers(known) {
   const depth = mesh => pressed ? millimetres(norm(vector(IN.moved + 2 * mesh))) : "–";
   const curve = known && pressed && v[IN.place] >= 0 ? fe_curve(v[IN.place], moved) : null;
   say("force", newtons(force));
+  say("second_force", model.tools > 1 ? newtons(norm(vector_of(1, "force"))) : "–");
   say("device_force", newtons(norm(vector(IN.device))));
   say("learned_depth", depth(LEARNED));
   say("heuristic_depth", model.meshes[HEURISTIC] ? depth(HEURISTIC) : "–");

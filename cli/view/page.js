@@ -4,7 +4,7 @@ import { colours, read_colours } from "./canvas.js";
 import { comparison, fe_outline } from "./compare.js";
 import { calm, list_models, list_places, show_controls, still } from "./controls.js";
 import { follow } from "./follow.js";
-import { let_go, move_hand } from "./hand.js";
+import { let_all_go, move_hands } from "./hand.js";
 import { prepare_learned, take_learned } from "./learned.js";
 import { judge, show_numbers, speak } from "./numbers.js";
 import { group_places } from "./places.js";
@@ -13,7 +13,7 @@ import "./plane_hand.js";
 import { draw_depth_plot, draw_time_plot } from "./plots.js";
 import { farthest } from "./rest.js";
 import { lead_plane } from "./snap.js";
-import { IN, LEARNED, control, hand, is_solid, look, model, relaxes, samples, state, states, take_control, take_model, take_near, take_state, vector, work } from "./state.js";
+import { IN, LEARNED, control, hands, is_solid, look, model, pressed_by, relaxes, samples, state, states, take_control, take_model, take_near, take_state, vector, vector_of, work } from "./state.js";
 import { connect, is_open, socket } from "./transport.js";
 import { $, relaxing, say } from "./words.js";
 
@@ -22,7 +22,7 @@ function heard(message) {
     socket.tries = 0;
     show_model(message);
   } else if (message.type === "control") {
-    if (message.holder === "other" && control.holder === "you") let_go(false);
+    if (message.holder === "other" && control.holder === "you") let_all_go(false);
     take_control(message);
   } else if (message.type === "learned") take_learned(message);
   else if (message.type === "near") take_near(message);
@@ -31,12 +31,14 @@ function heard(message) {
 }
 
 function show_model(message) {
-  let_go(false);   // what was held is another tissue
+  let_all_go(false);   // what was held is another tissue
   take_model(message);
   group_places();
   prepare_learned();
   show_stage();
   $("spring_set").parentElement.hidden = model.law;
+  for (const id of ["stays_row", "help_second"]) $(id).hidden = model.tools < 2;
+  $("second_force").parentElement.hidden = model.tools < 2;
   list_models();
   list_places();
   document.title = `${model.study} – tissuectl`;
@@ -90,7 +92,7 @@ function frame(now) {
   if (space && is_solid()) space.lead(now, before);
   else if (!is_solid()) lead_plane(now, before);
   before = now;
-  move_hand(now);
+  move_hands(now);
   if (now - words > 200) {   // five times a second: numbers that can be read
     words = now;
     const c = judge();
@@ -123,8 +125,8 @@ connect({
     follow();
   },
   lost() {
-    let_go(false);
-    take_control({ holder: "nobody", paused: false, place: -1 });
+    let_all_go(false);
+    take_control({ holder: "nobody", holders: ["nobody", "nobody"], paused: false, place: -1 });
     look.stale = true;
   },
   changed: show_controls,
@@ -162,7 +164,9 @@ Object.defineProperty(window, "tissue", { value: Object.freeze({
   get view() { return space && { ...space.view }; },          // degrees; zoom
   get pressing() { return space && space.pressing() || null; },       // the visitor's push, in space
   get fe_shown_m() { return space && space.fe_shown(); },     // FE's surface as it is drawn in space
-  get hand_m() { return hand.at && [...hand.at]; },
+  get hand_m() { return hands[0].at && [...hands[0].at]; },
+  get tools() { return model ? model.tools : 0; },
+  get second() { return state && model.tools > 1 ? { pressed: pressed_by(1), force_N: vector_of(1, "force"), tool_m: vector_of(1, "master") } : null; },
   get drawn() { return drawings; },                           // times the stage was drawn
   get colours() { return { ...colours }; },
   get off_FE() { return comparison().errors || null; },       // learned, heuristic; relative

@@ -4,7 +4,8 @@ import { apart, contact_at_rest, fe_outline } from "./compare.js";
 import { faces } from "./faces.js";
 import { arrow_scale, draw_fe_outline, draw_legend } from "./legend.js";
 import { shows_learned } from "./learned.js";
-import { IN, LEARNED, hand, look, model, node, state, vector } from "./state.js";
+import { leading, led_by, next_hand, own_hands } from "./hand.js";
+import { LEARNED, IN, look, model, node, pressed_by, state, vector, vector_of } from "./state.js";
 import { is_open } from "./transport.js";
 import { add, clamp, dot, largest, norm, smallest } from "./vectors.js";
 import { $ } from "./words.js";
@@ -58,8 +59,10 @@ export function draw_stage() {
   draw_marks(c);
   draw_aimed(c);
   draw_next(c);
-  if (state) draw_forces(c);
-  draw_diamond(c);
+  for (const { tool } of own_hands()) {
+    if (state) draw_forces(c, tool);
+    draw_diamond(c, tool);
+  }
   draw_legend(c, width, height, view.scale, { surface: fe !== null }, { stiffest: shows_learned() ? Math.exp(model.learned.span) : 0 });
 }
 
@@ -176,7 +179,7 @@ function draw_marks(c) {
 
 /** Where a press would be. */
 function draw_aimed(c) {
-  if (!aimed.at || hand.down || !is_open()) return;
+  if (!aimed.at || leading() || !is_open()) return;
   const [x, y] = to_screen(aimed.at);
   for (const [width, stroke] of [[4.5, colours.paper], [1.8, colours.ink]]) {
     c.beginPath();
@@ -201,21 +204,21 @@ function draw_next(c) {
   c.stroke();
 }
 
-/** Where the contact is on each mesh now, in the plane; null without one. */
-export const contacts = () => state.v[IN.pressed] < 0 ? null
-  : model.meshes.map((_, m) => add(add(contact_at_rest(), apart(m)), vector(IN.moved + 2 * m)));
+/** Where a tool's contact is on each mesh now; of the second on the learned one alone. */
+const contacts = tool => model.meshes.slice(0, tool === 0 ? undefined : 1)
+  .map((_, m) => add(add(contact_at_rest(tool), apart(m)), tool === 0 ? vector(IN.moved + 2 * m) : vector_of(tool, "moved")));
 
-function draw_forces(c) {
-  const at = contacts(), force = vector(IN.force);
-  if (!at || !Number.isFinite(norm(force))) return;
-  at.forEach((p, m) => {
-    const back = m === state.v[IN.pressed] ? 10 / view.scale / norm(force) : 0;   // its head stops at the diamond
+function draw_forces(c, tool) {
+  const pressed = pressed_by(tool), force = vector_of(tool, "force");
+  if (pressed < 0 || !Number.isFinite(norm(force))) return;
+  contacts(tool).forEach((p, m) => {
+    const back = m === pressed ? 10 / view.scale / norm(force) : 0;   // its head stops at the diamond
     arrow(c, to_screen(add(p, force, -1 / arrow_scale() - back)), to_screen(add(p, force, -back)), colours[model.meshes[m].name] || colours.ink);
   });
 }
 
-function draw_diamond(c) {
-  const pressed = state && state.v[IN.pressed] >= 0;
+function draw_diamond(c, tool) {
+  const pressed = pressed_by(tool) >= 0;
   const diamond = (p, size, filled) => {
     const [x, y] = to_screen(p);
     trace(c, [[x, y - size], [x + size, y], [x, y + size], [x - size, y]]);
@@ -229,7 +232,7 @@ function draw_diamond(c) {
     c.stroke();
   };
   if (state) {
-    const master = vector(IN.master), proxy = pressed ? vector(IN.proxy) : master;
+    const master = vector_of(tool, "master"), proxy = pressed ? vector_of(tool, "proxy") : master;
     if (pressed) {   // the hand, a little deeper than the tool: the spring between them is the force
       const [a, b] = [to_screen(proxy), to_screen(master)];
       c.strokeStyle = "#ffffff";
@@ -243,5 +246,6 @@ function draw_diamond(c) {
     }
     if (proxy.every(Number.isFinite)) diamond(proxy, 7, pressed);
   }
-  if (is_open() && document.activeElement === stage && hand.at && !hand.down && stage.matches(":focus-visible")) diamond(hand.at, 5.5, false);
+  const keyed = !led_by("keys") && next_hand();
+  if (keyed && keyed.tool === tool && is_open() && document.activeElement === stage && keyed.at && !keyed.down && stage.matches(":focus-visible")) diamond(keyed.at, 5.5, false);
 }

@@ -2,7 +2,8 @@
 // was solved there unless it is dragged another way, and so does a press farther off whose force is told beside the one at that contact.
 // In space a press is straight in unless it is tilted, and only the first is needed.
 import { ASKEW, BETWEEN, FAR, NEAR, SNAP, apart, contact_at_rest, turn } from "./compare.js";
-import { IN, control, hand, model, state, vector } from "./state.js";
+import { own_hands } from "./hand.js";
+import { IN, control, hands, model, pressed_by, state, vector_of } from "./state.js";
 import { add, clamp, dot, largest, norm, smallest, unit } from "./vectors.js";
 
 const FREE = 50;             // degrees off a push that was solved, from where on a push is as the pointer goes; nobody drags straight in
@@ -11,9 +12,8 @@ const THERE = 0.0015, COMING = 2000;   // m, and ms: it is, or does not come
 const PRESS = 0.02;          // m/s into the tissue, as the demo: tissue that is struck swings away, and is touched again beside the contact
 const STAYS = 0.03;          // s at rest there: a tool that leaves a press of the demo passes by in 6 ms
 
-let press = null;            // {mesh, contact: where the push begins, null when none is near; known: it is one that was solved; entry, pushes, since,
-                             //  came: when the tool came there, out, ready}
-let before = null;           // where the pointer was, a frame ago
+// press of a hand: {mesh, contact: where the push begins, null when none is near; known: it is one that was solved; entry, pushes, since,
+//                   came: when the tool came there, out, ready}
 
 const outline = mesh => mesh.outline.map((i, k) => [mesh.nodes_m[i], mesh.nodes_m[mesh.outline[(k + 1) % mesh.outline.length]]]);
 const cross = (a, b) => a[0] * b[1] - a[1] * b[0];
@@ -82,31 +82,33 @@ function led(push, pushes) {
 }
 
 /** Where the push begins: where the tool has come upon the tissue, which may lie a little beside the known contact. */
-function touched() {
-  const here = add(contact_at_rest(), apart(press.mesh));
+function touched({ tool, press }) {
+  const here = add(contact_at_rest(tool), apart(press.mesh));
   return norm(add(here, press.contact, -1)) <= NEAR ? here : press.contact;
 }
 
-/** Once a frame: from where the pointer is, hand.pointer, to where the tool shall be. */
+/** Once a frame: from where the pointer of each hand is to where its tool shall be. */
 export function lead_plane(now, frame_before) {
-  if (!hand.down) {
-    press = before = null;
-    return;
-  }
-  const p = hand.pointer, touching = state && state.v[IN.pressed] >= 0;
-  if (press && !touching && !model.meshes.some(mesh => inside(mesh, p))) press = null;   // out again: the next press is another one
-  press = press || would_press(before, p);
-  before = p;
+  for (const hand of hands) if (!hand.down) hand.press = hand.before = null;
+  for (const hand of own_hands()) if (hand.down) lead(hand, now, frame_before);
+}
+
+function lead(hand, now, frame_before) {
+  const p = hand.pointer, touching = pressed_by(hand.tool) >= 0;
+  if (hand.press && !touching && !model.meshes.some(mesh => inside(mesh, p))) hand.press = null;   // out again: the next press is another one
+  hand.press = hand.press || would_press(hand.before, p);
+  hand.before = p;
+  const { press } = hand;
   let at = p;
   if (press && press.contact) {
     const push = led(add(p, press.entry, -1), press.pushes), along = norm(push) > 1e-4 ? unit(push) : unit(press.pushes[0]);
     const wait = add(press.contact, along, -BEFORE);
     press.since = press.since ?? now;
-    press.out = press.out || state !== null && control.holder === "you" && !touching;   // until then it is in the tissue where the demo pressed
-    const there = press.out && norm(add(vector(IN.master), wait, -1)) < THERE;
+    press.out = press.out || state !== null && control.holders[hand.tool] === "you" && !touching;   // until then it is in the tissue where the demo pressed
+    const there = press.out && norm(add(vector_of(hand.tool, "master"), wait, -1)) < THERE;
     press.came = there ? press.came ?? state.v[IN.time] : null;
     press.ready = press.ready || press.out && touching || there && state.v[IN.time] - press.came > STAYS || now - press.since > COMING;
-    const from = press.out && touching ? touched() : press.contact, goal = press.ready ? add(from, push) : wait, way = add(goal, hand.at, -1);
+    const from = press.out && touching ? touched(hand) : press.contact, goal = press.ready ? add(from, push) : wait, way = add(goal, hand.at, -1);
     const step = press.ready && dot(way, along) > 0 ? PRESS * clamp((now - frame_before) / 1e3, 0, 0.05) : Infinity;
     at = norm(way) > step ? add(hand.at, unit(way), step) : goal;
   }

@@ -4,10 +4,11 @@ import { Carried, fetch_carried } from "./carried.js";
 import { begin, colours, shade, warmth } from "./canvas.js";
 import { apart, contact_at_rest, fe_curve, fe_outline, on_curve } from "./compare.js";
 import { error_dots, prepare_errors, shows_errors } from "./errors.js";
+import { leading, next_hand } from "./hand.js";
 import { shows_learned } from "./learned.js";
 import { arrow_scale, draw_legend } from "./legend.js";
 import { Nodule, SEEN_THROUGH, shows_nodule } from "./nodule.js";
-import { IN, LEARNED, look, model, moved, state, vector, work } from "./state.js";
+import { IN, LEARNED, look, model, moved, pressed_by, state, vector, vector_of, work } from "./state.js";
 import { Surface } from "./surface.js";
 import { is_open } from "./transport.js";
 import { add, clamp, norm, unit } from "./vectors.js";
@@ -164,20 +165,24 @@ function make_window(mesh, m) {
   const dots = new THREE.Points(marks, new THREE.PointsMaterial({ size: 4, sizeAttenuation: false, color: 0xffffff }));
   dots.frustumCulled = false;
 
-  const force = arrow_of(plain(0.96, { depthTest: false })), fe_force = arrow_of(plain(0.96, { depthTest: false }));
-  const { shape, radius_m: radius } = model.tool, ball = shape === "ball", thick = (ball ? 2 : 0.5) * radius;
-  const tool = new THREE.Mesh(ball ? new THREE.SphereBufferGeometry(radius, 40, 24) : new THREE.CylinderBufferGeometry(radius, radius, thick, 40), plain(0.45, { depthWrite: false, color: 0xffffff }));
-  const tool_rim = new THREE.LineSegments(new THREE.EdgesGeometry(tool.geometry, 40), flat(1, { color: 0xffffff }));
-  tool.add(tool_rim);
-  const idle = new THREE.Mesh(new THREE.OctahedronBufferGeometry(0.045 * size), plain(1));
+  const fe_force = arrow_of(plain(0.96, { depthTest: false })), { radius_m: radius } = model.tool;
+  const tools = [...Array(model.tools).keys()].map(tool => drawn_tool(tool, size));
   const ring = new THREE.Mesh(new THREE.RingBufferGeometry(0.9 * radius, radius, 40), plain(0.9, { side: THREE.DoubleSide, depthTest: false, color: 0xffffff }));
-  tool.renderOrder = 4;
   ring.renderOrder = 4;
   const nodule = model.nodule ? new Nodule(model.nodule, mesh, m) : null, errors = model.errors && m === LEARNED ? error_dots(size) : null;
   for (const part of [nodule && nodule.drawn, errors]) if (part) root.add(part);
-  root.add(solid, wire, rest, held, fe_wire, dots, force, fe_force, tool, idle, ring);
-  return { m, mesh, surface, scene, root, sun, middle, size, thick, solid, wire, rest, held, fe_wire, dots, force, fe_force, tool, tool_rim,
-           idle, ring, nodule, errors, carried: null, fine: null, box: { left: 0, top: 0, width: 1, height: 1 }, contact: null, inward: null };
+  root.add(solid, wire, rest, held, fe_wire, dots, fe_force, ring, ...tools.flatMap(({ force, body, idle }) => [force, body, idle]));
+  return { m, mesh, surface, scene, root, sun, middle, size, solid, wire, rest, held, fe_wire, dots, fe_force, tools,
+           ring, nodule, errors, carried: null, fine: null, box: { left: 0, top: 0, width: 1, height: 1 } };
+}
+
+/** A tool as a window draws it: its body on the tissue, its force, and where it is while it touches nothing. */
+function drawn_tool(tool, size) {
+  const { shape, radius_m: radius } = model.tool, ball = shape === "ball", thick = (ball ? 2 : 0.5) * radius;
+  const body = new THREE.Mesh(ball ? new THREE.SphereBufferGeometry(radius, 40, 24) : new THREE.CylinderBufferGeometry(radius, radius, thick, 40), plain(0.45, { depthWrite: false, color: 0xffffff }));
+  body.add(new THREE.LineSegments(new THREE.EdgesGeometry(body.geometry, 40), flat(1, { color: 0xffffff })));
+  body.renderOrder = 4;
+  return { tool, body, thick, force: arrow_of(plain(0.96, { depthTest: false })), idle: new THREE.Mesh(new THREE.OctahedronBufferGeometry(0.045 * size), plain(1)), contact: null, inward: null };
 }
 
 /** Another model. */
@@ -276,36 +281,36 @@ function show_requested(w) {
   }
 }
 
-function place_tool(w) {
-  const pressed = state ? state.v[IN.pressed] : -1, here = pressed === w.m;
-  w.tool.visible = here;
-  const master = state ? vector(IN.master) : null;
+function place_tool(w, t) {
+  const pressed = pressed_by(t.tool), here = pressed === w.m;
+  t.body.visible = here;
+  const master = state ? vector_of(t.tool, "master") : null;
   const nearest = master && windows.reduce((best, o) => norm(add(master, o.middle, -1)) < norm(add(master, best.middle, -1)) ? o : best) === w;
-  w.idle.visible = pressed < 0 && nearest && master.every(Number.isFinite);
-  if (w.idle.visible) w.idle.position.set(...master);
-  if (here) {
-    const contact = add(contact_at_rest(), apart(w.m));
-    if (!w.contact || norm(add(contact, w.contact, -1)) > 1e-4) Object.assign(w, { contact, inward: w.surface.inward_at(contact) });
-    const tip = vector(IN.proxy);
-    w.tool.position.set(...add(tip, w.inward, -w.thick / 2));
-    w.tool.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...w.inward));
-  }
-  w.ring.visible = is_open() && pressed < 0 && aim.at !== null && aim.mesh === w.m;
-  if (w.ring.visible) {
-    w.ring.position.set(...aim.at);
-    w.ring.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, -1), new THREE.Vector3(...aim.inward));
-  }
+  t.idle.visible = pressed < 0 && nearest && master.every(Number.isFinite);
+  if (t.idle.visible) t.idle.position.set(...master);
+  if (!here) return;
+  const contact = add(contact_at_rest(t.tool), apart(w.m));
+  if (!t.contact || norm(add(contact, t.contact, -1)) > 1e-4) Object.assign(t, { contact, inward: w.surface.inward_at(contact) });
+  t.body.position.set(...add(vector_of(t.tool, "proxy"), t.inward, -t.thick / 2));
+  t.body.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...t.inward));
 }
 
-/** The tool's force on each mesh, and beside the learned one's what FE say it is there. */
-function place_forces(w, comparable) {
-  const pressed = state ? state.v[IN.pressed] : -1;
-  w.force.visible = w.fe_force.visible = false;
-  if (pressed < 0) return;
-  const force = vector(IN.force), u = vector(IN.moved + 2 * w.m), at = add(add(contact_at_rest(), apart(w.m)), u);
+function place_ring(w) {
+  w.ring.visible = is_open() && !leading() && next_hand() !== undefined && pressed_by(next_hand().tool) < 0 && aim.at !== null && aim.mesh === w.m;
+  if (!w.ring.visible) return;
+  w.ring.position.set(...aim.at);
+  w.ring.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, -1), new THREE.Vector3(...aim.inward));
+}
+
+/** A tool's force on each mesh; of the first, and beside the learned mesh's, what FE say it is there. */
+function place_forces(w, t, comparable) {
+  t.force.visible = false;
+  if (t.tool === 0) w.fe_force.visible = false;
+  if (pressed_by(t.tool) < 0) return;
+  const force = vector_of(t.tool, "force"), u = t.tool === 0 ? vector(IN.moved + 2 * w.m) : vector_of(t.tool, "moved"), at = add(add(contact_at_rest(t.tool), apart(w.m)), u);
   if (!force.every(Number.isFinite) || !at.every(Number.isFinite)) return;
-  set_arrow(w.force, add(at, force, -1 / arrow_scale()), at, w.size);
-  const curve = comparable && w.m === LEARNED && norm(u) > 0 ? fe_curve(state.v[IN.place], u) : null;
+  set_arrow(t.force, add(at, force, -1 / arrow_scale()), at, w.size);
+  const curve = comparable && t.tool === 0 && w.m === LEARNED && norm(u) > 0 ? fe_curve(state.v[IN.place], u) : null;
   const known = curve ? on_curve(curve, norm(u)) : NaN;
   if (!Number.isFinite(known)) return;
   const beside = add(at, screen_axes()[0], 0.13 * w.size);
@@ -323,10 +328,10 @@ function colour(w) {
   const strong = contrast.matches, of = name => new THREE.Color(colours[name]);
   w.wire.material.opacity = strong ? 0.45 : w.fe_wire.visible ? 0.12 : 0.2;
   w.rest.material.color = of(strong ? "ink" : "soft");
-  for (const part of [w.held, w.idle]) part.material.color = of("ink");
+  for (const part of [w.held, ...w.tools.map(t => t.idle)]) part.material.color = of("ink");
   if (w.nodule) w.nodule.drawn.material.color = of("nodule");
   w.fe_wire.material.color = of("fe_surface");
-  w.force.children.forEach(part => { part.material.color = of(w.mesh.name in colours ? w.mesh.name : "ink"); });
+  for (const part of w.tools.flatMap(t => t.force.children)) part.material.color = of(w.mesh.name in colours ? w.mesh.name : "ink");
   w.fe_force.children.forEach(part => { part.material.color = of("fe"); });
 }
 
@@ -347,8 +352,11 @@ export function draw_space(comparable) {
   for (const w of windows) {
     follow_tissue(w);
     show_requested(w);
-    place_tool(w);
-    place_forces(w, comparable);
+    for (const t of w.tools) {
+      place_tool(w, t);
+      place_forces(w, t, comparable);
+    }
+    place_ring(w);
     place_fe(w, w.m === LEARNED ? fe_drawn : null);
     colour(w);
   }

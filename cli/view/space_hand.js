@@ -1,9 +1,9 @@
 // Pointer and keyboard in space: press where a solid is touched, turn and zoom beside it.
 import { SNAP, apart } from "./compare.js";
 import { shows_errors, spot_at, tell_error } from "./errors.js";
-import { let_go, take_hold } from "./hand.js";
+import { end_hold, leading, led_by, let_all_go, let_go, next_hand, own_hands, take_hold } from "./hand.js";
 import { aim, screen_axes, space_to_screen, stage, touched, view } from "./space.js";
-import { IN, LEARNED, hand, look, model, state } from "./state.js";
+import { LEARNED, hands, look, model, pressed_by } from "./state.js";
 import { is_open } from "./transport.js";
 import { add, clamp, cross, dot, norm, unit } from "./vectors.js";
 import { $, millimetres } from "./words.js";
@@ -15,7 +15,7 @@ const STEEPEST = 60;         // degrees off the inward normal
 const TILT = 0.35, TURN = 0.4;   // degrees a pixel
 const NOTCH = 0.0005;        // m of depth, by wheel and keys
 
-let press = null;            // {mesh, contact, inward, direction, depth, begun, arrived, from}
+// press of a hand: {mesh, contact, inward, direction, depth: now, wanted: by the slider, begun, arrived, from}
 let turning = null;          // {by, x, y}
 const fingers = new Map();   // on the canvas: pointerId -> [x, y]
 let spread = 0;              // between two of them, pixels
@@ -47,28 +47,31 @@ function snapped(touch) {
 }
 
 function begin_press(touch, by, direction = touch.inward, from = null) {
-  if (hand.down) return false;
-  const { at, mesh, inward } = touch;
-  take_hold(add(at, inward, INSET), by);
-  if (!hand.down) return false;
-  press = { mesh, contact: at, inward, direction, depth: 0, begun: null, arrived: false, from };
+  const { at, mesh, inward } = touch, hand = take_hold(add(at, inward, INSET), by);
+  if (!hand) return false;
+  hand.press = { mesh, contact: at, inward, direction, depth: 0, wanted: null, begun: null, arrived: false, from };
   return true;
 }
 
-/** Once a frame: the tool goes on until it is as deep as it shall be. */
+/** Once a frame: each tool goes on until it is as deep as it shall be; one that stays in the tissue stays as deep as it was. */
 export function lead(now, before) {
-  if (!hand.down) press = null;
-  if (!press) return;
+  for (const hand of hands) if (!hand.down) hand.press = null;
+  for (const hand of own_hands()) if (hand.press) go_on(hand, now, before);
+}
+
+function go_on(hand, now, before) {
+  const { press } = hand;
   press.begun = press.begun || now;
-  press.arrived = press.arrived || state && state.v[IN.pressed] === press.mesh || now - press.begun > COMING;
-  const step = PRESS * clamp((now - before) / 1e3, 0, 0.05), goal = press.arrived ? wanted() : 0;
+  press.arrived = press.arrived || pressed_by(hand.tool) === press.mesh || now - press.begun > COMING;
+  if (hand.by !== "stays" || press.wanted === null) press.wanted = wanted();
+  const step = PRESS * clamp((now - before) / 1e3, 0, 0.05), goal = press.arrived ? press.wanted : 0;
   press.depth += clamp(goal - press.depth, -step, step);
   const at = add(add(press.contact, press.inward, INSET), press.direction, press.depth);
   if (norm(add(at, hand.at, -1)) > 1e-6) hand.at = at;
 }
 
-/** Tilts a push by so many pixels to the right and down. */
-function tilted(from, dx, dy) {
+/** Tilts a push from a direction by so many pixels to the right and down. */
+function tilted(press, from, dx, dy) {
   const [right, up] = screen_axes(), aside = [0, 1, 2].map(k => right[k] * dx - up[k] * dy), { inward } = press;
   const along = add(aside, inward, -dot(aside, inward));
   if (norm(along) < 1e-9) return from;
@@ -102,27 +105,28 @@ stage.addEventListener("pointerdown", event => {
   const at = in_canvas(event);
   fingers.set(event.pointerId, at);
   stage.setPointerCapture(event.pointerId);
-  if (fingers.size === 2) {   // two fingers zoom, whatever the first began
-    if (hand.down && hand.by !== "keys") let_go();
+  const touch = touched(...at), first = own_hands().find(hand => hand.down && fingers.has(hand.by));
+  if (fingers.size === 2 && !(touch && first && next_hand())) {   // two fingers zoom, whatever the first began; but where they lead a tool each
+    let_go(first);
     turning = null;
     spread = pinch();
   }
-  if (fingers.size > 1 || hand.down) return;
-  const touch = touched(...at);
-  if (touch) begin_press(snapped(touch), event.pointerId, undefined, { at, direction: null });
-  else turning = { by: event.pointerId, at };
+  if (spread > 0 || fingers.size > (first ? 2 : 1)) return;
+  if (touch && next_hand()) begin_press(snapped(touch), event.pointerId, undefined, { at, direction: null });
+  else if (!first) turning = { by: event.pointerId, at };
 });
 stage.addEventListener("pointermove", event => {
   if (!model) return;
-  const at = in_canvas(event);
+  const at = in_canvas(event), hand = led_by(event.pointerId);
   if (fingers.has(event.pointerId)) fingers.set(event.pointerId, at);
-  if (fingers.size === 2) {
+  if (fingers.size === 2 && spread > 0) {
     const now = pinch();
-    if (spread > 0 && now > 0) zoom(now / spread);
+    if (now > 0) zoom(now / spread);
     spread = now;
-  } else if (press && hand.down && hand.by === event.pointerId) {
+  } else if (hand && hand.press) {
+    const { press } = hand;
     press.from.direction = press.from.direction || press.direction;
-    press.direction = tilted(press.from.direction, at[0] - press.from.at[0], at[1] - press.from.at[1]);
+    press.direction = tilted(press, press.from.direction, at[0] - press.from.at[0], at[1] - press.from.at[1]);
   } else if (turning && turning.by === event.pointerId) {
     turn(TURN * (at[0] - turning.at[0]), TURN * (at[1] - turning.at[1]));
     turning.at = at;
@@ -140,13 +144,13 @@ for (const name of ["pointerup", "pointercancel", "lostpointercapture"])
   stage.addEventListener(name, event => {
     fingers.delete(event.pointerId);
     spread = 0;
-    if (hand.by === event.pointerId) let_go();
+    end_hold(led_by(event.pointerId));
     if (turning && turning.by === event.pointerId) turning = null;
   });
 stage.addEventListener("pointerleave", () => { tell_error(null); if (document.activeElement !== stage) point_at(null); });
 stage.addEventListener("wheel", event => {
   event.preventDefault();
-  if (hand.down) set_depth(wanted() - Math.sign(event.deltaY) * NOTCH);
+  if (leading()) set_depth(wanted() - Math.sign(event.deltaY) * NOTCH);
   else zoom(Math.exp(-0.0015 * clamp(event.deltaY, -200, 200)));
 }, { passive: false });
 
@@ -157,13 +161,13 @@ function chosen() {
 }
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 stage.addEventListener("focus", () => { if (model && chosen() && stage.matches(":focus-visible")) Object.assign(aim, chosen()); look.stale = true; });
-stage.addEventListener("blur", () => { if (hand.by === "keys") let_go(); look.stale = true; });
+stage.addEventListener("blur", () => { end_hold(led_by("keys")); look.stale = true; });
 stage.addEventListener("keydown", event => {
   if (!model || event.ctrlKey || event.altKey || event.metaKey) return;
-  const arrow = ARROWS[event.key];
+  const arrow = ARROWS[event.key], hand = own_hands().find(one => one.press && one.by !== "stays");
   look.stale = true;
   if (arrow && event.shiftKey) {
-    if (press && hand.down) press.direction = tilted(press.direction, 5 / TILT * arrow[0], 5 / TILT * arrow[1]);
+    if (hand) hand.press.direction = tilted(hand.press, hand.press.direction, 5 / TILT * arrow[0], 5 / TILT * arrow[1]);
   } else if (arrow) turn(5 * arrow[0], 5 * arrow[1]);
   else if (event.key === "+" || event.key === "=") zoom(1.15);
   else if (event.key === "-") zoom(1 / 1.15);
@@ -172,18 +176,21 @@ stage.addEventListener("keydown", event => {
   else if (event.key === "PageDown") set_depth(wanted() + NOTCH);
   else if (event.key === " " || event.key === "Enter") {
     if (event.repeat) { /* one press, one change */ }
-    else if (hand.down) let_go();
-    else {
+    else if (led_by("keys")) end_hold(led_by("keys"));
+    else if (next_hand()) {
       const touch = chosen();
       if (touch) {
         Object.assign(aim, touch);
         begin_press(touch, "keys", touch.direction);
       }
     }
-  } else if (event.key === "Escape") let_go();
+  } else if (event.key === "Escape") let_all_go();
   else return;
   event.preventDefault();
 });
 
-/** The push as it stands: for those who look on. */
-export const pressing = () => press && hand.down && { contact_m: [...press.contact], direction: [...press.direction], inward: [...press.inward], depth_m: press.depth };
+/** The push of the first tool that presses, as it stands: for those who look on. */
+export function pressing() {
+  const hand = own_hands().find(one => one.press);
+  return hand && { contact_m: [...hand.press.contact], direction: [...hand.press.direction], inward: [...hand.press.inward], depth_m: hand.press.depth };
+}

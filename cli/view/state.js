@@ -6,10 +6,11 @@ import { largest, smallest } from "./vectors.js";
 export let model = null;        // the last "model" message, with what take_model() and others add
 export let state = null;        // the last state: {v: its numbers, nodes: [Float32Array of the learned mesh's nodes, of the heuristic's]}
 export let near = null;         // the last "near" message
-export let control = { holder: "nobody", paused: false, place: -1 };
+export let control = { holder: "nobody", holders: ["nobody", "nobody"], paused: false, place: -1 };
 export const samples = [];      // what the plots show, oldest first
 export let states = 0;          // since the page was opened
-export const hand = { at: null, pointer: null, down: false, by: null };   // the visitor's, where the tissue is; in the plane pointer is where he points, at where the tool goes
+/** The visitor's, one for each tool, where the tissue is; in the plane pointer is where he points, at where the tool goes. press: the push as it is led; before: where he pointed a frame ago. */
+export const hands = [0, 1].map(tool => ({ tool, at: null, pointer: null, down: false, by: null, press: null, before: null, said: null, told: -Infinity }));
 export const moved = [true, true];     // in space, whether nodes of a mesh have moved since it was drawn; who draws makes it false
 export const work = { nodes: 0, decode_ms: 0, update_ms: 0 };   // nodes told in space since the page was opened; of the last state
 export const look = { stale: true };   // something but the state has changed: draw anew
@@ -20,6 +21,8 @@ export const LEARNED = 0, HEURISTIC = 1;   // meshes; the second may be missing 
 export const WINDOW = 10;                // s, of the plot over time
 
 const HEAD = [0, 0, 32, 40];         // numbers at the head of a state, by dimension
+const SECOND_HEAD = [0, 0, 12, 18];  // and behind it of a second tool
+const SECOND = { pressed: 0, status: 1, master: 2, proxy: 4, moved: 6, force: 8, device: 10 };   // there; in space z follows
 const MOVED_NODES = 38;              // in space: how many nodes a state carries, a mesh
 const Z = { 9: 32, 11: 33, 14: 34, 16: 35, 18: 36, 20: 37 };   // in space: where z stands of what begins there
 
@@ -27,6 +30,14 @@ const Z = { 9: 32, 11: 33, 14: 34, 16: 35, 18: 36, 20: 37 };   // in space: wher
 export const relaxes = () => model !== null && model.relaxation.tau_s.length > 0;
 export const is_solid = () => model !== null && model.dimension === 3;
 export const vector = i => is_solid() ? [state.v[i], state.v[i + 1], state.v[Z[i]]] : [state.v[i], state.v[i + 1]];
+/** What IN names, of a tool: a vector, or the mesh that it presses (-1: none). Of the second its own; it is pressed, master, proxy, moved, force or device. */
+export const vector_of = (tool, what) => {
+  if (tool === 0) return vector(IN[what]);
+  const head = HEAD[model.dimension], at = head + SECOND[what];
+  return is_solid() ? [state.v[at], state.v[at + 1], state.v[head + SECOND_HEAD[2] + (SECOND[what] - SECOND.master) / 2]] : [state.v[at], state.v[at + 1]];
+};
+export const pressed_by = tool => !state || tool >= model.tools ? -1 : tool === 0 ? state.v[IN.pressed] : state.v[HEAD[model.dimension] + SECOND.pressed];
+const head_size = () => HEAD[model.dimension] + (model.tools > 1 ? SECOND_HEAD[model.dimension] : 0);
 export function node(mesh, i) {
   const d = model.dimension;
   return Array.from(state.nodes[mesh].subarray(d * i, d * i + d));
@@ -37,7 +48,7 @@ export function take_state(buffer) {
   if (!model) return;
   const began = performance.now(), nodes = is_solid() ? nodes_in_space(buffer) : nodes_in_plane(buffer);
   if (!nodes) return;   // of the model before
-  const v = new Float64Array(buffer, 0, HEAD[model.dimension]);
+  const v = new Float64Array(buffer, 0, head_size());
   if (!Number.isFinite(v[IN.time])) return;
   state = { v, nodes };
   states++;
@@ -47,9 +58,9 @@ export function take_state(buffer) {
 
 function nodes_in_plane(buffer) {
   const lengths = model.meshes.map(mesh => 2 * mesh.nodes_m.length);
-  if (buffer.byteLength !== 8 * HEAD[2] + 4 * lengths.reduce((a, b) => a + b)) return null;
+  if (buffer.byteLength !== 8 * head_size() + 4 * lengths.reduce((a, b) => a + b)) return null;
   const nodes = [];
-  let from = 8 * HEAD[2];
+  let from = 8 * head_size();
   for (const length of lengths) {
     nodes.push(new Float32Array(buffer, from, length));
     from += 4 * length;
@@ -59,11 +70,11 @@ function nodes_in_plane(buffer) {
 
 /** Only nodes that have moved come; the others stay where they are. */
 function nodes_in_space(buffer) {
-  if (buffer.byteLength < 8 * HEAD[3]) return null;
+  if (buffer.byteLength < 8 * head_size()) return null;
   const counts = [...new Float64Array(buffer, 8 * MOVED_NODES, 2)].slice(0, model.meshes.length);
-  if (buffer.byteLength !== 8 * HEAD[3] + 16 * counts.reduce((a, b) => a + b)) return null;
+  if (buffer.byteLength !== 8 * head_size() + 16 * counts.reduce((a, b) => a + b)) return null;
   const nodes = state ? state.nodes : model.meshes.map(mesh => Float32Array.from(mesh.nodes_m.flat()));
-  let from = 8 * HEAD[3];
+  let from = 8 * head_size();
   counts.forEach((count, m) => {
     const which = new Uint32Array(buffer, from, count), places = new Float32Array(buffer, from + 4 * count, 3 * count), to = nodes[m];
     for (let k = 0; k < count; k++) {
@@ -94,7 +105,7 @@ export function take_model(message) {
   model = message;
   state = near = null;
   samples.length = 0;
-  hand.at = hand.pointer = null;
+  for (const hand of hands) hand.at = hand.pointer = null;
   model.relaxation ??= { tau_s: [], share: [] };
   model.deepest_m = nice(largest(model.places.map(place => place.depth_m), 0.005) * 1e3).top * 1e-3;
   model.strongest_N = largest(model.places.flatMap(place => place.curve.map(point => point[1])), 0);

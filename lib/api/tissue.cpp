@@ -58,9 +58,9 @@ tissue_status caught(Act act) noexcept {
 }
 
 /// An option that there is not, or whose value is none of its kind, is a wrong argument.
-tissue_status set(HapticOptions& options, const char* name, const char* value, bool while_it_runs) {
+tissue_status set(HapticOptions& options, const char* name, const char* value, unsigned changeable = 0) {
     try {
-        set_option(options, name, value, while_it_runs);
+        set_option(options, name, value, changeable);
     } catch (const MismatchError& e) {
         return bad(e.what());
     }
@@ -112,7 +112,7 @@ tissue_status tissue_open_model(const char* model_file, const char* const* optio
         HapticOptions haptic = interface_options();
         for (; options && options[0]; options += 2) {
             if (!options[1]) return bad("an option without a value");
-            if (const tissue_status status = set(haptic, options[0], options[1], false); status != TISSUE_OK) return status;
+            if (const tissue_status status = set(haptic, options[0], options[1]); status != TISSUE_OK) return status;
         }
         check_options(haptic);  // before the model knows of one
         const TissueModel tissue = with_tool(read_model(model_file), haptic.tool);
@@ -180,7 +180,7 @@ tissue_status tissue_set(tissue_session* s, const char* name, const char* value)
     if (!s || !name || !value) return bad("tissue_set: a null pointer");
     return caught([&] {
         HapticOptions options = s->simulation.options(s->tool());
-        if (const tissue_status status = set(options, name, value, true); status != TISSUE_OK) return status;
+        if (const tissue_status status = set(options, name, value, changeable(s->simulation)); status != TISSUE_OK) return status;
         s->simulation.change(options, s->tool());
         return TISSUE_OK;
     });

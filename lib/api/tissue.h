@@ -105,7 +105,8 @@ TISSUE_API tissue_status tissue_reset(tissue_session *session);
 
 /* ---- while it runs */
 
-/* One option that may change while a session runs (OPTIONS.md: offset, rotation, axes, scale, force-scale, friction, device-mass, ...). A change that moves the
+/* One option that may change while a session runs (OPTIONS.md: offset, rotation, axes, scale, force-scale, friction, device-mass, ...); before its first tick also a limit of the device
+ * (force-max, slew, speed-max, stale, passivity), so that each of two tools has its own. A change that moves the
  * tool in the tissue by more than a hand does in a tick is a new start: the tool must be outside once. Refused values leave everything as it was. */
 TISSUE_API tissue_status tissue_set(tissue_session *session, const char *name, const char *value);
 

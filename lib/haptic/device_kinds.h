@@ -24,6 +24,7 @@ struct DeviceOption {
 struct DeviceContext {
     double seconds = 10;                            ///< 0: no end
     unsigned long seed = 2008;                      ///< of what is drawn
+    int tool = 0;                                   ///< of the session, that it moves
     const SpringMesh* rest = nullptr;               ///< the tissue; what it is for must outlive make()
     DeviceMap map;
 };
@@ -38,6 +39,7 @@ struct DeviceKind {
     std::unique_ptr<Device> (*make)(const DeviceValues& values, const DeviceContext& context);
     DeviceImpedance impedance = {};
     double seconds = 0;     ///< of a session that is not told how long; 0: until the device ends
+    bool several = true;    ///< a session may have more than one of it
     bool scripted = false;  ///< its motion is known before it begins, and no hand feels the force: it needs no clock
 };
 

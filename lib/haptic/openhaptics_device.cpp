@@ -37,7 +37,7 @@ const DeviceKind OpenHapticsDevice::kind = {
     [](const DeviceValues& v, const DeviceContext&) -> std::unique_ptr<Device> {
         return std::make_unique<OpenHapticsDevice>(v.at("library"), v.at("device-name"));
     },
-    touch_impedance};
+    touch_impedance, 0, false};
 
 struct OpenHapticsDevice::Library {
     void* file = nullptr;

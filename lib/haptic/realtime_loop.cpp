@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <optional>
 
 #include "error.h"
 #include "haptic/running_device.h"
@@ -68,14 +69,15 @@ void touch_stack() noexcept {
     for (std::size_t k = 0; k < sizeof page; k += 1024) page[k] = 0;
 }
 
-}  // namespace
-
-namespace {
-
-void run(Simulation& simulation, Device& given, const LoopOptions& options, LoopReport& report) {
+void run(Simulation& simulation, const std::vector<Device*>& given, const LoopOptions& options, LoopReport& report) {
     if (!(options.seconds >= 0 && options.seconds <= longest_session_s)) throw MismatchError(fmt::format("a session lasts 0 to {:g} s, not {:g} s", longest_session_s, options.seconds));
+    const int tools = simulation.tool_count();
+    if (given.size() != static_cast<std::size_t>(tools)) throw MismatchError(fmt::format("a session of {} tools has as many devices, not {}", tools, given.size()));
     if (options.stop && options.stop->load(std::memory_order_relaxed)) return;
-    const RunningDevice device(given);
+    std::optional<RunningDevice> running[most_tools];
+    for (int k = 0; k < tools; ++k) running[k].emplace(*given[static_cast<std::size_t>(k)]);
+    DeviceSample samples[most_tools];
+    Eigen::Vector3d force_N[most_tools];
     std::unique_ptr<RealtimeThread> realtime;
     report.clock = options.clock;
     if (options.realtime && options.clock) realtime = std::make_unique<RealtimeThread>(options.priority, report.notices);
@@ -115,14 +117,15 @@ void run(Simulation& simulation, Device& given, const LoopOptions& options, Loop
         books.left_out = !wanted;
         books.clock = options.clock;
         if (wanted) {
-            const DeviceSample sample = device->read(time_s);
+            for (int k = 0; k < tools; ++k) samples[k] = given[static_cast<std::size_t>(k)]->read(time_s);
             const long long ticked = now_ns(CLOCK_MONOTONIC);
-            const Eigen::Vector3d force = simulation.tick(sample, since_s, cost_s);
+            simulation.tick(samples, force_N, since_s, cost_s);
             if (options.clock) cost_s = 1e-9 * static_cast<double>(now_ns(CLOCK_MONOTONIC) - ticked);
-            device->write(force);
         } else {
-            device->write(simulation.stand_still(device->stand_still(time_s), since_s));
+            for (int k = 0; k < tools; ++k) samples[k] = given[static_cast<std::size_t>(k)]->stand_still(time_s);
+            simulation.stand_still(samples, force_N, since_s);
         }
+        for (int k = 0; k < tools; ++k) given[static_cast<std::size_t>(k)]->write(force_N[k]);
         const long long ended = now_ns(CLOCK_MONOTONIC);
 
         // its place in the books
@@ -143,16 +146,16 @@ void run(Simulation& simulation, Device& given, const LoopOptions& options, Loop
         books.misses = report.misses;
         books.misses_program = report.misses_program;
         for (TickHook* hook : options.hooks) hook->after(simulation, books);
-        if (device->finished()) break;
+        if (std::any_of(given.begin(), given.end(), [](const Device* device) { return device->finished(); })) break;
     }
 }
 
 }  // namespace
 
-LoopReport run_loop(Simulation& simulation, Device& device, const LoopOptions& options) {
+LoopReport run_loop(Simulation& simulation, const std::vector<Device*>& devices, const LoopOptions& options) {
     LoopReport report;
     try {
-        run(simulation, device, options, report);
+        run(simulation, devices, options, report);
     } catch (...) {
         throw;  // where nobody above catches, the stack would not be unwound, nor the device stopped
     }

@@ -32,10 +32,12 @@ struct LoopReport {
     std::vector<std::string> notices;  ///< what the machine did not allow
 };
 
-/// Ticks at an absolute rate until the time is up: device position in, simulation, device force out. A tick that comes
+/// Ticks at an absolute rate until the time is up, or one of the devices has no more to say: positions in, simulation, forces out; a device for each of the simulation's tools. A tick that comes
 /// so late that periods have ended is a miss for each of them, and takes the place of the period that it begins in; the
-/// schedule stays where it was. The force is zero and the device stopped before this returns or throws what the device's
-/// start(), set-up or a hook threw. A session that was asked to stop before it began does not start the device. A period whose tick is left out is none of the tissue's: it is neither made up for nor counted as lost. Throws MismatchError for a time that is none. Set-up and report are the caller's; nothing is printed here.
-LoopReport run_loop(Simulation& simulation, Device& device, const LoopOptions& options);
+/// schedule stays where it was. The forces are zero and the devices stopped before this returns or throws what a device's
+/// start(), set-up or a hook threw. A session that was asked to stop before it began does not start a device. A period whose tick is left out is none of the tissue's: it is neither made up for nor counted as lost. Throws MismatchError for a time that is none, and for
+/// more or fewer devices than tools. Set-up and report are the caller's; nothing is printed here.
+LoopReport run_loop(Simulation& simulation, const std::vector<Device*>& devices, const LoopOptions& options);
+inline LoopReport run_loop(Simulation& simulation, Device& device, const LoopOptions& options) { return run_loop(simulation, std::vector<Device*>{&device}, options); }
 
 }  // namespace tissue

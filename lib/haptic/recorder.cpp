@@ -10,52 +10,68 @@ constexpr std::size_t block_ticks = 1024;
 
 constexpr int of_tissue = -1;  ///< as many columns as the tissue has axes
 
-/// A dataset of real numbers: one row a tick, `axes` columns (0: none, a plain list).
-struct Numbers {
+/// A dataset of numbers of what `Of` says: one row a tick, `axes` columns (0: none, a plain list).
+template <class Of, class Number>
+struct Dataset {
     const char* name;
     int axes;
     const char *units, *description;
-    double (*value)(const RecordedTick&, int axis);
-};
-
-/// A dataset of whole numbers: one a tick.
-struct Integers {
-    const char *name, *description;
-    int (*value)(const RecordedTick&);
+    Number (*value)(const Of&, int axis);
 };
 
 double axis(const Point& p, int a) { return a < p.size() ? p[a] : 0; }
 
-const Numbers numbers[] = {
-    {"/time", 0, "s", "of each tick on the schedule", [](const RecordedTick& k, int) { return k.tick.time_s; }},
-    {"/device_position", 3, "m", "as the device gave it", [](const RecordedTick& k, int a) { return k.tick.device_m[a]; }},
-    {"/device_force", 3, "N", "as the device got it", [](const RecordedTick& k, int a) { return k.tick.device_N[a]; }},
-    {"/master", of_tissue, "m", "device position in the tissue's space", [](const RecordedTick& k, int a) { return axis(k.tick.master_m, a); }},
-    {"/proxy", of_tissue, "m", "on the surface while in contact", [](const RecordedTick& k, int a) { return axis(k.tick.proxy_m, a); }},
-    {"/contact_displacement", of_tissue, "m", "x_p - X_p of the learned mesh", [](const RecordedTick& k, int a) { return axis(k.tick.contact_displacement_m, a); }},
-    {"/coupling_force", of_tissue, "N", "k_C (x_p - x_m), before safety and force scale", [](const RecordedTick& k, int a) { return axis(k.tick.coupling_N, a); }},
-    {"/weight", 3, "1", "of the facet's nodes at the contact; of a segment the third is 0", [](const RecordedTick& k, int a) { return k.tick.weight[a]; }},
+const Dataset<RecordedTick, double> of_loop[] = {
+    {"/time", 0, "s", "of each tick on the schedule", [](const RecordedTick& k, int) { return k.time_s; }},
     {"/tick_us", 0, "us", "work of the tick", [](const RecordedTick& k, int) { return k.tick_us; }},
     {"/lateness_us", 0, "us", "start of the tick after its place on the schedule", [](const RecordedTick& k, int) { return k.lateness_us; }},
 };
 
-const Integers integers[] = {
-    {"/mesh", "pressed mesh, -1 none", [](const RecordedTick& k) { return k.tick.mesh; }},
-    {"/facet", "of the boundary, -1 none", [](const RecordedTick& k) { return k.tick.facet; }},
-    {"/set", "spring set with the largest share", [](const RecordedTick& k) { return k.tick.set; }},
-    {"/slipping", "1 where the contact went along the surface", [](const RecordedTick& k) { return k.tick.slipping ? 1 : 0; }},
-    {"/status", "0 done; without force: 1 the position was refused, 2 not yet outside, 3 folded, 4 diverged", [](const RecordedTick& k) { return static_cast<int>(k.tick.status); }},
-    {"/fault", "1 where the input was refused", [](const RecordedTick& k) { return k.tick.fault() ? 1 : 0; }},
-    {"/reset", "1 where every mesh was put to rest before the tick, by a reset from outside", [](const RecordedTick& k) { return k.tick.reset ? 1 : 0; }},
+const Dataset<RecordedTick, int> of_tissue_alone[] = {
+    {"/reset", 0, "", "1 where every mesh was put to rest before the tick, by a reset from outside", [](const RecordedTick& k, int) { return k.tool[0].reset ? 1 : 0; }},
+};
+
+const Dataset<TickRecord, double> of_tool[] = {
+    {"/device_position", 3, "m", "as the device gave it", [](const TickRecord& t, int a) { return t.device_m[a]; }},
+    {"/device_force", 3, "N", "as the device got it", [](const TickRecord& t, int a) { return t.device_N[a]; }},
+    {"/master", of_tissue, "m", "device position in the tissue's space", [](const TickRecord& t, int a) { return axis(t.master_m, a); }},
+    {"/proxy", of_tissue, "m", "on the surface while in contact", [](const TickRecord& t, int a) { return axis(t.proxy_m, a); }},
+    {"/contact_displacement", of_tissue, "m", "x_p - X_p of the learned mesh", [](const TickRecord& t, int a) { return axis(t.contact_displacement_m, a); }},
+    {"/coupling_force", of_tissue, "N", "k_C (x_p - x_m), before safety and force scale", [](const TickRecord& t, int a) { return axis(t.coupling_N, a); }},
+    {"/weight", 3, "1", "of the facet's nodes at the contact; of a segment the third is 0", [](const TickRecord& t, int a) { return t.weight[a]; }},
+};
+
+const Dataset<TickRecord, int> of_tool_whole[] = {
+    {"/mesh", 0, "", "pressed mesh, -1 none", [](const TickRecord& t, int) { return t.mesh; }},
+    {"/facet", 0, "", "of the boundary, -1 none", [](const TickRecord& t, int) { return t.facet; }},
+    {"/set", 0, "", "spring set with the largest share", [](const TickRecord& t, int) { return t.set; }},
+    {"/slipping", 0, "", "1 where the contact went along the surface", [](const TickRecord& t, int) { return t.slipping ? 1 : 0; }},
+    {"/status", 0, "", "0 done; without force: 1 the position was refused, 2 not yet outside, 3 folded, 4 diverged", [](const TickRecord& t, int) { return static_cast<int>(t.status); }},
+    {"/fault", 0, "", "1 where the input was refused", [](const TickRecord& t, int) { return t.fault() ? 1 : 0; }},
 };
 
 }  // namespace
 
-Recorder::Recorder(const std::string& file, int dimension, const Provenance& provenance, std::size_t ring)
-    : ring_(ring), dimension_(dimension), out_(file, "recording", provenance) {
+/// use(name, dataset, of): of(tick) is what the dataset's value is of.
+template <class Use>
+void Recorder::each_dataset(const Use& use) const {
+    const auto whole = [](const RecordedTick& k) -> const RecordedTick& { return k; };
+    for (const auto& d : of_loop) use(d.name, d, whole);
+    for (const auto& d : of_tissue_alone) use(d.name, d, whole);
+    for (int t = 0; t < tools_; ++t) {
+        const std::string group = recorded_tool(t);
+        const auto tool = [t](const RecordedTick& k) -> const TickRecord& { return k.tool[static_cast<std::size_t>(t)]; };
+        for (const auto& d : of_tool) use(group + d.name, d, tool);
+        for (const auto& d : of_tool_whole) use(group + d.name, d, tool);
+    }
+}
+
+const char* recorded_tool(int tool) { return tool == 0 ? "" : "/second"; }
+
+Recorder::Recorder(const std::string& file, int dimension, const Provenance& provenance, int tools, std::size_t ring)
+    : ring_(ring), dimension_(dimension), tools_(tools), out_(file, "recording", provenance) {
     block_.reserve(block_ticks);
-    for (const Numbers& n : numbers) out_.begin_rows(n.name, columns(n.axes), n.units, n.description);
-    for (const Integers& n : integers) out_.begin_rows(n.name, 0, "", n.description);
+    each_dataset([&](const std::string& name, const auto& d, const auto&) { out_.begin_rows(name, columns(d.axes), d.units, d.description); });
     thread_ = std::thread([this] { run(); });
 }
 
@@ -66,8 +82,9 @@ Recorder::~Recorder() {
 
 void Recorder::after(const Simulation& simulation, const TickBooks& books) noexcept {
     if (books.left_out) return;
-    RecordedTick row{simulation.record(), books.tick_us, books.lateness_us};
-    row.tick.time_s = books.time_s;
+    RecordedTick row;
+    for (int t = 0; t < tools_; ++t) row.tool[static_cast<std::size_t>(t)] = simulation.record(t);
+    row.time_s = books.time_s, row.tick_us = books.tick_us, row.lateness_us = books.lateness_us;
     push(row, !books.clock);
 }
 
@@ -92,19 +109,13 @@ void Recorder::drain() {
 
 void Recorder::write_block() {
     try {
-        std::vector<double> values;
-        for (const Numbers& n : numbers) {
-            values.clear();
+        each_dataset([&](const std::string& name, const auto& d, const auto& of) {
+            std::vector<decltype(d.value(of(block_[0]), 0))> values;
+            values.reserve(block_.size() * static_cast<std::size_t>(std::max(columns(d.axes), 1)));
             for (const RecordedTick& tick : block_)
-                for (int a = 0; a < std::max(columns(n.axes), 1); ++a) values.push_back(n.value(tick, a));
-            out_.append_rows(n.name, values);
-        }
-        std::vector<int> whole;
-        for (const Integers& n : integers) {
-            whole.clear();
-            for (const RecordedTick& tick : block_) whole.push_back(n.value(tick));
-            out_.append_rows(n.name, whole);
-        }
+                for (int a = 0; a < std::max(columns(d.axes), 1); ++a) values.push_back(d.value(of(tick), a));
+            out_.append_rows(name, values);
+        });
     } catch (...) {
         error_ = std::current_exception();
     }
@@ -120,19 +131,24 @@ void Recorder::run() {
     if (!error_) write_block();
 }
 
-void Recorder::close(const HapticModel& model) {
+void Recorder::close(const Simulation& simulation) {
     done_.store(true);
     if (thread_.joinable()) thread_.join();
     if (error_) std::rethrow_exception(error_);
+    const HapticModel& model = simulation.model();
     out_.write_texts("/set_names", model.set_names, "of the learned mesh");
     out_.attribute("/", "study", model.study);
     out_.attribute("/", "dropped_samples", static_cast<double>(dropped()));
-    out_.attribute("/", "force_scale", model.options.map.force_scale);
-    out_.attribute("/", "position_scale", model.options.map.scale);
     out_.attribute("/", "dt_s", model.options.dt_s);
     out_.attribute("/", "innovation", *model.options.innovation);
-    out_.attribute("/", "force_max_N", model.options.safety.force_max_N);
     for (const auto& mesh : model.meshes) out_.attribute("/", "dynamics_" + mesh->name, mesh->dynamics);
+    for (int t = 0; t < tools_; ++t) {
+        const std::string group = t == 0 ? "/" : recorded_tool(t);
+        const HapticOptions& options = simulation.options(t);
+        out_.attribute(group, "force_scale", options.map.force_scale);
+        out_.attribute(group, "position_scale", options.map.scale);
+        out_.attribute(group, "force_max_N", options.safety.force_max_N);
+    }
     out_.commit();
 }
 

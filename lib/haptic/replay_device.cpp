@@ -6,8 +6,10 @@
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
+#include <utility>
 
 #include "haptic/device_error.h"
+#include "haptic/recorder.h"
 #include "io/hdf5_store.h"
 
 namespace tissue {
@@ -29,14 +31,14 @@ std::vector<std::string> split(const std::string& line) {
 const DeviceKind ReplayDevice::kind = {
     "replay",
     {{"trajectory", "FILE", "", "of replay: CSV or a recording", true}},
-    [](const DeviceValues& v, const DeviceContext&) -> std::unique_ptr<Device> {
-        return std::make_unique<ReplayDevice>(v.at("trajectory"));
+    [](const DeviceValues& v, const DeviceContext& c) -> std::unique_ptr<Device> {
+        return std::make_unique<ReplayDevice>(v.at("trajectory"), c.tool);
     },
-    {}, 0, true};
+    {}, 0, true, true};
 
-ReplayDevice::ReplayDevice(const std::string& file) {
+ReplayDevice::ReplayDevice(const std::string& file, int tool) {
     const bool recording = file.size() > 3 && file.compare(file.size() - 3, 3, ".h5") == 0;
-    recording ? read_recording(file) : read_csv(file);
+    recording ? read_recording(file, tool) : read_csv(file);
     if (time_s_.empty()) throw DeviceError(file + ": holds no trajectory");
 }
 
@@ -73,12 +75,13 @@ void ReplayDevice::read_csv(const std::string& file) {
     }
 }
 
-void ReplayDevice::read_recording(const std::string& file) {
+void ReplayDevice::read_recording(const std::string& file, int tool) {
     const Hdf5Reader in(file, "recording");
+    const std::string of_tool = tool > 0 && in.has(recorded_tool(tool)) ? recorded_tool(tool) : "", places = of_tool + "/device_position", forces = of_tool + "/device_force";
     const Eigen::VectorXd time = in.vector("/time");
-    const NodeField position = in.field("/device_position"), force = in.field("/device_force");
+    const NodeField position = in.field(places), force = in.field(forces);
     if (position.rows() != time.size() || force.rows() != time.size() || position.cols() != 3 || force.cols() != 3)
-        in.refuse("/device_position", "does not have one row a tick");
+        in.refuse(places, "does not have one row a tick");
     const std::vector<int> reset = in.has("/reset") ? in.integers("/reset") : std::vector<int>(static_cast<std::size_t>(time.size()), 0);  // earlier programs' have none
     if (reset.size() != static_cast<std::size_t>(time.size())) in.refuse("/reset", "does not have one row a tick");
     for (Eigen::Index k = 0; k < time.size(); ++k) {
@@ -105,6 +108,7 @@ DeviceSample ReplayDevice::read(double time_s) noexcept {
     }
     if (!reference_N_.empty()) sample.measured_N = -reference_now();
     finished_ = next_ == time_s_.size();
+    answered_ = false;
     return sample;
 }
 
@@ -115,7 +119,10 @@ Eigen::Vector3d ReplayDevice::reference_now() const noexcept {
 }
 
 void ReplayDevice::write(const Eigen::Vector3d& force_N) noexcept {
-    if (reference_N_.empty()) return;
+    if (!std::exchange(answered_, true) && !reference_N_.empty()) compare(force_N);
+}
+
+void ReplayDevice::compare(const Eigen::Vector3d& force_N) noexcept {
     const Eigen::Vector3d reference = reference_now();
     const double error = (force_N - reference).norm();
     squared_error_ += error * error;

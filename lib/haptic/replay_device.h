@@ -16,8 +16,8 @@ class ReplayDevice final : public Device {
    public:
     static const DeviceKind kind;
 
-    /// Throws FileError with file, line and cause, DeviceError when there is nothing in it.
-    explicit ReplayDevice(const std::string& file);
+    /// tool: of a session, 0 or 1; it is played what a recording of two tools has of it. Throws FileError with file, line and cause, DeviceError when there is nothing in it.
+    explicit ReplayDevice(const std::string& file, int tool = 0);
 
     std::string name() const override { return kind.name; }
     DeviceSample read(double time_s) noexcept override;
@@ -29,15 +29,16 @@ class ReplayDevice final : public Device {
 
    private:
     Eigen::Vector3d reference_now() const noexcept;
+    void compare(const Eigen::Vector3d& force_N) noexcept;
     void read_csv(const std::string& file);
-    void read_recording(const std::string& file);
+    void read_recording(const std::string& file, int tool);
 
     std::vector<double> time_s_;
     std::vector<Eigen::Vector3d> position_m_, reference_N_;  ///< reference empty when the file has none
     std::vector<bool> reset_;  ///< before a row; empty when the file does not say
     std::size_t next_ = 1, passed_ = 0;  ///< row ahead, and rows whose reset has been told
     double share_ = 0;       ///< between next_ - 1 and next_
-    bool finished_ = false;
+    bool finished_ = false, answered_ = true;  ///< a force has come for the position read last; the zero at the end of a session is none
     double squared_error_ = 0, squared_reference_ = 0, largest_error_ = 0;
     long long compared_ = 0;
 };

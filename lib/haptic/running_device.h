@@ -21,8 +21,6 @@ class RunningDevice {
     RunningDevice(const RunningDevice&) = delete;
     RunningDevice& operator=(const RunningDevice&) = delete;
 
-    Device* operator->() const { return &device_; }
-
    private:
     void rest() noexcept {
         device_.write(Eigen::Vector3d::Zero());

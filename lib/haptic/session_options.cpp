@@ -96,23 +96,23 @@ const std::vector<SessionOption>& session_options() {
          "0.05 of spring sets is the paper's \"very small values\". With 0.17 an energy model comes to rest before a hand notices. Maxwell branches damp by themselves.", "0.05"},
         {"tool", "TOOL", any, everywhere, [](O& o) -> auto& { return o.tool; }, "tool that presses tissue in space: disc, disc:0.005, ball:0.004",
          "By default the disc that the model has. A model that was trained under discs of several radii plays with any disc between the smallest and the largest, and with a ball whose contact, when half of the ball is in, is between those radii. The contact of a ball grows as it goes in; the device's position is the point of the ball that touches. Other tools are refused. A model that relaxes refuses balls; a session that learns refuses every tool but its own disc."},
-        {"tools", "1", {1, most_tools, true, true}, interfaces, [](O& o) -> auto& { return o.tools; }, "how many devices press the tissue at once, each with a tool of its own",
-         "Two press an energy model without the heuristic mesh beside it. Both tools have the shape and size of option tool; map, friction and what is known of the device may be set for each. Tools nearer to each other than three radii hold nodes of the lattice in common: nothing is refused, and the error of the force is larger (RESULTS.md); nearer than two it was not measured. Whether a device can show the tissue is judged for one tool alone: near the other one the tissue is stiffer."},
+        {"tools", "1", {1, most_tools, true, true}, tissuectl_serve | interfaces, [](O& o) -> auto& { return o.tools; }, "how many devices press the tissue at once, each with a tool of its own",
+         "Two press an energy model without the heuristic mesh beside it; on the page of tissuectl serve two fingers lead them, or one stays in the tissue while the other presses. tissue-haptic has --second-device. Both tools have the shape and size of option tool; map, friction, limits and what is known of the device may be set for each. Tools nearer to each other than three radii hold nodes of the lattice in common: nothing is refused, and the error of the force is larger (RESULTS.md); nearer than two it was not measured. Whether a device can show the tissue is judged for one tool alone: near the other one the tissue is stiffer."},
         {"friction", "1", {0, inf, true, true}, everywhere | live, [](O& o) -> auto& { return o.friction.stick; }, "static friction coefficient between tool and tissue; inf: the tool never slips",
          "The paper's contact keeps its place, which is inf."},
         {"friction-slip", "1", {0, inf, true}, everywhere | live, [](O& o) -> auto& { return o.friction.slip; }, "kinetic friction coefficient, at most the static one",
          "Default: the static one. Refused without friction. \"default\" resets it."},
         {"heuristic", "yes|no", yes_no, everywhere, [](O& o) -> auto& { return o.heuristic_mesh; }, "a second mesh, Van Gelder's, beside the learned one",
          "Off by default in C and Python, whose programs have a scene of their own."},
-        {"force-max", "N", positive, everywhere, [](O& o) -> auto& { return o.safety.force_max_N; }, "largest force on the device",
+        {"force-max", "N", positive, everywhere | limits, [](O& o) -> auto& { return o.safety.force_max_N; }, "largest force on the device",
          "3.3 N is the limit of a Touch at its nominal position. An energy model's tissue gets no more, in tissue's newtons: where more would be needed the tool stays behind the hand. A session without a device, whose host reads the tissue's force, sets it high."},
-        {"slew", "N/s", positive, everywhere, [](O& o) -> auto& { return o.safety.slew_N_s; }, "fastest rise of force",
+        {"slew", "N/s", positive, everywhere | limits, [](O& o) -> auto& { return o.safety.slew_N_s; }, "fastest rise of force",
          "5000 N/s is five newtons a tick of 0.001 s, more than a Touch has. Force falls at once: where the tissue's rises faster than slew lets it, a hand that comes back quickly gets more energy than it gave, within the bound."},
-        {"speed-max", "m/s", positive, everywhere, [](O& o) -> auto& { return o.safety.speed_max_m_s; }, "a faster device is a fault: the position is refused, the force is zero",
+        {"speed-max", "m/s", positive, everywhere | limits, [](O& o) -> auto& { return o.safety.speed_max_m_s; }, "a faster device is a fault: the position is refused, the force is zero",
          "Hands at work stay below about 1 m/s."},
-        {"stale", "s", up_to_half_s, everywhere, [](O& o) -> auto& { return o.safety.stale_s; }, "an older position is a fault",
+        {"stale", "s", up_to_half_s, everywhere | limits, [](O& o) -> auto& { return o.safety.stale_s; }, "an older position is a fault",
          "In C and Python the age of a position is an argument of the tick, 0 by default."},
-        {"passivity", "yes|no", yes_no, everywhere, [](O& o) -> auto& { return o.safety.passivity; }, "passivity observer and controller",
+        {"passivity", "yes|no", yes_no, everywhere | limits, [](O& o) -> auto& { return o.safety.passivity; }, "passivity observer and controller",
          "lib/haptic/safety.h has the bound on energy that they keep."},
         {"force-scale", "1", positive, everywhere | live, [](O& o) -> auto& { return o.map.force_scale; }, "force on the device over force on the tissue", ""},
         {"scale", "1", positive, tissue_haptic | interfaces | live, [](O& o) -> auto& { return o.map.scale; }, "displacement in the tissue over displacement of the device", ""},
@@ -170,10 +170,10 @@ HapticOptions interface_options() {
     return options;
 }
 
-void set_option(HapticOptions& options, const std::string& name, const std::string& value, bool while_it_runs) {
+void set_option(HapticOptions& options, const std::string& name, const std::string& value, unsigned changeable) {
     for (const SessionOption& option : session_options()) {
         if (name != option.name) continue;
-        if (while_it_runs && !(option.where & live)) throw MismatchError(fmt::format("option '{}' stays as it was when the session began", name));
+        if (changeable != 0 && !(option.where & changeable)) throw MismatchError(fmt::format("option '{}' stays as it was when the session began", name));
         return option.set(options, value);
     }
     throw MismatchError(fmt::format("there is no option '{}'", name));

@@ -10,7 +10,7 @@
 namespace tissue {
 
 /// Where a session option exists. A set is a sum.
-enum Where : unsigned { tissue_haptic = 1, tissuectl_serve = 2, interfaces = 4 /* C and Python */, programs = 3, everywhere = 7, live = 8 /* may change while a session runs */ };
+enum Where : unsigned { tissue_haptic = 1, tissuectl_serve = 2, interfaces = 4 /* C and Python */, programs = 3, everywhere = 7, live = 8 /* may change while a session runs */, limits = 16 /* of a device: may change until the session's first tick */ };
 
 /// The values of an option: an interval of numbers, or a list of words. Infinity belongs to a range only where an end includes it.
 struct Allowed {
@@ -47,7 +47,10 @@ const std::vector<SessionOption>& session_options();
 /// What a session of C or Python begins with: no heuristic mesh, as their programs have a scene of their own, and a device that holds a force long enough for a host of 50 Hz whose clock strays by 5 ms.
 HapticOptions interface_options();
 
-/// One option by its name and as text. Throws MismatchError as SessionOption::set, for a name that there is not, and of a session that runs for one that is not `live`.
-void set_option(HapticOptions& options, const std::string& name, const std::string& value, bool while_it_runs = false);
+/// One option by its name and as text. changeable: of a session that exists, `live` or `live | limits`. Throws MismatchError as SessionOption::set, for a name that there is not, and for an option that is none of `changeable`.
+void set_option(HapticOptions& options, const std::string& name, const std::string& value, unsigned changeable = 0);
+
+/// What may still change of a session.
+inline unsigned changeable(const Simulation& session) { return session.counters().ticks > 0 ? live : live | limits; }
 
 }  // namespace tissue

@@ -80,6 +80,13 @@ void Simulation::change(const HapticOptions& given, int tool) {
     next.friction = given.friction;
     next.device = given.device;
     next.device.force_max_N = t.options.device.force_max_N;
+    const bool begun = counters_.ticks > 0;
+    if (!begun) {
+        const double hold_s = next.safety.hold_s, dt_s = next.safety.dt_s;
+        next.safety = given.safety;
+        next.safety.hold_s = hold_s, next.safety.dt_s = dt_s;
+        next.safety.force_max_N = std::min(next.safety.force_max_N, next.device.force_max_N);
+    }
     next.map.fit(model_.dimension());
     check_options(next);
     for (const auto& mesh : model_.meshes) check_device(next.device, next.map, next.dt_s, *mesh);
@@ -87,6 +94,7 @@ void Simulation::change(const HapticOptions& given, int tool) {
     t.friction.become(next.friction);
     const bool tool_stays = next.map.same_as(t.options.map);
     t.options = std::move(next);
+    if (!begun) t.safety = Safety(t.options.safety);
     t.show_no_more(on_law(t));
     if (tool_stays || !t.has_master) return;
     const Point now = t.options.map.to_tissue(t.device_m), moved = now - t.record.master_m;

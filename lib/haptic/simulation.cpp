@@ -161,13 +161,24 @@ int Simulation::steps_due(std::size_t m) noexcept {
     return steps;
 }
 
-Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s, double cost_s) noexcept {
+namespace {
+
+/// Of a caller who has one tool's sample: what the other tools have.
+struct OneSample {
+    explicit OneSample(const DeviceSample& sample) {
+        samples[0] = sample;
+        for (DeviceSample* other = samples + 1; other != samples + most_tools; ++other) other->valid = false;
+    }
     DeviceSample samples[most_tools];
     Eigen::Vector3d force_N[most_tools];
-    samples[0] = sample;
-    for (DeviceSample* other = samples + 1; other != samples + most_tools; ++other) other->valid = false;
-    tick(samples, force_N, elapsed_s, cost_s);
-    return force_N[0];
+};
+
+}  // namespace
+
+Eigen::Vector3d Simulation::tick(const DeviceSample& sample, double elapsed_s, double cost_s) noexcept {
+    OneSample one(sample);
+    tick(one.samples, one.force_N, elapsed_s, cost_s);
+    return one.force_N[0];
 }
 
 void Simulation::tick(const DeviceSample* samples, Eigen::Vector3d* force_N, double elapsed_s, double cost_s) noexcept {
@@ -291,20 +302,24 @@ Eigen::Vector3d Simulation::force_out(ToolState& t, double since_s) noexcept {
 }
 
 Eigen::Vector3d Simulation::stand_still(const DeviceSample& sample, double passed_s) noexcept {
+    OneSample one(sample);
+    stand_still(one.samples, one.force_N, passed_s);
+    return one.force_N[0];
+}
+
+void Simulation::stand_still(const DeviceSample* samples, Eigen::Vector3d* force_N, double passed_s) noexcept {
     const FlushDenormals mode;
-    if (sample.reset) reset();
-    DeviceSample silent;
-    silent.valid = false;
-    for (ToolState& t : tools_) {
+    if (std::any_of(samples, samples + tool_count(), [](const DeviceSample& s) { return s.reset; })) reset();
+    for (int k = 0; k < tool_count(); ++k) {
+        ToolState& t = of(k);
         if (t.safety.force_N().isZero(0))
             t.stood_s += passed_s;
-        else if (!t.safety.admit(&t == tools_.data() ? sample : silent, passed_s))
+        else if (!t.safety.admit(samples[k], passed_s))
             t.disarm(t.record.master_m);
         else
             t.safety.begin_way();  // or the next tick would take the way of both periods for its own
-        t.record.device_N = t.safety.stop();
+        force_N[k] = t.record.device_N = t.safety.stop();
     }
-    return record().device_N;
 }
 
 /// Surfaces to where the meshes are.

@@ -92,7 +92,7 @@ class Simulation {
     void restore(const std::byte* from, std::size_t size);
     int restores() const { return restores_; }  ///< so far
 
-    /// The options that may change while it runs (`live`, haptic/session_options.h), of these; between ticks. The device's limits stay. A change that moves the tool in the tissue by more than
+    /// The options that may change while it runs (`live`, haptic/session_options.h), of these; before the first tick also the device's limits (`limits`); between ticks. A change that moves the tool in the tissue by more than
     /// a hand does in a tick is a new start: it must be outside once. Each tool has its own. Throws MismatchError as HapticModel does, and changes nothing then.
     void change(const HapticOptions& options, int tool = 0);
     const HapticOptions& options(int tool = 0) const { return of(tool).options; }
@@ -123,6 +123,8 @@ class Simulation {
     /// In place of a tick: everything stays as it is, the tissue's time too, and no force goes out [N]. passed_s: since the last tick or call of this; a hand may go on meanwhile. The force of
     /// the last tick was on the hand until now: its energy is booked. Two things change all the same: a position that is refused counts and ends the contact, and a sample's reset puts the tissue to rest.
     Eigen::Vector3d stand_still(const DeviceSample& sample, double passed_s) noexcept;
+    /// The same of every tool: tool_count() samples and forces.
+    void stand_still(const DeviceSample* samples, Eigen::Vector3d* force_N, double passed_s) noexcept;
 
     // Of what belongs to a tool: which one, 0 to tool_count() - 1.
     int tool_count() const { return static_cast<int>(tools_.size()); }

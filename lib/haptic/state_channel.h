@@ -9,15 +9,20 @@
 
 namespace tissue {
 
-/// A copy of what one tick left behind, for another thread.
-struct TickState {
+/// What one tick left behind of a tool.
+struct ToolTick {
     TickRecord record;
-    TickBooks books;
     SafetyCounters safety;
+    std::vector<Point> contact_displacement_m;  ///< of each mesh at the contact, of a law the tool's own; 0 without one
+    Point proxy_m;                              ///< the record's; in contact with a law, on the surface as it is seen
+};
+
+/// A copy of what one tick left behind, for another thread: of the first tool, and of all.
+struct TickState : ToolTick {
+    ToolTick second;                                      ///< where the session has two tools
+    TickBooks books;
     HapticCounters counters;
     double rested_s = 0;                                  ///< when every mesh was last put to rest
-    std::vector<Point> contact_displacement_m;  ///< of each mesh at the contact, of a law the tool's own; 0 without one
-    Point proxy_m;                                        ///< the record's; in contact with a law, on the surface as it is seen
     std::vector<float> nodes_m;                           ///< place of every node as it is seen (Simulation::seen), D numbers each, mesh after mesh
 };
 

@@ -168,10 +168,11 @@ std::vector<Waypoint> press_motion(const Point& contact_m, const Point& inward,
 
 namespace {
 
-/// Of the surface nearest to the middle of the box's top.
+/// Of the surface nearest to the middle of the box's top, or to a point beside it.
 Aim middle_of_top(const MotionOptions& o) {
     Point top = (Aims::low(*o.rest) + Aims::high(*o.rest)) / 2;
     top[top.size() - 1] = Aims::high(*o.rest)[top.size() - 1];
+    top[0] += o.aside_m;
     const FreeSurface::Place place = FreeSurface(*o.rest).nearest(top);
     return {place.point_m, place.inward};
 }
@@ -227,6 +228,12 @@ std::string not_a_depth(const std::string& text) {
     return !text.empty() && *end == '\0' && depth > 0 && std::isfinite(depth) ? "" : "wanted a positive number, not " + text;
 }
 
+std::string not_a_length(const std::string& text) {
+    char* end = nullptr;
+    const double length = std::strtod(text.c_str(), &end);
+    return !text.empty() && *end == '\0' && std::abs(length) < 10 ? "" : "wanted a length, not " + text;
+}
+
 }  // namespace
 
 const std::vector<std::string>& motion_names() {
@@ -251,12 +258,13 @@ std::vector<Waypoint> make_motion(const MotionOptions& o) {
 const DeviceKind VirtualDevice::kind = {
     "virtual",
     {{"motion", "NAME", motions[0].name, fmt::format("of the virtual device: {}", fmt::join(motion_names(), ", ")), false, not_a_motion},
-     {"depth", "m", "0.01", "of the virtual device below the surface", false, not_a_depth}},
+     {"depth", "m", "0.01", "of the virtual device below the surface", false, not_a_depth},
+     {"aside", "m", "0", "where press, slide and sine are: from the middle of the top along the first axis", false, not_a_length}},
     [](const DeviceValues& v, const DeviceContext& c) -> std::unique_ptr<Device> {
-        const MotionOptions motion{v.at("motion"), c.seconds > 0 ? c.seconds : longest_motion_s, std::strtod(v.at("depth").c_str(), nullptr), c.seed, c.rest};
+        const MotionOptions motion{v.at("motion"), c.seconds > 0 ? c.seconds : longest_motion_s, std::strtod(v.at("depth").c_str(), nullptr), c.seed, c.rest, std::strtod(v.at("aside").c_str(), nullptr)};
         return std::make_unique<VirtualDevice>(make_motion(motion), c.map, true);
     },
-    {}, 10, true};
+    {}, 10, true, true};
 
 VirtualDevice::VirtualDevice(std::vector<Waypoint> motion, const DeviceMap& map, bool over_and_over) : motion_(std::move(motion)), map_(map) {
     if (motion_.empty()) throw MismatchError("a motion without waypoints");

@@ -22,6 +22,7 @@ struct MotionOptions {
     double depth_m = 0.010;              ///< of the tool below the surface at rest: the paper's smaller magnitude
     unsigned long seed = 2008;           ///< of poke
     const SpringMesh* rest = nullptr;    ///< the tissue
+    double aside_m = 0;                  ///< of press, slide and sine: from the middle of the top, along the first axis
 };
 
 /// A longer session plays its motion over and over.

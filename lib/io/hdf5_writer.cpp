@@ -37,13 +37,19 @@ hid_t checked_storage(const std::vector<std::size_t>& shape, std::size_t bytes_a
     return creation;
 }
 
+/// Groups on the way to a dataset are made.
+hid_t with_groups() {
+    const hid_t links = H5Pcreate(H5P_LINK_CREATE);
+    H5Pset_create_intermediate_group(links, 1);
+    return links;
+}
+
 void write_dataset(hid_t file, const std::string& name, const std::vector<std::size_t>& shape, hid_t memory_type,
                    const void* data, const std::string& units, const std::string& description,
                    const std::function<void(const char*)>& fail) {
     const std::vector<hsize_t> dimensions = to_hsize(shape);
     const Hdf5Handle space(H5Screate_simple(static_cast<int>(dimensions.size()), dimensions.data(), nullptr), H5Sclose);
-    const Hdf5Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
-    H5Pset_create_intermediate_group(links, 1);
+    const Hdf5Handle links(with_groups(), H5Pclose);
     const Hdf5Handle creation(checked_storage(shape, H5Tget_size(memory_type)), H5Pclose);
     const Hdf5Handle dataset(H5Dcreate2(file, name.c_str(), memory_type, space, links, creation, H5P_DEFAULT), H5Dclose);
     if (dataset.failed()) fail("cannot make the dataset");
@@ -128,8 +134,9 @@ void Hdf5Writer::begin_rows(const std::string& name, int columns, const std::str
     H5Pset_obj_track_times(creation, false);
     H5Pset_chunk(creation, rank, chunk);
     H5Pset_fletcher32(creation);
+    const Hdf5Handle links(with_groups(), H5Pclose);
     const Hdf5Handle dataset(H5Dcreate2(id_, name.c_str(), units.empty() ? H5T_NATIVE_INT : H5T_NATIVE_DOUBLE, space,
-                                    H5P_DEFAULT, creation, H5P_DEFAULT),
+                                    links, creation, H5P_DEFAULT),
                          H5Dclose);
     const auto fail = [&](const char* why) { throw FileError(fmt::format("{}: {}: {}", file_, name, why)); };
     if (dataset.failed()) fail("cannot make the dataset");

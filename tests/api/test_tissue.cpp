@@ -709,12 +709,16 @@ TEST_CASE("two tools tick at once in C as in the library, and calls are about on
     CHECK(tissue_tool_count(nullptr) == 0);
     REQUIRE(tissue_use_tool(session.s, 1) == TISSUE_OK);
     CHECK(tissue_set(session.s, "friction", "0.25") == TISSUE_OK);
+    CHECK(tissue_set(session.s, "force-max", "0.04") == TISSUE_OK);  // until the first tick
+    CHECK(tissue_set(session.s, "hold", "0.2") == TISSUE_BAD_ARGUMENT);
+    CHECK(tissue_set(session.s, "slew", "-1") == TISSUE_MISMATCH);
     HapticOptions options = interface_options();
     options.tools = 2;
     const HapticModel model(tissue, options);
     Simulation simulation(model);
     HapticOptions second = simulation.options(1);
     second.friction.stick = 0.25;
+    second.safety.force_max_N = 0.04;
     simulation.change(second, 1);
     const Eigen::Vector3d high = model.high_m, low = model.low_m, from(low.x() + 0.35 * (high - low).x(), (low + high).y() / 2, high.z() + 0.001), along(0.3 * (high - low).x(), 0, 0);
     double position_m[6], force_N[6];
@@ -745,6 +749,10 @@ TEST_CASE("two tools tick at once in C as in the library, and calls are about on
         CHECK(given_J < 0);
     }
     CHECK(simulation.friction(1).burnt_J() > 0);
+    CHECK(simulation.safety(0).counters().force_max_N > 0.06);
+    CHECK(simulation.safety(1).counters().force_max_N == Approx(0.04).epsilon(1e-6));
+    CHECK(tissue_set(session.s, "force-max", "0.2") == TISSUE_BAD_ARGUMENT);
+    CHECK(std::string(tissue_error()).find("'force-max' stays") != std::string::npos);
     // a fault of the second: the first goes on
     const double first_N = force_N[2];
     position_m[3] = std::nan("");

@@ -231,7 +231,7 @@ TEST_CASE("paused, nothing moves and no force goes out; afterwards the same cont
     CHECK(channel.state().safety.jump + channel.state().safety.bad_input == 0);
     stop.store(true);
     ticks.join();
-    recorder.close(model);
+    recorder.close(s);
     CHECK(Hdf5Reader(folder.file("s.h5"), "recording").vector("/time").size() == report.ticks);
 }
 

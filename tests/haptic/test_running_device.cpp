@@ -93,7 +93,7 @@ TEST_CASE("a device that fails in start() has no force on it and is stopped, whe
     {
         const RunningDevice running(device);
         CHECK(device.on);
-        running->write({2, 0, 0});
+        device.write({2, 0, 0});
     }
     CHECK(device.at_rest());
 }

@@ -147,11 +147,11 @@ TEST_CASE("a recorded session replays to the same forces, bit for bit", "[record
         Recorder recorder(folder.file("a.h5"), 2, {"test", 4, {}});
         for (int k = 0; k < 2000; ++k) {
             simulation.tick(hand.read(k * 1e-3));
-            RecordedTick row{simulation.record(), 1, 2};
-            row.tick.time_s = k * 1e-3;
+            RecordedTick row{{simulation.record()}, 0, 1, 2};
+            row.time_s = k * 1e-3;
             recorder.push(row);
         }
-        recorder.close(model);
+        recorder.close(simulation);
         CHECK(recorder.dropped() == 0);
         CHECK(simulation.safety().counters().force_max_N > 0.05);
     }
@@ -192,7 +192,7 @@ TEST_CASE("a recording of tissue that relaxes, with resets in it, replays to the
             books.time_s = k * 1e-3;
             recorder.after(simulation, books);
         }
-        recorder.close(model);
+        recorder.close(simulation);
         REQUIRE(recorder.dropped() == 0);
         CHECK(simulation.safety().counters().force_max_N > 0.05);
     }
@@ -241,13 +241,13 @@ TEST_CASE("a recording without a reset's column, of an earlier program, replays;
 TEST_CASE("a full ring drops samples and counts them, and the recording says so", "[recorder]") {
     const TemporaryFolder folder;
     const HapticModel model(haptic_example(), {});
-    Recorder recorder(folder.file("a.h5"), 2, {"test", 1, {}}, 16);
+    Recorder recorder(folder.file("a.h5"), 2, {"test", 1, {}}, 1, 16);
     for (int k = 0; k < 100000; ++k) {
         RecordedTick row;
-        row.tick.time_s = k;
+        row.time_s = k;
         recorder.push(row);
     }
-    recorder.close(model);
+    recorder.close(Simulation(model));
     const Hdf5Reader in(folder.file("a.h5"), "recording");
     CHECK(recorder.dropped() > 0);
     CHECK(in.number_attribute("/", "dropped_samples") == static_cast<double>(recorder.dropped()));
@@ -268,15 +268,15 @@ TEST_CASE("a recording is written as it goes: memory does not grow with the sess
     double begin = 0;
     for (int k = 0; k < batches * batch; ++k) {
         RecordedTick row;
-        row.tick.time_s = k;
-        row.tick.status = static_cast<TickStatus>(k % 5);
+        row.time_s = k;
+        row.tool[0].status = static_cast<TickStatus>(k % 5);
         recorder.push(row, true);
         if (k == 5 * batch) begin = resident();  // ring, block and HDF5's own buffers are there
     }
     const double grown = resident() - begin, taken = static_cast<double>((batches - 5) * batch) * sizeof(RecordedTick);
     const auto beside = static_cast<double>(std::filesystem::file_size(folder.file(folder.names().at(0))));
     CHECK_FALSE(std::filesystem::exists(folder.file("a.h5")));
-    recorder.close(model);
+    recorder.close(Simulation(model));
     const Eigen::VectorXd time = Hdf5Reader(folder.file("a.h5"), "recording").vector("/time");
     CHECK(recorder.dropped() == 0);
     CHECK(time.size() == batches * batch);
@@ -440,6 +440,61 @@ TEST_CASE("a session whose lines nobody reads writes its recording all the same"
     CHECK(std::system(("sh -c '" + command + "'").c_str()) == 0);
     for (int k = 0; k < 100 && !std::filesystem::exists(file); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(100));
     CHECK(Hdf5Reader(file, "recording").vector("/time").size() == 500);
+}
+
+TEST_CASE("tissue-haptic: two devices move two tools, each with options, ledger and recording of its own, which replay both", "[program][two]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("law.h5"), recording = folder.file("two.h5");
+    write_model(file, law_example(), {"test", 1, {}});
+    const std::string play = file + " --no-clock --json";
+    const Ended ended = run(folder, play + " --seconds 1.5 --motion press --aside -0.025 --depth 0.006 --second-device virtual --second-motion sine --second-aside 0.025 --second-depth 0.004 --second-force-scale 2 --second-force-max 0.05 --record " + recording);
+    INFO(ended.err);
+    REQUIRE(ended.status == 0);
+    const auto ledger = nlohmann::json::parse(ended.out);
+    CHECK(ledger["force_max_N"].get<double>() > 0.1);
+    CHECK(ledger["clamped"] == 0);
+    CHECK(ledger["details"]["force_scale"] == 1);
+    CHECK(ledger["second"]["device"] == "virtual");
+    CHECK(ledger["second"]["force_max_N"].get<double>() == Approx(0.05));
+    CHECK(ledger["second"]["clamped"].get<int>() > 100);
+    CHECK(ledger["second"]["details"]["force_scale"] == 2);
+    NodeField force[2];
+    {
+        const Hdf5Reader in(recording, "recording");
+        force[0] = in.field("/device_force"), force[1] = in.field("/second/device_force");
+        REQUIRE(force[0].rows() == 1500);
+        REQUIRE(force[1].rows() == 1500);
+        CHECK(force[0].row(1499).norm() > 0.1);
+        CHECK(in.field("/master")(1499, 0) < 0.03);
+        CHECK(in.field("/second/master")(800, 0) > 0.07);
+        CHECK(in.number_attribute("/second", "force_scale") == 2);
+        CHECK(in.number_attribute("/second", "force_max_N") == 0.05);
+    }
+    // what each device felt, felt again: seconds end before the recording, whose last row ends a replay
+    const Ended again = run(folder, play + " --device replay --trajectory " + recording + " --second-device replay --second-trajectory " + recording + " --second-force-scale 2 --second-force-max 0.05 --record " + folder.file("again.h5"));
+    INFO(again.err);
+    REQUIRE(again.status == 0);
+    const auto replayed = nlohmann::json::parse(again.out);
+    INFO(ended.out << again.out);
+    CHECK(replayed["details"]["device"]["reference_rms_N"].get<double>() > 0.02);
+    CHECK(replayed["details"]["device"]["reference_error_max_N"] == 0);
+    CHECK(replayed["second"]["details"]["device"]["reference_rms_N"].get<double>() > 0.01);
+    CHECK(replayed["second"]["details"]["device"]["reference_error_max_N"] == 0);
+    // what does not go together
+    const auto refused = [&](const std::string& arguments, int status) {
+        const Ended e = run(folder, file + arguments);
+        CHECK(e.status == status);
+        return e.err;
+    };
+    CHECK(refused(" --second-motion poke", 2).find("--second-device") != std::string::npos);
+    CHECK(refused(" --second-device replay", 2).find("needs --second-trajectory FILE") != std::string::npos);
+    CHECK(refused(" --second-device virtual --second-port 5001", 2).find("--second-port") != std::string::npos);
+    CHECK(refused(" --second-device virtual --second-friction -1", 2).find("friction must lie in") != std::string::npos);
+    CHECK(refused(" --second-device virtual --learn l.h5", 2).find("--second-device") != std::string::npos);
+    CHECK(refused(" --device openhaptics --second-device openhaptics", 2).find("one device openhaptics") != std::string::npos);
+    CHECK(refused(" --second-device virtual --second-device-mass 0.0001 --no-clock", 1).find("the second tool: the learned mesh is up to") != std::string::npos);
+    write_model(folder.file("sets.h5"), haptic_example(), {"test", 1, {}});
+    CHECK(run(folder, folder.file("sets.h5") + " --second-device virtual").err.find("two press an energy model alone") != std::string::npos);
 }
 
 TEST_CASE("a session lasts as long as its device, and of the virtual one ten seconds", "[program]") {

@@ -194,7 +194,7 @@ TEST_CASE("the demo finds a hidden tissue at rest when the model is: of the same
         if (k % 16 == 0) show.step(100 + 1e-3 * k);
         if (k == 9990) show.hear(1, R"({"type":"reset"})", 100 + 1e-3 * k);
         stage.channel().before(simulation);
-        const DeviceSample sample = stage.device().read(1e-3 * k);
+        const DeviceSample sample = stage.devices().front()->read(1e-3 * k);
         simulation.tick(sample);
         resets += simulation.record().reset;
         const Eigen::Vector2d own_N = -simulation.record().coupling_N, felt_N = stage.model().options.map.force_to_tissue(sample.measured_N).head(2);

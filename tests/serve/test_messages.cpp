@@ -65,6 +65,17 @@ TEST_CASE("what is no message is refused in a sentence that says why", "[serve]"
     CHECK(refused(std::string(500, '[') + std::string(500, ']')) == "a message is a JSON object");
 }
 
+TEST_CASE("a pointer says which tool it leads; the first where it says nothing", "[serve]") {
+    const auto tool_of = [](const std::string& tool) {
+        const auto parsed = parse_message(R"({"type":"pointer","x":0.05,"y":0.1,"down":true)" + tool + "}");
+        const PointerMessage* m = as<PointerMessage>(parsed);
+        return m ? m->tool : -1;
+    };
+    CHECK(tool_of("") == 0);
+    CHECK(tool_of(R"(,"tool":1)") == 1);
+    for (const char* wrong : {R"(,"tool":-1)", R"(,"tool":0.5)", R"(,"tool":"1")", R"(,"tool":1e9)"}) CHECK(tool_of(wrong) == -1);
+}
+
 TEST_CASE("whatever comes in, it is a message or a refusal: 20000 mutated and random texts", "[serve]") {
     const std::string seeds[] = {R"({"type":"pointer","x":0.05,"y":-1e-3,"down":true})", R"({"type":"pause","on":true})",
                                  R"({"type":"reset"})", R"({"type":"demo","place":-1})", R"({"type":"model","model":0})"};
@@ -108,7 +119,7 @@ TEST_CASE("what the page is told is JSON with the promised keys", "[serve]") {
     NodeField u(2, 2);
     u << 0.00123456789, -0.002, 0, 1e-9;
     CHECK(Json::parse(near_message(0, 0, {{0.01, u}}))["outline"] == Json::parse("[[0.01, [[0.0012346, -0.002], [0.0, 0.0]]]]"));
-    CHECK(Json::parse(control_message("you", true, -1)) == Json{{"type", "control"}, {"holder", "you"}, {"paused", true}, {"place", -1}});
+    CHECK(Json::parse(control_message("you", {"you", "other"}, true, -1)) == Json{{"type", "control"}, {"holder", "you"}, {"holders", {"you", "other"}}, {"paused", true}, {"place", -1}});
 }
 
 TEST_CASE("a Host is ours when it is an address in digits or localhost", "[serve]") {

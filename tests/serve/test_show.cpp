@@ -6,6 +6,7 @@
 #include "../../cli/serve/metrics.h"
 #include "../refusal.h"
 #include "../wait_for.h"
+#include "../solid_example.h"
 #include "error.h"
 #include "serve_example.h"
 
@@ -42,7 +43,7 @@ TEST_CASE("the first to put the pointer down holds the tissue until it lets go, 
     s.show->leave(1);
     CHECK(s.last_holder(2) == "nobody");
     CHECK_FALSE(s.show->hear(2, R"({"type":"demo","place":3})", s.now_s));
-    CHECK(s.heard[2].back() == Json({{"type", "control"}, {"holder", "demo"}, {"paused", false}, {"place", 3}}));
+    CHECK(s.heard[2].back() == Json({{"type", "control"}, {"holder", "demo"}, {"holders", {"demo"}}, {"paused", false}, {"place", 3}}));
     CHECK_FALSE(s.show->hear(2, R"({"type":"demo","place":99})", s.now_s));   // of another model: the first place
     CHECK(s.heard[2].back()["place"] == 1);
     CHECK(s.show->hear(2, R"({"type":"model","model":2})", s.now_s)->kind == std::string("message"));
@@ -118,6 +119,87 @@ TEST_CASE("models change on the running stage, counts go on, and a pause lasts",
     StageOptions wrong;
     wrong.haptic.sets = "best";
     CHECK(refusal<MismatchError>([&] { Stage({s.folder.file("a.h5")}, wrong); }).find("a.h5: spring sets 'best'") != std::string::npos);
+}
+
+TEST_CASE("two tools are led by one page or two, and a state has both", "[serve][two]") {
+    const bool solid = GENERATE(false, true);
+    const TemporaryFolder folder;
+    const std::string file = folder.file("law.h5");
+    write_model(file, solid ? solid_example() : law_example(), {"test", 1, {}});
+    StageOptions options;
+    options.realtime = false;
+    options.haptic.tools = 2;
+    options.haptic.heuristic_mesh = false;
+    Stage stage({file}, options);
+    std::map<int, Json> control, model;
+    Show show(stage, [&](int client, const std::string& text) {
+        const Json j = Json::parse(text);
+        if (j["type"] == "control") control[client] = j;
+        if (j["type"] == "model") model[client] = j;
+    });
+    const Point low = stage.model().low_m, high = stage.model().high_m;
+    const auto at = [&](double share, double deep_m) {
+        Point p = (low + high) / 2;
+        p[0] = low[0] + share * (high - low)[0];
+        p[p.size() - 1] = high[p.size() - 1] - deep_m;
+        return p;
+    };
+    double now_s = 100;
+    const auto point = [&](int client, int tool, const Point& p, bool down) {
+        Json said = {{"type", "pointer"}, {"x", p[0]}, {"y", p[1]}, {"down", down}, {"tool", tool}};
+        if (solid) said["z"] = p[2];
+        return show.hear(client, said.dump(), now_s);
+    };
+    show.join(1);
+    show.join(2);
+    CHECK(model[1]["tools"] == 2);
+    CHECK(control[1]["holders"] == Json({"demo", "nobody"}));
+    const Point left = at(0.3, 0.004), right = at(0.7, 0.004);
+    CHECK_FALSE(point(2, 1, right, true));  // the demo of the first ends
+    CHECK(control[2]["holders"] == Json({"nobody", "you"}));
+    CHECK((control[2]["holder"] == "you" && control[1]["holder"] == "other"));
+    CHECK_FALSE(point(1, 1, left, true));  // it is the other's
+    CHECK(control[1]["holders"] == Json({"nobody", "other"}));
+    CHECK_FALSE(point(1, 0, left, true));
+    CHECK(control[1]["holders"] == Json({"you", "other"}));
+    CHECK(point(1, 2, left, true)->reason == "no such tool");
+    CHECK_FALSE(show.hear(2, R"({"type":"pause","on":true})", now_s));
+    CHECK_FALSE(show.paused());
+
+    stage.start(nullptr);
+    const std::size_t own = solid ? 40 : 32;
+    const auto wait = [&](const auto& wanted) {
+        return wait_for([&] {
+            now_s += 0.002;
+            point(1, 0, left, true);
+            if (control[2]["holders"][1] == "you") point(2, 1, right, true);
+            show.step(now_s);
+            return !show.frame().head.empty() && wanted(show.frame().head);
+        });
+    };
+    CHECK(wait([&](const auto& head) { return head[13] == 0 && head[own] == 0 && std::abs(head[solid ? 36 : 19]) > 1e-3; }));
+    const double come_m = 2e-3;
+    CHECK(wait([&](const auto& head) { return std::abs(head[9] - left[0]) < come_m && std::abs(head[own + 2] - right[0]) < come_m; }));
+    const std::vector<double> head = show.frame().head;
+    CHECK(head.size() == own + (solid ? 18 : 12));
+    CHECK(head[own + 1] == 0);
+    const auto vector = [&](std::size_t k) {
+        Point p(solid ? 3 : 2);
+        p[0] = head[own + k], p[1] = head[own + k + 1];
+        if (solid) p[2] = head[own + 12 + (k - 2) / 2];
+        return p;
+    };
+    CHECK(vector(8)[low.size() - 1] < 0);  // it presses down
+    CHECK((vector(8) + vector(10)).norm() < 1e-6);
+    CHECK(vector(6)[low.size() - 1] < 0);
+    CHECK((vector(4) - vector(2)).norm() < 0.01);
+    CHECK_FALSE(point(2, 1, right, false));
+    CHECK(control[1]["holders"] == Json({"you", "nobody"}));
+    CHECK(wait([&](const auto& now) { return now[own] == -1 && now[13] == 0; }));
+    stage.stop();
+    CHECK(stage.counts().faults() == 0);
+    options.hidden = file;
+    CHECK(refusal<MismatchError>([&] { Stage({file}, options); }).find("--tools") == 0);
 }
 
 TEST_CASE("options of spring sets apply to the sets where an energy model is served beside them, and are refused where there are none", "[serve]") {

@@ -95,8 +95,8 @@ Options options_of(const py::kwargs& given) {
     return options;
 }
 
-HapticOptions with(HapticOptions options, const Options& given, bool while_it_runs) {
-    for (const auto& [name, value] : given) set_option(options, name, value, while_it_runs);
+HapticOptions with(HapticOptions options, const Options& given, unsigned changeable = 0) {
+    for (const auto& [name, value] : given) set_option(options, name, value, changeable);
     return options;
 }
 
@@ -108,6 +108,7 @@ std::string options_text() {
         std::replace(name.begin(), name.end(), '-', '_');
         text += "\n    " + name + " [" + option.unit + "]: " + option.meaning;
         if (option.where & live) text += "; may change while it runs";
+        if (option.where & limits) text += "; may change until the first tick";
         if (const std::string values = option.values(); !values.empty()) text += "; " + values;
         if (const std::string initial = option.initial(interfaces); !initial.empty()) text += "; default " + initial;
     }
@@ -451,7 +452,7 @@ ticks() between two ticks, press() between two contacts and next() between two p
 
     py::class_<Session>(m, "Simulation", "The running tissue: the tick of tissue-haptic, with its safety.")
         .def(py::init([](std::shared_ptr<TissueModel> model, const py::kwargs& given) {
-                 const HapticOptions options = with(interface_options(), options_of(given), false);
+                 const HapticOptions options = with(interface_options(), options_of(given));
                  const py::gil_scoped_release others_may;
                  check_options(options);  // before the model knows of one
                  if (!options.tool.is_default()) model = std::make_shared<TissueModel>(with_tool(*model, options.tool));
@@ -476,7 +477,7 @@ ticks() between two ticks, press() between two contacts and next() between two p
         .def("reset", [](Session& s) { alone(s, [&] { s.simulation.reset(); }); }, "The tissue to rest; the tool must be outside once before there is force again.")
         .def("set", [](Session& s, const py::kwargs& given) {
                  const Options options = options_of(given);
-                 alone(s, [&] { s.simulation.change(with(s.simulation.options(s.tool()), options, true), s.tool()); });
+                 alone(s, [&] { s.simulation.change(with(s.simulation.options(s.tool()), options, changeable(s.simulation)), s.tool()); });
              },
              "Options that may change while it runs, by name. A change that moves the tool by more than a hand does in a tick is a new start: it must be outside once.")
         .def("clutch", [](Session& s, bool on) { alone(s, [&] { s.simulation.clutch(on, s.tool()); }); }, py::arg("on"), "On: the hand moves and the tool stays, without force. Off: the tool goes on from there.")
