@@ -69,13 +69,14 @@ void touch_stack() noexcept {
     for (std::size_t k = 0; k < sizeof page; k += 1024) page[k] = 0;
 }
 
-void run(Simulation& simulation, const std::vector<Device*>& given, const LoopOptions& options, LoopReport& report) {
+/// given: so many devices.
+void run(Simulation& simulation, Device* const* given, std::size_t count, const LoopOptions& options, LoopReport& report) {
     if (!(options.seconds >= 0 && options.seconds <= longest_session_s)) throw MismatchError(fmt::format("a session lasts 0 to {:g} s, not {:g} s", longest_session_s, options.seconds));
     const int tools = simulation.tool_count();
-    if (given.size() != static_cast<std::size_t>(tools)) throw MismatchError(fmt::format("a session of {} tools has as many devices, not {}", tools, given.size()));
+    if (count != static_cast<std::size_t>(tools)) throw MismatchError(fmt::format("a session of {} tools has as many devices, not {}", tools, count));
     if (options.stop && options.stop->load(std::memory_order_relaxed)) return;
     std::optional<RunningDevice> running[most_tools];
-    for (int k = 0; k < tools; ++k) running[k].emplace(*given[static_cast<std::size_t>(k)]);
+    for (int k = 0; k < tools; ++k) running[k].emplace(*given[k]);
     DeviceSample samples[most_tools];
     Eigen::Vector3d force_N[most_tools];
     std::unique_ptr<RealtimeThread> realtime;
@@ -117,15 +118,15 @@ void run(Simulation& simulation, const std::vector<Device*>& given, const LoopOp
         books.left_out = !wanted;
         books.clock = options.clock;
         if (wanted) {
-            for (int k = 0; k < tools; ++k) samples[k] = given[static_cast<std::size_t>(k)]->read(time_s);
+            for (int k = 0; k < tools; ++k) samples[k] = given[k]->read(time_s);
             const long long ticked = now_ns(CLOCK_MONOTONIC);
             simulation.tick(samples, force_N, since_s, cost_s);
             if (options.clock) cost_s = 1e-9 * static_cast<double>(now_ns(CLOCK_MONOTONIC) - ticked);
         } else {
-            for (int k = 0; k < tools; ++k) samples[k] = given[static_cast<std::size_t>(k)]->stand_still(time_s);
+            for (int k = 0; k < tools; ++k) samples[k] = given[k]->stand_still(time_s);
             simulation.stand_still(samples, force_N, since_s);
         }
-        for (int k = 0; k < tools; ++k) given[static_cast<std::size_t>(k)]->write(force_N[k]);
+        for (int k = 0; k < tools; ++k) given[k]->write(force_N[k]);
         const long long ended = now_ns(CLOCK_MONOTONIC);
 
         // its place in the books
@@ -146,20 +147,29 @@ void run(Simulation& simulation, const std::vector<Device*>& given, const LoopOp
         books.misses = report.misses;
         books.misses_program = report.misses_program;
         for (TickHook* hook : options.hooks) hook->after(simulation, books);
-        if (std::any_of(given.begin(), given.end(), [](const Device* device) { return device->finished(); })) break;
+        if (std::any_of(given, given + tools, [](const Device* device) { return device->finished(); })) break;
     }
+}
+
+LoopReport reported(Simulation& simulation, Device* const* devices, std::size_t count, const LoopOptions& options) {
+    LoopReport report;
+    try {
+        run(simulation, devices, count, options, report);
+    } catch (...) {
+        throw;  // where nobody above catches, the stack would not be unwound, nor the device stopped
+    }
+    return report;
 }
 
 }  // namespace
 
 LoopReport run_loop(Simulation& simulation, const std::vector<Device*>& devices, const LoopOptions& options) {
-    LoopReport report;
-    try {
-        run(simulation, devices, options, report);
-    } catch (...) {
-        throw;  // where nobody above catches, the stack would not be unwound, nor the device stopped
-    }
-    return report;
+    return reported(simulation, devices.data(), devices.size(), options);
+}
+
+LoopReport run_loop(Simulation& simulation, Device& device, const LoopOptions& options) {
+    Device* const one = &device;
+    return reported(simulation, &one, 1, options);
 }
 
 }  // namespace tissue

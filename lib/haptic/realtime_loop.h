@@ -38,6 +38,6 @@ struct LoopReport {
 /// start(), set-up or a hook threw. A session that was asked to stop before it began does not start a device. A period whose tick is left out is none of the tissue's: it is neither made up for nor counted as lost. Throws MismatchError for a time that is none, and for
 /// more or fewer devices than tools. Set-up and report are the caller's; nothing is printed here.
 LoopReport run_loop(Simulation& simulation, const std::vector<Device*>& devices, const LoopOptions& options);
-inline LoopReport run_loop(Simulation& simulation, Device& device, const LoopOptions& options) { return run_loop(simulation, std::vector<Device*>{&device}, options); }
+LoopReport run_loop(Simulation& simulation, Device& device, const LoopOptions& options);
 
 }  // namespace tissue
