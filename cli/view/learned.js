@@ -20,18 +20,10 @@ export function take_learned(message) {
   recolour();
 }
 
-const lead = { title: $("title").textContent, lead: $("lead").textContent };
-const learning = {
-  title: "Learning while touching",
-  lead: "The tool touches two tissues at once: this one, trained on finite elements, and another that stays hidden. Whenever the hand holds still, " +
-    "the hidden one\u2019s force is a reading, and this tissue becomes more like it, where that reading can know.",
-};
-
 /** The scale of its colours, and the line of words about it. */
 export function prepare_learned() {
   $("learned_row").hidden = !model.learned;
   $("reading_text").hidden = !model.learns;
-  for (const id of ["title", "lead"]) say(id, (model.learns ? learning : lead)[id]);
   if (model.learns) say("reading_text", reading_words());
   if (!model.learned) return;
   const { factor, sd, pokes } = model.learned, least = smallest(factor), most = largest(factor), ring = model.dimension === 2 ? "; a ring is as wide as that is unsure" : "";

@@ -30,11 +30,24 @@ function heard(message) {
   show_controls();
 }
 
+const two_meshes = { title: $("title").textContent, lead: $("lead").textContent };
+const learning = {
+  title: "Learning while touching",
+  lead: "The tool touches two tissues at once: this one, trained on finite elements, and another that stays hidden. Whenever the hand holds still, " +
+    "the hidden one\u2019s force is a reading, and this tissue becomes more like it, where that reading can know.",
+};
+const two_tools = {
+  title: "Two tools, one tissue",
+  lead: "Two tools press a tissue that was learned from finite elements under one tool. Each feels what the other does to the tissue: the nearer they are, the more.",
+};
+
 function show_model(message) {
   let_all_go(false);   // what was held is another tissue
   take_model(message);
   group_places();
   prepare_learned();
+  const heading = model.learns ? learning : model.tools > 1 ? two_tools : two_meshes;
+  for (const id of ["title", "lead"]) say(id, heading[id]);
   show_stage();
   $("spring_set").parentElement.hidden = model.law;
   for (const id of ["stays_row", "help_second"]) $(id).hidden = model.tools < 2;

@@ -586,6 +586,64 @@ def error_map(page, program, model, folder, block):
         server.end()
 
 
+def two_tools(page, program, model, folder, block):
+    """A session of two tools: left in the tissue one after the other, led by two fingers, held by two pages."""
+    server = Server(program, [model], folder, "--tools", "2", "--no-realtime")
+    second = "(tissue.second && tissue.second.pressed === 0 ? Math.hypot(...tissue.second.force_N) : 0)"
+    left, right = block.top(0.3, 0.5), block.top(0.7, 0.5)
+    try:
+        page.resize(1360, 900)
+        page.open(server.url)
+        page.until("tissue.connected && tissue.solids !== null && tissue.states > 0")
+        check("a session of two tools says so", page.js("tissue.tools") == 2 and page.text("title") == "Two tools, one tissue" and page.js("tissue.solids.length") == 1)
+        set_depth(page, 4)
+        page.click("stays")
+        for at in (left, right):
+            page.mouse("Pressed", *at)
+            page.after(5)
+            page.mouse("Released", *at)
+            check("a tool stays in the tissue when the mouse lets go", page.until(f"{force if at is left else second} > 0.05", 20), page.js(f"[{force}, {second}]"))
+        page.after(60)
+        check("both press, and the page holds both", page.js(f"{force} > 0.05 && {second} > 0.05 && tissue.control.holders.join() === 'you,you'"), page.js(f"[{force}, {second}, tissue.control]"))
+        check("the second one's force is told", abs(float(page.text("second_force").split()[0]) - page.js(second)) < 0.02, [page.text("second_force"), page.js(second)])
+        check("under two tools nothing is compared", page.until("tissue.off_FE === null") and page.text("verdict").startswith("Two tools press"), page.text("verdict"))
+        check("each tool is where it was put", abs(page.js("tissue.second.tool_m[0]") - right[0]) < 3e-3, [page.js("tissue.second.tool_m"), right])
+        page.js("document.getElementById('space').focus()")
+        page.key("Escape")
+        check("Escape lets both go", page.until(f"{force} === 0 && {second} === 0 && tissue.control.holder === 'nobody'", 20), page.js("tissue.control"))
+        page.click("stays")
+
+        fingers = [dict(zip("xy", page.on_screen(*p)), id=k) for k, p in enumerate((left, right))]
+        page.cdp("Input.dispatchTouchEvent", type="touchStart", touchPoints=fingers[:1])
+        page.after(5)
+        page.cdp("Input.dispatchTouchEvent", type="touchStart", touchPoints=fingers)
+        check("two fingers on the solid press with both tools", page.until(f"{force} > 0.05 && {second} > 0.05", 20), page.js(f"[{force}, {second}, tissue.view.zoom]"))
+        check("and zoom nothing", page.js("tissue.view.zoom") == 1)
+        page.cdp("Input.dispatchTouchEvent", type="touchEnd", touchPoints=fingers[:1])
+        check("one lets go by itself", page.until(f"({second} > 0.05) !== ({force} > 0.05) && {second} * {force} === 0", 20), page.js(f"[{force}, {second}]"))
+        page.cdp("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+        page.until(free, 20)
+
+        other = Browser(flags=SOLID)
+        try:
+            other.open(server.url)
+            other.until("tissue.connected && tissue.solids !== null && tissue.states > 0")
+            page.mouse("Pressed", *left)
+            page.until(f"tissue.control.holder === 'you' && {force} > 0.05", 20)
+            check("another page is told that one tool is its own", other.until("tissue.control.holder === 'other'") and other.until(
+                "document.getElementById('notice').textContent.includes('The other one is yours')"), other.text("notice"))
+            other.mouse("Pressed", *right)
+            check("and presses with it", other.until(f"tissue.control.holders.join() === 'other,you' && {force} > 0.05 && {second} > 0.05", 20), other.js("tissue.control"))
+            page.mouse("Released", *left)
+            check("which goes on when the first lets go", other.until(f"{force} === 0 && {second} > 0.05", 20), other.js(f"[{force}, {second}]"))
+            other.mouse("Released", *right)
+            check("nothing was complained about", page.complaints() == [] and other.complaints() == [], [page.complaints(), other.complaints()])
+        finally:
+            other.end()
+    finally:
+        server.end()
+
+
 def main():
     program, *models = sys.argv[1:]
     block = Block(models[0])
@@ -614,6 +672,7 @@ def main():
             carried(page, program, models, folder, block)
             tumour(page, program, models[0], folder, block)
             error_map(page, program, models[0], folder, block)
+            two_tools(page, program, models[0], folder, block)
         finally:
             page.end()
             if server:
