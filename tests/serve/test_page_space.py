@@ -637,7 +637,8 @@ def two_tools(page, program, model, folder, block):
             page.mouse("Released", *left)
             check("which goes on when the first lets go", other.until(f"{force} === 0 && {second} > 0.05", 20), other.js(f"[{force}, {second}]"))
             other.mouse("Released", *right)
-            check("nothing was complained about", page.complaints() == [] and other.complaints() == [], [page.complaints(), other.complaints()])
+            complaints = page.complaints() + other.complaints()
+            check("nothing was complained about", complaints == [], complaints)
         finally:
             other.end()
     finally:

@@ -68,7 +68,7 @@ def model_of(places, **more):
     rim = [i for i in range(n)] + [j * n + CELLS for j in range(1, n)] + [CELLS * n + i for i in range(CELLS - 1, -1, -1)] + [j * n for j in range(CELLS - 1, 0, -1)]
     meshes = [{"name": name, "nodes_m": nodes_of(m), "fixed": list(range(n)), "springs": springs, "stiffness_N_m": [1] * len(springs), "outline": rim}
               for m, name in enumerate(("learned", "heuristic"))]
-    return {"type": "model", "study": "made", "models": ["made"], "model": 0, "dimension": 2, "law": True, "dt_s": 0.001, "force_max_N": 3, "force_scale": 1,
+    return {"type": "model", "study": "made", "models": ["made"], "model": 0, "dimension": 2, "law": True, "tools": 1, "dt_s": 0.001, "force_max_N": 3, "force_scale": 1,
             "dynamics": {"learned": "implicit", "heuristic": "implicit"}, "node_count": n * n, "spring_count": len(springs), "low_m": [0, 0],
             "high_m": [APART + SIZE, SIZE], "meshes": meshes, "places": places, "demo": 0, **more}
 
@@ -94,7 +94,7 @@ class Page:
         self.browser.js("socket.text(arguments[0])", message)
 
     def control(self, holder="nobody", paused=False, place=-1):
-        self.say({"type": "control", "holder": holder, "paused": paused, "place": place})
+        self.say({"type": "control", "holder": holder, "holders": [holder], "paused": paused, "place": place})
 
     def states(self, count, moved=((0, 0), (0, 0)), force=(0, 0), pressed=0, where=0, contact=(0, 0.05), shift=None, gap=1 / 60, tool=(-0.03, 0.05)):
         """So many states of a tool that stands still, at `tool` where nothing is pressed; shift: by node of the heuristic mesh, m."""
