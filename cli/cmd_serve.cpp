@@ -44,7 +44,7 @@ void run(const Options& o, Provenance provenance) {
         journal = std::make_unique<Journal>(o.journal, stage.model().dimension());
         stage.lesson()->also_tell([&journal](const Learner::Line& line) { journal->add(line); });
     }
-    outlive_readers();
+    ignore_broken_pipes();
     std::cerr << describe("tissuectl serve", stage.simulation(), stage.pointers());
     std::cerr << "tissuectl serve: " << server.url() << std::endl;
     stage.start(recorder.get());
@@ -128,7 +128,7 @@ void add_serve(CLI::App& app, const Invocation& invocation) {
     add_haptic_options(*command, tissuectl_serve, o->choices);
     command->callback([o, &invocation] {
         settle(*o);
-        if (o->choices.haptic.tools > 1) o->choices.haptic.heuristic_mesh = false;  // nothing is played beside the tissue that two tools press
+        o->choices.press_with(o->choices.haptic.tools);
         check(o->choices);
         run(*o, {invocation.command, 0, {}});
     });

@@ -9,13 +9,13 @@
 namespace tissue::cli {
 namespace {
 
-/// What `act` refuses is a wrong command line.
+/// What `act` refuses is a wrong command line. of: what it is about, before the line.
 template <class Act>
-void or_usage(Act act) {
+void or_usage(Act act, const std::string& of = "") {
     try {
         act();
     } catch (const MismatchError& e) {
-        throw CLI::ValidationError(one_line(e.what()));
+        throw CLI::ValidationError(of + one_line(e.what()));
     }
 }
 
@@ -42,16 +42,11 @@ CLI::Option* add_number(CLI::App& app, const char* name, std::optional<double>& 
 
 namespace {
 
-/// set(text): takes a value.
+/// --NAME VALUE. set(text): takes a value.
 template <class Set>
-CLI::Option* add_row(CLI::App& app, const SessionOption& row, const std::string& prefix, const std::string& initial, const std::string& meaning, const Set& set) {
-    if (row.is_switch()) {
-        const bool on = initial == "yes";
-        return app.add_flag_callback(fmt::format("--{}{}{}", prefix, on ? "no-" : "", row.name), [set, on] { set(on ? "no" : "yes"); }, meaning);
-    }
-    const std::string name = fmt::format("--{}{}", prefix, row.name);
-    CLI::Option* option = row.is_list() ? app.add_option_function<std::vector<std::string>>(name, [set](const auto& words) { set(fmt::format("{}", fmt::join(words, " "))); }, meaning)->expected(2, 3)
-                                        : app.add_option_function<std::string>(name, set, meaning);
+CLI::Option* add_option(CLI::App& app, const SessionOption& row, const std::string& name, const std::string& meaning, const Set& set) {
+    CLI::Option* option = row.is_list() ? app.add_option_function<std::vector<std::string>>("--" + name, [set](const auto& words) { set(fmt::format("{}", fmt::join(words, " "))); }, meaning)->expected(2, 3)
+                                        : app.add_option_function<std::string>("--" + name, set, meaning);
     return option->type_name(row.unit);
 }
 
@@ -61,10 +56,15 @@ void add_haptic_options(CLI::App& app, Where program, HapticChoices& choices) {
     HapticOptions& haptic = choices.haptic;
     for (const SessionOption& row : session_options()) {
         if (!(row.where & program)) continue;
-        const std::string initial = row.initial(program), values = row.values();
-        const std::string meaning = (row.is_switch() && initial == "yes" ? "turn off: " : "") + row.meaning + (row.is_switch() || values.empty() ? "" : row.is_number() ? ", " + values : ": " + values) + "\n" + row.more;
-        CLI::Option* option = add_row(app, row, "", initial, meaning, [&row, &haptic](const std::string& text) { or_usage([&] { row.set(haptic, text); }); });
-        if (!row.is_switch()) option->default_str(initial);
+        const auto set = [&row, &haptic](const std::string& text) { or_usage([&] { row.set(haptic, text); }); };
+        const std::string initial = row.initial(program), more = "\n" + row.more;
+        if (row.is_switch()) {
+            const bool on = initial == "yes";
+            app.add_flag_callback(fmt::format("--{}{}", on ? "no-" : "", row.name), [set, on] { set(on ? "no" : "yes"); }, (on ? "turn off: " : "") + row.meaning + more);
+            continue;
+        }
+        const std::string values = row.values();
+        add_option(app, row, row.name, row.meaning + (values.empty() ? "" : row.is_number() ? ", " + values : ": " + values) + more, set)->default_str(initial);
     }
     app.add_flag("--no-realtime", choices.no_realtime, "do not ask for SCHED_FIFO and locked memory");
 }
@@ -72,13 +72,19 @@ void add_haptic_options(CLI::App& app, Where program, HapticChoices& choices) {
 void add_second_options(CLI::App& app, Where program, CLI::Option* needed, HapticChoices& choices) {
     for (const SessionOption& row : session_options()) {
         if (!(row.where & program) || !(row.where & (live | limits))) continue;
-        const auto set = [&row, &choices](const std::string& text) {
+        const std::string name = std::string("second-") + row.name;
+        const auto set = [&row, &choices, name](const std::string& text) {
             HapticOptions tried;
-            or_usage([&] { row.set(tried, text); });
+            or_usage([&] { row.set(tried, text); }, "--" + name + ": ");
             choices.of_second.emplace_back(&row, text);
         };
-        add_row(app, row, "second-", row.initial(program), fmt::format("{}as --{}, whose value is the default", row.is_switch() && row.initial(program) == "yes" ? "turn off: " : "", row.name), set)->needs(needed)->group(second_tool);
+        add_option(app, row, name, "as of the first tool, whose value is the default", set)->needs(needed)->group(second_tool);
     }
+}
+
+void HapticChoices::press_with(int tools) {
+    haptic.tools = tools;
+    if (tools > 1) haptic.heuristic_mesh = false;
 }
 
 HapticOptions HapticChoices::second() const {
@@ -88,10 +94,8 @@ HapticOptions HapticChoices::second() const {
 }
 
 void check(const HapticChoices& choices) {
-    or_usage([&] {
-        check_options(choices.haptic);
-        check_options(choices.second());
-    });
+    or_usage([&] { check_options(choices.haptic); });
+    if (!choices.of_second.empty()) or_usage([&] { check_options(choices.second()); }, "the second tool: ");
 }
 
 std::string options_page() {

@@ -16,6 +16,7 @@ struct HapticChoices {
     bool no_realtime = false;
     std::vector<std::pair<const SessionOption*, std::string>> of_second;  ///< what a second tool has otherwise, as it was given
 
+    void press_with(int tools);  ///< two press the learned mesh alone
     HapticOptions second() const;
 };
 
@@ -26,7 +27,7 @@ void add_haptic_options(CLI::App& app, Where program, HapticChoices& choices);
 void add_second_options(CLI::App& app, Where program, CLI::Option* needed, HapticChoices& choices);
 
 /// Where help lists them.
-inline const char* const second_tool = "Second tool: each as the option without second-";
+inline const char* const second_tool = "Second tool: each as the option without second-, yes or no in place of a flag";
 
 /// After parsing. Throws CLI::ValidationError for numbers that no model takes (check_options).
 void check(const HapticChoices& choices);

@@ -8,7 +8,7 @@
 namespace tissue::cli {
 
 /// The reader of the program's output may exit before its files are closed.
-inline void outlive_readers() {
+inline void ignore_broken_pipes() {
     std::signal(SIGPIPE, SIG_IGN);
 }
 

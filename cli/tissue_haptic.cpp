@@ -17,7 +17,6 @@
 #include <csignal>
 #include <filesystem>
 #include <iostream>
-#include <limits>
 #include <memory>
 #include <optional>
 
@@ -31,6 +30,7 @@
 #include "haptic/learner.h"
 #include "haptic/realtime_loop.h"
 #include "haptic/recorder.h"
+#include "haptic/remote_device.h"
 #include "haptic/virtual_device.h"
 #include "eval/truth_in_motion.h"
 #include "haptic_options.h"
@@ -132,7 +132,6 @@ std::string told(const Learner::Line& line) {
 void begin_second(const Options& o, Simulation& simulation) {
     HapticOptions second = o.choices.second();
     second.device = stricter(second.device, device_kinds().at(o.device[1].kind)->impedance);
-    second.safety.force_max_N = std::min(second.safety.force_max_N, second.device.force_max_N);
     try {
         simulation.change(second, 1);
     } catch (const MismatchError& e) {
@@ -141,7 +140,7 @@ void begin_second(const Options& o, Simulation& simulation) {
 }
 
 void run(const Options& o, Provenance provenance) {
-    cli::outlive_readers();
+    cli::ignore_broken_pipes();
     HapticOptions haptic = o.choices.haptic;
     TissueModel tissue = read_model(o.model);
     const double own_m = tissue.energy_law ? tissue.energy_law->disc_radius_m : 0;
@@ -149,10 +148,6 @@ void run(const Options& o, Provenance provenance) {
     tissue = with_tool(std::move(tissue), tool);
     if (o.check.empty()) haptic.device = stricter(haptic.device, device_kinds().at(o.device[0].kind)->impedance);
     else haptic.safety.force_max_N = 1e3;  // no device holds the tool back
-    if (o.tools() > 1) {
-        haptic.tools = o.tools();
-        haptic.heuristic_mesh = false;  // nothing is played beside the tissue that two tools press
-    }
     std::unique_ptr<Adaptation> adaptation;
     if (!o.learn.empty()) {
         if (!tool.is_default()) throw MismatchError("--tool: a model that learns while it plays has its own disc");
@@ -235,11 +230,11 @@ void add_options(CLI::App& app, Options& o) {
         ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember(device_kinds().names())));
     CLI::Option* second = app.add_option("--second-device", o.device[1].kind, "a second tool, moved by a device of its own; of an energy model")
         ->type_name("NAME")->check(quiet(CLI::IsMember(device_kinds().names())))->group(cli::second_tool);
-    add_number(app, "--seconds", o.seconds, "s", "how long; 0: until the device ends or a signal comes. Default: 10 of device virtual, else 0")->check(quiet(CLI::Range(0.0, longest_session_s)));
+    add_number(app, "--seconds", o.seconds, "s", "how long; 0: until a device ends or a signal comes. Default: 10 where every device is virtual, else 0")->check(quiet(CLI::Range(0.0, longest_session_s)));
     app.add_flag("--json", o.json, "print the ledger as JSON");
     app.add_flag("--no-clock", o.no_clock, "ticks follow one another without waiting for the clock, and none is missed; --seconds are the tissue's. Of scripted motions, virtual and replay");
     app.add_option("--record", o.record, "HDF5 file for every tick")->type_name("FILE");
-    app.add_option("--seed", o.seed, "of poke")->type_name("integer")->capture_default_str();
+    app.add_option("--seed", o.seed, "of poke and probe; a second device has the next one")->type_name("integer")->capture_default_str();
     for (int t = 0; t < most_tools; ++t)
         for (const DeviceKind* kind : device_kinds().kinds())
             for (const DeviceOption& option : kind->options) {
@@ -267,11 +262,11 @@ void add_options(CLI::App& app, Options& o) {
 }
 
 void finish(Options& o, const CLI::App& app) {
-    double seconds = std::numeric_limits<double>::infinity();
+    bool ends = true;  // by itself, with every device
     for (int t = 0; t < o.tools(); ++t) {
         const auto& [name, values] = o.device[t];
         const DeviceKind& own = *device_kinds().at(name);
-        seconds = std::min(seconds, own.seconds);
+        ends = ends && own.seconds > 0;
         for (const DeviceKind* kind : device_kinds().kinds())
             for (const DeviceOption& option : kind->options)
                 if (kind->name != name && app.count(prefix[t] + option.name) > 0) throw CLI::ValidationError(prefix[t] + option.name, fmt::format("is of device {}, not of {}", kind->name, name));
@@ -281,7 +276,10 @@ void finish(Options& o, const CLI::App& app) {
         if (o.no_clock && !own.scripted) throw CLI::ValidationError("--no-clock", "device " + name + " moves by the clock");
         if (t > 0 && !own.several && name == o.device[0].kind) throw CLI::ValidationError("--second-device", fmt::format("a session has one device {} at most", name));
     }
-    if (!o.seconds) o.seconds = seconds;
+    if (o.tools() > 1 && o.device[0].kind == o.device[1].kind && o.device[0].values.at("port") == o.device[1].values.at("port") && o.device[0].kind == RemoteDevice::kind.name)
+        throw CLI::ValidationError("--second-port", "is the first device's: each listens on a port of its own");
+    if (!o.seconds) o.seconds = ends ? device_kinds().at(o.device[0].kind)->seconds : 0;
+    o.choices.press_with(o.tools());
     cli::check(o.choices);
 }
 

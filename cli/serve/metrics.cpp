@@ -44,13 +44,13 @@ std::string metrics_text(const Show& show, const Traffic& traffic) {
     page.single("ticks_total", "counter", "Ticks of the simulation.", c.ticks);
     page.single("misses_total", "counter", "Periods that ended before their tick was done.", c.misses);
     page.single("misses_program_total", "counter", "Misses in which the tick itself used a whole period of processor time.", c.misses_program);
-    page.single("clamped_total", "counter", "Ticks at the largest force.", c.clamped);
+    page.single("clamped_total", "counter", "Ticks of a tool at the largest force.", c.clamped);
     page.single("slewed_total", "counter", "Ticks whose force would have risen too fast.", c.slewed);
     page.single("damped_total", "counter", "Ticks in which the passivity controller was at work.", c.damped);
     page.single("capped_total", "counter", "Ticks whose force was cut to what the bound on energy leaves.", c.capped);
     page.single("late_total", "counter", "Ticks so late that a device would have let go of the force.", c.late);
     page.single("lost_seconds_total", "counter", "Time that passed and that the tissue did not go through.", c.lost_s);
-    page.metric("faults_total", "counter", "Refused positions of the pointer.");
+    page.metric("faults_total", "counter", "Refused positions of the pointers.");
     page.value("faults_total", "{kind=\"not_finite\"}", c.not_finite);
     page.value("faults_total", "{kind=\"jump\"}", c.jumps);
     page.value("faults_total", "{kind=\"stale\"}", c.stale);

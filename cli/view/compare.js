@@ -93,7 +93,7 @@ function against_fe(sample, mesh) {
 /** The samples of this press at this contact over the time that is averaged, newest first. */
 function recent() {
   const last = samples.length - 1, now = samples[last].time, contact = model.places[samples[last].place].contact_m, all = [];
-  for (let s = last; s >= 0 && samples[s].pressed && samples[s].time > now - AVERAGED; s--) {
+  for (let s = last; s >= 0 && samples[s].pressed && samples[s].alone && samples[s].time > now - AVERAGED; s--) {
     const place = model.places[samples[s].place];
     if (!place || place.contact_m.some((x, a) => x !== contact[a])) break;
     all.push(samples[s]);
@@ -120,7 +120,7 @@ function judged(recent_samples, mesh) {
  *  place, distance and askew, of the nearest known contact, in both. */
 export function comparison() {
   if (!state) return { why: "idle" };
-  if (pressed_by(1) >= 0) return { why: `${state.v[IN.pressed] < 0 ? "The second tool presses" : "Two tools press"}: finite elements were solved under the first one alone, so nothing is compared.` };
+  if (pressed_by(1) >= 0) return { why: `${state.v[IN.pressed] < 0 ? "The second tool presses" : "Two tools press"}: finite elements were solved under one tool, so nothing is compared.` };
   if (state.v[IN.pressed] < 0) return { why: "idle" };
   const k = state.v[IN.place], place = model.places[k];
   if (!place) return { why: "No known contact is near, so there is nothing to compare with." };

@@ -1,4 +1,5 @@
 // The row of controls, and the line under it.
+import { let_all_go, own_hands } from "./hand.js";
 import { title, way_of } from "./places.js";
 import { control, is_solid, model, relaxes } from "./state.js";
 import { is_open, socket, tell } from "./transport.js";
@@ -43,7 +44,7 @@ function list_ways() {
 }
 
 export function show_controls() {
-  const open = is_open(), other = control.holder === "other";
+  const open = is_open(), other = control.holders.includes("other"), own = control.holders.includes("you");
   const line = $("connection");
   line.dataset.state = open ? "open" : socket.at ? "waiting" : "lost";
   document.body.dataset.connection = open ? "open" : socket.tries > 0 ? "lost" : "waiting";
@@ -57,7 +58,8 @@ export function show_controls() {
   else if (!open && socket.tries > 0) [kind, text] = ["bad", "The server does not answer. Trying again."];
   else if (!open) text = "";
   else if (control.paused) text = "Paused: time stands still.";
-  else if (other && control.holders.includes("nobody")) [kind, text] = ["held", "Another visitor presses with one tool. The other one is yours."];
+  else if (other && own) [kind, text] = ["held", "You hold one tool, another visitor the other. The buttons wait until they let go."];
+  else if (other && control.holders.includes("nobody")) [kind, text] = ["held", "Another visitor presses with one tool. You can press with the other one."];
   else if (other) [kind, text] = ["held", "Another visitor holds the tissue. You are watching; it is yours as soon as they let go."];
   else if (control.holder === "demo")
     text = `Demo${model.places[control.place] ? `: ${title(control.place)}` : ""}. ${is_solid() ? "Press a solid" : "Drag into a mesh"} to take over.` +
@@ -75,11 +77,14 @@ export const calm = () => still.matches && control.holder === "demo" && !asked;
 $("controls").addEventListener("submit", event => event.preventDefault());
 $("model").addEventListener("change", () => tell({ type: "model", model: Number($("model").value) }));
 const play = () => {
+  let_all_go();
   asked = true;
   tell({ type: "demo", place: Number($("way").value) });
 };
-$("contact").addEventListener("change", () => { list_ways(); play(); });
-$("way").addEventListener("change", play);
+/** The demo at what has been chosen; but not while a tool is in the tissue, which the keyboard presses there next to. */
+const show_it = () => { if (!own_hands().some(hand => hand.down)) play(); };
+$("contact").addEventListener("change", () => { list_ways(); show_it(); });
+$("way").addEventListener("change", show_it);
 $("demo").addEventListener("click", play);
 $("pause").addEventListener("click", () => tell({ type: "pause", on: !control.paused }));
 $("reset").addEventListener("click", () => tell({ type: "reset" }));

@@ -31,11 +31,11 @@ const unpressed = left => ({ felt: nothing_felt(model.relaxation), left, largest
 function on(mesh, dt, sample, m) {
   const { share, tau_s } = model.relaxation;
   let left = mesh.left.map((part, k) => part * Math.exp(-dt / tau_s[k]));
-  if (!sample.pressed) {   // whoever lets go leaves his memory behind
+  if (!sample.pressed) {   // whoever lets go leaves his memory behind, and a second tool that presses its own
     const parts = later(model.relaxation, mesh.felt, dt, 0).parts;
-    return unpressed(left.map((part, k) => part + Math.abs(parts[k])));
+    return unpressed(left.map((part, k) => Math.max(part + Math.abs(parts[k]), sample.alone ? 0 : share[k] * model.strongest_N)));
   }
-  const now = at_once(sample.place, sample.moved[m]), force = norm(sample.force);
+  const now = sample.alone ? at_once(sample.place, sample.moved[m]) : { shown: NaN, felt: null }, force = norm(sample.force);
   const strength = Math.max(mesh.largest, Number.isFinite(force) ? force : model.strongest_N);
   const felt = later(model.relaxation, mesh.felt, dt, now.felt === null ? mesh.felt.at_once : now.felt);
   if (now.felt === null) left = left.map((part, k) => Math.max(part, share[k] * strength));   // where finite elements were not

@@ -1,9 +1,11 @@
 // Holding the tissue, with one tool or two: whoever leads a hand, it is told to the server at most once a frame.
-import { control, hands, look, model } from "./state.js";
+import { control, hands, look, model, state, vector_of } from "./state.js";
 import { is_open, tell } from "./transport.js";
+import { add, norm } from "./vectors.js";
 import { $ } from "./words.js";
 
 const ALIVE = 500;                  // ms, between words while the hand rests
+const LONGEST = 60e3;               // ms that a tool stays in the tissue by itself: others wait for it
 
 function say_where(hand, down) {
   const [x, y, z] = hand.at, tool = hand.tool > 0 ? { tool: hand.tool } : {};
@@ -14,20 +16,23 @@ function say_where(hand, down) {
 export const own_hands = () => hands.slice(0, model ? model.tools : 1);
 /** The hand that a pointer or the keyboard leads now; undefined where there is none. */
 export const led_by = by => own_hands().find(hand => hand.down && hand.by === by);
-/** Whether a pointer or the keyboard leads one; not one that stays where it was left. */
-export const leading = () => own_hands().some(hand => hand.down && hand.by !== STAYS);
-const STAYS = "stays";              // leads a tool that was left in the tissue
+/** Whether it was left in the tissue, and nobody leads it. */
+export const stays = hand => hand.down && hand.by === "box";
+/** Whether a pointer or the keyboard leads one. */
+export const leading = () => own_hands().some(hand => hand.down && !stays(hand));
+const is_others = hand => control.holders[hand.tool] === "other";
 
-/** The next hand to press with: of the first tool that nobody holds, else one that was left in the tissue; undefined where there is none. */
-export function next_hand() {
-  const free = own_hands().filter(hand => !hand.down && control.holders[hand.tool] !== "other");
-  return free[0] || own_hands().find(hand => hand.down && hand.by === STAYS);
+/** The next hand to press with, at a point if it is given: the nearest that nobody holds, else the one that has stayed in the tissue longest; undefined where there is none. */
+export function next_hand(p) {
+  const free = own_hands().filter(hand => !hand.down && !is_others(hand)), away = hand => norm(add(vector_of(hand.tool, "master"), p, -1));
+  if (p && state && control.holders.every(holder => holder === "nobody")) free.sort((a, b) => away(a) - away(b));
+  return free[0] || own_hands().filter(hand => stays(hand) && !is_others(hand)).sort((a, b) => a.left - b.left)[0];
 }
 
 /** The hand that has taken hold at a point; undefined where it may not. */
-export function take_hold(p, by, hand = next_hand()) {
-  if (!is_open() || !hand) return undefined;
-  if (hand.down) let_go(hand);
+export function take_hold(p, by, hand = next_hand(p)) {
+  if (!is_open() || !hand || is_others(hand) || hand.down && !stays(hand)) return undefined;
+  let_go(hand);
   return Object.assign(hand, { at: p, pointer: p, down: true, by, press: null, before: null, said: null, told: -Infinity });
 }
 
@@ -45,16 +50,17 @@ export function let_all_go(tells = true) {
 
 /** Whoever led it does so no more: it leaves the tissue, or stays, as the box says. */
 export function end_hold(hand) {
-  if (hand && hand.down && model.tools > 1 && $("stays").checked) hand.by = STAYS;
+  if (hand && hand.down && hand.press && model.tools > 1 && $("stays").checked) Object.assign(hand, { by: "box", left: performance.now() });
   else let_go(hand);
 }
 $("stays").addEventListener("change", () => {
-  if (!$("stays").checked) for (const hand of hands) if (hand.by === STAYS) let_go(hand);
+  if (!$("stays").checked) for (const hand of hands) if (stays(hand)) let_go(hand);
   look.stale = true;
 });
 
 export function move_hands(now) {
   for (const hand of own_hands()) {
+    if (stays(hand) && now - hand.left > LONGEST) let_go(hand);
     if (!hand.down || now - hand.told < (hand.said === hand.at ? ALIVE : 16)) continue;
     hand.told = now;
     hand.said = hand.at;
@@ -63,4 +69,5 @@ export function move_hands(now) {
 }
 
 addEventListener("blur", () => let_all_go());
+addEventListener("keydown", event => { if (event.key === "Escape") let_all_go(); });
 document.addEventListener("visibilitychange", () => { if (document.hidden) let_all_go(); });

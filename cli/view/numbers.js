@@ -2,7 +2,7 @@
 import { comparison, fe_curve, on_curve } from "./compare.js";
 import { title } from "./places.js";
 import { away_from_rest } from "./rest.js";
-import { HEURISTIC, IN, LEARNED, is_solid, model, relaxes, samples, vector, vector_of, state } from "./state.js";
+import { HEURISTIC, IN, LEARNED, in_fault, is_solid, model, pressed_by, relaxes, samples, vector, vector_of, state } from "./state.js";
 import { is_open } from "./transport.js";
 import { norm } from "./vectors.js";
 import { $, millimetres, newtons, percent, say } from "./words.js";
@@ -85,7 +85,7 @@ export function show_numbers(known) {
   say("tick_time", `${v[IN.p50].toFixed(1)} / ${v[IN.p99].toFixed(1)} µs`);
   say("misses", `${v[IN.misses]} / ${v[IN.misses_program]}`);
   say("clamped", `${v[IN.clamped]}`);
-  say("faults", `${v[IN.faults]}${v[IN.fault] ? ", one now" : ""}`);
+  say("faults", `${v[IN.faults]}${in_fault() ? ", one now" : ""}`);
   say("visitors", `${v[IN.clients]}`);
 }
 
@@ -94,9 +94,11 @@ let spoken = "";
 export function speak(c) {
   if (!state || !is_open()) return;
   const depth = mesh => millimetres(norm(vector(IN.moved + 2 * mesh)));
-  const text = state.v[IN.pressed] < 0 ? "Nothing touches the tissue."
-    : `Force ${newtons(norm(vector(IN.force)))}: ${model.meshes.map((mesh, m) => `${mesh.name} mesh ${depth(m)} deep` +
+  const first = state.v[IN.pressed] < 0 ? ""
+    : `${model.tools > 1 ? "First tool: force" : "Force"} ${newtons(norm(vector(IN.force)))}: ${model.meshes.map((mesh, m) => `${mesh.name} mesh ${depth(m)} deep` +
       (c.errors && Number.isFinite(c.errors[m]) ? `, ${percent(Math.abs(c.errors[m]))} off finite elements` : "")).join("; ")}.`;
+  const second = pressed_by(1) < 0 ? "" : `Second tool: force ${newtons(norm(vector_of(1, "force")))}, ${millimetres(norm(vector_of(1, "moved")))} deep.`;
+  const text = [first, second].filter(Boolean).join(" ") || "Nothing touches the tissue.";
   if (text === spoken) return;
   say("spoken", spoken = text);
   $("depth_plot").setAttribute("aria-label", `Force against depth of both meshes and of finite elements. ${text}`);

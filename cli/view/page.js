@@ -4,7 +4,7 @@ import { colours, read_colours } from "./canvas.js";
 import { comparison, fe_outline } from "./compare.js";
 import { calm, list_models, list_places, show_controls, still } from "./controls.js";
 import { follow } from "./follow.js";
-import { let_all_go, move_hands } from "./hand.js";
+import { let_all_go, let_go, move_hands } from "./hand.js";
 import { prepare_learned, take_learned } from "./learned.js";
 import { judge, show_numbers, speak } from "./numbers.js";
 import { group_places } from "./places.js";
@@ -22,7 +22,7 @@ function heard(message) {
     socket.tries = 0;
     show_model(message);
   } else if (message.type === "control") {
-    if (message.holder === "other" && control.holder === "you") let_all_go(false);
+    for (const hand of hands) if (message.holders[hand.tool] === "other" && control.holders[hand.tool] !== "other") let_go(hand, false);
     take_control(message);
   } else if (message.type === "learned") take_learned(message);
   else if (message.type === "near") take_near(message);
@@ -38,7 +38,7 @@ const learning = {
 };
 const two_tools = {
   title: "Two tools, one tissue",
-  lead: "Two tools press a tissue that was learned from finite elements under one tool. Each feels what the other does to the tissue: the nearer they are, the more.",
+  lead: "Two tools press a tissue that was learned from finite elements under one tool. Each feels what the other does to the tissue: the nearer they are, the more. Depth, plots and the line below the tissue are about the first tool.",
 };
 
 function show_model(message) {
@@ -50,8 +50,14 @@ function show_model(message) {
   for (const id of ["title", "lead"]) say(id, heading[id]);
   show_stage();
   $("spring_set").parentElement.hidden = model.law;
-  for (const id of ["stays_row", "help_second"]) $(id).hidden = model.tools < 2;
-  $("second_force").parentElement.hidden = model.tools < 2;
+  const two = model.tools > 1, both = model.meshes.length > 1;
+  for (const id of ["stays_row", "help_second"]) $(id).hidden = !two;
+  $("second_force").parentElement.hidden = !two;
+  $("heuristic_depth").parentElement.hidden = !both;
+  say("force_of", two ? "force of the first tool" : "force on the tissue");
+  for (const [id, help] of [["stage", "help"], ["space", "help_space"]]) $(id).setAttribute("aria-describedby", two ? `${help} help_second` : help);
+  $("stage").setAttribute("aria-label", both ? "Two tissue meshes, learned on the left, heuristic on the right" : "A tissue mesh, learned");
+  $("space").setAttribute("aria-label", both ? "Two solids, learned and heuristic, seen from the same side" : "A solid, learned");
   list_models();
   list_places();
   document.title = `${model.study} – tissuectl`;

@@ -205,8 +205,7 @@ function draw_next(c) {
 }
 
 /** Where a tool's contact is on each mesh now; of the second on the learned one alone. */
-const contacts = tool => model.meshes.slice(0, tool === 0 ? undefined : 1)
-  .map((_, m) => add(add(contact_at_rest(tool), apart(m)), tool === 0 ? vector(IN.moved + 2 * m) : vector_of(tool, "moved")));
+const contacts = tool => model.meshes.map((_, m) => add(add(contact_at_rest(tool), apart(m)), tool === 0 ? vector(IN.moved + 2 * m) : vector_of(tool, "moved")));
 
 function draw_forces(c, tool) {
   const pressed = pressed_by(tool), force = vector_of(tool, "force");
@@ -215,6 +214,18 @@ function draw_forces(c, tool) {
     const back = m === pressed ? 10 / view.scale / norm(force) : 0;   // its head stops at the diamond
     arrow(c, to_screen(add(p, force, -1 / arrow_scale() - back)), to_screen(add(p, force, -back)), colours[model.meshes[m].name] || colours.ink);
   });
+}
+
+/** Which tool it is, beside its diamond. */
+function number(c, k, [x, y]) {
+  c.font = font(13, "600");
+  c.textAlign = "left";
+  c.textBaseline = "middle";
+  c.lineWidth = 4;
+  c.strokeStyle = colours.paper;
+  c.strokeText(`${k}`, x + 11, y);
+  c.fillStyle = colours.ink;
+  c.fillText(`${k}`, x + 11, y);
 }
 
 function draw_diamond(c, tool) {
@@ -244,7 +255,10 @@ function draw_diamond(c, tool) {
       c.fillStyle = "#ffffff";
       c.fill();
     }
-    if (proxy.every(Number.isFinite)) diamond(proxy, 7, pressed);
+    if (proxy.every(Number.isFinite)) {
+      diamond(proxy, 7, pressed);
+      if (model.tools > 1) number(c, tool + 1, to_screen(proxy));
+    }
   }
   const keyed = !led_by("keys") && next_hand();
   if (keyed && keyed.tool === tool && is_open() && document.activeElement === stage && keyed.at && !keyed.down && stage.matches(":focus-visible")) diamond(keyed.at, 5.5, false);

@@ -1,5 +1,5 @@
 // Pointers and keyboard in the plane.
-import { end_hold, leading, led_by, let_all_go, next_hand, take_hold } from "./hand.js";
+import { end_hold, leading, led_by, let_go, next_hand, stays, take_hold } from "./hand.js";
 import { aimed, stage, to_plane, view } from "./plane.js";
 import { would_press } from "./snap.js";
 import { hands, look, model } from "./state.js";
@@ -13,7 +13,7 @@ const in_plane = event => {
   return to_plane([event.clientX - box.left, event.clientY - box.top]);
 };
 stage.addEventListener("pointerdown", event => {
-  if (!model || event.button !== 0) return;
+  if (!model || event.button !== 0 || led_by(event.pointerId)) return;
   if (take_hold(in_plane(event), event.pointerId)) stage.setPointerCapture(event.pointerId);
 });
 stage.addEventListener("pointermove", event => {
@@ -49,15 +49,16 @@ stage.addEventListener("keydown", event => {
   if (!model || event.ctrlKey || event.altKey || event.metaKey) return;
   const hand = keyed_hand(), arrow = ARROWS[event.key];
   look.stale = true;
-  if (arrow) {
+  if (arrow && (!hand.down || hand.by === "keys")) {
     const to = add(hand.pointer, arrow, event.shiftKey ? LEAP : STEP);
     hand.pointer = [clamp(to[0], view.low[0], view.high[0]), clamp(to[1], view.low[1], view.high[1])];
     if (!hand.down) hand.at = hand.pointer;
   } else if (event.key === " " || event.key === "Enter") {
     if (event.repeat) { /* one press, one change */ }
     else if (led_by("keys")) end_hold(hand);
+    else if (stays(hand)) hand.by = "keys";   // taken up again where it is
+    else if (hand.down) let_go(hand);
     else take_hold(hand.pointer, "keys", hand);
-  } else if (event.key === "Escape") let_all_go();
-  else return;
+  } else if (!arrow) return;
   event.preventDefault();
 });

@@ -3,7 +3,7 @@
 // In space a press is straight in unless it is tilted, and only the first is needed.
 import { ASKEW, BETWEEN, FAR, NEAR, SNAP, apart, contact_at_rest, turn } from "./compare.js";
 import { own_hands } from "./hand.js";
-import { IN, control, hands, model, pressed_by, state, vector_of } from "./state.js";
+import { IN, control, model, pressed_by, state, vector_of } from "./state.js";
 import { add, clamp, dot, largest, norm, smallest, unit } from "./vectors.js";
 
 const FREE = 50;             // degrees off a push that was solved, from where on a push is as the pointer goes; nobody drags straight in
@@ -89,7 +89,6 @@ function touched({ tool, press }) {
 
 /** Once a frame: from where the pointer of each hand is to where its tool shall be. */
 export function lead_plane(now, frame_before) {
-  for (const hand of hands) if (!hand.down) hand.press = hand.before = null;
   for (const hand of own_hands()) if (hand.down) lead(hand, now, frame_before);
 }
 

@@ -176,11 +176,12 @@ function make_window(mesh, m) {
            ring, nodule, errors, carried: null, fine: null, box: { left: 0, top: 0, width: 1, height: 1 } };
 }
 
-/** A tool as a window draws it: its body on the tissue, its force, and where it is while it touches nothing. */
+/** A tool as a window draws it: its body on the tissue, white or the second one grey, its force, and where it is while it touches nothing. */
 function drawn_tool(tool, size) {
   const { shape, radius_m: radius } = model.tool, ball = shape === "ball", thick = (ball ? 2 : 0.5) * radius;
-  const body = new THREE.Mesh(ball ? new THREE.SphereBufferGeometry(radius, 40, 24) : new THREE.CylinderBufferGeometry(radius, radius, thick, 40), plain(0.45, { depthWrite: false, color: 0xffffff }));
-  body.add(new THREE.LineSegments(new THREE.EdgesGeometry(body.geometry, 40), flat(1, { color: 0xffffff })));
+  const colour = tool === 0 ? 0xffffff : 0x8d99a6;
+  const body = new THREE.Mesh(ball ? new THREE.SphereBufferGeometry(radius, 40, 24) : new THREE.CylinderBufferGeometry(radius, radius, thick, 40), plain(0.45, { depthWrite: false, color: colour }));
+  body.add(new THREE.LineSegments(new THREE.EdgesGeometry(body.geometry, 40), flat(1, { color: colour })));
   body.renderOrder = 4;
   return { tool, body, thick, force: arrow_of(plain(0.96, { depthTest: false })), idle: new THREE.Mesh(new THREE.OctahedronBufferGeometry(0.045 * size), plain(1)), contact: null, inward: null };
 }

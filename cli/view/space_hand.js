@@ -1,9 +1,9 @@
 // Pointer and keyboard in space: press where a solid is touched, turn and zoom beside it.
 import { SNAP, apart } from "./compare.js";
 import { shows_errors, spot_at, tell_error } from "./errors.js";
-import { end_hold, leading, led_by, let_all_go, let_go, next_hand, own_hands, take_hold } from "./hand.js";
+import { end_hold, leading, led_by, let_all_go, let_go, next_hand, own_hands, stays, take_hold } from "./hand.js";
 import { aim, screen_axes, space_to_screen, stage, touched, view } from "./space.js";
-import { LEARNED, hands, look, model, pressed_by } from "./state.js";
+import { LEARNED, look, model, pressed_by } from "./state.js";
 import { is_open } from "./transport.js";
 import { add, clamp, cross, dot, norm, unit } from "./vectors.js";
 import { $, millimetres } from "./words.js";
@@ -18,7 +18,7 @@ const NOTCH = 0.0005;        // m of depth, by wheel and keys
 // press of a hand: {mesh, contact, inward, direction, depth: now, wanted: by the slider, begun, arrived, from}
 let turning = null;          // {by, x, y}
 const fingers = new Map();   // on the canvas: pointerId -> [x, y]
-let spread = 0;              // between two of them, pixels
+let pinching = false, spread = 0;   // two of them zoom; they are so many pixels apart, 0: not known yet
 
 const deepest = () => model.deepest_m;
 const wanted = () => Number($("depth").value) / 1e3;
@@ -49,21 +49,21 @@ function snapped(touch) {
 function begin_press(touch, by, direction = touch.inward, from = null) {
   const { at, mesh, inward } = touch, hand = take_hold(add(at, inward, INSET), by);
   if (!hand) return false;
-  hand.press = { mesh, contact: at, inward, direction, depth: 0, wanted: null, begun: null, arrived: false, from };
+  hand.press = { mesh, contact: at, inward, direction, depth: 0, wanted: null, begun: null, out: false, arrived: false, from };
   return true;
 }
 
 /** Once a frame: each tool goes on until it is as deep as it shall be; one that stays in the tissue stays as deep as it was. */
 export function lead(now, before) {
-  for (const hand of hands) if (!hand.down) hand.press = null;
   for (const hand of own_hands()) if (hand.press) go_on(hand, now, before);
 }
 
 function go_on(hand, now, before) {
   const { press } = hand;
   press.begun = press.begun || now;
-  press.arrived = press.arrived || pressed_by(hand.tool) === press.mesh || now - press.begun > COMING;
-  if (hand.by !== "stays" || press.wanted === null) press.wanted = wanted();
+  press.out = press.out || pressed_by(hand.tool) < 0;   // until then it is where it pressed before
+  press.arrived = press.arrived || press.out && pressed_by(hand.tool) === press.mesh || now - press.begun > COMING;
+  if (!stays(hand) || press.wanted === null) press.wanted = wanted();
   const step = PRESS * clamp((now - before) / 1e3, 0, 0.05), goal = press.arrived ? press.wanted : 0;
   press.depth += clamp(goal - press.depth, -step, step);
   const at = add(add(press.contact, press.inward, INSET), press.direction, press.depth);
@@ -101,7 +101,7 @@ const pinch = () => {
 };
 
 stage.addEventListener("pointerdown", event => {
-  if (!model || event.button !== 0) return;
+  if (!model || event.button !== 0 || led_by(event.pointerId)) return;
   const at = in_canvas(event);
   fingers.set(event.pointerId, at);
   stage.setPointerCapture(event.pointerId);
@@ -109,19 +109,20 @@ stage.addEventListener("pointerdown", event => {
   if (fingers.size === 2 && !(touch && first && next_hand())) {   // two fingers zoom, whatever the first began; but where they lead a tool each
     let_go(first);
     turning = null;
+    pinching = true;
     spread = pinch();
   }
-  if (spread > 0 || fingers.size > (first ? 2 : 1)) return;
+  if (pinching || fingers.size > (first ? 2 : 1)) return;
   if (touch && next_hand()) begin_press(snapped(touch), event.pointerId, undefined, { at, direction: null });
-  else if (!first) turning = { by: event.pointerId, at };
+  else if (!touch && !first) turning = { by: event.pointerId, at };
 });
 stage.addEventListener("pointermove", event => {
   if (!model) return;
   const at = in_canvas(event), hand = led_by(event.pointerId);
   if (fingers.has(event.pointerId)) fingers.set(event.pointerId, at);
-  if (fingers.size === 2 && spread > 0) {
+  if (pinching && fingers.size === 2) {
     const now = pinch();
-    if (now > 0) zoom(now / spread);
+    if (spread > 0 && now > 0) zoom(now / spread);
     spread = now;
   } else if (hand && hand.press) {
     const { press } = hand;
@@ -144,6 +145,7 @@ for (const name of ["pointerup", "pointercancel", "lostpointercapture"])
   stage.addEventListener(name, event => {
     fingers.delete(event.pointerId);
     spread = 0;
+    if (fingers.size < 2) pinching = false;
     end_hold(led_by(event.pointerId));
     if (turning && turning.by === event.pointerId) turning = null;
   });
@@ -164,7 +166,7 @@ stage.addEventListener("focus", () => { if (model && chosen() && stage.matches("
 stage.addEventListener("blur", () => { end_hold(led_by("keys")); look.stale = true; });
 stage.addEventListener("keydown", event => {
   if (!model || event.ctrlKey || event.altKey || event.metaKey) return;
-  const arrow = ARROWS[event.key], hand = own_hands().find(one => one.press && one.by !== "stays");
+  const arrow = ARROWS[event.key], hand = led_by("keys") || own_hands().find(one => one.press && !stays(one));
   look.stale = true;
   if (arrow && event.shiftKey) {
     if (hand) hand.press.direction = tilted(hand.press, hand.press.direction, 5 / TILT * arrow[0], 5 / TILT * arrow[1]);
@@ -177,6 +179,7 @@ stage.addEventListener("keydown", event => {
   else if (event.key === " " || event.key === "Enter") {
     if (event.repeat) { /* one press, one change */ }
     else if (led_by("keys")) end_hold(led_by("keys"));
+    else if (model.tools < 2 && leading()) let_all_go();
     else if (next_hand()) {
       const touch = chosen();
       if (touch) {
@@ -184,8 +187,7 @@ stage.addEventListener("keydown", event => {
         begin_press(touch, "keys", touch.direction);
       }
     }
-  } else if (event.key === "Escape") let_all_go();
-  else return;
+  } else return;
   event.preventDefault();
 });
 

@@ -30,13 +30,16 @@ const Z = { 9: 32, 11: 33, 14: 34, 16: 35, 18: 36, 20: 37 };   // in space: wher
 export const relaxes = () => model !== null && model.relaxation.tau_s.length > 0;
 export const is_solid = () => model !== null && model.dimension === 3;
 export const vector = i => is_solid() ? [state.v[i], state.v[i + 1], state.v[Z[i]]] : [state.v[i], state.v[i + 1]];
-/** What IN names, of a tool: a vector, or the mesh that it presses (-1: none). Of the second its own; it is pressed, master, proxy, moved, force or device. */
+/** A vector of a tool: master, proxy, moved, force or device. */
 export const vector_of = (tool, what) => {
   if (tool === 0) return vector(IN[what]);
   const head = HEAD[model.dimension], at = head + SECOND[what];
   return is_solid() ? [state.v[at], state.v[at + 1], state.v[head + SECOND_HEAD[2] + (SECOND[what] - SECOND.master) / 2]] : [state.v[at], state.v[at + 1]];
 };
+/** The mesh that a tool presses; -1: none. */
 export const pressed_by = tool => !state || tool >= model.tools ? -1 : tool === 0 ? state.v[IN.pressed] : state.v[HEAD[model.dimension] + SECOND.pressed];
+/** Whether the last position of any tool was refused. */
+export const in_fault = () => state.v[IN.fault] > 0 || model.tools > 1 && state.v[HEAD[model.dimension] + SECOND.status] === 1;
 const head_size = () => HEAD[model.dimension] + (model.tools > 1 ? SECOND_HEAD[model.dimension] : 0);
 export function node(mesh, i) {
   const d = model.dimension;
@@ -95,7 +98,7 @@ function remember() {
   if (last && time < last.time) samples.length = 0;
   else if (last && time === last.time) samples.pop();   // paused
   const pressed = state.v[IN.pressed] >= 0;
-  samples.push({ time, pressed, starts: pressed && !(last && last.pressed), force: vector(IN.force),
+  samples.push({ time, pressed, alone: pressed_by(1) < 0, starts: pressed && !(last && last.pressed), force: vector(IN.force),
                  moved: [vector(IN.moved), vector(IN.moved + 2)], place: state.v[IN.place], fe: state.v[IN.fe] });
   while (samples[0].time < time - 2 * WINDOW) samples.shift();
 }

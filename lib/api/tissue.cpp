@@ -58,7 +58,7 @@ tissue_status caught(Act act) noexcept {
 }
 
 /// An option that there is not, or whose value is none of its kind, is a wrong argument.
-tissue_status set(HapticOptions& options, const char* name, const char* value, unsigned changeable = 0) {
+tissue_status set(HapticOptions& options, const char* name, const char* value, unsigned changeable = everywhere) {
     try {
         set_option(options, name, value, changeable);
     } catch (const MismatchError& e) {

@@ -212,7 +212,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     check_options(given);
     if (model.mesh.is_solid() && !model.energy_law) throw MismatchError("a model in space is a law; this one has none");
     if (given.tools > 1 && (!model.energy_law || given.heuristic_mesh))
-        throw MismatchError(!model.energy_law ? "tools: two press an energy model alone, and this one has spring sets" : "tools: two press the learned mesh alone, without the heuristic mesh beside it");
+        throw MismatchError(!model.energy_law ? "two tools press an energy model alone, and this one has spring sets" : "two tools press the learned mesh alone, without the heuristic mesh beside it");
     if (!model.mesh.nodes.allFinite()) throw MismatchError("positions of nodes must be finite");
     HapticOptions& o = options;
     const bool damping_asked = o.damping_ratio.has_value();

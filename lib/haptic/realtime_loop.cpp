@@ -77,6 +77,13 @@ void run(Simulation& simulation, Device* const* given, std::size_t count, const 
     if (options.stop && options.stop->load(std::memory_order_relaxed)) return;
     std::optional<RunningDevice> running[most_tools];
     for (int k = 0; k < tools; ++k) running[k].emplace(*given[k]);
+    struct NoForce {  // of any device, before the first of them is stopped
+        Device* const* devices;
+        int count;
+        ~NoForce() {
+            for (int k = 0; k < count; ++k) devices[k]->write(Eigen::Vector3d::Zero());
+        }
+    } const no_force{given, tools};
     DeviceSample samples[most_tools];
     Eigen::Vector3d force_N[most_tools];
     std::unique_ptr<RealtimeThread> realtime;

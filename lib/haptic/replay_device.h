@@ -38,7 +38,7 @@ class ReplayDevice final : public Device {
     std::vector<bool> reset_;  ///< before a row; empty when the file does not say
     std::size_t next_ = 1, passed_ = 0;  ///< row ahead, and rows whose reset has been told
     double share_ = 0;       ///< between next_ - 1 and next_
-    bool finished_ = false, answered_ = true;  ///< a force has come for the position read last; the zero at the end of a session is none
+    bool finished_ = false, answered_ = true;  ///< a force has come for the position read last: write() after read() is compared once, the zero at a session's end is not
     double squared_error_ = 0, squared_reference_ = 0, largest_error_ = 0;
     long long compared_ = 0;
 };

@@ -125,10 +125,16 @@ bool Safety::follow(const Eigen::Vector3d& position_m, double age_s) noexcept {
 }
 
 void Safety::go_on_from(const Safety& other) noexcept {
-    const double own_dt_s = o_.dt_s;
+    SafetyOptions limits = other.o_;
+    limits.dt_s = o_.dt_s;
     *this = other;
-    o_.dt_s = own_dt_s;
-    lateness_ = std::max(1.0, other.lateness_ * other.o_.dt_s / o_.dt_s);
+    become(limits);
+}
+
+void Safety::become(const SafetyOptions& options) noexcept {
+    lateness_ = std::max(1.0, lateness_ * o_.dt_s / options.dt_s);
+    o_ = options;
+    force_N_ = within(force_N_, o_.force_max_N);
     observed_J_ = std::min(observed_J_, lateness_ * (bound_J() - worst_release_J(force_N_.norm())));
 }
 

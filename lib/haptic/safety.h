@@ -120,6 +120,9 @@ class Safety {
     void go_on_from(const Safety& other) noexcept;
     const SafetyOptions& options() const { return o_; }
 
+    /// Other limits from now on; the force that is held, and the energy that was given, are then within them.
+    void become(const SafetyOptions& options) noexcept;
+
     void fields(StateBytes& state) noexcept {
         state(o_, counters_, force_N_, held_, position_m_, motion_m_, has_position_, has_motion_, jumped_, unknown_way_, elapsed_s_, since_good_s_, between_s_, observed_J_, lateness_);
     }

@@ -173,7 +173,7 @@ HapticOptions interface_options() {
 void set_option(HapticOptions& options, const std::string& name, const std::string& value, unsigned changeable) {
     for (const SessionOption& option : session_options()) {
         if (name != option.name) continue;
-        if (changeable != 0 && !(option.where & changeable)) throw MismatchError(fmt::format("option '{}' stays as it was when the session began", name));
+        if (!(option.where & changeable)) throw MismatchError(fmt::format(option.where & limits ? "option '{}' may change until the first tick alone" : "option '{}' stays as it was when the session began", name));
         return option.set(options, value);
     }
     throw MismatchError(fmt::format("there is no option '{}'", name));

@@ -47,8 +47,8 @@ const std::vector<SessionOption>& session_options();
 /// What a session of C or Python begins with: no heuristic mesh, as their programs have a scene of their own, and a device that holds a force long enough for a host of 50 Hz whose clock strays by 5 ms.
 HapticOptions interface_options();
 
-/// One option by its name and as text. changeable: of a session that exists, `live` or `live | limits`. Throws MismatchError as SessionOption::set, for a name that there is not, and for an option that is none of `changeable`.
-void set_option(HapticOptions& options, const std::string& name, const std::string& value, unsigned changeable = 0);
+/// One option by its name and as text. changeable: options that may still change, all before a session exists; then `live`, with `limits` until its first tick. Throws MismatchError as SessionOption::set, for a name that there is not, and for an option that is none of `changeable`.
+void set_option(HapticOptions& options, const std::string& name, const std::string& value, unsigned changeable = everywhere);
 
 /// What may still change of a session.
 inline unsigned changeable(const Simulation& session) { return session.counters().ticks > 0 ? live : live | limits; }

@@ -68,8 +68,17 @@ void Simulation::restore(const std::byte* from, std::size_t size) {
     if (head.fingerprint != model_.fingerprint) throw MismatchError("the state is of a session of another model, or of other options");
     if (head.size != size - sizeof head || head.checksum != XXH3_64bits(from + sizeof head, size - sizeof head)) throw MismatchError("the session's state is damaged");
     const FlushDenormals mode;
+    const bool begun = counters_.ticks > 0;
+    SafetyOptions own[most_tools];
+    for (int k = 0; k < tool_count(); ++k) own[k] = of(k).options.safety;
     StateBytes bytes = StateBytes::reading(from + sizeof head);
     fields(bytes);
+    for (int k = 0; begun && k < tool_count(); ++k) {
+        ToolState& t = of(k);
+        t.safety.become(own[k]);
+        t.options.safety = own[k];
+        t.show_no_more(on_law(t));
+    }
     ++restores_;
 }
 
@@ -79,9 +88,9 @@ void Simulation::change(const HapticOptions& given, int tool) {
     next.map = given.map;
     next.friction = given.friction;
     next.device = given.device;
-    next.device.force_max_N = t.options.device.force_max_N;
     const bool begun = counters_.ticks > 0;
-    if (!begun) {
+    if (begun) next.device.force_max_N = t.options.device.force_max_N;
+    else {
         const double hold_s = next.safety.hold_s, dt_s = next.safety.dt_s;
         next.safety = given.safety;
         next.safety.hold_s = hold_s, next.safety.dt_s = dt_s;

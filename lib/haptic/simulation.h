@@ -87,7 +87,7 @@ class Simulation {
     /// options that may change, energy and counts. A session of the same model goes on from them bit for bit, on this version and machine. Always as many.
     std::size_t state_size() const noexcept;
     void save(std::byte* to) const noexcept;
-    /// Throws MismatchError for bytes that are not of such a session, or not whole; the session is then as it was. What strangers made is not for it: a
+    /// Limits of the device are the state's too, but of a session that has ticked they stay its own. Throws MismatchError for bytes that are not of such a session, or not whole; the session is then as it was. What strangers made is not for it: a
     /// checksum finds accidents alone. The device's force is the saved one too: with a hand on it, restore where the hand was.
     void restore(const std::byte* from, std::size_t size);
     int restores() const { return restores_; }  ///< so far

@@ -172,6 +172,7 @@ namespace {
 Aim middle_of_top(const MotionOptions& o) {
     Point top = (Aims::low(*o.rest) + Aims::high(*o.rest)) / 2;
     top[top.size() - 1] = Aims::high(*o.rest)[top.size() - 1];
+    if (const double half_m = (Aims::high(*o.rest) - Aims::low(*o.rest))[0] / 2; !(std::abs(o.aside_m) < half_m)) throw MismatchError(fmt::format("aside must lie within {:g} m of the middle, not {:g}", half_m, o.aside_m));
     top[0] += o.aside_m;
     const FreeSurface::Place place = FreeSurface(*o.rest).nearest(top);
     return {place.point_m, place.inward};
@@ -213,8 +214,9 @@ std::vector<Waypoint> sine(const MotionOptions& o) {
 struct Motion {
     const char* name;
     std::vector<Waypoint> (*make)(const MotionOptions&);
+    bool has_middle;  ///< it is about the middle of the top, or aside of it
 };
-constexpr Motion motions[] = {{"press", press}, {"slide", slide}, {"poke", poke}, {"probe", probe}, {"sine", sine}};
+constexpr Motion motions[] = {{"press", press, true}, {"slide", slide, true}, {"poke", poke, false}, {"probe", probe, false}, {"sine", sine, true}};
 
 std::string not_a_motion(const std::string& name) {
     for (const Motion& motion : motions)
@@ -231,7 +233,7 @@ std::string not_a_depth(const std::string& text) {
 std::string not_a_length(const std::string& text) {
     char* end = nullptr;
     const double length = std::strtod(text.c_str(), &end);
-    return !text.empty() && *end == '\0' && std::abs(length) < 10 ? "" : "wanted a length, not " + text;
+    return !text.empty() && *end == '\0' && std::abs(length) < 10 ? "" : "wanted a length of less than 10 m, not " + text;
 }
 
 }  // namespace
@@ -251,7 +253,10 @@ std::vector<Waypoint> make_motion(const MotionOptions& o) {
     MotionOptions made = o;
     made.seconds = std::min(o.seconds, longest_motion_s);
     for (const Motion& motion : motions)
-        if (o.name == motion.name) return motion.make(made);
+        if (o.name == motion.name) {
+            if (o.aside_m != 0 && !motion.has_middle) throw MismatchError(fmt::format("motion {} draws its places, and has no aside", o.name));
+            return motion.make(made);
+        }
     throw MismatchError(not_a_motion(o.name));
 }
 

@@ -134,6 +134,39 @@ TEST_CASE("whatever is thrown in a session, the force is zero and the device sto
             }
 }
 
+TEST_CASE("two devices: no force is left on either, whichever fails, and one that ends ends both", "[device][loop][two]") {
+    HapticOptions two;
+    two.tools = 2;
+    two.heuristic_mesh = false;
+    const HapticModel model(law_example(), two);
+    Simulation simulation(model);
+    const auto both = [](Motors& a, Motors& b) { return std::vector<Device*>{&a, &b}; };
+    for (const bool first : {false, true})
+        for (const Fails fails : {Fails::before_it_takes, Fails::after_it_took}) {
+            Motors good, bad(fails);
+            CHECK_THROWS_AS(run_loop(simulation, first ? both(bad, good) : both(good, bad), short_loop()), DeviceError);
+            CHECK(bad.at_rest());
+            CHECK((good.at_rest() || good.stops == 0));
+        }
+    {
+        Motors a, b;
+        LoopOptions o = short_loop();
+        Bomb hook(20, false);
+        o.hooks = {&hook};
+        CHECK_THROWS_WITH(run_loop(simulation, both(a, b), o), "a hook has failed");
+        CHECK((a.at_rest() && b.at_rest()));
+    }
+    {
+        Motors a, b;
+        CHECK(run_loop(simulation, both(a, b), short_loop()).ticks > 100);
+        CHECK((a.at_rest() && b.at_rest()));
+        CHECK_THROWS_AS(run_loop(simulation, a, short_loop()), MismatchError);
+        const HapticModel one(law_example(), {});
+        Simulation alone(one);
+        CHECK_THROWS_AS(run_loop(alone, both(a, b), short_loop()), MismatchError);
+    }
+}
+
 TEST_CASE("memory that runs out at any point of the loop's set-up leaves no force behind", "[device][loop]") {
     if (!Allocations::seen()) return;
     const HapticModel model(haptic_example(), {});

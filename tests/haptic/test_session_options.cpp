@@ -46,7 +46,7 @@ TEST_CASE("names of session options are unique, spelled with -, and each exists 
         INFO(name);
         CHECK(names.insert(name).second);
         CHECK(name.find_first_not_of("abcdefghijklmnopqrstuvwxyz-") == std::string::npos);
-        CHECK((option.where > 0 && option.where <= (everywhere | live) && option.where != live));
+        CHECK((option.where > 0 && option.where <= (everywhere | live | limits) && (option.where & everywhere)));
         CHECK(option.meaning.find('\n') == std::string::npos);
         CHECK(!option.meaning.empty());
         CHECK(*option.unit);
@@ -111,5 +111,6 @@ TEST_CASE("a text that is no value of its option is refused, and names it", "[op
     set_option(options, "scale", "2", live);
     CHECK(options.map.scale == 2);
     CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "dt", "0.002", live | limits); }), Catch::Matchers::Equals("option 'dt' stays as it was when the session began"));
+    CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "slew", "1", live); }), Catch::Matchers::Equals("option 'slew' may change until the first tick alone"));
     CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "colour", "red"); }), Catch::Matchers::Equals("there is no option 'colour'"));
 }

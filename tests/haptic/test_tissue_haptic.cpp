@@ -14,6 +14,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <utility>
 
 #include "../allocations.h"
 #include "../example.h"
@@ -308,17 +309,18 @@ TEST_CASE("the loop keeps its schedule over missed ticks, and the force is zero 
         std::string name() const override { return "sleepy"; }
         DeviceSample read(double time_s) noexcept override {
             last_s = time_s;
+            asked = true;
             if (++reads == 50) std::this_thread::sleep_for(std::chrono::milliseconds(20));
             return sample_at(0.05, 0.104 - 5e-5 * reads);  // presses, ever deeper
         }
         void write(const Eigen::Vector3d& f) noexcept override {
             force = f;
-            before_last = last_written;
-            last_written = f.norm();
+            if (std::exchange(asked, false)) last_answer = f.norm();
         }
         bool finished() const noexcept override { return reads == 150; }  // however few ticks a busy machine lets come
         int reads = 0;
-        double last_s = 0, last_written = 0, before_last = 0;
+        double last_s = 0, last_answer = 0;
+        bool asked = false;
         Eigen::Vector3d force{1, 1, 1};
     } device;
     const HapticModel model(haptic_example(), {});
@@ -334,7 +336,7 @@ TEST_CASE("the loop keeps its schedule over missed ticks, and the force is zero 
     // the last tick's place on the schedule: every tick and every miss before it has one
     CHECK(device.last_s > 1e-3 * (150 + 20 - 1.5));
     CHECK(device.last_s < 1e-3 * (static_cast<double>(report.ticks + report.misses) - 0.5));
-    CHECK(device.before_last > 0);  // it pressed until the end
+    CHECK(device.last_answer > 0);  // it pressed until the end
     CHECK(device.force == Eigen::Vector3d::Zero());
     CHECK(report.tick_us.max() > 4900);
 }
@@ -470,7 +472,7 @@ TEST_CASE("tissue-haptic: two devices move two tools, each with options, ledger 
         CHECK(in.number_attribute("/second", "force_scale") == 2);
         CHECK(in.number_attribute("/second", "force_max_N") == 0.05);
     }
-    // what each device felt, felt again: seconds end before the recording, whose last row ends a replay
+    // the replay gives both devices the recorded forces
     const Ended again = run(folder, play + " --device replay --trajectory " + recording + " --second-device replay --second-trajectory " + recording + " --second-force-scale 2 --second-force-max 0.05 --record " + folder.file("again.h5"));
     INFO(again.err);
     REQUIRE(again.status == 0);
@@ -489,17 +491,23 @@ TEST_CASE("tissue-haptic: two devices move two tools, each with options, ledger 
     CHECK(refused(" --second-motion poke", 2).find("--second-device") != std::string::npos);
     CHECK(refused(" --second-device replay", 2).find("needs --second-trajectory FILE") != std::string::npos);
     CHECK(refused(" --second-device virtual --second-port 5001", 2).find("--second-port") != std::string::npos);
-    CHECK(refused(" --second-device virtual --second-friction -1", 2).find("friction must lie in") != std::string::npos);
+    CHECK(refused(" --second-device virtual --second-friction -1", 2).find("the second tool: friction must lie in") != std::string::npos);
+    CHECK(refused(" --friction 0.5 --friction-slip 0.4 --second-device virtual --second-friction 0.3", 2).find("the second tool: ") != std::string::npos);
+    CHECK(refused(" --second-device virtual --second-passivity maybe", 2).find("--second-passivity: passivity must be one of yes, no") != std::string::npos);
+    CHECK(refused(" --device remote --second-device remote", 2).find("--second-port") != std::string::npos);
+    CHECK(refused(" --motion poke --aside 0.01", 1).find("has no aside") != std::string::npos);
+    CHECK(refused(" --aside 0.06", 1).find("aside must lie within 0.05 m") != std::string::npos);
     CHECK(refused(" --second-device virtual --learn l.h5", 2).find("--second-device") != std::string::npos);
     CHECK(refused(" --device openhaptics --second-device openhaptics", 2).find("one device openhaptics") != std::string::npos);
     CHECK(refused(" --second-device virtual --second-device-mass 0.0001 --no-clock", 1).find("the second tool: the learned mesh is up to") != std::string::npos);
     write_model(folder.file("sets.h5"), haptic_example(), {"test", 1, {}});
-    CHECK(run(folder, folder.file("sets.h5") + " --second-device virtual").err.find("two press an energy model alone") != std::string::npos);
+    CHECK(run(folder, folder.file("sets.h5") + " --second-device virtual").err.find("two tools press an energy model alone") != std::string::npos);
 }
 
 TEST_CASE("a session lasts as long as its device, and of the virtual one ten seconds", "[program]") {
     const TemporaryFolder folder;
-    const std::string model = model_file(folder);
+    const std::string model = folder.file("law.h5");
+    write_model(model, law_example(), {"test", 1, {}});
     const auto ticks = [&](const std::string& arguments) {
         const Ended e = run(folder, model + " --no-clock --json " + arguments);
         REQUIRE(e.status == 0);
@@ -508,7 +516,8 @@ TEST_CASE("a session lasts as long as its device, and of the virtual one ten sec
     CHECK(ticks("") == 10000);
     const std::string recording = folder.file("twelve.h5");
     CHECK(ticks("--seconds 12 --record " + recording) == 12000);
-    CHECK(ticks("--device replay --trajectory " + recording) >= 12000);
+    CHECK(ticks("--device replay --trajectory " + recording) == 12000);
+    CHECK(ticks("--second-device replay --second-trajectory " + recording) == 12000);  // no longer than the device that ends
 }
 
 TEST_CASE("tissue-haptic: 1 for work that fails, 2 for a wrong command line, each in one line", "[program]") {

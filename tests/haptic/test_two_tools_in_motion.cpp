@@ -380,11 +380,53 @@ TEST_CASE("a session of two tools is saved, restored, copied and followed with b
     CHECK_THAT(refusal<MismatchError>([&] { one.restore(bytes.data(), bytes.size()); }), Contains("a state of"));
 }
 
+TEST_CASE("limits of each of two devices may change until the first tick, and go with the session", "[simulation][solid][two][state]") {
+    Simulation s(pressed_by(2));
+    HapticOptions own = s.options(1);
+    own.device.force_max_N = 8;
+    own.safety.force_max_N = 12;
+    own.safety.slew_N_s = 70;
+    own.safety.speed_max_m_s = 1.5;
+    own.safety.stale_s = 0.02;
+    own.safety.passivity = false;
+    s.change(own, 1);
+    const auto has = [&](const Simulation& session) {
+        const SafetyOptions &o = session.options(1).safety, &really = session.safety(1).options();
+        return o.force_max_N == 8 && o.slew_N_s == 70 && o.speed_max_m_s == 1.5 && o.stale_s == 0.02 && !o.passivity && really.force_max_N == 8 && really.slew_N_s == 70 && really.stale_s == 0.02 && !really.passivity;
+    };
+    CHECK(has(s));
+    CHECK(s.options(0).safety.force_max_N == 3.3);
+    Hands hands{s};
+    hands.to(left_m + left_push, right_m + right_push, 200, 100);
+    HapticOptions late = s.options(1);
+    late.safety.force_max_N = 1;
+    late.device.force_max_N = 1;
+    s.change(late, 1);
+    CHECK(has(s));
+    const Simulation copy(s);
+    CHECK(has(copy));
+    std::vector<std::byte> bytes(s.state_size());
+    s.save(bytes.data());
+    Simulation fresh(pressed_by(2)), usual(pressed_by(2));
+    fresh.restore(bytes.data(), bytes.size());
+    CHECK(has(fresh));
+    Hands later{usual};
+    later.to(left_m, right_m, 10);
+    usual.restore(bytes.data(), bytes.size());  // which has ticked: its own limits stay
+    CHECK(usual.options(1).safety.force_max_N == 3.3);
+    CHECK(usual.safety(1).options().slew_N_s == 5000);
+    CHECK(usual.safety(1).force_N() == s.safety(1).force_N());
+    Simulation next(pressed_by(2));
+    next.follow(s);
+    next.take_over(s);
+    CHECK(has(next));
+}
+
 TEST_CASE("two tools need an energy model alone", "[simulation][two]") {
     HapticOptions options = of_tools(2);
-    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(haptic_example(), options); }), Contains("tools: two press an energy model alone, and this one has spring sets"));
+    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(haptic_example(), options); }), Contains("two tools press an energy model alone, and this one has spring sets"));
     options.heuristic_mesh = true;
-    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(block(), options); }), Contains("tools: two press the learned mesh alone"));
+    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(block(), options); }), Contains("two tools press the learned mesh alone"));
     options.tools = 3;
     CHECK_THAT(refusal<MismatchError>([&] { check_options(options); }), Contains("tools must lie in [1, 2]"));
     CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "tools", "1.5"); }), Contains("tools must be a whole number, not '1.5'"));

@@ -198,6 +198,19 @@ TEST_CASE("two tools are led by one page or two, and a state has both", "[serve]
     CHECK(wait([&](const auto& now) { return now[own] == -1 && now[13] == 0; }));
     stage.stop();
     CHECK(stage.counts().faults() == 0);
+    CHECK(stage.counts().clamped == stage.simulation().safety(0).counters().clamped + stage.simulation().safety(1).counters().clamped);
+    // another model, of another dimension: pointers and hands of both tools are in its space
+    const std::string other = folder.file("other.h5");
+    write_model(other, solid ? law_example() : solid_example(), {"test", 1, {}});
+    Stage pair({file, other}, options);
+    Show turned(pair, [](int, const std::string&) {});
+    turned.join(1);
+    turned.step(100);
+    CHECK_FALSE(turned.hear(1, R"({"type":"model","model":1})", 101));
+    CHECK(pair.index() == 1);
+    for (double time_s = 101; time_s < 102; time_s += 0.016) turned.step(time_s);
+    for (int tool : {0, 1}) CHECK(pair.simulation().options(tool).map.to_tissue(pair.pointer(tool).read(1).position_m).size() == (solid ? 2 : 3));
+    pair.stop();
     options.hidden = file;
     CHECK(refusal<MismatchError>([&] { Stage({file}, options); }).find("--tools") == 0);
 }

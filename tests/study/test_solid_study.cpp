@@ -300,6 +300,6 @@ TEST_CASE("block3 has thirty training pushes whose first few are small sets, and
     int along = 0;
     for (const StudyPath& p : s.loads.paths) along += p.direction[2] == 0 && p.depth_m == 0.003;
     CHECK(along == 6);
-    CHECK(read_study("fem/studies/block3-quick.toml").loads.paths.size() == 6);
+    CHECK(read_study("fem/studies/block3-quick.toml").loads.paths.size() == 7);
     CHECK(read_study("fem/studies/block3-mini.toml").loads.paths.size() == 4);
 }

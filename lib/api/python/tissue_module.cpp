@@ -95,7 +95,7 @@ Options options_of(const py::kwargs& given) {
     return options;
 }
 
-HapticOptions with(HapticOptions options, const Options& given, unsigned changeable = 0) {
+HapticOptions with(HapticOptions options, const Options& given, unsigned changeable = everywhere) {
     for (const auto& [name, value] : given) set_option(options, name, value, changeable);
     return options;
 }
@@ -479,7 +479,7 @@ ticks() between two ticks, press() between two contacts and next() between two p
                  const Options options = options_of(given);
                  alone(s, [&] { s.simulation.change(with(s.simulation.options(s.tool()), options, changeable(s.simulation)), s.tool()); });
              },
-             "Options that may change while it runs, by name. A change that moves the tool by more than a hand does in a tick is a new start: it must be outside once.")
+             "Options that may change while it runs, by name, and before the first tick limits of the device (force_max, ..). A change that moves the tool by more than a hand does in a tick is a new start: it must be outside once.")
         .def("clutch", [](Session& s, bool on) { alone(s, [&] { s.simulation.clutch(on, s.tool()); }); }, py::arg("on"), "On: the hand moves and the tool stays, without force. Off: the tool goes on from there.")
         .def_property("state", &state_of, &restore, "All that changes while it runs, as bytes; a session of the same model and options to which they are given goes on from them bit for bit.")
         .def("begin", [](Session& s) { return alone(s, [&] { return std::make_unique<Session>(s.tissue, s.model, s.surfaces); }); },
