@@ -595,6 +595,7 @@ def two_tools(page, program, model, folder, block):
         page.resize(1360, 900)
         page.open(server.url)
         page.until("tissue.connected && tissue.solids !== null && tissue.states > 0")
+        page.complaints()  # of servers that have ended
         check("a session of two tools says so", page.js("tissue.tools") == 2 and page.text("title") == "Two tools, one tissue" and page.js("tissue.solids.length") == 1)
         page.click("stays")
         for k, (at, mm) in enumerate(((left, 4), (right, 2.5))):
@@ -646,7 +647,7 @@ def two_tools(page, program, model, folder, block):
             check("which goes on when the first lets go", other.until(f"{force} === 0 && {second} > 0.03", 20), other.js(f"[{force}, {second}]"))
             other.mouse("Released", *right)
             complaints = page.complaints() + other.complaints()
-            check("nothing was complained about", complaints == [], complaints)
+            check("nothing was complained about", complaints == [], complaints[:2])
         finally:
             other.end()
     finally:
