@@ -178,7 +178,7 @@ LDLIBS = $(shell pkg-config --libs $(PACKAGES)) -pthread -Wl,-z,relro,-z,now
 comma := ,
 
 LIB_SOURCES := $(call files,lib/*/*.cpp)
-# what both programs use: arguments, help, options of the realtime core, its ledger
+# what both programs use: arguments, help, options of the realtime core, session statistics
 SHARED_SOURCES := cli/command.cpp cli/generate.cpp cli/haptic_options.cpp cli/haptic_report.cpp cli/journal.cpp
 HAPTIC_SOURCES := cli/tissue_haptic.cpp $(SHARED_SOURCES)
 # the page's server: what knows Boost is one folder, so that tests can do without it

@@ -65,8 +65,8 @@ void run(const Options& o, Provenance provenance) {
     for (const std::string& notice : stage.report().notices) std::cerr << "tissuectl serve: " << notice << '\n';
     const std::string file = std::filesystem::path(o.models[static_cast<std::size_t>(stage.index())]).filename().string();
     const long long dropped = recorder ? recorder->dropped() : 0;
-    std::cout << (o.json ? ledger_json(file, stage.pointers(), stage.simulation(), stage.report(), dropped)
-                         : ledger_text(file, stage.pointers(), stage.simulation(), stage.report(), dropped));
+    std::cout << (o.json ? statistics_json(file, stage.pointers(), stage.simulation(), stage.report(), dropped)
+                         : statistics_text(file, stage.pointers(), stage.simulation(), stage.report(), dropped));
     end.then([&] {
         if (stage.failed()) throw Error("the simulation has failed");
         if (*stage.learning_failure()) throw Error(fmt::format("learning ended before the session did: {}", stage.learning_failure()));
@@ -116,7 +116,7 @@ void add_serve(CLI::App& app, const Invocation& invocation) {
     command->add_option("--clients", o->server.clients, "pages at a time")
         ->type_name("count")->capture_default_str()->check(quiet(CLI::Range(1, 32)));
     add_number(*command, "--seconds", o->server.seconds, "s", "how long; 0: until a signal comes")->check(quiet(CLI::Range(0.0, longest_session_s)));
-    command->add_flag("--json", o->json, "print the ledger as JSON");
+    command->add_flag("--json", o->json, "print session statistics as JSON");
     command->add_option("--record", o->record, "HDF5 file for every tick, of one model")->type_name("FILE");
     command->add_option("--surface", o->surface, "the organ's own surface, such as its .stl, which the page draws in place of the model's coarser one; of the first model, in space")->type_name("FILE");
     add_unit_option(*command, o->unit);

@@ -76,7 +76,7 @@ std::string tool_text(const Device& device, const Simulation& simulation, int to
     text += fmt::format("  energy given     {:.4g} J\n", s.energy_given_J);
     text += fmt::format("  refused input    {} (bad {}, jumps {}, stale {})\n", refused(s), s.bad_input, s.jump, s.stale);
     text += fmt::format("  no force         not yet outside {}, ticks too late {}\n", simulation.unarmed(tool), s.late);
-    for (const auto& [name, value] : device.ledger()) text += fmt::format("  device {:<24} {:g}\n", name, value);
+    for (const auto& [name, value] : device.statistics()) text += fmt::format("  device {:<24} {:g}\n", name, value);
     return text;
 }
 
@@ -96,12 +96,12 @@ void add_tool(Json& j, Json& details, const Device& device, const Simulation& si
     details["stale"] = s.stale;
     details["late"] = s.late;
     details["not_yet_outside"] = simulation.unarmed(tool);
-    for (const auto& [name, value] : device.ledger()) details["device"][name] = value;
+    for (const auto& [name, value] : device.statistics()) details["device"][name] = value;
 }
 
 }  // namespace
 
-std::string ledger_text(const std::string& model_file, const std::vector<Device*>& devices, const Simulation& simulation, const LoopReport& report, long long dropped_samples) {
+std::string statistics_text(const std::string& model_file, const std::vector<Device*>& devices, const Simulation& simulation, const LoopReport& report, long long dropped_samples) {
     const HapticCounters& h = simulation.counters();
     std::string text = fmt::format("{} on {}: {} ticks{}\n", model_file, names(devices), report.ticks, report.clock ? "" : ", without a clock");
     text += fmt::format("  misses           {} ({} by this program)\n", report.misses, report.misses_program);
@@ -110,14 +110,14 @@ std::string ledger_text(const std::string& model_file, const std::vector<Device*
     text += fmt::format("  dropped samples  {}\n", dropped_samples);
     if (simulation.model().options.energy_book) {
         const BranchBook book = simulation.branches();
-        text += fmt::format("  branches         store {:.4g} J, have burnt {:.4g} J\n", book.stored_J, book.burnt_J);
+        text += fmt::format("  branches         store {:.4g} J, have dissipated {:.4g} J\n", book.stored_J, book.dissipated_J);
     }
     text += fmt::format("  tissue           outline folded {}, mesh unstable {}, time lost {:.3g} s\n", h.folded, h.unstable, h.lost_s);
     for (int t = 0; t < simulation.tool_count(); ++t) text += (t == 0 ? "" : "second tool\n") + tool_text(*devices[static_cast<std::size_t>(t)], simulation, t);
     return text;
 }
 
-std::string ledger_json(const std::string& model_file, const std::vector<Device*>& devices, const Simulation& simulation, const LoopReport& report, long long dropped_samples) {
+std::string statistics_json(const std::string& model_file, const std::vector<Device*>& devices, const Simulation& simulation, const LoopReport& report, long long dropped_samples) {
     const HapticCounters& h = simulation.counters();
     const HapticModel& model = simulation.model();
     Json j = {{"model", model_file},
@@ -135,7 +135,7 @@ std::string ledger_json(const std::string& model_file, const std::vector<Device*
                                            {"omega_dt", std::sqrt(mesh->largest_eigenvalue_1_s2) * model.options.dt_s}};
     if (model.options.energy_book) {
         const BranchBook book = simulation.branches();
-        details["branches"] = {{"stored_J", book.stored_J}, {"burnt_J", book.burnt_J}};
+        details["branches"] = {{"stored_J", book.stored_J}, {"dissipated_J", book.dissipated_J}};
     }
     details["lost_s"] = h.lost_s;
     details["clock"] = report.clock;

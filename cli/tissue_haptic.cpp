@@ -218,8 +218,8 @@ void run(const Options& o, Provenance provenance) {
     for (const std::string& notice : report.notices) std::cerr << "tissue-haptic: " << notice << '\n';
     const std::string model_file = std::filesystem::path(o.model).filename().string();
     const long long dropped = recorder ? recorder->dropped() : 0;
-    std::cout << (o.json ? cli::ledger_json(model_file, devices, simulation, report, dropped)
-                         : cli::ledger_text(model_file, devices, simulation, report, dropped));
+    std::cout << (o.json ? cli::statistics_json(model_file, devices, simulation, report, dropped)
+                         : cli::statistics_text(model_file, devices, simulation, report, dropped));
     end.done();
 }
 
@@ -231,7 +231,7 @@ void add_options(CLI::App& app, Options& o) {
     CLI::Option* second = app.add_option("--second-device", o.device[1].kind, "a second tool, moved by a device of its own; of an energy model")
         ->type_name("NAME")->check(quiet(CLI::IsMember(device_kinds().names())))->group(cli::second_tool);
     add_number(app, "--seconds", o.seconds, "s", "how long; 0: until a device ends or a signal comes. Default: 10 where every device is virtual, else 0")->check(quiet(CLI::Range(0.0, longest_session_s)));
-    app.add_flag("--json", o.json, "print the ledger as JSON");
+    app.add_flag("--json", o.json, "print session statistics as JSON");
     app.add_flag("--no-clock", o.no_clock, "ticks follow one another without waiting for the clock, and none is missed; --seconds are the tissue's. Of scripted motions, virtual and replay");
     app.add_option("--record", o.record, "HDF5 file for every tick")->type_name("FILE");
     app.add_option("--seed", o.seed, "of poke and probe; a second device has the next one")->type_name("integer")->capture_default_str();

@@ -41,9 +41,9 @@ inline constexpr std::array<SessionEnergy, 7> session_energies{{
     {"observed", [](const Simulation& s, int tool) { return s.safety(tool).observed_J(); }},
     {"bound", [](const Simulation& s, int tool) { return s.safety(tool).lateness() * s.safety(tool).bound_J(); }},
     {"kinetic", [](const Simulation& s, int) { return s.kinetic_J(); }},
-    {"friction", [](const Simulation& s, int tool) { return s.friction(tool).burnt_J(); }},
+    {"friction", [](const Simulation& s, int tool) { return s.friction(tool).dissipated_J(); }},
     {"stored", [](const Simulation& s, int) { return s.branches().stored_J; }},
-    {"dissipated", [](const Simulation& s, int) { return s.branches().burnt_J; }},
+    {"dissipated", [](const Simulation& s, int) { return s.branches().dissipated_J; }},
 }};
 
 }  // namespace tissue

@@ -49,8 +49,8 @@ class Device {
     /// After the last tick, when the force has been set to zero; also after a start() that threw. Any number of times.
     virtual void stop() noexcept {}
 
-    /// Counts and figures of its own, for the ledger.
-    virtual std::vector<std::pair<std::string, double>> ledger() const { return {}; }
+    /// Counts and figures of its own, for session statistics.
+    virtual std::vector<std::pair<std::string, double>> statistics() const { return {}; }
 };
 
 }  // namespace tissue

@@ -52,7 +52,7 @@ void Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const
             const double after_J = next_.energy_J(tool_m - place, u, &next_memory_);
             if (!(after_J <= before_J)) continue;
             falls = true;
-            burnt_J_ += before_J - after_J;
+            dissipated_J_ += before_J - after_J;
             where.facet = walk.facet;
             where.weight = walk.weight;
             touched_m = place;
@@ -84,7 +84,7 @@ void Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const
         const Point place = now.at(walk.facet, walk.weight);
         const double after_J = coupling_N_m * (tool_m - place).squaredNorm() / 2;
         if (!(after_J <= before_J)) continue;
-        burnt_J_ += before_J - after_J;
+        dissipated_J_ += before_J - after_J;
         where.facet = walk.facet;
         where.weight = walk.weight;
         where.position_m = place;

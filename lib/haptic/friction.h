@@ -27,7 +27,7 @@ class Friction {
 
     void begin() noexcept { slipping_ = false; }  ///< of a contact
     bool slipping() const { return slipping_; }   ///< in the last call
-    double burnt_J() const { return burnt_J_; }   ///< so far
+    double dissipated_J() const { return dissipated_J_; }   ///< so far
 
     /// A law's contact, while the tool presses. tool_m: in the mesh's own coordinates. where, touched_m, tool: its place, that place
     /// at rest and its energy there; they change as it slips. memory: of the contact; it goes along, and so does that
@@ -40,13 +40,13 @@ class Friction {
     void slide(const FreeSurface& surface, const RealtimeMesh& mesh, const MovingSurface& now, double coupling_N_m, const Point& tool_m, SurfacePlace& where) noexcept;
 
     FrictionOptions options() const { return {stick_, has_slip_ ? std::optional<double>(slip_) : std::nullopt}; }
-    /// Other friction from now on; what was burnt stays.
+    /// Other friction from now on; what was dissipated stays.
     void become(const FrictionOptions& options) {
         const Friction other(options);  // or it throws
         stick_ = other.stick_, slip_ = other.slip_, has_slip_ = other.has_slip_;
     }
 
-    void fields(StateBytes& state) noexcept { state(stick_, slip_, has_slip_, slipping_, burnt_J_); }
+    void fields(StateBytes& state) noexcept { state(stick_, slip_, has_slip_, slipping_, dissipated_J_); }
 
    private:
     double cone() const { return slipping_ ? slip_ : stick_; }
@@ -54,7 +54,7 @@ class Friction {
     double stick_, slip_;
     bool has_slip_;  ///< of its own, even if it is the static one
     bool slipping_ = false;
-    double burnt_J_ = 0;
+    double dissipated_J_ = 0;
     ToolSpring next_;
     ToolMemory next_memory_;
 };

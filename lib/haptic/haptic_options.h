@@ -27,7 +27,7 @@ struct HapticOptions {
     std::string sets;                 ///< of the learned mesh: an optimiser of the model, `optimum`; "" is its first. A law has none
     bool heuristic_mesh = true;       ///< Sec. 4.4: a second mesh, Van Gelder's, beside the learned one
     double stiffest = 1;              ///< of a law that learns while it plays: so many times as stiff as it is it may become
-    bool energy_book = false;         ///< of a law that relaxes: what its branches store and burn is booked; a step takes a little longer
+    bool energy_book = false;         ///< of a law that relaxes: what its branches store and dissipate is booked; a step takes a little longer
     double place_m = 0;               ///< where the second mesh stands along x; 0: one and a half widths to the right
     SelectBy select_by = SelectBy::displacement;
     int tools = 1;                    ///< devices, each with a tool on the same tissue: 1, or 2 on a law without a mesh beside it

@@ -24,7 +24,7 @@ class HiddenTissue final : public Device {
     void write(const Eigen::Vector3d& force_N) noexcept override { hand_->write(force_N); }
     bool finished() const noexcept override { return hand_->finished(); }
     void stop() noexcept override { hand_->stop(); }
-    std::vector<std::pair<std::string, double>> ledger() const override { return hand_->ledger(); }
+    std::vector<std::pair<std::string, double>> statistics() const override { return hand_->statistics(); }
 
    private:
     std::unique_ptr<Device> hand_;

@@ -190,7 +190,7 @@ void OpenHapticsDevice::stop() noexcept {
     library_->unschedule(library_->callback);
 }
 
-std::vector<std::pair<std::string, double>> OpenHapticsDevice::ledger() const {
+std::vector<std::pair<std::string, double>> OpenHapticsDevice::statistics() const {
     return {{"servo_ticks", static_cast<double>(servo_ticks_.load())},
             {"cut_off_ticks", static_cast<double>(cut_off_.load())},
             {"vendor_error", static_cast<double>(vendor_error_.load())}};

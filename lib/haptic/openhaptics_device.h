@@ -28,7 +28,7 @@ class OpenHapticsDevice final : public Device {
     DeviceSample read(double time_s) noexcept override;
     void write(const Eigen::Vector3d& force_N) noexcept override;
     void stop() noexcept override;
-    std::vector<std::pair<std::string, double>> ledger() const override;
+    std::vector<std::pair<std::string, double>> statistics() const override;
 
    private:
     struct Library;

@@ -56,7 +56,7 @@ DeviceSample PointerDevice::stand_still(double time_s) noexcept {
     return read(time_s);
 }
 
-std::vector<std::pair<std::string, double>> PointerDevice::ledger() const {
+std::vector<std::pair<std::string, double>> PointerDevice::statistics() const {
     return {{"targets", static_cast<double>(aimed_.load())}, {"refused_targets", static_cast<double>(refused_.load())}};
 }
 

@@ -30,7 +30,7 @@ class PointerDevice final : public Device {
     DeviceSample read(double time_s) noexcept override;
     DeviceSample stand_still(double time_s) noexcept override;
     void write(const Eigen::Vector3d&) noexcept override {}
-    std::vector<std::pair<std::string, double>> ledger() const override;
+    std::vector<std::pair<std::string, double>> statistics() const override;
 
     /// Where the point shall be, in the tissue's space (D); from one other thread. What is not finite is left out.
     void aim(const Point& target_m) noexcept;

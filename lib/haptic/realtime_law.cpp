@@ -448,7 +448,7 @@ double RealtimeLaw::energy(const NodeColumns& u, BranchMemory memory) const {
 
 BranchBook RealtimeLaw::branches(const BranchMemory& memory) const {
     if (memory.empty()) return {};
-    return {sum_of_elements([&](int element) { return memory.branches_stored(element); }), sum_of_elements([&](int element) { return memory.branches_burnt(element); })};
+    return {sum_of_elements([&](int element) { return memory.branches_stored(element); }), sum_of_elements([&](int element) { return memory.branches_dissipated(element); })};
 }
 
 double RealtimeLaw::energy(const NodeColumns& u) const {

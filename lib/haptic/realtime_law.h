@@ -24,7 +24,7 @@ struct LawStiffness {
 
 /// What the branches of a law that relaxes hold and have turned into heat, its contact's left out.
 struct BranchBook {
-    double stored_J = 0, burnt_J = 0;
+    double stored_J = 0, dissipated_J = 0;
 };
 
 /// A model's law laid out for the tick: the forces of a TissueEnergy and its contacts. Constants only. Springs are the bands of a RealtimeMesh. A lattice's squares lie in one run, one a node, as a band's

@@ -201,7 +201,7 @@ void RemoteDevice::write(const Eigen::Vector3d& force_N) noexcept {
         ++sent_;
 }
 
-std::vector<std::pair<std::string, double>> RemoteDevice::ledger() const {
+std::vector<std::pair<std::string, double>> RemoteDevice::statistics() const {
     return {{"received", static_cast<double>(received_)}, {"skipped", static_cast<double>(skipped_)}, {"late", static_cast<double>(late_)},
             {"lost", static_cast<double>(lost_)},         {"leaps", static_cast<double>(leaps_)},     {"foreign", static_cast<double>(foreign_)},
             {"others", static_cast<double>(others_)},     {"sent", static_cast<double>(sent_)},       {"ticks_before_first", static_cast<double>(waiting_)}};

@@ -63,7 +63,7 @@ class RemoteDevice final : public Device {
     DeviceSample read(double time_s) noexcept override;
     void write(const Eigen::Vector3d& force_N) noexcept override;
     void stop() noexcept override;
-    std::vector<std::pair<std::string, double>> ledger() const override;
+    std::vector<std::pair<std::string, double>> statistics() const override;
 
     int port() const { return port_; }
 

@@ -131,7 +131,7 @@ void ReplayDevice::compare(const Eigen::Vector3d& force_N) noexcept {
     ++compared_;
 }
 
-std::vector<std::pair<std::string, double>> ReplayDevice::ledger() const {
+std::vector<std::pair<std::string, double>> ReplayDevice::statistics() const {
     if (compared_ == 0) return {};
     const auto n = static_cast<double>(compared_);
     return {{"reference_rms_N", std::sqrt(squared_reference_ / n)},

@@ -9,7 +9,7 @@ namespace tissue {
 
 /// Plays a recorded trajectory: a CSV with the header time_s,x_m,y_m[,z_m][,fx_N,fy_N[,fz_N]], ascending times, or a
 /// recording of tissue-haptic (.h5). Between rows the hand moves on a straight line. Where the file has forces they
-/// are the reference: the ledger says how far ours are from them. They are what went to the hand, so that the tool's own, which a sensor
+/// are the reference: statistics() says how far ours are from them. They are what went to the hand, so that the tool's own, which a sensor
 /// would have read, are their opposite. Where a recording was reset, the tissue is put to rest again: what relaxes remembers what it did
 /// then.
 class ReplayDevice final : public Device {
@@ -23,7 +23,7 @@ class ReplayDevice final : public Device {
     DeviceSample read(double time_s) noexcept override;
     void write(const Eigen::Vector3d& force_N) noexcept override;
     bool finished() const noexcept override { return finished_; }
-    std::vector<std::pair<std::string, double>> ledger() const override;
+    std::vector<std::pair<std::string, double>> statistics() const override;
 
     std::size_t size() const { return time_s_.size(); }
 

@@ -27,12 +27,12 @@ TISSUE_HOT void branch(int n, double e, double c, const double* __restrict g, co
     }
 }
 
-/// The same; burnt += g (s dx - the growth of s^2 / 2).
+/// The same; dissipated += g (s dx - the growth of s^2 / 2).
 TISSUE_HOT void branch_booked(int n, double e, double c, const double* __restrict g, const double* __restrict dx, double* __restrict s, double* __restrict y,
-                              double* __restrict burnt) {
+                              double* __restrict dissipated) {
     for (int i = 0; i < n; ++i) {
         const double now = e * s[i] + c * dx[i];
-        burnt[i] += g[i] * (now * dx[i] - (now - s[i]) * (now + s[i]) / 2);
+        dissipated[i] += g[i] * (now * dx[i] - (now - s[i]) * (now + s[i]) / 2);
         s[i] = now;
         y[i] += g[i] * now;
     }

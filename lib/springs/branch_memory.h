@@ -32,10 +32,10 @@ class BranchMemory {
     void book();
     bool booked() const { return burnt_.size() > 0; }
 
-    /// What an element's branches store, sum g_k s_k^2 / 2, and what they have burnt since book(), forget() or not: the work of their
+    /// What an element's branches store, sum g_k s_k^2 / 2, and what they have dissipated since book(), forget() or not: the work of their
     /// pulls over the steps less what they came to store. By unit constant.
     double branches_stored(int element) const noexcept;
-    double branches_burnt(int element) const noexcept { return booked() ? burnt_[element] : 0; }
+    double branches_dissipated(int element) const noexcept { return booked() ? burnt_[element] : 0; }
 
     /// (1 - sum g_k) x^2 + sum g_k s_k^2 of an element, as the last step left it: twice what it stores, by unit constant.
     double stored(int element) const noexcept;

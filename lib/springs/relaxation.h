@@ -12,7 +12,7 @@ struct LawModel;
 /// constants are the instantaneous ones; what is left for ever of element e is 1 - sum_k g_ek. An element of energy c x^2 / 2 in
 /// its own measure x (a Hooke's spring's elongation, of another curve sqrt(2 energy), what an area or a volume has grown by) then asks c y dx of a change dx:
 ///   y = (1 - sum g_k) x + sum g_k s_k,   s_k' + s_k / tau_k = x':
-/// springs and dashpots in its own measure, which turn with the tissue. They store c (sum g_k s_k^2) / 2 and burn
+/// springs and dashpots in its own measure, which turn with the tissue. They store c (sum g_k s_k^2) / 2 and dissipate
 /// c sum g_k s_k^2 / tau_k, never less than nothing.
 struct Relaxation {
     Eigen::VectorXd tau_s;          ///< ascending (K); none: the law does not relax

@@ -748,7 +748,7 @@ TEST_CASE("two tools tick at once in C as in the library, and calls are about on
         CHECK(given_J == simulation.safety(t).counters().energy_given_J);
         CHECK(given_J < 0);
     }
-    CHECK(simulation.friction(1).burnt_J() > 0);
+    CHECK(simulation.friction(1).dissipated_J() > 0);
     CHECK(simulation.safety(0).counters().force_max_N > 0.06);
     CHECK(simulation.safety(1).counters().force_max_N == Approx(0.04).epsilon(1e-6));
     CHECK(tissue_set(session.s, "force-max", "0.2") == TISSUE_BAD_ARGUMENT);

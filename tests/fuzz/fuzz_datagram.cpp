@@ -57,6 +57,6 @@ FUZZ_TARGET(datagram)(const std::uint8_t* data, std::size_t size) {
             sender.hear();
         }
     }
-    device.ledger();
+    device.statistics();
     return 0;
 }

@@ -17,7 +17,7 @@ FUZZ_TARGET(replay)(const std::uint8_t* data, std::size_t size) {
             must(force_N.allFinite() && force_N.norm() <= model.options.safety.force_max_N * (1 + 1e-12), "a force that may not be");
             device.write(force_N);
         }
-        device.ledger();
+        device.statistics();
     });
     return 0;
 }

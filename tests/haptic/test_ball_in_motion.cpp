@@ -127,9 +127,9 @@ TEST_CASE("a ball gives no energy: pressed and drawn back, dragged without slip 
                 if (across_m == 0) CHECK(hand.work_J - before_J < 0.25 * in_J);  // on the way in and out what damps alone is left
             }
             CHECK(hand.simulation.safety().counters().damped == 0);
-            if (std::isinf(friction)) CHECK(hand.simulation.friction().burnt_J() == 0);
-            if (friction < 1 && across_m > 0) CHECK(hand.simulation.friction().burnt_J() > 0);
-            CHECK(hand.simulation.friction().burnt_J() <= hand.work_J);
+            if (std::isinf(friction)) CHECK(hand.simulation.friction().dissipated_J() == 0);
+            if (friction < 1 && across_m > 0) CHECK(hand.simulation.friction().dissipated_J() > 0);
+            CHECK(hand.simulation.friction().dissipated_J() <= hand.work_J);
         }
     }
 }
@@ -249,7 +249,7 @@ TEST_CASE("a ball that is held back by what its device can show slides without g
     hand.lead(place + 0.006 * inward);
     hand.wait(300);
     REQUIRE(hand.simulation.held_back());
-    const double work_J = hand.work_J, burnt_J = hand.simulation.friction().burnt_J();
+    const double work_J = hand.work_J, dissipated_J = hand.simulation.friction().dissipated_J();
     double before_m = hand.simulation.tool().growth().radius_m, largest_m = 0, slid = 0;
     const Eigen::Vector3d from = hand.at;
     for (int k = 1; k <= 600; ++k) {
@@ -262,8 +262,8 @@ TEST_CASE("a ball that is held back by what its device can show slides without g
     }
     CHECK(slid > 100);
     CHECK(largest_m < 0.05);
-    CHECK(hand.simulation.friction().burnt_J() - burnt_J > 0);
-    CHECK(hand.simulation.friction().burnt_J() - burnt_J < hand.work_J - work_J);
+    CHECK(hand.simulation.friction().dissipated_J() - dissipated_J > 0);
+    CHECK(hand.simulation.friction().dissipated_J() - dissipated_J < hand.work_J - work_J);
 }
 
 TEST_CASE("a ball presses a second mesh beside, and a session that follows another takes it over", "[solid][simulation]") {

@@ -30,8 +30,8 @@ using namespace tissue;
 
 namespace {
 
-double ledger(const Device& device, const std::string& name) {
-    for (const auto& [key, value] : device.ledger())
+double statistics(const Device& device, const std::string& name) {
+    for (const auto& [key, value] : device.statistics())
         if (key == name) return value;
     FAIL_CHECK("no entry " << name);
     return 0;
@@ -169,8 +169,8 @@ TEST_CASE("a replayed table moves in straight lines between its rows, ends with 
     CHECK((replay.read(1).position_m - Eigen::Vector3d(0.1, 0.2, -0.4)).norm() < 1e-15);
     replay.write({3, 4, 0});
     CHECK(replay.finished());
-    CHECK(ledger(replay, "reference_error_max_N") == Approx(2));
-    CHECK(ledger(replay, "reference_error_rms_N") == Approx(2 / std::sqrt(3)));
+    CHECK(statistics(replay, "reference_error_max_N") == Approx(2));
+    CHECK(statistics(replay, "reference_error_rms_N") == Approx(2 / std::sqrt(3)));
 
     const auto refused = [&](const std::string& text) { return refusal<Error>([&] { ReplayDevice(folder.file("b.csv", text)); }); };
     CHECK(refused("t,x\n0,1\n").find("time_s,x_m,y_m") != std::string::npos);
@@ -202,13 +202,13 @@ TEST_CASE("the remote device takes the newest position and counts what is late, 
     client.send("hello", 5);
     const PositionDatagram wrong{{'X', 'S', 'P', '1'}, 15, 7.003, {0, 0, 0}, 0};
     client.send(&wrong, sizeof wrong);
-    CHECK(wait_for([&] { return device.read(0.002).position_m.x() == 0.3 && ledger(device, "foreign") == 2; }));
+    CHECK(wait_for([&] { return device.read(0.002).position_m.x() == 0.3 && statistics(device, "foreign") == 2; }));
     CHECK(device.read(0.102).age_s == Approx(0.1));
-    CHECK(ledger(device, "received") == 3);
-    CHECK(ledger(device, "skipped") == 1);  // the first of the two by which it leads
-    CHECK(ledger(device, "lost") == 2);
-    CHECK(ledger(device, "late") == 1);
-    CHECK(ledger(device, "foreign") == 2);
+    CHECK(statistics(device, "received") == 3);
+    CHECK(statistics(device, "skipped") == 1);  // the first of the two by which it leads
+    CHECK(statistics(device, "lost") == 2);
+    CHECK(statistics(device, "late") == 1);
+    CHECK(statistics(device, "foreign") == 2);
     CHECK(std::isnan(device.read(0.1).measured_N.x()));
     const SensorDatagram felt{{{'T', 'S', 'P', '2'}, 15, 7.15, {0.4, 0, 0}, 0}, {0.1, -1.5, 0.2}};
     client.send(&felt, sizeof felt);
@@ -217,7 +217,7 @@ TEST_CASE("the remote device takes the newest position and counts what is late, 
     client.send(&felt, sizeof felt - 8);  // of neither size
     const SensorDatagram first{{{'T', 'S', 'P', '1'}, 16, 7.16, {0.5, 0, 0}, 0}, {1, 1, 1}};
     client.send(&first, sizeof first);  // of the one's magic and the other's size
-    CHECK(wait_for([&] { return device.read(0.16).position_m.x() == 0.4 && ledger(device, "foreign") == 4; }));
+    CHECK(wait_for([&] { return device.read(0.16).position_m.x() == 0.4 && statistics(device, "foreign") == 4; }));
     CHECK(refusal<DeviceError>([&] { RemoteDevice taken(device.port()); }).find(std::to_string(device.port())) != std::string::npos);
 }
 
@@ -229,12 +229,12 @@ TEST_CASE("the remote device: who leads is heard alone, and another begins after
     client.send(2, 0.001, 0.1, 0);
     second.send(1, 0, 0.9, 0);
     CHECK(wait_for([&] { return device.read(0.001).position_m.x() == 0.1; }));
-    CHECK(wait_for([&] { device.read(0.001); return ledger(device, "others") == 1; }));  // it had come before the first one led
+    CHECK(wait_for([&] { device.read(0.001); return statistics(device, "others") == 1; }));  // it had come before the first one led
     second.send(2, 0.001, 0.9, 0);
     second.send(3, 0.002, 0.9, 0);
     client.send(3, 0.100, 0.4, 0);
     CHECK(wait_for([&] { return device.read(0.1).position_m.x() == 0.4; }));
-    CHECK(ledger(device, "others") == 1);  // the system has refused these
+    CHECK(statistics(device, "others") == 1);  // the system has refused these
     device.write({4, 0, 0});
     CHECK(client.receive().force_N[0] == 4);
     CHECK(second.answers() == 0);
@@ -247,13 +247,13 @@ TEST_CASE("the remote device: who leads is heard alone, and another begins after
     second.send(6, 0.63, 0.8, 0);
     CHECK(wait_for([&] { return device.read(0.63).position_m.x() == 0.8; }));
     second.send(1, 0.64, 0.9, 0);  // begun anew while it leads
-    CHECK(wait_for([&] { device.read(0.64); return ledger(device, "late") == 1; }));
+    CHECK(wait_for([&] { device.read(0.64); return statistics(device, "late") == 1; }));
     CHECK(device.read(1.14).position_m.x() == 0.8);
     second.send(2, 1.15, 0.9, 0);  // and after half a second of silence
     second.send(3, 1.16, 0.9, 0);
     CHECK(wait_for([&] { return device.read(1.16).position_m.x() == 0.9; }));
-    CHECK(ledger(device, "lost") == 0);
-    CHECK(ledger(device, "leaps") == 0);
+    CHECK(statistics(device, "lost") == 0);
+    CHECK(statistics(device, "leaps") == 0);
 }
 
 TEST_CASE("a flood of datagrams does not hold up a tick, nor keep a client's position out", "[device]") {
@@ -268,25 +268,25 @@ TEST_CASE("a flood of datagrams does not hold up a tick, nor keep a client's pos
     const auto began = std::chrono::steady_clock::now();
     device.read(0);
     CHECK(std::chrono::steady_clock::now() - began < std::chrono::milliseconds(100));
-    CHECK(ledger(device, "foreign") <= 512);  // a read takes no more
+    CHECK(statistics(device, "foreign") <= 512);  // a read takes no more
     for (int k = 0; k < 10; ++k) device.read(0);
     client.send(1, 0, 0, 0);
     client.send(2, 0.001, 0, 0);
     CHECK(wait_for([&] { return device.read(0.001).valid; }));
-    const double before = ledger(device, "foreign");
+    const double before = statistics(device, "foreign");
     for (std::uint32_t k = 3; k < 13; ++k) {  // each in the middle of a flood that is longer than the system keeps
         pour();
         client.send(k, 0.001 * k, 0.001 * k, 0);
         wait_ms(20);
         CHECK(device.read(0.001 * k).position_m.x() == 0.001 * k);
     }
-    CHECK(ledger(device, "received") == 12);
-    CHECK(ledger(device, "lost") == 0);
-    CHECK(ledger(device, "foreign") == before);
+    CHECK(statistics(device, "received") == 12);
+    CHECK(statistics(device, "lost") == 0);
+    CHECK(statistics(device, "foreign") == before);
     for (std::uint32_t k = 13; k < 113; ++k) client.send(k, 0.013, 0.013, 0);  // and one of its own
-    CHECK(wait_for([&] { device.read(0.013); return ledger(device, "received") == 112; }));
-    CHECK(ledger(device, "skipped") >= 1);
-    CHECK(ledger(device, "skipped") < 112);
+    CHECK(wait_for([&] { device.read(0.013); return statistics(device, "received") == 112; }));
+    CHECK(statistics(device, "skipped") >= 1);
+    CHECK(statistics(device, "skipped") < 112);
 }
 
 TEST_CASE("a position that waited while the program stood still is as old as it is", "[device]") {
@@ -319,8 +319,8 @@ TEST_CASE("a position that waited while the program stood still is as old as it 
         send(1422);
         CHECK(wait_for([&] { return (s = device.read(1.422)).position_m.x() == 1.422; }));
         CHECK(s.age_s < 2e-3);
-        CHECK(ledger(device, "leaps") == 0);
-        CHECK(ledger(device, "late") == 0);
+        CHECK(statistics(device, "leaps") == 0);
+        CHECK(statistics(device, "late") == 0);
     }
 }
 
@@ -352,8 +352,8 @@ TEST_CASE("a client of another byte order, one that leaps and one that counts mi
         timeless.send(k, std::nan(""), 0.05, 0.1);
         REQUIRE_FALSE(device.read(now_s).valid);
     }
-    CHECK(ledger(device, "received") == 0);
-    CHECK(ledger(device, "leaps") > 700);
+    CHECK(statistics(device, "received") == 0);
+    CHECK(statistics(device, "leaps") > 700);
     for (std::uint32_t k = 1; k <= 20; ++k) {  // among all of them one that is right is found
         const double now_s = 0.7 + 1e-3 * k;
         swapped.send_swapped(700 + k, now_s, 0.05, 0.1);
@@ -374,8 +374,8 @@ TEST_CASE("a time that stands still never leads, nor do milliseconds that two da
             client.send(2 * k + 1, time_of(2 * k + 1), 0.05, 0.1);
             device.read(1e-3 * k);
         }
-        CHECK(wait_for([&] { device.read(0.7); return ledger(device, "received") + ledger(device, "leaps") >= 1000; }));
-        CHECK((ledger(device, "received") > 0) == leads);
+        CHECK(wait_for([&] { device.read(0.7); return statistics(device, "received") + statistics(device, "leaps") >= 1000; }));
+        CHECK((statistics(device, "received") > 0) == leads);
         const DeviceSample s = device.read(0.7);
         CHECK(s.valid == leads);
         if (leads) CHECK(s.age_s < 0.02);
@@ -419,7 +419,7 @@ TEST_CASE("the remote device sends no force before start() nor after stop()", "[
         wait_ms(20);
         CHECK(client.answers() == 0);
     }
-    CHECK(ledger(device, "sent") == 2);
+    CHECK(statistics(device, "sent") == 2);
 }
 
 TEST_CASE("openhaptics: without the vendor's library the message says so", "[device]") {
@@ -452,7 +452,7 @@ TEST_CASE("openhaptics: position in millimetres comes in, force goes out, zero w
             vendor.get_force(force);
             return force[0] == 0 && force[1] == 0 && force[2] == 0;
         }));
-        CHECK(ledger(device, "cut_off_ticks") > 0);
+        CHECK(statistics(device, "cut_off_ticks") > 0);
         // a force is there for half of force_held_s, and gone before all of it is over; a busy machine shows it now and then
         bool let_go_in_time = false;
         for (int k = 0; k < 500 && !let_go_in_time; ++k) {

@@ -62,10 +62,10 @@ TEST_CASE("a tool dragged along a flat surface feels mu times what it presses wi
                 drag.by(1e-4);
                 ratio += drag.drag_N() / drag.normal_N() / 40;
             }
-            INFO(tissue.study << " mu " << mu << ": " << ratio << ", burnt " << drag.s.friction().burnt_J() << " J");
+            INFO(tissue.study << " mu " << mu << ": " << ratio << ", dissipated " << drag.s.friction().dissipated_J() << " J");
             CHECK(ratio == Approx(mu).epsilon(tissue.energy_law ? 0.03 : 0.2));  // a dented outline has steps at its nodes
             CHECK((drag.place_m() - from)[0] > 0.003);
-            CHECK(drag.s.friction().burnt_J() > 0);
+            CHECK(drag.s.friction().dissipated_J() > 0);
         }
 }
 
@@ -85,13 +85,13 @@ TEST_CASE("inside the cone a contact sticks, and without friction's end it alway
         for (double mu : {0.8, std::numeric_limits<double>::infinity()}) {
             Drag drag(tissue, with_friction(mu));
             const Point from = drag.place_m();
-            const double way_m = std::isinf(mu) ? 0.006 : 0.0005, burnt_J = drag.s.friction().burnt_J();
+            const double way_m = std::isinf(mu) ? 0.006 : 0.0005, dissipated_J = drag.s.friction().dissipated_J();
             drag.by(way_m);
             CHECK(drag.place_m() == from);
             CHECK_FALSE(drag.s.record().slipping);
             drag.by(-way_m);
             CHECK(drag.place_m() == from);
-            CHECK(drag.s.friction().burnt_J() == burnt_J);
+            CHECK(drag.s.friction().dissipated_J() == dissipated_J);
         }
 }
 
@@ -107,11 +107,11 @@ TEST_CASE("a contact that slips feels the kinetic mu, and needs the static one t
         INFO(tissue.study << " most " << most << ", last " << last);
         CHECK(most == Approx(0.4).epsilon(0.1));
         CHECK(last < 0.42);
-        CHECK(drag.s.friction().burnt_J() > 0);
+        CHECK(drag.s.friction().dissipated_J() > 0);
     }
 }
 
-TEST_CASE("there and back with friction the hand loses what it burns, and is given nothing", "[friction]") {
+TEST_CASE("there and back with friction the hand loses what it dissipates, and is given nothing", "[friction]") {
     for (const TissueModel& tissue : {law_example(), solid_example()}) {
         Drag drag(tissue, with_friction(0.2));
         drag.by(0.004);
@@ -121,9 +121,9 @@ TEST_CASE("there and back with friction the hand loses what it burns, and is giv
             drag.by(-0.008);
         }
         const double given = drag.s.safety().counters().energy_given_J - before;
-        INFO(tissue.study << " given " << given << ", burnt " << drag.s.friction().burnt_J());
+        INFO(tissue.study << " given " << given << ", dissipated " << drag.s.friction().dissipated_J());
         CHECK(given < 0);
-        CHECK(-given < 3 * drag.s.friction().burnt_J());
+        CHECK(-given < 3 * drag.s.friction().dissipated_J());
     }
 }
 

@@ -132,7 +132,7 @@ TEST_CASE("targets that are not finite are left out and counted; limits that are
     pointer.aim(Eigen::Vector2d(nan, 0));
     pointer.aim(Eigen::Vector2d(0, inf));
     for (int k = 0; k < 100; ++k) REQUIRE(pointer.read(k * 1e-3).position_m == Eigen::Vector3d(0.01, 0.02, 0));
-    CHECK(pointer.ledger() == std::vector<std::pair<std::string, double>>{{"targets", 0}, {"refused_targets", 2}});
+    CHECK(pointer.statistics() == std::vector<std::pair<std::string, double>>{{"targets", 0}, {"refused_targets", 2}});
     refusal<MismatchError>([] { PointerDevice(Eigen::Vector2d(0, 0), {}, 0); });
     refusal<MismatchError>([] { PointerDevice(Eigen::Vector2d(0, 0), {}, safe, {1, 0}); });
     refusal<MismatchError>([&] { PointerDevice(Eigen::Vector2d(nan, 0), {}, safe); });

@@ -122,14 +122,14 @@ TEST_CASE("a session that was saved, restored or copied goes on bit for bit", "[
             CHECK(alike(went_on, go_on(copy)));
             other.restore(state.data(), state.size());
             CHECK(alike(went_on, go_on(other)));
-            CHECK(other.branches().burnt_J == s.branches().burnt_J);
-            CHECK(other.friction().burnt_J() == s.friction().burnt_J());
+            CHECK(other.branches().dissipated_J == s.branches().dissipated_J);
+            CHECK(other.friction().dissipated_J() == s.friction().dissipated_J());
             s.restore(state.data(), state.size());
             CHECK(alike(went_on, go_on(s)));
             s.restore(state.data(), state.size());
             CHECK(s.state_size() == state.size());
         }
-        CHECK(s.friction().burnt_J() > 0);
+        CHECK(s.friction().dissipated_J() > 0);
         CHECK(s.unarmed() > 0);
     }
 }
@@ -250,7 +250,7 @@ TEST_CASE("offset, rotation, scale and friction change while a session runs", "[
     };
     const double y = s.record().master_m.y();
     for (int k = 0; k < 300; ++k) s.tick(at(Eigen::Vector2d(x + 2e-5 * k, y)));
-    CHECK(s.friction().burnt_J() > 0);
+    CHECK(s.friction().dissipated_J() > 0);
 
     // a jump of the tool is a new start
     o = s.options();

@@ -71,16 +71,16 @@ std::string model_file(const TemporaryFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("a model in space plays: its ledger, its recording along three axes, and that recording again", "[tissue-haptic][solid][long]") {
+TEST_CASE("a model in space plays: its statistics, its recording along three axes, and that recording again", "[tissue-haptic][solid][long]") {
     const TemporaryFolder folder;
     write_model(folder.file("solid.h5"), solid_example(), {"test", 1, {}});
     const std::string play = folder.file("solid.h5") + " --no-realtime --json --seconds 1.5";
     const Ended ended = run(folder, play + " --motion press --depth 0.005 --record " + folder.file("record.h5"));
     INFO(ended.err);
     REQUIRE(ended.status == 0);
-    const auto ledger = nlohmann::json::parse(ended.out);
-    CHECK(ledger["force_max_N"].get<double>() > 0.05);
-    CHECK(ledger["bad_input"] == 0);
+    const auto statistics = nlohmann::json::parse(ended.out);
+    CHECK(statistics["force_max_N"].get<double>() > 0.05);
+    CHECK(statistics["bad_input"] == 0);
     {
         const Hdf5Reader in(folder.file("record.h5"), "recording");
         const NodeField master = in.field("/master"), force = in.field("/coupling_force"), weight = in.field("/weight");
@@ -169,7 +169,7 @@ TEST_CASE("a recorded session replays to the same forces, bit for bit", "[record
         REQUIRE(f == force.row(k).transpose());
     }
     CHECK(replay.finished());
-    for (const auto& [name, value] : replay.ledger())
+    for (const auto& [name, value] : replay.statistics())
         if (name != "reference_rms_N") CHECK(value == 0);
 }
 
@@ -341,7 +341,7 @@ TEST_CASE("the loop keeps its schedule over missed ticks, and the force is zero 
     CHECK(report.tick_us.max() > 4900);
 }
 
-TEST_CASE("tissue-haptic: a session's ledger is JSON with every key, and its recording holds every tick", "[program]") {
+TEST_CASE("tissue-haptic: a session's statistics are JSON with every key, and its recording holds every tick", "[program]") {
     const TemporaryFolder folder;
     const Ended ended = run(folder, model_file(folder) + " --seconds 1 --motion poke --json --force-scale 3 --record " + folder.file("s.h5"));
     INFO(ended.err);
@@ -368,9 +368,9 @@ TEST_CASE("tissue-haptic: a session's ledger is JSON with every key, and its rec
     const std::string leaps = folder.file("leaps.csv", "time_s,x_m,y_m\n0,0.05,0.12\n0.1,0.05,0.12\n0.1005,0.05,0.2\n0.2,0.05,0.2\n0.2005,0.05,0.12\n0.3,0.05,0.12\n");
     const Ended leapt = run(folder, model_file(folder) + " --no-clock --device replay --trajectory " + leaps + " --seconds 0 --json");
     REQUIRE(leapt.status == 0);
-    const nlohmann::json ledger = nlohmann::json::parse(leapt.out), &details = ledger["details"];
+    const nlohmann::json statistics = nlohmann::json::parse(leapt.out), &details = statistics["details"];
     CHECK(details["jumps"].get<int>() > 0);
-    CHECK(ledger["bad_input"] == details["not_finite"].get<int>() + details["jumps"].get<int>() + details["stale"].get<int>());
+    CHECK(statistics["bad_input"] == details["not_finite"].get<int>() + details["jumps"].get<int>() + details["stale"].get<int>());
 }
 
 TEST_CASE("tissue-haptic: a law plays, is recorded and replayed, and knows no sets", "[program]") {
@@ -403,21 +403,21 @@ TEST_CASE("tissue-haptic: a law that relaxes plays, and is not pressed until it 
     const Ended ended = run(folder, model + " --seconds 1 --motion press --json --energy-book");
     INFO(ended.err);
     REQUIRE(ended.status == 0);
-    const auto ledger = nlohmann::json::parse(ended.out);
-    CHECK(ledger["force_max_N"] > 0.1);
+    const auto statistics = nlohmann::json::parse(ended.out);
+    CHECK(statistics["force_max_N"] > 0.1);
     // the hand has pressed and holds: most of its work is in springs and branches, part of it heat
-    const double given_J = -ledger["energy_given_J"].get<double>(), stored_J = ledger["details"]["branches"]["stored_J"], burnt_J = ledger["details"]["branches"]["burnt_J"];
+    const double given_J = -statistics["energy_given_J"].get<double>(), stored_J = statistics["details"]["branches"]["stored_J"], dissipated_J = statistics["details"]["branches"]["dissipated_J"];
     CHECK(stored_J > 0);
-    CHECK(burnt_J > 0);
+    CHECK(dissipated_J > 0);
     // a hand that was not felt for some ticks has pushed without a force to push against
-    CHECK((stored_J + burnt_J < given_J || ledger["misses"] > 0));
+    CHECK((stored_J + dissipated_J < given_J || statistics["misses"] > 0));
     const Ended refused = run(folder, model + " --check " + model + " --out " + folder.file("r.json"));
     CHECK(refused.status == 1);
     CHECK(std::count(refused.err.begin(), refused.err.end(), '\n') == 1);
     CHECK(refused.err.find("this model relaxes") != std::string::npos);
 }
 
-TEST_CASE("tissue-haptic: SIGINT, SIGTERM and SIGHUP end it with a ledger and a closed file", "[program]") {
+TEST_CASE("tissue-haptic: SIGINT, SIGTERM and SIGHUP end it with statistics and a closed file", "[program]") {
     // under nohup the program ignores a hangup, as it should; here it shall not inherit that
     struct Hangup {
         void (*before)(int) = std::signal(SIGHUP, SIG_DFL);
@@ -444,7 +444,7 @@ TEST_CASE("a session whose lines nobody reads writes its recording all the same"
     CHECK(Hdf5Reader(file, "recording").vector("/time").size() == 500);
 }
 
-TEST_CASE("tissue-haptic: two devices move two tools, each with options, ledger and recording of its own, which replay both", "[program][two]") {
+TEST_CASE("tissue-haptic: two devices move two tools, each with options, statistics and recording of its own, which replay both", "[program][two]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("law.h5"), recording = folder.file("two.h5");
     write_model(file, law_example(), {"test", 1, {}});
@@ -452,14 +452,14 @@ TEST_CASE("tissue-haptic: two devices move two tools, each with options, ledger 
     const Ended ended = run(folder, play + " --seconds 1.5 --motion press --aside -0.025 --depth 0.006 --second-device virtual --second-motion sine --second-aside 0.025 --second-depth 0.004 --second-force-scale 2 --second-force-max 0.05 --record " + recording);
     INFO(ended.err);
     REQUIRE(ended.status == 0);
-    const auto ledger = nlohmann::json::parse(ended.out);
-    CHECK(ledger["force_max_N"].get<double>() > 0.1);
-    CHECK(ledger["clamped"] == 0);
-    CHECK(ledger["details"]["force_scale"] == 1);
-    CHECK(ledger["second"]["device"] == "virtual");
-    CHECK(ledger["second"]["force_max_N"].get<double>() == Approx(0.05));
-    CHECK(ledger["second"]["clamped"].get<int>() > 100);
-    CHECK(ledger["second"]["details"]["force_scale"] == 2);
+    const auto statistics = nlohmann::json::parse(ended.out);
+    CHECK(statistics["force_max_N"].get<double>() > 0.1);
+    CHECK(statistics["clamped"] == 0);
+    CHECK(statistics["details"]["force_scale"] == 1);
+    CHECK(statistics["second"]["device"] == "virtual");
+    CHECK(statistics["second"]["force_max_N"].get<double>() == Approx(0.05));
+    CHECK(statistics["second"]["clamped"].get<int>() > 100);
+    CHECK(statistics["second"]["details"]["force_scale"] == 2);
     NodeField force[2];
     {
         const Hdf5Reader in(recording, "recording");

@@ -185,7 +185,7 @@ kill -TERM $session
 wait $session
 ended=$?
 check "a recording that cannot be kept ends in an error" test $ended = 1
-check "which takes neither model nor ledger along" sh -c "'$TISSUECTL' info '$scratch/kept.h5' | grep -q adaptation/x && grep -q ticks '$scratch/out'"
+check "which takes neither model nor statistics along" sh -c "'$TISSUECTL' info '$scratch/kept.h5' | grep -q adaptation/x && grep -q ticks '$scratch/out'"
 "$PYTHON" -c 'import os, resource, signal, subprocess, sys
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 journal = sys.argv[-1]

@@ -38,7 +38,7 @@ with h5py.File(folder + "/wrong.h5", "r+") as f:
     elif what == "energy from nowhere":
         ledger["energy_given_J"] += 1e-6
     elif what == "branches that burn more than there was":
-        ledger["details"]["branches"]["burnt_J"] *= 1e3
+        ledger["details"]["branches"]["dissipated_J"] *= 1e3
 session = {"ledger": ledger, "record": folder + "/wrong.h5", "watch": types.SimpleNamespace(policy=None, waited_s=0)}
 ticks, recording = soak.judge_ticks(session, 24000)
 judged = {"ticks": ticks, "recording": recording, **soak.judge_energy(session)}

@@ -100,8 +100,8 @@ refused() { # SENTENCE WORDS COMMAND...
 model=results/solid/model.h5 T=build/release/tissuectl
 check "a model in space plays on a device and pushes back" "$PYTHON" -c "import json, subprocess, sys
 words = sys.argv[1:] + '--seconds 1 --no-realtime --motion press --depth 0.005 --json'.split()
-ledger = json.loads(subprocess.run(words, stdout=subprocess.PIPE, check=True, timeout=120).stdout)
-assert ledger['force_max_N'] > 0.01, ledger" "$TISSUE_HAPTIC" "$R/model.h5"
+statistics = json.loads(subprocess.run(words, stdout=subprocess.PIPE, check=True, timeout=120).stdout)
+assert statistics['force_max_N'] > 0.01, statistics" "$TISSUE_HAPTIC" "$R/model.h5"
 run timeout 300 "$TISSUE_HAPTIC" $model --check results/solid/cases.h5 --out "$work/realtime.json"
 check "its held-out contacts pressed in motion" exited 0
 check "rest, and where the static answer is" "$PYTHON" -c "import json, sys

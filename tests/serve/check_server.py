@@ -227,10 +227,10 @@ def ending():
         client.close()
         status, out, err = server.wait()
         check(f"{sign.name}: bye, then 1001, exit 0", bye is not None and end and end[0] == 1001 and status == 0, bye, end, status, err)
-        ledger = json.loads(out)
+        statistics = json.loads(out)
         with h5py.File(record) as f:
-            check(f"{sign.name}: the recording is whole, and its last tick is the ledger's", f.attrs["kind"] == b"recording"
-                  and len(f["time"]) + f.attrs["dropped_samples"] == ledger["ticks"] > 10 and ledger["device"] == "pointer", ledger["ticks"])
+            check(f"{sign.name}: the recording is whole, and its last tick is the statistics's", f.attrs["kind"] == b"recording"
+                  and len(f["time"]) + f.attrs["dropped_samples"] == statistics["ticks"] > 10 and statistics["device"] == "pointer", statistics["ticks"])
     status, _, _ = Server(program, model, "--seconds", "0.5").wait()
     check("--seconds ends it by itself", status == 0, status)
 

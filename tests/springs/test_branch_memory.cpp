@@ -99,7 +99,7 @@ TEST_CASE("a branch never gives more than it was given, at any step, by the forc
     }
 }
 
-TEST_CASE("a booked memory pulls as one that is not, and its book closes: work in, less what is stored, is what was burnt", "[memory]") {
+TEST_CASE("a booked memory pulls as one that is not, and its book closes: work in, less what is stored, is what was dissipated", "[memory]") {
     for (int branches : {1, 3, 4}) {
         Eigen::VectorXd times(branches), shares(branches);
         for (int k = 0; k < branches; ++k) {
@@ -110,7 +110,7 @@ TEST_CASE("a booked memory pulls as one that is not, and its book closes: work i
         booked.book();
         CHECK(booked.booked());
         Draw draw(17);
-        Eigen::VectorXd x = Eigen::VectorXd::Zero(20), y(20), z(20), work = Eigen::VectorXd::Zero(20), burnt = work;
+        Eigen::VectorXd x = Eigen::VectorXd::Zero(20), y(20), z(20), work = Eigen::VectorXd::Zero(20), dissipated = work;
         for (int n = 0; n < 3000; ++n) {
             Eigen::VectorXd next = x;
             for (int i = 0; i < 20; ++i) next[i] += draw(-0.1, 0.1);
@@ -120,15 +120,15 @@ TEST_CASE("a booked memory pulls as one that is not, and its book closes: work i
             work += (z - (1 - shares.sum()) * next).cwiseProduct(next - x);
             x = next;
             for (int i = 0; i < 20; ++i) {
-                CHECK(booked.branches_burnt(i) >= burnt[i]);
-                burnt[i] = booked.branches_burnt(i);
+                CHECK(booked.branches_dissipated(i) >= dissipated[i]);
+                dissipated[i] = booked.branches_dissipated(i);
             }
         }
-        for (int i = 0; i < 20; ++i) CHECK(booked.branches_stored(i) + booked.branches_burnt(i) == Approx(work[i]).epsilon(1e-10));
+        for (int i = 0; i < 20; ++i) CHECK(booked.branches_stored(i) + booked.branches_dissipated(i) == Approx(work[i]).epsilon(1e-10));
         booked.forget();
         CHECK(booked.branches_stored(3) == 0);
-        CHECK(booked.branches_burnt(3) == burnt[3]);
-        CHECK(plain.branches_burnt(3) == 0);
+        CHECK(booked.branches_dissipated(3) == dissipated[3]);
+        CHECK(plain.branches_dissipated(3) == 0);
     }
 }
 
@@ -180,7 +180,7 @@ TEST_CASE("a contact that hardens and relaxes gives back less than it was given,
         Draw draw(5);
         Eigen::Vector3d x = Eigen::Vector3d::Zero();
         double work = 0, least = 0, most = 0;
-        for (int n = 0; n < 4000; ++n) {  // every loop ends at rest: work so far is what is stored and burnt, never below nothing
+        for (int n = 0; n < 4000; ++n) {  // every loop ends at rest: work so far is what is stored and dissipated, never below nothing
             const Eigen::Vector3d next = n % 7 == 6 ? Eigen::Vector3d::Zero().eval() : Eigen::Vector3d(draw(-0.01, 0.01), draw(-0.01, 0.01), draw(-0.01, 0.01));
             NodeColumns f = NodeColumns::Zero(1, 3);
             const Eigen::Vector3d hand = tool.put_on(next, u, f, &memory);
