@@ -2,6 +2,7 @@
 circle is the nodule's outline below. A block that mirrors itself is mapped on one side; the other is drawn alike."""
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
 from results import learned_label, nothing
 
@@ -34,7 +35,7 @@ def draw(results):
         axis.set(aspect="equal", title=title, xlabel="x (mm), the surface from above")
     axes[0].set_ylabel("y (mm)")
     figure.colorbar(shade, ax=axes[:2], label="force along the push (mN)", location="bottom", shrink=0.6, aspect=40)
-    figure.colorbar(away, ax=axes[2], label="difference", format=lambda v, _: f"{v:g} %", location="bottom", shrink=0.9)
+    figure.colorbar(away, ax=axes[2], label="difference", format=lambda v, _: f"{v:g} %", ticks=MaxNLocator(5), location="bottom", shrink=0.9)
     mirrored = " or at their mirror images" if values.shape[1] * values.shape[2] > len(at) else ""
     figure.suptitle(f"Straight pushes of {MM * found['depth_m']:g} mm at the dots{mirrored}, none of them a load case of the training" + contrast(found))
     return figure
