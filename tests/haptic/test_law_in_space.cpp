@@ -282,8 +282,10 @@ TEST_CASE("in space a law's spectrum is that of its tangents, at rest and presse
     TissueModel lost = model;
     lost.magnitude_m *= 200;
     const FreeSurface::Place first = surface.nearest(surface.points(2)[0]);
-    REQUIRE(solver.press(law.constants, ContactSpring(kernel->rows_at(first.point_m), law.patch), lost.magnitude_m.maxCoeff() * first.inward).status == PressStatus::lost);
-    CHECK(law_spectrum(lost, springs).static_N_m > 0);
+    const PressState as_far = solver.press(law.constants, ContactSpring(kernel->rows_at(first.point_m), law.patch), lost.magnitude_m.maxCoeff() * first.inward);
+    REQUIRE(as_far.status == PressStatus::lost);
+    INFO(law_spectrum(lost, springs).static_N_m << ' ' << as_far.contact_force_N.norm() / as_far.push_m.norm());
+    CHECK(law_spectrum(lost, springs).static_N_m > 0.5 * as_far.contact_force_N.norm() / as_far.push_m.norm());
 }
 
 TEST_CASE("in space springs that do not turn are refused, and cubes in no order", "[solid][law]") {
