@@ -276,7 +276,8 @@ void finish(Options& o, const CLI::App& app) {
         if (o.no_clock && !own.scripted) throw CLI::ValidationError("--no-clock", "device " + name + " moves by the clock");
         if (t > 0 && !own.several && name == o.device[0].kind) throw CLI::ValidationError("--second-device", fmt::format("a session has one device {} at most", name));
     }
-    if (o.tools() > 1 && o.device[0].kind == o.device[1].kind && o.device[0].values.at("port") == o.device[1].values.at("port") && o.device[0].kind == RemoteDevice::kind.name)
+    const auto port = [&](int t) { return o.device[t].kind == RemoteDevice::kind.name ? std::stoi(o.device[t].values.at("port")) : 0; };  // 0: any, or none
+    if (o.tools() > 1 && port(0) != 0 && port(0) == port(1))
         throw CLI::ValidationError("--second-port", "is the first device's: each listens on a port of its own");
     if (!o.seconds) o.seconds = ends ? device_kinds().at(o.device[0].kind)->seconds : 0;
     o.choices.press_with(o.tools());

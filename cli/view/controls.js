@@ -81,7 +81,7 @@ const play = () => {
   asked = true;
   tell({ type: "demo", place: Number($("way").value) });
 };
-/** The demo at what has been chosen; but not while a tool is in the tissue, which the keyboard presses there next to. */
+/** The demo at what has been chosen. Not while this page has a tool in the tissue: the lists then only choose where the keyboard presses next. */
 const show_it = () => { if (!own_hands().some(hand => hand.down)) play(); };
 $("contact").addEventListener("change", () => { list_ways(); show_it(); });
 $("way").addEventListener("change", show_it);

@@ -31,7 +31,7 @@ const unpressed = left => ({ felt: nothing_felt(model.relaxation), left, largest
 function on(mesh, dt, sample, m) {
   const { share, tau_s } = model.relaxation;
   let left = mesh.left.map((part, k) => part * Math.exp(-dt / tau_s[k]));
-  if (!sample.pressed) {   // whoever lets go leaves his memory behind, and a second tool that presses its own
+  if (!sample.pressed) {   // after the first tool lets go its branches still hold a part; while the second presses, an unknown part, bounded by the strongest push
     const parts = later(model.relaxation, mesh.felt, dt, 0).parts;
     return unpressed(left.map((part, k) => Math.max(part + Math.abs(parts[k]), sample.alone ? 0 : share[k] * model.strongest_N)));
   }

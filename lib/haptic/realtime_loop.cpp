@@ -69,21 +69,21 @@ void touch_stack() noexcept {
     for (std::size_t k = 0; k < sizeof page; k += 1024) page[k] = 0;
 }
 
-/// given: so many devices.
+/// given: `count` devices, one for each tool.
 void run(Simulation& simulation, Device* const* given, std::size_t count, const LoopOptions& options, LoopReport& report) {
     if (!(options.seconds >= 0 && options.seconds <= longest_session_s)) throw MismatchError(fmt::format("a session lasts 0 to {:g} s, not {:g} s", longest_session_s, options.seconds));
     const int tools = simulation.tool_count();
     if (count != static_cast<std::size_t>(tools)) throw MismatchError(fmt::format("a session of {} tools has as many devices, not {}", tools, count));
     if (options.stop && options.stop->load(std::memory_order_relaxed)) return;
     std::optional<RunningDevice> running[most_tools];
-    for (int k = 0; k < tools; ++k) running[k].emplace(*given[k]);
-    struct NoForce {  // of any device, before the first of them is stopped
+    struct NoForce {  // on any device that was started, before the first of them is stopped
         Device* const* devices;
-        int count;
+        int started = 0;
         ~NoForce() {
-            for (int k = 0; k < count; ++k) devices[k]->write(Eigen::Vector3d::Zero());
+            for (int k = 0; k < started; ++k) devices[k]->write(Eigen::Vector3d::Zero());
         }
-    } const no_force{given, tools};
+    } no_force{given};
+    for (; no_force.started < tools; ++no_force.started) running[no_force.started].emplace(*given[no_force.started]);
     DeviceSample samples[most_tools];
     Eigen::Vector3d force_N[most_tools];
     std::unique_ptr<RealtimeThread> realtime;

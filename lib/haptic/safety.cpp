@@ -133,6 +133,7 @@ void Safety::go_on_from(const Safety& other) noexcept {
 
 void Safety::become(const SafetyOptions& options) noexcept {
     lateness_ = std::max(1.0, lateness_ * o_.dt_s / options.dt_s);
+    if (options.force_max_N < o_.force_max_N || options.speed_max_m_s < o_.speed_max_m_s) unknown_way_ = true;  // forces that were held may exceed what the new bound is for
     o_ = options;
     force_N_ = within(force_N_, o_.force_max_N);
     observed_J_ = std::min(observed_J_, lateness_ * (bound_J() - worst_release_J(force_N_.norm())));

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <tuple>
 #include <utility>
 
 #include "error.h"
@@ -60,6 +61,15 @@ void Simulation::save(std::byte* to) const noexcept {
     std::memcpy(to, &head, sizeof head);
 }
 
+namespace {
+
+bool same(const SafetyOptions& a, const SafetyOptions& b) {
+    const auto all = [](const SafetyOptions& o) { return std::tie(o.dt_s, o.force_max_N, o.slew_N_s, o.speed_max_m_s, o.stale_s, o.hold_s, o.passivity, o.damping_max_Ns_m); };
+    return all(a) == all(b);
+}
+
+}  // namespace
+
 void Simulation::restore(const std::byte* from, std::size_t size) {
     StateHead head{};
     if (size != state_size()) throw MismatchError(fmt::format("a state of {} bytes for a session that has {}", size, state_size()));
@@ -70,11 +80,14 @@ void Simulation::restore(const std::byte* from, std::size_t size) {
     const FlushDenormals mode;
     const bool begun = counters_.ticks > 0;
     SafetyOptions own[most_tools];
-    for (int k = 0; k < tool_count(); ++k) own[k] = of(k).options.safety;
+    double device_N[most_tools];
+    for (int k = 0; k < tool_count(); ++k) own[k] = of(k).options.safety, device_N[k] = of(k).options.device.force_max_N;
     StateBytes bytes = StateBytes::reading(from + sizeof head);
     fields(bytes);
     for (int k = 0; begun && k < tool_count(); ++k) {
         ToolState& t = of(k);
+        t.options.device.force_max_N = device_N[k];
+        if (same(t.options.safety, own[k])) continue;  // bit for bit
         t.safety.become(own[k]);
         t.options.safety = own[k];
         t.show_no_more(on_law(t));

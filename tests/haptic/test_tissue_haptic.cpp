@@ -495,6 +495,7 @@ TEST_CASE("tissue-haptic: two devices move two tools, each with options, statist
     CHECK(refused(" --friction 0.5 --friction-slip 0.4 --second-device virtual --second-friction 0.3", 2).find("the second tool: ") != std::string::npos);
     CHECK(refused(" --second-device virtual --second-passivity maybe", 2).find("--second-passivity: passivity must be one of yes, no") != std::string::npos);
     CHECK(refused(" --device remote --second-device remote", 2).find("--second-port") != std::string::npos);
+    CHECK(refused(" --device remote --port 5000 --second-device remote --second-port 05000", 2).find("--second-port") != std::string::npos);
     CHECK(refused(" --motion poke --aside 0.01", 1).find("has no aside") != std::string::npos);
     CHECK(refused(" --aside 0.06", 1).find("aside must lie within 0.05 m") != std::string::npos);
     CHECK(refused(" --second-device virtual --learn l.h5", 2).find("--second-device") != std::string::npos);

@@ -392,7 +392,7 @@ TEST_CASE("limits of each of two devices may change until the first tick, and go
     s.change(own, 1);
     const auto has = [&](const Simulation& session) {
         const SafetyOptions &o = session.options(1).safety, &really = session.safety(1).options();
-        return o.force_max_N == 8 && o.slew_N_s == 70 && o.speed_max_m_s == 1.5 && o.stale_s == 0.02 && !o.passivity && really.force_max_N == 8 && really.slew_N_s == 70 && really.stale_s == 0.02 && !really.passivity;
+        return o.force_max_N == 8 && o.slew_N_s == 70 && o.speed_max_m_s == 1.5 && o.stale_s == 0.02 && !o.passivity && really.force_max_N == 8 && really.slew_N_s == 70 && really.stale_s == 0.02 && really.speed_max_m_s == 1.5 && !really.passivity && session.options(1).device.force_max_N == 8;
     };
     CHECK(has(s));
     CHECK(s.options(0).safety.force_max_N == 3.3);
@@ -414,12 +414,30 @@ TEST_CASE("limits of each of two devices may change until the first tick, and go
     later.to(left_m, right_m, 10);
     usual.restore(bytes.data(), bytes.size());  // which has ticked: its own limits stay
     CHECK(usual.options(1).safety.force_max_N == 3.3);
+    CHECK(usual.options(1).device.force_max_N == pressed_by(2).options.device.force_max_N);
     CHECK(usual.safety(1).options().slew_N_s == 5000);
     CHECK(usual.safety(1).force_N() == s.safety(1).force_N());
     Simulation next(pressed_by(2));
     next.follow(s);
     next.take_over(s);
     CHECK(has(next));
+}
+
+TEST_CASE("a state restored into its own session is the same bytes, also where more energy was given than a bound allows", "[simulation][solid][state]") {
+    HapticOptions unbounded = of_tools(1);
+    unbounded.safety.passivity = false;
+    const HapticModel model(block(), unbounded);
+    Simulation s(model);
+    for (int k = 0; k < 300; ++k) s.tick(sample_at(Eigen::Vector3d(left_m + up + std::min(1.0, k / 200.0) * (Eigen::Vector3d(0, 0, -0.004) - up))));
+    const Eigen::Vector3d pressed_m = left_m + Eigen::Vector3d(0, 0, -0.004);
+    const double late_s = 1.2 * s.options().safety.hold_s;
+    for (int k = 0; k < 400; ++k) s.tick(sample_at(pressed_m), late_s);
+    REQUIRE(s.safety().observed_J() > s.safety().lateness() * s.safety().bound_J());
+    std::vector<std::byte> bytes(s.state_size()), again(bytes.size());
+    s.save(bytes.data());
+    s.restore(bytes.data(), bytes.size());
+    s.save(again.data());
+    CHECK(bytes == again);
 }
 
 TEST_CASE("two tools need an energy model alone", "[simulation][two]") {
