@@ -124,7 +124,7 @@ TISSUE_API tissue_status tissue_take_over(tissue_session *session, const tissue_
 /* A session as a value: all that changes while it runs, as bytes, for this version of the library on this machine. A session of the same model goes on from them bit for bit. */
 TISSUE_API size_t tissue_state_size(const tissue_session *session); /* bytes; 0 of NULL; the same for the session's whole life with one model */
 TISSUE_API tissue_status tissue_save(const tissue_session *session, void *state, size_t size);
-TISSUE_API tissue_status tissue_restore(tissue_session *session, const void *state, size_t size); /* TISSUE_MISMATCH: of another model, or damaged; not for bytes of strangers. The limits (force-max, ..) of a session that has ticked stay its own. The force is the saved one: with a hand on the device, restore where it was; of the first tick after it the library's own clock knows dt alone */
+TISSUE_API tissue_status tissue_restore(tissue_session *session, const void *state, size_t size); /* TISSUE_MISMATCH: of another model, or damaged; not for bytes of strangers. The limits (force-max, ..) of a session that has ticked stay its own. The force is the saved one, cut to this session's force-max: with a hand on the device, restore where it was; of the first tick after it the library's own clock knows dt alone */
 
 /* Another session that goes on as this one does; its next tick comes, by the library's clock, after the last one of this. */
 TISSUE_API tissue_status tissue_copy(const tissue_session *session, tissue_session **copy);

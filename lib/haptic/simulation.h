@@ -88,7 +88,7 @@ class Simulation {
     std::size_t state_size() const noexcept;
     void save(std::byte* to) const noexcept;
     /// Limits of the device are the state's too, but of a session that has ticked they stay its own. Throws MismatchError for bytes that are not of such a session, or not whole; the session is then as it was. What strangers made is not for it: a
-    /// checksum finds accidents alone. The device's force is the saved one too: with a hand on it, restore where the hand was.
+    /// checksum finds accidents alone. The device's force is the saved one too, cut to this session's limit: with a hand on it, restore where the hand was.
     void restore(const std::byte* from, std::size_t size);
     int restores() const { return restores_; }  ///< so far
 
